@@ -1,0 +1,311 @@
+//! The scene as described: plain data in double precision, names resolved, nothing built.
+//!
+//! Every way of describing a scene (a native JSON file, one of the report's files, later calls from a host) ends in one
+//! [`SceneDesc`], and `Scene::build` starts from it.
+
+use std::path::PathBuf;
+
+use crate::math::{Bounds, DAffine3, DVec3};
+use crate::spectrum::Rgb;
+
+/// A whole scene and how to render it.
+#[derive(Clone, Debug, Default)]
+pub struct SceneDesc {
+    /// The file it was read from, for messages.
+    pub file: Option<PathBuf>,
+    /// Which rules of reading applied.
+    pub dialect: Dialect,
+    /// Where it is seen from.
+    pub camera: CameraDesc,
+    /// Lights without a surface. Area lights are surfaces with an emission.
+    pub lights: Vec<PointLightDesc>,
+    /// Materials, named by index from surfaces.
+    pub materials: Vec<MaterialDesc>,
+    /// Meshes, named by index from surfaces; one may be used many times.
+    pub meshes: Vec<MeshDesc>,
+    /// What there is to hit.
+    pub surfaces: Vec<SurfaceDesc>,
+    /// Resolution, samples, integrator.
+    pub render: RenderDesc,
+    /// What was read but is worth a word: unknown keys of a report scene, a second definition of a name.
+    pub warnings: Vec<String>,
+}
+
+/// The rules a scene file was read by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dialect {
+    /// `"etendue": 1`.
+    #[default]
+    Native,
+    /// A file of the 2017 report's renderer, `mcrt`.
+    Mcrt,
+}
+
+/// Which side of the image the field of view spans.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FovAxis {
+    /// The width.
+    #[default]
+    Horizontal,
+    /// The height.
+    Vertical,
+}
+
+/// A camera. Lengths in scene units, right-handed, angles in degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CameraDesc {
+    /// A pinhole at `eye`.
+    Perspective {
+        /// Eye point.
+        eye: DVec3,
+        /// A point in the middle of the image.
+        look_at: DVec3,
+        /// Upwards in the image; any length, not parallel to the view.
+        up: DVec3,
+        /// Full angle across `fov_axis`, degrees, in (0, 180).
+        fov_deg: f64,
+        /// The side that `fov_deg` spans.
+        fov_axis: FovAxis,
+    },
+    /// The report's camera: a view plane with the eye behind it; what lies between eye and plane is not seen.
+    ///
+    /// With w = normalize(look_at - centre), u = w x up (not normalised) and aspect A, the plane is |u| sqrt(A) wide and
+    /// |u| / sqrt(A) high on each side of its centre, and the eye |u| sqrt(A) / tan(fov / 2) behind it.
+    ViewPlane {
+        /// Centre of the view plane.
+        centre: DVec3,
+        /// A point in the middle of the image.
+        look_at: DVec3,
+        /// Upwards; its length scales the plane.
+        up: DVec3,
+        /// Full horizontal angle, degrees, in (0, 180).
+        fov_deg: f64,
+    },
+}
+
+impl Default for CameraDesc {
+    fn default() -> Self {
+        Self::Perspective {
+            eye: DVec3::ZERO,
+            look_at: DVec3::NEG_Z,
+            up: DVec3::Y,
+            fov_deg: 90.0,
+            fov_axis: FovAxis::Horizontal,
+        }
+    }
+}
+
+/// A point light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointLightDesc {
+    /// JSON path, for messages.
+    pub path: String,
+    /// Where it is.
+    pub position: DVec3,
+    /// Radiant intensity [W sr^-1], the same in all directions, >= 0.
+    pub intensity: Rgb,
+}
+
+/// A named material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialDesc {
+    /// Its name.
+    pub name: String,
+    /// JSON path, for messages.
+    pub path: String,
+    /// How it scatters.
+    pub bsdf: BsdfDesc,
+    /// Russian roulette's survival probability at this material in (0, 1], where the scene sets it
+    /// (the report's `reflectionRate`). It changes noise and time, never the image.
+    pub survival: Option<f32>,
+}
+
+/// A scattering model and its parameters. Reflectances in [0, 1] per channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BsdfDesc {
+    /// Absorbs everything.
+    Black,
+    /// Lambert.
+    Lambert {
+        /// Albedo.
+        albedo: Rgb,
+    },
+    /// Oren and Nayar's qualitative model (the report's equations 2 and 3).
+    OrenNayar {
+        /// Albedo of the facets.
+        albedo: Rgb,
+        /// Standard deviation of the facets' slope angle, radians, >= 0.
+        sigma: f32,
+    },
+    /// Fujii's improved Oren-Nayar.
+    Fujii {
+        /// Albedo of the facets.
+        albedo: Rgb,
+        /// sigma' in [0, 1], not an angle.
+        roughness: f32,
+    },
+    /// Perfect mirror.
+    Mirror {
+        /// Reflectance.
+        reflectance: Rgb,
+    },
+    /// Smooth dielectric: reflects and refracts by Fresnel and Snell.
+    Dielectric {
+        /// Index of refraction on the side opposite to the normal, > 0.
+        ior: f32,
+        /// Index on the normal's side, > 0; 1 unless the object is inside another dielectric.
+        exterior_ior: f32,
+    },
+}
+
+/// An indexed triangle mesh in its own frame. Indices are below the number of vertices, numbers finite (checked on
+/// reading); degenerate triangles may be present.
+#[derive(Clone, Debug, Default)]
+pub struct MeshDesc {
+    /// Its name, or its file.
+    pub name: String,
+    /// JSON path, for messages.
+    pub path: String,
+    /// One position per vertex.
+    pub positions: Vec<DVec3>,
+    /// Empty, or one normal per vertex (any length; zero means none there).
+    pub normals: Vec<[f32; 3]>,
+    /// Empty, or one uv per vertex.
+    pub uvs: Vec<[f32; 2]>,
+    /// Three vertex indices per triangle, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Something to hit: a shape at a place, of a material, perhaps emitting.
+#[derive(Clone, Debug)]
+pub struct SurfaceDesc {
+    /// JSON path, for messages and `info`.
+    pub path: String,
+    /// Its geometry.
+    pub shape: ShapeDesc,
+    /// Object to world; identity where none was given. Invertible and finite.
+    pub transform: DAffine3,
+    /// Index into [`SceneDesc::materials`].
+    pub material: usize,
+    /// Emitted radiance [W m^-2 sr^-1] on the normal's side; `None` for a surface that does not emit. Quadrics never do.
+    pub emission: Option<Rgb>,
+}
+
+/// A shape in its own frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ShapeDesc {
+    /// A sphere, normals outwards. A non-uniform transform makes it an ellipsoid.
+    Sphere {
+        /// Centre.
+        centre: DVec3,
+        /// Radius > 0.
+        radius: f64,
+    },
+    /// A triangle with normal (v1 - v0) x (v2 - v0).
+    Triangle([DVec3; 3]),
+    /// A convex planar quadrilateral in order around its edge, with the normal of its first three vertices.
+    Quad([DVec3; 4]),
+    /// A mesh.
+    Mesh {
+        /// Index into [`SceneDesc::meshes`].
+        mesh: usize,
+        /// Interpolate the vertex normals (made from the faces where the mesh has none) instead of flat shading.
+        smooth: bool,
+    },
+    /// a x^2 + b y^2 + c z^2 + 2d xy + 2e yz + 2f xz + 2g x + 2h y + 2i z + j = 0 inside `clip`.
+    Quadric {
+        /// The ten coefficients a to j. The normal is the gradient.
+        coefficients: [f64; 10],
+        /// Only what lies inside is there. May be infinite where the quadric itself is bounded.
+        clip: Bounds,
+    },
+}
+
+/// How to render.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderDesc {
+    /// Width and height in pixels, each >= 1.
+    pub resolution: [u32; 2],
+    /// Samples per pixel, >= 1. Grid and jittered patterns use the next square.
+    pub samples: u32,
+    /// Where samples come from.
+    pub sampler: SamplerDesc,
+    /// How samples weigh in a pixel.
+    pub filter: FilterDesc,
+    /// Light transport.
+    pub integrator: IntegratorDesc,
+    /// Greatest number of surface hits on a path, counting the first visible one; `None` cuts nothing.
+    pub max_depth: Option<u32>,
+    /// Light samples per hit, >= 1.
+    pub shadow_rays: u32,
+    /// Seed of all randomness.
+    pub seed: u64,
+}
+
+impl Default for RenderDesc {
+    fn default() -> Self {
+        Self {
+            resolution: [256, 256],
+            samples: 64,
+            sampler: SamplerDesc::Sobol,
+            filter: FilterDesc::Box,
+            integrator: IntegratorDesc::Path,
+            max_depth: None,
+            shadow_rays: 1,
+            seed: 0,
+        }
+    }
+}
+
+/// Where the samples of a pixel come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SamplerDesc {
+    /// Owen-scrambled Sobol' points, in every dimension.
+    #[default]
+    Sobol,
+    /// Independent random numbers.
+    Random,
+    /// n x n cells, one random position in each.
+    Jittered,
+    /// n x n regular positions, cell centres.
+    Grid,
+    /// Normally distributed around the pixel's centre, standard deviation half a pixel (the report's Figure 11); some
+    /// positions lie outside the pixel.
+    Gaussian,
+}
+
+/// A pixel filter, in pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum FilterDesc {
+    /// One pixel wide.
+    #[default]
+    Box,
+    /// Triangle, radius 1.
+    Tent,
+    /// Gaussian of this standard deviation, cut at three of them.
+    Gaussian {
+        /// Standard deviation, pixels, > 0.
+        sigma: f32,
+    },
+    /// Blackman-Harris window, radius 2.
+    BlackmanHarris,
+    /// Mitchell-Netravali, radius 2.
+    Mitchell {
+        /// B.
+        b: f32,
+        /// C.
+        c: f32,
+    },
+}
+
+/// A light transport algorithm.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum IntegratorDesc {
+    /// Local illumination: emission and light scattered once.
+    Direct,
+    /// Whitted's: direct light, perfect mirrors and glass; no diffuse interreflection.
+    Whitted,
+    /// Path tracing: everything.
+    #[default]
+    Path,
+}

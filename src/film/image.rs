@@ -1,0 +1,49 @@
+//! A developed image: plain floats, no files.
+
+/// Scene-linear pixels and the layers that go with them. Row 0 is on top.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Image {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `[height][width][3]`, radiance [W m^-2 sr^-1], Rec. 709 primaries, linear.
+    pub rgb: Vec<f32>,
+    /// Further layers of the same size, in a fixed order.
+    pub layers: Vec<Layer>,
+}
+
+/// One auxiliary layer of an [`Image`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// What it holds: `albedo`, `normal`, `depth`, `samples` or `variance`.
+    pub name: String,
+    /// Values per pixel: 1 or 3.
+    pub channels: usize,
+    /// `[height][width][channels]`.
+    pub data: Vec<f32>,
+}
+
+impl Image {
+    /// The pixel at column `x` of row `y`; both must be inside.
+    pub fn pixel(&self, x: u32, y: u32) -> [f32; 3] {
+        let i = 3 * (y as usize * self.width as usize + x as usize);
+        [self.rgb[i], self.rgb[i + 1], self.rgb[i + 2]]
+    }
+
+    /// The layer of that name.
+    pub fn layer(&self, name: &str) -> Option<&Layer> {
+        self.layers.iter().find(|layer| layer.name == name)
+    }
+
+    /// Mean of each channel over all pixels, summed in double precision.
+    pub fn mean(&self) -> [f64; 3] {
+        let mut sum = [0.0_f64; 3];
+        for pixel in self.rgb.chunks_exact(3) {
+            for (sum, &value) in sum.iter_mut().zip(pixel) {
+                *sum += f64::from(value);
+            }
+        }
+        sum.map(|sum| sum / (self.rgb.len() / 3).max(1) as f64)
+    }
+}

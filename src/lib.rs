@@ -1,0 +1,14 @@
+//! Étendue: physically based rendering for programs that link a renderer.
+//!
+//! Light flows one way through the rooms of this crate: description ([`desc`]) → scene → integrator → [`film`] → output.
+#![deny(unsafe_code, missing_docs, unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
+
+pub mod bsdf;
+pub mod desc;
+mod error;
+pub mod film;
+pub mod math;
+pub mod sampling;
+pub mod spectrum;
+
+pub use error::{Error, ErrorKind, Location, Result};

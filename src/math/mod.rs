@@ -1,0 +1,63 @@
+//! Vectors, frames, rays and boxes; uses nothing else of the library.
+
+mod frame;
+mod ray;
+
+pub use frame::Frame;
+pub use glam::{DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3, Vec2, Vec3};
+pub use ray::{HitPoint, Ray, next_down, next_up};
+
+/// An axis-aligned box in double precision; `min > max` in any axis means empty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Smallest corner.
+    pub min: DVec3,
+    /// Largest corner.
+    pub max: DVec3,
+}
+
+impl Bounds {
+    /// The box that holds nothing; the identity of [`Bounds::union`].
+    pub const EMPTY: Self = Self { min: DVec3::splat(f64::INFINITY), max: DVec3::splat(f64::NEG_INFINITY) };
+
+    /// The smallest box that holds this one and `point`.
+    #[must_use]
+    pub fn include(self, point: DVec3) -> Self {
+        Self { min: self.min.min(point), max: self.max.max(point) }
+    }
+
+    /// The smallest box that holds both.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Whether it holds no point at all.
+    pub fn is_empty(&self) -> bool {
+        !self.min.cmple(self.max).all()
+    }
+
+    /// Midpoint; meaningless for an empty box.
+    pub fn centre(&self) -> DVec3 {
+        0.5 * self.min + 0.5 * self.max
+    }
+
+    /// The eight corners.
+    pub fn corners(&self) -> [DVec3; 8] {
+        std::array::from_fn(|i| {
+            let pick = |bit: usize, axis: usize| if i >> bit & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            DVec3::new(pick(0, 0), pick(1, 1), pick(2, 2))
+        })
+    }
+
+    /// The box around this one after `transform`.
+    #[must_use]
+    pub fn transformed(&self, transform: &DAffine3) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        self.corners()
+            .into_iter()
+            .fold(Self::EMPTY, |bounds, corner| bounds.include(transform.transform_point3(corner)))
+    }
+}

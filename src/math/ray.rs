@@ -1,0 +1,89 @@
+//! Rays, and the scale-free way in which they leave a surface.
+
+use super::Vec3;
+
+/// A ray segment: `origin + t * direction` for t in `[tnear, tfar]`. The direction need not be of unit length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where t is 0.
+    pub origin: Vec3,
+    /// Direction, any length but zero.
+    pub direction: Vec3,
+    /// Start of the segment, >= 0.
+    pub tnear: f32,
+    /// End of the segment, may be infinite.
+    pub tfar: f32,
+}
+
+impl Ray {
+    /// A ray without an end.
+    #[inline]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, tnear: 0.0, tfar: f32::INFINITY }
+    }
+
+    /// The point at parameter `t`.
+    #[inline]
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + self.direction * t
+    }
+
+    /// Whether it can be traced: all components finite, direction not zero, no NaN in the interval.
+    #[inline]
+    pub fn is_valid(&self) -> bool {
+        self.origin.is_finite()
+            && self.direction.is_finite()
+            && self.direction != Vec3::ZERO
+            && self.tnear >= 0.0
+            && !self.tfar.is_nan()
+    }
+}
+
+/// The next f32 above `x` (finite; -0 counts as +0).
+#[inline]
+pub fn next_up(x: f32) -> f32 {
+    x.next_up()
+}
+
+/// The next f32 below `x`.
+#[inline]
+pub fn next_down(x: f32) -> f32 {
+    x.next_down()
+}
+
+/// A point on a surface together with how far from it a ray has to start not to meet the same surface again.
+///
+/// The point itself was rebuilt in double precision and rounded once, so it is off the surface by half a unit in the last
+/// place of its coordinates. A traversal kernel in single precision adds an error that grows with the distance from the
+/// ray's origin to the primitive's vertices, so `error` also covers the primitive's extent. Both scale with the scene:
+/// there is no absolute epsilon.
+#[derive(Clone, Copy, Debug)]
+pub struct HitPoint {
+    /// The point, scene frame.
+    pub p: Vec3,
+    /// Bound on the distance, along the normal, within which the same primitive may be met again.
+    pub error: f32,
+}
+
+impl HitPoint {
+    /// Where a ray into the side `n` points to (unit normal, flipped towards the ray) starts.
+    ///
+    /// Each coordinate is rounded away from the surface. Source: Pharr, Jakob, Humphreys, *Physically Based
+    /// Rendering* 4e, Sec. 6.8.6, with our own bound.
+    #[inline]
+    pub fn offset(&self, n: Vec3) -> Vec3 {
+        #[inline]
+        fn away(p: f32, d: f32) -> f32 {
+            let moved = p + d;
+            if d > 0.0 {
+                next_up(moved)
+            } else if d < 0.0 {
+                next_down(moved)
+            } else {
+                moved
+            }
+        }
+        let d = n * self.error;
+        Vec3::new(away(self.p.x, d.x), away(self.p.y, d.y), away(self.p.z, d.z))
+    }
+}

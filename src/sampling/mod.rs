@@ -1,0 +1,1 @@
+//! Random and low-discrepancy numbers, warps to distributions with their densities, pixel filters.

@@ -1,0 +1,30 @@
+//! Scene-linear colour: three channels with Rec. 709 primaries, and their luminance.
+
+use crate::math::Vec3;
+
+/// A scene-linear colour or a radiometric quantity per channel (unit by context), Rec. 709 primaries.
+pub type Rgb = Vec3;
+
+/// Weights of the Rec. 709 channels in the CIE luminance (IEC 61966-2-1).
+pub const LUMINANCE_WEIGHTS: Rgb = Rgb::new(0.2126, 0.7152, 0.0722);
+
+/// Luminance of a linear colour, in the colour's own unit.
+#[inline]
+pub fn luminance(color: Rgb) -> f32 {
+    color.dot(LUMINANCE_WEIGHTS)
+}
+
+/// The sRGB transfer curve (IEC 61966-2-1): linear value in [0, 1] to encoded value in [0, 1].
+///
+/// Values outside are clamped, NaN becomes 0.
+pub fn srgb_encode(linear: f32) -> f32 {
+    // `max` before `min` so that NaN, which loses every comparison, ends at 0.
+    let linear = linear.max(0.0).min(1.0);
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// The inverse of [`srgb_encode`]; values outside [0, 1] are clamped.
+pub fn srgb_decode(encoded: f32) -> f32 {
+    let encoded = encoded.max(0.0).min(1.0);
+    if encoded <= 0.040_449_936 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
