@@ -4,11 +4,14 @@
 #![deny(unsafe_code, missing_docs, unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
 pub mod bsdf;
+pub mod camera;
 pub mod desc;
+pub mod emitter;
 mod error;
 pub mod film;
 pub mod math;
 pub mod sampling;
+pub mod shape;
 pub mod spectrum;
 
 pub use error::{Error, ErrorKind, Location, Result};

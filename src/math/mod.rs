@@ -5,7 +5,7 @@ mod ray;
 
 pub use frame::Frame;
 pub use glam::{DAffine3, DMat3, DMat4, DQuat, DVec2, DVec3, Vec2, Vec3};
-pub use ray::{HitPoint, Ray, next_down, next_up};
+pub use ray::{HitPoint, ROUNDING, Ray};
 
 /// An axis-aligned box in double precision; `min > max` in any axis means empty.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -39,17 +39,8 @@ impl Ray {
     }
 }
 
-/// The next f32 above `x` (finite; -0 counts as +0).
-#[inline]
-pub fn next_up(x: f32) -> f32 {
-    x.next_up()
-}
-
-/// The next f32 below `x`.
-#[inline]
-pub fn next_down(x: f32) -> f32 {
-    x.next_down()
-}
+/// Twice the unit roundoff of f32: a bound on the relative error of a number that was rounded once, with room to spare.
+pub const ROUNDING: f32 = f32::EPSILON;
 
 /// A point on a surface together with how far from it a ray has to start not to meet the same surface again.
 ///
@@ -66,6 +57,12 @@ pub struct HitPoint {
 }
 
 impl HitPoint {
+    /// The error of a point that was computed in double precision and rounded once, along the unit normal `n`.
+    #[inline]
+    pub fn rounding_error(p: Vec3, n: Vec3) -> f32 {
+        2.0 * ROUNDING * p.abs().dot(n.abs())
+    }
+
     /// Where a ray into the side `n` points to (unit normal, flipped towards the ray) starts.
     ///
     /// Each coordinate is rounded away from the surface. Source: Pharr, Jakob, Humphreys, *Physically Based
@@ -76,9 +73,9 @@ impl HitPoint {
         fn away(p: f32, d: f32) -> f32 {
             let moved = p + d;
             if d > 0.0 {
-                next_up(moved)
+                moved.next_up()
             } else if d < 0.0 {
-                next_down(moved)
+                moved.next_down()
             } else {
                 moved
             }

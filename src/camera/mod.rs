@@ -1,0 +1,162 @@
+//! Cameras: from a position on the film to a ray.
+
+use crate::desc::{CameraDesc, FovAxis};
+use crate::error::{Error, Result};
+use crate::math::{DVec3, Ray, Vec3};
+
+/// A pinhole camera, optionally with a near plane through which its rays start.
+///
+/// Everything is set up in double precision relative to the scene's centre and only then rounded.
+#[derive(Clone, Copy, Debug)]
+pub struct Camera {
+    origin: Vec3,
+    /// From the eye to the film's top left corner, at any scale.
+    corner: Vec3,
+    /// One pixel to the right.
+    dx: Vec3,
+    /// One pixel down.
+    dy: Vec3,
+    /// Rays start on the film plane instead of in the eye.
+    starts_on_plane: bool,
+    /// Unit view direction.
+    forward: Vec3,
+}
+
+impl Camera {
+    /// The camera for a film of `resolution` pixels in a scene whose frame has its origin at `centre`.
+    ///
+    /// Fails where view direction, up vector or field of view make no image.
+    pub fn new(desc: &CameraDesc, resolution: [u32; 2], centre: DVec3) -> Result<Self> {
+        let [width, height] = resolution.map(f64::from);
+        let aspect = width / height;
+        let (target, from, up, fov_deg) = match *desc {
+            CameraDesc::Perspective { eye, look_at, up, fov_deg, .. } => (look_at, eye, up, fov_deg),
+            CameraDesc::ViewPlane { centre, look_at, up, fov_deg } => (look_at, centre, up, fov_deg),
+        };
+        if !(fov_deg > 0.0 && fov_deg < 180.0) {
+            return Err(Error::invalid("camera.fieldOfView", format!("{fov_deg} is not between 0 and 180 degrees")));
+        }
+        let tan_half = (0.5 * fov_deg).to_radians().tan();
+        let forward = (target - from).try_normalize().ok_or_else(|| {
+            Error::invalid("camera.lookAt", "is the camera's own position: there is no direction to look in")
+        })?;
+        let right = forward.cross(up);
+        let parallel = || Error::invalid("camera.up", "is zero or parallel to the view direction");
+        // Parallel but for rounding counts as parallel: what is left of the cross product is noise.
+        if right.length() <= 1e-12 * up.length() || !right.is_finite() {
+            return Err(parallel());
+        }
+        // `eye` to the middle of the film, and half the film's sides.
+        let (origin, middle, half_width, half_height, starts_on_plane) = match *desc {
+            CameraDesc::Perspective { eye, fov_axis, .. } => {
+                let right = right.try_normalize().ok_or_else(parallel)?;
+                let above = right.cross(forward);
+                let (x, y) = match fov_axis {
+                    FovAxis::Horizontal => (tan_half, tan_half / aspect),
+                    FovAxis::Vertical => (tan_half * aspect, tan_half),
+                };
+                (eye, forward, x * right, y * above, false)
+            }
+            CameraDesc::ViewPlane { centre: plane, .. } => {
+                // The plane's size follows from the up vector's length, as the report's renderer has it.
+                let above = right.cross(forward);
+                let middle = forward * (right.length() * aspect.sqrt() / tan_half);
+                (plane - middle, middle, aspect.sqrt() * right, above / aspect.sqrt(), true)
+            }
+        };
+        let camera = Self {
+            origin: (origin - centre).as_vec3(),
+            corner: (middle - half_width + half_height).as_vec3(),
+            dx: (2.0 / width * half_width).as_vec3(),
+            dy: (-2.0 / height * half_height).as_vec3(),
+            starts_on_plane,
+            forward: forward.as_vec3(),
+        };
+        let finite = [camera.origin, camera.corner, camera.dx, camera.dy].iter().all(|v| v.is_finite());
+        if !finite || camera.dx == Vec3::ZERO || camera.dy == Vec3::ZERO {
+            return Err(Error::invalid("camera", "is too far away or its view too narrow or wide for single precision"));
+        }
+        Ok(camera)
+    }
+
+    /// The ray through the film position (x, y) in pixels, (0, 0) at the top left corner; unit direction.
+    #[inline]
+    pub fn ray(&self, x: f32, y: f32) -> Ray {
+        let to_film = self.corner + x * self.dx + y * self.dy;
+        let origin = if self.starts_on_plane { self.origin + to_film } else { self.origin };
+        Ray::new(origin, to_film.normalize())
+    }
+
+    /// Unit view direction; distances along it are the depth layer.
+    pub fn forward(&self) -> Vec3 {
+        self.forward
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn view_plane_camera_of_the_report() {
+        // Eye (-2, 0, 0) looking at +x, image right = +z, rays start at x = -1.
+        let desc = CameraDesc::ViewPlane {
+            centre: DVec3::NEG_X,
+            look_at: DVec3::X,
+            up: DVec3::Y,
+            fov_deg: 90.0,
+        };
+        let camera = Camera::new(&desc, [256, 256], DVec3::ZERO).unwrap();
+        let middle = camera.ray(128.0, 128.0);
+        assert!((middle.origin - Vec3::NEG_X).length() < 1e-6 && (middle.direction - Vec3::X).length() < 1e-6);
+        let corner = camera.ray(256.0, 0.0);
+        assert!((corner.origin - Vec3::new(-1.0, 1.0, 1.0)).length() < 1e-6, "{corner:?}");
+        assert!((corner.direction * 3.0_f32.sqrt() - Vec3::ONE).length() < 1e-6, "{corner:?}");
+    }
+
+    #[test]
+    fn perspective_projects_where_it_should() {
+        // hfov 60 degrees, 640 pixels wide: the point (1, 0, -3) is at x = 504.752086141.
+        let desc = CameraDesc::Perspective {
+            eye: DVec3::ZERO,
+            look_at: DVec3::NEG_Z,
+            up: DVec3::Y,
+            fov_deg: 60.0,
+            fov_axis: FovAxis::Horizontal,
+        };
+        let camera = Camera::new(&desc, [640, 480], DVec3::ZERO).unwrap();
+        let direction = camera.ray(504.752_086, 240.0).direction;
+        assert!((direction.x / -direction.z - 1.0 / 3.0).abs() < 1e-6 && direction.y.abs() < 1e-6, "{direction}");
+        let vertical = CameraDesc::Perspective {
+            eye: DVec3::ZERO,
+            look_at: DVec3::NEG_Z,
+            up: DVec3::Y,
+            fov_deg: 58.715_507_085_6,
+            fov_axis: FovAxis::Vertical,
+        };
+        let camera = Camera::new(&vertical, [1600, 900], DVec3::ZERO).unwrap();
+        let edge = camera.ray(1600.0, 450.0).direction;
+        assert!((edge.x / -edge.z - 1.0).abs() < 1e-6, "hfov 90 at 16:9 is vfov 58.7155: {edge}");
+    }
+
+    #[test]
+    fn impossible_cameras_are_errors() {
+        let desc = |look_at, up, fov_deg| CameraDesc::Perspective {
+            eye: DVec3::ZERO,
+            look_at,
+            up,
+            fov_deg,
+            fov_axis: FovAxis::Horizontal,
+        };
+        for (desc, path) in [
+            (desc(DVec3::ZERO, DVec3::Y, 90.0), "camera.lookAt"),
+            (desc(DVec3::Y, DVec3::Y, 90.0), "camera.up"),
+            (desc(DVec3::Y, DVec3::ZERO, 90.0), "camera.up"),
+            (desc(DVec3::X, DVec3::Y, 180.0), "camera.fieldOfView"),
+            (desc(DVec3::X, DVec3::Y, f64::NAN), "camera.fieldOfView"),
+        ] {
+            let error = Camera::new(&desc, [4, 4], DVec3::ZERO).unwrap_err();
+            assert_eq!(error.location().json_path, path);
+        }
+    }
+}

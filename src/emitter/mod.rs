@@ -1,0 +1,141 @@
+//! Emitters, and the choice among them.
+//!
+//! Area emitters shine on the side of their normal only, with the same radiance in every direction. One is chosen with a
+//! probability in proportion to its power, then a point on it (or a direction towards it) is sampled; every density here
+//! is per solid angle at the reference point and includes the choice.
+
+mod sphere;
+mod triangle;
+
+pub use sphere::SphereEmitter;
+pub use triangle::TriangleEmitter;
+
+use std::f32::consts::PI;
+
+use crate::math::Vec3;
+use crate::sampling::Distribution1D;
+use crate::spectrum::{Rgb, luminance};
+
+/// A light source in the scene frame.
+#[derive(Clone, Copy, Debug)]
+pub enum Emitter {
+    /// A point with the same radiant intensity in all directions.
+    Point {
+        /// Position.
+        position: Vec3,
+        /// Radiant intensity [W sr^-1].
+        intensity: Rgb,
+    },
+    /// A one-sided triangle.
+    Triangle(TriangleEmitter),
+    /// A sphere that shines outwards.
+    Sphere(SphereEmitter),
+}
+
+/// A direction towards an emitter.
+#[derive(Clone, Copy, Debug)]
+pub struct EmitterSample {
+    /// Unit direction from the reference point.
+    pub wi: Vec3,
+    /// Where a shadow ray ends: on the emitter, moved off it towards the reference point.
+    pub target: Vec3,
+    /// Radiance that arrives when nothing is in between [W m^-2 sr^-1]; for a point light, irradiance on a surface that
+    /// faces it [W m^-2].
+    pub radiance: Rgb,
+    /// Density of `wi` per solid angle times the probability of the emitter; for a point light that probability alone.
+    pub pdf: f32,
+    /// Whether the emitter is a point, which no Bsdf sample can hit.
+    pub is_delta: bool,
+}
+
+impl Emitter {
+    /// Emitted power [W]: 4 pi I of a point, pi L A of an area.
+    pub fn power(&self) -> Rgb {
+        match self {
+            Self::Point { intensity, .. } => 4.0 * PI * *intensity,
+            Self::Triangle(emitter) => PI * emitter.triangle.area * emitter.radiance,
+            Self::Sphere(emitter) => PI * emitter.sphere.area() as f32 * emitter.radiance,
+        }
+    }
+}
+
+/// All emitters of a scene with their probabilities.
+#[derive(Debug)]
+pub struct EmitterSet {
+    emitters: Vec<Emitter>,
+    /// `None` where there is nothing to sample.
+    choice: Option<Distribution1D>,
+}
+
+impl EmitterSet {
+    /// Emitters chosen by luminous power. Those without power are never chosen.
+    pub fn new(emitters: Vec<Emitter>) -> Self {
+        let weights: Vec<f64> = emitters.iter().map(|emitter| f64::from(luminance(emitter.power()))).collect();
+        let choice = Distribution1D::new(&weights);
+        Self { emitters, choice }
+    }
+
+    /// Whether no light can come from it.
+    pub fn is_dark(&self) -> bool {
+        self.choice.is_none()
+    }
+
+    /// The emitters, in the order of their numbers.
+    pub fn emitters(&self) -> &[Emitter] {
+        &self.emitters
+    }
+
+    /// Samples a direction from `p` towards some emitter; `u` uniform in [0, 1)^3.
+    ///
+    /// `None` where the sampled emitter cannot light `p`: it contributes nothing, and the estimate stays unbiased.
+    #[inline]
+    pub fn sample(&self, p: Vec3, u: [f32; 3]) -> Option<EmitterSample> {
+        let (index, probability, _) = self.choice.as_ref()?.sample(u[0]);
+        let mut sample = match &self.emitters[index] {
+            Emitter::Point { position, intensity } => {
+                let to_light = *position - p;
+                let distance2 = to_light.length_squared();
+                if distance2 <= 0.0 {
+                    return None;
+                }
+                EmitterSample {
+                    wi: to_light / distance2.sqrt(),
+                    target: *position,
+                    radiance: *intensity / distance2,
+                    pdf: 1.0,
+                    is_delta: true,
+                }
+            }
+            Emitter::Triangle(emitter) => emitter.sample(p, [u[1], u[2]])?,
+            Emitter::Sphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
+        };
+        sample.pdf *= probability;
+        (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some(sample)
+    }
+
+    /// Density with which [`EmitterSet::sample`] at `p` gives the direction `wi` towards the point `hit` of emitter `index`.
+    #[inline]
+    pub fn pdf(&self, index: u32, p: Vec3, hit: Vec3, wi: Vec3) -> f32 {
+        let Some(choice) = &self.choice else { return 0.0 };
+        let index = index as usize;
+        let pdf = match &self.emitters[index] {
+            Emitter::Point { .. } => 0.0,
+            Emitter::Triangle(emitter) => emitter.pdf(p, hit, wi),
+            Emitter::Sphere(emitter) => emitter.pdf(p),
+        };
+        pdf * choice.pmf(index)
+    }
+
+    /// Radiance that emitter `index` sends along `wo` (unit, leaving it) from a point with outward normal `ng`.
+    #[inline]
+    pub fn le(&self, index: u32, ng: Vec3, wo: Vec3) -> Rgb {
+        if ng.dot(wo) <= 0.0 {
+            return Rgb::ZERO;
+        }
+        match &self.emitters[index as usize] {
+            Emitter::Point { .. } => Rgb::ZERO,
+            Emitter::Triangle(emitter) => emitter.radiance,
+            Emitter::Sphere(emitter) => emitter.radiance,
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Spheres that emit outwards.
+
+use std::f64::consts::PI;
+
+use super::EmitterSample;
+use crate::math::{Frame, HitPoint, Vec3};
+use crate::sampling::uniform_cone;
+use crate::shape::Sphere;
+use crate::spectrum::Rgb;
+
+/// A sphere with the same radiance from every point in every outward direction.
+#[derive(Clone, Copy, Debug)]
+pub struct SphereEmitter {
+    /// Its geometry.
+    pub sphere: Sphere,
+    /// Emitted radiance [W m^-2 sr^-1].
+    pub radiance: Rgb,
+}
+
+/// The cone of directions under which a sphere is seen from outside.
+struct Cone {
+    /// Centre minus reference point.
+    axis: crate::math::DVec3,
+    /// 1 - cos of the half angle, without cancellation for small cones.
+    one_minus_cos: f64,
+}
+
+impl SphereEmitter {
+    /// The cone seen from `p`, or `None` inside the sphere, where its outer side cannot be seen.
+    #[inline]
+    fn cone(&self, p: Vec3) -> Option<Cone> {
+        let axis = self.sphere.centre - p.as_dvec3();
+        let distance = axis.length();
+        // cos^2 = 1 - r^2 / d^2 by factors: exact also right above the surface.
+        let cos2 = (distance - self.sphere.radius) * (distance + self.sphere.radius) / (distance * distance);
+        if cos2 <= 0.0 || cos2.is_nan() {
+            return None;
+        }
+        let sin = self.sphere.radius / distance;
+        Some(Cone { axis, one_minus_cos: sin * sin / (1.0 + cos2.sqrt()) })
+    }
+
+    /// Samples a direction from `p` uniformly in the cone; `None` inside the sphere.
+    #[inline]
+    pub(super) fn sample(&self, p: Vec3, u: [f32; 2]) -> Option<EmitterSample> {
+        let cone = self.cone(p)?;
+        let distance = cone.axis.length();
+        let frame = Frame::from_normal((cone.axis / distance).as_vec3());
+        let wi = frame.to_world(uniform_cone(u, cone.one_minus_cos as f32));
+        // Where that direction meets the sphere; a direction on the cone's rim may miss it by rounding, so the discriminant
+        // is clamped to the tangent point.
+        let direction = wi.as_dvec3();
+        let along = direction.dot(cone.axis);
+        let off_axis2 = (cone.axis - along * direction).length_squared();
+        let half_chord = (self.sphere.radius * self.sphere.radius - off_axis2).max(0.0).sqrt();
+        let (point, normal) = self.sphere.project(p.as_dvec3() + (along - half_chord) * direction);
+        let point = point.as_vec3();
+        let normal = normal.as_vec3();
+        let target = HitPoint { p: point, error: HitPoint::rounding_error(point, normal) }.offset(normal);
+        let pdf = (1.0 / (2.0 * PI * cone.one_minus_cos)) as f32;
+        Some(EmitterSample { wi, target, radiance: self.radiance, pdf, is_delta: false })
+    }
+
+    /// Density per solid angle at `p`, the same for all directions that meet the sphere.
+    #[inline]
+    pub(super) fn pdf(&self, p: Vec3) -> f32 {
+        self.cone(p).map_or(0.0, |cone| (1.0 / (2.0 * PI * cone.one_minus_cos)) as f32)
+    }
+}

@@ -1,0 +1,84 @@
+//! Analytic shapes, in double precision: exact hits where a triangle mesh would only approximate.
+//!
+//! A kernel in single precision loses a sphere whose distance or radius is large against the other (b^2 - ac cancels), so
+//! everything here is computed in f64 from the ray's f32 numbers, and hit points are rebuilt on the surface.
+
+mod disk;
+mod quadric;
+mod roots;
+mod sphere;
+mod triangle;
+
+pub use disk::Disk;
+pub use quadric::Quadric;
+pub use sphere::Sphere;
+pub use triangle::Triangle;
+
+use crate::math::{Bounds, DVec3, Ray};
+
+/// A ray in double precision, as the analytic shapes want it.
+#[derive(Clone, Copy, Debug)]
+pub struct DRay {
+    /// Origin.
+    pub origin: DVec3,
+    /// Direction, any length but zero.
+    pub direction: DVec3,
+    /// Start of the segment; a hit lies beyond it.
+    pub tnear: f64,
+    /// End of the segment; a hit lies before it.
+    pub tfar: f64,
+}
+
+impl From<&Ray> for DRay {
+    #[inline]
+    fn from(ray: &Ray) -> Self {
+        Self {
+            origin: ray.origin.as_dvec3(),
+            direction: ray.direction.as_dvec3(),
+            tnear: f64::from(ray.tnear),
+            tfar: f64::from(ray.tfar),
+        }
+    }
+}
+
+/// Any analytic shape of a scene, in the scene frame.
+#[derive(Clone, Debug)]
+pub enum Analytic {
+    /// A sphere.
+    Sphere(Sphere),
+    /// A clipped quadric; boxed, so that scenes of spheres stay compact.
+    Quadric(Box<Quadric>),
+    /// A flat disk.
+    Disk(Disk),
+}
+
+impl Analytic {
+    /// The nearest t in (tnear, tfar) at which the ray meets the surface.
+    #[inline]
+    pub fn intersect(&self, ray: &DRay) -> Option<f64> {
+        match self {
+            Self::Sphere(sphere) => sphere.intersect(ray),
+            Self::Quadric(quadric) => quadric.intersect(ray),
+            Self::Disk(disk) => disk.intersect(ray),
+        }
+    }
+
+    /// The point of the surface nearest to `p`, which is on it but for rounding, and the outward unit normal there.
+    #[inline]
+    pub fn project(&self, p: DVec3) -> (DVec3, DVec3) {
+        match self {
+            Self::Sphere(sphere) => sphere.project(p),
+            Self::Quadric(quadric) => quadric.project(p),
+            Self::Disk(disk) => disk.project(p),
+        }
+    }
+
+    /// A box around it.
+    pub fn bounds(&self) -> Bounds {
+        match self {
+            Self::Sphere(sphere) => sphere.bounds(),
+            Self::Quadric(quadric) => quadric.bounds(),
+            Self::Disk(disk) => disk.bounds(),
+        }
+    }
+}

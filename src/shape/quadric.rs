@@ -1,0 +1,173 @@
+//! Quadrics, clipped to a box in their own frame.
+
+use super::DRay;
+use super::roots::quadratic;
+use crate::math::{Bounds, DAffine3, DMat3, DVec3};
+
+/// The surface p^T A p + 2 b.p + c = 0 inside a box, in a frame of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct Quadric {
+    a: DMat3,
+    b: DVec3,
+    c: f64,
+    clip: Bounds,
+    to_own: DAffine3,
+    to_scene: DAffine3,
+    bounds: Bounds,
+}
+
+impl Quadric {
+    /// A quadric from its ten coefficients (see [`crate::desc::ShapeDesc::Quadric`]), clip box and own frame to scene.
+    ///
+    /// `to_scene` must be invertible. A clip that is infinite along an axis is shrunk to the surface's own extent there;
+    /// where the surface has none, the bounds stay infinite and the scene builder refuses them.
+    pub fn new(coefficients: &[f64; 10], clip: Bounds, to_scene: DAffine3) -> Self {
+        let [a, b, c, d, e, f, g, h, i, j] = *coefficients;
+        let matrix = DMat3::from_cols(DVec3::new(a, d, f), DVec3::new(d, b, e), DVec3::new(f, e, c));
+        let linear = DVec3::new(g, h, i);
+        let own_bounds = own_bounds(matrix, linear, j, clip);
+        Self {
+            a: matrix,
+            b: linear,
+            c: j,
+            clip,
+            to_own: to_scene.inverse(),
+            to_scene,
+            bounds: own_bounds.transformed(&to_scene),
+        }
+    }
+
+    /// The nearest t in (tnear, tfar) at which the ray meets the clipped surface.
+    pub fn intersect(&self, ray: &DRay) -> Option<f64> {
+        let origin = self.to_own.transform_point3(ray.origin);
+        let direction = self.to_own.transform_vector3(ray.direction);
+        // Set up around the point of the ray nearest to the frame's origin: a far ray origin would cancel in c.
+        let shift = -origin.dot(direction) / direction.length_squared();
+        let base = origin + shift * direction;
+        let a_direction = self.a * direction;
+        let a_base = self.a * base;
+        let (near, far) = quadratic(
+            direction.dot(a_direction),
+            base.dot(a_direction) + self.b.dot(direction),
+            base.dot(a_base) + 2.0 * self.b.dot(base) + self.c,
+        )?;
+        [near, far].into_iter().find_map(|root| {
+            let t = root + shift;
+            let p = base + root * direction;
+            let inside = p.cmpge(self.clip.min).all() && p.cmple(self.clip.max).all();
+            (inside && t > ray.tnear && t < ray.tfar).then_some(t)
+        })
+    }
+
+    /// `p` moved onto the surface along the gradient, and the outward (gradient) unit normal there.
+    ///
+    /// At a singular point such as a cone's apex, where the gradient vanishes, the normal is the first axis of the
+    /// quadric's frame: finite, and as good as any.
+    pub fn project(&self, p: DVec3) -> (DVec3, DVec3) {
+        let mut own = self.to_own.transform_point3(p);
+        let mut gradient = self.gradient(own);
+        let slope2 = gradient.length_squared();
+        if slope2 > 0.0 {
+            // One Newton step: the point comes in with an error of a few ULP already.
+            let moved = own - gradient * (self.value(own) / slope2);
+            if moved.is_finite() {
+                own = moved;
+                gradient = self.gradient(own);
+            }
+        }
+        // Normals go by the inverse transpose of the frame's matrix.
+        let normal = (self.to_own.matrix3.transpose() * gradient).try_normalize();
+        (self.to_scene.transform_point3(own), normal.unwrap_or_else(|| self.to_scene.matrix3.x_axis.normalize()))
+    }
+
+    /// A box around the clipped surface, scene frame; infinite where nothing bounds it.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    fn value(&self, p: DVec3) -> f64 {
+        p.dot(self.a * p) + 2.0 * self.b.dot(p) + self.c
+    }
+
+    /// Gradient of the implicit function.
+    fn gradient(&self, p: DVec3) -> DVec3 {
+        2.0 * (self.a * p + self.b)
+    }
+}
+
+/// The box around the surface in its own frame: the clip box, shrunk to the ellipsoid where the surface is one.
+fn own_bounds(a: DMat3, b: DVec3, c: f64, clip: Bounds) -> Bounds {
+    // With M the inverse of A, centre m = -M b and k = b.M b - c, the extent along axis i is sqrt(k M_ii).
+    let inverse = a.inverse();
+    let centre = -(inverse * b);
+    let k = b.dot(inverse * b) - c;
+    let extent2 = k * DVec3::new(inverse.x_axis.x, inverse.y_axis.y, inverse.z_axis.z);
+    let definite = {
+        let minor1 = a.x_axis.x;
+        let minor2 = a.x_axis.x * a.y_axis.y - a.x_axis.y * a.x_axis.y;
+        let minor3 = a.determinant();
+        (minor1 > 0.0 && minor2 > 0.0 && minor3 > 0.0) || (minor1 < 0.0 && minor2 > 0.0 && minor3 < 0.0)
+    };
+    if !definite || !extent2.is_finite() || extent2.min_element() < 0.0 {
+        return clip;
+    }
+    // Slightly enlarged: the bounds must hold the surface in spite of rounding.
+    let extent = extent2.map(f64::sqrt) * (1.0 + 1e-12);
+    Bounds { min: clip.min.max(centre - extent), max: clip.max.min(centre + extent) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EVERYWHERE: Bounds = Bounds { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
+
+    fn hit(coefficients: [f64; 10], origin: DVec3, direction: DVec3) -> Option<f64> {
+        Quadric::new(&coefficients, EVERYWHERE, DAffine3::IDENTITY).intersect(&DRay {
+            origin,
+            direction,
+            tnear: 0.0,
+            tfar: f64::INFINITY,
+        })
+    }
+
+    fn near(got: Option<f64>, expected: f64) {
+        let got = got.unwrap_or(f64::NAN);
+        assert!((got / expected - 1.0).abs() < 1e-13, "{got} instead of {expected}");
+    }
+
+    #[test]
+    fn nearest_roots() {
+        let cylinder = [1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0];
+        near(hit(cylinder, DVec3::new(10.0, 0.0, 0.6), DVec3::new(-1.0, 1e-3, 0.0)), 9.2);
+        assert_eq!(hit(cylinder, DVec3::new(0.5, -3.0, 0.0), DVec3::Y), None, "along the axis");
+        let paraboloid = [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -0.5, 0.0];
+        near(hit(paraboloid, DVec3::new(1e-4, 0.0, 5.0), DVec3::new(1e-3, 0.0, -1.0)), 4.999_973_990_265_3);
+        let hyperboloid = [1.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0];
+        near(hit(hyperboloid, DVec3::new(0.0, -4.0, 2.0), DVec3::new(0.1, 1.0, 0.25)), 1.440_755_284_555_7);
+        let ellipsoid = [1.0 / 9.0, 1.0, 1e4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0];
+        near(hit(ellipsoid, DVec3::new(1.2, 0.3, 5.0), DVec3::NEG_Z), 5.0 - 0.008_660_254_037_844_4);
+        let cone = [1.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        near(hit(cone, DVec3::new(0.25, 0.0, -3.0), DVec3::Z), 2.75);
+        near(hit(cone, DVec3::new(0.0, 0.0, -3.0), DVec3::Z), 3.0);
+    }
+
+    #[test]
+    fn apex_has_a_finite_normal() {
+        let cone = Quadric::new(
+            &[1.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            EVERYWHERE,
+            DAffine3::from_scale(DVec3::new(1.0, 2.0, 3.0)),
+        );
+        let (p, n) = cone.project(DVec3::ZERO);
+        assert_eq!(p, DVec3::ZERO);
+        assert!((n.length() - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn ellipsoid_bounds_itself() {
+        let ellipsoid = [1.0 / 9.0, 1.0, 1e4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0];
+        let bounds = Quadric::new(&ellipsoid, EVERYWHERE, DAffine3::IDENTITY).bounds();
+        assert!((bounds.max - DVec3::new(3.0, 1.0, 0.01)).abs().max_element() < 1e-11, "{bounds:?}");
+    }
+}
