@@ -1,1 +1,36 @@
 //! Random and low-discrepancy numbers, warps to distributions with their densities, pixel filters.
+//!
+//! Every number in [0, 1) is strictly below 1. Warps state what they return and the density of it.
+
+mod distribution;
+mod filter;
+pub mod mis;
+mod pattern;
+mod rng;
+mod sobol;
+mod spherical_triangle;
+pub mod warps;
+
+pub use distribution::Distribution1D;
+pub use filter::Filter;
+pub use pattern::{Pattern, PatternSampler};
+pub use rng::Rng;
+pub use sobol::SobolSampler;
+pub use spherical_triangle::{SphericalTriangle, triangle_solid_angle};
+
+/// A source of sample points: one per worker, its state a pure function of (seed, pixel, sample index), so that any
+/// sample can be replayed alone and no result depends on the number of threads.
+pub trait Sampler {
+    /// Goes to sample `sample` of pixel `pixel` (a linear index) and to its first dimensions.
+    fn start(&mut self, pixel: u32, sample: u32);
+
+    /// The position in the pixel, in [0, 1)^2; the normally distributed pattern may leave it. The same each time it is
+    /// asked for within a sample, and apart from what `next_2d` and `next_4d` return.
+    fn pixel_2d(&mut self) -> [f32; 2];
+
+    /// The next two dimensions, in [0, 1)^2.
+    fn next_2d(&mut self) -> [f32; 2];
+
+    /// The next four dimensions, in [0, 1)^4.
+    fn next_4d(&mut self) -> [f32; 4];
+}

@@ -1,0 +1,69 @@
+//! Smooth interface between two dielectrics.
+
+use super::{BsdfSample, fresnel_dielectric, reflect, refracted_cosine};
+use crate::math::Vec3;
+use crate::spectrum::Rgb;
+
+/// A smooth, colourless interface: reflects the share that Fresnel's equations give and refracts the rest by Snell's law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dielectric {
+    /// Index on the inner side over index on the outer side. In double precision, as Snell's law close to the critical
+    /// angle is.
+    eta: f64,
+}
+
+impl Dielectric {
+    /// An interface. `ior`: index of refraction on the inner side (z < 0), `exterior_ior`: on the outer side (z > 0);
+    /// both > 0.
+    pub fn new(ior: f32, exterior_ior: f32) -> Self {
+        Self { eta: f64::from(ior) / f64::from(exterior_ior) }
+    }
+
+    /// Index on the far side over index on `wo`'s side.
+    #[inline]
+    fn relative_eta(&self, wo: Vec3) -> f64 {
+        if wo.z > 0.0 { self.eta } else { 1.0 / self.eta }
+    }
+
+    /// Reflectance in [0, 1].
+    #[inline]
+    pub fn reflectance(&self, wo: Vec3) -> f32 {
+        fresnel_dielectric(f64::from(wo.z), self.relative_eta(wo)) as f32
+    }
+
+    /// Both ways light can go: the reflectance F, the mirror direction, and unless reflection is total the refracted
+    /// direction with the relative index (far side over `wo`'s side) it crosses into. The refracted branch carries the
+    /// share 1 - F, and radiance along it another factor 1 / eta^2.
+    #[inline]
+    pub fn branches(&self, wo: Vec3) -> (f32, Vec3, Option<(Vec3, f32)>) {
+        let eta = self.relative_eta(wo);
+        let reflectance = fresnel_dielectric(f64::from(wo.z), eta) as f32;
+        (reflectance, reflect(wo), refract(wo, eta).map(|wi| (wi, eta as f32)))
+    }
+
+    /// Chooses one of the two branches with `u` in [0, 1), with probability equal to its share, so that a reflection's
+    /// weight is 1 and a refraction's 1 / eta^2.
+    #[inline]
+    pub fn sample(&self, wo: Vec3, u: f32) -> BsdfSample {
+        let eta = self.relative_eta(wo);
+        let reflectance = fresnel_dielectric(f64::from(wo.z), eta) as f32;
+        if u >= reflectance
+            && let Some(wi) = refract(wo, eta)
+        {
+            let weight = Rgb::splat((1.0 / (eta * eta)) as f32);
+            return BsdfSample { wi, weight, pdf: 0.0, is_delta: true, eta: eta as f32 };
+        }
+        BsdfSample { wi: reflect(wo), weight: Rgb::ONE, pdf: 0.0, is_delta: true, eta: 1.0 }
+    }
+}
+
+/// The refracted direction on the other side, or `None` under total reflection. With `eta` 1 it is -wo, bit for bit.
+#[inline]
+fn refract(wo: Vec3, eta: f64) -> Option<Vec3> {
+    if eta == 1.0 {
+        return Some(-wo);
+    }
+    let cos_theta_t = refracted_cosine(f64::from(wo.z), eta)?;
+    let tangential = |x: f32| (-f64::from(x) / eta) as f32;
+    Some(Vec3::new(tangential(wo.x), tangential(wo.y), -(cos_theta_t as f32).copysign(wo.z)))
+}

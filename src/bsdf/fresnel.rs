@@ -1,0 +1,46 @@
+//! Fresnel's and Snell's laws for a smooth interface between two dielectrics.
+
+/// g^2 = eta^2 - 1 + cos^2(theta_i), where g = eta cos(theta_t); negative under total internal reflection.
+///
+/// Formed from the cosine, which is exact at grazing incidence, and from a product that does not cancel near eta = 1.
+#[inline]
+fn refraction_radicand(cos_theta_i: f64, eta: f64) -> f64 {
+    (eta - 1.0) * (eta + 1.0) + cos_theta_i * cos_theta_i
+}
+
+/// Share of unpolarised light that a smooth dielectric interface reflects, in [0, 1], never NaN.
+///
+/// `cos_theta_i`: cosine of the angle of incidence, in [0, 1] (its sign does not matter). `eta`: index of refraction
+/// behind the interface over that in front of it, > 0. Exactly 1 under total internal reflection and exactly 0 for
+/// eta = 1.
+///
+/// With c = cos(theta_i) and g = eta cos(theta_t) the amplitudes are
+/// r_s = (1 - eta^2) / (c + g)^2 and r_p = (eta^2 - 1) ((eta^2 + 1) c^2 - 1) / (eta^2 c + g)^2: the textbook forms with
+/// their differences of nearly equal terms multiplied out, so that small reflectances (eta near 1) keep their digits too.
+///
+/// Source: Born and Wolf, *Principles of Optics*, Sec. 1.5.2.
+#[inline]
+pub fn fresnel_dielectric(cos_theta_i: f64, eta: f64) -> f64 {
+    if eta == 1.0 {
+        return 0.0;
+    }
+    let c = cos_theta_i.abs().min(1.0);
+    let radicand = refraction_radicand(c, eta);
+    if !(radicand > 0.0) {
+        return 1.0;
+    }
+    let g = radicand.sqrt();
+    let eta2 = eta * eta;
+    let difference = (eta - 1.0) * (eta + 1.0);
+    let r_s = difference / ((c + g) * (c + g));
+    let r_p = difference * ((eta2 + 1.0) * c * c - 1.0) / ((eta2 * c + g) * (eta2 * c + g));
+    (0.5 * (r_s * r_s + r_p * r_p)).min(1.0)
+}
+
+/// Cosine of the angle of refraction by Snell's law, or `None` under total internal reflection. Arguments as in
+/// [`fresnel_dielectric`].
+#[inline]
+pub fn refracted_cosine(cos_theta_i: f64, eta: f64) -> Option<f64> {
+    let radicand = refraction_radicand(cos_theta_i, eta);
+    (radicand > 0.0).then(|| (radicand.sqrt() / eta).min(1.0))
+}

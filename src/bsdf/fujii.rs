@@ -1,0 +1,54 @@
+//! Fujii's variant of the Oren-Nayar model.
+
+use std::f32::consts::FRAC_1_PI;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use super::tangential_dot;
+use crate::math::Vec3;
+use crate::spectrum::Rgb;
+
+/// Fujii's improved Oren-Nayar model: f = albedo (A + B s / t) with A = 1 / (pi + (pi/2 - 2/3) sigma'), B = sigma' A,
+/// s = wi.wo - (n.wi)(n.wo), and t = max(n.wi, n.wo) where s > 0, else 1.
+///
+/// Reciprocal and smooth where the qualitative form has a crease. It conserves energy for albedos up to 1, but loses some:
+/// the directional albedo for facets of albedo 1 lies between 0.777 (sigma' = 1, normal incidence) and 1, and averages
+/// (1 + (2/3 - 28/(15 pi)) sigma') / (1 + (1/2 - 2/(3 pi)) sigma').
+///
+/// Source: Fujii 2012, "A tiny improvement of Oren-Nayar reflectance model"; albedo: Portsmouth et al. 2024.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fujii {
+    albedo: Rgb,
+    /// pi A and pi B, so that both are near 1.
+    a: f32,
+    b: f32,
+}
+
+impl Fujii {
+    /// A rough diffuse surface. `albedo`: of the facets, in [0, 1] per channel. `roughness`: sigma' in [0, 1].
+    pub fn new(albedo: Rgb, roughness: f32) -> Self {
+        let sigma = f64::from(roughness);
+        let a = PI / (PI + (FRAC_PI_2 - 2.0 / 3.0) * sigma);
+        Self { albedo, a: a as f32, b: (sigma * a) as f32 }
+    }
+
+    /// Albedo of the facets.
+    #[inline]
+    pub fn albedo(&self) -> Rgb {
+        self.albedo
+    }
+
+    /// The scattering function for two directions strictly on one side [sr^-1].
+    #[inline]
+    pub fn f(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        self.weight(wo, wi) * FRAC_1_PI
+    }
+
+    /// pi f: the weight of a cosine-distributed sample.
+    #[inline]
+    pub(super) fn weight(&self, wo: Vec3, wi: Vec3) -> Rgb {
+        let s = tangential_dot(wo, wi);
+        let t = if s > 0.0 { wo.z.abs().max(wi.z.abs()) } else { 1.0 };
+        // At sigma' = 1 and both directions opposite at grazing, a + b s is 0 up to rounding.
+        self.albedo * (self.a + self.b * (s / t)).max(0.0)
+    }
+}

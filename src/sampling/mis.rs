@@ -1,0 +1,33 @@
+//! Weights for combining two sampling techniques.
+//!
+//! Both heuristics take the density of the technique that drew the sample and that of the other one for the same
+//! sample, times the numbers of samples if those differ. They are robust at the ends: a technique with density 0 weighs
+//! nothing, an infinite (or delta-like) density outweighs any finite one, and the weights of a pair sum to 1.
+//!
+//! Source: Veach 1997, *Robust Monte Carlo Methods for Light Transport Simulation*, Sec. 9.2.
+
+/// The other density over this one, with the doubtful quotients settled; `None` where this one is 0.
+#[inline]
+fn ratio(pdf: f32, other_pdf: f32) -> Option<f32> {
+    if !(pdf > 0.0) {
+        None
+    } else if pdf == other_pdf {
+        // Also infinity over infinity.
+        Some(1.0)
+    } else {
+        Some(other_pdf / pdf)
+    }
+}
+
+/// Balance heuristic: pdf / (pdf + other_pdf), in [0, 1].
+#[inline]
+pub fn balance_heuristic(pdf: f32, other_pdf: f32) -> f32 {
+    ratio(pdf, other_pdf).map_or(0.0, |r| 1.0 / (1.0 + r))
+}
+
+/// Power heuristic with exponent 2: pdf^2 / (pdf^2 + other_pdf^2), in [0, 1]. Squares the ratio, not the densities, which
+/// would overflow for small lights.
+#[inline]
+pub fn power_heuristic(pdf: f32, other_pdf: f32) -> f32 {
+    ratio(pdf, other_pdf).map_or(0.0, |r| 1.0 / (1.0 + r * r))
+}

@@ -1,0 +1,148 @@
+//! Patterns of positions in the pixel, with independent random numbers for everything else.
+
+use std::f32::consts::TAU;
+
+use super::Sampler;
+use super::rng::{Rng, hash};
+
+/// How positions lie in a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pattern {
+    /// Independent and uniform.
+    Random,
+    /// n x n cells, one uniform position in each.
+    Jittered,
+    /// The centres of n x n cells.
+    Grid,
+    /// Normally distributed around the pixel's centre, standard deviation half a pixel. About a third of the positions
+    /// along each axis lie outside the pixel.
+    Gaussian,
+}
+
+/// Samples whose position in the pixel follows a [`Pattern`] and whose other dimensions are independent random numbers.
+///
+/// Jittered and grid patterns visit their cells in an order that is shuffled for each pixel, so that any number of
+/// first samples covers the pixel without preference. Once all n x n cells have been visited they are visited again, in a
+/// new order and at new positions.
+#[derive(Clone, Debug)]
+pub struct PatternSampler {
+    pattern: Pattern,
+    seed: u64,
+    /// Cells along one side of the pixel.
+    side: u32,
+    position: [f32; 2],
+    rng: Rng,
+}
+
+impl PatternSampler {
+    /// A sampler for `samples` samples per pixel; n is the smallest integer whose square holds them.
+    pub fn new(pattern: Pattern, seed: u64, samples: u32) -> Self {
+        Self { pattern, seed, side: square_side(samples), position: [0.5; 2], rng: Rng::new(seed, 0) }
+    }
+
+    /// Cell of this sample, shuffled within its pass over the pixel.
+    #[inline]
+    fn cell(&self, pixel_key: u64, sample: u32) -> (u32, u32) {
+        // The side is at most 2^16; its square may not fit 32 bits.
+        let cells = u64::from(self.side) * u64::from(self.side);
+        let pass = u64::from(sample) / cells;
+        let cells = u32::try_from(cells).unwrap_or(u32::MAX);
+        let cell = permute(sample % cells, cells, hash(pixel_key, pass) as u32);
+        (cell % self.side, cell / self.side)
+    }
+}
+
+/// The smallest n with n x n >= `samples`, at least 1.
+fn square_side(samples: u32) -> u32 {
+    let root = samples.isqrt();
+    if root * root < samples { root + 1 } else { root.max(1) }
+}
+
+impl Sampler for PatternSampler {
+    #[inline]
+    fn start(&mut self, pixel: u32, sample: u32) {
+        let pixel_key = hash(self.seed, u64::from(pixel));
+        self.rng = Rng::new(pixel_key, u64::from(sample));
+        let [u, v] = self.rng.next_2d();
+        let side = self.side as f32;
+        self.position = match self.pattern {
+            Pattern::Random => [u, v],
+            Pattern::Jittered => {
+                let (x, y) = self.cell(pixel_key, sample);
+                [below_one((x as f32 + u) / side), below_one((y as f32 + v) / side)]
+            }
+            Pattern::Grid => {
+                let (x, y) = self.cell(pixel_key, sample);
+                [(x as f32 + 0.5) / side, (y as f32 + 0.5) / side]
+            }
+            Pattern::Gaussian => {
+                let [x, y] = normal_2d([u, v]);
+                [0.5 + 0.5 * x, 0.5 + 0.5 * y]
+            }
+        };
+    }
+
+    #[inline]
+    fn pixel_2d(&mut self) -> [f32; 2] {
+        self.position
+    }
+
+    #[inline]
+    fn next_2d(&mut self) -> [f32; 2] {
+        self.rng.next_2d()
+    }
+
+    #[inline]
+    fn next_4d(&mut self) -> [f32; 4] {
+        self.rng.next_4d()
+    }
+}
+
+/// The largest f32 below 1 in place of 1.
+#[inline]
+fn below_one(x: f32) -> f32 {
+    x.min(1.0_f32.next_down())
+}
+
+/// Two independent standard normal numbers.
+///
+/// Source: Box and Muller 1958.
+#[inline]
+fn normal_2d([u, v]: [f32; 2]) -> [f32; 2] {
+    // 1 - u is in (0, 1], so the logarithm is finite.
+    let radius = (-2.0 * (1.0 - u).ln()).sqrt();
+    let (sin, cos) = (TAU * v).sin_cos();
+    [radius * cos, radius * sin]
+}
+
+/// Element `i` of a random permutation of 0..`n`, chosen by `key`, in constant memory.
+///
+/// A mixing function on the next power of two is repeated until it lands in range.
+/// Source: Kensler 2013, "Correlated Multi-Jittered Sampling", Sec. 3.
+fn permute(mut i: u32, n: u32, key: u32) -> u32 {
+    let mask = n.next_power_of_two().wrapping_sub(1);
+    loop {
+        i ^= key;
+        i = i.wrapping_mul(0xe170_893d);
+        i ^= key >> 16;
+        i ^= (i & mask) >> 4;
+        i ^= key >> 8;
+        i = i.wrapping_mul(0x0929_eb3f);
+        i ^= key >> 23;
+        i ^= (i & mask) >> 1;
+        i = i.wrapping_mul(1 | key >> 27);
+        i = i.wrapping_mul(0x6935_fa69);
+        i ^= (i & mask) >> 11;
+        i = i.wrapping_mul(0x74dc_b303);
+        i ^= (i & mask) >> 2;
+        i = i.wrapping_mul(0x9e50_1cc3);
+        i ^= (i & mask) >> 2;
+        i = i.wrapping_mul(0xc860_a3df);
+        i &= mask;
+        i ^= i >> 5;
+        if i < n {
+            break;
+        }
+    }
+    (i.wrapping_add(key)) % n
+}
