@@ -74,7 +74,10 @@ impl Camera {
         };
         let finite = [camera.origin, camera.corner, camera.dx, camera.dy].iter().all(|v| v.is_finite());
         if !finite || camera.dx == Vec3::ZERO || camera.dy == Vec3::ZERO {
-            return Err(Error::invalid("camera", "is too far away or its view too narrow or wide for single precision"));
+            return Err(Error::invalid(
+                "camera",
+                "is too far away or its view too narrow or wide for single precision",
+            ));
         }
         Ok(camera)
     }
@@ -100,12 +103,7 @@ mod tests {
     #[test]
     fn view_plane_camera_of_the_report() {
         // Eye (-2, 0, 0) looking at +x, image right = +z, rays start at x = -1.
-        let desc = CameraDesc::ViewPlane {
-            centre: DVec3::NEG_X,
-            look_at: DVec3::X,
-            up: DVec3::Y,
-            fov_deg: 90.0,
-        };
+        let desc = CameraDesc::ViewPlane { centre: DVec3::NEG_X, look_at: DVec3::X, up: DVec3::Y, fov_deg: 90.0 };
         let camera = Camera::new(&desc, [256, 256], DVec3::ZERO).unwrap();
         let middle = camera.ray(128.0, 128.0);
         assert!((middle.origin - Vec3::NEG_X).length() < 1e-6 && (middle.direction - Vec3::X).length() < 1e-6);

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::EmitterSample;
 use crate::math::{Frame, HitPoint, Vec3};
-use crate::sampling::uniform_cone;
+use crate::sampling::warps;
 use crate::shape::Sphere;
 use crate::spectrum::Rgb;
 
@@ -46,7 +46,7 @@ impl SphereEmitter {
         let cone = self.cone(p)?;
         let distance = cone.axis.length();
         let frame = Frame::from_normal((cone.axis / distance).as_vec3());
-        let wi = frame.to_world(uniform_cone(u, cone.one_minus_cos as f32));
+        let wi = frame.to_world(warps::uniform_cone(u, cone.one_minus_cos as f32));
         // Where that direction meets the sphere; a direction on the cone's rim may miss it by rounding, so the discriminant
         // is clamped to the tangent point.
         let direction = wi.as_dvec3();

@@ -2,7 +2,7 @@
 
 use super::EmitterSample;
 use crate::math::{HitPoint, Vec3};
-use crate::sampling::{SphericalTriangle, uniform_triangle};
+use crate::sampling::{SphericalTriangle, warps};
 use crate::shape::Triangle;
 use crate::spectrum::Rgb;
 
@@ -50,15 +50,11 @@ impl TriangleEmitter {
         }
         let (wi, point, pdf) = match self.by_solid_angle(p).then(|| self.seen_from(p)).flatten() {
             Some(spherical) => {
-                let wi = spherical.sample(u);
-                let cos = -wi.dot(triangle.normal);
-                if cos <= 0.0 {
-                    return None;
-                }
-                (wi, p + wi * (height / cos), 1.0 / spherical.solid_angle())
+                let (wi, [_, b1, b2]) = spherical.sample_barycentric(u);
+                (wi, triangle.v0 + b1 * triangle.e1 + b2 * triangle.e2, spherical.pdf())
             }
             None => {
-                let [b1, b2] = uniform_triangle(u);
+                let [_, b1, b2] = warps::uniform_triangle(u);
                 let point = triangle.v0 + b1 * triangle.e1 + b2 * triangle.e2;
                 let to_light = point - p;
                 let wi = to_light.try_normalize()?;
@@ -73,7 +69,7 @@ impl TriangleEmitter {
     #[inline]
     pub(super) fn pdf(&self, p: Vec3, hit: Vec3, wi: Vec3) -> f32 {
         match self.by_solid_angle(p).then(|| self.seen_from(p)).flatten() {
-            Some(spherical) => 1.0 / spherical.solid_angle(),
+            Some(spherical) => spherical.pdf(),
             None => self.pdf_by_area(p, hit, wi),
         }
     }

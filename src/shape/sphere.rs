@@ -61,7 +61,6 @@ impl Sphere {
     }
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -87,16 +86,9 @@ mod tests {
 
     #[test]
     fn huge_ball_as_ground() {
-        for (degrees, expected) in
-            [(45.0_f64, 1.414_214_269_48), (10.0, 5.758_863_097_05), (1.0, 57.393_029_544_3)]
-        {
+        for (degrees, expected) in [(45.0_f64, 1.414_214_269_48), (10.0, 5.758_863_097_05), (1.0, 57.393_029_544_3)] {
             let (sin, cos) = degrees.to_radians().sin_cos();
-            let ray = DRay {
-                origin: DVec3::Y,
-                direction: DVec3::new(cos, -sin, 0.0),
-                tnear: 0.0,
-                tfar: f64::INFINITY,
-            };
+            let ray = DRay { origin: DVec3::Y, direction: DVec3::new(cos, -sin, 0.0), tnear: 0.0, tfar: f64::INFINITY };
             let t = Sphere { centre: DVec3::new(0.0, -1e6, 0.0), radius: 1e6 }.intersect(&ray).unwrap();
             assert!((t / expected - 1.0).abs() < 1e-9, "{t} {expected}");
         }
