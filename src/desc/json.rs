@@ -129,6 +129,7 @@ fn complaint(error: &serde_json::Error, path: &str) -> Error {
         ("invalid type: map", "invalid type: an object"),
         ("invalid length", "wrong length"),
         ("number out of range", "the number is too large"),
+        ("EOF while parsing a list", "the text ends inside an array"),
         ("EOF while parsing", "the text ends inside"),
     ] {
         message = message.replace(theirs, ours);

@@ -113,8 +113,8 @@ pub(super) fn read(document: &RawValue, base_dir: &Path, file: Option<&Path>) ->
     let mut builder = Builder::new(Dialect::Mcrt, base_dir, file);
     let top: Top<'_> = object(document, "", &mut builder)?;
     builder.scene.camera = camera(top.camera, "camera", &mut builder)?;
-    json::each(top.lights, "lights", |path, raw| light(raw, path, &mut builder))?;
     json::each(top.materials, "materials", |path, raw| material(raw, path, &mut builder))?;
+    json::each(top.lights, "lights", |path, raw| light(raw, path, &mut builder))?;
     json::each(top.surfaces, "surfaces", |path, raw| surface(raw, path, &mut builder))?;
     Ok(builder.scene)
 }

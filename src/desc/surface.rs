@@ -44,7 +44,7 @@ mod tags {
     macro_rules! tags {
         ($($tag:ident)*) => {$(
             #[derive(serde::Deserialize)]
-            #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+            #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
             #[serde(rename_all = "kebab-case")]
             pub(super) enum $tag {
                 $tag,

@@ -23,7 +23,7 @@ pub(super) struct Step {
     scale: Option<Scale>,
 }
 
-/// For the schema alone: what `transform` accepts.
+/// One step of placement, or several in a row.
 #[cfg(feature = "schema")]
 #[derive(schemars::JsonSchema)]
 #[schemars(untagged)]
