@@ -3,6 +3,25 @@
 //! Every way of describing a scene (a native JSON file, one of the report's files, later calls from a host) ends in one
 //! [`SceneDesc`], and `Scene::build` starts from it.
 
+mod builder;
+mod json;
+mod mcrt;
+mod native;
+mod obj;
+mod params;
+mod quadric;
+mod read;
+mod render;
+#[cfg(feature = "schema")]
+mod schema;
+mod surface;
+mod transform;
+mod validate;
+
+pub use read::{apply_params, load, parse};
+#[cfg(feature = "schema")]
+pub use schema::schema;
+
 use std::path::PathBuf;
 
 use crate::math::{Bounds, DAffine3, DVec3};
@@ -187,7 +206,8 @@ pub struct SurfaceDesc {
     pub transform: DAffine3,
     /// Index into [`SceneDesc::materials`].
     pub material: usize,
-    /// Emitted radiance [W m^-2 sr^-1] on the normal's side; `None` for a surface that does not emit. Quadrics never do.
+    /// Emitted radiance [W m^-2 sr^-1] on the normal's side; `None` for a surface that does not emit. Quadrics and
+    /// disks never do.
     pub emission: Option<Rgb>,
 }
 
@@ -218,6 +238,15 @@ pub enum ShapeDesc {
         coefficients: [f64; 10],
         /// Only what lies inside is there. May be infinite where the quadric itself is bounded.
         clip: Bounds,
+    },
+    /// A flat round disk; a clip box cannot cut a plane round. Never emits.
+    Disk {
+        /// Centre.
+        centre: DVec3,
+        /// Normal, unit length.
+        normal: DVec3,
+        /// Radius > 0.
+        radius: f64,
     },
 }
 

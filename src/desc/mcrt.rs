@@ -1,0 +1,238 @@
+//! Scene files of the report's renderer, `mcrt`, read for the physically correct image of what they describe.
+//!
+//! Albedo and mirror reflectance are `color`; glass is clear; an area light is a triangle of radiance color * intensity on
+//! the side of (v2 - v1) x (v3 - v1) that reflects nothing; a point light has the radiant intensity color * intensity;
+//! `reflectionRate` is a survival probability and does not change the image; meshes are flat. Keys that mean nothing are
+//! skipped with a warning, as `mcrt` skips them in silence.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use serde_json::value::RawValue;
+
+use super::builder::Builder;
+use super::json::{self, Scale, did_you_mean, join};
+use super::{
+    BsdfDesc, CameraDesc, Dialect, MaterialDesc, PointLightDesc, SceneDesc, ShapeDesc, SurfaceDesc, transform, validate,
+};
+use crate::math::DAffine3;
+use crate::{Error, Result};
+
+#[derive(Deserialize)]
+struct Top<'a> {
+    #[serde(borrow)]
+    camera: &'a RawValue,
+    #[serde(borrow)]
+    lights: Option<&'a RawValue>,
+    #[serde(borrow)]
+    materials: Option<&'a RawValue>,
+    #[serde(borrow)]
+    surfaces: Option<&'a RawValue>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Camera {
+    origin: Option<[f64; 3]>,
+    look_at: Option<[f64; 3]>,
+    up: Option<[f64; 3]>,
+    field_of_view: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct PointLight {
+    #[serde(rename = "type")]
+    _type: String,
+    origin: [f64; 3],
+    color: [f64; 3],
+    intensity: f64,
+}
+
+#[derive(Deserialize)]
+struct AreaLight {
+    #[serde(rename = "type")]
+    _type: String,
+    #[serde(rename = "vertex-1")]
+    vertex_1: [f64; 3],
+    #[serde(rename = "vertex-2")]
+    vertex_2: [f64; 3],
+    #[serde(rename = "vertex-3")]
+    vertex_3: [f64; 3],
+    color: [f64; 3],
+    intensity: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Material {
+    name: String,
+    #[serde(rename = "type")]
+    _type: String,
+    color: [f64; 3],
+    brdf: Option<String>,
+    refraction_index: Option<f64>,
+    reflection_rate: Option<f64>,
+    roughness: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct Sphere {
+    #[serde(rename = "geometry")]
+    _geometry: String,
+    origin: [f64; 3],
+    radius: f64,
+    material: String,
+}
+
+#[derive(Deserialize)]
+struct Triangle {
+    #[serde(rename = "geometry")]
+    _geometry: String,
+    #[serde(rename = "vertex-1")]
+    vertex_1: [f64; 3],
+    #[serde(rename = "vertex-2")]
+    vertex_2: [f64; 3],
+    #[serde(rename = "vertex-3")]
+    vertex_3: [f64; 3],
+    material: String,
+}
+
+#[derive(Deserialize)]
+struct Mesh {
+    #[serde(rename = "geometry")]
+    _geometry: String,
+    file: String,
+    origin: [f64; 3],
+    scale: Option<f64>,
+    rotate: Option<[f64; 3]>,
+    material: String,
+}
+
+/// Reads a scene of the report's renderer that has been split at its top.
+pub(super) fn read(document: &RawValue, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> {
+    let mut builder = Builder::new(Dialect::Mcrt, base_dir, file);
+    let top: Top<'_> = object(document, "", &mut builder)?;
+    builder.scene.camera = camera(top.camera, "camera", &mut builder)?;
+    json::each(top.materials, "materials", |path, raw| material(raw, path, &mut builder))?;
+    json::each(top.lights, "lights", |path, raw| light(raw, path, &mut builder))?;
+    json::each(top.surfaces, "surfaces", |path, raw| surface(raw, path, &mut builder))?;
+    Ok(builder.scene)
+}
+
+/// Reads an object; keys without a meaning become warnings.
+fn object<'a, T: Deserialize<'a>>(raw: &'a RawValue, path: &str, builder: &mut Builder<'_>) -> Result<T> {
+    json::object_lenient(raw, path, |key| builder.warn(&join(path, &json::elided(&key)), "unknown key, ignored"))
+}
+
+fn camera(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<CameraDesc> {
+    let camera: Camera = object(raw, path, builder)?;
+    let centre = validate::vector(&join(path, "origin"), camera.origin.unwrap_or_default())?;
+    let look_at = validate::vector(&join(path, "lookAt"), camera.look_at.unwrap_or([0.0, 0.0, -1.0]))?;
+    let up = validate::vector(&join(path, "up"), camera.up.unwrap_or([0.0, 1.0, 0.0]))?;
+    let fov_deg = camera.field_of_view.unwrap_or(90.0);
+    validate::camera(path, centre, look_at, up, fov_deg)?;
+    Ok(CameraDesc::ViewPlane { centre, look_at, up, fov_deg })
+}
+
+fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
+    let at = |key: &str| join(path, key);
+    if json::tag(raw, path, "type", &["point", "area"])? == "point" {
+        let light: PointLight = object(raw, path, builder)?;
+        let factor = validate::intensity(&at("intensity"), light.intensity)?;
+        let position = validate::vector(&at("origin"), light.origin)?;
+        let intensity = validate::emission(&at("color"), light.color, factor)?;
+        builder.scene.lights.push(PointLightDesc { path: path.to_owned(), position, intensity });
+        return Ok(());
+    }
+    let light: AreaLight = object(raw, path, builder)?;
+    let factor = validate::intensity(&at("intensity"), light.intensity)?;
+    let vertices = [
+        validate::vector(&at("vertex-1"), light.vertex_1)?,
+        validate::vector(&at("vertex-2"), light.vertex_2)?,
+        validate::vector(&at("vertex-3"), light.vertex_3)?,
+    ];
+    let radiance = validate::emission(&at("color"), light.color, factor)?;
+    builder.add_area_light(path, vertices, radiance)
+}
+
+fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
+    let at = |key: &str| join(path, key);
+    let missing = |key: &str| Error::invalid(path, format!("missing key `{key}`"));
+    let kind = json::tag(raw, path, "type", &["diffuse", "reflective", "refractive"])?;
+    let material: Material = object(raw, path, builder)?;
+    let mut survival = None;
+    let bsdf = match kind.as_str() {
+        "diffuse" => {
+            match material.reflection_rate {
+                Some(rate) if rate > 0.0 && rate <= 1.0 => survival = Some(rate as f32),
+                Some(rate) => {
+                    builder.warn(&at("reflectionRate"), &format!("{rate} is no probability above 0; ignored"));
+                }
+                None => {}
+            }
+            let albedo = validate::reflectance(&at("color"), material.color)?;
+            match material.brdf.as_deref() {
+                None | Some("lambertian") => BsdfDesc::Lambert { albedo },
+                Some("oren-nayar") => {
+                    let roughness = material.roughness.ok_or_else(|| missing("roughness"))?;
+                    BsdfDesc::Fujii { albedo, roughness: validate::within(&at("roughness"), roughness, 0.0, 1.0)? }
+                }
+                Some(other) => {
+                    let known = ["lambertian", "oren-nayar"];
+                    let hint = did_you_mean(other, known);
+                    let message =
+                        format!("unknown brdf '{}', expected one of {}{hint}", json::elided(other), known.join(", "));
+                    return Err(Error::invalid(at("brdf"), message));
+                }
+            }
+        }
+        "reflective" => BsdfDesc::Mirror { reflectance: validate::reflectance(&at("color"), material.color)? },
+        _ => {
+            if material.color != [1.0; 3] {
+                builder.warn(&at("color"), "glass is clear; the colour is ignored");
+            }
+            let index = material.refraction_index.ok_or_else(|| missing("refractionIndex"))?;
+            let ior = validate::positive(&at("refractionIndex"), index)? as f32;
+            BsdfDesc::Dielectric { ior, exterior_ior: 1.0 }
+        }
+    };
+    let again = format!("a second material named '{}'; the first is used", json::elided(&material.name));
+    if !builder.add_material(MaterialDesc { name: material.name, path: path.to_owned(), bsdf, survival }) {
+        builder.warn(&at("name"), &again);
+    }
+    Ok(())
+}
+
+fn surface(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
+    let at = |key: &str| join(path, key);
+    let (shape, transform, material) = match json::tag(raw, path, "geometry", &["sphere", "triangle", "mesh"])?.as_str()
+    {
+        "sphere" => {
+            let it: Sphere = object(raw, path, builder)?;
+            let centre = validate::vector(&at("origin"), it.origin)?;
+            let radius = validate::positive(&at("radius"), it.radius)?;
+            (ShapeDesc::Sphere { centre, radius }, DAffine3::IDENTITY, it.material)
+        }
+        "triangle" => {
+            let it: Triangle = object(raw, path, builder)?;
+            let vertices = [
+                validate::vector(&at("vertex-1"), it.vertex_1)?,
+                validate::vector(&at("vertex-2"), it.vertex_2)?,
+                validate::vector(&at("vertex-3"), it.vertex_3)?,
+            ];
+            (ShapeDesc::Triangle(vertices), DAffine3::IDENTITY, it.material)
+        }
+        _ => {
+            let it: Mesh = object(raw, path, builder)?;
+            let origin = validate::vector(&at("origin"), it.origin)?;
+            let radians = validate::vector(&at("rotate"), it.rotate.unwrap_or_default())?;
+            let scale = transform::factors(&at("scale"), it.scale.map(Scale::Uniform))?;
+            let transform = transform::place(scale, radians, origin);
+            validate::invertible(path, &transform)?;
+            let mesh = builder.mesh_file(&at("file"), &it.file)?;
+            (ShapeDesc::Mesh { mesh, smooth: false }, transform, it.material)
+        }
+    };
+    let material = builder.material(&at("material"), &material)?;
+    builder.add_surface(SurfaceDesc { path: path.to_owned(), shape, transform, material, emission: None })
+}

@@ -1,0 +1,315 @@
+//! Wavefront OBJ files, read with `tobj` behind a reader that checks every line first.
+//!
+//! The check gives errors their line, keeps indices and counts in a range in which nothing overflows, joins continued
+//! lines, and lets only geometry through (`v`, `vt`, `vn`, `f`): groups and objects merge into one mesh, materials are
+//! ignored, and text in any encoding is fine in names and comments.
+
+use std::io::{self, BufRead, Read};
+use std::path::Path;
+
+use super::builder::warn;
+use super::{MeshDesc, read};
+use crate::math::DVec3;
+use crate::{Error, Result};
+
+/// Largest file that is read, 2 GiB.
+pub(super) const SIZE_LIMIT: u64 = 2 << 30;
+/// Longest line after joining; a face of this length has more than a million corners.
+const LINE_LIMIT: usize = 16 << 20;
+/// Most face corners in one file. A corner takes about 30 bytes while reading.
+const CORNER_LIMIT: usize = 1 << 27;
+
+/// Reads the file at `path`; `json_path` says where the scene names it.
+pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<MeshDesc> {
+    let file = read::open(path, SIZE_LIMIT).map_err(|error| error.at(json_path))?;
+    // One byte more than allowed, so that a file that grows meanwhile is told from one that ends here.
+    let mut lines = Lines::new(io::BufReader::with_capacity(1 << 16, file.take(SIZE_LIMIT + 1)));
+    let fail = |line: usize, message: String| Error::invalid(json_path, message).in_file(Some(path), line);
+    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    let loaded = tobj::load_obj_buf(&mut lines, &options, |_| Err(tobj::LoadError::OpenFileFailed));
+    if let Some(broken) = lines.broken.take() {
+        return Err(fail(lines.line, broken));
+    }
+    if let Some(error) = lines.failed.take() {
+        return Err(Error::io(path, "cannot read the mesh", error).at(json_path));
+    }
+    if lines.inner.get_ref().limit() == 0 {
+        return Err(fail(0, format!("the file is larger than {SIZE_LIMIT} bytes")));
+    }
+    // Indices may point forwards, so they can be judged at the end only.
+    for (what, limit, (index, line)) in [
+        ("vertex", lines.counts[0], lines.greatest[0]),
+        ("texture coordinate", lines.counts[1], lines.greatest[1]),
+        ("normal", lines.counts[2], lines.greatest[2]),
+    ] {
+        if index > limit {
+            return Err(fail(line, format!("the face refers to {what} {index}, but there are {limit}")));
+        }
+    }
+    if lines.corners == 0 {
+        return Err(fail(0, "the file holds no faces; is it a Wavefront OBJ file?".to_owned()));
+    }
+    let (models, _) = loaded.map_err(|error| fail(lines.line, format!("not a Wavefront OBJ file: {error}")))?;
+    let mut mesh = merge(models, path, json_path).map_err(|message| fail(0, message))?;
+    if lines.small_faces > 0 {
+        let count = lines.small_faces;
+        warn(warnings, format!("{json_path}: {}: {count} faces with fewer than 3 corners left out", path.display()));
+    }
+    // The reader below gives a vertex without a normal (or uv) no entry, so a mixture cannot be told apart.
+    for (what, with, complete) in [
+        ("normals", lines.corners_with[2], mesh.normals.len() == mesh.positions.len()),
+        ("texture coordinates", lines.corners_with[1], mesh.uvs.len() == mesh.positions.len()),
+    ] {
+        if with == 0 || (with == lines.corners && complete) {
+            continue;
+        }
+        warn(warnings, format!("{json_path}: {}: only some corners have {what}; all are left out", path.display()));
+        if what == "normals" {
+            mesh.normals = Vec::new();
+        } else {
+            mesh.uvs = Vec::new();
+        }
+    }
+    Ok(mesh)
+}
+
+/// All objects and groups as one mesh.
+fn merge(models: Vec<tobj::Model>, path: &Path, json_path: &str) -> Result<MeshDesc, String> {
+    let mut mesh = MeshDesc { name: path.display().to_string(), path: json_path.to_owned(), ..MeshDesc::default() };
+    for model in models.into_iter().map(|model| model.mesh) {
+        let first = u32::try_from(mesh.positions.len()).map_err(|_| "the mesh has too many vertices".to_owned())?;
+        for p in model.positions.as_chunks::<3>().0 {
+            if finite(*p).is_none() {
+                return Err(format!("the position {p:?} is beyond single precision"));
+            }
+            mesh.positions.push(DVec3::from_array(*p));
+        }
+        for n in model.normals.as_chunks::<3>().0 {
+            mesh.normals.push(finite(*n).ok_or_else(|| format!("the normal {n:?} is beyond single precision"))?);
+        }
+        for uv in model.texcoords.as_chunks::<2>().0 {
+            let finite = finite(*uv);
+            mesh.uvs.push(finite.ok_or_else(|| format!("the texture coordinate {uv:?} is beyond single precision"))?);
+        }
+        mesh.triangles.extend(model.indices.as_chunks::<3>().0.iter().map(|t| t.map(|index| index + first)));
+    }
+    Ok(mesh)
+}
+
+/// Rounded to single precision, where all fit.
+pub(super) fn finite<const N: usize>(values: [f64; N]) -> Option<[f32; N]> {
+    let rounded = values.map(|value| value as f32);
+    rounded.iter().all(|value| value.is_finite()).then_some(rounded)
+}
+
+/// A line-wise reader that passes on checked geometry only.
+struct Lines<R> {
+    inner: R,
+    /// The line to be handed out, with its end.
+    ready: Vec<u8>,
+    taken: usize,
+    /// One-based number of the last line read.
+    line: usize,
+    /// How many `v`, `vt` and `vn` there were.
+    counts: [usize; 3],
+    /// Greatest index of each kind, and the line that used it.
+    greatest: [(usize, usize); 3],
+    corners: usize,
+    /// How many corners have a position, a texture coordinate, a normal.
+    corners_with: [usize; 3],
+    small_faces: usize,
+    /// What is wrong with the current line.
+    broken: Option<String>,
+    failed: Option<io::Error>,
+}
+
+impl<R: BufRead> Lines<R> {
+    fn new(inner: R) -> Self {
+        Self {
+            inner,
+            ready: Vec::new(),
+            taken: 0,
+            line: 0,
+            counts: [0; 3],
+            greatest: [(0, 0); 3],
+            corners: 0,
+            corners_with: [0; 3],
+            small_faces: 0,
+            broken: None,
+            failed: None,
+        }
+    }
+
+    /// Makes the next line of geometry ready; false at the end of the file.
+    fn advance(&mut self) -> Result<bool, String> {
+        loop {
+            self.ready.clear();
+            self.taken = 0;
+            // A backslash before the end of a line continues it.
+            loop {
+                let before = self.ready.len();
+                let room = (LINE_LIMIT - before) as u64 + 1;
+                let read = self.inner.by_ref().take(room).read_until(b'\n', &mut self.ready);
+                match read {
+                    Ok(0) if before == 0 => return Ok(false),
+                    Ok(0) => break,
+                    Ok(_) => {}
+                    Err(error) => {
+                        self.failed = Some(error);
+                        return Err(String::new());
+                    }
+                }
+                self.line += 1;
+                if self.ready.len() > LINE_LIMIT {
+                    return Err(format!("the line is longer than {LINE_LIMIT} bytes; is it a Wavefront OBJ file?"));
+                }
+                let end = self.ready.trim_ascii_end().len();
+                if self.ready.get(end.wrapping_sub(1)) != Some(&b'\\') {
+                    break;
+                }
+                self.ready.truncate(end - 1);
+                self.ready.push(b' ');
+            }
+            if let Some(line) = self.checked()? {
+                self.ready = line;
+                return Ok(true);
+            }
+        }
+    }
+
+    /// The line as the parser should see it, or `None` if it has nothing to do with geometry.
+    fn checked(&mut self) -> Result<Option<Vec<u8>>, String> {
+        let line = self.ready.trim_ascii();
+        let keyword = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+        let kind = match keyword {
+            b"v" => 0,
+            b"vt" => 1,
+            b"vn" => 2,
+            b"f" => return self.face(),
+            _ => return Ok(None),
+        };
+        // A comment may follow on the same line.
+        let line = line.split(|byte| *byte == b'#').next().unwrap_or_default();
+        let text = str::from_utf8(line).map_err(|_| "the line is not text".to_owned())?;
+        let numbers: Vec<&str> = text.split_ascii_whitespace().skip(1).collect();
+        let name = ["position", "texture coordinate", "normal"][kind];
+        if let Some(bad) = numbers.iter().find(|number| !is_number(number)) {
+            return Err(format!("'{}' is not a finite number", shortened(bad)));
+        }
+        // A texture coordinate may lack v. A vertex may have a weight, or a colour, which is of no use here.
+        let (least, keep) = [(3, if numbers.len() == 4 { 4 } else { 3 }), (1, 2), (3, 3)][kind];
+        if numbers.len() < least {
+            return Err(format!("a {name} needs {least} numbers, found {}", numbers.len()));
+        }
+        // The fourth number of a position is a weight that divides the others.
+        if keep == 4 && numbers[3].parse() == Ok(0.0) {
+            return Err("a position with weight 0 lies at infinity".to_owned());
+        }
+        self.counts[kind] += 1;
+        let mut checked = numbers[..keep.min(numbers.len())].join(" ");
+        if kind == 1 && numbers.len() == 1 {
+            checked.push_str(" 0");
+        }
+        Ok(Some(format!("{} {checked}\n", ["v", "vt", "vn"][kind]).into_bytes()))
+    }
+
+    fn face(&mut self) -> Result<Option<Vec<u8>>, String> {
+        let line = self.ready.trim_ascii().split(|byte| *byte == b'#').next().unwrap_or_default();
+        let text = str::from_utf8(line).map_err(|_| "the line is not text".to_owned())?;
+        let mut checked = String::with_capacity(text.len() + 1);
+        checked.push('f');
+        let (mut corners, mut with) = (0, [0; 3]);
+        for corner in text.split_ascii_whitespace().skip(1) {
+            corners += 1;
+            checked.push(' ');
+            for (kind, index) in corner.split('/').enumerate() {
+                if kind > 0 {
+                    checked.push('/');
+                }
+                if index.is_empty() && kind > 0 {
+                    continue;
+                }
+                let bad =
+                    || format!("'{}' is not a corner of a face, expected v, v/vt, v//vn or v/vt/vn", shortened(corner));
+                let count = *self.counts.get(kind).ok_or_else(bad)?;
+                let parsed: i64 = index.parse().map_err(|_| bad())?;
+                // Negative indices count back from the last element so far.
+                let absolute = match usize::try_from(parsed.unsigned_abs()).unwrap_or(usize::MAX) {
+                    0 => return Err(format!("'{}' has the index 0, indices start at 1", shortened(corner))),
+                    back if parsed < 0 && back > count => {
+                        return Err(format!("'{}' counts back {back}, but there are {count}", shortened(corner)));
+                    }
+                    back if parsed < 0 => count + 1 - back,
+                    forward => forward,
+                };
+                if absolute > self.greatest[kind].0 {
+                    self.greatest[kind] = (absolute, self.line);
+                }
+                // What cannot exist is not handed on to be multiplied by three.
+                if absolute > CORNER_LIMIT {
+                    return Err(format!("the index in '{}' is too large", shortened(corner)));
+                }
+                with[kind] += 1;
+                checked.push_str(&absolute.to_string());
+            }
+        }
+        if corners < 3 {
+            self.small_faces += 1;
+            return Ok(None);
+        }
+        self.corners += corners;
+        for (total, with) in self.corners_with.iter_mut().zip(with) {
+            *total += with;
+        }
+        if self.corners > CORNER_LIMIT {
+            return Err(format!("the file has more than {CORNER_LIMIT} face corners"));
+        }
+        checked.push('\n');
+        Ok(Some(checked.into_bytes()))
+    }
+}
+
+impl<R: BufRead> Read for Lines<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let ready = self.fill_buf()?;
+        let count = ready.len().min(buffer.len());
+        buffer[..count].copy_from_slice(&ready[..count]);
+        self.consume(count);
+        Ok(count)
+    }
+}
+
+impl<R: BufRead> BufRead for Lines<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        if self.taken == self.ready.len() && self.broken.is_none() {
+            match self.advance() {
+                Ok(true) => {}
+                Ok(false) => {
+                    self.ready.clear();
+                    self.taken = 0;
+                }
+                Err(message) => {
+                    if self.failed.is_none() {
+                        self.broken = Some(message);
+                    }
+                    return Err(io::Error::from(io::ErrorKind::InvalidData));
+                }
+            }
+        }
+        Ok(&self.ready[self.taken..])
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.taken = (self.taken + count).min(self.ready.len());
+    }
+}
+
+/// A decimal number: what Rust parses, without its words for infinity and NaN.
+fn is_number(text: &str) -> bool {
+    !text.bytes().any(|byte| matches!(byte, b'n' | b'N' | b'i' | b'I')) && text.parse::<f64>().is_ok_and(f64::is_finite)
+}
+
+/// Enough of a bad word to find it.
+fn shortened(text: &str) -> &str {
+    text.char_indices().nth(40).map_or(text, |(end, _)| &text[..end])
+}

@@ -1,0 +1,102 @@
+//! Parameter files of the report's renderer, the second argument of `mcrt`.
+
+use serde::Deserialize;
+use serde_json::value::RawValue;
+
+use super::builder::warn;
+use super::json::{self, Whole, did_you_mean};
+use super::{RenderDesc, SamplerDesc, render, validate};
+use crate::{Error, Result};
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Params<'a> {
+    resolution: Option<[Whole; 2]>,
+    #[serde(borrow)]
+    supersamples: Option<&'a RawValue>,
+    max_ray_depth: Option<Whole>,
+    shadow_rays: Option<Whole>,
+    photon_map: Option<f64>,
+    scaling_factor: Option<[f64; 2]>,
+    #[serde(borrow)]
+    parallel_method: Option<&'a RawValue>,
+    #[serde(borrow)]
+    interpolation: Option<&'a RawValue>,
+    #[serde(borrow)]
+    progressive_rendering: Option<&'a RawValue>,
+    #[serde(borrow)]
+    record_statistics: Option<&'a RawValue>,
+    #[serde(borrow)]
+    photon_map_visualize: Option<&'a RawValue>,
+    #[serde(borrow)]
+    photon_amount: Option<&'a RawValue>,
+    #[serde(borrow)]
+    photon_estimation_radius: Option<&'a RawValue>,
+}
+
+/// Overrides `render` with what the file says.
+pub(super) fn apply(json: &str, render: &mut RenderDesc, warnings: &mut Vec<String>) -> Result<()> {
+    let document = json::document(json)?;
+    let params: Params<'_> = json::object_lenient(document, "", |key| {
+        warn(warnings, format!("{}: unknown parameter, ignored", json::elided(&key)));
+    })?;
+    if let Some(resolution) = params.resolution {
+        render.resolution = validate::resolution("resolution", resolution)?;
+    }
+    if let Some(raw) = params.supersamples {
+        (render.samples, render.sampler) = supersamples(raw, "supersamples")?;
+    }
+    if let Some(depth) = params.max_ray_depth {
+        render.max_depth = Some(validate::whole("maxRayDepth", depth, 1, u64::from(u32::MAX))?);
+    }
+    if let Some(count) = params.shadow_rays {
+        render.shadow_rays = validate::whole("shadowRays", count, 1, u64::from(u32::MAX))?;
+    }
+    if params.photon_map.is_some_and(|on| on != 0.0) {
+        warn(warnings, "photonMap: not done, direct light is computed by shadow rays".to_owned());
+    }
+    if params.scaling_factor.is_some_and(|factor| factor != [1.0, 1.0]) {
+        warn(warnings, "scalingFactor: not done, the image is written at its resolution".to_owned());
+    }
+    // Settings of a program around a renderer, of which this library is none.
+    let ignored: Vec<&str> = [
+        ("parallelMethod", params.parallel_method),
+        ("interpolation", params.interpolation),
+        ("progressiveRendering", params.progressive_rendering),
+        ("recordStatistics", params.record_statistics),
+        ("photonMapVisualize", params.photon_map_visualize),
+        ("photonAmount", params.photon_amount),
+        ("photonEstimationRadius", params.photon_estimation_radius),
+    ]
+    .into_iter()
+    .filter_map(|(key, given)| given.map(|_| key))
+    .collect();
+    if !ignored.is_empty() {
+        warn(warnings, format!("parameters without effect here: {}", ignored.join(", ")));
+    }
+    Ok(())
+}
+
+/// `[n, pattern]`: n * n samples per pixel.
+fn supersamples(raw: &RawValue, path: &str) -> Result<(u32, SamplerDesc)> {
+    let [n, pattern]: [&RawValue; 2] = json::value(raw, path)?;
+    let at = format!("{path}[0]");
+    // The largest n whose square is within the limit on samples.
+    let n = validate::whole(&at, json::value(n, &at)?, 1, render::SAMPLE_LIMIT.isqrt())?;
+    let at = format!("{path}[1]");
+    let pattern: String = json::value(pattern, &at)?;
+    let sampler = match pattern.as_str() {
+        "grid" => SamplerDesc::Grid,
+        "rand" => SamplerDesc::Random,
+        "norm" => SamplerDesc::Gaussian,
+        other => {
+            let known = ["grid", "rand", "norm"];
+            let hint = did_you_mean(other, known);
+            return Err(Error::invalid(
+                at,
+                format!("unknown pattern '{}', expected grid, rand or norm{hint}", json::elided(other)),
+            ));
+        }
+    };
+    Ok((n * n, sampler))
+}

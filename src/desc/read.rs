@@ -1,0 +1,138 @@
+//! From a path to text: regular files of bounded size only, UTF-8, and the choice between the two dialects.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use serde::Deserialize;
+use serde::de::Deserializer;
+use serde_json::value::RawValue;
+
+use super::json::{self, line_at, line_of};
+use super::{SceneDesc, mcrt, native, params};
+use crate::{Error, ErrorKind, Result};
+
+/// Largest scene or parameter file that is read, 512 MiB. Large meshes belong into OBJ files.
+const SIZE_LIMIT: u64 = 512 << 20;
+
+/// Reads a scene file, and the parameter file if there is one.
+///
+/// A native scene says `"etendue": 1`; any other is read as one of the report's renderer. Values of the parameter file
+/// override those of the scene's `render` block. Meshes are looked up from the scene file's folder.
+///
+/// # Errors
+///
+/// [`ErrorKind::Io`] if a file cannot be read or is not a regular file, [`ErrorKind::Unsupported`] for what this version
+/// does not do, otherwise [`ErrorKind::InvalidScene`]; with file, line and JSON path.
+pub fn load(path: &Path, params: Option<&Path>) -> Result<SceneDesc> {
+    let text = read_text(path)?;
+    let base_dir = path.parent().unwrap_or(Path::new(""));
+    let mut scene = parse(&text, base_dir, Some(path))?;
+    if let Some(params) = params {
+        let text = read_text(params)?;
+        apply_params(&text, Some(params), &mut scene)?;
+    }
+    Ok(scene)
+}
+
+/// Reads a scene from a string.
+///
+/// Meshes are looked up from `base_dir`; `file` is for messages, and to notice a scene that names itself as a mesh.
+///
+/// # Errors
+///
+/// As [`load`].
+pub fn parse(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> {
+    let json = json.strip_prefix('\u{feff}').unwrap_or(json);
+    scene(json, base_dir, file).map_err(|error| located(error, json, file))
+}
+
+/// Reads a parameter file of the report's renderer from a string into `scene.render`.
+///
+/// `file` is for messages. What is not done (photon maps, resizing, statistics) is said in `scene.warnings`.
+///
+/// # Errors
+///
+/// [`ErrorKind::InvalidScene`], with line and JSON path in the parameter file; `scene` may then be half changed.
+pub fn apply_params(json: &str, file: Option<&Path>, scene: &mut SceneDesc) -> Result<()> {
+    let json = json.strip_prefix('\u{feff}').unwrap_or(json);
+    params::apply(json, &mut scene.render, &mut scene.warnings).map_err(|error| located(error, json, file))
+}
+
+fn scene(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> {
+    #[derive(Deserialize)]
+    struct Probe<'a> {
+        #[serde(borrow, default, deserialize_with = "even_null")]
+        etendue: Option<&'a RawValue>,
+    }
+    let document = json::document(json)?;
+    let Some(version) = json::object::<Probe>(document, "")?.etendue else {
+        return mcrt::read(document, base_dir, file);
+    };
+    match version.get() {
+        number if number.parse() == Ok(1.0) => native::read(document, base_dir, file),
+        other if json::kind(other) == "a number" => {
+            let message = format!("the scene is of format version {other}, this library reads version 1");
+            Err(Error::new(ErrorKind::Unsupported, message).at("etendue"))
+        }
+        other => Err(Error::invalid("etendue", format!("expected the number 1, found {}", json::kind(other)))),
+    }
+}
+
+/// Makes `null` a value instead of an absent one.
+fn even_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<&'de RawValue>, D::Error> {
+    <&RawValue>::deserialize(deserializer).map(Some)
+}
+
+/// Adds file and line to an error that has only a JSON path so far.
+fn located(error: Error, json: &str, file: Option<&Path>) -> Error {
+    let line = match error.location().line {
+        0 => line_of(json, &error.location().json_path),
+        known => known,
+    };
+    error.in_file(file, line)
+}
+
+/// Opens a regular file of at most `limit` bytes. Pipes, devices and folders are refused before they can block.
+pub(super) fn open(path: &Path, limit: u64) -> Result<File> {
+    let fail = |error| Error::io(path, "cannot open the file", error);
+    let refuse = |message: String| Error::new(ErrorKind::Io, message).in_file(Some(path), 0);
+    let check = |metadata: std::fs::Metadata| {
+        if !metadata.is_file() {
+            let what = if metadata.is_dir() { "a folder" } else { "not a regular file" };
+            return Err(refuse(format!("cannot open the file: it is {what}")));
+        }
+        if metadata.len() > limit {
+            let size = metadata.len();
+            return Err(refuse(format!("the file is too large: {size} bytes, expected {limit} at most")));
+        }
+        Ok(())
+    };
+    check(std::fs::metadata(path).map_err(fail)?)?;
+    let file = File::open(path).map_err(fail)?;
+    // It may have been replaced in between.
+    check(file.metadata().map_err(fail)?)?;
+    Ok(file)
+}
+
+fn read_text(path: &Path) -> Result<String> {
+    let mut bytes = Vec::new();
+    open(path, SIZE_LIMIT)?
+        .take(SIZE_LIMIT + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|error| Error::io(path, "cannot read the file", error))?;
+    if bytes.len() as u64 > SIZE_LIMIT {
+        let message = format!("the file is too large, expected {SIZE_LIMIT} bytes at most");
+        return Err(Error::new(ErrorKind::Io, message).in_file(Some(path), 0));
+    }
+    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+        let message = "the file is UTF-16, expected UTF-8";
+        return Err(Error::new(ErrorKind::InvalidScene, message).in_file(Some(path), 1));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let message = format!("byte {} is not UTF-8; save the file as UTF-8", valid + 1);
+        let line = line_at(error.as_bytes(), valid);
+        Error::new(ErrorKind::InvalidScene, message).in_file(Some(path), line).because(error)
+    })
+}

@@ -1,0 +1,73 @@
+//! JSON Schema of the native scene format, from the structures that read it.
+
+use schemars::{JsonSchema, Schema};
+
+use super::{native, render, surface};
+
+/// A scene in Étendue's native format, version 1.
+#[derive(JsonSchema)]
+#[schemars(deny_unknown_fields, rename = "Scene")]
+#[expect(dead_code, reason = "only its schema is used")]
+struct Scene<'a> {
+    /// Version of the format: 1.
+    #[schemars(range(min = 1, max = 1))]
+    etendue: u8,
+    /// For editors; ignored.
+    #[schemars(rename = "$schema")]
+    schema: Option<String>,
+    /// For people; ignored.
+    description: Option<String>,
+    /// Where the scene is seen from.
+    camera: native::Camera,
+    /// How to render.
+    render: Option<render::Render<'a>>,
+    /// Lights. Surfaces with an emission are lights too.
+    lights: Option<Vec<Light>>,
+    /// Materials, by name.
+    materials: Option<Vec<Material>>,
+    /// Meshes that several surfaces can use, by name.
+    meshes: Option<Vec<surface::SharedMesh>>,
+    /// What there is to hit.
+    surfaces: Option<Vec<Surface<'a>>>,
+}
+
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum Light {
+    Point(native::PointLight),
+    Area(native::AreaLight),
+}
+
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum Material {
+    Diffuse(native::Diffuse),
+    Reflective(native::Reflective),
+    Refractive(native::Refractive),
+    Black(native::Black),
+}
+
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum Surface<'a> {
+    Sphere(surface::Sphere<'a>),
+    Triangle(surface::Triangle<'a>),
+    Quad(surface::Quad<'a>),
+    Mesh(surface::Mesh<'a>),
+    Quadric(surface::Quadric<'a>),
+    Cylinder(surface::Cylinder<'a>),
+    Cone(surface::Cone<'a>),
+    Disk(surface::Disk<'a>),
+    Ellipsoid(surface::Ellipsoid<'a>),
+    Paraboloid(surface::Paraboloid<'a>),
+}
+
+/// The JSON Schema (draft 2020-12) of native scene files.
+///
+/// It checks keys, types and names; what numbers mean (a camera's frame, a flat quad) only reading a scene checks.
+pub fn schema() -> Schema {
+    schemars::schema_for!(Scene<'_>)
+}

@@ -1,0 +1,207 @@
+//! Checks on single values: what they mean physically, and that they survive single precision.
+
+use super::json::Whole;
+use crate::math::{Bounds, DAffine3, DVec3};
+use crate::spectrum::Rgb;
+use crate::{Error, Result};
+
+const F32_MAX: f64 = f32::MAX as f64;
+const F32_MIN: f64 = f32::MIN_POSITIVE as f64;
+
+/// sin of the smallest angle at which two directions count as different.
+const PARALLEL: f64 = 1e-7;
+
+/// How far, relative to its longest diagonal, a quad's fourth vertex may be off the plane of the other three.
+pub(super) const QUAD_FLATNESS: f64 = 1e-4;
+
+/// Whether single precision can hold the number; false for NaN and infinity.
+pub(super) fn fits(value: f64) -> bool {
+    value.abs() <= F32_MAX
+}
+
+/// A number that single precision can hold.
+pub(super) fn number(path: &str, value: f64) -> Result<f64> {
+    if fits(value) {
+        return Ok(value);
+    }
+    Err(Error::invalid(path, format!("{value:e} is beyond single precision, expected a magnitude up to 3.4e38")))
+}
+
+/// A number above zero, in single precision too.
+pub(super) fn positive(path: &str, value: f64) -> Result<f64> {
+    number(path, value)?;
+    if value >= F32_MIN {
+        return Ok(value);
+    }
+    let why = if value > 0.0 { "is too small for single precision" } else { "is not above 0" };
+    Err(Error::invalid(path, format!("{value} {why}, expected a number > 0")))
+}
+
+/// A number in `[low, high]`.
+pub(super) fn within(path: &str, value: f64, low: f64, high: f64) -> Result<f32> {
+    if (low..=high).contains(&value) {
+        return Ok(value as f32);
+    }
+    Err(Error::invalid(path, format!("{value} is out of range, expected a number in [{low}, {high}]")))
+}
+
+/// A point or a vector.
+pub(super) fn vector(path: &str, value: [f64; 3]) -> Result<DVec3> {
+    for (i, component) in value.into_iter().enumerate() {
+        if !fits(component) {
+            number(&format!("{path}[{i}]"), component)?;
+        }
+    }
+    Ok(DVec3::from_array(value))
+}
+
+/// A unit vector from one of any length but zero.
+pub(super) fn direction(path: &str, value: [f64; 3]) -> Result<DVec3> {
+    let v = vector(path, value)?;
+    // Scaled first, so that lengths near the ends of the range do not over- or underflow when squared.
+    (v / v.abs().max_element())
+        .try_normalize()
+        .ok_or_else(|| Error::invalid(path, format!("{value:?} has no direction, expected a vector that is not zero")))
+}
+
+/// A reflectance, [0, 1] per channel: more would create energy.
+pub(super) fn reflectance(path: &str, value: [f64; 3]) -> Result<Rgb> {
+    if let Some(i) = value.iter().position(|channel| !(0.0..=1.0).contains(channel)) {
+        let bad = value[i];
+        let message =
+            format!("a reflectance of {bad} breaks conservation of energy, expected a number in [0, 1] per channel");
+        return Err(Error::invalid(format!("{path}[{i}]"), message));
+    }
+    Ok(DVec3::from_array(value).as_vec3())
+}
+
+/// Radiance or radiant intensity: zero or more per channel, times `factor`.
+pub(super) fn emission(path: &str, value: [f64; 3], factor: f64) -> Result<Rgb> {
+    for (i, channel) in value.into_iter().enumerate() {
+        let path = format!("{path}[{i}]");
+        number(&path, channel)?;
+        if channel < 0.0 {
+            return Err(Error::invalid(path, format!("{channel} is negative, expected light of 0 or more")));
+        }
+        number(&path, channel * factor)?;
+    }
+    Ok((factor * DVec3::from_array(value)).as_vec3())
+}
+
+/// A factor on light: zero or more.
+pub(super) fn intensity(path: &str, value: f64) -> Result<f64> {
+    number(path, value)?;
+    if value >= 0.0 {
+        return Ok(value);
+    }
+    Err(Error::invalid(path, format!("{value} is negative, expected an intensity of 0 or more")))
+}
+
+/// A whole number in `[low, high]`.
+pub(super) fn whole(path: &str, value: Whole, low: u64, high: u64) -> Result<u32> {
+    u32::try_from(value.0).ok().filter(|_| (low..=high).contains(&value.0)).ok_or_else(|| {
+        Error::invalid(path, format!("{} is out of range, expected a whole number from {low} to {high}", value.0))
+    })
+}
+
+/// Width and height of an image: at least a pixel, and not more than 2^28 of them (4 GiB of RGBA in single precision).
+pub(super) fn resolution(path: &str, value: [Whole; 2]) -> Result<[u32; 2]> {
+    const LIMIT: u64 = 1 << 28;
+    let width = whole(&format!("{path}[0]"), value[0], 1, LIMIT)?;
+    let height = whole(&format!("{path}[1]"), value[1], 1, LIMIT)?;
+    if u64::from(width) * u64::from(height) > LIMIT {
+        let message = format!("{width} x {height} pixels are too many, expected 2^28 at most");
+        return Err(Error::invalid(path, message));
+    }
+    Ok([width, height])
+}
+
+/// Where a camera is, where it looks and what is up must give a frame; the angle must be one a pinhole can span.
+pub(super) fn camera(path: &str, origin: DVec3, look_at: DVec3, up: DVec3, fov_deg: f64) -> Result<()> {
+    let at = |key: &str| format!("{path}.{key}");
+    if !(fov_deg > 0.0 && fov_deg < 180.0) {
+        let message = format!("{fov_deg} degrees are out of range, expected an angle between 0 and 180");
+        return Err(Error::invalid(at("fieldOfView"), message));
+    }
+    let view = look_at - origin;
+    let Some(w) = (view / view.abs().max_element()).try_normalize() else {
+        return Err(Error::invalid(at("lookAt"), format!("{look_at} is the camera's origin, expected another point")));
+    };
+    let Some(up) = (up / up.abs().max_element()).try_normalize() else {
+        return Err(Error::invalid(at("up"), "the vector is zero, expected the direction that is up in the image"));
+    };
+    if w.cross(up).length() < PARALLEL {
+        let message = format!("the vector is parallel to the view direction {w}, expected another direction");
+        return Err(Error::invalid(at("up"), message));
+    }
+    Ok(())
+}
+
+/// A convex, flat quadrilateral whose first three vertices give a normal.
+///
+/// Flat means: the fourth vertex is off the plane of the first three by at most 1e-4 of the longer diagonal, which
+/// forgives rounded coordinates at any scale.
+pub(super) fn quad(path: &str, v: [DVec3; 4]) -> Result<()> {
+    let longest = (v[2] - v[0]).abs().max_element().max((v[3] - v[1]).abs().max_element());
+    if longest == 0.0 {
+        return Err(Error::invalid(path, "the quad has no area, its opposite vertices are equal"));
+    }
+    // Everything below is in units of the quad's size.
+    let v = v.map(|vertex| (vertex - v[0]) / longest);
+    let Some(n) = v[1].cross(v[2]).try_normalize().filter(|_| v[1].cross(v[2]).length() > 1e-12) else {
+        return Err(Error::invalid(path, "the quad's first three vertices lie on a line, expected a corner"));
+    };
+    let off = n.dot(v[3]).abs();
+    let diagonal = v[2].length().max((v[3] - v[1]).length());
+    if off > QUAD_FLATNESS * diagonal {
+        let message = format!(
+            "the quad is not flat: vertex-4 is off the plane of the others by {:.3e} of its diagonal, expected {QUAD_FLATNESS:e} \
+             at most; use two triangles",
+            off / diagonal
+        );
+        return Err(Error::invalid(format!("{path}.vertex-4"), message));
+    }
+    for i in 0..4 {
+        let (a, b, c) = (v[i], v[(i + 1) % 4], v[(i + 2) % 4]);
+        if (b - a).cross(c - b).dot(n) < -1e-9 {
+            let message = "the quad is not convex, or its vertices are not in order around the edge; use two triangles";
+            return Err(Error::invalid(format!("{path}.vertex-{}", (i + 1) % 4 + 1), message));
+        }
+    }
+    Ok(())
+}
+
+/// A transform that can be undone.
+///
+/// Judged without a scale: each axis must keep a length, and the volume they span must be above 1e-9 of the product of
+/// their lengths.
+pub(super) fn invertible(path: &str, transform: &DAffine3) -> Result<()> {
+    if !transform.is_finite() {
+        return Err(Error::invalid(path, "the transform overflows, expected finite numbers"));
+    }
+    let m = transform.matrix3;
+    let lengths = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.length());
+    let relative = m.determinant().abs() / (lengths[0] * lengths[1] * lengths[2]);
+    let inverse_is_finite = || transform.inverse().is_finite();
+    // A comparison with NaN, from lengths of zero, is false.
+    if relative > 1e-9 && inverse_is_finite() {
+        return Ok(());
+    }
+    Err(Error::invalid(path, "the transform cannot be undone: it flattens the object"))
+}
+
+/// World coordinates must fit single precision.
+pub(super) fn extent(path: &str, bounds: &Bounds, transform: &DAffine3) -> Result<()> {
+    let world = bounds.transformed(transform);
+    if world.is_empty() {
+        return Err(Error::invalid(path, "the surface holds no point with finite coordinates"));
+    }
+    let reach = world.min.abs().max(world.max.abs()).max_element();
+    if reach <= F32_MAX {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        path,
+        format!("the surface reaches to {reach:e}, beyond single precision; expected coordinates up to 3.4e38"),
+    ))
+}

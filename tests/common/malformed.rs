@@ -1,0 +1,809 @@
+//! Scene files that must be refused, each with the beginning of what must be said about it.
+//!
+//! An entry is (name, text, expected): `expected` is a piece of the error's text with line, JSON path and the beginning of
+//! the message, as in `7: surfaces[0].radius: -1 is not above 0`.
+
+/// A file in parts; `@` marks the place that must be reported and is taken out.
+struct List(Vec<(String, String, String)>);
+
+impl List {
+    /// A whole text.
+    fn text(&mut self, name: &str, text: &str, expected: &str) {
+        let mark = text.find('@').unwrap_or(0);
+        let line = 1 + text[..mark].matches('\n').count();
+        self.0.push((name.to_owned(), text.replacen('@', "", 1), format!("{line}: {expected}")));
+    }
+
+    /// A native scene with a camera, a material named white, and `more` at its top.
+    fn top(&mut self, name: &str, more: &str, expected: &str) {
+        let text = format!(
+            "{{\n \"etendue\": 1,\n \"camera\": {{\"origin\": [0, 0, 5]}},\n \"materials\": [\n  {{\"name\": \"white\", \
+             \"type\": \"diffuse\", \"color\": [0.5, 0.5, 0.5]}}\n ],\n {more}\n}}\n"
+        );
+        self.text(name, &text, expected);
+    }
+
+    /// A native scene with this surface.
+    fn surface(&mut self, name: &str, surface: &str, expected: &str) {
+        let text = format!(
+            "\"surfaces\": [\n  {{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1,\n\
+             \"material\": \"white\"}},\n  {surface}\n ]"
+        );
+        self.top(name, &text, expected);
+    }
+
+    /// A native scene with a sphere with `more`.
+    fn sphere(&mut self, name: &str, more: &str, expected: &str) {
+        let text = format!(
+            "{{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1, \"material\": \"white\",\n   {more}}}"
+        );
+        self.surface(name, &text, expected);
+    }
+
+    /// A native scene with a quad of these corners.
+    fn quad(&mut self, name: &str, corners: [&str; 4], expected: &str) {
+        let [a, b, c, d] = corners;
+        let text = format!(
+            "@{{\"geometry\": \"quad\", \"material\": \"white\",\n   \"vertex-1\": {a},\n   \"vertex-2\": {b},\n   \
+             \"vertex-3\": {c},\n   \"vertex-4\": {d}}}"
+        );
+        self.surface(name, &text, expected);
+    }
+
+    /// A native scene with a second material.
+    fn material(&mut self, name: &str, material: &str, expected: &str) {
+        let text = format!(
+            "{{\"etendue\": 1, \"camera\": {{}},\n \"materials\": [\n  {{\"name\": \"white\", \"type\": \"diffuse\", \
+             \"color\": [1, 1, 1]}},\n  {material}\n ]}}"
+        );
+        self.text(name, &text, expected);
+    }
+
+    /// A native scene with this camera.
+    fn camera(&mut self, name: &str, camera: &str, expected: &str) {
+        self.text(name, &format!("{{\n \"etendue\": 1,\n \"camera\": {camera}\n}}\n"), expected);
+    }
+
+    /// A scene of the report's renderer with `more` at its top.
+    fn mcrt(&mut self, name: &str, more: &str, expected: &str) {
+        let text = format!(
+            "{{\n \"camera\": {{\"origin\": [-1, 0, 0], \"lookAt\": [1, 0, 0]}},\n \"materials\": [\n  {{\"name\": \"white\", \
+             \"type\": \"diffuse\", \"brdf\": \"lambertian\", \"color\": [1, 1, 1],\n   \"refractionIndex\": 0, \
+             \"reflectionRate\": 0.75}}],\n {more}\n}}\n"
+        );
+        self.text(name, &text, expected);
+    }
+}
+
+/// The list.
+pub fn malformed() -> Vec<(String, String, String)> {
+    let mut list = List(Vec::new());
+    texts(&mut list);
+    cameras(&mut list);
+    renders(&mut list);
+    materials(&mut list);
+    lights(&mut list);
+    surfaces(&mut list);
+    placements(&mut list);
+    meshes(&mut list);
+    quadrics(&mut list);
+    reports(&mut list);
+    list.0
+}
+
+fn texts(l: &mut List) {
+    l.text("empty", "", "the text ends inside a value");
+    l.text("blank", "  \n\n@", "the text ends inside a value");
+    l.text("not JSON", "\n\n@scene = 3", "expected value");
+    l.text("cut off", "{\n \"etendue\": 1,\n \"camera\": {@", "the text ends inside an object");
+    l.text("cut off in a string", "{\n \"etendue\": 1,\n \"cam@", "the text ends inside a string");
+    l.text("trailing comma", "{\n \"etendue\": 1,\n \"camera\": {},\n@}", "key must be a string");
+    l.text("missing comma", "{\n \"etendue\": 1\n @\"camera\": {}\n}", "expected `,` or `}`");
+    l.text("two documents", "{\"etendue\": 1, \"camera\": {}}\n@{}", "trailing characters");
+    l.text("comment", "{\n @// a comment\n \"etendue\": 1, \"camera\": {}}", "key must be a string");
+    l.text("NaN", "{\"etendue\": 1, \"camera\": {\n@\"fieldOfView\": NaN}}", "expected value");
+    l.text("infinity", "{\"etendue\": 1, \"camera\": {\n@\"fieldOfView\": Infinity}}", "expected value");
+    l.text("leading zero", "{\"etendue\": 1, \"camera\": {\n@\"fieldOfView\": 090}}", "invalid number");
+    l.text("leading plus", "{\"etendue\": 1, \"camera\": {\n@\"fieldOfView\": +90}}", "expected value");
+    l.text("control character", "{\"etendue\": 1,\n \"descr@\tiption\": 1}", "control character");
+    l.text("bad escape", "{\"etendue\": 1,\n \"a@\\qb\": 1}", "invalid escape");
+    l.text("array at the top", "\n@[{}]", "expected an object, found an array");
+    l.text("number at the top", "1", "expected an object, found a number");
+    l.text("string at the top", "\"scene\"", "expected an object, found a string");
+    l.text("null at the top", "null", "expected an object, found null");
+    l.text("newer version", "{\n@\"etendue\": 2}", "etendue: the scene is of format version 2");
+    l.text("version null", "{\n@\"etendue\": null}", "etendue: expected the number 1, found null");
+    l.text("version string", "{\n@\"etendue\": \"1\"}", "etendue: expected the number 1, found a string");
+    l.text("version twice", "{\"etendue\": 1,\n@\"etendue\": 1, \"camera\": {}}", "etendue: key given twice");
+    l.text("no camera", "\n@{\"etendue\": 1}", "missing key `camera`");
+    l.top("unknown key at the top", "@\"surface\": []", "surface: unknown key `surface`");
+    l.top("unknown key with a hint", "@\"surface\": []", "surface: unknown key `surface`, expected one of");
+    l.top("key of the top twice", "\"lights\": [],\n @\"lights\": []", "lights: key given twice");
+    l.top("surfaces not an array", "@\"surfaces\": {}", "surfaces: invalid type: an object, expected an array");
+    l.top("lights not an array", "@\"lights\": 3", "lights: invalid type: integer `3`, expected an array");
+    l.top("meshes not an array", "@\"meshes\": \"m\"", "meshes: invalid type: string \"m\", expected an array");
+    l.top("description not a string", "@\"description\": 3", "description: invalid type");
+    // Deeper than any stack would stand, in a place where nothing is read.
+    l.top("nested deeply", &format!("@\"deep\": {}{}", "[".repeat(100_000), "]".repeat(100_000)), "deep: unknown key");
+    l.top(
+        "surfaces nested deeply",
+        &format!("\"surfaces\": [\n@{}{}]", "[".repeat(9999), "]".repeat(9999)),
+        "surfaces[0]: expected an object",
+    );
+    l.text(
+        "unclosed arrays",
+        &format!("{{\n \"surfaces\":\n @{}", "[".repeat(100_000)),
+        "the text ends inside an array",
+    );
+    l.top("endless name", &format!("@\"{}\": 1", "x".repeat(100_000)), "xxx");
+}
+
+fn cameras(l: &mut List) {
+    l.camera("camera null", "@null", "camera: expected an object, found null");
+    l.camera("camera array", "@[[0, 0, 0]]", "camera: expected an object, found an array");
+    l.camera("camera number", "@1", "camera: expected an object, found a number");
+    l.camera(
+        "origin of two",
+        "{\n  @\"origin\": [0, 0]}",
+        "camera.origin: wrong length 2, expected an array of length 3",
+    );
+    l.camera("origin of four", "{\n  @\"origin\": [0, 0, 0, 0]}", "camera.origin: too many elements");
+    l.camera(
+        "origin a number",
+        "{\n  @\"origin\": 0}",
+        "camera.origin: invalid type: integer `0`, expected an array of length 3",
+    );
+    l.camera(
+        "origin of strings",
+        "{\"origin\": [0,\n  @\"0\", 0]}",
+        "camera.origin[1]: invalid type: string \"0\", expected a number",
+    );
+    l.camera(
+        "origin with null",
+        "{\"origin\": [0, 0,\n  @null]}",
+        "camera.origin[2]: invalid type: null, expected a number",
+    );
+    l.camera("overflow", "{\"origin\": [0, 0,\n  @1e999]}", "camera.origin[2]: the number is too large");
+    l.camera(
+        "beyond single precision",
+        "{\"origin\": [0, 0,\n  @1e39]}",
+        "camera.origin[2]: 1e39 is beyond single precision",
+    );
+    l.camera("field of view 0", "{\n@\"fieldOfView\": 0}", "camera.fieldOfView: 0 degrees are out of range");
+    l.camera("field of view negative", "{\n@\"fieldOfView\": -30}", "camera.fieldOfView: -30 degrees");
+    l.camera("field of view 180", "{\n@\"fieldOfView\": 180.0}", "camera.fieldOfView: 180 degrees");
+    l.camera(
+        "field of view string",
+        "{\n@\"fieldOfView\": \"90\"}",
+        "camera.fieldOfView: invalid type: string \"90\", expected a number",
+    );
+    l.camera(
+        "looks at itself",
+        "{\"origin\": [1, 2, 3],\n@\"lookAt\": [1, 2, 3]}",
+        "camera.lookAt: [1, 2, 3] is the camera's origin",
+    );
+    l.camera("up is zero", "{\n@\"up\": [0, 0, 0]}", "camera.up: the vector is zero");
+    l.camera("up along the view", "{\n@\"up\": [0, 0, -3]}", "camera.up: the vector is parallel to the view");
+    l.camera("up nearly along the view", "{\n@\"up\": [1e-9, 0, 1]}", "camera.up: the vector is parallel to the view");
+    l.camera("unknown camera key", "{\n@\"fov\": 90}", "camera.fov: unknown key `fov`");
+    l.camera(
+        "mistyped camera key",
+        "{\n@\"lookat\": [0, 0, 0]}",
+        "camera.lookat: unknown key `lookat`, expected one of `type`",
+    );
+    l.camera("camera key twice", "{\"up\": [0, 1, 0],\n@\"up\": [0, 1, 0]}", "camera.up: key given twice");
+    l.camera("unknown camera", "{\n@\"type\": \"fisheye\"}", "camera.type: unknown name `fisheye`");
+    l.camera("camera type number", "{\n@\"type\": 1}", "camera.type: invalid type: integer `1`");
+    l.camera("camera type object", "{\n@\"type\": {\"perspective\": null}}", "camera.type: invalid type: an object");
+    l.camera(
+        "unknown axis",
+        "{\n@\"fieldOfViewAxis\": \"diagonal\"}",
+        "camera.fieldOfViewAxis: unknown name `diagonal`",
+    );
+    l.camera(
+        "view plane with vertical angle",
+        "{\"type\": \"view-plane\",\n@\"fieldOfViewAxis\": \"vertical\"}",
+        "camera.fieldOfViewAxis: a view-plane camera's field of view is horizontal",
+    );
+}
+
+fn renders(l: &mut List) {
+    for (name, block, expected) in [
+        ("resolution of 0", "@\"resolution\": [0, 64]", "resolution"),
+        ("resolution of one", "@\"resolution\": [64]", "resolution: wrong length 1"),
+        ("resolution of three", "@\"resolution\": [64, 64, 3]", "resolution: too many elements"),
+        ("resolution broken", "\"resolution\": [64,\n@64.5]", "resolution[1]: invalid value: floating point `64.5`"),
+        ("resolution negative", "\"resolution\": [\n@-64, 64]", "resolution[0]: invalid value: integer `-64`"),
+        ("resolution huge", "@\"resolution\": [100000, 100000]", "resolution: 100000 x 100000 pixels are too many"),
+        (
+            "resolution beyond 32 bits",
+            "\"resolution\": [\n@4294967297, 1]",
+            "resolution[0]: 4294967297 is out of range",
+        ),
+        ("no samples", "@\"samples\": 0", "samples: 0 is out of range, expected a whole number from 1"),
+        ("too many samples", "@\"samples\": 2147483649", "samples: 2147483649 is out of range"),
+        ("half a sample", "@\"samples\": 0.5", "samples: invalid value: floating point `0.5`"),
+        ("samples string", "@\"samples\": \"64\"", "samples: invalid type: string \"64\", expected a whole number"),
+        ("unknown sampler", "@\"sampler\": \"sobel\"", "sampler: unknown name `sobel`"),
+        (
+            "unknown filter",
+            "@\"filter\": \"gaussain\"",
+            "filter: unknown name 'gaussain', expected one of box, tent, gaussian, \
+             blackman-harris, mitchell; did you mean 'gaussian'?",
+        ),
+        ("unknown filter type", "\"filter\": {\n@\"type\": \"bx\"}", "filter.type: unknown type 'bx'"),
+        ("filter without type", "@\"filter\": {\"sigma\": 1}", "filter: missing key `type`"),
+        ("filter number", "@\"filter\": 1", "filter: expected an object, found a number"),
+        (
+            "filter with foreign key",
+            "\"filter\": {\"type\": \"box\",\n@\"sigma\": 1}",
+            "filter.sigma: unknown key `sigma`",
+        ),
+        ("sigma 0", "\"filter\": {\"type\": \"gaussian\",\n@\"sigma\": 0}", "filter.sigma: 0 is not above 0"),
+        ("sigma huge", "\"filter\": {\"type\": \"gaussian\",\n@\"sigma\": 17}", "filter.sigma: 17 is out of range"),
+        ("mitchell b", "\"filter\": {\"type\": \"mitchell\",\n@\"b\": -1}", "filter.b: -1 is out of range"),
+        ("depth 0", "@\"maxDepth\": 0", "maxDepth: 0 is out of range"),
+        ("depth huge", "@\"maxDepth\": 1e10", "maxDepth: 10000000000 is out of range"),
+        ("no shadow rays", "@\"shadowRays\": 0", "shadowRays: 0 is out of range"),
+        ("unknown integrator", "@\"integrator\": \"bdpt\"", "integrator: unknown name 'bdpt'"),
+        (
+            "unknown integrator type",
+            "\"integrator\": {\n@\"type\": \"whited\"}",
+            "integrator.type: unknown type 'whited', \
+             expected one of path, whitted, direct; did you mean 'whitted'?",
+        ),
+        (
+            "integrator with more",
+            "\"integrator\": {\"type\": \"path\",\n@\"depth\": 3}",
+            "integrator.depth: unknown key",
+        ),
+        ("seed negative", "@\"seed\": -1", "seed: invalid value: integer `-1`"),
+        ("unknown render key", "@\"spp\": 3", "spp: unknown key `spp`"),
+    ] {
+        l.top(name, &format!("\"render\": {{\n  {block}}}"), &format!("render.{expected}"));
+    }
+    l.top("render array", "@\"render\": []", "render: expected an object, found an array");
+}
+
+fn materials(l: &mut List) {
+    l.material("material not an object", "@\"white\"", "materials[1]: expected an object, found a string");
+    l.material("material without type", "@{\"name\": \"a\", \"color\": [1, 1, 1]}", "materials[1]: missing key `type`");
+    l.material(
+        "unknown material type",
+        "{\"name\": \"a\",\n@\"type\": \"difuse\"}",
+        "materials[1].type: unknown type 'difuse', \
+         expected one of diffuse, reflective, refractive, black; did you mean 'diffuse'?",
+    );
+    l.material(
+        "material without name",
+        "@{\"type\": \"diffuse\", \"color\": [1, 1, 1]}",
+        "materials[1]: missing key `name`",
+    );
+    l.material(
+        "material name twice",
+        "{\"type\": \"black\",\n@\"name\": \"white\"}",
+        "materials[1].name: the material name 'white' is given twice",
+    );
+    l.material(
+        "diffuse without color",
+        "@{\"name\": \"a\", \"type\": \"diffuse\"}",
+        "materials[1]: missing key `color`",
+    );
+    for (name, color, expected) in [
+        ("albedo above 1", "[0,\n@1.1, 0]", "color[1]: a reflectance of 1.1 breaks conservation of energy"),
+        ("albedo negative", "[\n@-0.5, 0, 0]", "color[0]: a reflectance of -0.5"),
+        ("albedo of two", "@[1, 1]", "color: wrong length 2"),
+        ("albedo a number", "@1", "color: invalid type: integer `1`"),
+    ] {
+        let text = format!("{{\"name\": \"a\", \"type\": \"diffuse\", \"color\":{color}}}");
+        l.material(name, &text, &format!("materials[1].{expected}"));
+    }
+    let diffuse = |more: &str| format!("{{\"name\": \"a\", \"type\": \"diffuse\", \"color\": [1, 1, 1],\n{more}}}");
+    for (name, more, expected) in [
+        ("unknown brdf", "@\"brdf\": \"lambert\"", "materials[1].brdf: unknown name `lambert`"),
+        (
+            "roughness of lambertian",
+            "@\"roughness\": 0.2",
+            "materials[1].roughness: only a material with brdf 'oren-nayar'",
+        ),
+        (
+            "sigma of oren-nayar",
+            "\"brdf\": \"oren-nayar\",\n@\"sigmaDeg\": 9",
+            "materials[1].sigmaDeg: only a material with brdf",
+        ),
+        (
+            "roughness above 1",
+            "\"brdf\": \"oren-nayar\",\n@\"roughness\": 2",
+            "materials[1].roughness: 2 is out of range",
+        ),
+        (
+            "sigma above 90",
+            "\"brdf\": \"oren-nayar-qualitative\",\n@\"sigmaDeg\": 91",
+            "materials[1].sigmaDeg: 91 is out of range",
+        ),
+        ("rate 0", "@\"reflectionRate\": 0", "materials[1].reflectionRate: 0 is not above 0"),
+        ("rate above 1", "@\"reflectionRate\": 1.5", "materials[1].reflectionRate: 1.5 is out of range"),
+        ("foreign key", "@\"refractionIndex\": 1.5", "materials[1].refractionIndex: unknown key"),
+    ] {
+        l.material(name, &diffuse(more), expected);
+    }
+    l.material(
+        "oren-nayar without roughness",
+        &format!("@{}", diffuse("\"brdf\": \"oren-nayar\"")),
+        "materials[1]: missing key `roughness`",
+    );
+    l.material(
+        "mirror above 1",
+        "{\"name\": \"a\", \"type\": \"reflective\", \"color\": [0, 0,\n@2]}",
+        "materials[1].color[2]: a reflectance of 2",
+    );
+    l.material(
+        "glass without index",
+        "@{\"name\": \"a\", \"type\": \"refractive\"}",
+        "materials[1]: missing key `refractionIndex`",
+    );
+    l.material(
+        "glass index 0",
+        "{\"name\": \"a\", \"type\": \"refractive\",\n@\"refractionIndex\": 0}",
+        "materials[1].refractionIndex: 0 is not above 0",
+    );
+    l.material(
+        "exterior index negative",
+        "{\"name\": \"a\", \"type\": \"refractive\", \"refractionIndex\": 1.5,\n@\"exteriorIndex\": -1}",
+        "materials[1].exteriorIndex: -1 is not above 0",
+    );
+    l.material(
+        "black with color",
+        "{\"name\": \"a\", \"type\": \"black\",\n@\"color\": [0, 0, 0]}",
+        "materials[1].color: unknown key",
+    );
+}
+
+fn lights(l: &mut List) {
+    for (name, light, expected) in [
+        (
+            "light without type",
+            "@{\"origin\": [0, 0, 0]}",
+            "lights[0]: missing key `type`, expected one of point, area",
+        ),
+        ("unknown light", "{\n@\"type\": \"sun\"}", "lights[0].type: unknown type 'sun'"),
+        ("light type null", "{\n\"origin\": 0, \"type\": null}", "lights[0]: missing key `type`"),
+        ("point without origin", "@{\"type\": \"point\", \"color\": [1, 1, 1]}", "lights[0]: missing key `origin`"),
+        ("point without color", "@{\"type\": \"point\", \"origin\": [1, 1, 1]}", "lights[0]: missing key `color`"),
+        (
+            "light of negative color",
+            "{\"type\": \"point\", \"origin\": [1, 1, 1], \"color\": [1,\n@-1, 1]}",
+            "lights[0].color[1]: -1 is negative",
+        ),
+        (
+            "light of negative intensity",
+            "{\"type\": \"point\", \"origin\": [1, 1, 1], \"color\": [1, 1, 1],\n@\"intensity\": -1}",
+            "lights[0].intensity: -1 is negative",
+        ),
+        (
+            "light beyond single precision",
+            "{\"type\": \"point\", \"origin\": [1, 1, 1], \"color\": [\n@1e30, 1, 1], \"intensity\": 1e10}",
+            "lights[0].color[0]: 1e40 is beyond single precision",
+        ),
+        (
+            "area without vertex",
+            "@{\"type\": \"area\", \"vertex-1\": [0, 0, 0], \"vertex-2\": [1, 0, 0], \"color\": [1, 1, 1]}",
+            "lights[0]: missing key `vertex-3`",
+        ),
+        (
+            "area light with origin",
+            "{\"type\": \"area\",\n@\"origin\": [0, 0, 0]}",
+            "lights[0].origin: unknown key `origin`",
+        ),
+    ] {
+        let marked = if light.contains('@') { light.to_owned() } else { format!("@{light}") };
+        l.top(name, &format!("\"lights\": [\n{marked}]"), expected);
+    }
+}
+
+fn surfaces(l: &mut List) {
+    l.surface("surface not an object", "@[]", "surfaces[1]: expected an object, found an array");
+    l.surface(
+        "surface without geometry",
+        "@{\"material\": \"white\"}",
+        "surfaces[1]: missing key `geometry`, expected one of sphere",
+    );
+    l.surface(
+        "unknown geometry",
+        "{\"material\": \"white\",\n@\"geometry\": \"torus\"}",
+        "surfaces[1].geometry: unknown geometry 'torus'",
+    );
+    l.surface(
+        "mistyped geometry",
+        "{\n@\"geometry\": \"spere\"}",
+        "surfaces[1].geometry: unknown geometry 'spere', expected one of sphere, \
+         triangle, quad, mesh, quadric, cylinder, cone, disk, ellipsoid, paraboloid; did you mean 'sphere'?",
+    );
+    l.surface(
+        "geometry twice",
+        "{\"geometry\": \"sphere\",\n@\"geometry\": \"sphere\"}",
+        "surfaces[1].geometry: key given twice",
+    );
+    l.surface(
+        "geometry number",
+        "{\n@\"geometry\": 3}",
+        "surfaces[1].geometry: invalid type: integer `3`, expected a string",
+    );
+    l.surface(
+        "sphere without origin",
+        "@{\"geometry\": \"sphere\", \"radius\": 1, \"material\": \"white\"}",
+        "surfaces[1]: missing key `origin`",
+    );
+    l.surface(
+        "sphere without material",
+        "@{\"geometry\": \"sphere\", \"radius\": 1, \"origin\": [0, 0, 0]}",
+        "surfaces[1]: missing key `material`",
+    );
+    l.surface(
+        "unknown material",
+        "{\"geometry\": \"sphere\", \"radius\": 1, \"origin\": [0, 0, 0],\n@\"material\": \"whit\"}",
+        "surfaces[1].material: no material named 'whit'; did you mean 'white'?",
+    );
+    for (name, radius, expected) in [
+        ("radius 0", "0", "radius: 0 is not above 0"),
+        ("radius negative", "-1", "radius: -1 is not above 0"),
+        ("radius tiny", "1e-60", "radius: 0.000"),
+        ("radius beyond single precision", "1e60", "radius: 1e60 is beyond single precision"),
+        ("radius null", "null", "radius: invalid type: null, expected a number"),
+        ("radius true", "true", "radius: invalid type: boolean `true`, expected a number"),
+    ] {
+        let text = format!(
+            "{{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"material\": \"white\",\n@\"radius\": {radius}}}"
+        );
+        l.surface(name, &text, &format!("surfaces[1].{expected}"));
+    }
+    l.sphere("emission negative", "\"emission\": [1, 1,\n@-1]", "surfaces[1].emission[2]: -1 is negative");
+    l.sphere("emission a number", "@\"emission\": 1", "surfaces[1].emission: invalid type: integer `1`");
+    l.sphere("unknown surface key", "@\"colour\": 1", "surfaces[1].colour: unknown key `colour`");
+    l.surface(
+        "sphere out of range",
+        "@{\"geometry\": \"sphere\", \"origin\": [3e38, 0, 0], \"radius\": 3e38, \"material\": \"white\"}",
+        "surfaces[1]: the surface reaches to 6e38, beyond single precision",
+    );
+    l.surface(
+        "triangle without vertex",
+        "@{\"geometry\": \"triangle\", \"vertex-1\": [0, 0, 0], \"vertex-2\": [1, 0, 0], \"material\": \"white\"}",
+        "surfaces[1]: missing key `vertex-3`",
+    );
+    l.surface(
+        "triangle with bad vertex",
+        "{\"geometry\": \"triangle\", \"vertex-1\": [0, 0, 0], \"vertex-2\": [1,\n@[], 0], \"material\": \"white\"}",
+        "surfaces[1].vertex-2[1]: invalid type: an array, expected a number",
+    );
+    let bent = "surfaces[1].vertex-4: the quad is not flat: vertex-4 is off the plane of the others by";
+    l.surface(
+        "bent quad",
+        "{\"geometry\": \"quad\", \"material\": \"white\", \"vertex-1\": [0, 0, 0], \"vertex-2\": [1, 0, 0],\n\
+         \"vertex-3\": [1, 1, 0],\n@\"vertex-4\": [0, 1, 0.1]}",
+        bent,
+    );
+    l.surface(
+        "tiny bent quad",
+        "{\"geometry\": \"quad\", \"material\": \"white\", \"vertex-1\": [0, 0, 0], \"vertex-2\": [1e-15, 0, 0],\n\
+         \"vertex-3\": [1e-15, 1e-15, 0],\n@\"vertex-4\": [0, 1e-15, 1e-18]}",
+        bent,
+    );
+    l.quad("quad of a point", ["[1, 1, 1]"; 4], "surfaces[1]: the quad has no area");
+    l.quad(
+        "quad on a line",
+        ["[0, 0, 0]", "[1, 0, 0]", "[2, 0, 0]", "[0, 1, 0]"],
+        "surfaces[1]: the quad's first three vertices lie on a line",
+    );
+    l.surface(
+        "crossed quad",
+        "{\"geometry\": \"quad\", \"material\": \"white\", \"vertex-1\": [0, 0, 0],\n\"vertex-2\": [1, 0, 0],\n\
+         @\"vertex-3\": [0, 1, 0],\n\"vertex-4\": [1, 1, 0]}",
+        "surfaces[1].vertex-3: the quad is not convex, or its vertices are not in order",
+    );
+    l.surface(
+        "dented quad",
+        "{\"geometry\": \"quad\", \"material\": \"white\", \"vertex-1\": [0, 0, 0],\n\"vertex-2\": [2, 0, 0],\n\
+         \"vertex-3\": [0, 2, 0],\n@\"vertex-4\": [0.5, 0.5, 0]}",
+        "surfaces[1].vertex-4: the quad is not convex",
+    );
+}
+
+fn placements(l: &mut List) {
+    for (name, transform, expected) in [
+        ("transform number", "@\"transform\": 1", ": expected an object or an array of objects, found a number"),
+        ("transform of numbers", "\"transform\": [\n@1]", "[0]: expected an object, found a number"),
+        ("nested transforms", "\"transform\": [{},\n@[]]", "[1]: expected an object, found an array"),
+        ("unknown transform key", "\"transform\": {\n@\"move\": [0, 0, 0]}", ".move: unknown key `move`"),
+        ("matrix too short", "\"transform\": {\n@\"matrix\": [1, 0, 0, 0]}", ".matrix: wrong length 4"),
+        (
+            "matrix of rows",
+            "\"transform\": {\"matrix\": [\n@[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}",
+            ".matrix[0]: invalid type: an array, expected a number",
+        ),
+        (
+            "matrix by columns",
+            "\"transform\": {\n@\"matrix\": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1]}",
+            ".matrix: the last row is [4.0, 5.0, 6.0, 1.0], expected [0, 0, 0, 1]",
+        ),
+        (
+            "matrix and translate",
+            "\"transform\": {\"translate\": [0, 0, 0],\n@\"matrix\": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}",
+            ".matrix: `matrix` stands alone",
+        ),
+        (
+            "singular matrix",
+            "@\"transform\": {\"matrix\": [1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}",
+            ": the transform cannot be undone",
+        ),
+        (
+            "zero matrix",
+            "@\"transform\": {\"matrix\": [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]}",
+            ": the transform cannot",
+        ),
+        ("scale 0", "\"transform\": {\n@\"scale\": 0}", ".scale: a scale of 0 flattens the object"),
+        ("scale with 0", "\"transform\": {\n@\"scale\": [1, 0, 1]}", ".scale: a scale of 0 flattens the object"),
+        (
+            "scale string",
+            "\"transform\": {\n@\"scale\": \"2\"}",
+            ".scale: invalid type: string \"2\", expected a number or an array",
+        ),
+        ("scale of two", "\"transform\": {\n@\"scale\": [1, 2]}", ".scale: wrong length 2"),
+        ("rotate a number", "\"transform\": {\n@\"rotate\": 90}", ".rotate: invalid type"),
+        (
+            "scales that overflow",
+            "@\"transform\": [{\"scale\": 1e38}, {\"scale\": 1e38}, {\"scale\": 1e38}, {\"scale\": 1e38}, {\"scale\": 1e38}, \
+             {\"scale\": 1e38}, {\"scale\": 1e38}, {\"scale\": 1e38}, {\"scale\": 1e38}]",
+            ": the transform overflows",
+        ),
+    ] {
+        l.sphere(name, transform, &format!("surfaces[1].transform{expected}"));
+    }
+    l.surface(
+        "moved out of range",
+        "@{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1e20, \"material\": \"white\", \"transform\": {\"scale\": 1e20}}",
+        "surfaces[1]: the surface reaches to 1e40",
+    );
+}
+
+fn meshes(l: &mut List) {
+    let mesh = |more: &str| format!("@{{\"geometry\": \"mesh\", \"material\": \"white\"{more}}}");
+    let points = ",\n \"positions\": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]";
+    l.surface("mesh without triangles", &mesh(""), "surfaces[1]: the mesh has no triangles");
+    l.surface("mesh twice", &mesh(", \"file\": \"a.obj\", \"mesh\": \"a\""), "surfaces[1]: the mesh is given twice");
+    l.surface(
+        "mesh in place and by file",
+        &mesh(", \"file\": \"a.obj\", \"positions\": []"),
+        "surfaces[1]: the mesh is given twice",
+    );
+    l.surface("mesh with points only", &mesh(points), "surfaces[1]: missing key `triangles`");
+    l.surface("mesh without points", &mesh(", \"triangles\": [[0, 1, 2]]"), "surfaces[1]: missing key `positions`");
+    for (name, more, expected) in [
+        ("empty mesh", ",\n@\"triangles\": []", "triangles: the mesh is empty"),
+        (
+            "index out of range",
+            ", \"triangles\": [[0, 1, 2], [0, 1,\n@3]]",
+            "triangles[1][2]: there is no vertex 3, expected an index below 3",
+        ),
+        ("index negative", ", \"triangles\": [[0, 1,\n@-1]]", "triangles[0][2]: invalid value: integer `-1`"),
+        ("index broken", ", \"triangles\": [[0, 1,\n@1.5]]", "triangles[0][2]: invalid type: floating point `1.5`"),
+        (
+            "index beyond 32 bits",
+            ", \"triangles\": [[0, 1,\n@4294967296]]",
+            "triangles[0][2]: invalid value: integer `4294967296`",
+        ),
+        ("triangle of four", ", \"triangles\": [\n@[0, 1, 2, 0]]", "triangles[0]: too many elements"),
+        (
+            "normals missing",
+            ", \"triangles\": [[0, 1, 2]],\n@\"normals\": [[0, 0, 1]]",
+            "normals: 1 normals for 3 positions",
+        ),
+        ("uvs missing", ", \"triangles\": [[0, 1, 2]],\n@\"uvs\": [[0, 0]]", "uvs: 1 uvs for 3 positions"),
+        (
+            "normal out of range",
+            ", \"triangles\": [[0, 1, 2]], \"normals\": [[0, 0, 1], [0, 0,\n@1e50], [0, 0, 1]]",
+            "normals[1][2]: 1e50 is beyond single precision",
+        ),
+        ("unknown shading", ", \"triangles\": [[0, 1, 2]],\n@\"shading\": \"phong\"", "shading: unknown name `phong`"),
+        ("mesh scale 0", ", \"triangles\": [[0, 1, 2]],\n@\"scale\": 0", "scale: a scale of 0"),
+    ] {
+        let text = mesh(&format!("{points}{more}")).replacen('@', "", 1);
+        l.surface(name, &text, &format!("surfaces[1].{expected}"));
+    }
+    l.surface(
+        "position out of range",
+        "{\"geometry\": \"mesh\", \"material\": \"white\", \"triangles\": [[0, 0, 0]], \"positions\": [[0,\n@4e38, 0]]}",
+        "surfaces[1].positions[0][1]: 4e38 is beyond single precision",
+    );
+    l.surface(
+        "unknown mesh",
+        "{\"geometry\": \"mesh\", \"material\": \"white\",\n@\"mesh\": \"a\"}",
+        "surfaces[1].mesh: no mesh named 'a'",
+    );
+    l.surface(
+        "missing mesh file",
+        "@{\"geometry\": \"mesh\", \"material\": \"white\", \"file\": \"\"}",
+        "surfaces[1].file: the file name is empty",
+    );
+    l.top(
+        "shared mesh without name",
+        "\"meshes\": [\n@{\"positions\": [], \"triangles\": []}]",
+        "meshes[0]: missing key `name`",
+    );
+    l.top(
+        "shared mesh without triangles",
+        "\"meshes\": [\n@{\"name\": \"a\"}]",
+        "meshes[0]: the mesh has no triangles",
+    );
+    let shared = "{\"name\": \"a\", \"positions\": [[0, 0, 0]], \"triangles\": [[0, 0, 0]]}";
+    l.top(
+        "mesh name twice",
+        &format!("\"meshes\": [{shared},\n{}]", shared.replace("\"name\"", "\n@\"name\"")),
+        "meshes[1].name: the mesh name 'a' is given twice",
+    );
+}
+
+fn quadrics(l: &mut List) {
+    let quadric = |more: &str| format!("{{\"geometry\": \"quadric\", \"material\": \"white\",\n{more}}}");
+    let ball = "\"coefficients\": [1, 1, 1, 0, 0, 0, 0, 0, 0, -1]";
+    for (name, more, expected) in [
+        ("nine coefficients", "@\"coefficients\": [1, 1, 1, 0, 0, 0, 0, 0, 0]", ".coefficients: wrong length 9"),
+        (
+            "no surface",
+            "@\"coefficients\": [0, 0, 0, 0, 0, 0, 0, 0, 0, 1]",
+            ".coefficients: all coefficients but the last are 0",
+        ),
+        ("coefficient out of range", "\"coefficients\": [1, 1, 1, 0, 0, 0, 0, 0, 0,\n@1e40]", ".coefficients[9]: 1e40"),
+        (
+            "clip array",
+            &format!("{ball},\n@\"clip\": [[0, 0, 0], [1, 1, 1]]"),
+            ".clip: expected an object, found an array",
+        ),
+        ("clip without max", &format!("{ball},\n@\"clip\": {{\"min\": [0, 0, 0]}}"), ".clip: missing key `max`"),
+        (
+            "clip empty",
+            &format!("{ball},\n@\"clip\": {{\"min\": [1, 0, 0], \"max\": [0, 1, 1]}}"),
+            ".clip: the box is empty",
+        ),
+        (
+            "quadric emits",
+            &format!("{ball},\n@\"emission\": [1, 1, 1]"),
+            ".emission: quadrics and disks cannot emit light",
+        ),
+    ] {
+        l.surface(name, &quadric(more), &format!("surfaces[1]{expected}"));
+    }
+    l.surface(
+        "endless quadric",
+        &format!("@{}", quadric("\"coefficients\": [1, 1, 0, 0, 0, 0, 0, 0, 0, -1]")),
+        "surfaces[1]: missing key `clip`",
+    );
+    l.surface(
+        "quadric without points",
+        &format!("@{}", quadric("\"coefficients\": [1, 1, 1, 0, 0, 0, 0, 0, 0, 1]")),
+        "surfaces[1]: missing key `clip`",
+    );
+    let named = |kind: &str, keys: &str| format!("@{{\"geometry\": \"{kind}\", \"material\": \"white\", {keys}}}");
+    for (name, kind, keys, expected) in [
+        (
+            "cylinder without axis",
+            "cylinder",
+            "\"base\": [0, 0, 0], \"radius\": 1, \"height\": 1",
+            ": missing key `axis`",
+        ),
+        (
+            "cylinder with zero axis",
+            "cylinder",
+            "\"base\": [0, 0, 0], \"axis\": [0, 0, 0], \"radius\": 1, \"height\": 1",
+            ".axis: [0.0, 0.0, 0.0] has no direction",
+        ),
+        (
+            "cylinder radius",
+            "cylinder",
+            "\"base\": [0, 0, 0], \"axis\": [0, 0, 1], \"radius\": 0, \"height\": 1",
+            ".radius: 0 is not above 0",
+        ),
+        (
+            "cone height",
+            "cone",
+            "\"base\": [0, 0, 0], \"axis\": [0, 0, 1], \"radius\": 1, \"height\": -1",
+            ".height: -1 is not above 0",
+        ),
+        (
+            "disk normal",
+            "disk",
+            "\"origin\": [0, 0, 0], \"normal\": [0, 0, 0], \"radius\": 1",
+            ".normal: [0.0, 0.0, 0.0] has no direction",
+        ),
+        (
+            "disk emits",
+            "disk",
+            "\"origin\": [0, 0, 0], \"normal\": [0, 0, 1], \"radius\": 1, \"emission\": [1, 0, 0]",
+            ".emission: quadrics and disks cannot emit",
+        ),
+        ("ellipsoid radius", "ellipsoid", "\"origin\": [0, 0, 0], \"radii\": [1, 0, 1]", ".radii[1]: 0 is not above 0"),
+        (
+            "paraboloid without apex",
+            "paraboloid",
+            "\"axis\": [0, 0, 1], \"radius\": 1, \"height\": 1",
+            ": missing key `apex`",
+        ),
+    ] {
+        l.surface(name, &named(kind, keys), &format!("surfaces[1]{expected}"));
+    }
+}
+
+fn reports(l: &mut List) {
+    l.text("mcrt without camera", "\n@{\"surfaces\": []}", "missing key `camera`");
+    l.text("mcrt camera upside down", "{\"camera\": {\n@\"up\": [0, 0, 1]}}", "camera.up: the vector is parallel");
+    l.text("mcrt camera string", "{\n@\"camera\": \"front\"}", "camera: expected an object, found a string");
+    for (name, more, expected) in [
+        (
+            "mcrt light without intensity",
+            "\"lights\": [\n@{\"type\": \"point\", \"origin\": [0, 0, 0], \"color\": [1, 1, 1]}]",
+            "lights[0]: missing key `intensity`",
+        ),
+        (
+            "mcrt light type",
+            "\"lights\": [{\n@\"type\": \"spot\"}]",
+            "lights[0].type: unknown type 'spot', expected one of point, area",
+        ),
+        (
+            "mcrt geometry",
+            "\"surfaces\": [{\n@\"geometry\": \"quad\"}]",
+            "surfaces[0].geometry: unknown geometry 'quad', expected one of sphere, triangle, mesh",
+        ),
+        (
+            "mcrt material name",
+            "\"surfaces\": [{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1,\n@\"material\": \"wite\"}]",
+            "surfaces[0].material: no material named 'wite'; did you mean 'white'?",
+        ),
+        (
+            "mcrt radius",
+            "\"surfaces\": [{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"material\": \"white\",\n@\"radius\": -1}]",
+            "surfaces[0].radius: -1 is not above 0",
+        ),
+        (
+            "mcrt mesh without origin",
+            "\"surfaces\": [\n@{\"geometry\": \"mesh\", \"file\": \"a.obj\", \"material\": \"white\"}]",
+            "surfaces[0]: missing key `origin`",
+        ),
+        (
+            "mcrt mesh scale",
+            "\"surfaces\": [{\"geometry\": \"mesh\", \"file\": \"a.obj\", \"material\": \"white\", \"origin\": [0, 0, 0],\n@\"scale\": [1, 1, 1]}]",
+            "surfaces[0].scale: invalid type: an array, expected a number",
+        ),
+    ] {
+        l.mcrt(name, more, expected);
+    }
+    let material = |more: &str| format!("{{\"camera\": {{}}, \"materials\": [\n {{\"name\": \"a\",\n {more}}}]}}");
+    for (name, more, expected) in [
+        ("mcrt material type", "@\"type\": \"metal\"", "materials[0].type: unknown type 'metal'"),
+        (
+            "mcrt brdf",
+            "\"type\": \"diffuse\", \"color\": [1, 1, 1],\n@\"brdf\": \"phong\"",
+            "materials[0].brdf: unknown brdf 'phong'",
+        ),
+        (
+            "mcrt albedo",
+            "\"type\": \"diffuse\",\n\"color\": [1,\n@1.01, 1], \"brdf\": \"lambertian\"",
+            "materials[0].color[1]: a reflectance of 1.01 breaks",
+        ),
+        (
+            "mcrt mirror",
+            "\"type\": \"reflective\",\n\"color\": [\n@9, 1, 1]",
+            "materials[0].color[0]: a reflectance of 9 breaks",
+        ),
+        (
+            "mcrt glass",
+            "\"type\": \"refractive\", \"color\": [1, 1, 1],\n@\"refractionIndex\": 0",
+            "materials[0].refractionIndex: 0 is not above 0",
+        ),
+        (
+            "mcrt roughness",
+            "\"type\": \"diffuse\", \"color\": [1, 1, 1], \"brdf\": \"oren-nayar\",\n@\"roughness\": 2",
+            "materials[0].roughness: 2 is out of range",
+        ),
+    ] {
+        l.text(name, &material(more), expected);
+    }
+}

@@ -1,0 +1,552 @@
+//! Reading scenes: every key of the format, the report's files, parameter files, meshes.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+
+use etendue::ErrorKind;
+use etendue::desc::{
+    self, BsdfDesc, CameraDesc, Dialect, FilterDesc, FovAxis, IntegratorDesc, RenderDesc, SamplerDesc, SceneDesc,
+    ShapeDesc,
+};
+use etendue::math::{DAffine3, DVec3};
+use etendue::spectrum::Rgb;
+
+fn parse(text: &str) -> SceneDesc {
+    desc::parse(text, &common::snippets::data_dir(), None).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+/// A native scene with `more` at its top.
+fn native(more: &str) -> SceneDesc {
+    let white = r#"{"name": "white", "type": "diffuse", "color": [0.5, 0.5, 0.5]}"#;
+    let materials = if more.contains("\"materials\"") { String::new() } else { format!("\"materials\": [{white}],") };
+    parse(&format!("{{\"etendue\": 1, \"camera\": {{}}, {materials} {more}}}"))
+}
+
+fn surface(text: &str) -> desc::SurfaceDesc {
+    native(&format!("\"surfaces\": [{text}]")).surfaces.remove(0)
+}
+
+fn near(a: DVec3, b: DVec3) -> bool {
+    (a - b).length() < 1e-12
+}
+
+#[test]
+fn every_example_in_the_documentation_is_read() {
+    let snippets = common::snippets::snippets();
+    for (kind, snippet, text) in &snippets {
+        if kind == "params" {
+            desc::apply_params(text, None, &mut SceneDesc::default())
+                .unwrap_or_else(|error| panic!("{error}\n{snippet}"));
+        } else {
+            let scene = parse(text);
+            assert!(scene.warnings.is_empty(), "{:?}\n{snippet}", scene.warnings);
+        }
+    }
+    assert!(snippets.len() >= 30, "{} examples found", snippets.len());
+}
+
+#[test]
+fn what_is_left_out_has_the_documented_default() {
+    let scene = native("\"surfaces\": null");
+    assert_eq!(scene.dialect, Dialect::Native);
+    assert_eq!(scene.camera, CameraDesc::default());
+    assert_eq!(scene.render, RenderDesc::default());
+    assert!(scene.surfaces.is_empty() && scene.lights.is_empty() && scene.meshes.is_empty());
+    assert_eq!(scene.materials[0].bsdf, BsdfDesc::Lambert { albedo: Rgb::splat(0.5) });
+    assert_eq!(scene.materials[0].survival, None);
+    assert_eq!(parse("\u{feff}{\"etendue\": 1.0, \"camera\": {}}").dialect, Dialect::Native, "with byte order mark");
+}
+
+#[test]
+fn cameras_are_read_with_every_key() {
+    let keys = r#""origin": [1, 2, 3], "lookAt": [4, 5, 6.5], "up": [0, 0, 2], "fieldOfView": 35"#;
+    let camera = |more: &str| parse(&format!("{{\"etendue\": 1, \"camera\": {{{keys}{more}}}}}")).camera;
+    let (origin, look_at, up, fov_deg) =
+        (DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.5), DVec3::new(0.0, 0.0, 2.0), 35.0);
+    for (more, fov_axis) in [
+        ("", FovAxis::Horizontal),
+        (r#", "fieldOfViewAxis": "vertical", "type": "perspective""#, FovAxis::Vertical),
+        (r#", "fieldOfViewAxis": "horizontal""#, FovAxis::Horizontal),
+    ] {
+        assert_eq!(camera(more), CameraDesc::Perspective { eye: origin, look_at, up, fov_deg, fov_axis });
+    }
+    let plane = CameraDesc::ViewPlane { centre: origin, look_at, up, fov_deg };
+    assert_eq!(camera(r#", "type": "view-plane""#), plane);
+    assert_eq!(parse(&format!("{{\"camera\": {{{keys}}}}}")).camera, plane, "the report's dialect");
+}
+
+#[test]
+fn render_blocks_are_read_with_every_key() {
+    let render = |block: &str| native(&format!("\"render\": {{{block}}}")).render;
+    let all = render(
+        r#""resolution": [640, 480.0], "samples": 256, "sampler": "jittered", "filter": {"type": "gaussian", "sigma": 0.25},
+           "maxDepth": 9, "shadowRays": 2, "integrator": {"type": "whitted"}, "seed": 18446744073709551615"#,
+    );
+    let expected = RenderDesc {
+        resolution: [640, 480],
+        samples: 256,
+        sampler: SamplerDesc::Jittered,
+        filter: FilterDesc::Gaussian { sigma: 0.25 },
+        integrator: IntegratorDesc::Whitted,
+        max_depth: Some(9),
+        shadow_rays: 2,
+        seed: u64::MAX,
+    };
+    assert_eq!(all, expected);
+    for (name, sampler) in [
+        ("sobol", SamplerDesc::Sobol),
+        ("random", SamplerDesc::Random),
+        ("grid", SamplerDesc::Grid),
+        ("gaussian", SamplerDesc::Gaussian),
+    ] {
+        assert_eq!(render(&format!("\"sampler\": \"{name}\"")).sampler, sampler);
+    }
+    let third = 1.0 / 3.0;
+    for (text, filter) in [
+        (r#""box""#, FilterDesc::Box),
+        (r#"{"type": "box"}"#, FilterDesc::Box),
+        (r#""tent""#, FilterDesc::Tent),
+        (r#""gaussian""#, FilterDesc::Gaussian { sigma: 0.5 }),
+        (r#"{"type": "blackman-harris"}"#, FilterDesc::BlackmanHarris),
+        (r#""mitchell""#, FilterDesc::Mitchell { b: third, c: third }),
+        (r#"{"type": "mitchell", "b": 0, "c": 0.5}"#, FilterDesc::Mitchell { b: 0.0, c: 0.5 }),
+    ] {
+        assert_eq!(render(&format!("\"filter\": {text}")).filter, filter);
+    }
+    for (name, integrator) in
+        [("path", IntegratorDesc::Path), ("whitted", IntegratorDesc::Whitted), ("direct", IntegratorDesc::Direct)]
+    {
+        assert_eq!(render(&format!("\"integrator\": \"{name}\"")).integrator, integrator);
+        assert_eq!(render(&format!("\"integrator\": {{\"type\": \"{name}\"}}")).integrator, integrator);
+    }
+}
+
+#[test]
+fn materials_are_read_with_every_key() {
+    let albedo = Rgb::new(0.25, 0.5, 1.0);
+    for (text, bsdf, survival) in [
+        (r#""type": "diffuse", "color": [0.25, 0.5, 1]"#, BsdfDesc::Lambert { albedo }, None),
+        (
+            r#""type": "diffuse", "color": [0.25, 0.5, 1], "brdf": "lambertian", "reflectionRate": 0.75"#,
+            BsdfDesc::Lambert { albedo },
+            Some(0.75),
+        ),
+        (
+            r#""type": "diffuse", "color": [0.25, 0.5, 1], "brdf": "oren-nayar", "roughness": 0.5"#,
+            BsdfDesc::Fujii { albedo, roughness: 0.5 },
+            None,
+        ),
+        (
+            r#""type": "diffuse", "color": [0.25, 0.5, 1], "brdf": "oren-nayar-qualitative", "sigmaDeg": 45"#,
+            BsdfDesc::OrenNayar { albedo, sigma: std::f32::consts::FRAC_PI_4 },
+            None,
+        ),
+        (r#""type": "reflective""#, BsdfDesc::Mirror { reflectance: Rgb::ONE }, None),
+        (r#""type": "reflective", "color": [0.25, 0.5, 1]"#, BsdfDesc::Mirror { reflectance: albedo }, None),
+        (r#""type": "refractive", "refractionIndex": 1.5"#, BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 }, None),
+        (
+            r#""type": "refractive", "refractionIndex": 1, "exteriorIndex": 1.25"#,
+            BsdfDesc::Dielectric { ior: 1.0, exterior_ior: 1.25 },
+            None,
+        ),
+        (r#""type": "black""#, BsdfDesc::Black, None),
+    ] {
+        let scene = native(&format!("\"materials\": [{{\"name\": \"m\", {text}}}]"));
+        let material = &scene.materials[0];
+        assert_eq!((material.name.as_str(), material.path.as_str()), ("m", "materials[0]"));
+        assert_eq!((material.bsdf, material.survival), (bsdf, survival));
+    }
+}
+
+#[test]
+fn lights_are_point_lights_or_black_surfaces_that_emit() {
+    let scene = native(
+        r#""lights": [
+            {"type": "point", "origin": [1, 2, 3], "color": [1, 0.5, 0], "intensity": 4},
+            {"type": "point", "origin": [1, 2, 3], "color": [1, 0.5, 0]},
+            {"type": "area", "vertex-1": [0, 0, 0], "vertex-2": [1, 0, 0], "vertex-3": [0, 1, 0], "color": [3, 2, 1],
+             "intensity": 2},
+            {"type": "area", "vertex-1": [0, 0, 0], "vertex-2": [1, 0, 0], "vertex-3": [0, 1, 0], "color": [0, 0, 0]}
+        ]"#,
+    );
+    assert_eq!(scene.lights.len(), 2);
+    assert_eq!(scene.lights[0].position, DVec3::new(1.0, 2.0, 3.0));
+    assert_eq!(
+        (scene.lights[0].intensity, scene.lights[1].intensity),
+        (Rgb::new(4.0, 2.0, 0.0), Rgb::new(1.0, 0.5, 0.0))
+    );
+    let [area, dark] = scene.surfaces.as_slice() else { panic!("two surfaces") };
+    assert_eq!((area.path.as_str(), area.emission, dark.emission), ("lights[2]", Some(Rgb::new(6.0, 4.0, 2.0)), None));
+    assert_eq!(area.shape, ShapeDesc::Triangle([DVec3::ZERO, DVec3::X, DVec3::Y]));
+    assert_eq!(scene.materials[area.material].bsdf, BsdfDesc::Black);
+    assert_eq!(scene.materials.len(), 2, "one black material for both");
+}
+
+#[test]
+fn simple_shapes_are_read() {
+    let sphere = surface(r#"{"geometry": "sphere", "origin": [1, 2, 3], "radius": 0.5, "material": "white"}"#);
+    assert_eq!(sphere.shape, ShapeDesc::Sphere { centre: DVec3::new(1.0, 2.0, 3.0), radius: 0.5 });
+    assert_eq!((sphere.path.as_str(), sphere.material, sphere.emission), ("surfaces[0]", 0, None));
+    assert_eq!(sphere.transform, DAffine3::IDENTITY);
+    let triangle = surface(
+        r#"{"geometry": "triangle", "vertex-1": [0, 0, 0], "vertex-2": [1, 0, 0], "vertex-3": [0, 1, 0],
+            "material": "white", "emission": [1, 2, 3]}"#,
+    );
+    assert_eq!(triangle.shape, ShapeDesc::Triangle([DVec3::ZERO, DVec3::X, DVec3::Y]));
+    assert_eq!(triangle.emission, Some(Rgb::new(1.0, 2.0, 3.0)));
+    let quad = surface(
+        r#"{"geometry": "quad", "vertex-1": [0, 0, 0], "vertex-2": [1, 0, 0], "vertex-3": [1, 1, 0], "vertex-4": [0, 1, 0],
+            "material": "white"}"#,
+    );
+    assert_eq!(quad.shape, ShapeDesc::Quad([DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y]));
+    let disk =
+        surface(r#"{"geometry": "disk", "origin": [1, 0, 0], "normal": [0, 0, -5], "radius": 2, "material": "white"}"#);
+    assert_eq!(disk.shape, ShapeDesc::Disk { centre: DVec3::X, normal: DVec3::NEG_Z, radius: 2.0 });
+}
+
+#[test]
+fn a_surface_that_only_emits_needs_no_material() {
+    let scene = native(
+        r#""surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "emission": [1, 2, 3]},
+                        {"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "material": "white", "emission": [0, 0, 0]}]"#,
+    );
+    assert_eq!(scene.materials[scene.surfaces[0].material].bsdf, BsdfDesc::Black);
+    assert_eq!(scene.surfaces[0].emission, Some(Rgb::new(1.0, 2.0, 3.0)));
+    assert_eq!(scene.surfaces[1].emission, None, "no light is no emission");
+}
+
+#[test]
+fn flatness_of_quads_does_not_depend_on_their_size_or_place() {
+    for (size, shift) in [(1e-20, 0.0), (1.0, 0.0), (1.0, 1e6), (1e15, 0.0)] {
+        for (off, flat) in [(1e-5, true), (1e-3, false)] {
+            let v = |x: f64, y: f64, z: f64| format!("[{}, {}, {}]", shift + size * x, shift + size * y, size * z);
+            let text = format!(
+                "{{\"etendue\": 1, \"camera\": {{}}, \"surfaces\": [{{\"geometry\": \"quad\", \"emission\": [1, 1, 1],
+                 \"vertex-1\": {}, \"vertex-2\": {}, \"vertex-3\": {}, \"vertex-4\": {}}}]}}",
+                v(0.0, 0.0, 0.0),
+                v(1.0, 0.0, 0.0),
+                v(1.0, 1.0, 0.0),
+                v(0.0, 1.0, off)
+            );
+            assert_eq!(desc::parse(&text, Path::new(""), None).is_ok(), flat, "size {size}, off by {off}");
+        }
+    }
+}
+
+#[test]
+fn transforms_apply_in_their_documented_order() {
+    let place = |text: &str| {
+        surface(&format!(
+            "{{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1, \"material\": \"white\", \"transform\": {text}}}"
+        ))
+        .transform
+    };
+    // Scale, then a quarter turn about z, then the translation.
+    let one = place(r#"{"translate": [10, 0, 0], "rotate": [0, 0, 90], "scale": [2, 3, 4]}"#);
+    assert!(near(one.transform_point3(DVec3::ONE), DVec3::new(10.0 - 3.0, 2.0, 4.0)));
+    // About x first, then y, then z: z goes to -y, stays, and goes to x.
+    let turned = place(r#"{"rotate": [90, 0, 90]}"#);
+    assert!(near(turned.transform_point3(DVec3::Z), DVec3::X));
+    // Row by row, translation in the last column.
+    let matrix = place(r#"{"matrix": [0, -1, 0, 5, 1, 0, 0, 6, 0, 0, 1, 7, 0, 0, 0, 1]}"#);
+    assert!(near(matrix.transform_point3(DVec3::X), DVec3::new(5.0, 7.0, 7.0)));
+    // The first of an array is applied first.
+    let moved_then_scaled = place(r#"[{"translate": [1, 0, 0]}, {"scale": 2}]"#);
+    assert!(near(moved_then_scaled.transform_point3(DVec3::ZERO), 2.0 * DVec3::X));
+    assert_eq!(place("[]"), DAffine3::IDENTITY);
+    // A mirror image and a very flat object are no errors.
+    place(r#"{"scale": [-1, 1, 1]}"#);
+    place(r#"{"scale": [1e-9, 1, 1e9]}"#);
+}
+
+#[test]
+fn named_quadrics_lie_where_their_keys_say() {
+    let at = |shape: &ShapeDesc, p: DVec3| -> f64 {
+        let ShapeDesc::Quadric { coefficients: [a, b, c, d, e, f, g, h, i, j], clip } = shape else {
+            panic!("{shape:?} is no quadric")
+        };
+        assert!(p.cmpge(clip.min - 1e-9).all() && p.cmple(clip.max + 1e-9).all(), "{p} is cut from {shape:?}");
+        let DVec3 { x, y, z } = p;
+        a * x * x + b * y * y + c * z * z + 2.0 * (d * x * y + e * y * z + f * x * z + g * x + h * y + i * z) + j
+    };
+    let s = std::f64::consts::FRAC_1_SQRT_2;
+    // Each lies along (1, 1, 0) from (1, 0, 0), and `p` is a point on it in the world.
+    for (text, p) in [
+        (r#""cylinder", "base": [1, 0, 0], "axis": [3, 3, 0]"#, DVec3::new(1.0 + s, s, 2.0)),
+        (r#""cone", "base": [1, 0, 0], "axis": [3, 3, 0]"#, DVec3::new(1.0, 0.0, 2.0)),
+        (r#""cone", "base": [1, 0, 0], "axis": [3, 3, 0]"#, DVec3::new(1.0 + 2.0 * s, 2.0 * s, 1.0)),
+        (r#""cone", "base": [1, 0, 0], "axis": [3, 3, 0]"#, DVec3::new(1.0 + 4.0 * s, 4.0 * s, 0.0)),
+        (r#""paraboloid", "apex": [1, 0, 0], "axis": [3, 3, 0]"#, DVec3::new(1.0 + 4.0 * s, 4.0 * s, -2.0)),
+        (r#""paraboloid", "apex": [1, 0, 0], "axis": [3, 3, 0]"#, DVec3::new(1.0 + s, s, 1.0)),
+    ] {
+        let it = surface(&format!("{{\"geometry\": {text}, \"radius\": 2, \"height\": 4, \"material\": \"white\"}}"));
+        let value = at(&it.shape, it.transform.inverse().transform_point3(p));
+        assert!(value.abs() < 1e-9, "{text}: {value} at {p}");
+    }
+    let egg = surface(r#"{"geometry": "ellipsoid", "origin": [1, 2, 3], "radii": [1, 2, 4], "material": "white"}"#);
+    for p in [DVec3::new(2.0, 2.0, 3.0), DVec3::new(1.0, 0.0, 3.0), DVec3::new(1.0, 2.0, 7.0)] {
+        assert!(at(&egg.shape, egg.transform.inverse().transform_point3(p)).abs() < 1e-9);
+    }
+    let open = surface(
+        r#"{"geometry": "quadric", "coefficients": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10],
+            "clip": {"min": [-1, -2, -3], "max": [1, 2, 3]}, "material": "white", "transform": {"translate": [1, 0, 0]}}"#,
+    );
+    let ShapeDesc::Quadric { coefficients, clip } = open.shape else { panic!("a quadric") };
+    assert_eq!(coefficients, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0]);
+    assert_eq!((clip.min, clip.max), (DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.0, 2.0, 3.0)));
+    assert_eq!(open.transform, DAffine3::from_translation(DVec3::X));
+    // Without a box, an ellipsoid brings its own.
+    let ball =
+        surface(r#"{"geometry": "quadric", "coefficients": [1, 1, 1, 0, 0, 0, -1, 0, 0, -3], "material": "white"}"#);
+    let ShapeDesc::Quadric { clip, .. } = ball.shape else { panic!("a quadric") };
+    assert!((clip.min - DVec3::new(-1.0, -2.0, -2.0)).abs().max_element() < 0.01);
+    assert!((clip.max - DVec3::new(3.0, 2.0, 2.0)).abs().max_element() < 0.01);
+}
+
+#[test]
+fn meshes_come_from_files_by_name_and_in_place() {
+    let scene = native(
+        r#""meshes": [{"name": "p", "file": "pyramid.obj"},
+                      {"name": "t", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2], [2, 1, 0]]}],
+           "surfaces": [
+            {"geometry": "mesh", "mesh": "p", "material": "white"},
+            {"geometry": "mesh", "file": "./pyramid.obj", "material": "white", "shading": "smooth"},
+            {"geometry": "mesh", "mesh": "t", "material": "white", "shading": "flat"},
+            {"geometry": "mesh", "positions": [[0, 0, 0]], "triangles": [[0, 0, 0]], "normals": [[0, 0, 1]], "uvs": [[0.5, 1]],
+             "emission": [1, 1, 1], "origin": [1, 0, 0], "scale": 2, "rotate": [0, 0, 1.5707963267948966],
+             "transform": {"scale": 10}}]"#,
+    );
+    let used: Vec<_> = scene.surfaces.iter().map(|surface| surface.shape).collect();
+    let mesh = |mesh, smooth| ShapeDesc::Mesh { mesh, smooth };
+    assert_eq!(used, [mesh(0, false), mesh(0, true), mesh(1, false), mesh(2, false)], "a file is read once");
+    assert_eq!(scene.meshes.len(), 3);
+    assert_eq!(scene.meshes[1].triangles, [[0, 1, 2], [2, 1, 0]]);
+    assert_eq!((scene.meshes[1].name.as_str(), scene.meshes[1].path.as_str()), ("t", "meshes[1]"));
+    assert_eq!((&scene.meshes[2].normals, &scene.meshes[2].uvs), (&vec![[0.0, 0.0, 1.0]], &vec![[0.5, 1.0]]));
+    // Scaled, turned about z, moved; then ten times as large.
+    assert!(near(scene.surfaces[3].transform.transform_point3(DVec3::X), DVec3::new(10.0, 20.0, 0.0)));
+}
+
+#[test]
+fn polygons_groups_negative_indices_and_continued_lines_of_an_obj_are_read() {
+    let scene = native(r#""surfaces": [{"geometry": "mesh", "file": "pyramid.obj", "material": "white"}]"#);
+    let mesh = &scene.meshes[0];
+    assert!(mesh.name.ends_with("pyramid.obj"));
+    assert_eq!((mesh.triangles.len(), mesh.normals.len(), mesh.uvs.len()), (6, 0, mesh.positions.len()));
+    // A closed surface with its normals outwards: its volume by the divergence theorem is that of the pyramid.
+    let volume: f64 = mesh
+        .triangles
+        .iter()
+        .map(|triangle| triangle.map(|index| mesh.positions[index as usize]))
+        .map(|[a, b, c]| a.dot(b.cross(c)) / 6.0)
+        .sum();
+    assert!((volume - 4.0 * 2.0 / 3.0).abs() < 1e-12, "{volume}");
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+}
+
+#[test]
+fn parameter_files_override_the_render_block() {
+    let mut scene = native(r#""render": {"seed": 5, "samples": 3, "sampler": "sobol", "maxDepth": 4}"#);
+    desc::apply_params("{}", None, &mut scene).unwrap();
+    assert_eq!((scene.render.samples, scene.render.max_depth, scene.warnings.len()), (3, Some(4), 0), "nothing given");
+    let text = r#"{"resolution": [512, 256], "supersamples": [7, "grid"], "maxRayDepth": 9, "shadowRays": 3, "photonMap": 1,
+        "scalingFactor": [2, 2], "interpolation": "nearest", "recordStatistics": 1, "nonsense": {"a": []}}"#;
+    desc::apply_params(text, None, &mut scene).unwrap();
+    let expected = RenderDesc {
+        resolution: [512, 256],
+        samples: 49,
+        sampler: SamplerDesc::Grid,
+        max_depth: Some(9),
+        shadow_rays: 3,
+        seed: 5,
+        ..RenderDesc::default()
+    };
+    assert_eq!(scene.render, expected);
+    let warnings = scene.warnings.join("\n");
+    for word in
+        ["photonMap: not done", "scalingFactor: not done", "interpolation, recordStatistics", "nonsense: unknown"]
+    {
+        assert!(warnings.contains(word), "{word} in:\n{warnings}");
+    }
+    for (pattern, sampler) in [("rand", SamplerDesc::Random), ("norm", SamplerDesc::Gaussian)] {
+        desc::apply_params(&format!("{{\"supersamples\": [2.0, \"{pattern}\"]}}"), None, &mut scene).unwrap();
+        assert_eq!((scene.render.samples, scene.render.sampler), (4, sampler));
+    }
+    desc::apply_params(r#"{"photonMap": 0, "scalingFactor": [1, 1]}"#, None, &mut scene).unwrap();
+    assert_eq!(scene.warnings.join("\n"), warnings, "what changes nothing needs no word");
+    for (text, expected) in [
+        ("{\n\"resolution\": [0, 1]}", "line 2: resolution[0]: 0 is out of range"),
+        ("{\n\"supersamples\": 7}", "line 2: supersamples: invalid type: integer `7`"),
+        ("{\"supersamples\": [0,\n \"grid\"]}", "line 1: supersamples[0]: 0 is out of range"),
+        ("{\"supersamples\": [46341, \"grid\"]}", "line 1: supersamples[0]: 46341 is out of range"),
+        ("{\"supersamples\": [7,\n\"gird\"]}", "line 2: supersamples[1]: unknown pattern 'gird'"),
+        ("{\"supersamples\": [7, \"grid\", 1]}", "line 1: supersamples: too many elements"),
+        ("{\"maxRayDepth\": 0}", "line 1: maxRayDepth: 0 is out of range"),
+        ("{\"shadowRays\": -1}", "line 1: shadowRays: invalid value: integer `-1`"),
+        ("[]", "line 1: expected an object, found an array"),
+        ("{", "line 1: the text ends inside an object"),
+    ] {
+        let error = desc::apply_params(text, None, &mut scene).expect_err(text).to_string();
+        assert!(error.starts_with(expected), "{error}");
+    }
+}
+
+#[test]
+fn the_reports_dialect_warns_where_it_departs_from_the_letter() {
+    let scene = parse(
+        r#"{"camera": {"lookAt": [0, 0, -2], "zoom": 3}, "author": "me",
+            "materials": [
+              {"name": "a", "type": "diffuse", "brdf": "lambertian", "color": [1, 1, 1], "reflectionRate": 0.5},
+              {"name": "a", "type": "reflective", "color": [0.5, 0.5, 0.5], "reflectionRate": 1},
+              {"name": "b", "type": "diffuse", "brdf": "oren-nayar", "roughness": 0.25, "color": [1, 0, 1], "reflectionRate": 1.5},
+              {"name": "c", "type": "refractive", "color": [1, 0, 0], "refractionIndex": 1.5, "reflectionRate": 1},
+              {"name": "d", "type": "diffuse", "color": [0, 0, 0], "reflectionRate": 0}],
+            "lights": [{"type": "point", "origin": [0, 1, 0], "color": [1, 2, 3], "intensity": 2, "radius": 1}],
+            "surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "material": "a", "emission": [1, 1, 1]}]}"#,
+    );
+    assert_eq!(scene.dialect, Dialect::Mcrt);
+    let names: Vec<_> = scene.materials.iter().map(|material| material.name.as_str()).collect();
+    assert_eq!(names, ["a", "b", "c", "d"]);
+    assert_eq!(scene.materials[0].bsdf, BsdfDesc::Lambert { albedo: Rgb::ONE }, "the first definition wins");
+    assert_eq!(scene.materials[1].bsdf, BsdfDesc::Fujii { albedo: Rgb::new(1.0, 0.0, 1.0), roughness: 0.25 });
+    let survival: Vec<_> = scene.materials.iter().map(|material| material.survival).collect();
+    assert_eq!(survival, [Some(0.5), None, None, None]);
+    assert_eq!(scene.lights[0].intensity, Rgb::new(2.0, 4.0, 6.0));
+    assert_eq!(scene.surfaces[0].emission, None);
+    let warnings = scene.warnings.join("\n");
+    for word in [
+        "author: unknown key",
+        "camera.zoom: unknown key",
+        "materials[1].name: a second material named 'a'",
+        "materials[2].reflectionRate: 1.5",
+        "materials[3].color: glass is clear",
+        "materials[4].reflectionRate: 0",
+        "lights[0].radius: unknown key",
+        "surfaces[0].emission: unknown key",
+    ] {
+        assert!(warnings.contains(word), "{word} in:\n{warnings}");
+    }
+    assert_eq!(scene.warnings.len(), 8, "{warnings}");
+}
+
+/// The folder with the report's files, if it is there.
+fn report_dir() -> Option<PathBuf> {
+    let dir = std::env::var_os("ETENDUE_MCRT_DATA")
+        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/mcrt"), PathBuf::from);
+    if dir.join("scene.json").is_file() {
+        return Some(dir);
+    }
+    eprintln!("SKIPPED: no scene.json of the report in {}; set ETENDUE_MCRT_DATA to its folder", dir.display());
+    None
+}
+
+#[test]
+fn the_reports_room_is_read_whole() {
+    let Some(dir) = report_dir() else { return };
+    let scene = desc::load(&dir.join("scene.json"), None).unwrap();
+    assert_eq!(scene.dialect, Dialect::Mcrt);
+    assert_eq!(scene.render, RenderDesc::default(), "nothing is cut without a parameter file");
+    let emitting: Vec<_> = scene.surfaces.iter().filter(|surface| surface.emission.is_some()).collect();
+    assert_eq!(emitting.len(), 4);
+    for light in emitting {
+        assert_eq!(light.emission, Some(Rgb::ONE));
+        assert_eq!(scene.materials[light.material].bsdf, BsdfDesc::Black);
+        let ShapeDesc::Triangle([a, b, c]) = light.shape else { panic!("{light:?}") };
+        assert!((b - a).cross(c - a).y < 0.0, "the panel at the ceiling shines downwards: {}", light.path);
+    }
+    let named: Vec<_> = scene.materials.iter().filter(|material| material.path.starts_with("materials")).collect();
+    assert_eq!(named.len(), 11);
+    let white = scene.materials.iter().find(|material| material.name == "white").unwrap();
+    assert_eq!((white.bsdf, white.survival), (BsdfDesc::Lambert { albedo: Rgb::ONE }, Some(0.75)));
+    let concrete = scene.materials.iter().find(|material| material.name == "concrete").unwrap();
+    assert_eq!(concrete.bsdf, BsdfDesc::Fujii { albedo: Rgb::ONE, roughness: 0.2 });
+    let glass = scene.materials.iter().find(|material| material.name == "glass").unwrap();
+    assert_eq!((glass.bsdf, glass.survival), (BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 }, None));
+    let mirror = scene.materials.iter().find(|material| material.name == "mirror").unwrap();
+    assert_eq!((mirror.bsdf, mirror.survival), (BsdfDesc::Mirror { reflectance: Rgb::ONE }, None));
+    let spheres = scene.surfaces.iter().filter(|surface| matches!(surface.shape, ShapeDesc::Sphere { .. })).count();
+    let triangles = scene.surfaces.iter().filter(|surface| matches!(surface.shape, ShapeDesc::Triangle(_))).count();
+    assert_eq!((spheres, triangles, scene.surfaces.len()), (3, 24 + 4, 32));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+
+    let [teapot] = scene.meshes.as_slice() else { panic!("one mesh") };
+    assert_eq!(teapot.triangles.len(), 240);
+    let distinct: std::collections::HashSet<_> =
+        teapot.positions.iter().map(|p| p.to_array().map(f64::to_bits)).collect();
+    assert_eq!(distinct.len(), 137);
+    let placed = scene.surfaces.iter().find(|surface| matches!(surface.shape, ShapeDesc::Mesh { .. })).unwrap();
+    assert_eq!(placed.shape, ShapeDesc::Mesh { mesh: 0, smooth: false });
+    // A turn by -0.9 rad about y, then the translation.
+    let (sin, cos) = (-0.9_f64).sin_cos();
+    assert!(near(placed.transform.transform_point3(DVec3::X), DVec3::new(4.0 + cos, -5.15, -sin)));
+}
+
+#[test]
+fn the_reports_boxes_and_parameters_are_read_whole() {
+    let Some(dir) = report_dir() else { return };
+    let scene = desc::load(&dir.join("cornell.json"), Some(&dir.join("param.json"))).unwrap();
+    let lights: Vec<_> = scene.surfaces.iter().filter_map(|surface| surface.emission).collect();
+    assert_eq!(lights, [Rgb::ONE; 2]);
+    assert_eq!(scene.surfaces.len(), 30 + 2);
+    assert_eq!(scene.materials.len(), 3 + 1);
+    let expected = CameraDesc::ViewPlane {
+        centre: DVec3::new(11120.0, 10920.0, -32000.0),
+        look_at: DVec3::new(11120.0, 10920.0, -31999.0),
+        up: DVec3::Y,
+        fov_deg: 39.31,
+    };
+    assert_eq!(scene.camera, expected);
+    let render = RenderDesc { samples: 49, sampler: SamplerDesc::Grid, max_depth: Some(7), ..RenderDesc::default() };
+    assert_eq!(scene.render, render);
+    assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
+}
+
+#[test]
+fn a_report_scene_becomes_native_by_its_version_where_its_materials_allow() {
+    let text = r#"{"etendue": 1, "camera": {"type": "view-plane", "origin": [-1, 0, 0], "lookAt": [1, 0, 0]},
+        "lights": [{"type": "area", "vertex-1": [1, 4, 4], "vertex-2": [1, 4, -4], "vertex-3": [9, 4, -4],
+                    "color": [1, 1, 1], "intensity": 1}],
+        "materials": [{"name": "w", "type": "diffuse", "brdf": "lambertian", "color": [1, 1, 1], "reflectionRate": 0.75}],
+        "surfaces": [{"geometry": "mesh", "file": "pyramid.obj", "origin": [4, -5, 0], "rotate": [0, -0.9, 0], "scale": 1,
+                      "material": "w"}]}"#;
+    let (native, report) =
+        (parse(text), parse(&text.replace("\"etendue\": 1,", "").replace("\"type\": \"view-plane\",", "")));
+    assert_eq!(native.camera, report.camera);
+    assert_eq!(native.surfaces[1].transform, report.surfaces[1].transform);
+    assert_eq!(native.materials[0], report.materials[0]);
+    assert_eq!((native.dialect, report.dialect), (Dialect::Native, Dialect::Mcrt));
+}
+
+#[test]
+fn a_scene_is_loaded_from_its_file_with_its_meshes_beside_it() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::create_dir(dir.path().join("meshes")).unwrap();
+    std::fs::copy(common::snippets::data_dir().join("pyramid.obj"), dir.path().join("meshes/p.obj")).unwrap();
+    let text = r#"{"etendue": 1, "camera": {}, "surfaces": [{"geometry": "mesh", "file": "meshes/p.obj", "emission": [1, 1, 1]}]}"#;
+    let path = dir.path().join("scene.json");
+    std::fs::write(&path, text).unwrap();
+    let scene = desc::load(&path, None).unwrap();
+    assert_eq!((scene.file.as_deref(), scene.meshes[0].triangles.len()), (Some(path.as_path()), 6));
+    let missing = desc::load(&dir.path().join("other.json"), None).unwrap_err();
+    assert_eq!(missing.kind(), ErrorKind::Io);
+    assert!(missing.to_string().contains("other.json"), "{missing}");
+    let params = dir.path().join("param.json");
+    std::fs::write(&params, "{\n\"shadowRays\": 0}").unwrap();
+    let error = desc::load(&path, Some(&params)).unwrap_err();
+    assert!(error.to_string().contains("param.json:2: shadowRays: 0"), "{error}");
+}
+
+/// The schema in `docs/` is the one of the structures that read scenes. `ETENDUE_WRITE_SCHEMA=1` writes it anew.
+#[cfg(feature = "schema")]
+#[test]
+fn the_schema_in_the_documentation_is_current() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/scene.schema.json");
+    let mut current = serde_json::to_string_pretty(&desc::schema()).unwrap();
+    current.push('\n');
+    if std::env::var_os("ETENDUE_WRITE_SCHEMA").is_some() {
+        std::fs::write(&path, &current).unwrap();
+    }
+    let committed = std::fs::read_to_string(&path).unwrap();
+    assert!(committed == current, "docs/scene.schema.json is out of date: run this test with ETENDUE_WRITE_SCHEMA=1");
+}
