@@ -10,7 +10,7 @@ use common::stats::{SIGNIFICANCE, check_directions, mean_and_error, sidak, z_tes
 use etendue::bsdf::{Bsdf, BsdfSample, Dielectric, fresnel_dielectric, refracted_cosine};
 use etendue::desc::BsdfDesc;
 use etendue::math::Vec3;
-use etendue::sampling::{Rng, warps};
+use etendue::sampling::{Rng, Sampler, SobolSampler, warps};
 use etendue::spectrum::Rgb;
 
 fn direction(theta_deg: f64, phi_deg: f64) -> Vec3 {
@@ -154,11 +154,18 @@ fn nothing_depends_on_which_side_is_lit() {
     }
 }
 
-/// Mean weight of samples, the directional albedo, and its standard error.
-fn sampled_albedo(bsdf: &Bsdf, wo: Vec3, stream: u64) -> (f64, f64) {
-    let mut rng = Rng::new(15, stream);
-    let draw = |_| bsdf.sample(wo, uniform_3d(&mut rng)).map_or(0.0, |sample| f64::from(sample.weight.x));
-    mean_and_error(&(0..500_000).map(draw).collect::<Vec<_>>())
+/// Mean weight of samples, the directional albedo, and its standard error from independent replicates.
+fn sampled_albedo(bsdf: &Bsdf, wo: Vec3, pixel: u32) -> (f64, f64) {
+    const REPLICATES: u32 = 64;
+    const SIZE: u32 = 8192;
+    let mut sampler = SobolSampler::new(15, SIZE);
+    let mut weight = |i| {
+        sampler.start(pixel, i);
+        let [a, b, c, _] = sampler.next_4d();
+        bsdf.sample(wo, [a, b, c]).map_or(0.0, |sample| f64::from(sample.weight.x))
+    };
+    let replicate = |r: u32| (r * SIZE..(r + 1) * SIZE).map(&mut weight).sum::<f64>() / f64::from(SIZE);
+    mean_and_error(&(0..REPLICATES).map(replicate).collect::<Vec<_>>())
 }
 
 /// The same without the sampler: the integral of f cos over the hemisphere, midpoints in root of cosine and azimuth.
@@ -196,7 +203,7 @@ fn directional_albedo_is_the_tabulated_one() {
             let wo = direction(theta, 13.0);
             let integrated = integrated_albedo(&bsdf, wo);
             assert!((integrated - exact).abs() < 3e-4, "theta {theta}, column {column}: {integrated} for {exact}");
-            let (mean, error) = sampled_albedo(&bsdf, wo, theta as u64 * 6 + column as u64);
+            let (mean, error) = sampled_albedo(&bsdf, wo, theta as u32 * 6 + column as u32);
             assert!(error < 1e-3 * exact);
             // At normal incidence all weights are equal; what is left is rounding.
             let p = z_test(mean, error.max(1e-7), exact);
