@@ -26,7 +26,7 @@ pub fn fresnel_dielectric(cos_theta_i: f64, eta: f64) -> f64 {
     }
     let c = cos_theta_i.abs().min(1.0);
     let radicand = refraction_radicand(c, eta);
-    if !(radicand > 0.0) {
+    if radicand.is_nan() || radicand <= 0.0 {
         return 1.0;
     }
     let g = radicand.sqrt();

@@ -70,9 +70,9 @@ impl Bsdf {
         match *desc {
             BsdfDesc::Black => Self::Black,
             BsdfDesc::Lambert { albedo } => Self::Lambert(Lambert::new(albedo)),
-            BsdfDesc::OrenNayar { albedo, sigma } if sigma == 0.0 => Self::Lambert(Lambert::new(albedo)),
+            BsdfDesc::OrenNayar { albedo, sigma: 0.0 } => Self::Lambert(Lambert::new(albedo)),
             BsdfDesc::OrenNayar { albedo, sigma } => Self::OrenNayar(OrenNayar::new(albedo, sigma)),
-            BsdfDesc::Fujii { albedo, roughness } if roughness == 0.0 => Self::Lambert(Lambert::new(albedo)),
+            BsdfDesc::Fujii { albedo, roughness: 0.0 } => Self::Lambert(Lambert::new(albedo)),
             BsdfDesc::Fujii { albedo, roughness } => Self::Fujii(Fujii::new(albedo, roughness)),
             BsdfDesc::Mirror { reflectance } => Self::Mirror(Mirror::new(reflectance)),
             BsdfDesc::Dielectric { ior, exterior_ior } => Self::Dielectric(Dielectric::new(ior, exterior_ior)),
@@ -143,8 +143,7 @@ impl Bsdf {
     /// refraction. `None` where nothing is scattered.
     #[inline]
     pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
-        // Also ends paths whose direction is not a number.
-        if !(wo.z.abs() > 0.0) {
+        if wo.z == 0.0 || wo.z.is_nan() {
             return None;
         }
         let diffuse = |weight: &dyn Fn(Vec3) -> Rgb| -> Option<BsdfSample> {

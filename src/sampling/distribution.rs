@@ -25,7 +25,7 @@ impl Distribution1D {
             return None;
         }
         let total: f64 = weights.iter().sum();
-        if !(total > 0.0 && total.is_finite()) {
+        if total == 0.0 || !total.is_finite() {
             return None;
         }
         let mut cdf = Vec::with_capacity(weights.len() + 1);

@@ -9,13 +9,11 @@
 /// The other density over this one, with the doubtful quotients settled; `None` where this one is 0.
 #[inline]
 fn ratio(pdf: f32, other_pdf: f32) -> Option<f32> {
-    if !(pdf > 0.0) {
-        None
-    } else if pdf == other_pdf {
-        // Also infinity over infinity.
-        Some(1.0)
+    if pdf > 0.0 {
+        // Equal also means infinity over infinity.
+        Some(if pdf == other_pdf { 1.0 } else { other_pdf / pdf })
     } else {
-        Some(other_pdf / pdf)
+        None
     }
 }
 

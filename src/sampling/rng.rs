@@ -29,6 +29,12 @@ pub(crate) fn hash(key: u64, x: u64) -> u64 {
     mix(mix(key.wrapping_add(GOLDEN_GAMMA)) ^ x.wrapping_mul(GOLDEN_GAMMA))
 }
 
+/// Element `i` of the SplitMix64 stream that starts at `key`.
+#[inline]
+pub(crate) fn stream(key: u64, i: u64) -> u64 {
+    mix(key.wrapping_add(i.wrapping_mul(GOLDEN_GAMMA)))
+}
+
 /// The upper 24 bits as a number in [0, 1), all of them exact multiples of 2^-24.
 #[inline]
 pub(crate) fn unit_f32(bits: u32) -> f32 {

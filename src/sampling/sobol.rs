@@ -1,39 +1,100 @@
 //! Owen-scrambled Sobol' points.
 
-use super::Sampler;
-use super::rng::hash;
+use std::sync::LazyLock;
 
-/// Owen-scrambled Sobol' points in every dimension.
+use sobol_burley::NUM_DIMENSION_SETS_4D;
+use sobol_burley::parts::{owen_scramble_rev, sobol_int4_rev};
+
+use super::Sampler;
+use super::rng::{hash, stream, unit_f32};
+
+/// Owen-scrambled Sobol' points in 256 dimensions, in sets of four.
+///
+/// Successive sets are successive dimensions of one Sobol' sequence, so the points are stratified across sets too: it is
+/// this that makes a pixel's mean over (position, light, direction, ...) converge faster than 1/sqrt(N). Padding, in which
+/// each set is shuffled on its own, keeps the first two dimensions of every set a (0,2)-sequence but loses a factor of 2
+/// to 10 in error across sets from 64 samples on (measured on products of Gaussians and on discs that span two sets). The
+/// pixel's position is the first pair, a (0,2)-sequence.
+///
+/// Every pixel and every replicate has its own scramble and its own order of points; any 2^k points from a multiple of 2^k on
+/// are stratified, whatever 2^k. Beyond 2^16 points of a replicate, and beyond the last set of dimensions, points go on
+/// with a new scramble and order: independent of what came before, still stratified in themselves.
+///
+/// The direction numbers and the scrambling function are those of `sobol_burley`; points are evaluated here, four index
+/// bits at a time from a table (64 kB for all sets, 1 kB for each set in use) and with one shuffle per sample instead of
+/// one per set, in less than half of that crate's time.
+///
+/// Sources: Owen 1995, "Randomly Permuted (t,m,s)-Nets and (t,s)-Sequences"; Burley 2020, "Practical Hash-based Owen
+/// Scrambling"; Vegdahl 2021, "Building a Better LK Hash"; Joe and Kuo 2008, "Constructing Sobol' Sequences with Better
+/// Two-Dimensional Projections".
 #[derive(Clone, Debug)]
 pub struct SobolSampler {
+    table: &'static Table,
     seed: u64,
     replicate_size: u32,
-    index: u32,
+    /// Index of the point, before and after it is put in random order; bits reversed.
+    index_rev: u32,
+    shuffled_rev: u32,
     key: u64,
     set: u32,
 }
 
 impl SobolSampler {
-    /// `replicate_size`: samples of a pixel that share one scramble.
+    /// A sampler of the family `seed`.
+    ///
+    /// `replicate_size`: how many consecutive samples of a pixel make one point set (0 counts as 1): sample s is point
+    /// s mod `replicate_size` of replicate s / `replicate_size`. Replicates are independent and unbiased, so their scatter
+    /// tells the error of their mean; the larger they are, the smaller that error. Powers of two are best: only they
+    /// are complete nets. `u32::MAX` makes one replicate of all samples.
     pub fn new(seed: u64, replicate_size: u32) -> Self {
-        Self { seed, replicate_size: replicate_size.max(1), index: 0, key: 0, set: 0 }
+        let table = &*TABLE;
+        Self { table, seed, replicate_size: replicate_size.max(1), index_rev: 0, shuffled_rev: 0, key: 0, set: 0 }
     }
+
+    #[inline]
+    fn point(&self, set: u32) -> [f32; 4] {
+        let (lap, set) = (set / NUM_DIMENSION_SETS_4D, set % NUM_DIMENSION_SETS_4D);
+        if lap == 0 { self.scrambled(set, self.shuffled_rev, self.key) } else { self.later_lap(lap, set) }
+    }
+
+    /// Dimensions beyond the last: the same sets again, in a new order.
+    #[cold]
+    fn later_lap(&self, lap: u32, set: u32) -> [f32; 4] {
+        let key = hash(self.key, u64::from(lap));
+        self.scrambled(set, shuffle(self.index_rev, key), key)
+    }
+
+    #[inline]
+    fn scrambled(&self, set: u32, index_rev: u32, key: u64) -> [f32; 4] {
+        let seeds = [stream(key, 2 * u64::from(set) + 1), stream(key, 2 * u64::from(set) + 2)];
+        let point = self.table.point(set, index_rev);
+        std::array::from_fn(|d| {
+            let seed = (seeds[d / 2] >> (32 * (d % 2))) as u32;
+            unit_f32(owen_scramble_rev(point[d], seed).reverse_bits())
+        })
+    }
+}
+
+/// A random order of the points that keeps aligned blocks of 2^k together: an Owen scramble of the index.
+#[inline]
+fn shuffle(index_rev: u32, key: u64) -> u32 {
+    owen_scramble_rev(index_rev, stream(key, 0) as u32)
 }
 
 impl Sampler for SobolSampler {
     #[inline]
     fn start(&mut self, pixel: u32, sample: u32) {
-        let replicate = sample / self.replicate_size;
-        let index = sample % self.replicate_size;
-        self.index = index & 0xffff;
+        let (replicate, index) = (sample / self.replicate_size, sample % self.replicate_size);
         let block = u64::from(replicate) << 16 | u64::from(index >> 16);
         self.key = hash(hash(self.seed, u64::from(pixel)), block);
+        self.index_rev = (index & 0xffff).reverse_bits();
+        self.shuffled_rev = shuffle(self.index_rev, self.key);
         self.set = 0;
     }
 
     #[inline]
     fn pixel_2d(&mut self) -> [f32; 2] {
-        let [a, b, _, _] = sobol_burley::sample_4d(self.index, 0, self.key as u32);
+        let [a, b, _, _] = self.point(0);
         [a, b]
     }
 
@@ -46,8 +107,65 @@ impl Sampler for SobolSampler {
     #[inline]
     fn next_4d(&mut self) -> [f32; 4] {
         self.set += 1;
-        let (set, block) =
-            (self.set % sobol_burley::NUM_DIMENSION_SETS_4D, self.set / sobol_burley::NUM_DIMENSION_SETS_4D);
-        sobol_burley::sample_4d(self.index, set, self.key as u32 ^ block)
+        self.point(self.set)
+    }
+}
+
+/// What each value of each group of four index bits contributes to a point, bits reversed. The first index is the set.
+#[derive(Debug)]
+struct Table(Vec<[[[u32; 4]; 16]; 4]>);
+
+static TABLE: LazyLock<Table> = LazyLock::new(Table::new);
+
+impl Table {
+    fn new() -> Self {
+        let set_table = |set| {
+            std::array::from_fn(|group| {
+                // The map from index to point is linear over bits.
+                std::array::from_fn(|nibble| sobol_int4_rev((nibble as u32) << (28 - 4 * group), set).into())
+            })
+        };
+        Self((0..NUM_DIMENSION_SETS_4D).map(set_table).collect())
+    }
+
+    /// The unscrambled point whose index has the upper 16 bits of `index_rev`, reversed.
+    #[inline]
+    fn point(&self, set: u32, index_rev: u32) -> [u32; 4] {
+        let groups = &self.0[set as usize];
+        let mut point = [0; 4];
+        for (k, group) in groups.iter().enumerate() {
+            let entry = &group[(index_rev >> (28 - 4 * k)) as usize & 15];
+            for (p, e) in point.iter_mut().zip(entry) {
+                *p ^= e;
+            }
+        }
+        point
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_gives_the_points_of_the_crate() {
+        for set in 0..NUM_DIMENSION_SETS_4D {
+            for index in (0..1_u32 << 16).step_by(7) {
+                let expected: [u32; 4] = sobol_int4_rev(index.reverse_bits(), set).into();
+                assert_eq!(TABLE.point(set, index.reverse_bits()), expected, "set {set}, index {index}");
+            }
+        }
+    }
+
+    #[test]
+    fn dimensions_beyond_the_last_set_go_on_and_differ() {
+        let mut sampler = SobolSampler::new(1, 64);
+        sampler.start(3, 5);
+        let points: Vec<_> = (0..3 * NUM_DIMENSION_SETS_4D).map(|_| sampler.next_4d()).collect();
+        let set = NUM_DIMENSION_SETS_4D as usize;
+        for i in 0..set {
+            assert_ne!(points[i], points[i + set]);
+            assert_ne!(points[i], points[i + 2 * set]);
+        }
     }
 }

@@ -45,6 +45,9 @@ pub struct SphericalTriangle {
 /// Below this, sampling by area is as good and safer.
 const SMALLEST_SOLID_ANGLE: f64 = 1e-12;
 
+/// Just below a hemisphere, which a triangle fills for a point inside it.
+const LARGEST_SOLID_ANGLE: f64 = std::f64::consts::TAU - 1e-9;
+
 impl SphericalTriangle {
     /// A triangle given by its vertices relative to the point it is seen from, in any order.
     ///
@@ -54,8 +57,8 @@ impl SphericalTriangle {
     pub fn new(v: [Vec3; 3]) -> Option<Self> {
         let v = v.map(Vec3::as_dvec3);
         let solid_angle = solid_angle(v);
-        // Written so that NaN fails.
-        if !(solid_angle > SMALLEST_SOLID_ANGLE && solid_angle < std::f64::consts::TAU - 1e-9) {
+        // A range holds no NaN.
+        if !(SMALLEST_SOLID_ANGLE..LARGEST_SOLID_ANGLE).contains(&solid_angle) {
             return None;
         }
         let [v0, v1, v2] = v;
@@ -120,7 +123,7 @@ impl SphericalTriangle {
         let sin2_half = 0.25 * f64::from(u[1]) * chord.length_squared();
         let across = chord - self.b * chord.dot(self.b);
         let length = across.length();
-        if !(length > 0.0) {
+        if length == 0.0 {
             return self.b;
         }
         let sin = 2.0 * (sin2_half * (1.0 - sin2_half)).max(0.0).sqrt();
@@ -136,7 +139,7 @@ impl SphericalTriangle {
         // Written in the basis of the side: cut = a cos + tangent sin, perpendicular to the normal.
         let (x, y) = (self.tangent.dot(normal), -self.a.dot(normal));
         let length = x.hypot(y);
-        if !(length > 0.0) {
+        if length == 0.0 {
             return [0.0, 0.0];
         }
         // The side is shorter than half a turn, so its sine is positive.

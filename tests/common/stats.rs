@@ -1,0 +1,162 @@
+//! Statistical tests: what a measured value has to look like if the code is right.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+
+/// Probability of a false alarm for a whole family of tests.
+pub const SIGNIFICANCE: f64 = 0.01;
+
+/// Significance of one of `tests` independent tests so that all together raise a false alarm with probability `alpha`.
+///
+/// Source: Sidak 1967.
+pub fn sidak(alpha: f64, tests: usize) -> f64 {
+    -((-alpha).ln_1p() / tests as f64).exp_m1()
+}
+
+/// Two-sided p-value of a mean with a known standard error.
+pub fn z_test(mean: f64, standard_error: f64, exact: f64) -> f64 {
+    let z = (mean - exact).abs() / standard_error;
+    match Normal::standard().sf(z) {
+        p if p.is_nan() => 0.0,
+        p => 2.0 * p,
+    }
+}
+
+/// p-value of Pearson's chi-square test. Cells that expect fewer than five are pooled. A count where nothing is expected
+/// gives 0.
+pub fn chi_square(observed: &[u64], expected: &[f64]) -> f64 {
+    assert_eq!(observed.len(), expected.len());
+    let (mut statistic, mut cells) = (0.0, 0_usize);
+    let (mut pooled_observed, mut pooled_expected) = (0.0, 0.0);
+    let mut add = |observed: f64, expected: f64| {
+        statistic += (observed - expected) * (observed - expected) / expected;
+        cells += 1;
+    };
+    for (&observed, &expected) in observed.iter().zip(expected) {
+        if expected <= 0.0 {
+            if observed > 0 {
+                return 0.0;
+            }
+        } else if expected < 5.0 {
+            pooled_observed += observed as f64;
+            pooled_expected += expected;
+            if pooled_expected >= 5.0 {
+                add(pooled_observed, pooled_expected);
+                (pooled_observed, pooled_expected) = (0.0, 0.0);
+            }
+        } else {
+            add(observed as f64, expected);
+        }
+    }
+    if pooled_expected > 0.0 {
+        add(pooled_observed, pooled_expected);
+    }
+    let freedom = (cells.max(2) - 1) as f64;
+    ChiSquared::new(freedom).map_or(0.0, |distribution| distribution.sf(statistic))
+}
+
+/// Mean and its standard error.
+pub fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0);
+    (mean, (variance / n).sqrt())
+}
+
+/// Slope of the least-squares line through (ln x, ln y).
+pub fn log_log_slope(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
+    let (mx, my) = logs.iter().fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x / n, sy + y / n));
+    let (xy, xx) =
+        logs.iter().fold((0.0, 0.0), |(xy, xx), (x, y)| (xy + (x - mx) * (y - my), xx + (x - mx) * (x - mx)));
+    xy / xx
+}
+
+/// What a comparison of samples with their density found.
+#[derive(Debug)]
+pub struct DensityCheck {
+    /// Integral of the density over the whole domain.
+    pub integral: f64,
+    /// p-value of the samples given the density.
+    pub p_value: f64,
+    /// Largest density found at a sample relative to what the sampler itself reported, minus 1, in magnitude.
+    pub mismatch: f64,
+}
+
+impl DensityCheck {
+    /// Whether the density integrates to 1, agrees with the sampler's own, and explains the samples.
+    pub fn passes(&self, significance: f64) -> bool {
+        (self.integral - 1.0).abs() < 1e-3 && self.mismatch < 1e-5 && self.p_value > significance
+    }
+}
+
+/// Compares samples with a density on a rectangle of `nx` x `ny` cells.
+///
+/// `draw` gives a point and the density it was drawn with; `density` is integrated over each cell by midpoints, more of
+/// them where it varies within the cell.
+pub fn check_density(
+    (nx, ny): (usize, usize),
+    (x_range, y_range): ((f64, f64), (f64, f64)),
+    draws: usize,
+    mut draw: impl FnMut() -> (f64, f64, f64),
+    density: impl Fn(f64, f64) -> f64,
+) -> DensityCheck {
+    let (dx, dy) = ((x_range.1 - x_range.0) / nx as f64, (y_range.1 - y_range.0) / ny as f64);
+    let mut observed = vec![0_u64; nx * ny];
+    let mut mismatch = 0.0_f64;
+    for _ in 0..draws {
+        let (x, y, reported) = draw();
+        let i = (((x - x_range.0) / dx) as usize).min(nx - 1);
+        let j = (((y - y_range.0) / dy) as usize).min(ny - 1);
+        observed[i * ny + j] += 1;
+        let found = density(x, y);
+        // Rounding may carry a sample across an edge of the support; the counts judge that.
+        if found > 0.0 {
+            mismatch = mismatch.max((found / reported - 1.0).abs());
+        }
+    }
+    let midpoints = |i: usize, j: usize, n: usize| -> (f64, f64, f64) {
+        let (mut sum, mut low, mut high) = (0.0, f64::INFINITY, 0.0_f64);
+        for k in 0..n * n {
+            let x = x_range.0 + (i as f64 + ((k / n) as f64 + 0.5) / n as f64) * dx;
+            let y = y_range.0 + (j as f64 + ((k % n) as f64 + 0.5) / n as f64) * dy;
+            let value = density(x, y);
+            sum += value;
+            low = low.min(value);
+            high = high.max(value);
+        }
+        (sum / (n * n) as f64 * dx * dy, low, high)
+    };
+    let mut expected = Vec::with_capacity(nx * ny);
+    for i in 0..nx {
+        for j in 0..ny {
+            let (mass, low, high) = midpoints(i, j, 3);
+            let mass = if high > 1.1 * low { midpoints(i, j, 24).0 } else { mass };
+            expected.push(mass * draws as f64);
+        }
+    }
+    let integral = expected.iter().sum::<f64>() / draws as f64;
+    DensityCheck { integral, p_value: chi_square(&observed, &expected), mismatch }
+}
+
+/// [`check_density`] over all directions in (cos theta, phi), where densities per solid angle need no factor. 80 x 160 cells.
+pub fn check_directions(
+    draws: usize,
+    mut draw: impl FnMut() -> ([f32; 3], f32),
+    density: impl Fn([f32; 3]) -> f32,
+) -> DensityCheck {
+    use std::f64::consts::PI;
+    check_density(
+        (80, 160),
+        ((-1.0, 1.0), (-PI, PI)),
+        draws,
+        || {
+            let (w, pdf) = draw();
+            (f64::from(w[2]), f64::from(w[1]).atan2(f64::from(w[0])), f64::from(pdf))
+        },
+        |z, phi| {
+            let sin = ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+            f64::from(density([(sin * phi.cos()) as f32, (sin * phi.sin()) as f32, z as f32]))
+        },
+    )
+}
