@@ -41,22 +41,24 @@ def rotation(angles):
 
 
 def transform_of(surface):
-    """Object to world of a native surface: scale, then rotate (degrees), then translate; or a matrix by rows."""
-    t = surface.get("transform")
-    if t is None:
-        return np.eye(4)
-    if "matrix" in t:
-        m = np.array(t["matrix"], dtype=np.float64)
-        m = m.reshape(-1, 4)
-        return np.vstack([m, [0, 0, 0, 1]]) if len(m) == 3 else m
-    scale = np.diag(np.append(np.broadcast_to(vec(t.get("scale", 1.0)), 3), 1.0))
-    return translation(t.get("translate", [0, 0, 0])) @ rotation(np.radians(t.get("rotate", [0, 0, 0]))) @ scale
+    """Object to world of a native surface: one step or several, the first applied first."""
+    steps = surface.get("transform", [])
+    result = np.eye(4)
+    for step in [steps] if isinstance(steps, dict) else steps:
+        if "matrix" in step:
+            m = np.array(step["matrix"], dtype=np.float64).reshape(4, 4)
+        else:
+            scale = np.diag(np.append(np.broadcast_to(vec(step.get("scale", 1.0)), 3), 1.0))
+            turn = rotation(np.radians(step.get("rotate", [0, 0, 0])))
+            m = translation(step.get("translate", [0, 0, 0])) @ turn @ scale
+        result = m @ result
+    return result
 
 
 def placement_of(surface):
-    """Object to world of one of the report's meshes: scale, rotate (radians), move."""
+    """A mesh's own keys: scale, rotate (radians), move. Native files add a `transform` after it."""
     scale = np.diag([surface.get("scale", 1.0)] * 3 + [1.0])
-    return translation(surface["origin"]) @ rotation(vec(surface.get("rotate", [0, 0, 0]))) @ scale
+    return translation(surface.get("origin", [0, 0, 0])) @ rotation(vec(surface.get("rotate", [0, 0, 0]))) @ scale
 
 
 def read_obj(path):
@@ -103,35 +105,78 @@ def write_ply(path, positions, normals, triangles):
         file.write(faces.tobytes())
 
 
-def revolve(profile, around=512):
-    """Revolves [(radius, z, normal radius, normal z)] about z into a smooth mesh, outwards where the normal is."""
+def swept(profile, around=512):
+    """A smooth mesh over t in [0, 1] and an angle; `profile` gives half-axes, height and a function for the gradient.
+
+    Rows (rx, ry, z) are ellipses x = rx cos, y = ry sin; `gradient` maps points to normals of any length.
+    """
+    rows, gradient = profile
     phi = np.linspace(0, 2 * math.pi, around + 1)
-    rows, normals = [], []
-    for r, z, nr, nz in profile:
-        rows.append(np.stack([r * np.cos(phi), r * np.sin(phi), np.full_like(phi, z)], axis=1))
-        normals.append(np.stack([nr * np.cos(phi), nr * np.sin(phi), np.full_like(phi, nz)], axis=1))
+    points = np.stack(
+        [np.outer(rows[:, 0], np.cos(phi)), np.outer(rows[:, 1], np.sin(phi)), np.outer(rows[:, 2], np.ones_like(phi))], 2
+    ).reshape(-1, 3)
     n = around + 1
-    i, j = np.meshgrid(np.arange(len(profile) - 1), np.arange(around), indexing="ij")
+    i, j = np.meshgrid(np.arange(len(rows) - 1), np.arange(around), indexing="ij")
     a = (i * n + j).ravel()
     triangles = np.concatenate([np.stack([a, a + 1, a + n + 1], 1), np.stack([a, a + n + 1, a + n], 1)])
-    positions, normals = np.concatenate(rows), np.concatenate(normals)
-    # Wind every triangle so that its face agrees with its vertex normals.
-    p = positions[triangles]
+    normals = gradient(points)
+    normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    # Wind every triangle so that its face agrees with its vertex normals; leave out those without area at a pole.
+    p = points[triangles]
     face = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     wrong = np.einsum("ij,ij->i", face, normals[triangles].sum(1)) < 0
     triangles[wrong] = triangles[wrong][:, ::-1]
-    return positions, normals, triangles[np.linalg.norm(face, axis=1) > 0]
+    return points, normals, triangles[np.linalg.norm(face, axis=1) > 1e-14]
 
 
-def tessellated_quadric(surface):
-    """Fine smooth meshes for the quadrics of revolution, which Mitsuba does not have (128 by 512 quadrilaterals)."""
-    kind, t = surface["geometry"], np.linspace(0.0, 1.0, 129)
-    if kind == "ellipsoid":
-        theta = math.pi * t
-        p, n, f = revolve([(math.sin(x), math.cos(x), math.sin(x), math.cos(x)) for x in theta])
-        radii = np.broadcast_to(vec(surface["radii"]), 3)
-        return p * radii + vec(surface.get("origin", [0, 0, 0])), n / radii, f
-    raise Unsupported(f"geometry {kind}: render it with our own renderer")
+def frame(origin, axis):
+    """A rigid frame with its z axis along `axis`."""
+    z = vec(axis) / np.linalg.norm(axis)
+    x = np.cross(z, np.eye(3)[np.argmin(np.abs(z))])
+    x = x / np.linalg.norm(x)
+    m = np.eye(4)
+    m[:3, 0], m[:3, 1], m[:3, 2], m[:3, 3] = x, np.cross(z, x), z, origin
+    return m
+
+
+def quadric(surface, steps=256):
+    """A fine smooth mesh (steps x 512 quadrilaterals) for a quadric, which Mitsuba does not have, and its own frame."""
+    kind, t = surface["geometry"], np.linspace(0.0, 1.0, steps + 1)
+    if kind in ("sphere", "ellipsoid"):
+        radii = np.broadcast_to(vec(surface["radius" if kind == "sphere" else "radii"]), 3)
+        s, c = np.sin(math.pi * t), np.cos(math.pi * t)
+        rows = np.stack([radii[0] * s, radii[1] * s, radii[2] * c], 1)
+        return swept((rows, lambda p: p / radii**2)), translation(surface["origin"])
+    if kind in ("cylinder", "cone"):
+        r, h = surface["radius"], surface["height"]
+        radius = r * (1 - t) if kind == "cone" else np.full_like(t, r)
+        slope = r * r / h if kind == "cone" else 0.0
+
+        def gradient(p):
+            # Outwards at an angle; the apex takes the direction of its neighbours, which has no meaning there.
+            d = np.stack([p[:, 0], p[:, 1], np.zeros(len(p))], 1)
+            d = d / np.maximum(np.linalg.norm(d, axis=1, keepdims=True), 1e-30)
+            return d + np.array([0, 0, slope / r])
+
+        return swept((np.stack([radius, radius, h * t], 1), gradient)), frame(surface["base"], surface["axis"])
+    if kind == "paraboloid":
+        r, h = surface["radius"], surface["height"]
+        rows = np.stack([r * t, r * t, h * t * t], 1)
+        place = frame(surface["apex"], surface["axis"])
+        return swept((rows, lambda p: p * [1, 1, 0] + [0, 0, -r * r / h / 2])), place
+    if kind == "disk":
+        rows = np.stack([surface["radius"] * t, surface["radius"] * t, 0 * t], 1)
+        return swept((rows, lambda p: p * 0 + [0, 0, 1])), frame(surface["origin"], surface["normal"])
+    a, b, c, d, e, f, g, h, i, j = surface["coefficients"]
+    if not any((d, e, f, g, h, i)) and a > 0 and b > 0:
+        # Ellipses around z; the clip box must cut along z only.
+        z = surface["clip"]["min"][2] + t * (surface["clip"]["max"][2] - surface["clip"]["min"][2])
+        square = np.maximum(-(c * z * z + j), 0.0)
+        rows = np.stack([np.sqrt(square / a), np.sqrt(square / b), z], 1)
+        low, high = vec(surface["clip"]["min"]), vec(surface["clip"]["max"])
+        if np.all(rows[:, :2].max(0) <= np.minimum(-low, high)[:2]):
+            return swept((rows, lambda p: p * [a, b, c])), np.eye(4)
+    raise Unsupported("this quadric: only those around the z axis, clipped along z, are tessellated")
 
 
 class Converter:
@@ -149,7 +194,7 @@ class Converter:
         self.materials = {}
         for m in self.json.get("materials", []):
             self.materials.setdefault(m["name"], m)
-        self.meshes = {m["name"]: m["file"] for m in self.json.get("meshes", [])}
+        self.meshes = {m["name"]: m for m in self.json.get("meshes", [])}
         self.soups, self.shapes, self.count = {}, {}, 0
 
     def close(self):
@@ -177,7 +222,7 @@ class Converter:
         if brdf == "oren-nayar":
             return {"type": "etendue_fujii", "albedo": albedo, "roughness": float(material["roughness"])}
         if brdf == "oren-nayar-qualitative":
-            return {"type": "etendue_oren_nayar", "albedo": albedo, "sigma": float(material["roughness"])}
+            return {"type": "etendue_oren_nayar", "albedo": albedo, "sigma": math.radians(material["sigmaDeg"])}
         raise Unsupported(f"brdf {brdf}")
 
     def add_shape(self, shape, material, emission):
@@ -220,21 +265,16 @@ class Converter:
 
     def add_surface(self, s):
         kind, material, emission = s["geometry"], s.get("material"), s.get("emission")
-        matrix = transform_of(s) if self.native else np.eye(4)
-        if emission is not None and not any(emission):
+        matrix = transform_of(s)
+        if emission is not None and not any(emission):  # A black emitter would only waste samples.
             emission = None
         if kind in ("triangle", "quad"):
             n = 3 if kind == "triangle" else 4
             self.add_polygon([s[f"vertex-{i + 1}"] for i in range(n)], matrix, material, emission)
         elif kind == "mesh":
-            if not self.native:
-                matrix = placement_of(s)
-            name = s.get("file") or self.meshes[s["mesh"]]
-            file = self.path.parent / name
-            if not file.exists():
-                raise Unsupported(f"{file} does not exist; docs/scenes.md says how it is made")
             smooth = self.native and s.get("shading", "flat") == "smooth"
-            self.add_mesh(*read_obj(file), matrix, smooth, material, emission)
+            source = self.meshes[s["mesh"]] if "mesh" in s else s
+            self.add_mesh(*self.read_mesh(source), matrix @ placement_of(s), smooth, material, emission)
         elif kind == "sphere":
             a = matrix[:3, :3]
             scale = np.cbrt(abs(np.linalg.det(a)))
@@ -243,10 +283,22 @@ class Converter:
                 shape = {"type": "sphere", "center": [float(x) for x in centre], "radius": float(s["radius"] * scale)}
                 self.add_shape(shape, material, emission)
             else:
-                mesh = tessellated_quadric({"geometry": "ellipsoid", "radii": s["radius"], "origin": s["origin"]})
-                self.add_mesh(*mesh, matrix, True, material, emission)
+                mesh, local = quadric(s)
+                self.add_mesh(*mesh, matrix @ local, True, material, emission)
         else:
-            self.add_mesh(*tessellated_quadric(s), matrix, True, material, emission)
+            mesh, local = quadric(s)
+            self.add_mesh(*mesh, matrix @ local, True, material, emission)
+
+    def read_mesh(self, source):
+        """Positions, normals or None, and triangles of a mesh in a file or in place."""
+        if "file" not in source:
+            normals = source.get("normals")
+            normals = None if normals is None else vec(normals)
+            return vec(source["positions"]), normals, np.array(source["triangles"], dtype=np.int64)
+        file = self.path.parent / source["file"]
+        if not file.exists():
+            raise Unsupported(f"{file} does not exist; docs/scenes.md says how it is made")
+        return read_obj(file)
 
     def add_light(self, light):
         color = vec(light.get("color", [1, 1, 1])) * light.get("intensity", 1.0)
