@@ -125,7 +125,7 @@ def passes(mi, scene, spp, seed=0, wavefront=1 << 22):
     while done < spp:
         n = min(most, spp - done)
         # Seeds far apart for different runs; consecutive for the passes of one.
-        yield n, np.array(mi.render(scene, spp=n, seed=seed * 100003 + index), dtype=np.float64)
+        yield n, np.array(mi.render(scene, spp=n, seed=(seed * 100003 + index) % 2**32), dtype=np.float64)
         done, index = done + n, index + 1
 
 

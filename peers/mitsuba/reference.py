@@ -33,7 +33,7 @@ def main():
 
     start, mean, scatter, count = time.perf_counter(), 0.0, 0.0, 0
     while count * args.pass_spp < args.spp:
-        image = np.array(mi.render(scene, spp=args.pass_spp, seed=args.seed * 1000003 + count), dtype=np.float64)
+        image = np.array(mi.render(scene, spp=args.pass_spp, seed=(args.seed * 1000003 + count) % 2**32), dtype=np.float64)
         # Welford's update, per pixel.
         count += 1
         step = image - mean
