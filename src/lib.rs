@@ -8,6 +8,7 @@ pub mod desc;
 mod error;
 pub mod film;
 pub mod math;
+pub mod output;
 pub mod sampling;
 pub mod spectrum;
 
