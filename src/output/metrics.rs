@@ -38,8 +38,8 @@ pub struct Metrics {
 
 /// Compares `a` with the reference `b`; layers are left aside.
 ///
-/// Errors: [`ErrorKind::InvalidScene`] when the sizes differ, [`ErrorKind::Internal`] when an image's slice does not fit
-/// its size.
+/// Errors: [`ErrorKind::InvalidScene`] when the sizes differ, [`ErrorKind::Unsupported`] for images without pixels,
+/// [`ErrorKind::Internal`] when an image's slices do not fit its size.
 pub fn compare(a: &Image, b: &Image) -> Result<Metrics> {
     if (a.width, a.height) != (b.width, b.height) {
         let message = format!(

@@ -4,7 +4,7 @@
 //!
 //! | extension | values | layers | note |
 //! |---|---|---|---|
-//! | `.exr` | 32-bit float, every bit kept | all | OpenEXR, ZIP compressed; see [`Format::Exr`] for the names of the channels |
+//! | `.exr` | 32-bit float, every bit kept | all | OpenEXR, ZIP compressed; channel names: [`Format::Exr`] |
 //! | `.pfm` | 32-bit float, every bit kept | none | little-endian, bottom row first |
 //! | `.png` | 8-bit sRGB | none | through a [`ToneMap`] and an exposure |
 //!
@@ -80,7 +80,7 @@ impl Format {
     }
 }
 
-/// How [`write`] writes. The defaults are an sRGB picture of the plain values, clamped, without comments.
+/// How [`write()`] writes. The defaults are an sRGB picture of the plain values, clamped, without comments.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WriteOptions {
     /// How radiance becomes brightness in a PNG. Float formats keep radiance.
@@ -109,7 +109,7 @@ pub fn write(image: &Image, path: &Path, options: &WriteOptions) -> Result<()> {
     })
 }
 
-/// Whether [`write`] could write to `path` now, without doing so: known extension, a folder that exists and accepts a
+/// Whether [`write()`] could write to `path` now, without doing so: known extension, a folder that exists and accepts a
 /// new file, nothing but a regular file in the way.
 pub fn check_target(path: &Path) -> Result<Format> {
     let format = Format::from_path(path)?;

@@ -18,9 +18,10 @@ pub enum ToneMap {
     /// x / (1 + x): keeps all highlights apart, and lowers contrast. Reinhard et al. 2002, "Photographic Tone
     /// Reproduction for Digital Images", Eq. 3, here per channel and without their key value, which is the exposure.
     Reinhard,
-    /// A film-like curve with a toe and a shoulder: x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14), clamped. Narkowicz's
-    /// fit (2015, "ACES Filmic Tone Mapping Curve") to the luminance response of the ACES reference rendering for an
-    /// sRGB display. It is a curve only: it does not do the ACES colour transforms, and white is reached near x = 7.
+    /// A film-like curve with a toe and a shoulder: x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14), clamped.
+    /// Narkowicz's fit (2015, "ACES Filmic Tone Mapping Curve") to the luminance response of the ACES reference
+    /// rendering for an sRGB display. It is a curve only: it does not do the ACES colour transforms, and white is
+    /// reached near x = 7.
     Aces,
 }
 
@@ -57,9 +58,9 @@ impl ToneMap {
 
 /// The image as a display shows it: `[height][width][3]` sRGB bytes, row 0 on top.
 ///
-/// `exposure`: stops, in [-64, 64], a factor of 2^exposure before the tone map. Each value goes through the tone map and
-/// the sRGB curve (IEC 61966-2-1) and is rounded to the nearest of 256 steps: 0, anything negative and NaN become 0;
-/// 1 after the tone map and positive infinity become 255. Never decreases with the value.
+/// `exposure`: stops, in [-64, 64], a factor of 2^exposure before the tone map. Each value goes through the tone map
+/// and the sRGB curve (IEC 61966-2-1) and is rounded to the nearest of 256 steps: 0, anything negative and NaN become
+/// 0; 1 after the tone map and positive infinity become 255. Never decreases with the value.
 ///
 /// Errors: [`ErrorKind::InvalidScene`] for an exposure out of its domain.
 pub fn to_srgb8(image: &Image, tone_map: ToneMap, exposure: f32) -> Result<Vec<u8>> {
