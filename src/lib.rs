@@ -10,6 +10,7 @@ pub mod emitter;
 mod error;
 pub mod film;
 pub mod math;
+pub mod output;
 pub mod sampling;
 pub mod shape;
 pub mod spectrum;

@@ -1,0 +1,248 @@
+//! The command line's grammar.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use etendue::desc::{FilterDesc, IntegratorDesc, RenderDesc, SamplerDesc};
+use etendue::output::ToneMap;
+
+/// Physically based rendering of scene files.
+///
+/// Of an option that is given twice the last counts, except --output, which adds up.
+///
+/// Exit codes: 0 done; 1 failed while running; 2 the command, the scene or an image cannot be used, nothing was done;
+/// 130 stopped by Ctrl-C after writing what there was.
+#[derive(Debug, Parser)]
+#[command(name = "etendue", version, args_override_self = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene to image files.
+    Render(RenderArgs),
+    /// Say what a scene holds, what was built for it and why.
+    Info(InfoArgs),
+    /// Measure how far image A is from the reference B.
+    Compare(CompareArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// Scene file (JSON).
+    pub scene: PathBuf,
+    /// Parameter file of a scene of the 2017 report.
+    pub params: Option<PathBuf>,
+    /// Image files to write, by extension: .exr, .pfm or .png. Put them after the scene, or repeat the option.
+    #[arg(short, long, value_name = "FILE", required = true, num_args = 1..)]
+    pub output: Vec<PathBuf>,
+
+    /// Threads; 0 takes all there are.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+    /// Samples per pixel, in place of the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Begin no new pass after so many seconds, even when samples are left.
+    #[arg(long, value_name = "SECONDS", value_parser = parse_time)]
+    pub time: Option<Duration>,
+    /// Seed of all randomness, in place of the scene's.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Width and height in pixels, such as 640x480, in place of the scene's.
+    #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
+    pub resolution: Option<[u32; 2]>,
+    /// Light transport, in place of the scene's.
+    #[arg(long, value_enum)]
+    pub integrator: Option<Integrator>,
+    /// Pixel filter: box, tent, gaussian[:SIGMA], blackman-harris or mitchell[:B,C].
+    #[arg(long, value_name = "FILTER", value_parser = parse_filter)]
+    pub filter: Option<FilterDesc>,
+    /// Where the samples of a pixel come from.
+    #[arg(long, value_enum)]
+    pub sampler: Option<Sampler>,
+    /// Light samples per hit, in place of the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub shadow_rays: Option<u32>,
+    /// Greatest number of surface hits on a path, or none for no cut.
+    #[arg(long, value_name = "N|none", value_parser = parse_depth)]
+    pub max_depth: Option<Depth>,
+
+    /// Rewrite the images after each pass.
+    #[arg(long)]
+    pub progressive: bool,
+    /// How radiance becomes brightness in a PNG.
+    #[arg(long, value_enum, default_value_t = Tone::Clamp)]
+    pub tone_map: Tone,
+    /// Brightness of a PNG in stops: 1 doubles it.
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0)]
+    #[arg(allow_negative_numbers = true, value_parser = parse_exposure)]
+    pub exposure: f32,
+    /// No progress and no summary; warnings and errors stay.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// Scene file (JSON).
+    pub scene: PathBuf,
+    /// Parameter file of a scene of the 2017 report.
+    pub params: Option<PathBuf>,
+    /// Threads to build with; 0 takes all there are.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+}
+
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// The image in question: .exr, .pfm or .png.
+    pub a: PathBuf,
+    /// The reference, of the same size.
+    pub b: PathBuf,
+    /// Print one JSON object; what is not finite is null.
+    #[arg(long)]
+    pub json: bool,
+    /// Leave out FLIP, the slow one.
+    #[arg(long)]
+    pub no_flip: bool,
+    /// Brightness at which FLIP looks at the images, in stops.
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0)]
+    #[arg(allow_negative_numbers = true, value_parser = parse_exposure)]
+    pub exposure: f32,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Integrator {
+    /// Emission and light scattered once.
+    Direct,
+    /// Direct light, perfect mirrors and glass.
+    Whitted,
+    /// Everything.
+    Path,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Sampler {
+    /// Owen-scrambled Sobol' points.
+    Sobol,
+    /// Independent random numbers.
+    Random,
+    /// One random position in each of n x n cells.
+    Jittered,
+    /// n x n regular positions.
+    Grid,
+    /// Normally distributed around the pixel's centre.
+    Gaussian,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Tone {
+    /// Divide by the largest value of the image.
+    Maximum,
+    /// 1 is white, and so is all above.
+    Clamp,
+    /// x / (1 + x).
+    Reinhard,
+    /// A film-like curve.
+    Aces,
+}
+
+impl From<Tone> for ToneMap {
+    fn from(tone: Tone) -> Self {
+        match tone {
+            Tone::Maximum => Self::Maximum,
+            Tone::Clamp => Self::Clamp,
+            Tone::Reinhard => Self::Reinhard,
+            Tone::Aces => Self::Aces,
+        }
+    }
+}
+
+/// A path length; `None` cuts nothing. A type of its own because clap gives `Option` a meaning.
+#[derive(Clone, Copy, Debug)]
+pub struct Depth(pub Option<u32>);
+
+impl RenderArgs {
+    /// The scene's settings with those of the command line in their place.
+    pub fn settings(&self, scene: &RenderDesc) -> RenderDesc {
+        RenderDesc {
+            resolution: self.resolution.unwrap_or(scene.resolution),
+            samples: self.spp.unwrap_or(scene.samples),
+            sampler: self.sampler.map_or(scene.sampler, |sampler| match sampler {
+                Sampler::Sobol => SamplerDesc::Sobol,
+                Sampler::Random => SamplerDesc::Random,
+                Sampler::Jittered => SamplerDesc::Jittered,
+                Sampler::Grid => SamplerDesc::Grid,
+                Sampler::Gaussian => SamplerDesc::Gaussian,
+            }),
+            filter: self.filter.unwrap_or(scene.filter),
+            integrator: self.integrator.map_or(scene.integrator, |integrator| match integrator {
+                Integrator::Direct => IntegratorDesc::Direct,
+                Integrator::Whitted => IntegratorDesc::Whitted,
+                Integrator::Path => IntegratorDesc::Path,
+            }),
+            max_depth: self.max_depth.map_or(scene.max_depth, |depth| depth.0),
+            shadow_rays: self.shadow_rays.unwrap_or(scene.shadow_rays),
+            seed: self.seed.unwrap_or(scene.seed),
+        }
+    }
+}
+
+fn parse_time(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse::<f64>().ok().filter(|seconds| *seconds > 0.0);
+    seconds
+        .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok())
+        .ok_or_else(|| "expected seconds above 0, such as 30 or 0.5".to_owned())
+}
+
+fn parse_resolution(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || "expected WIDTHxHEIGHT in pixels, such as 640x480".to_owned();
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
+    let length = |text: &str| text.parse::<u32>().ok().filter(|length| *length > 0).ok_or_else(wrong);
+    let (width, height) = (length(width)?, length(height)?);
+    if u64::from(width) * u64::from(height) > etendue::output::MAX_PIXELS {
+        return Err(format!("more than {} pixels", etendue::output::MAX_PIXELS));
+    }
+    Ok([width, height])
+}
+
+fn parse_depth(text: &str) -> Result<Depth, String> {
+    if text == "none" {
+        return Ok(Depth(None));
+    }
+    let depth = text.parse::<u32>().ok().filter(|depth| *depth > 0);
+    depth.map(|depth| Depth(Some(depth))).ok_or_else(|| "expected a number above 0, or none".to_owned())
+}
+
+fn parse_exposure(text: &str) -> Result<f32, String> {
+    let stops = text.parse::<f32>().ok().filter(|stops| (-64.0..=64.0).contains(stops));
+    stops.ok_or_else(|| "expected stops within -64 and 64".to_owned())
+}
+
+fn parse_filter(text: &str) -> Result<FilterDesc, String> {
+    let (name, parameters) = match text.split_once(':') {
+        Some((name, parameters)) => (name, Some(parameters)),
+        None => (text, None),
+    };
+    let number = |text: &str| text.parse::<f32>().ok().filter(|number| number.is_finite());
+    match (name, parameters) {
+        ("box", None) => Ok(FilterDesc::Box),
+        ("tent", None) => Ok(FilterDesc::Tent),
+        ("blackman-harris", None) => Ok(FilterDesc::BlackmanHarris),
+        ("gaussian", sigma) => sigma
+            .map_or(Some(0.5), number)
+            .filter(|sigma| *sigma > 0.0)
+            .map(|sigma| FilterDesc::Gaussian { sigma })
+            .ok_or_else(|| "expected gaussian:SIGMA with a standard deviation above 0 pixels".to_owned()),
+        ("mitchell", None) => Ok(FilterDesc::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }),
+        ("mitchell", Some(parameters)) => parameters
+            .split_once(',')
+            .and_then(|(b, c)| Some(FilterDesc::Mitchell { b: number(b)?, c: number(c)? }))
+            .ok_or_else(|| "expected mitchell:B,C such as mitchell:0.33,0.33".to_owned()),
+        _ => Err("expected box, tent, gaussian[:SIGMA], blackman-harris or mitchell[:B,C]".to_owned()),
+    }
+}

@@ -1,0 +1,96 @@
+//! What the user sees on standard output and standard error.
+
+use std::fmt::Display;
+use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::Failure;
+
+/// A line on standard error. A closed standard error is nothing to fail for.
+pub fn say(line: &str) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// A warning, on standard error.
+pub fn warn(message: impl Display) {
+    say(&format!("warning: {message}"));
+}
+
+/// Text on standard output. A reader that has seen enough (`| head`) is no failure.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::running(format!("cannot write to standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A progress bar on standard error, hidden where that is not a terminal or the user wants quiet.
+pub struct Bar(ProgressBar);
+
+impl Bar {
+    /// Steps of the bar from start to end.
+    const STEPS: u64 = 1000;
+
+    /// A bar at its start.
+    pub fn new(quiet: bool) -> Self {
+        if quiet || !io::stderr().is_terminal() {
+            return Self(ProgressBar::hidden());
+        }
+        let bar = ProgressBar::new(Self::STEPS);
+        if let Ok(style) = ProgressStyle::with_template("{bar:32} {percent:>3}%  {msg}") {
+            bar.set_style(style);
+        }
+        Self(bar)
+    }
+
+    /// Shows `fraction` in [0, 1] of the work as done.
+    pub fn show(&self, fraction: f64, message: String) {
+        if !self.0.is_hidden() {
+            self.0.set_position((fraction.clamp(0.0, 1.0) * Self::STEPS as f64) as u64);
+            self.0.set_message(message);
+        }
+    }
+}
+
+impl Drop for Bar {
+    /// Clears the line for whatever is said next.
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
+/// What is left at an even pace, for the progress bar; empty where nothing can be said yet.
+pub fn time_left(fraction: f64, elapsed: Duration) -> String {
+    let left = elapsed.as_secs_f64() * (1.0 - fraction) / fraction;
+    if fraction > 0.0 && left.is_finite() && left >= 0.0 { format!(", {} left", duration(left)) } else { String::new() }
+}
+
+/// Seconds for people: `0.52 s`, `12.3 s`, `3 min 05 s`, `2 h 07 min`.
+pub fn duration(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    match seconds {
+        ..9.995 => format!("{seconds:.2} s"),
+        ..59.95 => format!("{seconds:.1} s"),
+        ..3599.5 => format!("{} min {:02} s", whole / 60, whole % 60),
+        _ => format!("{} h {:02} min", whole / 3600, whole % 3600 / 60),
+    }
+}
+
+/// Million rays per second, or a word where no time has passed.
+pub fn ray_rate(rays: u64, elapsed: Duration) -> String {
+    let rate = rays as f64 / elapsed.as_secs_f64() * 1e-6;
+    if rate.is_finite() { format!("{rate:.2} Mrays/s") } else { "- Mrays/s".to_owned() }
+}
+
+/// The largest amount of memory this process has held so far [bytes], where the system says so (Linux).
+pub fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1024 * kibibytes)
+}

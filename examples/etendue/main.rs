@@ -1,0 +1,62 @@
+//! The command line: renders a scene file to image files, says what a scene holds, compares images.
+//!
+//! `cargo run --release --example etendue -- render scenes/cornell.json -o cornell.exr`; docs/cli.md is the manual.
+//! It uses nothing of the library that another host could not use.
+
+mod args;
+mod compare;
+mod console;
+mod interrupt;
+mod render;
+
+use std::fmt::Display;
+use std::process::ExitCode;
+
+use clap::Parser;
+use etendue::{Error, ErrorKind};
+
+use crate::args::{Cli, Command};
+
+/// Why the program ends early: what to say, and the exit code.
+#[derive(Debug)]
+pub struct Failure {
+    code: u8,
+    message: String,
+}
+
+impl Failure {
+    /// Work had begun and failed: exit code 1.
+    pub fn running(reason: impl Display) -> Self {
+        Self { code: 1, message: reason.to_string() }
+    }
+
+    /// The command as given cannot be carried out: exit code 2.
+    pub fn usage(reason: impl Display) -> Self {
+        Self { code: 2, message: reason.to_string() }
+    }
+}
+
+impl From<Error> for Failure {
+    /// For errors before the work begins: what the caller gave is at fault, unless the machine is.
+    fn from(error: Error) -> Self {
+        match error.kind() {
+            ErrorKind::Device | ErrorKind::OutOfMemory | ErrorKind::Internal => Self::running(error),
+            _ => Self::usage(error),
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Render(args) => render::render(&args),
+        Command::Info(args) => render::info(&args),
+        Command::Compare(args) => compare::compare(&args),
+    };
+    match outcome {
+        Ok(code) => ExitCode::from(code),
+        Err(failure) => {
+            console::say(&format!("error: {}", failure.message.replace('\n', " ")));
+            ExitCode::from(failure.code)
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! OpenEXR. Writing: one part, all layers. Reading: what other programs write as well, within bounds.
+
+use std::collections::BTreeMap;
+use std::io::{Read, Seek};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use ::exr::compression::Compression;
+use ::exr::image::read::image::ReadLayers as _;
+use ::exr::image::read::layers::ReadChannels as _;
+use ::exr::image::write::WritableImage as _;
+use ::exr::image::{
+    AnyChannel, AnyChannels, Blocks, Encoding, FlatImage, FlatSamples, Image as ExrImage, Layer as ExrLayer,
+};
+use ::exr::meta::attribute::{Chromaticities, LineOrder, Text};
+use ::exr::meta::header::{Header, LayerAttributes};
+use ::exr::prelude::Vec2;
+
+use super::replace::Target;
+use super::{MAX_PIXELS, check_size, damaged};
+use crate::film::{Image, Layer};
+use crate::{Error, ErrorKind, Result};
+
+/// Values of all channels of all parts of a file together, 4 GiB of them.
+const MAX_VALUES: u64 = 4 * MAX_PIXELS;
+
+/// The order of the layers this library makes; others follow by name.
+const LAYER_ORDER: [&str; 5] = ["albedo", "normal", "depth", "samples", "variance"];
+
+/// Channel suffixes of a layer, by what readers expect of such a layer.
+fn suffixes(layer: &Layer) -> &'static [&'static str] {
+    match (layer.name.as_str(), layer.channels) {
+        ("normal", 3) => &["X", "Y", "Z"],
+        (_, 3) => &["R", "G", "B"],
+        ("depth", _) => &["Z"],
+        _ => &["Y"],
+    }
+}
+
+/// Writes all channels as 32-bit floats. `image` has been checked.
+pub(super) fn encode(image: &Image, comments: &str, file: &mut Target) -> Result<()> {
+    let plane = |data: &[f32], channels: usize, channel: usize| {
+        FlatSamples::F32(data.iter().skip(channel).step_by(channels).copied().collect())
+    };
+    let mut channels = Vec::new();
+    for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
+        channels.push(AnyChannel::new(name, plane(&image.rgb, 3, channel)));
+    }
+    for layer in &image.layers {
+        for (channel, suffix) in suffixes(layer).iter().enumerate() {
+            let name = text(&format!("{}.{suffix}", layer.name));
+            channels.push(AnyChannel::new(name, plane(&layer.data, layer.channels, channel)));
+        }
+    }
+
+    let attributes = LayerAttributes {
+        software_name: Some(text(concat!("etendue ", env!("CARGO_PKG_VERSION")))),
+        comments: Some(comments).filter(|comments| !comments.is_empty()).map(text),
+        ..LayerAttributes::default()
+    };
+    let size = Vec2(image.width as usize, image.height as usize);
+    let channels = AnyChannels::sort(channels.into_iter().collect());
+    let encoding =
+        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+    let mut file_image = ExrImage::from_layer(ExrLayer::new(size, attributes, encoding, channels));
+    file_image.attributes.chromaticities = Some(Chromaticities {
+        red: Vec2(0.64, 0.33),
+        green: Vec2(0.30, 0.60),
+        blue: Vec2(0.15, 0.06),
+        white: Vec2(0.3127, 0.3290),
+    });
+    file_image.write().to_buffered(file).map_err(|error| match error {
+        ::exr::error::Error::Io(error) => {
+            Error::new(ErrorKind::Io, format!("cannot write the image: {error}")).because(error)
+        }
+        error => Error::new(ErrorKind::Internal, format!("cannot write the image: {error}")).because(error),
+    })
+}
+
+/// EXR strings are bytes; UTF-8 is what other programs put there.
+fn text(string: &str) -> Text {
+    Text::from_slice_unchecked(string.as_bytes())
+}
+
+/// Reads the image and its layers. `file_size` in bytes bounds what a header can promise.
+pub(super) fn decode(reader: impl Read + Seek, file_size: u64) -> Result<Image> {
+    // The decoder checks what it reads, and still indexes and unwraps in places: a damaged file must not end the
+    // program. It runs on this thread for the same reason, since a panic in a thread pool aborts.
+    let file = catch_unwind(AssertUnwindSafe(|| {
+        let reader = ::exr::block::read(reader, false).map_err(unreadable)?;
+        check_headers(reader.headers(), file_size)?;
+        ::exr::image::read::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .all_layers()
+            .all_attributes()
+            .non_parallel()
+            .from_chunks(reader)
+            .map_err(unreadable)
+    }))
+    .unwrap_or_else(|_| Err(damaged("its decoder failed")))?;
+    collect(file)
+}
+
+fn unreadable(error: ::exr::error::Error) -> Error {
+    match error {
+        ::exr::error::Error::NotSupported(what) => {
+            Error::new(ErrorKind::Unsupported, format!("cannot read the image: {what}"))
+        }
+        error => damaged(&error).because(error),
+    }
+}
+
+/// Bounds memory before any is asked for.
+fn check_headers(headers: &[Header], file_size: u64) -> Result<()> {
+    let mut values = 0_u64;
+    for header in headers {
+        let Vec2(width, height) = header.layer_size;
+        let (width, height) = check_size(width as u64, height as u64)?;
+        // Each chunk has an offset of eight bytes in a table near the start of the file.
+        if header.chunk_count as u64 > file_size / 8 {
+            return Err(damaged(format!(
+                "{file_size} bytes cannot hold the {} chunks of its header",
+                header.chunk_count
+            )));
+        }
+        let channels = header.channels.list.len() as u64;
+        values = values.saturating_add((u64::from(width) * u64::from(height)).saturating_mul(channels));
+        if header.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
+            return Err(Error::new(ErrorKind::Unsupported, "cannot read the image: it has subsampled channels"));
+        }
+    }
+    if values > MAX_VALUES {
+        let message = format!("its channels have {values} values, more than the {MAX_VALUES} that are read");
+        return Err(Error::new(ErrorKind::Unsupported, message));
+    }
+    Ok(())
+}
+
+/// Channels of one layer, by suffix.
+type Group = BTreeMap<String, Vec<f32>>;
+
+/// Sorts the channels of all parts into the image and its layers.
+fn collect(file: FlatImage) -> Result<Image> {
+    let several = file.layer_data.len() > 1;
+    let mut size = None;
+    let mut rgb = None;
+    let mut groups = BTreeMap::<String, (Vec2<usize>, Group)>::new();
+    let mut names = Vec::new();
+    for part in file.layer_data {
+        let part_name = part.attributes.layer_name.as_ref().filter(|_| several).map(utf8);
+        let mut plain = Group::new();
+        for channel in part.channel_data.list {
+            let name = utf8(&channel.name);
+            names.push(name.clone());
+            let data = to_f32(channel.sample_data);
+            match name.rsplit_once('.') {
+                Some((layer, suffix)) => {
+                    let (_, group) = groups.entry(layer.to_owned()).or_insert_with(|| (part.size, Group::new()));
+                    group.insert(suffix.to_owned(), data);
+                }
+                None => {
+                    plain.insert(name, data);
+                }
+            }
+        }
+        // The first part with colour and no layer's name in its channels is the image.
+        if rgb.is_none() {
+            rgb = interleave(&mut plain, &["R", "G", "B"])
+                .or_else(|| plain.remove("Y").map(|grey| grey.into_iter().flat_map(|value| [value; 3]).collect()));
+            size = rgb.as_ref().map(|_| part.size);
+        } else if let Some(name) = part_name {
+            groups.entry(name).or_insert((part.size, plain));
+        }
+    }
+
+    let (Some(Vec2(width, height)), Some(rgb)) = (size, rgb) else {
+        names.truncate(8);
+        let message = format!("it has no channels R, G, B of its own, but {}", names.join(", "));
+        return Err(Error::new(ErrorKind::Unsupported, message));
+    };
+    let mut layers = Vec::new();
+    for (name, (group_size, mut group)) in groups {
+        if Some(group_size) != size {
+            continue;
+        }
+        let layer = |channels, data| Layer { name, channels, data };
+        if let Some(data) =
+            interleave(&mut group, &["R", "G", "B"]).or_else(|| interleave(&mut group, &["X", "Y", "Z"]))
+        {
+            layers.push(layer(3, data));
+        } else if let (1, Some((_, data))) = (group.len(), group.pop_first()) {
+            layers.push(layer(1, data));
+        }
+    }
+    let rank = |layer: &Layer| LAYER_ORDER.iter().position(|name| *name == layer.name).unwrap_or(LAYER_ORDER.len());
+    layers.sort_by_key(rank);
+    let (width, height) = check_size(width as u64, height as u64)?;
+    Ok(Image { width, height, rgb, layers })
+}
+
+/// Takes three channels out of a group as triples; `None`, and the group as it was, where one is missing.
+fn interleave(group: &mut Group, suffixes: &[&str; 3]) -> Option<Vec<f32>> {
+    if !suffixes.iter().all(|suffix| group.contains_key(*suffix)) {
+        return None;
+    }
+    let [x, y, z] = suffixes.map(|suffix| group.remove(suffix).unwrap_or_default());
+    Some(x.into_iter().zip(y).zip(z).flat_map(|((x, y), z)| [x, y, z]).collect())
+}
+
+fn utf8(text: &Text) -> String {
+    String::from_utf8_lossy(text.as_slice()).into_owned()
+}
+
+fn to_f32(samples: FlatSamples) -> Vec<f32> {
+    match samples {
+        FlatSamples::F32(data) => data,
+        FlatSamples::F16(data) => data.into_iter().map(|value| value.to_f32()).collect(),
+        FlatSamples::U32(data) => data.into_iter().map(|value| value as f32).collect(),
+    }
+}

@@ -1,0 +1,55 @@
+//! PNG: 8-bit sRGB out; 8- or 16-bit sRGB in.
+
+use std::io::{BufRead, Seek};
+
+use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
+use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
+
+use super::replace::Target;
+use super::tone::{ToneMap, to_srgb8};
+use super::{MAX_PIXELS, check_size, damaged};
+use crate::film::Image;
+use crate::spectrum::srgb_decode;
+use crate::{Error, ErrorKind, Result};
+
+/// Tone maps and writes three channels.
+pub(super) fn encode(image: &Image, tone_map: ToneMap, exposure: f32, file: &mut Target) -> Result<()> {
+    let pixels = to_srgb8(image, tone_map, exposure)?;
+    PngEncoder::new_with_quality(file, CompressionType::Default, FilterType::Adaptive)
+        .write_image(&pixels, image.width, image.height, ExtendedColorType::Rgb8)
+        .map_err(|error| Error::new(ErrorKind::Io, format!("cannot write the image: {error}")).because(error))
+}
+
+/// Reads any PNG as linear colour without alpha.
+pub(super) fn decode(reader: impl BufRead + Seek) -> Result<Image> {
+    let mut limits = Limits::no_limits();
+    // The largest image that is read at its widest, 16 bits of four channels, and room for the decoder.
+    limits.max_alloc = Some(8 * MAX_PIXELS + (1 << 24));
+    let decoder = PngDecoder::with_limits(reader, limits).map_err(unreadable)?;
+    let (width, height) = decoder.dimensions();
+    let (width, height) = check_size(u64::from(width), u64::from(height))?;
+    let picture = DynamicImage::from_decoder(decoder).map_err(unreadable)?;
+    let rgb = match picture {
+        DynamicImage::ImageLuma16(_)
+        | DynamicImage::ImageLumaA16(_)
+        | DynamicImage::ImageRgb16(_)
+        | DynamicImage::ImageRgba16(_) => {
+            let decode = |&code: &u16| srgb_decode(f32::from(code) / 65535.0);
+            picture.into_rgb16().as_raw().iter().map(decode).collect()
+        }
+        _ => {
+            let linear: [f32; 256] = std::array::from_fn(|code| srgb_decode(code as f32 / 255.0));
+            picture.into_rgb8().as_raw().iter().map(|&code| linear[usize::from(code)]).collect()
+        }
+    };
+    Ok(Image { width, height, rgb, layers: Vec::new() })
+}
+
+fn unreadable(error: ImageError) -> Error {
+    match error {
+        ImageError::Limits(error) => {
+            Error::new(ErrorKind::Unsupported, format!("too large to be read: {error}")).because(error)
+        }
+        error => damaged(&error).because(error),
+    }
+}

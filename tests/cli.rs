@@ -1,0 +1,442 @@
+//! The command line program: exit codes, messages, and the images it leaves.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+use etendue::film::Image;
+use etendue::output::{self, WriteOptions};
+use tempfile::TempDir;
+
+/// The program, built for the same profile as this test. A plain `cargo test` has built it already; a narrower one such
+/// as `cargo test --test cli` has not, or left an old one.
+fn program() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    PROGRAM.get_or_init(|| {
+        // target/<profile>/deps/cli-<hash>
+        let test = std::env::current_exe().expect("the path of this test");
+        let profile = test.ancestors().nth(2).expect("the folder of the profile");
+        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| env!("CARGO").into()));
+        cargo.args(["build", "--quiet", "--example", "etendue", "--manifest-path"]);
+        cargo.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml"));
+        // The folder of the development profile is the one that is not named like its profile.
+        match profile.file_name().and_then(|name| name.to_str()) {
+            Some("debug") | None => {}
+            Some(name) => _ = cargo.args(["--profile", name]),
+        }
+        if cfg!(feature = "schema") {
+            cargo.args(["--features", "schema"]);
+        }
+        assert!(cargo.status().expect("cargo").success(), "the example does not build");
+        let name = format!("etendue{}", std::env::consts::EXE_SUFFIX);
+        let program = profile.join("examples").join(name);
+        assert!(program.is_file(), "{} is missing", program.display());
+        program
+    })
+}
+
+/// What a run gave.
+struct Run {
+    code: Option<i32>,
+    stdout: String,
+    stderr: String,
+}
+
+impl From<Output> for Run {
+    fn from(output: Output) -> Self {
+        let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+        Self { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
+    }
+}
+
+impl Run {
+    /// Asserts exit code 2, nothing on standard output, and one line of error that holds `what`.
+    fn assert_refused(&self, what: &str) {
+        assert_eq!((self.code, self.stdout.as_str()), (Some(2), ""), "{}", self.stderr);
+        assert!(self.stderr.starts_with("error: "), "{}", self.stderr);
+        assert_eq!(self.stderr.lines().count(), 1, "{}", self.stderr);
+        assert!(self.stderr.contains(what), "'{what}' is not in: {}", self.stderr);
+    }
+
+    /// Asserts exit code 0.
+    fn assert_done(&self) {
+        assert_eq!(self.code, Some(0), "{}", self.stderr);
+    }
+}
+
+/// Runs the program in `folder`.
+fn etendue<S: AsRef<std::ffi::OsStr>>(folder: &Path, args: impl IntoIterator<Item = S>) -> Run {
+    command(folder, args).output().expect("the program runs").into()
+}
+
+fn command<S: AsRef<std::ffi::OsStr>>(folder: &Path, args: impl IntoIterator<Item = S>) -> Command {
+    let mut command = Command::new(program());
+    command.current_dir(folder).args(args).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+/// A scene of the repository.
+fn scene(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name);
+    path.to_str().expect("a UTF-8 path").to_owned()
+}
+
+/// A render command that takes little time, with more arguments.
+fn small_render<'a>(scene: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let mut args = vec!["render", scene, "--resolution", "16x12", "--spp", "4", "--threads", "2"];
+    args.extend(more);
+    args
+}
+
+/// A file of one row of grey pixels.
+fn write_grey(path: &Path, values: &[f32]) {
+    let rgb = values.iter().flat_map(|&value| [value; 3]).collect();
+    let image = Image { width: values.len() as u32, height: 1, rgb, layers: Vec::new() };
+    output::write(&image, path, &WriteOptions::default()).unwrap();
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn help_and_version_go_to_standard_output() {
+    let folder = folder();
+    for (args, expected) in [
+        (vec!["--help"], vec!["render", "info", "compare", "Exit codes"]),
+        (vec!["render", "--help"], vec!["--output", "--spp", "--max-depth", "--tone-map", "--progressive", "--time"]),
+        (vec!["compare", "--help"], vec!["--json", "reference"]),
+        (vec!["--version"], vec![env!("CARGO_PKG_VERSION")]),
+    ] {
+        let run = etendue(folder.path(), &args);
+        run.assert_done();
+        assert_eq!(run.stderr, "");
+        for word in expected {
+            assert!(run.stdout.contains(word), "'{word}' is not in: {}", run.stdout);
+        }
+    }
+}
+
+#[test]
+fn bad_usage_has_exit_code_2() {
+    let folder = folder();
+    let with = |option: &'static str, value: &'static str| vec!["render", "s.json", "-o", "a.png", option, value];
+    for args in [
+        vec![],
+        vec!["paint"],
+        vec!["render"],
+        vec!["render", "s.json"],
+        vec!["info"],
+        vec!["compare", "a.pfm"],
+        vec!["render", "s.json", "-o", "a.png", "--fast"],
+        with("--spp", "0"),
+        with("--spp", "many"),
+        with("--threads", "-1"),
+        with("--time", "0"),
+        with("--time", "nan"),
+        with("--time", "1e300"),
+        with("--seed", "-1"),
+        with("--resolution", "640"),
+        with("--resolution", "0x480"),
+        with("--resolution", "65536x65536"),
+        with("--integrator", "radiosity"),
+        with("--filter", "gaussian:0"),
+        with("--filter", "mitchell:1"),
+        with("--filter", "sinc"),
+        with("--sampler", "halton"),
+        with("--shadow-rays", "0"),
+        with("--max-depth", "0"),
+        with("--tone-map", "pretty"),
+        with("--exposure", "65"),
+        with("--exposure", "nan"),
+    ] {
+        let run = etendue(folder.path(), &args);
+        assert_eq!((run.code, run.stdout.as_str()), (Some(2), ""), "{args:?}: {}", run.stderr);
+        assert!(run.stderr.contains("error: ") || run.stderr.contains("Usage: "), "{args:?}: {}", run.stderr);
+        assert!(!run.stderr.contains("panicked"), "{args:?}: {}", run.stderr);
+    }
+    assert_eq!(names(folder.path()), [""; 0]);
+}
+
+#[test]
+fn outputs_are_checked_before_anything_else() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("taken.png")).unwrap();
+    // The scene is missing too, and would be the next thing to be said.
+    for (path, what) in [
+        ("image.jpg", "image.jpg: no image format is known by the extension '.jpg'"),
+        ("image", "image: the name has no extension"),
+        ("no/where/image.exr", "no/where/image.exr: cannot write the image into its folder"),
+        ("taken.png", "taken.png: cannot write the image: the name is taken"),
+    ] {
+        etendue(folder.path(), ["render", "missing.json", "-o", "good.exr", path]).assert_refused(what);
+    }
+    etendue(folder.path(), ["render", "missing.json", "-o", "a.png", "-o", "a.png"]).assert_refused("given twice");
+    assert_eq!(names(folder.path()), ["taken.png"]);
+}
+
+#[test]
+fn a_scene_that_cannot_be_used_has_exit_code_2() {
+    let folder = folder();
+    fs::write(folder.path().join("broken.json"), "{\n  \"etendue\": 1,\n  \"camera\": [\n").unwrap();
+    fs::write(folder.path().join("empty.json"), "").unwrap();
+    for verb in [&["render", "-o", "a.png", "--"][..], &["info"]] {
+        for (scene, what) in [
+            ("missing.json", "missing.json: "),
+            ("broken.json", "broken.json:"),
+            ("empty.json", "empty.json:"),
+            (".", "."),
+        ] {
+            etendue(folder.path(), verb.iter().chain(&[scene])).assert_refused(what);
+        }
+    }
+    assert_eq!(names(folder.path()), ["broken.json", "empty.json"]);
+}
+
+#[test]
+fn compare_prints_a_table() {
+    let folder = folder();
+    write_grey(&folder.path().join("a.pfm"), &[0.5, 1.0]);
+    write_grey(&folder.path().join("b.pfm"), &[0.5, 0.5]);
+    let run = etendue(folder.path(), ["compare", "a.pfm", "b.pfm"]);
+    run.assert_done();
+    assert_eq!(run.stderr, "");
+    for line in [
+        "mse             1.250000e-1",
+        // 0.25 / (0.25 + 0.01) in one pixel of two.
+        "relative mse    4.807692e-1  (epsilon 0.01)",
+        // 10 log10(0.25 / 0.125)
+        "psnr            3.01 dB",
+        "max difference  5.000000e-1  at column 1, row 0",
+        "mean of A       0.750000 0.750000 0.750000",
+        "mean of B       0.500000 0.500000 0.500000",
+        "ratio A / B     1.500000 1.500000 1.500000",
+    ] {
+        assert!(run.stdout.lines().any(|found| found == line), "'{line}' is not in: {}", run.stdout);
+    }
+    assert!(run.stdout.contains("\nflip  "), "{}", run.stdout);
+    let run = etendue(folder.path(), ["compare", "--no-flip", "a.pfm", "b.pfm"]);
+    assert!(!run.stdout.contains("\nflip  "), "{}", run.stdout);
+}
+
+#[test]
+fn compare_prints_json() {
+    let folder = folder();
+    write_grey(&folder.path().join("black.pfm"), &[0.0; 64]);
+    write_grey(&folder.path().join("white.exr"), &[1.0; 64]);
+    write_grey(&folder.path().join("white.png"), &[1.0; 64]);
+    let json = |args: &[&str]| -> serde_json::Value {
+        let run = etendue(folder.path(), ["compare", "--json"].iter().chain(args));
+        run.assert_done();
+        serde_json::from_str(&run.stdout).expect("JSON")
+    };
+
+    let different = json(&["black.pfm", "white.exr"]);
+    assert_eq!(different["mse"], 1.0);
+    assert_eq!(different["psnr"], 0.0);
+    assert_eq!(different["max_at"], serde_json::json!([0, 0]));
+    assert_eq!(different["ratio"], serde_json::json!([0.0, 0.0, 0.0]));
+    // FLIP of black and white is the greatest there is.
+    assert!(different["flip"].as_f64().unwrap() > 0.9, "{different}");
+    // Far below one step of an 8-bit display both are black.
+    assert_eq!(json(&["black.pfm", "white.exr", "--exposure", "-20"])["flip"], 0.0);
+
+    let same = json(&["white.png", "white.exr"]);
+    assert_eq!((&same["mse"], &same["flip"], &same["psnr"]), (&0.0.into(), &0.0.into(), &serde_json::Value::Null));
+    assert_eq!(json(&["white.png", "white.exr", "--no-flip"])["flip"], serde_json::Value::Null);
+}
+
+#[test]
+fn compare_refuses_what_it_cannot_compare() {
+    let folder = folder();
+    write_grey(&folder.path().join("two.pfm"), &[0.5, 1.0]);
+    write_grey(&folder.path().join("three.pfm"), &[0.5, 1.0, 2.0]);
+    fs::write(folder.path().join("noise.exr"), [7; 100]).unwrap();
+    let refused = |a: &str, what: &str| etendue(folder.path(), ["compare", a, "two.pfm"]).assert_refused(what);
+    refused("three.pfm", "different size cannot be compared: 3 x 1 and 2 x 1");
+    refused("missing.pfm", "missing.pfm: cannot read the image");
+    refused("noise.exr", "noise.exr: not a readable image");
+    refused("two.txt", "two.txt: no image format");
+}
+
+#[test]
+fn render_writes_every_image_and_a_summary() {
+    let folder = folder();
+    let cornell = scene("cornell.json");
+    let run = etendue(folder.path(), small_render(&cornell, &["-o", "a.exr", "b.pfm", "--output", "c.png"]));
+    run.assert_done();
+    assert_eq!(run.stdout, "");
+    assert_eq!(names(folder.path()), ["a.exr", "b.pfm", "c.png"]);
+    let image = |name: &str| output::read(&folder.path().join(name)).unwrap();
+    let exr = image("a.exr");
+    assert_eq!((exr.width, exr.height), (16, 12));
+    assert_eq!(exr.rgb, image("b.pfm").rgb);
+    assert!(exr.mean().iter().all(|mean| mean.is_finite() && *mean > 0.0), "{:?}", exr.mean());
+    for layer in ["albedo", "normal", "depth"] {
+        assert!(exr.layer(layer).is_some(), "{layer}");
+    }
+    assert_eq!((image("c.png").width, image("c.png").height), (16, 12));
+
+    // Standard error is not a terminal here: a summary, and nothing drawn.
+    let summary = run.stderr.lines().last().unwrap();
+    for word in ["done in ", "4 samples per pixel", "Mrays/s"] {
+        assert!(summary.contains(word), "{}", run.stderr);
+    }
+    assert!(!run.stderr.contains(['\r', '\u{1b}']), "{:?}", run.stderr);
+    if cfg!(target_os = "linux") {
+        assert!(summary.contains("peak memory "), "{summary}");
+    }
+
+    let metadata = exr::meta::MetaData::read_from_file(folder.path().join("a.exr"), true).unwrap();
+    let comments = metadata.headers[0].own_attributes.comments.as_ref().unwrap().to_string();
+    assert!(comments.contains("cornell.json") && comments.contains("samples per pixel 4"), "{comments}");
+}
+
+#[test]
+fn quiet_says_nothing_and_options_reach_the_renderer() {
+    let folder = folder();
+    let cornell = scene("cornell.json");
+    let render = |name: &str, more: &[&str]| {
+        let mut args = small_render(&cornell, &["--quiet"]);
+        args.extend(more);
+        args.extend(["--output", name]);
+        let run = etendue(folder.path(), &args);
+        run.assert_done();
+        assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""), "{args:?}");
+        output::read(&folder.path().join(name)).unwrap()
+    };
+    let plain = render("plain.exr", &[]);
+    assert_eq!(render("again.exr", &["--threads", "1"]), plain, "the same bits for any number of threads");
+    for (index, options) in [
+        &["--seed", "12345"][..],
+        &["--integrator", "direct"],
+        &["--sampler", "random"],
+        &["--filter", "gaussian:0.7"],
+        &["--shadow-rays", "3"],
+        &["--max-depth", "1"],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let image = render(&format!("{index}.exr"), options);
+        assert_ne!(image.rgb, plain.rgb, "{options:?}");
+    }
+    // A stop more of exposure is a brighter picture.
+    let dark = render("dark.png", &["--exposure", "-2"]);
+    let bright = render("bright.png", &["--exposure", "1"]);
+    assert!((0..3).all(|channel| dark.mean()[channel] < bright.mean()[channel]), "{dark:?} {bright:?}");
+}
+
+#[test]
+fn info_says_what_a_scene_holds() {
+    let folder = folder();
+    let run = etendue(folder.path(), ["info", &scene("cornell.json")]);
+    run.assert_done();
+    assert!(run.stdout.lines().count() >= 3, "{}", run.stdout);
+    assert_eq!(names(folder.path()), [""; 0]);
+}
+
+#[test]
+fn an_unknown_material_is_named_with_its_place() {
+    let folder = folder();
+    let cornell: serde_json::Value = serde_json::from_str(&fs::read_to_string(scene("cornell.json")).unwrap()).unwrap();
+    let mut broken = cornell;
+    broken["surfaces"][0]["material"] = "no such material".into();
+    fs::write(folder.path().join("broken.json"), serde_json::to_string_pretty(&broken).unwrap()).unwrap();
+    let run = etendue(folder.path(), ["render", "broken.json", "-o", "a.png"]);
+    run.assert_refused("surfaces[0].material");
+    assert!(run.stderr.starts_with("error: broken.json:"), "{}", run.stderr);
+    assert_eq!(names(folder.path()), ["broken.json"]);
+}
+
+#[test]
+fn time_limits_a_run() {
+    let folder = folder();
+    let cornell = scene("cornell.json");
+    let start = Instant::now();
+    let args = ["render", &cornell, "--resolution", "16x12", "--spp", "100000000", "--time", "0.3", "-o", "a.pfm"];
+    let run = etendue(folder.path(), args);
+    run.assert_done();
+    // Ten times the limit and more, for a machine that is busy; without a limit it would take hours.
+    assert!(start.elapsed() < Duration::from_secs(60), "{:?}", start.elapsed());
+    assert!(output::read(&folder.path().join("a.pfm")).unwrap().mean()[0] > 0.0);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_writes_what_there_is() {
+    let folder = folder();
+    let cornell = scene("cornell.json");
+    let args =
+        ["render", &cornell, "--resolution", "16x12", "--spp", "100000000", "--progressive", "--output", "a.exr"];
+    let mut child = command(folder.path(), args).spawn().unwrap();
+    let path = folder.path().join("a.exr");
+    let start = Instant::now();
+    // With --progressive the file appears after the first pass: the run is under way.
+    while !path.exists() && start.elapsed() < Duration::from_secs(60) && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let signal = Command::new("sh").arg("-c").arg(format!("kill -INT {}", child.id())).status().unwrap();
+    assert!(signal.success());
+    while child.try_wait().unwrap().is_none() {
+        if start.elapsed() > Duration::from_secs(120) {
+            child.kill().unwrap();
+            panic!("the run did not stop");
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let run = Run::from(child.wait_with_output().unwrap());
+    assert_eq!(run.code, Some(130), "{}", run.stderr);
+    assert!(run.stderr.contains("stopped after "), "{}", run.stderr);
+    assert!(output::read(&path).unwrap().mean()[0] > 0.0);
+    assert_eq!(names(folder.path()), ["a.exr"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_failing_write_has_exit_code_1_and_keeps_the_old_image() {
+    let folder = folder();
+    let cornell = scene("cornell.json");
+    let path = folder.path().join("a.pfm");
+    write_grey(&path, &[0.5]);
+    let old = fs::read(&path).unwrap();
+    // A limit of 1 block (512 bytes) per file stands for a full disk; the image needs 2304 bytes.
+    let outcome = Command::new("sh")
+        .arg("-c")
+        .arg("trap '' XFSZ; ulimit -f 1; exec \"$0\" \"$@\"")
+        .arg(program())
+        .args(small_render(&cornell, &["--output", "a.pfm"]))
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let run = Run::from(outcome);
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    assert!(run.stderr.contains("error: a.pfm: cannot write the image"), "{}", run.stderr);
+    assert_eq!(fs::read(&path).unwrap(), old);
+    assert_eq!(names(folder.path()), ["a.pfm"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_that_has_seen_enough_is_no_failure() {
+    let folder = folder();
+    write_grey(&folder.path().join("a.pfm"), &[0.5]);
+    let script = "\"$0\" compare a.pfm a.pfm 2> errors; echo $? > code";
+    let mut shell = Command::new("sh");
+    shell.arg("-c").arg(script).arg(program()).current_dir(folder.path()).stdout(Stdio::piped());
+    let mut child = shell.spawn().unwrap();
+    // Nobody reads: the pipe is closed before anything is written to it.
+    drop(child.stdout.take());
+    assert!(child.wait().unwrap().success());
+    assert_eq!(fs::read_to_string(folder.path().join("errors")).unwrap(), "");
+    assert_eq!(fs::read_to_string(folder.path().join("code")).unwrap(), "0\n");
+}
