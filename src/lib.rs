@@ -6,12 +6,16 @@
 pub mod bsdf;
 pub mod camera;
 pub mod desc;
+pub mod embree;
 pub mod emitter;
 mod error;
 pub mod film;
+pub mod integrator;
 pub mod math;
 pub mod output;
+pub mod render;
 pub mod sampling;
+pub mod scene;
 pub mod shape;
 pub mod spectrum;
 

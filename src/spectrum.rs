@@ -18,13 +18,18 @@ pub fn luminance(color: Rgb) -> f32 {
 ///
 /// Values outside are clamped, NaN becomes 0.
 pub fn srgb_encode(linear: f32) -> f32 {
-    // `max` before `min` so that NaN, which loses every comparison, ends at 0.
-    let linear = linear.max(0.0).min(1.0);
+    let linear = unit(linear);
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// The inverse of [`srgb_encode`]; values outside [0, 1] are clamped.
 pub fn srgb_decode(encoded: f32) -> f32 {
-    let encoded = encoded.max(0.0).min(1.0);
+    let encoded = unit(encoded);
     if encoded <= 0.040_449_936 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Clamps to [0, 1]; NaN becomes 0.
+#[expect(clippy::manual_clamp, reason = "clamp would keep NaN, which loses every comparison here")]
+fn unit(x: f32) -> f32 {
+    x.max(0.0).min(1.0)
 }

@@ -6,6 +6,7 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use etendue::desc::{FilterDesc, IntegratorDesc, RenderDesc, SamplerDesc};
 use etendue::output::ToneMap;
+use etendue::render::MOST_SAMPLES;
 
 /// Physically based rendering of scene files.
 ///
@@ -46,7 +47,7 @@ pub struct RenderArgs {
     /// Samples per pixel, in place of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
-    /// Begin no new pass after so many seconds, even when samples are left.
+    /// Stop after so many seconds. With --spp, at whichever comes first; without, the scene's samples do not count.
     #[arg(long, value_name = "SECONDS", value_parser = parse_time)]
     pub time: Option<Duration>,
     /// Seed of all randomness, in place of the scene's.
@@ -171,7 +172,8 @@ impl RenderArgs {
     pub fn settings(&self, scene: &RenderDesc) -> RenderDesc {
         RenderDesc {
             resolution: self.resolution.unwrap_or(scene.resolution),
-            samples: self.spp.unwrap_or(scene.samples),
+            // Time alone counts where it is all that was asked for.
+            samples: self.spp.unwrap_or(if self.time.is_some() { MOST_SAMPLES } else { scene.samples }),
             sampler: self.sampler.map_or(scene.sampler, |sampler| match sampler {
                 Sampler::Sobol => SamplerDesc::Sobol,
                 Sampler::Random => SamplerDesc::Random,

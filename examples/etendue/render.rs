@@ -7,7 +7,7 @@ use std::path::Path;
 use etendue::desc::{self, RenderDesc, SceneDesc};
 use etendue::film::Image;
 use etendue::output::{self, Format, WriteOptions};
-use etendue::render::{Progress, Render, RenderSettings, Summary};
+use etendue::render::{MOST_SAMPLES, Progress, Render, RenderSettings, Summary};
 use etendue::scene::{BuildOptions, Scene};
 
 use crate::args::{InfoArgs, RenderArgs};
@@ -28,13 +28,8 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
     interrupt::install()?;
     let (description, scene) = load(&args.scene, args.params.as_deref(), args.threads)?;
     let desc = args.settings(&description.render);
-    let settings = RenderSettings {
-        desc: desc.clone(),
-        threads: args.threads,
-        time_limit: args.time,
-        auxiliary: layers,
-        ..RenderSettings::default()
-    };
+    let settings =
+        RenderSettings { desc: desc.clone(), threads: args.threads, time_limit: args.time, auxiliary: layers };
     let mut render = Render::new(&scene, settings)?;
 
     interrupt::begin();
@@ -45,8 +40,8 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
         render
             .run(&mut |progress| {
                 bar.show(progress.fraction, status(progress));
-                if args.progressive && progress.pass_finished {
-                    failure = write(&(progress.image)(), progress.samples_done).err();
+                if let (true, Some(image)) = (args.progressive, progress.image) {
+                    failure = write(&image(), progress.samples_done).err();
                 }
                 if failure.is_some() || interrupt::requested() {
                     ControlFlow::Break(())
@@ -73,7 +68,7 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
 fn load(scene: &Path, params: Option<&Path>, threads: usize) -> Result<(SceneDesc, Scene), Failure> {
     let description = desc::load(scene, params)?;
     description.warnings.iter().for_each(console::warn);
-    let scene = Scene::build(&description, &BuildOptions { threads })?;
+    let scene = Scene::build(&description, &BuildOptions { threads, ..BuildOptions::default() })?;
     scene.warnings().iter().for_each(console::warn);
     Ok((description, scene))
 }
@@ -119,9 +114,9 @@ fn status(progress: &Progress) -> String {
         return "stopping; Ctrl-C again to abort".to_owned();
     }
     format!(
-        "{}/{} samples, {}{}",
+        "{}{} samples, {}{}",
         progress.samples_done,
-        progress.samples_total,
+        if progress.samples_total < MOST_SAMPLES { format!("/{}", progress.samples_total) } else { String::new() },
         console::ray_rate(progress.rays, progress.elapsed),
         console::time_left(progress.fraction, progress.elapsed)
     )
@@ -129,9 +124,6 @@ fn status(progress: &Progress) -> String {
 
 /// The last words on standard error.
 fn report(summary: &Summary, quiet: bool) {
-    if summary.non_finite > 0 {
-        console::warn(format!("{} samples were not finite and were left out", summary.non_finite));
-    }
     if quiet {
         return;
     }

@@ -90,9 +90,10 @@ impl Camera {
         Ray::new(origin, to_film.normalize())
     }
 
-    /// Unit view direction; distances along it are the depth layer.
-    pub fn forward(&self) -> Vec3 {
-        self.forward
+    /// Distance of a scene-frame point from the eye, along the view direction.
+    #[inline]
+    pub fn depth(&self, p: Vec3) -> f32 {
+        (p - self.origin).dot(self.forward)
     }
 }
 

@@ -1,29 +1,49 @@
-//! Flat disks.
+//! Flat disks, and what affine transforms make of them.
 
 use super::DRay;
-use crate::math::{Bounds, DVec3};
+use crate::math::{Bounds, DAffine3, DVec3, Frame};
 
-/// A flat disk in the scene frame.
+/// The unit disk x^2 + y^2 <= 1, z = 0 of a frame of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disk {
-    /// Centre.
-    pub centre: DVec3,
-    /// Unit normal.
-    pub normal: DVec3,
-    /// Radius > 0.
-    pub radius: f64,
+    to_own: DAffine3,
+    centre: DVec3,
+    /// The frame's x and y axes in the scene: two conjugate radii.
+    radii: [DVec3; 2],
+    normal: DVec3,
 }
 
 impl Disk {
+    /// The disk of this centre, unit normal and radius > 0 under an invertible transform.
+    pub fn new(centre: DVec3, normal: DVec3, radius: f64, transform: &DAffine3) -> Self {
+        let frame = Frame::from_normal(normal.as_vec3());
+        // The frame is single precision: made orthogonal to the normal again, any pair of axes will do.
+        let s = frame.s.as_dvec3();
+        let s = (s - s.dot(normal) * normal).normalize();
+        let own = DAffine3 {
+            matrix3: crate::math::DMat3::from_cols(radius * s, radius * normal.cross(s), radius * normal),
+            translation: centre,
+        };
+        let to_scene = *transform * own;
+        let to_own = to_scene.inverse();
+        Self {
+            to_own,
+            centre: to_scene.translation,
+            radii: [to_scene.matrix3.x_axis, to_scene.matrix3.y_axis],
+            normal: (transform.matrix3.inverse().transpose() * normal).normalize(),
+        }
+    }
+
     /// The t in (tnear, tfar) at which the ray crosses the disk; none for a ray in its plane.
     #[inline]
     pub fn intersect(&self, ray: &DRay) -> Option<f64> {
         let t = (self.centre - ray.origin).dot(self.normal) / ray.direction.dot(self.normal);
+        // Written so that NaN, from a ray in the plane, fails.
         if !(t > ray.tnear && t < ray.tfar) {
             return None;
         }
-        let p = ray.origin + t * ray.direction;
-        (p.distance_squared(self.centre) <= self.radius * self.radius).then_some(t)
+        let own = self.to_own.transform_point3(ray.origin + t * ray.direction);
+        (own.x * own.x + own.y * own.y <= 1.0).then_some(t)
     }
 
     /// The point of the disk's plane nearest to `p`, and the normal.
@@ -34,14 +54,37 @@ impl Disk {
 
     /// A box around it.
     pub fn bounds(&self) -> Bounds {
-        let n = self.normal;
-        // Half extent along an axis is r sqrt(1 - n_axis^2), with the square root's argument as a sum that cannot cancel.
-        let extent = self.radius
-            * DVec3::new(
-                (n.y * n.y + n.z * n.z).sqrt(),
-                (n.x * n.x + n.z * n.z).sqrt(),
-                (n.x * n.x + n.y * n.y).sqrt(),
-            );
+        // The largest coordinate of c + a cos + b sin along an axis is c + sqrt(a^2 + b^2).
+        let [a, b] = self.radii;
+        let extent = (a * a + b * b).map(f64::sqrt);
         Bounds { min: self.centre - extent, max: self.centre + extent }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn round_and_stretched() {
+        let stretch = DAffine3::from_scale(DVec3::new(3.0, 1.0, 1.0));
+        for (transform, edge) in [(DAffine3::IDENTITY, 0.5), (stretch, 1.5)] {
+            let disk = Disk::new(DVec3::new(0.0, 0.0, 2.0), DVec3::NEG_Z, 0.5, &transform);
+            for (x, hit) in [(0.0, true), (0.999 * edge, true), (-0.999 * edge, true), (1.001 * edge, false)] {
+                let ray = DRay {
+                    origin: DVec3::new(x, 0.0, -1.0),
+                    direction: DVec3::new(0.0, 0.0, 0.5),
+                    tnear: 0.0,
+                    tfar: 1e9,
+                };
+                assert_eq!(disk.intersect(&ray).map(|t| (t - 6.0).abs() < 1e-14), hit.then_some(true), "{x}");
+            }
+            assert_eq!(disk.project(DVec3::new(0.1, 0.0, 2.5)), (DVec3::new(0.1, 0.0, 2.0), DVec3::NEG_Z));
+            let bounds = disk.bounds();
+            assert!((bounds.max - DVec3::new(edge, 0.5, 2.0)).abs().max_element() < 1e-7, "{bounds:?}");
+            let in_plane =
+                DRay { origin: DVec3::new(-9.0, 0.0, 2.0), direction: DVec3::X, tnear: 0.0, tfar: f64::INFINITY };
+            assert_eq!(disk.intersect(&in_plane), None);
+        }
     }
 }

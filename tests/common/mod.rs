@@ -1,5 +1,6 @@
-//! What several tests use.
-#![allow(dead_code, reason = "no test uses all of it")]
+//! What several test programs use.
+#![allow(dead_code, reason = "no program uses all of it")]
 
 pub mod malformed;
+pub mod scenes;
 pub mod snippets;

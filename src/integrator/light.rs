@@ -1,0 +1,134 @@
+//! Light at a surface: what it emits, and what reaches it directly.
+
+use super::{FirstHit, Tracer};
+use crate::math::{Frame, Ray, Vec3};
+use crate::sampling::mis::power_heuristic;
+use crate::scene::{Hit, Material, Scene, SurfaceInteraction};
+use crate::spectrum::Rgb;
+
+/// A shadow ray ends this share of its length before its target, so that the light itself does not count as an obstacle
+/// when it is far away and seen at a grazing angle; its end is moved off the light besides. 16 units of f32.
+const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
+
+/// A point of a path, ready for shading.
+pub(super) struct Vertex<'s> {
+    pub surface: SurfaceInteraction,
+    pub material: &'s Material,
+    frame: Frame,
+    /// Back along the path, local frame.
+    pub wo: Vec3,
+    /// Back along the path, scene frame.
+    wo_scene: Vec3,
+}
+
+/// A bounce out of a vertex.
+pub(super) struct Bounce {
+    pub ray: Ray,
+    /// f |cos| / pdf.
+    pub weight: Rgb,
+    /// `None` after a delta lobe, which no light sample can imitate.
+    pub pdf: Option<f32>,
+    /// Index of refraction entered over the one left.
+    pub eta: f32,
+}
+
+impl<'s> Vertex<'s> {
+    #[inline]
+    pub fn new(scene: &'s Scene, ray: &Ray, hit: &Hit) -> Self {
+        let mut surface = scene.interaction(ray, hit);
+        let wo_scene = -ray.direction;
+        // An interpolated normal may look away from a viewer who does see the face: shade flat there.
+        if surface.ns.dot(wo_scene) * surface.ng.dot(wo_scene) <= 0.0 {
+            surface.ns = surface.ng;
+        }
+        let frame = Frame::from_normal(surface.ns);
+        let wo = frame.to_local(wo_scene);
+        Self { material: scene.material(surface.material), frame, wo, wo_scene, surface }
+    }
+
+    /// What the auxiliary layers want to know.
+    pub fn first_hit(&self) -> FirstHit {
+        let normal = if self.wo.z < 0.0 { -self.surface.ns } else { self.surface.ns };
+        FirstHit { albedo: self.material.bsdf.albedo(), normal, p: self.surface.point.p }
+    }
+
+    /// Radiance emitted back along the path, with the weight of having come here by chance rather than by a light sample.
+    ///
+    /// `from`: the point and density [sr^-1] of the bounce that led here, `None` when no light sample could have.
+    /// `light_samples`: how many were taken there.
+    #[inline]
+    pub fn emitted(&self, scene: &Scene, from: Option<(Vec3, f32)>, light_samples: u32) -> Rgb {
+        let Some(emitter) = self.surface.emitter else { return Rgb::ZERO };
+        let le = scene.emitters().le(emitter, self.surface.ng, self.wo_scene);
+        match from {
+            Some((p, pdf)) if le != Rgb::ZERO => {
+                let light_pdf = scene.emitters().pdf(emitter, p, self.surface.point.p, -self.wo_scene);
+                le * power_heuristic(pdf, light_samples as f32 * light_pdf)
+            }
+            _ => le,
+        }
+    }
+
+    /// One sample of the light that comes straight from an emitter and is scattered back along the path.
+    ///
+    /// Weighted against a Bsdf sample in the same direction by the power heuristic (Veach 1997, Sec. 9.2.4), this being
+    /// one of `light_samples`. Glass blocks: light through it comes as a path that is refracted, and never twice.
+    #[inline]
+    pub fn sample_light<T: Tracer>(&self, scene: &Scene, u: [f32; 4], light_samples: u32, tracer: &mut T) -> Rgb {
+        let point = &self.surface.point;
+        let Some(light) = scene.emitters().sample(point.p, [u[0], u[1], u[2]]) else { return Rgb::ZERO };
+        let wi = self.frame.to_local(light.wi);
+        if !self.is_consistent(light.wi, wi) {
+            return Rgb::ZERO;
+        }
+        let (f, bsdf_pdf) = self.material.bsdf.f_pdf(self.wo, wi);
+        if f == Rgb::ZERO {
+            return Rgb::ZERO;
+        }
+        let weight = if light.is_delta { 1.0 } else { power_heuristic(light_samples as f32 * light.pdf, bsdf_pdf) };
+        let origin = point.offset(self.side(light.wi));
+        let shadow = Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: SHADOW_END };
+        if !tracer.unoccluded(&shadow) {
+            return Rgb::ZERO;
+        }
+        f * light.radiance * (wi.z.abs() * weight / (light.pdf * light_samples as f32))
+    }
+
+    /// Samples the next direction of the path; `None` when it ends in absorption.
+    #[inline]
+    pub fn sample_bounce(&self, u: [f32; 4]) -> Option<Bounce> {
+        let sample = self.material.bsdf.sample(self.wo, [u[0], u[1], u[2]])?;
+        let wi = self.frame.to_world(sample.wi);
+        if !self.is_consistent(wi, sample.wi) {
+            return None;
+        }
+        let pdf = (!sample.is_delta).then_some(sample.pdf);
+        Some(Bounce { ray: self.leave(wi), weight: sample.weight, pdf, eta: sample.eta })
+    }
+
+    /// The ray that leaves into the local direction `wi`, unless an interpolated normal sends it through the face.
+    #[inline]
+    pub fn leave_local(&self, wi: Vec3) -> Option<Ray> {
+        let scene_wi = self.frame.to_world(wi);
+        self.is_consistent(scene_wi, wi).then(|| self.leave(scene_wi))
+    }
+
+    #[inline]
+    fn leave(&self, wi: Vec3) -> Ray {
+        // Renormalised: the error of a frame, multiplied along a long specular path, would grow.
+        Ray::new(self.surface.point.offset(self.side(wi)), wi.normalize())
+    }
+
+    /// The geometric normal on the side that `wi` leaves to.
+    #[inline]
+    fn side(&self, wi: Vec3) -> Vec3 {
+        if wi.dot(self.surface.ng) < 0.0 { -self.surface.ng } else { self.surface.ng }
+    }
+
+    /// Whether a direction is on the same side of the face as of the shading normal: light must not leak through a face
+    /// whose normals are interpolated (Veach 1997, Sec. 5.3.2).
+    #[inline]
+    fn is_consistent(&self, wi: Vec3, local: Vec3) -> bool {
+        wi.dot(self.surface.ng) * local.z > 0.0
+    }
+}

@@ -1,0 +1,82 @@
+//! Light transport: from a ray to the radiance that arrives along it.
+//!
+//! An [`Integrator`] is compiled once per kind of sampler and tracer, so that nothing is dispatched per ray. It sees no
+//! film, no file and no thread.
+
+mod direct;
+mod light;
+mod path;
+mod whitted;
+
+pub use direct::Direct;
+pub use path::Path;
+pub use whitted::Whitted;
+
+use crate::math::{Ray, Vec3};
+use crate::sampling::Sampler;
+use crate::scene::{Hit, Scene};
+use crate::spectrum::Rgb;
+
+/// Answers rays: the scene itself, or something that also counts or records them.
+pub trait Tracer {
+    /// The nearest surface along the ray.
+    fn intersect(&mut self, ray: &Ray) -> Option<Hit>;
+
+    /// Whether nothing lies in the ray's segment.
+    fn unoccluded(&mut self, ray: &Ray) -> bool;
+}
+
+/// Traces in a scene and counts the rays.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneTracer<'s> {
+    scene: &'s Scene,
+    /// Rays so far.
+    pub rays: u64,
+}
+
+impl<'s> SceneTracer<'s> {
+    /// A tracer that has counted nothing yet.
+    pub fn new(scene: &'s Scene) -> Self {
+        Self { scene, rays: 0 }
+    }
+}
+
+impl Tracer for SceneTracer<'_> {
+    #[inline]
+    fn intersect(&mut self, ray: &Ray) -> Option<Hit> {
+        self.rays += 1;
+        self.scene.intersect(ray)
+    }
+
+    #[inline]
+    fn unoccluded(&mut self, ray: &Ray) -> bool {
+        self.rays += 1;
+        self.scene.unoccluded(ray)
+    }
+}
+
+/// What a camera ray met first, for the auxiliary layers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstHit {
+    /// Albedo there.
+    pub albedo: Rgb,
+    /// Shading normal, facing the camera.
+    pub normal: Vec3,
+    /// The point, scene frame.
+    pub p: Vec3,
+}
+
+/// A light transport algorithm.
+pub trait Integrator: Sync {
+    /// An estimate of the radiance [W m^-2 sr^-1] that arrives at the ray's origin against its direction (unit length).
+    ///
+    /// `first` is told the first hit, if there is one. Unbiased unless a depth limit was asked for.
+    fn radiance<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        ray: Ray,
+        sampler: &mut S,
+        tracer: &mut T,
+        first: &mut impl FnMut(FirstHit),
+    ) -> Rgb;
+}

@@ -1,0 +1,130 @@
+//! Path tracing: everything, by following light backwards.
+//!
+//! Unbiased: next-event estimation with multiple importance sampling at every surface that is not perfectly specular,
+//! Russian roulette instead of a depth limit. A poor choice for caustics of small lights, which only chance finds.
+//!
+//! `"integrator": { "type": "path" }`, with `shadowRays` (1) light samples per hit and `maxDepth` (none).
+//!
+//! Sources: Kajiya 1986, "The Rendering Equation"; Veach 1997, chapters 8 to 10; Arvo and Kirk 1990, "Particle Transport
+//! and Image Synthesis" (roulette).
+
+use super::light::Vertex;
+use super::{FirstHit, Integrator, Tracer};
+use crate::math::Ray;
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+use crate::spectrum::Rgb;
+
+/// From this bounce on no path survives with certainty, so that it ends even among perfect mirrors.
+const CERTAIN_BOUNCES: u32 = 64;
+
+/// The largest survival probability from then on.
+const LARGEST_SURVIVAL: f32 = 0.99;
+
+/// Path tracing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Path {
+    /// Greatest number of surface hits, counting the first visible one; light sources that a diffuse hit sees directly do
+    /// not count. `None` cuts nothing; a limit is a bias.
+    pub max_depth: Option<u32>,
+    /// Light samples per hit, >= 1.
+    pub shadow_rays: u32,
+}
+
+impl Integrator for Path {
+    #[inline]
+    fn radiance<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        ray: Ray,
+        sampler: &mut S,
+        tracer: &mut T,
+        first: &mut impl FnMut(FirstHit),
+    ) -> Rgb {
+        trace(scene, ray, sampler, tracer, first, Limits { path: *self, mirrors_see_lights: false })
+    }
+}
+
+/// Where a path ends.
+#[derive(Clone, Copy)]
+pub(super) struct Limits {
+    pub path: Path,
+    /// Whether a specular surface at the last allowed hit still shows the lights it reflects or refracts.
+    pub mirrors_see_lights: bool,
+}
+
+#[inline]
+pub(super) fn trace<S: Sampler, T: Tracer>(
+    scene: &Scene,
+    mut ray: Ray,
+    sampler: &mut S,
+    tracer: &mut T,
+    first: &mut impl FnMut(FirstHit),
+    limits: Limits,
+) -> Rgb {
+    let Path { max_depth, shadow_rays } = limits.path;
+    let max_depth = max_depth.unwrap_or(u32::MAX);
+    let mut radiance = Rgb::ZERO;
+    let mut throughput = Rgb::ONE;
+    // Undoes the radiance scaling of refraction for the roulette: a path inside glass is not worth less.
+    let mut eta2 = 1.0;
+    // The last bounce's point and density, where a light sample could have made it as well.
+    let mut bounced = None;
+
+    for depth in 1_u32.. {
+        let Some(hit) = tracer.intersect(&ray) else { break };
+        let vertex = Vertex::new(scene, &ray, &hit);
+        if depth == 1 {
+            first(vertex.first_hit());
+        }
+
+        // Light that the surface itself sends.
+        radiance += throughput * vertex.emitted(scene, bounced, shadow_rays);
+        let bsdf = &vertex.material.bsdf;
+        if depth > max_depth || bsdf.is_black() {
+            break;
+        }
+
+        // Light that reaches it straight from an emitter.
+        if !bsdf.is_delta() && !scene.emitters().is_dark() {
+            for _ in 0..shadow_rays {
+                let u = sampler.next_4d();
+                radiance += throughput * vertex.sample_light(scene, u, shadow_rays, tracer);
+            }
+        }
+
+        // The next direction.
+        let u = sampler.next_4d();
+        let Some(bounce) = vertex.sample_bounce(u) else { break };
+        if depth == max_depth && bounce.pdf.is_none() && !limits.mirrors_see_lights {
+            break;
+        }
+        throughput *= bounce.weight;
+        eta2 *= bounce.eta * bounce.eta;
+        bounced = bounce.pdf.map(|pdf| (vertex.surface.point.p, pdf));
+        ray = bounce.ray;
+
+        // Roulette: by the scene's own probability at the surface, or by what the path still carries. The ray after the
+        // last allowed hit only looks for a light.
+        if depth < max_depth {
+            let survival = match vertex.material.survival {
+                Some(survival) if bounced.is_some() => survival,
+                _ => roulette(throughput.max_element() * eta2, depth),
+            };
+            if survival < 1.0 {
+                if u[3] >= survival {
+                    break;
+                }
+                throughput /= survival;
+            }
+        }
+    }
+    radiance
+}
+
+/// Survival probability of a path that carries `importance` (1 at the camera) after `depth` hits.
+#[inline]
+pub(super) fn roulette(importance: f32, depth: u32) -> f32 {
+    let most = if depth < CERTAIN_BOUNCES { 1.0 } else { LARGEST_SURVIVAL };
+    importance.min(most)
+}

@@ -1,0 +1,121 @@
+//! How many samples, and in which passes. No result depends on it.
+
+use std::time::Duration;
+
+use super::RenderSettings;
+use crate::desc::SamplerDesc;
+
+/// Samples per pixel that a render may reach: their indices stay far from wrapping round.
+pub const MOST_SAMPLES: u32 = 1 << 30;
+
+/// A pass should not keep a viewer waiting longer than this.
+const LONGEST_PASS: Duration = Duration::from_millis(500);
+
+/// Samples per pixel that share one scramble, at the most: a render that only time limits must not wait for ever for an
+/// estimate of its error.
+const LARGEST_REPLICATE: u32 = 64;
+
+/// Samples per pixel that share one scramble.
+///
+/// More replicates make the estimated error more certain, larger ones are better stratified.
+pub(super) fn replicate_size(settings: &RenderSettings) -> u32 {
+    let samples = total(settings);
+    let replicates = match samples {
+        64.. => 8,
+        16.. => 4,
+        4.. => 2,
+        _ => 1,
+    };
+    (samples / replicates).min(LARGEST_REPLICATE)
+}
+
+/// Samples per pixel of a render that nothing cuts short.
+fn total(settings: &RenderSettings) -> u32 {
+    let samples = settings.desc.samples;
+    match settings.desc.sampler {
+        // A full pattern, or the pixel would not be covered evenly.
+        SamplerDesc::Grid | SamplerDesc::Jittered => {
+            let side = samples.isqrt();
+            let side = if side * side < samples { side + 1 } else { side };
+            side.saturating_mul(side).min(MOST_SAMPLES)
+        }
+        _ => samples.min(MOST_SAMPLES),
+    }
+}
+
+/// The passes of a render.
+#[derive(Clone, Debug)]
+pub(super) struct Schedule {
+    samples: u32,
+    time_limit: Option<Duration>,
+}
+
+impl Schedule {
+    pub(super) fn new(settings: &RenderSettings) -> Self {
+        Self { samples: total(settings), time_limit: settings.time_limit }
+    }
+
+    /// Samples per pixel in all.
+    pub(super) fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    pub(super) fn is_done(&self, done: u32, elapsed: Duration) -> bool {
+        done >= self.samples || self.time_limit.is_some_and(|limit| elapsed >= limit)
+    }
+
+    /// Samples of the next pass, `None` when all is done.
+    ///
+    /// Passes double, so that a first image is there soon, until one takes as long as a viewer should wait.
+    pub(super) fn next_pass(&mut self, done: u32, elapsed: Duration) -> Option<u32> {
+        if self.is_done(done, elapsed) {
+            return None;
+        }
+        let affordable = if done == 0 || elapsed.is_zero() {
+            1.0
+        } else {
+            f64::from(done) * LONGEST_PASS.as_secs_f64() / elapsed.as_secs_f64()
+        };
+        let doubling = done.max(1);
+        Some((affordable as u32).clamp(1, doubling).min(self.samples - done))
+    }
+
+    /// Share of the work that is done, by whichever limit is nearer.
+    pub(super) fn fraction(&self, samples: f64, elapsed: Duration) -> f64 {
+        let by_samples = samples / f64::from(self.samples);
+        let by_time = self.time_limit.map_or(0.0, |limit| elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9));
+        by_samples.max(by_time).min(1.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::desc::RenderDesc;
+
+    fn settings(samples: u32, sampler: SamplerDesc) -> RenderSettings {
+        RenderSettings { desc: RenderDesc { samples, sampler, ..RenderDesc::default() }, ..RenderSettings::default() }
+    }
+
+    #[test]
+    fn passes_add_up() {
+        for samples in [1, 2, 3, 100, 4097] {
+            let mut schedule = Schedule::new(&settings(samples, SamplerDesc::Sobol));
+            let (mut done, mut passes) = (0, 0);
+            while let Some(count) = schedule.next_pass(done, Duration::from_millis(u64::from(done) + 1)) {
+                done += count;
+                passes += 1;
+            }
+            assert_eq!(done, samples);
+            assert!(passes < 30, "{samples} samples in {passes} passes");
+        }
+    }
+
+    #[test]
+    fn patterns_are_filled() {
+        assert_eq!(total(&settings(50, SamplerDesc::Grid)), 64);
+        assert_eq!(total(&settings(49, SamplerDesc::Jittered)), 49);
+        assert_eq!(total(&settings(u32::MAX, SamplerDesc::Grid)), MOST_SAMPLES);
+        assert_eq!(total(&settings(50, SamplerDesc::Sobol)), 50);
+    }
+}

@@ -1,0 +1,196 @@
+//! From described surfaces to what is traced: loose triangles, whole meshes, instances, analytic shapes.
+//!
+//! All in double precision and in the world frame; the builder shifts and rounds.
+
+use std::collections::HashMap;
+
+use crate::desc::{MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
+use crate::error::{Error, ErrorKind, Result};
+use crate::math::{Bounds, DAffine3, DVec3};
+
+/// A mesh of more triangles than this is instanced rather than copied when it is used more than once.
+const INSTANCE_TRIANGLES: usize = 10_000;
+
+/// Relative deviation from a similarity up to which a transform keeps spheres round.
+const SIMILARITY: f64 = 1e-9;
+
+/// What the surfaces of a scene become, with the number of the surface each belongs to.
+#[derive(Debug, Default)]
+pub(super) struct Lowered {
+    /// Triangles of triangles and quads, outside given by their winding.
+    pub triangles: Vec<([DVec3; 3], usize)>,
+    /// Meshes to be copied into the scene frame.
+    pub meshes: Vec<MeshUse>,
+    /// Meshes to be instanced.
+    pub instances: Vec<MeshUse>,
+    /// Spheres, disks and quadrics.
+    pub shapes: Vec<(WorldShape, usize)>,
+    /// Box around everything, world frame.
+    pub bounds: Bounds,
+}
+
+/// One use of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MeshUse {
+    pub mesh: usize,
+    pub smooth: bool,
+    pub surface: usize,
+}
+
+/// An analytic shape in the world frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum WorldShape {
+    Sphere { centre: DVec3, radius: f64 },
+    Disk { centre: DVec3, normal: DVec3, radius: f64, to_world: DAffine3 },
+    Quadric { coefficients: [f64; 10], clip: Bounds, to_world: DAffine3 },
+}
+
+/// Lowers every surface.
+pub(super) fn lower(desc: &SceneDesc) -> Result<Lowered> {
+    let mut lowered = Lowered::default();
+    let mut uses: HashMap<(usize, bool), usize> = HashMap::new();
+    for surface in &desc.surfaces {
+        if let ShapeDesc::Mesh { mesh, smooth } = surface.shape
+            && surface.emission.is_none()
+        {
+            *uses.entry((mesh, smooth)).or_default() += 1;
+        }
+    }
+    let mut mesh_bounds: HashMap<usize, Bounds> = HashMap::new();
+    for (number, surface) in desc.surfaces.iter().enumerate() {
+        let place = |p: &DVec3| surface.transform.transform_point3(*p);
+        let bounds = match &surface.shape {
+            ShapeDesc::Triangle(corners) => {
+                let corners = wound(surface, corners.each_ref().map(place));
+                lowered.triangles.push((corners, number));
+                corners.iter().fold(Bounds::EMPTY, |bounds, &corner| bounds.include(corner))
+            }
+            ShapeDesc::Quad(corners) => {
+                let [a, b, c, d] = corners.each_ref().map(place);
+                lowered.triangles.push((wound(surface, [a, b, c]), number));
+                lowered.triangles.push((wound(surface, [a, c, d]), number));
+                [a, b, c, d].iter().fold(Bounds::EMPTY, |bounds, &corner| bounds.include(corner))
+            }
+            &ShapeDesc::Mesh { mesh, smooth } => {
+                let description = mesh_of(desc, surface, mesh)?;
+                let is_shared = uses.get(&(mesh, smooth)).is_some_and(|&uses| uses > 1);
+                let instanced =
+                    is_shared && surface.emission.is_none() && description.triangles.len() > INSTANCE_TRIANGLES;
+                let target = if instanced { &mut lowered.instances } else { &mut lowered.meshes };
+                target.push(MeshUse { mesh, smooth, surface: number });
+                // The box of a transformed box is larger than need be, which moves the centre by nothing that matters.
+                mesh_bounds
+                    .entry(mesh)
+                    .or_insert_with(|| {
+                        description.positions.iter().fold(Bounds::EMPTY, |bounds, &position| bounds.include(position))
+                    })
+                    .transformed(&surface.transform)
+            }
+            _ => {
+                let shape = world_shape(surface)?;
+                lowered.shapes.push((shape, number));
+                shape.bounds(surface)?
+            }
+        };
+        if bounds.is_empty() || !bounds.min.is_finite() || !bounds.max.is_finite() {
+            return Err(Error::invalid(&surface.path, "has no finite extent: coordinates overflow"));
+        }
+        lowered.bounds = lowered.bounds.union(bounds);
+    }
+    Ok(lowered)
+}
+
+fn mesh_of<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc, mesh: usize) -> Result<&'a MeshDesc> {
+    desc.meshes.get(mesh).ok_or_else(|| {
+        Error::invalid(format!("{}.mesh", surface.path), format!("mesh {mesh} of {} does not exist", desc.meshes.len()))
+    })
+}
+
+/// Vertices in an order whose normal points outwards: a mirroring transform turns the winding round.
+fn wound(surface: &SurfaceDesc, [a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
+    if is_mirrored(&surface.transform) { [a, c, b] } else { [a, b, c] }
+}
+
+/// Whether a transform turns right-handed into left-handed.
+pub(super) fn is_mirrored(transform: &DAffine3) -> bool {
+    transform.matrix3.determinant() < 0.0
+}
+
+/// The uniform scale of a similarity transform, `None` for any other.
+fn similarity_scale(transform: &DAffine3) -> Option<f64> {
+    let m = transform.matrix3;
+    let scale2 = m.x_axis.length_squared();
+    let close = |x: f64, y: f64| (x - y).abs() <= SIMILARITY * scale2;
+    (close(m.y_axis.length_squared(), scale2)
+        && close(m.z_axis.length_squared(), scale2)
+        && close(m.x_axis.dot(m.y_axis), 0.0)
+        && close(m.y_axis.dot(m.z_axis), 0.0)
+        && close(m.z_axis.dot(m.x_axis), 0.0))
+    .then(|| scale2.sqrt())
+}
+
+fn world_shape(surface: &SurfaceDesc) -> Result<WorldShape> {
+    let transform = surface.transform;
+    let stretched = |what: &str| {
+        Error::new(ErrorKind::Unsupported, format!("{what} under a transform that stretches it cannot emit"))
+            .at(format!("{}.emission", surface.path))
+    };
+    match surface.shape {
+        ShapeDesc::Sphere { centre, radius } => match similarity_scale(&transform) {
+            Some(scale) => {
+                Ok(WorldShape::Sphere { centre: transform.transform_point3(centre), radius: scale * radius })
+            }
+            None if surface.emission.is_some() => Err(stretched("a sphere")),
+            None => Ok(WorldShape::Quadric {
+                // The unit sphere, and a frame that makes it the ellipsoid.
+                coefficients: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0],
+                clip: Bounds { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY },
+                to_world: transform
+                    * DAffine3::from_scale_rotation_translation(DVec3::splat(radius), Default::default(), centre),
+            }),
+        },
+        ShapeDesc::Quadric { .. } | ShapeDesc::Disk { .. } if surface.emission.is_some() => {
+            Err(Error::new(ErrorKind::Unsupported, "quadrics and disks cannot emit; use a mesh, quad or sphere")
+                .at(format!("{}.emission", surface.path)))
+        }
+        ShapeDesc::Quadric { coefficients, clip } => {
+            Ok(WorldShape::Quadric { coefficients, clip, to_world: transform })
+        }
+        ShapeDesc::Disk { centre, normal, radius } => {
+            Ok(WorldShape::Disk { centre, normal, radius, to_world: transform })
+        }
+        ShapeDesc::Triangle(_) | ShapeDesc::Quad(_) | ShapeDesc::Mesh { .. } => {
+            Err(Error::new(ErrorKind::Internal, "a polygon is not an analytic shape").at(&surface.path))
+        }
+    }
+}
+
+impl WorldShape {
+    /// The shape in the frame whose origin is at `centre` of the world.
+    pub(super) fn in_scene(&self, centre: DVec3) -> crate::shape::Analytic {
+        use crate::shape::{Analytic, Disk, Quadric, Sphere};
+        match *self {
+            Self::Sphere { centre: own, radius } => Analytic::Sphere(Sphere { centre: own - centre, radius }),
+            Self::Disk { centre: own, normal, radius, to_world } => {
+                Analytic::Disk(Disk::new(own, normal, radius, &(DAffine3::from_translation(-centre) * to_world)))
+            }
+            Self::Quadric { coefficients, clip, to_world } => Analytic::Quadric(Box::new(Quadric::new(
+                &coefficients,
+                clip,
+                DAffine3::from_translation(-centre) * to_world,
+            ))),
+        }
+    }
+
+    fn bounds(&self, surface: &SurfaceDesc) -> Result<Bounds> {
+        let bounds = self.in_scene(DVec3::ZERO).bounds();
+        if bounds.min.is_finite() && bounds.max.is_finite() {
+            Ok(bounds)
+        } else {
+            Err(Error::invalid(
+                format!("{}.clip", surface.path),
+                "this quadric has no end of its own: clip it to a finite box",
+            ))
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! The built scene: immutable, asked by rays.
+//!
+//! [`Scene::build`] takes a description and decides once what this scene needs: which shapes go to Embree and which are
+//! tested in a list before it, which meshes are instanced, whether there are emitters at all. Nothing of that is
+//! decided per ray.
+//!
+//! The scene frame is the world shifted by [`Scene::centre`], in double precision at build, so that a scene far from the
+//! world's origin loses nothing.
+
+mod analytic;
+mod build;
+mod geometry;
+mod info;
+mod lower;
+
+pub use build::BuildOptions;
+pub use geometry::SurfaceInteraction;
+pub use info::SceneInfo;
+
+use crate::bsdf::Bsdf;
+use crate::desc::CameraDesc;
+use crate::embree;
+use crate::emitter::EmitterSet;
+use crate::math::{DVec3, Ray, Vec3};
+use analytic::AnalyticList;
+use geometry::{Geometry, Owner};
+
+/// A material as shading wants it.
+#[derive(Clone, Copy, Debug)]
+pub struct Material {
+    /// How it scatters.
+    pub bsdf: Bsdf,
+    /// Probability with which a path survives a bounce here, where the scene sets one.
+    pub survival: Option<f32>,
+}
+
+/// What a ray met, as little as is needed to find out more with [`Scene::interaction`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance in units of the ray's direction.
+    pub t: f32,
+    u: f32,
+    v: f32,
+    primitive: u32,
+    /// Number of the geometry or instance in the Embree scene, or [`IN_LIST`].
+    geometry: u32,
+}
+
+/// The geometry number of shapes outside Embree.
+const IN_LIST: u32 = u32::MAX - 1;
+
+/// A scene that can be rendered: immutable, shared by any number of threads.
+pub struct Scene {
+    embree: Option<embree::Scene>,
+    list: AnalyticList,
+    list_owners: Vec<Owner>,
+    geometries: Vec<Geometry>,
+    materials: Vec<Material>,
+    emitters: EmitterSet,
+    camera: CameraDesc,
+    centre: DVec3,
+    info: SceneInfo,
+    warnings: Vec<String>,
+}
+
+impl std::fmt::Debug for Scene {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Scene").field("info", &self.info).finish_non_exhaustive()
+    }
+}
+
+impl Scene {
+    /// The nearest surface along the ray, scene frame. A ray with a NaN or an infinity in it meets nothing.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        let mut ray = *ray;
+        let mut nearest = None;
+        if !self.list.is_empty()
+            && let Some((t, shape)) = self.list.intersect(&ray)
+        {
+            ray.tfar = t;
+            nearest = Some(Hit { t, u: 0.0, v: 0.0, primitive: shape, geometry: IN_LIST });
+        }
+        if let Some(embree) = &self.embree
+            && let Some(hit) = embree.intersect(&ray)
+        {
+            // An instance is known by its own number, its only geometry being number 0.
+            let geometry = if hit.inst == embree::Hit::NO_INSTANCE { hit.geom } else { hit.inst };
+            nearest = Some(Hit { t: hit.t, u: hit.u, v: hit.v, primitive: hit.prim, geometry });
+        }
+        nearest
+    }
+
+    /// Whether nothing lies in the ray's segment.
+    #[inline]
+    pub fn unoccluded(&self, ray: &Ray) -> bool {
+        if !self.list.is_empty() && self.list.occluded(ray) {
+            return false;
+        }
+        self.embree.as_ref().is_none_or(|embree| !embree.occluded(ray))
+    }
+
+    /// Position, normals, material and emitter of what `ray` met; `hit` must come from the same ray and scene.
+    #[inline]
+    pub fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
+        let near = || ray.origin.as_dvec3() + f64::from(hit.t) * ray.direction.as_dvec3();
+        if hit.geometry == IN_LIST {
+            let index = hit.primitive as usize;
+            return geometry::on_analytic(&self.list.shapes()[index], self.list_owners[index], near());
+        }
+        match &self.geometries[hit.geometry as usize] {
+            Geometry::Triangles { triangles, owners } => {
+                geometry::on_triangle(triangles, owners, hit.primitive, hit.u, hit.v)
+            }
+            Geometry::Instance { triangles, owner, placement } => {
+                geometry::on_instance(triangles, *owner, placement, hit.primitive, hit.u, hit.v)
+            }
+            Geometry::Analytic { shapes, owners } => {
+                let index = hit.primitive as usize;
+                geometry::on_analytic(&shapes.0[index], owners[index], near())
+            }
+        }
+    }
+
+    /// The Embree scene behind it, where there is one: for queries that want nothing but the kernel.
+    pub fn kernel(&self) -> Option<&embree::Scene> {
+        self.embree.as_ref()
+    }
+
+    /// A material by the number that an interaction gives.
+    #[inline]
+    pub fn material(&self, index: u32) -> &Material {
+        &self.materials[index as usize]
+    }
+
+    /// All emitters.
+    #[inline]
+    pub fn emitters(&self) -> &EmitterSet {
+        &self.emitters
+    }
+
+    /// The camera as described.
+    pub fn camera(&self) -> &CameraDesc {
+        &self.camera
+    }
+
+    /// World position of the scene frame's origin.
+    pub fn centre(&self) -> DVec3 {
+        self.centre
+    }
+
+    /// A world position in the scene frame.
+    pub fn to_scene(&self, world: DVec3) -> Vec3 {
+        (world - self.centre).as_vec3()
+    }
+
+    /// What the scene holds, what was built for it and why.
+    pub fn info(&self) -> &SceneInfo {
+        &self.info
+    }
+
+    /// What was left out or is worth a word.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+}

@@ -1,0 +1,105 @@
+//! The same bits for any number of threads, any split into passes, any interruption.
+
+mod common;
+
+use std::ops::ControlFlow;
+
+use common::scenes::{box_inside, camera, scene};
+use etendue::desc::{BsdfDesc, CameraDesc, FilterDesc, IntegratorDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc};
+use etendue::film::Image;
+use etendue::math::{DVec3, Vec3};
+use etendue::render::{Render, RenderSettings};
+use etendue::scene::{BuildOptions, Scene};
+
+fn room() -> SceneDesc {
+    let glass = BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 };
+    let mut desc = scene(
+        camera(DVec3::ZERO, DVec3::NEG_Z, 90.0),
+        vec![
+            (
+                ShapeDesc::Mesh { mesh: 0, smooth: false },
+                BsdfDesc::Lambert { albedo: Vec3::new(0.7, 0.5, 0.3) },
+                Some(Vec3::splat(0.1)),
+            ),
+            (ShapeDesc::Sphere { centre: DVec3::new(0.25, 0.125, -0.75), radius: 0.3 }, glass, None),
+        ],
+    );
+    desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE));
+    desc.lights.push(common::scenes::point_light(DVec3::new(0.0, 0.875, -0.5), 0.5));
+    desc
+}
+
+fn image(scene: &Scene, desc: &RenderDesc, threads: usize, stops: usize) -> Image {
+    let settings = RenderSettings { desc: desc.clone(), threads, auxiliary: true, ..RenderSettings::default() };
+    let mut render = Render::new(scene, settings).unwrap();
+    // Every interruption ends the call after its first report; the next call goes on.
+    for _ in 0..stops {
+        render.run(&mut |_| ControlFlow::Break(())).unwrap();
+    }
+    let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
+    assert!(!summary.stopped && summary.samples >= desc.samples);
+    render.image()
+}
+
+/// Bit patterns, so that NaN equals itself and -0 differs from 0.
+fn bits(image: &Image) -> Vec<u32> {
+    let layers = image.layers.iter().flat_map(|layer| &layer.data);
+    image.rgb.iter().chain(layers).map(|value| value.to_bits()).collect()
+}
+
+#[test]
+fn threads_and_interruptions_change_nothing() {
+    let scene = Scene::build(&room(), &BuildOptions::default()).unwrap();
+    for (sampler, filter) in [
+        (SamplerDesc::Sobol, FilterDesc::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }),
+        (SamplerDesc::Random, FilterDesc::Box),
+        (SamplerDesc::Jittered, FilterDesc::Gaussian { sigma: 0.5 }),
+        (SamplerDesc::Grid, FilterDesc::Tent),
+        (SamplerDesc::Gaussian, FilterDesc::Box),
+    ] {
+        for integrator in [IntegratorDesc::Path, IntegratorDesc::Whitted, IntegratorDesc::Direct] {
+            // Sides that are no multiples of a tile's.
+            let desc =
+                RenderDesc { resolution: [45, 37], samples: 25, sampler, filter, integrator, ..RenderDesc::default() };
+            let reference = bits(&image(&scene, &desc, 1, 0));
+            for (threads, stops) in [(2, 0), (3, 0), (1, 1), (2, 3)] {
+                let other = bits(&image(&scene, &desc, threads, stops));
+                assert!(other == reference, "{sampler:?}, {integrator:?}: {threads} threads, {stops} stops");
+            }
+            let seeded = RenderDesc { seed: 1, ..desc };
+            assert!(bits(&image(&scene, &seeded, 2, 0)) != reference, "the seed changes nothing");
+        }
+    }
+}
+
+/// The room with all its coordinates, which are multiples of 1/8, moved by `shift`.
+fn moved(shift: DVec3) -> SceneDesc {
+    let mut desc = room();
+    desc.meshes.iter_mut().flat_map(|mesh| &mut mesh.positions).for_each(|position| *position += shift);
+    for surface in &mut desc.surfaces {
+        if let ShapeDesc::Sphere { centre, .. } = &mut surface.shape {
+            *centre += shift;
+        }
+    }
+    desc.lights.iter_mut().for_each(|light| light.position += shift);
+    if let CameraDesc::Perspective { eye, look_at, .. } = &mut desc.camera {
+        *eye += shift;
+        *look_at += shift;
+    }
+    desc
+}
+
+#[test]
+fn moving_the_world_changes_nothing() {
+    let render = RenderDesc { resolution: [32, 32], samples: 4, ..RenderDesc::default() };
+    let image = |shift| {
+        let scene = Scene::build(&moved(shift), &BuildOptions::default()).unwrap();
+        bits(&image(&scene, &render, 2, 0))
+    };
+    let reference = image(DVec3::ZERO);
+    // In f32, coordinates at 2^30 are multiples of 64, and the room is 2 wide.
+    for exponent in [10, 20, 30, 40] {
+        let far = f64::from(exponent).exp2();
+        assert!(image(DVec3::new(far, 0.0, -2.0 * far)) == reference, "the scene at 2^{exponent} looks different");
+    }
+}
