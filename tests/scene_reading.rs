@@ -410,18 +410,19 @@ fn the_reports_dialect_warns_where_it_departs_from_the_letter() {
               {"name": "b", "type": "diffuse", "brdf": "oren-nayar", "roughness": 0.25, "color": [1, 0, 1],
               "reflectionRate": 1.5},
               {"name": "c", "type": "refractive", "color": [1, 0, 0], "refractionIndex": 1.5, "reflectionRate": 1},
-              {"name": "d", "type": "diffuse", "color": [0, 0, 0], "reflectionRate": 0}],
+              {"name": "d", "type": "diffuse", "color": [0, 0, 0], "reflectionRate": 0},
+              {"name": "e", "type": "diffuse", "color": [0, 0, 0], "reflectionRate": 1e-60}],
             "lights": [{"type": "point", "origin": [0, 1, 0], "color": [1, 2, 3], "intensity": 2, "radius": 1}],
             "surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "material": "a", "emission": [1,
             1, 1]}]}"#,
     );
     assert_eq!(scene.dialect, Dialect::Mcrt);
     let names: Vec<_> = scene.materials.iter().map(|material| material.name.as_str()).collect();
-    assert_eq!(names, ["a", "b", "c", "d"]);
+    assert_eq!(names, ["a", "b", "c", "d", "e"]);
     assert_eq!(scene.materials[0].bsdf, BsdfDesc::Lambert { albedo: Rgb::ONE }, "the first definition wins");
     assert_eq!(scene.materials[1].bsdf, BsdfDesc::Fujii { albedo: Rgb::new(1.0, 0.0, 1.0), roughness: 0.25 });
     let survival: Vec<_> = scene.materials.iter().map(|material| material.survival).collect();
-    assert_eq!(survival, [Some(0.5), None, None, None]);
+    assert_eq!(survival, [Some(0.5), None, None, None, None]);
     assert_eq!(scene.lights[0].intensity, Rgb::new(2.0, 4.0, 6.0));
     assert_eq!(scene.surfaces[0].emission, None);
     let warnings = scene.warnings.join("\n");
@@ -432,12 +433,13 @@ fn the_reports_dialect_warns_where_it_departs_from_the_letter() {
         "materials[2].reflectionRate: 1.5",
         "materials[3].color: glass is clear",
         "materials[4].reflectionRate: 0",
+        "materials[5].reflectionRate: 0.000",
         "lights[0].radius: unknown key",
         "surfaces[0].emission: unknown key",
     ] {
         assert!(warnings.contains(word), "{word} in:\n{warnings}");
     }
-    assert_eq!(scene.warnings.len(), 8, "{warnings}");
+    assert_eq!(scene.warnings.len(), 9, "{warnings}");
 }
 
 /// The folder with the report's files, if it is there.

@@ -164,7 +164,8 @@ fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()>
     let bsdf = match kind.as_str() {
         "diffuse" => {
             match material.reflection_rate {
-                Some(rate) if rate > 0.0 && rate <= 1.0 => survival = Some(rate as f32),
+                // Above 0 in single precision too, in which it is divided by.
+                Some(rate) if rate as f32 > 0.0 && rate <= 1.0 => survival = Some(rate as f32),
                 Some(rate) => {
                     builder.warn(&at("reflectionRate"), &format!("{rate} is no probability above 0; ignored"));
                 }
