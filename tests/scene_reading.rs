@@ -80,7 +80,8 @@ fn cameras_are_read_with_every_key() {
 fn render_blocks_are_read_with_every_key() {
     let render = |block: &str| native(&format!("\"render\": {{{block}}}")).render;
     let all = render(
-        r#""resolution": [640, 480.0], "samples": 256, "sampler": "jittered", "filter": {"type": "gaussian", "sigma": 0.25},
+        r#""resolution": [640, 480.0], "samples": 256, "sampler": "jittered", "filter": {"type": "gaussian",
+          "sigma": 0.25},
            "maxDepth": 9, "shadowRays": 2, "integrator": {"type": "whitted"}, "seed": 18446744073709551615"#,
     );
     let expected = RenderDesc {
@@ -196,7 +197,8 @@ fn simple_shapes_are_read() {
     assert_eq!(triangle.shape, ShapeDesc::Triangle([DVec3::ZERO, DVec3::X, DVec3::Y]));
     assert_eq!(triangle.emission, Some(Rgb::new(1.0, 2.0, 3.0)));
     let quad = surface(
-        r#"{"geometry": "quad", "vertex-1": [0, 0, 0], "vertex-2": [1, 0, 0], "vertex-3": [1, 1, 0], "vertex-4": [0, 1, 0],
+        r#"{"geometry": "quad", "vertex-1": [0, 0, 0], "vertex-2": [1, 0, 0], "vertex-3": [1, 1, 0],
+          "vertex-4": [0, 1, 0],
             "material": "white"}"#,
     );
     assert_eq!(quad.shape, ShapeDesc::Quad([DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y]));
@@ -209,7 +211,8 @@ fn simple_shapes_are_read() {
 fn a_surface_that_only_emits_needs_no_material() {
     let scene = native(
         r#""surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "emission": [1, 2, 3]},
-                        {"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "material": "white", "emission": [0, 0, 0]}]"#,
+                        {"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "material": "white",
+                        "emission": [0, 0, 0]}]"#,
     );
     assert_eq!(scene.materials[scene.surfaces[0].material].bsdf, BsdfDesc::Black);
     assert_eq!(scene.surfaces[0].emission, Some(Rgb::new(1.0, 2.0, 3.0)));
@@ -238,7 +241,8 @@ fn flatness_of_quads_does_not_depend_on_their_size_or_place() {
 fn transforms_apply_in_their_documented_order() {
     let place = |text: &str| {
         surface(&format!(
-            "{{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1, \"material\": \"white\", \"transform\": {text}}}"
+            "{{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1, \"material\": \"white\", \
+             \"transform\": {text}}}"
         ))
         .transform
     };
@@ -290,7 +294,8 @@ fn named_quadrics_lie_where_their_keys_say() {
     }
     let open = surface(
         r#"{"geometry": "quadric", "coefficients": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10],
-            "clip": {"min": [-1, -2, -3], "max": [1, 2, 3]}, "material": "white", "transform": {"translate": [1, 0, 0]}}"#,
+            "clip": {"min": [-1, -2, -3], "max": [1, 2, 3]}, "material": "white", "transform": {"translate": [1, 0,
+            0]}}"#,
     );
     let ShapeDesc::Quadric { coefficients, clip } = open.shape else { panic!("a quadric") };
     assert_eq!(coefficients, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0]);
@@ -308,12 +313,14 @@ fn named_quadrics_lie_where_their_keys_say() {
 fn meshes_come_from_files_by_name_and_in_place() {
     let scene = native(
         r#""meshes": [{"name": "p", "file": "pyramid.obj"},
-                      {"name": "t", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2], [2, 1, 0]]}],
+                      {"name": "t", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2], [2, 1,
+                      0]]}],
            "surfaces": [
             {"geometry": "mesh", "mesh": "p", "material": "white"},
             {"geometry": "mesh", "file": "./pyramid.obj", "material": "white", "shading": "smooth"},
             {"geometry": "mesh", "mesh": "t", "material": "white", "shading": "flat"},
-            {"geometry": "mesh", "positions": [[0, 0, 0]], "triangles": [[0, 0, 0]], "normals": [[0, 0, 1]], "uvs": [[0.5, 1]],
+            {"geometry": "mesh", "positions": [[0, 0, 0]], "triangles": [[0, 0, 0]], "normals": [[0, 0, 1]],
+            "uvs": [[0.5, 1]],
              "emission": [1, 1, 1], "origin": [1, 0, 0], "scale": 2, "rotate": [0, 0, 1.5707963267948966],
              "transform": {"scale": 10}}]"#,
     );
@@ -350,7 +357,8 @@ fn parameter_files_override_the_render_block() {
     let mut scene = native(r#""render": {"seed": 5, "samples": 3, "sampler": "sobol", "maxDepth": 4}"#);
     desc::apply_params("{}", None, &mut scene).unwrap();
     assert_eq!((scene.render.samples, scene.render.max_depth, scene.warnings.len()), (3, Some(4), 0), "nothing given");
-    let text = r#"{"resolution": [512, 256], "supersamples": [7, "grid"], "maxRayDepth": 9, "shadowRays": 3, "photonMap": 1,
+    let text = r#"{"resolution": [512, 256], "supersamples": [7, "grid"], "maxRayDepth": 9, "shadowRays": 3,
+      "photonMap": 1,
         "scalingFactor": [2, 2], "interpolation": "nearest", "recordStatistics": 1, "nonsense": {"a": []}}"#;
     desc::apply_params(text, None, &mut scene).unwrap();
     let expected = RenderDesc {
@@ -399,19 +407,22 @@ fn the_reports_dialect_warns_where_it_departs_from_the_letter() {
             "materials": [
               {"name": "a", "type": "diffuse", "brdf": "lambertian", "color": [1, 1, 1], "reflectionRate": 0.5},
               {"name": "a", "type": "reflective", "color": [0.5, 0.5, 0.5], "reflectionRate": 1},
-              {"name": "b", "type": "diffuse", "brdf": "oren-nayar", "roughness": 0.25, "color": [1, 0, 1], "reflectionRate": 1.5},
+              {"name": "b", "type": "diffuse", "brdf": "oren-nayar", "roughness": 0.25, "color": [1, 0, 1],
+              "reflectionRate": 1.5},
               {"name": "c", "type": "refractive", "color": [1, 0, 0], "refractionIndex": 1.5, "reflectionRate": 1},
-              {"name": "d", "type": "diffuse", "color": [0, 0, 0], "reflectionRate": 0}],
+              {"name": "d", "type": "diffuse", "color": [0, 0, 0], "reflectionRate": 0},
+              {"name": "e", "type": "diffuse", "color": [0, 0, 0], "reflectionRate": 1e-60}],
             "lights": [{"type": "point", "origin": [0, 1, 0], "color": [1, 2, 3], "intensity": 2, "radius": 1}],
-            "surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "material": "a", "emission": [1, 1, 1]}]}"#,
+            "surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "material": "a", "emission": [1,
+            1, 1]}]}"#,
     );
     assert_eq!(scene.dialect, Dialect::Mcrt);
     let names: Vec<_> = scene.materials.iter().map(|material| material.name.as_str()).collect();
-    assert_eq!(names, ["a", "b", "c", "d"]);
+    assert_eq!(names, ["a", "b", "c", "d", "e"]);
     assert_eq!(scene.materials[0].bsdf, BsdfDesc::Lambert { albedo: Rgb::ONE }, "the first definition wins");
     assert_eq!(scene.materials[1].bsdf, BsdfDesc::Fujii { albedo: Rgb::new(1.0, 0.0, 1.0), roughness: 0.25 });
     let survival: Vec<_> = scene.materials.iter().map(|material| material.survival).collect();
-    assert_eq!(survival, [Some(0.5), None, None, None]);
+    assert_eq!(survival, [Some(0.5), None, None, None, None]);
     assert_eq!(scene.lights[0].intensity, Rgb::new(2.0, 4.0, 6.0));
     assert_eq!(scene.surfaces[0].emission, None);
     let warnings = scene.warnings.join("\n");
@@ -422,12 +433,13 @@ fn the_reports_dialect_warns_where_it_departs_from_the_letter() {
         "materials[2].reflectionRate: 1.5",
         "materials[3].color: glass is clear",
         "materials[4].reflectionRate: 0",
+        "materials[5].reflectionRate: 0.000",
         "lights[0].radius: unknown key",
         "surfaces[0].emission: unknown key",
     ] {
         assert!(warnings.contains(word), "{word} in:\n{warnings}");
     }
-    assert_eq!(scene.warnings.len(), 8, "{warnings}");
+    assert_eq!(scene.warnings.len(), 9, "{warnings}");
 }
 
 /// The folder with the report's files, if it is there.
@@ -507,8 +519,10 @@ fn a_report_scene_becomes_native_by_its_version_where_its_materials_allow() {
     let text = r#"{"etendue": 1, "camera": {"type": "view-plane", "origin": [-1, 0, 0], "lookAt": [1, 0, 0]},
         "lights": [{"type": "area", "vertex-1": [1, 4, 4], "vertex-2": [1, 4, -4], "vertex-3": [9, 4, -4],
                     "color": [1, 1, 1], "intensity": 1}],
-        "materials": [{"name": "w", "type": "diffuse", "brdf": "lambertian", "color": [1, 1, 1], "reflectionRate": 0.75}],
-        "surfaces": [{"geometry": "mesh", "file": "pyramid.obj", "origin": [4, -5, 0], "rotate": [0, -0.9, 0], "scale": 1,
+        "materials": [{"name": "w", "type": "diffuse", "brdf": "lambertian", "color": [1, 1, 1],
+        "reflectionRate": 0.75}],
+        "surfaces": [{"geometry": "mesh", "file": "pyramid.obj", "origin": [4, -5, 0], "rotate": [0, -0.9, 0],
+        "scale": 1,
                       "material": "w"}]}"#;
     let (native, report) =
         (parse(text), parse(&text.replace("\"etendue\": 1,", "").replace("\"type\": \"view-plane\",", "")));
@@ -523,7 +537,8 @@ fn a_scene_is_loaded_from_its_file_with_its_meshes_beside_it() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::create_dir(dir.path().join("meshes")).unwrap();
     std::fs::copy(common::snippets::data_dir().join("pyramid.obj"), dir.path().join("meshes/p.obj")).unwrap();
-    let text = r#"{"etendue": 1, "camera": {}, "surfaces": [{"geometry": "mesh", "file": "meshes/p.obj", "emission": [1, 1, 1]}]}"#;
+    let text = r#"{"etendue": 1, "camera": {}, "surfaces": [{"geometry": "mesh", "file": "meshes/p.obj",
+      "emission": [1, 1, 1]}]}"#;
     let path = dir.path().join("scene.json");
     std::fs::write(&path, text).unwrap();
     let scene = desc::load(&path, None).unwrap();

@@ -1,9 +1,9 @@
 //! Scene files of the report's renderer, `mcrt`, read for the physically correct image of what they describe.
 //!
-//! Albedo and mirror reflectance are `color`; glass is clear; an area light is a triangle of radiance color * intensity on
-//! the side of (v2 - v1) x (v3 - v1) that reflects nothing; a point light has the radiant intensity color * intensity;
-//! `reflectionRate` is a survival probability and does not change the image; meshes are flat. Keys that mean nothing are
-//! skipped with a warning, as `mcrt` skips them in silence.
+//! Albedo and mirror reflectance are `color`; glass is clear; an area light is a triangle of radiance color * intensity
+//! on the side of (v2 - v1) x (v3 - v1) that reflects nothing; a point light has radiant intensity color * intensity;
+//! `reflectionRate` is a survival probability and does not change the image; meshes are flat. Keys that mean nothing
+//! are skipped with a warning, where `mcrt` skips them in silence.
 
 use std::path::Path;
 
@@ -164,7 +164,8 @@ fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()>
     let bsdf = match kind.as_str() {
         "diffuse" => {
             match material.reflection_rate {
-                Some(rate) if rate > 0.0 && rate <= 1.0 => survival = Some(rate as f32),
+                // Above 0 in single precision too, in which it is divided by.
+                Some(rate) if rate as f32 > 0.0 && rate <= 1.0 => survival = Some(rate as f32),
                 Some(rate) => {
                     builder.warn(&at("reflectionRate"), &format!("{rate} is no probability above 0; ignored"));
                 }

@@ -1,7 +1,22 @@
 //! The scene as described: plain data in double precision, names resolved, nothing built.
 //!
 //! Every way of describing a scene (a native JSON file, one of the report's files, later calls from a host) ends in one
-//! [`SceneDesc`], and `Scene::build` starts from it.
+//! [`SceneDesc`], and `Scene::build` starts from it. [`load`] reads a file, [`parse`] a string; `docs/scene-format.md`
+//! describes the format.
+//!
+//! ```
+//! let scene = etendue::desc::parse(
+//!     r#"{
+//!         "etendue": 1,
+//!         "camera": {"origin": [0, 0, 5]},
+//!         "surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "emission": [1, 1, 1]}]
+//!     }"#,
+//!     std::path::Path::new("."), // where mesh files are
+//!     None,                      // the scene's own file, for messages
+//! )?;
+//! assert_eq!(scene.surfaces.len(), 1);
+//! # Ok::<(), etendue::Error>(())
+//! ```
 
 mod builder;
 mod json;
@@ -88,8 +103,8 @@ pub enum CameraDesc {
     },
     /// The report's camera: a view plane with the eye behind it; what lies between eye and plane is not seen.
     ///
-    /// With w = normalize(look_at - centre), u = w x up (not normalised) and aspect A, the plane is |u| sqrt(A) wide and
-    /// |u| / sqrt(A) high on each side of its centre, and the eye |u| sqrt(A) / tan(fov / 2) behind it.
+    /// With w = normalize(look_at - centre), u = w x up (not normalised) and aspect A, the plane is |u| sqrt(A) wide
+    /// and |u| / sqrt(A) high on each side of its centre, and the eye |u| sqrt(A) / tan(fov / 2) behind it.
     ViewPlane {
         /// Centre of the view plane.
         centre: DVec3,

@@ -1,7 +1,7 @@
 //! The native scene format, `"etendue": 1`: its top level, camera, lights and materials.
 //!
-//! `docs/scene-format.md` describes every key. Each element is first asked for its tag (`type`, `geometry`) and then read
-//! into a plain structure that refuses unknown keys, so every complaint has an exact path.
+//! `docs/scene-format.md` describes every key. Each element is first asked for its tag (`type`, `geometry`) and then
+//! read into a plain structure that refuses unknown keys, so every complaint has an exact path.
 
 use std::path::Path;
 

@@ -1,7 +1,8 @@
-//! Quadrics by name: their coefficients in a frame of their own, and that frame's place.
+//! Quadrics by name, each one unit in size in a frame of its own, and that frame's place.
 //!
-//! A clip box is axis-aligned in the quadric's own frame. Where the surface only touches a face of its box (the mantle
-//! of a cylinder, the apex of a paraboloid) the box is a little larger, so that rounding cuts no holes.
+//! Size goes into the frame, so the coefficients are near 1 whatever the scene's scale. A clip box is axis-aligned in
+//! the quadric's own frame. Where the surface only touches a face of its box (the mantle of a cylinder, the apex of a
+//! paraboloid) the box is a little larger, so that rounding cuts no holes.
 
 use super::ShapeDesc;
 use crate::math::{Bounds, DAffine3, DMat3, DVec3};
@@ -9,44 +10,38 @@ use crate::math::{Bounds, DAffine3, DMat3, DVec3};
 /// How much larger a clip box is than a surface that touches it from inside.
 const MARGIN: f64 = 1e-3;
 
-/// A rigid frame at `origin` with its z axis along the unit vector `axis`.
-pub(super) fn frame(origin: DVec3, axis: DVec3) -> DAffine3 {
+/// A frame at `origin` with its z axis along the unit vector `axis`; `radius` is the unit of x and y, `height` of z.
+pub(super) fn frame(origin: DVec3, axis: DVec3, radius: f64, height: f64) -> DAffine3 {
     let (x, y) = axis.any_orthonormal_pair();
-    DAffine3::from_mat3_translation(DMat3::from_cols(x, y, axis), origin)
+    DAffine3::from_mat3_translation(DMat3::from_cols(radius * x, radius * y, height * axis), origin)
 }
 
-/// A box around the z axis, `radius` wide with some room, from `low` to `high`.
-fn tube(radius: f64, low: f64, high: f64) -> Bounds {
-    let wide = radius * (1.0 + MARGIN);
-    Bounds { min: DVec3::new(-wide, -wide, low), max: DVec3::new(wide, wide, high) }
+/// A box around the z axis, one unit wide with some room, from `low` to 1.
+fn tube(low: f64) -> Bounds {
+    let wide = 1.0 + MARGIN;
+    Bounds { min: DVec3::new(-wide, -wide, low), max: DVec3::new(wide, wide, 1.0) }
 }
 
-/// x^2 + y^2 = r^2 for z in [0, height]: a tube without caps.
-pub(super) fn cylinder(radius: f64, height: f64) -> ShapeDesc {
-    let coefficients = [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -radius * radius];
-    ShapeDesc::Quadric { coefficients, clip: tube(radius, 0.0, height) }
+/// x^2 + y^2 = 1 for z in [0, 1]: a tube without caps.
+pub(super) fn cylinder() -> ShapeDesc {
+    ShapeDesc::Quadric { coefficients: [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0], clip: tube(0.0) }
 }
 
-/// x^2 + y^2 = k^2 (height - z)^2 with k = radius / height, for z in [0, height]: base at z = 0, without its disk.
-pub(super) fn cone(radius: f64, height: f64) -> ShapeDesc {
-    let k = radius / height;
-    let coefficients = [1.0, 1.0, -k * k, 0.0, 0.0, 0.0, 0.0, 0.0, k * radius, -radius * radius];
-    ShapeDesc::Quadric { coefficients, clip: tube(radius, 0.0, height) }
+/// x^2 + y^2 = (1 - z)^2 for z in [0, 1]: base at z = 0, without its disk.
+pub(super) fn cone() -> ShapeDesc {
+    ShapeDesc::Quadric { coefficients: [1.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.0], clip: tube(0.0) }
 }
 
-/// x^2 + y^2 = (r^2 / height) z for z up to height: apex at the origin, `radius` wide at `height`.
-pub(super) fn paraboloid(radius: f64, height: f64) -> ShapeDesc {
-    let coefficients = [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -radius * (radius / height) / 2.0, 0.0];
-    ShapeDesc::Quadric { coefficients, clip: tube(radius, -MARGIN * height, height) }
+/// x^2 + y^2 = z for z up to 1: apex at the origin.
+pub(super) fn paraboloid() -> ShapeDesc {
+    ShapeDesc::Quadric { coefficients: [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -0.5, 0.0], clip: tube(-MARGIN) }
 }
 
-/// (x / rx)^2 + (y / ry)^2 + (z / rz)^2 = 1, divided by the smallest radius' term to keep numbers near 1.
-pub(super) fn ellipsoid(radii: DVec3) -> ShapeDesc {
-    let least = radii.min_element();
-    let [a, b, c] = radii.to_array().map(|radius| (least / radius).powi(2));
-    let wide = radii * (1.0 + MARGIN);
+/// x^2 + y^2 + z^2 = 1.
+pub(super) fn ball() -> ShapeDesc {
+    let wide = DVec3::splat(1.0 + MARGIN);
     ShapeDesc::Quadric {
-        coefficients: [a, b, c, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -least * least],
+        coefficients: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0],
         clip: Bounds { min: -wide, max: wide },
     }
 }
@@ -100,23 +95,20 @@ mod tests {
 
     #[test]
     fn named_forms_pass_through_their_points_with_normals_outwards() {
-        let (r, h) = (2.0, 5.0);
         for angle in [0.0, 0.7, 2.0, 4.4] {
             let out = DVec3::new(f64::cos(angle), f64::sin(angle), 0.0);
             for t in [0.1, 0.5, 0.9] {
-                for (shape, radius) in
-                    [(cylinder(r, h), r), (cone(r, h), r * (1.0 - t)), (paraboloid(r, h), r * f64::sqrt(t))]
-                {
+                for (shape, radius) in [(cylinder(), 1.0), (cone(), 1.0 - t), (paraboloid(), f64::sqrt(t))] {
                     let (coefficients, clip) = quadric(shape);
-                    let p = radius * out + DVec3::Z * (t * h);
+                    let p = radius * out + DVec3::Z * t;
                     assert!(at(coefficients, p).abs() < 1e-12, "{shape:?} misses {p}");
                     assert!(gradient(coefficients, p).dot(out) > 0.1, "{shape:?} points inwards at {p}");
                     assert!(p.cmpgt(clip.min).all() && p.cmplt(clip.max).all(), "{shape:?} is cut at {p}");
                 }
             }
         }
-        let (coefficients, _) = quadric(ellipsoid(DVec3::new(1.0, 2.0, 3.0)));
-        for p in [DVec3::X, 2.0 * DVec3::Y, -3.0 * DVec3::Z] {
+        let (coefficients, _) = quadric(ball());
+        for p in [DVec3::X, DVec3::Y, DVec3::NEG_Z] {
             assert!(at(coefficients, p).abs() < 1e-12 && gradient(coefficients, p).dot(p) > 0.0);
         }
     }

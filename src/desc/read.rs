@@ -22,8 +22,8 @@ const SIZE_LIMIT: u64 = 512 << 20;
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Io`] if a file cannot be read or is not a regular file, [`ErrorKind::Unsupported`] for what this version
-/// does not do, otherwise [`ErrorKind::InvalidScene`]; with file, line and JSON path.
+/// [`ErrorKind::Io`] if a file cannot be read or is not a regular file, [`ErrorKind::Unsupported`] for what this
+/// version does not do, otherwise [`ErrorKind::InvalidScene`]; with file, line and JSON path.
 pub fn load(path: &Path, params: Option<&Path>) -> Result<SceneDesc> {
     let text = read_text(path)?;
     let base_dir = path.parent().unwrap_or(Path::new(""));
@@ -53,10 +53,13 @@ pub fn parse(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDe
 ///
 /// # Errors
 ///
-/// [`ErrorKind::InvalidScene`], with line and JSON path in the parameter file; `scene` may then be half changed.
+/// [`ErrorKind::InvalidScene`], with line and JSON path in the parameter file; `scene` is then as before.
 pub fn apply_params(json: &str, file: Option<&Path>, scene: &mut SceneDesc) -> Result<()> {
     let json = json.strip_prefix('\u{feff}').unwrap_or(json);
-    params::apply(json, &mut scene.render, &mut scene.warnings).map_err(|error| located(error, json, file))
+    let (mut render, mut warnings) = (scene.render.clone(), scene.warnings.clone());
+    params::apply(json, &mut render, &mut warnings).map_err(|error| located(error, json, file))?;
+    (scene.render, scene.warnings) = (render, warnings);
+    Ok(())
 }
 
 fn scene(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> {
@@ -67,7 +70,7 @@ fn scene(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> 
     }
     let document = json::document(json)?;
     let Some(version) = json::object::<Probe>(document, "")?.etendue else {
-        return mcrt::read(document, base_dir, file);
+        return mcrt::read(document, base_dir, file).map_err(hint_at_version);
     };
     match version.get() {
         number if number.parse() == Ok(1.0) => native::read(document, base_dir, file),
@@ -77,6 +80,15 @@ fn scene(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> 
         }
         other => Err(Error::invalid("etendue", format!("expected the number 1, found {}", json::kind(other)))),
     }
+}
+
+/// A word the report's dialect does not know may be one of a native scene that lacks its version.
+fn hint_at_version(error: Error) -> Error {
+    if error.location().file.is_some() || !error.message().starts_with("unknown ") {
+        return error;
+    }
+    let message = format!("{} (a file without \"etendue\": 1 is read as a scene of mcrt)", error.message());
+    Error::new(error.kind(), message).at(error.location().json_path.clone())
 }
 
 /// Makes `null` a value instead of an absent one.
@@ -90,7 +102,8 @@ fn located(error: Error, json: &str, file: Option<&Path>) -> Error {
         0 => line_of(json, &error.location().json_path),
         known => known,
     };
-    error.in_file(file, line)
+    let path = json::elided(&error.location().json_path);
+    error.in_file(file, line).at(path)
 }
 
 /// Opens a regular file of at most `limit` bytes. Pipes, devices and folders are refused before they can block.

@@ -6,7 +6,7 @@ use serde_json::value::RawValue;
 use super::builder::{Builder, lit};
 use super::json::{self, Scale, join};
 use super::{MeshDesc, ShapeDesc, SurfaceDesc, obj, quadric, transform, validate};
-use crate::math::{Bounds, DAffine3, DVec3};
+use crate::math::{Bounds, DAffine3, DMat3, DVec3};
 use crate::{Error, Result};
 
 /// Declares one kind of surface: its own keys after the ones all kinds share, and how to get at those.
@@ -302,15 +302,17 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
         }
         "cylinder" => {
             let it: Cylinder = json::object(raw, path)?;
-            let frame = quadric::frame(vector("base", it.base)?, validate::direction(&at("axis"), it.axis)?);
-            let shape = quadric::cylinder(positive("radius", it.radius)?, positive("height", it.height)?);
-            it.place(path, shape, frame, builder)
+            let (radius, height) = (positive("radius", it.radius)?, positive("height", it.height)?);
+            let axis = validate::direction(&at("axis"), it.axis)?;
+            let frame = quadric::frame(vector("base", it.base)?, axis, radius, height);
+            it.place(path, quadric::cylinder(), frame, builder)
         }
         "cone" => {
             let it: Cone = json::object(raw, path)?;
-            let frame = quadric::frame(vector("base", it.base)?, validate::direction(&at("axis"), it.axis)?);
-            let shape = quadric::cone(positive("radius", it.radius)?, positive("height", it.height)?);
-            it.place(path, shape, frame, builder)
+            let (radius, height) = (positive("radius", it.radius)?, positive("height", it.height)?);
+            let axis = validate::direction(&at("axis"), it.axis)?;
+            let frame = quadric::frame(vector("base", it.base)?, axis, radius, height);
+            it.place(path, quadric::cone(), frame, builder)
         }
         "disk" => {
             let it: Disk = json::object(raw, path)?;
@@ -326,14 +328,16 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
             for (i, radius) in it.radii.into_iter().enumerate() {
                 positive(&format!("radii[{i}]"), radius)?;
             }
-            let shape = quadric::ellipsoid(DVec3::from_array(it.radii));
-            it.place(path, shape, DAffine3::from_translation(vector("origin", it.origin)?), builder)
+            let size = DMat3::from_diagonal(DVec3::from_array(it.radii));
+            let frame = DAffine3::from_mat3_translation(size, vector("origin", it.origin)?);
+            it.place(path, quadric::ball(), frame, builder)
         }
         _ => {
             let it: Paraboloid = json::object(raw, path)?;
-            let frame = quadric::frame(vector("apex", it.apex)?, validate::direction(&at("axis"), it.axis)?);
-            let shape = quadric::paraboloid(positive("radius", it.radius)?, positive("height", it.height)?);
-            it.place(path, shape, frame, builder)
+            let (radius, height) = (positive("radius", it.radius)?, positive("height", it.height)?);
+            let axis = validate::direction(&at("axis"), it.axis)?;
+            let frame = quadric::frame(vector("apex", it.apex)?, axis, radius, height);
+            it.place(path, quadric::paraboloid(), frame, builder)
         }
     }
 }

@@ -155,8 +155,8 @@ pub(super) fn quad(path: &str, v: [DVec3; 4]) -> Result<()> {
     let diagonal = v[2].length().max((v[3] - v[1]).length());
     if off > QUAD_FLATNESS * diagonal {
         let message = format!(
-            "the quad is not flat: vertex-4 is off the plane of the others by {:.3e} of its diagonal, expected {QUAD_FLATNESS:e} \
-             at most; use two triangles",
+            "the quad is not flat: vertex-4 is off the plane of the others by {:.3e} of its diagonal, expected \
+             {QUAD_FLATNESS:e} at most; use two triangles",
             off / diagonal
         );
         return Err(Error::invalid(format!("{path}.vertex-4"), message));
@@ -198,6 +198,12 @@ pub(super) fn extent(path: &str, bounds: &Bounds, transform: &DAffine3) -> Resul
     }
     let reach = world.min.abs().max(world.max.abs()).max_element();
     if reach <= F32_MAX {
+        // A single point is a degenerate mesh or triangle, which is no mistake.
+        let size = (world.max - world.min).max_element();
+        if size > 0.0 && size < F32_MIN {
+            let message = format!("the surface is {size:e} large, too small for single precision");
+            return Err(Error::invalid(path, message));
+        }
         return Ok(());
     }
     Err(Error::invalid(

@@ -1,7 +1,7 @@
 //! Scene files that must be refused, each with the beginning of what must be said about it.
 //!
-//! An entry is (name, text, expected): `expected` is a piece of the error's text with line, JSON path and the beginning of
-//! the message, as in `7: surfaces[0].radius: -1 is not above 0`.
+//! An entry is (name, text, expected): `expected` is a piece of the error's text with line, JSON path and the beginning
+//! of the message, as in `7: surfaces[0].radius: -1 is not above 0`.
 
 /// A file in parts; `@` marks the place that must be reported and is taken out.
 struct List(Vec<(String, String, String)>);
@@ -17,7 +17,8 @@ impl List {
     /// A native scene with a camera, a material named white, and `more` at its top.
     fn top(&mut self, name: &str, more: &str, expected: &str) {
         let text = format!(
-            "{{\n \"etendue\": 1,\n \"camera\": {{\"origin\": [0, 0, 5]}},\n \"materials\": [\n  {{\"name\": \"white\", \
+            "{{\n \"etendue\": 1,\n \"camera\": {{\"origin\": [0, 0, \
+             5]}},\n \"materials\": [\n  {{\"name\": \"white\", \
              \"type\": \"diffuse\", \"color\": [0.5, 0.5, 0.5]}}\n ],\n {more}\n}}\n"
         );
         self.text(name, &text, expected);
@@ -67,7 +68,8 @@ impl List {
     /// A scene of the report's renderer with `more` at its top.
     fn mcrt(&mut self, name: &str, more: &str, expected: &str) {
         let text = format!(
-            "{{\n \"camera\": {{\"origin\": [-1, 0, 0], \"lookAt\": [1, 0, 0]}},\n \"materials\": [\n  {{\"name\": \"white\", \
+            "{{\n \"camera\": {{\"origin\": [-1, 0, 0], \"lookAt\": [1, 0, \
+             0]}},\n \"materials\": [\n  {{\"name\": \"white\", \
              \"type\": \"diffuse\", \"brdf\": \"lambertian\", \"color\": [1, 1, 1],\n   \"refractionIndex\": 0, \
              \"reflectionRate\": 0.75}}],\n {more}\n}}\n"
         );
@@ -551,7 +553,8 @@ fn placements(l: &mut List) {
         ("rotate a number", "\"transform\": {\n@\"rotate\": 90}", ".rotate: invalid type"),
         (
             "scales that overflow",
-            "@\"transform\": [{\"scale\": 1e38}, {\"scale\": 1e38}, {\"scale\": 1e38}, {\"scale\": 1e38}, {\"scale\": 1e38}, \
+            "@\"transform\": [{\"scale\": 1e38}, {\"scale\": 1e38}, {\"scale\": 1e38}, {\"scale\": 1e38}, \
+             {\"scale\": 1e38}, \
              {\"scale\": 1e38}, {\"scale\": 1e38}, {\"scale\": 1e38}, {\"scale\": 1e38}]",
             ": the transform overflows",
         ),
@@ -560,8 +563,15 @@ fn placements(l: &mut List) {
     }
     l.surface(
         "moved out of range",
-        "@{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1e20, \"material\": \"white\", \"transform\": {\"scale\": 1e20}}",
+        "@{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1e20, \"material\": \"white\", \
+         \"transform\": {\"scale\": 1e20}}",
         "surfaces[1]: the surface reaches to 1e40",
+    );
+    l.surface(
+        "shrunk out of range",
+        "@{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1e-30, \"material\": \"white\", \
+         \"transform\": {\"scale\": 1e-30}}",
+        "surfaces[1]: the surface is",
     );
 }
 
@@ -611,7 +621,8 @@ fn meshes(l: &mut List) {
     }
     l.surface(
         "position out of range",
-        "{\"geometry\": \"mesh\", \"material\": \"white\", \"triangles\": [[0, 0, 0]], \"positions\": [[0,\n@4e38, 0]]}",
+        "{\"geometry\": \"mesh\", \"material\": \"white\", \"triangles\": [[0, 0, 0]], \"positions\": [[0,\n@4e38, \
+         0]]}",
         "surfaces[1].positions[0][1]: 4e38 is beyond single precision",
     );
     l.surface(
@@ -750,16 +761,19 @@ fn reports(l: &mut List) {
         (
             "mcrt geometry",
             "\"surfaces\": [{\n@\"geometry\": \"quad\"}]",
-            "surfaces[0].geometry: unknown geometry 'quad', expected one of sphere, triangle, mesh",
+            "surfaces[0].geometry: unknown geometry 'quad', expected one of sphere, triangle, \
+             mesh (a file without \"etendue\": 1",
         ),
         (
             "mcrt material name",
-            "\"surfaces\": [{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1,\n@\"material\": \"wite\"}]",
+            "\"surfaces\": [{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \
+             \"radius\": 1,\n@\"material\": \"wite\"}]",
             "surfaces[0].material: no material named 'wite'; did you mean 'white'?",
         ),
         (
             "mcrt radius",
-            "\"surfaces\": [{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"material\": \"white\",\n@\"radius\": -1}]",
+            "\"surfaces\": [{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \
+             \"material\": \"white\",\n@\"radius\": -1}]",
             "surfaces[0].radius: -1 is not above 0",
         ),
         (
@@ -769,7 +783,8 @@ fn reports(l: &mut List) {
         ),
         (
             "mcrt mesh scale",
-            "\"surfaces\": [{\"geometry\": \"mesh\", \"file\": \"a.obj\", \"material\": \"white\", \"origin\": [0, 0, 0],\n@\"scale\": [1, 1, 1]}]",
+            "\"surfaces\": [{\"geometry\": \"mesh\", \"file\": \"a.obj\", \"material\": \"white\", \"origin\": [0, \
+             0, 0],\n@\"scale\": [1, 1, 1]}]",
             "surfaces[0].scale: invalid type: an array, expected a number",
         ),
     ] {
