@@ -14,7 +14,7 @@ use crate::spectrum::Rgb;
 /// the directional albedo for facets of albedo 1 lies between 0.777 (sigma' = 1, normal incidence) and 1, and averages
 /// (1 + (2/3 - 28/(15 pi)) sigma') / (1 + (1/2 - 2/(3 pi)) sigma').
 ///
-/// Source: Fujii 2012, "A tiny improvement of Oren-Nayar reflectance model"; albedo: Portsmouth et al. 2024.
+/// Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model"; albedo: Portsmouth et al. 2024.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fujii {
     albedo: Rgb,

@@ -146,21 +146,23 @@ impl Bsdf {
         if wo.z == 0.0 || wo.z.is_nan() {
             return None;
         }
-        let diffuse = |weight: &dyn Fn(Vec3) -> Rgb| -> Option<BsdfSample> {
-            let up = warps::cosine_hemisphere([u[0], u[1]]);
-            let wi = Vec3::new(up.x, up.y, up.z.copysign(wo.z));
-            let pdf = warps::cosine_hemisphere_pdf(up.z);
-            Some(BsdfSample { wi, weight: weight(wi), pdf, is_delta: false, eta: 1.0 })
-        };
         match self {
             Self::Black => None,
-            Self::Lambert(lambert) => diffuse(&|_| lambert.albedo()),
-            Self::OrenNayar(oren_nayar) => diffuse(&|wi| oren_nayar.weight(wo, wi)),
-            Self::Fujii(fujii) => diffuse(&|wi| fujii.weight(wo, wi)),
+            Self::Lambert(lambert) => Some(sample_diffuse(wo, u, |_| lambert.albedo())),
+            Self::OrenNayar(oren_nayar) => Some(sample_diffuse(wo, u, |wi| oren_nayar.weight(wo, wi))),
+            Self::Fujii(fujii) => Some(sample_diffuse(wo, u, |wi| fujii.weight(wo, wi))),
             Self::Mirror(mirror) => Some(mirror.sample(wo)),
             Self::Dielectric(dielectric) => Some(dielectric.sample(wo, u[2])),
         }
     }
+}
+
+/// A cosine-distributed direction on `wo`'s side with the weight pi f that `weight` gives it.
+#[inline]
+fn sample_diffuse(wo: Vec3, u: [f32; 3], weight: impl FnOnce(Vec3) -> Rgb) -> BsdfSample {
+    let up = warps::cosine_hemisphere([u[0], u[1]]);
+    let wi = Vec3::new(up.x, up.y, up.z.copysign(wo.z));
+    BsdfSample { wi, weight: weight(wi), pdf: warps::cosine_hemisphere_pdf(up.z), is_delta: false, eta: 1.0 }
 }
 
 /// Whether both directions are strictly on one side of the surface. The product of two tiny cosines may underflow, which

@@ -17,7 +17,7 @@ use crate::spectrum::Rgb;
 /// within a degree or two of grazing (1.004 at 89 degrees), while rougher surfaces lose light (0.62 at normal incidence for
 /// sigma = 1), because the qualitative form leaves out interreflection between facets.
 ///
-/// Source: Oren and Nayar 1994, "Generalization of Lambert's Reflectance Model", Eq. 30.
+/// Source: Oren and Nayar 1994, "Generalization of Lambert's Reflectance Model", the qualitative model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrenNayar {
     albedo: Rgb,

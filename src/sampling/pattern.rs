@@ -115,12 +115,12 @@ fn normal_2d([u, v]: [f32; 2]) -> [f32; 2] {
     [radius * cos, radius * sin]
 }
 
-/// Element `i` of a random permutation of 0..`n`, chosen by `key`, in constant memory.
+/// Element `i` of a random permutation of 0..`n` (n >= 1), chosen by `key`, in constant memory.
 ///
-/// A mixing function on the next power of two is repeated until it lands in range.
+/// A bijection of the integers below the next power of two is repeated until it lands in range.
 /// Source: Kensler 2013, "Correlated Multi-Jittered Sampling", Sec. 3.
 fn permute(mut i: u32, n: u32, key: u32) -> u32 {
-    let mask = n.next_power_of_two().wrapping_sub(1);
+    let mask = u32::MAX.checked_shr((n - 1).leading_zeros()).unwrap_or(0);
     loop {
         i ^= key;
         i = i.wrapping_mul(0xe170_893d);
@@ -144,5 +144,6 @@ fn permute(mut i: u32, n: u32, key: u32) -> u32 {
             break;
         }
     }
-    (i.wrapping_add(key)) % n
+    // Rotates without wrapping at 2^32, which would map two numbers to one.
+    ((u64::from(i) + u64::from(key)) % u64::from(n)) as u32
 }

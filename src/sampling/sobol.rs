@@ -13,7 +13,7 @@ use super::rng::{hash, stream, unit_f32};
 /// Successive sets are successive dimensions of one Sobol' sequence, so the points are stratified across sets too: it is
 /// this that makes a pixel's mean over (position, light, direction, ...) converge faster than 1/sqrt(N). Padding, in which
 /// each set is shuffled on its own, keeps the first two dimensions of every set a (0,2)-sequence but loses a factor of 2
-/// to 10 in error across sets from 64 samples on (measured on products of Gaussians and on discs that span two sets). The
+/// to 20 in error across sets between 64 and 1024 samples (measured on discs and Gaussians that span sets). The
 /// pixel's position is the first pair, a (0,2)-sequence.
 ///
 /// Every pixel and every replicate has its own scramble and its own order of points; any 2^k points from a multiple of 2^k on

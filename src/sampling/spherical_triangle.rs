@@ -25,7 +25,7 @@ fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
 /// from triangles of 1e-12 sr up to almost a hemisphere.
 ///
 /// Source: Arvo 1995, "Stratified Sampling of Spherical Triangles"; half-angle form of the area: Todhunter 1886,
-/// *Spherical Trigonometry*, Sec. 103.
+/// *Spherical Trigonometry*, Ch. VIII.
 #[derive(Clone, Copy, Debug)]
 pub struct SphericalTriangle {
     v: [DVec3; 3],
