@@ -97,7 +97,7 @@ impl Filter {
         self.radius
     }
 
-    /// Its value at an offset from the pixel's centre [pixel^-2].
+    /// Its value at an offset from the pixel's centre (pixel^-2).
     pub fn evaluate(&self, x: f32, y: f32) -> f32 {
         (self.kernel.at(f64::from(x)) * self.kernel.at(f64::from(y)) * self.scale * self.scale) as f32
     }
