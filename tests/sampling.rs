@@ -393,6 +393,15 @@ fn filters_have_their_published_values_and_integrate_to_one() {
     let ratio = gaussian.evaluate(0.5, 0.0) / gaussian.evaluate(0.0, 0.0);
     assert!((f64::from(ratio) - (-0.5_f64).exp()).abs() < 1e-6);
 
+    // Sums of the window's coefficients, over its integral 2 x 2 x 0.35875.
+    let window = Filter::new(&FilterDesc::BlackmanHarris);
+    for (x, exact) in [(0.0, 1.0), (1.0, 0.21747), (2.0, 0.00006), (0.5, 0.695_764_16), (1.5, 0.021_735_84)] {
+        let found = f64::from(window.evaluate(x, 0.0) * (4.0 * 0.35875_f32).powi(2));
+        assert!((found - exact).abs() < 2e-6, "{x}: {found} for {exact}");
+    }
+    let tent = Filter::new(&FilterDesc::Tent);
+    assert_eq!((tent.evaluate(0.25, -0.5), tent.evaluate(0.0, 0.0)), (0.375, 1.0));
+
     for (desc, _) in filters() {
         let filter = Filter::new(&desc);
         // The filter is separable: the square root of the integral is that along one axis.

@@ -37,7 +37,7 @@ impl Fujii {
         self.albedo
     }
 
-    /// The scattering function for two directions strictly on one side [sr^-1].
+    /// The scattering function for two directions strictly on one side (sr^-1).
     #[inline]
     pub fn f(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.weight(wo, wi) * FRAC_1_PI
@@ -47,8 +47,10 @@ impl Fujii {
     #[inline]
     pub(super) fn weight(&self, wo: Vec3, wi: Vec3) -> Rgb {
         let s = tangential_dot(wo, wi);
-        let t = if s > 0.0 { wo.z.abs().max(wi.z.abs()) } else { 1.0 };
+        // t is at most 1: a positive s grows when divided by it, a negative one would fall. The larger of both is s / t by
+        // the model's rule, without a branch on a sign that is as good as random.
+        let s_over_t = (s / wo.z.abs().max(wi.z.abs())).max(s);
         // At sigma' = 1 and both directions opposite at grazing, a + b s is 0 up to rounding.
-        self.albedo * (self.a + self.b * (s / t)).max(0.0)
+        self.albedo * (self.a + self.b * s_over_t).max(0.0)
     }
 }

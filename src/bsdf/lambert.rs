@@ -25,7 +25,7 @@ impl Lambert {
         self.albedo
     }
 
-    /// The scattering function for two directions on one side [sr^-1].
+    /// The scattering function for two directions on one side (sr^-1).
     #[inline]
     pub fn f(&self) -> Rgb {
         self.f

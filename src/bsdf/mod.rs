@@ -2,7 +2,7 @@
 //!
 //! Conventions, the same for every model: all directions are unit vectors in the local frame whose z axis is the shading
 //! normal on the surface's outer side; `wo` points back along the path, `wi` is the sampled direction, both leave the
-//! surface. `f(wo, wi)` [sr^-1] carries no cosine; `pdf` is per solid angle. Perfectly specular models are delta
+//! surface. `f(wo, wi)` (sr^-1) carries no cosine; `pdf` is per solid angle. Perfectly specular models are delta
 //! distributions: `f` and `pdf` are 0 for them and only `sample` answers.
 //!
 //! The diffuse models are two-sided: they reflect on the side `wo` is on and transmit nothing. A mirror reflects on both
@@ -37,7 +37,7 @@ pub struct BsdfSample {
     /// f |cos theta_i| / pdf, for the transport of radiance: refraction carries (n_o / n_i)^2, which cancels once the path
     /// is back in the medium it started in. Transport of power (photons) leaves that factor out.
     pub weight: Rgb,
-    /// Density of `wi` [sr^-1]; 0 for a delta lobe, which has none.
+    /// Density of `wi` (sr^-1); 0 for a delta lobe, which has none.
     pub pdf: f32,
     /// Whether `wi` came from a delta lobe.
     pub is_delta: bool,
@@ -108,7 +108,7 @@ impl Bsdf {
         }
     }
 
-    /// The scattering function [sr^-1], without a cosine; 0 for delta models and for two directions on different sides.
+    /// The scattering function (sr^-1), without a cosine; 0 for delta models and for two directions on different sides.
     #[inline]
     pub fn f(&self, wo: Vec3, wi: Vec3) -> Rgb {
         if !same_side(wo, wi) {
@@ -122,7 +122,7 @@ impl Bsdf {
         }
     }
 
-    /// Density with which [`Bsdf::sample`] draws `wi` [sr^-1]; 0 for delta models.
+    /// Density with which [`Bsdf::sample`] draws `wi` (sr^-1); 0 for delta models.
     #[inline]
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         match self {

@@ -41,7 +41,7 @@ impl OrenNayar {
         self.albedo
     }
 
-    /// The scattering function for two directions strictly on one side [sr^-1].
+    /// The scattering function for two directions strictly on one side (sr^-1).
     #[inline]
     pub fn f(&self, wo: Vec3, wi: Vec3) -> Rgb {
         self.weight(wo, wi) * FRAC_1_PI

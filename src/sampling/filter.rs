@@ -97,7 +97,7 @@ impl Filter {
         self.radius
     }
 
-    /// Its value at an offset from the pixel's centre [pixel^-2].
+    /// Its value at an offset from the pixel's centre (pixel^-2).
     pub fn evaluate(&self, x: f32, y: f32) -> f32 {
         (self.kernel.at(f64::from(x)) * self.kernel.at(f64::from(y)) * self.scale * self.scale) as f32
     }
@@ -106,7 +106,7 @@ impl Filter {
     ///
     /// The weight is exactly 1 where the filter is nowhere negative. Negative lobes are drawn from by their magnitude and
     /// weigh a negative constant; the mean weight is 1. Box and tent are inverted exactly, the others through a table
-    /// of 1024 linear pieces, whose density is off by less than 1e-5 of its greatest value.
+    /// of 1024 linear pieces, whose density is off by about 1e-5 of its greatest value.
     ///
     /// The box passes a `u` outside the unit square through, so that a position pattern wider than the pixel keeps its
     /// shape; the others clamp it.

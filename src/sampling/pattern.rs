@@ -147,3 +147,29 @@ fn permute(mut i: u32, n: u32, key: u32) -> u32 {
     // Rotates without wrapping at 2^32, which would map two numbers to one.
     ((u64::from(i) + u64::from(key)) % u64::from(n)) as u32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn permutations_are_one_to_one() {
+        for n in [1, 2, 3, 4, 25, 64, 1000] {
+            // Keys near the end of the range too, where a sum would wrap.
+            for key in [0, 1, 0x1234_5678, 0x8000_0000, u32::MAX - 7, u32::MAX] {
+                let mut images: Vec<u32> = (0..n).map(|i| permute(i, n, key)).collect();
+                images.sort_unstable();
+                assert!(images.iter().copied().eq(0..n), "n = {n}, key {key:#x}");
+            }
+        }
+        assert!(permute(u32::MAX - 1, u32::MAX, 7) < u32::MAX);
+    }
+
+    #[test]
+    fn the_side_is_the_next_root() {
+        let sides = [(0, 1), (1, 1), (2, 2), (4, 2), (5, 3), (9, 3), (10, 4), (u32::MAX, 65_536)];
+        for (samples, side) in sides {
+            assert_eq!(square_side(samples), side);
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 use crate::math::{DVec3, Vec3};
 
-/// Solid angle [sr] of a triangle given by its vertices relative to the point it is seen from, in any order; 0 for a
+/// Solid angle (sr) of a triangle given by its vertices relative to the point it is seen from, in any order; 0 for a
 /// degenerate triangle or one seen edge-on, NaN for vertices that are not numbers. 2 pi for a triangle the point lies in.
 ///
 /// The triple product is formed from differences of vertices, so that small and far triangles keep their digits.
@@ -78,13 +78,13 @@ impl SphericalTriangle {
         (finite && sin_a > 0.0).then_some(Self { v, a, b, tangent, tan_half_ab, sin_a, cos_a, solid_angle })
     }
 
-    /// Its solid angle [sr].
+    /// Its solid angle (sr).
     #[inline]
     pub fn solid_angle(&self) -> f32 {
         self.solid_angle as f32
     }
 
-    /// Density of [`SphericalTriangle::sample`] [sr^-1].
+    /// Density of [`SphericalTriangle::sample`] (sr^-1).
     #[inline]
     pub fn pdf(&self) -> f32 {
         (1.0 / self.solid_angle) as f32

@@ -64,7 +64,7 @@ pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
     Vec3::new(radius * cos, radius * sin, z)
 }
 
-/// Density of [`cosine_hemisphere`] [sr^-1] at a direction with this cosine; 0 below the horizon.
+/// Density of [`cosine_hemisphere`] (sr^-1) at a direction with this cosine; 0 below the horizon.
 #[inline]
 pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
     cos_theta.max(0.0) * FRAC_1_PI
@@ -100,7 +100,7 @@ pub fn uniform_hemisphere(u: [f32; 2]) -> Vec3 {
     from_one_minus_cos(u[0], u[1])
 }
 
-/// Density of [`uniform_hemisphere`] [sr^-1].
+/// Density of [`uniform_hemisphere`] (sr^-1).
 #[inline]
 pub fn uniform_hemisphere_pdf() -> f32 {
     1.0 / TAU
@@ -117,7 +117,7 @@ pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
     from_one_minus_cos(2.0 * u[0], u[1])
 }
 
-/// Density of [`uniform_sphere`] [sr^-1].
+/// Density of [`uniform_sphere`] (sr^-1).
 #[inline]
 pub fn uniform_sphere_pdf() -> f32 {
     1.0 / (2.0 * TAU)
@@ -142,7 +142,7 @@ pub fn uniform_cone(u: [f32; 2], one_minus_cos_max: f32) -> Vec3 {
     from_one_minus_cos(u[0] * one_minus_cos_max, u[1])
 }
 
-/// Density of [`uniform_cone`] [sr^-1] inside the cone: one over its solid angle.
+/// Density of [`uniform_cone`] (sr^-1) inside the cone: one over its solid angle.
 #[inline]
 pub fn uniform_cone_pdf(one_minus_cos_max: f32) -> f32 {
     1.0 / (TAU * one_minus_cos_max)
