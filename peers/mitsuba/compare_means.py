@@ -11,9 +11,8 @@ import math
 import pathlib
 import sys
 
+import backend  # First, for its message when something is missing.
 import numpy as np
-
-import backend
 
 
 def standard_error(path, given):

@@ -10,9 +10,8 @@ import json
 import pathlib
 import time
 
+import backend  # First, for its message when something is missing.
 import numpy as np
-
-import backend
 import scene as converter
 
 

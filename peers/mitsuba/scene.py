@@ -10,9 +10,8 @@ import pathlib
 import sys
 import tempfile
 
+import backend  # First, for its message when something is missing.
 import numpy as np
-
-import backend
 
 
 class Unsupported(Exception):
@@ -388,8 +387,7 @@ def load(path, resolution=None, max_depth=None, mirror=None, fujii="fujii", samp
     try:
         return backend.mitsuba().load_dict(converter.dictionary(resolution, max_depth, sampler))
     except Unsupported as error:
-        print(f"SKIPPED: {path}: {error}. NOTHING WAS COMPARED.", file=sys.stderr)
-        sys.exit(backend.SKIPPED)
+        sys.exit(f"{path}: {error}")
     finally:
         converter.close()
 

@@ -22,9 +22,8 @@ import sys
 import tempfile
 import time
 
+import backend  # First, for its message when something is missing.
 import numpy as np
-
-import backend
 import scene as converter
 
 
