@@ -2,8 +2,9 @@
 //!
 //! `cargo run --release --example million_triangles -- out/million.obj`
 //!
-//! The knot is a tube whose radius carries strands that wind about it, and fractal noise. Everything follows from the count,
-//! so the same count gives the same file. Rows are written as they are made; memory does not grow with the count.
+//! The knot is a tube whose radius carries strands that wind about it, and fractal noise. Everything follows from the
+//! count, so the same count gives the same file. Rows are written as they are made; memory does not grow with the
+//! count.
 
 use std::f64::consts::TAU;
 use std::fs::File;

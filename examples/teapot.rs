@@ -2,15 +2,15 @@
 //!
 //! `cargo run --release --example teapot -- --segments 8 scenes/meshes/teapot.obj`
 //!
-//! The teapot is 32 bicubic Bezier patches over 306 control points. They are all symmetric: body, lid and bottom are cubic
-//! profiles turned about the axis in four quarters, handle and spout are halves mirrored at the plane y = 0. So the data
-//! below are the six profiles and the two times two halves, with z up as published; the patches follow from them.
-//! The pot is open where the original is: at the tip of the spout, between lid and rim, and inside the body where
-//! handle and spout start.
+//! The teapot is 32 bicubic Bezier patches over 306 control points. They are all symmetric: body, lid and bottom are
+//! cubic profiles turned about the axis in four quarters, handle and spout are halves mirrored at the plane y = 0. So
+//! the data below are the six profiles and the two times two halves, with z up as published; the patches follow from
+//! them. The pot is open where the original is: at the tip of the spout, between lid and rim, and inside the body
+//! where handle and spout start.
 //!
-//! Source: M. E. Newell, "The Utilization of Procedure Models in Digital Image Synthesis", PhD thesis, University of Utah,
-//! 1975, with the proportions of J. F. Blinn and the bottom of F. C. Crow, "The Origins of the Teapot", IEEE CG&A 7 (1),
-//! 1987.
+//! Source: M. E. Newell, "The Utilization of Procedure Models in Digital Image Synthesis", PhD thesis, University of
+//! Utah, 1975, with the proportions of J. F. Blinn and the bottom of F. C. Crow, "The Origins of the Teapot", IEEE
+//! CG&A 7 (1), 1987.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -119,8 +119,8 @@ impl Patch {
 
 /// Turns profiles, one after the other, into four quarters each.
 ///
-/// `turn` is -1 for clockwise seen from above, which makes a profile that runs outwards over the top and down face outwards;
-/// 1 is for the bottom.
+/// `turn` is -1 for clockwise seen from above, which makes a profile that runs outwards over the top and down face
+/// outwards; 1 is for the bottom.
 fn revolve(profiles: &[Profile], turn: f64, patches: &mut Vec<Patch>) {
     for (k, profile) in profiles.iter().enumerate() {
         for quarter in 0..4 {
@@ -200,8 +200,8 @@ struct Mesh {
     triangles: Vec<[[usize; 3]; 3]>,
 }
 
-/// Cuts every patch into `segments` x `segments` quadrilaterals and these into triangles; those without area at the poles
-/// are left out.
+/// Cuts every patch into `segments` x `segments` quadrilaterals and these into triangles; those without area at the
+/// poles are left out.
 fn tessellate(patches: &[Patch], segments: usize) -> Mesh {
     let mut mesh = Mesh::default();
     for patch in patches {
@@ -304,7 +304,8 @@ mod tests {
         assert_eq!((low, high), ([-3.0, 0.0, -2.0], [3.525, 3.15, 2.0]));
     }
 
-    /// Every edge is shared by two triangles that run through it in opposite directions, except at the six known openings.
+    /// Every edge is shared by two triangles that run through it in opposite directions, except at the six known
+    /// openings.
     #[test]
     fn is_closed_but_for_the_known_openings() {
         // One segment would flatten the halves of handle and spout onto each other.
@@ -325,8 +326,8 @@ mod tests {
         }
     }
 
-    /// Normals have length one and agree with the faces, ever better as these shrink; on the body they point away from the
-    /// axis.
+    /// Normals have length one and agree with the faces, ever better as these shrink; on the body they point away
+    /// from the axis.
     #[test]
     fn faces_outwards() {
         let worst = |segments: usize| {

@@ -9,6 +9,23 @@ SKIPPED = 77
 """Exit code of a script that could not run because Mitsuba is missing (the code test drivers read as "skipped")."""
 
 
+def skip(reason):
+    """Ends the script with `SKIPPED`, loudly."""
+    print(
+        f"SKIPPED: {reason}. NOTHING WAS COMPARED.\n"
+        "Install what is missing with: python3 -m venv peer && peer/bin/pip install mitsuba numpy",
+        file=sys.stderr,
+    )
+    sys.exit(SKIPPED)
+
+
+# This module is the first that scripts import, so that they end here and not with a traceback.
+try:
+    import numpy as np
+except ImportError as missing:
+    skip(f"numpy is not installed ({missing})")
+
+
 def find_llvm():
     """Points DRJIT_LIBLLVM_PATH at the newest LLVM >= 17 in the usual folders, unless the variable is set already."""
     if "DRJIT_LIBLLVM_PATH" in os.environ:
@@ -29,12 +46,7 @@ def mitsuba(variant=None):
     try:
         import mitsuba as mi
     except ImportError as error:
-        print(
-            f"SKIPPED: Mitsuba 3 is not installed ({error}). NOTHING WAS COMPARED.\n"
-            "Install it with: python3 -m venv peer && peer/bin/pip install mitsuba numpy",
-            file=sys.stderr,
-        )
-        sys.exit(SKIPPED)
+        skip(f"Mitsuba 3 is not installed ({error})")
     if variant is not None:
         select(mi, variant)
     return mi
@@ -45,10 +57,8 @@ def select(mi, variant):
     try:
         mi.set_variant(variant)
     except ImportError as error:
-        print(f"SKIPPED: variant {variant} does not start: {error}. NOTHING WAS COMPARED.", file=sys.stderr)
-        if variant.startswith("llvm"):
-            print("It needs LLVM >= 17: set DRJIT_LIBLLVM_PATH to libLLVM.so.", file=sys.stderr)
-        sys.exit(SKIPPED)
+        hint = "; it needs LLVM >= 17, set DRJIT_LIBLLVM_PATH to libLLVM.so" if variant.startswith("llvm") else ""
+        skip(f"variant {variant} does not start ({error}){hint}")
     import models
 
     models.register(mi)
@@ -64,8 +74,6 @@ def set_threads(count):
 
 def read_exr(path):
     """An image as float64 [height][width][3], row 0 on top."""
-    import numpy as np
-
     mi = mitsuba()
     if mi.variant() is None:
         mi.set_variant("scalar_rgb")
@@ -75,8 +83,6 @@ def read_exr(path):
 
 def write_exr(path, image):
     """Writes [height][width][3] as 32-bit floating point RGB."""
-    import numpy as np
-
     mi = mitsuba()
     if mi.variant() is None:
         mi.set_variant("scalar_rgb")
@@ -85,8 +91,6 @@ def write_exr(path, image):
 
 def write_png(path, image):
     """Writes values in [0, 1], scene-linear, as an 8-bit sRGB PNG (clamped)."""
-    import numpy as np
-
     mi = mitsuba()
     if mi.variant() is None:
         mi.set_variant("scalar_rgb")
@@ -105,8 +109,6 @@ def rel_mse(image, reference, error=None):
 
     `error`: the reference's standard error per pixel; its expected share is subtracted (it is independent of `image`).
     """
-    import numpy as np
-
     weight = 1.0 / (reference**2 + epsilon(reference))
     value = float(np.mean((image - reference) ** 2 * weight))
     if error is not None:
@@ -116,8 +118,6 @@ def rel_mse(image, reference, error=None):
 
 def passes(mi, scene, spp, seed=0, wavefront=1 << 22):
     """Yields images of at most `wavefront` paths each, `spp` samples per pixel in all, every one with its own seed."""
-    import numpy as np
-
     width, height = scene.sensors()[0].film().size()
     # Scalar variants keep no wavefront in memory, so nothing is gained by cutting there.
     most = spp if mi.variant().startswith("scalar") else max(1, wavefront // (int(width) * int(height)))

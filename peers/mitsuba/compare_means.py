@@ -1,9 +1,9 @@
 """Compares two images of one scene: are they the same picture but for noise?
 
-Prints the ratio of the channel means with standard errors, and asks of the difference whether it looks like noise: it is
-cut into blocks, each block's mean difference is divided by its standard error, and these z should be N(0, 1) (standard
-deviation 1, 0.27% beyond 3); neighbouring pixels' differences should be uncorrelated. Bias shows as wide z and as
-correlation. Writes a picture of the signed difference: red where A is brighter, blue where B is.
+Prints the ratio of the channel means with standard errors, and asks of the difference whether it looks like noise: it
+is cut into blocks, each block's mean difference is divided by its standard error, and these z should be N(0, 1)
+(standard deviation 1, 0.27% beyond 3); neighbouring pixels' differences should be uncorrelated. Bias shows as wide z
+and as correlation. Writes a picture of the signed difference: red where A is brighter, blue where B is.
 """
 
 import argparse
@@ -11,9 +11,8 @@ import math
 import pathlib
 import sys
 
+import backend  # First, for its message when something is missing.
 import numpy as np
-
-import backend
 
 
 def standard_error(path, given):
@@ -33,6 +32,7 @@ def smooth(image, radius):
 
     A variance taken from single differences would follow them, and dividing by it would correlate its neighbours.
     """
+
     def running(x, axis):
         x = np.moveaxis(x, axis, 0)
         total = np.concatenate([np.zeros_like(x[:1]), np.cumsum(x, 0)])
@@ -51,7 +51,9 @@ def main():
     parser.add_argument("--se-b", help="standard error of B (default: NAME.se.exr beside it, if there)")
     parser.add_argument("--block", type=int, default=16, help="side of the blocks in pixels")
     parser.add_argument("--difference", help="PNG of the signed difference")
-    parser.add_argument("--fail", type=float, metavar="Z", help="exit 1 if a channel mean differs by more than Z errors")
+    parser.add_argument(
+        "--fail", type=float, metavar="Z", help="exit 1 if a channel mean differs by more than Z errors"
+    )
     args = parser.parse_args()
     a, b = backend.read_exr(args.a), backend.read_exr(args.b)
     if a.shape != b.shape:
@@ -91,8 +93,9 @@ def main():
     z = total[known] / np.sqrt(spread[known])
     if z.size:
         print(
-            f"blocks of {args.block}x{args.block}: {z.size} z values, mean {z.mean():+.3f}, standard deviation {z.std():.3f}"
-            f" (noise: 1), beyond 3: {np.mean(np.abs(z) > 3):.2%} (noise: 0.27%), largest {np.abs(z).max():.2f}"
+            f"blocks of {args.block}x{args.block}: {z.size} z values, mean {z.mean():+.3f},"
+            f" standard deviation {z.std():.3f} (noise: 1), beyond 3: {np.mean(np.abs(z) > 3):.2%} (noise: 0.27%),"
+            f" largest {np.abs(z).max():.2f}"
         )
     # Difference over its local error, so that bright regions do not decide alone.
     scaled = np.where(variance > 0, difference / np.sqrt(np.maximum(variance, 1e-300)), 0.0)

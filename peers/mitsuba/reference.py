@@ -1,8 +1,8 @@
 """Renders a converged reference: many passes with independent seeds, averaged in double precision.
 
-Writes OUTPUT (EXR, scene-linear) and beside it NAME.se.exr, the standard error of every pixel and channel estimated from
-the scatter of the passes, and NAME.json with what was rendered and how. Nothing is cut (max_depth -1) unless asked;
-Mitsuba's Russian roulette stays on, it is unbiased.
+Writes OUTPUT (EXR, scene-linear) and beside it NAME.se.exr, the standard error of every pixel and channel estimated
+from the scatter of the passes, and NAME.json with what was rendered and how. Nothing is cut (max_depth -1) unless
+asked; Mitsuba's Russian roulette stays on, it is unbiased.
 """
 
 import argparse
@@ -10,9 +10,8 @@ import json
 import pathlib
 import time
 
+import backend  # First, for its message when something is missing.
 import numpy as np
-
-import backend
 import scene as converter
 
 
@@ -33,7 +32,9 @@ def main():
 
     start, mean, scatter, count = time.perf_counter(), 0.0, 0.0, 0
     while count * args.pass_spp < args.spp:
-        image = np.array(mi.render(scene, spp=args.pass_spp, seed=(args.seed * 1000003 + count) % 2**32), dtype=np.float64)
+        image = np.array(
+            mi.render(scene, spp=args.pass_spp, seed=(args.seed * 1000003 + count) % 2**32), dtype=np.float64
+        )
         # Welford's update, per pixel.
         count += 1
         step = image - mean

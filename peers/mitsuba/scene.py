@@ -10,9 +10,8 @@ import pathlib
 import sys
 import tempfile
 
+import backend  # First, for its message when something is missing.
 import numpy as np
-
-import backend
 
 
 class Unsupported(Exception):
@@ -78,7 +77,8 @@ def read_obj(path):
                 for corner in part[1:]:
                     field = (corner.split("/") + ["", ""])[:3]
                     key = tuple((int(x) if x else 0) for x in (field[0], field[2]))
-                    key = (key[0] if key[0] > 0 else len(v) + 1 + key[0], key[1] if key[1] >= 0 else len(vn) + 1 + key[1])
+                    # Negative numbers count from the end; 0 is a normal left out.
+                    key = tuple(k if k >= 0 else n + 1 + k for k, n in zip(key, (len(v), len(vn)), strict=True))
                     if key not in index:
                         index[key] = len(corners)
                         corners.append(key)
@@ -94,7 +94,7 @@ def write_ply(path, positions, normals, triangles):
     """A binary PLY that Mitsuba reads, in single precision."""
     names = ["x", "y", "z"] + (["nx", "ny", "nz"] if normals is not None else [])
     columns = [positions] + ([normals] if normals is not None else [])
-    header = "ply\nformat binary_little_endian 1.0\n" f"element vertex {len(positions)}\n"
+    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(positions)}\n"
     header += "".join(f"property float {n}\n" for n in names)
     header += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
     faces = np.empty(len(triangles), dtype=[("n", "u1"), ("v", "<i4", 3)])
@@ -113,7 +113,8 @@ def swept(profile, around=512):
     rows, gradient = profile
     phi = np.linspace(0, 2 * math.pi, around + 1)
     points = np.stack(
-        [np.outer(rows[:, 0], np.cos(phi)), np.outer(rows[:, 1], np.sin(phi)), np.outer(rows[:, 2], np.ones_like(phi))], 2
+        [np.outer(rows[:, 0], np.cos(phi)), np.outer(rows[:, 1], np.sin(phi)), np.outer(rows[:, 2], np.ones_like(phi))],
+        2,
     ).reshape(-1, 3)
     n = around + 1
     i, j = np.meshgrid(np.arange(len(rows) - 1), np.arange(around), indexing="ij")
@@ -209,7 +210,8 @@ class Converter:
         if kind == "reflective":
             if self.mirror is not None:
                 color = {"type": "rgb", "value": [self.mirror] * 3}
-            return {"type": "twosided", "bsdf": {"type": "conductor", "material": "none", "specular_reflectance": color}}
+            mirror = {"type": "conductor", "material": "none", "specular_reflectance": color}
+            return {"type": "twosided", "bsdf": mirror}
         if kind == "refractive":
             inside, outside = material["refractionIndex"], material.get("exteriorIndex", 1.0)
             return {"type": "dielectric", "int_ior": float(inside), "ext_ior": float(outside)}
@@ -318,8 +320,8 @@ class Converter:
         width, height = resolution
         c = self.json["camera"]
         view_plane = not self.native or c.get("type") == "view-plane"
-        default = [0, 0, 0]
-        origin, look_at, up = vec(c.get("origin", default)), vec(c.get("lookAt", [0, 0, -1])), vec(c.get("up", [0, 1, 0]))
+        defaults = {"origin": [0, 0, 0], "lookAt": [0, 0, -1], "up": [0, 1, 0]}
+        origin, look_at, up = (vec(c.get(key, value)) for key, value in defaults.items())
         fov, axis, near = float(c.get("fieldOfView", 90.0)), "x", 1e-4 * max(1.0, np.linalg.norm(look_at - origin))
         if view_plane:
             w = (look_at - origin) / np.linalg.norm(look_at - origin)
@@ -385,8 +387,7 @@ def load(path, resolution=None, max_depth=None, mirror=None, fujii="fujii", samp
     try:
         return backend.mitsuba().load_dict(converter.dictionary(resolution, max_depth, sampler))
     except Unsupported as error:
-        print(f"SKIPPED: {path}: {error}. NOTHING WAS COMPARED.", file=sys.stderr)
-        sys.exit(backend.SKIPPED)
+        sys.exit(f"{path}: {error}")
     finally:
         converter.close()
 
@@ -396,7 +397,9 @@ def add_scene_arguments(parser):
     parser.add_argument("scene", help="scene file, native or the report's")
     parser.add_argument("--resolution", type=int, nargs=2, metavar=("W", "H"), help="pixels (default: the scene's)")
     parser.add_argument("--mirror", type=float, help="one reflectance for all mirrors (the report's program: 0.9)")
-    parser.add_argument("--fujii", choices=["fujii", "lambertian"], default="fujii", help="how rough diffuse is rendered")
+    parser.add_argument(
+        "--fujii", choices=["fujii", "lambertian"], default="fujii", help="how rough diffuse is rendered"
+    )
     parser.add_argument("--max-depth", type=int, help="Mitsuba's max_depth (default: the scene's; -1 cuts nothing)")
     parser.add_argument("--threads", type=int, default=2, help="threads; 0 for all cores (default 2)")
 

@@ -1,14 +1,14 @@
 """Times Mitsuba and our command line on one scene, in turns, and measures both images against one reference.
 
-For an unbiased renderer error times time stays the same whatever the samples, so "relMSE x s" compares renderers that were
-given different budgets: half of it means the same image in half the time. Both images are measured by one formula,
-the mean over pixels and channels of (x - r)^2 / (r^2 + eps) with eps = 1% of the squared mean of r, and the noise left in
-the reference (NAME.se.exr beside it) is taken off.
+For an unbiased renderer error times time stays the same whatever the samples, so "relMSE x s" compares renderers that
+were given different budgets: half of it means the same image in half the time. Both images are measured by one formula,
+the mean over pixels and channels of (x - r)^2 / (r^2 + eps) with eps = 1% of the squared mean of r, and the noise left
+in the reference (NAME.se.exr beside it) is taken off.
 
 Seconds are render time: Mitsuba's from the call of the renderer to the pixels in memory, warm (scene loaded, kernels
 compiled by a run that is not counted), ours from the summary line of `etendue render`. "process" is our whole process,
-with start, scene and file; Mitsuba's start and compilation are not counted at all. All take turns in every round, so that
-a change of the machine's speed meets all; the table has the median of the rounds.
+with start, scene and file; Mitsuba's start and compilation are not counted at all. All take turns in every round, so
+that a change of the machine's speed meets all; the table has the median of the rounds.
 """
 
 import argparse
@@ -22,9 +22,8 @@ import sys
 import tempfile
 import time
 
+import backend  # First, for its message when something is missing.
 import numpy as np
-
-import backend
 import scene as converter
 
 
@@ -90,7 +89,7 @@ def main():
     parser.add_argument("--spp", type=int, nargs="+", default=[16, 64, 256], help="samples per pixel to try")
     parser.add_argument("--rounds", type=int, default=3, help="repetitions, each with seeds of its own")
     parser.add_argument("--variants", nargs="*", default=["llvm_ad_rgb", "scalar_rgb"], help="Mitsuba variants")
-    parser.add_argument("--mitsuba-sampler", default="independent", help="or multijitter, orthogonal, ldsampler, stratified")
+    parser.add_argument("--mitsuba-sampler", default="independent", help="or multijitter, orthogonal, ...")
     parser.add_argument("--etendue", default="target/release/examples/etendue", help="our program; '' leaves it out")
     parser.add_argument(
         "--command",
@@ -135,7 +134,8 @@ def main():
                 for renderer in order:
                     image, seconds, process = renderer.render(spp, 1000 * spp + turn)
                     if image.shape != reference.shape:
-                        sys.exit(f"{renderer.name} made {image.shape[1]}x{image.shape[0]}, the reference is {width}x{height}")
+                        made = f"{image.shape[1]}x{image.shape[0]}"
+                        sys.exit(f"{renderer.name} made {made}, the reference is {width}x{height}")
                     error = backend.rel_mse(image, reference, noise)
                     means = image.mean((0, 1)).tolist()
                     runs.append(
@@ -147,8 +147,10 @@ def main():
     if noise is not None:
         floor = float(np.mean(noise**2 / (reference**2 + backend.epsilon(reference))))
         print(f"noise of the reference, subtracted: {floor:.2e}")
-    print(f"{width}x{height}, {args.threads or 'all'} threads, {args.rounds} rounds, sampler {args.mitsuba_sampler} in Mitsuba")
-    print(f"{'':24}{'spp':>6}{'relMSE':>12}{'seconds':>10}{'process':>10}{'relMSE x s':>13}{'ratio':>8}  mean / reference")
+    threads = args.threads or "all"
+    print(f"{width}x{height}, {threads} threads, {args.rounds} rounds, Mitsuba's sampler: {args.mitsuba_sampler}")
+    head = f"{'':24}{'spp':>6}{'relMSE':>12}{'seconds':>10}{'process':>10}{'relMSE x s':>13}{'ratio':>8}"
+    print(head + "  mean / reference")
     for spp in args.spp:
         first = None
         for renderer in renderers:
@@ -167,7 +169,7 @@ def main():
             )
     for line in skipped:
         print(line)
-    print(f"ratio: relMSE x s against {renderers[0].name} at the same samples per pixel; above 1 is slower to the same error")
+    print(f"ratio: relMSE x s over that of {renderers[0].name} at the same spp; above 1 takes longer to the same error")
     if args.json:
         pathlib.Path(args.json).write_text(json.dumps(runs, indent=1) + "\n", encoding="utf-8")
 
