@@ -6,9 +6,10 @@ use crate::sampling::{SphericalTriangle, warps};
 use crate::shape::Triangle;
 use crate::spectrum::Rgb;
 
-/// Beyond this squared distance, in areas, the solid angle is small enough for points by area to be as good as
-/// directions by solid angle, cheaper, and free of the cancellation in the spherical excess.
-const AREA_SAMPLING_DISTANCE2: f32 = 40.0;
+/// Beyond this squared distance, in areas, points are drawn by area: there the solid angle is small enough for them to be
+/// as good as directions by solid angle, at a fifth of the cost. In the report's room the time to equal error is 10 %
+/// less with 2 than with 40 or with 0.
+const AREA_SAMPLING_DISTANCE2: f32 = 2.0;
 
 /// A triangle with the same radiance from every point in every direction of its normal's side.
 #[derive(Clone, Copy, Debug)]

@@ -70,6 +70,7 @@ pub(super) fn trace<S: Sampler, T: Tracer>(
     let mut eta2 = 1.0;
     // The last bounce's point and density, where a light sample could have made it as well.
     let mut bounced = None;
+    let mut first_carried = 1.0;
 
     for depth in 1_u32.. {
         let Some(hit) = tracer.intersect(&ray) else { break };
@@ -109,7 +110,13 @@ pub(super) fn trace<S: Sampler, T: Tracer>(
         if depth < max_depth {
             let survival = match vertex.material.survival {
                 Some(survival) if bounced.is_some() => survival,
-                _ => roulette(throughput.max_element() * eta2, depth),
+                _ => {
+                    let carried = throughput.max_element() * eta2;
+                    if depth == 1 {
+                        first_carried = carried;
+                    }
+                    roulette(carried / first_carried, depth)
+                }
             };
             if survival < 1.0 {
                 if u[3] >= survival {

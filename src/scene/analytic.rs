@@ -6,16 +6,16 @@
 //! is decided by the exact test in double precision.
 
 use crate::embree::{UserGeometry, UserHit};
-use crate::math::{Bounds, Ray};
+use crate::math::{Bounds, Ray, Vec4};
 use crate::shape::{Analytic, DRay};
 
 /// Bounding spheres of four shapes, padded for rounding. Lanes without a shape have a radius that nothing hits.
 #[derive(Clone, Copy, Debug)]
 struct Packet {
-    x: [f32; 4],
-    y: [f32; 4],
-    z: [f32; 4],
-    radius2: [f32; 4],
+    x: Vec4,
+    y: Vec4,
+    z: Vec4,
+    radius2: Vec4,
 }
 
 /// Relative error of the rejection test in f32, about thirty roundings, covered by the margin.
@@ -25,20 +25,15 @@ impl Packet {
     /// One bit for each shape that the ray's line may meet in front of its origin.
     #[inline]
     fn candidates(&self, ray: &Ray, inverse_length2: f32) -> u32 {
-        let mut mask = 0;
-        for lane in 0..4 {
-            let x = self.x[lane] - ray.origin.x;
-            let y = self.y[lane] - ray.origin.y;
-            let z = self.z[lane] - ray.origin.z;
-            let distance2 = x * x + y * y + z * z;
-            let along = x * ray.direction.x + y * ray.direction.y + z * ray.direction.z;
-            let margin = distance2 * MARGIN;
-            let off_axis2 = distance2 - along * along * inverse_length2 - margin;
-            let is_near = off_axis2 <= self.radius2[lane];
-            let is_ahead = along > 0.0 || distance2 - margin <= self.radius2[lane];
-            mask |= u32::from(is_near & is_ahead) << lane;
-        }
-        mask
+        let x = self.x - Vec4::splat(ray.origin.x);
+        let y = self.y - Vec4::splat(ray.origin.y);
+        let z = self.z - Vec4::splat(ray.origin.z);
+        let distance2 = x * x + y * y + z * z;
+        let along = x * ray.direction.x + y * ray.direction.y + z * ray.direction.z;
+        let reach2 = self.radius2 + distance2 * MARGIN;
+        let is_near = (distance2 - along * along * inverse_length2).cmple(reach2);
+        let is_ahead = along.cmpgt(Vec4::ZERO) | distance2.cmple(reach2);
+        (is_near & is_ahead).bitmask()
     }
 }
 
@@ -54,7 +49,7 @@ impl AnalyticList {
         let packets = shapes
             .chunks(4)
             .map(|chunk| {
-                let mut packet = Packet { x: [0.0; 4], y: [0.0; 4], z: [0.0; 4], radius2: [f32::NEG_INFINITY; 4] };
+                let mut packet = Packet { x: Vec4::ZERO, y: Vec4::ZERO, z: Vec4::ZERO, radius2: Vec4::NEG_INFINITY };
                 for (lane, shape) in chunk.iter().enumerate() {
                     let Bounds { min, max } = shape.bounds();
                     let centre = shape.bounds().centre();
