@@ -103,6 +103,8 @@ impl<'s> Vertex<'s> {
             return None;
         }
         let pdf = (!sample.is_delta).then_some(sample.pdf);
+        // Along a specular path the error of the frames would be multiplied; a diffuse direction is fresh.
+        let wi = if sample.is_delta { wi.normalize() } else { wi };
         Some(Bounce { ray: self.leave(wi), weight: sample.weight, pdf, eta: sample.eta })
     }
 
@@ -110,13 +112,12 @@ impl<'s> Vertex<'s> {
     #[inline]
     pub fn leave_local(&self, wi: Vec3) -> Option<Ray> {
         let scene_wi = self.frame.to_world(wi);
-        self.is_consistent(scene_wi, wi).then(|| self.leave(scene_wi))
+        self.is_consistent(scene_wi, wi).then(|| self.leave(scene_wi.normalize()))
     }
 
     #[inline]
     fn leave(&self, wi: Vec3) -> Ray {
-        // Renormalised: the error of a frame, multiplied along a long specular path, would grow.
-        Ray::new(self.surface.point.offset(self.side(wi)), wi.normalize())
+        Ray::new(self.surface.point.offset(self.side(wi)), wi)
     }
 
     /// The geometric normal on the side that `wi` leaves to.

@@ -69,16 +69,12 @@ impl HitPoint {
     /// Rendering* 4e, Sec. 6.8.6, with our own bound.
     #[inline]
     pub fn offset(&self, n: Vec3) -> Vec3 {
+        // One unit in the last place, or two, in the direction of `d`; without a branch, which would go either way.
         #[inline]
         fn away(p: f32, d: f32) -> f32 {
             let moved = p + d;
-            if d > 0.0 {
-                moved.next_up()
-            } else if d < 0.0 {
-                moved.next_down()
-            } else {
-                moved
-            }
+            let step = (moved.abs() * f32::EPSILON).copysign(d);
+            moved + if d == 0.0 { 0.0 } else { step }
         }
         let d = n * self.error;
         Vec3::new(away(self.p.x, d.x), away(self.p.y, d.y), away(self.p.z, d.z))

@@ -145,6 +145,14 @@ fn interaction(p: Vec3, error: f32, ng: Vec3, ns: Option<Vec3>, owner: Owner) ->
     }
 }
 
+/// A unit normal, in single precision unless its square would leave the range of that.
+#[inline]
+fn unit(normal: DVec3) -> Vec3 {
+    let single = normal.as_vec3();
+    let length2 = single.length_squared();
+    if (1e-30..1e30).contains(&length2) { single / length2.sqrt() } else { normal.normalize().as_vec3() }
+}
+
 /// A point on triangles of the scene frame.
 #[inline]
 pub(super) fn on_triangle(
@@ -156,7 +164,7 @@ pub(super) fn on_triangle(
 ) -> SurfaceInteraction {
     let point = triangles.point(primitive, u, v);
     let p = point.p.as_vec3();
-    let ng = point.ng.normalize().as_vec3();
+    let ng = unit(point.ng);
     interaction(p, triangle_error(p, ng, point.extent), ng, point.ns, owners.of(primitive))
 }
 
@@ -172,7 +180,7 @@ pub(super) fn on_instance(
 ) -> SurfaceInteraction {
     let point = triangles.point(primitive, u, v);
     let p = placement.to_scene.transform_point3(point.p).as_vec3();
-    let ng = (placement.normals * point.ng).normalize().as_vec3();
+    let ng = unit(placement.normals * point.ng);
     let ns = point.ns.map(|ns| (placement.normals * ns.as_dvec3()).as_vec3());
     // The kernel moves the ray into the object's frame in single precision: its origin, and the translation that is
     // added to it, are rounded there.
