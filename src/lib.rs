@@ -5,6 +5,7 @@
 
 pub mod bsdf;
 pub mod desc;
+pub mod embree;
 mod error;
 pub mod film;
 pub mod math;

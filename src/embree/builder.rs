@@ -1,0 +1,415 @@
+//! Scenes under construction.
+
+use std::ffi::c_void;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex};
+
+use super::device::{Device, lock};
+use super::mesh::{MAX_COORDINATE, TriangleMesh, in_range};
+use super::scene::{Features, Kept, Scene, SceneInner};
+use super::user::{self, UserGeometry, UserState, panic_text};
+use super::{ray, sys};
+use crate::math::DAffine3;
+use crate::{Error, ErrorKind, Result};
+
+/// Scenes with fewer primitives are built by the calling thread alone: starting another takes longer than the build.
+const PARALLEL_FROM: usize = 4096;
+
+/// How much work goes into the hierarchy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BuildQuality {
+    /// Fastest to build, slowest to trace: for scenes that change often.
+    Low,
+    /// Binned surface area heuristic.
+    #[default]
+    Medium,
+    /// Spatial splits too: slowest to build, most memory, fastest to trace where triangles are long or overlap.
+    High,
+}
+
+/// How a scene is built and traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SceneOptions {
+    /// Rays cannot slip through between triangles that share an edge, and box tests never lose a hit. A little slower.
+    pub robust: bool,
+    /// How much work goes into the hierarchy.
+    pub quality: BuildQuality,
+    /// Less memory, a little slower.
+    pub compact: bool,
+}
+
+impl Default for SceneOptions {
+    fn default() -> Self {
+        Self { robust: true, quality: BuildQuality::Medium, compact: false }
+    }
+}
+
+/// Which geometry of a scene; counts from 0 in the order of adding.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct GeometryId(
+    /// As it appears in [`super::Hit::geom`], or in [`super::Hit::inst`] for an instance.
+    pub u32,
+);
+
+/// A scene that takes geometry and answers no queries yet.
+pub struct SceneBuilder {
+    inner: SceneInner,
+    /// Of the scene itself, instances counting as one each.
+    primitives: usize,
+}
+
+/// One reference to an Embree geometry, given back when dropped.
+struct Geometry(sys::RTCGeometry);
+
+impl Drop for Geometry {
+    fn drop(&mut self) {
+        if !self.0.is_null() {
+            // SAFETY: `rtcNewGeometry` gave this reference, and it is given back once.
+            unsafe { sys::rtcReleaseGeometry(self.0) }
+        }
+    }
+}
+
+impl SceneBuilder {
+    /// An empty scene.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Device`] or [`ErrorKind::OutOfMemory`].
+    pub fn new(device: &Device, options: SceneOptions) -> Result<Self> {
+        let mut flags = sys::RTC_SCENE_FLAG_NONE;
+        if options.robust {
+            flags |= sys::RTC_SCENE_FLAG_ROBUST;
+        }
+        if options.compact {
+            flags |= sys::RTC_SCENE_FLAG_COMPACT;
+        }
+        let quality = match options.quality {
+            BuildQuality::Low => sys::RTC_BUILD_QUALITY_LOW,
+            BuildQuality::Medium => sys::RTC_BUILD_QUALITY_MEDIUM,
+            BuildQuality::High => sys::RTC_BUILD_QUALITY_HIGH,
+        };
+        let raw = device.inner.guarded(|| {
+            // SAFETY: the device is alive, the scene new; both settings are of the enumerations asked for.
+            unsafe {
+                let raw = sys::rtcNewScene(device.inner.raw);
+                if !raw.is_null() {
+                    sys::rtcSetSceneFlags(raw, flags);
+                    sys::rtcSetSceneBuildQuality(raw, quality);
+                }
+                raw
+            }
+        })?;
+        if raw.is_null() {
+            return Err(Error::new(ErrorKind::Device, "Embree gave no scene"));
+        }
+        let inner = SceneInner {
+            raw,
+            kept: Vec::new(),
+            features: Features::default(),
+            mask: sys::RTC_FEATURE_FLAG_NONE,
+            bvh_bytes: 0,
+            device: Arc::clone(&device.inner),
+        };
+        Ok(Self { inner, primitives: 0 })
+    }
+
+    /// Adds a triangle mesh. Clones of one mesh share memory between scenes.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Device`] or [`ErrorKind::OutOfMemory`].
+    pub fn add_triangles(&mut self, mesh: TriangleMesh) -> Result<GeometryId> {
+        let (vertices, indices) = (mesh.vertices().as_ptr(), mesh.indices().as_ptr());
+        let (vertex_count, index_count) = (mesh.vertices().len(), mesh.indices().len());
+        let fill = |geometry| {
+            // SAFETY: both buffers hold as many items as said, of the format said; they are immutable and on the heap
+            // behind an `Arc` that `kept` holds until after the scene is released. Indices are below the vertex count
+            // (`TriangleMesh`), and 16 bytes can be read from the last vertex (`VertexBuffer`).
+            unsafe {
+                sys::rtcSetSharedGeometryBuffer(
+                    geometry,
+                    sys::RTC_BUFFER_TYPE_VERTEX,
+                    0,
+                    sys::RTC_FORMAT_FLOAT3,
+                    vertices.cast(),
+                    0,
+                    size_of::<[f32; 3]>(),
+                    vertex_count,
+                );
+                sys::rtcSetSharedGeometryBuffer(
+                    geometry,
+                    sys::RTC_BUFFER_TYPE_INDEX,
+                    0,
+                    sys::RTC_FORMAT_UINT3,
+                    indices.cast(),
+                    0,
+                    size_of::<[u32; 3]>(),
+                    index_count,
+                );
+            }
+        };
+        let features = Features { triangles: true, ..Features::default() };
+        self.attach(sys::RTC_GEOMETRY_TYPE_TRIANGLE, index_count, features, Kept::Triangles(mesh), fill)
+    }
+
+    /// Adds Embree's own spheres: x, y, z and radius each. Their test is in single precision.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidScene`] for no sphere, or one that is not finite, reaches past [`MAX_COORDINATE`], or whose
+    /// radius is not positive; [`ErrorKind::Device`] or [`ErrorKind::OutOfMemory`].
+    pub fn add_spheres(&mut self, spheres: Vec<[f32; 4]>) -> Result<GeometryId> {
+        let good = |s: &[f32; 4]| s[3] > 0.0 && s[..3].iter().all(|&x| in_range(x.abs() + s[3]));
+        if let Some((index, sphere)) = spheres.iter().enumerate().find(|(_, s)| !good(s)) {
+            let message =
+                format!("sphere {index} is {sphere:?}: needs a positive radius and to lie below {MAX_COORDINATE:e}");
+            return Err(Error::new(ErrorKind::InvalidScene, message));
+        }
+        if spheres.is_empty() || u32::try_from(spheres.len()).is_err() {
+            let message = format!("{} spheres: needs 1 to 2^32 - 1", spheres.len());
+            return Err(Error::new(ErrorKind::InvalidScene, message));
+        }
+        let (data, count) = (spheres.as_ptr(), spheres.len());
+        let fill = |geometry| {
+            // SAFETY: the buffer holds `count` items of four floats (the last is readable as 16 bytes), is never changed,
+            // and stays where it is on the heap: moving the vector into `kept` does not move it.
+            unsafe {
+                sys::rtcSetSharedGeometryBuffer(
+                    geometry,
+                    sys::RTC_BUFFER_TYPE_VERTEX,
+                    0,
+                    sys::RTC_FORMAT_FLOAT4,
+                    data.cast(),
+                    0,
+                    size_of::<[f32; 4]>(),
+                    count,
+                );
+            }
+        };
+        let features = Features { spheres: true, ..Features::default() };
+        self.attach(sys::RTC_GEOMETRY_TYPE_SPHERE_POINT, count, features, Kept::Spheres(spheres), fill)
+    }
+
+    /// Adds primitives with an intersection test of their own.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidScene`] for no primitive or a box that is not finite and ordered; [`ErrorKind::Device`] or
+    /// [`ErrorKind::OutOfMemory`].
+    pub fn add_user<G: UserGeometry>(&mut self, geometry: Arc<G>) -> Result<GeometryId> {
+        let state = Arc::new(UserState::new(geometry)?);
+        let pointer = user::user_pointer(&state);
+        let kept: Arc<dyn user::ErasedUser> = state;
+        let count = kept.len();
+        let fill = |geometry| {
+            // SAFETY: `pointer` is the `UserState<G>` that `kept` holds until after the scene is released, and the three
+            // functions are those for the same `G`. `count` fits in 32 bits (`UserState::new`).
+            unsafe {
+                sys::rtcSetGeometryUserPrimitiveCount(geometry, count as u32);
+                sys::rtcSetGeometryUserData(geometry, pointer);
+                sys::rtcSetGeometryBoundsFunction(geometry, Some(user::on_bounds::<G>), std::ptr::null_mut());
+                sys::rtcSetGeometryIntersectFunction(geometry, Some(user::on_intersect::<G>));
+                sys::rtcSetGeometryOccludedFunction(geometry, Some(user::on_occluded::<G>));
+            }
+        };
+        let features = Features { user: true, ..Features::default() };
+        self.attach(sys::RTC_GEOMETRY_TYPE_USER, count, features, Kept::User(kept), fill)
+    }
+
+    /// Adds another scene, moved by `transform` (its frame to this scene's), which is rounded to single precision.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidScene`] if the transform is not finite or cannot be inverted in single precision, or moves
+    /// the scene past [`MAX_COORDINATE`]; [`ErrorKind::Unsupported`] if `scene` has instances itself or belongs to another
+    /// device; [`ErrorKind::Device`] or [`ErrorKind::OutOfMemory`].
+    pub fn add_instance(&mut self, scene: &Scene, transform: &DAffine3) -> Result<GeometryId> {
+        if scene.features().instances {
+            return Err(Error::new(ErrorKind::Unsupported, "an instance of a scene that has instances itself"));
+        }
+        if !Arc::ptr_eq(&scene.inner.device, &self.inner.device) {
+            return Err(Error::new(
+                ErrorKind::Unsupported,
+                "an instance of a scene that was built with another device",
+            ));
+        }
+        let columns = transform.to_cols_array().map(|x| x as f32);
+        let rounded = DAffine3::from_cols_array(&columns.map(f64::from));
+        let inverse = rounded.inverse().to_cols_array().map(|x| x as f32);
+        // Embree inverts with products of two elements over the determinant, all in single precision.
+        let determinant = rounded.matrix3.determinant() as f32;
+        let invertible = determinant.is_normal() && inverse.iter().all(|x| x.is_finite());
+        if !columns.iter().all(|&x| in_range(x)) || !invertible {
+            let message = format!("the transform {columns:?} (columns) cannot be inverted in single precision");
+            return Err(Error::new(ErrorKind::InvalidScene, message));
+        }
+        let bounds = scene.bounds().transformed(&rounded);
+        let within = |x: f64| in_range(x as f32);
+        if !bounds.is_empty() && !bounds.corners().iter().all(|p| p.to_array().into_iter().all(within)) {
+            let message =
+                format!("the instance reaches from {} to {}, past {MAX_COORDINATE:e}", bounds.min, bounds.max);
+            return Err(Error::new(ErrorKind::InvalidScene, message));
+        }
+        let instanced = scene.inner.raw;
+        let fill = |geometry| {
+            // SAFETY: the instanced scene is committed, of the same device, and kept alive by `kept`; the format is that
+            // of twelve floats, column by column, which are read during the call.
+            unsafe {
+                sys::rtcSetGeometryInstancedScene(geometry, instanced);
+                sys::rtcSetGeometryTimeStepCount(geometry, 1);
+                let data = columns.as_ptr().cast::<c_void>();
+                sys::rtcSetGeometryTransform(geometry, 0, sys::RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, data);
+            }
+        };
+        let features = Features { instances: true, ..scene.features() };
+        self.attach(sys::RTC_GEOMETRY_TYPE_INSTANCE, 1, features, Kept::Instance(scene.clone()), fill)
+    }
+
+    /// Makes a geometry, has `fill` set its data, and attaches it; `kept` is what the data points into.
+    fn attach(
+        &mut self,
+        kind: sys::RTCGeometryType,
+        primitives: usize,
+        features: Features,
+        kept: Kept,
+        fill: impl FnOnce(sys::RTCGeometry),
+    ) -> Result<GeometryId> {
+        let device = &self.inner.device;
+        // SAFETY: the device is alive.
+        let geometry = Geometry(device.guarded(|| unsafe { sys::rtcNewGeometry(device.raw, kind) })?);
+        device.guarded(|| {
+            fill(geometry.0);
+            // SAFETY: the geometry is alive and no other thread has it.
+            unsafe { sys::rtcCommitGeometry(geometry.0) }
+        })?;
+        // From here on the scene may refer to the data, so it is kept whatever happens next.
+        self.inner.kept.push(kept);
+        // SAFETY: scene and geometry are of the same device, and `self` alone has the scene.
+        let id = device.guarded(|| unsafe { sys::rtcAttachGeometry(self.inner.raw, geometry.0) })?;
+        if id == ray::INVALID {
+            return Err(Error::new(ErrorKind::Device, "Embree has no room for another geometry"));
+        }
+        self.primitives += primitives;
+        self.inner.features = self.inner.features.union(features);
+        Ok(GeometryId(id))
+    }
+
+    /// Builds the hierarchy.
+    ///
+    /// `progress` is told the finished fraction, which never falls and ends with 1, and answers whether to go on. It is
+    /// called from the threads that build, by one at a time, and must not use the device.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Cancelled`] if `progress` said so, [`ErrorKind::OutOfMemory`], [`ErrorKind::Device`], and
+    /// [`ErrorKind::Internal`] if `progress` panicked.
+    pub fn commit(mut self, progress: Option<&(dyn Fn(f64) -> bool + Sync)>) -> Result<Scene> {
+        let device = Arc::clone(&self.inner.device);
+        let raw = SharedScene(self.inner.raw);
+        let helpers = if self.primitives < PARALLEL_FROM { 0 } else { device.threads - 1 };
+        let monitor = progress.map(|report| Progress { report, state: Mutex::new(ProgressState::default()) });
+        let (result, bvh_bytes) = {
+            let mut grown = 0;
+            let result = device.guarded(|| {
+                let before = device.memory_bytes();
+                if let Some(monitor) = &monitor {
+                    let data = (&raw const *monitor).cast_mut().cast();
+                    // SAFETY: `monitor` lives to the end of `commit`, and the callback is removed below, before that.
+                    unsafe { sys::rtcSetSceneProgressMonitorFunction(raw.0, Some(on_progress), data) };
+                }
+                build(raw, helpers);
+                // SAFETY: the scene is alive and no other thread has it: all builders were joined.
+                unsafe { sys::rtcSetSceneProgressMonitorFunction(raw.0, None, std::ptr::null_mut()) };
+                grown = device.memory_bytes().saturating_sub(before);
+            });
+            (result, grown)
+        };
+        if let Some(monitor) = &monitor {
+            if result.is_ok() {
+                monitor.advance(1.0);
+            }
+            // What the callback did is told rather than what Embree made of it.
+            let state = lock(&monitor.state);
+            if let Some(message) = &state.panic {
+                return Err(Error::new(ErrorKind::Internal, format!("the progress callback panicked: {message}")));
+            }
+            if state.stop {
+                return Err(Error::new(ErrorKind::Cancelled, "the build was cancelled"));
+            }
+        }
+        result?;
+        self.inner.bvh_bytes = bvh_bytes;
+        self.inner.mask = self.inner.features.mask();
+        self.inner.kept.shrink_to_fit();
+        Ok(Scene { inner: Arc::new(self.inner) })
+    }
+}
+
+/// A scene that several threads build together.
+#[derive(Clone, Copy)]
+struct SharedScene(sys::RTCScene);
+
+// SAFETY: it is used for `rtcJoinCommitScene` only, which is made to be called by several threads at once.
+unsafe impl Send for SharedScene {}
+
+impl SharedScene {
+    /// Takes part in the build, or does nothing if it is done.
+    fn join(self) {
+        // SAFETY: the scene is alive: `build` waits for all threads, and its caller owns the scene.
+        unsafe { sys::rtcJoinCommitScene(self.0) }
+    }
+}
+
+/// Builds with the calling thread and `helpers` more.
+fn build(scene: SharedScene, helpers: usize) {
+    std::thread::scope(|scope| {
+        for _ in 0..helpers {
+            let thread = std::thread::Builder::new().name("etendue-build".into());
+            // Where the system gives no more threads, those there are do the work.
+            if thread.spawn_scoped(scope, move || scene.join()).is_err() {
+                break;
+            }
+        }
+        scene.join();
+    });
+}
+
+/// The caller's progress function and what it said so far.
+struct Progress<'a> {
+    report: &'a (dyn Fn(f64) -> bool + Sync),
+    state: Mutex<ProgressState>,
+}
+
+#[derive(Default)]
+struct ProgressState {
+    last: Option<f64>,
+    stop: bool,
+    panic: Option<String>,
+}
+
+impl Progress<'_> {
+    /// Reports `fraction` if it is news; false to stop.
+    fn advance(&self, fraction: f64) -> bool {
+        let mut state = lock(&self.state);
+        if state.stop {
+            return false;
+        }
+        let fraction = fraction.clamp(0.0, 1.0);
+        if state.last.is_some_and(|last| fraction <= last) {
+            return true;
+        }
+        state.last = Some(fraction);
+        match catch_unwind(AssertUnwindSafe(|| (self.report)(fraction))) {
+            Ok(go_on) => state.stop = !go_on,
+            Err(payload) => {
+                state.panic = Some(panic_text(&*payload));
+                // Dropping a payload may panic in turn; leaking it cannot.
+                std::mem::forget(payload);
+                state.stop = true;
+            }
+        }
+        !state.stop
+    }
+}
+
+unsafe extern "C" fn on_progress(data: *mut c_void, fraction: f64) -> bool {
+    // SAFETY: `data` is the `Progress` of the `commit` that is under way.
+    let progress = unsafe { &*data.cast_const().cast::<Progress<'_>>() };
+    // NaN comes from a scene without primitives.
+    progress.advance(if fraction.is_nan() { 0.0 } else { fraction })
+}

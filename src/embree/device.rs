@@ -1,0 +1,236 @@
+//! The device: threads, memory and errors of everything built with it.
+
+use std::ffi::{CStr, c_char, c_void};
+use std::sync::atomic::{AtomicIsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::sys;
+use crate::{Error, ErrorKind, Result};
+
+/// The oldest Embree that will do, in the form of `RTC_VERSION`.
+const OLDEST: isize = 40300;
+
+/// How a [`Device`] builds scenes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DeviceOptions {
+    /// Threads that build a scene, the calling one included; 0 means one for each core this process may use.
+    pub threads: usize,
+    /// Bytes that Embree may hold for all scenes of the device together; a build that needs more fails with
+    /// [`ErrorKind::OutOfMemory`]. Vertex and index buffers belong to the caller and are not counted.
+    pub memory_limit: Option<usize>,
+}
+
+/// A handle to Embree. Cloning it is cheap and gives the same device; scenes keep their device alive.
+///
+/// Threads: Embree is told to start none. A build is done by the calling thread and by `threads - 1` others that live
+/// only as long as it lasts, so the number holds for each device by itself. (Embree's own setting for the number of
+/// threads is one for the whole process, and the largest of all devices wins.)
+#[derive(Clone)]
+pub struct Device {
+    pub(super) inner: Arc<DeviceInner>,
+}
+
+pub(super) struct DeviceInner {
+    pub(super) raw: sys::RTCDevice,
+    pub(super) threads: usize,
+    monitor: Box<Monitor>,
+    /// Held by whoever creates geometry or builds, so that an error can be told to belong to that call.
+    turn: Mutex<()>,
+}
+
+// SAFETY: Embree's device calls are thread-safe ("Embree is thread-safe except where noted"; the exceptions concern one
+// scene or one geometry, which `SceneBuilder` owns alone). `Monitor` is shared through atomics and a mutex.
+unsafe impl Send for DeviceInner {}
+// SAFETY: as for `Send`.
+unsafe impl Sync for DeviceInner {}
+
+/// What Embree's callbacks write to.
+struct Monitor {
+    current: AtomicIsize,
+    peak: AtomicIsize,
+    limit: isize,
+    error: Mutex<Option<(sys::RTCError, String)>>,
+}
+
+impl Device {
+    /// Opens Embree.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Device`] if Embree refuses (an unsupported processor, for one), or if the library found at run time
+    /// is older than 4.3, older than the header this crate was built with, or of another major version.
+    pub fn new(options: &DeviceOptions) -> Result<Self> {
+        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let threads = if options.threads == 0 { cores } else { options.threads.min(cores) };
+        // Every slot is kept for threads of ours (`user_threads`), so none is left for workers that Embree would start.
+        // SAFETY: the string ends with a NUL and is read during the call only.
+        let raw = unsafe { sys::rtcNewDevice(c"user_threads=65536,set_affinity=0,start_threads=0".as_ptr()) };
+        if raw.is_null() {
+            // SAFETY: a null device asks for the error of this thread's failed device creation.
+            let code = unsafe { sys::rtcGetDeviceError(raw) };
+            return Err(Error::new(ErrorKind::Device, format!("Embree does not start: {}", describe(code))));
+        }
+        let limit = options.memory_limit.map_or(isize::MAX, |bytes| isize::try_from(bytes).unwrap_or(isize::MAX));
+        let monitor = Box::new(Monitor {
+            current: AtomicIsize::new(0),
+            peak: AtomicIsize::new(0),
+            limit,
+            error: Mutex::new(None),
+        });
+        // From here on dropping `inner` releases the device.
+        let inner = DeviceInner { raw, threads, monitor, turn: Mutex::new(()) };
+        // SAFETY: `raw` is a device.
+        let version = unsafe { sys::rtcGetDeviceProperty(raw, sys::RTC_DEVICE_PROPERTY_VERSION) } as isize;
+        check_version(version, sys::RTC_VERSION as isize)?;
+        let data = (&raw const *inner.monitor).cast_mut().cast::<c_void>();
+        // SAFETY: `data` points into the box that `DeviceInner` owns, which outlives the device: every scene holds an
+        // `Arc<DeviceInner>`, and `DeviceInner::drop` removes both callbacks before it releases its reference.
+        unsafe {
+            sys::rtcSetDeviceErrorFunction(raw, Some(on_error), data);
+            sys::rtcSetDeviceMemoryMonitorFunction(raw, Some(on_memory), data);
+        }
+        Ok(Self { inner: Arc::new(inner) })
+    }
+
+    /// Threads that build a scene.
+    pub fn threads(&self) -> usize {
+        self.inner.threads
+    }
+
+    /// Bytes Embree holds for the scenes of this device now.
+    pub fn memory_bytes(&self) -> usize {
+        self.inner.memory_bytes()
+    }
+
+    /// The most bytes Embree ever held for this device.
+    pub fn peak_memory_bytes(&self) -> usize {
+        usize::try_from(self.inner.monitor.peak.load(Ordering::Relaxed)).unwrap_or(0)
+    }
+}
+
+impl DeviceInner {
+    pub(super) fn memory_bytes(&self) -> usize {
+        usize::try_from(self.monitor.current.load(Ordering::Relaxed)).unwrap_or(0)
+    }
+
+    /// Runs calls that may fail inside Embree and turns its error, if there is one, into ours.
+    pub(super) fn guarded<R>(&self, calls: impl FnOnce() -> R) -> Result<R> {
+        let _turn = lock(&self.turn);
+        *lock(&self.monitor.error) = None;
+        let value = calls();
+        // The callback has the message; this thread's own slot is emptied so that it cannot be read later by mistake.
+        // SAFETY: `raw` is a device for as long as `self` lives.
+        let code = unsafe { sys::rtcGetDeviceError(self.raw) };
+        let told = lock(&self.monitor.error).take();
+        match told {
+            Some((code, message)) => Err(to_error(code, &message)),
+            None if code != sys::RTC_ERROR_NONE => Err(to_error(code, "")),
+            None => Ok(value),
+        }
+    }
+}
+
+impl Drop for DeviceInner {
+    fn drop(&mut self) {
+        // SAFETY: `raw` is a device, this is its last use, and no scene is left (each holds an `Arc` of `self`).
+        unsafe {
+            sys::rtcSetDeviceErrorFunction(self.raw, None, std::ptr::null_mut());
+            sys::rtcSetDeviceMemoryMonitorFunction(self.raw, None, std::ptr::null_mut());
+            sys::rtcReleaseDevice(self.raw);
+        }
+    }
+}
+
+/// A lock that a panic elsewhere does not spoil: what it guards is replaced as a whole.
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Whether the library found at run time goes with the header; both in the form of `RTC_VERSION`.
+fn check_version(library: isize, header: isize) -> Result<()> {
+    let show = |version: isize| format!("{}.{}.{}", version / 10_000, version / 100 % 100, version % 100);
+    let fits = library >= OLDEST && library / 10_000 == header / 10_000 && library / 100 >= header / 100;
+    if fits {
+        return Ok(());
+    }
+    Err(Error::new(
+        ErrorKind::Device,
+        format!("Embree {} was found, but this program was built for {} or a later 4.x", show(library), show(header)),
+    ))
+}
+
+fn describe(code: sys::RTCError) -> &'static str {
+    match code {
+        sys::RTC_ERROR_NONE => "no error",
+        sys::RTC_ERROR_INVALID_ARGUMENT => "invalid argument",
+        sys::RTC_ERROR_INVALID_OPERATION => "invalid operation",
+        sys::RTC_ERROR_OUT_OF_MEMORY => "out of memory",
+        sys::RTC_ERROR_UNSUPPORTED_CPU => "this processor is not supported",
+        sys::RTC_ERROR_CANCELLED => "cancelled",
+        _ => "unknown error",
+    }
+}
+
+fn to_error(code: sys::RTCError, message: &str) -> Error {
+    let kind = match code {
+        sys::RTC_ERROR_OUT_OF_MEMORY => ErrorKind::OutOfMemory,
+        sys::RTC_ERROR_CANCELLED => ErrorKind::Cancelled,
+        _ => ErrorKind::Device,
+    };
+    let text = match (kind, message) {
+        (ErrorKind::OutOfMemory, _) => {
+            "Embree ran out of memory, or past the limit that was set, while building".into()
+        }
+        (ErrorKind::Cancelled, _) => "the build was cancelled".into(),
+        (_, "") => format!("Embree: {}", describe(code)),
+        _ => format!("Embree: {} ({message})", describe(code)),
+    };
+    Error::new(kind, text)
+}
+
+unsafe extern "C" fn on_error(data: *mut c_void, code: sys::RTCError, message: *const c_char) {
+    // SAFETY: `data` is the `Monitor` set in `Device::new`, which outlives the device.
+    let monitor = unsafe { &*data.cast_const().cast::<Monitor>() };
+    let text = if message.is_null() {
+        String::new()
+    } else {
+        // SAFETY: Embree passes a NUL-terminated string that lives during the call.
+        unsafe { CStr::from_ptr(message) }.to_string_lossy().into_owned()
+    };
+    // The first error is the cause, later ones follow from it.
+    lock(&monitor.error).get_or_insert((code, text));
+}
+
+unsafe extern "C" fn on_memory(data: *mut c_void, bytes: isize, post: bool) -> bool {
+    // SAFETY: as in `on_error`.
+    let monitor = unsafe { &*data.cast_const().cast::<Monitor>() };
+    let now = monitor.current.fetch_add(bytes, Ordering::Relaxed).saturating_add(bytes);
+    if bytes > 0 && now > monitor.limit {
+        // A refusal beforehand means the memory is never taken, so it is never given back either.
+        if !post {
+            monitor.current.fetch_sub(bytes, Ordering::Relaxed);
+        }
+        return false;
+    }
+    monitor.peak.fetch_max(now, Ordering::Relaxed);
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn versions_that_go_together() {
+        for (library, header, fits) in [
+            (40303, 40303, true),
+            (40400, 40303, true),
+            (40300, 40303, true),
+            (40203, 40200, false),
+            (40303, 40400, false),
+            (50000, 40303, false),
+            (31300, 40303, false),
+        ] {
+            assert_eq!(check_version(library, header).is_ok(), fits, "library {library}, header {header}");
+        }
+    }
+}

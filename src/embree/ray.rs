@@ -1,0 +1,87 @@
+//! Rays and hits in Embree's form.
+
+use super::sys;
+use crate::math::{Ray, Vec3};
+
+/// Marks "none" in Embree's identifiers.
+pub(super) const INVALID: u32 = u32::MAX;
+
+/// What a ray met first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Where along the ray, in lengths of its direction.
+    pub t: f32,
+    /// For a triangle the barycentric weight of its second vertex; for user geometry what it reported.
+    pub u: f32,
+    /// For a triangle the barycentric weight of its third vertex; for user geometry what it reported.
+    pub v: f32,
+    /// Geometric normal, not of unit length, in the frame of the instanced scene if there is one. For a triangle
+    /// (p1 - p0) x (p2 - p0), whichever side the ray comes from.
+    pub ng: Vec3,
+    /// Index of the primitive within its geometry.
+    pub prim: u32,
+    /// The geometry within its scene, as [`super::GeometryId`].
+    pub geom: u32,
+    /// The instance through which the geometry was met, or [`Hit::NO_INSTANCE`].
+    pub inst: u32,
+}
+
+impl Hit {
+    /// The value of `inst` for geometry that belongs to the queried scene itself.
+    pub const NO_INSTANCE: u32 = INVALID;
+}
+
+/// Whether Embree can be given the ray. It is built without a guard against NaN and infinity, and its answer to them is
+/// arbitrary; here they meet nothing. Multiplying by zero leaves NaN exactly for these, without a branch for each.
+#[inline]
+pub(super) fn is_traceable(ray: &Ray) -> bool {
+    let (o, d) = (ray.origin, ray.direction);
+    let not_finite = (o.x * 0.0 + d.x * 0.0) + (o.y * 0.0 + d.y * 0.0) + (o.z * 0.0 + d.z * 0.0);
+    let has_direction = (d.x != 0.0) | (d.y != 0.0) | (d.z != 0.0);
+    (not_finite == 0.0) & has_direction & (ray.tnear >= 0.0) & (ray.tnear <= ray.tfar)
+}
+
+#[inline]
+pub(super) fn to_embree(ray: &Ray) -> sys::RTCRay {
+    sys::RTCRay {
+        org_x: ray.origin.x,
+        org_y: ray.origin.y,
+        org_z: ray.origin.z,
+        tnear: ray.tnear,
+        dir_x: ray.direction.x,
+        dir_y: ray.direction.y,
+        dir_z: ray.direction.z,
+        time: 0.0,
+        tfar: ray.tfar,
+        mask: u32::MAX,
+        id: 0,
+        flags: 0,
+    }
+}
+
+/// A hit structure that says "none yet".
+#[inline]
+pub(super) fn no_hit() -> sys::RTCHit {
+    // SAFETY: `RTCHit` is plain floats and integers, for which all-zero bytes are a value. (Written so because one of
+    // its fields exists only in some configurations of Embree.)
+    let mut hit: sys::RTCHit = unsafe { std::mem::zeroed() };
+    hit.geomID = INVALID;
+    hit.instID[0] = INVALID;
+    hit
+}
+
+#[inline]
+pub(super) fn from_embree(found: &sys::RTCRayHit) -> Option<Hit> {
+    if found.hit.geomID == INVALID {
+        return None;
+    }
+    Some(Hit {
+        t: found.ray.tfar,
+        u: found.hit.u,
+        v: found.hit.v,
+        ng: Vec3::new(found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z),
+        prim: found.hit.primID,
+        geom: found.hit.geomID,
+        inst: found.hit.instID[0],
+    })
+}

@@ -1,0 +1,200 @@
+//! Built scenes, and the queries they answer.
+
+use std::sync::Arc;
+
+use super::device::DeviceInner;
+use super::mesh::TriangleMesh;
+use super::ray::{Hit, from_embree, is_traceable, no_hit, to_embree};
+use super::user::ErasedUser;
+use super::{Device, sys};
+use crate::math::{Bounds, DVec3, Ray};
+use crate::{Error, ErrorKind, Result};
+
+/// Which kinds of geometry a scene holds, those inside its instances included.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Features {
+    /// Triangle meshes.
+    pub triangles: bool,
+    /// Embree's own spheres.
+    pub spheres: bool,
+    /// User geometry.
+    pub user: bool,
+    /// Instances of other scenes.
+    pub instances: bool,
+}
+
+impl Features {
+    pub(super) fn union(self, other: Self) -> Self {
+        Self {
+            triangles: self.triangles | other.triangles,
+            spheres: self.spheres | other.spheres,
+            user: self.user | other.user,
+            instances: self.instances | other.instances,
+        }
+    }
+
+    pub(super) fn mask(self) -> sys::RTCFeatureFlags {
+        let flag = |on: bool, bits: sys::RTCFeatureFlags| if on { bits } else { sys::RTC_FEATURE_FLAG_NONE };
+        flag(self.triangles, sys::RTC_FEATURE_FLAG_TRIANGLE)
+            | flag(self.spheres, sys::RTC_FEATURE_FLAG_SPHERE_POINT)
+            | flag(self.user, sys::RTC_FEATURE_FLAG_USER_GEOMETRY_CALLBACK_IN_GEOMETRY)
+            | flag(self.instances, sys::RTC_FEATURE_FLAG_INSTANCE)
+    }
+}
+
+/// What a scene's pointers point into; kept for as long as the scene lives.
+pub(super) enum Kept {
+    Triangles(TriangleMesh),
+    Spheres(Vec<[f32; 4]>),
+    User(Arc<dyn ErasedUser>),
+    Instance(Scene),
+}
+
+/// An Embree scene with all it refers to. Fields are dropped after `drop` has released the scene.
+pub(super) struct SceneInner {
+    pub(super) raw: sys::RTCScene,
+    pub(super) kept: Vec<Kept>,
+    pub(super) features: Features,
+    pub(super) mask: sys::RTCFeatureFlags,
+    pub(super) bvh_bytes: usize,
+    pub(super) device: Arc<DeviceInner>,
+}
+
+// SAFETY: the raw scene may be moved to, and released on, any thread; all else in it is `Send`.
+unsafe impl Send for SceneInner {}
+// SAFETY: a shared `SceneInner` exists only inside `Scene`, that is, after a successful commit; Embree allows any number
+// of threads to query a committed scene at once, and nothing changes it any more.
+unsafe impl Sync for SceneInner {}
+
+impl Drop for SceneInner {
+    fn drop(&mut self) {
+        // SAFETY: `raw` came from `rtcNewScene` and is used for the last time. An instance of it elsewhere holds a
+        // `Scene`, so there is none; the device lives, since its `Arc` is dropped after this.
+        unsafe { sys::rtcReleaseScene(self.raw) }
+    }
+}
+
+/// A built scene: immutable, cheap to clone, free to be queried from any number of threads.
+#[derive(Clone)]
+pub struct Scene {
+    pub(super) inner: Arc<SceneInner>,
+}
+
+impl Scene {
+    /// What `ray` meets first. A ray that is not traceable (NaN, infinity, no direction, an empty or negative interval)
+    /// meets nothing.
+    ///
+    /// A component of the direction below 1e-18 in absolute value counts as that small for the hierarchy, so the
+    /// direction as a whole should be far longer; near unit length is best.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.intersect_as::<{ sys::RTC_RAY_QUERY_FLAG_INCOHERENT }>(ray)
+    }
+
+    /// The same for rays that follow others much alike, such as those of neighbouring pixels. Only speed may differ.
+    #[inline]
+    pub fn intersect_coherent(&self, ray: &Ray) -> Option<Hit> {
+        self.intersect_as::<{ sys::RTC_RAY_QUERY_FLAG_COHERENT }>(ray)
+    }
+
+    #[inline]
+    fn intersect_as<const FLAGS: sys::RTCRayQueryFlags>(&self, ray: &Ray) -> Option<Hit> {
+        if !is_traceable(ray) {
+            return None;
+        }
+        let mut found = sys::RTCRayHit { ray: to_embree(ray), hit: no_hit() };
+        // Made here and not kept in the scene: it is five words, and Embree takes it by a pointer it may write to.
+        let mut arguments = sys::RTCIntersectArguments {
+            flags: FLAGS,
+            feature_mask: self.inner.mask,
+            context: std::ptr::null_mut(),
+            filter: None,
+            intersect: None,
+        };
+        // SAFETY: the scene is committed (a `Scene` is made by `SceneBuilder::commit` alone); both structures are local,
+        // of the layout the build script checked, and aligned by their types.
+        unsafe { sys::rtcIntersect1(self.inner.raw, &raw mut found, &raw mut arguments) };
+        from_embree(&found)
+    }
+
+    /// Whether `ray` meets anything. A ray that is not traceable meets nothing.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        if !is_traceable(ray) {
+            return false;
+        }
+        let mut segment = to_embree(ray);
+        let mut arguments = sys::RTCOccludedArguments {
+            flags: sys::RTC_RAY_QUERY_FLAG_INCOHERENT,
+            feature_mask: self.inner.mask,
+            context: std::ptr::null_mut(),
+            filter: None,
+            occluded: None,
+        };
+        // SAFETY: as in `intersect_as`.
+        unsafe { sys::rtcOccluded1(self.inner.raw, &raw mut segment, &raw mut arguments) };
+        segment.tfar == f32::NEG_INFINITY
+    }
+
+    /// The box around everything in the scene; empty for an empty scene.
+    pub fn bounds(&self) -> Bounds {
+        let mut b = sys::RTCBounds {
+            lower_x: f32::INFINITY,
+            lower_y: f32::INFINITY,
+            lower_z: f32::INFINITY,
+            align0: 0.0,
+            upper_x: f32::NEG_INFINITY,
+            upper_y: f32::NEG_INFINITY,
+            upper_z: f32::NEG_INFINITY,
+            align1: 0.0,
+        };
+        // SAFETY: the scene is committed, and `b` is local and of the right layout.
+        unsafe { sys::rtcGetSceneBounds(self.inner.raw, &raw mut b) };
+        let point = |x: f32, y: f32, z: f32| DVec3::new(x.into(), y.into(), z.into());
+        Bounds { min: point(b.lower_x, b.lower_y, b.lower_z), max: point(b.upper_x, b.upper_y, b.upper_z) }
+    }
+
+    /// Bytes of the hierarchy and of the buffers it refers to, shared ones counted in full; scenes inside instances are
+    /// not counted. The hierarchy's part is what the device's use grew by during the build, and so too small if another
+    /// scene of the device was dropped meanwhile.
+    pub fn memory_bytes(&self) -> usize {
+        let buffers = self.inner.kept.iter().map(|kept| match kept {
+            Kept::Triangles(mesh) => mesh.memory_bytes(),
+            Kept::Spheres(spheres) => size_of_val(&spheres[..]),
+            Kept::User(user) => user.memory_bytes(),
+            Kept::Instance(_) => 0,
+        });
+        self.inner.bvh_bytes + buffers.sum::<usize>()
+    }
+
+    /// Which kinds of geometry there are.
+    pub fn features(&self) -> Features {
+        self.inner.features
+    }
+
+    /// The device it was built with.
+    pub fn device(&self) -> Device {
+        Device { inner: Arc::clone(&self.inner.device) }
+    }
+
+    /// Whether all queries so far went well; to be asked after a batch of them.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Internal`] with the message of the first panic in user geometry, of this scene or of one inside an
+    /// instance. It stays: such a scene has lost hits.
+    pub fn check(&self) -> Result<()> {
+        for kept in &self.inner.kept {
+            match kept {
+                Kept::User(user) => {
+                    if let Some(message) = user.panic_message() {
+                        let message = format!("user geometry panicked while a ray was traced: {message}");
+                        return Err(Error::new(ErrorKind::Internal, message));
+                    }
+                }
+                Kept::Instance(scene) => scene.check()?,
+                Kept::Triangles(_) | Kept::Spheres(_) => {}
+            }
+        }
+        Ok(())
+    }
+}
