@@ -11,9 +11,11 @@ pub(super) const INVALID: u32 = u32::MAX;
 pub struct Hit {
     /// Where along the ray, in lengths of its direction.
     pub t: f32,
-    /// For a triangle the barycentric weight of its second vertex; for user geometry what it reported.
+    /// For a triangle the barycentric weight of its second vertex, which rounding may put outside [0, 1] by 4 ULP of 1;
+    /// for user geometry what it reported.
     pub u: f32,
-    /// For a triangle the barycentric weight of its third vertex; for user geometry what it reported.
+    /// For a triangle the barycentric weight of its third vertex, with the same proviso; for user geometry what it
+    /// reported.
     pub v: f32,
     /// Geometric normal, not of unit length, in the frame of the instanced scene if there is one. For a triangle
     /// (p1 - p0) x (p2 - p0), whichever side the ray comes from.
