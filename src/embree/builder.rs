@@ -29,8 +29,8 @@ pub enum BuildQuality {
 pub struct SceneOptions {
     /// Rays cannot slip through between triangles that share an edge, and box tests never lose a hit. A little slower.
     ///
-    /// What remains is a point: of rays aimed at the very vertices of a fine mesh about 1 in 100 slips through (measured
-    /// on a sphere of 100 by 200), and none a millionth beside them. Random rays do not find these points.
+    /// What remains is a point: of rays aimed at the very vertices of a fine mesh about 1 in 100 slips through
+    /// (measured on a sphere of 100 by 200), and none a millionth beside them. Random rays do not find these points.
     pub robust: bool,
     /// How much work goes into the hierarchy.
     pub quality: BuildQuality,
@@ -167,8 +167,8 @@ impl SceneBuilder {
         }
         let (data, count) = (spheres.as_ptr(), spheres.len());
         let fill = |geometry| {
-            // SAFETY: the buffer holds `count` items of four floats (the last is readable as 16 bytes), is never changed,
-            // and stays where it is on the heap: moving the vector into `kept` does not move it.
+            // SAFETY: the buffer holds `count` items of four floats (the last is readable as 16 bytes), is never
+            // changed, and stays where it is on the heap: moving the vector into `kept` does not move it.
             unsafe {
                 sys::rtcSetSharedGeometryBuffer(
                     geometry,
@@ -197,8 +197,8 @@ impl SceneBuilder {
         let kept: Arc<dyn user::ErasedUser> = state;
         let count = kept.len();
         let fill = |geometry| {
-            // SAFETY: `pointer` is the `UserState<G>` that `kept` holds until after the scene is released, and the three
-            // functions are those for the same `G`. `count` fits in 32 bits (`UserState::new`).
+            // SAFETY: `pointer` is the `UserState<G>` that `kept` holds until after the scene is released, and the
+            // three functions are those for the same `G`. `count` fits in 32 bits (`UserState::new`).
             unsafe {
                 sys::rtcSetGeometryUserPrimitiveCount(geometry, count as u32);
                 sys::rtcSetGeometryUserData(geometry, pointer);
@@ -215,8 +215,8 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// [`ErrorKind::InvalidScene`] if the transform is not finite or cannot be inverted in single precision, or moves
-    /// the scene past [`MAX_COORDINATE`]; [`ErrorKind::Unsupported`] if `scene` has instances itself or belongs to another
-    /// device; [`ErrorKind::Device`] or [`ErrorKind::OutOfMemory`].
+    /// the scene past [`MAX_COORDINATE`]; [`ErrorKind::Unsupported`] if `scene` has instances itself or belongs to
+    /// another device; [`ErrorKind::Device`] or [`ErrorKind::OutOfMemory`].
     pub fn add_instance(&mut self, scene: &Scene, transform: &DAffine3) -> Result<GeometryId> {
         if scene.features().instances {
             return Err(Error::new(ErrorKind::Unsupported, "an instance of a scene that has instances itself"));
@@ -246,8 +246,8 @@ impl SceneBuilder {
         }
         let instanced = scene.inner.raw;
         let fill = |geometry| {
-            // SAFETY: the instanced scene is committed, of the same device, and kept alive by `kept`; the format is that
-            // of twelve floats, column by column, which are read during the call.
+            // SAFETY: the instanced scene is committed, of the same device, and kept alive by `kept`; the format is
+            // that of twelve floats, column by column, which are read during the call.
             unsafe {
                 sys::rtcSetGeometryInstancedScene(geometry, instanced);
                 sys::rtcSetGeometryTimeStepCount(geometry, 1);
@@ -302,9 +302,10 @@ impl SceneBuilder {
             let mut grown = 0;
             let result = device.guarded(|| {
                 let before = device.memory_bytes();
-                // SAFETY: the scene is alive and no other thread has it. `monitor` lives to the end of `commit`, and the
-                // callback is removed before that. Joining is what makes Embree build within the device's own number of
-                // threads. Nobody else ever joins: two who do and a build that fails would both release its exception.
+                // SAFETY: the scene is alive and no other thread has it. `monitor` lives to the end of `commit`, and
+                // the callback is removed before that. Joining is what makes Embree build within the device's own
+                // number of threads. Nobody else ever joins: two who do and a build that fails would both release its
+                // exception.
                 unsafe {
                     if let Some(monitor) = &monitor {
                         let data = (&raw const *monitor).cast_mut().cast();

@@ -62,8 +62,8 @@ pub(super) struct SceneInner {
 
 // SAFETY: the raw scene may be moved to, and released on, any thread; all else in it is `Send`.
 unsafe impl Send for SceneInner {}
-// SAFETY: a shared `SceneInner` exists only inside `Scene`, that is, after a successful commit; Embree allows any number
-// of threads to query a committed scene at once, and nothing changes it any more.
+// SAFETY: a shared `SceneInner` exists only inside `Scene`, that is, after a successful commit; Embree allows any
+// number of threads to query a committed scene at once, and nothing changes it any more.
 unsafe impl Sync for SceneInner {}
 
 impl Drop for SceneInner {
@@ -111,8 +111,8 @@ impl Scene {
             filter: None,
             intersect: None,
         };
-        // SAFETY: the scene is committed (a `Scene` is made by `SceneBuilder::commit` alone); both structures are local,
-        // of the layout the build script checked, and aligned by their types.
+        // SAFETY: the scene is committed (a `Scene` is made by `SceneBuilder::commit` alone); both structures are
+        // local, of the layout the build script checked, and aligned by their types.
         unsafe { sys::rtcIntersect1(self.inner.raw, &raw mut found, &raw mut arguments) };
         from_embree(&found)
     }

@@ -18,9 +18,9 @@
 //! then badly conditioned, while the distance from the plane, |t - t_exact| |D . N| / |N|, stays within the bound.
 //!
 //! About 20 roundings enter each of these, at most half a unit each, so 10 units bound them if all conspire; as they do
-//! not, a random walk of that length stays near 20^(1/2) / 2 = 2.2. The largest number of units met in a million rays is
-//! 1.7 (the tests print it), and `UNITS` allows for 4. For a triangle of the size of its distance, met head-on, a unit
-//! is one ULP of t.
+//! not, a random walk of that length stays near 20^(1/2) / 2 = 2.2. The largest number of units met in a million rays
+//! is 1.7 (the tests print it), and `UNITS` allows for 4. For a triangle of the size of its distance, met head-on, a
+//! unit is one ULP of t.
 
 use etendue::math::{DAffine3, DMat3, DVec3, Ray};
 

@@ -22,7 +22,7 @@ mod linux {
     /// Builds once. Returns the most threads beyond those there were, and the ids of those that built.
     fn build(device: &Device) -> (usize, HashSet<ThreadId>) {
         let mut builder = SceneBuilder::new(device, SceneOptions::default()).unwrap();
-        builder.add_triangles(terrain(500)).unwrap();
+        builder.add_triangles(terrain(300)).unwrap();
         let builders = Mutex::new(HashSet::new());
         let report = |_: f64| {
             builders.lock().unwrap().insert(thread::current().id());
@@ -30,6 +30,8 @@ mod linux {
         };
         let most = AtomicUsize::new(0);
         let done = AtomicBool::new(false);
+        // The last build's counting thread may still be on its way out.
+        thread::sleep(Duration::from_millis(10));
         let before = tasks();
         thread::scope(|scope| {
             scope.spawn(|| {
@@ -55,7 +57,8 @@ mod linux {
                 .env(CHILD, "1")
                 .output()
                 .unwrap();
-            let text = String::from_utf8_lossy(&output.stdout);
+            let text = [output.stdout, output.stderr].concat();
+            let text = String::from_utf8_lossy(&text);
             assert!(output.status.success() && text.contains("1 passed"), "{text}");
             return;
         }
@@ -84,6 +87,11 @@ mod linux {
         assert!(builders.len() <= cores);
         drop((two, all));
         assert_eq!(build(&one), (0, me));
-        assert!(tasks() < at_rest + cores, "{} threads stay, {at_rest} were there", tasks());
+        // A thread that was joined may take a moment to leave the list.
+        let settled = (0..100).any(|_| {
+            thread::sleep(Duration::from_millis(10));
+            tasks() < at_rest + cores
+        });
+        assert!(settled, "{} threads stay, {at_rest} were there", tasks());
     }
 }
