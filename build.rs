@@ -1,4 +1,5 @@
-//! Finds Embree, writes Rust declarations for it from the header that is installed, and checks them with the C compiler.
+//! Finds Embree, writes Rust declarations for it from the header that is installed, and checks them with the C
+//! compiler.
 //!
 //! The size of Embree's ray structures depends on how the library was configured, so declarations made for another
 //! build of it corrupt memory. Hence the header of the very library that is linked is read here, at build time.
@@ -12,6 +13,9 @@ use std::process::{Command, Stdio, exit};
 
 /// The oldest Embree this crate works with, in the form of the macro `RTC_VERSION`.
 const OLDEST: u32 = 40300;
+
+const NO_COMPILER: &str =
+    "no C compiler could be started: install build-essential (Debian), or set CC to one that works";
 
 /// The structures whose layout the crate relies on.
 const STRUCTS: [&str; 11] = [
@@ -133,11 +137,13 @@ fn find_library(prefix: Option<&Path>) {
 /// The folder in which the C compiler's linker finds `name`.
 fn system_library(name: &str) -> Option<PathBuf> {
     let compiler = compiler();
-    if !compiler.is_like_msvc()
-        && let Ok(output) = compiler.to_command().arg(format!("-print-file-name={name}")).output()
-        && let Ok(path) = fs::canonicalize(String::from_utf8_lossy(&output.stdout).trim())
-    {
-        return path.parent().map(Path::to_owned);
+    if !compiler.is_like_msvc() {
+        let Ok(output) = compiler.to_command().arg(format!("-print-file-name={name}")).output() else {
+            stop(NO_COMPILER)
+        };
+        if let Ok(path) = fs::canonicalize(String::from_utf8_lossy(&output.stdout).trim()) {
+            return path.parent().map(Path::to_owned);
+        }
     }
     ["/usr/local/lib", "/usr/lib64", "/usr/lib", "/opt/homebrew/lib"]
         .iter()
@@ -146,15 +152,16 @@ fn system_library(name: &str) -> Option<PathBuf> {
 }
 
 fn compiler() -> cc::Tool {
-    cc::Build::new().cargo_metadata(false).warnings(false).try_get_compiler().unwrap_or_else(|_| {
-        stop("no C compiler was found: install build-essential (Debian), or set CC to one that is there")
-    })
+    let build = cc::Build::new().cargo_metadata(false).warnings(false).try_get_compiler();
+    build.unwrap_or_else(|_| stop(NO_COMPILER))
 }
 
 /// Rust declarations of everything whose name starts with rtc or RTC.
 fn generate(include: &Path) -> String {
     let header = include.join("embree4/rtcore.h");
+    let Ok(rust) = bindgen::RustTarget::stable(88, 0) else { stop("this version of bindgen knows no Rust 1.88") };
     let builder = bindgen::Builder::default()
+        .rust_target(rust)
         .header(header.to_string_lossy())
         .clang_arg(format!("-I{}", include.display()))
         .allowlist_function("rtc.*")
@@ -226,9 +233,7 @@ fn check_layout(bindings: &str, include: &Path, out: &Path) {
         command.arg("-std=c11").arg("-fsyntax-only");
     }
     command.arg(format!("-I{}", include.display())).arg(&file);
-    let Ok(output) = command.stdin(Stdio::null()).output() else {
-        stop("the C compiler could not be started: install build-essential (Debian), or set CC to one that works");
-    };
+    let Ok(output) = command.stdin(Stdio::null()).output() else { stop(NO_COMPILER) };
     if !output.status.success() {
         let reason = String::from_utf8_lossy(&output.stderr);
         let first = reason.lines().find(|line| line.contains("error")).unwrap_or("no reason given").trim();

@@ -22,9 +22,9 @@ pub struct DeviceOptions {
 
 /// A handle to Embree. Cloning it is cheap and gives the same device; scenes keep their device alive.
 ///
-/// Threads: Embree is told to start none. A build is done by the calling thread and by `threads - 1` others that live
-/// only as long as it lasts, so the number holds for each device by itself. (Embree's own setting for the number of
-/// threads is one for the whole process, and the largest of all devices wins.)
+/// Threads: a build is done by the calling thread and by at most `threads - 1` of the process's TBB workers, and the
+/// number holds for each device by itself. (Embree's own setting `threads` is one for the whole process: it limits
+/// everything else that uses TBB, and the largest of all devices wins. It is left alone here.)
 #[derive(Clone)]
 pub struct Device {
     pub(super) inner: Arc<DeviceInner>,
@@ -32,7 +32,7 @@ pub struct Device {
 
 pub(super) struct DeviceInner {
     pub(super) raw: sys::RTCDevice,
-    pub(super) threads: usize,
+    threads: usize,
     monitor: Box<Monitor>,
     /// Held by whoever creates geometry or builds, so that an error can be told to belong to that call.
     turn: Mutex<()>,
@@ -59,11 +59,15 @@ impl Device {
     /// [`ErrorKind::Device`] if Embree refuses (an unsupported processor, for one), or if the library found at run time
     /// is older than 4.3, older than the header this crate was built with, or of another major version.
     pub fn new(options: &DeviceOptions) -> Result<Self> {
-        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let threads = if options.threads == 0 { cores } else { options.threads.min(cores) };
-        // Every slot is kept for threads of ours (`user_threads`), so none is left for workers that Embree would start.
+        let available = std::thread::available_parallelism().map_or(1, |n| n.get());
+        let threads = if options.threads == 0 { available } else { options.threads.min(available) };
+        // Embree builds in an arena with one slot for each processor, of which `user_threads` are kept for callers and
+        // the rest for workers. One caller builds at a time, so all slots but `threads - 1` are kept for callers that
+        // never come. Too large a number leaves fewer workers, never more.
+        let reserved = processors().max(available) - threads + 1;
+        let config = format!("user_threads={reserved},set_affinity=0,start_threads=0\0");
         // SAFETY: the string ends with a NUL and is read during the call only.
-        let raw = unsafe { sys::rtcNewDevice(c"user_threads=65536,set_affinity=0,start_threads=0".as_ptr()) };
+        let raw = unsafe { sys::rtcNewDevice(config.as_ptr().cast()) };
         if raw.is_null() {
             // SAFETY: a null device asks for the error of this thread's failed device creation.
             let code = unsafe { sys::rtcGetDeviceError(raw) };
@@ -138,6 +142,13 @@ impl Drop for DeviceInner {
             sys::rtcReleaseDevice(self.raw);
         }
     }
+}
+
+/// Processors this process may run on, not counting limits on processor time, which TBB does not know of.
+fn processors() -> usize {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("Cpus_allowed:")).unwrap_or_default();
+    mask.chars().filter_map(|digit| digit.to_digit(16)).map(|bits| bits.count_ones() as usize).sum()
 }
 
 /// A lock that a panic elsewhere does not spoil: what it guards is replaced as a whole.

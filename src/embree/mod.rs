@@ -1,7 +1,7 @@
 //! The only room that talks to Embree: which primitive does a ray meet first, and does it meet any.
 //!
-//! [`Device`] is the library's own handle, [`SceneBuilder`] collects geometry, [`SceneBuilder::commit`] turns it into an
-//! immutable [`Scene`] that any number of threads may query at once. Coordinates are single precision, in the frame
+//! [`Device`] is the library's own handle, [`SceneBuilder`] collects geometry, [`SceneBuilder::commit`] turns it into
+//! an immutable [`Scene`] that any number of threads may query at once. Coordinates are single precision, in the frame
 //! and unit of the scene; `t` counts in lengths of the ray's direction.
 //!
 //! ```

@@ -62,8 +62,8 @@ pub(super) struct SceneInner {
 
 // SAFETY: the raw scene may be moved to, and released on, any thread; all else in it is `Send`.
 unsafe impl Send for SceneInner {}
-// SAFETY: a shared `SceneInner` exists only inside `Scene`, that is, after a successful commit; Embree allows any number
-// of threads to query a committed scene at once, and nothing changes it any more.
+// SAFETY: a shared `SceneInner` exists only inside `Scene`, that is, after a successful commit; Embree allows any
+// number of threads to query a committed scene at once, and nothing changes it any more.
 unsafe impl Sync for SceneInner {}
 
 impl Drop for SceneInner {
@@ -111,8 +111,8 @@ impl Scene {
             filter: None,
             intersect: None,
         };
-        // SAFETY: the scene is committed (a `Scene` is made by `SceneBuilder::commit` alone); both structures are local,
-        // of the layout the build script checked, and aligned by their types.
+        // SAFETY: the scene is committed (a `Scene` is made by `SceneBuilder::commit` alone); both structures are
+        // local, of the layout the build script checked, and aligned by their types.
         unsafe { sys::rtcIntersect1(self.inner.raw, &raw mut found, &raw mut arguments) };
         from_embree(&found)
     }
@@ -196,5 +196,76 @@ impl Scene {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use super::*;
+    use crate::embree::{DeviceOptions, SceneBuilder, SceneOptions};
+    use crate::math::{DAffine3, Vec3};
+
+    const CANARY: u64 = 0x5afe_c0de_dead_beef;
+
+    /// Embree's structure between words that nobody may touch.
+    #[repr(C, align(64))]
+    struct Fenced<T> {
+        before: [u64; 8],
+        inside: T,
+        after: [u64; 32],
+    }
+
+    /// Embree writes within the structures that this crate declares, and to the fields it reads.
+    #[test]
+    fn queries_write_nothing_outside_their_structures() {
+        let device = Device::new(&DeviceOptions::default()).unwrap();
+        let mesh = TriangleMesh::new(vec![[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]], vec![[0, 1, 2]]).unwrap();
+        let mut builder = SceneBuilder::new(&device, SceneOptions::default()).unwrap();
+        builder.add_triangles(mesh).unwrap();
+        let child = builder.commit(None).unwrap();
+        let mut builder = SceneBuilder::new(&device, SceneOptions::default()).unwrap();
+        builder.add_spheres(vec![[9.0, 9.0, 9.0, 1.0]]).unwrap();
+        builder.add_instance(&child, &DAffine3::IDENTITY).unwrap();
+        let parent = builder.commit(None).unwrap();
+
+        let ray = Ray::new(Vec3::new(0.25, 0.5, 0.0), Vec3::Z);
+        for scene in [&child, &parent] {
+            let inside = sys::RTCRayHit { ray: to_embree(&ray), hit: no_hit() };
+            let mut query = Fenced { before: [CANARY; 8], inside, after: [CANARY; 32] };
+            let arguments = sys::RTCIntersectArguments {
+                flags: sys::RTC_RAY_QUERY_FLAG_INCOHERENT,
+                feature_mask: scene.inner.mask,
+                context: std::ptr::null_mut(),
+                filter: None,
+                intersect: None,
+            };
+            let mut arguments = Fenced { before: [CANARY; 8], inside: arguments, after: [CANARY; 32] };
+            // SAFETY: as in `intersect_as`.
+            unsafe { sys::rtcIntersect1(scene.inner.raw, &raw mut query.inside, &raw mut arguments.inside) };
+            assert_eq!((query.before, query.after), ([CANARY; 8], [CANARY; 32]));
+            assert_eq!((arguments.before, arguments.after), ([CANARY; 8], [CANARY; 32]));
+            let hit = from_embree(&query.inside).expect("a hit");
+            assert_eq!(Some(hit), scene.intersect(&ray));
+            assert_eq!((hit.t, hit.u, hit.v, hit.prim), (1.0, 0.25, 0.5, 0));
+
+            let mut segment = Fenced { before: [CANARY; 8], inside: to_embree(&ray), after: [CANARY; 32] };
+            // SAFETY: as in `occluded`.
+            unsafe { sys::rtcOccluded1(scene.inner.raw, &raw mut segment.inside, std::ptr::null_mut()) };
+            assert_eq!((segment.before, segment.after), ([CANARY; 8], [CANARY; 32]));
+            assert_eq!(segment.inside.tfar, f32::NEG_INFINITY);
+        }
+        let inst = parent.intersect(&ray).map(|hit| (hit.geom, hit.inst));
+        assert_eq!(inst, Some((0, 1)));
+        assert_eq!(child.intersect(&ray).map(|hit| hit.inst), Some(Hit::NO_INSTANCE));
+    }
+
+    /// The structures end where their last fields do, padding aside, and start aligned.
+    #[test]
+    fn structures_have_the_size_of_their_fields() {
+        assert_eq!(offset_of!(sys::RTCRayHit, hit), size_of::<sys::RTCRay>());
+        assert_eq!(size_of::<sys::RTCRayHit>(), size_of::<sys::RTCRay>() + size_of::<sys::RTCHit>());
+        assert_eq!((align_of::<sys::RTCRayHit>(), align_of::<sys::RTCRay>()), (16, 16));
     }
 }

@@ -25,8 +25,8 @@ pub struct UserHit {
 
 /// Primitives with an intersection test of their own, found through Embree's hierarchy over their boxes.
 ///
-/// The tests are called from every thread that traces, at once. A panic in one is caught: the ray misses that primitive,
-/// and [`super::Scene::check`] reports it from then on.
+/// The tests are called from every thread that traces, at once. A panic in one is caught: the ray misses that
+/// primitive, and [`super::Scene::check`] reports it from then on.
 pub trait UserGeometry: Send + Sync + 'static {
     /// Number of primitives, asked once.
     fn len(&self) -> usize;
@@ -40,8 +40,8 @@ pub trait UserGeometry: Send + Sync + 'static {
     /// what sticks out is not found.
     fn bounds(&self, index: usize) -> ([f32; 3], [f32; 3]);
 
-    /// Where `ray` first meets primitive `index` within `[tnear, tfar]`. In an instance, `ray` is in the instance's frame
-    /// with its direction not of unit length, so that `t` is the same in both.
+    /// Where `ray` first meets primitive `index` within `[tnear, tfar]`. In an instance, `ray` is in the instance's
+    /// frame with its direction not of unit length, so that `t` is the same in both.
     fn intersect(&self, index: usize, ray: &Ray) -> Option<UserHit>;
 
     /// Whether `ray` meets primitive `index` at all within `[tnear, tfar]`.

@@ -1,0 +1,24 @@
+//! The Embree room against plain double-precision intersection tests, and against misuse.
+
+mod agreement;
+mod build;
+mod limits;
+mod reference;
+mod special_rays;
+mod threads;
+mod user_geometry;
+mod watertight;
+
+use etendue::embree::{Device, DeviceOptions, Scene, SceneBuilder, SceneOptions, TriangleMesh};
+
+/// A device with the default options.
+fn device() -> Device {
+    Device::new(&DeviceOptions::default()).expect("Embree starts")
+}
+
+/// A scene of one mesh.
+fn mesh_scene(device: &Device, options: SceneOptions, mesh: &TriangleMesh) -> Scene {
+    let mut builder = SceneBuilder::new(device, options).expect("a scene");
+    builder.add_triangles(mesh.clone()).expect("a mesh");
+    builder.commit(None).expect("a build")
+}
