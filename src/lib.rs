@@ -7,6 +7,7 @@ pub mod bsdf;
 pub mod camera;
 pub mod desc;
 pub mod embree;
+pub mod emitter;
 mod error;
 pub mod film;
 pub mod integrator;

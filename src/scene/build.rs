@@ -30,7 +30,7 @@ pub struct BuildOptions {
 
 /// Up to this many analytic shapes a list in front of Embree is faster than user geometry inside it.
 /// Measured with `cargo bench --bench spheres`.
-const LISTED_SHAPES: usize = 8;
+const LISTED_SHAPES: usize = 16;
 
 impl Scene {
     /// Builds the scene of a description.
