@@ -87,7 +87,7 @@ impl UserGeometry for UserSpheres {
         let sphere = &self.0[index];
         let t = sphere.intersect(ray)?;
         let ng = ray.origin.as_dvec3() + ray.direction.as_dvec3() * t - sphere.centre;
-        Some(UserHit { t: t as f32, u: 0.0, v: 0.0, ng: ng.as_vec3() })
+        Some(UserHit { t: t as f32, u: 0.0, v: 0.0, ng: ng.as_vec3a() })
     }
 
     fn occluded(&self, index: usize, ray: &Ray) -> bool {
@@ -196,7 +196,7 @@ fn unit_sphere(rings: usize, sectors: usize) -> (Vec<DVec3>, Vec<[u32; 3]>) {
 }
 
 fn placed(vertices: &[DVec3], scale: f64, to: DVec3) -> Vec<[f32; 3]> {
-    vertices.iter().map(|&v| (v * scale + to).as_vec3().to_array()).collect()
+    vertices.iter().map(|&v| (v * scale + to).as_vec3a().to_array()).collect()
 }
 
 fn boxed(low: DVec3, high: DVec3, out: &mut (Vec<[f32; 3]>, Vec<[u32; 3]>)) {
@@ -265,11 +265,11 @@ fn main() -> Result<()> {
     let device = Device::new(&DeviceOptions::default())?;
     let mut random = Random(1);
     let closest: Vec<Ray> =
-        (0..RAYS).map(|_| Ray::new(random.in_cube(0.99).as_vec3(), random.on_sphere().as_vec3())).collect();
+        (0..RAYS).map(|_| Ray::new(random.in_cube(0.99).as_vec3a(), random.on_sphere().as_vec3a())).collect();
     let shadow: Vec<Ray> = (0..RAYS)
         .map(|_| {
             let (from, to) = (random.in_cube(0.99), random.in_cube(0.99));
-            Ray { tfar: 0.999, ..Ray::new(from.as_vec3(), (to - from).as_vec3()) }
+            Ray { tfar: 0.999, ..Ray::new(from.as_vec3a(), (to - from).as_vec3a()) }
         })
         .collect();
     println!(

@@ -152,7 +152,7 @@ fn instances_under_any_transform() {
             let direction = warps::uniform_sphere([a, b]).as_dvec3();
             let target = desc.surfaces[0].transform.transform_point3(0.5 * direction);
             let origin = desc.surfaces[0].transform.transform_point3(4.0 * direction);
-            let ray = Ray::new(scene.to_scene(origin), (target - origin).normalize().as_vec3());
+            let ray = Ray::new(scene.to_scene(origin), (target - origin).normalize().as_vec3a());
             let Some(hit) = scene.intersect(&ray) else { continue };
             hits += 1;
             let surface = scene.interaction(&ray, &hit);

@@ -65,12 +65,12 @@ impl Camera {
             }
         };
         let camera = Self {
-            origin: (origin - centre).as_vec3(),
-            corner: (middle - half_width + half_height).as_vec3(),
-            dx: (2.0 / width * half_width).as_vec3(),
-            dy: (-2.0 / height * half_height).as_vec3(),
+            origin: (origin - centre).as_vec3a(),
+            corner: (middle - half_width + half_height).as_vec3a(),
+            dx: (2.0 / width * half_width).as_vec3a(),
+            dy: (-2.0 / height * half_height).as_vec3a(),
             starts_on_plane,
-            forward: forward.as_vec3(),
+            forward: forward.as_vec3a(),
         };
         let finite = [camera.origin, camera.corner, camera.dx, camera.dy].iter().all(|v| v.is_finite());
         if !finite || camera.dx == Vec3::ZERO || camera.dy == Vec3::ZERO {

@@ -72,7 +72,7 @@ pub(super) fn reflectance(path: &str, value: [f64; 3]) -> Result<Rgb> {
             format!("a reflectance of {bad} breaks conservation of energy, expected a number in [0, 1] per channel");
         return Err(Error::invalid(format!("{path}[{i}]"), message));
     }
-    Ok(DVec3::from_array(value).as_vec3())
+    Ok(DVec3::from_array(value).as_vec3a())
 }
 
 /// Radiance or radiant intensity: zero or more per channel, times `factor`.
@@ -85,7 +85,7 @@ pub(super) fn emission(path: &str, value: [f64; 3], factor: f64) -> Result<Rgb> 
         }
         number(&path, channel * factor)?;
     }
-    Ok((factor * DVec3::from_array(value)).as_vec3())
+    Ok((factor * DVec3::from_array(value)).as_vec3a())
 }
 
 /// A factor on light: zero or more.

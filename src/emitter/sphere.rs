@@ -45,7 +45,7 @@ impl SphereEmitter {
     pub(super) fn sample(&self, p: Vec3, u: [f32; 2]) -> Option<EmitterSample> {
         let cone = self.cone(p)?;
         let distance = cone.axis.length();
-        let frame = Frame::from_normal((cone.axis / distance).as_vec3());
+        let frame = Frame::from_normal((cone.axis / distance).as_vec3a());
         let wi = frame.to_world(warps::uniform_cone(u, cone.one_minus_cos as f32));
         // Where that direction meets the sphere; a direction on the cone's rim may miss it by rounding, so the discriminant
         // is clamped to the tangent point.
@@ -54,8 +54,8 @@ impl SphereEmitter {
         let off_axis2 = (cone.axis - along * direction).length_squared();
         let half_chord = (self.sphere.radius * self.sphere.radius - off_axis2).max(0.0).sqrt();
         let (point, normal) = self.sphere.project(p.as_dvec3() + (along - half_chord) * direction);
-        let point = point.as_vec3();
-        let normal = normal.as_vec3();
+        let point = point.as_vec3a();
+        let normal = normal.as_vec3a();
         let target = HitPoint { p: point, error: HitPoint::rounding_error(point, normal) }.offset(normal);
         let pdf = (1.0 / (2.0 * PI * cone.one_minus_cos)) as f32;
         Some(EmitterSample { wi, target, radiance: self.radiance, pdf, is_delta: false })

@@ -93,7 +93,7 @@ impl SphericalTriangle {
     /// The unit direction for `u` in [0, 1)^2, uniform over the solid angle.
     #[inline]
     pub fn sample(&self, u: [f32; 2]) -> Vec3 {
-        self.direction(u).as_vec3()
+        self.direction(u).as_vec3a()
     }
 
     /// As [`SphericalTriangle::sample`], with the barycentric coordinates of the triangle's point in that direction: each
@@ -107,7 +107,7 @@ impl SphericalTriangle {
         let sign = 1.0_f64.copysign(v0.dot((v1 - v0).cross(v2 - v0)));
         let volumes = [side(v1, v2), side(v2, v0), side(v0, v1)].map(|x| (sign * x).max(0.0));
         let scale = 1.0 / (volumes[0] + volumes[1] + volumes[2]);
-        (w.as_vec3(), volumes.map(|x| (x * scale) as f32))
+        (w.as_vec3a(), volumes.map(|x| (x * scale) as f32))
     }
 
     fn direction(&self, u: [f32; 2]) -> DVec3 {

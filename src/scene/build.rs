@@ -136,7 +136,7 @@ impl<'a> Builder<'a> {
 
     fn point_lights(&mut self, centre: DVec3) -> Result<()> {
         for light in &self.desc.lights {
-            let position = (light.position - centre).as_vec3();
+            let position = (light.position - centre).as_vec3a();
             if !position.is_finite() {
                 return Err(Error::invalid(format!("{}.origin", light.path), "is too far from the scene"));
             }
@@ -155,7 +155,7 @@ impl<'a> Builder<'a> {
         let mut owners = Vec::new();
         let mut dropped: HashMap<usize, usize> = HashMap::new();
         for (corners, surface) in &lowered.triangles {
-            let corners = corners.map(|corner| (corner - centre).as_vec3());
+            let corners = corners.map(|corner| (corner - centre).as_vec3a());
             let Some(triangle) = Triangle::new(corners) else {
                 *dropped.entry(*surface).or_default() += 1;
                 continue;
@@ -237,7 +237,7 @@ impl<'a> Builder<'a> {
     ) -> Option<(Vec<[f32; 3]>, Vec<[u32; 3]>, Vec<Vec3>)> {
         let mesh = &self.desc.meshes[mesh_use.mesh];
         let vertices: Vec<[f32; 3]> =
-            mesh.positions.iter().map(|&position| transform.transform_point3(position).as_vec3().to_array()).collect();
+            mesh.positions.iter().map(|&position| transform.transform_point3(position).as_vec3a().to_array()).collect();
         let mirrored = lower::is_mirrored(transform);
         let mut indices = Vec::with_capacity(mesh.triangles.len());
         for &[a, b, c] in &mesh.triangles {
@@ -258,7 +258,7 @@ impl<'a> Builder<'a> {
             let matrix = transform.matrix3.inverse().transpose();
             vertex_normals(mesh)
                 .into_iter()
-                .map(|normal| (matrix * normal).try_normalize().unwrap_or(DVec3::ZERO).as_vec3())
+                .map(|normal| (matrix * normal).try_normalize().unwrap_or(DVec3::ZERO).as_vec3a())
                 .collect()
         } else {
             Vec::new()

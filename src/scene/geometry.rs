@@ -148,9 +148,9 @@ fn interaction(p: Vec3, error: f32, ng: Vec3, ns: Option<Vec3>, owner: Owner) ->
 /// A unit normal, in single precision unless its square would leave the range of that.
 #[inline]
 fn unit(normal: DVec3) -> Vec3 {
-    let single = normal.as_vec3();
+    let single = normal.as_vec3a();
     let length2 = single.length_squared();
-    if (1e-30..1e30).contains(&length2) { single / length2.sqrt() } else { normal.normalize().as_vec3() }
+    if (1e-30..1e30).contains(&length2) { single / length2.sqrt() } else { normal.normalize().as_vec3a() }
 }
 
 /// A point on triangles of the scene frame.
@@ -163,7 +163,7 @@ pub(super) fn on_triangle(
     v: f32,
 ) -> SurfaceInteraction {
     let point = triangles.point(primitive, u, v);
-    let p = point.p.as_vec3();
+    let p = point.p.as_vec3a();
     let ng = unit(point.ng);
     interaction(p, triangle_error(p, ng, point.extent), ng, point.ns, owners.of(primitive))
 }
@@ -179,9 +179,9 @@ pub(super) fn on_instance(
     v: f32,
 ) -> SurfaceInteraction {
     let point = triangles.point(primitive, u, v);
-    let p = placement.to_scene.transform_point3(point.p).as_vec3();
+    let p = placement.to_scene.transform_point3(point.p).as_vec3a();
     let ng = unit(placement.normals * point.ng);
-    let ns = point.ns.map(|ns| (placement.normals * ns.as_dvec3()).as_vec3());
+    let ns = point.ns.map(|ns| (placement.normals * ns.as_dvec3()).as_vec3a());
     // The kernel moves the ray into the object's frame in single precision: its origin, and the translation that is
     // added to it, are rounded there.
     let moved = placement.to_scene.translation.abs().max_element() as f32 + p.abs().max_element();
@@ -194,7 +194,7 @@ pub(super) fn on_instance(
 #[inline]
 pub(super) fn on_analytic(shape: &Analytic, owner: Owner, near: DVec3) -> SurfaceInteraction {
     let (p, ng) = shape.project(near);
-    let (p, ng) = (p.as_vec3(), ng.as_vec3());
+    let (p, ng) = (p.as_vec3a(), ng.as_vec3a());
     interaction(p, HitPoint::rounding_error(p, ng), ng, None, owner)
 }
 

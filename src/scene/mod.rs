@@ -151,7 +151,7 @@ impl Scene {
 
     /// A world position in the scene frame.
     pub fn to_scene(&self, world: DVec3) -> Vec3 {
-        (world - self.centre).as_vec3()
+        (world - self.centre).as_vec3a()
     }
 
     /// What the scene holds, what was built for it and why.

@@ -16,7 +16,7 @@ pub struct Disk {
 impl Disk {
     /// The disk of this centre, unit normal and radius > 0 under an invertible transform.
     pub fn new(centre: DVec3, normal: DVec3, radius: f64, transform: &DAffine3) -> Self {
-        let frame = Frame::from_normal(normal.as_vec3());
+        let frame = Frame::from_normal(normal.as_vec3a());
         // The frame is single precision: made orthogonal to the normal again, any pair of axes will do.
         let s = frame.s.as_dvec3();
         let s = (s - s.dot(normal) * normal).normalize();

@@ -28,7 +28,7 @@ impl Triangle {
         if !(length > 0.0 && length.is_finite() && area > 0.0 && area.is_finite()) {
             return None;
         }
-        Some(Self { v0, e1: (d1 - d0).as_vec3(), e2: (d2 - d0).as_vec3(), normal: (cross / length).as_vec3(), area })
+        Some(Self { v0, e1: (d1 - d0).as_vec3a(), e2: (d2 - d0).as_vec3a(), normal: (cross / length).as_vec3a(), area })
     }
 
     /// Its vertices.

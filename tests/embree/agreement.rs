@@ -7,7 +7,7 @@ use crate::reference::{Crossing, Random, Ray64, Tally, triangle};
 use crate::{device, mesh_scene};
 
 fn to_f32(p: DVec3) -> [f32; 3] {
-    p.as_vec3().to_array()
+    p.as_vec3a().to_array()
 }
 
 fn soup(corners: impl Iterator<Item = [DVec3; 3]>) -> TriangleMesh {
@@ -89,7 +89,7 @@ fn aim(random: &mut Random, triangles: &[[DVec3; 3]], centre: DVec3) -> Ray {
     };
     // Directions of any length that is sensible.
     let direction = (target - origin) * 10.0_f64.powf(random.range(-2.0, 2.0));
-    let mut ray = Ray::new(origin.as_vec3(), direction.as_vec3());
+    let mut ray = Ray::new(origin.as_vec3a(), direction.as_vec3a());
     if random.below(4) == 0 {
         let reach = 4.0 / f64::from(ray.direction.length());
         ray.tnear = (random.unit() * 0.5 * reach) as f32;

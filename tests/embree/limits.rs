@@ -208,6 +208,6 @@ fn two_scenes_share_one_buffer() {
     assert_eq!(Arc::strong_count(mesh.vertices()), 2);
     drop(mesh);
     let bounds = second.bounds();
-    let middle = bounds.centre().as_vec3() + Vec3::new(0.0, 0.0, 10.0);
+    let middle = bounds.centre().as_vec3a() + Vec3::new(0.0, 0.0, 10.0);
     assert!(second.intersect(&Ray::new(middle, -Vec3::Z)).is_some());
 }

@@ -30,7 +30,7 @@ impl UserGeometry for Spheres {
         let inside = |t: &f64| f64::from(ray.tnear) <= *t && *t <= f64::from(ray.tfar);
         let t = [t0, t1].into_iter().find(inside)?;
         let ng = o + d * t - c;
-        Some(UserHit { t: t as f32, u: index as f32, v: r as f32, ng: ng.as_vec3() })
+        Some(UserHit { t: t as f32, u: index as f32, v: r as f32, ng: ng.as_vec3a() })
     }
 }
 
@@ -38,7 +38,7 @@ fn random_spheres(random: &mut Random, count: usize) -> Vec<(DVec3, f64)> {
     (0..count)
         .map(|_| {
             // Exact in single precision, so that Embree's spheres can be the same ones.
-            let c = random.in_cube(2.0).as_vec3().as_dvec3();
+            let c = random.in_cube(2.0).as_vec3a().as_dvec3();
             (c, f64::from(random.range(0.01, 0.6) as f32))
         })
         .collect()
@@ -47,7 +47,7 @@ fn random_spheres(random: &mut Random, count: usize) -> Vec<(DVec3, f64)> {
 fn random_ray(random: &mut Random) -> Ray {
     let origin = random.in_cube(3.0);
     let direction = random.on_sphere() * 10.0_f64.powf(random.range(-2.0, 2.0));
-    let mut ray = Ray::new(origin.as_vec3(), direction.as_vec3());
+    let mut ray = Ray::new(origin.as_vec3a(), direction.as_vec3a());
     if random.below(3) == 0 {
         let reach = 4.0 / f64::from(ray.direction.length());
         ray.tnear = (random.unit() * 0.3 * reach) as f32;
@@ -107,7 +107,7 @@ fn an_instanced_sphere_is_the_quadric() {
     let mut random = Random(7);
     let (mut hits, mut worst) = (0, 0.0_f64);
     for _ in 0..100_000 {
-        let ray = Ray::new(random_ray(&mut random).origin, random.on_sphere().as_vec3());
+        let ray = Ray::new(random_ray(&mut random).origin, random.on_sphere().as_vec3a());
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let found = scene.intersect(&ray);
         // Moving the ray by eps moves the crossing by eps over the cosine at the surface; near the rim that is all.
@@ -156,7 +156,7 @@ fn embree_spheres_agree_within_their_precision() {
     for _ in 0..200_000 {
         // From outside: Embree's sphere is for opaque points and differs from within.
         let origin = random.on_sphere() * 8.0;
-        let ray = Ray::new(origin.as_vec3(), (random.in_cube(2.0) - origin).normalize().as_vec3());
+        let ray = Ray::new(origin.as_vec3a(), (random.in_cube(2.0) - origin).normalize().as_vec3a());
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let exact = spheres
             .iter()

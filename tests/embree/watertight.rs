@@ -17,7 +17,7 @@ fn sphere() -> TriangleMesh {
         for sector in 0..SECTORS {
             let phi = std::f64::consts::TAU * sector as f64 / SECTORS as f64;
             let p = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
-            vertices.push(p.as_vec3().to_array());
+            vertices.push(p.as_vec3a().to_array());
         }
     }
     vertices.push([0.0, 0.0, -1.0]);
@@ -55,7 +55,7 @@ fn no_ray_leaves_a_closed_sphere() {
             1 => vertex(t[0]) - origin,
             _ => 0.5 * (vertex(t[0]) + vertex(t[1])) - origin,
         };
-        let ray = Ray::new(origin.as_vec3(), direction.as_vec3());
+        let ray = Ray::new(origin.as_vec3a(), direction.as_vec3a());
         if scene.intersect(&ray).is_some() && scene.occluded(&ray) {
             continue;
         }
