@@ -17,6 +17,9 @@ pub struct Distribution1D {
     total: f64,
 }
 
+/// Up to this many indices are counted through.
+const FEW: usize = 8;
+
 impl Distribution1D {
     /// The distribution with probabilities in proportion to `weights` (any unit). `None` for no weight above 0, for a
     /// negative weight, one that is not finite, or a sum that overflows.
@@ -77,8 +80,21 @@ impl Distribution1D {
     /// and independent of the index, to be used once more. An index of weight 0 is never returned.
     #[inline]
     pub fn sample(&self, u: f32) -> (usize, f32, f32) {
-        let len = self.guide.len();
         let u = f64::from(u).clamp(0.0, 1.0 - f64::EPSILON);
+        let index = self.find(u);
+        let (low, high) = (self.cdf[index], self.cdf[index + 1]);
+        let remapped = ((u - low) / (high - low)) as f32;
+        (index, (high - low) as f32, remapped.clamp(0.0, 1.0_f32.next_down()))
+    }
+
+    /// The entry whose share of [0, 1) holds `u`.
+    #[inline]
+    fn find(&self, u: f64) -> usize {
+        let len = self.guide.len();
+        if len <= FEW {
+            // Counted rather than searched: which entry it will be cannot be predicted.
+            return self.cdf[1..len].iter().map(|&end| usize::from(end <= u)).sum();
+        }
         let mut index = self.guide[((u * len as f64) as usize).min(len - 1)] as usize;
         // Entries of weight 0 have equal ends and are stepped over.
         while self.cdf[index + 1] <= u {
@@ -88,8 +104,6 @@ impl Distribution1D {
         while self.cdf[index] > u {
             index -= 1;
         }
-        let (low, high) = (self.cdf[index], self.cdf[index + 1]);
-        let remapped = ((u - low) / (high - low)) as f32;
-        (index, (high - low) as f32, remapped.clamp(0.0, 1.0_f32.next_down()))
+        index
     }
 }

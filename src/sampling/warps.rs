@@ -4,6 +4,7 @@
 //! not stated otherwise.
 
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, TAU};
+use std::hint::select_unpredictable;
 
 use crate::math::Vec3;
 
@@ -16,12 +17,12 @@ use crate::math::Vec3;
 fn concentric(u: [f32; 2]) -> (f32, f32, f32) {
     let (x, y) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
     let is_wide = x.abs() > y.abs();
-    let (radius, other) = if is_wide { (x, y) } else { (y, x) };
+    let (radius, other) = select_unpredictable(is_wide, (x, y), (y, x));
     // In the middle any angle will do.
     let ratio = other / if radius == 0.0 { 1.0 } else { radius };
     let (sin, cos) = sin_cos_eighth(FRAC_PI_4 * ratio);
     // The angle is that of the nearer axis, or a quarter turn minus it.
-    let (cos, sin) = if is_wide { (cos, sin) } else { (sin, cos) };
+    let (cos, sin) = select_unpredictable(is_wide, (cos, sin), (sin, cos));
     (radius.clamp(-1.0_f32.next_down(), 1.0_f32.next_down()), cos, sin)
 }
 
@@ -171,13 +172,8 @@ pub fn uniform_cone_inverse(w: Vec3, one_minus_cos_max: f32) -> [f32; 2] {
 /// Source: Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
 #[inline]
 pub fn uniform_triangle(u: [f32; 2]) -> [f32; 3] {
-    let (b0, b1) = if u[0] < u[1] {
-        let b0 = 0.5 * u[0];
-        (b0, u[1] - b0)
-    } else {
-        let b1 = 0.5 * u[1];
-        (u[0] - b1, b1)
-    };
+    let half = 0.5 * u[0].min(u[1]);
+    let (b0, b1) = (u[0] - half, u[1] - half);
     [b0, b1, (1.0 - b0 - b1).max(0.0)]
 }
 

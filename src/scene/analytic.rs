@@ -24,14 +24,15 @@ const MARGIN: f32 = 4e-6;
 impl Packet {
     /// One bit for each shape that the ray's line may meet in front of its origin.
     #[inline]
-    fn candidates(&self, ray: &Ray, inverse_length2: f32) -> u32 {
+    fn candidates(&self, ray: &Ray, length2: f32) -> u32 {
         let x = self.x - Vec4::splat(ray.origin.x);
         let y = self.y - Vec4::splat(ray.origin.y);
         let z = self.z - Vec4::splat(ray.origin.z);
         let distance2 = x * x + y * y + z * z;
         let along = x * ray.direction.x + y * ray.direction.y + z * ray.direction.z;
         let reach2 = self.radius2 + distance2 * MARGIN;
-        let is_near = (distance2 - along * along * inverse_length2).cmple(reach2);
+        // Squared distance of the line from the centre, times |d|^2 to save a division.
+        let is_near = (distance2 * length2 - along * along).cmple(reach2 * length2);
         let is_ahead = along.cmpgt(Vec4::ZERO) | distance2.cmple(reach2);
         (is_near & is_ahead).bitmask()
     }
@@ -82,11 +83,11 @@ impl AnalyticList {
     /// The nearest hit inside the ray's segment: t and the shape's number.
     #[inline]
     pub(super) fn intersect(&self, ray: &Ray) -> Option<(f32, u32)> {
-        let mut exact = DRay::from(ray);
+        let mut tfar = f64::from(ray.tfar);
         let mut nearest = None;
         self.for_candidates(ray, |index| {
-            if let Some(t) = self.shapes[index].intersect(&exact) {
-                exact.tfar = t;
+            if let Some(t) = self.exact(index, ray, tfar) {
+                tfar = t;
                 nearest = Some((t as f32, index as u32));
             }
             false
@@ -97,16 +98,21 @@ impl AnalyticList {
     /// Whether anything is hit inside the ray's segment.
     #[inline]
     pub(super) fn occluded(&self, ray: &Ray) -> bool {
-        let exact = DRay::from(ray);
-        self.for_candidates(ray, |index| self.shapes[index].intersect(&exact).is_some())
+        self.for_candidates(ray, |index| self.exact(index, ray, f64::from(ray.tfar)).is_some())
+    }
+
+    /// The test in double precision, out of line: most rays have no candidate and should not carry it along.
+    #[inline(never)]
+    fn exact(&self, index: usize, ray: &Ray, tfar: f64) -> Option<f64> {
+        self.shapes[index].intersect(&DRay { tfar, ..DRay::from(ray) })
     }
 
     /// Calls `visit` with each candidate until it returns true; returns whether it did.
     #[inline]
     fn for_candidates(&self, ray: &Ray, mut visit: impl FnMut(usize) -> bool) -> bool {
-        let inverse_length2 = 1.0 / ray.direction.length_squared();
+        let length2 = ray.direction.length_squared();
         for (number, packet) in self.packets.iter().enumerate() {
-            let mut mask = packet.candidates(ray, inverse_length2);
+            let mut mask = packet.candidates(ray, length2);
             while mask != 0 {
                 let lane = mask.trailing_zeros() as usize;
                 mask &= mask - 1;
