@@ -77,7 +77,8 @@ def read_exr(path):
     mi = mitsuba()
     if mi.variant() is None:
         mi.set_variant("scalar_rgb")
-    bitmap = mi.Bitmap(str(path)).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False)
+    # A file with further layers is split into them; the image itself is the root layer.
+    bitmap = dict(mi.Bitmap(str(path)).split())["<root>"].convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False)
     return np.array(bitmap, dtype=np.float64)
 
 

@@ -124,7 +124,7 @@ mod tests {
             fov_axis: FovAxis::Horizontal,
         };
         let camera = Camera::new(&desc, [640, 480], DVec3::ZERO).unwrap();
-        let direction = camera.ray(504.752_086, 240.0).direction;
+        let direction = camera.ray(504.752_1, 240.0).direction;
         assert!((direction.x / -direction.z - 1.0 / 3.0).abs() < 1e-6 && direction.y.abs() < 1e-6, "{direction}");
         let vertical = CameraDesc::Perspective {
             eye: DVec3::ZERO,

@@ -1,6 +1,7 @@
 //! From a description to a scene, step by step.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -268,21 +269,20 @@ impl<'a> Builder<'a> {
 
     /// Shared meshes, each built once around its own middle.
     fn instances(&mut self, uses: &[MeshUse], centre: DVec3, device: &Device, embree: &mut SceneBuilder) -> Result<()> {
-        let mut built: HashMap<(usize, bool), Option<(crate::embree::Scene, Arc<Triangles>, DVec3)>> = HashMap::new();
+        let mut built: HashMap<(usize, bool), Option<SharedMesh>> = HashMap::new();
         for mesh_use in uses {
-            let key = (mesh_use.mesh, mesh_use.smooth);
-            if !built.contains_key(&key) {
-                let object = self.shared_mesh(mesh_use, device)?;
-                built.insert(key, object);
-            }
-            let Some(Some((object, triangles, middle))) = built.get(&key) else { continue };
+            let shared = match built.entry((mesh_use.mesh, mesh_use.smooth)) {
+                Entry::Occupied(entry) => entry.into_mut(),
+                Entry::Vacant(entry) => entry.insert(self.shared_mesh(mesh_use, device)?),
+            };
+            let Some(shared) = shared else { continue };
             let to_scene = DAffine3::from_translation(-centre)
                 * self.desc.surfaces[mesh_use.surface].transform
-                * DAffine3::from_translation(*middle);
-            embree.add_instance(object, &to_scene)?;
+                * DAffine3::from_translation(shared.middle);
+            embree.add_instance(&shared.object, &to_scene)?;
             self.info.instances += 1;
             self.geometries.push(Geometry::Instance {
-                triangles: triangles.clone(),
+                triangles: shared.triangles.clone(),
                 owner: self.owner(mesh_use.surface, NO_EMITTER),
                 placement: Placement::new(to_scene),
             });
@@ -290,12 +290,8 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    #[expect(clippy::type_complexity, reason = "what an instance needs of its object")]
-    fn shared_mesh(
-        &mut self,
-        mesh_use: &MeshUse,
-        device: &Device,
-    ) -> Result<Option<(crate::embree::Scene, Arc<Triangles>, DVec3)>> {
+    /// A mesh around its own middle, in a scene of its own; `None` where all its triangles are degenerate.
+    fn shared_mesh(&mut self, mesh_use: &MeshUse, device: &Device) -> Result<Option<SharedMesh>> {
         let mesh = &self.desc.meshes[mesh_use.mesh];
         let bounds =
             mesh.positions.iter().fold(crate::math::Bounds::EMPTY, |bounds, &position| bounds.include(position));
@@ -307,7 +303,7 @@ impl<'a> Builder<'a> {
         let triangles = Arc::new(self.keep(vertices, indices, normals)?);
         let mut object = SceneBuilder::new(device, SceneOptions::default())?;
         object.add_triangles(triangles.mesh.clone())?;
-        Ok(Some((object.commit(None)?, triangles, middle)))
+        Ok(Some(SharedMesh { object: object.commit(None)?, triangles, middle }))
     }
 
     /// Analytic shapes: a list in front of Embree while they are few, user geometry when they are many.
@@ -392,6 +388,14 @@ impl<'a> Builder<'a> {
         ];
         info.switched_off = off.into_iter().filter_map(|(is_off, name)| is_off.then_some(name)).collect();
     }
+}
+
+/// What an instance needs of its object.
+struct SharedMesh {
+    object: crate::embree::Scene,
+    triangles: Arc<Triangles>,
+    /// The point of the mesh's own frame that became the object's origin.
+    middle: DVec3,
 }
 
 /// The world position that becomes the scene frame's origin.
