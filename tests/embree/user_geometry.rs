@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use etendue::ErrorKind;
 use etendue::embree::{SceneBuilder, SceneOptions, UserGeometry, UserHit};
-use etendue::math::{DAffine3, DMat3, DQuat, DVec3, Ray, Vec3, next_down, next_up};
+use etendue::math::{DAffine3, DMat3, DQuat, DVec3, Ray, Vec3};
 
 use crate::device;
 use crate::reference::{EPS, Random, quadric, sphere};
@@ -20,7 +20,7 @@ impl UserGeometry for Spheres {
 
     fn bounds(&self, index: usize) -> ([f32; 3], [f32; 3]) {
         let (c, r) = self.0[index];
-        ((c - r).to_array().map(|x| next_down(x as f32)), (c + r).to_array().map(|x| next_up(x as f32)))
+        ((c - r).to_array().map(|x| (x as f32).next_down()), (c + r).to_array().map(|x| (x as f32).next_up()))
     }
 
     fn intersect(&self, index: usize, ray: &Ray) -> Option<UserHit> {
