@@ -49,7 +49,7 @@ pub struct EmitterSample {
 }
 
 impl Emitter {
-    /// Emitted power [W]: 4 pi I of a point, pi L A of an area.
+    /// Emitted power (W): 4 pi I of a point, pi L A of an area.
     pub fn power(&self) -> Rgb {
         match self {
             Self::Point { intensity, .. } => 4.0 * PI * *intensity,

