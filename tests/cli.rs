@@ -6,6 +6,9 @@ use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
+#[path = "common/malformed.rs"]
+mod malformed;
+
 use etendue::film::Image;
 use etendue::output::{self, WriteOptions};
 use tempfile::TempDir;
@@ -200,6 +203,25 @@ fn a_scene_that_cannot_be_used_has_exit_code_2() {
         }
     }
     assert_eq!(names(folder.path()), ["broken.json", "empty.json"]);
+}
+
+#[test]
+fn every_malformed_scene_has_exit_code_2_and_leaves_nothing() {
+    let folder = folder();
+    let list = malformed::malformed();
+    assert!(list.len() >= 200, "{} cases", list.len());
+    for (name, text, expected) in list {
+        let file = folder.path().join("scene.json");
+        fs::write(&file, &text).unwrap();
+        let run = etendue(folder.path(), ["render", "scene.json", "-o", "a.png"]);
+        assert!(!run.stderr.contains("panicked"), "{name}: {}", run.stderr);
+        assert_eq!((run.code, run.stdout.as_str()), (Some(2), ""), "{name}: {}", run.stderr);
+        // The line of a warning may come first; the error is the last, with file, line and path.
+        let error = run.stderr.lines().find(|line| line.starts_with("error: ")).unwrap_or_default();
+        let expected = expected.lines().next().unwrap_or_default();
+        assert!(error.contains(&format!("scene.json:{expected}")), "{name}: {error} instead of {expected}");
+        assert_eq!(names(folder.path()), ["scene.json"], "{name}");
+    }
 }
 
 #[test]
