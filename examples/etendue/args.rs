@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use etendue::desc::{FilterDesc, IntegratorDesc, RenderDesc, SamplerDesc};
+use etendue::desc::{FilterDesc, IntegratorDesc, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc};
 use etendue::output::ToneMap;
 use etendue::render::MOST_SAMPLES;
 
@@ -66,7 +66,7 @@ pub struct RenderArgs {
     #[arg(long, value_enum)]
     pub sampler: Option<Sampler>,
     /// Light samples per hit, in place of the scene's.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS)))]
     pub shadow_rays: Option<u32>,
     /// Greatest number of surface hits on a path, or none for no cut.
     #[arg(long, value_name = "N|none", value_parser = parse_depth)]
@@ -206,8 +206,8 @@ fn parse_resolution(text: &str) -> Result<[u32; 2], String> {
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
     let length = |text: &str| text.parse::<u32>().ok().filter(|length| *length > 0).ok_or_else(wrong);
     let (width, height) = (length(width)?, length(height)?);
-    if u64::from(width) * u64::from(height) > etendue::output::MAX_PIXELS {
-        return Err(format!("more than {} pixels", etendue::output::MAX_PIXELS));
+    if u64::from(width) * u64::from(height) > etendue::desc::MAX_PIXELS {
+        return Err(format!("more than {} pixels", etendue::desc::MAX_PIXELS));
     }
     Ok([width, height])
 }

@@ -265,6 +265,12 @@ pub enum ShapeDesc {
     },
 }
 
+/// Pixels of the largest image that is rendered: the film takes a hundred bytes for each.
+pub const MAX_PIXELS: u64 = 1 << 26;
+
+/// Most light samples per hit: more cost time that more samples per pixel would spend better, and cannot be interrupted.
+pub const MAX_SHADOW_RAYS: u32 = 1 << 10;
+
 /// How to render.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderDesc {
@@ -280,7 +286,7 @@ pub struct RenderDesc {
     pub integrator: IntegratorDesc,
     /// Greatest number of surface hits on a path, counting the first visible one; `None` cuts nothing.
     pub max_depth: Option<u32>,
-    /// Light samples per hit, >= 1.
+    /// Light samples per hit, from 1 to [`MAX_SHADOW_RAYS`].
     pub shadow_rays: u32,
     /// Seed of all randomness.
     pub seed: u64,

@@ -189,7 +189,7 @@ pub(super) fn read(raw: &RawValue, path: &str) -> Result<RenderDesc> {
         render.max_depth = Some(validate::whole(&at("maxDepth"), depth, 1, u64::from(u32::MAX))?);
     }
     if let Some(count) = block.shadow_rays {
-        render.shadow_rays = validate::whole(&at("shadowRays"), count, 1, u64::from(u32::MAX))?;
+        render.shadow_rays = validate::whole(&at("shadowRays"), count, 1, u64::from(super::MAX_SHADOW_RAYS))?;
     }
     if let Some(raw) = block.integrator {
         render.integrator = integrator(raw, &at("integrator"))?;

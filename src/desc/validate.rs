@@ -104,13 +104,13 @@ pub(super) fn whole(path: &str, value: Whole, low: u64, high: u64) -> Result<u32
     })
 }
 
-/// Width and height of an image: at least a pixel, and not more than 2^28 of them (4 GiB of RGBA in single precision).
+/// Width and height of an image: at least a pixel, and not more than [`super::MAX_PIXELS`] of them.
 pub(super) fn resolution(path: &str, value: [Whole; 2]) -> Result<[u32; 2]> {
-    const LIMIT: u64 = 1 << 28;
+    const LIMIT: u64 = super::MAX_PIXELS;
     let width = whole(&format!("{path}[0]"), value[0], 1, LIMIT)?;
     let height = whole(&format!("{path}[1]"), value[1], 1, LIMIT)?;
     if u64::from(width) * u64::from(height) > LIMIT {
-        let message = format!("{width} x {height} pixels are too many, expected 2^28 at most");
+        let message = format!("{width} x {height} pixels are too many, expected {LIMIT} at most");
         return Err(Error::invalid(path, message));
     }
     Ok([width, height])

@@ -22,7 +22,7 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 use crate::camera::Camera;
-use crate::desc::{FilterDesc, RenderDesc, SamplerDesc};
+use crate::desc::{FilterDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{Film, FilmOptions, Image};
 use crate::sampling::Filter;
@@ -33,9 +33,6 @@ pub use schedule::MOST_SAMPLES;
 
 /// How often the caller hears of progress within a pass.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(100);
-
-/// Pixels of the largest image that is rendered: the film takes a hundred bytes for each.
-pub const MAX_PIXELS: u64 = 1 << 26;
 
 /// What to render, and with how much effort.
 #[derive(Clone, Debug, Default)]
@@ -114,8 +111,12 @@ impl<'s> Render<'s> {
                 format!("{width} x {height} pixels; an image has between 1 and {MAX_PIXELS}"),
             ));
         }
-        if desc.samples == 0 || desc.shadow_rays == 0 || desc.max_depth == Some(0) {
-            return Err(Error::invalid("render", "samples, shadowRays and maxDepth must be at least 1"));
+        if desc.samples == 0 || desc.max_depth == Some(0) {
+            return Err(Error::invalid("render", "samples and maxDepth must be at least 1"));
+        }
+        if !(1..=MAX_SHADOW_RAYS).contains(&desc.shadow_rays) {
+            let message = format!("{} light samples per hit; expected 1 to {MAX_SHADOW_RAYS}", desc.shadow_rays);
+            return Err(Error::invalid("render.shadowRays", message));
         }
         let camera = Camera::new(scene.camera(), desc.resolution, scene.centre())?;
         // The normally distributed pattern is a pixel filter by itself.
