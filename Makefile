@@ -13,10 +13,10 @@ all: render
 setup:
 	@scripts/setup.sh
 
-# Renders SCENE (the report's room) to IMAGES.
+# Renders SCENE (the report's room) to IMAGES; ARGS are further options, such as ARGS="--spp 64".
 render: setup
 	@mkdir -p out
-	$(ETENDUE) render $(SCENE) --output $(IMAGES)
+	$(ETENDUE) render $(SCENE) --output $(IMAGES) $(ARGS)
 
 # Everything that must hold: formatting, lints, tests, documentation, formats.
 test: setup

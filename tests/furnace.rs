@@ -96,6 +96,16 @@ fn whitted_sees_through_glass_and_mirrors() {
 }
 
 #[test]
+fn a_scenes_own_survival_probability_changes_nothing() {
+    // Certain survival among them: such a path must end too.
+    for (survival, samples) in [(0.8, 4096), (1.0, 1536)] {
+        let mut desc = room(BsdfDesc::Lambert { albedo: Vec3::splat(0.5) }, 1.0, None);
+        desc.materials[0].survival = Some(survival);
+        check(&format!("survival {survival}"), &desc, &Job { samples, ..Job::default() }, 2.0);
+    }
+}
+
+#[test]
 fn mirror_walls() {
     let mirror = BsdfDesc::Mirror { reflectance: Vec3::splat(0.8) };
     check("mirror walls, path", &room(mirror, 1.0, None), &Job { samples: 8192, ..Job::default() }, 5.0);

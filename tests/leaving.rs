@@ -207,3 +207,27 @@ fn thin_walls_do_not_leak() {
         assert!(image.rgb.iter().all(|&value| value == 0.0), "scale {scale}: light behind two sheets");
     }
 }
+
+#[test]
+fn list_and_tree_agree_at_every_scale() {
+    // A ball between a lamp and the floor: its shadow must not depend on where it is tested, nor on the scale.
+    let image = |exponent: i32, listed: usize| {
+        let scale = f64::from(exponent).exp2();
+        let corner = |x: f64, z: f64, y: f64| scale * DVec3::new(x, y, z);
+        let floor = [corner(-2.0, -2.0, 0.0), corner(-2.0, 2.0, 0.0), corner(2.0, 2.0, 0.0), corner(2.0, -2.0, 0.0)];
+        let ball = ShapeDesc::Sphere { centre: scale * DVec3::new(0.1, 1.0, 0.0), radius: 0.5 * scale };
+        let eye = scale * DVec3::new(0.0, 2.0, 3.0);
+        let mut desc =
+            scene(camera(eye, DVec3::ZERO, 60.0), vec![(ShapeDesc::Quad(floor), GREY, None), (ball, GREY, None)]);
+        desc.lights.push(point_light(scale * DVec3::new(0.0, 3.0, 0.5), (scale * scale) as f32));
+        let scene = build(&desc, listed);
+        let job = Job { resolution: [32, 32], samples: 4, ..Job::default() };
+        common::scenes::render_scene(&scene, job.desc()).0.rgb
+    };
+    let reference = image(0, 8);
+    for exponent in [-25, 0, 29, 33] {
+        let (list, tree) = (image(exponent, 8), image(exponent, 0));
+        assert!(list == tree, "list and tree differ at scale 2^{exponent}");
+        assert!(list == reference, "another picture at scale 2^{exponent}");
+    }
+}

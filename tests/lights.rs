@@ -137,3 +137,12 @@ fn many_lights_are_one() {
     let desc = lit(0.5, 1e-3, (0..1000).map(small).collect());
     check("1000 tiles of the 2 x 2 square", &desc, 0.554_126_423_980, 5e-4);
 }
+
+#[test]
+fn a_dim_light_beside_a_bright_one_out_of_sight() {
+    // The bright one has all but 10^-9 of the power and lies below the receiver.
+    let mut desc = lit(0.1, 1e-3, vec![]);
+    desc.lights.push(point_light(DVec3::new(0.0, 0.0, 1.0), 1.0));
+    desc.lights.push(point_light(DVec3::new(0.0, 0.0, -1.0), 1e9));
+    check("dim beside bright", &desc, 1.0 / PI, 2e-3);
+}

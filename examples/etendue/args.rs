@@ -6,7 +6,7 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use etendue::desc::{FilterDesc, IntegratorDesc, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc};
 use etendue::output::ToneMap;
-use etendue::render::MOST_SAMPLES;
+use etendue::render::{MAX_THREADS, MOST_SAMPLES};
 
 /// Physically based rendering of scene files.
 ///
@@ -42,7 +42,7 @@ pub struct RenderArgs {
     pub output: Vec<PathBuf>,
 
     /// Threads; 0 takes all there are.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
     pub threads: usize,
     /// Samples per pixel, in place of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -94,7 +94,7 @@ pub struct InfoArgs {
     /// Parameter file of a scene of the 2017 report.
     pub params: Option<PathBuf>,
     /// Threads to build with; 0 takes all there are.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
     pub threads: usize,
 }
 
@@ -192,6 +192,11 @@ impl RenderArgs {
             seed: self.seed.unwrap_or(scene.seed),
         }
     }
+}
+
+fn parse_threads(text: &str) -> Result<usize, String> {
+    let threads = text.parse::<usize>().ok().filter(|threads| *threads <= MAX_THREADS);
+    threads.ok_or_else(|| format!("expected a whole number up to {MAX_THREADS}"))
 }
 
 fn parse_time(text: &str) -> Result<Duration, String> {

@@ -1,7 +1,7 @@
 //! Emitters, and the choice among them.
 //!
-//! Area emitters shine on the side of their normal only, with the same radiance in every direction. One is chosen with a
-//! probability in proportion to its power, then a point on it (or a direction towards it) is sampled; every density here
+//! Area emitters shine on the side of their normal only, with the same radiance in every direction. One is chosen,
+//! mostly in proportion to its power, then a point on it (or a direction towards it) is sampled; every density here
 //! is per solid angle at the reference point and includes the choice.
 
 mod sphere;
@@ -59,6 +59,9 @@ impl Emitter {
     }
 }
 
+/// Share of the choices that does not go by power.
+const EVEN_SHARE: f64 = 0.1;
+
 /// All emitters of a scene with their probabilities.
 #[derive(Debug)]
 pub struct EmitterSet {
@@ -68,9 +71,15 @@ pub struct EmitterSet {
 }
 
 impl EmitterSet {
-    /// Emitters chosen by luminous power. Those without power are never chosen.
+    /// Emitters chosen by luminous power, with a share of [`EVEN_SHARE`] spread evenly over them: power says nothing about
+    /// which of them a point sees, and a dim lamp beside a bright one out of sight must not be left to chance.
     pub fn new(emitters: Vec<Emitter>) -> Self {
-        let weights: Vec<f64> = emitters.iter().map(|emitter| f64::from(luminance(emitter.power()))).collect();
+        let powers: Vec<f64> = emitters.iter().map(|emitter| f64::from(luminance(emitter.power()))).collect();
+        let total: f64 = powers.iter().sum();
+        let shining = powers.iter().filter(|&&power| power > 0.0).count().max(1) as f64;
+        let even = EVEN_SHARE * total / shining;
+        let weight = |power: &f64| if *power > 0.0 { (1.0 - EVEN_SHARE) * power + even } else { 0.0 };
+        let weights: Vec<f64> = powers.iter().map(weight).collect();
         let choice = Distribution1D::new(&weights);
         Self { emitters, choice }
     }
@@ -85,12 +94,14 @@ impl EmitterSet {
         &self.emitters
     }
 
-    /// Samples a direction from `p` towards some emitter; `u` uniform in [0, 1)^3.
+    /// Samples a direction from `p` towards some emitter; `u` uniform in [0, 1)^4. The first number chooses the emitter, the
+    /// last carries on its digits, so that one among millions is still found.
     ///
     /// `None` where the sampled emitter cannot light `p`: it contributes nothing, and the estimate stays unbiased.
     #[inline]
-    pub fn sample(&self, p: Vec3, u: [f32; 3]) -> Option<EmitterSample> {
-        let (index, probability, _) = self.choice.as_ref()?.sample(u[0]);
+    pub fn sample(&self, p: Vec3, u: [f32; 4]) -> Option<EmitterSample> {
+        let (index, probability, _) =
+            self.choice.as_ref()?.sample(f64::from(u[0]) + f64::from(u[3]) * (-24_f64).exp2());
         let mut sample = match &self.emitters[index] {
             Emitter::Point { position, intensity } => {
                 let to_light = *position - p;

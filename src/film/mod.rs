@@ -12,6 +12,7 @@ mod pixel;
 pub use image::{Image, Layer};
 pub use pixel::{Auxiliary, Pixel};
 
+use crate::desc::MAX_PIXELS;
 use crate::error::{Error, ErrorKind, Result};
 
 /// Side of the square tiles that a film is divided into.
@@ -57,6 +58,11 @@ impl Film {
     pub fn new(options: FilmOptions) -> Result<Self> {
         let [width, height] = options.resolution.map(|n| n.div_ceil(TILE) as usize);
         let count = width * height * (TILE * TILE) as usize;
+        if count as u64 > 2 * MAX_PIXELS {
+            let message =
+                format!("{} x {} pixels in whole tiles are too many", options.resolution[0], options.resolution[1]);
+            return Err(Error::new(ErrorKind::OutOfMemory, message));
+        }
         Ok(Self { options, pixels: zeroed(count)?, auxiliary: zeroed(if options.auxiliary { count } else { 0 })? })
     }
 
@@ -106,16 +112,12 @@ impl Film {
             image.layers.push(Layer { name: name.to_owned(), channels, data });
         };
         if self.options.auxiliary {
-            let mean = |value: fn(&Auxiliary) -> Vec<f32>| -> Vec<f32> {
-                self.in_rows()
-                    .flat_map(|i| {
-                        let scale = 1.0 / self.pixels[i].count().max(1) as f32;
-                        value(&self.auxiliary[i]).into_iter().map(move |sum| sum * scale)
-                    })
-                    .collect()
+            let mean = |value: fn(&Auxiliary) -> [f64; 3]| -> Vec<f32> {
+                let of = |i: usize| value(&self.auxiliary[i]).map(|sum| sum / f64::from(self.pixels[i].count().max(1)));
+                self.in_rows().flat_map(of).map(|mean| mean as f32).collect()
             };
-            layer("albedo", 3, mean(|a| a.albedo.to_array().to_vec()));
-            layer("normal", 3, mean(|a| a.normal.to_array().to_vec()));
+            layer("albedo", 3, mean(|a| a.albedo));
+            layer("normal", 3, mean(|a| a.normal));
             let depth = self.in_rows().map(|i| self.auxiliary[i].mean_depth()).collect();
             layer("depth", 1, depth);
         }

@@ -64,7 +64,8 @@ impl Pixel {
     /// Variance of the mean per channel, from the spread of complete replicates; NaN while there are fewer than two.
     ///
     /// Samples of one replicate depend on each other (they are stratified), so their own spread says nothing about the
-    /// error of their mean; replicates are scrambled independently.
+    /// error of their mean; replicates are scrambled independently. With weights of both signs it is that of the sum
+    /// before it is divided by the weights, which is more than the error of the quotient.
     pub fn variance(&self) -> [f64; 3] {
         if self.replicates < 2 {
             return [f64::NAN; 3];
@@ -85,9 +86,9 @@ impl Pixel {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Auxiliary {
     /// Sum of albedos.
-    pub albedo: Rgb,
+    pub albedo: [f64; 3],
     /// Sum of shading normals, facing the camera, scene frame.
-    pub normal: Vec3,
+    pub normal: [f64; 3],
     depth: f64,
     hits: u32,
 }
@@ -96,8 +97,12 @@ impl Auxiliary {
     /// Adds the first hit of a sample. `depth` along the view direction, scene units.
     #[inline]
     pub fn add(&mut self, albedo: Rgb, normal: Vec3, depth: f32) {
-        self.albedo += albedo;
-        self.normal += normal;
+        for (sum, value) in self.albedo.iter_mut().zip(albedo.to_array()) {
+            *sum += f64::from(value);
+        }
+        for (sum, value) in self.normal.iter_mut().zip(normal.to_array()) {
+            *sum += f64::from(value);
+        }
         self.depth += f64::from(depth);
         self.hits += 1;
     }

@@ -76,7 +76,7 @@ impl<'s> Vertex<'s> {
     #[inline]
     pub fn sample_light<T: Tracer>(&self, scene: &Scene, u: [f32; 4], light_samples: u32, tracer: &mut T) -> Rgb {
         let point = &self.surface.point;
-        let Some(light) = scene.emitters().sample(point.p, [u[0], u[1], u[2]]) else { return Rgb::ZERO };
+        let Some(light) = scene.emitters().sample(point.p, u) else { return Rgb::ZERO };
         let wi = self.frame.to_local(light.wi);
         if !self.is_consistent(light.wi, wi) {
             return Rgb::ZERO;

@@ -15,7 +15,8 @@ use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::spectrum::Rgb;
 
-/// From this bounce on no path survives with certainty, so that it ends even among perfect mirrors.
+/// From this bounce on no path survives with certainty, so that it ends even among perfect mirrors, and a scene's own
+/// survival probabilities give way to what the path carries.
 const CERTAIN_BOUNCES: u32 = 64;
 
 /// A path that still carries this share of what it had after its first hit survives with certainty. Time to equal error in
@@ -114,19 +115,18 @@ pub(super) fn trace<S: Sampler, T: Tracer>(
         // Roulette: by the scene's own probability at the surface, or by what the path still carries. The ray after the
         // last allowed hit only looks for a light.
         if depth < max_depth {
-            let survival = match vertex.material.survival {
-                Some(survival) if bounced.is_some() => survival,
-                _ => {
-                    let carried = throughput.max_element() * eta2;
-                    if carried <= 0.0 {
-                        break;
-                    }
-                    if depth == 1 {
-                        worth_following = CERTAIN_SHARE * carried;
-                    }
-                    roulette(carried / worth_following, depth)
-                }
+            let carried = throughput.max_element() * eta2;
+            if carried <= 0.0 {
+                break;
+            }
+            if depth == 1 {
+                worth_following = CERTAIN_SHARE * carried;
+            }
+            let share = match vertex.material.survival {
+                Some(survival) if bounced.is_some() && depth < CERTAIN_BOUNCES => survival,
+                _ => carried / worth_following,
             };
+            let survival = roulette(share, depth);
             if survival < 1.0 {
                 if u[3] >= survival {
                     break;

@@ -34,6 +34,9 @@ pub use schedule::MOST_SAMPLES;
 /// How often the caller hears of progress within a pass.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(100);
 
+/// Most worker threads of a render.
+pub const MAX_THREADS: usize = 1024;
+
 /// What to render, and with how much effort.
 #[derive(Clone, Debug, Default)]
 pub struct RenderSettings {
@@ -41,7 +44,7 @@ pub struct RenderSettings {
     pub desc: RenderDesc,
     /// Worker threads, of a pool of its own; 0 means one per core. The image does not depend on it.
     pub threads: usize,
-    /// Ends after this time, when the tiles that are being worked on are done, even if samples are left. For time alone
+    /// Ends after this time, when the pixels that are being worked on are done, even if samples are left. For time alone
     /// to count, ask for [`MOST_SAMPLES`].
     pub time_limit: Option<Duration>,
     /// Keeps albedo, normal and depth of the first hit.
@@ -118,6 +121,11 @@ impl<'s> Render<'s> {
             let message = format!("{} light samples per hit; expected 1 to {MAX_SHADOW_RAYS}", desc.shadow_rays);
             return Err(Error::invalid("render.shadowRays", message));
         }
+        if settings.threads > MAX_THREADS {
+            let message = format!("{} threads; expected at most {MAX_THREADS}", settings.threads);
+            return Err(Error::invalid("threads", message));
+        }
+        check_filter(&desc.filter)?;
         let camera = Camera::new(scene.camera(), desc.resolution, scene.centre())?;
         // The normally distributed pattern is a pixel filter by itself.
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
@@ -139,7 +147,7 @@ impl<'s> Render<'s> {
     /// Renders until samples, time or the caller's patience are used up.
     ///
     /// `progress` is called on the calling thread, between passes and about ten times a second; `Break` stops the render
-    /// after the tiles that are being worked on. What was sampled until then stays in the film, and another call goes on
+    /// after the pixels that are being worked on. What was sampled until then stays in the film, and another call goes on
     /// from there, with the same result as if nothing had happened.
     ///
     /// # Errors
@@ -271,4 +279,16 @@ impl<'s> Render<'s> {
             notes,
         }
     }
+}
+
+/// Parameters within which a filter is one.
+fn check_filter(filter: &FilterDesc) -> Result<()> {
+    let (ok, expected) = match *filter {
+        FilterDesc::Gaussian { sigma } => (sigma > 0.0 && sigma <= 16.0, "a sigma above 0 and up to 16 pixels"),
+        FilterDesc::Mitchell { b, c } => {
+            ((0.0..=1.0).contains(&b) && (0.0..=1.0).contains(&c), "b and c between 0 and 1")
+        }
+        FilterDesc::Box | FilterDesc::Tent | FilterDesc::BlackmanHarris => (true, ""),
+    };
+    if ok { Ok(()) } else { Err(Error::invalid("render.filter", format!("{filter:?}; expected {expected}"))) }
 }

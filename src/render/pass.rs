@@ -61,10 +61,6 @@ impl Pass<'_> {
             if self.stop.load(Ordering::Relaxed) {
                 return;
             }
-            if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-                self.stop.store(true, Ordering::Relaxed);
-                return;
-            }
             let rays = self.tile(integrator, &mut sampler.clone(), tile);
             self.rays.fetch_add(rays, Ordering::Relaxed);
             self.tiles_done.fetch_add(1, Ordering::Relaxed);
@@ -77,7 +73,14 @@ impl Pass<'_> {
         let [left, top] = tile.origin;
         let mut tracer = SceneTracer::new(self.scene);
         for y in top..(top + TILE).min(height) {
+            if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+                self.stop.store(true, Ordering::Relaxed);
+            }
             for x in left..(left + TILE).min(width) {
+                // Pixels go on from where they are, so stopping between any two of them is safe.
+                if self.stop.load(Ordering::Relaxed) {
+                    return tracer.rays;
+                }
                 let index = ((y - top) * TILE + (x - left)) as usize;
                 let pixel = &mut tile.pixels[index];
                 for sample in pixel.count()..self.samples {

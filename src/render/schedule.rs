@@ -13,7 +13,7 @@ const LONGEST_PASS: Duration = Duration::from_millis(500);
 
 /// Samples of a replicate where no end is in sight: a render that only time limits must not wait for ever for an estimate
 /// of its error.
-const OPEN_REPLICATE: u32 = 64;
+const OPEN_REPLICATE: u32 = 16;
 
 /// From so many samples on, a render counts as one without an end.
 const OPEN_END: u32 = 1 << 20;

@@ -6,8 +6,8 @@
 /// start looking, so that a search takes less than two steps on average. Source: Chen and Asau 1974, "On Generating Random
 /// Variates from an Empirical Distribution".
 ///
-/// A sampled number has 24 bits at best: indices of probability below 2^-24 are drawn with a granular probability unless
-/// the number carries more bits.
+/// A single-precision number in [0, 1) has 24 bits: indices of probability below 2^-24 are drawn with a granular probability
+/// unless the number is given with more bits.
 #[derive(Clone, Debug)]
 pub struct Distribution1D {
     /// cdf[i] is the probability of an index below i; one entry more than indices.
@@ -79,8 +79,8 @@ impl Distribution1D {
     /// The index that `u` in [0, 1) falls on, its probability, and where in its share `u` lies, again in [0, 1): uniform
     /// and independent of the index, to be used once more. An index of weight 0 is never returned.
     #[inline]
-    pub fn sample(&self, u: f32) -> (usize, f32, f32) {
-        let u = f64::from(u).clamp(0.0, 1.0 - f64::EPSILON);
+    pub fn sample(&self, u: impl Into<f64>) -> (usize, f32, f32) {
+        let u = u.into().clamp(0.0, 1.0 - f64::EPSILON);
         let index = self.find(u);
         let (low, high) = (self.cdf[index], self.cdf[index + 1]);
         let remapped = ((u - low) / (high - low)) as f32;

@@ -9,13 +9,15 @@ use crate::embree::{UserGeometry, UserHit};
 use crate::math::{Bounds, Ray, Vec4};
 use crate::shape::{Analytic, DRay};
 
-/// Bounding spheres of four shapes, padded for rounding. Lanes without a shape have a radius that nothing hits.
-#[derive(Clone, Copy, Debug)]
+/// Bounding spheres of four shapes, padded for rounding.
+#[derive(Clone, Copy, Debug, Default)]
 struct Packet {
     x: Vec4,
     y: Vec4,
     z: Vec4,
     radius2: Vec4,
+    /// One bit for each lane that holds a shape.
+    lanes: u32,
 }
 
 /// Relative error of the rejection test in f32, about thirty roundings, covered by the margin.
@@ -32,9 +34,10 @@ impl Packet {
         let along = x * ray.direction.x + y * ray.direction.y + z * ray.direction.z;
         let reach2 = self.radius2 + distance2 * MARGIN;
         // Squared distance of the line from the centre, times |d|^2 to save a division.
-        let is_near = (distance2 * length2 - along * along).cmple(reach2 * length2);
-        let is_ahead = along.cmpgt(Vec4::ZERO) | distance2.cmple(reach2);
-        (is_near & is_ahead).bitmask()
+        // Negated comparisons: where a scene is so large that squares overflow, NaN leaves the decision to the exact test.
+        let is_near = !(distance2 * length2 - along * along).cmpgt(reach2 * length2);
+        let is_ahead = !along.cmple(Vec4::ZERO) | !distance2.cmpgt(reach2);
+        (is_near & is_ahead).bitmask() & self.lanes
     }
 }
 
@@ -50,7 +53,7 @@ impl AnalyticList {
         let packets = shapes
             .chunks(4)
             .map(|chunk| {
-                let mut packet = Packet { x: Vec4::ZERO, y: Vec4::ZERO, z: Vec4::ZERO, radius2: Vec4::NEG_INFINITY };
+                let mut packet = Packet { lanes: (1 << chunk.len()) - 1, ..Packet::default() };
                 for (lane, shape) in chunk.iter().enumerate() {
                     let Bounds { min, max } = shape.bounds();
                     let centre = shape.bounds().centre();

@@ -33,6 +33,9 @@ pub struct BuildOptions {
 /// Measured with `cargo bench --bench spheres`.
 const LISTED_SHAPES: usize = 16;
 
+/// Extents of a scene for which products of three lengths, and the kernel's tests with them, stay in range.
+const SAFE_SIZES: std::ops::RangeInclusive<f64> = 1e-8..=1e9;
+
 impl Scene {
     /// Builds the scene of a description.
     ///
@@ -109,8 +112,8 @@ impl<'a> Builder<'a> {
         self.info.embree_bytes = device.memory_bytes();
 
         let emitters = EmitterSet::new(std::mem::take(&mut self.emitters));
-        let warnings = self.warnings(&emitters);
         self.finish_info(&lowered, &emitters);
+        let warnings = self.warnings(&emitters);
         self.info.build_time = start.elapsed();
         Ok(Scene {
             embree,
@@ -352,6 +355,15 @@ impl<'a> Builder<'a> {
                 places.push(format!("and more in {} other surfaces", self.dropped.len() - places.len()));
             }
             warnings.push(format!("dropped {total} triangles without area: {}", places.join(", ")));
+        }
+        let size = (self.info.bounds.max - self.info.bounds.min).max_element();
+        if !self.desc.surfaces.is_empty() && !SAFE_SIZES.contains(&size) {
+            warnings.push(format!(
+                "the scene is {size:e} units across: products of lengths may leave single precision; scale it to between \
+                 {:e} and {:e}",
+                SAFE_SIZES.start(),
+                SAFE_SIZES.end()
+            ));
         }
         if self.dark > 0 {
             warnings.push(format!("dropped {} point lights without intensity", self.dark));

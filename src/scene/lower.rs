@@ -11,6 +11,9 @@ use crate::math::{Bounds, DAffine3, DVec3};
 /// A mesh of more triangles than this is instanced rather than copied when it is used more than once.
 const INSTANCE_TRIANGLES: usize = 10_000;
 
+/// Coordinates of a scene, half of what Embree takes: the scene's frame may be shifted by as much again.
+const LARGEST_COORDINATE: f64 = 0.5 * crate::embree::MAX_COORDINATE as f64;
+
 /// Relative deviation from a similarity up to which a transform keeps spheres round.
 const SIMILARITY: f64 = 1e-9;
 
@@ -92,8 +95,10 @@ pub(super) fn lower(desc: &SceneDesc) -> Result<Lowered> {
                 shape.bounds(surface)?
             }
         };
-        if bounds.is_empty() || !bounds.min.is_finite() || !bounds.max.is_finite() {
-            return Err(Error::invalid(&surface.path, "has no finite extent: coordinates overflow"));
+        let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
+        if bounds.is_empty() || !reach.is_finite() || reach >= LARGEST_COORDINATE {
+            let message = format!("reaches to {reach:e}; coordinates must stay below {LARGEST_COORDINATE:e}");
+            return Err(Error::invalid(&surface.path, message));
         }
         lowered.bounds = lowered.bounds.union(bounds);
     }
