@@ -14,8 +14,13 @@ packaged() { dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'ok install
 
 # The header is what the library is built against, so the header's version decides.
 embree_header() {
-    for dir in "${EMBREE_DIR:+$EMBREE_DIR/include}" /usr/local/include /usr/include; do
-        [ -n "$dir" ] && [ -f "$dir/embree4/rtcore_config.h" ] && { printf '%s' "$dir/embree4/rtcore_config.h"; return; }
+    if [ -n "${EMBREE_DIR:-}" ]; then
+        set -- "$EMBREE_DIR/include"
+    else
+        set -- /usr/local/include /usr/include
+    fi
+    for dir; do
+        [ -f "$dir/embree4/rtcore_config.h" ] && { printf '%s' "$dir/embree4/rtcore_config.h"; return; }
     done
     return 0
 }

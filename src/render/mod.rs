@@ -151,7 +151,7 @@ impl<'s> Render<'s> {
     /// from there, with the same result as if nothing had happened.
     ///
     /// # Errors
-    /// [`ErrorKind::Internal`] if a worker panicked.
+    /// [`ErrorKind::Internal`] if a worker or a shape's intersection test panicked.
     pub fn run(&mut self, progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>) -> Result<Summary> {
         let start = Instant::now();
         self.stopped = false;
@@ -168,6 +168,10 @@ impl<'s> Render<'s> {
                 self.stopped = true;
                 break;
             }
+        }
+        // A shape's test that panicked inside Embree's callback counted as a miss there; say so here.
+        if let Some(kernel) = self.scene.kernel() {
+            kernel.check()?;
         }
         Ok(self.summary(start.elapsed()))
     }
