@@ -71,7 +71,7 @@ pub struct EmitterSet {
 }
 
 impl EmitterSet {
-    /// Emitters chosen by luminous power, with a share of [`EVEN_SHARE`] spread evenly over them: power says nothing about
+    /// Emitters chosen by luminous power, with a tenth of the choices spread evenly over them: power says nothing about
     /// which of them a point sees, and a dim lamp beside a bright one out of sight must not be left to chance.
     pub fn new(emitters: Vec<Emitter>) -> Self {
         let powers: Vec<f64> = emitters.iter().map(|emitter| f64::from(luminance(emitter.power()))).collect();
