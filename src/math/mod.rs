@@ -26,6 +26,11 @@ impl Bounds {
     /// The box that holds nothing; the identity of [`Bounds::union`].
     pub const EMPTY: Self = Self { min: DVec3::splat(f64::INFINITY), max: DVec3::splat(f64::NEG_INFINITY) };
 
+    /// The smallest box that holds all the points.
+    pub fn around(points: impl IntoIterator<Item = DVec3>) -> Self {
+        points.into_iter().fold(Self::EMPTY, Self::include)
+    }
+
     /// The smallest box that holds this one and `point`.
     #[must_use]
     pub fn include(self, point: DVec3) -> Self {
@@ -62,8 +67,6 @@ impl Bounds {
         if self.is_empty() {
             return Self::EMPTY;
         }
-        self.corners()
-            .into_iter()
-            .fold(Self::EMPTY, |bounds, corner| bounds.include(transform.transform_point3(corner)))
+        Self::around(self.corners().map(|corner| transform.transform_point3(corner)))
     }
 }

@@ -155,7 +155,7 @@ impl<'s> Render<'s> {
     pub fn run(&mut self, progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>) -> Result<Summary> {
         let start = Instant::now();
         self.stopped = false;
-        let mut schedule = Schedule::new(&self.settings);
+        let schedule = Schedule::new(&self.settings);
         while let Some(count) = schedule.next_pass(self.samples, start.elapsed()) {
             let finished = self.pass(count, &schedule, start, progress)?;
             if !finished {
@@ -163,7 +163,8 @@ impl<'s> Render<'s> {
             }
             self.samples += count;
             let image = || self.film.develop();
-            let report = self.report(&schedule, start, self.samples, self.rays, Some(&image));
+            let done = f64::from(self.samples);
+            let report = schedule.progress(self.samples, done, self.rays, start.elapsed(), Some(&image));
             if progress(&report).is_break() && !schedule.is_done(self.samples, start.elapsed()) {
                 self.stopped = true;
                 break;
@@ -218,15 +219,8 @@ impl<'s> Render<'s> {
             });
             while let Err(RecvTimeoutError::Timeout) = receiver.recv_timeout(PROGRESS_INTERVAL) {
                 let share = done.load(Ordering::Relaxed) as f64 / tile_count * f64::from(count);
-                let elapsed = start.elapsed();
-                let report = Progress {
-                    fraction: schedule.fraction(f64::from(samples) + share, elapsed),
-                    samples_done: samples,
-                    samples_total: schedule.samples(),
-                    rays: rays_before + rays.load(Ordering::Relaxed),
-                    elapsed,
-                    image: None,
-                };
+                let rays = rays_before + rays.load(Ordering::Relaxed);
+                let report = schedule.progress(samples, f64::from(samples) + share, rays, start.elapsed(), None);
                 if progress(&report).is_break() {
                     stopped = true;
                     stop.store(true, Ordering::Relaxed);
@@ -240,25 +234,6 @@ impl<'s> Render<'s> {
             return Err(Error::new(ErrorKind::Internal, "a worker thread panicked"));
         }
         Ok(!stop.load(Ordering::Relaxed))
-    }
-
-    fn report<'a>(
-        &self,
-        schedule: &Schedule,
-        start: Instant,
-        samples: u32,
-        rays: u64,
-        image: Option<&'a dyn Fn() -> Image>,
-    ) -> Progress<'a> {
-        let elapsed = start.elapsed();
-        Progress {
-            fraction: schedule.fraction(f64::from(samples), elapsed),
-            samples_done: samples,
-            samples_total: schedule.samples(),
-            rays,
-            elapsed,
-            image,
-        }
     }
 
     fn summary(&self, elapsed: Duration) -> Summary {

@@ -2,8 +2,10 @@
 
 use std::time::Duration;
 
-use super::RenderSettings;
+use super::{Progress, RenderSettings};
 use crate::desc::SamplerDesc;
+use crate::film::Image;
+use crate::sampling::square_side;
 
 /// Samples per pixel that a render may reach: their indices stay far from wrapping round.
 pub const MOST_SAMPLES: u32 = 1 << 30;
@@ -38,8 +40,7 @@ fn total(settings: &RenderSettings) -> u32 {
     match settings.desc.sampler {
         // A full pattern, or the pixel would not be covered evenly.
         SamplerDesc::Grid | SamplerDesc::Jittered => {
-            let side = samples.isqrt();
-            let side = if side * side < samples { side + 1 } else { side };
+            let side = square_side(samples);
             side.saturating_mul(side).min(MOST_SAMPLES)
         }
         _ => samples.min(MOST_SAMPLES),
@@ -58,11 +59,6 @@ impl Schedule {
         Self { samples: total(settings), time_limit: settings.time_limit }
     }
 
-    /// Samples per pixel in all.
-    pub(super) fn samples(&self) -> u32 {
-        self.samples
-    }
-
     pub(super) fn is_done(&self, done: u32, elapsed: Duration) -> bool {
         done >= self.samples || self.time_limit.is_some_and(|limit| elapsed >= limit)
     }
@@ -70,7 +66,7 @@ impl Schedule {
     /// Samples of the next pass, `None` when all is done.
     ///
     /// Passes double, so that a first image is there soon, until one takes as long as a viewer should wait.
-    pub(super) fn next_pass(&mut self, done: u32, elapsed: Duration) -> Option<u32> {
+    pub(super) fn next_pass(&self, done: u32, elapsed: Duration) -> Option<u32> {
         if self.is_done(done, elapsed) {
             return None;
         }
@@ -83,8 +79,27 @@ impl Schedule {
         Some((affordable as u32).clamp(1, doubling).min(self.samples - done))
     }
 
+    /// The report on `complete` samples per pixel, `done` with those of an unfinished pass.
+    pub(super) fn progress<'a>(
+        &self,
+        complete: u32,
+        done: f64,
+        rays: u64,
+        elapsed: Duration,
+        image: Option<&'a dyn Fn() -> Image>,
+    ) -> Progress<'a> {
+        Progress {
+            fraction: self.fraction(done, elapsed),
+            samples_done: complete,
+            samples_total: self.samples,
+            rays,
+            elapsed,
+            image,
+        }
+    }
+
     /// Share of the work that is done, by whichever limit is nearer.
-    pub(super) fn fraction(&self, samples: f64, elapsed: Duration) -> f64 {
+    fn fraction(&self, samples: f64, elapsed: Duration) -> f64 {
         let by_samples = samples / f64::from(self.samples);
         let by_time = self.time_limit.map_or(0.0, |limit| elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9));
         by_samples.max(by_time).min(1.0)
@@ -103,7 +118,7 @@ mod tests {
     #[test]
     fn passes_add_up() {
         for samples in [1, 2, 3, 100, 4097] {
-            let mut schedule = Schedule::new(&settings(samples, SamplerDesc::Sobol));
+            let schedule = Schedule::new(&settings(samples, SamplerDesc::Sobol));
             let (mut done, mut passes) = (0, 0);
             while let Some(count) = schedule.next_pass(done, Duration::from_millis(u64::from(done) + 1)) {
                 done += count;

@@ -13,6 +13,7 @@ pub mod warps;
 
 pub use distribution::Distribution1D;
 pub use filter::Filter;
+pub(crate) use pattern::square_side;
 pub use pattern::{Pattern, PatternSampler};
 pub use rng::Rng;
 pub use sobol::SobolSampler;

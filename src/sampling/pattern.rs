@@ -53,7 +53,7 @@ impl PatternSampler {
 }
 
 /// The smallest n with n x n >= `samples`, at least 1.
-fn square_side(samples: u32) -> u32 {
+pub(crate) fn square_side(samples: u32) -> u32 {
     let root = samples.isqrt();
     if root * root < samples { root + 1 } else { root.max(1) }
 }

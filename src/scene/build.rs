@@ -15,7 +15,7 @@ use crate::desc::{CameraDesc, MeshDesc, SceneDesc};
 use crate::embree::{Device, DeviceOptions, SceneBuilder, SceneOptions, TriangleMesh};
 use crate::emitter::{Emitter, EmitterSet, SphereEmitter, TriangleEmitter};
 use crate::error::{Error, Result};
-use crate::math::{DAffine3, DVec3, Vec3};
+use crate::math::{Bounds, DAffine3, DVec3, Vec3};
 use crate::shape::{Analytic, Triangle};
 use crate::spectrum::Rgb;
 
@@ -296,9 +296,7 @@ impl<'a> Builder<'a> {
     /// A mesh around its own middle, in a scene of its own; `None` where all its triangles are degenerate.
     fn shared_mesh(&mut self, mesh_use: &MeshUse, device: &Device) -> Result<Option<SharedMesh>> {
         let mesh = &self.desc.meshes[mesh_use.mesh];
-        let bounds =
-            mesh.positions.iter().fold(crate::math::Bounds::EMPTY, |bounds, &position| bounds.include(position));
-        let middle = bounds.centre();
+        let middle = Bounds::around(mesh.positions.iter().copied()).centre();
         let Some((vertices, indices, normals)) = self.placed(mesh_use, &DAffine3::from_translation(-middle)) else {
             return Ok(None);
         };

@@ -66,13 +66,13 @@ pub(super) fn lower(desc: &SceneDesc) -> Result<Lowered> {
             ShapeDesc::Triangle(corners) => {
                 let corners = wound(surface, corners.each_ref().map(place));
                 lowered.triangles.push((corners, number));
-                corners.iter().fold(Bounds::EMPTY, |bounds, &corner| bounds.include(corner))
+                Bounds::around(corners)
             }
             ShapeDesc::Quad(corners) => {
                 let [a, b, c, d] = corners.each_ref().map(place);
                 lowered.triangles.push((wound(surface, [a, b, c]), number));
                 lowered.triangles.push((wound(surface, [a, c, d]), number));
-                [a, b, c, d].iter().fold(Bounds::EMPTY, |bounds, &corner| bounds.include(corner))
+                Bounds::around([a, b, c, d])
             }
             &ShapeDesc::Mesh { mesh, smooth } => {
                 let description = mesh_of(desc, surface, mesh)?;
@@ -84,9 +84,7 @@ pub(super) fn lower(desc: &SceneDesc) -> Result<Lowered> {
                 // The box of a transformed box is larger than need be, which moves the centre by nothing that matters.
                 mesh_bounds
                     .entry(mesh)
-                    .or_insert_with(|| {
-                        description.positions.iter().fold(Bounds::EMPTY, |bounds, &position| bounds.include(position))
-                    })
+                    .or_insert_with(|| Bounds::around(description.positions.iter().copied()))
                     .transformed(&surface.transform)
             }
             _ => {
