@@ -28,7 +28,9 @@
 #![deny(unsafe_code, missing_docs, unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
 pub mod bsdf;
+pub mod buffer;
 pub mod camera;
+mod control;
 pub mod desc;
 pub mod embree;
 pub mod emitter;
@@ -43,6 +45,7 @@ pub mod scene;
 pub mod shape;
 pub mod spectrum;
 
+pub use control::Cancel;
 pub use error::{Error, ErrorKind, Location, Result};
 
 /// The README's example compiles.

@@ -53,7 +53,7 @@ fn room() -> SceneDesc {
             (sphere(0.4), BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 }, None),
         ],
     );
-    desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE));
+    desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE).into());
     desc
 }
 

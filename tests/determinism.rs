@@ -24,7 +24,7 @@ fn room() -> SceneDesc {
             (ShapeDesc::Sphere { centre: DVec3::new(0.25, 0.125, -0.75), radius: 0.3 }, glass, None),
         ],
     );
-    desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE));
+    desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE).into());
     desc.lights.push(common::scenes::point_light(DVec3::new(0.0, 0.875, -0.5), 0.5));
     desc
 }
@@ -75,7 +75,10 @@ fn threads_and_interruptions_change_nothing() {
 /// The room with all its coordinates, which are multiples of 1/8, moved by `shift`.
 fn moved(shift: DVec3) -> SceneDesc {
     let mut desc = room();
-    desc.meshes.iter_mut().flat_map(|mesh| &mut mesh.positions).for_each(|position| *position += shift);
+    desc.meshes
+        .iter_mut()
+        .flat_map(|mesh| &mut std::sync::Arc::make_mut(mesh).positions)
+        .for_each(|position| *position += shift);
     for surface in &mut desc.surfaces {
         if let ShapeDesc::Sphere { centre, .. } = &mut surface.shape {
             *centre += shift;

@@ -15,7 +15,7 @@ fn room(wall: BsdfDesc, le: f32, object: Option<(ShapeDesc, BsdfDesc)>) -> Scene
     let mut surfaces = vec![(walls, wall, Some(Vec3::splat(le)))];
     surfaces.extend(object.map(|(shape, bsdf)| (shape, bsdf, None)));
     let mut desc = scene(camera(EYE, DVec3::new(-0.4, 0.1, -1.0), 100.0), surfaces);
-    desc.meshes.push(box_inside(DVec3::new(-1.0, -0.8, -1.5), DVec3::new(1.2, 1.0, 0.9)));
+    desc.meshes.push(box_inside(DVec3::new(-1.0, -0.8, -1.5), DVec3::new(1.2, 1.0, 0.9)).into());
     desc
 }
 

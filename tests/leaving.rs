@@ -42,7 +42,8 @@ fn rehits(scene: &Scene, middle: Vec3, reach: f32, rng: &mut Rng, hits: usize) -
 }
 
 fn build(desc: &SceneDesc, listed: usize) -> Scene {
-    Scene::build(desc, &BuildOptions { threads: 1, listed_shapes: Some(listed) }).expect("a scene of the test")
+    Scene::build(desc, &BuildOptions { threads: 1, listed_shapes: Some(listed), ..BuildOptions::default() })
+        .expect("a scene of the test")
 }
 
 fn single(shape: ShapeDesc, transform: DAffine3, eye: DVec3, look_at: DVec3) -> SceneDesc {
@@ -139,7 +140,7 @@ fn instances_under_any_transform() {
             camera(middle + DVec3::splat(3.0 * stretch), middle, 60.0),
             vec![(shape, GREY, None), (shape, GREY, None)],
         );
-        desc.meshes.push(mesh.clone());
+        desc.meshes.push(mesh.clone().into());
         desc.surfaces[0].transform = place(DVec3::ZERO);
         desc.surfaces[1].transform = place(DVec3::X * 1e3);
         let scene = build(&desc, 8);
@@ -150,8 +151,8 @@ fn instances_under_any_transform() {
         for _ in 0..4000 {
             let [a, b] = rng.next_2d();
             let direction = warps::uniform_sphere([a, b]).as_dvec3();
-            let target = desc.surfaces[0].transform.transform_point3(0.5 * direction);
-            let origin = desc.surfaces[0].transform.transform_point3(4.0 * direction);
+            let target = desc.surfaces[0].to_world().transform_point3(0.5 * direction);
+            let origin = desc.surfaces[0].to_world().transform_point3(4.0 * direction);
             let ray = Ray::new(scene.to_scene(origin), (target - origin).normalize().as_vec3a());
             let Some(hit) = scene.intersect(&ray) else { continue };
             hits += 1;

@@ -80,7 +80,7 @@ fn check(scene: &SceneDesc, text: &str) {
     }
     for surface in &scene.surfaces {
         assert!(surface.material < scene.materials.len(), "{text}");
-        assert!(surface.transform.is_finite() && surface.transform.inverse().is_finite(), "{text}");
+        assert!(surface.to_world().is_finite() && surface.to_world().inverse().is_finite(), "{text}");
         assert!(
             surface.emission.is_none_or(|radiance| radiance.is_finite() && radiance.cmpge(Rgb::ZERO).all()),
             "{text}"

@@ -285,12 +285,12 @@ fn named_quadrics_lie_where_their_keys_say() {
         (r#""paraboloid", "apex": [1, 0, 0], "axis": [3, 3, 0]"#, DVec3::new(1.0 + s, s, 1.0)),
     ] {
         let it = surface(&format!("{{\"geometry\": {text}, \"radius\": 2, \"height\": 4, \"material\": \"white\"}}"));
-        let value = at(&it.shape, it.transform.inverse().transform_point3(p));
+        let value = at(&it.shape, it.to_world().inverse().transform_point3(p));
         assert!(value.abs() < 1e-9, "{text}: {value} at {p}");
     }
     let egg = surface(r#"{"geometry": "ellipsoid", "origin": [1, 2, 3], "radii": [1, 2, 4], "material": "white"}"#);
     for p in [DVec3::new(2.0, 2.0, 3.0), DVec3::new(1.0, 0.0, 3.0), DVec3::new(1.0, 2.0, 7.0)] {
-        assert!(at(&egg.shape, egg.transform.inverse().transform_point3(p)).abs() < 1e-9);
+        assert!(at(&egg.shape, egg.to_world().inverse().transform_point3(p)).abs() < 1e-9);
     }
     let open = surface(
         r#"{"geometry": "quadric", "coefficients": [1, 2, 3, 4, 5, 6, 7, 8, 9, 10],
@@ -300,7 +300,7 @@ fn named_quadrics_lie_where_their_keys_say() {
     let ShapeDesc::Quadric { coefficients, clip } = open.shape else { panic!("a quadric") };
     assert_eq!(coefficients, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0]);
     assert_eq!((clip.min, clip.max), (DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.0, 2.0, 3.0)));
-    assert_eq!(open.transform, DAffine3::from_translation(DVec3::X));
+    assert_eq!(open.to_world(), DAffine3::from_translation(DVec3::X));
     // Without a box, an ellipsoid brings its own.
     let ball =
         surface(r#"{"geometry": "quadric", "coefficients": [1, 1, 1, 0, 0, 0, -1, 0, 0, -3], "material": "white"}"#);
@@ -332,7 +332,7 @@ fn meshes_come_from_files_by_name_and_in_place() {
     assert_eq!((scene.meshes[1].name.as_str(), scene.meshes[1].path.as_str()), ("t", "meshes[1]"));
     assert_eq!((&scene.meshes[2].normals, &scene.meshes[2].uvs), (&vec![[0.0, 0.0, 1.0]], &vec![[0.5, 1.0]]));
     // Scaled, turned about z, moved; then ten times as large.
-    assert!(near(scene.surfaces[3].transform.transform_point3(DVec3::X), DVec3::new(10.0, 20.0, 0.0)));
+    assert!(near(scene.surfaces[3].to_world().transform_point3(DVec3::X), DVec3::new(10.0, 20.0, 0.0)));
 }
 
 #[test]
@@ -491,7 +491,7 @@ fn the_reports_room_is_read_whole() {
     assert_eq!(placed.shape, ShapeDesc::Mesh { mesh: 0, smooth: false });
     // A turn by -0.9 rad about y, then the translation.
     let (sin, cos) = (-0.9_f64).sin_cos();
-    assert!(near(placed.transform.transform_point3(DVec3::X), DVec3::new(4.0 + cos, -5.15, -sin)));
+    assert!(near(placed.to_world().transform_point3(DVec3::X), DVec3::new(4.0 + cos, -5.15, -sin)));
 }
 
 #[test]
@@ -527,7 +527,7 @@ fn a_report_scene_becomes_native_by_its_version_where_its_materials_allow() {
     let (native, report) =
         (parse(text), parse(&text.replace("\"etendue\": 1,", "").replace("\"type\": \"view-plane\",", "")));
     assert_eq!(native.camera, report.camera);
-    assert_eq!(native.surfaces[1].transform, report.surfaces[1].transform);
+    assert_eq!(native.surfaces[1].to_world(), report.surfaces[1].to_world());
     assert_eq!(native.materials[0], report.materials[0]);
     assert_eq!((native.dialect, report.dialect), (Dialect::Native, Dialect::Mcrt));
 }

@@ -2,9 +2,10 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::{BsdfDesc, Dialect, MaterialDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, json, obj, validate};
-use crate::math::{Bounds, DVec3};
+use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
 
@@ -103,8 +104,8 @@ impl<'a> Builder<'a> {
 
     /// Adds a mesh; its numbers must be checked already.
     pub fn add_mesh(&mut self, mesh: MeshDesc) -> usize {
-        self.extents.push(mesh.positions.iter().fold(Bounds::EMPTY, |bounds, p| bounds.include(*p)));
-        self.scene.meshes.push(mesh);
+        self.extents.push(mesh.bounds());
+        self.scene.meshes.push(Arc::new(mesh));
         self.scene.meshes.len() - 1
     }
 
@@ -142,7 +143,7 @@ impl<'a> Builder<'a> {
             ShapeDesc::Mesh { mesh, .. } => self.extents.get(*mesh).copied().unwrap_or(Bounds::EMPTY),
             ShapeDesc::Quadric { clip, .. } => *clip,
         };
-        validate::extent(&surface.path, &bounds, &surface.transform)?;
+        validate::extent(&surface.path, &bounds, &surface.to_world())?;
         let quadric = matches!(surface.shape, ShapeDesc::Quadric { .. } | ShapeDesc::Disk { .. });
         if quadric && surface.emission.is_some() {
             let message = "quadrics and disks cannot emit light; use a sphere, triangle, quad or mesh";
@@ -158,9 +159,11 @@ impl<'a> Builder<'a> {
         self.add_surface(SurfaceDesc {
             path: path.to_owned(),
             shape: ShapeDesc::Triangle(vertices),
-            transform: crate::math::DAffine3::IDENTITY,
+            local: DAffine3::IDENTITY,
+            transform: DAffine3::IDENTITY,
             material,
             emission: lit(radiance),
+            hidden: false,
         })
     }
 }

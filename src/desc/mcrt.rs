@@ -206,8 +206,7 @@ fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()>
 
 fn surface(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     let at = |key: &str| join(path, key);
-    let (shape, transform, material) = match json::tag(raw, path, "geometry", &["sphere", "triangle", "mesh"])?.as_str()
-    {
+    let (shape, local, material) = match json::tag(raw, path, "geometry", &["sphere", "triangle", "mesh"])?.as_str() {
         "sphere" => {
             let it: Sphere = object(raw, path, builder)?;
             let centre = validate::vector(&at("origin"), it.origin)?;
@@ -228,12 +227,20 @@ fn surface(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> 
             let origin = validate::vector(&at("origin"), it.origin)?;
             let radians = validate::vector(&at("rotate"), it.rotate.unwrap_or_default())?;
             let scale = transform::factors(&at("scale"), it.scale.map(Scale::Uniform))?;
-            let transform = transform::place(scale, radians, origin);
-            validate::invertible(path, &transform)?;
+            let local = transform::place(scale, radians, origin);
+            validate::invertible(path, &local)?;
             let mesh = builder.mesh_file(&at("file"), &it.file)?;
-            (ShapeDesc::Mesh { mesh, smooth: false }, transform, it.material)
+            (ShapeDesc::Mesh { mesh, smooth: false }, local, it.material)
         }
     };
     let material = builder.material(&at("material"), &material)?;
-    builder.add_surface(SurfaceDesc { path: path.to_owned(), shape, transform, material, emission: None })
+    builder.add_surface(SurfaceDesc {
+        path: path.to_owned(),
+        shape,
+        local,
+        transform: DAffine3::IDENTITY,
+        material,
+        emission: None,
+        hidden: false,
+    })
 }

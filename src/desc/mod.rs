@@ -38,7 +38,9 @@ pub use read::{apply_params, load, parse};
 pub use schema::schema;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
+use crate::buffer::Buffer;
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
 
@@ -55,8 +57,9 @@ pub struct SceneDesc {
     pub lights: Vec<PointLightDesc>,
     /// Materials, named by index from surfaces.
     pub materials: Vec<MaterialDesc>,
-    /// Meshes, named by index from surfaces; one may be used many times.
-    pub meshes: Vec<MeshDesc>,
+    /// Meshes, named by index from surfaces; one may be used many times. A mesh that is the same `Arc` in the description
+    /// of an edited scene is not built again.
+    pub meshes: Vec<Arc<MeshDesc>>,
     /// What there is to hit.
     pub surfaces: Vec<SurfaceDesc>,
     /// Resolution, samples, integrator.
@@ -208,6 +211,80 @@ pub struct MeshDesc {
     pub uvs: Vec<[f32; 2]>,
     /// Three vertex indices per triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// Arrays of the host program, read in place; where they are given, the vectors above are empty.
+    pub host: Option<HostMesh>,
+}
+
+/// A triangle mesh in memory of the host program, in the form that the ray kernel reads.
+///
+/// Sixteen bytes must be readable from the last position on. Coordinates should be near the mesh's own origin: they are
+/// not shifted.
+#[derive(Clone, Debug)]
+pub struct HostMesh {
+    /// One position per vertex.
+    pub positions: Buffer<[f32; 3]>,
+    /// Three vertex indices per triangle.
+    pub triangles: Buffer<[u32; 3]>,
+    /// One normal per vertex, where there are any.
+    pub normals: Option<Buffer<[f32; 3]>>,
+    /// One uv per vertex, where there are any.
+    pub uvs: Option<Buffer<[f32; 2]>>,
+}
+
+impl MeshDesc {
+    /// Number of vertices.
+    pub fn vertex_count(&self) -> usize {
+        self.host.as_ref().map_or(self.positions.len(), |host| host.positions.len())
+    }
+
+    /// Number of triangles.
+    pub fn triangle_count(&self) -> usize {
+        self.host.as_ref().map_or(self.triangles.len(), |host| host.triangles.len())
+    }
+
+    /// Position of a vertex; panics for an index out of range, as all that follow do.
+    pub fn position(&self, vertex: usize) -> DVec3 {
+        match &self.host {
+            None => self.positions[vertex],
+            Some(host) => DVec3::from_array(host.positions.get(vertex).map(f64::from)),
+        }
+    }
+
+    /// The vertices of a triangle.
+    pub fn triangle(&self, index: usize) -> [u32; 3] {
+        self.host.as_ref().map_or_else(|| self.triangles[index], |host| host.triangles.get(index))
+    }
+
+    /// Normal of a vertex, where the mesh has normals.
+    pub fn normal(&self, vertex: usize) -> Option<[f32; 3]> {
+        match &self.host {
+            None => (!self.normals.is_empty()).then(|| self.normals[vertex]),
+            Some(host) => host.normals.as_ref().map(|normals| normals.get(vertex)),
+        }
+    }
+
+    /// Texture coordinates of a vertex, where the mesh has them.
+    pub fn uv(&self, vertex: usize) -> Option<[f32; 2]> {
+        match &self.host {
+            None => (!self.uvs.is_empty()).then(|| self.uvs[vertex]),
+            Some(host) => host.uvs.as_ref().map(|uvs| uvs.get(vertex)),
+        }
+    }
+
+    /// Whether it has normals of its own.
+    pub fn has_normals(&self) -> bool {
+        self.host.as_ref().map_or(!self.normals.is_empty(), |host| host.normals.is_some())
+    }
+
+    /// Whether it has texture coordinates.
+    pub fn has_uvs(&self) -> bool {
+        self.host.as_ref().map_or(!self.uvs.is_empty(), |host| host.uvs.is_some())
+    }
+
+    /// Box around all vertices, in the mesh's own frame.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::around((0..self.vertex_count()).map(|vertex| self.position(vertex)))
+    }
 }
 
 /// Something to hit: a shape at a place, of a material, perhaps emitting.
@@ -217,6 +294,8 @@ pub struct SurfaceDesc {
     pub path: String,
     /// Its geometry.
     pub shape: ShapeDesc,
+    /// The shape's frame to the object's: where a cylinder stands, how large an ellipsoid is. Invertible and finite.
+    pub local: DAffine3,
     /// Object to world; identity where none was given. Invertible and finite.
     pub transform: DAffine3,
     /// Index into [`SceneDesc::materials`].
@@ -224,6 +303,15 @@ pub struct SurfaceDesc {
     /// Emitted radiance [W m^-2 sr^-1] on the normal's side; `None` for a surface that does not emit. Quadrics and
     /// disks never do.
     pub emission: Option<Rgb>,
+    /// Not there for any ray. Surfaces keep their numbers when others are removed.
+    pub hidden: bool,
+}
+
+impl SurfaceDesc {
+    /// The shape's frame to the world's.
+    pub fn to_world(&self) -> DAffine3 {
+        self.transform * self.local
+    }
 }
 
 /// A shape in its own frame.

@@ -369,10 +369,18 @@ fn place(
         None => return Err(Error::invalid(path, "missing key `material`")),
     };
     let at_transform = join(path, "transform");
-    let transform = transform::read(outer, &at_transform)? * local;
-    validate::invertible(if outer.is_some() { &at_transform } else { path }, &transform)?;
+    let transform = transform::read(outer, &at_transform)?;
+    validate::invertible(if outer.is_some() { &at_transform } else { path }, &(transform * local))?;
     let emission = emission.and_then(lit);
-    builder.add_surface(SurfaceDesc { path: path.to_owned(), shape, transform, material, emission })
+    builder.add_surface(SurfaceDesc {
+        path: path.to_owned(),
+        shape,
+        local,
+        transform,
+        material,
+        emission,
+        hidden: false,
+    })
 }
 
 fn general_quadric(coefficients: &[f64; 10], clip: Option<&RawValue>, path: &str) -> Result<ShapeDesc> {

@@ -9,21 +9,31 @@ use super::analytic::{AnalyticGeometry, AnalyticList};
 use super::geometry::{self, Geometry, NO_EMITTER, Owner, Owners, Placement, Triangles};
 use super::lower::{self, Lowered, MeshUse};
 use super::{Material, Scene, SceneInfo};
+use crate::Cancel;
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::desc::{CameraDesc, MeshDesc, SceneDesc};
 use crate::embree::{Device, DeviceOptions, SceneBuilder, SceneOptions, TriangleMesh};
 use crate::emitter::{Emitter, EmitterSet, SphereEmitter, TriangleEmitter};
 use crate::error::{Error, Result};
-use crate::math::{Bounds, DAffine3, DVec3, Vec3};
+use crate::math::{DAffine3, DVec3, Vec3};
 use crate::shape::{Analytic, Triangle};
 use crate::spectrum::Rgb;
 
 /// How to build a scene; nothing here changes an image.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct BuildOptions {
-    /// Threads for Embree's builds; 0 means one per core.
+    /// Threads for Embree's builds; 0 means one per core. Not used where a device is given.
     pub threads: usize,
+    /// Embree's device; `None` opens one for the scene.
+    pub device: Option<Device>,
+    /// Whether geometry will be changed, added or removed later: larger meshes then get hierarchies of their own, so that
+    /// [`Scene::rebuild`] touches only what changed, at some cost for each ray.
+    pub dynamic: bool,
+    /// Stops the build with [`crate::ErrorKind::Cancelled`].
+    pub cancel: Cancel,
+    /// Told the finished fraction, which only grows, from one thread at a time; must not use the device.
+    pub progress: Option<Arc<dyn Fn(f64) + Send + Sync>>,
     /// Fixes how many analytic shapes may be tested in a list before Embree; more become user geometry. `None` lets the
     /// library choose. For measurements.
     pub listed_shapes: Option<usize>,
@@ -117,15 +127,15 @@ impl<'a> Builder<'a> {
         self.info.build_time = start.elapsed();
         Ok(Scene {
             embree,
-            list,
-            list_owners,
-            geometries: self.geometries,
+            list: Arc::new(list),
+            list_owners: list_owners.into(),
+            geometries: self.geometries.into(),
             materials,
-            emitters,
+            emitters: Arc::new(emitters),
             camera: desc.camera,
             centre,
-            info: self.info,
-            warnings,
+            info: Arc::new(self.info),
+            warnings: warnings.into(),
         })
     }
 
@@ -211,7 +221,7 @@ impl<'a> Builder<'a> {
     /// A mesh copied into the scene frame.
     fn flat_mesh(&mut self, mesh_use: &MeshUse, centre: DVec3, embree: &mut SceneBuilder) -> Result<()> {
         let surface = &self.desc.surfaces[mesh_use.surface];
-        let to_scene = DAffine3::from_translation(-centre) * surface.transform;
+        let to_scene = DAffine3::from_translation(-centre) * surface.to_world();
         let Some((vertices, indices, normals)) = self.placed(mesh_use, &to_scene) else { return Ok(()) };
         let first_emitter = match self.emission(mesh_use.surface) {
             None => NO_EMITTER,
@@ -240,17 +250,18 @@ impl<'a> Builder<'a> {
         transform: &DAffine3,
     ) -> Option<(Vec<[f32; 3]>, Vec<[u32; 3]>, Vec<Vec3>)> {
         let mesh = &self.desc.meshes[mesh_use.mesh];
-        let vertices: Vec<[f32; 3]> =
-            mesh.positions.iter().map(|&position| transform.transform_point3(position).as_vec3a().to_array()).collect();
+        let vertices: Vec<[f32; 3]> = (0..mesh.vertex_count())
+            .map(|i| transform.transform_point3(mesh.position(i)).as_vec3a().to_array())
+            .collect();
         let mirrored = lower::is_mirrored(transform);
-        let mut indices = Vec::with_capacity(mesh.triangles.len());
-        for &[a, b, c] in &mesh.triangles {
+        let mut indices = Vec::with_capacity(mesh.triangle_count());
+        for [a, b, c] in (0..mesh.triangle_count()).map(|i| mesh.triangle(i)) {
             let corners = if mirrored { [a, c, b] } else { [a, b, c] };
             if Triangle::new(corners.map(|corner| Vec3::from(vertices[corner as usize]))).is_some() {
                 indices.push(corners);
             }
         }
-        let dropped = mesh.triangles.len() - indices.len();
+        let dropped = mesh.triangle_count() - indices.len();
         if dropped > 0 {
             self.dropped.push((dropped, format!("{} ({})", self.desc.surfaces[mesh_use.surface].path, mesh.name)));
         }
@@ -280,7 +291,7 @@ impl<'a> Builder<'a> {
             };
             let Some(shared) = shared else { continue };
             let to_scene = DAffine3::from_translation(-centre)
-                * self.desc.surfaces[mesh_use.surface].transform
+                * self.desc.surfaces[mesh_use.surface].to_world()
                 * DAffine3::from_translation(shared.middle);
             embree.add_instance(&shared.object, &to_scene)?;
             self.info.instances += 1;
@@ -296,7 +307,7 @@ impl<'a> Builder<'a> {
     /// A mesh around its own middle, in a scene of its own; `None` where all its triangles are degenerate.
     fn shared_mesh(&mut self, mesh_use: &MeshUse, device: &Device) -> Result<Option<SharedMesh>> {
         let mesh = &self.desc.meshes[mesh_use.mesh];
-        let middle = Bounds::around(mesh.positions.iter().copied()).centre();
+        let middle = mesh.bounds().centre();
         let Some((vertices, indices, normals)) = self.placed(mesh_use, &DAffine3::from_translation(-middle)) else {
             return Ok(None);
         };
@@ -421,12 +432,13 @@ fn frame_origin(desc: &SceneDesc, lowered: &Lowered) -> DVec3 {
 ///
 /// Source: Thürmer and Wüthrich 1998, "Computing Vertex Normals from Polygonal Facets".
 fn vertex_normals(mesh: &MeshDesc) -> Vec<DVec3> {
-    if !mesh.normals.is_empty() {
-        return mesh.normals.iter().map(|&normal| Vec3::from(normal).as_dvec3()).collect();
+    if mesh.has_normals() {
+        let normals = (0..mesh.vertex_count()).filter_map(|vertex| mesh.normal(vertex));
+        return normals.map(|normal| Vec3::from(normal).as_dvec3()).collect();
     }
-    let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
-    for triangle in &mesh.triangles {
-        let corners = triangle.map(|corner| mesh.positions[corner as usize]);
+    let mut normals = vec![DVec3::ZERO; mesh.vertex_count()];
+    for triangle in (0..mesh.triangle_count()).map(|i| mesh.triangle(i)) {
+        let corners = triangle.map(|corner| mesh.position(corner as usize));
         let Some(normal) = (corners[1] - corners[0]).cross(corners[2] - corners[0]).try_normalize() else { continue };
         for i in 0..3 {
             let (a, b) = (corners[(i + 1) % 3] - corners[i], corners[(i + 2) % 3] - corners[i]);

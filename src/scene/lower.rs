@@ -55,37 +55,39 @@ pub(super) fn lower(desc: &SceneDesc) -> Result<Lowered> {
     for surface in &desc.surfaces {
         if let ShapeDesc::Mesh { mesh, smooth } = surface.shape
             && surface.emission.is_none()
+            && !surface.hidden
         {
             *uses.entry((mesh, smooth)).or_default() += 1;
         }
     }
     let mut mesh_bounds: HashMap<usize, Bounds> = HashMap::new();
     for (number, surface) in desc.surfaces.iter().enumerate() {
-        let place = |p: &DVec3| surface.transform.transform_point3(*p);
+        if surface.hidden {
+            continue;
+        }
+        let to_world = surface.to_world();
+        let place = |p: &DVec3| to_world.transform_point3(*p);
         let bounds = match &surface.shape {
             ShapeDesc::Triangle(corners) => {
-                let corners = wound(surface, corners.each_ref().map(place));
+                let corners = wound(&to_world, corners.each_ref().map(place));
                 lowered.triangles.push((corners, number));
                 Bounds::around(corners)
             }
             ShapeDesc::Quad(corners) => {
                 let [a, b, c, d] = corners.each_ref().map(place);
-                lowered.triangles.push((wound(surface, [a, b, c]), number));
-                lowered.triangles.push((wound(surface, [a, c, d]), number));
+                lowered.triangles.push((wound(&to_world, [a, b, c]), number));
+                lowered.triangles.push((wound(&to_world, [a, c, d]), number));
                 Bounds::around([a, b, c, d])
             }
             &ShapeDesc::Mesh { mesh, smooth } => {
                 let description = mesh_of(desc, surface, mesh)?;
                 let is_shared = uses.get(&(mesh, smooth)).is_some_and(|&uses| uses > 1);
                 let instanced =
-                    is_shared && surface.emission.is_none() && description.triangles.len() > INSTANCE_TRIANGLES;
+                    is_shared && surface.emission.is_none() && description.triangle_count() > INSTANCE_TRIANGLES;
                 let target = if instanced { &mut lowered.instances } else { &mut lowered.meshes };
                 target.push(MeshUse { mesh, smooth, surface: number });
                 // The box of a transformed box is larger than need be, which moves the centre by nothing that matters.
-                mesh_bounds
-                    .entry(mesh)
-                    .or_insert_with(|| Bounds::around(description.positions.iter().copied()))
-                    .transformed(&surface.transform)
+                mesh_bounds.entry(mesh).or_insert_with(|| description.bounds()).transformed(&to_world)
             }
             _ => {
                 let shape = world_shape(surface)?;
@@ -104,14 +106,14 @@ pub(super) fn lower(desc: &SceneDesc) -> Result<Lowered> {
 }
 
 fn mesh_of<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc, mesh: usize) -> Result<&'a MeshDesc> {
-    desc.meshes.get(mesh).ok_or_else(|| {
+    desc.meshes.get(mesh).map(AsRef::as_ref).ok_or_else(|| {
         Error::invalid(format!("{}.mesh", surface.path), format!("mesh {mesh} of {} does not exist", desc.meshes.len()))
     })
 }
 
 /// Vertices in an order whose normal points outwards: a mirroring transform turns the winding round.
-fn wound(surface: &SurfaceDesc, [a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
-    if is_mirrored(&surface.transform) { [a, c, b] } else { [a, b, c] }
+fn wound(to_world: &DAffine3, [a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
+    if is_mirrored(to_world) { [a, c, b] } else { [a, b, c] }
 }
 
 /// Whether a transform turns right-handed into left-handed.
@@ -133,7 +135,7 @@ fn similarity_scale(transform: &DAffine3) -> Option<f64> {
 }
 
 fn world_shape(surface: &SurfaceDesc) -> Result<WorldShape> {
-    let transform = surface.transform;
+    let transform = surface.to_world();
     let stretched = |what: &str| {
         Error::new(ErrorKind::Unsupported, format!("{what} under a transform that stretches it cannot emit"))
             .at(format!("{}.emission", surface.path))

@@ -17,6 +17,8 @@ pub use build::BuildOptions;
 pub use geometry::SurfaceInteraction;
 pub use info::SceneInfo;
 
+use std::sync::Arc;
+
 use crate::bsdf::Bsdf;
 use crate::desc::CameraDesc;
 use crate::embree;
@@ -49,18 +51,19 @@ pub struct Hit {
 /// The geometry number of shapes outside Embree.
 const IN_LIST: u32 = u32::MAX - 1;
 
-/// A scene that can be rendered: immutable, shared by any number of threads.
+/// A scene that can be rendered: immutable, shared by any number of threads. Cloning one is cheap and shares everything.
+#[derive(Clone)]
 pub struct Scene {
     embree: Option<embree::Scene>,
-    list: AnalyticList,
-    list_owners: Vec<Owner>,
-    geometries: Vec<Geometry>,
-    materials: Vec<Material>,
-    emitters: EmitterSet,
+    list: Arc<AnalyticList>,
+    list_owners: Arc<[Owner]>,
+    geometries: Arc<[Geometry]>,
+    materials: Arc<[Material]>,
+    emitters: Arc<EmitterSet>,
     camera: CameraDesc,
     centre: DVec3,
-    info: SceneInfo,
-    warnings: Vec<String>,
+    info: Arc<SceneInfo>,
+    warnings: Arc<[String]>,
 }
 
 impl std::fmt::Debug for Scene {

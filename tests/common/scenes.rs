@@ -30,9 +30,11 @@ fn add(desc: &mut SceneDesc, number: usize, shape: ShapeDesc, bsdf: BsdfDesc, em
     desc.surfaces.push(SurfaceDesc {
         path: format!("surfaces[{number}]"),
         shape,
+        local: DAffine3::IDENTITY,
         transform: DAffine3::IDENTITY,
         material: desc.materials.len() - 1,
         emission,
+        hidden: false,
     });
 }
 

@@ -1,0 +1,200 @@
+//! Arrays that are shared, and perhaps not ours: the host's own memory, read in place.
+//!
+//! A [`Buffer`] is what geometry is kept in. It is made of a vector, or of memory of the program that links this library,
+//! which stays where it is and is read with its own stride. Cloning one shares it. Nothing here writes.
+#![allow(unsafe_code)]
+
+use std::any::Any;
+use std::fmt;
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use crate::{Error, ErrorKind, Result};
+
+/// What a [`Buffer`] may hold: plain numbers of four or eight bytes, for which every pattern of bits is a value.
+pub trait Element: Copy + Send + Sync + sealed::Plain + 'static {}
+
+mod sealed {
+    pub trait Plain {}
+}
+
+macro_rules! elements {
+    ($($type:ty),*) => {$(
+        impl sealed::Plain for $type {}
+        impl Element for $type {}
+    )*};
+}
+elements!([f32; 2], [f32; 3], [f64; 3], [u32; 3]);
+
+/// Immutable items at a fixed distance from each other, shared by clones.
+#[derive(Clone)]
+pub struct Buffer<T> {
+    start: *const u8,
+    len: usize,
+    stride: usize,
+    is_foreign: bool,
+    /// Keeps the memory; dropped with the last clone.
+    _owner: Arc<dyn Any + Send + Sync>,
+    items: PhantomData<T>,
+}
+
+// SAFETY: the memory is never written to while a `Buffer` exists (a vector that nobody else has, or the promise of
+// `Buffer::foreign`), and its owner is `Send` and `Sync`.
+unsafe impl<T: Element> Send for Buffer<T> {}
+// SAFETY: as for `Send`.
+unsafe impl<T: Element> Sync for Buffer<T> {}
+
+impl<T: Element> Buffer<T> {
+    /// Items in memory of somebody else, `stride` bytes from one to the next; read in place, never written.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidScene`] for a null pointer, an address or stride that does not suit the items' alignment, a
+    /// stride smaller than an item, or a size that no address space holds.
+    ///
+    /// # Safety
+    /// From now until `owner` is dropped, `len` items must be readable at `start`, and nobody may write to them.
+    pub unsafe fn foreign(
+        start: *const T,
+        len: usize,
+        stride: usize,
+        owner: Arc<dyn Any + Send + Sync>,
+    ) -> Result<Self> {
+        let refused = |message: String| Err(Error::new(ErrorKind::InvalidScene, message));
+        if start.is_null() && len > 0 {
+            return refused("the pointer is null".to_owned());
+        }
+        if !start.is_aligned() || !stride.is_multiple_of(align_of::<T>()) {
+            let align = align_of::<T>();
+            return refused(format!("address {start:?} and stride {stride} must be multiples of {align} bytes"));
+        }
+        if stride < size_of::<T>() {
+            return refused(format!("a stride of {stride} bytes is less than an item's {}", size_of::<T>()));
+        }
+        if len.checked_mul(stride).is_none_or(|bytes| isize::try_from(bytes).is_err()) {
+            return refused(format!("{len} items of {stride} bytes are more than any memory holds"));
+        }
+        Ok(Self { start: start.cast(), len, stride, is_foreign: true, _owner: owner, items: PhantomData })
+    }
+
+    /// Number of items.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there is no item.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The item `index`.
+    ///
+    /// # Panics
+    /// If there is no such item.
+    #[inline]
+    pub fn get(&self, index: usize) -> T {
+        assert!(index < self.len, "item {index} of {}", self.len);
+        // SAFETY: the item lies inside the memory, by the check above and the promise behind `start`, `len` and `stride`;
+        // it is aligned because the start and the stride are.
+        unsafe { self.start.add(index * self.stride).cast::<T>().read() }
+    }
+
+    /// All items in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = T> + '_ {
+        (0..self.len).map(|index| self.get(index))
+    }
+
+    /// Whether the memory belongs to somebody else.
+    pub fn is_foreign(&self) -> bool {
+        self.is_foreign
+    }
+
+    /// Address of the first item.
+    pub fn as_ptr(&self) -> *const T {
+        self.start.cast()
+    }
+
+    /// Bytes from one item to the next.
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// Bytes of this library's memory behind it; 0 for foreign memory.
+    pub fn memory_bytes(&self) -> usize {
+        if self.is_foreign { 0 } else { self.len * self.stride }
+    }
+}
+
+impl<T: Element> From<Vec<T>> for Buffer<T> {
+    fn from(items: Vec<T>) -> Self {
+        let (start, len) = (items.as_ptr().cast(), items.len());
+        // Moving the vector into the owner does not move its items.
+        Self { start, len, stride: size_of::<T>(), is_foreign: false, _owner: Arc::new(items), items: PhantomData }
+    }
+}
+
+impl<T: Element> Default for Buffer<T> {
+    fn default() -> Self {
+        Vec::new().into()
+    }
+}
+
+impl<T: Element + fmt::Debug> fmt::Debug for Buffer<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.iter()).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::*;
+
+    struct Told(Arc<AtomicUsize>);
+
+    impl Drop for Told {
+        fn drop(&mut self) {
+            self.0.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    #[test]
+    fn foreign_items_are_read_in_place_until_the_last_clone_is_gone() {
+        let memory: Vec<f32> = (0..40).map(|i| i as f32).collect();
+        let told = Arc::new(AtomicUsize::new(0));
+        let owner = Arc::new(Told(Arc::clone(&told)));
+        // SAFETY: `memory` outlives the buffer and is not written to.
+        let buffer = unsafe { Buffer::<[f32; 3]>::foreign(memory.as_ptr().cast(), 10, 16, owner) }.unwrap();
+        assert_eq!((buffer.get(0), buffer.get(9)), ([0.0, 1.0, 2.0], [36.0, 37.0, 38.0]));
+        assert_eq!((buffer.as_ptr().cast(), buffer.is_foreign(), buffer.memory_bytes()), (memory.as_ptr(), true, 0));
+        let clone = buffer.clone();
+        drop(buffer);
+        assert_eq!((told.load(Ordering::Relaxed), clone.iter().len()), (0, 10));
+        drop(clone);
+        assert_eq!(told.load(Ordering::Relaxed), 1);
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_refused() {
+        let memory = [0_u32; 16];
+        let start = memory.as_ptr();
+        let odd = start.wrapping_byte_add(1);
+        for (start, len, stride) in
+            [(std::ptr::null(), 1, 12), (odd, 1, 12), (start, 1, 13), (start, 1, 8), (start, usize::MAX / 4, 12)]
+        {
+            // SAFETY: nothing is read; these are refused.
+            assert!(unsafe { Buffer::<[u32; 3]>::foreign(start.cast(), len, stride, Arc::new(())) }.is_err());
+        }
+    }
+
+    #[test]
+    fn vectors_stay_where_they_are() {
+        let items = vec![[1_u32, 2, 3], [4, 5, 6]];
+        let address = items.as_ptr();
+        let buffer = Buffer::from(items);
+        assert_eq!((buffer.as_ptr(), buffer.len(), buffer.stride()), (address, 2, 12));
+        assert_eq!(buffer.iter().collect::<Vec<_>>(), [[1, 2, 3], [4, 5, 6]]);
+        assert!(Buffer::<[f64; 3]>::default().is_empty());
+    }
+}
