@@ -1,0 +1,452 @@
+//! The border between C and Rust: pointers are checked, panics end here, failures are kept.
+
+use std::cell::Cell;
+use std::ffi::{CStr, c_char, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ptr;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::status::{ETD_INVALID_HANDLE, ETD_OK, ETD_PANIC, Failure, Result, c_string, etd_status, remember};
+use super::types::{etd_error_fn, etd_log_fn, etd_log_level};
+
+/// Locks what no panic can leave half done.
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A pointer of the host's, handed back to it and never looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct UserData(pub *mut c_void);
+
+// SAFETY: the library never dereferences it; what the host's functions do with it on which thread is documented.
+unsafe impl Send for UserData {}
+// SAFETY: as for `Send`.
+unsafe impl Sync for UserData {}
+
+/// What a device tells its host.
+#[derive(Debug)]
+pub(super) struct Callbacks {
+    pub log: etd_log_fn,
+    pub error: etd_error_fn,
+    pub user_data: UserData,
+}
+
+thread_local! {
+    /// Whether this thread is inside the error callback: a failing call in there is not reported again.
+    static REPORTING: Cell<bool> = const { Cell::new(false) };
+}
+
+impl Callbacks {
+    pub fn log(&self, level: etd_log_level, message: &str) {
+        if let Some(log) = self.log {
+            let message = c_string(message);
+            // SAFETY: the host gave the function for this; the string lives during the call.
+            unsafe { log(self.user_data.0, level, message.as_ptr()) }
+        }
+    }
+
+    fn error(&self, failure: &Failure) {
+        let Some(error) = self.error else { return };
+        if REPORTING.replace(true) {
+            return;
+        }
+        let message = c_string(&failure.message);
+        // SAFETY: as in `log`.
+        unsafe { error(self.user_data.0, failure.status, message.as_ptr()) }
+        REPORTING.set(false);
+    }
+}
+
+/// What every object begins with.
+#[derive(Debug)]
+pub(super) struct Header {
+    /// Says that the object is alive and of which kind; gone once it is released.
+    tag: AtomicU32,
+    poisoned: AtomicBool,
+    sticky: Mutex<Option<Failure>>,
+    pub callbacks: Arc<Callbacks>,
+}
+
+impl Header {
+    pub const TAG_AT: usize = std::mem::offset_of!(Self, tag);
+
+    pub fn new<T: Object>(callbacks: &Arc<Callbacks>) -> Self {
+        Self {
+            tag: AtomicU32::new(T::TAG),
+            poisoned: AtomicBool::new(false),
+            sticky: Mutex::new(None),
+            callbacks: Arc::clone(callbacks),
+        }
+    }
+
+    /// Keeps a failure as the object's, unless there is one, and tells the host.
+    pub fn keep(&self, failure: &Failure) {
+        if failure.status == ETD_PANIC {
+            self.poisoned.store(true, Ordering::Relaxed);
+        }
+        lock(&self.sticky).get_or_insert_with(|| failure.clone());
+        self.callbacks.error(failure);
+    }
+
+    /// The first failure since the last time it was asked.
+    pub fn take(&self) -> Option<Failure> {
+        lock(&self.sticky).take()
+    }
+}
+
+impl Drop for Header {
+    fn drop(&mut self) {
+        self.tag.store(0, Ordering::Relaxed);
+    }
+}
+
+/// An object that C holds by a pointer.
+///
+/// # Safety
+/// `TAG_AT` is where the header's tag lies in the object, and no other object has the same tag.
+pub(super) unsafe trait Object: Send + Sync + Sized + 'static {
+    const TAG: u32;
+    const TAG_AT: usize;
+    const NAME: &'static str;
+    fn header(&self) -> &Header;
+}
+
+/// Makes a structure with a field `header` an [`Object`].
+macro_rules! object {
+    ($type:ty, $tag:literal, $name:literal) => {
+        // SAFETY: the offset is the compiler's, and each tag is given once.
+        unsafe impl Object for $type {
+            const TAG: u32 = u32::from_be_bytes(*$tag);
+            const TAG_AT: usize = std::mem::offset_of!($type, header) + Header::TAG_AT;
+            const NAME: &'static str = $name;
+            fn header(&self) -> &Header {
+                &self.header
+            }
+        }
+    };
+}
+pub(super) use object;
+
+/// Gives an object to the host, as one reference.
+pub(super) fn give<T: Object>(object: Arc<T>, out: *mut *mut T) {
+    // SAFETY: the caller has checked `out`.
+    unsafe { out.write(Arc::into_raw(object).cast_mut()) }
+}
+
+/// Whether `pointer` is a living object of this kind, as far as that can be told.
+///
+/// # Safety
+/// `pointer` must be NULL, or an object of this library, released or not; of a released one memory is read that may have
+/// been given back.
+pub(super) unsafe fn peek<'a, T: Object>(pointer: *const T) -> Result<&'a T> {
+    if pointer.is_null() {
+        return Err(Failure::argument(format!("the {} is NULL", T::NAME)));
+    }
+    // SAFETY: an object of this kind has its tag there; whatever else the host passes is the host's to answer for.
+    let tag =
+        if pointer.is_aligned() { unsafe { ptr::read_volatile(pointer.byte_add(T::TAG_AT).cast::<u32>()) } } else { 0 };
+    if tag != T::TAG {
+        let message = format!("the pointer is no {}, or one that was released", T::NAME);
+        return Err(Failure::new(ETD_INVALID_HANDLE, message));
+    }
+    // SAFETY: alive and of this kind.
+    Ok(unsafe { &*pointer })
+}
+
+/// As [`peek`], and not spoiled by a panic.
+///
+/// # Safety
+/// As for [`peek`].
+pub(super) unsafe fn get<'a, T: Object>(pointer: *const T) -> Result<&'a T> {
+    // SAFETY: passed on.
+    let object = unsafe { peek(pointer) }?;
+    if object.header().poisoned.load(Ordering::Relaxed) {
+        let message = format!("the {} was in use when the library panicked: it can only be released", T::NAME);
+        return Err(Failure::new(ETD_PANIC, message));
+    }
+    Ok(object)
+}
+
+/// As [`get`], and a share in it.
+///
+/// # Safety
+/// As for [`peek`].
+pub(super) unsafe fn share<T: Object>(pointer: *const T) -> Result<Arc<T>> {
+    // SAFETY: passed on.
+    unsafe { get(pointer) }?;
+    // SAFETY: a living object came from `Arc::into_raw`.
+    unsafe {
+        Arc::increment_strong_count(pointer);
+        Ok(Arc::from_raw(pointer))
+    }
+}
+
+/// One more reference to an object.
+///
+/// # Safety
+/// As for [`peek`].
+pub(super) unsafe fn retain<T: Object>(pointer: *const T) -> etd_status {
+    boundary(None, || {
+        // SAFETY: passed on; a living object came from `Arc::into_raw`.
+        unsafe {
+            peek(pointer)?;
+            Arc::increment_strong_count(pointer);
+        }
+        Ok(())
+    })
+}
+
+/// One reference less. NULL and what is no living object are left alone.
+///
+/// # Safety
+/// As for [`peek`].
+pub(super) unsafe fn release<T: Object>(pointer: *const T) {
+    if pointer.is_null() {
+        return;
+    }
+    boundary(None, || {
+        // SAFETY: as in `retain`.
+        unsafe {
+            peek(pointer)?;
+            drop(Arc::from_raw(pointer));
+        }
+        Ok(())
+    });
+}
+
+/// The first failure of an object since it was last asked, and its message.
+///
+/// # Safety
+/// As for [`peek`] and [`copy_text`].
+pub(super) unsafe fn take_status<T: Object>(
+    pointer: *const T,
+    message: *mut c_char,
+    capacity: usize,
+) -> etd_status {
+    let mut first = ETD_OK;
+    let status = boundary(None, || {
+        // SAFETY: passed on.
+        let object = unsafe { peek(pointer) }?;
+        let failure = object.header().take();
+        let text = failure.as_ref().map_or("", |failure| failure.message.as_str());
+        if !message.is_null() {
+            // SAFETY: passed on.
+            unsafe { copy_text(text, message, capacity, ptr::null_mut()) }?;
+        }
+        first = failure.map_or(ETD_OK, |failure| failure.status);
+        Ok(())
+    });
+    if status == ETD_OK { first } else { status }
+}
+
+/// Runs the body of a call: no panic leaves it, and a failure becomes the thread's last and, where there is an object,
+/// that object's.
+pub(super) fn boundary(object: Option<&Header>, body: impl FnOnce() -> Result) -> etd_status {
+    match catch(body) {
+        Ok(()) => ETD_OK,
+        Err(failure) => fail(object, &failure),
+    }
+}
+
+/// Runs a call on an object: checks the handle, holds a share in the object meanwhile (a callback may give back the
+/// host's), and keeps a failure as the object's.
+///
+/// # Safety
+/// As for [`peek`].
+pub(super) unsafe fn on<T: Object>(pointer: *const T, body: impl FnOnce(&Arc<T>) -> Result) -> etd_status {
+    // SAFETY: passed on.
+    match unsafe { share(pointer) } {
+        Ok(object) => boundary(Some(object.header()), || body(&object)),
+        Err(failure) => fail(None, &failure),
+    }
+}
+
+/// As [`on`] for calls that must cost nothing: takes a share only when the call fails.
+///
+/// # Safety
+/// As for [`peek`].
+#[inline]
+pub(super) unsafe fn on_quickly<T: Object>(pointer: *const T, body: impl FnOnce(&T) -> Result) -> etd_status {
+    // SAFETY: passed on.
+    let failure = match unsafe { get(pointer) } {
+        Ok(object) => match catch(|| body(object)) {
+            Ok(()) => return ETD_OK,
+            Err(failure) => failure,
+        },
+        Err(failure) => return fail(None, &failure),
+    };
+    // SAFETY: passed on.
+    let object = unsafe { share(pointer) }.ok();
+    fail(object.as_deref().map(Object::header), &failure)
+}
+
+/// Keeps a failure where it is looked for, and gives its status.
+fn fail(object: Option<&Header>, failure: &Failure) -> etd_status {
+    remember(failure);
+    if let Some(object) = object {
+        object.keep(failure);
+        // The error callback may have made calls that failed as well: this one is what the caller is told about.
+        remember(failure);
+    }
+    failure.status
+}
+
+/// Turns a panic into a failure.
+pub(super) fn catch<R>(body: impl FnOnce() -> Result<R>) -> Result<R> {
+    catch_unwind(AssertUnwindSafe(body)).unwrap_or_else(|panic| {
+        let text = panic
+            .downcast_ref::<&str>()
+            .map(|text| (*text).to_owned())
+            .or_else(|| panic.downcast_ref::<String>().cloned())
+            .unwrap_or_else(|| "no message".to_owned());
+        // A payload whose own destructor panics must not get out either.
+        let _ = catch_unwind(AssertUnwindSafe(|| drop(panic)));
+        Err(Failure::new(ETD_PANIC, format!("the library panicked, please report it: {text}")))
+    })
+}
+
+/// Refuses NULL for an argument that something is written to.
+pub(super) fn need<T>(pointer: *const T, name: &str) -> Result {
+    if pointer.is_null() {
+        return Err(Failure::argument(format!("{name} is NULL")));
+    }
+    if !pointer.is_aligned() {
+        return Err(Failure::argument(format!("{name} is not aligned to {} bytes", align_of::<T>())));
+    }
+    Ok(())
+}
+
+/// The items of an array argument.
+///
+/// # Safety
+/// `count` items must be readable at `pointer` for as long as the slice is used, unless it is NULL.
+pub(super) unsafe fn items<'a, T>(pointer: *const T, count: usize, name: &str) -> Result<&'a [T]> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    need(pointer, name)?;
+    if count.checked_mul(size_of::<T>()).is_none_or(|bytes| isize::try_from(bytes).is_err()) {
+        return Err(Failure::argument(format!("{name} of {count} items is more than any memory holds")));
+    }
+    // SAFETY: not NULL, aligned, and of a possible size; readable by the caller's contract.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
+}
+
+/// Numbers of an array argument of fixed length.
+///
+/// # Safety
+/// `N` items must be readable at `pointer`, unless it is NULL.
+pub(super) unsafe fn array<T: Copy, const N: usize>(pointer: *const T, name: &str) -> Result<[T; N]> {
+    need(pointer, name)?;
+    // SAFETY: by the caller's contract; arrays have the alignment of their items.
+    Ok(unsafe { pointer.cast::<[T; N]>().read() })
+}
+
+/// A string argument: UTF-8 up to its zero byte.
+///
+/// # Safety
+/// `pointer` must be NULL or point to a string that ends with a zero byte and lives during the call.
+pub(super) unsafe fn text<'a>(pointer: *const c_char, name: &str) -> Result<&'a str> {
+    need(pointer, name)?;
+    // SAFETY: by the caller's contract.
+    let bytes = unsafe { CStr::from_ptr(pointer) };
+    bytes.to_str().map_err(|error| Failure::argument(format!("{name} is not UTF-8: {error}")))
+}
+
+/// As [`text`]; NULL means empty.
+///
+/// # Safety
+/// As for [`text`].
+pub(super) unsafe fn optional_text<'a>(pointer: *const c_char, name: &str) -> Result<&'a str> {
+    // SAFETY: passed on.
+    if pointer.is_null() { Ok("") } else { unsafe { text(pointer, name) } }
+}
+
+/// Copies text with a zero byte behind it into the caller's buffer, cut at a character's end where it does not fit.
+///
+/// # Safety
+/// `capacity` bytes must be writable at `buffer`, unless it is NULL; one number at `out_needed`, unless it is NULL.
+pub(super) unsafe fn copy_text(text: &str, buffer: *mut c_char, capacity: usize, out_needed: *mut usize) -> Result {
+    let text = c_string(text);
+    let bytes = text.as_bytes();
+    if !out_needed.is_null() {
+        need(out_needed, "out_needed")?;
+        // SAFETY: by the contract.
+        unsafe { out_needed.write(bytes.len() + 1) }
+    }
+    if buffer.is_null() || capacity == 0 {
+        return if out_needed.is_null() { Err(Failure::argument("the buffer is NULL or empty")) } else { Ok(()) };
+    }
+    let mut length = bytes.len().min(capacity - 1);
+    while length < bytes.len() && bytes[length] & 0xc0 == 0x80 {
+        length -= 1;
+    }
+    // SAFETY: `length + 1 <= capacity` bytes are writable; the host's buffer is not ours.
+    unsafe {
+        ptr::copy_nonoverlapping(bytes.as_ptr().cast(), buffer, length);
+        buffer.add(length).write(0);
+    }
+    Ok(())
+}
+
+/// A structure that starts with its own size, as `size_t`. All of them are plain numbers and pointers, for which zero
+/// bytes are a value and mean "default".
+///
+/// # Safety
+/// `#[repr(C)]`, first field `struct_size: usize`, and valid for all-zero bytes.
+pub(super) unsafe trait Versioned: Copy {
+    /// The size that its first version had: nobody can have been built against less.
+    const SMALLEST: usize;
+}
+
+/// Reads the structure as large as its writer knew it; what it did not know is zero. Something else than zero in a part
+/// that this library does not know is refused: it would be ignored.
+///
+/// # Safety
+/// `pointer` must be NULL or point to as many readable bytes as its first field says.
+pub(super) unsafe fn read_sized<T: Versioned>(pointer: *const T, name: &str) -> Result<T> {
+    need(pointer, name)?;
+    // SAFETY: the first field is there.
+    let given = unsafe { pointer.cast::<usize>().read() };
+    check_size::<T>(given, name)?;
+    // SAFETY: zero bytes are a value of `T`; `given` bytes are readable, of which no more than `T` has are copied.
+    unsafe {
+        let mut value: T = std::mem::zeroed();
+        ptr::copy_nonoverlapping(pointer.cast::<u8>(), (&raw mut value).cast(), given.min(size_of::<T>()));
+        for at in size_of::<T>()..given {
+            if pointer.cast::<u8>().add(at).read() != 0 {
+                let message = format!("{name} sets byte {at}, a field that this version does not know");
+                return Err(Failure::argument(message));
+            }
+        }
+        Ok(value)
+    }
+}
+
+/// Writes as much of the structure as its reader knows; its `struct_size` stays what it is.
+///
+/// # Safety
+/// As for [`read_sized`], and writable.
+pub(super) unsafe fn write_sized<T: Versioned>(pointer: *mut T, name: &str, value: T) -> Result {
+    need(pointer, name)?;
+    // SAFETY: the first field is there.
+    let given = unsafe { pointer.cast::<usize>().read() };
+    check_size::<T>(given, name)?;
+    let (start, end) = (size_of::<usize>(), given.min(size_of::<T>()));
+    // SAFETY: `given` bytes are writable; `end` is no more than either has.
+    unsafe {
+        let from = (&raw const value).cast::<u8>();
+        ptr::copy_nonoverlapping(from.add(start), pointer.cast::<u8>().add(start), end - start);
+    }
+    Ok(())
+}
+
+fn check_size<T: Versioned>(given: usize, name: &str) -> Result {
+    // A forgotten or random size is far off; one of a later version is a few fields larger.
+    if given < T::SMALLEST || given > 16 * size_of::<T>() {
+        let message = format!("{name}.struct_size is {given}, expected sizeof: {}", size_of::<T>());
+        return Err(Failure::argument(message));
+    }
+    Ok(())
+}

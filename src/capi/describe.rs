@@ -1,0 +1,604 @@
+//! Describing a scene by calls: whatever the JSON format can say.
+//!
+//! Every call checks its arguments as the reader of the format does and changes nothing if it fails. Numbers of materials,
+//! lights, meshes and surfaces count from 0 in the order of adding (in a scene that was read, in the order of the file) and
+//! never change. A change shows in the next build or render.
+
+use std::ffi::c_char;
+
+use super::boundary::{array, need, on, optional_text, read_sized, text, write_sized};
+use super::read;
+use super::scene::etd_scene;
+use super::status::{Failure, Result, etd_status};
+use super::types::{ETD_NONE, etd_camera, etd_material, etd_surface};
+use crate::desc::{ShapeDesc, SurfaceLook};
+use crate::math::{Bounds, DAffine3, DVec3};
+use crate::spectrum::Rgb;
+
+/// Replaces the camera.
+///
+/// Errors: `ETD_INVALID_SCENE` if view direction, up vector and angle make no image. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_camera(scene: *mut etd_scene, camera: *const etd_camera) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            let camera = read::camera(camera)?;
+            scene.edit(|desc| desc.set_camera(camera))
+        })
+    }
+}
+
+/// The camera as it is described now. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_camera(scene: *const etd_scene, out_camera: *mut etd_camera) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { on(scene, |scene| write_sized(out_camera, "out_camera", read::camera_out(&scene.desc().camera))) }
+}
+
+/// Adds a material.
+///
+/// `name`: unique among materials, to find it by; NULL: none. `*out_material` is its number. Errors:
+/// `ETD_INVALID_SCENE` for a value out of its domain. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_material(
+    scene: *mut etd_scene,
+    name: *const c_char,
+    material: *const etd_material,
+    out_material: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            need(out_material, "out_material")?;
+            let name = optional_text(name, "name")?;
+            let (bsdf, survival) = read::material(material)?;
+            let number = scene.edit(|desc| desc.add_material(name, bsdf, survival))?;
+            out_material.write(number as u32);
+            Ok(())
+        })
+    }
+}
+
+/// Replaces a material; every surface that has it changes. No geometry is touched. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_material(
+    scene: *mut etd_scene,
+    material: u32,
+    value: *const etd_material,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            let (bsdf, survival) = read::material(value)?;
+            scene.edit(|desc| desc.set_material(material as usize, bsdf, survival))
+        })
+    }
+}
+
+/// A material as it is described now. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_material(
+    scene: *const etd_scene,
+    material: u32,
+    out_material: *mut etd_material,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            let desc = scene.desc();
+            let it = find(&desc.materials, material, "material")?;
+            write_sized(out_material, "out_material", read::material_out(&it.bsdf, it.survival))
+        })
+    }
+}
+
+/// Adds a light that shines from a point, the same in all directions.
+///
+/// `position`: three numbers, world frame. `intensity`: three numbers, radiant intensity [W sr^-1], each >= 0.
+/// `*out_light` is its number among point lights. Lights with an area are surfaces with an emission. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_point_light(
+    scene: *mut etd_scene,
+    position: *const f64,
+    intensity: *const f32,
+    out_light: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            need(out_light, "out_light")?;
+            let position = vector(position, "position")?;
+            let intensity = Rgb::from_array(array(intensity, "intensity")?);
+            let number = scene.edit(|desc| desc.add_point_light(position, intensity))?;
+            out_light.write(number as u32);
+            Ok(())
+        })
+    }
+}
+
+/// Moves and recolours a point light; no intensity switches it off. Arguments as for `etd_scene_add_point_light`.
+/// Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_point_light(
+    scene: *mut etd_scene,
+    light: u32,
+    position: *const f64,
+    intensity: *const f32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            let position = vector(position, "position")?;
+            let intensity = Rgb::from_array(array(intensity, "intensity")?);
+            scene.edit(|desc| desc.set_point_light(light as usize, position, intensity))
+        })
+    }
+}
+
+/// A point light as it is described now: three numbers each. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_point_light(
+    scene: *const etd_scene,
+    light: u32,
+    out_position: *mut f64,
+    out_intensity: *mut f32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            need(out_position, "out_position")?;
+            need(out_intensity, "out_intensity")?;
+            let desc = scene.desc();
+            let it = find(&desc.lights, light, "point light")?;
+            out_position.cast::<[f64; 3]>().write(it.position.to_array());
+            out_intensity.cast::<[f32; 3]>().write(it.intensity.to_array());
+            Ok(())
+        })
+    }
+}
+
+/// Adds a sphere with its normals outwards. `centre`: three numbers; `radius` > 0. Under a transform that stretches it,
+/// it is an ellipsoid, which cannot emit.
+///
+/// As all that add a surface: `surface` says material, emission and transform; `*out_surface` is the surface's number;
+/// errors are `ETD_INVALID_SCENE` and `ETD_UNSUPPORTED` with the JSON path that a file would have. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_sphere(
+    scene: *mut etd_scene,
+    centre: *const f64,
+    radius: f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::sphere(vector(centre, "centre")?, radius)?)) }
+}
+
+/// Adds a triangle with normal (v1 - v0) x (v2 - v0). `vertices`: three positions, nine numbers. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_triangle(
+    scene: *mut etd_scene,
+    vertices: *const f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::triangle(vectors(vertices, "vertices")?)?)) }
+}
+
+/// Adds a flat convex quadrilateral, vertices in order around its edge, with the normal of its first three.
+/// `vertices`: four positions, twelve numbers. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_quad(
+    scene: *mut etd_scene,
+    vertices: *const f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::quad(vectors(vertices, "vertices")?)?)) }
+}
+
+/// Adds a flat round disk. `normal`: any length. Cannot emit. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_disk(
+    scene: *mut etd_scene,
+    centre: *const f64,
+    normal: *const f64,
+    radius: f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, surface, out_surface, || {
+            Ok(ShapeDesc::disk(vector(centre, "centre")?, vector(normal, "normal")?, radius)?)
+        })
+    }
+}
+
+/// Adds a tube without caps, normals outwards. `base`: centre of one end; `axis`: direction to the other, any length.
+/// Cannot emit. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_cylinder(
+    scene: *mut etd_scene,
+    base: *const f64,
+    axis: *const f64,
+    radius: f64,
+    height: f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, surface, out_surface, || {
+            Ok(ShapeDesc::cylinder(vector(base, "base")?, vector(axis, "axis")?, radius, height)?)
+        })
+    }
+}
+
+/// Adds a cone without its base disk, normals outwards. `base`: centre of the base; `axis`: direction to the apex.
+/// Cannot emit. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_cone(
+    scene: *mut etd_scene,
+    base: *const f64,
+    axis: *const f64,
+    radius: f64,
+    height: f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, surface, out_surface, || {
+            Ok(ShapeDesc::cone(vector(base, "base")?, vector(axis, "axis")?, radius, height)?)
+        })
+    }
+}
+
+/// Adds a paraboloid of revolution, open at its wide end, normals away from its axis. `axis`: direction from the apex
+/// into the bowl; `radius`: that at `height`. Cannot emit. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_paraboloid(
+    scene: *mut etd_scene,
+    apex: *const f64,
+    axis: *const f64,
+    radius: f64,
+    height: f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, surface, out_surface, || {
+            Ok(ShapeDesc::paraboloid(vector(apex, "apex")?, vector(axis, "axis")?, radius, height)?)
+        })
+    }
+}
+
+/// Adds an ellipsoid with its axes along x, y and z, normals outwards. `radii`: three numbers > 0. Cannot emit.
+/// Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_ellipsoid(
+    scene: *mut etd_scene,
+    centre: *const f64,
+    radii: *const f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, surface, out_surface, || {
+            Ok(ShapeDesc::ellipsoid(vector(centre, "centre")?, vector(radii, "radii")?)?)
+        })
+    }
+}
+
+/// Adds a quadric: a x^2 + b y^2 + c z^2 + 2d xy + 2e yz + 2f xz + 2g x + 2h y + 2i z + j = 0, normals along the gradient.
+///
+/// `coefficients`: ten numbers, a to j. `clip_min`, `clip_max`: only what lies inside this box is there; both NULL for an
+/// ellipsoid, which ends by itself. Cannot emit. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_quadric(
+    scene: *mut etd_scene,
+    coefficients: *const f64,
+    clip_min: *const f64,
+    clip_max: *const f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, surface, out_surface, || {
+            let clip = match (clip_min.is_null(), clip_max.is_null()) {
+                (true, true) => None,
+                _ => Some(Bounds { min: vector(clip_min, "clip_min")?, max: vector(clip_max, "clip_max")? }),
+            };
+            Ok(ShapeDesc::quadric(array(coefficients, "coefficients")?, clip)?)
+        })
+    }
+}
+
+/// Adds a use of a mesh; one mesh may be used many times, and is kept once.
+///
+/// `smooth`: not 0 interpolates the vertex normals (made from the faces where the mesh has none). Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_mesh_surface(
+    scene: *mut etd_scene,
+    mesh: u32,
+    smooth: u32,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    let shape = ShapeDesc::Mesh { mesh: mesh as usize, smooth: smooth != 0 };
+    // SAFETY: passed on.
+    unsafe { add(scene, surface, out_surface, || Ok((shape, DAffine3::IDENTITY))) }
+}
+
+/// Removes a surface. Its number is not used again, and every other keeps its own. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_remove_surface(scene: *mut etd_scene, surface: u32) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { on(scene, |scene| scene.edit(|desc| desc.remove_surface(surface as usize))) }
+}
+
+/// Places a surface. `transform`: object to world, three rows of four numbers, not flattening; it replaces the one there
+/// was. Of a shape with a place of its own (a cylinder's base, say) it moves the whole. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_transform(
+    scene: *mut etd_scene,
+    surface: u32,
+    transform: *const f64,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            let rows: [f64; 12] = array(transform, "transform")?;
+            if rows == [0.0; 12] {
+                return Err(Failure::argument("transform is all zero"));
+            }
+            scene.edit(|desc| desc.set_transform(surface as usize, read::transform(&rows)))
+        })
+    }
+}
+
+/// Gives a surface another material; `ETD_NONE` for one that emits and reflects nothing. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_surface_material(
+    scene: *mut etd_scene,
+    surface: u32,
+    material: u32,
+) -> etd_status {
+    let material = (material != ETD_NONE).then_some(material as usize);
+    // SAFETY: passed on.
+    unsafe { on(scene, |scene| scene.edit(|desc| desc.set_surface_material(surface as usize, material))) }
+}
+
+/// Changes what a surface emits [W m^-2 sr^-1]. `radiance`: three numbers >= 0; all zero, or NULL: it emits nothing.
+/// Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_emission(
+    scene: *mut etd_scene,
+    surface: u32,
+    radiance: *const f32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            let radiance = if radiance.is_null() { [0.0; 3] } else { array(radiance, "radiance")? };
+            scene.edit(|desc| desc.set_emission(surface as usize, read::emission(radiance)))
+        })
+    }
+}
+
+/// Material, emission and transform of a surface as they are described now; an error if it was removed. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_surface(
+    scene: *const etd_scene,
+    surface: u32,
+    out_surface: *mut etd_surface,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            let desc = scene.desc();
+            let it = find(&desc.surfaces, surface, "surface")?;
+            if it.hidden {
+                return Err(Failure::argument(format!("surface {surface} was removed")));
+            }
+            let value = etd_surface {
+                struct_size: size_of::<etd_surface>(),
+                material: it.material as u32,
+                emission: it.emission.map_or([0.0; 3], |emission| emission.to_array()),
+                transform: read::transform_out(&it.transform),
+            };
+            write_sized(out_surface, "out_surface", value)
+        })
+    }
+}
+
+/// The number of the material of this name. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_find_material(
+    scene: *const etd_scene,
+    name: *const c_char,
+    out_material: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { look_up(scene, name, out_material, "material", |desc, name| desc.find_material(name)) }
+}
+
+/// The number of the mesh of this name. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_find_mesh(
+    scene: *const etd_scene,
+    name: *const c_char,
+    out_mesh: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { look_up(scene, name, out_mesh, "mesh", |desc, name| desc.find_mesh(name)) }
+}
+
+/// The number of the surface with this JSON path, such as "surfaces[3]" or, for an area light, "lights[0]". Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_find_surface(
+    scene: *const etd_scene,
+    json_path: *const c_char,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { look_up(scene, json_path, out_surface, "surface", |desc, path| desc.find_surface(path)) }
+}
+
+/// # Safety
+/// As for the three functions above.
+unsafe fn look_up(
+    scene: *const etd_scene,
+    name: *const c_char,
+    out: *mut u32,
+    what: &str,
+    find: impl FnOnce(&crate::desc::SceneDesc, &str) -> Option<usize>,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            need(out, "the number's place")?;
+            let name = text(name, "name")?;
+            let number = find(&scene.desc(), name);
+            let number = number.ok_or_else(|| Failure::argument(format!("there is no {what} '{name}'")))?;
+            out.write(number as u32);
+            Ok(())
+        })
+    }
+}
+
+/// Adds a surface of a shape.
+///
+/// # Safety
+/// As for the functions that call it.
+unsafe fn add(
+    scene: *mut etd_scene,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+    shape: impl FnOnce() -> Result<(ShapeDesc, DAffine3)>,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            need(out_surface, "out_surface")?;
+            let it = read_sized(surface, "surface")?;
+            let look = SurfaceLook {
+                material: (it.material != ETD_NONE).then_some(it.material as usize),
+                emission: read::emission(it.emission),
+                transform: read::transform(&it.transform),
+            };
+            let (shape, local) = shape()?;
+            let number = scene.edit(|desc| desc.add_surface(shape, local, look))?;
+            out_surface.write(number as u32);
+            Ok(())
+        })
+    }
+}
+
+/// # Safety
+/// Three numbers must be readable at `pointer`, unless it is NULL.
+unsafe fn vector(pointer: *const f64, name: &str) -> Result<DVec3> {
+    // SAFETY: passed on.
+    Ok(DVec3::from_array(unsafe { array(pointer, name) }?))
+}
+
+/// # Safety
+/// 3 N numbers must be readable at `pointer`, unless it is NULL.
+unsafe fn vectors<const N: usize>(pointer: *const f64, name: &str) -> Result<[DVec3; N]> {
+    need(pointer, name)?;
+    // SAFETY: passed on; arrays have the alignment of their items.
+    let all: [[f64; 3]; N] = unsafe { pointer.cast::<[[f64; 3]; N]>().read() };
+    Ok(all.map(DVec3::from_array))
+}
+
+/// An item by its number.
+pub(super) fn find<'a, T>(items: &'a [T], number: u32, what: &str) -> Result<&'a T> {
+    items
+        .get(number as usize)
+        .ok_or_else(|| Failure::argument(format!("there is no {what} {number}, only {}", items.len())))
+}

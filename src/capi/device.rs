@@ -1,0 +1,214 @@
+//! The device: threads, memory, and where messages go.
+
+use std::ffi::{c_char, c_void};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+
+use super::boundary::{
+    Callbacks, Header, Object, UserData, boundary, catch, give, need, object, peek, read_sized, release, retain,
+    take_status,
+};
+use super::status::{ETD_INVALID_ARGUMENT, Failure, etd_status};
+use super::types::{ETD_LOG_INFO, etd_device_options, etd_work_fn};
+use crate::embree::MemoryBudget;
+use crate::render::{MAX_THREADS, Workers};
+
+/// Threads, a memory limit, and the functions that messages go to. Devices do not know of each other.
+pub struct etd_device {
+    header: Header,
+    pub(super) workers: Workers,
+    pub(super) budget: MemoryBudget,
+    /// Threads for building hierarchies.
+    pub(super) build_threads: usize,
+    submit: Submit,
+}
+
+/// Where work goes that must not run on the calling thread.
+enum Submit {
+    Thread,
+    Host(Box<dyn Fn(Job) + Send + Sync>),
+}
+
+type Job = Box<dyn FnOnce() + Send>;
+
+type SubmitFn = unsafe extern "C" fn(*mut c_void, etd_work_fn, *mut c_void);
+object!(etd_device, b"EtDv", "device");
+
+impl etd_device {
+    pub(super) fn callbacks(&self) -> &Arc<Callbacks> {
+        &self.header.callbacks
+    }
+
+    /// Runs a job somewhere else: on a thread of its own, whose handle is given back, or on one of the host's.
+    pub(super) fn start(&self, job: Job) -> std::io::Result<Option<JoinHandle<()>>> {
+        match &self.submit {
+            Submit::Thread => std::thread::Builder::new().name("etendue-task".to_owned()).spawn(job).map(Some),
+            Submit::Host(submit) => {
+                submit(job);
+                Ok(None)
+            }
+        }
+    }
+}
+
+/// The version of the library that is linked, as 10000 * major + 100 * minor + patch. Compare with `ETD_VERSION`.
+/// Thread-safe.
+#[unsafe(no_mangle)]
+pub extern "C" fn etd_version() -> u32 {
+    let part = |text: &str| text.parse::<u32>().unwrap_or(0);
+    10_000 * part(env!("CARGO_PKG_VERSION_MAJOR"))
+        + 100 * part(env!("CARGO_PKG_VERSION_MINOR"))
+        + part(env!("CARGO_PKG_VERSION_PATCH"))
+}
+
+/// The same as text, such as "0.1.0". Static. Thread-safe.
+#[unsafe(no_mangle)]
+pub extern "C" fn etd_version_string() -> *const c_char {
+    concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()
+}
+
+/// Makes a device and starts its threads.
+///
+/// `options`: NULL for the defaults of `ETD_DEVICE_OPTIONS_INIT`. On `ETD_OK` `*out_device` is one reference, to be given
+/// back with `etd_device_release`. Errors: `ETD_INVALID_ARGUMENT` for more than 1024 threads, `ETD_DEVICE` if no thread
+/// could be started. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say; the functions in `options` must be what their types say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_device_new(
+    options: *const etd_device_options,
+    out_device: *mut *mut etd_device,
+) -> etd_status {
+    boundary(None, || {
+        need(out_device, "out_device")?;
+        let defaults = etd_device_options {
+            struct_size: size_of::<etd_device_options>(),
+            threads: 0,
+            reserved: 0,
+            memory_limit: 0,
+            log: None,
+            error: None,
+            submit: None,
+            user_data: std::ptr::null_mut(),
+        };
+        // SAFETY: by the contract.
+        let options = if options.is_null() { defaults } else { unsafe { read_sized(options, "options") }? };
+        if options.reserved != 0 {
+            return Err(Failure::argument("options.reserved is not 0"));
+        }
+        let threads = options.threads as usize;
+        if threads > MAX_THREADS {
+            let message = format!("options.threads is {threads}, expected at most {MAX_THREADS}");
+            return Err(Failure::new(ETD_INVALID_ARGUMENT, message));
+        }
+        let user_data = UserData(options.user_data);
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let (workers, build_threads, submit) = match (options.submit, threads) {
+            (Some(submit), threads) => {
+                let threads = if threads == 0 { cores } else { threads };
+                let to_host = move |job: Job| submit_to_host(submit, user_data, job);
+                // Embree builds with its own threads or none: the host's executor has no part in it.
+                (Workers::host(threads, to_host), 1, Submit::Host(Box::new(to_host)))
+            }
+            (None, 1) => (Workers::calling_thread(), 1, Submit::Thread),
+            (None, threads) => {
+                (Workers::pool(threads)?, if threads == 0 { cores } else { threads }, Submit::Thread)
+            }
+        };
+        let callbacks = Arc::new(Callbacks { log: options.log, error: options.error, user_data });
+        let limit = usize::try_from(options.memory_limit).unwrap_or(usize::MAX);
+        let device = etd_device {
+            header: Header::new::<etd_device>(&callbacks),
+            workers,
+            budget: MemoryBudget::new((limit != 0).then_some(limit)),
+            build_threads,
+            submit,
+        };
+        callbacks.log(ETD_LOG_INFO, &format!("etendue {}", env!("CARGO_PKG_VERSION")));
+        give(Arc::new(device), out_device);
+        Ok(())
+    })
+}
+
+/// Hands a job to the host, as a function and its argument.
+fn submit_to_host(submit: SubmitFn, user_data: UserData, job: Job) {
+    unsafe extern "C" fn work(argument: *mut c_void) {
+        if argument.is_null() {
+            return;
+        }
+        // SAFETY: `argument` came from `Box::into_raw` below, and the host gives it here exactly once.
+        let job = unsafe { Box::from_raw(argument.cast::<Job>()) };
+        // The job reports its panics itself; none may unwind into the host.
+        let _ = catch(|| {
+            job();
+            Ok(())
+        });
+    }
+
+    let argument = Box::into_raw(Box::new(job)).cast::<c_void>();
+    // SAFETY: the host gave the function for this.
+    unsafe { submit(user_data.0, Some(work), argument) }
+}
+
+/// One more reference to a device. Thread-safe.
+///
+/// # Safety
+/// `device` must be NULL or a device.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_device_retain(device: *mut etd_device) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { retain(device) }
+}
+
+/// Gives back one reference to a device; NULL is fine. What was made with it keeps it alive. Thread-safe.
+///
+/// # Safety
+/// `device` must be NULL or a device of which the caller has a reference.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_device_release(device: *mut etd_device) {
+    // SAFETY: passed on.
+    unsafe { release(device) }
+}
+
+/// The first failure of a call on this device since this was last asked, and forgets it; `ETD_OK` if there was none.
+///
+/// So that a host may make many calls and look once. `message`: where its message goes (at most `capacity` bytes with the
+/// zero byte), or NULL. Thread-safe.
+///
+/// # Safety
+/// `device` must be NULL or a device, and `capacity` bytes writable at `message` unless it is NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_device_status(
+    device: *mut etd_device,
+    message: *mut c_char,
+    capacity: usize,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { take_status(device, message, capacity) }
+}
+
+/// Bytes that hierarchies and films of the device take now, and the most they ever took. Either pointer may be NULL.
+/// Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_device_memory(
+    device: *const etd_device,
+    out_used: *mut u64,
+    out_peak: *mut u64,
+) -> etd_status {
+    boundary(None, || {
+        // SAFETY: by the contract.
+        let device = unsafe { peek(device) }?;
+        for (out, bytes) in [(out_used, device.budget.used()), (out_peak, device.budget.peak())] {
+            if !out.is_null() {
+                need(out, "the counter")?;
+                // SAFETY: by the contract.
+                unsafe { out.write(bytes as u64) }
+            }
+        }
+        Ok(())
+    })
+}

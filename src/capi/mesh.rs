@@ -1,0 +1,245 @@
+//! Meshes from arrays of the host: copied, or read in place.
+
+use std::any::Any;
+use std::ffi::c_char;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::boundary::{UserData, need, on, optional_text, read_sized, text};
+use super::read::unknown;
+use super::scene::etd_scene;
+use super::status::{Failure, Result, etd_status};
+use super::types::{etd_mesh, etd_release_fn};
+use crate::buffer::{Buffer, Element};
+use crate::desc::{HostMesh, MeshDesc};
+use crate::math::DVec3;
+
+/// Embree reads each vertex with a load of so many bytes.
+const LAST_LOAD: usize = 16;
+
+/// Tells the host, once, that its arrays are no longer read; unless the mesh was not accepted.
+struct Sharing {
+    release: etd_release_fn,
+    user_data: UserData,
+    accepted: AtomicBool,
+}
+
+impl Drop for Sharing {
+    fn drop(&mut self) {
+        if let (Some(release), true) = (self.release, *self.accepted.get_mut()) {
+            // SAFETY: the host gave the function for this.
+            unsafe { release(self.user_data.0) }
+        }
+    }
+}
+
+/// Adds a mesh from arrays; surfaces use it with `etd_scene_add_mesh_surface`. `*out_mesh` is its number.
+///
+/// Errors: `ETD_INVALID_ARGUMENT` for arrays that cannot be read as they are said to be, `ETD_INVALID_SCENE` for a number
+/// that is not finite or an index of no vertex, with its place. Triangles without area may be present. Thread-safe.
+///
+/// # Safety
+/// The arrays must be readable as `mesh` says; with `ETD_SHARE` until `release` is called, and not be written to.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_mesh(
+    scene: *mut etd_scene,
+    mesh: *const etd_mesh,
+    out_mesh: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            need(out_mesh, "out_mesh")?;
+            let number = with_mesh(mesh, |mesh| scene.edit(|desc| desc.add_mesh(mesh)))?;
+            out_mesh.write(number as u32);
+            Ok(())
+        })
+    }
+}
+
+/// Adds a mesh from a Wavefront OBJ file. `name`: unique among meshes, to find it by; NULL: none. `path`: UTF-8, from the
+/// current folder. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_mesh_file(
+    scene: *mut etd_scene,
+    name: *const c_char,
+    path: *const c_char,
+    out_mesh: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            need(out_mesh, "out_mesh")?;
+            let (name, path) = (optional_text(name, "name")?, text(path, "path")?);
+            let number = scene.edit(|desc| desc.add_mesh_file(name, Path::new(path)))?;
+            out_mesh.write(number as u32);
+            Ok(())
+        })
+    }
+}
+
+/// Replaces a mesh by other arrays, wherever it is used; arrays that were shared for it are released when no build and no
+/// render reads them any more. `name` in `value` is not looked at. Thread-safe.
+///
+/// # Safety
+/// As for `etd_scene_add_mesh`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_mesh(
+    scene: *mut etd_scene,
+    mesh: u32,
+    value: *const etd_mesh,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { on(scene, |scene| with_mesh(value, |value| scene.edit(|desc| desc.set_mesh(mesh as usize, value)))) }
+}
+
+/// Removes a mesh that no surface uses any more, and gives back its memory. Its number is not used again. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_remove_mesh(scene: *mut etd_scene, mesh: u32) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { on(scene, |scene| scene.edit(|desc| desc.remove_mesh(mesh as usize))) }
+}
+
+/// Reads a mesh and hands it on; the host's release function is called later if that succeeds, and never if it fails.
+///
+/// # Safety
+/// As for `etd_scene_add_mesh`.
+unsafe fn with_mesh<R>(pointer: *const etd_mesh, take: impl FnOnce(MeshDesc) -> Result<R>) -> Result<R> {
+    // SAFETY: passed on.
+    let it = unsafe { read_sized(pointer, "mesh") }?;
+    // SAFETY: passed on.
+    let name = unsafe { optional_text(it.name, "mesh.name") }?;
+    for (what, count) in [("vertex_count", it.vertex_count), ("triangle_count", it.triangle_count)] {
+        if count == 0 || count >= u32::MAX as usize {
+            return Err(Failure::argument(format!("mesh.{what} is {count}, expected 1 to 2^32 - 2")));
+        }
+    }
+    let is_double = match it.position_format {
+        0 => false,
+        1 => true,
+        other => return unknown("mesh.position_format", other, 1),
+    };
+    let is_shared = match it.sharing {
+        0 => false,
+        1 => true,
+        other => return unknown("mesh.sharing", other, 1),
+    };
+    if is_shared && is_double {
+        return Err(Failure::argument("mesh.positions of double cannot be shared, only copied"));
+    }
+    if is_shared {
+        let stride = if it.position_stride == 0 { size_of::<[f32; 3]>() } else { it.position_stride };
+        let readable = if it.position_bytes == 0 { it.vertex_count.saturating_mul(stride) } else { it.position_bytes };
+        let needed = (it.vertex_count - 1).saturating_mul(stride).saturating_add(LAST_LOAD);
+        if readable < needed {
+            let message = format!(
+                "mesh.positions: {readable} bytes can be read, expected {needed}: 16 from the last position on. Lengthen \
+                 the array and say so in mesh.position_bytes, or copy"
+            );
+            return Err(Failure::argument(message));
+        }
+    }
+    let sharing = Arc::new(Sharing {
+        release: if is_shared { it.release } else { None },
+        user_data: UserData(it.user_data),
+        accepted: AtomicBool::new(true),
+    });
+    let owner: Arc<dyn Any + Send + Sync> = sharing.clone();
+    let refused = |failure: Failure| {
+        sharing.accepted.store(false, Ordering::Release);
+        failure
+    };
+    // SAFETY: by the contract; copies are finished before this function ends.
+    let desc = unsafe { read_arrays(&it, name, is_double, is_shared, &owner) }.map_err(refused)?;
+    drop(owner);
+
+    // Whoever keeps the mesh may let it go at once, on another thread: `sharing` is held here until all is decided.
+    take(desc).inspect_err(|_| sharing.accepted.store(false, Ordering::Release))
+}
+
+/// The arrays of a mesh, in place or copied.
+///
+/// # Safety
+/// As for `etd_scene_add_mesh`.
+unsafe fn read_arrays(
+    it: &etd_mesh,
+    name: &str,
+    is_double: bool,
+    is_shared: bool,
+    owner: &Arc<dyn Any + Send + Sync>,
+) -> Result<MeshDesc> {
+    // SAFETY: passed on.
+    unsafe {
+        let positions = (!is_double)
+            .then(|| view::<[f32; 3]>(it.positions.cast(), it.vertex_count, it.position_stride, owner, "positions"))
+            .transpose()?;
+        let triangles = view::<[u32; 3]>(it.indices.cast(), it.triangle_count, it.index_stride, owner, "indices")?;
+        let normals = optional_view::<[f32; 3]>(it.normals, it.vertex_count, it.normal_stride, owner, "normals")?;
+        let uvs = optional_view::<[f32; 2]>(it.uvs, it.vertex_count, it.uv_stride, owner, "uvs")?;
+        let mut desc = MeshDesc { name: name.to_owned(), ..MeshDesc::default() };
+        match positions {
+            Some(positions) if is_shared => desc.host = Some(HostMesh { positions, triangles, normals, uvs }),
+            _ => {
+                desc.positions = match positions {
+                    Some(positions) => collect(&positions, |p| DVec3::from_array(p.map(f64::from)))?,
+                    None => {
+                        let all = view(it.positions.cast(), it.vertex_count, it.position_stride, owner, "positions")?;
+                        collect(&all, DVec3::from_array)?
+                    }
+                };
+                desc.triangles = collect(&triangles, |triangle| triangle)?;
+                desc.normals = normals.map_or(Ok(Vec::new()), |normals| collect(&normals, |normal| normal))?;
+                desc.uvs = uvs.map_or(Ok(Vec::new()), |uvs| collect(&uvs, |uv| uv))?;
+            }
+        }
+        Ok(desc)
+    }
+}
+
+/// An array of the host.
+///
+/// # Safety
+/// As for [`Buffer::foreign`].
+unsafe fn view<T: Element>(
+    start: *const T,
+    count: usize,
+    stride: usize,
+    owner: &Arc<dyn Any + Send + Sync>,
+    name: &str,
+) -> Result<Buffer<T>> {
+    let stride = if stride == 0 { size_of::<T>() } else { stride };
+    // SAFETY: passed on.
+    let buffer = unsafe { Buffer::foreign(start, count, stride, Arc::clone(owner)) };
+    buffer.map_err(|error| Failure::argument(format!("mesh.{name}: {}", error.message())))
+}
+
+/// # Safety
+/// As for [`view`].
+unsafe fn optional_view<T: Element>(
+    start: *const f32,
+    count: usize,
+    stride: usize,
+    owner: &Arc<dyn Any + Send + Sync>,
+    name: &str,
+) -> Result<Option<Buffer<T>>> {
+    // SAFETY: passed on.
+    (!start.is_null()).then(|| unsafe { view(start.cast(), count, stride, owner, name) }).transpose()
+}
+
+/// A copy, or an error where there is no memory for it.
+fn collect<T: Element, U>(buffer: &Buffer<T>, convert: impl Fn(T) -> U) -> Result<Vec<U>> {
+    let mut items = Vec::new();
+    items.try_reserve_exact(buffer.len()).map_err(|_| {
+        let message = format!("no room for {} items of a mesh", buffer.len());
+        Failure::new(super::status::ETD_OUT_OF_MEMORY, message)
+    })?;
+    items.extend(buffer.iter().map(convert));
+    Ok(items)
+}

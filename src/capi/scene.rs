@@ -1,0 +1,461 @@
+//! Scenes: made, read, built, asked about themselves. Calls that describe one are in [`super::describe`].
+
+use std::ffi::{c_char, c_void};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, TryLockError};
+use std::time::Duration;
+
+use arc_swap::ArcSwapOption;
+
+use super::boundary::{
+    Header, Object, UserData, boundary, copy_text, give, items, lock, need, object, on, optional_text, read_sized,
+    release, retain, share, take_status, text, write_sized,
+};
+use super::device::etd_device;
+use super::read;
+use super::status::{ETD_INVALID_SCENE, Failure, Result, etd_status};
+use super::types::{
+    ETD_LOG_INFO, ETD_LOG_WARNING, EtdText, ETD_PHASE_BUILD, etd_progress, etd_progress_fn, etd_render_options,
+    etd_scene_info, etd_scene_options,
+};
+use crate::Cancel;
+use crate::desc::{self, SceneDesc};
+use crate::embree::{Device, DeviceOptions};
+use crate::scene::{BuildOptions, Scene};
+
+/// How often a call that waits for another one to finish building looks whether it was cancelled.
+const LOOK: Duration = Duration::from_millis(1);
+
+/// A scene: what the host describes, and what was built of it.
+pub struct etd_scene {
+    header: Header,
+    pub(super) device: Arc<etd_device>,
+    /// Of its own, so that scenes of one device build side by side; they share the device's budget.
+    kernel: Device,
+    state: Mutex<State>,
+    /// What rays are asked of: untouched by edits until the next build.
+    built: ArcSwapOption<Scene>,
+    /// Held by whoever builds.
+    building: Mutex<()>,
+}
+object!(etd_scene, b"EtSc", "scene");
+
+struct State {
+    desc: Arc<SceneDesc>,
+    /// Counts edits.
+    version: u64,
+    /// The version that `built` is of.
+    built_version: Option<u64>,
+    dynamic: bool,
+}
+
+impl etd_scene {
+    fn new(device: &Arc<etd_device>, desc: SceneDesc, dynamic: bool) -> Result<Self> {
+        let options = DeviceOptions {
+            threads: device.build_threads,
+            budget: Some(device.budget.clone()),
+            ..DeviceOptions::default()
+        };
+        for warning in &desc.warnings {
+            device.callbacks().log(ETD_LOG_WARNING, warning);
+        }
+        Ok(Self {
+            header: Header::new::<Self>(device.callbacks()),
+            device: Arc::clone(device),
+            kernel: Device::new(&options)?,
+            state: Mutex::new(State { desc: Arc::new(desc), version: 0, built_version: None, dynamic }),
+            built: ArcSwapOption::empty(),
+            building: Mutex::new(()),
+        })
+    }
+
+    /// The description as it stands.
+    pub(super) fn desc(&self) -> Arc<SceneDesc> {
+        Arc::clone(&lock(&self.state).desc)
+    }
+
+    /// Changes the description; a failing change must have left it as it was.
+    pub(super) fn edit<R>(&self, change: impl FnOnce(&mut SceneDesc) -> crate::Result<R>) -> Result<R> {
+        let mut state = lock(&self.state);
+        let warnings_before = state.desc.warnings.len();
+        // A build that is under way keeps the description it began with.
+        let outcome = change(Arc::make_mut(&mut state.desc))?;
+        state.version += 1;
+        let warnings: Vec<String> = state.desc.warnings.iter().skip(warnings_before).cloned().collect();
+        drop(state);
+        for warning in warnings {
+            self.header.callbacks.log(ETD_LOG_WARNING, &warning);
+        }
+        Ok(outcome)
+    }
+
+    /// What was built last; an error before the first build.
+    #[inline]
+    pub(super) fn with_built<R>(&self, ask: impl FnOnce(&Scene) -> R) -> Result<R> {
+        match &*self.built.load() {
+            Some(scene) => Ok(ask(scene)),
+            None => Err(Failure::operation("the scene was not built: call etd_scene_commit first")),
+        }
+    }
+
+    /// The scene as it is described now, built if need be, and the time that took.
+    pub(super) fn build(&self, cancel: &Cancel, progress: Progress) -> Result<(Scene, Duration)> {
+        let _turn = loop {
+            match self.building.try_lock() {
+                Ok(turn) => break turn,
+                Err(TryLockError::Poisoned(turn)) => break turn.into_inner(),
+                Err(TryLockError::WouldBlock) => {
+                    cancel.check()?;
+                    std::thread::sleep(LOOK);
+                }
+            }
+        };
+        cancel.check()?;
+        let (desc, version, dynamic, is_current) = {
+            let state = lock(&self.state);
+            (Arc::clone(&state.desc), state.version, state.dynamic, state.built_version == Some(state.version))
+        };
+        let old = self.built.load_full();
+        if let (Some(built), true) = (&old, is_current) {
+            return Ok((Scene::clone(built), Duration::ZERO));
+        }
+        let options = BuildOptions {
+            threads: self.device.build_threads,
+            device: Some(self.kernel.clone()),
+            dynamic,
+            cancel: cancel.clone(),
+            progress,
+            ..BuildOptions::default()
+        };
+        let scene = match &old {
+            Some(old) => old.rebuild(&desc, &options)?,
+            None => Scene::build(&desc, &options)?,
+        };
+        let built = Arc::new(scene.clone());
+        self.built.store(Some(built));
+        lock(&self.state).built_version = Some(version);
+        let callbacks = &self.header.callbacks;
+        let had = |warning: &String| old.as_ref().is_some_and(|old| old.warnings().contains(warning));
+        for warning in scene.warnings().iter().filter(|warning| !had(warning)) {
+            callbacks.log(ETD_LOG_WARNING, warning);
+        }
+        let time = scene.info().build_time;
+        callbacks.log(ETD_LOG_INFO, &format!("scene built in {:.1} ms", 1e3 * time.as_secs_f64()));
+        Ok((scene, time))
+    }
+}
+
+/// What is told the finished share of a build.
+pub(super) type Progress = Option<Arc<dyn Fn(f64) + Send + Sync>>;
+
+/// # Safety
+/// As for [`read_sized`]; the strings in it as for [`optional_text`].
+unsafe fn read_options<'a>(options: *const etd_scene_options) -> Result<(bool, &'a Path, Option<PathBuf>)> {
+    if options.is_null() {
+        return Ok((false, Path::new("."), None));
+    }
+    // SAFETY: passed on.
+    let (it, base_dir, params) = unsafe {
+        let it = read_sized(options, "options")?;
+        (it, optional_text(it.base_dir, "options.base_dir")?, optional_text(it.params_file, "options.params_file")?)
+    };
+    if it.reserved != 0 {
+        return Err(Failure::argument("options.reserved is not 0"));
+    }
+    let dynamic = match it.usage {
+        0 => false,
+        1 => true,
+        other => return read::unknown("options.usage", other, 1),
+    };
+    let base_dir = if base_dir.is_empty() { "." } else { base_dir };
+    Ok((dynamic, Path::new(base_dir), (!params.is_empty()).then(|| PathBuf::from(params))))
+}
+
+/// Makes an empty scene with the default camera, to be described by calls.
+///
+/// `options`: NULL for defaults; `base_dir` is for mesh files. On `ETD_OK` `*out_scene` is one reference. The scene keeps
+/// its device alive. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_new(
+    device: *mut etd_device,
+    options: *const etd_scene_options,
+    out_scene: *mut *mut etd_scene,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        make(device, options, out_scene, |_, params| {
+            if params.is_some() {
+                return Err(Failure::argument("options.params_file is for scenes that are read"));
+            }
+            Ok(SceneDesc::default())
+        })
+    }
+}
+
+/// Reads a scene from text: this library's JSON format, or that of the report's renderer.
+///
+/// `json`: `json_length` bytes of UTF-8, no zero byte needed. Mesh files are looked for in `options->base_dir`. On
+/// `ETD_OK` `*out_scene` is one reference; on failure it is untouched, and the message says line and JSON path. Nothing
+/// is built yet: `etd_scene_commit` does, or the first render. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_from_json(
+    device: *mut etd_device,
+    json: *const c_char,
+    json_length: usize,
+    options: *const etd_scene_options,
+    out_scene: *mut *mut etd_scene,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        make(device, options, out_scene, |base_dir, params| {
+            need(json, "json")?;
+            let bytes = items(json.cast::<u8>(), json_length, "json")?;
+            let json = std::str::from_utf8(bytes).map_err(|error| {
+                Failure::new(ETD_INVALID_SCENE, format!("the scene is not UTF-8: {error}"))
+            })?;
+            let mut scene = desc::parse(json, base_dir, None)?;
+            if let Some(file) = params {
+                desc::load_params(file, &mut scene)?;
+            }
+            Ok(scene)
+        })
+    }
+}
+
+/// Reads a scene from a file; mesh files are looked for in its folder (`options->base_dir` is not looked at).
+///
+/// As `etd_scene_from_json` in all else. `path`: UTF-8. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_from_file(
+    device: *mut etd_device,
+    path: *const c_char,
+    options: *const etd_scene_options,
+    out_scene: *mut *mut etd_scene,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        make(device, options, out_scene, |_, params| {
+            let path = text(path, "path")?;
+            Ok(desc::load(Path::new(path), params)?)
+        })
+    }
+}
+
+/// # Safety
+/// As for the three functions above.
+unsafe fn make(
+    device: *mut etd_device,
+    options: *const etd_scene_options,
+    out_scene: *mut *mut etd_scene,
+    describe: impl FnOnce(&Path, Option<&Path>) -> Result<SceneDesc>,
+) -> etd_status {
+    // SAFETY: by the contract.
+    let owner = unsafe { share(device) };
+    let header = owner.as_ref().ok().map(|device| Arc::clone(device));
+    boundary(header.as_ref().map(|device| device.header()), || {
+        let device = owner?;
+        need(out_scene, "out_scene")?;
+        // SAFETY: by the contract.
+        let (dynamic, base_dir, params) = unsafe { read_options(options) }?;
+        let desc = describe(base_dir, params.as_deref())?;
+        give(Arc::new(etd_scene::new(&device, desc, dynamic)?), out_scene);
+        Ok(())
+    })
+}
+
+/// One more reference to a scene. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_retain(scene: *mut etd_scene) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { retain(scene) }
+}
+
+/// Gives back one reference to a scene; NULL is fine. Tasks that render it keep it alive. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene of which the caller has a reference.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_release(scene: *mut etd_scene) {
+    // SAFETY: passed on.
+    unsafe { release(scene) }
+}
+
+/// The first failure of a call on this scene since this was last asked, and forgets it; `ETD_OK` if there was none.
+///
+/// So that a scene may be described by many calls and checked once. `message`: where its message goes (at most `capacity`
+/// bytes with the zero byte), or NULL. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene, and `capacity` bytes writable at `message` unless it is NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_status(scene: *mut etd_scene, message: *mut c_char, capacity: usize) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { take_status(scene, message, capacity) }
+}
+
+/// Builds what was described since the last time, and only that; returns at once if there is nothing new.
+///
+/// Renders do this by themselves; ray queries see the scene as it was last built. Renders that are under way go on with
+/// the scene they began with. `progress` may be NULL; it is called on a building thread, and cancels if it returns
+/// anything but 0. Errors: those of the description that only show when it is built, `ETD_CANCELLED`,
+/// `ETD_OUT_OF_MEMORY`; what was built before stays in use then. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene, `progress` NULL or such a function.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_commit(
+    scene: *mut etd_scene,
+    progress: etd_progress_fn,
+    user_data: *mut c_void,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { on(scene, |scene| {
+        let cancel = Cancel::new();
+        let told = progress.map(|progress| {
+            let user_data = UserData(user_data);
+            let cancel = cancel.clone();
+            let start = std::time::Instant::now();
+            let tell = move |fraction: f64| {
+                let user_data = &user_data;
+                let report = etd_progress {
+                    struct_size: size_of::<etd_progress>(),
+                    fraction,
+                    elapsed: start.elapsed().as_secs_f64(),
+                    rays: 0,
+                    samples_done: 0,
+                    samples_total: 0,
+                    phase: ETD_PHASE_BUILD,
+                    images: 0,
+                };
+                // SAFETY: the host gave the function for this; the report lives during the call.
+                if unsafe { progress(user_data.0, &raw const report) } != 0 {
+                    cancel.cancel();
+                }
+            };
+            Arc::new(tell) as Arc<dyn Fn(f64) + Send + Sync>
+        });
+        scene.build(&cancel, told)?;
+        Ok(())
+    }) }
+}
+
+/// What was built: counts, memory, extent. An error before the first build. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene, `out_info` NULL or a structure of the size it says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_info(scene: *const etd_scene, out_info: *mut etd_scene_info) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { on(scene, |scene| {
+        let desc = scene.desc();
+        let info = scene.with_built(|built| {
+            let info = built.info();
+            let (min, max) = (info.bounds.min, info.bounds.max);
+            etd_scene_info {
+                struct_size: size_of::<etd_scene_info>(),
+                surfaces: desc.surfaces.len() as u64,
+                materials: desc.materials.len() as u64,
+                meshes: desc.meshes.len() as u64,
+                point_lights: desc.lights.len() as u64,
+                triangles: info.triangles as u64,
+                instances: info.instances as u64,
+                shared_triangles: info.shared_triangles as u64,
+                analytic_shapes: (info.listed_shapes + info.embree_shapes) as u64,
+                emitters: info.emitters as u64,
+                geometry_bytes: info.geometry_bytes as u64,
+                hierarchy_bytes: info.embree_bytes as u64,
+                bounds_min: min.to_array(),
+                bounds_max: max.to_array(),
+                build_time: info.build_time.as_secs_f64(),
+            }
+        })?;
+        // SAFETY: by the contract.
+        unsafe { write_sized(out_info, "out_info", info) }
+    }) }
+}
+
+/// Copies a text about the scene, an `etd_text`, into the caller's buffer.
+///
+/// At most `capacity` bytes with the zero byte are written. `*out_needed`, unless NULL, is the size that holds it all;
+/// `buffer` may be NULL to ask for that alone. `ETD_TEXT_INFO` is an error before the first build. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_copy_text(
+    scene: *const etd_scene,
+    which: EtdText,
+    buffer: *mut c_char,
+    capacity: usize,
+    out_needed: *mut usize,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { on(scene, |scene| {
+        let text = match which {
+            0 => scene.with_built(|built| built.info().to_string())?,
+            1 => {
+                let mut lines = scene.desc().warnings.clone();
+                if let Some(built) = &*scene.built.load() {
+                    lines.extend(built.warnings().iter().cloned());
+                }
+                lines.join("\n")
+            }
+            other => return read::unknown("which", other, 1),
+        };
+        // SAFETY: by the contract.
+        unsafe { copy_text(&text, buffer, capacity, out_needed) }
+    }) }
+}
+
+/// The settings that the scene's own `render` block asks for (the defaults where it has none), to be changed and given to
+/// a render. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene, `out_options` NULL or a structure of the size it says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_render_options(
+    scene: *const etd_scene,
+    out_options: *mut etd_render_options,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { on(scene, |scene| {
+        // SAFETY: by the contract.
+        unsafe { write_sized(out_options, "out_options", read::render_out(&scene.desc().render)) }
+    }) }
+}
+
+/// The resolution that the scene's own `render` block asks for, 256 x 256 where it has none. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_resolution(
+    scene: *const etd_scene,
+    out_width: *mut u32,
+    out_height: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { on(scene, |scene| {
+        need(out_width, "out_width")?;
+        need(out_height, "out_height")?;
+        let [width, height] = scene.desc().render.resolution;
+        // SAFETY: by the contract.
+        unsafe {
+            out_width.write(width);
+            out_height.write(height);
+        }
+        Ok(())
+    }) }
+}

@@ -1,0 +1,527 @@
+//! Renders: on the calling thread, or as tasks that are polled, awaited and cancelled.
+
+use std::cell::RefCell;
+use std::ffi::{c_char, c_void};
+use std::ops::ControlFlow;
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::boundary::{
+    Header, Object, UserData, boundary, catch, give, lock, need, object, on, read_sized, release, retain, share,
+    take_status, write_sized,
+};
+use super::film::{etd_film, share_film};
+use super::read;
+use super::scene::{Progress, etd_scene};
+use super::status::{ETD_CANCELLED, ETD_DEVICE, ETD_OK, ETD_RUNNING, Failure, Result, etd_status};
+use super::types::{
+    ETD_LOG_WARNING, ETD_PHASE_BUILD, ETD_PHASE_END, ETD_PHASE_RENDER, etd_finished_fn, etd_phase, etd_progress,
+    etd_progress_fn, etd_render_options, etd_summary,
+};
+use crate::Cancel;
+use crate::render::{Render, RenderSettings};
+
+/// Share of the progress that building a scene takes.
+const BUILD_SHARE: f64 = 0.1;
+
+/// A film gets a new image in the middle of a pass only when the last one is as old as this.
+const IMAGE_INTERVAL: Duration = Duration::from_secs(1);
+
+/// And when making images takes no more than one part in this of the time.
+const IMAGE_COST: u32 = 50;
+
+thread_local! {
+    /// The work whose callbacks this thread is in, innermost last.
+    static INSIDE: RefCell<Vec<*const Work>> = const { RefCell::new(Vec::new()) };
+}
+
+/// A started render.
+pub struct etd_task {
+    header: Header,
+    work: Arc<Work>,
+}
+object!(etd_task, b"EtTa", "task");
+
+/// A render: what it needs, how far it is, and how it ended.
+struct Work {
+    scene: Arc<etd_scene>,
+    film: Arc<etd_film>,
+    options: etd_render_options,
+    user_data: UserData,
+    state: Mutex<State>,
+    ended: Condvar,
+    /// Kept so that it can go on.
+    render: Mutex<Option<Render>>,
+    /// The thread it runs on, where that is one of its own.
+    thread: Mutex<Option<JoinHandle<()>>>,
+}
+
+// SAFETY: the pointers in `options` are functions, and `user_data`, which is the host's to look at.
+unsafe impl Send for Work {}
+// SAFETY: as for `Send`.
+unsafe impl Sync for Work {}
+
+struct State {
+    cancel: Cancel,
+    progress: etd_progress,
+    /// `None` while it runs.
+    outcome: Option<Result>,
+}
+
+/// Takes itself off the thread's list when it goes.
+struct Inside;
+
+impl Inside {
+    fn enter(work: *const Work) -> Self {
+        INSIDE.with(|inside| inside.borrow_mut().push(work));
+        Self
+    }
+}
+
+impl Drop for Inside {
+    fn drop(&mut self) {
+        INSIDE.with(|inside| inside.borrow_mut().pop());
+    }
+}
+
+impl Work {
+    fn is_calling_us(&self) -> bool {
+        INSIDE.with(|inside| inside.borrow().iter().any(|work| std::ptr::eq(*work, self)))
+    }
+
+    fn cancel(&self) -> Cancel {
+        lock(&self.state).cancel.clone()
+    }
+
+    /// Notes how far it is and tells the host.
+    fn report(&self, cancel: &Cancel, change: impl FnOnce(&mut etd_progress)) {
+        let progress = {
+            let mut state = lock(&self.state);
+            let before = state.progress.fraction;
+            change(&mut state.progress);
+            state.progress.fraction = state.progress.fraction.max(before);
+            state.progress
+        };
+        if let Some(tell) = self.options.progress {
+            let _inside = Inside::enter(self);
+            // SAFETY: the host gave the function for this; the report lives during the call.
+            if unsafe { tell(self.user_data.0, &raw const progress) } != 0 {
+                cancel.cancel();
+            }
+        }
+    }
+
+    /// Builds and renders on this thread. The film has been taken; it is given back here.
+    fn run(self: &Arc<Self>, resumes: bool) -> Result {
+        let cancel = self.cancel();
+        let mut summary = None;
+        let outcome = catch(|| self.build_and_render(resumes, &cancel, &mut summary));
+        self.film.end(summary);
+        let outcome = match outcome {
+            Ok(()) if summary.is_some_and(|summary| summary.cancelled != 0) => {
+                Err(Failure::new(ETD_CANCELLED, "the render was cancelled; the film holds what was done"))
+            }
+            other => other,
+        };
+        outcome
+    }
+
+    fn build_and_render(
+        self: &Arc<Self>,
+        resumes: bool,
+        cancel: &Cancel,
+        out_summary: &mut Option<etd_summary>,
+    ) -> Result {
+        let start = Instant::now();
+        let mut slot = lock(&self.render);
+        let mut build_time = Duration::ZERO;
+        if !resumes || slot.is_none() {
+            let work = Arc::downgrade(self);
+            let told_cancel = cancel.clone();
+            let told: Progress = Some(Arc::new(move |fraction: f64| {
+                if let Some(work) = work.upgrade() {
+                    work.report(&told_cancel, |progress| {
+                        progress.phase = ETD_PHASE_BUILD;
+                        progress.fraction = BUILD_SHARE * fraction;
+                        progress.elapsed = start.elapsed().as_secs_f64();
+                    });
+                }
+            }));
+            let (scene, time) = self.scene.build(cancel, told)?;
+            build_time = time;
+            let settings = self.settings(cancel)?;
+            *slot = Some(Render::new(&scene, settings)?);
+        }
+        let Some(render) = slot.as_mut() else { return Ok(()) };
+        render.set_cancel(cancel.clone());
+        let sums = Arc::clone(render.film());
+        self.film.set_sums(&sums);
+        let built = if build_time.is_zero() { 0.0 } else { BUILD_SHARE };
+        let mut last_image = Instant::now();
+        let mut image_cost = Duration::ZERO;
+        let mut failure = None;
+        let summary = render.run(&mut |progress| {
+            let is_due = progress.image.is_some()
+                || last_image.elapsed() > IMAGE_INTERVAL.max(IMAGE_COST * image_cost);
+            if is_due {
+                let begin = Instant::now();
+                failure = self.film.publish(&sums, progress.samples_done).err();
+                last_image = Instant::now();
+                image_cost = last_image - begin;
+            }
+            let images = self.film.images();
+            self.report(cancel, |report| {
+                report.phase = ETD_PHASE_RENDER;
+                report.fraction = built + (1.0 - built) * progress.fraction;
+                report.elapsed = start.elapsed().as_secs_f64();
+                report.rays = progress.rays;
+                report.samples_done = progress.samples_done;
+                report.samples_total = progress.samples_total;
+                report.images = images;
+            });
+            if failure.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })?;
+        if let Some(failure) = failure {
+            return Err(failure);
+        }
+        // What was done of a pass that was cut short.
+        self.film.publish(&sums, summary.samples)?;
+        for note in &summary.notes {
+            self.film.header().callbacks.log(ETD_LOG_WARNING, note);
+        }
+        *out_summary = Some(etd_summary {
+            struct_size: size_of::<etd_summary>(),
+            elapsed: summary.elapsed.as_secs_f64(),
+            build_time: build_time.as_secs_f64(),
+            rays: summary.rays,
+            non_finite: summary.non_finite,
+            relative_error: summary.relative_error.unwrap_or(f64::NAN),
+            samples: summary.samples,
+            cancelled: u32::from(cancel.is_cancelled() && summary.stopped),
+        });
+        Ok(())
+    }
+
+    fn settings(&self, cancel: &Cancel) -> Result<RenderSettings> {
+        let it = &self.options;
+        let seconds = |limit: f64| Duration::try_from_secs_f64(limit).unwrap_or(Duration::MAX);
+        Ok(RenderSettings {
+            desc: read::render(it, self.film.resolution)?,
+            workers: Some(self.scene.device.workers.clone()),
+            time_limit: (it.time_limit > 0.0).then(|| seconds(it.time_limit)),
+            target_error: (it.target_error > 0.0).then_some(it.target_error),
+            auxiliary: self.film.keeps_first_hits(),
+            cancel: cancel.clone(),
+            ..RenderSettings::default()
+        })
+    }
+
+    /// Notes the end and tells everybody.
+    fn finish(&self, outcome: Result, tell: bool) {
+        let status = outcome.as_ref().err().map_or(ETD_OK, |failure| failure.status);
+        if let (Some(finished), true) = (self.options.finished, tell) {
+            let _inside = Inside::enter(self);
+            // SAFETY: the host gave the function for this.
+            unsafe { finished(self.user_data.0, status) }
+        }
+        let mut state = lock(&self.state);
+        state.progress.phase = ETD_PHASE_END;
+        if status == ETD_OK {
+            state.progress.fraction = 1.0;
+        }
+        state.outcome = Some(outcome);
+        drop(state);
+        self.ended.notify_all();
+    }
+
+    /// Waits for the end, for so long; whether it has come.
+    fn wait(&self, limit: Option<Duration>) -> bool {
+        let state = lock(&self.state);
+        let runs = |state: &mut State| state.outcome.is_none();
+        let has_ended = match limit {
+            None => {
+                drop(self.ended.wait_while(state, runs).unwrap_or_else(PoisonError::into_inner));
+                true
+            }
+            Some(limit) => {
+                let (state, _) =
+                    self.ended.wait_timeout_while(state, limit, runs).unwrap_or_else(PoisonError::into_inner);
+                state.outcome.is_some()
+            }
+        };
+        // The thread has nothing left to do; a host that ends now should not find it still ending.
+        if has_ended && let Some(thread) = lock(&self.thread).take() {
+            let _ = thread.join();
+        }
+        has_ended
+    }
+}
+
+impl Drop for etd_task {
+    fn drop(&mut self) {
+        self.work.cancel().cancel();
+        // The host may free what its functions use after this; inside one of them there is nothing to wait for.
+        if !self.work.is_calling_us() {
+            self.work.wait(None);
+        }
+    }
+}
+
+/// Everything of a render that can be refused before it begins; the film is taken.
+///
+/// # Safety
+/// Handles must be NULL or such objects; `options` as for [`read_sized`].
+unsafe fn prepare(
+    scene: &Arc<etd_scene>,
+    film: *mut etd_film,
+    options: *const etd_render_options,
+) -> Result<Arc<Work>> {
+    // SAFETY: by the contract.
+    let (film, options) = unsafe {
+        let film = share_film(film)?;
+        let options = if options.is_null() {
+            read::render_out(&scene.desc().render)
+        } else {
+            read_sized(options, "options")?
+        };
+        (film, options)
+    };
+    let cancel = Cancel::new();
+    let work = Work {
+        user_data: UserData(options.user_data),
+        scene: Arc::clone(scene),
+        film,
+        options,
+        state: Mutex::new(State { cancel: cancel.clone(), progress: none_yet(ETD_PHASE_BUILD), outcome: None }),
+        ended: Condvar::new(),
+        render: Mutex::new(None),
+        thread: Mutex::new(None),
+    };
+    work.settings(&cancel)?.desc.check()?;
+    work.film.begin()?;
+    Ok(Arc::new(work))
+}
+
+fn none_yet(phase: etd_phase) -> etd_progress {
+    etd_progress {
+        struct_size: size_of::<etd_progress>(),
+        fraction: 0.0,
+        elapsed: 0.0,
+        rays: 0,
+        samples_done: 0,
+        samples_total: 0,
+        phase,
+        images: 0,
+    }
+}
+
+/// Renders a scene to a film and returns when it is done; builds the scene first where it has changed.
+///
+/// `options`: NULL for the scene's own settings. Returns `ETD_CANCELLED` if the progress callback stopped it; the film then
+/// holds what was done. Errors: `ETD_INVALID_OPERATION` while the film is being rendered to, and all that
+/// `etd_scene_commit` has. The image depends on scene, resolution and options alone, not on threads. Thread-safe: several
+/// renders, of one scene too, may run at once, each to a film of its own.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_render(
+    scene: *mut etd_scene,
+    film: *mut etd_film,
+    options: *const etd_render_options,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            let work = prepare(scene, film, options)?;
+            work.run(false)
+        })
+    }
+}
+
+/// Begins to render a scene to a film and returns at once; building the scene is part of the task.
+///
+/// As `etd_render`, on a thread of its own (with a host's executor: as a piece of work of it). On `ETD_OK` `*out_task` is
+/// one reference. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_render_start(
+    scene: *mut etd_scene,
+    film: *mut etd_film,
+    options: *const etd_render_options,
+    out_task: *mut *mut etd_task,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            need(out_task, "out_task")?;
+            let work = prepare(scene, film, options)?;
+            let task = etd_task { header: Header::new::<etd_task>(scene.device.callbacks()), work };
+            start(&task.work, false)?;
+            give(Arc::new(task), out_task);
+            Ok(())
+        })
+    }
+}
+
+/// Runs the work somewhere else.
+fn start(work: &Arc<Work>, resumes: bool) -> Result {
+    let own = Arc::clone(work);
+    let begun = work.scene.device.start(Box::new(move || {
+        let outcome = own.run(resumes);
+        own.finish(outcome, true);
+    }));
+    match begun {
+        Ok(thread) => {
+            *lock(&work.thread) = thread;
+            Ok(())
+        }
+        Err(error) => {
+            work.film.end(None);
+            let failure = Failure::new(ETD_DEVICE, format!("no thread could be started for the task: {error}"));
+            work.finish(Err(failure.clone()), false);
+            Err(failure)
+        }
+    }
+}
+
+/// How far a task is: `ETD_RUNNING`, or how it ended (`ETD_OK`, `ETD_CANCELLED`, an error whose message is this thread's
+/// last then).
+///
+/// `out_progress`: NULL, or filled. Never waits. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_task_poll(task: *mut etd_task, out_progress: *mut etd_progress) -> etd_status {
+    let mut running = false;
+    // SAFETY: passed on.
+    let status = unsafe {
+        on(task, |task| {
+            let (progress, outcome) = {
+                let state = lock(&task.work.state);
+                (state.progress, state.outcome.clone())
+            };
+            if !out_progress.is_null() {
+                write_sized(out_progress, "out_progress", progress)?;
+            }
+            running = outcome.is_none();
+            outcome.unwrap_or(Ok(()))
+        })
+    };
+    if running && status == ETD_OK { ETD_RUNNING } else { status }
+}
+
+/// Waits until a task has ended, for `seconds` at most (below 0: without a limit), and says as `etd_task_poll` how.
+///
+/// When it has returned something else than `ETD_RUNNING`, none of the task's functions is called any more.
+/// `ETD_INVALID_OPERATION` inside one of these. Thread-safe.
+///
+/// # Safety
+/// `task` must be NULL or a task.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_task_wait(task: *mut etd_task, seconds: f64) -> etd_status {
+    let mut running = false;
+    // SAFETY: passed on.
+    let status = unsafe {
+        on(task, |task| {
+            if task.work.is_calling_us() {
+                return Err(Failure::operation("a function that the task calls cannot wait for the task"));
+            }
+            if seconds.is_nan() {
+                return Err(Failure::argument("seconds is NaN"));
+            }
+            let limit = (seconds >= 0.0).then(|| Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX));
+            running = !task.work.wait(limit);
+            if running { Ok(()) } else { lock(&task.work.state).outcome.clone().unwrap_or(Ok(())) }
+        })
+    };
+    if running && status == ETD_OK { ETD_RUNNING } else { status }
+}
+
+/// Asks a task to end soon, in whatever phase it is, and returns at once. It ends with `ETD_CANCELLED`, unless it was done
+/// already. Thread-safe, also inside the task's own functions.
+///
+/// # Safety
+/// `task` must be NULL or a task.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_task_cancel(task: *mut etd_task) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(task, |task| {
+            task.work.cancel().cancel();
+            Ok(())
+        })
+    }
+}
+
+/// Lets a task that was cancelled, or ended by its time limit, go on from where it stopped, with the scene that it began
+/// with and its time limit anew. It comes to the same image as one that was never interrupted.
+///
+/// `ETD_INVALID_OPERATION` while it runs, after an error, and inside its own functions. Another render to the same film
+/// in between is not undone: the film then shows this task's image again. Thread-safe.
+///
+/// # Safety
+/// `task` must be NULL or a task.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_task_resume(task: *mut etd_task) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(task, |task| {
+            let work = &task.work;
+            if work.is_calling_us() {
+                return Err(Failure::operation("a function that the task calls cannot resume the task"));
+            }
+            {
+                let mut state = lock(&work.state);
+                match &state.outcome {
+                    None => return Err(Failure::operation("the task is still running")),
+                    Some(Err(failure)) if failure.status != ETD_CANCELLED => {
+                        return Err(Failure::operation(format!("the task has failed: {}", failure.message)));
+                    }
+                    Some(_) => {}
+                }
+                work.film.begin()?;
+                state.outcome = None;
+                state.cancel = Cancel::new();
+                state.progress = none_yet(ETD_PHASE_RENDER);
+            }
+            start(work, true)
+        })
+    }
+}
+
+/// One more reference to a task. Thread-safe.
+///
+/// # Safety
+/// `task` must be NULL or a task.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_task_retain(task: *mut etd_task) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { retain(task) }
+}
+
+/// Gives back one reference to a task; NULL is fine. With the last one a task that still runs is cancelled and waited
+/// for, so that none of its functions is called afterwards (inside one of them it is only cancelled). Thread-safe.
+///
+/// # Safety
+/// `task` must be NULL or a task of which the caller has a reference.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_task_release(task: *mut etd_task) {
+    // SAFETY: passed on.
+    unsafe { release(task) }
+}
+
+/// The first failure of a call on this task since this was last asked, and forgets it; `ETD_OK` if there was none.
+/// `message`: where its message goes (at most `capacity` bytes with the zero byte), or NULL. Thread-safe.
+///
+/// # Safety
+/// `task` must be NULL or a task, and `capacity` bytes writable at `message` unless it is NULL.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_task_status(task: *mut etd_task, message: *mut c_char, capacity: usize) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { take_status(task, message, capacity) }
+}

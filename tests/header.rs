@@ -1,0 +1,105 @@
+//! The C header is what the sources say. `ETENDUE_WRITE=1 cargo test --test header` writes it anew.
+
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+/// The files of the C interface, in the order in which the header presents them.
+const SOURCES: [&str; 9] = [
+    "status.rs", "types.rs", "device.rs", "scene.rs", "describe.rs", "mesh.rs", "film.rs", "task.rs", "query.rs",
+];
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).into()
+}
+
+/// The macros that are not in the sources: the version, from Cargo.toml, and initialisers with the defaults.
+fn macros() -> String {
+    let part = |text: &str| text.parse::<u32>().expect("a number in the version");
+    let [major, minor, patch] = [
+        env!("CARGO_PKG_VERSION_MAJOR"),
+        env!("CARGO_PKG_VERSION_MINOR"),
+        env!("CARGO_PKG_VERSION_PATCH"),
+    ]
+    .map(part);
+    format!(
+        "/** Version of this header. Libraries of the same major version (of the same minor version before 1.0) work with\n \
+         * programs that were built with it; `etd_version` tells the library's. */\n\
+         #define ETD_VERSION_MAJOR {major}\n#define ETD_VERSION_MINOR {minor}\n#define ETD_VERSION_PATCH {patch}\n\
+         #define ETD_VERSION {}\n#define ETD_VERSION_STRING \"{}\"\n\n{}",
+        10_000 * major + 100 * minor + patch,
+        env!("CARGO_PKG_VERSION"),
+        INITIALISERS
+    )
+}
+
+const INITIALISERS: &str = r"/** Stands for no material, no surface. */
+#define ETD_NONE UINT32_MAX
+
+/** Defaults of the structures, to be changed field by field. */
+#define ETD_ERROR_INIT {sizeof(etd_error), ETD_OK, 0, NULL, NULL, NULL}
+#define ETD_DEVICE_OPTIONS_INIT {sizeof(etd_device_options), 0, 0, 0, NULL, NULL, NULL, NULL}
+#define ETD_SCENE_OPTIONS_INIT {sizeof(etd_scene_options), ETD_USAGE_STATIC, 0, NULL, NULL}
+#define ETD_CAMERA_INIT \
+    {sizeof(etd_camera), ETD_CAMERA_PERSPECTIVE, ETD_FOV_HORIZONTAL, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90}
+#define ETD_MATERIAL_INIT {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0}
+#define ETD_MESH_INIT \
+    {sizeof(etd_mesh), NULL, 0, 0, 0, NULL, 0, 0, NULL, 0, NULL, 0, ETD_POSITION_FLOAT3, ETD_COPY, NULL, NULL, NULL}
+#define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
+#define ETD_RENDER_OPTIONS_INIT \
+    {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \
+     NULL, NULL, NULL}
+#define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
+#define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0}
+#define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
+#define ETD_MAP_INIT {sizeof(etd_map), NULL, 0, 0, 0, 0, 0}
+#define ETD_IMAGE_OPTIONS_INIT {sizeof(etd_image_options), ETD_FORMAT_FLOAT, ETD_TONE_MAP_CLAMP, 0, 0, NULL}
+#define ETD_SCENE_INFO_INIT {sizeof(etd_scene_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, 0}
+";
+
+fn generate() -> String {
+    let mut config = cbindgen::Config::from_file(folder().join("cbindgen.toml")).expect("cbindgen.toml");
+    config.after_includes = Some(format!("\n{}", macros()));
+    let mut builder = cbindgen::Builder::new().with_config(config);
+    for source in SOURCES {
+        builder = builder.with_src(folder().join("src/capi").join(source));
+    }
+    let bindings = builder.generate().expect("the sources of the C interface can be read");
+    let mut header = Vec::new();
+    bindings.write(&mut header);
+    let header = String::from_utf8(header).expect("UTF-8");
+    // Rust's own headings say nothing to a C programmer, and the contracts below them are those of any C function.
+    let mut lines = Vec::new();
+    let mut in_safety = false;
+    for line in header.lines() {
+        match line.trim() {
+            "* # Safety" => {
+                in_safety = true;
+                while lines.last().is_some_and(|line: &&str| line.trim() == "*") {
+                    lines.pop();
+                }
+            }
+            "*/" => {
+                in_safety = false;
+                lines.push(line);
+            }
+            _ if in_safety => {}
+            _ => lines.push(line),
+        }
+    }
+    lines.join("\n") + "\n"
+}
+
+#[test]
+fn the_header_is_what_the_sources_say() {
+    let path = folder().join("include/etendue.h");
+    let generated = generate();
+    if env::var_os("ETENDUE_WRITE").is_some() {
+        fs::create_dir_all(folder().join("include")).expect("a folder for the header");
+        fs::write(&path, &generated).expect("the header can be written");
+    }
+    let committed = fs::read_to_string(&path).expect("include/etendue.h");
+    for (number, (old, new)) in committed.lines().zip(generated.lines()).enumerate() {
+        assert_eq!(old, new, "line {} of include/etendue.h; write it anew with ETENDUE_WRITE=1", number + 1);
+    }
+    assert_eq!(committed.len(), generated.len(), "include/etendue.h ends elsewhere; write it anew with ETENDUE_WRITE=1");
+}
