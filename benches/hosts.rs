@@ -113,7 +113,12 @@ fn rays(scene: &Scene, count: usize) -> Vec<etd_ray> {
         .map(|_| {
             let (from, to) = (point(), point());
             let direction = (to - from).normalize().as_vec3();
-            etd_ray { origin: from.as_vec3().to_array(), tnear: 0.0, direction: direction.to_array(), tfar: f32::INFINITY }
+            etd_ray {
+                origin: from.as_vec3().to_array(),
+                tnear: 0.0,
+                direction: direction.to_array(),
+                tfar: f32::INFINITY,
+            }
         })
         .collect()
 }
@@ -309,7 +314,11 @@ fn cancelling(scenes: &[&str]) {
             check(etd_task_cancel(task));
             assert_eq!(etd_task_wait(task, -1.0), ETD_CANCELLED);
             let latency = 1e3 * start.elapsed().as_secs_f64();
-            if progress.phase == ETD_PHASE_BUILD { building.push(latency) } else { rendering.push(latency) }
+            if progress.phase == ETD_PHASE_BUILD {
+                building.push(latency)
+            } else {
+                rendering.push(latency)
+            }
             etd_task_release(task);
             etd_film_release(film);
         }
@@ -319,7 +328,10 @@ fn cancelling(scenes: &[&str]) {
     for (name, values) in [("while building", building), ("while rendering", rendering), ("together", all)] {
         if !values.is_empty() {
             let (count, largest) = (values.len(), largest(&values));
-            println!("cancelled {name:<16} {count:4} tries: median {:6.2} ms, largest {largest:6.2} ms", median(values));
+            println!(
+                "cancelled {name:<16} {count:4} tries: median {:6.2} ms, largest {largest:6.2} ms",
+                median(values)
+            );
         }
     }
 }
