@@ -1,8 +1,9 @@
 //! Scenes made and changed by calls: what the scene format can say, with its checks and its words.
 //!
-//! A number that a call gives is the place in the list of materials, lights, meshes or surfaces, and never changes or comes
-//! again. Every call checks all it is given and on an error leaves the description as it was. Errors say where as the format
-//! would (`surfaces[3].radius`, `meshes[0].triangles[7][2]`); for what a file described, the path is the file's own.
+//! A number that a call gives is the place in the list of materials, lights, meshes or surfaces, and never changes or
+//! comes again. Every call checks all it is given and on an error leaves the description as it was. Errors say where as
+//! the format would (`surfaces[3].radius`, `meshes[0].triangles[7][2]`); for what a file described, the path is the
+//! file's own.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -29,14 +30,14 @@ pub struct SurfaceLook {
 
 /// Calls that make and change a scene.
 ///
-/// Those that add take the same time however large the scene is, but for what they copy; so do those that change a material,
-/// a light or a surface.
+/// Those that add take the same time however large the scene is, but for what they copy; so do those that change a
+/// material, a light or a surface.
 impl SceneDesc {
     /// Sets where the scene is seen from.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] at `camera.origin`, `camera.lookAt`, `camera.up` or `camera.fieldOfView` for a
-    /// number out of range, or three vectors that give no frame.
+    /// [`crate::ErrorKind::InvalidScene`] at `camera.origin`, `camera.lookAt`, `camera.up` or `camera.fieldOfView` for
+    /// a number out of range, or three vectors that give no frame.
     pub fn set_camera(&mut self, camera: CameraDesc) -> Result<()> {
         self.camera = validate::camera("camera", camera)?;
         Ok(())
@@ -48,8 +49,8 @@ impl SceneDesc {
     /// integrator.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] at `materials[..]`: `.name` if it is taken, `.color`, `.roughness`, `.sigmaDeg`,
-    /// `.refractionIndex`, `.exteriorIndex` or `.reflectionRate` if it is out of range.
+    /// [`crate::ErrorKind::InvalidScene`] at `materials[..]`: `.name` if it is taken, `.color`, `.roughness`,
+    /// `.sigmaDeg`, `.refractionIndex`, `.exteriorIndex` or `.reflectionRate` if it is out of range.
     pub fn add_material(&mut self, name: &str, bsdf: BsdfDesc, survival: Option<f32>) -> Result<usize> {
         let path = format!("materials[{}]", self.materials.len());
         validate::material(&path, &bsdf, survival)?;
@@ -102,11 +103,13 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Adds a mesh, of vectors or of the host's arrays, and gives its number. An empty name is none; `path` is not looked at.
+    /// Adds a mesh, of vectors or of the host's arrays, and gives its number. An empty name is none; `path` is not
+    /// looked at.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] at `meshes[..]`: `.name` if it is taken; `.triangles`, `.positions`, `.normals`
-    /// or `.uvs` with the place of an index without a vertex, of a number beyond single precision, or of a wrong length.
+    /// [`crate::ErrorKind::InvalidScene`] at `meshes[..]`: `.name` if it is taken; `.triangles`, `.positions`,
+    /// `.normals` or `.uvs` with the place of an index without a vertex, of a number beyond single precision, or of a
+    /// wrong length.
     pub fn add_mesh(&mut self, mesh: MeshDesc) -> Result<usize> {
         let path = format!("meshes[{}]", self.meshes.len());
         if !mesh.name.is_empty() {
@@ -120,12 +123,13 @@ impl SceneDesc {
         Ok(number)
     }
 
-    /// Adds the mesh in a Wavefront OBJ file and gives its number. The file is read at each call; a relative one is looked
-    /// up from the process's working directory. An empty name is none. What is left out of the file is said in `warnings`.
+    /// Adds the mesh in a Wavefront OBJ file and gives its number. The file is read at each call; a relative one is
+    /// looked up from the process's working directory. An empty name is none. What is left out of the file is said in
+    /// `warnings`.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::Io`] if the file cannot be read, [`crate::ErrorKind::InvalidScene`] for what it holds, with the
-    /// file and its line, and at `meshes[..].name` for a name that is taken.
+    /// [`crate::ErrorKind::Io`] if the file cannot be read, [`crate::ErrorKind::InvalidScene`] for what it holds, with
+    /// the file and its line, and at `meshes[..].name` for a name that is taken.
     pub fn add_mesh_file(&mut self, name: &str, file: &Path) -> Result<usize> {
         let path = format!("meshes[{}]", self.meshes.len());
         if !name.is_empty() {
@@ -140,12 +144,12 @@ impl SceneDesc {
         Ok(number)
     }
 
-    /// Replaces the data of a mesh, for all surfaces that use it. It keeps its name; name and path in `data` are not looked
-    /// at. Takes time with the number of surfaces that use it.
+    /// Replaces the data of a mesh, for all surfaces that use it. It keeps its name; name and path in `data` are not
+    /// looked at. Takes time with the number of surfaces that use it.
     ///
     /// # Errors
-    /// As [`Self::add_mesh`]; at a surface that the new data would carry beyond single precision; and for a number that is
-    /// no mesh's or that of a removed one.
+    /// As [`Self::add_mesh`]; at a surface that the new data would carry beyond single precision; and for a number that
+    /// is no mesh's or that of a removed one.
     pub fn set_mesh(&mut self, mesh: usize, data: MeshDesc) -> Result<()> {
         let path = format!("meshes[{mesh}]");
         let name = self.usable_mesh(&path, mesh)?.name.clone();
@@ -155,16 +159,19 @@ impl SceneDesc {
         for surface in users.iter().filter_map(|number| self.surfaces.get(*number)) {
             validate::extent(&surface.path, &extent, &surface.to_world())?;
         }
+        let data = Arc::new(MeshDesc { name, path, ..data });
         self.index.keep_users(mesh, users);
-        self.meshes[mesh] = Arc::new(MeshDesc { name, path, ..data });
+        self.index.measured(mesh, &data, extent);
+        self.meshes[mesh] = data;
         Ok(())
     }
 
-    /// Removes a mesh that no surface shows any more and gives back its memory. Its name is free again, its number is not.
+    /// Removes a mesh that no surface shows any more and gives back its memory. Its name is free again, its number is
+    /// not.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] at `meshes[..]` while a surface uses it, and for a number that is no mesh's or
-    /// that of a removed one.
+    /// [`crate::ErrorKind::InvalidScene`] at `meshes[..]` while a surface uses it, and for a number that is no mesh's
+    /// or that of a removed one.
     pub fn remove_mesh(&mut self, mesh: usize) -> Result<()> {
         let path = format!("meshes[{mesh}]");
         self.usable_mesh(&path, mesh)?;
@@ -177,12 +184,12 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Adds a surface and gives its number. `local` takes the shape's frame to the object's; [`ShapeDesc::cylinder`] and its
-    /// like give both.
+    /// Adds a surface and gives its number. `local` takes the shape's frame to the object's; [`ShapeDesc::cylinder`]
+    /// and its like give both.
     ///
     /// # Errors
-    /// At `surfaces[..]`. [`crate::ErrorKind::InvalidScene`] for a number out of range, a material or mesh that does not
-    /// exist, neither material nor emission, a transform that cannot be undone, or a place beyond single precision;
+    /// At `surfaces[..]`. [`crate::ErrorKind::InvalidScene`] for a number out of range, a material or mesh that does
+    /// not exist, neither material nor emission, a transform that cannot be undone, or a place beyond single precision;
     /// [`crate::ErrorKind::Unsupported`] for an emission of a quadric, a disk or a sphere stretched by its transform.
     pub fn add_surface(&mut self, shape: ShapeDesc, local: DAffine3, look: SurfaceLook) -> Result<usize> {
         let path = format!("surfaces[{}]", self.surfaces.len());
@@ -208,8 +215,8 @@ impl SceneDesc {
     /// Gives a surface another material; `None`, for a surface that emits, makes it reflect nothing.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] at `surfaces[..].material` for a material that does not exist, at `surfaces[..]`
-    /// for none without an emission, or for a number that is no surface's or that of a removed one.
+    /// [`crate::ErrorKind::InvalidScene`] at `surfaces[..].material` for a material that does not exist, at
+    /// `surfaces[..]` for none without an emission, or for a number that is no surface's or that of a removed one.
     pub fn set_surface_material(&mut self, surface: usize, material: Option<usize>) -> Result<()> {
         let known = self.live_surface(surface)?;
         let path = known.path.clone();
@@ -218,13 +225,13 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Lets a surface emit, or stop doing so: radiance [W m^-2 sr^-1] on the normal's side, each channel >= 0. One that had
-    /// no material stays black without its light.
+    /// Lets a surface emit, or stop doing so: radiance [W m^-2 sr^-1] on the normal's side, each channel >= 0. One that
+    /// had no material stays black without its light.
     ///
     /// # Errors
     /// At `surfaces[..].emission`: [`crate::ErrorKind::InvalidScene`] for a number out of range,
-    /// [`crate::ErrorKind::Unsupported`] for a shape that cannot emit; at `surfaces[..]` for a number that is no surface's or
-    /// that of a removed one.
+    /// [`crate::ErrorKind::Unsupported`] for a shape that cannot emit; at `surfaces[..]` for a number that is no
+    /// surface's or that of a removed one.
     pub fn set_emission(&mut self, surface: usize, emission: Option<Rgb>) -> Result<()> {
         let known = self.live_surface(surface)?;
         let emission = check_emission(&known.path, emission)?;
@@ -235,8 +242,8 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Removes a surface for good: no ray meets it and no call changes it any more, its number is not used again, and it no
-    /// longer uses its mesh.
+    /// Removes a surface for good: no ray meets it and no call changes it any more, its number is not used again, and
+    /// it no longer uses its mesh.
     ///
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] for a number that is no surface's or that of a removed one.
@@ -277,8 +284,10 @@ impl SceneDesc {
 
     /// Adds a mesh whose numbers are in order.
     pub(super) fn put_mesh(&mut self, mesh: MeshDesc) -> usize {
-        self.meshes.push(Arc::new(mesh));
-        self.meshes.len() - 1
+        let (number, mesh) = (self.meshes.len(), Arc::new(mesh));
+        self.index.measured(number, &mesh, mesh.bounds());
+        self.meshes.push(mesh);
+        number
     }
 
     /// Adds a surface whose shape is in order.

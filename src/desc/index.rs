@@ -6,10 +6,11 @@ use std::sync::{Arc, Weak};
 use super::{MeshDesc, ShapeDesc, SurfaceDesc};
 use crate::math::Bounds;
 
-/// Names, extents of meshes and who uses them, kept beside the lists of a [`super::SceneDesc`] by the readers and the calls.
+/// Names, extents of meshes and who uses them, kept beside the lists of a [`super::SceneDesc`] by the readers and the
+/// calls.
 ///
-/// A description put together by hand starts with the default. What is put into its lists by hand has no name here, so the
-/// calls neither find it by name nor refuse a second one of that name.
+/// A description put together by hand starts with the default. What is put into its lists by hand has no name here, so
+/// the calls neither find it by name nor refuse a second one of that name.
 #[derive(Clone, Debug, Default)]
 pub struct SceneIndex {
     /// Numbers of the named materials.
@@ -27,13 +28,18 @@ pub struct SceneIndex {
 }
 
 impl SceneIndex {
+    /// Takes note of the box around a mesh.
+    pub(super) fn measured(&mut self, number: usize, mesh: &Arc<MeshDesc>, extent: Bounds) {
+        self.extents.insert(number, (Arc::downgrade(mesh), extent));
+    }
+
     /// Box around a mesh in its own frame, computed once for each mesh.
     pub(super) fn extent(&mut self, number: usize, mesh: &Arc<MeshDesc>) -> Bounds {
         match self.extents.get(&number) {
             Some((known, extent)) if std::ptr::eq(known.as_ptr(), Arc::as_ptr(mesh)) => *extent,
             _ => {
                 let extent = mesh.bounds();
-                self.extents.insert(number, (Arc::downgrade(mesh), extent));
+                self.measured(number, mesh, extent);
                 extent
             }
         }

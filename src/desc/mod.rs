@@ -80,8 +80,8 @@ pub struct SceneDesc {
     pub lights: Vec<PointLightDesc>,
     /// Materials, named by index from surfaces.
     pub materials: Vec<MaterialDesc>,
-    /// Meshes, named by index from surfaces; one may be used many times. A mesh that is the same `Arc` in the description
-    /// of an edited scene is not built again.
+    /// Meshes, named by index from surfaces; one may be used many times. A mesh that is the same `Arc` in the
+    /// description of an edited scene is not built again.
     pub meshes: Vec<Arc<MeshDesc>>,
     /// What there is to hit.
     pub surfaces: Vec<SurfaceDesc>,
@@ -381,7 +381,8 @@ pub enum ShapeDesc {
 /// Pixels of the largest image that is rendered: the film takes a hundred bytes for each.
 pub const MAX_PIXELS: u64 = 1 << 26;
 
-/// Most light samples per hit: more cost time that more samples per pixel would spend better, and cannot be interrupted.
+/// Most light samples per hit: more cost time that more samples per pixel would spend better, and cannot be
+/// interrupted.
 pub const MAX_SHADOW_RAYS: u32 = 1 << 10;
 
 /// How to render.

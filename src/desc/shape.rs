@@ -72,8 +72,8 @@ impl ShapeDesc {
         Ok((quadric::cylinder(), frame(("base", base), axis, radius, height)?))
     }
 
-    /// A cone without its base disk, normals outwards: `radius` wide at `base`, its apex at `height` along `axis`, which
-    /// has any length but zero. `radius` and `height` > 0.
+    /// A cone without its base disk, normals outwards: `radius` wide at `base`, its apex at `height` along `axis`,
+    /// which has any length but zero. `radius` and `height` > 0.
     ///
     /// # Errors
     /// At `radius`, `height`, `axis` or `base`.
@@ -81,8 +81,8 @@ impl ShapeDesc {
         Ok((quadric::cone(), frame(("base", base), axis, radius, height)?))
     }
 
-    /// A paraboloid of revolution, open at its wide end, normals away from the axis: a bowl that opens from `apex` along
-    /// `axis`, of any length but zero, and is `radius` wide at `height`. Both > 0.
+    /// A paraboloid of revolution, open at its wide end, normals away from the axis: a bowl that opens from `apex`
+    /// along `axis`, of any length but zero, and is `radius` wide at `height`. Both > 0.
     ///
     /// # Errors
     /// At `radius`, `height`, `axis` or `apex`.
