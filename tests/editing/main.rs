@@ -187,7 +187,8 @@ fn errors_are_those_of_a_fresh_build() {
     let (_, original) = scenes().swap_remove(1);
     let options = options(true);
     let scene = Scene::build(&original, &options).unwrap();
-    let edits: [(&str, fn(&mut SceneDesc)); 5] = [
+    type Change = fn(&mut SceneDesc);
+    let edits: [(&str, Change); 5] = [
         ("no such material", |desc| desc.surfaces[2].material = 99),
         ("no such mesh", |desc| desc.meshes.truncate(1)),
         ("a vertex that is not finite", |desc| Arc::make_mut(&mut desc.meshes[0]).positions[7].y = f64::NAN),
