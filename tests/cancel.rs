@@ -16,10 +16,10 @@ use etendue::scene::{BuildOptions, Scene};
 /// Tries of cancelling.
 const TRIES: usize = 200;
 
-/// A bright furnace with glass in it: paths are long, and Whitted's branch.
-fn furnace() -> Scene {
+/// A furnace with glass in it: the brighter its walls, the longer the paths, and Whitted's branch.
+fn furnace(albedo: f32) -> Scene {
     let glass = BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 };
-    let walls = BsdfDesc::Lambert { albedo: Vec3::splat(0.999) };
+    let walls = BsdfDesc::Lambert { albedo: Vec3::splat(albedo) };
     let mut parts = vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, walls, Some(Vec3::splat(0.1)))];
     for i in 0..6 {
         let centre = DVec3::new(-0.5 + 0.2 * f64::from(i), 0.0, -0.5);
@@ -35,7 +35,7 @@ const INTEGRATORS: [IntegratorDesc; 3] = [IntegratorDesc::Path, IntegratorDesc::
 
 #[test]
 fn a_cancelled_render_ends_soon() {
-    let scene = furnace();
+    let scene = furnace(0.999);
     let mut rng = Rng::new(3, 0);
     let mut latencies = Vec::new();
     for number in 0..TRIES {
@@ -73,7 +73,7 @@ fn a_cancelled_render_ends_soon() {
 
 #[test]
 fn a_cancelled_render_goes_on_to_the_same_image() {
-    let scene = furnace();
+    let scene = furnace(0.8);
     for integrator in INTEGRATORS {
         let desc = RenderDesc { resolution: [30, 20], samples: 64, integrator, ..RenderDesc::default() };
         let settings = RenderSettings { desc, threads: 2, auxiliary: true, ..RenderSettings::default() };
@@ -108,7 +108,7 @@ fn a_cancelled_render_goes_on_to_the_same_image() {
 
 #[test]
 fn the_nearest_limit_ends_a_render() {
-    let scene = furnace();
+    let scene = furnace(0.5);
     let desc = RenderDesc { resolution: [16, 16], samples: MOST_SAMPLES, ..RenderDesc::default() };
     let base = RenderSettings { desc, threads: 2, ..RenderSettings::default() };
     let run = |settings: RenderSettings| {

@@ -143,9 +143,12 @@ pub(super) unsafe fn peek<'a, T: Object>(pointer: *const T) -> Result<&'a T> {
     if pointer.is_null() {
         return Err(Failure::argument(format!("the {} is NULL", T::NAME)));
     }
-    // SAFETY: an object of this kind has its tag there; whatever else the host passes is the host's to answer for.
-    let tag =
-        if pointer.is_aligned() { unsafe { ptr::read_volatile(pointer.byte_add(T::TAG_AT).cast::<u32>()) } } else { 0 };
+    let tag = if pointer.is_aligned() {
+        // SAFETY: an object of this kind has its tag there; whatever else the host passes is the host's to answer for.
+        unsafe { ptr::read_volatile(pointer.byte_add(T::TAG_AT).cast::<u32>()) }
+    } else {
+        0
+    };
     if tag != T::TAG {
         let message = format!("the pointer is no {}, or one that was released", T::NAME);
         return Err(Failure::new(ETD_INVALID_HANDLE, message));
@@ -219,11 +222,7 @@ pub(super) unsafe fn release<T: Object>(pointer: *const T) {
 ///
 /// # Safety
 /// As for [`peek`] and [`copy_text`].
-pub(super) unsafe fn take_status<T: Object>(
-    pointer: *const T,
-    message: *mut c_char,
-    capacity: usize,
-) -> etd_status {
+pub(super) unsafe fn take_status<T: Object>(pointer: *const T, message: *mut c_char, capacity: usize) -> etd_status {
     let mut first = ETD_OK;
     let status = boundary(None, || {
         // SAFETY: passed on.
@@ -520,7 +519,13 @@ mod tests {
 
     #[test]
     fn structures_of_other_versions() {
-        let whole = etd_film_options { struct_size: size_of::<etd_film_options>(), width: 3, height: 4, layers: 5, reserved: 0 };
+        let whole = etd_film_options {
+            struct_size: size_of::<etd_film_options>(),
+            width: 3,
+            height: 4,
+            layers: 5,
+            reserved: 0,
+        };
         let mut later = [0_usize; 16];
         // SAFETY: the sizes that are said are there.
         unsafe {

@@ -56,7 +56,7 @@ mod validate;
 
 pub use edit::SurfaceLook;
 pub use index::SceneIndex;
-pub use read::{apply_params, load, parse};
+pub use read::{apply_params, load, load_params, parse};
 #[cfg(feature = "schema")]
 pub use schema::schema;
 
