@@ -34,6 +34,13 @@ done
 cmp out/threads1.exr out/threads2.exr
 rm out/threads1.exr out/threads2.exr
 
+step "install, link, uninstall"
+scripts/check_install.sh scripts/hosts.sh
+
+step "the C and C++ reference"
+mkdir -p target/doxygen
+doxygen
+
 step "links in the documents"
 for document in *.md docs/*.md peers/*.md; do
     grep -o '](\([^)#:]*\))' "$document" | sed 's/^](//; s/)$//' | while read -r link; do
