@@ -11,7 +11,7 @@ IMAGES ?= out/$(basename $(notdir $(SCENE))).png out/$(basename $(notdir $(SCENE
 INSTALL = CARGO='$(CARGO)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh
 ETENDUE = $(CARGO) run --quiet --release --locked --example etendue --
 
-.PHONY: all setup render test bench build install uninstall meshes clean
+.PHONY: all setup render test bench build install uninstall deb meshes clean
 all: render
 
 # Installs Embree, libclang and a C compiler where they are missing, with a line that says why.
@@ -47,6 +47,10 @@ build:
 # Library, headers, pkg-config and CMake files, command line, manual and completions, in DESTDIR/PREFIX.
 install: build
 	@$(INSTALL) install
+
+# The same as a Debian package, in target/debian.
+deb:
+	@scripts/deb.sh
 
 # Removes what install put there.
 uninstall:

@@ -91,25 +91,25 @@ describe() {
     done
 }
 
-# Everything that is installed: mode, where it comes from, where it goes; "link" with its target for a link.
+# Everything that is installed: mode|where it comes from|where it goes; "link" with its target for a link.
 files() {
     cat <<END
-755 $RELEASE/examples/etendue $PREFIX/bin/etendue
-755 $RELEASE/libetendue.so $LIBDIR/libetendue.so.$VERSION
-link libetendue.so.$VERSION $LIBDIR/libetendue.so.$ABI
-link libetendue.so.$ABI $LIBDIR/libetendue.so
-644 $STAGE/libetendue.a $LIBDIR/libetendue.a
-644 $STAGE/etendue.pc $LIBDIR/pkgconfig/etendue.pc
-644 $STAGE/etendue-static.pc $LIBDIR/pkgconfig/etendue-static.pc
-644 $STAGE/etendueConfig.cmake $LIBDIR/cmake/etendue/etendueConfig.cmake
-644 $STAGE/etendueConfigVersion.cmake $LIBDIR/cmake/etendue/etendueConfigVersion.cmake
+755|$RELEASE/examples/etendue|$PREFIX/bin/etendue
+755|$RELEASE/libetendue.so|$LIBDIR/libetendue.so.$VERSION
+link|libetendue.so.$VERSION|$LIBDIR/libetendue.so.$ABI
+link|libetendue.so.$ABI|$LIBDIR/libetendue.so
+644|$STAGE/libetendue.a|$LIBDIR/libetendue.a
+644|$STAGE/etendue.pc|$LIBDIR/pkgconfig/etendue.pc
+644|$STAGE/etendue-static.pc|$LIBDIR/pkgconfig/etendue-static.pc
+644|$STAGE/etendueConfig.cmake|$LIBDIR/cmake/etendue/etendueConfig.cmake
+644|$STAGE/etendueConfigVersion.cmake|$LIBDIR/cmake/etendue/etendueConfigVersion.cmake
 END
-    for header in include/*; do echo "644 $header $PREFIX/include/${header##*/}"; done
-    for page in docs/man/*.1; do echo "644 $page $PREFIX/share/man/man1/${page##*/}"; done
+    for header in include/*; do echo "644|$header|$PREFIX/include/${header##*/}"; done
+    for page in docs/man/*.1; do echo "644|$page|$PREFIX/share/man/man1/${page##*/}"; done
     cat <<END
-644 packaging/completions/etendue.bash $PREFIX/share/bash-completion/completions/etendue
-644 packaging/completions/_etendue $PREFIX/share/zsh/vendor-completions/_etendue
-644 packaging/completions/etendue.fish $PREFIX/share/fish/vendor_completions.d/etendue.fish
+644|packaging/completions/etendue.bash|$PREFIX/share/bash-completion/completions/etendue
+644|packaging/completions/_etendue|$PREFIX/share/zsh/vendor-completions/_etendue
+644|packaging/completions/etendue.fish|$PREFIX/share/fish/vendor_completions.d/etendue.fish
 END
 }
 
@@ -145,13 +145,18 @@ install_all() {
     mkdir -p "$STAGE"
     archive
     describe
-    uninstall_all quietly
+    # What an earlier install put there goes first, since this one may put less; folders that stay remain its own.
     list=$(mktemp)
     trap 'rm -f "$list"' EXIT
+    folders=$(sed -n 's/^folder //p' "$DESTDIR$MANIFEST" 2>/dev/null || true)
+    uninstall_all quietly
+    printf '%s\n' "$folders" | while read -r path; do
+        if [ -n "$path" ] && [ -d "$DESTDIR$path" ]; then echo "folder $path" >>"$list"; fi
+    done
     if [ -n "$DESTDIR" ]; then mkdir -p "$DESTDIR"; fi
     folder "$(dirname "$MANIFEST")"
     echo "file $MANIFEST" >>"$list"
-    files | while read -r mode from to; do
+    files | while IFS='|' read -r mode from to; do
         folder "$(dirname "$to")"
         case $mode in
         link) ln -sf "$from" "$DESTDIR$to" ;;
