@@ -2,6 +2,7 @@
  *
  * Usage: same_bytes SCENE SAMPLES COMMENTS IMAGE...
  * COMMENTS goes to the comments of an EXR. */
+#define _POSIX_C_SOURCE 200809L
 #include "check.h"
 
 CHECK_MAIN;
