@@ -56,7 +56,7 @@ if [ "$purpose" = test ]; then
     have clang && have clang++ || { wanted="$wanted clang"; why="$why clang (a second compiler for the C and C++ hosts);"; }
     have cmake || { wanted="$wanted cmake"; why="$why cmake (how programs find the installed library);"; }
     have doxygen || { wanted="$wanted doxygen"; why="$why doxygen (the C and C++ reference);"; }
-    have valgrind || { wanted="$wanted valgrind"; why="$why valgrind (memory errors of the hosts);"; }
+    have valgrind || { wanted="$wanted valgrind libc6-dbg"; why="$why valgrind (memory errors of the hosts);"; }
 fi
 embree_wanted=no
 if ! embree_ok; then
