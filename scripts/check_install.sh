@@ -98,7 +98,10 @@ END
 configure() { cmake -S "$work/project" -B "$work/$1" -DCMAKE_PREFIX_PATH="$2" -DWANTED="$3" >"$work/$1.log" 2>&1; }
 for place in "$prefix" "$stage/opt/etendue"; do
     rm -rf "$work/build"
-    configure build "$place" "$minor" && cmake --build "$work/build" >>"$work/build.log" 2>&1 || { cat "$work/build.log"; exit 1; }
+    if ! configure build "$place" "$minor" || ! cmake --build "$work/build" >>"$work/build.log" 2>&1; then
+        cat "$work/build.log" >&2
+        exit 1
+    fi
     for program in "$work"/build/shared "$work"/build/static "$work"/build/layer; do
         (cd "$work" && ln -sfn ../../scenes scenes && "$program" && cmp cornell.png shared.png && rm cornell.png)
     done

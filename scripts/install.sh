@@ -58,7 +58,6 @@ build() {
 # of any other Rust library in the same program. The groups are dissolved since a linker would take another library's
 # copy of a group and leave this one's symbols, now local, without theirs.
 archive() {
-    [ "$STAGE/libetendue.a" -nt "$RELEASE/libetendue.a" ] && return
     ld -r --force-group-allocation --whole-archive "$RELEASE/libetendue.a" -o "$STAGE/etendue.o"
     objcopy --wildcard --keep-global-symbol='etd_*' --strip-debug --remove-section=.llvmbc --remove-section=.llvmcmd \
         --remove-section=.llvm_addrsig "$STAGE/etendue.o"
@@ -141,7 +140,7 @@ refresh_loader() {
 }
 
 install_all() {
-    [ -f "$RELEASE/libetendue.so" ] && [ -f "$NATIVE" ] || die "nothing was built yet: run 'make build' first"
+    { [ -f "$RELEASE/libetendue.so" ] && [ -f "$NATIVE" ]; } || die "nothing was built yet: run 'make build' first"
     mkdir -p "$STAGE"
     archive
     describe

@@ -42,7 +42,10 @@ embree_ok() {
 libclang_ok() {
     [ -n "${LIBCLANG_PATH:-}" ] && return 0
     ldconfig -p 2>/dev/null | grep -q 'libclang[-.0-9]*\.so' && return 0
-    ls /usr/lib/llvm-*/lib/libclang.so* /usr/lib/llvm-*/lib/libclang-[0-9]*.so* 2>/dev/null | grep -q .
+    for library in /usr/lib/llvm-*/lib/libclang.so* /usr/lib/llvm-*/lib/libclang-[0-9]*.so*; do
+        [ -e "$library" ] && return 0
+    done
+    return 1
 }
 
 have cargo || die "Rust is missing: install it from https://rustup.rs, then run this again"
