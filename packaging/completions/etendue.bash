@@ -167,7 +167,7 @@ _etendue() {
             return 0
             ;;
         etendue__subcmd__render)
-            opts="-o -q -h --output --threads --spp --time --seed --resolution --integrator --filter --sampler --shadow-rays --max-depth --progressive --tone-map --exposure --quiet --help"
+            opts="-o -q -h --output --threads --spp --time --target-error --seed --resolution --integrator --filter --sampler --shadow-rays --max-depth --progressive --tone-map --exposure --quiet --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -190,6 +190,10 @@ _etendue() {
                     return 0
                     ;;
                 --time)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --target-error)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -34,6 +34,7 @@ complete -c etendue -n "__fish_etendue_using_subcommand render" -s o -l output -
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l threads -d 'Threads; 0 takes all there are' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l spp -d 'Samples per pixel, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l time -d 'Stop after so many seconds. With --spp, at whichever comes first; without, the scene\'s samples do not count' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l target-error -d 'Stop when the estimated relative error of the image is no larger than this, such as 0.01' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l seed -d 'Seed of all randomness, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l resolution -d 'Width and height in pixels, such as 640x480, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l integrator -d 'Light transport, in place of the scene\'s' -r -f -a "direct\t'Emission and light scattered once'
