@@ -52,7 +52,8 @@ impl<T: Element> Buffer<T> {
     /// stride smaller than an item, or a size that no address space holds.
     ///
     /// # Safety
-    /// From now until `owner` is dropped, `len` items must be readable at `start`, and nobody may write to them.
+    /// From now until `owner` is dropped, `len` items must be readable at `start`, and nobody may write to them. Where the
+    /// items are vertices of a mesh, sixteen bytes must be readable from the last one on: the ray kernel reads as many.
     pub unsafe fn foreign(
         start: *const T,
         len: usize,

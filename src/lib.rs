@@ -30,6 +30,8 @@
 pub mod bsdf;
 pub mod buffer;
 pub mod camera;
+#[cfg(feature = "capi")]
+pub mod capi;
 mod control;
 pub mod desc;
 pub mod embree;

@@ -3,12 +3,15 @@
 mod common;
 
 use std::ops::ControlFlow;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use common::scenes::{box_inside, camera, scene};
+use etendue::Cancel;
 use etendue::desc::{BsdfDesc, CameraDesc, FilterDesc, IntegratorDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc};
 use etendue::film::Image;
 use etendue::math::{DVec3, Vec3};
-use etendue::render::{Render, RenderSettings};
+use etendue::render::{Ended, Render, RenderSettings, Workers};
 use etendue::scene::{BuildOptions, Scene};
 
 fn room() -> SceneDesc {
@@ -30,7 +33,12 @@ fn room() -> SceneDesc {
 }
 
 fn image(scene: &Scene, desc: &RenderDesc, threads: usize, stops: usize) -> Image {
-    let settings = RenderSettings { desc: desc.clone(), threads, auxiliary: true, ..RenderSettings::default() };
+    let settings = RenderSettings { threads, ..RenderSettings::default() };
+    image_by(scene, desc, settings, stops)
+}
+
+fn image_by(scene: &Scene, desc: &RenderDesc, settings: RenderSettings, stops: usize) -> Image {
+    let settings = RenderSettings { desc: desc.clone(), auxiliary: true, ..settings };
     let mut render = Render::new(scene, settings).unwrap();
     // Every interruption ends the call after its first report; the next call goes on.
     for _ in 0..stops {
@@ -70,6 +78,101 @@ fn threads_and_interruptions_change_nothing() {
             assert!(bits(&image(&scene, &seeded, 2, 0)) != reference, "the seed changes nothing");
         }
     }
+}
+
+type Job = Box<dyn FnOnce() + Send>;
+
+/// Executors as hosts have them: prompt, late, backwards, and ones that forget.
+fn executors() -> Vec<(&'static str, Workers)> {
+    let prompt = |job: Job| drop(std::thread::spawn(job));
+    let at_once = |job: Job| job();
+    let late = |job: Job| {
+        drop(std::thread::spawn(|| {
+            std::thread::sleep(Duration::from_millis(20));
+            job();
+        }));
+    };
+    let kept: Arc<Mutex<Vec<Job>>> = Arc::default();
+    let backwards = move |job: Job| {
+        let mut kept = kept.lock().unwrap();
+        kept.push(job);
+        if kept.len() == 3 {
+            let jobs: Vec<Job> = kept.drain(..).rev().collect();
+            drop(std::thread::spawn(|| jobs.into_iter().for_each(|job| job())));
+        }
+    };
+    vec![
+        ("calling thread", Workers::calling_thread()),
+        ("a shared pool", Workers::pool(2).unwrap()),
+        ("prompt", Workers::host(3, prompt)),
+        ("at once", Workers::host(3, at_once)),
+        ("late", Workers::host(4, late)),
+        ("backwards", Workers::host(4, backwards)),
+        ("never", Workers::host(4, std::mem::forget::<Job>)),
+        ("dropped", Workers::host(4, drop::<Job>)),
+    ]
+}
+
+#[test]
+fn executors_change_nothing() {
+    let scene = Scene::build(&room(), &BuildOptions::default()).unwrap();
+    let desc = RenderDesc { resolution: [45, 37], samples: 25, ..RenderDesc::default() };
+    let reference = bits(&image(&scene, &desc, 1, 0));
+    for (name, workers) in executors() {
+        for stops in [0, 2] {
+            let settings = RenderSettings { workers: Some(workers.clone()), ..RenderSettings::default() };
+            assert!(bits(&image_by(&scene, &desc, settings, stops)) == reference, "{name}, {stops} stops");
+        }
+    }
+}
+
+/// Two renders of very different size share a pool's threads: the small one does not wait for the large one's end.
+#[test]
+fn renders_that_share_a_pool_all_go_on() {
+    let scene = Scene::build(&room(), &BuildOptions::default()).unwrap();
+    let workers = Workers::pool(1).unwrap();
+    let settings = |resolution, samples| RenderSettings {
+        desc: RenderDesc { resolution, samples, ..RenderDesc::default() },
+        workers: Some(workers.clone()),
+        ..RenderSettings::default()
+    };
+    let mut large = Render::new(&scene, settings([512, 512], 1 << 20)).unwrap();
+    let cancel = Cancel::new();
+    large.set_cancel(cancel.clone());
+    std::thread::scope(|scope| {
+        let large = scope.spawn(|| large.run(&mut |_| ControlFlow::Continue(())).unwrap());
+        let mut small = Render::new(&scene, settings([32, 32], 4)).unwrap();
+        let summary = small.run(&mut |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!((summary.samples, summary.ended), (4, Ended::Samples));
+        cancel.cancel();
+        assert_eq!(large.join().unwrap().ended, Ended::Cancelled);
+    });
+}
+
+/// Whoever looks on while a film is being filled sees finished pixels only, and changes nothing.
+#[test]
+fn looking_on_changes_nothing() {
+    let scene = Scene::build(&room(), &BuildOptions::default()).unwrap();
+    let desc = RenderDesc { resolution: [45, 37], samples: 64, ..RenderDesc::default() };
+    let reference = bits(&image(&scene, &desc, 1, 0));
+    let settings = RenderSettings { desc, threads: 2, auxiliary: true, ..RenderSettings::default() };
+    let mut render = Render::new(&scene, settings).unwrap();
+    let film = Arc::clone(render.film());
+    let done = Cancel::new();
+    std::thread::scope(|scope| {
+        let looks = scope.spawn(|| {
+            let mut looks = 0;
+            while !done.is_cancelled() {
+                assert!(film.develop().rgb.iter().all(|value| value.is_finite() && *value >= 0.0));
+                looks += 1;
+            }
+            looks
+        });
+        render.run(&mut |_| ControlFlow::Continue(())).unwrap();
+        done.cancel();
+        assert!(looks.join().unwrap() > 0);
+    });
+    assert!(bits(&render.image()) == reference);
 }
 
 /// The room with all its coordinates, which are multiples of 1/8, moved by `shift`.

@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The files of the C interface, in the order in which the header presents them.
-const SOURCES: [&str; 9] = [
-    "status.rs", "types.rs", "device.rs", "scene.rs", "describe.rs", "mesh.rs", "film.rs", "task.rs", "query.rs",
-];
+const SOURCES: [&str; 9] =
+    ["status.rs", "types.rs", "device.rs", "scene.rs", "describe.rs", "mesh.rs", "film.rs", "task.rs", "query.rs"];
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).into()
@@ -15,12 +14,8 @@ fn folder() -> PathBuf {
 /// The macros that are not in the sources: the version, from Cargo.toml, and initialisers with the defaults.
 fn macros() -> String {
     let part = |text: &str| text.parse::<u32>().expect("a number in the version");
-    let [major, minor, patch] = [
-        env!("CARGO_PKG_VERSION_MAJOR"),
-        env!("CARGO_PKG_VERSION_MINOR"),
-        env!("CARGO_PKG_VERSION_PATCH"),
-    ]
-    .map(part);
+    let [major, minor, patch] =
+        [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")].map(part);
     format!(
         "/** Version of this header. Libraries of the same major version (of the same minor version before 1.0) work with\n \
          * programs that were built with it; `etd_version` tells the library's. */\n\
@@ -101,5 +96,9 @@ fn the_header_is_what_the_sources_say() {
     for (number, (old, new)) in committed.lines().zip(generated.lines()).enumerate() {
         assert_eq!(old, new, "line {} of include/etendue.h; write it anew with ETENDUE_WRITE=1", number + 1);
     }
-    assert_eq!(committed.len(), generated.len(), "include/etendue.h ends elsewhere; write it anew with ETENDUE_WRITE=1");
+    assert_eq!(
+        committed.len(),
+        generated.len(),
+        "include/etendue.h ends elsewhere; write it anew with ETENDUE_WRITE=1"
+    );
 }

@@ -50,6 +50,9 @@ pub struct RenderArgs {
     /// Stop after so many seconds. With --spp, at whichever comes first; without, the scene's samples do not count.
     #[arg(long, value_name = "SECONDS", value_parser = parse_time)]
     pub time: Option<Duration>,
+    /// Stop when the estimated relative error of the image is no larger than this, such as 0.01.
+    #[arg(long, value_name = "ERROR", value_parser = parse_error)]
+    pub target_error: Option<f64>,
     /// Seed of all randomness, in place of the scene's.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
@@ -170,10 +173,11 @@ pub struct Depth(pub Option<u32>);
 impl RenderArgs {
     /// The scene's settings with those of the command line in their place.
     pub fn settings(&self, scene: &RenderDesc) -> RenderDesc {
+        let is_limited = self.time.is_some() || self.target_error.is_some();
         RenderDesc {
             resolution: self.resolution.unwrap_or(scene.resolution),
-            // Time alone counts where it is all that was asked for.
-            samples: self.spp.unwrap_or(if self.time.is_some() { MOST_SAMPLES } else { scene.samples }),
+            // Time or error alone count where they are all that was asked for.
+            samples: self.spp.unwrap_or(if is_limited { MOST_SAMPLES } else { scene.samples }),
             sampler: self.sampler.map_or(scene.sampler, |sampler| match sampler {
                 Sampler::Sobol => SamplerDesc::Sobol,
                 Sampler::Random => SamplerDesc::Random,
@@ -197,6 +201,11 @@ impl RenderArgs {
 fn parse_threads(text: &str) -> Result<usize, String> {
     let threads = text.parse::<usize>().ok().filter(|threads| *threads <= MAX_THREADS);
     threads.ok_or_else(|| format!("expected a whole number up to {MAX_THREADS}"))
+}
+
+fn parse_error(text: &str) -> Result<f64, String> {
+    let error = text.parse::<f64>().ok().filter(|error| *error > 0.0 && error.is_finite());
+    error.ok_or_else(|| "expected an error above 0, such as 0.01".to_owned())
 }
 
 fn parse_time(text: &str) -> Result<Duration, String> {

@@ -28,8 +28,14 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
     interrupt::install()?;
     let (description, scene) = load(&args.scene, args.params.as_deref(), args.threads)?;
     let desc = args.settings(&description.render);
-    let settings =
-        RenderSettings { desc: desc.clone(), threads: args.threads, time_limit: args.time, auxiliary: layers };
+    let settings = RenderSettings {
+        desc: desc.clone(),
+        threads: args.threads,
+        time_limit: args.time,
+        target_error: args.target_error,
+        auxiliary: layers,
+        ..RenderSettings::default()
+    };
     let mut render = Render::new(&scene, settings)?;
 
     interrupt::begin();

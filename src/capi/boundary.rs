@@ -143,9 +143,12 @@ pub(super) unsafe fn peek<'a, T: Object>(pointer: *const T) -> Result<&'a T> {
     if pointer.is_null() {
         return Err(Failure::argument(format!("the {} is NULL", T::NAME)));
     }
-    // SAFETY: an object of this kind has its tag there; whatever else the host passes is the host's to answer for.
-    let tag =
-        if pointer.is_aligned() { unsafe { ptr::read_volatile(pointer.byte_add(T::TAG_AT).cast::<u32>()) } } else { 0 };
+    let tag = if pointer.is_aligned() {
+        // SAFETY: an object of this kind has its tag there; whatever else the host passes is the host's to answer for.
+        unsafe { ptr::read_volatile(pointer.byte_add(T::TAG_AT).cast::<u32>()) }
+    } else {
+        0
+    };
     if tag != T::TAG {
         let message = format!("the pointer is no {}, or one that was released", T::NAME);
         return Err(Failure::new(ETD_INVALID_HANDLE, message));
@@ -219,11 +222,7 @@ pub(super) unsafe fn release<T: Object>(pointer: *const T) {
 ///
 /// # Safety
 /// As for [`peek`] and [`copy_text`].
-pub(super) unsafe fn take_status<T: Object>(
-    pointer: *const T,
-    message: *mut c_char,
-    capacity: usize,
-) -> etd_status {
+pub(super) unsafe fn take_status<T: Object>(pointer: *const T, message: *mut c_char, capacity: usize) -> etd_status {
     let mut first = ETD_OK;
     let status = boundary(None, || {
         // SAFETY: passed on.
@@ -449,4 +448,119 @@ fn check_size<T: Versioned>(given: usize, name: &str) -> Result {
         return Err(Failure::argument(message));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicUsize;
+
+    use super::*;
+    use crate::capi::status::{ETD_INVALID_ARGUMENT, ETD_INVALID_OPERATION, etd_last_error_message};
+    use crate::capi::types::etd_film_options;
+
+    struct Thing {
+        header: Header,
+    }
+    object!(Thing, b"Test", "thing");
+
+    unsafe extern "C" fn count(data: *mut c_void, status: etd_status, message: *const c_char) {
+        assert_eq!(status, ETD_PANIC);
+        // SAFETY: both are what `on_error` was given below.
+        unsafe {
+            assert!(CStr::from_ptr(message).to_string_lossy().contains("broken"));
+            (*data.cast::<AtomicUsize>()).fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    fn message() -> String {
+        // SAFETY: a C string of this thread.
+        unsafe { CStr::from_ptr(etd_last_error_message()) }.to_string_lossy().into_owned()
+    }
+
+    #[test]
+    fn a_panic_becomes_a_status_and_spoils_the_object_but_not_its_release() {
+        let told = AtomicUsize::new(0);
+        let user_data = UserData((&raw const told).cast_mut().cast());
+        let callbacks = Arc::new(Callbacks { log: None, error: Some(count), user_data });
+        let pointer = Arc::into_raw(Arc::new(Thing { header: Header::new::<Thing>(&callbacks) }));
+        // SAFETY: alive until released at the end.
+        unsafe {
+            assert_eq!(on(pointer, |_| Ok(())), ETD_OK);
+            for number in 0..2 {
+                let panicking = |_: &Arc<Thing>| -> Result { panic!("broken {number}") };
+                assert_eq!(on(pointer, panicking), ETD_PANIC);
+            }
+            assert!(message().contains("broken 0") || message().contains("only be released"), "{}", message());
+            assert_eq!(on(pointer, |_| Ok(())), ETD_PANIC);
+            assert_eq!(on_quickly(pointer, |_| Ok(())), ETD_PANIC);
+            assert_eq!(told.load(Ordering::Relaxed), 1, "a spoiled object's calls are not begun");
+            let mut text = [1; 64];
+            assert_eq!(take_status(pointer, text.as_mut_ptr(), text.len()), ETD_PANIC);
+            assert!(CStr::from_ptr(text.as_ptr()).to_string_lossy().starts_with("the library panicked"));
+            assert_eq!(take_status(pointer, ptr::null_mut(), 0), ETD_OK, "asked once");
+            assert_eq!(retain(pointer), ETD_OK);
+            release(pointer);
+            release(pointer);
+        }
+        assert_eq!(Arc::strong_count(&callbacks), 1);
+    }
+
+    #[test]
+    fn what_is_no_object_is_refused() {
+        let words = [0_u64; 32];
+        // SAFETY: the memory is readable; nothing else is asked of it.
+        unsafe {
+            assert_eq!(on::<Thing>(ptr::null(), |_| Ok(())), ETD_INVALID_ARGUMENT);
+            assert_eq!(on::<Thing>(words.as_ptr().cast(), |_| Ok(())), ETD_INVALID_HANDLE);
+            assert_eq!(on::<Thing>(words.as_ptr().byte_add(1).cast(), |_| Ok(())), ETD_INVALID_HANDLE);
+            release::<Thing>(words.as_ptr().cast());
+        }
+    }
+
+    #[test]
+    fn structures_of_other_versions() {
+        let whole = etd_film_options {
+            struct_size: size_of::<etd_film_options>(),
+            width: 3,
+            height: 4,
+            layers: 5,
+            reserved: 0,
+        };
+        let mut later = [0_usize; 16];
+        // SAFETY: the sizes that are said are there.
+        unsafe {
+            assert_eq!(read_sized(&raw const whole, "it").unwrap().layers, 5);
+            for (size, ok) in [(0, false), (7, false), (8, false), (24, true), (64, true), (1 << 40, false)] {
+                ptr::copy_nonoverlapping((&raw const whole).cast::<u8>(), later.as_mut_ptr().cast(), 24);
+                later[0] = size;
+                assert_eq!(read_sized(later.as_ptr().cast::<etd_film_options>(), "it").is_ok(), ok, "{size}");
+            }
+            // A later version's field, set to something that this one would ignore.
+            later[0] = 64;
+            later[5] = 1;
+            let refused = read_sized(later.as_ptr().cast::<etd_film_options>(), "it").unwrap_err();
+            assert_eq!(refused.status, ETD_INVALID_ARGUMENT);
+            assert!(refused.message.contains("byte 40"), "{}", refused.message);
+            let written = etd_film_options { width: 9, ..whole };
+            write_sized(later.as_mut_ptr().cast::<etd_film_options>(), "it", written).unwrap();
+            assert_eq!((later[0], later[5], *later.as_ptr().cast::<u32>().add(2)), (64, 1, 9));
+        }
+    }
+
+    #[test]
+    fn texts_are_cut_between_characters() {
+        let mut buffer = [7_i8; 8];
+        let mut needed = 0;
+        // SAFETY: the buffer has eight bytes.
+        unsafe {
+            copy_text("Étendue", buffer.as_mut_ptr().cast(), 2, &raw mut needed).unwrap();
+            assert_eq!((needed, buffer[0]), (9, 0), "half a character is none");
+            copy_text("Étendue", buffer.as_mut_ptr().cast(), 4, ptr::null_mut()).unwrap();
+            assert_eq!(CStr::from_ptr(buffer.as_ptr().cast()).to_str(), Ok("Ét"));
+            assert_eq!(copy_text("x", ptr::null_mut(), 0, ptr::null_mut()).unwrap_err().status, ETD_INVALID_ARGUMENT);
+        }
+        let failure = Failure::new(ETD_INVALID_OPERATION, "one\0two");
+        assert_eq!(fail(None, &failure), ETD_INVALID_OPERATION);
+        assert_eq!(message(), "one");
+    }
 }

@@ -112,16 +112,14 @@ pub unsafe extern "C" fn etd_device_new(
                 (Workers::host(threads, to_host), 1, Submit::Host(Box::new(to_host)))
             }
             (None, 1) => (Workers::calling_thread(), 1, Submit::Thread),
-            (None, threads) => {
-                (Workers::pool(threads)?, if threads == 0 { cores } else { threads }, Submit::Thread)
-            }
+            (None, threads) => (Workers::pool(threads)?, if threads == 0 { cores } else { threads }, Submit::Thread),
         };
         let callbacks = Arc::new(Callbacks { log: options.log, error: options.error, user_data });
         let limit = usize::try_from(options.memory_limit).unwrap_or(usize::MAX);
         let device = etd_device {
             header: Header::new::<etd_device>(&callbacks),
             workers,
-            budget: MemoryBudget::new((limit != 0).then_some(limit)),
+            budget: MemoryBudget::new(if limit == 0 { usize::MAX } else { limit }),
             build_threads,
             submit,
         };

@@ -6,8 +6,8 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use super::boundary::{
-    Header, Object, boundary, give, lock, need, object, on, optional_text, read_sized, release, retain, share,
-    take_status, text, write_sized,
+    Header, Object, give, lock, need, object, on, optional_text, read_sized, release, retain, share, take_status, text,
+    write_sized,
 };
 use super::device::etd_device;
 use super::read;
@@ -139,7 +139,9 @@ impl etd_film {
             return Ok((&frame.rgba, 4));
         }
         let Some((_, wanted)) = LAYERS.iter().find(|(known, _)| *known as u32 == layer) else {
-            return Err(Failure::argument(format!("layer is {layer}, expected one etd_layer with an image of its own")));
+            return Err(Failure::argument(format!(
+                "layer is {layer}, expected one etd_layer with an image of its own"
+            )));
         };
         match frame.layers.iter().find(|(kind, _)| kind == wanted) {
             Some((kind, data)) => Ok((data, kind.channels())),
@@ -160,9 +162,9 @@ impl State {
 /// So many zeros, or an error instead of an abort; memory that is not touched yet costs nothing.
 fn zeros(count: usize) -> Result<Vec<f32>> {
     let mut values: Vec<f32> = Vec::new();
-    values.try_reserve_exact(count).map_err(|_| {
-        Failure::new(ETD_OUT_OF_MEMORY, format!("no room for an image of {count} values"))
-    })?;
+    values
+        .try_reserve_exact(count)
+        .map_err(|_| Failure::new(ETD_OUT_OF_MEMORY, format!("no room for an image of {count} values")))?;
     values.resize(count, 0.0);
     Ok(values)
 }
@@ -195,8 +197,11 @@ pub unsafe extern "C" fn etd_film_new(
                 return Err(Failure::argument("options: unknown layers, or reserved is not 0"));
             }
             let first_hits = it.layers & FIRST_HIT != 0;
-            let channels: usize =
-                LAYERS.iter().filter(|(layer, _)| it.layers & *layer as u32 != 0).map(|(_, kind)| kind.channels()).sum();
+            let channels: usize = LAYERS
+                .iter()
+                .filter(|(layer, _)| it.layers & *layer as u32 != 0)
+                .map(|(_, kind)| kind.channels())
+                .sum();
             // The sums, and two images: one that is shown, one that is made.
             let bytes = BYTES_PER_PIXEL[usize::from(first_hits)] + 2 * 4 * (4 + channels as u64);
             let charge = device.budget.try_charge(usize::try_from(pixels * bytes).unwrap_or(usize::MAX))?;
@@ -416,8 +421,11 @@ pub unsafe extern "C" fn etd_film_write(
             let comments = optional_text(it.comments, "options.comments")?;
             let sums = lock(&film.state).sums.clone();
             let sums = sums.ok_or_else(|| Failure::operation("nothing was rendered to the film yet"))?;
-            let options =
-                WriteOptions { tone_map: read::tone_map(it.tone_map)?, exposure: it.exposure, comments: comments.to_owned() };
+            let options = WriteOptions {
+                tone_map: read::tone_map(it.tone_map)?,
+                exposure: it.exposure,
+                comments: comments.to_owned(),
+            };
             Ok(output::write(&sums.develop(), Path::new(path), &options)?)
         })
     }

@@ -88,11 +88,7 @@ pub unsafe extern "C" fn etd_scene_add_mesh_file(
 /// # Safety
 /// As for `etd_scene_add_mesh`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn etd_scene_set_mesh(
-    scene: *mut etd_scene,
-    mesh: u32,
-    value: *const etd_mesh,
-) -> etd_status {
+pub unsafe extern "C" fn etd_scene_set_mesh(scene: *mut etd_scene, mesh: u32, value: *const etd_mesh) -> etd_status {
     // SAFETY: passed on.
     unsafe { on(scene, |scene| with_mesh(value, |value| scene.edit(|desc| desc.set_mesh(mesh as usize, value)))) }
 }

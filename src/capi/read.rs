@@ -41,7 +41,9 @@ pub(super) unsafe fn camera(pointer: *const etd_camera) -> Result<CameraDesc> {
 pub(super) fn camera_out(camera: &CameraDesc) -> etd_camera {
     let (projection, origin, look_at, up, fov_deg, axis) = match *camera {
         CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis } => (0, eye, look_at, up, fov_deg, fov_axis),
-        CameraDesc::ViewPlane { centre, look_at, up, fov_deg } => (1, centre, look_at, up, fov_deg, FovAxis::Horizontal),
+        CameraDesc::ViewPlane { centre, look_at, up, fov_deg } => {
+            (1, centre, look_at, up, fov_deg, FovAxis::Horizontal)
+        }
     };
     etd_camera {
         struct_size: size_of::<etd_camera>(),

@@ -15,7 +15,7 @@ use super::device::etd_device;
 use super::read;
 use super::status::{ETD_INVALID_SCENE, Failure, Result, etd_status};
 use super::types::{
-    ETD_LOG_INFO, ETD_LOG_WARNING, EtdText, ETD_PHASE_BUILD, etd_progress, etd_progress_fn, etd_render_options,
+    ETD_LOG_INFO, ETD_LOG_WARNING, ETD_PHASE_BUILD, EtdText, etd_progress, etd_progress_fn, etd_render_options,
     etd_scene_info, etd_scene_options,
 };
 use crate::Cancel;
@@ -216,9 +216,8 @@ pub unsafe extern "C" fn etd_scene_from_json(
         make(device, options, out_scene, |base_dir, params| {
             need(json, "json")?;
             let bytes = items(json.cast::<u8>(), json_length, "json")?;
-            let json = std::str::from_utf8(bytes).map_err(|error| {
-                Failure::new(ETD_INVALID_SCENE, format!("the scene is not UTF-8: {error}"))
-            })?;
+            let json = std::str::from_utf8(bytes)
+                .map_err(|error| Failure::new(ETD_INVALID_SCENE, format!("the scene is not UTF-8: {error}")))?;
             let mut scene = desc::parse(json, base_dir, None)?;
             if let Some(file) = params {
                 desc::load_params(file, &mut scene)?;
@@ -260,7 +259,7 @@ unsafe fn make(
 ) -> etd_status {
     // SAFETY: by the contract.
     let owner = unsafe { share(device) };
-    let header = owner.as_ref().ok().map(|device| Arc::clone(device));
+    let header = owner.as_ref().ok().map(Arc::clone);
     boundary(header.as_ref().map(|device| device.header()), || {
         let device = owner?;
         need(out_scene, "out_scene")?;
@@ -321,34 +320,36 @@ pub unsafe extern "C" fn etd_scene_commit(
     user_data: *mut c_void,
 ) -> etd_status {
     // SAFETY: passed on.
-    unsafe { on(scene, |scene| {
-        let cancel = Cancel::new();
-        let told = progress.map(|progress| {
-            let user_data = UserData(user_data);
-            let cancel = cancel.clone();
-            let start = std::time::Instant::now();
-            let tell = move |fraction: f64| {
-                let user_data = &user_data;
-                let report = etd_progress {
-                    struct_size: size_of::<etd_progress>(),
-                    fraction,
-                    elapsed: start.elapsed().as_secs_f64(),
-                    rays: 0,
-                    samples_done: 0,
-                    samples_total: 0,
-                    phase: ETD_PHASE_BUILD,
-                    images: 0,
+    unsafe {
+        on(scene, |scene| {
+            let cancel = Cancel::new();
+            let told = progress.map(|progress| {
+                let user_data = UserData(user_data);
+                let cancel = cancel.clone();
+                let start = std::time::Instant::now();
+                let tell = move |fraction: f64| {
+                    let user_data = &user_data;
+                    let report = etd_progress {
+                        struct_size: size_of::<etd_progress>(),
+                        fraction,
+                        elapsed: start.elapsed().as_secs_f64(),
+                        rays: 0,
+                        samples_done: 0,
+                        samples_total: 0,
+                        phase: ETD_PHASE_BUILD,
+                        images: 0,
+                    };
+                    // The host gave the function for this; the report lives during the call.
+                    if progress(user_data.0, &raw const report) != 0 {
+                        cancel.cancel();
+                    }
                 };
-                // SAFETY: the host gave the function for this; the report lives during the call.
-                if unsafe { progress(user_data.0, &raw const report) } != 0 {
-                    cancel.cancel();
-                }
-            };
-            Arc::new(tell) as Arc<dyn Fn(f64) + Send + Sync>
-        });
-        scene.build(&cancel, told)?;
-        Ok(())
-    }) }
+                Arc::new(tell) as Arc<dyn Fn(f64) + Send + Sync>
+            });
+            scene.build(&cancel, told)?;
+            Ok(())
+        })
+    }
 }
 
 /// What was built: counts, memory, extent. An error before the first build. Thread-safe.
@@ -358,32 +359,33 @@ pub unsafe extern "C" fn etd_scene_commit(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_get_info(scene: *const etd_scene, out_info: *mut etd_scene_info) -> etd_status {
     // SAFETY: passed on.
-    unsafe { on(scene, |scene| {
-        let desc = scene.desc();
-        let info = scene.with_built(|built| {
-            let info = built.info();
-            let (min, max) = (info.bounds.min, info.bounds.max);
-            etd_scene_info {
-                struct_size: size_of::<etd_scene_info>(),
-                surfaces: desc.surfaces.len() as u64,
-                materials: desc.materials.len() as u64,
-                meshes: desc.meshes.len() as u64,
-                point_lights: desc.lights.len() as u64,
-                triangles: info.triangles as u64,
-                instances: info.instances as u64,
-                shared_triangles: info.shared_triangles as u64,
-                analytic_shapes: (info.listed_shapes + info.embree_shapes) as u64,
-                emitters: info.emitters as u64,
-                geometry_bytes: info.geometry_bytes as u64,
-                hierarchy_bytes: info.embree_bytes as u64,
-                bounds_min: min.to_array(),
-                bounds_max: max.to_array(),
-                build_time: info.build_time.as_secs_f64(),
-            }
-        })?;
-        // SAFETY: by the contract.
-        unsafe { write_sized(out_info, "out_info", info) }
-    }) }
+    unsafe {
+        on(scene, |scene| {
+            let desc = scene.desc();
+            let info = scene.with_built(|built| {
+                let info = built.info();
+                let (min, max) = (info.bounds.min, info.bounds.max);
+                etd_scene_info {
+                    struct_size: size_of::<etd_scene_info>(),
+                    surfaces: desc.surfaces.len() as u64,
+                    materials: desc.materials.len() as u64,
+                    meshes: desc.meshes.len() as u64,
+                    point_lights: desc.lights.len() as u64,
+                    triangles: info.triangles as u64,
+                    instances: info.instances as u64,
+                    shared_triangles: info.shared_triangles as u64,
+                    analytic_shapes: (info.listed_shapes + info.embree_shapes) as u64,
+                    emitters: info.emitters as u64,
+                    geometry_bytes: info.geometry_bytes as u64,
+                    hierarchy_bytes: info.embree_bytes as u64,
+                    bounds_min: min.to_array(),
+                    bounds_max: max.to_array(),
+                    build_time: info.build_time.as_secs_f64(),
+                }
+            })?;
+            write_sized(out_info, "out_info", info)
+        })
+    }
 }
 
 /// Copies a text about the scene, an `etd_text`, into the caller's buffer.
@@ -402,21 +404,22 @@ pub unsafe extern "C" fn etd_scene_copy_text(
     out_needed: *mut usize,
 ) -> etd_status {
     // SAFETY: passed on.
-    unsafe { on(scene, |scene| {
-        let text = match which {
-            0 => scene.with_built(|built| built.info().to_string())?,
-            1 => {
-                let mut lines = scene.desc().warnings.clone();
-                if let Some(built) = &*scene.built.load() {
-                    lines.extend(built.warnings().iter().cloned());
+    unsafe {
+        on(scene, |scene| {
+            let text = match which {
+                0 => scene.with_built(|built| built.info().to_string())?,
+                1 => {
+                    let mut lines = scene.desc().warnings.clone();
+                    if let Some(built) = &*scene.built.load() {
+                        lines.extend(built.warnings().iter().cloned());
+                    }
+                    lines.join("\n")
                 }
-                lines.join("\n")
-            }
-            other => return read::unknown("which", other, 1),
-        };
-        // SAFETY: by the contract.
-        unsafe { copy_text(&text, buffer, capacity, out_needed) }
-    }) }
+                other => return read::unknown("which", other, 1),
+            };
+            copy_text(&text, buffer, capacity, out_needed)
+        })
+    }
 }
 
 /// The settings that the scene's own `render` block asks for (the defaults where it has none), to be changed and given to
@@ -430,10 +433,7 @@ pub unsafe extern "C" fn etd_scene_get_render_options(
     out_options: *mut etd_render_options,
 ) -> etd_status {
     // SAFETY: passed on.
-    unsafe { on(scene, |scene| {
-        // SAFETY: by the contract.
-        unsafe { write_sized(out_options, "out_options", read::render_out(&scene.desc().render)) }
-    }) }
+    unsafe { on(scene, |scene| write_sized(out_options, "out_options", read::render_out(&scene.desc().render))) }
 }
 
 /// The resolution that the scene's own `render` block asks for, 256 x 256 where it has none. Thread-safe.
@@ -447,15 +447,14 @@ pub unsafe extern "C" fn etd_scene_get_resolution(
     out_height: *mut u32,
 ) -> etd_status {
     // SAFETY: passed on.
-    unsafe { on(scene, |scene| {
-        need(out_width, "out_width")?;
-        need(out_height, "out_height")?;
-        let [width, height] = scene.desc().render.resolution;
-        // SAFETY: by the contract.
-        unsafe {
+    unsafe {
+        on(scene, |scene| {
+            need(out_width, "out_width")?;
+            need(out_height, "out_height")?;
+            let [width, height] = scene.desc().render.resolution;
             out_width.write(width);
             out_height.write(height);
-        }
-        Ok(())
-    }) }
+            Ok(())
+        })
+    }
 }

@@ -1,23 +1,23 @@
 //! Renders: on the calling thread, or as tasks that are polled, awaited and cancelled.
 
 use std::cell::RefCell;
-use std::ffi::{c_char, c_void};
+use std::ffi::c_char;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::boundary::{
-    Header, Object, UserData, boundary, catch, give, lock, need, object, on, read_sized, release, retain, share,
-    take_status, write_sized,
+    Header, Object, UserData, catch, give, lock, need, object, on, read_sized, release, retain, take_status,
+    write_sized,
 };
 use super::film::{etd_film, share_film};
 use super::read;
 use super::scene::{Progress, etd_scene};
 use super::status::{ETD_CANCELLED, ETD_DEVICE, ETD_OK, ETD_RUNNING, Failure, Result, etd_status};
 use super::types::{
-    ETD_LOG_WARNING, ETD_PHASE_BUILD, ETD_PHASE_END, ETD_PHASE_RENDER, etd_finished_fn, etd_phase, etd_progress,
-    etd_progress_fn, etd_render_options, etd_summary,
+    ETD_LOG_WARNING, ETD_PHASE_BUILD, ETD_PHASE_END, ETD_PHASE_RENDER, etd_phase, etd_progress, etd_render_options,
+    etd_summary,
 };
 use crate::Cancel;
 use crate::render::{Render, RenderSettings};
@@ -118,13 +118,12 @@ impl Work {
         let mut summary = None;
         let outcome = catch(|| self.build_and_render(resumes, &cancel, &mut summary));
         self.film.end(summary);
-        let outcome = match outcome {
+        match outcome {
             Ok(()) if summary.is_some_and(|summary| summary.cancelled != 0) => {
                 Err(Failure::new(ETD_CANCELLED, "the render was cancelled; the film holds what was done"))
             }
             other => other,
-        };
-        outcome
+        }
     }
 
     fn build_and_render(
@@ -162,8 +161,7 @@ impl Work {
         let mut image_cost = Duration::ZERO;
         let mut failure = None;
         let summary = render.run(&mut |progress| {
-            let is_due = progress.image.is_some()
-                || last_image.elapsed() > IMAGE_INTERVAL.max(IMAGE_COST * image_cost);
+            let is_due = progress.image.is_some() || last_image.elapsed() > IMAGE_INTERVAL.max(IMAGE_COST * image_cost);
             if is_due {
                 let begin = Instant::now();
                 failure = self.film.publish(&sums, progress.samples_done).err();
@@ -280,11 +278,8 @@ unsafe fn prepare(
     // SAFETY: by the contract.
     let (film, options) = unsafe {
         let film = share_film(film)?;
-        let options = if options.is_null() {
-            read::render_out(&scene.desc().render)
-        } else {
-            read_sized(options, "options")?
-        };
+        let options =
+            if options.is_null() { read::render_out(&scene.desc().render) } else { read_sized(options, "options")? };
         (film, options)
     };
     let cancel = Cancel::new();

@@ -11,21 +11,40 @@ use super::status::{etd_error, etd_status};
 
 /// Numbers of enumerations that come from C, called by the enumeration's own name in the header.
 mod numbers {
+    /// The enumeration of this name, as a number.
     pub type EtdUsage = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdCameraType = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdFovAxis = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdBsdf = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdPositionFormat = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdSharing = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdSampler = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdFilter = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdIntegrator = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdLayer = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdFormat = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdToneMap = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdText = u32;
 }
 pub use numbers::*;
+
+pub use {
+    etd_bsdf::*, etd_camera_type::*, etd_filter::*, etd_format::*, etd_fov_axis::*, etd_integrator::*, etd_layer::*,
+    etd_log_level::*, etd_phase::*, etd_position_format::*, etd_sampler::*, etd_sharing::*, etd_text::*,
+    etd_tone_map::*, etd_usage::*,
+};
 
 /// Stands for "no material", "no surface", "no mesh".
 pub const ETD_NONE: u32 = 0xffff_ffff;

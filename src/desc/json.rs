@@ -111,6 +111,14 @@ pub(super) fn join(base: &str, below: &str) -> String {
     }
 }
 
+/// Moves an error's path below `base`.
+pub(super) fn below(base: &str) -> impl Fn(Error) -> Error {
+    move |error| {
+        let path = join(base, &error.location().json_path);
+        error.at(path)
+    }
+}
+
 /// Serde's message in the words of a scene file.
 fn complaint(error: &serde_json::Error, path: &str) -> Error {
     let mut message = error.to_string();

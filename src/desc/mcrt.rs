@@ -12,10 +12,8 @@ use serde_json::value::RawValue;
 
 use super::builder::Builder;
 use super::json::{self, Scale, did_you_mean, join};
-use super::{
-    BsdfDesc, CameraDesc, Dialect, MaterialDesc, PointLightDesc, SceneDesc, ShapeDesc, SurfaceDesc, transform, validate,
-};
-use crate::math::DAffine3;
+use super::{BsdfDesc, CameraDesc, Dialect, MaterialDesc, SceneDesc, ShapeDesc, SurfaceLook, transform, validate};
+use crate::math::DVec3;
 use crate::{Error, Result};
 
 #[derive(Deserialize)]
@@ -126,33 +124,22 @@ fn object<'a, T: Deserialize<'a>>(raw: &'a RawValue, path: &str, builder: &mut B
 
 fn camera(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<CameraDesc> {
     let camera: Camera = object(raw, path, builder)?;
-    let centre = validate::vector(&join(path, "origin"), camera.origin.unwrap_or_default())?;
-    let look_at = validate::vector(&join(path, "lookAt"), camera.look_at.unwrap_or([0.0, 0.0, -1.0]))?;
-    let up = validate::vector(&join(path, "up"), camera.up.unwrap_or([0.0, 1.0, 0.0]))?;
+    let centre = DVec3::from_array(camera.origin.unwrap_or_default());
+    let look_at = camera.look_at.map_or(DVec3::NEG_Z, DVec3::from_array);
+    let up = camera.up.map_or(DVec3::Y, DVec3::from_array);
     let fov_deg = camera.field_of_view.unwrap_or(90.0);
-    validate::camera(path, centre, look_at, up, fov_deg)?;
-    Ok(CameraDesc::ViewPlane { centre, look_at, up, fov_deg })
+    validate::camera(path, CameraDesc::ViewPlane { centre, look_at, up, fov_deg })
 }
 
 fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
-    let at = |key: &str| join(path, key);
     if json::tag(raw, path, "type", &["point", "area"])? == "point" {
         let light: PointLight = object(raw, path, builder)?;
-        let factor = validate::intensity(&at("intensity"), light.intensity)?;
-        let position = validate::vector(&at("origin"), light.origin)?;
-        let intensity = validate::emission(&at("color"), light.color, factor)?;
-        builder.scene.lights.push(PointLightDesc { path: path.to_owned(), position, intensity });
+        builder.scene.lights.push(validate::point_light(path, light.origin, light.color, light.intensity)?);
         return Ok(());
     }
     let light: AreaLight = object(raw, path, builder)?;
-    let factor = validate::intensity(&at("intensity"), light.intensity)?;
-    let vertices = [
-        validate::vector(&at("vertex-1"), light.vertex_1)?,
-        validate::vector(&at("vertex-2"), light.vertex_2)?,
-        validate::vector(&at("vertex-3"), light.vertex_3)?,
-    ];
-    let radiance = validate::emission(&at("color"), light.color, factor)?;
-    builder.add_area_light(path, vertices, radiance)
+    let vertices = [light.vertex_1, light.vertex_2, light.vertex_3].map(DVec3::from_array);
+    builder.add_area_light(path, vertices, light.color, light.intensity)
 }
 
 fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
@@ -197,11 +184,12 @@ fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()>
             BsdfDesc::Dielectric { ior, exterior_ior: 1.0 }
         }
     };
-    let again = format!("a second material named '{}'; the first is used", json::elided(&material.name));
-    if !builder.add_material(MaterialDesc { name: material.name, path: path.to_owned(), bsdf, survival }) {
+    if builder.scene.find_material(&material.name).is_some() {
+        let again = format!("a second material named '{}'; the first is used", json::elided(&material.name));
         builder.warn(&at("name"), &again);
+        return Ok(());
     }
-    Ok(())
+    builder.scene.put_material(MaterialDesc { name: material.name, path: path.to_owned(), bsdf, survival }).map(|_| ())
 }
 
 fn surface(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
@@ -209,18 +197,14 @@ fn surface(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> 
     let (shape, local, material) = match json::tag(raw, path, "geometry", &["sphere", "triangle", "mesh"])?.as_str() {
         "sphere" => {
             let it: Sphere = object(raw, path, builder)?;
-            let centre = validate::vector(&at("origin"), it.origin)?;
-            let radius = validate::positive(&at("radius"), it.radius)?;
-            (ShapeDesc::Sphere { centre, radius }, DAffine3::IDENTITY, it.material)
+            let (shape, local) = ShapeDesc::sphere(it.origin.into(), it.radius).map_err(json::below(path))?;
+            (shape, local, it.material)
         }
         "triangle" => {
             let it: Triangle = object(raw, path, builder)?;
-            let vertices = [
-                validate::vector(&at("vertex-1"), it.vertex_1)?,
-                validate::vector(&at("vertex-2"), it.vertex_2)?,
-                validate::vector(&at("vertex-3"), it.vertex_3)?,
-            ];
-            (ShapeDesc::Triangle(vertices), DAffine3::IDENTITY, it.material)
+            let vertices = [it.vertex_1, it.vertex_2, it.vertex_3].map(DVec3::from_array);
+            let (shape, local) = ShapeDesc::triangle(vertices).map_err(json::below(path))?;
+            (shape, local, it.material)
         }
         _ => {
             let it: Mesh = object(raw, path, builder)?;
@@ -234,13 +218,6 @@ fn surface(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> 
         }
     };
     let material = builder.material(&at("material"), &material)?;
-    builder.add_surface(SurfaceDesc {
-        path: path.to_owned(),
-        shape,
-        local,
-        transform: DAffine3::IDENTITY,
-        material,
-        emission: None,
-        hidden: false,
-    })
+    let look = SurfaceLook { material: Some(material), ..SurfaceLook::default() };
+    builder.scene.put_surface(path, shape, local, look).map(|_| ())
 }

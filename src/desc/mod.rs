@@ -1,6 +1,6 @@
 //! The scene as described: plain data in double precision, names resolved, nothing built.
 //!
-//! Every way of describing a scene (a native JSON file, one of the report's files, later calls from a host) ends in one
+//! Every way of describing a scene (a native JSON file, one of the report's files, calls from a host) ends in one
 //! [`SceneDesc`], and `Scene::build` starts from it. [`load`] reads a file, [`parse`] a string; `docs/scene-format.md`
 //! describes the format.
 //!
@@ -17,8 +17,28 @@
 //! assert_eq!(scene.surfaces.len(), 1);
 //! # Ok::<(), etendue::Error>(())
 //! ```
+//!
+//! All that a file can say can also be said by calls, with the same checks: [`SceneDesc::add_material`],
+//! [`SceneDesc::add_surface`] and so on, with shapes from [`ShapeDesc::sphere`] and its like.
+//!
+//! ```
+//! use etendue::desc::{BsdfDesc, CameraDesc, SceneDesc, ShapeDesc, SurfaceLook};
+//! use etendue::math::{DAffine3, DVec3, Vec3};
+//!
+//! let mut scene = SceneDesc::default();
+//! let white = scene.add_material("white", BsdfDesc::Lambert { albedo: Vec3::splat(0.8) }, None)?;
+//! scene.add_point_light(DVec3::new(0.0, 4.0, 0.0), Vec3::splat(50.0))?;
+//! let (shape, local) = ShapeDesc::cylinder(DVec3::NEG_Z * 5.0, DVec3::Y, 0.5, 2.0)?;
+//! let look = SurfaceLook { material: Some(white), ..SurfaceLook::default() };
+//! let tube = scene.add_surface(shape, local, look)?;
+//! scene.set_transform(tube, DAffine3::from_scale(DVec3::splat(2.0)))?;
+//! assert!(scene.set_emission(tube, Some(Vec3::ONE)).is_err());
+//! # Ok::<(), etendue::Error>(())
+//! ```
 
 mod builder;
+mod edit;
+mod index;
 mod json;
 mod mcrt;
 mod native;
@@ -29,11 +49,14 @@ mod read;
 mod render;
 #[cfg(feature = "schema")]
 mod schema;
+mod shape;
 mod surface;
 mod transform;
 mod validate;
 
-pub use read::{apply_params, load, parse};
+pub use edit::SurfaceLook;
+pub use index::SceneIndex;
+pub use read::{apply_params, load, load_params, parse};
 #[cfg(feature = "schema")]
 pub use schema::schema;
 
@@ -57,8 +80,8 @@ pub struct SceneDesc {
     pub lights: Vec<PointLightDesc>,
     /// Materials, named by index from surfaces.
     pub materials: Vec<MaterialDesc>,
-    /// Meshes, named by index from surfaces; one may be used many times. A mesh that is the same `Arc` in the description
-    /// of an edited scene is not built again.
+    /// Meshes, named by index from surfaces; one may be used many times. A mesh that is the same `Arc` in the
+    /// description of an edited scene is not built again.
     pub meshes: Vec<Arc<MeshDesc>>,
     /// What there is to hit.
     pub surfaces: Vec<SurfaceDesc>,
@@ -66,6 +89,8 @@ pub struct SceneDesc {
     pub render: RenderDesc,
     /// What was read but is worth a word: unknown keys of a report scene, a second definition of a name.
     pub warnings: Vec<String>,
+    /// What the calls look up. Of a description put together by hand: the default.
+    pub index: SceneIndex,
 }
 
 /// The rules a scene file was read by.
@@ -303,7 +328,7 @@ pub struct SurfaceDesc {
     /// Emitted radiance [W m^-2 sr^-1] on the normal's side; `None` for a surface that does not emit. Quadrics and
     /// disks never do.
     pub emission: Option<Rgb>,
-    /// Not there for any ray. Surfaces keep their numbers when others are removed.
+    /// Removed: not there for any ray. Surfaces keep their numbers when others are removed.
     pub hidden: bool,
 }
 
@@ -356,7 +381,8 @@ pub enum ShapeDesc {
 /// Pixels of the largest image that is rendered: the film takes a hundred bytes for each.
 pub const MAX_PIXELS: u64 = 1 << 26;
 
-/// Most light samples per hit: more cost time that more samples per pixel would spend better, and cannot be interrupted.
+/// Most light samples per hit: more cost time that more samples per pixel would spend better, and cannot be
+/// interrupted.
 pub const MAX_SHADOW_RAYS: u32 = 1 << 10;
 
 /// How to render.

@@ -11,9 +11,8 @@ use serde_json::value::RawValue;
 
 use super::builder::Builder;
 use super::json::{self, join};
-use super::{
-    BsdfDesc, CameraDesc, Dialect, FovAxis, MaterialDesc, PointLightDesc, SceneDesc, render, surface, validate,
-};
+use super::{BsdfDesc, CameraDesc, Dialect, FovAxis, MaterialDesc, SceneDesc, render, surface, validate};
+use crate::math::DVec3;
 use crate::{Error, Result};
 
 #[derive(Deserialize)]
@@ -251,47 +250,40 @@ pub(super) fn read(document: &RawValue, base_dir: &Path, file: Option<&Path>) ->
 
 fn camera(raw: &RawValue, path: &str) -> Result<CameraDesc> {
     let camera: Camera = json::object(raw, path)?;
-    let origin = validate::vector(&join(path, "origin"), camera.origin.unwrap_or_default())?;
-    let look_at = validate::vector(&join(path, "lookAt"), camera.look_at.unwrap_or([0.0, 0.0, -1.0]))?;
-    let up = validate::vector(&join(path, "up"), camera.up.unwrap_or([0.0, 1.0, 0.0]))?;
+    let centre = DVec3::from_array(camera.origin.unwrap_or_default());
+    let look_at = camera.look_at.map_or(DVec3::NEG_Z, DVec3::from_array);
+    let up = camera.up.map_or(DVec3::Y, DVec3::from_array);
     let fov_deg = camera.field_of_view.unwrap_or(90.0);
-    validate::camera(path, origin, look_at, up, fov_deg)?;
-    let axis = camera.field_of_view_axis.unwrap_or_default();
+    let fov_axis = match camera.field_of_view_axis.unwrap_or_default() {
+        Axis::Horizontal => FovAxis::Horizontal,
+        Axis::Vertical => FovAxis::Vertical,
+    };
     match camera.r#type.unwrap_or_default() {
         CameraType::Perspective => {
-            let fov_axis = match axis {
-                Axis::Horizontal => FovAxis::Horizontal,
-                Axis::Vertical => FovAxis::Vertical,
-            };
-            Ok(CameraDesc::Perspective { eye: origin, look_at, up, fov_deg, fov_axis })
+            validate::camera(path, CameraDesc::Perspective { eye: centre, look_at, up, fov_deg, fov_axis })
         }
-        CameraType::ViewPlane if axis == Axis::Vertical => {
-            let message = "a view-plane camera's field of view is horizontal";
-            Err(Error::invalid(join(path, "fieldOfViewAxis"), message))
+        CameraType::ViewPlane => {
+            let camera = validate::camera(path, CameraDesc::ViewPlane { centre, look_at, up, fov_deg })?;
+            if fov_axis == FovAxis::Vertical {
+                let message = "a view-plane camera's field of view is horizontal";
+                return Err(Error::invalid(join(path, "fieldOfViewAxis"), message));
+            }
+            Ok(camera)
         }
-        CameraType::ViewPlane => Ok(CameraDesc::ViewPlane { centre: origin, look_at, up, fov_deg }),
     }
 }
 
 fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
-    let at = |key: &str| join(path, key);
     if json::tag(raw, path, "type", &["point", "area"])? == "point" {
         let light: PointLight = json::object(raw, path)?;
-        let factor = validate::intensity(&at("intensity"), light.intensity.unwrap_or(1.0))?;
-        let position = validate::vector(&at("origin"), light.origin)?;
-        let intensity = validate::emission(&at("color"), light.color, factor)?;
-        builder.scene.lights.push(PointLightDesc { path: path.to_owned(), position, intensity });
+        let factor = light.intensity.unwrap_or(1.0);
+        builder.scene.lights.push(validate::point_light(path, light.origin, light.color, factor)?);
         return Ok(());
     }
     let light: AreaLight = json::object(raw, path)?;
-    let factor = validate::intensity(&at("intensity"), light.intensity.unwrap_or(1.0))?;
-    let vertices = [
-        validate::vector(&at("vertex-1"), light.vertex_1)?,
-        validate::vector(&at("vertex-2"), light.vertex_2)?,
-        validate::vector(&at("vertex-3"), light.vertex_3)?,
-    ];
-    let radiance = validate::emission(&at("color"), light.color, factor)?;
-    builder.add_area_light(path, vertices, radiance)
+    let factor = light.intensity.unwrap_or(1.0);
+    let vertices = [light.vertex_1, light.vertex_2, light.vertex_3].map(DVec3::from_array);
+    builder.add_area_light(path, vertices, light.color, factor)
 }
 
 fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
@@ -313,11 +305,7 @@ fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()>
         }
         _ => (json::object::<Black>(raw, path)?.name, BsdfDesc::Black, None),
     };
-    let again = format!("the material name '{}' is given twice", json::elided(&name));
-    if !builder.add_material(MaterialDesc { name, path: path.to_owned(), bsdf, survival }) {
-        return Err(Error::invalid(at("name"), again));
-    }
-    Ok(())
+    builder.scene.put_material(MaterialDesc { name, path: path.to_owned(), bsdf, survival }).map(|_| ())
 }
 
 fn diffuse(diffuse: Diffuse, path: &str) -> Result<(String, BsdfDesc, Option<f32>)> {
@@ -351,11 +339,7 @@ fn diffuse(diffuse: Diffuse, path: &str) -> Result<(String, BsdfDesc, Option<f32
     };
     let survival = match diffuse.reflection_rate {
         None => None,
-        Some(rate) => {
-            let at = at("reflectionRate");
-            validate::positive(&at, rate)?;
-            Some(validate::within(&at, rate, 0.0, 1.0)?)
-        }
+        Some(rate) => Some(validate::survival_rate(&at("reflectionRate"), rate)?),
     };
     Ok((diffuse.name, bsdf, survival))
 }

@@ -19,6 +19,18 @@ const LINE_LIMIT: usize = 16 << 20;
 /// Most face corners in one file. A corner takes about 30 bytes while reading.
 const CORNER_LIMIT: usize = 1 << 27;
 
+/// A file name that can be one.
+pub(super) fn check_name(json_path: &str, file: &Path) -> Result<()> {
+    let name = file.as_os_str();
+    if name.is_empty() {
+        return Err(Error::invalid(json_path, "the file name is empty, expected a Wavefront OBJ file"));
+    }
+    if name.as_encoded_bytes().contains(&0) {
+        return Err(Error::invalid(json_path, "the file name holds a zero byte"));
+    }
+    Ok(())
+}
+
 /// Reads the file at `path`; `json_path` says where the scene names it.
 pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<MeshDesc> {
     let file = read::open(path, SIZE_LIMIT).map_err(|error| error.at(json_path))?;

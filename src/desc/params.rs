@@ -47,10 +47,10 @@ pub(super) fn apply(json: &str, render: &mut RenderDesc, warnings: &mut Vec<Stri
         (render.samples, render.sampler) = supersamples(raw, "supersamples")?;
     }
     if let Some(depth) = params.max_ray_depth {
-        render.max_depth = Some(validate::whole("maxRayDepth", depth, 1, u64::from(u32::MAX))?);
+        render.max_depth = Some(render::max_depth("maxRayDepth", depth)?);
     }
     if let Some(count) = params.shadow_rays {
-        render.shadow_rays = validate::whole("shadowRays", count, 1, u64::from(super::MAX_SHADOW_RAYS))?;
+        render.shadow_rays = render::shadow_rays("shadowRays", count)?;
     }
     if params.photon_map.is_some_and(|on| on != 0.0) {
         warn(warnings, "photonMap: not done, direct light is computed by shadow rays".to_owned());

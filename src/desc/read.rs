@@ -29,10 +29,19 @@ pub fn load(path: &Path, params: Option<&Path>) -> Result<SceneDesc> {
     let base_dir = path.parent().unwrap_or(Path::new(""));
     let mut scene = parse(&text, base_dir, Some(path))?;
     if let Some(params) = params {
-        let text = read_text(params)?;
-        apply_params(&text, Some(params), &mut scene)?;
+        load_params(params, &mut scene)?;
     }
     Ok(scene)
+}
+
+/// Reads a parameter file of the report's renderer into `scene.render`.
+///
+/// # Errors
+///
+/// [`ErrorKind::Io`] if it cannot be read, else as [`apply_params`].
+pub fn load_params(params: &Path, scene: &mut SceneDesc) -> Result<()> {
+    let text = read_text(params)?;
+    apply_params(&text, Some(params), scene)
 }
 
 /// Reads a scene from a string.

@@ -186,10 +186,10 @@ pub(super) fn read(raw: &RawValue, path: &str) -> Result<RenderDesc> {
         render.filter = filter(raw, &at("filter"))?;
     }
     if let Some(depth) = block.max_depth {
-        render.max_depth = Some(validate::whole(&at("maxDepth"), depth, 1, u64::from(u32::MAX))?);
+        render.max_depth = Some(max_depth(&at("maxDepth"), depth)?);
     }
     if let Some(count) = block.shadow_rays {
-        render.shadow_rays = validate::whole(&at("shadowRays"), count, 1, u64::from(super::MAX_SHADOW_RAYS))?;
+        render.shadow_rays = shadow_rays(&at("shadowRays"), count)?;
     }
     if let Some(raw) = block.integrator {
         render.integrator = integrator(raw, &at("integrator"))?;
@@ -198,6 +198,48 @@ pub(super) fn read(raw: &RawValue, path: &str) -> Result<RenderDesc> {
         render.seed = seed.0;
     }
     Ok(render)
+}
+
+impl RenderDesc {
+    /// Whether the format could have given these numbers: the image's size, samples, depth, shadow rays and filter.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::InvalidScene`] at `render.resolution`, `render.samples`, `render.filter.sigma` and so on.
+    pub fn check(&self) -> Result<()> {
+        let whole = |value: u32| Whole(u64::from(value));
+        validate::resolution("render.resolution", self.resolution.map(whole))?;
+        validate::whole("render.samples", whole(self.samples), 1, SAMPLE_LIMIT)?;
+        match self.filter {
+            FilterDesc::Gaussian { sigma } => gaussian("render.filter", sigma.into())?,
+            FilterDesc::Mitchell { b, c } => mitchell("render.filter", b.into(), c.into())?,
+            other => other,
+        };
+        if let Some(depth) = self.max_depth {
+            max_depth("render.maxDepth", whole(depth))?;
+        }
+        shadow_rays("render.shadowRays", whole(self.shadow_rays)).map(|_| ())
+    }
+}
+
+/// A greatest number of hits on a path.
+pub(super) fn max_depth(path: &str, value: Whole) -> Result<u32> {
+    validate::whole(path, value, 1, u64::from(u32::MAX))
+}
+
+/// A number of light samples per hit.
+pub(super) fn shadow_rays(path: &str, value: Whole) -> Result<u32> {
+    validate::whole(path, value, 1, u64::from(super::MAX_SHADOW_RAYS))
+}
+
+fn gaussian(path: &str, sigma: f64) -> Result<FilterDesc> {
+    let at = join(path, "sigma");
+    validate::positive(&at, sigma)?;
+    Ok(FilterDesc::Gaussian { sigma: validate::within(&at, sigma, 0.0, 16.0)? })
+}
+
+fn mitchell(path: &str, b: f64, c: f64) -> Result<FilterDesc> {
+    let within = |key: &str, value: f64| validate::within(&join(path, key), value, 0.0, 1.0);
+    Ok(FilterDesc::Mitchell { b: within("b", b)?, c: within("c", c)? })
 }
 
 /// A name, or an object whose `type` is the name; says whether there is an object with more in it.
@@ -218,12 +260,10 @@ fn named(raw: &RawValue, path: &str, known: &[&str]) -> Result<(String, bool)> {
 
 fn filter(raw: &RawValue, path: &str) -> Result<FilterDesc> {
     let (name, block) = named(raw, path, &FILTERS)?;
-    let at = |key: &str| join(path, key);
     match name.as_str() {
         "gaussian" => {
             let sigma = if block { json::object::<Gaussian>(raw, path)?.sigma } else { None }.unwrap_or(0.5);
-            validate::positive(&at("sigma"), sigma)?;
-            Ok(FilterDesc::Gaussian { sigma: validate::within(&at("sigma"), sigma, 0.0, 16.0)? })
+            gaussian(path, sigma)
         }
         "mitchell" => {
             let (b, c) = if block {
@@ -232,10 +272,7 @@ fn filter(raw: &RawValue, path: &str) -> Result<FilterDesc> {
             } else {
                 (None, None)
             };
-            Ok(FilterDesc::Mitchell {
-                b: validate::within(&at("b"), b.unwrap_or(1.0 / 3.0), 0.0, 1.0)?,
-                c: validate::within(&at("c"), c.unwrap_or(1.0 / 3.0), 0.0, 1.0)?,
-            })
+            mitchell(path, b.unwrap_or(1.0 / 3.0), c.unwrap_or(1.0 / 3.0))
         }
         name => {
             if block {

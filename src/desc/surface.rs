@@ -3,10 +3,10 @@
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
-use super::builder::{Builder, lit};
+use super::builder::Builder;
 use super::json::{self, Scale, join};
-use super::{MeshDesc, ShapeDesc, SurfaceDesc, obj, quadric, transform, validate};
-use crate::math::{Bounds, DAffine3, DMat3, DVec3};
+use super::{MeshDesc, ShapeDesc, SurfaceLook, transform, validate};
+use crate::math::{Bounds, DAffine3, DVec3};
 use crate::{Error, Result};
 
 /// Declares one kind of surface: its own keys after the ones all kinds share, and how to get at those.
@@ -31,9 +31,14 @@ macro_rules! surface {
         }
 
         impl $name<'_> {
-            /// Adds the surface with this shape, which `local` puts into the frame that `transform` starts from.
-            fn place(&self, path: &str, shape: ShapeDesc, local: DAffine3, builder: &mut Builder<'_>) -> Result<()> {
-                place(path, self.material.as_deref(), self.emission, self.transform, shape, local, builder)
+            /// Adds the surface with this shape, in the frame that `transform` starts from.
+            fn place(
+                &self,
+                path: &str,
+                shape: Result<(ShapeDesc, DAffine3)>,
+                builder: &mut Builder<'_>,
+            ) -> Result<()> {
+                place(path, self.material.as_deref(), self.emission, self.transform, shape, builder)
             }
         }
     };
@@ -248,35 +253,20 @@ struct MeshSource {
 /// Reads one of `surfaces`.
 pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     let at = |key: &str| join(path, key);
-    let positive = |key: &str, value: f64| validate::positive(&at(key), value);
     let vector = |key: &str, value: [f64; 3]| validate::vector(&at(key), value);
-    let identity = DAffine3::IDENTITY;
+    let point = DVec3::from_array;
     match json::tag(raw, path, "geometry", &KINDS)?.as_str() {
         "sphere" => {
             let it: Sphere = json::object(raw, path)?;
-            let shape =
-                ShapeDesc::Sphere { centre: vector("origin", it.origin)?, radius: positive("radius", it.radius)? };
-            it.place(path, shape, identity, builder)
+            it.place(path, ShapeDesc::sphere(point(it.origin), it.radius), builder)
         }
         "triangle" => {
             let it: Triangle = json::object(raw, path)?;
-            let shape = ShapeDesc::Triangle([
-                vector("vertex-1", it.vertex_1)?,
-                vector("vertex-2", it.vertex_2)?,
-                vector("vertex-3", it.vertex_3)?,
-            ]);
-            it.place(path, shape, identity, builder)
+            it.place(path, ShapeDesc::triangle([it.vertex_1, it.vertex_2, it.vertex_3].map(point)), builder)
         }
         "quad" => {
             let it: Quad = json::object(raw, path)?;
-            let vertices = [
-                vector("vertex-1", it.vertex_1)?,
-                vector("vertex-2", it.vertex_2)?,
-                vector("vertex-3", it.vertex_3)?,
-                vector("vertex-4", it.vertex_4)?,
-            ];
-            validate::quad(path, vertices)?;
-            it.place(path, ShapeDesc::Quad(vertices), identity, builder)
+            it.place(path, ShapeDesc::quad([it.vertex_1, it.vertex_2, it.vertex_3, it.vertex_4].map(point)), builder)
         }
         "mesh" => {
             let mut it: Mesh = json::object(raw, path)?;
@@ -293,51 +283,39 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
             };
             let mesh = source.resolve(path, path, builder)?;
             let smooth = it.shading.unwrap_or_default() == Shading::Smooth;
-            it.place(path, ShapeDesc::Mesh { mesh, smooth }, transform::place(scale, radians, origin), builder)
+            let local = transform::place(scale, radians, origin);
+            it.place(path, Ok((ShapeDesc::Mesh { mesh, smooth }, local)), builder)
         }
         "quadric" => {
             let it: Quadric = json::object(raw, path)?;
-            let shape = general_quadric(&it.coefficients, it.clip, path)?;
-            it.place(path, shape, identity, builder)
+            let clip = match it.clip {
+                Some(raw) => {
+                    let Clip { min, max } = json::object(raw, &at("clip"))?;
+                    Some(Bounds { min: point(min), max: point(max) })
+                }
+                None => None,
+            };
+            it.place(path, ShapeDesc::quadric(it.coefficients, clip), builder)
         }
         "cylinder" => {
             let it: Cylinder = json::object(raw, path)?;
-            let (radius, height) = (positive("radius", it.radius)?, positive("height", it.height)?);
-            let axis = validate::direction(&at("axis"), it.axis)?;
-            let frame = quadric::frame(vector("base", it.base)?, axis, radius, height);
-            it.place(path, quadric::cylinder(), frame, builder)
+            it.place(path, ShapeDesc::cylinder(point(it.base), point(it.axis), it.radius, it.height), builder)
         }
         "cone" => {
             let it: Cone = json::object(raw, path)?;
-            let (radius, height) = (positive("radius", it.radius)?, positive("height", it.height)?);
-            let axis = validate::direction(&at("axis"), it.axis)?;
-            let frame = quadric::frame(vector("base", it.base)?, axis, radius, height);
-            it.place(path, quadric::cone(), frame, builder)
+            it.place(path, ShapeDesc::cone(point(it.base), point(it.axis), it.radius, it.height), builder)
         }
         "disk" => {
             let it: Disk = json::object(raw, path)?;
-            let shape = ShapeDesc::Disk {
-                centre: vector("origin", it.origin)?,
-                normal: validate::direction(&at("normal"), it.normal)?,
-                radius: positive("radius", it.radius)?,
-            };
-            it.place(path, shape, identity, builder)
+            it.place(path, ShapeDesc::disk(point(it.origin), point(it.normal), it.radius), builder)
         }
         "ellipsoid" => {
             let it: Ellipsoid = json::object(raw, path)?;
-            for (i, radius) in it.radii.into_iter().enumerate() {
-                positive(&format!("radii[{i}]"), radius)?;
-            }
-            let size = DMat3::from_diagonal(DVec3::from_array(it.radii));
-            let frame = DAffine3::from_mat3_translation(size, vector("origin", it.origin)?);
-            it.place(path, quadric::ball(), frame, builder)
+            it.place(path, ShapeDesc::ellipsoid(point(it.origin), point(it.radii)), builder)
         }
         _ => {
             let it: Paraboloid = json::object(raw, path)?;
-            let (radius, height) = (positive("radius", it.radius)?, positive("height", it.height)?);
-            let axis = validate::direction(&at("axis"), it.axis)?;
-            let frame = quadric::frame(vector("apex", it.apex)?, axis, radius, height);
-            it.place(path, quadric::paraboloid(), frame, builder)
+            it.place(path, ShapeDesc::paraboloid(point(it.apex), point(it.axis), it.radius, it.height), builder)
         }
     }
 }
@@ -347,7 +325,9 @@ pub(super) fn shared_mesh(raw: &RawValue, path: &str, builder: &mut Builder<'_>)
     let mesh: SharedMesh = json::object(raw, path)?;
     let SharedMesh { name, file, positions, triangles, normals, uvs } = mesh;
     let index = MeshSource { name: None, file, positions, triangles, normals, uvs }.resolve(path, &name, builder)?;
-    builder.name_mesh(&join(path, "name"), &name, index)
+    builder.scene.check_mesh_name(path, &name)?;
+    builder.scene.index.meshes.insert(name, index);
+    Ok(())
 }
 
 fn place(
@@ -355,58 +335,20 @@ fn place(
     material: Option<&str>,
     emission: Option<[f64; 3]>,
     outer: Option<&RawValue>,
-    shape: ShapeDesc,
-    local: DAffine3,
+    shape: Result<(ShapeDesc, DAffine3)>,
     builder: &mut Builder<'_>,
 ) -> Result<()> {
+    let (shape, local) = shape.map_err(json::below(path))?;
     let emission = match emission {
         Some(radiance) => Some(validate::emission(&join(path, "emission"), radiance, 1.0)?),
         None => None,
     };
     let material = match material {
-        Some(name) => builder.material(&join(path, "material"), name)?,
-        None if emission.is_some() => builder.black(path),
-        None => return Err(Error::invalid(path, "missing key `material`")),
+        Some(name) => Some(builder.material(&join(path, "material"), name)?),
+        None => None,
     };
-    let at_transform = join(path, "transform");
-    let transform = transform::read(outer, &at_transform)?;
-    validate::invertible(if outer.is_some() { &at_transform } else { path }, &(transform * local))?;
-    let emission = emission.and_then(lit);
-    builder.add_surface(SurfaceDesc {
-        path: path.to_owned(),
-        shape,
-        local,
-        transform,
-        material,
-        emission,
-        hidden: false,
-    })
-}
-
-fn general_quadric(coefficients: &[f64; 10], clip: Option<&RawValue>, path: &str) -> Result<ShapeDesc> {
-    let at = join(path, "coefficients");
-    for (i, coefficient) in coefficients.iter().enumerate() {
-        validate::number(&format!("{at}[{i}]"), *coefficient)?;
-    }
-    if coefficients[..9].iter().all(|coefficient| *coefficient == 0.0) {
-        return Err(Error::invalid(at, "all coefficients but the last are 0, expected a surface"));
-    }
-    let clip = match clip {
-        Some(raw) => {
-            let at = join(path, "clip");
-            let clip: Clip = json::object(raw, &at)?;
-            let min = validate::vector(&join(&at, "min"), clip.min)?;
-            let max = validate::vector(&join(&at, "max"), clip.max)?;
-            if !min.cmple(max).all() {
-                return Err(Error::invalid(at, format!("the box is empty: min {min} is not below max {max}")));
-            }
-            Bounds { min, max }
-        }
-        None => quadric::closed_bounds(coefficients).ok_or_else(|| {
-            Error::invalid(path, "missing key `clip`: only an ellipsoid ends by itself, and this quadric is none")
-        })?,
-    };
-    Ok(ShapeDesc::Quadric { coefficients: *coefficients, clip })
+    let transform = transform::read(outer, &join(path, "transform"))?;
+    builder.scene.put_surface(path, shape, local, SurfaceLook { material, emission, transform }).map(|_| ())
 }
 
 impl MeshSource {
@@ -421,14 +363,23 @@ impl MeshSource {
                 let missing = |key: &str| Error::invalid(path, format!("missing key `{key}` of a mesh given in place"));
                 let positions = self.positions.ok_or_else(|| missing("positions"))?;
                 let triangles = self.triangles.ok_or_else(|| missing("triangles"))?;
-                let mesh = inline_mesh(
-                    positions,
+                let (normals, uvs) = (self.normals.unwrap_or_default(), self.uvs.unwrap_or_default());
+                // Checked as they were written; the rest can be judged in single precision.
+                for (i, normal) in normals.iter().enumerate() {
+                    validate::numbers(path, "normals", i, *normal)?;
+                }
+                for (i, uv) in uvs.iter().enumerate() {
+                    validate::numbers(path, "uvs", i, *uv)?;
+                }
+                builder.add_mesh(MeshDesc {
+                    name: name.to_owned(),
+                    path: path.to_owned(),
+                    positions: positions.into_iter().map(DVec3::from_array).collect(),
+                    normals: normals.into_iter().map(|normal| normal.map(|x| x as f32)).collect(),
+                    uvs: uvs.into_iter().map(|uv| uv.map(|x| x as f32)).collect(),
                     triangles,
-                    self.normals.unwrap_or_default(),
-                    &self.uvs.unwrap_or_default(),
-                    path,
-                )?;
-                Ok(builder.add_mesh(MeshDesc { name: name.to_owned(), path: path.to_owned(), ..mesh }))
+                    host: None,
+                })
             }
             (None, None) => Err(Error::invalid(
                 path,
@@ -437,55 +388,4 @@ impl MeshSource {
             _ => Err(Error::invalid(path, "the mesh is given twice, expected one of `mesh`, `file` and `positions`")),
         }
     }
-}
-
-fn inline_mesh(
-    positions: Vec<[f64; 3]>,
-    triangles: Vec<[u32; 3]>,
-    normals: Vec<[f64; 3]>,
-    uvs: &[[f64; 2]],
-    path: &str,
-) -> Result<MeshDesc> {
-    let at = |key: &str| join(path, key);
-    if triangles.is_empty() {
-        return Err(Error::invalid(at("triangles"), "the mesh is empty, expected at least one triangle"));
-    }
-    let count = positions.len();
-    for (i, triangle) in triangles.iter().enumerate() {
-        if let Some(k) = triangle.iter().position(|index| *index as usize >= count) {
-            let message = format!("there is no vertex {}, expected an index below {count}", triangle[k]);
-            return Err(Error::invalid(at(&format!("triangles[{i}][{k}]")), message));
-        }
-    }
-    for (key, given) in [("normals", normals.len()), ("uvs", uvs.len())] {
-        if given != 0 && given != count {
-            let message = format!("{given} {key} for {count} positions, expected one each");
-            return Err(Error::invalid(at(key), message));
-        }
-    }
-    let (at_positions, at_normals, at_uvs) = (at("positions"), at("normals"), at("uvs"));
-    let in_range = |at: &str, i: usize, values: &[f64]| {
-        values.iter().enumerate().try_for_each(|(k, value)| {
-            if validate::fits(*value) {
-                return Ok(());
-            }
-            validate::number(&format!("{at}[{i}][{k}]"), *value).map(|_| ())
-        })
-    };
-    for (i, p) in positions.iter().enumerate() {
-        in_range(&at_positions, i, p)?;
-    }
-    for (i, n) in normals.iter().enumerate() {
-        in_range(&at_normals, i, n)?;
-    }
-    for (i, uv) in uvs.iter().enumerate() {
-        in_range(&at_uvs, i, uv)?;
-    }
-    Ok(MeshDesc {
-        positions: positions.into_iter().map(DVec3::from_array).collect(),
-        normals: normals.into_iter().filter_map(obj::finite).collect(),
-        uvs: uvs.iter().copied().filter_map(obj::finite).collect(),
-        triangles,
-        ..MeshDesc::default()
-    })
 }

@@ -1,9 +1,10 @@
 //! Checks on single values: what they mean physically, and that they survive single precision.
 
-use super::json::Whole;
+use super::json::{Whole, join};
+use super::{BsdfDesc, CameraDesc, MeshDesc, PointLightDesc, ShapeDesc, transform};
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
-use crate::{Error, Result};
+use crate::{Error, ErrorKind, Result};
 
 const F32_MAX: f64 = f32::MAX as f64;
 const F32_MIN: f64 = f32::MIN_POSITIVE as f64;
@@ -46,26 +47,29 @@ pub(super) fn within(path: &str, value: f64, low: f64, high: f64) -> Result<f32>
 }
 
 /// A point or a vector.
-pub(super) fn vector(path: &str, value: [f64; 3]) -> Result<DVec3> {
-    for (i, component) in value.into_iter().enumerate() {
+pub(super) fn vector(path: &str, value: impl Into<DVec3>) -> Result<DVec3> {
+    let value = value.into();
+    for (i, component) in value.to_array().into_iter().enumerate() {
         if !fits(component) {
             number(&format!("{path}[{i}]"), component)?;
         }
     }
-    Ok(DVec3::from_array(value))
+    Ok(value)
 }
 
 /// A unit vector from one of any length but zero.
-pub(super) fn direction(path: &str, value: [f64; 3]) -> Result<DVec3> {
+pub(super) fn direction(path: &str, value: impl Into<DVec3>) -> Result<DVec3> {
     let v = vector(path, value)?;
     // Scaled first, so that lengths near the ends of the range do not over- or underflow when squared.
-    (v / v.abs().max_element())
-        .try_normalize()
-        .ok_or_else(|| Error::invalid(path, format!("{value:?} has no direction, expected a vector that is not zero")))
+    (v / v.abs().max_element()).try_normalize().ok_or_else(|| {
+        let zero = v.to_array();
+        Error::invalid(path, format!("{zero:?} has no direction, expected a vector that is not zero"))
+    })
 }
 
 /// A reflectance, [0, 1] per channel: more would create energy.
-pub(super) fn reflectance(path: &str, value: [f64; 3]) -> Result<Rgb> {
+pub(super) fn reflectance(path: &str, value: impl Into<DVec3>) -> Result<Rgb> {
+    let value = value.into().to_array();
     if let Some(i) = value.iter().position(|channel| !(0.0..=1.0).contains(channel)) {
         let bad = value[i];
         let message =
@@ -76,8 +80,9 @@ pub(super) fn reflectance(path: &str, value: [f64; 3]) -> Result<Rgb> {
 }
 
 /// Radiance or radiant intensity: zero or more per channel, times `factor`.
-pub(super) fn emission(path: &str, value: [f64; 3], factor: f64) -> Result<Rgb> {
-    for (i, channel) in value.into_iter().enumerate() {
+pub(super) fn emission(path: &str, value: impl Into<DVec3>, factor: f64) -> Result<Rgb> {
+    let value = value.into();
+    for (i, channel) in value.to_array().into_iter().enumerate() {
         let path = format!("{path}[{i}]");
         number(&path, channel)?;
         if channel < 0.0 {
@@ -85,7 +90,7 @@ pub(super) fn emission(path: &str, value: [f64; 3], factor: f64) -> Result<Rgb> 
         }
         number(&path, channel * factor)?;
     }
-    Ok((factor * DVec3::from_array(value)).as_vec3a())
+    Ok((factor * value).as_vec3a())
 }
 
 /// A factor on light: zero or more.
@@ -117,8 +122,13 @@ pub(super) fn resolution(path: &str, value: [Whole; 2]) -> Result<[u32; 2]> {
 }
 
 /// Where a camera is, where it looks and what is up must give a frame; the angle must be one a pinhole can span.
-pub(super) fn camera(path: &str, origin: DVec3, look_at: DVec3, up: DVec3, fov_deg: f64) -> Result<()> {
-    let at = |key: &str| format!("{path}.{key}");
+pub(super) fn camera(path: &str, camera: CameraDesc) -> Result<CameraDesc> {
+    let (CameraDesc::Perspective { eye: origin, look_at, up, fov_deg, .. }
+    | CameraDesc::ViewPlane { centre: origin, look_at, up, fov_deg }) = camera;
+    let at = |key: &str| join(path, key);
+    vector(&at("origin"), origin)?;
+    vector(&at("lookAt"), look_at)?;
+    vector(&at("up"), up)?;
     if !(fov_deg > 0.0 && fov_deg < 180.0) {
         let message = format!("{fov_deg} degrees are out of range, expected an angle between 0 and 180");
         return Err(Error::invalid(at("fieldOfView"), message));
@@ -133,6 +143,119 @@ pub(super) fn camera(path: &str, origin: DVec3, look_at: DVec3, up: DVec3, fov_d
     if w.cross(up).length() < PARALLEL {
         let message = format!("the vector is parallel to the view direction {w}, expected another direction");
         return Err(Error::invalid(at("up"), message));
+    }
+    Ok(camera)
+}
+
+/// A light at a point, of radiant intensity `color` times `factor`.
+pub(super) fn point_light(
+    path: &str,
+    position: impl Into<DVec3>,
+    color: impl Into<DVec3>,
+    factor: f64,
+) -> Result<PointLightDesc> {
+    let factor = intensity(&join(path, "intensity"), factor)?;
+    let position = vector(&join(path, "origin"), position)?;
+    let intensity = emission(&join(path, "color"), color, factor)?;
+    Ok(PointLightDesc { path: path.to_owned(), position, intensity })
+}
+
+/// The parameters of a scattering model that is already in single precision, and the survival probability with it.
+pub(super) fn material(path: &str, bsdf: &BsdfDesc, survival: Option<f32>) -> Result<()> {
+    let at = |key: &str| join(path, key);
+    match *bsdf {
+        BsdfDesc::Black => {}
+        BsdfDesc::Lambert { albedo: color }
+        | BsdfDesc::OrenNayar { albedo: color, .. }
+        | BsdfDesc::Fujii { albedo: color, .. }
+        | BsdfDesc::Mirror { reflectance: color } => {
+            reflectance(&at("color"), color.as_dvec3())?;
+        }
+        BsdfDesc::Dielectric { ior, exterior_ior } => {
+            positive(&at("refractionIndex"), ior.into())?;
+            positive(&at("exteriorIndex"), exterior_ior.into())?;
+        }
+    }
+    match *bsdf {
+        BsdfDesc::Fujii { roughness, .. } => {
+            within(&at("roughness"), roughness.into(), 0.0, 1.0)?;
+        }
+        // A right angle rounded to single precision is a little more than one.
+        BsdfDesc::OrenNayar { sigma, .. } if sigma != std::f32::consts::FRAC_PI_2 => {
+            within(&at("sigmaDeg"), f64::from(sigma).to_degrees(), 0.0, 90.0)?;
+        }
+        _ => {}
+    }
+    let Some(rate) = survival else { return Ok(()) };
+    if !matches!(bsdf, BsdfDesc::Lambert { .. } | BsdfDesc::OrenNayar { .. } | BsdfDesc::Fujii { .. }) {
+        return Err(Error::invalid(at("reflectionRate"), "only a diffuse material has a survival probability"));
+    }
+    survival_rate(&at("reflectionRate"), rate.into()).map(|_| ())
+}
+
+/// A probability of survival, above 0 and up to 1.
+pub(super) fn survival_rate(path: &str, rate: f64) -> Result<f32> {
+    positive(path, rate)?;
+    within(path, rate, 0.0, 1.0)
+}
+
+/// A mesh that holds triangles, with indices of vertices it has and as many normals and texture coordinates as those.
+pub(super) fn mesh(path: &str, mesh: &MeshDesc) -> Result<()> {
+    let at = |key: &str| join(path, key);
+    let own = |len: usize| (len > 0).then_some(len);
+    let own_lens = [own(mesh.normals.len()), own(mesh.uvs.len())];
+    let lens = match &mesh.host {
+        None => own_lens,
+        Some(_) if !(mesh.positions.is_empty() && mesh.triangles.is_empty() && own_lens == [None; 2]) => {
+            let message = "the mesh is given twice, expected arrays of its own or of the host";
+            return Err(Error::invalid(path, message));
+        }
+        Some(host) => [host.normals.as_ref().map(|n| n.len()), host.uvs.as_ref().map(|uvs| uvs.len())],
+    };
+    if mesh.triangle_count() == 0 {
+        return Err(Error::invalid(at("triangles"), "the mesh is empty, expected at least one triangle"));
+    }
+    let count = mesh.vertex_count();
+    for i in 0..mesh.triangle_count() {
+        let triangle = mesh.triangle(i);
+        if let Some(k) = triangle.iter().position(|index| *index as usize >= count) {
+            let message = format!("there is no vertex {}, expected an index below {count}", triangle[k]);
+            return Err(Error::invalid(at(&format!("triangles[{i}][{k}]")), message));
+        }
+    }
+    for (key, given) in [("normals", lens[0]), ("uvs", lens[1])] {
+        if let Some(given) = given.filter(|given| *given != count) {
+            let message = format!("{given} {key} for {count} positions, expected one each");
+            return Err(Error::invalid(at(key), message));
+        }
+    }
+    for i in 0..count {
+        numbers(path, "positions", i, mesh.position(i).to_array())?;
+        if let Some(normal) = mesh.normal(i) {
+            numbers(path, "normals", i, normal.map(f64::from))?;
+        }
+        if let Some(uv) = mesh.uv(i) {
+            numbers(path, "uvs", i, uv.map(f64::from))?;
+        }
+    }
+    Ok(())
+}
+
+/// The numbers of element `i` of a mesh's array.
+pub(super) fn numbers<const N: usize>(path: &str, key: &str, i: usize, values: [f64; N]) -> Result<()> {
+    match values.into_iter().position(|value| !fits(value)) {
+        None => Ok(()),
+        Some(k) => number(&join(path, &format!("{key}[{i}][{k}]")), values[k]).map(|_| ()),
+    }
+}
+
+/// The box that a quadric is cut to.
+pub(super) fn clip(path: &str, clip: &Bounds) -> Result<()> {
+    let Bounds { min, max } = *clip;
+    vector(&join(path, "min"), min)?;
+    vector(&join(path, "max"), max)?;
+    if clip.is_empty() {
+        return Err(Error::invalid(path, format!("the box is empty: min {min} is not below max {max}")));
     }
     Ok(())
 }
@@ -159,13 +282,13 @@ pub(super) fn quad(path: &str, v: [DVec3; 4]) -> Result<()> {
              {QUAD_FLATNESS:e} at most; use two triangles",
             off / diagonal
         );
-        return Err(Error::invalid(format!("{path}.vertex-4"), message));
+        return Err(Error::invalid(join(path, "vertex-4"), message));
     }
     for i in 0..4 {
         let (a, b, c) = (v[i], v[(i + 1) % 4], v[(i + 2) % 4]);
         if (b - a).cross(c - b).dot(n) < -1e-9 {
             let message = "the quad is not convex, or its vertices are not in order around the edge; use two triangles";
-            return Err(Error::invalid(format!("{path}.vertex-{}", (i + 1) % 4 + 1), message));
+            return Err(Error::invalid(join(path, &format!("vertex-{}", (i + 1) % 4 + 1)), message));
         }
     }
     Ok(())
@@ -210,4 +333,18 @@ pub(super) fn extent(path: &str, bounds: &Bounds, transform: &DAffine3) -> Resul
         path,
         format!("the surface reaches to {reach:e}, beyond single precision; expected coordinates up to 3.4e38"),
     ))
+}
+
+/// What can emit light, and where: `to_world` is the shape's frame to the world's.
+pub(super) fn emitter(path: &str, shape: &ShapeDesc, to_world: &DAffine3) -> Result<()> {
+    let message = match shape {
+        ShapeDesc::Quadric { .. } | ShapeDesc::Disk { .. } => {
+            "quadrics and disks cannot emit light; use a sphere, triangle, quad or mesh"
+        }
+        ShapeDesc::Sphere { .. } if transform::similarity_scale(to_world).is_none() => {
+            "a sphere under a transform that stretches it cannot emit"
+        }
+        _ => return Ok(()),
+    };
+    Err(Error::new(ErrorKind::Unsupported, message).at(join(path, "emission")))
 }

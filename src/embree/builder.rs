@@ -2,7 +2,7 @@
 
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::device::{Device, lock};
 use super::mesh::{MAX_COORDINATE, TriangleMesh, in_range};
@@ -10,7 +10,7 @@ use super::scene::{Features, Kept, Scene, SceneInner};
 use super::user::{self, UserGeometry, UserState, panic_text};
 use super::{ray, sys};
 use crate::math::DAffine3;
-use crate::{Error, ErrorKind, Result};
+use crate::{Cancel, Error, ErrorKind, Result};
 
 /// How much work goes into the hierarchy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,6 +54,7 @@ pub struct GeometryId(
 /// A scene that takes geometry and answers no queries yet.
 pub struct SceneBuilder {
     inner: SceneInner,
+    cancel: Cancel,
 }
 
 /// One reference to an Embree geometry, given back when dropped.
@@ -74,6 +75,15 @@ impl SceneBuilder {
     /// # Errors
     /// [`ErrorKind::Device`] or [`ErrorKind::OutOfMemory`].
     pub fn new(device: &Device, options: SceneOptions) -> Result<Self> {
+        Self::cancellable(device, options, &Cancel::new())
+    }
+
+    /// An empty scene whose builder gives up, with [`ErrorKind::Cancelled`], once `cancel` was cancelled: while it builds,
+    /// and while it waits for another build on the same device.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Device`], [`ErrorKind::OutOfMemory`] or [`ErrorKind::Cancelled`].
+    pub fn cancellable(device: &Device, options: SceneOptions, cancel: &Cancel) -> Result<Self> {
         let mut flags = sys::RTC_SCENE_FLAG_NONE;
         if options.robust {
             flags |= sys::RTC_SCENE_FLAG_ROBUST;
@@ -86,7 +96,7 @@ impl SceneBuilder {
             BuildQuality::Medium => sys::RTC_BUILD_QUALITY_MEDIUM,
             BuildQuality::High => sys::RTC_BUILD_QUALITY_HIGH,
         };
-        let raw = device.inner.guarded(|| {
+        let raw = device.inner.guarded(cancel, || {
             // SAFETY: the device is alive, the scene new; both settings are of the enumerations asked for.
             unsafe {
                 let raw = sys::rtcNewScene(device.inner.raw);
@@ -108,7 +118,7 @@ impl SceneBuilder {
             bvh_bytes: 0,
             device: Arc::clone(&device.inner),
         };
-        Ok(Self { inner })
+        Ok(Self { inner, cancel: cancel.clone() })
     }
 
     /// Adds a triangle mesh. Clones of one mesh share memory between scenes.
@@ -117,11 +127,13 @@ impl SceneBuilder {
     /// [`ErrorKind::Device`] or [`ErrorKind::OutOfMemory`].
     pub fn add_triangles(&mut self, mesh: TriangleMesh) -> Result<GeometryId> {
         let (vertices, indices) = (mesh.vertices().as_ptr(), mesh.indices().as_ptr());
+        let (vertex_stride, index_stride) = (mesh.vertices().stride(), mesh.indices().stride());
         let (vertex_count, index_count) = (mesh.vertices().len(), mesh.indices().len());
         let fill = |geometry| {
-            // SAFETY: both buffers hold as many items as said, of the format said; they are immutable and on the heap
-            // behind an `Arc` that `kept` holds until after the scene is released. Indices are below the vertex count
-            // (`TriangleMesh`), and 16 bytes can be read from the last vertex (`VertexBuffer`).
+            // SAFETY: both buffers hold as many items as said, of the format and at the distance said; they are immutable
+            // and stay where they are for as long as their owners, behind an `Arc` each that `kept` holds until after
+            // the scene is released. Indices are below the vertex count (`TriangleMesh`), and 16 bytes can be read from
+            // the last vertex (`VertexBuffer`).
             unsafe {
                 sys::rtcSetSharedGeometryBuffer(
                     geometry,
@@ -130,7 +142,7 @@ impl SceneBuilder {
                     sys::RTC_FORMAT_FLOAT3,
                     vertices.cast(),
                     0,
-                    size_of::<[f32; 3]>(),
+                    vertex_stride,
                     vertex_count,
                 );
                 sys::rtcSetSharedGeometryBuffer(
@@ -140,7 +152,7 @@ impl SceneBuilder {
                     sys::RTC_FORMAT_UINT3,
                     indices.cast(),
                     0,
-                    size_of::<[u32; 3]>(),
+                    index_stride,
                     index_count,
                 );
             }
@@ -269,8 +281,8 @@ impl SceneBuilder {
     ) -> Result<GeometryId> {
         let device = &self.inner.device;
         // SAFETY: the device is alive.
-        let geometry = Geometry(device.guarded(|| unsafe { sys::rtcNewGeometry(device.raw, kind) })?);
-        device.guarded(|| {
+        let geometry = Geometry(device.guarded(&self.cancel, || unsafe { sys::rtcNewGeometry(device.raw, kind) })?);
+        device.guarded(&self.cancel, || {
             fill(geometry.0);
             // SAFETY: the geometry is alive and no other thread has it.
             unsafe { sys::rtcCommitGeometry(geometry.0) }
@@ -278,7 +290,7 @@ impl SceneBuilder {
         // From here on the scene may refer to the data, so it is kept whatever happens next.
         self.inner.kept.push(kept);
         // SAFETY: scene and geometry are of the same device, and `self` alone has the scene.
-        let id = device.guarded(|| unsafe { sys::rtcAttachGeometry(self.inner.raw, geometry.0) })?;
+        let id = device.guarded(&self.cancel, || unsafe { sys::rtcAttachGeometry(self.inner.raw, geometry.0) })?;
         if id == ray::INVALID {
             return Err(Error::new(ErrorKind::Device, "Embree has no room for another geometry"));
         }
@@ -297,20 +309,18 @@ impl SceneBuilder {
     pub fn commit(mut self, progress: Option<&(dyn Fn(f64) -> bool + Sync)>) -> Result<Scene> {
         let device = Arc::clone(&self.inner.device);
         let raw = self.inner.raw;
-        let monitor = progress.map(|report| Progress { report, state: Mutex::new(ProgressState::default()) });
+        let monitor = Progress { report: progress, cancel: &self.cancel, state: Mutex::new(ProgressState::default()) };
         let (result, bvh_bytes) = {
             let mut grown = 0;
-            let result = device.guarded(|| {
+            let result = device.guarded(&self.cancel, || {
                 let before = device.memory_bytes();
                 // SAFETY: the scene is alive and no other thread has it. `monitor` lives to the end of `commit`, and
                 // the callback is removed before that. Joining is what makes Embree build within the device's own
                 // number of threads. Nobody else ever joins: two who do and a build that fails would both release its
                 // exception.
                 unsafe {
-                    if let Some(monitor) = &monitor {
-                        let data = (&raw const *monitor).cast_mut().cast();
-                        sys::rtcSetSceneProgressMonitorFunction(raw, Some(on_progress), data);
-                    }
+                    let data = (&raw const monitor).cast_mut().cast();
+                    sys::rtcSetSceneProgressMonitorFunction(raw, Some(on_progress), data);
                     sys::rtcJoinCommitScene(raw);
                     sys::rtcSetSceneProgressMonitorFunction(raw, None, std::ptr::null_mut());
                 }
@@ -318,18 +328,16 @@ impl SceneBuilder {
             });
             (result, grown)
         };
-        if let Some(monitor) = &monitor {
-            if result.is_ok() {
-                monitor.advance(1.0);
-            }
-            // What the callback did is told rather than what Embree made of it.
-            let state = lock(&monitor.state);
-            if let Some(message) = &state.panic {
-                return Err(Error::new(ErrorKind::Internal, format!("the progress callback panicked: {message}")));
-            }
-            if state.stop {
-                return Err(Error::new(ErrorKind::Cancelled, "the build was cancelled"));
-            }
+        if result.is_ok() {
+            monitor.advance(1.0);
+        }
+        // What the callback did is told rather than what Embree made of it.
+        let state = monitor.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+        if let Some(message) = &state.panic {
+            return Err(Error::new(ErrorKind::Internal, format!("the progress callback panicked: {message}")));
+        }
+        if state.stop {
+            return Err(Error::new(ErrorKind::Cancelled, "the build was cancelled"));
         }
         result?;
         self.inner.bvh_bytes = bvh_bytes;
@@ -341,7 +349,8 @@ impl SceneBuilder {
 
 /// The caller's progress function and what it said so far.
 struct Progress<'a> {
-    report: &'a (dyn Fn(f64) -> bool + Sync),
+    report: Option<&'a (dyn Fn(f64) -> bool + Sync)>,
+    cancel: &'a Cancel,
     state: Mutex<ProgressState>,
 }
 
@@ -356,15 +365,17 @@ impl Progress<'_> {
     /// Reports `fraction` if it is news; false to stop.
     fn advance(&self, fraction: f64) -> bool {
         let mut state = lock(&self.state);
+        state.stop |= self.cancel.is_cancelled();
         if state.stop {
             return false;
         }
+        let Some(report) = self.report else { return true };
         let fraction = fraction.clamp(0.0, 1.0);
         if state.last.is_some_and(|last| fraction <= last) {
             return true;
         }
         state.last = Some(fraction);
-        match catch_unwind(AssertUnwindSafe(|| (self.report)(fraction))) {
+        match catch_unwind(AssertUnwindSafe(|| report(fraction))) {
             Ok(go_on) => state.stop = !go_on,
             Err(payload) => {
                 state.panic = Some(panic_text(&*payload));

@@ -2,22 +2,29 @@
 
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::atomic::{AtomicIsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
-use super::sys;
-use crate::{Error, ErrorKind, Result};
+use super::{Charge, MemoryBudget, sys};
+use crate::{Cancel, Error, ErrorKind, Result};
 
 /// The oldest Embree that will do, in the form of `RTC_VERSION`.
 const OLDEST: isize = 40300;
 
+/// How long a build that waits for another one sleeps before it looks whether it was cancelled meanwhile.
+const PATIENCE: Duration = Duration::from_millis(2);
+
 /// How a [`Device`] builds scenes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DeviceOptions {
     /// Threads that build a scene, the calling one included; 0 means one for each core this process may use.
     pub threads: usize,
     /// Bytes that Embree may hold for all scenes of the device together; a build that needs more fails with
     /// [`ErrorKind::OutOfMemory`]. Vertex and index buffers belong to the caller and are not counted.
     pub memory_limit: Option<usize>,
+    /// An allowance that the device shares with others; holds beside `memory_limit`. What Embree takes for the device is
+    /// charged to it, and so are vertices, indices and normals of each [`crate::scene::Scene`] built with the device.
+    pub budget: Option<MemoryBudget>,
 }
 
 /// A handle to Embree. Cloning it is cheap and gives the same device; scenes keep their device alive.
@@ -34,8 +41,10 @@ pub(super) struct DeviceInner {
     pub(super) raw: sys::RTCDevice,
     threads: usize,
     monitor: Box<Monitor>,
-    /// Held by whoever creates geometry or builds, so that an error can be told to belong to that call.
-    turn: Mutex<()>,
+    /// Whether somebody creates geometry or builds: one at a time, so that an error can be told to belong to that call.
+    turn: Mutex<bool>,
+    /// Told when a turn ends.
+    turn_ended: Condvar,
 }
 
 // SAFETY: Embree's device calls are thread-safe ("Embree is thread-safe except where noted"; the exceptions concern one
@@ -49,6 +58,7 @@ struct Monitor {
     current: AtomicIsize,
     peak: AtomicIsize,
     limit: isize,
+    budget: Option<MemoryBudget>,
     error: Mutex<Option<(sys::RTCError, String)>>,
 }
 
@@ -78,10 +88,11 @@ impl Device {
             current: AtomicIsize::new(0),
             peak: AtomicIsize::new(0),
             limit,
+            budget: options.budget.clone(),
             error: Mutex::new(None),
         });
         // From here on dropping `inner` releases the device.
-        let inner = DeviceInner { raw, threads, monitor, turn: Mutex::new(()) };
+        let inner = DeviceInner { raw, threads, monitor, turn: Mutex::new(false), turn_ended: Condvar::new() };
         // SAFETY: `raw` is a device.
         let version = unsafe { sys::rtcGetDeviceProperty(raw, sys::RTC_DEVICE_PROPERTY_VERSION) } as isize;
         check_version(version, sys::RTC_VERSION as isize)?;
@@ -105,6 +116,16 @@ impl Device {
         self.inner.memory_bytes()
     }
 
+    /// The allowance it shares with others, where it was given one.
+    pub fn budget(&self) -> Option<&MemoryBudget> {
+        self.inner.monitor.budget.as_ref()
+    }
+
+    /// Charges bytes that geometry of a scene takes to the shared allowance.
+    pub(crate) fn charge(&self, bytes: usize) -> Result<Option<Charge>> {
+        self.budget().map(|budget| budget.try_charge(bytes)).transpose()
+    }
+
     /// The most bytes Embree ever held for this device.
     pub fn peak_memory_bytes(&self) -> usize {
         usize::try_from(self.inner.monitor.peak.load(Ordering::Relaxed)).unwrap_or(0)
@@ -116,9 +137,21 @@ impl DeviceInner {
         usize::try_from(self.monitor.current.load(Ordering::Relaxed)).unwrap_or(0)
     }
 
-    /// Runs calls that may fail inside Embree and turns its error, if there is one, into ours.
-    pub(super) fn guarded<R>(&self, calls: impl FnOnce() -> R) -> Result<R> {
-        let _turn = lock(&self.turn);
+    /// Waits for a turn, and no longer once it was cancelled.
+    fn turn(&self, cancel: &Cancel) -> Result<Turn<'_>> {
+        let mut taken = lock(&self.turn);
+        while *taken {
+            cancel.check()?;
+            taken = self.turn_ended.wait_timeout(taken, PATIENCE).unwrap_or_else(PoisonError::into_inner).0;
+        }
+        *taken = true;
+        Ok(Turn(self))
+    }
+
+    /// Runs calls that may fail inside Embree and turns its error, if there is one, into ours. `cancel` ends the wait for
+    /// others that do the same, with [`ErrorKind::Cancelled`].
+    pub(super) fn guarded<R>(&self, cancel: &Cancel, calls: impl FnOnce() -> R) -> Result<R> {
+        let _turn = self.turn(cancel)?;
         *lock(&self.monitor.error) = None;
         let value = calls();
         // The callback has the message; this thread's own slot is emptied so that it cannot be read later by mistake.
@@ -133,6 +166,16 @@ impl DeviceInner {
     }
 }
 
+/// The right to create geometry or build, until dropped.
+struct Turn<'a>(&'a DeviceInner);
+
+impl Drop for Turn<'_> {
+    fn drop(&mut self) {
+        *lock(&self.0.turn) = false;
+        self.0.turn_ended.notify_one();
+    }
+}
+
 impl Drop for DeviceInner {
     fn drop(&mut self) {
         // SAFETY: `raw` is a device, this is its last use, and no scene is left (each holds an `Arc` of `self`).
@@ -140,6 +183,10 @@ impl Drop for DeviceInner {
             sys::rtcSetDeviceErrorFunction(self.raw, None, std::ptr::null_mut());
             sys::rtcSetDeviceMemoryMonitorFunction(self.raw, None, std::ptr::null_mut());
             sys::rtcReleaseDevice(self.raw);
+        }
+        // What Embree keeps to the end of the device it gives back unseen.
+        if let Some(budget) = &self.monitor.budget {
+            budget.give_back(self.memory_bytes());
         }
     }
 }
@@ -215,7 +262,19 @@ unsafe extern "C" fn on_memory(data: *mut c_void, bytes: isize, post: bool) -> b
     // SAFETY: as in `on_error`.
     let monitor = unsafe { &*data.cast_const().cast::<Monitor>() };
     let now = monitor.current.fetch_add(bytes, Ordering::Relaxed).saturating_add(bytes);
-    if bytes > 0 && now > monitor.limit {
+    let amount = bytes.unsigned_abs();
+    let allowed = match &monitor.budget {
+        // Its own limit first: what that refuses is not taken from the others.
+        _ if bytes > 0 && now > monitor.limit && !post => false,
+        None => bytes <= 0 || now <= monitor.limit,
+        Some(budget) if bytes < 0 => {
+            budget.give_back(amount);
+            true
+        }
+        Some(budget) if post => budget.take_anyway(amount) && now <= monitor.limit,
+        Some(budget) => budget.take(amount),
+    };
+    if !allowed {
         // A refusal beforehand means the memory is never taken, so it is never given back either.
         if !post {
             monitor.current.fetch_sub(bytes, Ordering::Relaxed);

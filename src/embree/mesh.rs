@@ -1,26 +1,42 @@
 //! Triangle meshes in the form Embree reads them, checked once on the way in.
 
-use std::ops::Deref;
 use std::sync::Arc;
 
-use crate::{Error, ErrorKind, Result};
+use crate::buffer::Buffer;
+use crate::{Cancel, Error, ErrorKind, Result};
 
 /// Coordinates must be smaller than this in absolute value: Embree silently drops what is not.
 pub const MAX_COORDINATE: f32 = 1.844e18;
+
+/// Items between two looks at a [`Cancel`]: some ten microseconds of checking.
+const BLOCK: usize = 1 << 14;
 
 /// Whether Embree takes the coordinate. False for NaN.
 pub(super) fn in_range(x: f32) -> bool {
     x.abs() < MAX_COORDINATE
 }
 
+/// The first of `count` items that is not `good`.
+fn first_bad(count: usize, cancel: &Cancel, good: impl Fn(usize) -> bool) -> Result<Option<usize>> {
+    for start in (0..count).step_by(BLOCK) {
+        cancel.check()?;
+        if let Some(bad) = (start..count.min(start + BLOCK)).find(|&index| !good(index)) {
+            return Ok(Some(bad));
+        }
+    }
+    Ok(None)
+}
+
 /// Vertex positions that meshes of several scenes may share; read only from here on.
 ///
-/// Every coordinate is finite and smaller than [`MAX_COORDINATE`]. One more vertex lies behind the last, since Embree
-/// reads each of them with a load of 16 bytes.
+/// Every coordinate is finite and smaller than [`MAX_COORDINATE`]. At least four more bytes are readable behind the last
+/// vertex, since Embree reads each of them with a load of 16 bytes.
 #[derive(Debug)]
 pub struct VertexBuffer {
-    /// The vertices and one of padding.
-    padded: Vec<[f32; 3]>,
+    /// The vertices; where the memory is ours, with one more of padding.
+    buffer: Buffer<[f32; 3]>,
+    /// Number of vertices.
+    len: usize,
 }
 
 impl VertexBuffer {
@@ -29,29 +45,87 @@ impl VertexBuffer {
     /// # Errors
     /// [`ErrorKind::InvalidScene`] for a coordinate that is not finite or too large, and for more than 2^32 - 1
     /// vertices; [`ErrorKind::OutOfMemory`].
-    pub fn new(mut vertices: Vec<[f32; 3]>) -> Result<Self> {
-        if let Some((index, vertex)) = vertices.iter().enumerate().find(|(_, v)| !v.iter().all(|&x| in_range(x))) {
+    pub fn new(vertices: Vec<[f32; 3]>) -> Result<Self> {
+        Self::from_vec(vertices, &Cancel::new())
+    }
+
+    /// As [`VertexBuffer::new`], asking `cancel` on the way.
+    pub(crate) fn from_vec(mut vertices: Vec<[f32; 3]>, cancel: &Cancel) -> Result<Self> {
+        let len = vertices.len();
+        vertices.try_reserve_exact(1).map_err(|error| {
+            Error::new(ErrorKind::OutOfMemory, format!("no room for {len} vertices")).because(error)
+        })?;
+        vertices.push([0.0; 3]);
+        Self { buffer: vertices.into(), len }.checked(cancel)
+    }
+
+    /// Vertices that stay where they are. Memory of somebody else is read in place, as [`Buffer::foreign`] was promised
+    /// that it can be; memory of this library, which has no padding, is copied.
+    ///
+    /// # Errors
+    /// As [`VertexBuffer::new`]; [`ErrorKind::Cancelled`].
+    pub fn from_buffer(buffer: Buffer<[f32; 3]>, cancel: &Cancel) -> Result<Self> {
+        if buffer.is_foreign() {
+            let len = buffer.len();
+            return Self { buffer, len }.checked(cancel);
+        }
+        let mut vertices = Vec::new();
+        let needed = buffer.len() + 1;
+        vertices.try_reserve_exact(needed).map_err(|error| {
+            Error::new(ErrorKind::OutOfMemory, format!("no room for {needed} vertices")).because(error)
+        })?;
+        vertices.extend(buffer.iter());
+        Self::from_vec(vertices, cancel)
+    }
+
+    fn checked(self, cancel: &Cancel) -> Result<Self> {
+        if u32::try_from(self.len).is_err() {
+            return Err(Error::new(ErrorKind::InvalidScene, format!("{} vertices are too many", self.len)));
+        }
+        if let Some(index) = first_bad(self.len, cancel, |index| self.buffer.get(index).into_iter().all(in_range))? {
+            let vertex = self.buffer.get(index);
             return Err(Error::new(
                 ErrorKind::InvalidScene,
                 format!("vertex {index} is {vertex:?}: coordinates must be finite and below {MAX_COORDINATE:e}"),
             ));
         }
-        if u32::try_from(vertices.len()).is_err() {
-            return Err(Error::new(ErrorKind::InvalidScene, format!("{} vertices are too many", vertices.len())));
-        }
-        vertices.try_reserve_exact(1).map_err(|error| {
-            Error::new(ErrorKind::OutOfMemory, format!("no room for {} vertices", vertices.len())).because(error)
-        })?;
-        vertices.push([0.0; 3]);
-        Ok(Self { padded: vertices })
+        Ok(self)
     }
-}
 
-impl Deref for VertexBuffer {
-    type Target = [[f32; 3]];
+    /// Number of vertices.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.len
+    }
 
-    fn deref(&self) -> &[[f32; 3]] {
-        &self.padded[..self.padded.len() - 1]
+    /// Whether there is no vertex.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The vertex `index`.
+    ///
+    /// # Panics
+    /// If there is none.
+    #[inline]
+    pub fn get(&self, index: usize) -> [f32; 3] {
+        // The padding behind vertices of our own is zero, and no index of a mesh leads there.
+        self.buffer.get(index)
+    }
+
+    /// All vertices in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = [f32; 3]> + '_ {
+        (0..self.len).map(|index| self.get(index))
+    }
+
+    /// Address of the first vertex.
+    pub fn as_ptr(&self) -> *const [f32; 3] {
+        self.buffer.as_ptr()
+    }
+
+    /// Bytes from one vertex to the next.
+    pub fn stride(&self) -> usize {
+        self.buffer.stride()
     }
 }
 
@@ -59,7 +133,7 @@ impl Deref for VertexBuffer {
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
     vertices: Arc<VertexBuffer>,
-    indices: Arc<Vec<[u32; 3]>>,
+    indices: Buffer<[u32; 3]>,
 }
 
 impl TriangleMesh {
@@ -76,7 +150,12 @@ impl TriangleMesh {
     /// # Errors
     /// [`ErrorKind::InvalidScene`] for an index that names no vertex, for no triangle at all, and for more than
     /// 2^32 - 1 of them.
-    pub fn shared(vertices: Arc<VertexBuffer>, indices: Vec<[u32; 3]>) -> Result<Self> {
+    pub fn shared(vertices: Arc<VertexBuffer>, indices: impl Into<Buffer<[u32; 3]>>) -> Result<Self> {
+        Self::checked(vertices, indices.into(), &Cancel::new())
+    }
+
+    /// As [`TriangleMesh::shared`], asking `cancel` on the way.
+    pub(crate) fn checked(vertices: Arc<VertexBuffer>, indices: Buffer<[u32; 3]>, cancel: &Cancel) -> Result<Self> {
         let count = vertices.len();
         if indices.is_empty() {
             return Err(Error::new(ErrorKind::InvalidScene, "a mesh needs at least one triangle"));
@@ -84,28 +163,32 @@ impl TriangleMesh {
         if u32::try_from(indices.len()).is_err() {
             return Err(Error::new(ErrorKind::InvalidScene, format!("{} triangles are too many", indices.len())));
         }
-        if let Some((index, t)) = indices.iter().enumerate().find(|(_, t)| t.iter().any(|&i| i as usize >= count)) {
+        let good = |index| indices.get(index).into_iter().all(|corner| (corner as usize) < count);
+        if let Some(index) = first_bad(indices.len(), cancel, good)? {
+            let triangle = indices.get(index);
             return Err(Error::new(
                 ErrorKind::InvalidScene,
-                format!("triangle {index} is {t:?}: there are only {count} vertices"),
+                format!("triangle {index} is {triangle:?}: there are only {count} vertices"),
             ));
         }
-        Ok(Self { vertices, indices: Arc::new(indices) })
+        Ok(Self { vertices, indices })
     }
 
     /// The vertices, to be shared.
+    #[inline]
     pub fn vertices(&self) -> &Arc<VertexBuffer> {
         &self.vertices
     }
 
     /// The indices of each triangle's vertices.
-    pub fn indices(&self) -> &[[u32; 3]] {
+    #[inline]
+    pub fn indices(&self) -> &Buffer<[u32; 3]> {
         &self.indices
     }
 
-    /// Bytes of both buffers.
+    /// Bytes of both buffers, without those that belong to somebody else.
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&self.vertices.padded[..]) + size_of_val(&self.indices[..])
+        self.vertices.buffer.memory_bytes() + self.indices.memory_bytes()
     }
 }
 
@@ -120,8 +203,25 @@ mod tests {
         let address = vertices.as_ptr();
         let buffer = VertexBuffer::new(vertices).unwrap();
         assert_eq!(buffer.as_ptr(), address);
-        assert_eq!(buffer.len(), 3);
+        assert_eq!((buffer.len(), buffer.iter().len()), (3, 3));
         // 16 bytes from the start of the last vertex lie within the allocation.
-        assert!(buffer.padded.len() * 12 >= 2 * 12 + 16);
+        assert!(buffer.buffer.len() * 12 >= 2 * 12 + 16);
+    }
+
+    #[test]
+    fn a_buffer_without_padding_is_copied() {
+        let own = Buffer::from(vec![[1.0, 2.0, 3.0]; 3]);
+        let address = own.as_ptr();
+        let buffer = VertexBuffer::from_buffer(own, &Cancel::new()).unwrap();
+        assert_ne!(buffer.as_ptr(), address);
+        assert_eq!((buffer.len(), buffer.buffer.len()), (3, 4));
+    }
+
+    #[test]
+    fn checking_can_be_cancelled() {
+        let cancel = Cancel::new();
+        cancel.cancel();
+        let error = VertexBuffer::from_vec(vec![[0.0; 3]], &cancel).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Cancelled);
     }
 }

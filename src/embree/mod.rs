@@ -50,10 +50,10 @@
 //!
 //! A buffer that a scene may read cannot be changed, and geometry cannot borrow what may go away:
 //!
-//! ```compile_fail,E0594
+//! ```compile_fail,E0599
 //! # use etendue::embree::*;
-//! let vertices = VertexBuffer::new(vec![[0.0; 3]])?;
-//! vertices[0] = [1.0; 3]; // read only
+//! let mut vertices = VertexBuffer::new(vec![[0.0; 3]])?;
+//! *vertices.get_mut(0) = [1.0; 3]; // read only
 //! # Ok::<(), etendue::Error>(())
 //! ```
 //!
@@ -89,6 +89,7 @@
 //! Source: Wald et al. 2014, "Embree: A Kernel Framework for Efficient CPU Ray Tracing".
 #![allow(unsafe_code)]
 
+mod budget;
 mod builder;
 mod device;
 mod mesh;
@@ -98,6 +99,7 @@ mod scene;
 mod sys;
 mod user;
 
+pub use budget::{Charge, MemoryBudget};
 pub use builder::{BuildQuality, GeometryId, SceneBuilder, SceneOptions};
 pub use device::{Device, DeviceOptions};
 pub use mesh::{MAX_COORDINATE, TriangleMesh, VertexBuffer};

@@ -167,6 +167,11 @@ impl Scene {
         self.inner.bvh_bytes + buffers.sum::<usize>()
     }
 
+    /// Bytes of the hierarchy alone, with the proviso of [`Scene::memory_bytes`].
+    pub fn hierarchy_bytes(&self) -> usize {
+        self.inner.bvh_bytes
+    }
+
     /// Which kinds of geometry there are.
     pub fn features(&self) -> Features {
         self.inner.features

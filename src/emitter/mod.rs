@@ -15,6 +15,7 @@ use std::f32::consts::PI;
 use crate::math::Vec3;
 use crate::sampling::Distribution1D;
 use crate::spectrum::{Rgb, luminance};
+use crate::{Cancel, Result};
 
 /// A light source in the scene frame.
 #[derive(Clone, Copy, Debug)]
@@ -63,9 +64,10 @@ impl Emitter {
 const EVEN_SHARE: f64 = 0.1;
 
 /// All emitters of a scene with their probabilities.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct EmitterSet {
     emitters: Vec<Emitter>,
+    point_lights: usize,
     /// `None` where there is nothing to sample.
     choice: Option<Distribution1D>,
 }
@@ -74,14 +76,29 @@ impl EmitterSet {
     /// Emitters chosen by luminous power, with a tenth of the choices spread evenly over them: power says nothing about
     /// which of them a point sees, and a dim lamp beside a bright one out of sight must not be left to chance.
     pub fn new(emitters: Vec<Emitter>) -> Self {
-        let powers: Vec<f64> = emitters.iter().map(|emitter| f64::from(luminance(emitter.power()))).collect();
+        Self::cancellable(emitters, &Cancel::new()).unwrap_or_default()
+    }
+
+    /// As [`EmitterSet::new`], asking `cancel` on the way.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::Cancelled`].
+    pub fn cancellable(emitters: Vec<Emitter>, cancel: &Cancel) -> Result<Self> {
+        let mut powers = Vec::with_capacity(emitters.len());
+        for block in emitters.chunks(1 << 14) {
+            cancel.check()?;
+            powers.extend(block.iter().map(|emitter| f64::from(luminance(emitter.power()))));
+        }
         let total: f64 = powers.iter().sum();
         let shining = powers.iter().filter(|&&power| power > 0.0).count().max(1) as f64;
         let even = EVEN_SHARE * total / shining;
-        let weight = |power: &f64| if *power > 0.0 { (1.0 - EVEN_SHARE) * power + even } else { 0.0 };
-        let weights: Vec<f64> = powers.iter().map(weight).collect();
-        let choice = Distribution1D::new(&weights);
-        Self { emitters, choice }
+        // In place: from here on they are weights.
+        for power in &mut powers {
+            *power = if *power > 0.0 { (1.0 - EVEN_SHARE) * *power + even } else { 0.0 };
+        }
+        let choice = Distribution1D::cancellable(&powers, cancel)?;
+        let point_lights = emitters.iter().filter(|emitter| matches!(emitter, Emitter::Point { .. })).count();
+        Ok(Self { emitters, point_lights, choice })
     }
 
     /// Whether no light can come from it.
@@ -92,6 +109,11 @@ impl EmitterSet {
     /// The emitters, in the order of their numbers.
     pub fn emitters(&self) -> &[Emitter] {
         &self.emitters
+    }
+
+    /// How many of them are points.
+    pub fn point_lights(&self) -> usize {
+        self.point_lights
     }
 
     /// Samples a direction from `p` towards some emitter; `u` uniform in [0, 1)^4. The first number chooses the emitter, the

@@ -12,6 +12,8 @@ mod pixel;
 pub use image::{Image, Layer};
 pub use pixel::{Auxiliary, Pixel};
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use crate::desc::MAX_PIXELS;
 use crate::error::{Error, ErrorKind, Result};
 
@@ -31,23 +33,57 @@ pub struct FilmOptions {
     pub weighted: bool,
 }
 
-/// A film in tiles of [`TILE`] x [`TILE`] pixels, each tile a block of memory of its own.
-#[derive(Clone, Debug)]
+/// A film in tiles of [`TILE`] x [`TILE`] pixels, shared by those who fill it and those who look at it.
+///
+/// Each tile has a lock, so that any thread may develop the film while others fill it: it sees every pixel as it was
+/// between two rows of work. A tile takes memory when it is filled for the first time.
+#[derive(Debug)]
 pub struct Film {
     options: FilmOptions,
-    pixels: Vec<Pixel>,
-    auxiliary: Vec<Auxiliary>,
+    tiles: Box<[Mutex<Tile>]>,
 }
 
-/// The part of a film that one worker fills.
-#[derive(Debug)]
-pub struct TileMut<'a> {
-    /// Left and top pixel.
-    pub origin: [u32; 2],
-    /// Pixels, row by row, [`TILE`] to a row, those outside the image included.
-    pub pixels: &'a mut [Pixel],
+/// The pixels of a tile, row by row, [`TILE`] to a row, those outside the image included; empty until the tile is filled.
+#[derive(Debug, Default)]
+pub(crate) struct Tile {
+    pub pixels: Vec<Pixel>,
     /// As `pixels`, or empty where no auxiliary layer is wanted.
-    pub auxiliary: &'a mut [Auxiliary],
+    pub auxiliary: Vec<Auxiliary>,
+}
+
+/// Pixels of a tile.
+const PER_TILE: usize = (TILE * TILE) as usize;
+
+/// A layer that a film can develop beside its colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LayerKind {
+    /// Mean albedo of the first hits.
+    Albedo,
+    /// Mean shading normal of the first hits, facing the camera.
+    Normal,
+    /// Mean depth of the first hits along the view direction; infinite where nothing was hit.
+    Depth,
+    /// Number of samples.
+    Samples,
+    /// Variance of the pixel's mean; NaN where too few replicates are complete.
+    Variance,
+    /// Root of the variance.
+    StandardError,
+}
+
+impl LayerKind {
+    /// Values per pixel.
+    pub fn channels(self) -> usize {
+        match self {
+            Self::Depth | Self::Samples => 1,
+            Self::Albedo | Self::Normal | Self::Variance | Self::StandardError => 3,
+        }
+    }
+
+    /// Whether it comes from the first hits, which a film keeps only if it is asked to.
+    fn is_auxiliary(self) -> bool {
+        matches!(self, Self::Albedo | Self::Normal | Self::Depth)
+    }
 }
 
 impl Film {
@@ -57,13 +93,19 @@ impl Film {
     /// [`ErrorKind::OutOfMemory`] where there is no room for it.
     pub fn new(options: FilmOptions) -> Result<Self> {
         let [width, height] = options.resolution.map(|n| n.div_ceil(TILE) as usize);
-        let count = width * height * (TILE * TILE) as usize;
-        if count as u64 > 2 * MAX_PIXELS {
+        let count = width * height;
+        if (count * PER_TILE) as u64 > 2 * MAX_PIXELS {
             let message =
                 format!("{} x {} pixels in whole tiles are too many", options.resolution[0], options.resolution[1]);
             return Err(Error::new(ErrorKind::OutOfMemory, message));
         }
-        Ok(Self { options, pixels: zeroed(count)?, auxiliary: zeroed(if options.auxiliary { count } else { 0 })? })
+        let mut tiles = Vec::new();
+        tiles.try_reserve_exact(count).map_err(|error| no_room().because(error))?;
+        tiles.resize_with(count, Mutex::default);
+        // What the tiles will take is asked for once and given back, so that a film that cannot fit is refused now.
+        let bytes = size_of::<Pixel>() + if options.auxiliary { size_of::<Auxiliary>() } else { 0 };
+        Vec::<u8>::new().try_reserve_exact(count * PER_TILE * bytes).map_err(|error| no_room().because(error))?;
+        Ok(Self { options, tiles: tiles.into() })
     }
 
     /// Its options.
@@ -71,33 +113,65 @@ impl Film {
         &self.options
     }
 
-    /// All tiles, row by row, to be filled in parallel.
-    pub fn tiles_mut(&mut self) -> Vec<TileMut<'_>> {
-        let per_tile = (TILE * TILE) as usize;
-        let across = self.options.resolution[0].div_ceil(TILE);
-        let mut auxiliary = self.auxiliary.chunks_mut(per_tile);
-        self.pixels
-            .chunks_mut(per_tile)
-            .zip(0..)
-            .map(|(pixels, number)| TileMut {
-                origin: [number % across * TILE, number / across * TILE],
-                pixels,
-                auxiliary: auxiliary.next().unwrap_or_default(),
-            })
-            .collect()
+    /// Number of tiles, counted row by row.
+    pub(crate) fn tile_count(&self) -> usize {
+        self.tiles.len()
     }
 
-    /// Where pixel (x, y) lies in memory.
-    fn index(&self, x: u32, y: u32) -> usize {
+    /// Left and top pixel of a tile.
+    pub(crate) fn tile_origin(&self, tile: usize) -> [u32; 2] {
         let across = self.options.resolution[0].div_ceil(TILE);
-        let tile = (y / TILE * across + x / TILE) as usize;
-        tile * (TILE * TILE) as usize + (y % TILE * TILE + x % TILE) as usize
+        let tile = tile as u32;
+        [tile % across * TILE, tile / across * TILE]
     }
 
-    /// The pixels of the image with their numbers in memory, row by row.
-    fn in_rows(&self) -> impl Iterator<Item = usize> + '_ {
+    /// A tile to be filled, with room for its pixels. To be held briefly: others may be waiting to look at it.
+    pub(crate) fn tile(&self, tile: usize) -> MutexGuard<'_, Tile> {
+        let mut tile = lock(&self.tiles[tile]);
+        if tile.pixels.is_empty() {
+            tile.pixels = vec![Pixel::default(); PER_TILE];
+            if self.options.auxiliary {
+                tile.auxiliary = vec![Auxiliary::default(); PER_TILE];
+            }
+        }
+        tile
+    }
+
+    /// Calls `visit` for each pixel of the image with its number in rows: tile by tile, or row by row within one.
+    fn for_each(&self, mut visit: impl FnMut(usize, &Pixel, Option<&Auxiliary>)) {
         let [width, height] = self.options.resolution;
-        (0..height).flat_map(move |y| (0..width).map(move |x| self.index(x, y)))
+        let none = Pixel::default();
+        for (number, tile) in self.tiles.iter().enumerate() {
+            let [left, top] = self.tile_origin(number);
+            let tile = lock(tile);
+            for y in top..(top + TILE).min(height) {
+                for x in left..(left + TILE).min(width) {
+                    let index = ((y - top) * TILE + (x - left)) as usize;
+                    let place = y as usize * width as usize + x as usize;
+                    visit(place, tile.pixels.get(index).unwrap_or(&none), tile.auxiliary.get(index));
+                }
+            }
+        }
+    }
+
+    /// Values of each pixel, row by row.
+    fn collect<const N: usize>(&self, value: impl Fn(&Pixel, Option<&Auxiliary>) -> [f32; N]) -> Vec<f32> {
+        let mut values = vec![0.0; N * self.pixel_count()];
+        self.write(&mut values, value);
+        values
+    }
+
+    fn write<const N: usize>(&self, out: &mut [f32], value: impl Fn(&Pixel, Option<&Auxiliary>) -> [f32; N]) {
+        let (out, _) = out.as_chunks_mut::<N>();
+        self.for_each(|place, pixel, auxiliary| {
+            if let Some(out) = out.get_mut(place) {
+                *out = value(pixel, auxiliary);
+            }
+        });
+    }
+
+    fn pixel_count(&self) -> usize {
+        self.options.resolution[0] as usize * self.options.resolution[1] as usize
     }
 
     /// The image as it stands: means of what was sampled, black where nothing was.
@@ -106,25 +180,71 @@ impl Film {
     /// auxiliary data `albedo`, `normal` and `depth`.
     pub fn develop(&self) -> Image {
         let [width, height] = self.options.resolution;
-        let mut image = Image { width, height, ..Image::default() };
-        image.rgb = self.in_rows().flat_map(|i| self.pixels[i].mean(self.options.weighted)).collect();
-        let mut layer = |name: &str, channels, data| {
-            image.layers.push(Layer { name: name.to_owned(), channels, data });
-        };
+        let rgb = self.collect(|pixel, _| pixel.mean(self.options.weighted));
+        let mut image = Image { width, height, rgb, ..Image::default() };
+        let mut kinds = vec![("samples", LayerKind::Samples), ("variance", LayerKind::Variance)];
         if self.options.auxiliary {
-            let mean = |value: fn(&Auxiliary) -> [f64; 3]| -> Vec<f32> {
-                let of = |i: usize| value(&self.auxiliary[i]).map(|sum| sum / f64::from(self.pixels[i].count().max(1)));
-                self.in_rows().flat_map(of).map(|mean| mean as f32).collect()
-            };
-            layer("albedo", 3, mean(|a| a.albedo));
-            layer("normal", 3, mean(|a| a.normal));
-            let depth = self.in_rows().map(|i| self.auxiliary[i].mean_depth()).collect();
-            layer("depth", 1, depth);
+            let first = [("albedo", LayerKind::Albedo), ("normal", LayerKind::Normal), ("depth", LayerKind::Depth)];
+            kinds.splice(0..0, first);
         }
-        layer("samples", 1, self.in_rows().map(|i| self.pixels[i].count() as f32).collect());
-        let variance = self.in_rows().flat_map(|i| self.pixels[i].variance().map(|v| v as f32)).collect();
-        layer("variance", 3, variance);
+        for (name, kind) in kinds {
+            let mut data = vec![0.0; kind.channels() * self.pixel_count()];
+            self.write_layer(kind, &mut data);
+            image.layers.push(Layer { name: name.to_owned(), channels: kind.channels(), data });
+        }
         image
+    }
+
+    /// Writes the image as it stands as `[height][width][4]`, row 0 on top. The fourth value is the share of samples that
+    /// hit a surface if `alpha` asks for it and auxiliary data is kept, else 1.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Internal`] for a slice of another length.
+    pub fn rgba_into(&self, out: &mut [f32], alpha: bool) -> Result<()> {
+        self.check_length(out, 4)?;
+        self.write(out, |pixel, auxiliary| {
+            let [r, g, b] = pixel.mean(self.options.weighted);
+            let coverage = auxiliary.filter(|_| alpha).map_or(1.0, |auxiliary| auxiliary.coverage(pixel.count()));
+            [r, g, b, coverage]
+        });
+        Ok(())
+    }
+
+    /// Writes a layer as it stands as `[height][width][channels]`, row 0 on top.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Internal`] for a slice of another length, and for a layer of first hits if the film keeps none.
+    pub fn layer_into(&self, layer: LayerKind, out: &mut [f32]) -> Result<()> {
+        self.check_length(out, layer.channels())?;
+        if layer.is_auxiliary() && !self.options.auxiliary {
+            return Err(Error::new(ErrorKind::Internal, format!("the film keeps no first hits for {layer:?}")));
+        }
+        self.write_layer(layer, out);
+        Ok(())
+    }
+
+    fn write_layer(&self, layer: LayerKind, out: &mut [f32]) {
+        let mean = |sum: Option<[f64; 3]>, pixel: &Pixel| {
+            sum.unwrap_or_default().map(|sum| (sum / f64::from(pixel.count().max(1))) as f32)
+        };
+        match layer {
+            LayerKind::Albedo => self.write(out, |pixel, auxiliary| mean(auxiliary.map(|a| a.albedo), pixel)),
+            LayerKind::Normal => self.write(out, |pixel, auxiliary| mean(auxiliary.map(|a| a.normal), pixel)),
+            LayerKind::Depth => {
+                self.write(out, |_, auxiliary| [auxiliary.map_or(f32::INFINITY, Auxiliary::mean_depth)]);
+            }
+            LayerKind::Samples => self.write(out, |pixel, _| [pixel.count() as f32]),
+            LayerKind::Variance => self.write(out, |pixel, _| pixel.variance().map(|v| v as f32)),
+            LayerKind::StandardError => self.write(out, |pixel, _| pixel.variance().map(|v| v.sqrt() as f32)),
+        }
+    }
+
+    fn check_length(&self, out: &[f32], channels: usize) -> Result<()> {
+        let expected = channels * self.pixel_count();
+        if out.len() == expected {
+            return Ok(());
+        }
+        Err(Error::new(ErrorKind::Internal, format!("room for {} values where there are {expected}", out.len())))
     }
 
     /// Estimated relative error of the image: the root of the mean over pixels and channels of variance / (mean^2 + e),
@@ -132,32 +252,89 @@ impl Film {
     ///
     /// `None` until every pixel has two complete replicates.
     pub fn relative_error(&self) -> Option<f64> {
-        let means: Vec<[f32; 3]> = self.in_rows().map(|i| self.pixels[i].mean(self.options.weighted)).collect();
-        let values = (3 * means.len()).max(1) as f64;
-        let mean = means.iter().flatten().map(|&value| f64::from(value)).sum::<f64>() / values;
+        let values = (3 * self.pixel_count()).max(1) as f64;
+        let mut sum = 0.0;
+        self.for_each(|_, pixel, _| {
+            sum += pixel.mean(self.options.weighted).into_iter().map(f64::from).sum::<f64>();
+        });
+        let mean = sum / values;
         let floor = 1e-2 * mean * mean;
         let mut sum = 0.0;
-        for (i, mean) in self.in_rows().zip(&means) {
-            for (variance, &mean) in self.pixels[i].variance().into_iter().zip(mean) {
+        self.for_each(|_, pixel, _| {
+            for (variance, mean) in pixel.variance().into_iter().zip(pixel.mean(self.options.weighted)) {
                 sum += variance / (f64::from(mean) * f64::from(mean) + floor);
             }
-        }
+        });
         // NaN, from a pixel without an estimate or an image without light, is no estimate.
         (sum / values).is_finite().then(|| (sum / values).sqrt())
     }
 
     /// Samples that were NaN or infinite, and were left out.
     pub fn non_finite(&self) -> u64 {
-        self.pixels.iter().map(|pixel| u64::from(pixel.non_finite())).sum()
+        let mut count = 0;
+        self.for_each(|_, pixel, _| count += u64::from(pixel.non_finite()));
+        count
     }
 }
 
-/// So many default values, or an error instead of an abort.
-fn zeroed<T: Clone + Default>(count: usize) -> Result<Vec<T>> {
-    let mut values = Vec::new();
-    values.try_reserve_exact(count).map_err(|error| {
-        Error::new(ErrorKind::OutOfMemory, format!("no room for a film of {count} pixels")).because(error)
-    })?;
-    values.resize(count, T::default());
-    Ok(values)
+fn no_room() -> Error {
+    Error::new(ErrorKind::OutOfMemory, "no room for the film")
+}
+
+/// A tile whose last holder may have panicked: its pixels are whole all the same, as each is changed at once.
+fn lock(tile: &Mutex<Tile>) -> MutexGuard<'_, Tile> {
+    tile.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Vec3;
+
+    fn film(auxiliary: bool) -> Film {
+        Film::new(FilmOptions { resolution: [19, 17], auxiliary, replicate_size: 1, weighted: false }).unwrap()
+    }
+
+    #[test]
+    fn readers_agree_with_the_developed_image() {
+        let film = film(true);
+        for tile in 0..film.tile_count() {
+            let [left, top] = film.tile_origin(tile);
+            let mut tile = film.tile(tile);
+            for index in 0..PER_TILE {
+                let value = (left as usize + index % 16 + 100 * (top as usize + index / 16)) as f32;
+                tile.pixels[index].add(Vec3::splat(value), 1.0, 1);
+                tile.pixels[index].add(Vec3::splat(3.0 * value), 1.0, 1);
+                tile.auxiliary[index].add(Vec3::splat(0.5), Vec3::Z, value);
+            }
+        }
+        let image = film.develop();
+        assert_eq!(image.pixel(18, 16), [2.0 * 1618.0; 3]);
+        let mut rgba = vec![0.0; 4 * 19 * 17];
+        film.rgba_into(&mut rgba, true).unwrap();
+        for (rgba, rgb) in rgba.chunks_exact(4).zip(image.rgb.chunks_exact(3)) {
+            assert_eq!((&rgba[..3], rgba[3]), (rgb, 0.5), "one of two samples hit something");
+        }
+        for (kind, name) in
+            [(LayerKind::Depth, "depth"), (LayerKind::Variance, "variance"), (LayerKind::Normal, "normal")]
+        {
+            let mut data = vec![0.0; kind.channels() * 19 * 17];
+            film.layer_into(kind, &mut data).unwrap();
+            assert_eq!(Some(&data), image.layer(name).map(|layer| &layer.data));
+        }
+        let mut errors = vec![0.0; 3 * 19 * 17];
+        film.layer_into(LayerKind::StandardError, &mut errors).unwrap();
+        assert_eq!(errors[0..6], [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn what_is_not_kept_or_does_not_fit_is_refused() {
+        let film = film(false);
+        assert!(film.layer_into(LayerKind::Albedo, &mut vec![0.0; 3 * 19 * 17]).is_err());
+        assert!(film.layer_into(LayerKind::Samples, &mut [0.0; 3]).is_err());
+        let mut rgba = vec![5.0; 4 * 19 * 17];
+        assert!(film.rgba_into(&mut rgba[1..], false).is_err());
+        film.rgba_into(&mut rgba, true).unwrap();
+        assert_eq!(rgba[..4], [0.0, 0.0, 0.0, 1.0], "black and opaque before the first sample");
+    }
 }

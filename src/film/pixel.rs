@@ -107,6 +107,11 @@ impl Auxiliary {
         self.hits += 1;
     }
 
+    /// Share of `samples` that hit anything; 1 before the first.
+    pub fn coverage(&self, samples: u32) -> f32 {
+        if samples == 0 { 1.0 } else { (f64::from(self.hits) / f64::from(samples)) as f32 }
+    }
+
     /// Mean depth of the samples that hit anything; infinite where none did.
     pub fn mean_depth(&self) -> f32 {
         if self.hits == 0 { f32::INFINITY } else { (self.depth / f64::from(self.hits)) as f32 }

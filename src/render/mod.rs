@@ -15,38 +15,43 @@
 
 mod pass;
 mod schedule;
+mod workers;
 
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{FilterDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc};
-use crate::error::{Error, ErrorKind, Result};
+use crate::error::{Error, Result};
 use crate::film::{Film, FilmOptions, Image};
 use crate::sampling::Filter;
 use crate::scene::Scene;
+use pass::Pass;
 use schedule::Schedule;
 
 pub use schedule::MOST_SAMPLES;
-
-/// How often the caller hears of progress within a pass.
-const PROGRESS_INTERVAL: Duration = Duration::from_millis(100);
-
-/// Most worker threads of a render.
-pub const MAX_THREADS: usize = 1024;
+pub use workers::{MAX_THREADS, Workers};
 
 /// What to render, and with how much effort.
 #[derive(Clone, Debug, Default)]
 pub struct RenderSettings {
     /// Resolution, samples, sampler, filter, integrator, seed.
     pub desc: RenderDesc,
-    /// Worker threads, of a pool of its own; 0 means one per core. The image does not depend on it.
+    /// Worker threads, of a pool of its own; 0 means one per core. The image does not depend on it. Not looked at where
+    /// `workers` are given.
     pub threads: usize,
+    /// Who does the work, where it is not a pool of its own.
+    pub workers: Option<Workers>,
     /// Ends after this time, when the pixels that are being worked on are done, even if samples are left. For time alone
     /// to count, ask for [`MOST_SAMPLES`].
     pub time_limit: Option<Duration>,
+    /// Ends after a pass when the estimated relative error (see [`Film::relative_error`]) is no larger than this.
+    pub target_error: Option<f64>,
+    /// Stops the render soon, from any thread.
+    pub cancel: Cancel,
     /// Keeps albedo, normal and depth of the first hit.
     pub auxiliary: bool,
 }
@@ -67,6 +72,20 @@ pub struct Progress<'a> {
     pub image: Option<&'a dyn Fn() -> Image>,
 }
 
+/// What ended a render.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ended {
+    /// Every pixel has its samples.
+    #[default]
+    Samples,
+    /// The time limit.
+    Time,
+    /// The error is as small as was asked for.
+    Error,
+    /// The caller: [`Cancel`], or a report that was answered with `Break`.
+    Cancelled,
+}
+
 /// What a render came to.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
@@ -78,6 +97,8 @@ pub struct Summary {
     pub rays: u64,
     /// Estimated relative error (see [`Film::relative_error`]), where there are enough samples to tell.
     pub relative_error: Option<f64>,
+    /// What ended it.
+    pub ended: Ended,
     /// Whether the caller stopped it before the end.
     pub stopped: bool,
     /// Samples that were NaN or infinite and were left out.
@@ -86,25 +107,26 @@ pub struct Summary {
     pub notes: Vec<String>,
 }
 
-/// A render of a scene: its film, and the threads that fill it.
-pub struct Render<'s> {
-    scene: &'s Scene,
+/// A render of a scene: its film, and those who fill it.
+pub struct Render {
+    scene: Scene,
     settings: RenderSettings,
+    desc: Arc<RenderDesc>,
     camera: Camera,
     filter: Filter,
-    film: Film,
-    pool: rayon::ThreadPool,
+    film: Arc<Film>,
+    workers: Workers,
     samples: u32,
     rays: u64,
-    stopped: bool,
 }
 
-impl<'s> Render<'s> {
-    /// Prepares a render: checks the settings, allocates the film, starts the threads.
+impl Render {
+    /// Prepares a render: checks the settings, makes the film, starts the threads where it has its own. Keeps a share of
+    /// the scene.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidScene`] for settings that make no image, `OutOfMemory` for a film that does not fit.
-    pub fn new(scene: &'s Scene, settings: RenderSettings) -> Result<Self> {
+    /// [`crate::ErrorKind::InvalidScene`] for settings that make no image, `OutOfMemory` for a film that does not fit.
+    pub fn new(scene: &Scene, settings: RenderSettings) -> Result<Self> {
         let desc = &settings.desc;
         let [width, height] = desc.resolution;
         let pixels = u64::from(width) * u64::from(height);
@@ -121,9 +143,9 @@ impl<'s> Render<'s> {
             let message = format!("{} light samples per hit; expected 1 to {MAX_SHADOW_RAYS}", desc.shadow_rays);
             return Err(Error::invalid("render.shadowRays", message));
         }
-        if settings.threads > MAX_THREADS {
-            let message = format!("{} threads; expected at most {MAX_THREADS}", settings.threads);
-            return Err(Error::invalid("threads", message));
+        if settings.target_error.is_some_and(|target| !(target > 0.0 && target.is_finite())) {
+            let message = format!("{:?}; expected a finite number above 0", settings.target_error.unwrap_or_default());
+            return Err(Error::invalid("targetError", message));
         }
         check_filter(&desc.filter)?;
         let camera = Camera::new(scene.camera(), desc.resolution, scene.centre())?;
@@ -135,46 +157,69 @@ impl<'s> Render<'s> {
             replicate_size: schedule::replicate_size(&settings),
             weighted: matches!(filter_desc, FilterDesc::Mitchell { .. }),
         })?;
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(settings.threads)
-            .thread_name(|number| format!("etendue-{number}"))
-            .build()
-            .map_err(|error| Error::new(ErrorKind::Device, "the worker threads could not be started").because(error))?;
+        let workers = match &settings.workers {
+            Some(workers) => workers.clone(),
+            None => Workers::pool(settings.threads)?,
+        };
         let filter = Filter::new(&filter_desc);
-        Ok(Self { scene, settings, camera, filter, film, pool, samples: 0, rays: 0, stopped: false })
+        let desc = Arc::new(desc.clone());
+        let scene = scene.clone();
+        Ok(Self { scene, settings, desc, camera, filter, film: Arc::new(film), workers, samples: 0, rays: 0 })
     }
 
     /// Renders until samples, time or the caller's patience are used up.
     ///
     /// `progress` is called on the calling thread, between passes and about ten times a second; `Break` stops the render
-    /// after the pixels that are being worked on. What was sampled until then stays in the film, and another call goes on
-    /// from there, with the same result as if nothing had happened.
+    /// as [`Cancel`] does: in the middle of the samples that are being taken. What was sampled until then stays in the
+    /// film, and another call goes on from there, with the same result as if nothing had happened.
     ///
     /// # Errors
-    /// [`ErrorKind::Internal`] if a worker or a shape's intersection test panicked.
+    /// [`crate::ErrorKind::Internal`] if a worker or a shape's intersection test panicked.
     pub fn run(&mut self, progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>) -> Result<Summary> {
         let start = Instant::now();
-        self.stopped = false;
         let schedule = Schedule::new(&self.settings);
-        while let Some(count) = schedule.next_pass(self.samples, start.elapsed()) {
-            let finished = self.pass(count, &schedule, start, progress)?;
-            if !finished {
-                break;
+        let mut error = self.aimed_error();
+        let ended = loop {
+            if let Some(ended) = schedule.ended(self.samples, start.elapsed(), error) {
+                break ended;
+            }
+            // Asked now, so that a render which the caller stopped with its last sample counts as finished.
+            if self.settings.cancel.is_cancelled() {
+                break Ended::Cancelled;
+            }
+            let count = schedule.next_pass(self.samples, start.elapsed(), error);
+            if let Some(ended) = self.pass(count, &schedule, start, progress)? {
+                break ended;
             }
             self.samples += count;
+            error = self.aimed_error();
             let image = || self.film.develop();
             let done = f64::from(self.samples);
             let report = schedule.progress(self.samples, done, self.rays, start.elapsed(), Some(&image));
-            if progress(&report).is_break() && !schedule.is_done(self.samples, start.elapsed()) {
-                self.stopped = true;
-                break;
+            if progress(&report).is_break() {
+                break schedule.ended(self.samples, start.elapsed(), error).unwrap_or(Ended::Cancelled);
             }
-        }
+        };
         // A shape's test that panicked inside Embree's callback counted as a miss there; say so here.
         if let Some(kernel) = self.scene.kernel() {
             kernel.check()?;
         }
-        Ok(self.summary(start.elapsed()))
+        Ok(self.summary(start.elapsed(), ended))
+    }
+
+    /// The error as it is, where one is aimed at.
+    fn aimed_error(&self) -> Option<f64> {
+        self.settings.target_error.and_then(|_| self.film.relative_error())
+    }
+
+    /// What stops the next [`Render::run`]; a render that was cancelled goes on only with a new one.
+    pub fn set_cancel(&mut self, cancel: Cancel) {
+        self.settings.cancel = cancel;
+    }
+
+    /// The film, which any thread may develop at any time.
+    pub fn film(&self) -> &Arc<Film> {
+        &self.film
     }
 
     /// The image as it stands.
@@ -182,61 +227,38 @@ impl<'s> Render<'s> {
         self.film.develop()
     }
 
-    /// One pass over all tiles; false when it was cut short.
+    /// One pass over all tiles; what ended the render in the middle of it, if anything did.
     fn pass(
         &mut self,
         count: u32,
         schedule: &Schedule,
         start: Instant,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
-    ) -> Result<bool> {
-        let stop = AtomicBool::new(false);
-        let rays = AtomicU64::new(0);
-        let done = AtomicU64::new(0);
-        let job = pass::Pass {
-            scene: self.scene,
-            camera: &self.camera,
-            filter: &self.filter,
-            desc: &self.settings.desc,
-            samples: self.samples + count,
-            film: *self.film.options(),
-            // One sample everywhere is the least that makes an image.
-            deadline: self.settings.time_limit.filter(|_| self.samples > 0).and_then(|limit| start.checked_add(limit)),
-            stop: &stop,
-            rays: &rays,
-            tiles_done: &done,
-        };
-        let mut tiles = self.film.tiles_mut();
-        let tile_count = tiles.len().max(1) as f64;
-        let (pool, samples, rays_before) = (&self.pool, self.samples, self.rays);
-        let mut stopped = false;
-        let outcome = std::thread::scope(|scope| {
-            let (sender, receiver) = mpsc::channel();
-            let worker = scope.spawn(move || {
-                pool.install(|| job.run(&mut tiles));
-                // Nobody listening any more is no fault.
-                let _ = sender.send(());
-            });
-            while let Err(RecvTimeoutError::Timeout) = receiver.recv_timeout(PROGRESS_INTERVAL) {
-                let share = done.load(Ordering::Relaxed) as f64 / tile_count * f64::from(count);
-                let rays = rays_before + rays.load(Ordering::Relaxed);
-                let report = schedule.progress(samples, f64::from(samples) + share, rays, start.elapsed(), None);
-                if progress(&report).is_break() {
-                    stopped = true;
-                    stop.store(true, Ordering::Relaxed);
-                }
+    ) -> Result<Option<Ended>> {
+        // One sample everywhere is the least that makes an image.
+        let limit = self.settings.time_limit.filter(|_| self.samples > 0);
+        let deadline = limit.and_then(|limit| start.checked_add(limit));
+        let pass = Pass::new(self, self.samples + count, deadline);
+        let (samples, rays_before) = (self.samples, self.rays);
+        let mut is_broken_off = false;
+        let pass = self.workers.run(pass, &mut |pass| {
+            let done = f64::from(samples) + pass.share() * f64::from(count);
+            let rays = rays_before + pass.rays.load(Ordering::Relaxed);
+            let report = schedule.progress(samples, done, rays, start.elapsed(), None);
+            if progress(&report).is_break() {
+                is_broken_off = true;
+                pass.stop.store(true, Ordering::Relaxed);
             }
-            worker.join()
-        });
-        self.rays += rays.load(Ordering::Relaxed);
-        self.stopped |= stopped;
-        if outcome.is_err() {
-            return Err(Error::new(ErrorKind::Internal, "a worker thread panicked"));
+        })?;
+        self.rays += pass.rays.load(Ordering::Relaxed);
+        if pass.is_complete() {
+            return Ok(None);
         }
-        Ok(!stop.load(Ordering::Relaxed))
+        let is_cancelled = is_broken_off || self.settings.cancel.is_cancelled();
+        Ok(Some(if is_cancelled { Ended::Cancelled } else { Ended::Time }))
     }
 
-    fn summary(&self, elapsed: Duration) -> Summary {
+    fn summary(&self, elapsed: Duration, ended: Ended) -> Summary {
         let mut notes = Vec::new();
         if let Some(depth) = self.settings.desc.max_depth {
             notes.push(format!("paths were cut after {depth} hits (maxDepth): the image is too dark"));
@@ -253,7 +275,8 @@ impl<'s> Render<'s> {
             samples: self.samples,
             rays: self.rays,
             relative_error: self.film.relative_error(),
-            stopped: self.stopped,
+            ended,
+            stopped: ended == Ended::Cancelled,
             non_finite,
             notes,
         }

@@ -1,103 +1,205 @@
 //! One pass: some samples for every pixel, tile by tile, in parallel.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::Instant;
 
-use rayon::prelude::*;
-
+use super::Render;
+use super::workers::Work;
+use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{IntegratorDesc, RenderDesc, SamplerDesc};
-use crate::film::{FilmOptions, TILE, TileMut};
-use crate::integrator::{Direct, Integrator, Path, SceneTracer, Whitted};
+use crate::film::{Film, TILE};
+use crate::integrator::{Direct, Integrator, Path, Tracer, Whitted};
+use crate::math::Ray;
 use crate::sampling::{Filter, Pattern, PatternSampler, Sampler, SobolSampler};
-use crate::scene::Scene;
+use crate::scene::{Hit, Scene};
 
 /// Everything the workers of a pass share.
-#[derive(Clone, Copy)]
-pub(super) struct Pass<'a> {
-    pub scene: &'a Scene,
-    pub camera: &'a Camera,
-    pub filter: &'a Filter,
-    pub desc: &'a RenderDesc,
+pub(super) struct Pass {
+    scene: Scene,
+    camera: Camera,
+    filter: Filter,
+    desc: Arc<RenderDesc>,
     /// Samples that each pixel is to have afterwards. It goes on from those it has, so that a render that was stopped in
     /// the middle of a pass can be resumed.
-    pub samples: u32,
-    pub film: FilmOptions,
-    pub deadline: Option<Instant>,
-    pub stop: &'a AtomicBool,
-    pub rays: &'a AtomicU64,
-    pub tiles_done: &'a AtomicU64,
+    samples: u32,
+    film: Arc<Film>,
+    deadline: Option<Instant>,
+    cancel: Cancel,
+    pub stop: AtomicBool,
+    pub rays: AtomicU64,
+    /// The tile that is taken next.
+    next: AtomicUsize,
+    tiles_done: AtomicUsize,
 }
 
-impl Pass<'_> {
+/// Traces, counts, and once the pass is stopped finds nothing more, so that the longest path soon ends.
+struct PassTracer<'p> {
+    scene: &'p Scene,
+    pass: &'p Pass,
+    rays: u64,
+}
+
+impl Tracer for PassTracer<'_> {
+    #[inline]
+    fn intersect(&mut self, ray: &Ray) -> Option<Hit> {
+        self.rays += 1;
+        if self.pass.is_stopped() {
+            return None;
+        }
+        self.scene.intersect(ray)
+    }
+
+    #[inline]
+    fn unoccluded(&mut self, ray: &Ray) -> bool {
+        self.rays += 1;
+        !self.pass.is_stopped() && self.scene.unoccluded(ray)
+    }
+}
+
+impl Work for Pass {
     /// Chooses integrator and sampler once; from here on nothing is dispatched.
-    pub(super) fn run(&self, tiles: &mut [TileMut]) {
+    fn take(&self, pause: &mut dyn FnMut() -> bool) -> bool {
         let shadow_rays = self.desc.shadow_rays;
         let max_depth = self.desc.max_depth;
         match self.desc.integrator {
-            IntegratorDesc::Path => self.with_integrator(Path { max_depth, shadow_rays }, tiles),
-            IntegratorDesc::Whitted => self.with_integrator(Whitted { max_depth, shadow_rays }, tiles),
-            IntegratorDesc::Direct => self.with_integrator(Direct { shadow_rays }, tiles),
+            IntegratorDesc::Path => self.with_integrator(&Path { max_depth, shadow_rays }, pause),
+            IntegratorDesc::Whitted => self.with_integrator(&Whitted { max_depth, shadow_rays }, pause),
+            IntegratorDesc::Direct => self.with_integrator(&Direct { shadow_rays }, pause),
         }
     }
 
-    fn with_integrator<I: Integrator>(&self, integrator: I, tiles: &mut [TileMut]) {
+    fn is_done(&self) -> bool {
+        self.is_complete() || self.is_stopped()
+    }
+
+    fn abandon(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    fn shares(&self) -> usize {
+        self.film.tile_count()
+    }
+}
+
+impl Pass {
+    /// A pass of `render` up to so many samples of each pixel, cut short at `deadline`.
+    pub(super) fn new(render: &Render, samples: u32, deadline: Option<Instant>) -> Self {
+        Self {
+            scene: render.scene.clone(),
+            camera: render.camera,
+            filter: render.filter.clone(),
+            desc: Arc::clone(&render.desc),
+            samples,
+            film: Arc::clone(&render.film),
+            deadline,
+            cancel: render.settings.cancel.clone(),
+            stop: AtomicBool::new(false),
+            rays: AtomicU64::new(0),
+            next: AtomicUsize::new(0),
+            tiles_done: AtomicUsize::new(0),
+        }
+    }
+
+    /// Whether every pixel has its samples.
+    pub(super) fn is_complete(&self) -> bool {
+        self.tiles_done.load(Ordering::Acquire) == self.film.tile_count()
+    }
+
+    /// Share of the tiles that are done.
+    pub(super) fn share(&self) -> f64 {
+        self.tiles_done.load(Ordering::Relaxed) as f64 / self.film.tile_count().max(1) as f64
+    }
+
+    #[inline]
+    fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed) || self.cancel.is_cancelled()
+    }
+
+    fn with_integrator<I: Integrator>(&self, integrator: &I, pause: &mut dyn FnMut() -> bool) -> bool {
         let seed = self.desc.seed;
         let pattern = match self.desc.sampler {
             SamplerDesc::Sobol => {
-                let sampler = SobolSampler::new(seed, self.film.replicate_size);
-                return self.all_tiles(&integrator, &sampler, tiles);
+                let sampler = SobolSampler::new(seed, self.film.options().replicate_size);
+                return self.all_tiles(integrator, &sampler, pause);
             }
             SamplerDesc::Random => Pattern::Random,
             SamplerDesc::Jittered => Pattern::Jittered,
             SamplerDesc::Grid => Pattern::Grid,
             SamplerDesc::Gaussian => Pattern::Gaussian,
         };
-        self.all_tiles(&integrator, &PatternSampler::new(pattern, seed, self.desc.samples), tiles);
+        self.all_tiles(integrator, &PatternSampler::new(pattern, seed, self.desc.samples), pause)
     }
 
-    fn all_tiles<I: Integrator, S: Sampler + Clone + Sync>(&self, integrator: &I, sampler: &S, tiles: &mut [TileMut]) {
-        tiles.par_iter_mut().with_max_len(1).for_each(|tile| {
-            if self.stop.load(Ordering::Relaxed) {
-                return;
+    /// Takes tiles until there are none; false if it paused before that.
+    fn all_tiles<I: Integrator, S: Sampler + Clone>(
+        &self,
+        integrator: &I,
+        sampler: &S,
+        pause: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        loop {
+            if self.is_stopped() {
+                return true;
             }
-            let rays = self.tile(integrator, &mut sampler.clone(), tile);
-            self.rays.fetch_add(rays, Ordering::Relaxed);
-            self.tiles_done.fetch_add(1, Ordering::Relaxed);
-        });
+            if pause() {
+                return false;
+            }
+            let number = self.next.fetch_add(1, Ordering::Relaxed);
+            if number >= self.film.tile_count() {
+                return true;
+            }
+            let mut tracer = PassTracer { scene: &self.scene, pass: self, rays: 0 };
+            let is_complete = self.tile(integrator, &mut sampler.clone(), number, &mut tracer, pause);
+            self.rays.fetch_add(tracer.rays, Ordering::Relaxed);
+            if is_complete {
+                self.tiles_done.fetch_add(1, Ordering::Release);
+            }
+        }
     }
 
-    /// All samples of one tile; returns the number of rays. Allocates nothing.
-    fn tile<I: Integrator, S: Sampler>(&self, integrator: &I, sampler: &mut S, tile: &mut TileMut) -> u64 {
-        let [width, height] = self.film.resolution;
-        let [left, top] = tile.origin;
-        let mut tracer = SceneTracer::new(self.scene);
+    /// All samples of one tile, unless the pass is stopped; whether they are complete. Allocates nothing but the tile.
+    fn tile<I: Integrator, S: Sampler>(
+        &self,
+        integrator: &I,
+        sampler: &mut S,
+        number: usize,
+        tracer: &mut PassTracer,
+        pause: &mut dyn FnMut() -> bool,
+    ) -> bool {
+        let [width, height] = self.film.options().resolution;
+        let replicate_size = self.film.options().replicate_size;
+        let [left, top] = self.film.tile_origin(number);
         for y in top..(top + TILE).min(height) {
             if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
-                self.stop.store(true, Ordering::Relaxed);
+                self.abandon();
             }
+            // A tile is finished before its worker gives way; but who works for itself may want to look up.
+            pause();
+            let mut tile = self.film.tile(number);
+            let tile = &mut *tile;
             for x in left..(left + TILE).min(width) {
-                // Pixels go on from where they are, so stopping between any two of them is safe.
-                if self.stop.load(Ordering::Relaxed) {
-                    return tracer.rays;
-                }
                 let index = ((y - top) * TILE + (x - left)) as usize;
                 let pixel = &mut tile.pixels[index];
                 for sample in pixel.count()..self.samples {
                     sampler.start(y * width + x, sample);
                     let (offset, weight) = self.filter.sample(sampler.pixel_2d());
                     let ray = self.camera.ray(x as f32 + 0.5 + offset[0], y as f32 + 0.5 + offset[1]);
-                    let auxiliary = tile.auxiliary.get_mut(index);
                     let mut first = None;
-                    let radiance =
-                        integrator.radiance(self.scene, ray, sampler, &mut tracer, &mut |hit| first = Some(hit));
-                    pixel.add(radiance, weight, self.film.replicate_size);
-                    if let (Some(auxiliary), Some(hit)) = (auxiliary, first) {
+                    let radiance = integrator.radiance(&self.scene, ray, sampler, tracer, &mut |hit| first = Some(hit));
+                    // Pixels go on from where they are, so stopping between any two samples is safe; one during which it
+                    // was stopped may have missed something, and is taken again.
+                    if self.is_stopped() {
+                        return false;
+                    }
+                    pixel.add(radiance, weight, replicate_size);
+                    if let (Some(auxiliary), Some(hit)) = (tile.auxiliary.get_mut(index), first) {
                         auxiliary.add(hit.albedo, hit.normal, self.camera.depth(hit.p));
                     }
                 }
             }
         }
-        tracer.rays
+        true
     }
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{Progress, RenderSettings};
+use super::{Ended, Progress, RenderSettings};
 use crate::desc::SamplerDesc;
 use crate::film::Image;
 use crate::sampling::square_side;
@@ -27,6 +27,8 @@ const OPEN_END: u32 = 1 << 20;
 /// cannot tell.
 pub(super) fn replicate_size(settings: &RenderSettings) -> u32 {
     match total(settings) {
+        // Whoever aims at an error must hear of it early.
+        samples if settings.target_error.is_some() => samples.div_ceil(4).min(OPEN_REPLICATE),
         OPEN_END.. => OPEN_REPLICATE,
         samples @ 16.. => samples / 4,
         samples @ 4.. => samples / 2,
@@ -52,31 +54,42 @@ fn total(settings: &RenderSettings) -> u32 {
 pub(super) struct Schedule {
     samples: u32,
     time_limit: Option<Duration>,
+    target_error: Option<f64>,
 }
 
 impl Schedule {
     pub(super) fn new(settings: &RenderSettings) -> Self {
-        Self { samples: total(settings), time_limit: settings.time_limit }
+        let (time_limit, target_error) = (settings.time_limit, settings.target_error);
+        Self { samples: total(settings), time_limit, target_error }
     }
 
-    pub(super) fn is_done(&self, done: u32, elapsed: Duration) -> bool {
-        done >= self.samples || self.time_limit.is_some_and(|limit| elapsed >= limit)
-    }
-
-    /// Samples of the next pass, `None` when all is done.
-    ///
-    /// Passes double, so that a first image is there soon, until one takes as long as a viewer should wait.
-    pub(super) fn next_pass(&self, done: u32, elapsed: Duration) -> Option<u32> {
-        if self.is_done(done, elapsed) {
-            return None;
+    /// What ends the render now, if anything does; `error`: the estimated relative error, where one is aimed at.
+    pub(super) fn ended(&self, done: u32, elapsed: Duration, error: Option<f64>) -> Option<Ended> {
+        if done >= self.samples {
+            return Some(Ended::Samples);
         }
+        if self.time_limit.is_some_and(|limit| elapsed >= limit && done > 0) {
+            return Some(Ended::Time);
+        }
+        error.zip(self.target_error).and_then(|(error, target)| (error <= target).then_some(Ended::Error))
+    }
+
+    /// Samples of the next pass.
+    ///
+    /// Passes double, so that a first image is there soon, until one takes as long as a viewer should wait. Where an error
+    /// is aimed at, a pass goes no further than it is expected to be reached: it falls as 1 / sqrt(n).
+    pub(super) fn next_pass(&self, done: u32, elapsed: Duration, error: Option<f64>) -> u32 {
         let affordable = if done == 0 || elapsed.is_zero() {
             1.0
         } else {
             f64::from(done) * LONGEST_PASS.as_secs_f64() / elapsed.as_secs_f64()
         };
-        let doubling = done.max(1);
-        Some((affordable as u32).clamp(1, doubling).min(self.samples - done))
+        let mut most = done.max(1);
+        if let (Some(target), Some(error)) = (self.target_error, error) {
+            let missing = f64::from(done) * ((error / target).powi(2) - 1.0);
+            most = most.min(missing.ceil() as u32).max(1);
+        }
+        (affordable as u32).clamp(1, most).min(self.samples - done)
     }
 
     /// The report on `complete` samples per pixel, `done` with those of an unfinished pass.
@@ -120,8 +133,8 @@ mod tests {
         for samples in [1, 2, 3, 100, 4097] {
             let schedule = Schedule::new(&settings(samples, SamplerDesc::Sobol));
             let (mut done, mut passes) = (0, 0);
-            while let Some(count) = schedule.next_pass(done, Duration::from_millis(u64::from(done) + 1)) {
-                done += count;
+            while schedule.ended(done, Duration::ZERO, None).is_none() {
+                done += schedule.next_pass(done, Duration::from_millis(u64::from(done) + 1), None);
                 passes += 1;
             }
             assert_eq!(done, samples);

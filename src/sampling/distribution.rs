@@ -1,5 +1,10 @@
 //! Choice among finitely many things in proportion to weights.
 
+use crate::{Cancel, Result};
+
+/// Indices between two looks at a [`Cancel`].
+const BLOCK: usize = 1 << 14;
+
 /// A discrete distribution over indices, sampled in constant expected time.
 ///
 /// The cumulative distribution is kept in double precision. A guide table with one entry per index says where in it to
@@ -24,32 +29,46 @@ impl Distribution1D {
     /// The distribution with probabilities in proportion to `weights` (any unit). `None` for no weight above 0, for a
     /// negative weight, one that is not finite, or a sum that overflows.
     pub fn new(weights: &[f64]) -> Option<Self> {
+        Self::cancellable(weights, &Cancel::new()).unwrap_or_default()
+    }
+
+    /// As [`Distribution1D::new`], asking `cancel` on the way.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::Cancelled`].
+    pub fn cancellable(weights: &[f64], cancel: &Cancel) -> Result<Option<Self>> {
         if weights.len() >= u32::MAX as usize || weights.iter().any(|w| !w.is_finite() || *w < 0.0) {
-            return None;
+            return Ok(None);
         }
         let total: f64 = weights.iter().sum();
         if total == 0.0 || !total.is_finite() {
-            return None;
+            return Ok(None);
         }
         let mut cdf = Vec::with_capacity(weights.len() + 1);
         let mut sum = 0.0;
         cdf.push(0.0);
-        for w in weights {
-            sum += w;
-            // Dividing the sum, not adding quotients: the last positive entry ends at 1 exactly.
-            cdf.push(sum / total);
+        for block in weights.chunks(BLOCK) {
+            cancel.check()?;
+            for w in block {
+                sum += w;
+                // Dividing the sum, not adding quotients: the last positive entry ends at 1 exactly.
+                cdf.push(sum / total);
+            }
         }
         let len = weights.len();
         let mut guide = Vec::with_capacity(len);
         let mut index = 0;
         for k in 0..len {
+            if k % BLOCK == 0 {
+                cancel.check()?;
+            }
             let u = k as f64 / len as f64;
             while index + 1 < len && cdf[index + 1] <= u {
                 index += 1;
             }
             guide.push(index as u32);
         }
-        Some(Self { cdf, guide, total })
+        Ok(Some(Self { cdf, guide, total }))
     }
 
     /// Number of indices.

@@ -3,7 +3,11 @@
 //! Positions are rebuilt from the primitive in double precision and rounded once, never taken as origin + t * direction,
 //! whose error grows with the distance of the ray's origin.
 
-use crate::embree::TriangleMesh;
+use std::sync::Arc;
+
+use super::analytic::AnalyticGeometry;
+use crate::buffer::Buffer;
+use crate::embree::{Charge, TriangleMesh};
 use crate::math::{DAffine3, DVec3, HitPoint, ROUNDING, Vec3};
 use crate::shape::Analytic;
 
@@ -62,12 +66,20 @@ pub struct SurfaceInteraction {
     pub emitter: Option<u32>,
 }
 
-/// Triangles with what shading needs of them: the same memory that Embree reads.
-#[derive(Debug)]
+/// Triangles with what shading needs of them: the same memory that Embree reads. Clones share it.
+#[derive(Clone, Debug)]
 pub(super) struct Triangles {
     pub mesh: TriangleMesh,
-    /// One per vertex for smooth shading, else empty.
-    pub normals: Vec<Vec3>,
+    /// One per vertex for smooth shading; zero means none there.
+    pub normals: Option<Buffer<[f32; 3]>>,
+    /// Whether the normals are as a host gave them: not of unit length.
+    pub any_length: bool,
+    /// The number of each triangle in the mesh as it was given, where some were left out.
+    pub original: Option<Arc<[u32]>>,
+    /// Whether a mirroring transform turned the winding round: second and third vertex are those given as third and second.
+    pub swapped: bool,
+    /// What it takes from the device's shared allowance.
+    pub _charge: Option<Arc<Charge>>,
 }
 
 /// A point of a triangle in its own frame, not yet rounded.
@@ -82,14 +94,23 @@ struct TrianglePoint {
 }
 
 impl Triangles {
+    /// Bytes of this library's memory behind it.
+    pub(super) fn memory_bytes(&self) -> usize {
+        let original = self.original.as_ref().map_or(0, |original| size_of_val(&original[..]));
+        self.mesh.memory_bytes() + self.normals.as_ref().map_or(0, Buffer::memory_bytes) + original
+    }
+
     #[inline]
     fn point(&self, primitive: u32, u: f32, v: f32) -> TrianglePoint {
-        let corners = self.mesh.indices()[primitive as usize];
+        let corners = self.mesh.indices().get(primitive as usize);
         let vertices = self.mesh.vertices();
-        let [v0, v1, v2] = corners.map(|corner| DVec3::from(vertices[corner as usize].map(f64::from)));
+        let [v0, v1, v2] = corners.map(|corner| DVec3::from(vertices.get(corner as usize).map(f64::from)));
         let (e1, e2) = (v1 - v0, v2 - v0);
-        let ns = (!self.normals.is_empty()).then(|| {
-            let [n0, n1, n2] = corners.map(|corner| self.normals[corner as usize]);
+        let ns = self.normals.as_ref().map(|normals| {
+            let [n0, n1, n2] = corners.map(|corner| {
+                let normal = Vec3::from(normals.get(corner as usize));
+                if self.any_length { normal.normalize_or_zero() } else { normal }
+            });
             (1.0 - u - v) * n0 + u * n1 + v * n2
         });
         TrianglePoint {
@@ -101,15 +122,25 @@ impl Triangles {
     }
 }
 
-/// A geometry of the Embree scene.
+/// One triangle of those that surfaces have by themselves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    pub surface: u32,
+    /// Which half of a quad; 0 for a triangle.
+    pub half: u32,
+}
+
+/// A geometry of the Embree scene. Who owns its primitives is kept apart ([`Owners`]): that can change while this stays.
 #[derive(Debug)]
 pub(super) enum Geometry {
-    /// Triangles in the scene frame.
-    Triangles { triangles: Triangles, owners: Owners },
-    /// A shared mesh somewhere.
-    Instance { triangles: std::sync::Arc<Triangles>, owner: Owner, placement: Placement },
-    /// Analytic shapes as user geometry.
-    Analytic { shapes: std::sync::Arc<super::analytic::AnalyticGeometry>, owners: Vec<Owner> },
+    /// Triangles and quads of all surfaces, in the scene frame.
+    Loose { triangles: Triangles, parts: Vec<Part> },
+    /// A mesh in the scene frame.
+    Flat { triangles: Triangles, surface: u32 },
+    /// A mesh in its own frame, somewhere.
+    Instance { triangles: Triangles, surface: u32, placement: Placement },
+    /// Analytic shapes as user geometry, with the surface of each.
+    Analytic { shapes: Arc<AnalyticGeometry>, surfaces: Vec<u32> },
 }
 
 /// Where an instance stands.
@@ -172,7 +203,7 @@ pub(super) fn on_triangle(
 #[inline]
 pub(super) fn on_instance(
     triangles: &Triangles,
-    owner: Owner,
+    owners: &Owners,
     placement: &Placement,
     primitive: u32,
     u: f32,
@@ -187,7 +218,7 @@ pub(super) fn on_instance(
     let moved = placement.to_scene.translation.abs().max_element() as f32 + p.abs().max_element();
     let own = point.p.abs().max_element() as f32 + point.extent;
     let error = triangle_error(p, ng, 0.0) + KERNEL_ERROR * (moved + placement.stretch * own);
-    interaction(p, error, ng, ns, owner)
+    interaction(p, error, ng, ns, owners.of(primitive))
 }
 
 /// A point on an analytic shape, from the point that the ray's t gives.

@@ -3,7 +3,13 @@
 use std::fmt;
 use std::time::Duration;
 
+use super::record::{Facts, Record};
+use crate::desc::SceneDesc;
+use crate::emitter::EmitterSet;
 use crate::math::Bounds;
+
+/// Extents of a scene for which products of three lengths, and the kernel's tests with them, stay in range.
+const SAFE_SIZES: std::ops::RangeInclusive<f64> = 1e-8..=1e9;
 
 /// The figures of a built scene; its `Display` is what `etendue info` prints.
 #[derive(Clone, Debug, Default)]
@@ -14,9 +20,9 @@ pub struct SceneInfo {
     pub materials: usize,
     /// Triangles that Embree holds in the scene frame.
     pub triangles: usize,
-    /// Instances of shared meshes.
+    /// Uses of meshes that have hierarchies of their own.
     pub instances: usize,
-    /// Triangles of the shared meshes, each counted once.
+    /// Triangles of these meshes, each counted once.
     pub shared_triangles: usize,
     /// Spheres, disks and quadrics tested in a list before Embree.
     pub listed_shapes: usize,
@@ -30,9 +36,9 @@ pub struct SceneInfo {
     pub smooth_meshes: usize,
     /// Box around all surfaces, world frame.
     pub bounds: Bounds,
-    /// Bytes of vertices, indices and normals.
+    /// Bytes of vertices, indices and normals, without those that a host keeps.
     pub geometry_bytes: usize,
-    /// Bytes that Embree holds for its trees.
+    /// Bytes that Embree holds for this scene's trees, those included that it shares with the scene it was rebuilt from.
     pub embree_bytes: usize,
     /// Time to build all of it.
     pub build_time: Duration,
@@ -40,6 +46,89 @@ pub struct SceneInfo {
     pub decisions: Vec<String>,
     /// What this scene does not need and does not pay for.
     pub switched_off: Vec<&'static str>,
+}
+
+impl SceneInfo {
+    pub(super) fn new(desc: &SceneDesc, record: &Record, emitters: &EmitterSet, has_kernel: bool) -> Self {
+        let facts = &record.facts;
+        let mut decisions = facts.decisions.clone();
+        if facts.listed_shapes > 0 {
+            decisions.push(format!("{} analytic shapes are tested in a list before Embree", facts.listed_shapes));
+        }
+        let hosted = facts.host_instances;
+        if record.is_dynamic {
+            decisions.push(format!(
+                "geometry is edited: {} uses of larger meshes are instances, which edits elsewhere leave alone",
+                facts.instances - hosted
+            ));
+        } else if facts.instances > hosted {
+            let shared = facts.instances - hosted;
+            decisions.push(format!("{shared} uses of large shared meshes are instances of one copy each"));
+        }
+        if hosted > 0 {
+            decisions.push(format!("{hosted} uses of meshes in the host's memory are instances, read in place"));
+        }
+        let off = [
+            (facts.listed_shapes == 0, "analytic shape list"),
+            (facts.embree_shapes == 0, "user geometry"),
+            (facts.instances == 0, "instances"),
+            (facts.smooth_meshes == 0, "smooth normals"),
+            (!has_kernel, "Embree"),
+            (emitters.is_dark(), "emitter sampling"),
+        ];
+        Self {
+            surfaces: desc.surfaces.len(),
+            materials: desc.materials.len(),
+            triangles: facts.triangles,
+            instances: facts.instances,
+            shared_triangles: facts.shared_triangles,
+            listed_shapes: facts.listed_shapes,
+            embree_shapes: facts.embree_shapes,
+            emitters: emitters.emitters().len(),
+            point_lights: emitters.point_lights(),
+            smooth_meshes: facts.smooth_meshes,
+            bounds: facts.bounds,
+            geometry_bytes: facts.geometry_bytes,
+            embree_bytes: facts.embree_bytes,
+            build_time: Duration::ZERO,
+            decisions,
+            switched_off: off.into_iter().filter_map(|(is_off, name)| is_off.then_some(name)).collect(),
+        }
+    }
+}
+
+/// What was left out or is worth a word.
+pub(super) fn warnings(desc: &SceneDesc, facts: &Facts, emitters: &EmitterSet, dark_lights: usize) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if !facts.dropped.is_empty() {
+        let mut dropped: Vec<_> = facts.dropped.iter().collect();
+        dropped.sort_by(|a, b| a.1.cmp(&b.1));
+        let total: usize = dropped.iter().map(|(count, _)| count).sum();
+        let mut places: Vec<String> =
+            dropped.iter().take(5).map(|(count, path)| format!("{count} in {path}")).collect();
+        if dropped.len() > places.len() {
+            places.push(format!("and more in {} other surfaces", dropped.len() - places.len()));
+        }
+        warnings.push(format!("dropped {total} triangles without area: {}", places.join(", ")));
+    }
+    let size = (facts.bounds.max - facts.bounds.min).max_element();
+    if !facts.bounds.is_empty() && !SAFE_SIZES.contains(&size) {
+        warnings.push(format!(
+            "the scene is {size:e} units across: products of lengths may leave single precision; scale it to between \
+             {:e} and {:e}",
+            SAFE_SIZES.start(),
+            SAFE_SIZES.end()
+        ));
+    }
+    if dark_lights > 0 {
+        warnings.push(format!("dropped {dark_lights} point lights without intensity"));
+    }
+    if desc.surfaces.is_empty() {
+        warnings.push("the scene has no surface: the image will be black".to_owned());
+    } else if emitters.is_dark() {
+        warnings.push("nothing in the scene emits light: the image will be black".to_owned());
+    }
+    warnings
 }
 
 impl fmt::Display for SceneInfo {

@@ -3,13 +3,20 @@
 //! All in double precision and in the world frame; the builder shifts and rounds.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
+use super::geometry::Part;
 use crate::desc::{MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DAffine3, DVec3};
 
 /// A mesh of more triangles than this is instanced rather than copied when it is used more than once.
 const INSTANCE_TRIANGLES: usize = 10_000;
+
+/// In a scene whose geometry changes, a mesh of more triangles than this has a hierarchy of its own, which changes
+/// elsewhere leave as it is. Smaller ones are faster copied than entered: every ray that meets an instance's box is
+/// transformed, which costs about as much as a few levels of a hierarchy.
+const OBJECT_TRIANGLES: usize = 128;
 
 /// Coordinates of a scene, half of what Embree takes: the scene's frame may be shifted by as much again.
 const LARGEST_COORDINATE: f64 = 0.5 * crate::embree::MAX_COORDINATE as f64;
@@ -21,7 +28,7 @@ const SIMILARITY: f64 = 1e-9;
 #[derive(Debug, Default)]
 pub(super) struct Lowered {
     /// Triangles of triangles and quads, outside given by their winding.
-    pub triangles: Vec<([DVec3; 3], usize)>,
+    pub triangles: Vec<([DVec3; 3], Part)>,
     /// Meshes to be copied into the scene frame.
     pub meshes: Vec<MeshUse>,
     /// Meshes to be instanced.
@@ -48,8 +55,12 @@ pub(super) enum WorldShape {
     Quadric { coefficients: [f64; 10], clip: Bounds, to_world: DAffine3 },
 }
 
-/// Lowers every surface.
-pub(super) fn lower(desc: &SceneDesc) -> Result<Lowered> {
+/// Lowers every surface. `bounds_of` gives the box of a mesh in its own frame; `is_dynamic` whether geometry will change.
+pub(super) fn lower(
+    desc: &SceneDesc,
+    is_dynamic: bool,
+    mut bounds_of: impl FnMut(&Arc<MeshDesc>) -> Result<Bounds>,
+) -> Result<Lowered> {
     let mut lowered = Lowered::default();
     let mut uses: HashMap<(usize, bool), usize> = HashMap::new();
     for surface in &desc.surfaces {
@@ -60,7 +71,6 @@ pub(super) fn lower(desc: &SceneDesc) -> Result<Lowered> {
             *uses.entry((mesh, smooth)).or_default() += 1;
         }
     }
-    let mut mesh_bounds: HashMap<usize, Bounds> = HashMap::new();
     for (number, surface) in desc.surfaces.iter().enumerate() {
         if surface.hidden {
             continue;
@@ -70,24 +80,28 @@ pub(super) fn lower(desc: &SceneDesc) -> Result<Lowered> {
         let bounds = match &surface.shape {
             ShapeDesc::Triangle(corners) => {
                 let corners = wound(&to_world, corners.each_ref().map(place));
-                lowered.triangles.push((corners, number));
+                lowered.triangles.push((corners, Part { surface: number as u32, half: 0 }));
                 Bounds::around(corners)
             }
             ShapeDesc::Quad(corners) => {
                 let [a, b, c, d] = corners.each_ref().map(place);
-                lowered.triangles.push((wound(&to_world, [a, b, c]), number));
-                lowered.triangles.push((wound(&to_world, [a, c, d]), number));
+                for (half, corners) in [[a, b, c], [a, c, d]].into_iter().enumerate() {
+                    let part = Part { surface: number as u32, half: half as u32 };
+                    lowered.triangles.push((wound(&to_world, corners), part));
+                }
                 Bounds::around([a, b, c, d])
             }
             &ShapeDesc::Mesh { mesh, smooth } => {
                 let description = mesh_of(desc, surface, mesh)?;
                 let is_shared = uses.get(&(mesh, smooth)).is_some_and(|&uses| uses > 1);
-                let instanced =
-                    is_shared && surface.emission.is_none() && description.triangle_count() > INSTANCE_TRIANGLES;
+                let count = description.triangle_count();
+                let is_large = is_shared && count > INSTANCE_TRIANGLES || is_dynamic && count > OBJECT_TRIANGLES;
+                // Emitters live in the scene frame, so what emits is copied there, a host's mesh too.
+                let instanced = surface.emission.is_none() && (is_large || description.host.is_some());
                 let target = if instanced { &mut lowered.instances } else { &mut lowered.meshes };
                 target.push(MeshUse { mesh, smooth, surface: number });
                 // The box of a transformed box is larger than need be, which moves the centre by nothing that matters.
-                mesh_bounds.entry(mesh).or_insert_with(|| description.bounds()).transformed(&to_world)
+                bounds_of(description)?.transformed(&to_world)
             }
             _ => {
                 let shape = world_shape(surface)?;
@@ -105,8 +119,8 @@ pub(super) fn lower(desc: &SceneDesc) -> Result<Lowered> {
     Ok(lowered)
 }
 
-fn mesh_of<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc, mesh: usize) -> Result<&'a MeshDesc> {
-    desc.meshes.get(mesh).map(AsRef::as_ref).ok_or_else(|| {
+fn mesh_of<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc, mesh: usize) -> Result<&'a Arc<MeshDesc>> {
+    desc.meshes.get(mesh).ok_or_else(|| {
         Error::invalid(format!("{}.mesh", surface.path), format!("mesh {mesh} of {} does not exist", desc.meshes.len()))
     })
 }
@@ -134,7 +148,8 @@ fn similarity_scale(transform: &DAffine3) -> Option<f64> {
     .then(|| scale2.sqrt())
 }
 
-fn world_shape(surface: &SurfaceDesc) -> Result<WorldShape> {
+/// The shape of a sphere, quadric or disk in the world frame; refuses what cannot emit and should.
+pub(super) fn world_shape(surface: &SurfaceDesc) -> Result<WorldShape> {
     let transform = surface.to_world();
     let stretched = |what: &str| {
         Error::new(ErrorKind::Unsupported, format!("{what} under a transform that stretches it cannot emit"))

@@ -8,12 +8,20 @@
 //! world's origin loses nothing.
 
 mod analytic;
+mod assemble;
 mod build;
+mod describe;
+mod dress;
+mod frame;
 mod geometry;
 mod info;
 mod lower;
+mod mesh;
+mod record;
+mod work;
 
 pub use build::BuildOptions;
+pub use describe::HitDescription;
 pub use geometry::SurfaceInteraction;
 pub use info::SceneInfo;
 
@@ -21,11 +29,13 @@ use std::sync::Arc;
 
 use crate::bsdf::Bsdf;
 use crate::desc::CameraDesc;
-use crate::embree;
+use crate::embree::{self, Device};
 use crate::emitter::EmitterSet;
 use crate::math::{DVec3, Ray, Vec3};
 use analytic::AnalyticList;
-use geometry::{Geometry, Owner};
+use dress::Dress;
+use geometry::Geometry;
+use record::{Look, Record};
 
 /// A material as shading wants it.
 #[derive(Clone, Copy, Debug)]
@@ -56,14 +66,17 @@ const IN_LIST: u32 = u32::MAX - 1;
 pub struct Scene {
     embree: Option<embree::Scene>,
     list: Arc<AnalyticList>,
-    list_owners: Arc<[Owner]>,
     geometries: Arc<[Geometry]>,
+    dress: Dress,
     materials: Arc<[Material]>,
-    emitters: Arc<EmitterSet>,
     camera: CameraDesc,
     centre: DVec3,
     info: Arc<SceneInfo>,
     warnings: Arc<[String]>,
+    device: Device,
+    /// What geometry was made of, and the rest: for [`Scene::rebuild`].
+    record: Arc<Record>,
+    look: Arc<Look>,
 }
 
 impl std::fmt::Debug for Scene {
@@ -109,18 +122,19 @@ impl Scene {
         let near = || ray.origin.as_dvec3() + f64::from(hit.t) * ray.direction.as_dvec3();
         if hit.geometry == IN_LIST {
             let index = hit.primitive as usize;
-            return geometry::on_analytic(&self.list.shapes()[index], self.list_owners[index], near());
+            return geometry::on_analytic(&self.list.shapes()[index], self.dress.list_owners[index], near());
         }
+        let owners = &self.dress.owners[hit.geometry as usize];
         match &self.geometries[hit.geometry as usize] {
-            Geometry::Triangles { triangles, owners } => {
+            Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
                 geometry::on_triangle(triangles, owners, hit.primitive, hit.u, hit.v)
             }
-            Geometry::Instance { triangles, owner, placement } => {
-                geometry::on_instance(triangles, *owner, placement, hit.primitive, hit.u, hit.v)
+            Geometry::Instance { triangles, placement, .. } => {
+                geometry::on_instance(triangles, owners, placement, hit.primitive, hit.u, hit.v)
             }
-            Geometry::Analytic { shapes, owners } => {
+            Geometry::Analytic { shapes, .. } => {
                 let index = hit.primitive as usize;
-                geometry::on_analytic(&shapes.0[index], owners[index], near())
+                geometry::on_analytic(&shapes.0[index], owners.of(hit.primitive), near())
             }
         }
     }
@@ -139,7 +153,7 @@ impl Scene {
     /// All emitters.
     #[inline]
     pub fn emitters(&self) -> &EmitterSet {
-        &self.emitters
+        &self.dress.emitters
     }
 
     /// The camera as described.
@@ -147,7 +161,13 @@ impl Scene {
         &self.camera
     }
 
-    /// World position of the scene frame's origin.
+    /// The device it was built with.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// World position of the scene frame's origin: the camera at the time of the build, or the point of the scene's box nearest
+    /// to it. A camera that moves later keeps it, unless something is nearer to it than a 2048th of its way from there.
     pub fn centre(&self) -> DVec3 {
         self.centre
     }

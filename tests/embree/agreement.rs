@@ -62,7 +62,7 @@ fn bumpy_sphere(rings: usize, sectors: usize, centre: DVec3) -> TriangleMesh {
 }
 
 fn corners(mesh: &TriangleMesh) -> Vec<[DVec3; 3]> {
-    let at = |i: u32| Vec3::from(mesh.vertices()[i as usize]).as_dvec3();
+    let at = |i: u32| Vec3::from(mesh.vertices().get(i as usize)).as_dvec3();
     mesh.indices().iter().map(|t| t.map(at)).collect()
 }
 

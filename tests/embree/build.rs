@@ -64,7 +64,7 @@ fn degenerate_triangles_build_and_are_never_met_off_themselves() {
 fn progress_rises_to_one() {
     for threads in [1, 2] {
         for mesh in [terrain(1), terrain(400)] {
-            let device = Device::new(&DeviceOptions { threads, memory_limit: None }).unwrap();
+            let device = Device::new(&DeviceOptions { threads, ..DeviceOptions::default() }).unwrap();
             let mut builder = SceneBuilder::new(&device, SceneOptions::default()).unwrap();
             builder.add_triangles(mesh).unwrap();
             let seen = Mutex::new(Vec::new());
@@ -84,7 +84,7 @@ fn progress_rises_to_one() {
 #[test]
 fn a_build_can_be_cancelled() {
     for threads in [1, 2] {
-        let device = Device::new(&DeviceOptions { threads, memory_limit: None }).unwrap();
+        let device = Device::new(&DeviceOptions { threads, ..DeviceOptions::default() }).unwrap();
         // At once, and on the way.
         for stop_after in [0, 3] {
             let mut builder = SceneBuilder::new(&device, SceneOptions::default()).unwrap();
@@ -117,7 +117,7 @@ fn a_panic_in_the_progress_callback_is_an_error() {
 
 #[test]
 fn scenes_of_one_device_can_be_built_at_the_same_time() {
-    let device = Device::new(&DeviceOptions { threads: 2, memory_limit: None }).unwrap();
+    let device = Device::new(&DeviceOptions { threads: 2, ..DeviceOptions::default() }).unwrap();
     std::thread::scope(|scope| {
         for i in 0..4 {
             let device = device.clone();

@@ -128,7 +128,7 @@ fn a_build_past_the_memory_limit_fails_and_gives_all_back() {
         for threads in [1, 2] {
             // Some fail on the first allocation, some in the middle of the build.
             for limit in [0, 100_000, 2_000_000, 5_000_000] {
-                let options = DeviceOptions { threads, memory_limit: Some(limit) };
+                let options = DeviceOptions { threads, memory_limit: Some(limit), ..DeviceOptions::default() };
                 let device = Device::new(&options).unwrap();
                 let build = |mesh| {
                     let mut builder = SceneBuilder::new(&device, SceneOptions { quality, ..Default::default() })?;
@@ -200,7 +200,7 @@ fn two_scenes_share_one_buffer() {
     let device = device();
     let mesh = terrain(50);
     let first = mesh_scene(&device, SceneOptions::default(), &mesh);
-    let half = mesh.indices()[..100].to_vec();
+    let half = mesh.indices().iter().take(100).collect::<Vec<_>>();
     let part = TriangleMesh::shared(Arc::clone(mesh.vertices()), half).unwrap();
     let second = mesh_scene(&device, SceneOptions::default(), &part);
     assert_eq!(Arc::strong_count(mesh.vertices()), 4);

@@ -64,11 +64,11 @@ mod linux {
         }
         let at_rest = tasks();
         let me = HashSet::from([thread::current().id()]);
-        let one = Device::new(&DeviceOptions { threads: 1, memory_limit: None }).unwrap();
+        let one = Device::new(&DeviceOptions { threads: 1, ..DeviceOptions::default() }).unwrap();
         assert_eq!(build(&one), (0, me.clone()));
 
         // A device with more threads beside it uses them, and does not change what the first may use.
-        let two = Device::new(&DeviceOptions { threads: 2, memory_limit: None }).unwrap();
+        let two = Device::new(&DeviceOptions { threads: 2, ..DeviceOptions::default() }).unwrap();
         let cores = thread::available_parallelism().unwrap().get();
         assert_eq!(two.threads(), 2.min(cores));
         let mut helped = false;

@@ -40,7 +40,7 @@ fn no_ray_leaves_a_closed_sphere() {
     let mesh = sphere();
     let scene = mesh_scene(&device(), SceneOptions::default(), &mesh);
     let mut random = Random(5);
-    let vertex = |i: u32| Vec3::from(mesh.vertices()[i as usize]).as_dvec3();
+    let vertex = |i: u32| Vec3::from(mesh.vertices().get(i as usize)).as_dvec3();
     let mut misses = [0_usize; 3];
     for i in 0..1_200_000 {
         let kind = i % 3;
@@ -49,7 +49,7 @@ fn no_ray_leaves_a_closed_sphere() {
             0 => DVec3::Z * random.range(-0.9, 0.9),
             _ => random.on_sphere() * random.range(0.0, 0.95),
         };
-        let t = mesh.indices()[random.below(mesh.indices().len())];
+        let t = mesh.indices().get(random.below(mesh.indices().len()));
         let direction = match kind {
             0 => random.on_sphere(),
             1 => vertex(t[0]) - origin,

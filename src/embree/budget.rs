@@ -1,0 +1,147 @@
+//! Memory that several devices, and others, take from one allowance.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::{Error, ErrorKind, Result};
+
+/// An allowance of bytes that is shared: by the devices that were given it ([`super::DeviceOptions::budget`]), by the
+/// geometry of the scenes built with them, and by whoever else charges it. Clones are one and the same. Free to be used
+/// from any thread.
+#[derive(Clone, Debug)]
+pub struct MemoryBudget(Arc<Counter>);
+
+#[derive(Debug)]
+struct Counter {
+    limit: usize,
+    used: AtomicUsize,
+    peak: AtomicUsize,
+}
+
+impl MemoryBudget {
+    /// An allowance of `limit` bytes, none of them used; `usize::MAX` only counts.
+    pub fn new(limit: usize) -> Self {
+        Self(Arc::new(Counter { limit, used: AtomicUsize::new(0), peak: AtomicUsize::new(0) }))
+    }
+
+    /// The allowance, in bytes.
+    pub fn limit(&self) -> usize {
+        self.0.limit
+    }
+
+    /// Bytes in use now. May pass the limit for a moment, by what Embree reports only after it took it.
+    pub fn used(&self) -> usize {
+        self.0.used.load(Ordering::Relaxed)
+    }
+
+    /// The most bytes that were ever in use at once.
+    pub fn peak(&self) -> usize {
+        self.0.peak.load(Ordering::Relaxed)
+    }
+
+    /// Takes `bytes` until the charge is dropped.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OutOfMemory`] if fewer are left; nothing is taken then.
+    pub fn try_charge(&self, bytes: usize) -> Result<Charge> {
+        if self.take(bytes) {
+            return Ok(Charge { budget: self.clone(), bytes });
+        }
+        let message = format!("{bytes} bytes more are past the limit of {}: {} are in use", self.limit(), self.used());
+        Err(Error::new(ErrorKind::OutOfMemory, message))
+    }
+
+    /// Takes `bytes` if they are left.
+    pub(super) fn take(&self, bytes: usize) -> bool {
+        let within = |used: usize| used.checked_add(bytes).filter(|&sum| sum <= self.0.limit);
+        let taken = self.0.used.fetch_update(Ordering::Relaxed, Ordering::Relaxed, within);
+        match taken {
+            Ok(before) => {
+                self.0.peak.fetch_max(before + bytes, Ordering::Relaxed);
+                true
+            }
+            Err(_) => false,
+        }
+    }
+
+    /// Takes `bytes` that are in use already, whatever the limit; whether it still holds.
+    pub(super) fn take_anyway(&self, bytes: usize) -> bool {
+        let now = self.0.used.fetch_add(bytes, Ordering::Relaxed).saturating_add(bytes);
+        self.0.peak.fetch_max(now, Ordering::Relaxed);
+        now <= self.0.limit
+    }
+
+    pub(super) fn give_back(&self, bytes: usize) {
+        self.0.used.fetch_sub(bytes, Ordering::Relaxed);
+    }
+}
+
+impl PartialEq for MemoryBudget {
+    /// Whether both are the same allowance, not whether they are alike.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl Eq for MemoryBudget {}
+
+/// Bytes taken from a [`MemoryBudget`], given back when dropped.
+#[derive(Debug)]
+pub struct Charge {
+    budget: MemoryBudget,
+    bytes: usize,
+}
+
+impl Charge {
+    /// How many.
+    pub fn bytes(&self) -> usize {
+        self.bytes
+    }
+}
+
+impl Drop for Charge {
+    fn drop(&mut self) {
+        self.budget.give_back(self.bytes);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn charges_add_up_and_are_given_back() {
+        let budget = MemoryBudget::new(100);
+        let first = budget.try_charge(60).unwrap();
+        assert_eq!(budget.try_charge(41).unwrap_err().kind(), ErrorKind::OutOfMemory);
+        assert_eq!(budget.try_charge(usize::MAX).unwrap_err().kind(), ErrorKind::OutOfMemory);
+        let second = budget.try_charge(40).unwrap();
+        assert_eq!((budget.used(), budget.peak(), first.bytes()), (100, 100, 60));
+        drop(first);
+        assert_eq!((budget.used(), budget.peak()), (40, 100));
+        drop(second);
+        assert_eq!(budget.used(), 0);
+        assert!(!budget.take_anyway(101));
+        budget.give_back(101);
+        assert_eq!((budget.used(), budget.peak()), (0, 101));
+    }
+
+    #[test]
+    fn no_thread_takes_what_another_has() {
+        let budget = MemoryBudget::new(1000);
+        let taken = AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    for _ in 0..1000 {
+                        if let Ok(charge) = budget.try_charge(1) {
+                            taken.fetch_add(1, Ordering::Relaxed);
+                            std::mem::forget(charge);
+                        }
+                    }
+                });
+            }
+        });
+        assert_eq!((taken.into_inner(), budget.used()), (1000, 1000));
+    }
+}

@@ -1,0 +1,265 @@
+//! Who does the work: threads of our own, the caller, or threads of the host.
+
+use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use crate::error::{Error, ErrorKind, Result};
+
+/// Most worker threads of a render.
+pub const MAX_THREADS: usize = 1024;
+
+/// How often whoever waits for work looks up.
+pub(super) const LOOK_UP: Duration = Duration::from_millis(100);
+
+/// How long one of our own threads works on one render before it gives way to others that share the threads.
+const TURN: Duration = Duration::from_millis(10);
+
+/// What is handed to a host's executor.
+type HostJob = Box<dyn FnOnce() + Send + 'static>;
+
+/// Threads that render; cheap to clone, and shared by any number of renders. No image depends on them.
+#[derive(Clone)]
+pub struct Workers(Arc<Kind>);
+
+enum Kind {
+    Pool(Pool),
+    Calling,
+    Host { threads: usize, submit: Box<dyn Fn(HostJob) + Send + Sync> },
+}
+
+impl fmt::Debug for Workers {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kind = match &*self.0 {
+            Kind::Pool(_) => "pool",
+            Kind::Calling => "calling thread",
+            Kind::Host { .. } => "host",
+        };
+        write!(f, "Workers({kind}, {})", self.threads())
+    }
+}
+
+/// A rayon pool whose threads are gone when it is.
+struct Pool {
+    pool: Option<rayon::ThreadPool>,
+    threads: usize,
+    handles: Mutex<Vec<JoinHandle<()>>>,
+}
+
+impl Drop for Pool {
+    fn drop(&mut self) {
+        drop(self.pool.take());
+        let own = std::thread::current().id();
+        let handles = std::mem::take(&mut *lock(&self.handles));
+        for handle in handles {
+            // The last clone may be dropped by a job of the pool itself, which cannot wait for itself to end.
+            if handle.thread().id() != own {
+                let _ = handle.join();
+            }
+        }
+    }
+}
+
+impl Workers {
+    /// A pool of its own of so many threads; 0 means one for each core. Renders that share it take turns.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidScene`] for more than [`MAX_THREADS`], [`ErrorKind::Device`] if a thread cannot be started.
+    pub fn pool(threads: usize) -> Result<Self> {
+        if threads > MAX_THREADS {
+            let message = format!("{threads} threads; expected at most {MAX_THREADS}");
+            return Err(Error::invalid("threads", message));
+        }
+        let handles = Mutex::new(Vec::new());
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .spawn_handler(|thread| {
+                let name = format!("etendue-{}", thread.index());
+                let handle = std::thread::Builder::new().name(name).spawn(|| thread.run())?;
+                lock(&handles).push(handle);
+                Ok(())
+            })
+            .build()
+            .map_err(|error| Error::new(ErrorKind::Device, "the worker threads could not be started").because(error))?;
+        let threads = pool.current_num_threads();
+        Ok(Self(Arc::new(Kind::Pool(Pool { pool: Some(pool), threads, handles }))))
+    }
+
+    /// The thread that renders, and no other.
+    pub fn calling_thread() -> Self {
+        Self(Arc::new(Kind::Calling))
+    }
+
+    /// Threads of somebody else: `submit` is given jobs to run once each, on whichever thread and whenever it likes.
+    ///
+    /// The thread that renders works too and submits `threads - 1` helpers for each pass. A job that is run late finds
+    /// nothing left to do, and one that is never run is missed by nobody.
+    pub fn host(threads: usize, submit: impl Fn(Box<dyn FnOnce() + Send + 'static>) + Send + Sync + 'static) -> Self {
+        Self(Arc::new(Kind::Host { threads: threads.clamp(1, MAX_THREADS), submit: Box::new(submit) }))
+    }
+
+    /// How many threads work at once, at most.
+    pub fn threads(&self) -> usize {
+        match &*self.0 {
+            Kind::Pool(pool) => pool.threads,
+            Kind::Calling => 1,
+            Kind::Host { threads, .. } => *threads,
+        }
+    }
+
+    /// Has the work done by all threads and returns when it is. `look_up` is called on the calling thread about every
+    /// [`LOOK_UP`].
+    ///
+    /// # Errors
+    /// [`ErrorKind::Internal`] if the work panicked.
+    pub(super) fn run<W: Work>(&self, work: W, look_up: &mut dyn FnMut(&W)) -> Result<Arc<W>> {
+        let work = Arc::new(work);
+        let job = Arc::new(Job { work: Arc::clone(&work), presence: Mutex::default(), changed: Condvar::new() });
+        // Whatever happens in `look_up`, no helper may begin after this function is left.
+        let closing = Closing(&job);
+        match &*self.0 {
+            Kind::Pool(pool) => {
+                if let Some(pool) = &pool.pool {
+                    for _ in 0..job.work.shares().min(pool.current_num_threads()) {
+                        let job = Arc::clone(&job);
+                        pool.spawn_fifo(move || take_turns(job));
+                    }
+                }
+            }
+            Kind::Calling => job.do_share(look_up),
+            Kind::Host { threads, submit } => {
+                for _ in 1..job.work.shares().min(*threads) {
+                    let job = Arc::clone(&job);
+                    submit(Box::new(move || {
+                        job.help(None);
+                    }));
+                }
+                job.do_share(look_up);
+            }
+        }
+        job.wait(look_up);
+        drop(closing);
+        let has_panicked = lock(&job.presence).has_panicked;
+        if has_panicked { Err(Error::new(ErrorKind::Internal, "a worker thread panicked")) } else { Ok(work) }
+    }
+}
+
+/// Work that several threads share.
+pub(super) trait Work: Send + Sync + 'static {
+    /// Takes pieces of the work until none is left, or until `pause`, asked between them, says so. Returns whether none
+    /// is left to be taken.
+    fn take(&self, pause: &mut dyn FnMut() -> bool) -> bool;
+
+    /// Whether every piece is done, or nobody wants it any more.
+    fn is_done(&self) -> bool;
+
+    /// Gives up: no piece is to be taken any more.
+    fn abandon(&self);
+
+    /// How many threads could be of use.
+    fn shares(&self) -> usize;
+}
+
+/// Work, and who is at it.
+struct Job<W> {
+    work: Arc<W>,
+    presence: Mutex<Presence>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct Presence {
+    /// Helpers that have begun and not ended.
+    helpers: usize,
+    /// Nobody may begin any more.
+    is_closed: bool,
+    has_panicked: bool,
+}
+
+impl<W: Work> Job<W> {
+    /// What a helper does: works unless it comes too late. `turn`: for how long. Returns whether there is more to do.
+    fn help(&self, turn: Option<Duration>) -> bool {
+        {
+            let mut presence = lock(&self.presence);
+            if presence.is_closed {
+                return false;
+            }
+            presence.helpers += 1;
+        }
+        let start = Instant::now();
+        let mut pause = || turn.is_some_and(|turn| start.elapsed() >= turn);
+        let outcome = catch_unwind(AssertUnwindSafe(|| self.work.take(&mut pause)));
+        if outcome.is_err() {
+            self.work.abandon();
+        }
+        let mut presence = lock(&self.presence);
+        presence.helpers -= 1;
+        presence.has_panicked |= outcome.is_err();
+        self.changed.notify_all();
+        matches!(outcome, Ok(false))
+    }
+
+    /// The calling thread's share of the work.
+    fn do_share(&self, look_up: &mut dyn FnMut(&W)) {
+        let mut last = Instant::now();
+        let outcome = catch_unwind(AssertUnwindSafe(|| {
+            self.work.take(&mut || {
+                if last.elapsed() >= LOOK_UP {
+                    look_up(&self.work);
+                    last = Instant::now();
+                }
+                false
+            })
+        }));
+        if outcome.is_err() {
+            self.work.abandon();
+            lock(&self.presence).has_panicked = true;
+        }
+    }
+
+    /// Until all is done and nobody is at it.
+    fn wait(&self, look_up: &mut dyn FnMut(&W)) {
+        let mut presence = lock(&self.presence);
+        let mut last = Instant::now();
+        while presence.helpers > 0 || !self.work.is_done() {
+            presence = self.changed.wait_timeout(presence, LOOK_UP).unwrap_or_else(PoisonError::into_inner).0;
+            if last.elapsed() >= LOOK_UP && !self.work.is_done() {
+                drop(presence);
+                look_up(&self.work);
+                last = Instant::now();
+                presence = lock(&self.presence);
+            }
+        }
+        presence.is_closed = true;
+    }
+}
+
+/// Lets nobody begin once it is dropped, and waits for those who have.
+struct Closing<'j, W: Work>(&'j Job<W>);
+
+impl<W: Work> Drop for Closing<'_, W> {
+    fn drop(&mut self) {
+        let mut presence = lock(&self.0.presence);
+        presence.is_closed = true;
+        if presence.helpers > 0 {
+            self.0.work.abandon();
+        }
+        while presence.helpers > 0 {
+            presence = self.0.changed.wait(presence).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}
+
+/// Helps for a turn, and queues up again behind what else the pool has to do.
+fn take_turns<W: Work>(job: Arc<Job<W>>) {
+    if job.help(Some(TURN)) {
+        // Inside a pool this is that pool's queue.
+        rayon::spawn_fifo(move || take_turns(job));
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,304 @@
+//! The geometry of a scene: what Embree is given, and what is tested in a list before it.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use super::analytic::{AnalyticGeometry, AnalyticList};
+use super::dress::Bare;
+use super::geometry::{Geometry, Part, Placement, Triangles};
+use super::lower::{self, Lowered, MeshUse};
+use super::mesh::{self, MeshObject};
+use super::record::{Facts, ObjectKey, Record, address};
+use super::work::{Work, cost};
+use super::{BuildOptions, dress, frame};
+use crate::camera::Camera;
+use crate::desc::{MeshDesc, SceneDesc, ShapeDesc};
+use crate::embree::{self, Device, SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};
+use crate::error::Result;
+use crate::math::{Bounds, DAffine3, DVec3};
+use crate::shape::Triangle;
+
+/// Up to this many analytic shapes a list in front of Embree is faster than user geometry inside it.
+/// Measured with `cargo bench --bench spheres`.
+const LISTED_SHAPES: usize = 16;
+
+/// The geometry of a scene.
+pub(super) struct Assembly {
+    pub embree: Option<embree::Scene>,
+    pub list: Arc<AnalyticList>,
+    pub geometries: Arc<[Geometry]>,
+    pub centre: DVec3,
+    pub record: Arc<Record>,
+}
+
+impl Assembly {
+    pub(super) fn bare(&self) -> Bare<'_> {
+        Bare {
+            geometries: &self.geometries,
+            list: &self.list,
+            list_surfaces: &self.record.list_surfaces,
+            centre: self.centre,
+        }
+    }
+}
+
+/// Builds the geometry of `desc`; takes over from `old` the meshes that have hierarchies of their own there.
+pub(super) fn assemble(
+    desc: &SceneDesc,
+    options: &BuildOptions,
+    is_dynamic: bool,
+    device: &Device,
+    old: Option<&Record>,
+    work: &Work,
+) -> Result<Assembly> {
+    work.expect(first_guess(desc, old));
+    // Everything in the world frame, in double precision.
+    let mut mesh_bounds = old.map(Record::mesh_bounds).unwrap_or_default();
+    let lowered = lower::lower(desc, is_dynamic, |mesh: &Arc<MeshDesc>| match mesh_bounds.get(&address(mesh)) {
+        Some(bounds) => Ok(*bounds),
+        None => {
+            let bounds = mesh::bounds(mesh, work)?;
+            mesh_bounds.insert(address(mesh), bounds);
+            Ok(bounds)
+        }
+    })?;
+
+    // The frame in which single precision is spent where it shows most: around the camera, or the point of the scene
+    // nearest to it. A huge ground sphere thus costs no digits of what stands on it.
+    let centre = frame::origin(&desc.camera, &lowered.bounds);
+    Camera::new(&desc.camera, desc.render.resolution, centre)?;
+
+    let embree = SceneBuilder::cancellable(device, SceneOptions::default(), work.cancel)?;
+    let facts = Facts { bounds: lowered.bounds, ..Facts::default() };
+    let known = old.map_or_else(HashMap::new, |old| old.objects.clone());
+    let mut assembler =
+        Assembler { desc, device, work, centre, embree, known, mesh_bounds, geometries: Vec::new(), facts };
+    work.settle(assembler.exact_cost(&lowered));
+    assembler.loose_triangles(&lowered)?;
+    for mesh_use in &lowered.meshes {
+        assembler.flat_mesh(mesh_use)?;
+    }
+    assembler.instances(&lowered.instances)?;
+    let (list, list_surfaces) = assembler.shapes(&lowered, options.listed_shapes.unwrap_or(LISTED_SHAPES))?;
+    assembler.finish(list, list_surfaces, is_dynamic)
+}
+
+/// Units of work before anything is known but the sizes of meshes.
+fn first_guess(desc: &SceneDesc, old: Option<&Record>) -> f64 {
+    let mut seen = HashSet::new();
+    let mut units = 0.0;
+    for surface in &desc.surfaces {
+        if let ShapeDesc::Mesh { mesh, smooth } = surface.shape
+            && let Some(mesh) = desc.meshes.get(mesh)
+            && !surface.hidden
+            && seen.insert((address(mesh), smooth))
+            && !old.is_some_and(|old| old.objects.contains_key(&(address(mesh), smooth)))
+        {
+            let triangles = mesh.triangle_count() as f64;
+            units += mesh::bounds_cost(mesh) + mesh::place_cost(mesh, smooth) + cost::HIERARCHY * triangles;
+        }
+    }
+    units
+}
+
+struct Assembler<'a> {
+    desc: &'a SceneDesc,
+    device: &'a Device,
+    work: &'a Work<'a>,
+    centre: DVec3,
+    embree: SceneBuilder,
+    /// Meshes that have a hierarchy already; grows.
+    known: HashMap<ObjectKey, Arc<MeshObject>>,
+    mesh_bounds: HashMap<usize, Bounds>,
+    geometries: Vec<Geometry>,
+    facts: Facts,
+}
+
+impl Assembler<'_> {
+    fn mesh(&self, mesh_use: &MeshUse) -> &Arc<MeshDesc> {
+        &self.desc.meshes[mesh_use.mesh]
+    }
+
+    fn key(&self, mesh_use: &MeshUse) -> ObjectKey {
+        (address(self.mesh(mesh_use)), mesh_use.smooth)
+    }
+
+    /// Units of work that are left.
+    fn exact_cost(&self, lowered: &Lowered) -> f64 {
+        let loose = lowered.triangles.len();
+        let mut units = (cost::TEST + cost::HIERARCHY) * loose as f64 + dress::triangles_cost(loose);
+        for mesh_use in &lowered.meshes {
+            let mesh = self.mesh(mesh_use);
+            let triangles = mesh.triangle_count();
+            units += mesh::place_cost(mesh, mesh_use.smooth) + cost::HIERARCHY * triangles as f64;
+            if self.desc.surfaces[mesh_use.surface].emission.is_some() {
+                units += dress::triangles_cost(triangles);
+            }
+        }
+        let mut seen = HashSet::new();
+        for mesh_use in &lowered.instances {
+            if !self.known.contains_key(&self.key(mesh_use)) && seen.insert(self.key(mesh_use)) {
+                let mesh = self.mesh(mesh_use);
+                units += mesh::place_cost(mesh, mesh_use.smooth) + cost::HIERARCHY * mesh.triangle_count() as f64;
+            }
+        }
+        units
+    }
+
+    /// All triangles and quads as one geometry.
+    fn loose_triangles(&mut self, lowered: &Lowered) -> Result<()> {
+        let count = lowered.triangles.len();
+        let charge = self.device.charge(12 * (4 * count + 1))?.map(Arc::new);
+        let mut vertices = Vec::with_capacity(3 * count + 1);
+        let mut parts: Vec<Part> = Vec::with_capacity(count);
+        let mut dropped: HashMap<u32, usize> = HashMap::new();
+        let centre = self.centre;
+        self.work.each(count, cost::TEST, |i| {
+            let (corners, part) = &lowered.triangles[i];
+            let corners = corners.map(|corner| (corner - centre).as_vec3a());
+            if Triangle::new(corners).is_some() {
+                parts.push(*part);
+                vertices.extend(corners.map(|corner| corner.to_array()));
+            } else {
+                *dropped.entry(part.surface).or_default() += 1;
+            }
+        })?;
+        for (surface, count) in dropped {
+            self.facts.dropped.push((count, self.desc.surfaces[surface as usize].path.clone()));
+        }
+        if parts.is_empty() {
+            return Ok(());
+        }
+        let mut indices = Vec::with_capacity(parts.len());
+        self.work.each(parts.len(), 0.0, |i| {
+            let i = i as u32;
+            indices.push([3 * i, 3 * i + 1, 3 * i + 2]);
+        })?;
+        let vertices = VertexBuffer::from_vec(vertices, self.work.cancel)?;
+        let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), self.work.cancel)?;
+        let triangles =
+            Triangles { mesh, normals: None, any_length: false, original: None, swapped: false, _charge: charge };
+        self.add_triangles(&triangles)?;
+        self.geometries.push(Geometry::Loose { triangles, parts });
+        Ok(())
+    }
+
+    fn add_triangles(&mut self, triangles: &Triangles) -> Result<()> {
+        self.facts.triangles += triangles.mesh.indices().len();
+        self.facts.geometry_bytes += triangles.memory_bytes();
+        self.embree.add_triangles(triangles.mesh.clone())?;
+        Ok(())
+    }
+
+    /// A mesh copied into the scene frame.
+    fn flat_mesh(&mut self, mesh_use: &MeshUse) -> Result<()> {
+        let surface = &self.desc.surfaces[mesh_use.surface];
+        let to_scene = DAffine3::from_translation(-self.centre) * surface.to_world();
+        let mesh = self.mesh(mesh_use);
+        let made = mesh::placed(mesh, mesh_use.smooth, &to_scene, self.device, self.work)?;
+        self.note_dropped(made.dropped, mesh_use);
+        let Some(triangles) = made.triangles else { return Ok(()) };
+        self.facts.smooth_meshes += usize::from(mesh_use.smooth);
+        self.add_triangles(&triangles)?;
+        self.geometries.push(Geometry::Flat { triangles, surface: mesh_use.surface as u32 });
+        Ok(())
+    }
+
+    fn note_dropped(&mut self, count: usize, mesh_use: &MeshUse) {
+        if count > 0 {
+            let path = &self.desc.surfaces[mesh_use.surface].path;
+            self.facts.dropped.push((count, format!("{path} ({})", self.mesh(mesh_use).name)));
+        }
+    }
+
+    /// Meshes with hierarchies of their own, each built once.
+    fn instances(&mut self, uses: &[MeshUse]) -> Result<()> {
+        let mut counted = HashSet::new();
+        for mesh_use in uses {
+            let key = self.key(mesh_use);
+            let object = match self.known.get(&key) {
+                Some(object) => Arc::clone(object),
+                None => {
+                    let mesh = self.mesh(mesh_use);
+                    let bounds = self.mesh_bounds.get(&key.0).copied().unwrap_or_default();
+                    let object = Arc::new(mesh::object(mesh, bounds, mesh_use.smooth, self.device, self.work)?);
+                    self.known.insert(key, Arc::clone(&object));
+                    object
+                }
+            };
+            let is_new = counted.insert(key);
+            if is_new {
+                self.note_dropped(object.dropped, mesh_use);
+            }
+            let Some((scene, triangles)) = &object.content else { continue };
+            let to_scene = DAffine3::from_translation(-self.centre)
+                * self.desc.surfaces[mesh_use.surface].to_world()
+                * DAffine3::from_translation(object.middle);
+            self.embree
+                .add_instance(scene, &to_scene)
+                .map_err(|error| error.at(&self.desc.surfaces[mesh_use.surface].path))?;
+            let facts = &mut self.facts;
+            facts.instances += 1;
+            facts.host_instances += usize::from(self.desc.meshes[mesh_use.mesh].host.is_some());
+            if is_new {
+                facts.shared_triangles += triangles.mesh.indices().len();
+                facts.geometry_bytes += triangles.memory_bytes();
+                facts.embree_bytes += scene.hierarchy_bytes();
+                facts.smooth_meshes += usize::from(mesh_use.smooth);
+            }
+            self.geometries.push(Geometry::Instance {
+                triangles: triangles.clone(),
+                surface: mesh_use.surface as u32,
+                placement: Placement::new(to_scene),
+            });
+        }
+        Ok(())
+    }
+
+    /// Analytic shapes: a list in front of Embree while they are few, user geometry when they are many.
+    fn shapes(&mut self, lowered: &Lowered, limit: usize) -> Result<(AnalyticList, Vec<u32>)> {
+        let in_scene = lowered.shapes.iter().map(|(shape, _)| shape.in_scene(self.centre));
+        let shapes: Vec<_> = in_scene.collect();
+        let surfaces: Vec<u32> = lowered.shapes.iter().map(|(_, surface)| *surface as u32).collect();
+        if shapes.len() <= limit {
+            self.facts.listed_shapes = shapes.len();
+            return Ok((AnalyticList::new(shapes), surfaces));
+        }
+        self.facts.embree_shapes = shapes.len();
+        self.facts.decisions.push(format!(
+            "{} analytic shapes are more than {limit}: they go into Embree's tree as user geometry",
+            shapes.len()
+        ));
+        let shapes = Arc::new(AnalyticGeometry(shapes));
+        self.embree.add_user(shapes.clone())?;
+        self.geometries.push(Geometry::Analytic { shapes, surfaces });
+        Ok((AnalyticList::default(), Vec::new()))
+    }
+
+    fn finish(mut self, list: AnalyticList, list_surfaces: Vec<u32>, is_dynamic: bool) -> Result<Assembly> {
+        let embree = if self.geometries.is_empty() {
+            None
+        } else {
+            let units = cost::HIERARCHY * self.facts.triangles as f64;
+            let embree = self.embree;
+            let embree = self.work.share(units, |report| embree.commit(Some(report)))?;
+            self.facts.embree_bytes += embree.hierarchy_bytes();
+            Some(embree)
+        };
+        // Of the meshes with hierarchies those stay that a surface names, be it hidden.
+        let named = |surface: &crate::desc::SurfaceDesc| match surface.shape {
+            ShapeDesc::Mesh { mesh, smooth } => Some((address(self.desc.meshes.get(mesh)?), smooth)),
+            _ => None,
+        };
+        let named: HashSet<ObjectKey> = self.desc.surfaces.iter().filter_map(named).collect();
+        self.known.retain(|key, _| named.contains(key));
+        let record = Record::new(self.desc, &self.mesh_bounds, self.known, list_surfaces, self.facts, is_dynamic);
+        Ok(Assembly {
+            embree,
+            list: Arc::new(list),
+            geometries: self.geometries.into(),
+            centre: self.centre,
+            record: Arc::new(record),
+        })
+    }
+}

@@ -1,0 +1,89 @@
+//! Hits as a host asks about them: in the numbers of what it described.
+
+use super::geometry::{Geometry, Triangles};
+use super::{Hit, IN_LIST, Scene};
+use crate::math::{Ray, Vec3};
+
+/// What a ray met, in terms of the scene's description.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HitDescription {
+    /// Distance in units of the ray's direction.
+    pub t: f32,
+    /// Weights of the second and third vertex of the triangle, in the order in which its vertices were given; 0 for
+    /// spheres, disks and quadrics. For a quad those of its half: vertices 1, 2, 3 or 1, 3, 4.
+    pub barycentric: [f32; 2],
+    /// The mesh's own texture coordinates, interpolated, where it has them; else for triangles the same as `barycentric`; for
+    /// quads (0, 0), (1, 0), (1, 1) and (0, 1) at their vertices and linear on each half; 0 for other shapes.
+    pub uv: [f32; 2],
+    /// Geometric unit normal on the outer side, the same in the scene's frame and the world's.
+    pub ng: Vec3,
+    /// Shading unit normal on the outer side.
+    pub ns: Vec3,
+    /// Index in [`crate::desc::SceneDesc::surfaces`].
+    pub surface: u32,
+    /// Index in [`crate::desc::SceneDesc::materials`].
+    pub material: u32,
+    /// The triangle's number in its mesh as it was given; 0 or 1 for the half of a quad; 0 for all else.
+    pub primitive: u32,
+}
+
+impl Scene {
+    /// All about what `ray` met; `hit` must come from the same ray and scene.
+    pub fn describe_hit(&self, ray: &Ray, hit: &Hit) -> HitDescription {
+        let interaction = self.interaction(ray, hit);
+        let (barycentric, uv, primitive) = match self.geometries.get(hit.geometry as usize) {
+            Some(Geometry::Loose { parts, .. }) if hit.geometry != IN_LIST => {
+                let part = parts[hit.primitive as usize];
+                let barycentric = in_order(self.record.is_mirrored(part.surface), hit);
+                let uv = if self.record.is_quad(part.surface) { quad_uv(part.half, barycentric) } else { barycentric };
+                (barycentric, uv, part.half)
+            }
+            Some(&Geometry::Flat { ref triangles, surface } | &Geometry::Instance { ref triangles, surface, .. }) => {
+                let barycentric = in_order(triangles.swapped, hit);
+                let uv = self.mesh_uv(surface, triangles, hit).unwrap_or(barycentric);
+                let original = triangles.original.as_ref();
+                (barycentric, uv, original.map_or(hit.primitive, |original| original[hit.primitive as usize]))
+            }
+            _ => ([0.0; 2], [0.0; 2], 0),
+        };
+        HitDescription {
+            t: hit.t,
+            barycentric,
+            uv,
+            ng: interaction.ng,
+            ns: interaction.ns,
+            surface: interaction.surface,
+            material: interaction.material,
+            primitive,
+        }
+    }
+
+    /// Whether a ray can be traced at all: numbers finite (`tfar` may be infinite), a direction, `tnear` not negative. One that
+    /// cannot meets nothing, as one does that misses.
+    pub fn is_traceable(ray: &Ray) -> bool {
+        ray.is_valid()
+    }
+
+    /// The mesh's own texture coordinates.
+    fn mesh_uv(&self, surface: u32, triangles: &Triangles, hit: &Hit) -> Option<[f32; 2]> {
+        let mesh = self.record.uv_mesh(surface)?;
+        let corners = triangles.mesh.indices().get(hit.primitive as usize);
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let mut uv = [0.0; 2];
+        for (corner, weight) in corners.into_iter().zip(weights) {
+            let [u, v] = mesh.uv(corner as usize)?;
+            uv = [uv[0] + weight * u, uv[1] + weight * v];
+        }
+        Some(uv)
+    }
+}
+
+/// The kernel's barycentrics, for vertices in the order in which they were given.
+fn in_order(swapped: bool, hit: &Hit) -> [f32; 2] {
+    if swapped { [hit.v, hit.u] } else { [hit.u, hit.v] }
+}
+
+/// Position on a quad whose vertices are (0, 0), (1, 0), (1, 1), (0, 1), by the barycentrics of its half.
+fn quad_uv(half: u32, [b1, b2]: [f32; 2]) -> [f32; 2] {
+    if half == 0 { [b1 + b2, b2] } else { [b1, b1 + b2] }
+}

@@ -1,0 +1,142 @@
+//! Who owns what, and what shines: all that can change while the geometry stays.
+
+use std::sync::Arc;
+
+use super::analytic::AnalyticList;
+use super::geometry::{self, Geometry, NO_EMITTER, Owner, Owners, Triangles};
+use super::record::Look;
+use super::work::{Work, cost};
+use crate::desc::SceneDesc;
+use crate::emitter::{Emitter, EmitterSet, SphereEmitter, TriangleEmitter};
+use crate::error::{Error, Result};
+use crate::math::{DVec3, Vec3};
+use crate::shape::{Analytic, Triangle};
+use crate::spectrum::Rgb;
+
+/// Tables of owners, in the order of the geometries, and the emitters that they name.
+#[derive(Clone)]
+pub(super) struct Dress {
+    pub owners: Arc<[Owners]>,
+    pub list_owners: Arc<[Owner]>,
+    pub emitters: Arc<EmitterSet>,
+}
+
+/// Geometry to be dressed.
+#[derive(Clone, Copy)]
+pub(super) struct Bare<'a> {
+    pub geometries: &'a [Geometry],
+    pub list: &'a AnalyticList,
+    pub list_surfaces: &'a [u32],
+    pub centre: DVec3,
+}
+
+/// Units of work that the emitters of a description's loose triangles and shapes take, at most; meshes come on top.
+pub(super) fn triangles_cost(count: usize) -> f64 {
+    cost::EMITTER * count as f64
+}
+
+/// Owners and emitters from the start.
+pub(super) fn dress(desc: &SceneDesc, bare: Bare, work: &Work) -> Result<Dress> {
+    let mut dresser = Dresser { desc, work, emitters: Vec::new() };
+    dresser.point_lights(bare.centre)?;
+    let owners = bare.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
+    let list_owners = dresser.analytic(bare.list.shapes(), bare.list_surfaces);
+    let emitters = EmitterSet::cancellable(dresser.emitters, work.cancel)?;
+    Ok(Dress { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
+}
+
+/// The same emitters, other materials.
+pub(super) fn redress(old: &Dress, look: &Look) -> Dress {
+    let owner = |owner: &Owner| Owner { material: look.materials[owner.surface as usize], ..*owner };
+    let owners = old.owners.iter().map(|owners| match owners {
+        Owners::One(one) => Owners::One(owner(one)),
+        Owners::Each(each) => Owners::Each(each.iter().map(owner).collect()),
+    });
+    Dress {
+        owners: owners.collect(),
+        list_owners: old.list_owners.iter().map(owner).collect(),
+        emitters: Arc::clone(&old.emitters),
+    }
+}
+
+struct Dresser<'a> {
+    desc: &'a SceneDesc,
+    work: &'a Work<'a>,
+    emitters: Vec<Emitter>,
+}
+
+impl Dresser<'_> {
+    fn owner(&self, surface: u32, emitter: u32) -> Owner {
+        Owner { surface, material: self.desc.surfaces[surface as usize].material as u32, emitter }
+    }
+
+    /// The emission of a surface, where there is light in it.
+    fn emission(&self, surface: u32) -> Option<Rgb> {
+        self.desc.surfaces[surface as usize].emission.filter(|emission| *emission != Rgb::ZERO)
+    }
+
+    fn point_lights(&mut self, centre: DVec3) -> Result<()> {
+        for light in &self.desc.lights {
+            let position = (light.position - centre).as_vec3a();
+            if !position.is_finite() {
+                return Err(Error::invalid(format!("{}.origin", light.path), "is too far from the scene"));
+            }
+            if light.intensity != Rgb::ZERO {
+                self.emitters.push(Emitter::Point { position, intensity: light.intensity });
+            }
+        }
+        Ok(())
+    }
+
+    fn geometry(&mut self, geometry: &Geometry) -> Result<Owners> {
+        let work = self.work;
+        match geometry {
+            Geometry::Loose { triangles, parts } => {
+                let mut owners = Vec::with_capacity(parts.len());
+                work.each(parts.len(), cost::EMITTER, |i| {
+                    let surface = parts[i].surface;
+                    let emitter = self.emission(surface).and_then(|radiance| self.emit(triangles, i, radiance));
+                    owners.push(self.owner(surface, emitter.unwrap_or(NO_EMITTER)));
+                })?;
+                Ok(Owners::Each(owners))
+            }
+            &Geometry::Flat { ref triangles, surface } => {
+                let mut first = NO_EMITTER;
+                if let Some(radiance) = self.emission(surface) {
+                    first = self.emitters.len() as u32;
+                    work.each(triangles.mesh.indices().len(), cost::EMITTER, |i| {
+                        self.emit(triangles, i, radiance);
+                    })?;
+                }
+                Ok(Owners::One(self.owner(surface, first)))
+            }
+            &Geometry::Instance { surface, .. } => Ok(Owners::One(self.owner(surface, NO_EMITTER))),
+            Geometry::Analytic { shapes, surfaces } => Ok(Owners::Each(self.analytic(&shapes.0, surfaces))),
+        }
+    }
+
+    /// Makes an emitter of a triangle in the scene frame; its number. All of them have an area: the others are gone.
+    fn emit(&mut self, triangles: &Triangles, index: usize, radiance: Rgb) -> Option<u32> {
+        let corners = triangles.mesh.indices().get(index);
+        let vertices = triangles.mesh.vertices();
+        let triangle = Triangle::new(corners.map(|corner| Vec3::from(vertices.get(corner as usize))))?;
+        let [v0, v1, v2] = triangle.vertices();
+        let extent = triangle.e1.abs().max(triangle.e2.abs()).max_element();
+        let reach = v0.abs().max(v1.abs()).max(v2.abs());
+        let error = geometry::triangle_error(reach, triangle.normal, extent);
+        self.emitters.push(Emitter::Triangle(TriangleEmitter::new(triangle, radiance, error)));
+        Some((self.emitters.len() - 1) as u32)
+    }
+
+    fn analytic(&mut self, shapes: &[Analytic], surfaces: &[u32]) -> Vec<Owner> {
+        let owner = |(shape, &surface): (&Analytic, &u32)| {
+            let mut emitter = NO_EMITTER;
+            if let (Some(radiance), Analytic::Sphere(sphere)) = (self.emission(surface), shape) {
+                emitter = self.emitters.len() as u32;
+                self.emitters.push(Emitter::Sphere(SphereEmitter { sphere: *sphere, radiance }));
+            }
+            self.owner(surface, emitter)
+        };
+        shapes.iter().zip(surfaces).map(owner).collect()
+    }
+}

@@ -1,0 +1,255 @@
+//! From a described mesh to triangles that Embree and shading read.
+
+use std::sync::Arc;
+
+use super::geometry::Triangles;
+use super::lower;
+use super::work::{Work, cost};
+use crate::buffer::Buffer;
+use crate::desc::{HostMesh, MeshDesc};
+use crate::embree::{self, Device, MAX_COORDINATE, SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};
+use crate::error::{Error, Result};
+use crate::math::{Bounds, DAffine3, DMat3, DVec3, Vec3};
+use crate::shape::Triangle;
+
+/// Triangles, and how many had no area and were left out.
+pub(super) struct Made {
+    /// `None` where nothing was left.
+    pub triangles: Option<Triangles>,
+    pub dropped: usize,
+}
+
+/// A mesh with a hierarchy of its own, to be instanced.
+pub(super) struct MeshObject {
+    /// Its scene and triangles; `None` where all of them are without area.
+    pub content: Option<(embree::Scene, Triangles)>,
+    /// The point of the mesh's own frame that became the object's origin.
+    pub middle: DVec3,
+    pub dropped: usize,
+}
+
+/// Box around a mesh in its own frame.
+///
+/// # Errors
+/// A coordinate that is not finite; arrays that do not go together; indices past the end.
+pub(super) fn bounds(mesh: &MeshDesc, work: &Work) -> Result<Bounds> {
+    let invalid = |message: String| Err(Error::invalid(&mesh.path, message));
+    let (vertices, triangles) = (mesh.vertex_count(), mesh.triangle_count());
+    let (normals, uvs) = match &mesh.host {
+        None => (mesh.normals.len(), mesh.uvs.len()),
+        Some(host) => (host.normals.as_ref().map_or(0, Buffer::len), host.uvs.as_ref().map_or(0, Buffer::len)),
+    };
+    for (count, what) in [(normals, "normals"), (uvs, "uvs")] {
+        if count != 0 && count != vertices {
+            return invalid(format!("{count} {what} for {vertices} vertices"));
+        }
+    }
+    // What the host gives is read as it is; our own numbers are still to be transformed and rounded.
+    let limit = if mesh.host.is_some() { f64::from(MAX_COORDINATE) } else { f64::MAX };
+    let mut bounds = Bounds::EMPTY;
+    let mut bad = None;
+    work.each(vertices, cost::BOUND, |vertex| {
+        let position = mesh.position(vertex);
+        if !position.is_finite() || position.abs().max_element() >= limit {
+            bad.get_or_insert(vertex);
+        }
+        bounds = bounds.include(position);
+    })?;
+    if let Some(vertex) = bad {
+        let position = mesh.position(vertex);
+        return invalid(format!("vertex {vertex} is {position}: coordinates must be finite and below {limit:e}"));
+    }
+    let mut bad = None;
+    work.each(triangles, cost::BOUND, |triangle| {
+        if mesh.triangle(triangle).into_iter().any(|corner| corner as usize >= vertices) {
+            bad.get_or_insert(triangle);
+        }
+    })?;
+    if let Some(triangle) = bad {
+        let corners = mesh.triangle(triangle);
+        return invalid(format!("triangle {triangle} is {corners:?}: there are only {vertices} vertices"));
+    }
+    Ok(bounds)
+}
+
+/// Units of work that [`bounds`] takes.
+pub(super) fn bounds_cost(mesh: &MeshDesc) -> f64 {
+    cost::BOUND * (mesh.vertex_count() + mesh.triangle_count()) as f64
+}
+
+/// Units of work that placing a mesh and building its hierarchy take.
+pub(super) fn place_cost(mesh: &MeshDesc, smooth: bool) -> f64 {
+    let normals = if smooth && !mesh.has_normals() { cost::NORMAL } else { 0.0 };
+    let vertices = if smooth { 2.0 * cost::PLACE } else { cost::PLACE };
+    vertices * mesh.vertex_count() as f64 + (cost::TEST + normals) * mesh.triangle_count() as f64
+}
+
+/// A mesh's arrays under a transform, outside kept outside, degenerate triangles dropped and counted.
+pub(super) fn placed(
+    mesh: &MeshDesc,
+    smooth: bool,
+    transform: &DAffine3,
+    device: &Device,
+    work: &Work,
+) -> Result<Made> {
+    let (vertex_count, triangle_count) = (mesh.vertex_count(), mesh.triangle_count());
+    let normal_count = if smooth { vertex_count } else { 0 };
+    let charge = device.charge(12 * (vertex_count + 1 + triangle_count + normal_count))?;
+    // One more: the padding.
+    let mut vertices: Vec<[f32; 3]> = Vec::with_capacity(vertex_count + 1);
+    work.each(vertex_count, cost::PLACE, |i| {
+        vertices.push(transform.transform_point3(mesh.position(i)).as_vec3a().to_array());
+    })?;
+    let swapped = lower::is_mirrored(transform);
+    let mut kept = Kept::new(triangle_count);
+    let mut indices = Vec::with_capacity(triangle_count);
+    work.each(triangle_count, cost::TEST, |i| {
+        let [a, b, c] = mesh.triangle(i);
+        let corners = if swapped { [a, c, b] } else { [a, b, c] };
+        if kept.test(i, corners.map(|corner| Vec3::from(vertices[corner as usize]))) {
+            indices.push(corners);
+        }
+    })?;
+    let (original, dropped) = kept.finish();
+    if indices.is_empty() {
+        return Ok(Made { triangles: None, dropped });
+    }
+    let normals = if smooth { Some(unit_normals(mesh, transform.matrix3.inverse().transpose(), work)?) } else { None };
+    let vertices = VertexBuffer::from_vec(vertices, work.cancel).map_err(|error| error.at(&mesh.path))?;
+    let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), work.cancel)?;
+    let charge = charge.map(Arc::new);
+    Ok(Made {
+        triangles: Some(Triangles { mesh, normals, any_length: false, original, swapped, _charge: charge }),
+        dropped,
+    })
+}
+
+/// A host's mesh where it is. Copied are at most its indices, if some triangles have no area and must go.
+fn in_place(mesh: &MeshDesc, host: &HostMesh, smooth: bool, device: &Device, work: &Work) -> Result<Made> {
+    let vertices = VertexBuffer::from_buffer(host.positions.clone(), work.cancel).map_err(|e| e.at(&mesh.path))?;
+    let count = host.triangles.len();
+    let mut kept = Kept::new(count);
+    work.each(count, cost::TEST, |i| {
+        kept.test(i, host.triangles.get(i).map(|corner| Vec3::from(vertices.get(corner as usize))));
+    })?;
+    let (original, dropped) = kept.finish();
+    if dropped == count {
+        return Ok(Made { triangles: None, dropped });
+    }
+    let made_normals = smooth && host.normals.is_none();
+    let normal_count = if made_normals { host.positions.len() } else { 0 };
+    let index_count = original.as_ref().map_or(0, |original| original.len());
+    let charge = device.charge(12 * normal_count + 16 * index_count)?.map(Arc::new);
+    let indices = match &original {
+        None => host.triangles.clone(),
+        Some(original) => {
+            let mut indices = Vec::with_capacity(original.len());
+            work.each(original.len(), 0.0, |i| indices.push(host.triangles.get(original[i] as usize)))?;
+            indices.into()
+        }
+    };
+    let normals = match &host.normals {
+        _ if !smooth => None,
+        Some(normals) => Some(normals.clone()),
+        None => Some(unit_normals(mesh, DMat3::IDENTITY, work)?),
+    };
+    let any_length = normals.is_some() && !made_normals;
+    let triangles = TriangleMesh::checked(Arc::new(vertices), indices, work.cancel).map_err(|e| e.at(&mesh.path))?;
+    let triangles = Triangles { mesh: triangles, normals, any_length, original, swapped: false, _charge: charge };
+    Ok(Made { triangles: Some(triangles), dropped })
+}
+
+/// A mesh in a scene of its own: around its own middle, or a host's as it is.
+pub(super) fn object(
+    mesh: &MeshDesc,
+    bounds: Bounds,
+    smooth: bool,
+    device: &Device,
+    work: &Work,
+) -> Result<MeshObject> {
+    let (middle, made) = match &mesh.host {
+        Some(host) => (DVec3::ZERO, in_place(mesh, host, smooth, device, work)?),
+        None => {
+            let middle = bounds.centre();
+            (middle, placed(mesh, smooth, &DAffine3::from_translation(-middle), device, work)?)
+        }
+    };
+    let content = match made.triangles {
+        None => None,
+        Some(triangles) => {
+            let mut object = SceneBuilder::cancellable(device, SceneOptions::default(), work.cancel)?;
+            object.add_triangles(triangles.mesh.clone())?;
+            let units = cost::HIERARCHY * triangles.mesh.indices().len() as f64;
+            let object = work.share(units, |report| object.commit(Some(report)))?;
+            Some((object, triangles))
+        }
+    };
+    Ok(MeshObject { content, middle, dropped: made.dropped })
+}
+
+/// Which triangles of a mesh have an area.
+struct Kept {
+    /// Numbers of those that do, once one does not.
+    original: Option<Vec<u32>>,
+    dropped: usize,
+    count: usize,
+}
+
+impl Kept {
+    fn new(count: usize) -> Self {
+        Self { original: None, dropped: 0, count }
+    }
+
+    /// Whether triangle `i` stays; to be asked for all of them in order.
+    fn test(&mut self, i: usize, corners: [Vec3; 3]) -> bool {
+        let stays = Triangle::new(corners).is_some();
+        if !stays {
+            self.dropped += 1;
+            let count = self.count;
+            self.original.get_or_insert_with(|| {
+                let mut original = Vec::with_capacity(count);
+                original.extend(0..i as u32);
+                original
+            });
+        } else if let Some(original) = &mut self.original {
+            original.push(i as u32);
+        }
+        stays
+    }
+
+    /// The numbers of those that stay, where some do not, and how many do not.
+    fn finish(self) -> (Option<Arc<[u32]>>, usize) {
+        (self.original.map(Into::into), self.dropped)
+    }
+}
+
+/// A unit normal for each vertex, or zero where there is none, after `matrix`.
+fn unit_normals(mesh: &MeshDesc, matrix: DMat3, work: &Work) -> Result<Buffer<[f32; 3]>> {
+    let sums = if mesh.has_normals() { None } else { Some(face_means(mesh, work)?) };
+    let mut normals = Vec::with_capacity(mesh.vertex_count());
+    work.each(mesh.vertex_count(), cost::PLACE, |vertex| {
+        let normal = match &sums {
+            Some(sums) => sums[vertex],
+            None => mesh.normal(vertex).map_or(DVec3::ZERO, |normal| Vec3::from(normal).as_dvec3()),
+        };
+        normals.push((matrix * normal).try_normalize().unwrap_or(DVec3::ZERO).as_vec3a().to_array());
+    })?;
+    Ok(normals.into())
+}
+
+/// The angle-weighted mean of the faces around each vertex, mesh frame.
+///
+/// Source: Thürmer and Wüthrich 1998, "Computing Vertex Normals from Polygonal Facets".
+fn face_means(mesh: &MeshDesc, work: &Work) -> Result<Vec<DVec3>> {
+    let mut normals = vec![DVec3::ZERO; mesh.vertex_count()];
+    work.each(mesh.triangle_count(), cost::NORMAL, |i| {
+        let triangle = mesh.triangle(i);
+        let corners = triangle.map(|corner| mesh.position(corner as usize));
+        let Some(normal) = (corners[1] - corners[0]).cross(corners[2] - corners[0]).try_normalize() else { return };
+        for i in 0..3 {
+            let (a, b) = (corners[(i + 1) % 3] - corners[i], corners[(i + 2) % 3] - corners[i]);
+            normals[triangle[i] as usize] += a.angle_between(b) * normal;
+        }
+    })?;
+    Ok(normals)
+}

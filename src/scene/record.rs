@@ -1,0 +1,176 @@
+//! What a scene remembers of its description, to tell later what changed.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Weak};
+
+use super::mesh::MeshObject;
+use crate::desc::{MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
+use crate::math::{Bounds, DAffine3, DVec3};
+use crate::spectrum::Rgb;
+
+/// A mesh by its address, which nobody else gets while a record refers to it, and whether it is smooth.
+pub(super) type ObjectKey = (usize, bool);
+
+/// The address that tells a mesh from all others.
+pub(super) fn address(mesh: &Arc<MeshDesc>) -> usize {
+    Arc::as_ptr(mesh).addr()
+}
+
+/// What the geometry of a scene was made of. Stays the same object for as long as the geometry does.
+pub(super) struct Record {
+    surfaces: Vec<Placed>,
+    meshes: Vec<KnownMesh>,
+    /// Meshes with hierarchies of their own: those in use, and those of hidden surfaces that were in use once.
+    pub objects: HashMap<ObjectKey, Arc<MeshObject>>,
+    /// The surface of each shape in the list.
+    pub list_surfaces: Vec<u32>,
+    pub facts: Facts,
+    pub is_dynamic: bool,
+}
+
+/// The figures of the geometry; see [`super::SceneInfo`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct Facts {
+    pub triangles: usize,
+    pub instances: usize,
+    pub host_instances: usize,
+    pub shared_triangles: usize,
+    pub listed_shapes: usize,
+    pub embree_shapes: usize,
+    pub smooth_meshes: usize,
+    pub bounds: Bounds,
+    pub geometry_bytes: usize,
+    pub embree_bytes: usize,
+    pub decisions: Vec<String>,
+    /// Degenerate triangles: how many of which surface.
+    pub dropped: Vec<(usize, String)>,
+}
+
+/// As much of a surface as geometry depends on.
+struct Placed {
+    shape: ShapeDesc,
+    local: DAffine3,
+    transform: DAffine3,
+    hidden: bool,
+    emits: bool,
+}
+
+/// A mesh of the description. The description itself may go: what is kept of it keeps its address from being reused.
+struct KnownMesh {
+    identity: Weak<MeshDesc>,
+    bounds: Option<Bounds>,
+    /// The mesh as a whole where it has texture coordinates.
+    with_uvs: Option<Arc<MeshDesc>>,
+}
+
+impl Record {
+    pub(super) fn new(
+        desc: &SceneDesc,
+        bounds: &HashMap<usize, Bounds>,
+        objects: HashMap<ObjectKey, Arc<MeshObject>>,
+        list_surfaces: Vec<u32>,
+        facts: Facts,
+        is_dynamic: bool,
+    ) -> Self {
+        let surfaces = desc.surfaces.iter().map(Placed::new).collect();
+        let meshes = desc
+            .meshes
+            .iter()
+            .map(|mesh| KnownMesh {
+                identity: Arc::downgrade(mesh),
+                bounds: bounds.get(&address(mesh)).copied(),
+                with_uvs: mesh.has_uvs().then(|| Arc::clone(mesh)),
+            })
+            .collect();
+        Self { surfaces, meshes, objects, list_surfaces, facts, is_dynamic }
+    }
+
+    /// Whether the geometry of `desc` is this one: the same shapes in the same places, the same meshes.
+    pub(super) fn is_geometry_of(&self, desc: &SceneDesc) -> bool {
+        self.surfaces.len() == desc.surfaces.len()
+            && self.surfaces.iter().zip(&desc.surfaces).all(|(old, new)| self.is_same(old, new, desc))
+    }
+
+    fn is_same(&self, old: &Placed, new: &SurfaceDesc, desc: &SceneDesc) -> bool {
+        if old.hidden && new.hidden {
+            return true;
+        }
+        let same_shape = match (old.shape, new.shape) {
+            (ShapeDesc::Mesh { mesh: a, smooth: was_smooth }, ShapeDesc::Mesh { mesh: b, smooth }) => {
+                let (old_mesh, new_mesh) = (self.meshes.get(a), desc.meshes.get(b));
+                let same_mesh =
+                    old_mesh.zip(new_mesh).is_some_and(|(a, b)| std::ptr::eq(a.identity.as_ptr(), Arc::as_ptr(b)));
+                // A mesh that emits is copied into the scene frame. Other shapes are the same geometry either way.
+                same_mesh && was_smooth == smooth && old.emits == new.emission.is_some()
+            }
+            (old, new) => old == new,
+        };
+        same_shape && old.hidden == new.hidden && old.transform == new.transform && old.local == new.local
+    }
+
+    /// The boxes of all meshes that were looked at, by address.
+    pub(super) fn mesh_bounds(&self) -> HashMap<usize, Bounds> {
+        let known = |mesh: &KnownMesh| Some((mesh.identity.as_ptr().addr(), mesh.bounds?));
+        self.meshes.iter().filter_map(known).collect()
+    }
+
+    /// The texture coordinates' mesh of a surface, where it has them.
+    pub(super) fn uv_mesh(&self, surface: u32) -> Option<&MeshDesc> {
+        match self.surfaces.get(surface as usize)?.shape {
+            ShapeDesc::Mesh { mesh, .. } => self.meshes.get(mesh)?.with_uvs.as_deref(),
+            _ => None,
+        }
+    }
+
+    /// Whether a surface is a quad.
+    pub(super) fn is_quad(&self, surface: u32) -> bool {
+        self.surfaces.get(surface as usize).is_some_and(|placed| matches!(placed.shape, ShapeDesc::Quad(_)))
+    }
+
+    /// Whether a surface's transform turns right-handed into left-handed.
+    pub(super) fn is_mirrored(&self, surface: u32) -> bool {
+        let placed = self.surfaces.get(surface as usize);
+        placed.is_some_and(|placed| super::lower::is_mirrored(&(placed.transform * placed.local)))
+    }
+}
+
+impl Placed {
+    fn new(surface: &SurfaceDesc) -> Self {
+        Self {
+            shape: surface.shape,
+            local: surface.local,
+            transform: surface.transform,
+            hidden: surface.hidden,
+            emits: surface.emission.is_some(),
+        }
+    }
+}
+
+/// What the tables of owners and emitters were made of, beside the geometry.
+#[derive(Debug)]
+pub(super) struct Look {
+    /// Material of each surface.
+    pub materials: Vec<u32>,
+    emissions: Vec<Option<Rgb>>,
+    lights: Vec<(DVec3, Rgb)>,
+}
+
+impl Look {
+    pub(super) fn new(desc: &SceneDesc) -> Self {
+        Self {
+            materials: desc.surfaces.iter().map(|surface| surface.material as u32).collect(),
+            emissions: desc.surfaces.iter().map(|surface| surface.emission).collect(),
+            lights: desc.lights.iter().map(|light| (light.position, light.intensity)).collect(),
+        }
+    }
+
+    /// Whether the same things shine in the same way.
+    pub(super) fn shines_like(&self, other: &Self) -> bool {
+        self.emissions == other.emissions && self.lights == other.lights
+    }
+
+    /// Point lights that give no light.
+    pub(super) fn dark_lights(&self) -> usize {
+        self.lights.iter().filter(|(_, intensity)| *intensity == Rgb::ZERO).count()
+    }
+}

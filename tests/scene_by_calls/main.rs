@@ -1,0 +1,350 @@
+//! Scenes made and changed by calls are what the format would have given, and are refused in its words.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod random;
+mod refused;
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use etendue::Result;
+use etendue::desc::{
+    self, BsdfDesc, FilterDesc, HostMesh, MeshDesc, RenderDesc, SceneDesc, SceneIndex, ShapeDesc, SurfaceLook,
+};
+use etendue::math::{Bounds, DAffine3, DVec3, Vec3};
+use etendue::scene::{BuildOptions, Scene};
+
+/// All of a description but paths and what is kept for looking up.
+fn content(desc: &SceneDesc) -> String {
+    let mut desc = SceneDesc { file: None, index: SceneIndex::default(), ..desc.clone() };
+    desc.lights.iter_mut().for_each(|light| light.path.clear());
+    desc.materials.iter_mut().for_each(|material| material.path.clear());
+    desc.meshes.iter_mut().for_each(|mesh| Arc::make_mut(mesh).path.clear());
+    desc.surfaces.iter_mut().for_each(|surface| surface.path.clear());
+    format!("{desc:?}")
+}
+
+/// The same scene, said by calls.
+fn rebuilt(from: &SceneDesc) -> Result<SceneDesc> {
+    let mut desc = SceneDesc { render: from.render.clone(), ..SceneDesc::default() };
+    desc.render.check()?;
+    desc.set_camera(from.camera)?;
+    let is_black = |number: usize| from.materials[number].name == "(black)";
+    for (number, material) in from.materials.iter().enumerate().filter(|(number, _)| !is_black(*number)) {
+        assert_eq!(desc.add_material(&material.name, material.bsdf, material.survival)?, number);
+    }
+    for mesh in &from.meshes {
+        desc.add_mesh(mesh.as_ref().clone())?;
+    }
+    for light in &from.lights {
+        desc.add_point_light(light.position, light.intensity)?;
+    }
+    for (number, surface) in from.surfaces.iter().enumerate() {
+        let material = Some(surface.material).filter(|material| !is_black(*material));
+        let look = SurfaceLook { material, emission: surface.emission, transform: surface.transform };
+        assert_eq!(desc.add_surface(surface.shape, surface.local, look)?, number);
+    }
+    Ok(desc)
+}
+
+fn pixels(desc: &SceneDesc) -> Vec<u32> {
+    let scene = Scene::build(desc, &BuildOptions::default()).expect("a scene that builds");
+    let render = RenderDesc { resolution: [24, 18], samples: 8, ..desc.render.clone() };
+    let (image, _) = common::scenes::render_scene(&scene, render);
+    let layers = image.layers.iter().flat_map(|layer| &layer.data);
+    image.rgb.iter().chain(layers).map(|value| value.to_bits()).collect()
+}
+
+#[test]
+fn every_scene_of_the_repository_can_be_said_by_calls() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let (mut count, mut rendered) = (0, 0);
+    for entry in folder.read_dir().unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "json") {
+            continue;
+        }
+        let read = match desc::load(&path, None) {
+            Ok(read) => read,
+            Err(error) if path.ends_with("million.json") => {
+                eprintln!("SKIPPED: {error} (`make meshes` makes it)");
+                continue;
+            }
+            Err(error) => panic!("{error}"),
+        };
+        let made = rebuilt(&read).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        assert!(content(&made) == content(&read), "{} is another scene by calls", path.display());
+        count += 1;
+        if path.ends_with("room.json") || path.ends_with("quadrics.json") || path.ends_with("cornell.json") {
+            assert!(pixels(&made) == pixels(&read), "{} looks different by calls", path.display());
+            rendered += 1;
+        }
+    }
+    assert!(count >= 9 && rendered == 3, "{count} scenes, {rendered} rendered");
+}
+
+fn parse(text: &str) -> Result<SceneDesc> {
+    desc::parse(text, &common::snippets::data_dir(), None)
+}
+
+/// A scene file of one surface and two materials, `more` coming before the surfaces.
+fn file(more: &str, surface: &str) -> String {
+    format!(
+        r#"{{"etendue": 1, "camera": {{"origin": [0, 0, 9]}}, {more}
+            "materials": [{{"name": "white", "type": "diffuse", "color": [1, 1, 1]}},
+                          {{"name": "glass", "type": "refractive", "refractionIndex": 1.5}}],
+            "surfaces": [{{"material": "white", {surface}}}]}}"#
+    )
+}
+
+const A: DVec3 = DVec3::new(0.3, -2.0, 7.1);
+const B: DVec3 = DVec3::new(-1.0, 0.25, 3.0);
+
+#[test]
+fn every_named_shape_is_the_one_of_the_format() {
+    let quad = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 0.7, 0.0), DVec3::Y];
+    let ellipsoid = [1.0, 2.0, 3.0, 0.5, 0.0, 0.0, 0.0, 3.5, 0.0, 3.0];
+    let open = [1.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0];
+    let clip = Bounds { min: DVec3::splat(-2.0), max: DVec3::new(2.0, 2.5, 1.0) };
+    let cases = [
+        (r#""sphere", "origin": [0.3, -2, 7.1], "radius": 0.7"#, ShapeDesc::sphere(A, 0.7)),
+        (
+            r#""triangle", "vertex-1": [0.3, -2, 7.1], "vertex-2": [0, 0, 0], "vertex-3": [-1, 0.25, 3]"#,
+            ShapeDesc::triangle([A, DVec3::ZERO, B]),
+        ),
+        (
+            r#""quad", "vertex-1": [0, 0, 0], "vertex-2": [1, 0, 0], "vertex-3": [1, 0.7, 0], "vertex-4": [0, 1, 0]"#,
+            ShapeDesc::quad(quad),
+        ),
+        (r#""disk", "origin": [0.3, -2, 7.1], "normal": [-1, 0.25, 3], "radius": 0.7"#, ShapeDesc::disk(A, B, 0.7)),
+        (
+            r#""cylinder", "base": [0.3, -2, 7.1], "axis": [-1, 0.25, 3], "radius": 0.7, "height": 3"#,
+            ShapeDesc::cylinder(A, B, 0.7, 3.0),
+        ),
+        (
+            r#""cone", "base": [0.3, -2, 7.1], "axis": [-1, 0.25, 3], "radius": 0.7, "height": 3"#,
+            ShapeDesc::cone(A, B, 0.7, 3.0),
+        ),
+        (
+            r#""paraboloid", "apex": [0.3, -2, 7.1], "axis": [-1, 0.25, 3], "radius": 0.7, "height": 3"#,
+            ShapeDesc::paraboloid(A, B, 0.7, 3.0),
+        ),
+        (
+            r#""ellipsoid", "origin": [0.3, -2, 7.1], "radii": [1, 0.25, 3]"#,
+            ShapeDesc::ellipsoid(A, DVec3::new(1.0, 0.25, 3.0)),
+        ),
+        (r#""quadric", "coefficients": [1, 2, 3, 0.5, 0, 0, 0, 3.5, 0, 3]"#, ShapeDesc::quadric(ellipsoid, None)),
+        (
+            r#""quadric", "coefficients": [1, 1, -1, 0, 0, 0, 0, 0, 0, -1],
+               "clip": {"min": [-2, -2, -2], "max": [2, 2.5, 1]}"#,
+            ShapeDesc::quadric(open, Some(clip)),
+        ),
+    ];
+    for (text, made) in cases {
+        let read = parse(&file("", &format!(r#""geometry": {text}"#))).unwrap();
+        let (shape, local) = made.unwrap_or_else(|error| panic!("{text}: {error}"));
+        assert_eq!((read.surfaces[0].shape, read.surfaces[0].local), (shape, local), "{text}");
+        let mut desc = base();
+        desc.add_surface(shape, local, lit(0)).unwrap_or_else(|error| panic!("{text}: {error}"));
+    }
+}
+
+fn lit(material: usize) -> SurfaceLook {
+    SurfaceLook { material: Some(material), ..SurfaceLook::default() }
+}
+
+fn corner() -> MeshDesc {
+    MeshDesc {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+        triangles: vec![[0, 1, 2]],
+        normals: vec![[0.0, 0.0, 1.0]; 3],
+        uvs: vec![[0.5, 0.5]; 3],
+        ..MeshDesc::default()
+    }
+}
+
+fn hosted() -> MeshDesc {
+    let host = HostMesh {
+        positions: vec![[0.0_f32; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].into(),
+        triangles: vec![[0_u32, 1, 2]].into(),
+        normals: None,
+        uvs: None,
+    };
+    MeshDesc { host: Some(host), ..MeshDesc::default() }
+}
+
+/// Two materials, a light, three meshes, and of surfaces: 0 a mesh, 1 a lamp without a material, 2 a removed sphere,
+/// 3 a disk, 4 a lamp with a material. Mesh 1 was removed, mesh 2 is the host's.
+fn base() -> SceneDesc {
+    let mut desc = SceneDesc::default();
+    desc.add_material("white", BsdfDesc::Lambert { albedo: Vec3::splat(0.5) }, None).unwrap();
+    desc.add_material("glass", BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 }, None).unwrap();
+    desc.add_point_light(A, Vec3::ONE).unwrap();
+    desc.add_mesh(MeshDesc { name: "corner".into(), ..corner() }).unwrap();
+    desc.add_mesh(MeshDesc { name: "gone".into(), ..corner() }).unwrap();
+    desc.add_mesh(hosted()).unwrap();
+    let (sphere, local) = ShapeDesc::sphere(B, 0.5).unwrap();
+    let (disk, _) = ShapeDesc::disk(A, B, 0.5).unwrap();
+    let light = SurfaceLook { emission: Some(Vec3::ONE), ..SurfaceLook::default() };
+    desc.add_surface(ShapeDesc::Mesh { mesh: 0, smooth: true }, local, lit(0)).unwrap();
+    desc.add_surface(sphere, local, light).unwrap();
+    desc.add_surface(sphere, local, lit(0)).unwrap();
+    desc.add_surface(disk, local, lit(1)).unwrap();
+    desc.add_surface(sphere, local, SurfaceLook { material: Some(0), ..light }).unwrap();
+    desc.remove_surface(2).unwrap();
+    desc.remove_mesh(1).unwrap();
+    desc
+}
+
+#[test]
+fn render_settings_are_checked_as_in_the_format() {
+    let fine = RenderDesc::default();
+    let bad = [
+        ("render.resolution[1]", RenderDesc { resolution: [4, 0], ..fine.clone() }),
+        ("render.resolution", RenderDesc { resolution: [1 << 14; 2], ..fine.clone() }),
+        ("render.samples", RenderDesc { samples: 0, ..fine.clone() }),
+        ("render.samples", RenderDesc { samples: u32::MAX, ..fine.clone() }),
+        ("render.maxDepth", RenderDesc { max_depth: Some(0), ..fine.clone() }),
+        ("render.shadowRays", RenderDesc { shadow_rays: 1025, ..fine.clone() }),
+        ("render.filter.sigma", RenderDesc { filter: FilterDesc::Gaussian { sigma: 16.5 }, ..fine.clone() }),
+        ("render.filter.sigma", RenderDesc { filter: FilterDesc::Gaussian { sigma: f32::NAN }, ..fine.clone() }),
+        ("render.filter.b", RenderDesc { filter: FilterDesc::Mitchell { b: -1.0, c: 0.0 }, ..fine.clone() }),
+        ("render.filter.c", RenderDesc { filter: FilterDesc::Mitchell { b: 1.0, c: 2.0 }, ..fine.clone() }),
+    ];
+    assert!(fine.check().is_ok());
+    for (path, render) in bad {
+        let error = render.check().expect_err(path);
+        assert_eq!(error.location().json_path, path);
+    }
+    let wide = RenderDesc { filter: FilterDesc::Gaussian { sigma: 16.0 }, samples: 1 << 31, ..fine };
+    assert!(wide.check().is_ok());
+}
+
+#[test]
+fn names_and_paths_are_found_until_their_thing_is_removed() {
+    let mut desc = base();
+    assert_eq!(
+        (desc.find_material("glass"), desc.find_material(""), desc.find_material("(black)")),
+        (Some(1), None, None)
+    );
+    assert_eq!((desc.find_mesh("corner"), desc.find_mesh("gone"), desc.find_mesh("")), (Some(0), None, None));
+    assert_eq!((desc.find_surface("surfaces[3]"), desc.find_surface("surfaces[2]")), (Some(3), None));
+    // A removed mesh gives back its memory and its name, not its number.
+    assert_eq!((desc.meshes[1].vertex_count(), desc.meshes.len()), (0, 3));
+    assert_eq!(desc.add_mesh(MeshDesc { name: "gone".into(), ..corner() }).unwrap(), 3);
+    assert_eq!(desc.find_mesh("gone"), Some(3));
+    // A removed surface frees its mesh; no number comes again.
+    desc.remove_surface(0).unwrap();
+    desc.remove_mesh(0).unwrap();
+    let (shape, local) = ShapeDesc::sphere(A, 1.0).unwrap();
+    assert_eq!(desc.add_surface(shape, local, lit(1)).unwrap(), 5);
+    // Without a name, any number of times.
+    for number in 3..6 {
+        assert_eq!(desc.add_material("", BsdfDesc::Black, None).unwrap(), number);
+    }
+    assert!(Scene::build(&desc, &BuildOptions::default()).is_ok());
+
+    // What a file named is found as well, an area light among it.
+    let text = file(
+        r#""meshes": [{"name": "p", "file": "pyramid.obj"}, {"name": "q", "file": "pyramid.obj"}],
+           "lights": [{"type": "area", "vertex-1": [0, 4, 0], "vertex-2": [1, 4, 0], "vertex-3": [0, 4, 1],
+                       "color": [1, 1, 1]}],"#,
+        r#""geometry": "mesh", "mesh": "q""#,
+    );
+    let mut read = parse(&text).unwrap();
+    assert_eq!((read.find_mesh("p"), read.find_mesh("q"), read.find_material("glass")), (Some(0), Some(0), Some(1)));
+    assert_eq!((read.find_surface("lights[0]"), read.find_surface("surfaces[0]")), (Some(0), Some(1)));
+    assert!(read.remove_mesh(0).is_err());
+    read.remove_surface(1).unwrap();
+    read.remove_mesh(0).unwrap();
+    assert_eq!((read.find_mesh("p"), read.find_mesh("q")), (None, None));
+}
+
+#[test]
+fn what_is_set_is_what_is_there() {
+    let mut desc = base();
+    let blue = BsdfDesc::OrenNayar { albedo: Vec3::Z, sigma: std::f32::consts::FRAC_PI_2 };
+    desc.set_material(0, blue, Some(0.5)).unwrap();
+    assert_eq!((desc.materials[0].bsdf, desc.materials[0].survival), (blue, Some(0.5)));
+    assert_eq!(desc.materials[0].name, "white");
+    desc.set_point_light(0, B, Vec3::ZERO).unwrap();
+    assert_eq!((desc.lights[0].position, desc.lights[0].intensity), (B, Vec3::ZERO));
+    let turned = DAffine3::from_rotation_y(0.5);
+    desc.set_transform(4, turned).unwrap();
+    assert_eq!(desc.surfaces[4].to_world(), turned);
+    // All lamps without a material share one, and a lamp that is switched off stays as black as it was.
+    desc.set_surface_material(4, None).unwrap();
+    assert_eq!((desc.surfaces[4].material, desc.surfaces[1].material), (2, 2));
+    desc.set_emission(1, Some(Vec3::ZERO)).unwrap();
+    assert_eq!((desc.surfaces[1].emission, desc.surfaces[1].material), (None, 2));
+    desc.set_emission(0, Some(Vec3::ONE)).unwrap();
+    assert_eq!(desc.surfaces[0].emission, Some(Vec3::ONE));
+    // A mesh that is not replaced stays the same, one that is becomes another, with its own name and extent.
+    let before = desc.meshes.clone();
+    desc.set_mesh(0, MeshDesc { name: "other".into(), ..hosted() }).unwrap();
+    assert!(!Arc::ptr_eq(&before[0], &desc.meshes[0]) && Arc::ptr_eq(&before[2], &desc.meshes[2]));
+    assert_eq!(
+        (desc.meshes[0].name.as_str(), desc.find_mesh("other"), desc.find_mesh("corner")),
+        ("corner", None, Some(0))
+    );
+    desc.set_mesh(0, MeshDesc { positions: vec![DVec3::ZERO, DVec3::X * 1e30, DVec3::Y], ..corner() }).unwrap();
+    assert!(desc.set_transform(0, DAffine3::from_scale(DVec3::splat(1e10))).is_err());
+    // Data put in by hand is measured anew.
+    desc.meshes[0] = corner().into();
+    desc.set_transform(0, DAffine3::from_scale(DVec3::splat(1e10))).unwrap();
+}
+
+#[test]
+fn mesh_files_are_read_with_their_warnings() {
+    let mut desc = SceneDesc::default();
+    let pyramid = common::snippets::data_dir().join("pyramid.obj");
+    assert_eq!(desc.add_mesh_file("p", &pyramid).unwrap(), 0);
+    assert_eq!((desc.find_mesh("p"), desc.meshes[0].triangle_count()), (Some(0), 6));
+    assert!(desc.warnings.is_empty());
+    let dir = tempfile::tempdir().unwrap();
+    let odd = dir.path().join("odd.obj");
+    std::fs::write(&odd, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1 2 3\n").unwrap();
+    assert_eq!(desc.add_mesh_file("", &odd).unwrap(), 1);
+    assert_eq!(desc.warnings.len(), 1);
+    assert!(desc.warnings[0].starts_with("meshes[1].file: "), "{}", desc.warnings[0]);
+    std::fs::write(&odd, "v 0 0 0\nf 1 2 3\n").unwrap();
+    let error = desc.add_mesh_file("", &odd).unwrap_err();
+    assert_eq!((error.location().json_path.as_str(), error.location().line), ("meshes[2].file", 2));
+    assert_eq!((error.location().file.as_deref(), desc.meshes.len(), desc.warnings.len()), (Some(odd.as_path()), 2, 1));
+}
+
+/// Named materials and meshes, lamps and uses of one mesh, each moved once.
+fn populated(count: usize) -> Duration {
+    let start = Instant::now();
+    let mut desc = SceneDesc::default();
+    let shared = desc.add_mesh(corner()).unwrap();
+    for i in 0..count {
+        let material = desc.add_material(&format!("m{i}"), BsdfDesc::Lambert { albedo: Vec3::ONE }, None).unwrap();
+        let own = desc.add_mesh(MeshDesc { name: format!("mesh {i}"), ..corner() }).unwrap();
+        let (sphere, local) = ShapeDesc::sphere(DVec3::X * i as f64, 0.5).unwrap();
+        let lamp = SurfaceLook { emission: Some(Vec3::ONE), ..SurfaceLook::default() };
+        desc.add_surface(sphere, local, lamp).unwrap();
+        for mesh in [shared, own] {
+            let surface = desc.add_surface(ShapeDesc::Mesh { mesh, smooth: false }, local, lit(material)).unwrap();
+            desc.set_transform(surface, DAffine3::from_translation(DVec3::Y * i as f64)).unwrap();
+            if mesh == own && i % 2 == 0 {
+                desc.set_mesh(own, corner()).unwrap();
+                desc.remove_surface(surface).unwrap();
+                desc.remove_mesh(own).unwrap();
+            }
+        }
+    }
+    assert_eq!(desc.surfaces.len(), 3 * count);
+    start.elapsed()
+}
+
+#[test]
+fn the_cost_of_a_call_does_not_grow_with_the_scene() {
+    let best = |count| (0..3).map(|_| populated(count)).min().unwrap_or_default();
+    let (small, large) = (best(10_000), best(100_000));
+    println!("{small:?} for 3 * 10^4 surfaces, {large:?} for 3 * 10^5");
+    // Ten times as much work; a search of all that is there would take a hundred times as long.
+    assert!(large < 20 * small, "{small:?} for 10^4, {large:?} for 10^5");
+}
