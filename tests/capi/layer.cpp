@@ -34,7 +34,7 @@ static_assert(std::is_nothrow_copy_constructible_v<etd::Error>);
 const char broken[] = R"({"etendue": 1,
 "camera": {"origin": [0, 0, 4], "lookAt": [0, 0, 0], "up": [0, 1, 0], "fieldOfView": 60},
 "surfaces": [
-{"geometry": "sphere", "origin": [0, 0, 0], "radius": -1}]})";
+{"geometry": "sphere", "origin": [0, 0, 0], "radius": -1, "emission": [1, 1, 1]}]})";
 
 etd_render_options few(std::uint32_t samples = 2) {
     etd_render_options options = etd::render_options();

@@ -114,7 +114,8 @@ static etd_surface matt(void) {
 
 #define JSON_CAMERA "\"camera\": {\"origin\": [0, 0, 4], \"lookAt\": [0, 0, 0], \"up\": [0, 1, 0], \"fieldOfView\": 60}"
 static const char one_sphere[] =
-    "{\"etendue\": 1, " JSON_CAMERA ", \"surfaces\": [{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1}]}";
+    "{\"etendue\": 1, " JSON_CAMERA ", \"surfaces\": [{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1, "
+    "\"emission\": [1, 1, 1]}]}";
 
 static int32_t go_on(void *user_data, const etd_progress *progress) {
     (void)user_data;
@@ -1236,7 +1237,8 @@ static void ask_for_errors(void) {
     char message[64];
     static const char broken[] =
         "{\"etendue\": 1,\n" JSON_CAMERA
-        ",\n\"surfaces\": [\n{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": -1}]}";
+        ",\n\"surfaces\": [\n{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": -1, "
+        "\"emission\": [1, 1, 1]}]}";
     etd_scene *no_scene = NULL;
     CHECK_STATUS(etd_scene_from_json(device, broken, sizeof broken - 1, NULL, &no_scene), ETD_INVALID_SCENE);
     CHECK_OK(etd_last_error(&error));
