@@ -1150,7 +1150,7 @@ static void pass_indices(void) {
         uint32_t number = 4321;
         size_t needed = 0;
         (void)film_options;
-        CHECK_STATUS(etd_scene_remove_mesh(scene, mesh_number), ETD_INVALID_OPERATION); /* a surface uses it */
+        CHECK_STATUS(etd_scene_remove_mesh(scene, mesh_number), ETD_INVALID_SCENE); /* a surface uses it */
         absurd = mesh;
         absurd.vertex_count = 0;
         CHECK_STATUS(etd_scene_add_mesh(scene, &absurd, &number), ETD_INVALID_ARGUMENT);
