@@ -31,7 +31,10 @@ static_assert(!std::is_copy_constructible_v<etd::Task> && std::is_nothrow_move_a
 static_assert(!std::is_copy_constructible_v<etd::Map> && std::is_nothrow_move_assignable_v<etd::Map>);
 static_assert(std::is_nothrow_copy_constructible_v<etd::Error>);
 
-const char broken[] = "{\n\"etendue\": 1,\n\"surfaces\": [\n{\"geometry\": \"sphere\", \"radius\": -1}]}";
+const char broken[] = R"({"etendue": 1,
+"camera": {"origin": [0, 0, 4], "lookAt": [0, 0, 0], "up": [0, 1, 0], "fieldOfView": 60},
+"surfaces": [
+{"geometry": "sphere", "origin": [0, 0, 0], "radius": -1, "emission": [1, 1, 1]}]})";
 
 etd_render_options few(std::uint32_t samples = 2) {
     etd_render_options options = etd::render_options();

@@ -112,7 +112,10 @@ static etd_surface matt(void) {
     return surface;
 }
 
-static const char one_sphere[] = "{\"etendue\": 1, \"surfaces\": [{\"geometry\": \"sphere\", \"radius\": 1}]}";
+#define JSON_CAMERA "\"camera\": {\"origin\": [0, 0, 4], \"lookAt\": [0, 0, 0], \"up\": [0, 1, 0], \"fieldOfView\": 60}"
+static const char one_sphere[] =
+    "{\"etendue\": 1, " JSON_CAMERA ", \"surfaces\": [{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": 1, "
+    "\"emission\": [1, 1, 1]}]}";
 
 static int32_t go_on(void *user_data, const etd_progress *progress) {
     (void)user_data;
@@ -1147,7 +1150,7 @@ static void pass_indices(void) {
         uint32_t number = 4321;
         size_t needed = 0;
         (void)film_options;
-        CHECK_STATUS(etd_scene_remove_mesh(scene, mesh_number), ETD_INVALID_OPERATION); /* a surface uses it */
+        CHECK_STATUS(etd_scene_remove_mesh(scene, mesh_number), ETD_INVALID_SCENE); /* a surface uses it */
         absurd = mesh;
         absurd.vertex_count = 0;
         CHECK_STATUS(etd_scene_add_mesh(scene, &absurd, &number), ETD_INVALID_ARGUMENT);
@@ -1233,7 +1236,9 @@ static void ask_for_errors(void) {
     etd_error error = ETD_ERROR_INIT;
     char message[64];
     static const char broken[] =
-        "{\n\"etendue\": 1,\n\"surfaces\": [\n{\"geometry\": \"sphere\", \"radius\": -1}]}";
+        "{\"etendue\": 1,\n" JSON_CAMERA
+        ",\n\"surfaces\": [\n{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": -1, "
+        "\"emission\": [1, 1, 1]}]}";
     etd_scene *no_scene = NULL;
     CHECK_STATUS(etd_scene_from_json(device, broken, sizeof broken - 1, NULL, &no_scene), ETD_INVALID_SCENE);
     CHECK_OK(etd_last_error(&error));
