@@ -82,6 +82,7 @@ pub unsafe extern "C" fn etd_scene_set_material(
     // SAFETY: passed on.
     unsafe {
         on(scene, |scene| {
+            find(&scene.desc().materials, material, "material")?;
             let (bsdf, survival) = read::material(value)?;
             scene.edit(|desc| desc.set_material(material as usize, bsdf, survival))
         })
@@ -150,6 +151,7 @@ pub unsafe extern "C" fn etd_scene_set_point_light(
     // SAFETY: passed on.
     unsafe {
         on(scene, |scene| {
+            find(&scene.desc().lights, light, "point light")?;
             let position = vector(position, "position")?;
             let intensity = Rgb::from_array(array(intensity, "intensity")?);
             scene.edit(|desc| desc.set_point_light(light as usize, position, intensity))
@@ -398,7 +400,12 @@ pub unsafe extern "C" fn etd_scene_add_mesh_surface(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_remove_surface(scene: *mut etd_scene, surface: u32) -> etd_status {
     // SAFETY: passed on.
-    unsafe { on(scene, |scene| scene.edit(|desc| desc.remove_surface(surface as usize))) }
+    unsafe {
+        on(scene, |scene| {
+            find(&scene.desc().surfaces, surface, "surface")?;
+            scene.edit(|desc| desc.remove_surface(surface as usize))
+        })
+    }
 }
 
 /// Places a surface. `transform`: object to world, three rows of four numbers, not flattening; it replaces the one there
@@ -415,6 +422,7 @@ pub unsafe extern "C" fn etd_scene_set_transform(
     // SAFETY: passed on.
     unsafe {
         on(scene, |scene| {
+            find(&scene.desc().surfaces, surface, "surface")?;
             let rows: [f64; 12] = array(transform, "transform")?;
             if rows == [0.0; 12] {
                 return Err(Failure::argument("transform is all zero"));
@@ -434,9 +442,16 @@ pub unsafe extern "C" fn etd_scene_set_surface_material(
     surface: u32,
     material: u32,
 ) -> etd_status {
+    let number = material;
     let material = (material != ETD_NONE).then_some(material as usize);
     // SAFETY: passed on.
-    unsafe { on(scene, |scene| scene.edit(|desc| desc.set_surface_material(surface as usize, material))) }
+    unsafe {
+        on(scene, |scene| {
+            find(&scene.desc().surfaces, surface, "surface")?;
+            find_material(scene, number)?;
+            scene.edit(|desc| desc.set_surface_material(surface as usize, material))
+        })
+    }
 }
 
 /// Changes what a surface emits [W m^-2 sr^-1]. `radiance`: three numbers >= 0; all zero, or NULL: it emits nothing.
@@ -453,6 +468,7 @@ pub unsafe extern "C" fn etd_scene_set_emission(
     // SAFETY: passed on.
     unsafe {
         on(scene, |scene| {
+            find(&scene.desc().surfaces, surface, "surface")?;
             let radiance = if radiance.is_null() { [0.0; 3] } else { array(radiance, "radiance")? };
             scene.edit(|desc| desc.set_emission(surface as usize, read::emission(radiance)))
         })
@@ -567,12 +583,16 @@ unsafe fn add(
         on(scene, |scene| {
             need(out_surface, "out_surface")?;
             let it = read_sized(surface, "surface")?;
+            find_material(scene, it.material)?;
             let look = SurfaceLook {
                 material: (it.material != ETD_NONE).then_some(it.material as usize),
                 emission: read::emission(it.emission),
                 transform: read::transform(&it.transform),
             };
             let (shape, local) = shape()?;
+            if let ShapeDesc::Mesh { mesh, .. } = &shape {
+                find(&scene.desc().meshes, u32::try_from(*mesh).unwrap_or(u32::MAX), "mesh")?;
+            }
             let number = scene.edit(|desc| desc.add_surface(shape, local, look))?;
             out_surface.write(number as u32);
             Ok(())
@@ -594,6 +614,14 @@ unsafe fn vectors<const N: usize>(pointer: *const f64, name: &str) -> Result<[DV
     // SAFETY: passed on; arrays have the alignment of their items.
     let all: [[f64; 3]; N] = unsafe { pointer.cast::<[[f64; 3]; N]>().read() };
     Ok(all.map(DVec3::from_array))
+}
+
+/// Refuses the number of no material; `ETD_NONE` is fine here.
+fn find_material(scene: &etd_scene, number: u32) -> Result {
+    if number != ETD_NONE {
+        find(&scene.desc().materials, number, "material")?;
+    }
+    Ok(())
 }
 
 /// An item by its number.

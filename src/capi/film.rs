@@ -459,7 +459,12 @@ unsafe fn read_image_options(options: *const etd_image_options) -> Result<etd_im
         comments: std::ptr::null(),
     };
     // SAFETY: passed on.
-    if options.is_null() { Ok(defaults) } else { unsafe { read_sized(options, "options") } }
+    let it = if options.is_null() { defaults } else { unsafe { read_sized(options, "options") }? };
+    if !(-64.0..=64.0).contains(&it.exposure) {
+        let message = format!("options.exposure is {}, expected -64 to 64 stops", it.exposure);
+        return Err(Failure::argument(message));
+    }
+    Ok(it)
 }
 
 /// The colour as sRGB bytes.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::boundary::{UserData, need, on, optional_text, read_sized, text};
+use super::describe::find;
 use super::read::unknown;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
@@ -90,7 +91,12 @@ pub unsafe extern "C" fn etd_scene_add_mesh_file(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_set_mesh(scene: *mut etd_scene, mesh: u32, value: *const etd_mesh) -> etd_status {
     // SAFETY: passed on.
-    unsafe { on(scene, |scene| with_mesh(value, |value| scene.edit(|desc| desc.set_mesh(mesh as usize, value)))) }
+    unsafe {
+        on(scene, |scene| {
+            find(&scene.desc().meshes, mesh, "mesh")?;
+            with_mesh(value, |value| scene.edit(|desc| desc.set_mesh(mesh as usize, value)))
+        })
+    }
 }
 
 /// Removes a mesh that no surface uses any more, and gives back its memory. Its number is not used again. Thread-safe.
@@ -100,7 +106,12 @@ pub unsafe extern "C" fn etd_scene_set_mesh(scene: *mut etd_scene, mesh: u32, va
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_remove_mesh(scene: *mut etd_scene, mesh: u32) -> etd_status {
     // SAFETY: passed on.
-    unsafe { on(scene, |scene| scene.edit(|desc| desc.remove_mesh(mesh as usize))) }
+    unsafe {
+        on(scene, |scene| {
+            find(&scene.desc().meshes, mesh, "mesh")?;
+            scene.edit(|desc| desc.remove_mesh(mesh as usize))
+        })
+    }
 }
 
 /// Reads a mesh and hands it on; the host's release function is called later if that succeeds, and never if it fails.

@@ -1,5 +1,6 @@
 //! Scenes: made, read, built, asked about themselves. Calls that describe one are in [`super::describe`].
 
+use std::cell::RefCell;
 use std::ffi::{c_char, c_void};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, TryLockError};
@@ -107,7 +108,18 @@ impl etd_scene {
 
     /// The scene as it is described now, built if need be, and the time that took.
     pub(super) fn build(&self, cancel: &Cancel, progress: Progress) -> Result<(Scene, Duration)> {
-        let _turn = loop {
+        let own = std::ptr::from_ref(self).addr();
+        if INSIDE.with(|inside| inside.borrow().contains(&own)) {
+            return Err(Failure::operation("a function that a build of this scene calls cannot wait for the build"));
+        }
+        // Progress is told by whichever thread is building.
+        let progress = progress.map(|tell| {
+            Arc::new(move |fraction| {
+                let _inside = Inside::enter(own);
+                tell(fraction);
+            }) as Arc<dyn Fn(f64) + Send + Sync>
+        });
+        let turn = loop {
             match self.building.try_lock() {
                 Ok(turn) => break turn,
                 Err(TryLockError::Poisoned(turn)) => break turn.into_inner(),
@@ -141,6 +153,7 @@ impl etd_scene {
         let built = Arc::new(scene.clone());
         self.built.store(Some(built));
         lock(&self.state).built_version = Some(version);
+        drop(turn);
         let callbacks = &self.header.callbacks;
         let had = |warning: &String| old.as_ref().is_some_and(|old| old.warnings().contains(warning));
         for warning in scene.warnings().iter().filter(|warning| !had(warning)) {
@@ -149,6 +162,27 @@ impl etd_scene {
         let time = scene.info().build_time;
         callbacks.log(ETD_LOG_INFO, &format!("scene built in {:.1} ms", 1e3 * time.as_secs_f64()));
         Ok((scene, time))
+    }
+}
+
+thread_local! {
+    /// The scenes in whose builds this thread is calling the host, by address.
+    static INSIDE: RefCell<Vec<usize>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Takes itself off the thread's list when it goes.
+struct Inside;
+
+impl Inside {
+    fn enter(scene: usize) -> Self {
+        INSIDE.with(|inside| inside.borrow_mut().push(scene));
+        Self
+    }
+}
+
+impl Drop for Inside {
+    fn drop(&mut self) {
+        INSIDE.with(|inside| inside.borrow_mut().pop());
     }
 }
 

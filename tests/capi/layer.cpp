@@ -1,0 +1,380 @@
+// The C++ layer: what it owns, what it throws or returns, what becomes of exceptions in functions of the host.
+//
+// Built twice: as it is, and with ETENDUE_NO_EXCEPTIONS and -fno-exceptions.
+#include <etendue.hpp>
+
+#include <chrono>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+int checks = 0;
+int failures = 0;
+
+void check(bool holds, int line, const char *what) {
+    ++checks;
+    if (!holds) {
+        ++failures;
+        std::fprintf(stderr, "layer.cpp:%d: %s (last error: %s)\n", line, what, etd_last_error_message());
+    }
+}
+#define CHECK(condition) check(static_cast<bool>(condition), __LINE__, #condition)
+
+static_assert(!std::is_copy_constructible_v<etd::Device> && std::is_nothrow_move_constructible_v<etd::Device>);
+static_assert(!std::is_copy_constructible_v<etd::Scene> && std::is_nothrow_move_assignable_v<etd::Scene>);
+static_assert(!std::is_copy_constructible_v<etd::Film> && std::is_nothrow_move_assignable_v<etd::Film>);
+static_assert(!std::is_copy_constructible_v<etd::Task> && std::is_nothrow_move_assignable_v<etd::Task>);
+static_assert(!std::is_copy_constructible_v<etd::Map> && std::is_nothrow_move_assignable_v<etd::Map>);
+static_assert(std::is_nothrow_copy_constructible_v<etd::Error>);
+
+const char broken[] = R"({"etendue": 1,
+"camera": {"origin": [0, 0, 4], "lookAt": [0, 0, 0], "up": [0, 1, 0], "fieldOfView": 60},
+"surfaces": [
+{"geometry": "sphere", "origin": [0, 0, 0], "radius": -1, "emission": [1, 1, 1]}]})";
+
+etd_render_options few(std::uint32_t samples = 2) {
+    etd_render_options options = etd::render_options();
+    options.samples = samples;
+    return options;
+}
+
+#if ETENDUE_THROWS
+
+etd::Scene ball(const etd::Device &device) {
+    etd::Scene scene = etd::Scene::create(device);
+    const auto white = scene.add_material(etd::material(), "white");
+    scene.add_sphere({0, 0, -3}, 1, etd::surface(white));
+    scene.add_point_light({{2, 2, 0}, {5, 5, 5}});
+    return scene;
+}
+
+// The status that a call fails with; ETD_OK if it does not.
+template <class F>
+etd_status status_of(F &&call) {
+    try {
+        call();
+        return ETD_OK;
+    } catch (const etd::Error &error) {
+        CHECK(std::strlen(error.what()) > 0);
+        return error.status();
+    }
+}
+
+// What a call throws that is not the library's; empty if it throws nothing.
+template <class F>
+std::string thrown_by(F &&call) {
+    try {
+        call();
+    } catch (const etd::Error &error) {
+        return std::string("etd::Error ") + error.what();
+    } catch (const std::runtime_error &error) {
+        return error.what();
+    }
+    return {};
+}
+
+struct Boom : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+void errors() {
+    const etd::Device device = etd::Device::create();
+    try {
+        etd::Scene::from_json(device, broken);
+        CHECK(false);
+    } catch (const etd::Error &error) {
+        CHECK(error.status() == ETD_INVALID_SCENE);
+        CHECK(error.line() == 4);
+        CHECK(error.json_path().find("surfaces[0]") == 0);
+        CHECK(error.message() == error.what());
+    }
+    CHECK(status_of([&] { etd::Scene::from_json(device, {}); }) == ETD_INVALID_SCENE);
+    CHECK(status_of([&] { etd::Scene::from_file(device, "no-such-file.json"); }) == ETD_IO);
+    CHECK(status_of([&] { etd::Film::create(device, 0, 0); }) == ETD_INVALID_ARGUMENT);
+    etd_device_options options = etd::device_options();
+    options.threads = 5000;
+    CHECK(status_of([&] { etd::Device::create(options); }) == ETD_INVALID_ARGUMENT);
+    etd::Scene scene = ball(device);
+    CHECK(status_of([&] { scene.remove_surface(99); }) == ETD_INVALID_ARGUMENT);
+    const auto first = scene.first_failure();
+    CHECK(first && first->status() == ETD_INVALID_ARGUMENT && first->message().find("99") != std::string::npos);
+    CHECK(!scene.first_failure());
+}
+
+void owners() {
+    std::optional<etd::Map> map;
+    std::optional<etd::Task> task;
+    {
+        etd::Device device = etd::Device::create();
+        etd::Scene scene = ball(device);
+        etd::Scene moved = std::move(scene);
+        CHECK(!scene && moved);
+        CHECK(status_of([&] { scene.commit(); }) == ETD_INVALID_ARGUMENT);
+        scene = std::move(moved);
+        etd::Scene same = scene.share();
+        CHECK(same.get() == scene.get());
+        etd::Film film = etd::Film::create(device, 8, 4, ETD_LAYER_DEPTH);
+        CHECK(etd::render(scene, film, few()) == ETD_OK);
+        map = film.map(ETD_LAYER_DEPTH);
+        const etd_render_options options = few(100000);
+        task = etd::Task::start(scene, film, &options);
+        etd::Task second = task->share();
+        CHECK(second.poll().status == ETD_RUNNING);
+        second = etd::Task(std::move(*task));
+        task = std::move(second);
+        CHECK(device.memory().used > 0);
+        // Everything but the map and the task goes.
+    }
+    CHECK(map->width() == 8 && map->height() == 4 && map->channels() == 1 && map->data().size() == 32);
+    CHECK(map->pixel(4, 2)[0] > 1.9F && map->pixel(4, 2)[0] < 2.6F);
+    etd::Map other = std::move(*map);
+    CHECK(map->data().empty() && !other.data().empty());
+    task->cancel();
+    CHECK(task->wait() == ETD_CANCELLED);
+    task->resume();
+    task->cancel();
+    CHECK(task->wait() == ETD_CANCELLED);
+}
+
+void shared_meshes() {
+    const etd::Device device = etd::Device::create();
+    auto positions = std::make_shared<std::vector<float>>(std::vector<float>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0});
+    const std::weak_ptr<const void> watch = positions;
+    const std::vector<std::uint32_t> indices = {0, 1, 2};
+    const std::vector<std::uint32_t> wrong = {0, 1, 7};
+    {
+        etd::Scene scene = ball(device);
+        CHECK(status_of([&] { scene.add_mesh(etd::mesh(*positions, wrong), positions); }) == ETD_INVALID_SCENE);
+        CHECK(positions.use_count() == 1);
+        const auto mesh = scene.add_mesh(etd::mesh(*positions, indices), positions);
+        scene.add_mesh_surface(mesh, false, etd::surface(0));
+        positions.reset();
+        CHECK(scene.commit() == ETD_OK);
+        CHECK(!watch.expired());
+        const etd_hit hit = scene.intersect(etd::ray({0.2F, 0.2F, 1}, {0, 0, -1}));
+        CHECK(hit.surface == 1 && hit.t == 1);
+        CHECK(scene.occluded(etd::ray({0.2F, 0.2F, 1}, {0, 0, -1})));
+        CHECK(!scene.occluded(etd::ray({0.2F, 0.2F, 1}, {0, 0, 1})));
+    }
+    CHECK(watch.expired());
+}
+
+void exceptions() {
+    const etd::Device device = etd::Device::create();
+    etd::Scene scene = ball(device);
+    etd::Film film = etd::Film::create(device, 8, 8);
+    const etd_render_options options = few(1000);
+    const auto throws = [](const etd_progress &) -> bool { throw Boom("progress"); };
+
+    CHECK(thrown_by([&] { etd::render(scene, film, options, throws); }) == "progress");
+    CHECK(etd::render(scene, film, few()) == ETD_OK); // nothing is left of it
+    scene.set_camera(etd::camera());
+    etd::Scene second = ball(device);
+    CHECK(thrown_by([&] { second.commit(throws); }) == "progress");
+    CHECK(second.commit() == ETD_OK);
+
+    {
+        etd::Task task = etd::Task::start(scene, film, &options, throws);
+        CHECK(thrown_by([&] { task.wait(); }) == "progress");
+        CHECK(task.wait() == ETD_CANCELLED); // only once
+    }
+    {
+        const etd_render_options short_options = few();
+        int ends = 0;
+        etd::Task task = etd::Task::start(scene, film, &short_options, {}, [&](etd_status status) {
+            CHECK(status == ETD_OK);
+            ++ends;
+            throw Boom("finished");
+        });
+        CHECK(thrown_by([&] { task.wait(); }) == "finished");
+        CHECK(ends == 1);
+    }
+    {
+        // Nobody waits: nothing is thrown.
+        const etd::Task task = etd::Task::start(scene, film, &options, throws);
+    }
+    {
+        int reports = 0;
+        CHECK(etd::render(scene, film, options, [&](const etd_progress &) { return ++reports < 1; }) ==
+              ETD_CANCELLED);
+        CHECK(reports == 1);
+    }
+    {
+        // What the options say is called where no function object is given.
+        int reports = 0;
+        etd_render_options raw = few(1000);
+        raw.progress = [](void *user_data, const etd_progress *) -> std::int32_t {
+            ++*static_cast<int *>(user_data);
+            return 1;
+        };
+        raw.user_data = &reports;
+        CHECK(etd::render(scene, film, raw) == ETD_CANCELLED && reports == 1);
+    }
+}
+
+void exceptions_of_devices() {
+    bool armed = false;
+    etd::DeviceFunctions functions;
+    functions.log = [&](etd_log_level, const char *) {
+        if (armed) {
+            throw Boom("log");
+        }
+    };
+    functions.error = [](etd_status, const char *) { throw Boom("error"); };
+    const etd::Device device = etd::Device::create(etd::device_options(), std::move(functions));
+    etd::Scene scene = ball(device);
+    etd::Film film = etd::Film::create(device, 4, 4);
+    armed = true;
+    CHECK(thrown_by([&] { scene.commit(); }) == "log");
+    armed = false;
+    CHECK(etd::render(scene, film, few()) == ETD_OK);
+    CHECK(status_of([&] { scene.remove_surface(99); }) == ETD_INVALID_ARGUMENT);
+    CHECK(thrown_by([&] { scene.commit(); }) == "error");
+    CHECK(scene.commit() == ETD_OK);
+}
+
+void executors() {
+    // Takes nothing: the work is done all the same, and the wait says what was thrown.
+    etd::DeviceFunctions functions;
+    int submitted = 0;
+    functions.submit = [&](const etd::Work &) {
+        ++submitted;
+        throw Boom("submit");
+    };
+    etd_device_options options = etd::device_options();
+    options.threads = 2;
+    const etd::Device device = etd::Device::create(options, std::move(functions));
+    etd::Scene scene = ball(device);
+    etd::Film film = etd::Film::create(device, 8, 8);
+    CHECK(thrown_by([&] {
+              etd::Task task = etd::Task::start(scene, film);
+              task.wait();
+          }) == "submit");
+    CHECK(submitted > 0);
+
+    // Two calls of one piece of work are one.
+    std::vector<std::thread> threads;
+    etd::DeviceFunctions doubled;
+    doubled.submit = [&](const etd::Work &work) {
+        work();
+        threads.emplace_back([work] { work(); });
+    };
+    const etd::Device twice = etd::Device::create(options, std::move(doubled));
+    etd::Scene other = ball(twice);
+    etd::Film picture = etd::Film::create(twice, 8, 8);
+    CHECK(etd::render(other, picture, few()) == ETD_OK);
+    for (std::thread &thread : threads) {
+        thread.join();
+    }
+}
+
+void task_in_its_own_function() {
+    const etd::Device device = etd::Device::create();
+    etd::Scene scene = ball(device);
+    etd::Film film = etd::Film::create(device, 8, 8);
+    const etd_render_options options = few(100000);
+    auto alive = std::make_shared<int>(0);
+    const std::weak_ptr<int> watch = alive;
+    std::mutex mutex;
+    std::optional<etd::Task> task;
+    {
+        const std::lock_guard<std::mutex> lock(mutex);
+        task = etd::Task::start(scene, film, &options, [&mutex, &task, alive](const etd_progress &) {
+            const std::lock_guard<std::mutex> guard(mutex);
+            task.reset(); // the last owner: cancelled, not waited for
+            return true;
+        });
+    }
+    alive.reset();
+    while (!watch.expired()) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    CHECK(!task);
+}
+
+void contents() {
+    const etd::Device device = etd::Device::create();
+    etd::Scene scene = ball(device);
+    CHECK(scene.find_material("white") == 0);
+    CHECK(scene.find_surface("surfaces[0]") == 0);
+    const etd_surface at = scene.surface(0);
+    CHECK(at.material == 0);
+    CHECK(scene.point_light(0).intensity[2] == 5);
+    CHECK(scene.resolution().width == 256);
+    CHECK(scene.commit() == ETD_OK);
+    CHECK(scene.info().surfaces == 1);
+    CHECK(scene.text(ETD_TEXT_INFO).size() > 10);
+    etd::Film film = etd::Film::create(device, 3, 2);
+    CHECK(etd::render(scene, film, few()) == ETD_OK);
+    std::vector<float> floats(3 * 2 * 4);
+    film.copy(ETD_LAYER_COLOR, etd::span<float>(floats));
+    const etd::Map map = film.map();
+    CHECK(std::memcmp(map.data().data(), floats.data(), floats.size() * sizeof(float)) == 0);
+    std::vector<unsigned char> bytes(3 * 2 * 3);
+    etd_image_options image = etd::image_options();
+    image.format = ETD_FORMAT_RGB8;
+    film.copy(ETD_LAYER_COLOR, etd::span<unsigned char>(bytes), image);
+    CHECK(film.summary().samples == 2);
+    CHECK(status_of([&] { film.copy(ETD_LAYER_COLOR, etd::span<unsigned char>(bytes)); }) == ETD_INVALID_ARGUMENT);
+}
+
+void all() {
+    errors();
+    owners();
+    shared_meshes();
+    exceptions();
+    exceptions_of_devices();
+    executors();
+    task_in_its_own_function();
+    contents();
+}
+
+#else
+
+void all() {
+    etd::Result<etd::Device> device = etd::Device::create();
+    CHECK(device.has_value() && device);
+    if (!device) {
+        return;
+    }
+    const etd::Result<etd::Scene> none = etd::Scene::from_json(*device, broken);
+    CHECK(!none);
+    CHECK(none.error().status() == ETD_INVALID_SCENE && none.error().line() == 4);
+    etd::Result<etd::Scene> made = etd::Scene::create(*device);
+    CHECK(made);
+    etd::Scene scene = std::move(made).value();
+    etd::Result<std::uint32_t> material = scene.add_material(etd::material(), "white");
+    CHECK(material && *material == 0);
+    CHECK(scene.add_sphere({0, 0, -3}, 1, etd::surface(*material)).has_value());
+    CHECK(scene.add_point_light({{2, 2, 0}, {5, 5, 5}}).has_value());
+    const etd::Result<void> refused = scene.remove_surface(99);
+    CHECK(!refused && refused.error().status() == ETD_INVALID_ARGUMENT);
+    CHECK(scene.set_camera(etd::camera()).has_value());
+    etd::Result<etd::Film> film = etd::Film::create(*device, 4, 4);
+    CHECK(film);
+    const etd_render_options options = few(1000);
+    etd::Result<etd_status> status =
+        etd::render(scene, *film, options, [](const etd_progress &) { return false; });
+    CHECK(status && *status == ETD_CANCELLED);
+    etd::Result<etd::Task> task = etd::Task::start(scene, *film, &options);
+    CHECK(task);
+    CHECK(task->cancel().has_value());
+    status = task->wait();
+    CHECK(status && (*status == ETD_CANCELLED || *status == ETD_OK));
+    CHECK(film->map()->data().size() == 64);
+    CHECK(film->map(ETD_LAYER_DEPTH).error().status() == ETD_INVALID_OPERATION);
+}
+
+#endif
+
+} // namespace
+
+int main() {
+    all();
+    std::printf("layer (%s): %d checks, %d failed\n", ETENDUE_THROWS ? "throwing" : "returning", checks, failures);
+    return failures == 0 && checks > 0 ? 0 : 1;
+}
