@@ -30,7 +30,8 @@ test:
 
 # Ray rates against Embree's own.
 bench: setup meshes
-	$(CARGO) bench --locked --bench rays --bench spheres
+	$(CARGO) bench --locked --bench rays --bench spheres --bench editing
+	$(CARGO) bench --locked --features capi --bench hosts
 
 # Generated meshes that are too large to store.
 meshes: out/million.obj

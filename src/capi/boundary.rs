@@ -1,6 +1,6 @@
 //! The border between C and Rust: pointers are checked, panics end here, failures are kept.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
@@ -35,6 +35,32 @@ pub(super) struct Callbacks {
 thread_local! {
     /// Whether this thread is inside the error callback: a failing call in there is not reported again.
     static REPORTING: Cell<bool> = const { Cell::new(false) };
+}
+
+thread_local! {
+    /// The pieces of work, by address, for which this thread is working or calling the host, innermost last.
+    static INSIDE: RefCell<Vec<usize>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Says that this thread works for something, until it is dropped.
+pub(super) struct Inside;
+
+impl Inside {
+    pub fn enter(work: usize) -> Self {
+        INSIDE.with(|inside| inside.borrow_mut().push(work));
+        Self
+    }
+}
+
+impl Drop for Inside {
+    fn drop(&mut self) {
+        INSIDE.with(|inside| inside.borrow_mut().pop());
+    }
+}
+
+/// Whether this thread is working for it: then it cannot wait for its end.
+pub(super) fn is_inside(work: usize) -> bool {
+    INSIDE.with(|inside| inside.borrow().contains(&work))
 }
 
 impl Callbacks {

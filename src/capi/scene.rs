@@ -1,6 +1,5 @@
 //! Scenes: made, read, built, asked about themselves. Calls that describe one are in [`super::describe`].
 
-use std::cell::RefCell;
 use std::ffi::{c_char, c_void};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, TryLockError};
@@ -9,8 +8,8 @@ use std::time::Duration;
 use arc_swap::ArcSwapOption;
 
 use super::boundary::{
-    Header, Object, UserData, boundary, copy_text, give, items, lock, need, object, on, optional_text, read_sized,
-    release, retain, share, take_status, text, write_sized,
+    Header, Inside, Object, UserData, boundary, copy_text, give, is_inside, items, lock, need, object, on,
+    optional_text, read_sized, release, retain, share, take_status, text, write_sized,
 };
 use super::device::etd_device;
 use super::read;
@@ -109,7 +108,7 @@ impl etd_scene {
     /// The scene as it is described now, built if need be, and the time that took.
     pub(super) fn build(&self, cancel: &Cancel, progress: Progress) -> Result<(Scene, Duration)> {
         let own = std::ptr::from_ref(self).addr();
-        if INSIDE.with(|inside| inside.borrow().contains(&own)) {
+        if is_inside(own) {
             return Err(Failure::operation("a function that a build of this scene calls cannot wait for the build"));
         }
         // Progress is told by whichever thread is building.
@@ -162,27 +161,6 @@ impl etd_scene {
         let time = scene.info().build_time;
         callbacks.log(ETD_LOG_INFO, &format!("scene built in {:.1} ms", 1e3 * time.as_secs_f64()));
         Ok((scene, time))
-    }
-}
-
-thread_local! {
-    /// The scenes in whose builds this thread is calling the host, by address.
-    static INSIDE: RefCell<Vec<usize>> = const { RefCell::new(Vec::new()) };
-}
-
-/// Takes itself off the thread's list when it goes.
-struct Inside;
-
-impl Inside {
-    fn enter(scene: usize) -> Self {
-        INSIDE.with(|inside| inside.borrow_mut().push(scene));
-        Self
-    }
-}
-
-impl Drop for Inside {
-    fn drop(&mut self) {
-        INSIDE.with(|inside| inside.borrow_mut().pop());
     }
 }
 

@@ -1,6 +1,5 @@
 //! Renders: on the calling thread, or as tasks that are polled, awaited and cancelled.
 
-use std::cell::RefCell;
 use std::ffi::c_char;
 use std::ops::ControlFlow;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -8,8 +7,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::boundary::{
-    Header, Object, UserData, catch, give, lock, need, object, on, read_sized, release, retain, take_status,
-    write_sized,
+    Header, Inside, Object, UserData, catch, give, is_inside, lock, need, object, on, read_sized, release, retain,
+    take_status, write_sized,
 };
 use super::film::{etd_film, share_film};
 use super::read;
@@ -30,11 +29,6 @@ const IMAGE_INTERVAL: Duration = Duration::from_secs(1);
 
 /// And when making images takes no more than one part in this of the time.
 const IMAGE_COST: u32 = 50;
-
-thread_local! {
-    /// The work whose callbacks this thread is in, innermost last.
-    static INSIDE: RefCell<Vec<*const Work>> = const { RefCell::new(Vec::new()) };
-}
 
 /// A started render.
 pub struct etd_task {
@@ -69,25 +63,14 @@ struct State {
     outcome: Option<Result>,
 }
 
-/// Takes itself off the thread's list when it goes.
-struct Inside;
-
-impl Inside {
-    fn enter(work: *const Work) -> Self {
-        INSIDE.with(|inside| inside.borrow_mut().push(work));
-        Self
-    }
-}
-
-impl Drop for Inside {
-    fn drop(&mut self) {
-        INSIDE.with(|inside| inside.borrow_mut().pop());
-    }
-}
-
 impl Work {
+    /// What it is known by on the threads that work for it.
+    fn address(&self) -> usize {
+        std::ptr::from_ref(self).addr()
+    }
+
     fn is_calling_us(&self) -> bool {
-        INSIDE.with(|inside| inside.borrow().iter().any(|work| std::ptr::eq(*work, self)))
+        is_inside(self.address())
     }
 
     fn cancel(&self) -> Cancel {
@@ -104,7 +87,7 @@ impl Work {
             state.progress
         };
         if let Some(tell) = self.options.progress {
-            let _inside = Inside::enter(self);
+            let _inside = Inside::enter(self.address());
             // SAFETY: the host gave the function for this; the report lives during the call.
             if unsafe { tell(self.user_data.0, &raw const progress) } != 0 {
                 cancel.cancel();
@@ -114,6 +97,8 @@ impl Work {
 
     /// Builds and renders on this thread. The film has been taken; it is given back here.
     fn run(self: &Arc<Self>, resumes: bool) -> Result {
+        // Any function of the host that is called from here on, a log function too, is one that this work calls.
+        let _inside = Inside::enter(self.address());
         let cancel = self.cancel();
         let mut summary = None;
         let outcome = catch(|| self.build_and_render(resumes, &cancel, &mut summary));
@@ -219,7 +204,7 @@ impl Work {
     fn finish(&self, outcome: Result, tell: bool) {
         let status = outcome.as_ref().err().map_or(ETD_OK, |failure| failure.status);
         if let (Some(finished), true) = (self.options.finished, tell) {
-            let _inside = Inside::enter(self);
+            let _inside = Inside::enter(self.address());
             // SAFETY: the host gave the function for this.
             unsafe { finished(self.user_data.0, status) }
         }
