@@ -1,12 +1,17 @@
 # Two commands matter: `make render` draws the room, `make test` proves that it works. Both install what is missing.
+# `make install` puts the library for C and C++, and the command line, into PREFIX.
 
 PREFIX ?= /usr/local
+# Where libraries go: PREFIX/lib if empty; under /usr, the folder of the processor (/usr/lib/x86_64-linux-gnu).
+LIBDIR ?=
+DESTDIR ?=
 CARGO ?= cargo
 SCENE ?= scenes/room.json
 IMAGES ?= out/$(basename $(notdir $(SCENE))).png out/$(basename $(notdir $(SCENE))).exr
+INSTALL = CARGO='$(CARGO)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh
 ETENDUE = $(CARGO) run --quiet --release --locked --example etendue --
 
-.PHONY: all setup render test bench install uninstall meshes clean
+.PHONY: all setup render test bench build install uninstall deb meshes clean
 all: render
 
 # Installs Embree, libclang and a C compiler where they are missing, with a line that says why.
@@ -19,7 +24,8 @@ render: setup
 	$(ETENDUE) render $(SCENE) --output $(IMAGES) $(ARGS)
 
 # Everything that must hold: formatting, lints, tests, documentation, formats.
-test: setup
+test:
+	@scripts/setup.sh test
 	@scripts/test.sh
 
 # Ray rates against Embree's own.
@@ -32,11 +38,23 @@ out/million.obj: | setup
 	@mkdir -p out
 	$(CARGO) run --quiet --release --locked --example million_triangles -- $@
 
-install: setup
-	$(CARGO) install --locked --path . --example etendue --root $(PREFIX) --force
+# The libraries and the command line, optimised. Without cargo (as root, after a user's `make build`) what was built is
+# taken as it is.
+build:
+	@if command -v $(CARGO) >/dev/null; then scripts/setup.sh && $(INSTALL) build; \
+	else echo "no cargo here: taking what was built before"; fi
 
+# Library, headers, pkg-config and CMake files, command line, manual and completions, in DESTDIR/PREFIX.
+install: build
+	@$(INSTALL) install
+
+# The same as a Debian package, in target/debian.
+deb:
+	@scripts/deb.sh
+
+# Removes what install put there.
 uninstall:
-	$(CARGO) uninstall --root $(PREFIX) etendue
+	@$(INSTALL) uninstall
 
 clean:
 	$(CARGO) clean

@@ -66,7 +66,10 @@ fn find_header(prefix: Option<&Path>) -> PathBuf {
     let mut found: Option<u32> = None;
     for folder in &folders {
         let config = folder.join("embree4/rtcore_config.h");
-        println!("cargo::rerun-if-changed={}", config.display());
+        // A file that is missing counts as changed, each time: then every build would start anew.
+        if config.is_file() {
+            println!("cargo::rerun-if-changed={}", config.display());
+        }
         let Some(version) = fs::read_to_string(&config).ok().and_then(|text| header_version(&text)) else { continue };
         if version >= OLDEST && folder.join("embree4/rtcore.h").is_file() {
             println!("cargo::metadata=include={}", folder.display());

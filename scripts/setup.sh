@@ -3,8 +3,17 @@
 # the header with it), a C/C++ compiler and pkg-config. Says in one line what it installs and why. Changes nothing when
 # all is there.
 #
+#   scripts/setup.sh          what rendering needs
+#   scripts/setup.sh test     also what the C and C++ hosts are tested with: Clang, CMake, Doxygen, Valgrind
+#
 # EMBREE_DIR=/prefix uses an Embree unpacked there and installs none.
 set -eu
+
+purpose=${1:-render}
+case $purpose in
+render | test) ;;
+*) printf 'setup: expected render or test, not %s\n' "$purpose" >&2; exit 1 ;;
+esac
 
 say() { printf 'setup: %s\n' "$*"; }
 die() { printf 'setup: %s\n' "$*" >&2; exit 1; }
@@ -33,7 +42,10 @@ embree_ok() {
 libclang_ok() {
     [ -n "${LIBCLANG_PATH:-}" ] && return 0
     ldconfig -p 2>/dev/null | grep -q 'libclang[-.0-9]*\.so' && return 0
-    ls /usr/lib/llvm-*/lib/libclang.so* /usr/lib/llvm-*/lib/libclang-[0-9]*.so* 2>/dev/null | grep -q .
+    for library in /usr/lib/llvm-*/lib/libclang.so* /usr/lib/llvm-*/lib/libclang-[0-9]*.so*; do
+        [ -e "$library" ] && return 0
+    done
+    return 1
 }
 
 have cargo || die "Rust is missing: install it from https://rustup.rs, then run this again"
@@ -43,6 +55,12 @@ why=""
 have cc && have c++ || { wanted="$wanted build-essential"; why="$why build-essential (C and C++ compiler);"; }
 libclang_ok || { wanted="$wanted libclang-dev"; why="$why libclang-dev (bindgen reads Embree's header);"; }
 have pkg-config || { wanted="$wanted pkg-config"; why="$why pkg-config;"; }
+if [ "$purpose" = test ]; then
+    have clang && have clang++ || { wanted="$wanted clang"; why="$why clang (a second compiler for the C and C++ hosts);"; }
+    have cmake || { wanted="$wanted cmake"; why="$why cmake (how programs find the installed library);"; }
+    have doxygen || { wanted="$wanted doxygen"; why="$why doxygen (the C and C++ reference);"; }
+    have valgrind || { wanted="$wanted valgrind libc6-dbg"; why="$why valgrind (memory errors of the hosts);"; }
+fi
 embree_wanted=no
 if ! embree_ok; then
     [ -z "${EMBREE_DIR:-}" ] || die "EMBREE_DIR=$EMBREE_DIR holds no include/embree4 of version 4.3 or newer"

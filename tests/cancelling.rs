@@ -131,6 +131,7 @@ fn latencies(n: usize, moments: u32) -> Vec<Duration> {
             .filter_map(|i| {
                 let delay = full.mul_f64((f64::from(i) + 0.5) / f64::from(moments));
                 let latency = cancelled(delay, |cancel| Scene::build(&desc, &options(cancel)));
+                device.wait_idle();
                 assert_eq!(device.memory_bytes(), 0, "{what}: a cancelled build leaks");
                 latency
             })
@@ -175,6 +176,7 @@ fn a_rebuild_that_was_cancelled_works_the_next_time() {
     for i in 0..60 {
         let delay = full.mul_f64(f64::from(i) / 60.0);
         stopped += usize::from(cancelled(delay, |cancel| scene.rebuild(&edited, &options(cancel))).is_some());
+        device.wait_idle();
         assert_eq!(device.memory_bytes(), bytes, "a cancelled rebuild leaks");
     }
     assert!(stopped >= 15, "only {stopped} were cancelled");

@@ -41,6 +41,13 @@ pub struct etd_scene {
 }
 object!(etd_scene, b"EtSc", "scene");
 
+impl Drop for etd_scene {
+    fn drop(&mut self) {
+        // No thread of the library may outlive the last release: the host may end, or unload it.
+        self.kernel.wait_idle();
+    }
+}
+
 struct State {
     desc: Arc<SceneDesc>,
     /// Counts edits.

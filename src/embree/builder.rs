@@ -1,13 +1,13 @@
 //! Scenes under construction.
 
 use std::ffi::c_void;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
-use super::device::{Device, lock};
+use super::commit::commit;
+use super::device::Device;
 use super::mesh::{MAX_COORDINATE, TriangleMesh, in_range};
 use super::scene::{Features, Kept, Scene, SceneInner};
-use super::user::{self, UserGeometry, UserState, panic_text};
+use super::user::{self, UserGeometry, UserState};
 use super::{ray, sys};
 use crate::math::DAffine3;
 use crate::{Cancel, Error, ErrorKind, Result};
@@ -305,92 +305,9 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// [`ErrorKind::Cancelled`] if `progress` said so, [`ErrorKind::OutOfMemory`], [`ErrorKind::Device`], and
-    /// [`ErrorKind::Internal`] if `progress` panicked.
-    pub fn commit(mut self, progress: Option<&(dyn Fn(f64) -> bool + Sync)>) -> Result<Scene> {
-        let device = Arc::clone(&self.inner.device);
-        let raw = self.inner.raw;
-        let monitor = Progress { report: progress, cancel: &self.cancel, state: Mutex::new(ProgressState::default()) };
-        let (result, bvh_bytes) = {
-            let mut grown = 0;
-            let result = device.guarded(&self.cancel, || {
-                let before = device.memory_bytes();
-                // SAFETY: the scene is alive and no other thread has it. `monitor` lives to the end of `commit`, and
-                // the callback is removed before that. Joining is what makes Embree build within the device's own
-                // number of threads. Nobody else ever joins: two who do and a build that fails would both release its
-                // exception.
-                unsafe {
-                    let data = (&raw const monitor).cast_mut().cast();
-                    sys::rtcSetSceneProgressMonitorFunction(raw, Some(on_progress), data);
-                    sys::rtcJoinCommitScene(raw);
-                    sys::rtcSetSceneProgressMonitorFunction(raw, None, std::ptr::null_mut());
-                }
-                grown = device.memory_bytes().saturating_sub(before);
-            });
-            (result, grown)
-        };
-        if result.is_ok() {
-            monitor.advance(1.0);
-        }
-        // What the callback did is told rather than what Embree made of it.
-        let state = monitor.state.into_inner().unwrap_or_else(PoisonError::into_inner);
-        if let Some(message) = &state.panic {
-            return Err(Error::new(ErrorKind::Internal, format!("the progress callback panicked: {message}")));
-        }
-        if state.stop {
-            return Err(Error::new(ErrorKind::Cancelled, "the build was cancelled"));
-        }
-        result?;
-        self.inner.bvh_bytes = bvh_bytes;
-        self.inner.mask = self.inner.features.mask();
-        self.inner.kept.shrink_to_fit();
-        Ok(Scene { inner: Arc::new(self.inner) })
+    /// [`ErrorKind::Internal`] if `progress` panicked. A large build that is cancelled may go on for a moment on a thread
+    /// of its own, since Embree is deaf at its beginning; see [`super::Device::wait_idle`].
+    pub fn commit(self, progress: Option<&(dyn Fn(f64) -> bool + Sync)>) -> Result<Scene> {
+        commit(self.inner, &self.cancel, progress)
     }
-}
-
-/// The caller's progress function and what it said so far.
-struct Progress<'a> {
-    report: Option<&'a (dyn Fn(f64) -> bool + Sync)>,
-    cancel: &'a Cancel,
-    state: Mutex<ProgressState>,
-}
-
-#[derive(Default)]
-struct ProgressState {
-    last: Option<f64>,
-    stop: bool,
-    panic: Option<String>,
-}
-
-impl Progress<'_> {
-    /// Reports `fraction` if it is news; false to stop.
-    fn advance(&self, fraction: f64) -> bool {
-        let mut state = lock(&self.state);
-        state.stop |= self.cancel.is_cancelled();
-        if state.stop {
-            return false;
-        }
-        let Some(report) = self.report else { return true };
-        let fraction = fraction.clamp(0.0, 1.0);
-        if state.last.is_some_and(|last| fraction <= last) {
-            return true;
-        }
-        state.last = Some(fraction);
-        match catch_unwind(AssertUnwindSafe(|| report(fraction))) {
-            Ok(go_on) => state.stop = !go_on,
-            Err(payload) => {
-                state.panic = Some(panic_text(&*payload));
-                // Dropping a payload may panic in turn; leaking it cannot.
-                std::mem::forget(payload);
-                state.stop = true;
-            }
-        }
-        !state.stop
-    }
-}
-
-unsafe extern "C" fn on_progress(data: *mut c_void, fraction: f64) -> bool {
-    // SAFETY: `data` is the `Progress` of the `commit` that is under way.
-    let progress = unsafe { &*data.cast_const().cast::<Progress<'_>>() };
-    // NaN comes from a scene without primitives.
-    progress.advance(if fraction.is_nan() { 0.0 } else { fraction })
 }

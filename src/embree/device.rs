@@ -29,8 +29,9 @@ pub struct DeviceOptions {
 
 /// A handle to Embree. Cloning it is cheap and gives the same device; scenes keep their device alive.
 ///
-/// Threads: a build is done by the calling thread and by at most `threads - 1` of the process's TBB workers, and the
-/// number holds for each device by itself. (Embree's own setting `threads` is one for the whole process: it limits
+/// Threads: a build is done by the calling thread (or, if it is large and there are several, one in its place, so that a
+/// cancelled caller need not wait) and by at most `threads - 1` of the process's TBB workers, and the number holds for each
+/// device by itself. (Embree's own setting `threads` is one for the whole process: it limits
 /// everything else that uses TBB, and the largest of all devices wins. It is left alone here.)
 #[derive(Clone)]
 pub struct Device {
@@ -45,6 +46,10 @@ pub(super) struct DeviceInner {
     turn: Mutex<bool>,
     /// Told when a turn ends.
     turn_ended: Condvar,
+    /// Builds on threads of their own.
+    builds: Mutex<usize>,
+    /// Told when one of these ends.
+    build_ended: Condvar,
 }
 
 // SAFETY: Embree's device calls are thread-safe ("Embree is thread-safe except where noted"; the exceptions concern one
@@ -92,7 +97,15 @@ impl Device {
             error: Mutex::new(None),
         });
         // From here on dropping `inner` releases the device.
-        let inner = DeviceInner { raw, threads, monitor, turn: Mutex::new(false), turn_ended: Condvar::new() };
+        let inner = DeviceInner {
+            raw,
+            threads,
+            monitor,
+            turn: Mutex::new(false),
+            turn_ended: Condvar::new(),
+            builds: Mutex::new(0),
+            build_ended: Condvar::new(),
+        };
         // SAFETY: `raw` is a device.
         let version = unsafe { sys::rtcGetDeviceProperty(raw, sys::RTC_DEVICE_PROPERTY_VERSION) } as isize;
         check_version(version, sys::RTC_VERSION as isize)?;
@@ -109,6 +122,15 @@ impl Device {
     /// Threads that build a scene.
     pub fn threads(&self) -> usize {
         self.inner.threads
+    }
+
+    /// Waits until no cancelled build goes on by itself any more: a few tens of milliseconds at most for each million
+    /// primitives. For whoever must know that no thread of the device is left.
+    pub fn wait_idle(&self) {
+        let mut builds = lock(&self.inner.builds);
+        while *builds > 0 {
+            builds = self.inner.build_ended.wait(builds).unwrap_or_else(PoisonError::into_inner);
+        }
     }
 
     /// Bytes Embree holds for the scenes of this device now.
@@ -132,7 +154,28 @@ impl Device {
     }
 }
 
+/// A build on a thread of its own, counted until it is dropped.
+pub(super) struct Building(Arc<DeviceInner>);
+
+impl Building {
+    pub(super) fn new(device: &Arc<DeviceInner>) -> Self {
+        *lock(&device.builds) += 1;
+        Self(Arc::clone(device))
+    }
+}
+
+impl Drop for Building {
+    fn drop(&mut self) {
+        *lock(&self.0.builds) -= 1;
+        self.0.build_ended.notify_all();
+    }
+}
+
 impl DeviceInner {
+    pub(super) fn threads(&self) -> usize {
+        self.threads
+    }
+
     pub(super) fn memory_bytes(&self) -> usize {
         usize::try_from(self.monitor.current.load(Ordering::Relaxed)).unwrap_or(0)
     }

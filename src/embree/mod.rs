@@ -91,6 +91,7 @@
 
 mod budget;
 mod builder;
+mod commit;
 mod device;
 mod mesh;
 mod ray;

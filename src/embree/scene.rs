@@ -50,6 +50,18 @@ pub(super) enum Kept {
     Instance(Scene),
 }
 
+impl Kept {
+    /// What there is to sort into a hierarchy.
+    pub(super) fn primitives(&self) -> usize {
+        match self {
+            Self::Triangles(mesh) => mesh.indices().len(),
+            Self::Spheres(spheres) => spheres.len(),
+            Self::User(user) => user.len(),
+            Self::Instance(_) => 1,
+        }
+    }
+}
+
 /// An Embree scene with all it refers to. Fields are dropped after `drop` has released the scene.
 pub(super) struct SceneInner {
     pub(super) raw: sys::RTCScene,

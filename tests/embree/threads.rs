@@ -74,7 +74,8 @@ mod linux {
         let mut helped = false;
         for _ in 0..20 {
             let (added, builders) = build(&two);
-            assert!(added < two.threads() && builders.len() <= two.threads(), "{added} new, {builders:?}");
+            // The calling thread waits beside a large build, so one thread more is there; but none more works.
+            assert!(added <= two.threads() && builders.len() <= two.threads(), "{added} new, {builders:?}");
             helped |= builders.len() == 2;
             assert_eq!(build(&one), (0, me.clone()));
         }

@@ -1,0 +1,68 @@
+# Print an optspec for argparse to handle cmd's options that are independent of any subcommand.
+function __fish_etendue_global_optspecs
+    string join \n h/help V/version
+end
+
+function __fish_etendue_needs_command
+    # Figure out if the current invocation already has a command.
+    set -l cmd (commandline -opc)
+    set -e cmd[1]
+    argparse -s (__fish_etendue_global_optspecs) -- $cmd 2>/dev/null
+    or return
+    if set -q argv[1]
+        # Also print the command, so this can be used to figure out what it is.
+        echo $argv[1]
+        return 1
+    end
+    return 0
+end
+
+function __fish_etendue_using_subcommand
+    set -l cmd (__fish_etendue_needs_command)
+    test -z "$cmd"
+    and return 1
+    contains -- $cmd[1] $argv
+end
+
+complete -c etendue -n "__fish_etendue_needs_command" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c etendue -n "__fish_etendue_needs_command" -s V -l version -d 'Print version'
+complete -c etendue -n "__fish_etendue_needs_command" -f -a "render" -d 'Render a scene to image files'
+complete -c etendue -n "__fish_etendue_needs_command" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
+complete -c etendue -n "__fish_etendue_needs_command" -f -a "compare" -d 'Measure how far image A is from the reference B'
+complete -c etendue -n "__fish_etendue_needs_command" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
+complete -c etendue -n "__fish_etendue_using_subcommand render" -s o -l output -d 'Image files to write, by extension: .exr, .pfm or .png. Put them after the scene, or repeat the option' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l threads -d 'Threads; 0 takes all there are' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l spp -d 'Samples per pixel, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l time -d 'Stop after so many seconds. With --spp, at whichever comes first; without, the scene\'s samples do not count' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l target-error -d 'Stop when the estimated relative error of the image is no larger than this, such as 0.01' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l seed -d 'Seed of all randomness, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l resolution -d 'Width and height in pixels, such as 640x480, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l integrator -d 'Light transport, in place of the scene\'s' -r -f -a "direct\t'Emission and light scattered once'
+whitted\t'Direct light, perfect mirrors and glass'
+path\t'Everything'"
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l filter -d 'Pixel filter: box, tent, gaussian[:SIGMA], blackman-harris or mitchell[:B,C]' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l sampler -d 'Where the samples of a pixel come from' -r -f -a "sobol\t'Owen-scrambled Sobol\' points'
+random\t'Independent random numbers'
+jittered\t'One random position in each of n x n cells'
+grid\t'n x n regular positions'
+gaussian\t'Normally distributed around the pixel\'s centre'"
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l shadow-rays -d 'Light samples per hit, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l max-depth -d 'Greatest number of surface hits on a path, or none for no cut' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l tone-map -d 'How radiance becomes brightness in a PNG' -r -f -a "maximum\t'Divide by the largest value of the image'
+clamp\t'1 is white, and so is all above'
+reinhard\t'x / (1 + x)'
+aces\t'A film-like curve'"
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l exposure -d 'Brightness of a PNG in stops: 1 doubles it' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l progressive -d 'Rewrite the images after each pass'
+complete -c etendue -n "__fish_etendue_using_subcommand render" -s q -l quiet -d 'No progress and no summary; warnings and errors stay'
+complete -c etendue -n "__fish_etendue_using_subcommand render" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c etendue -n "__fish_etendue_using_subcommand info" -l threads -d 'Threads to build with; 0 takes all there are' -r
+complete -c etendue -n "__fish_etendue_using_subcommand info" -s h -l help -d 'Print help'
+complete -c etendue -n "__fish_etendue_using_subcommand compare" -l exposure -d 'Brightness at which FLIP looks at the images, in stops' -r
+complete -c etendue -n "__fish_etendue_using_subcommand compare" -l json -d 'Print one JSON object; what is not finite is null'
+complete -c etendue -n "__fish_etendue_using_subcommand compare" -l no-flip -d 'Leave out FLIP, the slow one'
+complete -c etendue -n "__fish_etendue_using_subcommand compare" -s h -l help -d 'Print help'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info compare help" -f -a "render" -d 'Render a scene to image files'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info compare help" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info compare help" -f -a "compare" -d 'Measure how far image A is from the reference B'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info compare help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
