@@ -3,7 +3,7 @@
 #![no_main]
 
 use std::ffi::{CStr, c_char};
-use std::ptr::{null, null_mut};
+use std::ptr::null_mut;
 use std::sync::OnceLock;
 
 use etendue::capi::*;
@@ -47,10 +47,14 @@ fn message_is_there() {
 
 fuzz_target!(|data: &[u8]| {
     let mut scene = null_mut();
+    // No file is to be found: what is tested is the text.
+    let mut scene_options: etd_scene_options = unsafe { std::mem::zeroed() };
+    scene_options.struct_size = size_of::<etd_scene_options>();
+    scene_options.base_dir = c"/nowhere".as_ptr();
     // SAFETY: the pointers are to what they say.
     unsafe {
         let read =
-            etd_scene_from_json(device(), data.as_ptr().cast::<c_char>(), data.len(), null(), &raw mut scene);
+            etd_scene_from_json(device(), data.as_ptr().cast::<c_char>(), data.len(), &raw const scene_options, &raw mut scene);
         assert!(!matches!(read, ETD_PANIC | ETD_INTERNAL), "{read:?}");
         if read != ETD_OK {
             assert!(scene.is_null());
