@@ -190,6 +190,7 @@ if [ -n "$checked_by" ]; then
     # they are futexes of Rust's own. async.c says where the order of the host's memory rests on those.
     say "ThreadSanitizer, with $san_cc"
     mkdir -p "$work/tsan"
+    # shellcheck disable=SC2046,SC2086 # flags are words
     run "$san_cc" -std=c99 $strict -g -O1 -fsanitize=thread -pthread $(pkg-config --cflags etendue) tests/capi/async.c \
         $(pkg-config --libs etendue) -o "$work/tsan/async"
     run env TSAN_OPTIONS="suppressions=$root/tests/capi/tsan.supp halt_on_error=1" "$work/tsan/async" 5

@@ -93,9 +93,9 @@ int main(int count, char **arguments) {
     /* A copied mesh: the arrays may go as soon as the call returns. */
     const float pyramid[15] = {-1, 0, -1, 1, 0, -1, 1, 0, 1, -1, 0, 1, 0, 1.6f, 0};
     const uint32_t faces[12] = {1, 0, 4, 2, 1, 4, 3, 2, 4, 0, 3, 4};
-    const double places[3][12] = {{1, 0, 0, -2, 0, 1, 0, 0.2, 0, 0, 1, 0},
-                                  {0.7, 0, 0.7, 2, 0, 1.5, 0, 0.2, -0.7, 0, 0.7, 0},
-                                  {0.5, 0, 0, 0, 0, 0.5, 0, 0.2, 0, 0, 0.5, 2}};
+    const double places[3][12] = {{1, 0, 0, -2, 0, 1, 0, -0.3, 0, 0, 1, 0},
+                                  {0.7, 0, 0.7, 2, 0, 1.5, 0, -0.3, -0.7, 0, 0.7, 0},
+                                  {0.5, 0, 0, 0, 0, 0.5, 0, -0.3, 0, 0, 0.5, 2}};
     const double light[3] = {4, 6, 5};
     const float intensity[3] = {300, 280, 250};
     etd_device *device = NULL;

@@ -67,7 +67,7 @@ int main(int count, char **arguments) {
         for (const double x : {-2.0, 0.0, 2.0}) {
             etd_surface surface = etd::surface(red);
             surface.transform[3] = x;
-            surface.transform[7] = 0.2;
+            surface.transform[7] = -0.3;
             scene.add_mesh_surface(pyramid, false, surface);
         }
         scene.add_point_light({{4, 6, 5}, {300, 280, 250}});

@@ -2,14 +2,31 @@
  *
  * The library itself is not instrumented, so only what the host does is watched: that the library's calls order the
  * host's memory as they promise (a progress function's writes are seen after the wait, a map's pixels do not change, the
- * arrays of a shared mesh are free after their release function). Everything the host shares between threads is hence
- * shared without locks of its own where the interface promises the order.
+ * arrays of a shared mesh may be freed in their release function). Everything the host shares between threads is hence
+ * shared without locks of its own where the interface promises the order. ThreadSanitizer sees that order where it comes
+ * from threads that begin and are joined; where it comes from the library's own locks and counters, which it cannot see,
+ * HANDED_OVER and TAKEN_OVER say so.
  *
  * Usage: async [ROUNDS] */
 #define _POSIX_C_SOURCE 200809L
 #include "check.h"
 
 CHECK_MAIN;
+
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define WATCHED 1
+#endif
+#endif
+#if defined(__SANITIZE_THREAD__) || defined(WATCHED)
+void __tsan_acquire(void *address);
+void __tsan_release(void *address);
+#define HANDED_OVER(address) __tsan_release(address)
+#define TAKEN_OVER(address) __tsan_acquire(address)
+#else
+#define HANDED_OVER(address) ((void)(address))
+#define TAKEN_OVER(address) ((void)(address))
+#endif
 
 enum { SIDE = 16 };
 
@@ -162,6 +179,7 @@ static void *edit_and_ask(void *data) {
 /* The arrays of a shared mesh may be freed in the release function, whoever was reading them last. */
 static void free_arrays(void *user_data) {
     float *positions = user_data;
+    TAKEN_OVER(positions);
     positions[0] = -1;
     free(positions);
 }
@@ -193,6 +211,7 @@ static void *share_meshes(void *data) {
             mesh.sharing = ETD_SHARE;
             mesh.release = free_arrays;
             mesh.user_data = positions;
+            HANDED_OVER(positions);
             if (k == 0) {
                 CHECK_OK(etd_scene_add_mesh(scene, &mesh, &number));
                 surface.material = 0;

@@ -1,0 +1,620 @@
+/* Wrong values: structures of the wrong size, enumerations without that value, numbers that are none, numbers of nothing.
+ * Each must be refused with the documented status, and change nothing. */
+#define _POSIX_C_SOURCE 200809L
+#include "misuse.h"
+
+#include <math.h>
+
+/* ------------------------------------------------------------------------------------------------------------------ */
+/* Structures of the wrong size */
+
+static union {
+    unsigned char bytes[8192];
+    size_t size;
+    double align;
+} structure;
+
+#define INIT(type, value)                   \
+    do {                                    \
+        type initial = value;               \
+        memcpy(&structure, &initial, sizeof initial); \
+    } while (0)
+
+static etd_status s_error(void) { return etd_last_error((etd_error *)(void *)&structure); }
+static etd_status s_device_options(void) {
+    etd_device *made = NULL;
+    etd_status status;
+    ((etd_device_options *)(void *)&structure)->threads = 1;
+    status = etd_device_new((etd_device_options *)(void *)&structure, &made);
+    CHECK((status == ETD_OK) == (made != NULL));
+    etd_device_release(made);
+    return status;
+}
+static etd_status s_scene_options(void) {
+    etd_scene *made = NULL;
+    etd_status status = etd_scene_new(device, (etd_scene_options *)(void *)&structure, &made);
+    CHECK((status == ETD_OK) == (made != NULL));
+    etd_scene_release(made);
+    return status;
+}
+static etd_status s_film_options(void) {
+    etd_film *made = NULL;
+    etd_status status;
+    ((etd_film_options *)(void *)&structure)->width = 2;
+    ((etd_film_options *)(void *)&structure)->height = 2;
+    status = etd_film_new(device, (etd_film_options *)(void *)&structure, &made);
+    CHECK((status == ETD_OK) == (made != NULL));
+    etd_film_release(made);
+    return status;
+}
+static etd_status s_set_camera(void) { return etd_scene_set_camera(scene, (etd_camera *)(void *)&structure); }
+static etd_status s_get_camera(void) { return etd_scene_get_camera(scene, (etd_camera *)(void *)&structure); }
+static etd_status s_set_material(void) { return etd_scene_set_material(scene, 0, (etd_material *)(void *)&structure); }
+static etd_status s_get_material(void) { return etd_scene_get_material(scene, 0, (etd_material *)(void *)&structure); }
+static etd_status s_mesh(void) {
+    etd_mesh *mesh = (etd_mesh *)(void *)&structure;
+    mesh->positions = small_positions;
+    mesh->vertex_count = 3;
+    mesh->indices = small_indices;
+    mesh->triangle_count = 1;
+    return etd_scene_set_mesh(scene, mesh_number, mesh);
+}
+static etd_status s_set_surface(void) {
+    uint32_t number;
+    ((etd_surface *)(void *)&structure)->material = 0;
+    return etd_scene_add_sphere(scene, centre, 1, (etd_surface *)(void *)&structure, &number);
+}
+static etd_status s_get_surface(void) { return etd_scene_get_surface(scene, 0, (etd_surface *)(void *)&structure); }
+static etd_status s_set_render_options(void) {
+    ((etd_render_options *)(void *)&structure)->samples = 1;
+    return etd_render(scene, film, (etd_render_options *)(void *)&structure);
+}
+static etd_status s_get_render_options(void) {
+    return etd_scene_get_render_options(scene, (etd_render_options *)(void *)&structure);
+}
+static etd_status s_progress(void) { return etd_task_poll(task, (etd_progress *)(void *)&structure); }
+static etd_status s_summary(void) { return etd_film_get_summary(film, (etd_summary *)(void *)&structure); }
+static etd_status s_scene_info(void) { return etd_scene_get_info(scene, (etd_scene_info *)(void *)&structure); }
+static etd_status s_map(void) {
+    etd_map *map = (etd_map *)(void *)&structure;
+    etd_status status = etd_film_map(film, ETD_LAYER_COLOR, map);
+    if (status == ETD_OK) {
+        etd_map same = ETD_MAP_INIT;
+        same.id = map->id;
+        CHECK_OK(etd_film_unmap(film, &same));
+    }
+    return status;
+}
+static etd_status s_image_options(void) {
+    float pixels[4 * 4 * 4];
+    return etd_film_copy(film, ETD_LAYER_COLOR, (etd_image_options *)(void *)&structure, pixels, sizeof pixels, 0);
+}
+
+static void i_error(void) { INIT(etd_error, ETD_ERROR_INIT); }
+static void i_device_options(void) { INIT(etd_device_options, ETD_DEVICE_OPTIONS_INIT); }
+static void i_scene_options(void) { INIT(etd_scene_options, ETD_SCENE_OPTIONS_INIT); }
+static void i_film_options(void) { INIT(etd_film_options, ETD_FILM_OPTIONS_INIT); }
+static void i_camera(void) { INIT(etd_camera, ETD_CAMERA_INIT); }
+static void i_material(void) { INIT(etd_material, ETD_MATERIAL_INIT); }
+static void i_mesh(void) { INIT(etd_mesh, ETD_MESH_INIT); }
+static void i_surface(void) { INIT(etd_surface, ETD_SURFACE_INIT); }
+static void i_render_options(void) { INIT(etd_render_options, ETD_RENDER_OPTIONS_INIT); }
+static void i_progress(void) { INIT(etd_progress, ETD_PROGRESS_INIT); }
+static void i_summary(void) { INIT(etd_summary, ETD_SUMMARY_INIT); }
+static void i_scene_info(void) { INIT(etd_scene_info, ETD_SCENE_INFO_INIT); }
+static void i_map(void) { INIT(etd_map, ETD_MAP_INIT); }
+static void i_image_options(void) { INIT(etd_image_options, ETD_IMAGE_OPTIONS_INIT); }
+
+static void pass_wrong_sizes(void) {
+    static const struct {
+        const char *name;
+        void (*init)(void);
+        etd_status (*call)(void);
+        size_t size;
+        size_t last; /* where the last field begins: no version had less */
+        int is_output;
+    } cases[] = {
+        {"etd_error", i_error, s_error, sizeof(etd_error), offsetof(etd_error, json_path), 1},
+        {"etd_device_options", i_device_options, s_device_options, sizeof(etd_device_options),
+         offsetof(etd_device_options, user_data), 0},
+        {"etd_scene_options", i_scene_options, s_scene_options, sizeof(etd_scene_options),
+         offsetof(etd_scene_options, params_file), 0},
+        {"etd_film_options", i_film_options, s_film_options, sizeof(etd_film_options),
+         offsetof(etd_film_options, reserved), 0},
+        {"etd_camera in", i_camera, s_set_camera, sizeof(etd_camera), offsetof(etd_camera, fov_deg), 0},
+        {"etd_camera out", i_camera, s_get_camera, sizeof(etd_camera), offsetof(etd_camera, fov_deg), 1},
+        {"etd_material in", i_material, s_set_material, sizeof(etd_material), offsetof(etd_material, reserved), 0},
+        {"etd_material out", i_material, s_get_material, sizeof(etd_material), offsetof(etd_material, reserved), 1},
+        {"etd_mesh", i_mesh, s_mesh, sizeof(etd_mesh), offsetof(etd_mesh, name), 0},
+        {"etd_surface in", i_surface, s_set_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 0},
+        {"etd_surface out", i_surface, s_get_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 1},
+        {"etd_render_options in", i_render_options, s_set_render_options, sizeof(etd_render_options),
+         offsetof(etd_render_options, user_data), 0},
+        {"etd_render_options out", i_render_options, s_get_render_options, sizeof(etd_render_options),
+         offsetof(etd_render_options, user_data), 1},
+        {"etd_progress", i_progress, s_progress, sizeof(etd_progress), offsetof(etd_progress, images), 1},
+        {"etd_summary", i_summary, s_summary, sizeof(etd_summary), offsetof(etd_summary, cancelled), 1},
+        {"etd_scene_info", i_scene_info, s_scene_info, sizeof(etd_scene_info), offsetof(etd_scene_info, build_time), 1},
+        {"etd_map", i_map, s_map, sizeof(etd_map), offsetof(etd_map, id), 1},
+        {"etd_image_options", i_image_options, s_image_options, sizeof(etd_image_options),
+         offsetof(etd_image_options, comments), 0},
+    };
+    size_t i, k;
+    for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const size_t right = cases[i].size;
+        const size_t wrong[] = {0, 1, sizeof(size_t), cases[i].last - 1, (size_t)-1, (size_t)-1 / 2, 1000 * right};
+        char text[160];
+        etd_status got;
+        for (k = 0; k < sizeof wrong / sizeof wrong[0]; ++k) {
+            memset(&structure, 0, sizeof structure);
+            cases[i].init();
+            structure.size = wrong[k];
+            got = cases[i].call();
+            snprintf(text, sizeof text, "%s of size %lu: %s", cases[i].name, (unsigned long)wrong[k],
+                     etd_status_name(got));
+            check_that(got == ETD_INVALID_ARGUMENT, __FILE__, __LINE__, text);
+        }
+        /* A program of a later version: fine as long as it asks for nothing that is not known here. */
+        memset(&structure, 0, sizeof structure);
+        cases[i].init();
+        structure.size = right + 24;
+        if (cases[i].is_output) {
+            memset(structure.bytes + right, 0x5a, 24);
+        }
+        got = cases[i].call();
+        snprintf(text, sizeof text, "%s of a later version: %s", cases[i].name, etd_status_name(got));
+        check_that(got == ETD_OK, __FILE__, __LINE__, text);
+        check_that(structure.size == right + 24, __FILE__, __LINE__, "struct_size is the caller's");
+        for (k = right; cases[i].is_output && k < right + 24; ++k) {
+            check_that(structure.bytes[k] == 0x5a, __FILE__, __LINE__, "what is not known is not written");
+        }
+        if (!cases[i].is_output) {
+            structure.bytes[right + 23] = 1;
+            got = cases[i].call();
+            snprintf(text, sizeof text, "%s of a later version with an unknown field: %s", cases[i].name,
+                     etd_status_name(got));
+            check_that(got == ETD_INVALID_ARGUMENT, __FILE__, __LINE__, text);
+        }
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------------------ */
+/* Numbers that mean nothing */
+
+static etd_status e_usage(uint32_t value) {
+    etd_scene_options options = ETD_SCENE_OPTIONS_INIT;
+    etd_scene *made = NULL;
+    etd_status status;
+    options.usage = value;
+    status = etd_scene_new(device, &options, &made);
+    CHECK((status == ETD_OK) == (made != NULL));
+    etd_scene_release(made);
+    return status;
+}
+static etd_status e_camera_type(uint32_t value) {
+    etd_camera camera = ETD_CAMERA_INIT;
+    camera.projection = value;
+    return etd_scene_set_camera(scene, &camera);
+}
+static etd_status e_fov_axis(uint32_t value) {
+    etd_camera camera = ETD_CAMERA_INIT;
+    camera.fov_axis = value;
+    return etd_scene_set_camera(scene, &camera);
+}
+static etd_status e_bsdf(uint32_t value) {
+    etd_material material = ETD_MATERIAL_INIT;
+    material.bsdf = value;
+    return etd_scene_set_material(scene, 0, &material);
+}
+static etd_status e_position_format(uint32_t value) {
+    static const double positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    etd_mesh mesh = small_mesh();
+    mesh.position_format = value;
+    mesh.positions = positions;
+    return etd_scene_set_mesh(scene, mesh_number, &mesh);
+}
+static etd_status e_sharing(uint32_t value) {
+    etd_mesh mesh = small_mesh();
+    mesh.sharing = value;
+    mesh.position_bytes = sizeof small_positions;
+    return etd_scene_set_mesh(scene, mesh_number, &mesh);
+}
+static etd_status e_sampler(uint32_t value) {
+    etd_render_options options = short_render(1);
+    options.sampler = value;
+    return etd_render(scene, film, &options);
+}
+static etd_status e_filter(uint32_t value) {
+    etd_render_options options = short_render(1);
+    options.filter = value;
+    return etd_render(scene, film, &options);
+}
+static etd_status e_integrator(uint32_t value) {
+    etd_render_options options = short_render(1);
+    options.integrator = value;
+    return etd_render(scene, film, &options);
+}
+static etd_status e_format(uint32_t value) {
+    static float pixels[4 * 4 * 4];
+    etd_image_options options = ETD_IMAGE_OPTIONS_INIT;
+    options.format = value;
+    return etd_film_copy(film, ETD_LAYER_COLOR, &options, pixels, sizeof pixels, 0);
+}
+static etd_status e_tone_map_copy(uint32_t value) {
+    static unsigned char pixels[4 * 4 * 3];
+    etd_image_options options = ETD_IMAGE_OPTIONS_INIT;
+    options.format = ETD_FORMAT_RGB8;
+    options.tone_map = value;
+    return etd_film_copy(film, ETD_LAYER_COLOR, &options, pixels, sizeof pixels, 0);
+}
+static etd_status e_tone_map_write(uint32_t value) {
+    etd_image_options options = ETD_IMAGE_OPTIONS_INIT;
+    options.tone_map = value;
+    return etd_film_write(film, "misuse.png", &options);
+}
+static etd_status e_text(uint32_t value) {
+    size_t needed = 0;
+    return etd_scene_copy_text(scene, value, NULL, 0, &needed);
+}
+
+static void pass_wrong_enumerations(void) {
+    static const struct {
+        const char *name;
+        etd_status (*call)(uint32_t value);
+        uint32_t last;
+    } cases[] = {
+        {"usage", e_usage, ETD_USAGE_DYNAMIC},
+        {"camera_type", e_camera_type, ETD_CAMERA_VIEW_PLANE},
+        {"fov_axis", e_fov_axis, ETD_FOV_VERTICAL},
+        {"bsdf", e_bsdf, ETD_BSDF_DIELECTRIC},
+        {"position_format", e_position_format, ETD_POSITION_DOUBLE3},
+        {"sharing", e_sharing, ETD_SHARE},
+        {"sampler", e_sampler, ETD_SAMPLER_GAUSSIAN},
+        {"filter", e_filter, ETD_FILTER_MITCHELL},
+        {"integrator", e_integrator, ETD_INTEGRATOR_DIRECT},
+        {"format", e_format, ETD_FORMAT_RGBA8},
+        {"tone_map of a copy", e_tone_map_copy, ETD_TONE_MAP_ACES},
+        {"tone_map of a file", e_tone_map_write, ETD_TONE_MAP_ACES},
+        {"text", e_text, ETD_TEXT_WARNINGS},
+    };
+    static const uint32_t layers[] = {0, 3, ETD_LAYER_ALPHA, 129, 256, UINT32_MAX};
+    size_t i, k;
+    for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const uint32_t wrong[] = {cases[i].last + 1, 100, 0x80000000u, UINT32_MAX};
+        char text[96];
+        uint32_t value;
+        for (value = 0; value <= cases[i].last; ++value) {
+            snprintf(text, sizeof text, "%s %lu is one", cases[i].name, (unsigned long)value);
+            check_status(cases[i].call(value), ETD_OK, __FILE__, __LINE__, text);
+        }
+        for (k = 0; k < sizeof wrong / sizeof wrong[0]; ++k) {
+            snprintf(text, sizeof text, "%s %lu is none", cases[i].name, (unsigned long)wrong[k]);
+            check_status(cases[i].call(wrong[k]), ETD_INVALID_ARGUMENT, __FILE__, __LINE__, text);
+        }
+    }
+    for (i = 0; i < sizeof layers / sizeof layers[0]; ++i) {
+        etd_map map = ETD_MAP_INIT;
+        float pixels[4 * 4 * 4];
+        CHECK_STATUS(etd_film_map(film, layers[i], &map), ETD_INVALID_ARGUMENT);
+        CHECK(map.data == NULL && map.id == 0);
+        CHECK_STATUS(etd_film_copy(film, layers[i], NULL, pixels, sizeof pixels, 0), ETD_INVALID_ARGUMENT);
+    }
+    {
+        etd_map map = ETD_MAP_INIT;
+        etd_film_options options = ETD_FILM_OPTIONS_INIT;
+        etd_film *made = NULL;
+        CHECK_STATUS(etd_film_map(film, ETD_LAYER_DEPTH, &map), ETD_INVALID_OPERATION); /* not kept */
+        options.width = options.height = 4;
+        options.layers = 256;
+        CHECK_STATUS(etd_film_new(device, &options, &made), ETD_INVALID_ARGUMENT);
+        options.layers = 255;
+        options.reserved = 1;
+        CHECK_STATUS(etd_film_new(device, &options, &made), ETD_INVALID_ARGUMENT);
+        options.reserved = 0;
+        options.width = 0;
+        CHECK_STATUS(etd_film_new(device, &options, &made), ETD_INVALID_ARGUMENT);
+        options.width = options.height = UINT32_MAX;
+        CHECK_STATUS(etd_film_new(device, &options, &made), ETD_INVALID_ARGUMENT);
+        CHECK(made == NULL);
+    }
+    CHECK(strcmp(etd_status_name(12345), "unknown status") == 0);
+}
+
+/* How many surfaces, materials, meshes and lights there are, as one number: it tells whether anything was added. */
+static uint64_t population(void) {
+    etd_scene_info info = ETD_SCENE_INFO_INIT;
+    CHECK_OK(etd_scene_commit(scene, NULL, NULL));
+    CHECK_OK(etd_scene_get_info(scene, &info));
+    return info.surfaces + 1000 * info.materials + 1000000 * info.meshes + 1000000000 * info.point_lights;
+}
+
+/* Each number of these arrays in turn becomes NaN and infinite. */
+static void pass_numbers(void) {
+    const float bad[3] = {(float)NAN, (float)INFINITY, -(float)INFINITY};
+    const uint64_t before = population();
+    etd_surface surface = matt();
+    uint32_t number = 4321;
+    size_t i, k;
+    for (k = 0; k < 3; ++k) {
+        double values[12];
+        float floats[12];
+#define EACH(original, count, call, wanted)                   \
+    for (i = 0; i < (count); ++i) {                           \
+        memcpy(values, (original), (count) * sizeof *values); \
+        values[i] = (double)bad[k];                           \
+        CHECK_STATUS(call, wanted);                           \
+    }
+        EACH(centre, 3, etd_scene_add_sphere(scene, values, 1, &surface, &number), ETD_INVALID_SCENE)
+        EACH(triangle_vertices, 9, etd_scene_add_triangle(scene, values, &surface, &number), ETD_INVALID_SCENE)
+        EACH(quad_vertices, 12, etd_scene_add_quad(scene, values, &surface, &number), ETD_INVALID_SCENE)
+        EACH(centre, 3, etd_scene_add_disk(scene, values, up_axis, 1, &surface, &number), ETD_INVALID_SCENE)
+        EACH(up_axis, 3, etd_scene_add_disk(scene, centre, values, 1, &surface, &number), ETD_INVALID_SCENE)
+        EACH(centre, 3, etd_scene_add_cylinder(scene, values, up_axis, 1, 1, &surface, &number), ETD_INVALID_SCENE)
+        EACH(up_axis, 3, etd_scene_add_cylinder(scene, centre, values, 1, 1, &surface, &number), ETD_INVALID_SCENE)
+        EACH(centre, 3, etd_scene_add_cone(scene, values, up_axis, 1, 1, &surface, &number), ETD_INVALID_SCENE)
+        EACH(up_axis, 3, etd_scene_add_cone(scene, centre, values, 1, 1, &surface, &number), ETD_INVALID_SCENE)
+        EACH(centre, 3, etd_scene_add_paraboloid(scene, values, up_axis, 1, 1, &surface, &number), ETD_INVALID_SCENE)
+        EACH(up_axis, 3, etd_scene_add_paraboloid(scene, centre, values, 1, 1, &surface, &number), ETD_INVALID_SCENE)
+        EACH(centre, 3, etd_scene_add_ellipsoid(scene, values, high, &surface, &number), ETD_INVALID_SCENE)
+        EACH(high, 3, etd_scene_add_ellipsoid(scene, centre, values, &surface, &number), ETD_INVALID_SCENE)
+        EACH(unit_ball, 10, etd_scene_add_quadric(scene, values, NULL, NULL, &surface, &number), ETD_INVALID_SCENE)
+        EACH(low, 3, etd_scene_add_quadric(scene, unit_ball, values, high, &surface, &number), ETD_INVALID_SCENE)
+        EACH(high, 3, etd_scene_add_quadric(scene, unit_ball, low, values, &surface, &number), ETD_INVALID_SCENE)
+        EACH(ones, 12, etd_scene_set_transform(scene, 1, values), ETD_INVALID_SCENE)
+        EACH(centre, 3, etd_scene_add_point_light(scene, values, grey, &number), ETD_INVALID_SCENE)
+        EACH(centre, 3, etd_scene_set_point_light(scene, 0, values, grey), ETD_INVALID_SCENE)
+#undef EACH
+        for (i = 0; i < 3; ++i) {
+            etd_camera camera = ETD_CAMERA_INIT;
+            etd_material material = ETD_MATERIAL_INIT;
+            etd_surface glowing = matt();
+            memcpy(floats, grey, sizeof grey);
+            floats[i] = bad[k];
+            CHECK_STATUS(etd_scene_add_point_light(scene, centre, floats, &number), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_set_point_light(scene, 0, centre, floats), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_set_emission(scene, 2, floats), ETD_INVALID_SCENE);
+            glowing.emission[i] = bad[k];
+            CHECK_STATUS(etd_scene_add_sphere(scene, centre, 1, &glowing, &number), ETD_INVALID_SCENE);
+            material.color[i] = bad[k];
+            CHECK_STATUS(etd_scene_add_material(scene, NULL, &material, &number), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_set_material(scene, 0, &material), ETD_INVALID_SCENE);
+            camera.origin[i] = (double)bad[k];
+            CHECK_STATUS(etd_scene_set_camera(scene, &camera), ETD_INVALID_SCENE);
+            camera = (etd_camera)ETD_CAMERA_INIT;
+            camera.look_at[i] = (double)bad[k];
+            CHECK_STATUS(etd_scene_set_camera(scene, &camera), ETD_INVALID_SCENE);
+            camera = (etd_camera)ETD_CAMERA_INIT;
+            camera.up[i] = (double)bad[k];
+            CHECK_STATUS(etd_scene_set_camera(scene, &camera), ETD_INVALID_SCENE);
+        }
+        for (i = 0; i < 12; ++i) {
+            etd_surface placed = matt();
+            placed.transform[i] = (double)bad[k];
+            CHECK_STATUS(etd_scene_add_sphere(scene, centre, 1, &placed, &number), ETD_INVALID_SCENE);
+        }
+        for (i = 0; i < 9; ++i) {
+            etd_mesh mesh = small_mesh();
+            memcpy(floats, small_positions, 9 * sizeof *floats);
+            floats[i] = bad[k];
+            mesh.positions = floats;
+            CHECK_STATUS(etd_scene_add_mesh(scene, &mesh, &number), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_set_mesh(scene, mesh_number, &mesh), ETD_INVALID_SCENE);
+            mesh = small_mesh();
+            mesh.normals = floats;
+            CHECK_STATUS(etd_scene_add_mesh(scene, &mesh, &number), ETD_INVALID_SCENE);
+            if (i < 6) {
+                mesh = small_mesh();
+                mesh.uvs = floats;
+                CHECK_STATUS(etd_scene_add_mesh(scene, &mesh, &number), ETD_INVALID_SCENE);
+            }
+        }
+        {
+            const double x = (double)bad[k];
+            etd_camera camera = ETD_CAMERA_INIT;
+            etd_render_options options = short_render(1);
+            etd_image_options image = ETD_IMAGE_OPTIONS_INIT;
+            unsigned char pixels[4 * 4 * 3];
+            etd_ray rays[2] = {{{0, 5, 0}, 0, {0, -1, 0}, 100}, {{0, 5, 0}, 0, {0, -1, 0}, 100}};
+            etd_hit hits[2];
+            uint8_t answers[2];
+            CHECK_STATUS(etd_scene_add_sphere(scene, centre, x, &surface, &number), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_add_disk(scene, centre, up_axis, x, &surface, &number), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_add_cylinder(scene, centre, up_axis, x, 1, &surface, &number), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_add_cylinder(scene, centre, up_axis, 1, x, &surface, &number), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_add_cone(scene, centre, up_axis, x, 1, &surface, &number), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_add_cone(scene, centre, up_axis, 1, x, &surface, &number), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_add_paraboloid(scene, centre, up_axis, x, 1, &surface, &number), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_add_paraboloid(scene, centre, up_axis, 1, x, &surface, &number), ETD_INVALID_SCENE);
+            camera.fov_deg = x;
+            CHECK_STATUS(etd_scene_set_camera(scene, &camera), ETD_INVALID_SCENE);
+            options.time_limit = x;
+            CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+            options = short_render(1);
+            options.target_error = x;
+            CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+            image.format = ETD_FORMAT_RGB8;
+            image.exposure = bad[k];
+            memset(pixels, 7, sizeof pixels);
+            CHECK_STATUS(etd_film_copy(film, ETD_LAYER_COLOR, &image, pixels, sizeof pixels, 0), ETD_INVALID_ARGUMENT);
+            CHECK(pixels[0] == 7 && pixels[sizeof pixels - 1] == 7);
+            CHECK_STATUS(etd_film_write(film, "misuse.png", &image), ETD_INVALID_ARGUMENT);
+            /* A ray that cannot be traced is the only one that goes without an answer. */
+            rays[0].origin[k] = bad[k];
+            CHECK_STATUS(etd_scene_intersect(scene, rays, 2, hits), ETD_INVALID_ARGUMENT);
+            CHECK(hits[0].surface == ETD_NONE && hits[1].surface != ETD_NONE && strstr(etd_last_error_message(), "0"));
+            CHECK_STATUS(etd_scene_occluded(scene, rays, 2, answers), ETD_INVALID_ARGUMENT);
+            CHECK(answers[0] == 0 && answers[1] == 1);
+        }
+    }
+    CHECK_STATUS(etd_task_wait(task, (double)bad[0]), ETD_INVALID_ARGUMENT);
+    CHECK_OK(etd_task_wait(task, (double)bad[1]));
+    CHECK_OK(etd_task_wait(task, (double)bad[2]));
+    CHECK(number == 4321);
+    CHECK(population() == before);
+}
+
+/* Numbers of nothing, and arguments out of their range. */
+static void pass_indices(void) {
+    const uint32_t nobody[] = {1000000, UINT32_MAX - 1, UINT32_MAX};
+    const uint64_t before = population();
+    size_t i;
+    for (i = 0; i < 3; ++i) {
+        const uint32_t n = nobody[i];
+        etd_material material = ETD_MATERIAL_INIT;
+        etd_surface surface = matt();
+        etd_surface lost = ETD_SURFACE_INIT;
+        etd_mesh mesh = small_mesh();
+        uint32_t bad_indices[3] = {0, 1, 3};
+        double position[3] = {7, 7, 7};
+        float intensity[3] = {7, 7, 7};
+        uint32_t number = 4321;
+        CHECK_STATUS(etd_scene_set_material(scene, n, &material), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_get_material(scene, n, &material), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_set_point_light(scene, n, centre, grey), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_get_point_light(scene, n, position, intensity), ETD_INVALID_ARGUMENT);
+        CHECK(position[0] == 7 && intensity[2] == 7);
+        CHECK_STATUS(etd_scene_add_mesh_surface(scene, n, 0, &surface, &number), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_remove_surface(scene, n), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_set_transform(scene, n, ones), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_set_surface_material(scene, n, 0), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_set_emission(scene, n, grey), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_get_surface(scene, n, &surface), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_set_mesh(scene, n, &mesh), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_remove_mesh(scene, n), ETD_INVALID_ARGUMENT);
+        bad_indices[2] = n;
+        mesh.indices = bad_indices;
+        CHECK_STATUS(etd_scene_add_mesh(scene, &mesh, &number), ETD_INVALID_SCENE);
+        bad_indices[2] = 3;
+        CHECK_STATUS(etd_scene_add_mesh(scene, &mesh, &number), ETD_INVALID_SCENE);
+        if (n != ETD_NONE) {
+            lost.material = n;
+            CHECK_STATUS(etd_scene_add_sphere(scene, centre, 1, &lost, &number), ETD_INVALID_ARGUMENT);
+            CHECK_STATUS(etd_scene_set_surface_material(scene, 0, n), ETD_INVALID_ARGUMENT);
+        }
+        CHECK(number == 4321);
+    }
+    {
+        etd_mesh mesh = small_mesh();
+        etd_mesh absurd;
+        etd_film_options film_options = ETD_FILM_OPTIONS_INIT;
+        etd_device_options device_options = ETD_DEVICE_OPTIONS_INIT;
+        etd_render_options options = short_render(0);
+        etd_material material = ETD_MATERIAL_INIT;
+        etd_device *no_device = NULL;
+        etd_scene *no_scene = NULL;
+        float pixels[4 * 4 * 4];
+        char text[4] = "xyz";
+        uint32_t number = 4321;
+        size_t needed = 0;
+        (void)film_options;
+        CHECK_STATUS(etd_scene_remove_mesh(scene, mesh_number), ETD_INVALID_SCENE); /* a surface uses it */
+        absurd = mesh;
+        absurd.vertex_count = 0;
+        CHECK_STATUS(etd_scene_add_mesh(scene, &absurd, &number), ETD_INVALID_ARGUMENT);
+        absurd.vertex_count = (size_t)-1;
+        CHECK_STATUS(etd_scene_add_mesh(scene, &absurd, &number), ETD_INVALID_ARGUMENT);
+        absurd = mesh;
+        absurd.triangle_count = 0;
+        CHECK_STATUS(etd_scene_add_mesh(scene, &absurd, &number), ETD_INVALID_ARGUMENT);
+        absurd = mesh;
+        absurd.position_stride = 4;
+        CHECK_STATUS(etd_scene_add_mesh(scene, &absurd, &number), ETD_INVALID_ARGUMENT);
+        absurd.position_stride = (size_t)-4;
+        CHECK_STATUS(etd_scene_add_mesh(scene, &absurd, &number), ETD_INVALID_ARGUMENT);
+        absurd = mesh;
+        absurd.positions = NULL;
+        CHECK_STATUS(etd_scene_add_mesh(scene, &absurd, &number), ETD_INVALID_ARGUMENT);
+        absurd = mesh;
+        absurd.indices = NULL;
+        CHECK_STATUS(etd_scene_add_mesh(scene, &absurd, &number), ETD_INVALID_ARGUMENT);
+        absurd = mesh;
+        absurd.name = "grid"; /* taken */
+        CHECK_STATUS(etd_scene_add_mesh(scene, &absurd, &number), ETD_INVALID_SCENE);
+        absurd = mesh;
+        absurd.sharing = ETD_SHARE; /* 16 bytes cannot be read from the last position on */
+        absurd.position_bytes = 9 * sizeof(float);
+        CHECK_STATUS(etd_scene_add_mesh(scene, &absurd, &number), ETD_INVALID_ARGUMENT);
+        absurd.position_bytes = 0;
+        CHECK_STATUS(etd_scene_add_mesh(scene, &absurd, &number), ETD_INVALID_ARGUMENT);
+        absurd.position_format = ETD_POSITION_DOUBLE3;
+        CHECK_STATUS(etd_scene_add_mesh(scene, &absurd, &number), ETD_INVALID_ARGUMENT);
+        material.reserved = 1;
+        CHECK_STATUS(etd_scene_add_material(scene, NULL, &material, &number), ETD_INVALID_ARGUMENT);
+        material.reserved = 0;
+        CHECK_STATUS(etd_scene_add_material(scene, "white", &material, &number), ETD_INVALID_SCENE); /* taken */
+        CHECK_STATUS(etd_scene_add_material(scene, "\xff\xfe", &material, &number), ETD_INVALID_ARGUMENT);
+        CHECK(number == 4321);
+        device_options.threads = 1025;
+        CHECK_STATUS(etd_device_new(&device_options, &no_device), ETD_INVALID_ARGUMENT);
+        device_options.threads = 1;
+        device_options.reserved = 1;
+        CHECK_STATUS(etd_device_new(&device_options, &no_device), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT); /* never ends */
+        options.samples = 1;
+        options.shadow_rays = 1025;
+        CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_film_copy(film, ETD_LAYER_COLOR, NULL, pixels, sizeof pixels - 1, 0), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_film_copy(film, ETD_LAYER_COLOR, NULL, pixels, sizeof pixels, 15), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_film_copy(film, ETD_LAYER_COLOR, NULL, pixels, sizeof pixels, (size_t)-4),
+                     ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_film_copy(film, ETD_LAYER_COLOR, NULL, (char *)pixels + 1, sizeof pixels - 1, 0),
+                     ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_film_write(film, "misuse.tiff", NULL), ETD_UNSUPPORTED);
+        CHECK_STATUS(etd_film_write(film, "no/such/folder/misuse.png", NULL), ETD_IO);
+        CHECK_STATUS(etd_scene_from_file(device, "no-such-file.json", NULL, &no_scene), ETD_IO);
+        CHECK_STATUS(etd_scene_from_json(device, "{", 1, NULL, &no_scene), ETD_INVALID_SCENE);
+        CHECK_STATUS(etd_scene_from_json(device, "", 0, NULL, &no_scene), ETD_INVALID_SCENE);
+        CHECK_STATUS(etd_scene_from_json(device, "\xff", 1, NULL, &no_scene), ETD_INVALID_SCENE);
+        CHECK_STATUS(etd_scene_from_json(device, "{}", (size_t)-1, NULL, &no_scene), ETD_INVALID_ARGUMENT);
+        CHECK(no_device == NULL && no_scene == NULL);
+        CHECK_STATUS(etd_scene_add_mesh_file(scene, NULL, "no-such-file.obj", &number), ETD_IO);
+        CHECK_STATUS(etd_scene_find_material(scene, "nobody", &number), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_find_mesh(scene, "nobody", &number), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_find_surface(scene, "surfaces[99999]", &number), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_find_surface(scene, "", &number), ETD_INVALID_ARGUMENT);
+        CHECK(number == 4321);
+        /* A text that does not fit is cut, and ends with a zero byte. */
+        CHECK_OK(etd_scene_copy_text(scene, ETD_TEXT_INFO, text, 3, &needed));
+        CHECK(strlen(text) == 2 && needed > 3);
+        CHECK_OK(etd_scene_intersect(scene, NULL, 0, NULL));
+        CHECK_OK(etd_scene_occluded(scene, NULL, 0, NULL));
+        {
+            etd_ray ray = {{0, 0, 0}, 0, {0, 0, 0}, 1};
+            etd_hit hit;
+            CHECK_STATUS(etd_scene_intersect(scene, &ray, (size_t)-1, &hit), ETD_INVALID_ARGUMENT);
+            CHECK_STATUS(etd_scene_intersect(scene, &ray, 1, &hit), ETD_INVALID_ARGUMENT); /* no direction */
+        }
+    }
+    CHECK(population() == before);
+}
+
+/* The thread and the object say why. */
+static void ask_for_errors(void) {
+    etd_error error = ETD_ERROR_INIT;
+    char message[64];
+    static const char broken[] =
+        "{\"etendue\": 1,\n" JSON_CAMERA
+        ",\n\"surfaces\": [\n{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], \"radius\": -1, "
+        "\"emission\": [1, 1, 1]}]}";
+    etd_scene *no_scene = NULL;
+    CHECK_STATUS(etd_scene_from_json(device, broken, sizeof broken - 1, NULL, &no_scene), ETD_INVALID_SCENE);
+    CHECK_OK(etd_last_error(&error));
+    CHECK(error.status == ETD_INVALID_SCENE && error.line == 4);
+    CHECK(strstr(error.json_path, "surfaces[0]") != NULL && strstr(error.message, "surfaces[0]") != NULL);
+    CHECK(strcmp(error.message, etd_last_error_message()) == 0);
+    etd_scene_status(scene, NULL, 0);
+    CHECK_STATUS(etd_scene_remove_surface(scene, 99999), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_set_camera(scene, NULL), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_status(scene, message, sizeof message), ETD_INVALID_ARGUMENT);
+    CHECK(strstr(message, "99999") != NULL); /* the first, not the last */
+    CHECK_OK(etd_scene_status(scene, message, sizeof message));
+    CHECK(message[0] == 0);
+}
+
+void misuse_values(void) {
+    pass_wrong_sizes();
+    pass_wrong_enumerations();
+    pass_numbers();
+    pass_indices();
+    ask_for_errors();
+}
