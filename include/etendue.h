@@ -12,7 +12,8 @@
  * like, which keep the first failure).
  *
  * Threads. Every function may be called from any thread at any time, unless it says otherwise. There is no state of the
- * process: no global thread pool, no signal handler, no output, no locale, and two devices know nothing of each other.
+ * process: no global thread pool, no signal handler, no locale, no output (but the trace of a panic, which is a fault of the
+ * library, on stderr), and two devices know nothing of each other.
  *
  * Structures that begin with struct_size must be set up with their ETD_..._INIT, so that they may grow in later versions.
  * Fields that hold an enumeration are numbers, so that a wrong one is an error and not undefined behaviour.

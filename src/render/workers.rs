@@ -116,30 +116,30 @@ impl Workers {
     /// [`ErrorKind::Internal`] if the work panicked.
     pub(super) fn run<W: Work>(&self, work: W, look_up: &mut dyn FnMut(&W)) -> Result<Arc<W>> {
         let work = Arc::new(work);
-        let job = Arc::new(Job { work: Arc::clone(&work), presence: Mutex::default(), changed: Condvar::new() });
+        let job = Arc::new(Job::new(&work));
         // Whatever happens in `look_up`, no helper may begin after this function is left.
         let closing = Closing(&job);
         match &*self.0 {
             Kind::Pool(pool) => {
                 if let Some(pool) = &pool.pool {
-                    for _ in 0..job.work.shares().min(pool.current_num_threads()) {
+                    for _ in 0..work.shares().min(pool.current_num_threads()) {
                         let job = Arc::clone(&job);
                         pool.spawn_fifo(move || take_turns(job));
                     }
                 }
             }
-            Kind::Calling => job.do_share(look_up),
+            Kind::Calling => job.do_share(&work, look_up),
             Kind::Host { threads, submit } => {
-                for _ in 1..job.work.shares().min(*threads) {
+                for _ in 1..work.shares().min(*threads) {
                     let job = Arc::clone(&job);
                     submit(Box::new(move || {
                         job.help(None);
                     }));
                 }
-                job.do_share(look_up);
+                job.do_share(&work, look_up);
             }
         }
-        job.wait(look_up);
+        job.wait(&work, look_up);
         drop(closing);
         let has_panicked = lock(&job.presence).has_panicked;
         if has_panicked { Err(Error::new(ErrorKind::Internal, "a worker thread panicked")) } else { Ok(work) }
@@ -162,38 +162,43 @@ pub(super) trait Work: Send + Sync + 'static {
     fn shares(&self) -> usize;
 }
 
-/// Work, and who is at it.
+/// Who is at a piece of work.
 struct Job<W> {
-    work: Arc<W>,
-    presence: Mutex<Presence>,
+    presence: Mutex<Presence<W>>,
     changed: Condvar,
 }
 
-#[derive(Default)]
-struct Presence {
+struct Presence<W> {
+    /// The work, until it is closed: then nobody may begin any more, and a helper that comes late, or never, keeps nothing
+    /// alive.
+    work: Option<Arc<W>>,
     /// Helpers that have begun and not ended.
     helpers: usize,
-    /// Nobody may begin any more.
-    is_closed: bool,
     has_panicked: bool,
 }
 
 impl<W: Work> Job<W> {
+    fn new(work: &Arc<W>) -> Self {
+        let presence = Presence { work: Some(Arc::clone(work)), helpers: 0, has_panicked: false };
+        Self { presence: Mutex::new(presence), changed: Condvar::new() }
+    }
+
     /// What a helper does: works unless it comes too late. `turn`: for how long. Returns whether there is more to do.
     fn help(&self, turn: Option<Duration>) -> bool {
-        {
+        let work = {
             let mut presence = lock(&self.presence);
-            if presence.is_closed {
-                return false;
-            }
+            let Some(work) = presence.work.clone() else { return false };
             presence.helpers += 1;
-        }
+            work
+        };
         let start = Instant::now();
         let mut pause = || turn.is_some_and(|turn| start.elapsed() >= turn);
-        let outcome = catch_unwind(AssertUnwindSafe(|| self.work.take(&mut pause)));
+        let outcome = catch_unwind(AssertUnwindSafe(|| work.take(&mut pause)));
         if outcome.is_err() {
-            self.work.abandon();
+            work.abandon();
         }
+        // Whoever waits for the helpers may rely on them to hold nothing any more.
+        drop(work);
         let mut presence = lock(&self.presence);
         presence.helpers -= 1;
         presence.has_panicked |= outcome.is_err();
@@ -202,37 +207,36 @@ impl<W: Work> Job<W> {
     }
 
     /// The calling thread's share of the work.
-    fn do_share(&self, look_up: &mut dyn FnMut(&W)) {
+    fn do_share(&self, work: &W, look_up: &mut dyn FnMut(&W)) {
         let mut last = Instant::now();
         let outcome = catch_unwind(AssertUnwindSafe(|| {
-            self.work.take(&mut || {
+            work.take(&mut || {
                 if last.elapsed() >= LOOK_UP {
-                    look_up(&self.work);
+                    look_up(work);
                     last = Instant::now();
                 }
                 false
             })
         }));
         if outcome.is_err() {
-            self.work.abandon();
+            work.abandon();
             lock(&self.presence).has_panicked = true;
         }
     }
 
     /// Until all is done and nobody is at it.
-    fn wait(&self, look_up: &mut dyn FnMut(&W)) {
+    fn wait(&self, work: &W, look_up: &mut dyn FnMut(&W)) {
         let mut presence = lock(&self.presence);
         let mut last = Instant::now();
-        while presence.helpers > 0 || !self.work.is_done() {
+        while presence.helpers > 0 || !work.is_done() {
             presence = self.changed.wait_timeout(presence, LOOK_UP).unwrap_or_else(PoisonError::into_inner).0;
-            if last.elapsed() >= LOOK_UP && !self.work.is_done() {
+            if last.elapsed() >= LOOK_UP && !work.is_done() {
                 drop(presence);
-                look_up(&self.work);
+                look_up(work);
                 last = Instant::now();
                 presence = lock(&self.presence);
             }
         }
-        presence.is_closed = true;
     }
 }
 
@@ -242,9 +246,10 @@ struct Closing<'j, W: Work>(&'j Job<W>);
 impl<W: Work> Drop for Closing<'_, W> {
     fn drop(&mut self) {
         let mut presence = lock(&self.0.presence);
-        presence.is_closed = true;
-        if presence.helpers > 0 {
-            self.0.work.abandon();
+        if let Some(work) = presence.work.take()
+            && presence.helpers > 0
+        {
+            work.abandon();
         }
         while presence.helpers > 0 {
             presence = self.0.changed.wait(presence).unwrap_or_else(PoisonError::into_inner);
