@@ -570,9 +570,7 @@ static void enqueue(void *user_data, etd_work_fn work, void *argument) {
     queue->argument[queue->count++] = argument;
 }
 
-static void count_release(void *user_data) {
-    ++*(int *)user_data;
-}
+static void count_release(void *user_data);
 
 static void queued_work_keeps_nothing(void) {
     static const float positions[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
