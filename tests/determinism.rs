@@ -3,6 +3,7 @@
 mod common;
 
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -11,7 +12,7 @@ use etendue::Cancel;
 use etendue::desc::{BsdfDesc, CameraDesc, FilterDesc, IntegratorDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc};
 use etendue::film::Image;
 use etendue::math::{DVec3, Vec3};
-use etendue::render::{Ended, Render, RenderSettings, Workers};
+use etendue::render::{Ended, Progress, Render, RenderSettings, Workers};
 use etendue::scene::{BuildOptions, Scene};
 
 fn room() -> SceneDesc {
@@ -126,9 +127,9 @@ fn executors_change_nothing() {
     }
 }
 
-/// Two renders of very different size share a pool's threads: the small one does not wait for the large one's end.
+/// Two renders of very different size share a pool's threads: the small one does not wait for passes of the large one.
 #[test]
-fn renders_that_share_a_pool_all_go_on() {
+fn renders_that_share_a_pool_take_turns() {
     let scene = Scene::build(&room(), &BuildOptions::default()).unwrap();
     let workers = Workers::pool(1).unwrap();
     let settings = |resolution, samples| RenderSettings {
@@ -139,13 +140,33 @@ fn renders_that_share_a_pool_all_go_on() {
     let mut large = Render::new(&scene, settings([512, 512], 1 << 20)).unwrap();
     let cancel = Cancel::new();
     large.set_cancel(cancel.clone());
+    let passes = AtomicU32::new(0);
     std::thread::scope(|scope| {
-        let large = scope.spawn(|| large.run(&mut |_| ControlFlow::Continue(())).unwrap());
-        let mut small = Render::new(&scene, settings([32, 32], 4)).unwrap();
-        let summary = small.run(&mut |_| ControlFlow::Continue(())).unwrap();
-        assert_eq!((summary.samples, summary.ended), (4, Ended::Samples));
+        let large = scope.spawn(|| {
+            let count = |progress: &Progress| {
+                passes.fetch_add(u32::from(progress.image.is_some()), Ordering::Relaxed);
+                ControlFlow::Continue(())
+            };
+            large.run(&mut { count }).unwrap()
+        });
+        // A pass of every pixel takes long by itself.
+        while passes.load(Ordering::Relaxed) < 2 {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let before = passes.load(Ordering::Relaxed);
+        let mut small = Render::new(&scene, settings([16, 16], 16)).unwrap();
+        let mut own = 0;
+        let summary = small
+            .run(&mut |progress| {
+                own += u32::from(progress.image.is_some());
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        let others = passes.load(Ordering::Relaxed) - before;
         cancel.cancel();
+        assert_eq!((summary.samples, summary.ended), (16, Ended::Samples));
         assert_eq!(large.join().unwrap().ended, Ended::Cancelled);
+        assert!(own >= 5 && others <= 2, "{own} small passes took as long as {others} large ones");
     });
 }
 

@@ -94,8 +94,12 @@ fn check_outputs(args: &RenderArgs) -> Result<bool, Failure> {
 
 /// Writes every image that was asked for.
 fn write_all(args: &RenderArgs, image: &Image, comments: &str) -> Result<(), Failure> {
-    let options =
-        WriteOptions { tone_map: args.tone_map.into(), exposure: args.exposure, comments: comments.to_owned() };
+    let options = WriteOptions {
+        tone_map: args.tone_map.into(),
+        exposure: args.exposure,
+        comments: comments.to_owned(),
+        threads: args.threads,
+    };
     args.output.iter().try_for_each(|path| output::write(image, path, &options)).map_err(Failure::running)
 }
 

@@ -53,7 +53,7 @@ pub struct etd_film {
     state: Mutex<State>,
     /// What it takes of the device's memory.
     _charge: Charge,
-    _device: Arc<etd_device>,
+    device: Arc<etd_device>,
 }
 object!(etd_film, b"EtFi", "film");
 
@@ -221,7 +221,7 @@ pub unsafe extern "C" fn etd_film_new(
                     summary: None,
                 }),
                 _charge: charge,
-                _device: Arc::clone(device),
+                device: Arc::clone(device),
             };
             let black = film.frame()?;
             lock(&film.state).front = Arc::new(black);
@@ -425,6 +425,7 @@ pub unsafe extern "C" fn etd_film_write(
                 tone_map: read::tone_map(it.tone_map)?,
                 exposure: it.exposure,
                 comments: comments.to_owned(),
+                threads: film.device.build_threads,
             };
             Ok(output::write(&sums.develop(), Path::new(path), &options)?)
         })

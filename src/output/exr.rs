@@ -2,12 +2,17 @@
 
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::thread;
 
+use ::exr::block::chunk::Chunk;
+use ::exr::block::writer::ChunksWriter as _;
+use ::exr::block::{BlockIndex, UncompressedBlock};
 use ::exr::compression::Compression;
 use ::exr::image::read::image::ReadLayers as _;
 use ::exr::image::read::layers::ReadChannels as _;
 use ::exr::image::write::WritableImage as _;
+use ::exr::image::write::layers::{LayersWriter as _, WritableLayers as _};
 use ::exr::image::{
     AnyChannel, AnyChannels, Blocks, Encoding, FlatImage, FlatSamples, Image as ExrImage, Layer as ExrLayer,
 };
@@ -37,7 +42,7 @@ fn suffixes(layer: &Layer) -> &'static [&'static str] {
 }
 
 /// Writes all channels as 32-bit floats. `image` has been checked.
-pub(super) fn encode(image: &Image, comments: &str, file: &mut Target) -> Result<()> {
+pub(super) fn encode(image: &Image, comments: &str, threads: usize, file: &mut Target) -> Result<()> {
     let plane = |data: &[f32], channels: usize, channel: usize| {
         FlatSamples::F32(data.iter().skip(channel).step_by(channels).copied().collect())
     };
@@ -68,11 +73,54 @@ pub(super) fn encode(image: &Image, comments: &str, file: &mut Target) -> Result
         blue: Vec2(0.15, 0.06),
         white: Vec2(0.3127, 0.3290),
     });
-    file_image.write().to_buffered(file).map_err(|error| match error {
+    let headers = file_image.write().infer_meta_data();
+    let layers = file_image.layer_data.create_writer(&headers);
+    ::exr::block::write(file, headers, true, |meta, chunks| {
+        let block = |index| UncompressedBlock { index, data: layers.extract_uncompressed_block(&meta.headers, index) };
+        let compress = |index| block(index).compress_to_chunk(&meta.headers);
+        let mut blocks = ::exr::block::enumerate_ordered_header_block_indices(&meta.headers);
+        loop {
+            let batch: Vec<_> = blocks.by_ref().take(threads).collect();
+            if batch.is_empty() {
+                return Ok(());
+            }
+            for (number, chunk) in in_parallel(&batch, &compress) {
+                chunks.write_chunk(number, chunk?)?;
+            }
+        }
+    })
+    .map_err(|error| match error {
         ::exr::error::Error::Io(error) => {
             Error::new(ErrorKind::Io, format!("cannot write the image: {error}")).because(error)
         }
         error => Error::new(ErrorKind::Internal, format!("cannot write the image: {error}")).because(error),
+    })
+}
+
+/// Compresses these blocks, each on a thread of its own but the first, which is this thread's; all have ended on return.
+///
+/// The crate's own way takes a pool of threads per image that outlive it for a moment, and one panic in them ends the
+/// program.
+fn in_parallel(
+    batch: &[(usize, BlockIndex)],
+    compress: &(impl Fn(BlockIndex) -> ::exr::error::Result<Chunk> + Sync),
+) -> Vec<(usize, ::exr::error::Result<Chunk>)> {
+    thread::scope(|scope| {
+        let helpers: Vec<_> = batch
+            .iter()
+            .skip(1)
+            .map(|&(_, index)| thread::Builder::new().spawn_scoped(scope, move || compress(index)))
+            .collect();
+        let mut chunks: Vec<_> = batch.iter().take(1).map(|&(number, index)| (number, compress(index))).collect();
+        for (&(number, index), helper) in batch.iter().skip(1).zip(helpers) {
+            let chunk = match helper {
+                Ok(helper) => helper.join().unwrap_or_else(|payload| resume_unwind(payload)),
+                // No thread to be had.
+                Err(_) => compress(index),
+            };
+            chunks.push((number, chunk));
+        }
+        chunks
     })
 }
 

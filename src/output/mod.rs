@@ -36,6 +36,7 @@ use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;
+use std::thread;
 
 use crate::film::Image;
 use crate::{Error, ErrorKind, Result};
@@ -47,6 +48,9 @@ pub use tone::{ToneMap, to_srgb8};
 ///
 /// A header is a promise of a few bytes about memory of gigabytes; this bounds what is believed.
 pub const MAX_PIXELS: u64 = 1 << 28;
+
+/// Most threads that write one image.
+const MOST_THREADS: usize = 64;
 
 /// A kind of image file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -89,6 +93,9 @@ pub struct WriteOptions {
     pub exposure: f32,
     /// Free text for the `comments` attribute of an EXR, UTF-8; empty for none.
     pub comments: String,
+    /// Threads that compress an EXR, the calling one among them, 64 at most; 0 means one per core. The others have ended
+    /// when the image is written. The file does not depend on it.
+    pub threads: usize,
 }
 
 /// Writes `image` to `path` in the format of its extension; an existing file is replaced in one step.
@@ -102,8 +109,13 @@ pub fn write(image: &Image, path: &Path, options: &WriteOptions) -> Result<()> {
     let format = Format::from_path(path)?;
     check_image(image).map_err(|error| error.in_file(Some(path), 0))?;
     tone::check_exposure(options.exposure)?;
+    let threads = match options.threads {
+        0 => thread::available_parallelism().map_or(1, usize::from),
+        threads => threads,
+    }
+    .min(MOST_THREADS);
     replace::replace(path, |file| match format {
-        Format::Exr => exr::encode(image, &options.comments, file),
+        Format::Exr => exr::encode(image, &options.comments, threads, file),
         Format::Pfm => pfm::encode(image, file),
         Format::Png => png::encode(image, options.tone_map, options.exposure, file),
     })

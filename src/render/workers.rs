@@ -1,5 +1,6 @@
 //! Who does the work: threads of our own, the caller, or threads of the host.
 
+use std::cell::Cell;
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -257,11 +258,28 @@ impl<W: Work> Drop for Closing<'_, W> {
     }
 }
 
-/// Helps for a turn, and queues up again behind what else the pool has to do.
+thread_local! {
+    /// Whether this thread of a pool is in the middle of a job that has given way to another.
+    static HAS_GIVEN_WAY: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Helps turn by turn, giving way to what else the pool has to do in between.
+///
+/// A thread of a pool prefers its own queue to what comes from outside, so a job that only queued up again would keep
+/// later ones waiting. Instead it lets the thread run another job on top of it, and that one, if it wants a second turn,
+/// queues up.
 fn take_turns<W: Work>(job: Arc<Job<W>>) {
-    if job.help(Some(TURN)) {
-        // Inside a pool this is that pool's queue.
-        rayon::spawn_fifo(move || take_turns(job));
+    if HAS_GIVEN_WAY.get() {
+        if job.help(Some(TURN)) {
+            // Inside a pool this is the thread's own queue.
+            rayon::spawn_fifo(move || take_turns(job));
+        }
+        return;
+    }
+    while job.help(Some(TURN)) {
+        HAS_GIVEN_WAY.set(true);
+        rayon::yield_now();
+        HAS_GIVEN_WAY.set(false);
     }
 }
 

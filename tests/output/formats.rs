@@ -25,6 +25,23 @@ fn exr_keeps_every_bit_of_every_layer() {
 }
 
 #[test]
+fn exr_is_the_same_for_any_number_of_threads() {
+    let folder = folder();
+    let path = folder.path().join("image.exr");
+    for height in [1, 16, 200] {
+        let image = arbitrary_image(33, height, true, 3);
+        let write = |threads| {
+            output::write(&image, &path, &WriteOptions { threads, ..WriteOptions::default() }).unwrap();
+            fs::read(&path).unwrap()
+        };
+        let reference = write(1);
+        for threads in [0, 2, 5, usize::MAX] {
+            assert!(write(threads) == reference, "{threads} threads");
+        }
+    }
+}
+
+#[test]
 fn exr_names_channels_and_states_its_origin() {
     let folder = folder();
     let path = folder.path().join("image.EXR");

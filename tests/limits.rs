@@ -1,0 +1,193 @@
+//! Samples, time and error each end a render when they should, and the report on the way only goes forward.
+
+mod common;
+
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use common::scenes::{box_inside, camera, point_light, scene};
+use etendue::desc::{BsdfDesc, RenderDesc, SceneDesc, ShapeDesc};
+use etendue::film::Image;
+use etendue::math::{DVec3, Vec3};
+use etendue::render::{Ended, MOST_SAMPLES, Render, RenderSettings, Summary, Workers};
+use etendue::scene::{BuildOptions, Scene};
+use etendue::{Cancel, ErrorKind};
+use proptest::prelude::*;
+
+/// A diffuse room with a lamp in it, and a ball of this kind.
+fn room(ball: BsdfDesc) -> Scene {
+    let mut desc: SceneDesc = scene(
+        camera(DVec3::new(0.0, 0.0, 0.9), DVec3::NEG_Z, 80.0),
+        vec![
+            (
+                ShapeDesc::Mesh { mesh: 0, smooth: false },
+                BsdfDesc::Lambert { albedo: Vec3::new(0.7, 0.5, 0.3) },
+                Some(Vec3::splat(0.02)),
+            ),
+            (ShapeDesc::Sphere { centre: DVec3::new(0.3, -0.4, -0.3), radius: 0.4 }, ball, None),
+        ],
+    );
+    desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE).into());
+    desc.lights.push(point_light(DVec3::new(-0.3, 0.8, 0.0), 0.5));
+    Scene::build(&desc, &BuildOptions::default()).unwrap()
+}
+
+fn diffuse() -> Scene {
+    room(BsdfDesc::Lambert { albedo: Vec3::splat(0.6) })
+}
+
+fn run(scene: &Scene, settings: RenderSettings) -> (Image, Summary) {
+    let mut render = Render::new(scene, settings).unwrap();
+    let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(summary.stopped, summary.ended == Ended::Cancelled);
+    (render.image(), summary)
+}
+
+/// The distance from a reference, measured as [`Film::relative_error`](etendue::film::Film::relative_error) estimates it.
+fn relative_error(image: &Image, reference: &Image) -> f64 {
+    let mean = reference.mean().iter().sum::<f64>() / 3.0;
+    let floor = 0.01 * mean * mean;
+    let pairs = image.rgb.iter().zip(&reference.rgb).map(|(&a, &b)| (f64::from(a), f64::from(b)));
+    let sum: f64 = pairs.map(|(a, b)| (a - b) * (a - b) / (b * b + floor)).sum();
+    (sum / image.rgb.len() as f64).sqrt()
+}
+
+#[test]
+fn the_error_is_what_was_asked_for() {
+    let glass = BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 };
+    for (name, scene) in [("diffuse", diffuse()), ("glass", room(glass))] {
+        let desc = RenderDesc { resolution: [24, 24], ..RenderDesc::default() };
+        // Independent of the renders below, and with an error far below theirs.
+        let long = RenderDesc { samples: 1 << 13, seed: 99, ..desc.clone() };
+        let (reference, known) = run(&scene, RenderSettings { desc: long, threads: 2, ..RenderSettings::default() });
+        for target in [0.1, 0.05, 0.025] {
+            let desc = RenderDesc { samples: MOST_SAMPLES, ..desc.clone() };
+            let target_error = Some(target);
+            let (image, summary) =
+                run(&scene, RenderSettings { desc, threads: 2, target_error, ..RenderSettings::default() });
+            assert_eq!(summary.ended, Ended::Error);
+            let estimate = summary.relative_error.unwrap();
+            let truth = relative_error(&image, &reference);
+            println!(
+                "{name}, target {target}: estimate {estimate:.4}, truth {truth:.4}, {} samples, reference {:.4}",
+                summary.samples,
+                known.relative_error.unwrap()
+            );
+            // 32 samples are the least.
+            assert!(estimate <= target && (estimate > 0.75 * target || summary.samples == 32), "{name}: {estimate}");
+            assert!(truth < 1.5 * target && truth > 0.5 * estimate, "{name}: {truth} where {target} was asked for");
+        }
+    }
+}
+
+#[test]
+fn the_summary_says_what_ended_it() {
+    let scene = diffuse();
+    let desc = RenderDesc { resolution: [32, 32], samples: 48, ..RenderDesc::default() };
+    let endless = RenderDesc { samples: MOST_SAMPLES, ..desc.clone() };
+    let soon = Some(Duration::from_millis(80));
+    let settings = |desc: &RenderDesc, time_limit, target_error| RenderSettings {
+        desc: desc.clone(),
+        threads: 2,
+        time_limit,
+        target_error,
+        ..RenderSettings::default()
+    };
+
+    let (_, summary) = run(&scene, settings(&desc, None, None));
+    assert_eq!((summary.ended, summary.samples), (Ended::Samples, 48));
+    let (_, summary) = run(&scene, settings(&desc, None, Some(1e-9)));
+    assert_eq!((summary.ended, summary.samples), (Ended::Samples, 48));
+    let (_, summary) = run(&scene, settings(&endless, soon, None));
+    assert!(summary.ended == Ended::Time && summary.samples >= 1 && summary.elapsed >= Duration::from_millis(80));
+    let (_, summary) = run(&scene, settings(&endless, soon, Some(1e-9)));
+    assert_eq!(summary.ended, Ended::Time);
+    let (_, summary) = run(&scene, settings(&endless, Some(Duration::from_secs(3600)), Some(0.5)));
+    assert_eq!(summary.ended, Ended::Error);
+    // However short the time, an image has a sample everywhere.
+    let (image, summary) = run(&scene, settings(&endless, Some(Duration::ZERO), None));
+    assert_eq!((summary.ended, summary.samples), (Ended::Time, 1));
+    assert!(image.layer("samples").unwrap().data.iter().all(|&count| count >= 1.0));
+
+    let mut render = Render::new(&scene, settings(&endless, None, None)).unwrap();
+    let summary = render.run(&mut |_| ControlFlow::Break(())).unwrap();
+    assert!(summary.ended == Ended::Cancelled && summary.stopped);
+    // One that has ended ends at once, and for the same reason.
+    let mut render = Render::new(&scene, settings(&endless, None, Some(0.2))).unwrap();
+    for _ in 0..2 {
+        let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(summary.ended, Ended::Error);
+    }
+}
+
+#[test]
+fn an_image_without_light_has_no_error_to_reach() {
+    let mut desc = scene(camera(DVec3::ZERO, DVec3::NEG_Z, 80.0), Vec::new());
+    desc.lights.clear();
+    let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
+    let desc = RenderDesc { resolution: [8, 8], samples: 100, ..RenderDesc::default() };
+    let (_, summary) = run(&scene, RenderSettings { desc, target_error: Some(0.5), ..RenderSettings::default() });
+    assert_eq!((summary.ended, summary.relative_error), (Ended::Samples, None));
+}
+
+#[test]
+fn targets_that_are_none_are_refused() {
+    let scene = diffuse();
+    for target in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+        let settings = RenderSettings { target_error: Some(target), ..RenderSettings::default() };
+        let error = Render::new(&scene, settings).err().expect("no target");
+        assert_eq!((error.kind(), error.location().json_path.as_str()), (ErrorKind::InvalidScene, "targetError"));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(24) })]
+
+    /// Over any limits, any workers and any number of stops, on a small image and a large one.
+    #[test]
+    fn the_report_only_goes_forward(
+        side in prop::sample::select(vec![1_u32, 5, 40]),
+        samples in 1_u32..400,
+        milliseconds in prop::option::of(1_u64..60),
+        target in prop::option::of(0.02_f64..0.5),
+        here in any::<bool>(),
+        stops in prop::collection::vec(1_u32..6, 0..4),
+    ) {
+        let scene = diffuse();
+        let workers = Some(if here { Workers::calling_thread() } else { Workers::pool(2).unwrap() });
+        let settings = RenderSettings {
+            desc: RenderDesc { resolution: [side, side], samples, shadow_rays: 4, ..RenderDesc::default() },
+            time_limit: milliseconds.map(Duration::from_millis),
+            target_error: target,
+            workers,
+            ..RenderSettings::default()
+        };
+        let mut render = Render::new(&scene, settings).unwrap();
+        for stop_at in stops.into_iter().map(Some).chain([None]) {
+            let mut last = (0.0, 0, 0, Duration::ZERO);
+            let mut reports = 0;
+            // A cancel in the middle of a pass leaves it unfinished for the next run.
+            let cancel = Cancel::new();
+            render.set_cancel(cancel.clone());
+            let summary = render.run(&mut |progress| {
+                let now = (progress.fraction, progress.samples_done, progress.rays, progress.elapsed);
+                assert!((0.0..=1.0).contains(&now.0), "{now:?}");
+                assert!(now.0 >= last.0 && now.1 >= last.1 && now.2 >= last.2 && now.3 >= last.3, "{last:?}, {now:?}");
+                assert!(progress.samples_total == samples && now.1 <= samples);
+                last = now;
+                reports += 1;
+                match stop_at {
+                    Some(report) if reports >= report => {
+                        cancel.cancel();
+                        ControlFlow::Break(())
+                    }
+                    _ => ControlFlow::Continue(()),
+                }
+            }).unwrap();
+            prop_assert!(summary.samples >= last.1);
+            if summary.ended == Ended::Samples && reports > 0 {
+                prop_assert_eq!((summary.samples, last.0), (samples, 1.0));
+            }
+        }
+    }
+}
