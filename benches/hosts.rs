@@ -197,28 +197,24 @@ fn mapping() {
 /// When the first pass was complete, after the start.
 struct FirstPass {
     start: Instant,
-    begun: Option<Duration>,
     complete: Option<Duration>,
 }
 
 unsafe extern "C" fn on_progress(data: *mut c_void, progress: *const etd_progress) -> i32 {
     // SAFETY: `data` is the `FirstPass` of the call below, on whose thread this is called.
     let (first, progress) = unsafe { (&mut *data.cast::<FirstPass>(), &*progress) };
-    if progress.phase == ETD_PHASE_RENDER {
-        first.begun.get_or_insert(first.start.elapsed());
-        if progress.samples_done > 0 {
-            first.complete.get_or_insert(first.start.elapsed());
-            return 1;
-        }
+    if progress.phase == ETD_PHASE_RENDER && progress.samples_done > 0 {
+        first.complete.get_or_insert(first.start.elapsed());
+        return 1;
     }
     0
 }
 
 fn edits(path: &str) {
     let host = Host::new(path, 0);
-    let film = host.film(64, 64);
+    let film = host.film(16, 16);
     let first_pass = || {
-        let mut first = FirstPass { start: Instant::now(), begun: None, complete: None };
+        let mut first = FirstPass { start: Instant::now(), complete: None };
         let options = etd_render_options {
             samples: 1024,
             progress: Some(on_progress),
@@ -234,7 +230,7 @@ fn edits(path: &str) {
         (first.complete.map_or(f64::NAN, |time| time.as_secs_f64()), summary.build_time)
     };
     let (_, whole) = first_pass();
-    println!("{path}: whole build {:.1} ms; 64 x 64 pixels, from the edit to", 1e3 * whole);
+    println!("{path}: whole build {:.1} ms; 16 x 16 pixels, from the edit to", 1e3 * whole);
     // SAFETY: all pointers are to what they say.
     let edit = |name: &str, change: &dyn Fn(usize)| {
         let mut built = Vec::new();
@@ -247,10 +243,11 @@ fn edits(path: &str) {
         }
         let (built, complete) = (median(built), median(complete));
         println!(
-            "  {name:<22} built {:8.3} ms = {:7.4} % of the whole; first pass complete {:8.3} ms",
+            "  {name:<22} built {:8.3} ms = {:7.4} % of the whole; first pass complete {:8.3} ms = {:6.3} %",
             1e3 * built,
             100.0 * built / whole,
-            1e3 * complete
+            1e3 * complete,
+            100.0 * complete / whole
         );
     };
     edit("nothing", &|_| ());
