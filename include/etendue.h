@@ -1667,7 +1667,7 @@ etd_status etd_scene_find_material(const struct etd_scene *scene, const char *na
 etd_status etd_scene_find_mesh(const struct etd_scene *scene, const char *name, uint32_t *out_mesh);
 
 /**
- * The number of the surface with this JSON path, such as "surfaces[3]" or, for an area light, "lights[0]". Thread-safe.
+ * The number of the surface with this JSON path, such as `surfaces[3]` or, for an area light, `lights[0]`. Thread-safe.
  */
 etd_status etd_scene_find_surface(const struct etd_scene *scene, const char *json_path, uint32_t *out_surface);
 

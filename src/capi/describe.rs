@@ -532,7 +532,7 @@ pub unsafe extern "C" fn etd_scene_find_mesh(
     unsafe { look_up(scene, name, out_mesh, "mesh", |desc, name| desc.find_mesh(name)) }
 }
 
-/// The number of the surface with this JSON path, such as "surfaces[3]" or, for an area light, "lights[0]". Thread-safe.
+/// The number of the surface with this JSON path, such as `surfaces[3]` or, for an area light, `lights[0]`. Thread-safe.
 ///
 /// # Safety
 /// Pointers must be NULL or point to what they say.

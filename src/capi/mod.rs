@@ -1,7 +1,7 @@
 //! The C interface: what `include/etendue.h` declares. Nothing in the crate uses it; it uses everything public.
 //!
-//! The header is generated from this module by `tests/header.rs` and reads as the manual. In here: [`boundary`] is the
-//! border (pointers, panics, handles), [`status`] what came of a call, [`types`] the plain structures, and one file for
+//! The header is generated from this module by `tests/header.rs` and reads as the manual. In here: `boundary` is the
+//! border (pointers, panics, handles), `status` what came of a call, `types` the plain structures, and one file for
 //! each kind of object.
 //!
 //! Objects are [`std::sync::Arc`]s whose pointer the host holds: what one needs of another it keeps itself, so they may be

@@ -1,4 +1,4 @@
-//! Scenes: made, read, built, asked about themselves. Calls that describe one are in [`super::describe`].
+//! Scenes: made, read, built, asked about themselves. Calls that describe one are in `describe`.
 
 use std::ffi::{c_char, c_void};
 use std::path::{Path, PathBuf};

@@ -59,6 +59,7 @@ pub use index::SceneIndex;
 pub use read::{apply_params, load, load_params, parse};
 #[cfg(feature = "schema")]
 pub use schema::schema;
+pub(crate) use transform::similarity_scale;
 
 use std::path::PathBuf;
 use std::sync::Arc;

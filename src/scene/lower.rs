@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::geometry::Part;
-use crate::desc::{MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
+use crate::desc::{self, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DAffine3, DVec3};
 
@@ -20,9 +20,6 @@ const OBJECT_TRIANGLES: usize = 128;
 
 /// Coordinates of a scene, half of what Embree takes: the scene's frame may be shifted by as much again.
 const LARGEST_COORDINATE: f64 = 0.5 * crate::embree::MAX_COORDINATE as f64;
-
-/// Relative deviation from a similarity up to which a transform keeps spheres round.
-const SIMILARITY: f64 = 1e-9;
 
 /// What the surfaces of a scene become, with the number of the surface each belongs to.
 #[derive(Debug, Default)]
@@ -135,19 +132,6 @@ pub(super) fn is_mirrored(transform: &DAffine3) -> bool {
     transform.matrix3.determinant() < 0.0
 }
 
-/// The uniform scale of a similarity transform, `None` for any other.
-fn similarity_scale(transform: &DAffine3) -> Option<f64> {
-    let m = transform.matrix3;
-    let scale2 = m.x_axis.length_squared();
-    let close = |x: f64, y: f64| (x - y).abs() <= SIMILARITY * scale2;
-    (close(m.y_axis.length_squared(), scale2)
-        && close(m.z_axis.length_squared(), scale2)
-        && close(m.x_axis.dot(m.y_axis), 0.0)
-        && close(m.y_axis.dot(m.z_axis), 0.0)
-        && close(m.z_axis.dot(m.x_axis), 0.0))
-    .then(|| scale2.sqrt())
-}
-
 /// The shape of a sphere, quadric or disk in the world frame; refuses what cannot emit and should.
 pub(super) fn world_shape(surface: &SurfaceDesc) -> Result<WorldShape> {
     let transform = surface.to_world();
@@ -156,7 +140,7 @@ pub(super) fn world_shape(surface: &SurfaceDesc) -> Result<WorldShape> {
             .at(format!("{}.emission", surface.path))
     };
     match surface.shape {
-        ShapeDesc::Sphere { centre, radius } => match similarity_scale(&transform) {
+        ShapeDesc::Sphere { centre, radius } => match desc::similarity_scale(&transform) {
             Some(scale) => {
                 Ok(WorldShape::Sphere { centre: transform.transform_point3(centre), radius: scale * radius })
             }
