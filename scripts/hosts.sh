@@ -88,6 +88,7 @@ run_tests() {
     cd "$bin/run"
     run "$bin/misuse" "$@"
     run "$bin/async" 5
+    run "$bin/process"
     run "$bin/layer"
     run "$bin/layer_returning"
     cd "$root"
