@@ -664,8 +664,8 @@ typedef void (*etd_log_fn)(void *user_data, etd_log_level level, const char *mes
 typedef void (*etd_error_fn)(void *user_data, etd_status status, const char *message);
 
 /**
- * A piece of work for the host's executor: to be called once with its argument, on any thread, at any time until the
- * device is gone.
+ * A piece of work for the host's executor: to be called once with its argument, on any thread, at any time, be it after
+ * everything was released: then it finds nothing to do.
  */
 typedef void (*etd_work_fn)(void *argument);
 
@@ -696,8 +696,8 @@ typedef struct etd_device_options {
      */
     uint32_t reserved;
     /**
-     * Bytes that hierarchies and films of this device may take together; 0: no limit. Memory of the host, and copies of
-     * its arrays, are not counted.
+     * Bytes that hierarchies, placed geometry and films of this device may take together; 0: no limit. Descriptions
+     * (copies of the host's arrays among them) and memory of the host are not counted.
      */
     uint64_t memory_limit;
     /**
@@ -887,7 +887,7 @@ typedef struct etd_render_options {
      */
     float filter_parameters[2];
     /**
-     * Samples for each pixel, up to 2^31; 0: as many as time and error allow, which must then be limited.
+     * Samples for each pixel, 2^30 at most; 0: as many as time and error allow, which must then be limited.
      */
     uint32_t samples;
     /**
@@ -1245,7 +1245,7 @@ typedef struct etd_ray {
      */
     float tnear;
     /**
-     * Any length but zero; t counts in this length.
+     * Any length that is not zero; t counts in this length.
      */
     float direction[3];
     /**
@@ -1361,10 +1361,12 @@ etd_status etd_device_status(struct etd_device *device,
                              size_t capacity);
 
 /**
- * Bytes that hierarchies and films of the device take now, and the most they ever took. Either pointer may be NULL.
+ * Bytes that hierarchies, placed geometry and films of the device take now, and the most they ever took. Either pointer may be NULL.
  * Thread-safe.
  */
-etd_status etd_device_memory(const struct etd_device *device, uint64_t *out_used, uint64_t *out_peak);
+etd_status etd_device_memory(const struct etd_device *device,
+                             uint64_t *out_used,
+                             uint64_t *out_peak);
 
 /**
  * Makes an empty scene with the default camera, to be described by calls.
@@ -1708,7 +1710,8 @@ etd_status etd_scene_remove_mesh(struct etd_scene *scene, uint32_t mesh);
  *
  * `options` must say its resolution. Renders may fill it again and again, one at a time. On `ETD_OK` `*out_film` is one
  * reference. Errors: `ETD_INVALID_ARGUMENT` for a resolution or layers that do not exist, `ETD_OUT_OF_MEMORY` past the
- * device's limit (a film takes about 150 bytes a pixel). Thread-safe.
+ * device's limit (a film takes about 150 bytes a pixel, in whole tiles of 16 x 16; images that are mapped
+ * beyond two are not counted). Thread-safe.
  */
 etd_status etd_film_new(struct etd_device *device, const struct etd_film_options *options, struct etd_film **out_film);
 
@@ -1730,13 +1733,16 @@ void etd_film_release(struct etd_film *film);
 etd_status etd_film_status(struct etd_film *film, char *message, size_t capacity);
 
 /**
- * Maps a layer of the newest image: `*out_map` points to it, nothing is copied.
+ * Maps a layer of the newest image: `*out_map` points to it.
  *
  * It may be called while the film is being rendered to; the image is then that of the last complete pass (or, in the
- * middle of a long one, of a moment in it), and does not change while it is mapped. Each map is ended by one
+ * middle of a long one, of a moment in it), and does not change while it is mapped. After a render was cancelled the first
+ * call makes its image; at any other time nothing is copied. Each map is ended by one
  * `etd_film_unmap`. `layer`: one `etd_layer` that the film keeps. Thread-safe.
  */
-etd_status etd_film_map(struct etd_film *film, etd_layer layer, struct etd_map *out_map);
+etd_status etd_film_map(struct etd_film *film,
+                        etd_layer layer,
+                        struct etd_map *out_map);
 
 /**
  * Ends a map: `map->data` may not be read any more, and is set to NULL. `ETD_INVALID_OPERATION` if it was ended before.
@@ -1776,7 +1782,7 @@ etd_status etd_film_get_summary(const struct etd_film *film, struct etd_summary 
 /**
  * Renders a scene to a film and returns when it is done; builds the scene first where it has changed.
  *
- * `options`: NULL for the scene's own settings. Returns `ETD_CANCELLED` if the progress callback stopped it; the film then
+ * The film must be of the scene's device. `options`: NULL for the scene's own settings. Returns `ETD_CANCELLED` if the progress callback stopped it; the film then
  * holds what was done. Errors: `ETD_INVALID_OPERATION` while the film is being rendered to, and all that
  * `etd_scene_commit` has. The image depends on scene, resolution and options alone, not on threads. Thread-safe: several
  * renders, of one scene too, may run at once, each to a film of its own.
@@ -1814,16 +1820,17 @@ etd_status etd_task_wait(struct etd_task *task, double seconds);
 
 /**
  * Asks a task to end soon, in whatever phase it is, and returns at once. It ends with `ETD_CANCELLED`, unless it was done
- * already. Thread-safe, also inside the task's own functions.
+ * already. One that no thread has begun yet ends here, and its `finished` is called here. Thread-safe, also inside the task's own functions.
  */
 etd_status etd_task_cancel(struct etd_task *task);
 
 /**
  * Lets a task that was cancelled, or ended by its time limit, go on from where it stopped, with the scene that it began
- * with and its time limit anew. It comes to the same image as one that was never interrupted.
+ * with (as it is now, if it was cancelled before the scene was built) and its time limit anew. It comes to the same image
+ * as one that was never interrupted.
  *
- * `ETD_INVALID_OPERATION` while it runs, after an error, and inside its own functions. Another render to the same film
- * in between is not undone: the film then shows this task's image again. Thread-safe.
+ * A task that is complete stays so. `ETD_INVALID_OPERATION` while it runs, after an error, and inside its own functions. Another render
+ * to the same film in between is not undone: the film then shows this task's image again. Thread-safe.
  */
 etd_status etd_task_resume(struct etd_task *task);
 
@@ -1834,7 +1841,8 @@ etd_status etd_task_retain(struct etd_task *task);
 
 /**
  * Gives back one reference to a task; NULL is fine. With the last one a task that still runs is cancelled and waited
- * for, so that none of its functions is called afterwards (inside one of them it is only cancelled). Thread-safe.
+ * for, so that none of its functions is called afterwards; these may use the handle until then. (Inside one of them it is
+ * only cancelled.) Thread-safe.
  */
 void etd_task_release(struct etd_task *task);
 

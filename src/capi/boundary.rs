@@ -7,7 +7,9 @@ use std::ptr;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::status::{ETD_INVALID_HANDLE, ETD_OK, ETD_PANIC, Failure, Result, c_string, etd_status, remember};
+use super::status::{
+    ETD_INVALID_HANDLE, ETD_OK, ETD_PANIC, Failure, Result, c_string, etd_status, last_message, remember,
+};
 use super::types::{etd_error_fn, etd_log_fn, etd_log_level};
 
 /// Locks what no panic can leave half done.
@@ -310,9 +312,12 @@ pub(super) unsafe fn on_quickly<T: Object>(pointer: *const T, body: impl FnOnce(
 fn fail(object: Option<&Header>, failure: &Failure) -> etd_status {
     remember(failure);
     if let Some(object) = object {
+        let message = last_message();
         object.keep(failure);
         // The error callback may have made calls that failed as well: this one is what the caller is told about.
-        remember(failure);
+        if last_message() != message {
+            remember(failure);
+        }
     }
     failure.status
 }

@@ -186,7 +186,7 @@ pub unsafe extern "C" fn etd_device_status(
     unsafe { take_status(device, message, capacity) }
 }
 
-/// Bytes that hierarchies and films of the device take now, and the most they ever took. Either pointer may be NULL.
+/// Bytes that hierarchies, placed geometry and films of the device take now, and the most they ever took. Either pointer may be NULL.
 /// Thread-safe.
 ///
 /// # Safety

@@ -1,5 +1,6 @@
 //! Films: images that are mapped without a copy, copied in the host's layout, or written to files.
 
+use std::alloc::{Layout, alloc_zeroed};
 use std::collections::HashMap;
 use std::ffi::c_char;
 use std::path::Path;
@@ -13,9 +14,10 @@ use super::device::etd_device;
 use super::read;
 use super::status::{ETD_OUT_OF_MEMORY, Failure, Result, etd_status};
 use super::types::*;
+use crate::Cancel;
 use crate::desc::MAX_PIXELS;
 use crate::embree::Charge;
-use crate::film::{Film, Image, LayerKind};
+use crate::film::{Film, Image, LayerKind, TILE};
 use crate::output::{self, ToneMap, WriteOptions};
 
 /// Layers that are images of their own, after the colour.
@@ -65,6 +67,8 @@ struct State {
     /// Memory of an image that nobody has mapped any more.
     spare: Option<Frame>,
     images: u32,
+    /// Sums that are newer than `front`, and how many samples they have: the next who asks makes the image.
+    later: Option<(Arc<Film>, u32)>,
     pins: HashMap<u64, Arc<Frame>>,
     next_pin: u64,
     /// The sums of the last render.
@@ -107,23 +111,44 @@ impl etd_film {
         lock(&self.state).images
     }
 
-    /// Makes the image of the sums as they are, to be mapped from now on.
-    pub(super) fn publish(&self, sums: &Film, samples: u32) -> Result {
+    /// Makes the image of the sums as they are, to be mapped from now on; whether it was made before it was cancelled.
+    pub(super) fn publish(&self, sums: &Film, samples: u32, cancel: &Cancel) -> Result<bool> {
         let spare = lock(&self.state).spare.take();
         let mut frame = match spare {
             Some(frame) => frame,
             None => self.frame()?,
         };
         frame.samples = samples;
-        sums.rgba_into(&mut frame.rgba, self.layers & ETD_LAYER_ALPHA as u32 != 0)?;
-        for (kind, data) in &mut frame.layers {
-            sums.layer_into(*kind, data)?;
-        }
+        let with_alpha = self.layers & ETD_LAYER_ALPHA as u32 != 0;
+        let is_whole = sums.read_into(&mut frame.rgba, with_alpha, &mut frame.layers, cancel)?;
         let mut state = lock(&self.state);
-        let old = std::mem::replace(&mut state.front, Arc::new(frame));
-        state.images = state.images.wrapping_add(1);
-        state.keep(old);
-        Ok(())
+        if is_whole {
+            let old = std::mem::replace(&mut state.front, Arc::new(frame));
+            state.images = state.images.wrapping_add(1);
+            state.later = None;
+            state.keep(old);
+        } else {
+            state.spare.get_or_insert(frame);
+        }
+        Ok(is_whole)
+    }
+
+    /// Has the image of these sums made when somebody asks for it.
+    pub(super) fn publish_later(&self, sums: &Arc<Film>, samples: u32) {
+        lock(&self.state).later = Some((Arc::clone(sums), samples));
+    }
+
+    /// The newest image.
+    fn newest(&self) -> Result<Arc<Frame>> {
+        let later = lock(&self.state).later.take();
+        if let Some((sums, samples)) = later {
+            self.publish(&sums, samples, &Cancel::new())?;
+        }
+        Ok(Arc::clone(&lock(&self.state).front))
+    }
+
+    pub(super) fn device(&self) -> &Arc<etd_device> {
+        &self.device
     }
 
     fn frame(&self) -> Result<Frame> {
@@ -159,21 +184,30 @@ impl State {
     }
 }
 
-/// So many zeros, or an error instead of an abort; memory that is not touched yet costs nothing.
+/// So many zeros, or an error instead of an abort. From memory that the system hands out zeroed: what is not touched yet
+/// costs nothing.
 fn zeros(count: usize) -> Result<Vec<f32>> {
-    let mut values: Vec<f32> = Vec::new();
-    values
-        .try_reserve_exact(count)
-        .map_err(|_| Failure::new(ETD_OUT_OF_MEMORY, format!("no room for an image of {count} values")))?;
-    values.resize(count, 0.0);
-    Ok(values)
+    let no_room = || Failure::new(ETD_OUT_OF_MEMORY, format!("no room for an image of {count} values"));
+    let layout = Layout::array::<f32>(count).map_err(|_| no_room())?;
+    if layout.size() == 0 {
+        return Ok(Vec::new());
+    }
+    // SAFETY: the layout is that of an array of `count` floats, and not empty; zero bytes are floats.
+    unsafe {
+        let start = alloc_zeroed(layout).cast::<f32>();
+        if start.is_null() {
+            return Err(no_room());
+        }
+        Ok(Vec::from_raw_parts(start, count, count))
+    }
 }
 
 /// Makes a film, black and of no sample.
 ///
 /// `options` must say its resolution. Renders may fill it again and again, one at a time. On `ETD_OK` `*out_film` is one
 /// reference. Errors: `ETD_INVALID_ARGUMENT` for a resolution or layers that do not exist, `ETD_OUT_OF_MEMORY` past the
-/// device's limit (a film takes about 150 bytes a pixel). Thread-safe.
+/// device's limit (a film takes about 150 bytes a pixel, in whole tiles of 16 x 16; images that are mapped
+/// beyond two are not counted). Thread-safe.
 ///
 /// # Safety
 /// Pointers must be NULL or point to what they say.
@@ -189,8 +223,13 @@ pub unsafe extern "C" fn etd_film_new(
             need(out_film, "out_film")?;
             let it = read_sized(options, "options")?;
             let pixels = u64::from(it.width) * u64::from(it.height);
-            if pixels == 0 || pixels > MAX_PIXELS {
-                let message = format!("options: {} x {} pixels; a film has 1 to {MAX_PIXELS}", it.width, it.height);
+            let in_tiles =
+                u64::from(it.width.div_ceil(TILE)) * u64::from(it.height.div_ceil(TILE)) * u64::from(TILE * TILE);
+            if pixels == 0 || pixels > MAX_PIXELS || in_tiles > 2 * MAX_PIXELS {
+                let message = format!(
+                    "options: {} x {} pixels; a film has 1 to {MAX_PIXELS}, and less if it is very narrow",
+                    it.width, it.height
+                );
                 return Err(Failure::argument(message));
             }
             if it.layers & !ALL_LAYERS != 0 || it.reserved != 0 {
@@ -203,8 +242,8 @@ pub unsafe extern "C" fn etd_film_new(
                 .map(|(_, kind)| kind.channels())
                 .sum();
             // The sums, and two images: one that is shown, one that is made.
-            let bytes = BYTES_PER_PIXEL[usize::from(first_hits)] + 2 * 4 * (4 + channels as u64);
-            let charge = device.budget.try_charge(usize::try_from(pixels * bytes).unwrap_or(usize::MAX))?;
+            let bytes = in_tiles * BYTES_PER_PIXEL[usize::from(first_hits)] + pixels * 2 * 4 * (4 + channels as u64);
+            let charge = device.budget.try_charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
             let empty = Arc::new(Frame { rgba: Vec::new(), layers: Vec::new(), samples: 0 });
             let film = etd_film {
                 header: Header::new::<etd_film>(device.callbacks()),
@@ -215,6 +254,7 @@ pub unsafe extern "C" fn etd_film_new(
                     front: empty,
                     spare: None,
                     images: 0,
+                    later: None,
                     pins: HashMap::new(),
                     next_pin: 1,
                     sums: None,
@@ -263,10 +303,11 @@ pub unsafe extern "C" fn etd_film_status(film: *mut etd_film, message: *mut c_ch
     unsafe { take_status(film, message, capacity) }
 }
 
-/// Maps a layer of the newest image: `*out_map` points to it, nothing is copied.
+/// Maps a layer of the newest image: `*out_map` points to it.
 ///
 /// It may be called while the film is being rendered to; the image is then that of the last complete pass (or, in the
-/// middle of a long one, of a moment in it), and does not change while it is mapped. Each map is ended by one
+/// middle of a long one, of a moment in it), and does not change while it is mapped. After a render was cancelled the first
+/// call makes its image; at any other time nothing is copied. Each map is ended by one
 /// `etd_film_unmap`. `layer`: one `etd_layer` that the film keeps. Thread-safe.
 ///
 /// # Safety
@@ -276,9 +317,9 @@ pub unsafe extern "C" fn etd_film_map(film: *mut etd_film, layer: EtdLayer, out_
     // SAFETY: passed on.
     unsafe {
         on(film, |film| {
-            let mut state = lock(&film.state);
-            let frame = Arc::clone(&state.front);
+            let frame = film.newest()?;
             let (data, channels) = film.layer(&frame, layer)?;
+            let mut state = lock(&film.state);
             let id = state.next_pin;
             let map = etd_map {
                 struct_size: size_of::<etd_map>(),
@@ -309,9 +350,15 @@ pub unsafe extern "C" fn etd_film_unmap(film: *mut etd_film, map: *mut etd_map) 
         on(film, |film| {
             let it = read_sized(map.cast_const(), "map")?;
             let mut state = lock(&film.state);
-            let Some(frame) = state.pins.remove(&it.id) else {
-                return Err(Failure::operation("the film has no such map: it was ended before, or is another film's"));
+            // Numbers are the film's own; the address tells its maps from another film's.
+            let is_of_this = |frame: &Arc<Frame>| {
+                let data = it.data;
+                data == frame.rgba.as_ptr() || frame.layers.iter().any(|(_, layer)| data == layer.as_ptr())
             };
+            if !state.pins.get(&it.id).is_some_and(is_of_this) {
+                return Err(Failure::operation("the film has no such map: it was ended before, or is another film's"));
+            }
+            let Some(frame) = state.pins.remove(&it.id) else { return Ok(()) };
             // The memory serves the next image.
             state.keep(frame);
             drop(state);
@@ -343,7 +390,7 @@ pub unsafe extern "C" fn etd_film_copy(
         on(film, |film| {
             need(pixels.cast::<u8>(), "pixels")?;
             let it = read_image_options(options)?;
-            let frame = Arc::clone(&lock(&film.state).front);
+            let frame = film.newest()?;
             let (data, channels) = film.layer(&frame, layer)?;
             let is_color = layer == ETD_LAYER_COLOR as u32;
             let [width, height] = film.resolution.map(|n| n as usize);

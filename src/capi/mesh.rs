@@ -93,7 +93,8 @@ pub unsafe extern "C" fn etd_scene_set_mesh(scene: *mut etd_scene, mesh: u32, va
     // SAFETY: passed on.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().meshes, mesh, "mesh")?;
+            // The old one is let go when no lock is held any more: its release function is the host's.
+            let _old = find(&scene.desc().meshes, mesh, "mesh")?.clone();
             with_mesh(value, |value| scene.edit(|desc| desc.set_mesh(mesh as usize, value)))
         })
     }
@@ -108,7 +109,8 @@ pub unsafe extern "C" fn etd_scene_remove_mesh(scene: *mut etd_scene, mesh: u32)
     // SAFETY: passed on.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().meshes, mesh, "mesh")?;
+            // As above.
+            let _old = find(&scene.desc().meshes, mesh, "mesh")?.clone();
             scene.edit(|desc| desc.remove_mesh(mesh as usize))
         })
     }

@@ -7,15 +7,29 @@ use super::types::{ETD_NONE, etd_hit, etd_ray};
 use crate::math::{DVec3, Ray, Vec3};
 use crate::scene::Scene;
 
-/// A ray in the frame of the scene.
+/// Lengths of a direction, by its largest component, that the kernel's products of three lengths bear.
+const LENGTHS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
+
+/// A ray in the frame of the scene, and by how much its t counts more than the host's.
 #[inline]
-fn in_scene(ray: &etd_ray, centre: DVec3) -> Ray {
-    Ray {
-        origin: (DVec3::from_array(ray.origin.map(f64::from)) - centre).as_vec3a(),
-        direction: Vec3::from_array(ray.direction),
-        tnear: ray.tnear,
-        tfar: ray.tfar,
+fn in_scene(ray: &etd_ray, centre: DVec3) -> (Ray, f32) {
+    let direction = Vec3::from_array(ray.direction);
+    let origin = (DVec3::from_array(ray.origin.map(f64::from)) - centre).as_vec3a();
+    let length = direction.abs().max_element();
+    if LENGTHS.contains(&length) {
+        return (Ray { origin, direction, tnear: ray.tnear, tfar: ray.tfar }, 1.0);
     }
+    rescaled(ray, origin, length)
+}
+
+/// A ray of a very long or very short direction, made about one long.
+#[cold]
+fn rescaled(ray: &etd_ray, origin: Vec3, length: f32) -> (Ray, f32) {
+    let scale = f64::from(length);
+    let direction = Vec3::from_array(ray.direction.map(|d| (f64::from(d) / scale) as f32));
+    // What single precision cannot hold is as good as infinite, or as good as nothing.
+    let (tnear, tfar) = ((f64::from(ray.tnear) * scale) as f32, (f64::from(ray.tfar) * scale) as f32);
+    (Ray { origin, direction, tnear, tfar }, length)
 }
 
 /// What no ray has met.
@@ -56,7 +70,7 @@ pub unsafe extern "C" fn etd_scene_intersect(
             scene.with_built(|scene| {
                 for_each(rays, scene, |index, ray| {
                     // Written through the pointer: what is there before need not be a value.
-                    hits.add(index).write(ray.map_or(MISS, |ray| hit(scene, &ray)));
+                    hits.add(index).write(ray.map_or(MISS, |(ray, length)| hit(scene, &ray, length)));
                 })
             })?
         })
@@ -85,7 +99,7 @@ pub unsafe extern "C" fn etd_scene_occluded(
             }
             scene.with_built(|scene| {
                 for_each(rays, scene, |index, ray| {
-                    occluded.add(index).write(u8::from(ray.is_some_and(|ray| !scene.unoccluded(&ray))));
+                    occluded.add(index).write(u8::from(ray.is_some_and(|(ray, _)| !scene.unoccluded(&ray))));
                 })
             })?
         })
@@ -94,16 +108,16 @@ pub unsafe extern "C" fn etd_scene_occluded(
 
 /// Answers every ray, those that cannot be traced with `None`; an error names the first of these.
 #[inline]
-fn for_each(rays: &[etd_ray], scene: &Scene, mut answer: impl FnMut(usize, Option<Ray>)) -> Result {
+fn for_each(rays: &[etd_ray], scene: &Scene, mut answer: impl FnMut(usize, Option<(Ray, f32)>)) -> Result {
     let centre = scene.centre();
     let mut bad = None;
     for (index, ray) in rays.iter().enumerate() {
-        let ray = in_scene(ray, centre);
+        let (ray, length) = in_scene(ray, centre);
         let ok = ray.is_valid();
         if !ok {
             bad.get_or_insert(index);
         }
-        answer(index, ok.then_some(ray));
+        answer(index, ok.then_some((ray, length)));
     }
     match bad {
         None => Ok(()),
@@ -112,11 +126,12 @@ fn for_each(rays: &[etd_ray], scene: &Scene, mut answer: impl FnMut(usize, Optio
 }
 
 #[inline]
-fn hit(scene: &Scene, ray: &Ray) -> etd_hit {
+fn hit(scene: &Scene, ray: &Ray, length: f32) -> etd_hit {
     let Some(hit) = scene.intersect(ray) else { return MISS };
     let it = scene.describe_hit(ray, &hit);
     etd_hit {
-        t: it.t,
+        // Infinity says that nothing was met.
+        t: if length == 1.0 { it.t } else { ((f64::from(it.t) / f64::from(length)) as f32).min(f32::MAX) },
         barycentric: it.barycentric,
         uv: it.uv,
         ng: it.ng.to_array(),

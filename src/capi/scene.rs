@@ -118,6 +118,8 @@ impl etd_scene {
                 tell(fraction);
             }) as Arc<dyn Fn(f64) + Send + Sync>
         });
+        // Dropped after the turn: what is released with them may call the host.
+        let (desc, old);
         let turn = loop {
             match self.building.try_lock() {
                 Ok(turn) => break turn,
@@ -129,11 +131,12 @@ impl etd_scene {
             }
         };
         cancel.check()?;
-        let (desc, version, dynamic, is_current) = {
+        let (version, dynamic, is_current) = {
             let state = lock(&self.state);
-            (Arc::clone(&state.desc), state.version, state.dynamic, state.built_version == Some(state.version))
+            desc = Arc::clone(&state.desc);
+            (state.version, state.dynamic, state.built_version == Some(state.version))
         };
-        let old = self.built.load_full();
+        old = self.built.load_full();
         if let (Some(built), true) = (&old, is_current) {
             return Ok((Scene::clone(built), Duration::ZERO));
         }

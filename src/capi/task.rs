@@ -2,24 +2,25 @@
 
 use std::ffi::c_char;
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::boundary::{
-    Header, Inside, Object, UserData, catch, give, is_inside, lock, need, object, on, read_sized, release, retain,
-    take_status, write_sized,
+    Header, Inside, Object, UserData, boundary, catch, give, is_inside, lock, need, object, on, peek, read_sized,
+    release, take_status, write_sized,
 };
 use super::film::{etd_film, share_film};
 use super::read;
 use super::scene::{Progress, etd_scene};
-use super::status::{ETD_CANCELLED, ETD_DEVICE, ETD_OK, ETD_RUNNING, Failure, Result, etd_status};
+use super::status::{ETD_CANCELLED, ETD_DEVICE, ETD_INVALID_HANDLE, ETD_OK, ETD_RUNNING, Failure, Result, etd_status};
 use super::types::{
     ETD_LOG_WARNING, ETD_PHASE_BUILD, ETD_PHASE_END, ETD_PHASE_RENDER, etd_phase, etd_progress, etd_render_options,
     etd_summary,
 };
 use crate::Cancel;
-use crate::render::{Render, RenderSettings};
+use crate::render::{Ended, Render, RenderSettings};
 
 /// Share of the progress that building a scene takes.
 const BUILD_SHARE: f64 = 0.1;
@@ -33,6 +34,9 @@ const IMAGE_COST: u32 = 50;
 /// A started render.
 pub struct etd_task {
     header: Header,
+    /// The host's references. The last one that is given back is waited for while the object is still whole: functions
+    /// of the host that run meanwhile may use their handle.
+    references: AtomicUsize,
     work: Arc<Work>,
 }
 object!(etd_task, b"EtTa", "task");
@@ -47,8 +51,6 @@ struct Work {
     ended: Condvar,
     /// Kept so that it can go on.
     render: Mutex<Option<Render>>,
-    /// The thread it runs on, where that is one of its own.
-    thread: Mutex<Option<JoinHandle<()>>>,
 }
 
 // SAFETY: the pointers in `options` are functions, and `user_data`, which is the host's to look at.
@@ -59,8 +61,20 @@ unsafe impl Sync for Work {}
 struct State {
     cancel: Cancel,
     progress: etd_progress,
-    /// `None` while it runs.
+    /// Counts starts.
+    run: u64,
+    /// How the run before this one ended, for whoever still waits for that.
+    before: Option<Result>,
+    /// Whether somebody has taken on the current run: its thread, or whoever cancelled it before that.
+    has_begun: bool,
+    /// How it ended; `None` while it runs.
     outcome: Option<Result>,
+    /// Whether the host was told, and nothing of it is called any more.
+    is_over: bool,
+    /// Whether every pixel has what was asked for: there is nothing to go on with.
+    is_complete: bool,
+    /// The thread of a run, where that is one of its own.
+    thread: Option<(u64, JoinHandle<()>)>,
 }
 
 impl Work {
@@ -71,10 +85,6 @@ impl Work {
 
     fn is_calling_us(&self) -> bool {
         is_inside(self.address())
-    }
-
-    fn cancel(&self) -> Cancel {
-        lock(&self.state).cancel.clone()
     }
 
     /// Notes how far it is and tells the host.
@@ -99,7 +109,7 @@ impl Work {
     fn run(self: &Arc<Self>, resumes: bool) -> Result {
         // Any function of the host that is called from here on, a log function too, is one that this work calls.
         let _inside = Inside::enter(self.address());
-        let cancel = self.cancel();
+        let cancel = lock(&self.state).cancel.clone();
         let mut summary = None;
         let outcome = catch(|| self.build_and_render(resumes, &cancel, &mut summary));
         self.film.end(summary);
@@ -149,7 +159,7 @@ impl Work {
             let is_due = progress.image.is_some() || last_image.elapsed() > IMAGE_INTERVAL.max(IMAGE_COST * image_cost);
             if is_due {
                 let begin = Instant::now();
-                failure = self.film.publish(&sums, progress.samples_done).err();
+                failure = self.film.publish(&sums, progress.samples_done, cancel).err();
                 last_image = Instant::now();
                 image_cost = last_image - begin;
             }
@@ -168,10 +178,17 @@ impl Work {
         if let Some(failure) = failure {
             return Err(failure);
         }
-        // What was done of a pass that was cut short.
-        self.film.publish(&sums, summary.samples)?;
+        // What was done of a pass that was cut short. Whoever cancelled does not wait for that.
+        if cancel.is_cancelled() || !self.film.publish(&sums, summary.samples, cancel)? {
+            self.film.publish_later(&sums, summary.samples);
+        }
         for note in &summary.notes {
-            self.film.header().callbacks.log(ETD_LOG_WARNING, note);
+            self.scene.header().callbacks.log(ETD_LOG_WARNING, note);
+        }
+        if matches!(summary.ended, Ended::Samples | Ended::Error) {
+            lock(&self.state).is_complete = true;
+            // The scene is needed no more, nor are arrays that it shares.
+            *slot = None;
         }
         *out_summary = Some(etd_summary {
             struct_size: size_of::<etd_summary>(),
@@ -200,54 +217,75 @@ impl Work {
         })
     }
 
+    /// Takes on a run, unless it is over already or somebody else has.
+    fn begin(&self, run: u64) -> bool {
+        let mut state = lock(&self.state);
+        let is_mine = state.run == run && !state.has_begun;
+        state.has_begun |= is_mine;
+        is_mine
+    }
+
     /// Notes the end and tells everybody.
-    fn finish(&self, outcome: Result, tell: bool) {
+    fn finish(&self, outcome: Result) {
         let status = outcome.as_ref().err().map_or(ETD_OK, |failure| failure.status);
-        if let (Some(finished), true) = (self.options.finished, tell) {
+        {
+            let mut state = lock(&self.state);
+            state.progress.phase = ETD_PHASE_END;
+            if status == ETD_OK {
+                state.progress.fraction = 1.0;
+            }
+            state.outcome = Some(outcome);
+        }
+        if let Some(finished) = self.options.finished {
             let _inside = Inside::enter(self.address());
             // SAFETY: the host gave the function for this.
             unsafe { finished(self.user_data.0, status) }
         }
-        let mut state = lock(&self.state);
-        state.progress.phase = ETD_PHASE_END;
-        if status == ETD_OK {
-            state.progress.fraction = 1.0;
-        }
-        state.outcome = Some(outcome);
-        drop(state);
+        lock(&self.state).is_over = true;
         self.ended.notify_all();
     }
 
-    /// Waits for the end, for so long; whether it has come.
-    fn wait(&self, limit: Option<Duration>) -> bool {
+    /// Asks the current run to end. One that nobody has begun ends here.
+    fn cancel(&self) {
+        let run = {
+            let state = lock(&self.state);
+            state.cancel.cancel();
+            state.run
+        };
+        if self.begin(run) {
+            let _inside = Inside::enter(self.address());
+            self.film.end(None);
+            self.finish(Err(Failure::new(ETD_CANCELLED, "the task was cancelled before it had begun")));
+        }
+    }
+
+    /// Waits until the run that is going on now is over, for so long; how it ended, or `None`.
+    fn wait(&self, limit: Option<Duration>) -> Option<Result> {
         let state = lock(&self.state);
-        let runs = |state: &mut State| state.outcome.is_none();
-        let has_ended = match limit {
-            None => {
-                drop(self.ended.wait_while(state, runs).unwrap_or_else(PoisonError::into_inner));
-                true
-            }
+        let run = state.run;
+        let goes_on = |state: &mut State| state.run == run && !state.is_over;
+        let mut state = match limit {
+            None => self.ended.wait_while(state, goes_on).unwrap_or_else(PoisonError::into_inner),
             Some(limit) => {
-                let (state, _) =
-                    self.ended.wait_timeout_while(state, limit, runs).unwrap_or_else(PoisonError::into_inner);
-                state.outcome.is_some()
+                self.ended.wait_timeout_while(state, limit, goes_on).unwrap_or_else(PoisonError::into_inner).0
             }
         };
-        // The thread has nothing left to do; a host that ends now should not find it still ending.
-        if has_ended && let Some(thread) = lock(&self.thread).take() {
+        let outcome = match state.run - run {
+            0 if state.is_over => state.outcome.clone(),
+            0 => None,
+            // It was resumed meanwhile.
+            _ => state.before.clone(),
+        };
+        let thread = match (&outcome, &state.thread) {
+            (Some(_), Some((of, _))) if *of == run => state.thread.take(),
+            _ => None,
+        };
+        drop(state);
+        // It has nothing left to do; a host that ends now should not find it still ending.
+        if let Some((_, thread)) = thread {
             let _ = thread.join();
         }
-        has_ended
-    }
-}
-
-impl Drop for etd_task {
-    fn drop(&mut self) {
-        self.work.cancel().cancel();
-        // The host may free what its functions use after this; inside one of them there is nothing to wait for.
-        if !self.work.is_calling_us() {
-            self.work.wait(None);
-        }
+        outcome
     }
 }
 
@@ -267,16 +305,28 @@ unsafe fn prepare(
             if options.is_null() { read::render_out(&scene.desc().render) } else { read_sized(options, "options")? };
         (film, options)
     };
+    if !Arc::ptr_eq(film.device(), &scene.device) {
+        return Err(Failure::argument("the film is of another device than the scene"));
+    }
     let cancel = Cancel::new();
     let work = Work {
         user_data: UserData(options.user_data),
         scene: Arc::clone(scene),
         film,
         options,
-        state: Mutex::new(State { cancel: cancel.clone(), progress: none_yet(ETD_PHASE_BUILD), outcome: None }),
+        state: Mutex::new(State {
+            cancel: cancel.clone(),
+            progress: none_yet(ETD_PHASE_BUILD),
+            run: 0,
+            before: None,
+            has_begun: false,
+            outcome: None,
+            is_over: false,
+            is_complete: false,
+            thread: None,
+        }),
         ended: Condvar::new(),
         render: Mutex::new(None),
-        thread: Mutex::new(None),
     };
     work.settings(&cancel)?.desc.check()?;
     work.film.begin()?;
@@ -298,7 +348,7 @@ fn none_yet(phase: etd_phase) -> etd_progress {
 
 /// Renders a scene to a film and returns when it is done; builds the scene first where it has changed.
 ///
-/// `options`: NULL for the scene's own settings. Returns `ETD_CANCELLED` if the progress callback stopped it; the film then
+/// The film must be of the scene's device. `options`: NULL for the scene's own settings. Returns `ETD_CANCELLED` if the progress callback stopped it; the film then
 /// holds what was done. Errors: `ETD_INVALID_OPERATION` while the film is being rendered to, and all that
 /// `etd_scene_commit` has. The image depends on scene, resolution and options alone, not on threads. Thread-safe: several
 /// renders, of one scene too, may run at once, each to a film of its own.
@@ -339,30 +389,43 @@ pub unsafe extern "C" fn etd_render_start(
         on(scene, |scene| {
             need(out_task, "out_task")?;
             let work = prepare(scene, film, options)?;
-            let task = etd_task { header: Header::new::<etd_task>(scene.device.callbacks()), work };
-            start(&task.work, false)?;
-            give(Arc::new(task), out_task);
+            let header = Header::new::<etd_task>(scene.device.callbacks());
+            start(&work, 0, false)?;
+            give(Arc::new(etd_task { header, references: AtomicUsize::new(1), work }), out_task);
             Ok(())
         })
     }
 }
 
-/// Runs the work somewhere else.
-fn start(work: &Arc<Work>, resumes: bool) -> Result {
-    let own = Arc::clone(work);
+/// Has a run of the work done somewhere else.
+fn start(work: &Arc<Work>, run: u64, resumes: bool) -> Result {
+    // What the host has queued and not run must keep nothing alive.
+    let own = Arc::downgrade(work);
     let begun = work.scene.device.start(Box::new(move || {
-        let outcome = own.run(resumes);
-        own.finish(outcome, true);
+        let Some(own) = own.upgrade() else { return };
+        if own.begin(run) {
+            let outcome = own.run(resumes);
+            own.finish(outcome);
+        }
     }));
     match begun {
         Ok(thread) => {
-            *lock(&work.thread) = thread;
+            let mut state = lock(&work.state);
+            if let (Some(thread), true) = (thread, state.run == run) {
+                state.thread = Some((run, thread));
+            }
             Ok(())
         }
         Err(error) => {
-            work.film.end(None);
             let failure = Failure::new(ETD_DEVICE, format!("no thread could be started for the task: {error}"));
-            work.finish(Err(failure.clone()), false);
+            if work.begin(run) {
+                work.film.end(None);
+                let mut state = lock(&work.state);
+                state.outcome = Some(Err(failure.clone()));
+                state.is_over = true;
+                drop(state);
+                work.ended.notify_all();
+            }
             Err(failure)
         }
     }
@@ -415,15 +478,16 @@ pub unsafe extern "C" fn etd_task_wait(task: *mut etd_task, seconds: f64) -> etd
                 return Err(Failure::argument("seconds is NaN"));
             }
             let limit = (seconds >= 0.0).then(|| Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX));
-            running = !task.work.wait(limit);
-            if running { Ok(()) } else { lock(&task.work.state).outcome.clone().unwrap_or(Ok(())) }
+            let outcome = task.work.wait(limit);
+            running = outcome.is_none();
+            outcome.unwrap_or(Ok(()))
         })
     };
     if running && status == ETD_OK { ETD_RUNNING } else { status }
 }
 
 /// Asks a task to end soon, in whatever phase it is, and returns at once. It ends with `ETD_CANCELLED`, unless it was done
-/// already. Thread-safe, also inside the task's own functions.
+/// already. One that no thread has begun yet ends here, and its `finished` is called here. Thread-safe, also inside the task's own functions.
 ///
 /// # Safety
 /// `task` must be NULL or a task.
@@ -432,17 +496,18 @@ pub unsafe extern "C" fn etd_task_cancel(task: *mut etd_task) -> etd_status {
     // SAFETY: passed on.
     unsafe {
         on(task, |task| {
-            task.work.cancel().cancel();
+            task.work.cancel();
             Ok(())
         })
     }
 }
 
 /// Lets a task that was cancelled, or ended by its time limit, go on from where it stopped, with the scene that it began
-/// with and its time limit anew. It comes to the same image as one that was never interrupted.
+/// with (as it is now, if it was cancelled before the scene was built) and its time limit anew. It comes to the same image
+/// as one that was never interrupted.
 ///
-/// `ETD_INVALID_OPERATION` while it runs, after an error, and inside its own functions. Another render to the same film
-/// in between is not undone: the film then shows this task's image again. Thread-safe.
+/// A task that is complete stays so. `ETD_INVALID_OPERATION` while it runs, after an error, and inside its own functions. Another render
+/// to the same film in between is not undone: the film then shows this task's image again. Thread-safe.
 ///
 /// # Safety
 /// `task` must be NULL or a task.
@@ -455,21 +520,35 @@ pub unsafe extern "C" fn etd_task_resume(task: *mut etd_task) -> etd_status {
             if work.is_calling_us() {
                 return Err(Failure::operation("a function that the task calls cannot resume the task"));
             }
-            {
-                let mut state = lock(&work.state);
+            let (run, thread) = {
+                // It may have ended and be telling so.
+                let is_telling = |state: &mut State| state.outcome.is_some() && !state.is_over;
+                let state = work.ended.wait_while(lock(&work.state), is_telling);
+                let mut state = state.unwrap_or_else(PoisonError::into_inner);
                 match &state.outcome {
-                    None => return Err(Failure::operation("the task is still running")),
                     Some(Err(failure)) if failure.status != ETD_CANCELLED => {
                         return Err(Failure::operation(format!("the task has failed: {}", failure.message)));
                     }
+                    // There is nothing left to do.
+                    Some(_) if state.is_complete => return Ok(()),
                     Some(_) => {}
+                    None => return Err(Failure::operation("the task is still running")),
                 }
                 work.film.begin()?;
-                state.outcome = None;
+                state.run += 1;
+                state.has_begun = false;
+                state.before = state.outcome.take();
+                state.is_over = false;
                 state.cancel = Cancel::new();
                 state.progress = none_yet(ETD_PHASE_RENDER);
+                (state.run, state.thread.take())
+            };
+            // Whoever waits for the run before this one has waited long enough.
+            work.ended.notify_all();
+            if let Some((_, thread)) = thread {
+                let _ = thread.join();
             }
-            start(work, true)
+            start(work, run, true)
         })
     }
 }
@@ -480,19 +559,47 @@ pub unsafe extern "C" fn etd_task_resume(task: *mut etd_task) -> etd_status {
 /// `task` must be NULL or a task.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_task_retain(task: *mut etd_task) -> etd_status {
+    let count = |count: usize| (count > 0).then(|| count + 1);
     // SAFETY: passed on.
-    unsafe { retain(task) }
+    unsafe {
+        on(task, |task| {
+            let counted = task.references.fetch_update(Ordering::Relaxed, Ordering::Relaxed, count);
+            counted.map(|_| ()).map_err(|_| Failure::new(ETD_INVALID_HANDLE, "the task was released"))
+        })
+    }
 }
 
 /// Gives back one reference to a task; NULL is fine. With the last one a task that still runs is cancelled and waited
-/// for, so that none of its functions is called afterwards (inside one of them it is only cancelled). Thread-safe.
+/// for, so that none of its functions is called afterwards; these may use the handle until then. (Inside one of them it is
+/// only cancelled.) Thread-safe.
 ///
 /// # Safety
 /// `task` must be NULL or a task of which the caller has a reference.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_task_release(task: *mut etd_task) {
-    // SAFETY: passed on.
-    unsafe { release(task) }
+    if task.is_null() {
+        return;
+    }
+    let mut is_last = false;
+    boundary(None, || {
+        // SAFETY: passed on.
+        let it = unsafe { peek(task) }?;
+        let count = |count: usize| count.checked_sub(1);
+        let before = it.references.fetch_update(Ordering::AcqRel, Ordering::Relaxed, count);
+        is_last = before.map_err(|_| Failure::new(ETD_INVALID_HANDLE, "the task was released"))? == 1;
+        if is_last {
+            it.work.cancel();
+            // The host may free what its functions use after this; inside one of them there is nothing to wait for.
+            if !it.work.is_calling_us() {
+                it.work.wait(None);
+            }
+        }
+        Ok(())
+    });
+    if is_last {
+        // SAFETY: the last reference of the host stands for the one that `give` handed out.
+        unsafe { release(task) }
+    }
 }
 
 /// The first failure of a call on this task since this was last asked, and forgets it; `ETD_OK` if there was none.

@@ -71,8 +71,8 @@ pub type etd_log_fn =
 pub type etd_error_fn =
     Option<unsafe extern "C" fn(user_data: *mut c_void, status: etd_status, message: *const c_char)>;
 
-/// A piece of work for the host's executor: to be called once with its argument, on any thread, at any time until the
-/// device is gone.
+/// A piece of work for the host's executor: to be called once with its argument, on any thread, at any time, be it after
+/// everything was released: then it finds nothing to do.
 pub type etd_work_fn = Option<unsafe extern "C" fn(argument: *mut c_void)>;
 
 /// Takes a piece of work for the host's own threads, and returns without waiting for it.
@@ -107,8 +107,8 @@ pub struct etd_device_options {
     pub threads: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// Bytes that hierarchies and films of this device may take together; 0: no limit. Memory of the host, and copies of
-    /// its arrays, are not counted.
+    /// Bytes that hierarchies, placed geometry and films of this device may take together; 0: no limit. Descriptions
+    /// (copies of the host's arrays among them) and memory of the host are not counted.
     pub memory_limit: u64,
     /// Told warnings and decisions; may be NULL.
     pub log: etd_log_fn,
@@ -364,7 +364,7 @@ pub struct etd_render_options {
     pub filter: EtdFilter,
     /// The filter's parameters.
     pub filter_parameters: [f32; 2],
-    /// Samples for each pixel, up to 2^31; 0: as many as time and error allow, which must then be limited.
+    /// Samples for each pixel, 2^30 at most; 0: as many as time and error allow, which must then be limited.
     pub samples: u32,
     /// Greatest number of surface hits on a path, the first visible one included; 0: no limit (a limit darkens).
     pub max_depth: u32,
@@ -553,7 +553,7 @@ pub struct etd_ray {
     pub origin: [f32; 3],
     /// Start of the segment, >= 0.
     pub tnear: f32,
-    /// Any length but zero; t counts in this length.
+    /// Any length that is not zero; t counts in this length.
     pub direction: [f32; 3],
     /// End of the segment; may be infinite.
     pub tfar: f32,

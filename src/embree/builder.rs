@@ -204,7 +204,7 @@ impl SceneBuilder {
     /// [`ErrorKind::InvalidScene`] for no primitive or a box that is not finite and ordered; [`ErrorKind::Device`] or
     /// [`ErrorKind::OutOfMemory`].
     pub fn add_user<G: UserGeometry>(&mut self, geometry: Arc<G>) -> Result<GeometryId> {
-        let state = Arc::new(UserState::new(geometry)?);
+        let state = Arc::new(UserState::new(geometry, &self.cancel)?);
         let pointer = user::user_pointer(&state);
         let kept: Arc<dyn user::ErasedUser> = state;
         let count = kept.len();

@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 use super::mesh::in_range;
 use super::{ray, sys};
 use crate::math::{Ray, Vec3};
-use crate::{Error, ErrorKind, Result};
+use crate::{Cancel, Error, ErrorKind, Result};
 
 /// Where a ray meets a primitive of user geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,7 +84,7 @@ impl<G: UserGeometry> UserState<G> {
     /// Asks the geometry for its boxes.
     ///
     /// Errors: no primitives, too many, or a box that is inside out or not finite.
-    pub(super) fn new(geometry: Arc<G>) -> Result<Self> {
+    pub(super) fn new(geometry: Arc<G>, cancel: &Cancel) -> Result<Self> {
         let count = geometry.len();
         if count == 0 || u32::try_from(count).is_err() {
             let message = format!("user geometry with {count} primitives: needs 1 to 2^32 - 1");
@@ -95,6 +95,9 @@ impl<G: UserGeometry> UserState<G> {
             .try_reserve_exact(count)
             .map_err(|error| Error::new(ErrorKind::OutOfMemory, format!("no room for {count} boxes")).because(error))?;
         for index in 0..count {
+            if index % 4096 == 0 {
+                cancel.check()?;
+            }
             let (lower, upper) = geometry.bounds(index);
             if !(0..3).all(|i| in_range(lower[i]) && in_range(upper[i]) && lower[i] <= upper[i]) {
                 let message =

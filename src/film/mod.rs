@@ -14,6 +14,7 @@ pub use pixel::{Auxiliary, Pixel};
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use crate::Cancel;
 use crate::desc::MAX_PIXELS;
 use crate::error::{Error, ErrorKind, Result};
 
@@ -138,10 +139,18 @@ impl Film {
     }
 
     /// Calls `visit` for each pixel of the image with its number in rows: tile by tile, or row by row within one.
-    fn for_each(&self, mut visit: impl FnMut(usize, &Pixel, Option<&Auxiliary>)) {
+    fn for_each(&self, visit: impl FnMut(usize, &Pixel, Option<&Auxiliary>)) {
+        self.for_each_unless(&Cancel::new(), visit);
+    }
+
+    /// The same; false if it was cancelled in the middle.
+    fn for_each_unless(&self, cancel: &Cancel, mut visit: impl FnMut(usize, &Pixel, Option<&Auxiliary>)) -> bool {
         let [width, height] = self.options.resolution;
         let none = Pixel::default();
         for (number, tile) in self.tiles.iter().enumerate() {
+            if cancel.is_cancelled() {
+                return false;
+            }
             let [left, top] = self.tile_origin(number);
             let tile = lock(tile);
             for y in top..(top + TILE).min(height) {
@@ -152,6 +161,7 @@ impl Film {
                 }
             }
         }
+        true
     }
 
     /// Values of each pixel, row by row.
@@ -202,11 +212,7 @@ impl Film {
     /// [`ErrorKind::Internal`] for a slice of another length.
     pub fn rgba_into(&self, out: &mut [f32], alpha: bool) -> Result<()> {
         self.check_length(out, 4)?;
-        self.write(out, |pixel, auxiliary| {
-            let [r, g, b] = pixel.mean(self.options.weighted);
-            let coverage = auxiliary.filter(|_| alpha).map_or(1.0, |auxiliary| auxiliary.coverage(pixel.count()));
-            [r, g, b, coverage]
-        });
+        self.write(out, |pixel, auxiliary| self.rgba(pixel, auxiliary, alpha));
         Ok(())
     }
 
@@ -215,28 +221,53 @@ impl Film {
     /// # Errors
     /// [`ErrorKind::Internal`] for a slice of another length, and for a layer of first hits if the film keeps none.
     pub fn layer_into(&self, layer: LayerKind, out: &mut [f32]) -> Result<()> {
-        self.check_length(out, layer.channels())?;
-        if layer.is_auxiliary() && !self.options.auxiliary {
-            return Err(Error::new(ErrorKind::Internal, format!("the film keeps no first hits for {layer:?}")));
-        }
+        self.check_layer(layer, out)?;
         self.write_layer(layer, out);
         Ok(())
     }
 
     fn write_layer(&self, layer: LayerKind, out: &mut [f32]) {
-        let mean = |sum: Option<[f64; 3]>, pixel: &Pixel| {
-            sum.unwrap_or_default().map(|sum| (sum / f64::from(pixel.count().max(1))) as f32)
-        };
-        match layer {
-            LayerKind::Albedo => self.write(out, |pixel, auxiliary| mean(auxiliary.map(|a| a.albedo), pixel)),
-            LayerKind::Normal => self.write(out, |pixel, auxiliary| mean(auxiliary.map(|a| a.normal), pixel)),
-            LayerKind::Depth => {
-                self.write(out, |_, auxiliary| [auxiliary.map_or(f32::INFINITY, Auxiliary::mean_depth)]);
-            }
-            LayerKind::Samples => self.write(out, |pixel, _| [pixel.count() as f32]),
-            LayerKind::Variance => self.write(out, |pixel, _| pixel.variance().map(|v| v as f32)),
-            LayerKind::StandardError => self.write(out, |pixel, _| pixel.variance().map(|v| v.sqrt() as f32)),
+        self.for_each(|place, pixel, auxiliary| put(layer, place, pixel, auxiliary, out));
+    }
+
+    /// What [`Film::rgba_into`] and [`Film::layer_into`] do for several layers, in one walk over the film; false if it was
+    /// cancelled in the middle, and then some of it is older.
+    ///
+    /// # Errors
+    /// As for these two.
+    pub fn read_into(
+        &self,
+        rgba: &mut [f32],
+        alpha: bool,
+        layers: &mut [(LayerKind, Vec<f32>)],
+        cancel: &Cancel,
+    ) -> Result<bool> {
+        self.check_length(rgba, 4)?;
+        for (layer, out) in &*layers {
+            self.check_layer(*layer, out)?;
         }
+        Ok(self.for_each_unless(cancel, |place, pixel, auxiliary| {
+            if let Some(out) = rgba.get_mut(4 * place..4 * place + 4) {
+                out.copy_from_slice(&self.rgba(pixel, auxiliary, alpha));
+            }
+            for (layer, out) in &mut *layers {
+                put(*layer, place, pixel, auxiliary, out);
+            }
+        }))
+    }
+
+    fn rgba(&self, pixel: &Pixel, auxiliary: Option<&Auxiliary>, alpha: bool) -> [f32; 4] {
+        let [r, g, b] = pixel.mean(self.options.weighted);
+        let coverage = auxiliary.filter(|_| alpha).map_or(1.0, |auxiliary| auxiliary.coverage(pixel.count()));
+        [r, g, b, coverage]
+    }
+
+    fn check_layer(&self, layer: LayerKind, out: &[f32]) -> Result<()> {
+        self.check_length(out, layer.channels())?;
+        if layer.is_auxiliary() && !self.options.auxiliary {
+            return Err(Error::new(ErrorKind::Internal, format!("the film keeps no first hits for {layer:?}")));
+        }
+        Ok(())
     }
 
     fn check_length(&self, out: &[f32], channels: usize) -> Result<()> {
@@ -252,21 +283,26 @@ impl Film {
     ///
     /// `None` until every pixel has two complete replicates.
     pub fn relative_error(&self) -> Option<f64> {
+        self.relative_error_unless(&Cancel::new())
+    }
+
+    /// The same; `None` too if it was cancelled in the middle.
+    pub(crate) fn relative_error_unless(&self, cancel: &Cancel) -> Option<f64> {
         let values = (3 * self.pixel_count()).max(1) as f64;
         let mut sum = 0.0;
-        self.for_each(|_, pixel, _| {
+        let mut is_whole = self.for_each_unless(cancel, |_, pixel, _| {
             sum += pixel.mean(self.options.weighted).into_iter().map(f64::from).sum::<f64>();
         });
         let mean = sum / values;
         let floor = 1e-2 * mean * mean;
         let mut sum = 0.0;
-        self.for_each(|_, pixel, _| {
+        is_whole &= self.for_each_unless(cancel, |_, pixel, _| {
             for (variance, mean) in pixel.variance().into_iter().zip(pixel.mean(self.options.weighted)) {
                 sum += variance / (f64::from(mean) * f64::from(mean) + floor);
             }
         });
         // NaN, from a pixel without an estimate or an image without light, is no estimate.
-        (sum / values).is_finite().then(|| (sum / values).sqrt())
+        (is_whole && (sum / values).is_finite()).then(|| (sum / values).sqrt())
     }
 
     /// Samples that were NaN or infinite, and were left out.
@@ -274,6 +310,31 @@ impl Film {
         let mut count = 0;
         self.for_each(|_, pixel, _| count += u64::from(pixel.non_finite()));
         count
+    }
+}
+
+/// Writes what a layer has of one pixel.
+#[inline]
+fn put(layer: LayerKind, place: usize, pixel: &Pixel, auxiliary: Option<&Auxiliary>, out: &mut [f32]) {
+    let mean =
+        |sum: Option<[f64; 3]>| sum.unwrap_or_default().map(|sum| (sum / f64::from(pixel.count().max(1))) as f32);
+    let three = match layer {
+        LayerKind::Albedo => mean(auxiliary.map(|auxiliary| auxiliary.albedo)),
+        LayerKind::Normal => mean(auxiliary.map(|auxiliary| auxiliary.normal)),
+        LayerKind::Variance => pixel.variance().map(|variance| variance as f32),
+        LayerKind::StandardError => pixel.variance().map(|variance| variance.sqrt() as f32),
+        LayerKind::Depth | LayerKind::Samples => {
+            if let Some(out) = out.get_mut(place) {
+                *out = match layer {
+                    LayerKind::Depth => auxiliary.map_or(f32::INFINITY, Auxiliary::mean_depth),
+                    _ => pixel.count() as f32,
+                };
+            }
+            return;
+        }
+    };
+    if let Some(out) = out.get_mut(3 * place..3 * place + 3) {
+        out.copy_from_slice(&three);
     }
 }
 

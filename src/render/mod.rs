@@ -95,7 +95,8 @@ pub struct Summary {
     pub samples: u32,
     /// Rays traced, closest-hit and shadow rays together.
     pub rays: u64,
-    /// Estimated relative error (see [`Film::relative_error`]), where there are enough samples to tell.
+    /// Estimated relative error (see [`Film::relative_error`]), where there are enough samples to tell and nobody who
+    /// cancelled is kept waiting for it.
     pub relative_error: Option<f64>,
     /// What ended it.
     pub ended: Ended,
@@ -118,6 +119,7 @@ pub struct Render {
     workers: Workers,
     samples: u32,
     rays: u64,
+    non_finite: u64,
 }
 
 impl Render {
@@ -164,7 +166,18 @@ impl Render {
         let filter = Filter::new(&filter_desc);
         let desc = Arc::new(desc.clone());
         let scene = scene.clone();
-        Ok(Self { scene, settings, desc, camera, filter, film: Arc::new(film), workers, samples: 0, rays: 0 })
+        Ok(Self {
+            scene,
+            settings,
+            desc,
+            camera,
+            filter,
+            film: Arc::new(film),
+            workers,
+            samples: 0,
+            rays: 0,
+            non_finite: 0,
+        })
     }
 
     /// Renders until samples, time or the caller's patience are used up.
@@ -209,7 +222,7 @@ impl Render {
 
     /// The error as it is, where one is aimed at.
     fn aimed_error(&self) -> Option<f64> {
-        self.settings.target_error.and_then(|_| self.film.relative_error())
+        self.settings.target_error.and_then(|_| self.film.relative_error_unless(&self.settings.cancel))
     }
 
     /// What stops the next [`Render::run`]; a render that was cancelled goes on only with a new one.
@@ -251,6 +264,7 @@ impl Render {
             }
         })?;
         self.rays += pass.rays.load(Ordering::Relaxed);
+        self.non_finite += pass.non_finite.load(Ordering::Relaxed);
         if pass.is_complete() {
             return Ok(None);
         }
@@ -266,7 +280,7 @@ impl Render {
         if self.settings.desc.sampler == SamplerDesc::Gaussian && self.settings.desc.filter != FilterDesc::Box {
             notes.push("the gaussian pattern is a pixel filter by itself: the filter was not used".to_owned());
         }
-        let non_finite = self.film.non_finite();
+        let non_finite = self.non_finite;
         if non_finite > 0 {
             notes.push(format!("{non_finite} samples were NaN or infinite and count as black"));
         }
@@ -274,7 +288,7 @@ impl Render {
             elapsed,
             samples: self.samples,
             rays: self.rays,
-            relative_error: self.film.relative_error(),
+            relative_error: self.film.relative_error_unless(&self.settings.cancel),
             ended,
             stopped: ended == Ended::Cancelled,
             non_finite,

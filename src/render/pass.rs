@@ -29,6 +29,7 @@ pub(super) struct Pass {
     cancel: Cancel,
     pub stop: AtomicBool,
     pub rays: AtomicU64,
+    pub non_finite: AtomicU64,
     /// The tile that is taken next.
     next: AtomicUsize,
     tiles_done: AtomicUsize,
@@ -97,6 +98,7 @@ impl Pass {
             cancel: render.settings.cancel.clone(),
             stop: AtomicBool::new(false),
             rays: AtomicU64::new(0),
+            non_finite: AtomicU64::new(0),
             next: AtomicUsize::new(0),
             tiles_done: AtomicUsize::new(0),
         }
@@ -192,6 +194,9 @@ impl Pass {
                     // was stopped may have missed something, and is taken again.
                     if self.is_stopped() {
                         return false;
+                    }
+                    if !radiance.is_finite() {
+                        self.non_finite.fetch_add(1, Ordering::Relaxed);
                     }
                     pixel.add(radiance, weight, replicate_size);
                     if let (Some(auxiliary), Some(hit)) = (tile.auxiliary.get_mut(index), first) {

@@ -54,14 +54,15 @@ pub(super) fn assemble(
     work.expect(first_guess(desc, old));
     // Everything in the world frame, in double precision.
     let mut mesh_bounds = old.map(Record::mesh_bounds).unwrap_or_default();
-    let lowered = lower::lower(desc, is_dynamic, |mesh: &Arc<MeshDesc>| match mesh_bounds.get(&address(mesh)) {
-        Some(bounds) => Ok(*bounds),
-        None => {
-            let bounds = mesh::bounds(mesh, work)?;
-            mesh_bounds.insert(address(mesh), bounds);
-            Ok(bounds)
-        }
-    })?;
+    let lowered =
+        lower::lower(desc, is_dynamic, work.cancel, |mesh: &Arc<MeshDesc>| match mesh_bounds.get(&address(mesh)) {
+            Some(bounds) => Ok(*bounds),
+            None => {
+                let bounds = mesh::bounds(mesh, work)?;
+                mesh_bounds.insert(address(mesh), bounds);
+                Ok(bounds)
+            }
+        })?;
 
     // The frame in which single precision is spent where it shows most: around the camera, or the point of the scene
     // nearest to it. A huge ground sphere thus costs no digits of what stands on it.
@@ -126,7 +127,8 @@ impl Assembler<'_> {
     /// Units of work that are left.
     fn exact_cost(&self, lowered: &Lowered) -> f64 {
         let loose = lowered.triangles.len();
-        let mut units = (cost::TEST + cost::HIERARCHY) * loose as f64 + dress::triangles_cost(loose);
+        let mut units = (cost::TEST + cost::HIERARCHY) * lowered.shapes.len() as f64;
+        units += (cost::TEST + cost::HIERARCHY) * loose as f64 + dress::triangles_cost(loose);
         for mesh_use in &lowered.meshes {
             let mesh = self.mesh(mesh_use);
             let triangles = mesh.triangle_count();
@@ -215,6 +217,7 @@ impl Assembler<'_> {
     fn instances(&mut self, uses: &[MeshUse]) -> Result<()> {
         let mut counted = HashSet::new();
         for mesh_use in uses {
+            self.work.cancel.check()?;
             let key = self.key(mesh_use);
             let object = match self.known.get(&key) {
                 Some(object) => Arc::clone(object),
@@ -257,8 +260,8 @@ impl Assembler<'_> {
 
     /// Analytic shapes: a list in front of Embree while they are few, user geometry when they are many.
     fn shapes(&mut self, lowered: &Lowered, limit: usize) -> Result<(AnalyticList, Vec<u32>)> {
-        let in_scene = lowered.shapes.iter().map(|(shape, _)| shape.in_scene(self.centre));
-        let shapes: Vec<_> = in_scene.collect();
+        let mut shapes = Vec::with_capacity(lowered.shapes.len());
+        self.work.each(lowered.shapes.len(), cost::TEST, |i| shapes.push(lowered.shapes[i].0.in_scene(self.centre)))?;
         let surfaces: Vec<u32> = lowered.shapes.iter().map(|(_, surface)| *surface as u32).collect();
         if shapes.len() <= limit {
             self.facts.listed_shapes = shapes.len();
@@ -279,7 +282,7 @@ impl Assembler<'_> {
         let embree = if self.geometries.is_empty() {
             None
         } else {
-            let units = cost::HIERARCHY * self.facts.triangles as f64;
+            let units = cost::HIERARCHY * (self.facts.triangles + self.facts.embree_shapes) as f64;
             let embree = self.embree;
             let embree = self.work.share(units, |report| embree.commit(Some(report)))?;
             self.facts.embree_bytes += embree.hierarchy_bytes();

@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::geometry::Part;
+use crate::Cancel;
 use crate::desc::{self, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DAffine3, DVec3};
@@ -52,10 +53,14 @@ pub(super) enum WorldShape {
     Quadric { coefficients: [f64; 10], clip: Bounds, to_world: DAffine3 },
 }
 
+/// Surfaces between two looks at whether to go on.
+const LOOK: usize = 1024;
+
 /// Lowers every surface. `bounds_of` gives the box of a mesh in its own frame; `is_dynamic` whether geometry will change.
 pub(super) fn lower(
     desc: &SceneDesc,
     is_dynamic: bool,
+    cancel: &Cancel,
     mut bounds_of: impl FnMut(&Arc<MeshDesc>) -> Result<Bounds>,
 ) -> Result<Lowered> {
     let mut lowered = Lowered::default();
@@ -69,6 +74,9 @@ pub(super) fn lower(
         }
     }
     for (number, surface) in desc.surfaces.iter().enumerate() {
+        if number % LOOK == 0 {
+            cancel.check()?;
+        }
         if surface.hidden {
             continue;
         }

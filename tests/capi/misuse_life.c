@@ -556,6 +556,126 @@ static void executors(void) {
 /* ------------------------------------------------------------------------------------------------------------------ */
 /* Any moment */
 
+/* A function of a task may use its handle for as long as the last release has not returned. */
+struct handle {
+    pthread_mutex_t lock;
+    etd_task *task;
+    int inside;
+};
+
+static int32_t use_handle(void *user_data, const etd_progress *progress) {
+    struct handle *handle = user_data;
+    etd_task *task;
+    pthread_mutex_lock(&handle->lock);
+    task = handle->task;
+    handle->inside = 1;
+    pthread_mutex_unlock(&handle->lock);
+    if (task != NULL && progress->phase == ETD_PHASE_RENDER) {
+        sleep_ms(20);
+        (void)etd_task_poll(task, NULL);
+        CHECK_OK(etd_task_cancel(task));
+        (void)etd_task_status(task, NULL, 0);
+    }
+    return 0;
+}
+
+static void handles_live_until_released(void) {
+    struct handle handle = {PTHREAD_MUTEX_INITIALIZER, NULL, 0};
+    etd_device *device = new_device(2);
+    etd_scene *scene = new_scene(device);
+    etd_film *film = new_film(device, 32, 32, 0);
+    etd_render_options options = short_render(1u << 20);
+    etd_task *task = NULL;
+    int inside = 0;
+    options.progress = use_handle;
+    options.user_data = &handle;
+    CHECK_OK(etd_render_start(scene, film, &options, &task));
+    pthread_mutex_lock(&handle.lock);
+    handle.task = task;
+    handle.inside = 0;
+    pthread_mutex_unlock(&handle.lock);
+    while (!inside) {
+        sleep_ms(1);
+        pthread_mutex_lock(&handle.lock);
+        inside = handle.inside;
+        pthread_mutex_unlock(&handle.lock);
+    }
+    etd_task_release(task);
+    etd_film_release(film);
+    etd_scene_release(scene);
+    etd_device_release(device);
+}
+
+/* While one thread cancels and resumes, another that waits is never told that a task without an end has ended well. */
+struct waiting {
+    etd_task *task;
+    pthread_mutex_t lock;
+    int stop;
+};
+
+static void *wait_often(void *argument) {
+    struct waiting *waiting = argument;
+    int stop = 0;
+    while (!stop) {
+        const etd_status status = etd_task_wait(waiting->task, 0.001);
+        CHECK(status == ETD_RUNNING || status == ETD_CANCELLED);
+        pthread_mutex_lock(&waiting->lock);
+        stop = waiting->stop;
+        pthread_mutex_unlock(&waiting->lock);
+    }
+    return NULL;
+}
+
+static void waiting_beside_resuming(int times) {
+    struct waiting waiting = {NULL, PTHREAD_MUTEX_INITIALIZER, 0};
+    etd_device *device = new_device(1);
+    etd_scene *scene = new_scene(device);
+    etd_film *film = new_film(device, 8, 8, 0);
+    etd_render_options options = short_render(1u << 30);
+    pthread_t thread;
+    int i;
+    CHECK_OK(etd_render_start(scene, film, &options, &waiting.task));
+    pthread_create(&thread, NULL, wait_often, &waiting);
+    for (i = 0; i < times; ++i) {
+        CHECK_OK(etd_task_cancel(waiting.task));
+        CHECK_STATUS(etd_task_wait(waiting.task, -1), ETD_CANCELLED);
+        CHECK_OK(etd_task_resume(waiting.task));
+        if (i % 10 == 0) {
+            sleep_ms(3);
+        }
+    }
+    CHECK_OK(etd_task_cancel(waiting.task));
+    pthread_mutex_lock(&waiting.lock);
+    waiting.stop = 1;
+    pthread_mutex_unlock(&waiting.lock);
+    pthread_join(thread, NULL);
+    etd_task_release(waiting.task);
+    etd_film_release(film);
+    etd_scene_release(scene);
+    etd_device_release(device);
+}
+
+/* What belongs to one film or device is told from what belongs to another. */
+static void mixed_up(void) {
+    etd_device *device = new_device(1), *other = new_device(1);
+    etd_scene *scene = new_scene(device);
+    etd_film *one = new_film(device, 8, 8, 0), *two = new_film(device, 8, 8, 0), *foreign = new_film(other, 8, 8, 0);
+    etd_render_options options = short_render(1);
+    etd_map map_one = ETD_MAP_INIT, map_two = ETD_MAP_INIT;
+    CHECK_OK(etd_film_map(one, ETD_LAYER_COLOR, &map_one));
+    CHECK_OK(etd_film_map(two, ETD_LAYER_COLOR, &map_two));
+    CHECK_STATUS(etd_film_unmap(two, &map_one), ETD_INVALID_OPERATION);
+    CHECK_OK(etd_film_unmap(two, &map_two));
+    CHECK_OK(etd_film_unmap(one, &map_one));
+    CHECK_STATUS(etd_render(scene, foreign, &options), ETD_INVALID_ARGUMENT);
+    etd_film_release(foreign);
+    etd_film_release(two);
+    etd_film_release(one);
+    etd_scene_release(scene);
+    etd_device_release(other);
+    etd_device_release(device);
+}
+
 /* Work that the host has queued and not run keeps nothing alive; run at last, it finds nothing to do. */
 struct queue {
     etd_work_fn work[64];
@@ -580,6 +700,7 @@ static void queued_work_keeps_nothing(void) {
     etd_device *device = NULL;
     etd_scene *scene;
     etd_film *film;
+    etd_task *task = NULL;
     etd_mesh mesh = ETD_MESH_INIT;
     etd_surface surface = ETD_SURFACE_INIT;
     etd_render_options render = short_render(1);
@@ -604,6 +725,12 @@ static void queued_work_keeps_nothing(void) {
     CHECK_OK(etd_scene_add_mesh(scene, &mesh, &mesh_number));
     CHECK_OK(etd_scene_add_mesh_surface(scene, mesh_number, 0, &surface, &number));
     CHECK_OK(etd_render(scene, film, &render));
+    /* A task whose beginning is still queued can be cancelled and released. */
+    CHECK_OK(etd_render_start(scene, film, &render, &task));
+    CHECK_STATUS(etd_task_wait(task, 0.001), ETD_RUNNING);
+    CHECK_OK(etd_task_cancel(task));
+    CHECK_STATUS(etd_task_wait(task, -1), ETD_CANCELLED);
+    etd_task_release(task);
     etd_film_release(film);
     etd_scene_release(scene);
     CHECK(queue.count > 0 && released == 1);
@@ -832,6 +959,9 @@ void misuse_life(int quick) {
     resume_to_the_same();
     many_lives(quick ? 5 : 1000);
     queued_work_keeps_nothing();
+    handles_live_until_released();
+    waiting_beside_resuming(quick ? 20 : 200);
+    mixed_up();
     cancel_any_time(quick ? 3 : 50);
     crowd(quick ? 2 : 30);
 }

@@ -81,6 +81,7 @@ static etd_status s_map(void) {
     if (status == ETD_OK) {
         etd_map same = ETD_MAP_INIT;
         same.id = map->id;
+        same.data = map->data;
         CHECK_OK(etd_film_unmap(film, &same));
     }
     return status;
