@@ -44,7 +44,7 @@ doxygen
 
 step "links in the documents"
 for document in *.md docs/*.md peers/*.md; do
-    grep -o '](\([^)#:]*\))' "$document" | sed 's/^](//; s/)$//' | while read -r link; do
+    grep -o '](\([^)#: ]*\))' "$document" | sed 's/^](//; s/)$//' | while read -r link; do
         [ -e "$(dirname "$document")/$link" ] || { echo "$document: $link does not exist" >&2; exit 1; }
     done
 done
