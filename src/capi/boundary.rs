@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::status::{
-    ETD_INVALID_HANDLE, ETD_OK, ETD_PANIC, Failure, Result, c_string, etd_status, last_message, remember,
+    ETD_INVALID_HANDLE, ETD_OK, ETD_PANIC, Failure, Result, c_string, etd_last_error_message, etd_status, remember,
 };
 use super::types::{etd_error_fn, etd_log_fn, etd_log_level};
 
@@ -312,10 +312,10 @@ pub(super) unsafe fn on_quickly<T: Object>(pointer: *const T, body: impl FnOnce(
 fn fail(object: Option<&Header>, failure: &Failure) -> etd_status {
     remember(failure);
     if let Some(object) = object {
-        let message = last_message();
+        let message = etd_last_error_message();
         object.keep(failure);
         // The error callback may have made calls that failed as well: this one is what the caller is told about.
-        if last_message() != message {
+        if etd_last_error_message() != message {
             remember(failure);
         }
     }
@@ -486,7 +486,7 @@ mod tests {
     use std::sync::atomic::AtomicUsize;
 
     use super::*;
-    use crate::capi::status::{ETD_INVALID_ARGUMENT, ETD_INVALID_OPERATION, etd_last_error_message};
+    use crate::capi::status::{ETD_INVALID_ARGUMENT, ETD_INVALID_OPERATION};
     use crate::capi::types::etd_film_options;
 
     struct Thing {

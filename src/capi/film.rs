@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use super::boundary::{
-    Header, Object, give, lock, need, object, on, optional_text, read_sized, release, retain, share, take_status, text,
+    Header, Object, give, lock, need, object, on, optional_text, read_sized, release, retain, take_status, text,
     write_sized,
 };
 use super::device::etd_device;
@@ -521,13 +521,4 @@ fn to_display(rgba: &[f32], [width, height]: [u32; 2], options: &etd_image_optio
     let rgb = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     let image = Image { width, height, rgb, layers: Vec::new() };
     Ok(output::to_srgb8(&image, tone_map, options.exposure)?)
-}
-
-/// A film by its handle, to be held by a task.
-///
-/// # Safety
-/// `film` must be NULL or a film.
-pub(super) unsafe fn share_film(film: *mut etd_film) -> Result<Arc<etd_film>> {
-    // SAFETY: passed on.
-    unsafe { share(film) }
 }

@@ -132,11 +132,6 @@ pub(super) fn c_string(text: &str) -> CString {
     CString::new(&text[..end]).unwrap_or_default()
 }
 
-/// The message that [`etd_last_error_message`] gives now, by address.
-pub(super) fn last_message() -> *const c_char {
-    etd_last_error_message()
-}
-
 /// Keeps a failure as this thread's last.
 pub(super) fn remember(failure: &Failure) {
     let last = LastError {

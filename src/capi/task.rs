@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 
 use super::boundary::{
     Header, Inside, Object, UserData, boundary, catch, give, is_inside, lock, need, object, on, peek, read_sized,
-    release, take_status, write_sized,
+    release, share, take_status, write_sized,
 };
-use super::film::{etd_film, share_film};
+use super::film::etd_film;
 use super::read;
 use super::scene::{Progress, etd_scene};
 use super::status::{ETD_CANCELLED, ETD_DEVICE, ETD_INVALID_HANDLE, ETD_OK, ETD_RUNNING, Failure, Result, etd_status};
@@ -300,7 +300,7 @@ unsafe fn prepare(
 ) -> Result<Arc<Work>> {
     // SAFETY: by the contract.
     let (film, options) = unsafe {
-        let film = share_film(film)?;
+        let film = share(film.cast_const())?;
         let options =
             if options.is_null() { read::render_out(&scene.desc().render) } else { read_sized(options, "options")? };
         (film, options)
