@@ -1214,7 +1214,7 @@ typedef struct etd_summary {
      */
     uint64_t rays;
     /**
-     * Samples that were NaN or infinite and count as black.
+     * Samples that were NaN or infinite and count as black. The log callback is told where the first of them became so.
      */
     uint64_t non_finite;
     /**

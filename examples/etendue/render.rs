@@ -7,7 +7,7 @@ use std::path::Path;
 use etendue::desc::{self, RenderDesc, SceneDesc};
 use etendue::film::Image;
 use etendue::output::{self, Format, WriteOptions};
-use etendue::render::{MOST_SAMPLES, Progress, Render, RenderSettings, Summary};
+use etendue::render::{MOST_SAMPLES, NonFiniteSample, Progress, Render, RenderSettings, Summary};
 use etendue::scene::{BuildOptions, Scene};
 
 use crate::args::{InfoArgs, RenderArgs};
@@ -66,7 +66,7 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
     } else {
         write(&render.image(), summary.samples)?;
     }
-    report(&summary, args.quiet);
+    report(&summary, &description, args.quiet);
     Ok(if summary.stopped && interrupt::requested() { interrupt::EXIT_CODE } else { 0 })
 }
 
@@ -133,12 +133,15 @@ fn status(progress: &Progress) -> String {
 }
 
 /// The last words on standard error.
-fn report(summary: &Summary, quiet: bool) {
+fn report(summary: &Summary, scene: &SceneDesc, quiet: bool) {
     if quiet {
         return;
     }
     for note in &summary.notes {
         console::say(&format!("note: {note}"));
+    }
+    for sample in &summary.non_finite_samples {
+        console::say(&format!("  {sample}{}", names(sample, scene)));
     }
     let mut line = format!(
         "{} {}: {} samples per pixel, {}",
@@ -154,4 +157,12 @@ fn report(summary: &Summary, quiet: bool) {
         line += &format!(", peak memory {} MiB", bytes.div_ceil(1 << 20));
     }
     console::say(&line);
+}
+
+/// What the scene file calls the surface and the material that a sample met.
+fn names(sample: &NonFiniteSample, scene: &SceneDesc) -> String {
+    let Some(hit) = sample.hit else { return String::new() };
+    let surface = scene.surfaces.get(hit.surface as usize).map_or("", |surface| &surface.path);
+    let material = scene.materials.get(hit.material as usize).map_or("", |material| &material.name);
+    format!(" ({surface}, \"{material}\")")
 }

@@ -430,7 +430,7 @@ pub struct etd_summary {
     pub build_time: f64,
     /// Rays traced, closest-hit and shadow rays together.
     pub rays: u64,
-    /// Samples that were NaN or infinite and count as black.
+    /// Samples that were NaN or infinite and count as black. The log callback is told where the first of them became so.
     pub non_finite: u64,
     /// Estimated relative error of the image: root of the mean over pixels and channels of variance / (mean^2 + e), with
     /// e = 1 % of the squared mean of the image. NaN where there are too few samples to tell.

@@ -14,7 +14,7 @@ use std::f32::consts::PI;
 
 use crate::math::Vec3;
 use crate::sampling::Distribution1D;
-use crate::spectrum::{Rgb, luminance};
+use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
 use crate::{Cancel, Result};
 
 /// A light source in the scene frame.
@@ -58,6 +58,17 @@ impl Emitter {
             Self::Sphere(emitter) => PI * emitter.sphere.area() as f32 * emitter.radiance,
         }
     }
+
+    /// Luminance of the power, in double precision: radiance and area that are each in range have a product that need not
+    /// be, and a light whose power overflowed or vanished would never be sampled.
+    fn luminous_power(&self) -> f64 {
+        let (radiance, measure) = match self {
+            Self::Point { intensity, .. } => (intensity, 4.0),
+            Self::Triangle(emitter) => (&emitter.radiance, f64::from(emitter.triangle.area)),
+            Self::Sphere(emitter) => (&emitter.radiance, emitter.sphere.area()),
+        };
+        std::f64::consts::PI * measure * radiance.as_dvec3().dot(LUMINANCE_WEIGHTS.as_dvec3())
+    }
 }
 
 /// Share of the choices that does not go by power.
@@ -87,7 +98,7 @@ impl EmitterSet {
         let mut powers = Vec::with_capacity(emitters.len());
         for block in emitters.chunks(1 << 14) {
             cancel.check()?;
-            powers.extend(block.iter().map(|emitter| f64::from(luminance(emitter.power()))));
+            powers.extend(block.iter().map(Emitter::luminous_power));
         }
         let total: f64 = powers.iter().sum();
         let shining = powers.iter().filter(|&&power| power > 0.0).count().max(1) as f64;

@@ -13,13 +13,14 @@
 //! # Ok::<(), etendue::Error>(())
 //! ```
 
+mod non_finite;
 mod pass;
 mod schedule;
 mod workers;
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::Cancel;
@@ -32,6 +33,7 @@ use crate::scene::Scene;
 use pass::Pass;
 use schedule::Schedule;
 
+pub use non_finite::NonFiniteSample;
 pub use schedule::MOST_SAMPLES;
 pub use workers::{MAX_THREADS, Workers};
 
@@ -104,6 +106,8 @@ pub struct Summary {
     pub stopped: bool,
     /// Samples that were NaN or infinite and were left out.
     pub non_finite: u64,
+    /// The first few of them, and where they became so.
+    pub non_finite_samples: Vec<NonFiniteSample>,
     /// What a user should know: a bias that was asked for, samples left out.
     pub notes: Vec<String>,
 }
@@ -120,6 +124,7 @@ pub struct Render {
     samples: u32,
     rays: u64,
     non_finite: u64,
+    non_finite_samples: Vec<NonFiniteSample>,
 }
 
 impl Render {
@@ -177,6 +182,7 @@ impl Render {
             samples: 0,
             rays: 0,
             non_finite: 0,
+            non_finite_samples: Vec::new(),
         })
     }
 
@@ -264,7 +270,9 @@ impl Render {
             }
         })?;
         self.rays += pass.rays.load(Ordering::Relaxed);
-        self.non_finite += pass.non_finite.load(Ordering::Relaxed);
+        let suspects = pass.non_finite.lock().unwrap_or_else(PoisonError::into_inner);
+        self.non_finite += suspects.count;
+        suspects.report(&mut self.non_finite_samples, |pixel, sample| pass.replay(pixel, sample));
         if pass.is_complete() {
             return Ok(None);
         }
@@ -282,7 +290,9 @@ impl Render {
         }
         let non_finite = self.non_finite;
         if non_finite > 0 {
-            notes.push(format!("{non_finite} samples were NaN or infinite and count as black"));
+            let first =
+                self.non_finite_samples.first().map(|first| format!("; the first: {first}")).unwrap_or_default();
+            notes.push(format!("{non_finite} samples were NaN or infinite and count as black{first}"));
         }
         Summary {
             elapsed,
@@ -292,6 +302,7 @@ impl Render {
             ended,
             stopped: ended == Ended::Cancelled,
             non_finite,
+            non_finite_samples: self.non_finite_samples.clone(),
             notes,
         }
     }

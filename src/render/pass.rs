@@ -1,10 +1,11 @@
 //! One pass: some samples for every pixel, tile by tile, in parallel.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use super::Render;
+use super::non_finite::{Replay, Suspects};
 use super::workers::Work;
 use crate::Cancel;
 use crate::camera::Camera;
@@ -29,7 +30,8 @@ pub(super) struct Pass {
     cancel: Cancel,
     pub stop: AtomicBool,
     pub rays: AtomicU64,
-    pub non_finite: AtomicU64,
+    /// Samples that were NaN or infinite.
+    pub non_finite: Mutex<Suspects>,
     /// The tile that is taken next.
     next: AtomicUsize,
     tiles_done: AtomicUsize,
@@ -60,15 +62,8 @@ impl Tracer for PassTracer<'_> {
 }
 
 impl Work for Pass {
-    /// Chooses integrator and sampler once; from here on nothing is dispatched.
     fn take(&self, pause: &mut dyn FnMut() -> bool) -> bool {
-        let shadow_rays = self.desc.shadow_rays;
-        let max_depth = self.desc.max_depth;
-        match self.desc.integrator {
-            IntegratorDesc::Path => self.with_integrator(&Path { max_depth, shadow_rays }, pause),
-            IntegratorDesc::Whitted => self.with_integrator(&Whitted { max_depth, shadow_rays }, pause),
-            IntegratorDesc::Direct => self.with_integrator(&Direct { shadow_rays }, pause),
-        }
+        self.dispatch(AllTiles { pause })
     }
 
     fn is_done(&self) -> bool {
@@ -98,7 +93,7 @@ impl Pass {
             cancel: render.settings.cancel.clone(),
             stop: AtomicBool::new(false),
             rays: AtomicU64::new(0),
-            non_finite: AtomicU64::new(0),
+            non_finite: Mutex::default(),
             next: AtomicUsize::new(0),
             tiles_done: AtomicUsize::new(0),
         }
@@ -119,19 +114,43 @@ impl Pass {
         self.stop.load(Ordering::Relaxed) || self.cancel.is_cancelled()
     }
 
-    fn with_integrator<I: Integrator>(&self, integrator: &I, pause: &mut dyn FnMut() -> bool) -> bool {
+    /// The sample again, for who wants to know why it is not finite.
+    pub(super) fn replay(&self, pixel: [u32; 2], sample: u32) -> Replay {
+        self.dispatch(Again { pixel, sample })
+    }
+
+    /// Chooses integrator and sampler once; from here on nothing is dispatched.
+    fn dispatch<J: Job>(&self, job: J) -> J::Result {
+        let shadow_rays = self.desc.shadow_rays;
+        let max_depth = self.desc.max_depth;
+        match self.desc.integrator {
+            IntegratorDesc::Path => self.with_integrator(&Path { max_depth, shadow_rays }, job),
+            IntegratorDesc::Whitted => self.with_integrator(&Whitted { max_depth, shadow_rays }, job),
+            IntegratorDesc::Direct => self.with_integrator(&Direct { shadow_rays }, job),
+        }
+    }
+
+    fn with_integrator<I: Integrator, J: Job>(&self, integrator: &I, job: J) -> J::Result {
         let seed = self.desc.seed;
         let pattern = match self.desc.sampler {
             SamplerDesc::Sobol => {
                 let sampler = SobolSampler::new(seed, self.film.options().replicate_size);
-                return self.all_tiles(integrator, &sampler, pause);
+                return job.run(self, integrator, &sampler);
             }
             SamplerDesc::Random => Pattern::Random,
             SamplerDesc::Jittered => Pattern::Jittered,
             SamplerDesc::Grid => Pattern::Grid,
             SamplerDesc::Gaussian => Pattern::Gaussian,
         };
-        self.all_tiles(integrator, &PatternSampler::new(pattern, seed, self.desc.samples), pause)
+        job.run(self, integrator, &PatternSampler::new(pattern, seed, self.desc.samples))
+    }
+
+    /// Starts a sample: the camera's ray and its filter weight.
+    #[inline]
+    fn camera_ray(&self, sampler: &mut impl Sampler, [x, y]: [u32; 2], sample: u32) -> (Ray, f32) {
+        sampler.start(y * self.film.options().resolution[0] + x, sample);
+        let (offset, weight) = self.filter.sample(sampler.pixel_2d());
+        (self.camera.ray(x as f32 + 0.5 + offset[0], y as f32 + 0.5 + offset[1]), weight)
     }
 
     /// Takes tiles until there are none; false if it paused before that.
@@ -185,9 +204,7 @@ impl Pass {
                 let index = ((y - top) * TILE + (x - left)) as usize;
                 let pixel = &mut tile.pixels[index];
                 for sample in pixel.count()..self.samples {
-                    sampler.start(y * width + x, sample);
-                    let (offset, weight) = self.filter.sample(sampler.pixel_2d());
-                    let ray = self.camera.ray(x as f32 + 0.5 + offset[0], y as f32 + 0.5 + offset[1]);
+                    let (ray, weight) = self.camera_ray(sampler, [x, y], sample);
                     let mut first = None;
                     let radiance = integrator.radiance(&self.scene, ray, sampler, tracer, &mut |hit| first = Some(hit));
                     // Pixels go on from where they are, so stopping between any two samples is safe; one during which it
@@ -196,7 +213,7 @@ impl Pass {
                         return false;
                     }
                     if !radiance.is_finite() {
-                        self.non_finite.fetch_add(1, Ordering::Relaxed);
+                        self.note_non_finite([x, y], sample);
                     }
                     pixel.add(radiance, weight, replicate_size);
                     if let (Some(auxiliary), Some(hit)) = (tile.auxiliary.get_mut(index), first) {
@@ -206,5 +223,46 @@ impl Pass {
             }
         }
         true
+    }
+
+    #[cold]
+    fn note_non_finite(&self, pixel: [u32; 2], sample: u32) {
+        self.non_finite.lock().unwrap_or_else(PoisonError::into_inner).add(pixel, sample);
+    }
+}
+
+/// Something to do with the integrator and the sampler of a pass.
+trait Job {
+    type Result;
+
+    fn run<I: Integrator, S: Sampler + Clone>(self, pass: &Pass, integrator: &I, sampler: &S) -> Self::Result;
+}
+
+struct AllTiles<'a> {
+    pause: &'a mut dyn FnMut() -> bool,
+}
+
+impl Job for AllTiles<'_> {
+    type Result = bool;
+
+    fn run<I: Integrator, S: Sampler + Clone>(self, pass: &Pass, integrator: &I, sampler: &S) -> bool {
+        pass.all_tiles(integrator, sampler, self.pause)
+    }
+}
+
+struct Again {
+    pixel: [u32; 2],
+    sample: u32,
+}
+
+impl Job for Again {
+    type Result = Replay;
+
+    fn run<I: Integrator, S: Sampler + Clone>(self, pass: &Pass, integrator: &I, sampler: &S) -> Replay {
+        Replay::new(&pass.scene, |tracer| {
+            let mut sampler = sampler.clone();
+            let (ray, _) = pass.camera_ray(&mut sampler, self.pixel, self.sample);
+            integrator.radiance(&pass.scene, ray, &mut sampler, tracer, &mut |_| {})
+        })
     }
 }
