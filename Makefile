@@ -11,7 +11,7 @@ IMAGES ?= out/$(basename $(notdir $(SCENE))).png out/$(basename $(notdir $(SCENE
 INSTALL = CARGO='$(CARGO)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh
 ETENDUE = $(CARGO) run --quiet --release --locked --example etendue --
 
-.PHONY: all setup render test bench build install uninstall deb meshes clean
+.PHONY: all setup render test accuracy mutations bench build install uninstall deb meshes clean
 all: render
 
 # Installs Embree, libclang and a C compiler where they are missing, with a line that says why.
@@ -28,9 +28,19 @@ test:
 	@scripts/setup.sh test
 	@scripts/test.sh
 
-# Ray rates against Embree's own.
+# Every hard case with large numbers of rays and samples, and the arithmetic of other builds: prints the table of
+# docs/accuracy.md (ETENDUE_WRITE=1 writes it there). About a quarter of an hour.
+accuracy: setup
+	ETENDUE_ACCURACY=full $(CARGO) test --locked --release --test accuracy
+	scripts/arithmetic.sh
+
+# Faults of one or two percent, one at a time: the hard cases must notice each. About half an hour.
+mutations: setup
+	scripts/mutations.pl
+
+# Ray rates against Embree's own, and what robustness costs.
 bench: setup meshes
-	$(CARGO) bench --locked --bench rays --bench spheres --bench editing
+	$(CARGO) bench --locked --bench rays --bench spheres --bench editing --bench robust
 	$(CARGO) bench --locked --features capi --bench hosts
 
 # Generated meshes that are too large to store.

@@ -7,70 +7,17 @@
 //!
 //! `cargo bench --bench rays -- [SCENE.json ...]`
 
+mod recorded;
+
 use std::hint::black_box;
 use std::path::Path as FilePath;
-use std::time::Instant;
 
 use etendue::camera::Camera;
 use etendue::desc;
-use etendue::integrator::{Integrator, Path, SceneTracer, Tracer};
+use etendue::integrator::SceneTracer;
 use etendue::math::Ray;
-use etendue::sampling::{Sampler, SobolSampler};
-use etendue::scene::{BuildOptions, Hit, Scene};
-
-const RESOLUTION: u32 = 256;
-const SAMPLES: u32 = 8;
-const ROUNDS: usize = 5;
-
-/// Traces, and writes down what it was asked.
-struct Recorder<'s> {
-    scene: &'s Scene,
-    /// Rays in order; true for shadow rays.
-    rays: Vec<(Ray, bool)>,
-}
-
-impl Tracer for Recorder<'_> {
-    fn intersect(&mut self, ray: &Ray) -> Option<Hit> {
-        self.rays.push((*ray, false));
-        self.scene.intersect(ray)
-    }
-
-    fn unoccluded(&mut self, ray: &Ray) -> bool {
-        self.rays.push((*ray, true));
-        self.scene.unoccluded(ray)
-    }
-}
-
-const PATH: Path = Path { max_depth: None, shadow_rays: 1 };
-
-/// Path traces rows of pixels; in tiles' order it would be the same work.
-fn render<T: Tracer>(scene: &Scene, camera: &Camera, rows: impl Iterator<Item = u32>, tracer: &mut T) -> f32 {
-    let mut sampler = SobolSampler::new(7, SAMPLES);
-    let mut sum = 0.0;
-    for y in rows {
-        for x in 0..RESOLUTION {
-            for sample in 0..SAMPLES {
-                sampler.start(y * RESOLUTION + x, sample);
-                let [dx, dy] = sampler.pixel_2d();
-                let ray = camera.ray(x as f32 + dx, y as f32 + dy);
-                sum += PATH.radiance(scene, ray, &mut sampler, tracer, &mut |_| ()).element_sum();
-            }
-        }
-    }
-    sum
-}
-
-/// Seconds of `work`, which is given the number of a thread, on so many threads at once.
-fn time(threads: usize, work: impl Fn(usize) + Sync) -> f64 {
-    let start = Instant::now();
-    std::thread::scope(|scope| {
-        for thread in 0..threads {
-            let work = &work;
-            scope.spawn(move || work(thread));
-        }
-    });
-    start.elapsed().as_secs_f64()
-}
+use etendue::scene::{BuildOptions, Scene};
+use recorded::{RESOLUTION, ROUNDS, SAMPLES, record, render, rows, time};
 
 /// A scene that Embree has no part in has no ray rate to compare with.
 fn no_kernel() -> etendue::Error {
@@ -81,18 +28,10 @@ fn measure(path: &FilePath, threads: usize) -> etendue::Result<()> {
     let desc = desc::load(path, None)?;
     let scene = Scene::build(&desc, &BuildOptions::default())?;
     let camera = Camera::new(scene.camera(), [RESOLUTION; 2], scene.centre())?;
-    // Every n-th row: each thread sees the same mixture.
-    let rows = |thread: usize| (thread as u32..RESOLUTION).step_by(threads);
     let all_in_embree = BuildOptions { listed_shapes: Some(0), ..BuildOptions::default() };
     let all_in_embree = Scene::build(&desc, &all_in_embree)?;
 
-    let recorded: Vec<Vec<(Ray, bool)>> = (0..threads)
-        .map(|thread| {
-            let mut recorder = Recorder { scene: &scene, rays: Vec::new() };
-            black_box(render(&scene, &camera, rows(thread), &mut recorder));
-            recorder.rays
-        })
-        .collect();
+    let recorded = record(&scene, &camera, threads);
     let count: usize = recorded.iter().map(Vec::len).sum();
     let shadow = recorded.iter().flatten().filter(|(_, shadow)| *shadow).count();
 
@@ -107,7 +46,7 @@ fn measure(path: &FilePath, threads: usize) -> etendue::Result<()> {
     for _ in 0..ROUNDS {
         let integrator = time(threads, |thread| {
             let mut tracer = SceneTracer::new(&scene);
-            black_box(render(&scene, &camera, rows(thread), &mut tracer));
+            black_box(render(&scene, &camera, rows(thread, threads), &mut tracer));
         });
         let through_scene = replay(&|ray| scene.intersect(ray).is_some(), &|ray| !scene.unoccluded(ray));
         let kernel = all_in_embree.kernel().ok_or_else(no_kernel)?;

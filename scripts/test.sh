@@ -23,6 +23,9 @@ if command -v shellcheck >/dev/null 2>&1; then
     shellcheck --severity=warning --exclude=SC2046 scripts/*.sh
 fi
 
+step "faults that the accuracy suite is tried with"
+scripts/mutations.pl --check
+
 step "a render, start to end"
 make --no-print-directory render IMAGES="out/test.png out/test.exr" >/dev/null
 rm out/test.png out/test.exr

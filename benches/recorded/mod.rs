@@ -1,0 +1,83 @@
+//! Path tracing a scene by hand, and writing down every ray that it asks for.
+
+use std::time::Instant;
+
+use etendue::camera::Camera;
+use etendue::integrator::{Integrator, Path, Tracer};
+use etendue::math::Ray;
+use etendue::sampling::{Sampler, SobolSampler};
+use etendue::scene::{Hit, Scene};
+
+/// Side of the image.
+pub const RESOLUTION: u32 = 256;
+/// Samples per pixel.
+pub const SAMPLES: u32 = 8;
+/// Rounds of which the best counts.
+pub const ROUNDS: usize = 5;
+
+/// Traces, and writes down what it was asked.
+pub struct Recorder<'s> {
+    scene: &'s Scene,
+    /// Rays in order; true for shadow rays.
+    pub rays: Vec<(Ray, bool)>,
+}
+
+impl Tracer for Recorder<'_> {
+    fn intersect(&mut self, ray: &Ray) -> Option<Hit> {
+        self.rays.push((*ray, false));
+        self.scene.intersect(ray)
+    }
+
+    fn unoccluded(&mut self, ray: &Ray) -> bool {
+        self.rays.push((*ray, true));
+        self.scene.unoccluded(ray)
+    }
+}
+
+/// The integrator.
+const PATH: Path = Path { max_depth: None, shadow_rays: 1 };
+
+/// Every ray that so many threads ask for, each taking every n-th row: all see the same mixture.
+pub fn record(scene: &Scene, camera: &Camera, threads: usize) -> Vec<Vec<(Ray, bool)>> {
+    (0..threads)
+        .map(|thread| {
+            let mut recorder = Recorder { scene, rays: Vec::new() };
+            std::hint::black_box(render(scene, camera, rows(thread, threads), &mut recorder));
+            recorder.rays
+        })
+        .collect()
+}
+
+/// The rows of a thread.
+pub fn rows(thread: usize, threads: usize) -> impl Iterator<Item = u32> {
+    (thread as u32..RESOLUTION).step_by(threads)
+}
+
+/// Path traces rows of pixels; in tiles' order it would be the same work.
+pub fn render<T: Tracer>(scene: &Scene, camera: &Camera, rows: impl Iterator<Item = u32>, tracer: &mut T) -> f32 {
+    let mut sampler = SobolSampler::new(7, SAMPLES);
+    let mut sum = 0.0;
+    for y in rows {
+        for x in 0..RESOLUTION {
+            for sample in 0..SAMPLES {
+                sampler.start(y * RESOLUTION + x, sample);
+                let [dx, dy] = sampler.pixel_2d();
+                let ray = camera.ray(x as f32 + dx, y as f32 + dy);
+                sum += PATH.radiance(scene, ray, &mut sampler, tracer, &mut |_| ()).element_sum();
+            }
+        }
+    }
+    sum
+}
+
+/// Seconds of `work`, which is given the number of a thread, on so many threads at once.
+pub fn time(threads: usize, work: impl Fn(usize) + Sync) -> f64 {
+    let start = Instant::now();
+    std::thread::scope(|scope| {
+        for thread in 0..threads {
+            let work = &work;
+            scope.spawn(move || work(thread));
+        }
+    });
+    start.elapsed().as_secs_f64()
+}
