@@ -1,0 +1,74 @@
+//! Hard cases with known answers, and how near to them the library comes.
+//!
+//! `cargo test --test accuracy` tries every case with small numbers of rays and samples; `make accuracy` with large ones,
+//! and prints the table, which `docs/accuracy.md` holds. Each case fails alone, so that a name is a filter, as with any test.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/stats.rs"]
+mod stats;
+
+mod record;
+mod table;
+
+mod arithmetic;
+mod bsdf;
+mod intersection;
+mod leaving;
+mod lights;
+mod sampling;
+mod transport;
+
+use std::process::ExitCode;
+use std::sync::{Arc, Mutex};
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use record::{Case, Entry};
+
+/// The groups in the order of the document, with their names there.
+fn groups() -> Vec<(&'static str, Vec<Entry>)> {
+    vec![
+        ("intersection", intersection::cases()),
+        ("leaving", leaving::cases()),
+        ("bsdf", bsdf::cases()),
+        ("lights", lights::cases()),
+        ("sampling", sampling::cases()),
+        ("transport", transport::cases()),
+        ("arithmetic", arithmetic::cases()),
+    ]
+}
+
+fn main() -> ExitCode {
+    let is_full = std::env::var("ETENDUE_ACCURACY").is_ok_and(|value| value == "full");
+    let mut arguments = Arguments::from_args();
+    if is_full {
+        // Times are taken.
+        arguments.test_threads = Some(1);
+    }
+    let found = Arc::new(Mutex::new(table::Table::default()));
+    let mut trials = Vec::new();
+    for (group, entries) in groups() {
+        for (place, entry) in entries.into_iter().enumerate() {
+            let found = Arc::clone(&found);
+            let name = format!("{group}::{} {}", entry.id, entry.title);
+            trials.push(Trial::test(name, move || {
+                let mut case = Case::new(&entry, is_full);
+                (entry.run)(&mut case);
+                let failures = case.failures();
+                found.lock().expect("no case panics while it holds this").add(group, place, case);
+                failures.map_or(Ok(()), |failures| Err(Failed::from(failures)))
+            }));
+        }
+    }
+    let is_whole = arguments.filter.is_none() && arguments.skip.is_empty() && !arguments.list;
+    let conclusion = libtest_mimic::run(&arguments, trials);
+    let table = found.lock().expect("no case panics while it holds this");
+    if !arguments.list {
+        print!("{}", table.to_text(is_full));
+    }
+    if let Err(message) = is_whole.then(|| table.check_document(is_full)).unwrap_or(Ok(())) {
+        eprintln!("{message}");
+        return ExitCode::FAILURE;
+    }
+    conclusion.exit_code()
+}
