@@ -86,7 +86,7 @@ pub(super) fn lower(
             ShapeDesc::Triangle(corners) => {
                 let corners = wound(&to_world, corners.each_ref().map(place));
                 lowered.triangles.push((corners, Part { surface: number as u32, half: 0 }));
-                Bounds::around(corners)
+                extent(&corners)
             }
             ShapeDesc::Quad(corners) => {
                 let [a, b, c, d] = corners.each_ref().map(place);
@@ -94,7 +94,7 @@ pub(super) fn lower(
                     let part = Part { surface: number as u32, half: half as u32 };
                     lowered.triangles.push((wound(&to_world, corners), part));
                 }
-                Bounds::around([a, b, c, d])
+                extent(&[a, b, c, d])
             }
             &ShapeDesc::Mesh { mesh, smooth } => {
                 let description = mesh_of(desc, surface, mesh)?;
@@ -122,6 +122,15 @@ pub(super) fn lower(
         lowered.bounds = lowered.bounds.union(bounds);
     }
     Ok(lowered)
+}
+
+/// Box around corners; the empty one, which is refused, where a corner is not finite: NaN would not widen it.
+fn extent(corners: &[DVec3]) -> Bounds {
+    if corners.iter().all(|corner| corner.is_finite()) {
+        Bounds::around(corners.iter().copied())
+    } else {
+        Bounds::EMPTY
+    }
 }
 
 fn mesh_of<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc, mesh: usize) -> Result<&'a Arc<MeshDesc>> {

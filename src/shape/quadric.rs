@@ -29,7 +29,7 @@ impl Quadric {
         let own_bounds = own_bounds(matrix, linear, j, clip);
         let [x, y, z] = (own_bounds.max - own_bounds.min).to_array();
         let m = to_scene.matrix3;
-        let size = 0.5 * (x * m.x_axis.length()).min(y * m.y_axis.length()).min(z * m.z_axis.length());
+        let size = 0.25 * (x * m.x_axis.length()).min(y * m.y_axis.length()).min(z * m.z_axis.length());
         Self {
             a: matrix,
             b: linear,
@@ -90,7 +90,8 @@ impl Quadric {
         self.bounds
     }
 
-    /// Half its extent along the axis of its own frame where that is least.
+    /// A length below which it does not turn much: a quarter of its extent along the axis of its own frame where that is
+    /// least. (Half would do if the box fitted the surface.)
     #[inline]
     pub(super) fn size(&self) -> f64 {
         self.size
