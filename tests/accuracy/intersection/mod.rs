@@ -1,6 +1,6 @@
 //! Where rays meet surfaces: by the ray kernel alone, and through the scene.
 
-mod numerics;
+mod places;
 mod polygons;
 mod quadrics;
 mod rubbish;
@@ -29,7 +29,7 @@ pub fn cases() -> Vec<Entry> {
         special::cases(),
         segments::cases(),
         quadrics::cases(),
-        numerics::cases(),
+        places::cases(),
     ];
     topics.into_iter().flatten().collect()
 }
@@ -48,6 +48,11 @@ const EVERYWHERE: Bounds = Bounds { min: DVec3::NEG_INFINITY, max: DVec3::INFINI
 fn worst(values: impl IntoIterator<Item = f64>, expected: f64) -> f64 {
     let off = |value: &f64| (value - expected).abs();
     values.into_iter().max_by(|a, b| off(a).total_cmp(&off(b))).expect("a value")
+}
+
+/// Whether two numbers differ by no more than this; NaN differs from all.
+fn is_near(a: f64, b: f64, within: f64) -> bool {
+    (a - b).abs() <= within
 }
 
 /// In [0, 1).

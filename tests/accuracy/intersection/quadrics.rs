@@ -5,7 +5,7 @@ use etendue::math::{Bounds, DAffine3, DMat3, DQuat, DVec3, Ray};
 use etendue::sampling::Rng;
 use etendue::scene::Scene;
 
-use super::{PLACES, build, in_cube, on_sphere, range, ray, shapes, tally, worst};
+use super::{PLACES, build, in_cube, is_near, on_sphere, range, ray, shapes, tally, worst};
 use crate::record::{Case, Entry, Within, ulp};
 
 pub fn cases() -> Vec<Entry> {
@@ -38,10 +38,12 @@ fn gradient([a, b, c, d, e, f, g, h, i, _]: [f64; 10], p: DVec3) -> DVec3 {
     DVec3::new(a * p.x + d * p.y + f * p.z + g, d * p.x + b * p.y + e * p.z + h, f * p.x + e * p.y + c * p.z + i)
 }
 
+/// Name, coefficients, origin, direction, and what is met first, and second where that has a short form.
+type Row = (&'static str, [f64; 10], DVec3, DVec3, &'static [f64]);
+
 fn table(case: &mut Case) {
     let up = DVec3::Z;
-    // What is met first, and second where that has a short form: o, d, t.
-    let rows: [(&str, [f64; 10], DVec3, DVec3, &[f64]); 7] = [
+    let rows: [Row; 7] = [
         ("cylinder", CYLINDER, DVec3::new(10.0, 0.0, 0.6), DVec3::new(-1.0, 0.001, 0.0), &[9.2, 10.8]),
         (
             "paraboloid, nearly along its axis",
@@ -213,7 +215,8 @@ fn tangents(case: &mut Case) {
                 scene.intersect(&ray).map(|hit| scene.interaction(&ray, &hit))
             };
             let (inner, outer) = (trace(p - shift * normal), trace(p + shift * normal));
-            let is_bad = inner.is_some_and(|hit| !((hit.ng.length() - 1.0).abs() <= 2e-7 && hit.point.p.is_finite()));
+            let is_bad =
+                inner.is_some_and(|hit| !is_near(hit.ng.length().into(), 1.0, 2e-7) || !hit.point.p.is_finite());
             [inner.is_none(), outer.is_some(), is_bad]
         });
         case.never(format!("{name}, 1e-6 inside a tangent: missed"), missed, tries);
@@ -238,7 +241,7 @@ fn apex(case: &mut Case) {
         let p = surface.point.p.as_dvec3();
         [
             (p.truncate().length() - p.z.abs()).abs() > 1e-6,
-            !surface.point.p.is_finite() || !((surface.ng.length() - 1.0).abs() <= 2e-7),
+            !surface.point.p.is_finite() || !is_near(surface.ng.length().into(), 1.0, 2e-7),
         ]
     });
     case.never("hit point off the cone by > 1e-6", off, tries);

@@ -5,7 +5,9 @@ use etendue::math::{DAffine3, DMat3, DQuat, DVec3, Frame, Ray};
 use etendue::sampling::warps;
 use etendue::scene::Scene;
 
-use super::{BALL, EVERYWHERE, PLACES, ball, build, in_cube, on_sphere, range, ray, shapes, tally, unit, worst};
+use super::{
+    BALL, EVERYWHERE, PLACES, ball, build, in_cube, is_near, on_sphere, range, ray, shapes, tally, unit, worst,
+};
 use crate::record::{Case, Entry, Within, ulp};
 
 pub fn cases() -> Vec<Entry> {
@@ -86,7 +88,7 @@ fn ratios(case: &mut Case) {
             let x = f64::from((radius * range(rng, 0.0, 0.999)) as f32);
             let exact = distance - ((radius - x) * (radius + x)).sqrt();
             let found = t(&scenes[(rng.next_u64() & 3) as usize], &ray(DVec3::Y * x, DVec3::Z));
-            [(found - exact).abs().partial_cmp(&ulp(exact)).is_none_or(|order| order.is_gt())]
+            [!is_near(found, exact, ulp(exact))]
         });
         case.never(format!("radius {radius:e}, {distance} to the centre: t off by > 1 ulp"), off, tries);
     }
@@ -122,7 +124,7 @@ fn huge_ground(case: &mut Case) {
     // A direction is rounded to 6e-8 of its slope, so the last ray that hits is up to 1e-10 below the tangent, and meets
     // the ball up to (2 R^2 1e-10 dip)^(1/2) = 0.5 before it, over the distance of 1414.
     let distances = scenes.iter().zip(&horizons).map(|(scene, horizon)| t(scene, &down(*horizon)));
-    case.exact("distance of the horizon", worst(distances, 1414.213_915_93), 1414.213_915_93, Within::Relative(1e-3));
+    case.exact("distance of the horizon", worst(distances, 1_414.213_915_93), 1_414.213_915_93, Within::Relative(1e-3));
 }
 
 /// A scene of one unit ball under a transform.
@@ -137,10 +139,7 @@ fn inside_and_on(case: &mut Case) {
     let tries = case.count(20_000, 4_000_000);
     let [from_centre, inwards, second] = tally(tries, 90, |rng| {
         let scene = &scenes[(rng.next_u64() & 3) as usize];
-        let is_off = |ray: &Ray, exact: f64| {
-            let off = (t(scene, ray) - exact).abs();
-            !(off <= 2.0 * ulp(exact))
-        };
+        let is_off = |ray: &Ray, exact: f64| !is_near(t(scene, ray), exact, 2.0 * ulp(exact));
         let from_centre = ray(DVec3::ZERO, on_sphere(rng));
         let length = |ray: &Ray| ray.direction.as_dvec3().length();
         // Entered as the library does it, a step off the surface.
@@ -239,7 +238,7 @@ fn tangents(case: &mut Case) {
         let was_outside = ray.origin.as_dvec3().length() > 1.0 + 1e-6;
         [
             !surface.point.p.is_finite() || !hit.t.is_finite(),
-            !((surface.ng.length() - 1.0).abs() <= 2e-7),
+            !is_near(surface.ng.length().into(), 1.0, 2e-7),
             was_outside && surface.ng.dot(ray.direction) > 2e-7,
         ]
     });

@@ -33,7 +33,7 @@ struct Closed {
 
 enum Kind {
     Kernel(embree::Scene),
-    Scene(Scene),
+    Scene(Box<Scene>),
 }
 
 impl Closed {
@@ -47,7 +47,7 @@ impl Closed {
         let scene = build(&mesh_scene(mesh.clone(), middle), 16);
         let corners = mesh.positions.iter().map(|p| scene.to_scene(*p).as_dvec3()).collect();
         let middle = scene.to_scene(middle).as_dvec3();
-        Self { name, kind: Kind::Scene(scene), corners, triangles: mesh.triangles.clone(), middle }
+        Self { name, kind: Kind::Scene(Box::new(scene)), corners, triangles: mesh.triangles.clone(), middle }
     }
 
     /// Where the ray ends; `None` unless both kinds of query are stopped.
@@ -98,7 +98,7 @@ fn meshes() -> Vec<Closed> {
 
 fn random_rays(case: &mut Case) {
     for (number, closed) in meshes().iter().enumerate() {
-        let tries = case.count(80_000, 20_000_000);
+        let tries = case.count(80_000, 15_000_000);
         let [leaks] = tally(tries, 10 + number as u64, |rng| {
             let (origin, direction) = (closed.inside(rng), on_sphere(rng));
             [closed.is_leak(&ray(origin, direction))]
@@ -107,7 +107,7 @@ fn random_rays(case: &mut Case) {
     }
     let fast = SceneOptions { robust: false, ..SceneOptions::default() };
     let closed = Closed::in_kernel("", &ball(100, 200, DVec3::ZERO), DVec3::ZERO, fast);
-    let tries = case.count(80_000, 20_000_000);
+    let tries = case.count(80_000, 15_000_000);
     let [leaks] = tally(tries, 19, |rng| {
         let (origin, direction) = (closed.inside(rng), on_sphere(rng));
         [closed.is_leak(&ray(origin, direction))]
@@ -133,7 +133,7 @@ const VERTEX: &str = "where single precision cannot tell on which side of any of
 fn edges_and_vertices(case: &mut Case) {
     for (number, closed) in meshes().iter().enumerate() {
         let name = closed.name;
-        let tries = case.count(40_000, 8_000_000);
+        let tries = case.count(40_000, 2_000_000);
         let seed = 20 + number as u64;
         let [edges, midpoints, near_edges, vertices, near_vertices, beside] = tally(tries, seed, |rng| {
             let origin = closed.inside(rng);
@@ -168,7 +168,7 @@ fn from_outside(case: &mut Case) {
     let robust = SceneOptions::default();
     for (number, distance) in [3.0, 100.0, 1e4].into_iter().enumerate() {
         let closed = Closed::in_kernel("", &ball(100, 200, DVec3::ZERO), DVec3::ZERO, robust);
-        let tries = case.count(40_000, 8_000_000);
+        let tries = case.count(40_000, 2_000_000);
         let [random, edges] = tally(tries, 30 + number as u64, |rng| {
             let origin = distance * on_sphere(rng);
             let [a, b, _] = closed.triangle(rng);
