@@ -104,9 +104,13 @@ impl AnalyticList {
         self.for_candidates(ray, |index| self.exact(index, ray, f64::from(ray.tfar)).is_some())
     }
 
-    /// The test in double precision, out of line: most rays have no candidate and should not carry it along.
+    /// The test in double precision, out of line: most rays have no candidate and should not carry it along. A segment that
+    /// begins behind the origin is none, here as in Embree.
     #[inline(never)]
     fn exact(&self, index: usize, ray: &Ray, tfar: f64) -> Option<f64> {
+        if ray.tnear < 0.0 {
+            return None;
+        }
         self.shapes[index].intersect(&DRay { tfar, ..DRay::from(ray) })
     }
 

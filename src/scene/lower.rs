@@ -86,7 +86,7 @@ pub(super) fn lower(
             ShapeDesc::Triangle(corners) => {
                 let corners = wound(&to_world, corners.each_ref().map(place));
                 lowered.triangles.push((corners, Part { surface: number as u32, half: 0 }));
-                Bounds::around(corners)
+                extent(&corners)
             }
             ShapeDesc::Quad(corners) => {
                 let [a, b, c, d] = corners.each_ref().map(place);
@@ -94,7 +94,7 @@ pub(super) fn lower(
                     let part = Part { surface: number as u32, half: half as u32 };
                     lowered.triangles.push((wound(&to_world, corners), part));
                 }
-                Bounds::around([a, b, c, d])
+                extent(&[a, b, c, d])
             }
             &ShapeDesc::Mesh { mesh, smooth } => {
                 let description = mesh_of(desc, surface, mesh)?;
@@ -121,7 +121,54 @@ pub(super) fn lower(
         }
         lowered.bounds = lowered.bounds.union(bounds);
     }
+    check_volumes(desc, &lowered, cancel)?;
     Ok(lowered)
+}
+
+/// Refuses triangles that the kernel would lose: it multiplies the way to a triangle by its area in single precision, which
+/// overflows in scenes of some 10^12 across.
+fn check_volumes(desc: &SceneDesc, lowered: &Lowered, cancel: &Cancel) -> Result<()> {
+    const MOST: f64 = f32::MAX as f64 / 8.0;
+    let across = (lowered.bounds.max - lowered.bounds.min).length();
+    if lowered.bounds.is_empty() || across.powi(3) < MOST {
+        return Ok(());
+    }
+    let is_lost = |[a, b, c]: [DVec3; 3], across: f64| (b - a).cross(c - a).length() * across > MOST;
+    let lost = |surface: usize, what: String| {
+        let message =
+            format!("{what} is too large to be met in a scene {across:e} across: area times size must stay below 2e37");
+        Err(Error::invalid(&desc.surfaces[surface].path, message))
+    };
+    if let Some((_, part)) = lowered.triangles.iter().find(|(corners, _)| is_lost(*corners, across)) {
+        return lost(part.surface as usize, "it".to_owned());
+    }
+    let copied = lowered.meshes.iter().map(|mesh_use| (mesh_use, false));
+    for (mesh_use, is_instance) in copied.chain(lowered.instances.iter().map(|mesh_use| (mesh_use, true))) {
+        cancel.check()?;
+        let surface = &desc.surfaces[mesh_use.surface];
+        let mesh = mesh_of(desc, surface, mesh_use.mesh)?;
+        // Rays meet an instance in its own frame.
+        let (frame, across) = if is_instance {
+            let shrink = surface.to_world().matrix3.inverse().to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+            (DAffine3::IDENTITY, across * shrink)
+        } else {
+            (surface.to_world(), across)
+        };
+        let corners = |i| mesh.triangle(i).map(|corner: u32| frame.transform_point3(mesh.position(corner as usize)));
+        if let Some(triangle) = (0..mesh.triangle_count()).find(|&i| is_lost(corners(i), across)) {
+            return lost(mesh_use.surface, format!("triangle {triangle} of {}", mesh.name));
+        }
+    }
+    Ok(())
+}
+
+/// Box around corners; the empty one, which is refused, where a corner is not finite: NaN would not widen it.
+fn extent(corners: &[DVec3]) -> Bounds {
+    if corners.iter().all(|corner| corner.is_finite()) {
+        Bounds::around(corners.iter().copied())
+    } else {
+        Bounds::EMPTY
+    }
 }
 
 fn mesh_of<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc, mesh: usize) -> Result<&'a Arc<MeshDesc>> {

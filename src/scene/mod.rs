@@ -119,10 +119,10 @@ impl Scene {
     /// Position, normals, material and emitter of what `ray` met; `hit` must come from the same ray and scene.
     #[inline]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
-        let near = || ray.origin.as_dvec3() + f64::from(hit.t) * ray.direction.as_dvec3();
         if hit.geometry == IN_LIST {
             let index = hit.primitive as usize;
-            return geometry::on_analytic(&self.list.shapes()[index], self.dress.list_owners[index], near());
+            let shape = &self.list.shapes()[index];
+            return geometry::on_analytic(shape, self.dress.list_owners[index], shape.point(ray, hit.t));
         }
         let owners = &self.dress.owners[hit.geometry as usize];
         match &self.geometries[hit.geometry as usize] {
@@ -133,8 +133,8 @@ impl Scene {
                 geometry::on_instance(triangles, owners, placement, hit.primitive, hit.u, hit.v)
             }
             Geometry::Analytic { shapes, .. } => {
-                let index = hit.primitive as usize;
-                geometry::on_analytic(&shapes.0[index], owners.of(hit.primitive), near())
+                let shape = &shapes.0[hit.primitive as usize];
+                geometry::on_analytic(shape, owners.of(hit.primitive), shape.point(ray, hit.t))
             }
         }
     }

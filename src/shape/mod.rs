@@ -41,6 +41,10 @@ impl From<&Ray> for DRay {
     }
 }
 
+/// Farther than so many times a shape's size, a t in single precision is too coarse for its normals: half a unit in its last
+/// place moves the point by 2^-20 of the size.
+const COARSE: f64 = 16.0;
+
 /// Any analytic shape of a scene, in the scene frame.
 #[derive(Clone, Debug)]
 pub enum Analytic {
@@ -61,6 +65,30 @@ impl Analytic {
             Self::Quadric(quadric) => quadric.intersect(ray),
             Self::Disk(disk) => disk.intersect(ray),
         }
+    }
+
+    /// The point at which the ray meets the surface, from the t that [`Analytic::intersect`] gave, rounded. What is small
+    /// against its distance is met once more, to have all digits of t.
+    #[inline]
+    pub fn point(&self, ray: &Ray, t: f32) -> DVec3 {
+        let way = f64::from(t) * ray.direction.as_dvec3();
+        let size = match self {
+            Self::Sphere(sphere) => sphere.radius,
+            Self::Quadric(quadric) => quadric.size(),
+            // The point may be off along the plane, not from it, and the normal is the same everywhere.
+            Self::Disk(_) => f64::INFINITY,
+        };
+        if way.length_squared() > COARSE * COARSE * size * size {
+            return self.exact_point(ray, t);
+        }
+        ray.origin.as_dvec3() + way
+    }
+
+    /// As [`Analytic::point`], out of line: most hits do not need it.
+    #[cold]
+    fn exact_point(&self, ray: &Ray, t: f32) -> DVec3 {
+        let near = DRay { tnear: t.next_down().into(), tfar: t.next_up().into(), ..DRay::from(ray) };
+        near.origin + self.intersect(&near).unwrap_or(t.into()) * near.direction
     }
 
     /// The point of the surface nearest to `p`, which is on it but for rounding, and the outward unit normal there.

@@ -14,6 +14,7 @@ pub struct Quadric {
     to_own: DAffine3,
     to_scene: DAffine3,
     bounds: Bounds,
+    size: f64,
 }
 
 impl Quadric {
@@ -26,6 +27,9 @@ impl Quadric {
         let matrix = DMat3::from_cols(DVec3::new(a, d, f), DVec3::new(d, b, e), DVec3::new(f, e, c));
         let linear = DVec3::new(g, h, i);
         let own_bounds = own_bounds(matrix, linear, j, clip);
+        let [x, y, z] = (own_bounds.max - own_bounds.min).to_array();
+        let m = to_scene.matrix3;
+        let size = 0.25 * (x * m.x_axis.length()).min(y * m.y_axis.length()).min(z * m.z_axis.length());
         Self {
             a: matrix,
             b: linear,
@@ -34,6 +38,7 @@ impl Quadric {
             to_own: to_scene.inverse(),
             to_scene,
             bounds: own_bounds.transformed(&to_scene),
+            size,
         }
     }
 
@@ -83,6 +88,13 @@ impl Quadric {
     /// A box around the clipped surface, scene frame; infinite where nothing bounds it.
     pub fn bounds(&self) -> Bounds {
         self.bounds
+    }
+
+    /// A length below which it does not turn much: a quarter of its extent along the axis of its own frame where that is
+    /// least. (Half would do if the box fitted the surface.)
+    #[inline]
+    pub(super) fn size(&self) -> f64 {
+        self.size
     }
 
     fn value(&self, p: DVec3) -> f64 {

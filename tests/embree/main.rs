@@ -7,7 +7,6 @@ mod reference;
 mod special_rays;
 mod threads;
 mod user_geometry;
-mod watertight;
 
 use etendue::embree::{Device, DeviceOptions, Scene, SceneBuilder, SceneOptions, TriangleMesh};
 
