@@ -887,7 +887,7 @@ typedef struct etd_render_options {
      */
     float filter_parameters[2];
     /**
-     * Samples for each pixel, 2^30 at most; 0: as many as time and error allow, which must then be limited.
+     * Samples for each pixel, 2^31 at most; 0: as many as time and error allow, which must then be limited.
      */
     uint32_t samples;
     /**

@@ -56,31 +56,6 @@ fn bits(image: &Image) -> Vec<u32> {
     image.rgb.iter().chain(layers).map(|value| value.to_bits()).collect()
 }
 
-#[test]
-fn threads_and_interruptions_change_nothing() {
-    let scene = Scene::build(&room(), &BuildOptions::default()).unwrap();
-    for (sampler, filter) in [
-        (SamplerDesc::Sobol, FilterDesc::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }),
-        (SamplerDesc::Random, FilterDesc::Box),
-        (SamplerDesc::Jittered, FilterDesc::Gaussian { sigma: 0.5 }),
-        (SamplerDesc::Grid, FilterDesc::Tent),
-        (SamplerDesc::Gaussian, FilterDesc::Box),
-    ] {
-        for integrator in [IntegratorDesc::Path, IntegratorDesc::Whitted, IntegratorDesc::Direct] {
-            // Sides that are no multiples of a tile's.
-            let desc =
-                RenderDesc { resolution: [45, 37], samples: 25, sampler, filter, integrator, ..RenderDesc::default() };
-            let reference = bits(&image(&scene, &desc, 1, 0));
-            for (threads, stops) in [(2, 0), (3, 0), (1, 1), (2, 3)] {
-                let other = bits(&image(&scene, &desc, threads, stops));
-                assert!(other == reference, "{sampler:?}, {integrator:?}: {threads} threads, {stops} stops");
-            }
-            let seeded = RenderDesc { seed: 1, ..desc };
-            assert!(bits(&image(&scene, &seeded, 2, 0)) != reference, "the seed changes nothing");
-        }
-    }
-}
-
 type Job = Box<dyn FnOnce() + Send>;
 
 /// Executors as hosts have them: prompt, late, backwards, and ones that forget.

@@ -1,5 +1,5 @@
 //! Warps, distributions and filters: that samples follow the densities they claim. Tests of the samplers are in
-//! `sequences.rs`.
+//! `sequences.rs`; more about both, with large numbers, in `accuracy/sampling`.
 
 mod common {
     // Each test program uses its own part.
@@ -378,77 +378,6 @@ fn filters() -> Vec<(FilterDesc, f64)> {
         (mitchell(0.0, 0.5), 1.0),
         (mitchell(1.0, 0.0), 0.7),
     ]
-}
-
-#[test]
-fn filters_have_their_published_values_and_integrate_to_one() {
-    let mitchell = Filter::new(&FilterDesc::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 });
-    for (x, exact) in [(0.0, 8.0 / 9.0), (0.5, 77.0 / 144.0), (1.0, 1.0 / 18.0), (1.5, -5.0 / 144.0), (2.0, 0.0)] {
-        // The other axis is at its centre, 8/9.
-        let found = f64::from(mitchell.evaluate(x, 0.0)) * 9.0 / 8.0;
-        assert!((found - exact).abs() < 2e-6, "{x}: {found} for {exact}");
-    }
-    let gaussian = Filter::new(&FilterDesc::Gaussian { sigma: 0.5 });
-    assert_eq!(gaussian.radius(), 1.5);
-    let ratio = gaussian.evaluate(0.5, 0.0) / gaussian.evaluate(0.0, 0.0);
-    assert!((f64::from(ratio) - (-0.5_f64).exp()).abs() < 1e-6);
-
-    // Sums of the window's coefficients, over its integral 2 x 2 x 0.35875.
-    let window = Filter::new(&FilterDesc::BlackmanHarris);
-    for (x, exact) in [(0.0, 1.0), (1.0, 0.21747), (2.0, 0.00006), (0.5, 0.695_764_16), (1.5, 0.021_735_84)] {
-        let found = f64::from(window.evaluate(x, 0.0) * (4.0 * 0.35875_f32).powi(2));
-        assert!((found - exact).abs() < 2e-6, "{x}: {found} for {exact}");
-    }
-    let tent = Filter::new(&FilterDesc::Tent);
-    assert_eq!((tent.evaluate(0.25, -0.5), tent.evaluate(0.0, 0.0)), (0.375, 1.0));
-
-    for (desc, _) in filters() {
-        let filter = Filter::new(&desc);
-        // The filter is separable: the square root of the integral is that along one axis.
-        let (n, r) = (2000, f64::from(filter.radius()));
-        let h = 2.0 * r / f64::from(n);
-        let centre = f64::from(filter.evaluate(0.0, 0.0)).sqrt();
-        let along_x: f64 =
-            (0..n).map(|i| f64::from(filter.evaluate(((f64::from(i) + 0.5) * h - r) as f32, 0.0)) / centre * h).sum();
-        assert!((along_x - 1.0).abs() < 2e-6, "{desc:?}: {along_x}");
-        let outside = filter.radius() * 1.001;
-        assert_eq!((filter.evaluate(outside, 0.0), filter.evaluate(0.0, -outside)), (0.0, 0.0));
-    }
-}
-
-#[test]
-fn filter_samples_follow_the_magnitude_of_the_filter() {
-    for (i, (desc, _)) in filters().into_iter().enumerate() {
-        let filter = Filter::new(&desc);
-        let r = f64::from(filter.radius());
-        // Integral of the magnitude, which is what is drawn from.
-        let (n, centre) = (4000, f64::from(filter.evaluate(0.0, 0.0)).sqrt());
-        let h = 2.0 * r / f64::from(n);
-        let at = |x: f64| f64::from(filter.evaluate(x as f32, 0.0)) / centre;
-        let magnitude: f64 = (0..n).map(|k| at((f64::from(k) + 0.5) * h - r).abs() * h).sum();
-        let density = |x: f64, y: f64| f64::from(filter.evaluate(x as f32, y as f32)).abs() / (magnitude * magnitude);
-        let mut rng = Rng::new(12, i as u64);
-        let (mut weights, mut signs) = (0.0_f64, 0_u32);
-        let draws = 500_000;
-        let draw = || {
-            let ([x, y], weight) = filter.sample(rng.next_2d());
-            weights += f64::from(weight);
-            let value = filter.evaluate(x, y);
-            // The sign of the weight is that of the filter, but for rounding right at a root.
-            signs += u32::from(value * weight < 0.0 && value.abs() > 1e-5);
-            assert!((f64::from(weight.abs()) - magnitude * magnitude).abs() < 1e-5, "{desc:?}: {weight}");
-            (f64::from(x), f64::from(y), density(f64::from(x), f64::from(y)))
-        };
-        let check = check_density((64, 64), ((-r, r), (-r, r)), draws, draw, density);
-        assert!(check.passes(sidak(SIGNIFICANCE, filters().len())), "{desc:?}: {check:?}");
-        assert_eq!(signs, 0, "{desc:?}");
-        // A weight of magnitude m with mean 1 has variance m^2 - 1.
-        let error = ((magnitude.powi(4) - 1.0).max(0.0) / draws as f64).sqrt().max(1e-7);
-        assert!(z_test(weights / draws as f64, error, 1.0) > sidak(SIGNIFICANCE, filters().len()), "{desc:?}");
-        if !matches!(desc, FilterDesc::Mitchell { .. }) {
-            assert_eq!(filter.sample([0.3, 0.9]).1, 1.0);
-        }
-    }
 }
 
 #[test]

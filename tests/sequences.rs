@@ -8,7 +8,7 @@ mod common {
 
 use std::collections::HashSet;
 
-use common::stats::{SIGNIFICANCE, chi_square, log_log_slope, mean_and_error, sidak, z_test};
+use common::stats::{SIGNIFICANCE, chi_square, mean_and_error, sidak, z_test};
 use etendue::sampling::{Pattern, PatternSampler, Sampler, SobolSampler};
 
 const PATTERNS: [Pattern; 4] = [Pattern::Random, Pattern::Jittered, Pattern::Grid, Pattern::Gaussian];
@@ -82,50 +82,6 @@ fn numbers_are_in_range_everywhere() {
     }
 }
 
-/// Whether each of the 2^k elementary intervals of every shape holds exactly one point.
-fn is_net(points: &[[f32; 2]]) -> bool {
-    let k = points.len().trailing_zeros();
-    (0..=k).all(|split| {
-        let (nx, ny) = (1_usize << split, 1_usize << (k - split));
-        let mut seen = vec![false; nx * ny];
-        points.iter().all(|p| {
-            let cell = (p[0] * nx as f32) as usize * ny + (p[1] * ny as f32) as usize;
-            !std::mem::replace(&mut seen[cell], true)
-        })
-    })
-}
-
-#[test]
-fn positions_in_the_pixel_are_nets() {
-    for seed in 0..10 {
-        for pixel in [0, 1, 77, 1_000_003] {
-            let mut sampler = SobolSampler::new(seed, u32::MAX);
-            for k in 2..=10 {
-                // Any aligned block, also past 2^16 points.
-                for block in [0, 1, 5, 1 << 10, 1 << 17] {
-                    let n = 1 << k;
-                    let points: Vec<_> = (block * n..(block + 1) * n)
-                        .map(|sample| {
-                            sampler.start(pixel, sample);
-                            sampler.pixel_2d()
-                        })
-                        .collect();
-                    assert!(is_net(&points), "seed {seed}, pixel {pixel}, {n} points of block {block}");
-                }
-            }
-        }
-    }
-    // Random points are none.
-    let mut random = PatternSampler::new(Pattern::Random, 0, 1);
-    let points: Vec<_> = (0..64)
-        .map(|i| {
-            random.start(0, i);
-            random.pixel_2d()
-        })
-        .collect();
-    assert!(!is_net(&points));
-}
-
 #[test]
 fn every_dimension_is_stratified() {
     for size in [16, 256, 1024] {
@@ -141,140 +97,6 @@ fn every_dimension_is_stratified() {
             }
         }
     }
-}
-
-/// Correlation coefficient.
-fn correlation(pairs: impl Iterator<Item = (f32, f32)>) -> f64 {
-    let pairs: Vec<(f64, f64)> = pairs.map(|(a, b)| (f64::from(a) - 0.5, f64::from(b) - 0.5)).collect();
-    let sums = pairs.iter().fold((0.0, 0.0, 0.0), |(ab, aa, bb), (a, b)| (ab + a * b, aa + a * a, bb + b * b));
-    sums.0 / (sums.1 * sums.2).sqrt()
-}
-
-#[test]
-fn pixels_and_replicates_are_uncorrelated() {
-    const N: usize = 20_000;
-    let mut sobol = SobolSampler::new(4, 16);
-    let mut random = PatternSampler::new(Pattern::Random, 4, 16);
-    let dimensions = 18;
-    // Same sample of neighbouring pixels in a row and across rows, and successive replicates of a pixel.
-    type Neighbour = fn(u32) -> ((u32, u32), (u32, u32));
-    let neighbours: [Neighbour; 3] =
-        [|i| ((2 * i, 5), (2 * i + 1, 5)), |i| ((i, 0), (i + 1_000_000, 0)), |i| ((i, 3), (i, 19))];
-    for neighbour in neighbours {
-        let pairs: Vec<_> = (0..N as u32)
-            .map(|i| {
-                let ((p, s), (q, t)) = neighbour(i);
-                (numbers(&mut sobol, p, s, 4), numbers(&mut sobol, q, t, 4))
-            })
-            .collect();
-        for d in 0..dimensions {
-            for e in 0..dimensions {
-                let c = correlation(pairs.iter().map(|(a, b)| (a[d], b[e])));
-                // 972 coefficients: five standard errors.
-                assert!(c.abs() < 5.0 / (N as f64).sqrt(), "dimensions {d}, {e}: {c}");
-            }
-        }
-    }
-    let samples: Vec<_> = (0..N as u32).map(|i| numbers(&mut random, 7, i, 4)).collect();
-    for d in 0..dimensions {
-        let c = correlation(samples.windows(2).map(|w| (w[0][d], w[1][(d + 1) % dimensions])));
-        assert!(c.abs() < 5.0 / (N as f64).sqrt(), "dimension {d}: {c}");
-    }
-}
-
-#[test]
-fn single_points_fill_the_square_over_pixels() {
-    // One sample of each of many pixels is an independent uniform point, in every pair of dimensions.
-    const N: u32 = 100_000;
-    let mut sobol = SobolSampler::new(5, 64);
-    let mut random = PatternSampler::new(Pattern::Random, 5, 64);
-    let first = |name: &str, sampler: &mut dyn FnMut(u32) -> Vec<f32>| {
-        let points: Vec<_> = (0..N).map(sampler).collect();
-        for d in 0..16 {
-            for e in 0..d {
-                let mut counts = vec![0_u64; 256];
-                for point in &points {
-                    counts[(point[d] * 16.0) as usize * 16 + (point[e] * 16.0) as usize] += 1;
-                }
-                let p = chi_square(&counts, &[f64::from(N) / 256.0; 256]);
-                // Too even would be as wrong as too uneven.
-                let significance = sidak(SIGNIFICANCE, 2 * 2 * 120);
-                assert!(p > significance && p < 1.0 - significance, "{name}, dimensions {d}, {e}: p = {p}");
-            }
-        }
-    };
-    first("Sobol'", &mut |pixel| numbers(&mut sobol, pixel, 11, 4));
-    first("random", &mut |pixel| numbers(&mut random, pixel, 11, 4));
-}
-
-/// Relative RMSE of the mean of `f` over the first `n` samples of many pixels.
-fn rmse(sampler: &mut impl Sampler, n: u32, exact: f64, f: impl Fn(&[f32]) -> f64) -> f64 {
-    const PIXELS: u32 = 128;
-    let squared = (0..PIXELS).map(|pixel| {
-        let sum: f64 = (0..n).map(|sample| f(&numbers(sampler, pixel, sample, 3))).sum();
-        (sum / f64::from(n) / exact - 1.0).powi(2)
-    });
-    (squared.sum::<f64>() / f64::from(PIXELS)).sqrt()
-}
-
-#[test]
-fn errors_fall_as_fast_as_they_should() {
-    // Integral of exp(-x^2) over [0, 1].
-    const GAUSS: f64 = 0.746_824_132_812_427;
-    let gauss = |d: &'static [usize]| move |x: &[f32]| (-d.iter().map(|&i| f64::from(x[i]).powi(2)).sum::<f64>()).exp();
-    let disc = |x: f32, y: f32| f64::from(u8::from(x.hypot(y) < 1.0));
-    type Integrand = Box<dyn Fn(&[f32]) -> f64>;
-    // The position is dimensions 0 and 1, the sets follow. Greatest slope for Sobol' points.
-    let integrands: [(&str, Integrand, f64, f64); 7] = [
-        ("Gaussian over the pixel", Box::new(gauss(&[0, 1])), GAUSS.powi(2), -1.2),
-        ("Gaussian in one set", Box::new(gauss(&[2, 3, 4, 5])), GAUSS.powi(4), -0.9),
-        ("Gaussian across sets", Box::new(gauss(&[0, 4, 9, 12])), GAUSS.powi(4), -0.8),
-        ("sum of all", Box::new(|x| x[..14].iter().map(|&v| f64::from(v)).sum()), 7.0, -1.3),
-        ("disc in the pixel", Box::new(move |x| disc(x[0], x[1])), std::f64::consts::FRAC_PI_4, -0.65),
-        ("disc across sets", Box::new(move |x| disc(x[1], x[6])), std::f64::consts::FRAC_PI_4, -0.6),
-        ("step", Box::new(|x| f64::from(u8::from(x[0] + 0.5 * x[1] < 0.7))), 0.45, -0.6),
-    ];
-    for (name, f, exact, greatest) in &integrands {
-        let mut sobol = SobolSampler::new(6, u32::MAX);
-        let mut random = PatternSampler::new(Pattern::Random, 6, 1);
-        let sizes = [16, 64, 256, 1024];
-        let sobol: Vec<_> = sizes.iter().map(|&n| (f64::from(n), rmse(&mut sobol, n, *exact, f))).collect();
-        let random: Vec<_> = sizes.iter().map(|&n| (f64::from(n), rmse(&mut random, n, *exact, f))).collect();
-        let (slope, random_slope) = (log_log_slope(&sobol), log_log_slope(&random));
-        assert!(slope < *greatest, "{name}: slope {slope}, {sobol:?}");
-        assert!((random_slope + 0.5).abs() < 0.06, "{name}: slope of random points {random_slope}, {random:?}");
-        // Never worse than random points, and better where it counts.
-        assert!(sobol[3].1 < 0.5 * random[3].1, "{name}: {sobol:?}, {random:?}");
-    }
-}
-
-#[test]
-fn the_scatter_of_replicates_tells_the_error_of_their_mean() {
-    const REPLICATES: u32 = 16;
-    const SIZE: u32 = 32;
-    const PIXELS: u32 = 2000;
-    let exact = std::f64::consts::FRAC_PI_4;
-    let mut sampler = SobolSampler::new(7, SIZE);
-    let (mut means, mut squares) = (Vec::new(), Vec::new());
-    for pixel in 0..PIXELS {
-        let replicates: Vec<f64> = (0..REPLICATES)
-            .map(|r| {
-                let hits = (r * SIZE..(r + 1) * SIZE).filter(|&sample| {
-                    let x = numbers(&mut sampler, pixel, sample, 1);
-                    x[0].hypot(x[3]) < 1.0
-                });
-                hits.count() as f64 / f64::from(SIZE)
-            })
-            .collect();
-        let (mean, error) = mean_and_error(&replicates);
-        means.push(mean);
-        squares.push(((mean - exact) / error).powi(2));
-    }
-    let (mean, error) = mean_and_error(&means);
-    assert!(z_test(mean, error, exact) > SIGNIFICANCE, "unbiased: {mean} +- {error}");
-    // (mean - exact) / error follows Student's t with 15 degrees of freedom, whose variance is 15 / 13.
-    let (variance, error) = mean_and_error(&squares);
-    assert!(z_test(variance, error, 15.0 / 13.0) > 1e-3, "calibrated: {variance} +- {error} for {}", 15.0 / 13.0);
 }
 
 #[test]

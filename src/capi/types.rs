@@ -364,7 +364,7 @@ pub struct etd_render_options {
     pub filter: EtdFilter,
     /// The filter's parameters.
     pub filter_parameters: [f32; 2],
-    /// Samples for each pixel, 2^30 at most; 0: as many as time and error allow, which must then be limited.
+    /// Samples for each pixel, 2^31 at most; 0: as many as time and error allow, which must then be limited.
     pub samples: u32,
     /// Greatest number of surface hits on a path, the first visible one included; 0: no limit (a limit darkens).
     pub max_depth: u32,

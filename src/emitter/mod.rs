@@ -10,9 +10,9 @@ mod triangle;
 pub use sphere::SphereEmitter;
 pub use triangle::TriangleEmitter;
 
-use std::f32::consts::PI;
+use std::f64::consts::PI;
 
-use crate::math::Vec3;
+use crate::math::{DVec3, Vec3};
 use crate::sampling::Distribution1D;
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
 use crate::{Cancel, Result};
@@ -50,24 +50,14 @@ pub struct EmitterSample {
 }
 
 impl Emitter {
-    /// Emitted power (W): 4 pi I of a point, pi L A of an area.
-    pub fn power(&self) -> Rgb {
+    /// Emitted power (W): 4 pi I of a point, pi L A of an area. In double precision, since single precision may not hold the
+    /// product of a radiance and an area that it holds each.
+    pub fn power(&self) -> DVec3 {
         match self {
-            Self::Point { intensity, .. } => 4.0 * PI * *intensity,
-            Self::Triangle(emitter) => PI * emitter.triangle.area * emitter.radiance,
-            Self::Sphere(emitter) => PI * emitter.sphere.area() as f32 * emitter.radiance,
+            Self::Point { intensity, .. } => 4.0 * PI * intensity.as_dvec3(),
+            Self::Triangle(emitter) => PI * f64::from(emitter.triangle.area) * emitter.radiance.as_dvec3(),
+            Self::Sphere(emitter) => PI * emitter.sphere.area() * emitter.radiance.as_dvec3(),
         }
-    }
-
-    /// Luminance of the power, in double precision: radiance and area that are each in range have a product that need not
-    /// be, and a light whose power overflowed or vanished would never be sampled.
-    fn luminous_power(&self) -> f64 {
-        let (radiance, measure) = match self {
-            Self::Point { intensity, .. } => (intensity, 4.0),
-            Self::Triangle(emitter) => (&emitter.radiance, f64::from(emitter.triangle.area)),
-            Self::Sphere(emitter) => (&emitter.radiance, emitter.sphere.area()),
-        };
-        std::f64::consts::PI * measure * radiance.as_dvec3().dot(LUMINANCE_WEIGHTS.as_dvec3())
     }
 }
 
@@ -96,9 +86,10 @@ impl EmitterSet {
     /// [`crate::ErrorKind::Cancelled`].
     pub fn cancellable(emitters: Vec<Emitter>, cancel: &Cancel) -> Result<Self> {
         let mut powers = Vec::with_capacity(emitters.len());
+        let weights = LUMINANCE_WEIGHTS.as_dvec3();
         for block in emitters.chunks(1 << 14) {
             cancel.check()?;
-            powers.extend(block.iter().map(Emitter::luminous_power));
+            powers.extend(block.iter().map(|emitter| emitter.power().dot(weights)));
         }
         let total: f64 = powers.iter().sum();
         let shining = powers.iter().filter(|&&power| power > 0.0).count().max(1) as f64;

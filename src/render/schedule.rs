@@ -7,8 +7,9 @@ use crate::desc::SamplerDesc;
 use crate::film::Image;
 use crate::sampling::square_side;
 
-/// Samples per pixel that a render may reach: their indices stay far from wrapping round.
-pub const MOST_SAMPLES: u32 = 1 << 30;
+/// Samples per pixel that a render may reach, as many as a description may ask for: their indices stay far from wrapping
+/// round.
+pub const MOST_SAMPLES: u32 = 1 << 31;
 
 /// A pass should not keep a viewer waiting longer than this.
 const LONGEST_PASS: Duration = Duration::from_millis(500);
@@ -139,6 +140,23 @@ mod tests {
             }
             assert_eq!(done, samples);
             assert!(passes < 30, "{samples} samples in {passes} passes");
+        }
+    }
+
+    #[test]
+    fn late_passes_end_at_the_last_sample() {
+        for samples in [1 << 24, 1_000_000_007, MOST_SAMPLES] {
+            let schedule = Schedule::new(&settings(samples, SamplerDesc::Sobol));
+            assert_eq!(schedule.samples, samples);
+            for (done, elapsed) in
+                [(samples / 2 + 1, 0), (samples / 2 + 1, 1), (samples - 3, 1), (samples - 1, 1 << 40)]
+            {
+                let count = schedule.next_pass(done, Duration::from_millis(elapsed), None);
+                assert!(count >= 1 && count <= samples - done, "{count} after {done} of {samples}");
+                assert!(schedule.ended(done, Duration::ZERO, None).is_none());
+            }
+            assert_eq!(schedule.next_pass(samples - 3, Duration::from_millis(1), None), 3);
+            assert_eq!(schedule.ended(samples, Duration::ZERO, None), Some(Ended::Samples));
         }
     }
 

@@ -69,7 +69,7 @@ impl Sampler for PatternSampler {
             Pattern::Random => [u, v],
             Pattern::Jittered => {
                 let (x, y) = self.cell(pixel_key, sample);
-                [below_one((x as f32 + u) / side), below_one((y as f32 + v) / side)]
+                [within_cell(x, u, side), within_cell(y, v, side)]
             }
             Pattern::Grid => {
                 let (x, y) = self.cell(pixel_key, sample);
@@ -98,10 +98,11 @@ impl Sampler for PatternSampler {
     }
 }
 
-/// The largest f32 below 1 in place of 1.
+/// Position `u` in [0, 1) of cell `x` out of `side`, below the next cell's first position: rounding must not carry it there.
 #[inline]
-fn below_one(x: f32) -> f32 {
-    x.min(1.0_f32.next_down())
+fn within_cell(x: u32, u: f32, side: f32) -> f32 {
+    let x = x as f32;
+    ((x + u) / side).min(((x + 1.0) / side).next_down())
 }
 
 /// Two independent standard normal numbers.
@@ -163,6 +164,19 @@ mod tests {
             }
         }
         assert!(permute(u32::MAX - 1, u32::MAX, 7) < u32::MAX);
+    }
+
+    #[test]
+    fn positions_stay_in_their_cells() {
+        for side in [1_u16, 2, 3, 7, 32, 1000, u16::MAX].map(f32::from) {
+            for x in [0, 1, side as u32 / 2, side as u32 - 1] {
+                let (first, next) = (x as f32 / side, (x + 1) as f32 / side);
+                for u in [0.0, 0.5, 1.0_f32.next_down()] {
+                    let position = within_cell(x, u, side);
+                    assert!(first <= position && position < next, "{u} of cell {x} of {side}: {position}");
+                }
+            }
+        }
     }
 
     #[test]
