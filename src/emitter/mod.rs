@@ -148,14 +148,14 @@ impl EmitterSet {
         (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some(sample)
     }
 
-    /// Density with which [`EmitterSet::sample`] at `p` gives the direction `wi` towards the point `hit` of emitter `index`.
+    /// Density with which [`EmitterSet::sample`] at `p` gives the direction towards the point `hit` of emitter `index`.
     #[inline]
-    pub fn pdf(&self, index: u32, p: Vec3, hit: Vec3, wi: Vec3) -> f32 {
+    pub fn pdf(&self, index: u32, p: Vec3, hit: Vec3) -> f32 {
         let Some(choice) = &self.choice else { return 0.0 };
         let index = index as usize;
         let pdf = match &self.emitters[index] {
             Emitter::Point { .. } => 0.0,
-            Emitter::Triangle(emitter) => emitter.pdf(p, hit, wi),
+            Emitter::Triangle(emitter) => emitter.pdf(p, hit),
             Emitter::Sphere(emitter) => emitter.pdf(p),
         };
         pdf * choice.pmf(index)

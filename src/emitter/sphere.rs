@@ -49,14 +49,17 @@ impl SphereEmitter {
         let wi = frame.to_world(warps::uniform_cone(u, cone.one_minus_cos as f32));
         // Where that direction meets the sphere; a direction on the cone's rim may miss it by rounding, so the discriminant
         // is clamped to the tangent point.
-        let direction = wi.as_dvec3();
+        // Of unit length in double precision too: from close to a large ball a ten-millionth of its radius is a long way.
+        let direction = wi.as_dvec3().normalize();
         let along = direction.dot(cone.axis);
         let off_axis2 = (cone.axis - along * direction).length_squared();
         let half_chord = (self.sphere.radius * self.sphere.radius - off_axis2).max(0.0).sqrt();
         let (point, normal) = self.sphere.project(p.as_dvec3() + (along - half_chord) * direction);
         let point = point.as_vec3a();
         let normal = normal.as_vec3a();
-        let target = HitPoint { p: point, error: HitPoint::rounding_error(point, normal) }.offset(normal);
+        // A shadow ray must not end behind `p`.
+        let error = HitPoint::rounding_error(point, normal).min((0.5 * (distance - self.sphere.radius)) as f32);
+        let target = HitPoint { p: point, error }.offset(normal);
         let pdf = (1.0 / (2.0 * PI * cone.one_minus_cos)) as f32;
         Some(EmitterSample { wi, target, radiance: self.radiance, pdf, is_delta: false })
     }

@@ -11,6 +11,10 @@ use crate::spectrum::Rgb;
 /// less with 2 than with 40 or with 0.
 const AREA_SAMPLING_DISTANCE2: f32 = 2.0;
 
+/// The same in squares of the longest side, for triangles that are longer than half a square: a point close to a strip sees
+/// little of it under most of its solid angle, however small the area. The value at which half a square has one limit.
+const AREA_SAMPLING_LENGTH2: f32 = 0.5;
+
 /// A triangle with the same radiance from every point in every direction of its normal's side.
 #[derive(Clone, Copy, Debug)]
 pub struct TriangleEmitter {
@@ -18,67 +22,73 @@ pub struct TriangleEmitter {
     pub triangle: Triangle,
     /// Emitted radiance [W m^-2 sr^-1].
     pub radiance: Rgb,
-    centroid: Vec3,
+    /// Up to this squared distance from the centroid directions are drawn by solid angle.
+    near2: f32,
     error: f32,
 }
 
 impl TriangleEmitter {
     /// An emitter of this shape; `error` is the bound of [`HitPoint`] for points on it.
     pub fn new(triangle: Triangle, radiance: Rgb, error: f32) -> Self {
-        let centroid = triangle.v0 + (triangle.e1 + triangle.e2) / 3.0;
-        Self { triangle, radiance, centroid, error }
+        let [e1, e2] = triangle.sides();
+        let longest2 = e1.length_squared().max(e2.length_squared()).max(e1.distance_squared(e2));
+        let near2 = (AREA_SAMPLING_DISTANCE2 * triangle.area).max(AREA_SAMPLING_LENGTH2 * longest2);
+        Self { triangle, radiance, near2, error }
     }
 
-    /// Whether directions are drawn by solid angle from `p`. The same in `sample` and `pdf`, or both would be wrong.
-    #[inline]
-    fn by_solid_angle(&self, p: Vec3) -> bool {
-        self.centroid.distance_squared(p) < AREA_SAMPLING_DISTANCE2 * self.triangle.area
-    }
-
+    /// The triangle as seen from `p`, where directions are drawn by solid angle. The same in `sample` and `pdf`, or both
+    /// would be wrong.
     #[inline]
     fn seen_from(&self, p: Vec3) -> Option<SphericalTriangle> {
-        SphericalTriangle::new(self.triangle.vertices().map(|v| v - p))
+        let is_near = self.triangle.centroid().distance_squared(p) < self.near2;
+        is_near.then(|| SphericalTriangle::seen_from(p, self.triangle.vertices)).flatten()
     }
 
     /// Samples a direction from `p`; `None` where `p` is behind the triangle or in its plane.
     #[inline]
     pub(super) fn sample(&self, p: Vec3, u: [f32; 2]) -> Option<EmitterSample> {
         let triangle = &self.triangle;
-        // Height of p over the plane, from a difference taken first.
-        let height = (p - triangle.v0).dot(triangle.normal);
+        let height = triangle.height_by_twice_area(p);
         if height <= 0.0 {
             return None;
         }
-        let (wi, point, pdf) = match self.by_solid_angle(p).then(|| self.seen_from(p)).flatten() {
+        let (wi, point, pdf) = match self.seen_from(p) {
             Some(spherical) => {
                 let (wi, [_, b1, b2]) = spherical.sample_barycentric(u);
-                (wi, triangle.v0 + b1 * triangle.e1 + b2 * triangle.e2, spherical.pdf())
+                (wi, triangle.at(b1, b2), spherical.pdf())
             }
             None => {
                 let [_, b1, b2] = warps::uniform_triangle(u);
-                let point = triangle.v0 + b1 * triangle.e1 + b2 * triangle.e2;
+                let point = triangle.at(b1, b2);
                 let to_light = point - p;
-                let wi = to_light.try_normalize()?;
-                (wi, point, self.pdf_by_area(p, point, wi))
+                let distance = to_light.length();
+                if distance <= 0.0 {
+                    return None;
+                }
+                (to_light / distance, point, pdf_by_area(distance, height))
             }
         };
-        let target = HitPoint { p: point, error: self.error }.offset(triangle.normal);
+        // A shadow ray must not end behind `p`, as it might where the light is closer than its bound.
+        let error = self.error.min((0.25 * height / f64::from(triangle.area)) as f32);
+        let target = HitPoint { p: point, error }.offset(triangle.normal);
         Some(EmitterSample { wi, target, radiance: self.radiance, pdf, is_delta: false })
     }
 
-    /// Density per solid angle at `p` of the direction `wi` that meets the triangle in `hit`.
+    /// Density per solid angle at `p` of the direction that meets the triangle in `hit`; 0 where `p` is not in front.
     #[inline]
-    pub(super) fn pdf(&self, p: Vec3, hit: Vec3, wi: Vec3) -> f32 {
-        match self.by_solid_angle(p).then(|| self.seen_from(p)).flatten() {
-            Some(spherical) => spherical.pdf(),
-            None => self.pdf_by_area(p, hit, wi),
+    pub(super) fn pdf(&self, p: Vec3, hit: Vec3) -> f32 {
+        let height = self.triangle.height_by_twice_area(p);
+        if height <= 0.0 {
+            return 0.0;
         }
+        self.seen_from(p).map_or_else(|| pdf_by_area(hit.distance(p), height), |spherical| spherical.pdf())
     }
+}
 
-    /// 1 / A per area, as a density per solid angle: times d^2 / cos.
-    #[inline]
-    fn pdf_by_area(&self, p: Vec3, hit: Vec3, wi: Vec3) -> f32 {
-        let cos = -wi.dot(self.triangle.normal);
-        if cos <= 0.0 { 0.0 } else { hit.distance_squared(p) / (cos * self.triangle.area) }
-    }
+/// 1 / A per area, as a density per solid angle: times d^2 / cos, where cos = height / d; `height` is that of the reference
+/// point over the triangle times twice the area.
+#[inline]
+fn pdf_by_area(distance: f32, height: f64) -> f32 {
+    let distance = f64::from(distance);
+    (2.0 * distance * distance * distance / height) as f32
 }

@@ -62,7 +62,7 @@ impl<'s> Vertex<'s> {
         let le = scene.emitters().le(emitter, self.surface.ng, self.wo_scene);
         match from {
             Some((p, pdf)) if le != Rgb::ZERO => {
-                let light_pdf = scene.emitters().pdf(emitter, p, self.surface.point.p, -self.wo_scene);
+                let light_pdf = scene.emitters().pdf(emitter, p, self.surface.point.p);
                 le * power_heuristic(pdf, light_samples as f32 * light_pdf)
             }
             _ => le,

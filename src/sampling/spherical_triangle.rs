@@ -55,7 +55,17 @@ impl SphericalTriangle {
     /// edge-on or from within their own plane, and solid angles below 1e-12 sr. Sample those by area; their density
     /// is then distance^2 / (area cos(theta)).
     pub fn new(v: [Vec3; 3]) -> Option<Self> {
-        let v = v.map(Vec3::as_dvec3);
+        Self::around_origin(v.map(Vec3::as_dvec3))
+    }
+
+    /// As [`SphericalTriangle::new`], of vertices in the frame that `p` is given in. The differences are exact: rounded to
+    /// single precision, those to the far vertices of a large triangle would move it against a point close to it.
+    pub fn seen_from(p: Vec3, vertices: [Vec3; 3]) -> Option<Self> {
+        let p = p.as_dvec3();
+        Self::around_origin(vertices.map(|v| v.as_dvec3() - p))
+    }
+
+    fn around_origin(v: [DVec3; 3]) -> Option<Self> {
         let solid_angle = solid_angle(v);
         // A range holds no NaN.
         if !(SMALLEST_SOLID_ANGLE..LARGEST_SOLID_ANGLE).contains(&solid_angle) {
@@ -73,7 +83,10 @@ impl SphericalTriangle {
         let sin_a = v0.dot((v1 - v0).cross(v2 - v0)).abs() / (l0 * l1 * l2) * scale;
         let cos_a = ab.dot(ac) * scale;
         let tangent = ac.cross(a) / sin_ac;
-        let tan_half_ab = sin_ab / (1.0 + a.dot(b));
+        // The half-angle form whose sum does not cancel: seen from just above it, a large triangle's vertices are
+        // opposite one another.
+        let cos_ab = a.dot(b);
+        let tan_half_ab = if cos_ab < 0.0 { (1.0 - cos_ab) / sin_ab } else { sin_ab / (1.0 + cos_ab) };
         let finite = scale.is_finite() && tan_half_ab.is_finite() && tangent.is_finite();
         (finite && sin_a > 0.0).then_some(Self { v, a, b, tangent, tan_half_ab, sin_a, cos_a, solid_angle })
     }

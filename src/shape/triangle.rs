@@ -1,39 +1,60 @@
 //! Triangles as emitters see them. (Rays meet them in Embree.)
 
-use crate::math::Vec3;
+use crate::math::{DVec3, Vec3};
 
 /// A triangle with its normal and area, scene frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
-    /// First vertex.
-    pub v0: Vec3,
-    /// Second vertex minus the first.
-    pub e1: Vec3,
-    /// Third vertex minus the first.
-    pub e2: Vec3,
-    /// Unit normal, e1 x e2 normalised.
+    /// Its vertices, as they were given: a side kept instead of one would be rounded, which a point close to it notices.
+    pub vertices: [Vec3; 3],
+    /// Unit normal, along (v1 - v0) x (v2 - v0).
     pub normal: Vec3,
     /// Area.
     pub area: f32,
+    /// (v1 - v0) x (v2 - v0) in double precision: twice the area along the normal.
+    cross: DVec3,
 }
 
 impl Triangle {
     /// The triangle of three vertices, or `None` where it has no area.
-    pub fn new([v0, v1, v2]: [Vec3; 3]) -> Option<Self> {
+    pub fn new(vertices: [Vec3; 3]) -> Option<Self> {
         // Differences and cross product in f64: a needle's normal is lost in f32.
-        let [d0, d1, d2] = [v0, v1, v2].map(|v| v.as_dvec3());
-        let cross = (d1 - d0).cross(d2 - d0);
+        let [v0, v1, v2] = vertices.map(Vec3::as_dvec3);
+        let cross = (v1 - v0).cross(v2 - v0);
         let length = cross.length();
         let area = (0.5 * length) as f32;
         if !(length > 0.0 && length.is_finite() && area > 0.0 && area.is_finite()) {
             return None;
         }
-        Some(Self { v0, e1: (d1 - d0).as_vec3a(), e2: (d2 - d0).as_vec3a(), normal: (cross / length).as_vec3a(), area })
+        Some(Self { vertices, normal: (cross / length).as_vec3a(), area, cross })
     }
 
-    /// Its vertices.
+    /// The two sides that leave the first vertex.
     #[inline]
-    pub fn vertices(&self) -> [Vec3; 3] {
-        [self.v0, self.v0 + self.e1, self.v0 + self.e2]
+    pub fn sides(&self) -> [Vec3; 2] {
+        let [v0, v1, v2] = self.vertices;
+        [v1 - v0, v2 - v0]
+    }
+
+    /// The point with these barycentric coordinates of the second and third vertex.
+    #[inline]
+    pub fn at(&self, b1: f32, b2: f32) -> Vec3 {
+        let [e1, e2] = self.sides();
+        self.vertices[0] + b1 * e1 + b2 * e2
+    }
+
+    /// Mean of the vertices.
+    #[inline]
+    pub fn centroid(&self) -> Vec3 {
+        self.at(1.0 / 3.0, 1.0 / 3.0)
+    }
+
+    /// Twice the area times the height of `p` over the plane, on the normal's side.
+    ///
+    /// In double precision: seen nearly edge-on, from far away or from close by, the height is a small part of the distance
+    /// to the vertices, and a normal rounded to single precision tells it only to that part of a ten-millionth.
+    #[inline]
+    pub fn height_by_twice_area(&self, p: Vec3) -> f64 {
+        (p.as_dvec3() - self.vertices[0].as_dvec3()).dot(self.cross)
     }
 }
