@@ -1,0 +1,13 @@
+//! Rays that leave a surface do not meet it again, at any scale, in any shape and under any transform; nor do they pass
+//! through what is near.
+
+mod analytic;
+mod instances;
+mod spawn;
+mod triangles;
+
+use crate::record::Entry;
+
+pub fn cases() -> Vec<Entry> {
+    [triangles::cases(), instances::cases(), analytic::cases()].into_iter().flatten().collect()
+}
