@@ -3,11 +3,12 @@
 
 mod analytic;
 mod instances;
+mod scale;
 mod spawn;
 mod triangles;
 
 use crate::record::Entry;
 
 pub fn cases() -> Vec<Entry> {
-    [triangles::cases(), instances::cases(), analytic::cases()].into_iter().flatten().collect()
+    [scale::cases(), triangles::cases(), instances::cases(), analytic::cases()].into_iter().flatten().collect()
 }
