@@ -3,12 +3,17 @@
 
 mod analytic;
 mod instances;
+mod near;
 mod scale;
+mod shading;
 mod spawn;
 mod triangles;
 
 use crate::record::Entry;
 
 pub fn cases() -> Vec<Entry> {
-    [scale::cases(), triangles::cases(), instances::cases(), analytic::cases()].into_iter().flatten().collect()
+    [scale::cases(), triangles::cases(), instances::cases(), analytic::cases(), near::cases(), shading::cases()]
+        .into_iter()
+        .flatten()
+        .collect()
 }

@@ -94,6 +94,12 @@ impl Tally {
         Self { rays: 0, bad: 0, factor }
     }
 
+    /// Both together.
+    pub fn add(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.bad += other.bad;
+    }
+
     /// A ray away from `from` into the side of `n`.
     fn ray(&self, from: &SurfaceInteraction, n: Vec3, rng: &mut Rng) -> Ray {
         let point = HitPoint { error: self.factor * from.point.error, ..from.point };
@@ -127,4 +133,22 @@ pub fn met(scene: &Scene, ray: &Ray) -> Option<u32> {
 /// How far a ray starts from the point it leaves.
 pub fn offset(from: &SurfaceInteraction, n: Vec3) -> f64 {
     f64::from((from.point.offset(n) - from.point.p).length())
+}
+
+/// Walks by diffuse reflection from a ray's first hit on; bad is a ray that meets nothing, or something from a side that
+/// `is_allowed` forbids: the surface's number, and whether its back was met. Such a walk ends there.
+pub fn walk(scene: &Scene, start: Ray, bounces: u64, rng: &mut Rng, is_allowed: impl Fn(u32, bool) -> bool) -> Tally {
+    let mut tally = Tally::default();
+    let mut ray = start;
+    for _ in 0..bounces {
+        tally.rays += 1;
+        let hit = scene.intersect(&ray).map(|hit| scene.interaction(&ray, &hit));
+        let Some(hit) = hit.filter(|hit| is_allowed(hit.surface, hit.ng.dot(ray.direction) > 0.0)) else {
+            tally.bad += 1;
+            break;
+        };
+        let n = if hit.ng.dot(ray.direction) > 0.0 { -hit.ng } else { hit.ng };
+        ray = tally.ray(&hit, n, rng);
+    }
+    tally
 }

@@ -130,10 +130,8 @@ fn needles(case: &mut Case) {
                     corners.rotate_left((3.0 * uniform(rng)) as usize);
                     corners
                 });
-                rays.rays += found.rays.rays;
-                rays.bad += found.rays.bad;
-                nearer.rays += found.nearer.rays;
-                nearer.bad += found.nearer.bad;
+                rays.add(found.rays);
+                nearer.add(found.nearer);
                 let kept = match (has_short_side, aspect < 1e5) {
                     (true, true) => &mut usual,
                     (true, false) => &mut narrow,
