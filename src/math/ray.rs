@@ -57,10 +57,11 @@ pub struct HitPoint {
 }
 
 impl HitPoint {
-    /// The error of a point that was computed in double precision and rounded once, along the unit normal `n`.
+    /// Bound on the error of a point that was computed in double precision and rounded once, along the unit normal `n`: twice
+    /// that, since what is added to the point is rounded too.
     #[inline]
     pub fn rounding_error(p: Vec3, n: Vec3) -> f32 {
-        2.0 * ROUNDING * p.abs().dot(n.abs())
+        ROUNDING * p.abs().dot(n.abs())
     }
 
     /// Where a ray into the side `n` points to (unit normal, flipped towards the ray) starts.

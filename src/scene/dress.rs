@@ -120,10 +120,7 @@ impl Dresser<'_> {
         let corners = triangles.mesh.indices().get(index);
         let vertices = triangles.mesh.vertices();
         let triangle = Triangle::new(corners.map(|corner| Vec3::from(vertices.get(corner as usize))))?;
-        let ([v0, v1, v2], [e1, e2]) = (triangle.vertices, triangle.sides());
-        let extent = e1.abs().max(e2.abs()).max_element();
-        let reach = v0.abs().max(v1.abs()).max(v2.abs());
-        let error = geometry::triangle_error(reach, triangle.normal, extent);
+        let error = geometry::triangle_error(&triangle);
         self.emitters.push(Emitter::Triangle(TriangleEmitter::new(triangle, radiance, error)));
         Some((self.emitters.len() - 1) as u32)
     }

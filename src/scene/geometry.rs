@@ -6,17 +6,34 @@
 use std::sync::Arc;
 
 use super::analytic::AnalyticGeometry;
+use glam::Vec3Swizzles as _;
+
 use crate::buffer::Buffer;
 use crate::embree::{Charge, TriangleMesh};
-use crate::math::{DAffine3, DVec3, HitPoint, ROUNDING, Vec3};
-use crate::shape::Analytic;
+use crate::math::{DAffine3, DMat3, DVec3, HitPoint, ROUNDING, Vec3};
+use crate::shape::{Analytic, Triangle};
 
 /// Stands for "no emitter".
 pub(super) const NO_EMITTER: u32 = u32::MAX;
 
-/// Half-units by which the kernel's single-precision plane distance may be off, per extent of the triangle. Measured with
-/// random triangles (`tests/leaving.rs`) at less than half of this.
-const KERNEL_ERROR: f32 = 4.0 * ROUNDING;
+/// Bound on the kernel's error in the distance of a triangle's plane, in units of its extent: differences of vertices that were
+/// rounded, and products with them.
+const KERNEL_ERROR: f64 = 4.0 * ROUNDING as f64;
+
+/// Bound on the error of the products that make the kernel's normal, in units of the products.
+const NORMAL_ERROR: f64 = ROUNDING as f64;
+
+/// The share of its own extent below which a triangle is so narrow that the kernel cannot tell its inside from its outside.
+const NARROW: f64 = 256.0 * ROUNDING as f64;
+
+/// Bound on the error of a coordinate on its way into an instance's frame, in units of its parts: half a unit in the last place
+/// of each.
+const PLACEMENT_ERROR: f64 = 0.5 * ROUNDING as f64;
+
+/// A matrix whose determinant is smaller than the sum of its products by this is no longer inverted well in single precision.
+///
+/// Turns, and stretches along the axes before or after a turn, stay below 2 whatever they stretch by.
+const CANCELLED: f64 = 16.0;
 
 /// What a primitive belongs to.
 #[derive(Clone, Copy, Debug)]
@@ -89,8 +106,10 @@ struct TrianglePoint {
     ng: DVec3,
     /// Shading normal, not normalised, where there is one.
     ns: Option<Vec3>,
-    /// Largest coordinate difference within the triangle.
-    extent: f32,
+    /// Bound on the distance of the kernel's plane from the true one, times the length of `ng`.
+    kernel_error: f64,
+    /// Largest coordinate differences within the triangle.
+    extent: DVec3,
 }
 
 impl Triangles {
@@ -113,11 +132,13 @@ impl Triangles {
             });
             (1.0 - u - v) * n0 + u * n1 + v * n2
         });
+        let ng = e1.cross(e2);
         TrianglePoint {
             p: v0 + f64::from(u) * e1 + f64::from(v) * e2,
-            ng: e1.cross(e2),
+            ng,
             ns,
-            extent: e1.abs().max(e2.abs()).max_element() as f32,
+            kernel_error: kernel_error(e1, e2, ng.length()),
+            extent: e1.abs().max(e2.abs()),
         }
     }
 }
@@ -143,21 +164,77 @@ pub(super) enum Geometry {
     Analytic { shapes: Arc<AnalyticGeometry>, surfaces: Vec<u32> },
 }
 
-/// Where an instance stands.
+/// Where an instance stands, and how exactly the kernel moves rays there.
+///
+/// The kernel inverts the matrix in single precision and adds the inverse's translation, rounded, to every ray's origin. Both
+/// move the ray in the object's frame by an error that need not be along the normal, nor small in the scene: where the
+/// transform stretches, the same step in the object's frame is many lengths in the scene's.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placement {
     to_scene: DAffine3,
     /// Inverse transpose, for normals.
-    normals: crate::math::DMat3,
-    /// Largest stretch, which scales errors from the object's frame.
-    stretch: f32,
+    normals: DMat3,
+    /// Magnitudes of the matrix.
+    stretch: DMat3,
+    /// Bound on the error in the object's frame that comes of rounding, for each unit of a coordinate in the scene's frame.
+    rounding: DMat3,
+    /// The same, and with it the error of the inverse.
+    inverting: DMat3,
+}
+
+/// What an inversion in single precision is made of.
+struct Cofactors {
+    /// The cofactors with the magnitudes of their products added, transposed.
+    sums: DMat3,
+    /// Magnitude of the determinant.
+    determinant: f64,
+    /// The sum of the magnitudes of its products over the determinant: by this much its relative error grows.
+    cancelled: f64,
+}
+
+impl Cofactors {
+    fn new(m: &DMat3) -> Self {
+        let DMat3 { x_axis: a, y_axis: b, z_axis: c } = magnitudes(m);
+        let cross = |a: DVec3, b: DVec3| a.yzx() * b.zxy() + a.zxy() * b.yzx();
+        let determinant = m.determinant().abs();
+        let sums = DMat3::from_cols(cross(b, c), cross(c, a), cross(a, b)).transpose();
+        Self { sums, determinant, cancelled: a.dot(cross(b, c)) / determinant }
+    }
+}
+
+/// Whether the kernel, which inverts an instance's transform in single precision, sees the instance where it is. One that it
+/// does not is better copied into the scene's frame.
+pub(super) fn inverts_well(transform: &DAffine3) -> bool {
+    Cofactors::new(&transform.matrix3).cancelled < CANCELLED
+}
+
+fn magnitudes(m: &DMat3) -> DMat3 {
+    DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
 }
 
 impl Placement {
+    /// The transform as the kernel is given it: rounded to single precision.
     pub(super) fn new(to_scene: DAffine3) -> Self {
+        let to_scene = DAffine3::from_cols_array(&to_scene.to_cols_array().map(|x| f64::from(x as f32)));
         let m = to_scene.matrix3;
-        let stretch = [m.x_axis, m.y_axis, m.z_axis].iter().map(|axis| axis.length()).sum::<f64>() as f32;
-        Self { to_scene, normals: m.inverse().transpose(), stretch }
+        let inverse = m.inverse();
+        let rounding = magnitudes(&inverse) * PLACEMENT_ERROR;
+        let Cofactors { sums, determinant, cancelled } = Cofactors::new(&m);
+        // Cofactors over the determinant: what cancels in them was rounded before.
+        let inverting =
+            sums * (PLACEMENT_ERROR / determinant) + magnitudes(&inverse) * (PLACEMENT_ERROR * cancelled) + rounding;
+        let stretch = magnitudes(&m);
+        Self { to_scene, normals: inverse.transpose(), stretch, rounding, inverting }
+    }
+
+    /// How far from its plane, along the normal, a triangle may seem to the kernel because of its place; times the length of the
+    /// normal after the transform. `p` is the point in the scene.
+    #[inline]
+    fn error(&self, p: DVec3, point: &TrianglePoint) -> f64 {
+        let translation = self.to_scene.translation;
+        let around = (p - translation).abs() + self.stretch * point.extent;
+        let moved = self.rounding * (p.abs() + translation.abs()) + self.inverting * around;
+        point.ng.abs().dot(moved)
     }
 }
 
@@ -176,14 +253,6 @@ fn interaction(p: Vec3, error: f32, ng: Vec3, ns: Option<Vec3>, owner: Owner) ->
     }
 }
 
-/// A unit normal, in single precision unless its square would leave the range of that.
-#[inline]
-fn unit(normal: DVec3) -> Vec3 {
-    let single = normal.as_vec3a();
-    let length2 = single.length_squared();
-    if (1e-30..1e30).contains(&length2) { single / length2.sqrt() } else { normal.normalize().as_vec3a() }
-}
-
 /// A point on triangles of the scene frame.
 #[inline]
 pub(super) fn on_triangle(
@@ -195,8 +264,10 @@ pub(super) fn on_triangle(
 ) -> SurfaceInteraction {
     let point = triangles.point(primitive, u, v);
     let p = point.p.as_vec3a();
-    let ng = unit(point.ng);
-    interaction(p, triangle_error(p, ng, point.extent), ng, point.ns, owners.of(primitive))
+    let length = point.ng.length();
+    let ng = (point.ng / length).as_vec3a();
+    let error = HitPoint::rounding_error(p, ng) + (point.kernel_error / length) as f32;
+    interaction(p, error, ng, point.ns, owners.of(primitive))
 }
 
 /// A point on an instanced triangle.
@@ -210,14 +281,14 @@ pub(super) fn on_instance(
     v: f32,
 ) -> SurfaceInteraction {
     let point = triangles.point(primitive, u, v);
-    let p = placement.to_scene.transform_point3(point.p).as_vec3a();
-    let ng = unit(placement.normals * point.ng);
+    let exact = placement.to_scene.transform_point3(point.p);
+    let p = exact.as_vec3a();
+    let normal = placement.normals * point.ng;
+    let length = normal.length();
+    let ng = (normal / length).as_vec3a();
     let ns = point.ns.map(|ns| (placement.normals * ns.as_dvec3()).as_vec3a());
-    // The kernel moves the ray into the object's frame in single precision: its origin, and the translation that is
-    // added to it, are rounded there.
-    let moved = placement.to_scene.translation.abs().max_element() as f32 + p.abs().max_element();
-    let own = point.p.abs().max_element() as f32 + point.extent;
-    let error = triangle_error(p, ng, 0.0) + KERNEL_ERROR * (moved + placement.stretch * own);
+    let kernel_error = point.kernel_error + placement.error(exact, &point);
+    let error = HitPoint::rounding_error(p, ng) + (kernel_error / length) as f32;
     interaction(p, error, ng, ns, owners.of(primitive))
 }
 
@@ -229,8 +300,29 @@ pub(super) fn on_analytic(shape: &Analytic, owner: Owner, near: DVec3) -> Surfac
     interaction(p, HitPoint::rounding_error(p, ng), ng, None, owner)
 }
 
-/// How far off its plane a point on a triangle may seem to the kernel.
+/// How far from its plane a triangle may seem to the kernel, times twice its area, which is `double_area`.
+///
+/// With the vertices `v` seen from the ray's origin, the kernel divides v0 . n by d . n, where n is the cross product of two
+/// edges in single precision, in each component of that pair that loses less, of those that share the edge `e1`. The vertices
+/// and edges are off by roundings in proportion to the extent, whatever the triangle's shape, since what a short edge is
+/// off by turns the normal around the long one. But the products are off in proportion to themselves, and in a triangle whose
+/// three edges are long and nearly parallel they cancel: with them the normal turns anywhere, and a vertex at the other
+/// end of the triangle seems as far from the plane as the products are larger than the area.
+///
+/// A triangle as narrow as the roundings of its length is seen from a near horizon as turned by any angle around its long
+/// axis, and met by rays that pass beside it: it is given more room, many times its own width.
 #[inline]
-pub(super) fn triangle_error(p: Vec3, ng: Vec3, extent: f32) -> f32 {
-    HitPoint::rounding_error(p, ng) + KERNEL_ERROR * extent
+fn kernel_error(e1: DVec3, e2: DVec3, double_area: f64) -> f64 {
+    let extent = e1.abs().max(e2.abs()).max_element();
+    let products2 = e1.length_squared() * e2.length_squared().min(e1.distance_squared(e2));
+    extent * (KERNEL_ERROR * (double_area + NARROW * extent * extent) + NORMAL_ERROR * products2.sqrt())
+}
+
+/// The bound of [`HitPoint`] for all points of a triangle of the scene frame.
+pub(super) fn triangle_error(triangle: &Triangle) -> f32 {
+    let [v0, v1, v2] = triangle.vertices;
+    let [e1, e2] = triangle.sides().map(|side| side.as_dvec3());
+    let reach = v0.abs().max(v1.abs()).max(v2.abs());
+    let double_area = 2.0 * f64::from(triangle.area);
+    HitPoint::rounding_error(reach, triangle.normal) + (kernel_error(e1, e2, double_area) / double_area) as f32
 }

@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::geometry::Part;
+use super::geometry::{Part, inverts_well};
 use crate::Cancel;
 use crate::desc::{self, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
 use crate::error::{Error, ErrorKind, Result};
@@ -101,8 +101,10 @@ pub(super) fn lower(
                 let is_shared = uses.get(&(mesh, smooth)).is_some_and(|&uses| uses > 1);
                 let count = description.triangle_count();
                 let is_large = is_shared && count > INSTANCE_TRIANGLES || is_dynamic && count > OBJECT_TRIANGLES;
-                // Emitters live in the scene frame, so what emits is copied there, a host's mesh too.
-                let instanced = surface.emission.is_none() && (is_large || description.host.is_some());
+                // Emitters live in the scene frame, so what emits is copied there, a host's mesh too; and what the kernel
+                // could not find under its transform.
+                let instanced =
+                    surface.emission.is_none() && (is_large || description.host.is_some()) && inverts_well(&to_world);
                 let target = if instanced { &mut lowered.instances } else { &mut lowered.meshes };
                 target.push(MeshUse { mesh, smooth, surface: number });
                 // The box of a transformed box is larger than need be, which moves the centre by nothing that matters.

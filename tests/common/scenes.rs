@@ -20,7 +20,8 @@ pub fn scene(camera: CameraDesc, surfaces: Vec<(ShapeDesc, BsdfDesc, Option<Vec3
     desc
 }
 
-fn add(desc: &mut SceneDesc, number: usize, shape: ShapeDesc, bsdf: BsdfDesc, emission: Option<Vec3>) {
+/// Adds a surface with a material of its own.
+pub fn add(desc: &mut SceneDesc, number: usize, shape: ShapeDesc, bsdf: BsdfDesc, emission: Option<Vec3>) {
     desc.materials.push(MaterialDesc {
         name: format!("material {number}"),
         path: format!("materials[{number}]"),
