@@ -1,5 +1,5 @@
-//! The same bits whoever does the work, whoever looks on, wherever the world is. Numbers of threads and interruptions, for every
-//! sampler and integrator: `accuracy/arithmetic/repeat.rs`.
+//! The same bits whoever does the work, whoever looks on, wherever the world is. Numbers of threads and interruptions, for
+//! every sampler and integrator, are in `accuracy/arithmetic/repeat.rs`.
 
 mod common;
 
