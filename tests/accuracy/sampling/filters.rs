@@ -1,4 +1,5 @@
-//! Pixel filters: their published values, what is drawn from them, and what they make of flat fields, edges and small lights.
+//! Pixel filters: their published values, what is drawn from them, and what they make of flat fields, edges and small
+//! lights.
 
 use etendue::desc::{
     BsdfDesc, CameraDesc, FilterDesc, FovAxis, MeshDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc,

@@ -1,4 +1,5 @@
-//! Samples of different pixels and runs know nothing of each other; and errors fall as fast as the points' evenness promises.
+//! Samples of different pixels and runs know nothing of each other; and errors fall as fast as the points' evenness
+//! promises.
 
 use std::f64::consts::FRAC_PI_4;
 

@@ -75,7 +75,7 @@ fn elementary_intervals(case: &mut Case) {
     }
     case.never("Sobol', each of 32 dimensions: 1/N without a point", single, intervals);
     case.never("Sobol', position in the pixel: box without one point", net, boxes);
-    // The later pairs are no (0,2)-nets in any sequence of so many dimensions (t = 0 exists for two only, in base 2).
+    // Later dimensions of a Sobol' sequence come from polynomials of higher degree, and promise less in pairs.
     let worst = quality.iter().copied().max().unwrap_or(0);
     case.at_most("Sobol', 16 pairs: t of the (t,10,2)-net", f64::from(worst), 5.0);
 
