@@ -1,4 +1,5 @@
-//! The same bits for any number of threads, any split into passes, any interruption.
+//! The same bits whoever does the work, whoever looks on, wherever the world is. Numbers of threads and interruptions, for
+//! every sampler and integrator, are in `accuracy/arithmetic/repeat.rs`.
 
 mod common;
 
@@ -9,7 +10,7 @@ use std::time::Duration;
 
 use common::scenes::{box_inside, camera, scene};
 use etendue::Cancel;
-use etendue::desc::{BsdfDesc, CameraDesc, FilterDesc, IntegratorDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{BsdfDesc, CameraDesc, RenderDesc, SceneDesc, ShapeDesc};
 use etendue::film::Image;
 use etendue::math::{DVec3, Vec3};
 use etendue::render::{Ended, Progress, Render, RenderSettings, Workers};

@@ -158,6 +158,15 @@ mod tests {
     }
 
     #[test]
+    fn the_first_dimension_is_the_radical_inverse() {
+        let first = |index: u32| unit_f32(TABLE.point(0, index.reverse_bits())[0].reverse_bits());
+        assert_eq!([1, 2, 3, 4, 5].map(first), [0.5, 0.25, 0.75, 0.125, 0.625]);
+        assert!((0..1 << 16).all(|index| first(index) == (index.reverse_bits() >> 8) as f32 / 16_777_216.0));
+        // All digits set is still below 1.
+        assert!(unit_f32(u32::MAX) < 1.0);
+    }
+
+    #[test]
     fn dimensions_beyond_the_last_set_go_on_and_differ() {
         let mut sampler = SobolSampler::new(1, 64);
         sampler.start(3, 5);

@@ -106,8 +106,8 @@ fn light(case: &mut Case) {
     }
 }
 
-/// Light and size together: what a lamp sends out is its radiance times its area, which single precision may not hold while it
-/// holds either.
+/// Light and size together: what a lamp sends out is its radiance times its area, which single precision may not hold while
+/// it holds either.
 fn powers(case: &mut Case) {
     let samples = case.count(4, 64) as u32;
     let render = RenderDesc { resolution: [40, 40], samples, ..RenderDesc::default() };

@@ -1,4 +1,5 @@
-//! Pixel filters: their published values, what is drawn from them, and what they make of flat fields, edges and small lights.
+//! Pixel filters: their published values, what is drawn from them, and what they make of flat fields, edges and small
+//! lights.
 
 use etendue::desc::{
     BsdfDesc, CameraDesc, FilterDesc, FovAxis, MeshDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc,
@@ -180,7 +181,7 @@ fn impulse(case: &mut Case) {
     // Of 2 x 1 pixels, none of its sides on a pixel's, and its light across the seam of four tiles: any filter of integral 1
     // keeps its energy, since shifts of a filter by whole pixels add up to 1 over whole pixels, and its centre by symmetry.
     let desc = light([14.5, 16.5], [14.5, 15.5]);
-    let samples = case.count(256, 2048);
+    let samples = case.count(256, 1024);
     let seeds = case.count(8, 12);
     for (name, filter) in filters() {
         let images: Vec<Image> = (0..seeds).map(|seed| film(&desc, filter, samples, seed)).collect();
@@ -205,7 +206,7 @@ fn impulse(case: &mut Case) {
 fn edge(case: &mut Case) {
     // A light that covers the left half of the film, up to the seam between columns 15 and 16.
     let desc = light([-20.0, 16.0], [-20.0, 40.0]);
-    let samples = case.count(256, 2048);
+    let samples = case.count(256, 1024);
     let seeds = case.count(8, 12);
     for (name, filter) in filters() {
         let response = Filter::new(&filter);

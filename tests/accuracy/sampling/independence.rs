@@ -1,4 +1,5 @@
-//! Samples of different pixels and runs know nothing of each other; and errors fall as fast as the points' evenness promises.
+//! Samples of different pixels and runs know nothing of each other; and errors fall as fast as the points' evenness
+//! promises.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -133,7 +134,7 @@ fn uncorrelated(case: &mut Case) {
     row("Sobol', seed 2^32 on", &mut |i| {
         (numbers(&mut make(u64::from(i)), 9, 3), numbers(&mut make(u64::from(i) + (1 << 32)), 9, 3))
     });
-    row("Sobol', next seed, previous pixel", &mut |i| (numbers(&mut make(8), i + 1, 3), numbers(&mut make(9), i, 3)));
+    row("Sobol', next seed, pixel before", &mut |i| (numbers(&mut make(8), i + 1, 3), numbers(&mut make(9), i, 3)));
     let pattern = |seed| PatternSampler::new(Pattern::Random, seed, 16);
     row("random, next pixel", &mut |i| (numbers(&mut pattern(1), 2 * i, 3), numbers(&mut pattern(1), 2 * i + 1, 3)));
     row("random, next sample", &mut |i| (numbers(&mut pattern(1), 4, 2 * i), numbers(&mut pattern(1), 4, 2 * i + 1)));
