@@ -49,8 +49,10 @@ impl SphereEmitter {
         let wi = frame.to_world(warps::uniform_cone(u, cone.one_minus_cos as f32));
         // Where that direction meets the sphere; a direction on the cone's rim may miss it by rounding, so the discriminant
         // is clamped to the tangent point.
-        // Of unit length in double precision too: from close to a large ball a ten-millionth of its radius is a long way.
-        let direction = wi.as_dvec3().normalize();
+        // Of unit length in double precision too, by one step of Newton's method from what is nearly that: from close to a
+        // large ball a ten-millionth of its radius is a long way.
+        let direction = wi.as_dvec3();
+        let direction = direction * (1.5 - 0.5 * direction.length_squared());
         let along = direction.dot(cone.axis);
         let off_axis2 = (cone.axis - along * direction).length_squared();
         let half_chord = (self.sphere.radius * self.sphere.radius - off_axis2).max(0.0).sqrt();

@@ -59,13 +59,14 @@ impl TriangleEmitter {
             }
             None => {
                 let [_, b1, b2] = warps::uniform_triangle(u);
-                let point = triangle.at(b1, b2);
-                let to_light = point - p;
+                // The difference first: far from the frame's origin the point is rounded more than the way to it.
+                let [e1, e2] = triangle.sides();
+                let to_light = (triangle.vertices[0] - p) + b1 * e1 + b2 * e2;
                 let distance = to_light.length();
                 if distance <= 0.0 {
                     return None;
                 }
-                (to_light / distance, point, pdf_by_area(distance, height))
+                (to_light / distance, triangle.at(b1, b2), pdf_by_area(distance, height))
             }
         };
         // A shadow ray must not end behind `p`, as it might where the light is closer than its bound.

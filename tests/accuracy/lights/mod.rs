@@ -157,7 +157,7 @@ fn lit(eye: f64, size: f64, lights: Vec<ShapeDesc>) -> SceneDesc {
 
 /// The radiance of the receiver by every integrator, each in a row.
 fn rendered(case: &mut Case, what: &str, desc: &SceneDesc, exact: f64, tolerance: f64) {
-    let samples = case.count(2048, 16_384) as u32;
+    let samples = case.count(2048, 8192) as u32;
     for (name, integrator) in INTEGRATORS {
         let (image, _) = render(desc, &Job { resolution: [8, 8], samples, integrator, ..Job::default() });
         case.mean(format!("{what}, {name}"), mean_and_error(&image), exact, tolerance);

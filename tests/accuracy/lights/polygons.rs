@@ -20,6 +20,7 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "L42e", title: "edge-on lights", run: edge_on },
         Entry { id: "L42f", title: "density of a polygonal light", run: densities },
         Entry { id: "L42g", title: "polygons in renders", run: renders },
+        Entry { id: "L42h", title: "lights far from the frame's origin", run: far_from_the_origin },
         Entry { id: "L44", title: "disc light of triangles", run: disc },
     ]
 }
@@ -255,6 +256,28 @@ fn renders(case: &mut Case) {
     let polygon = [[-0.5, -5e-7], [-0.5, 5e-7], [0.5, 5e-7], [0.5, -5e-7]].map(|[x, y]| DVec3::new(x, y, 5e-2));
     let exact = polygon_factor(DVec3::ZERO, DVec3::Z, &polygon);
     rendered(case, "strip of 1e6 : 1 at 1/20 of its length", &strip, exact, 1e-3);
+}
+
+/// Light and receiver moved together, by multiples of what single precision holds there.
+fn far_from_the_origin(case: &mut Case) {
+    for away in [1e4_f32, 1e6] {
+        let shift = Vec3::new(away, -0.5 * away, 0.25 * away);
+        for height in [0.125, 1.0, 4.0, 64.0] {
+            let polygon: Vec<Vec3> =
+                overhead([-1.0, 0.5], [-0.5, 1.5], height).into_iter().map(|v| v + shift).collect();
+            let exact = polygon_factor(shift.as_dvec3(), DVec3::Z, &in_double(&polygon));
+            let found = irradiance(case, &EmitterSet::new(fan(&polygon)), shift, DVec3::Z);
+            case.mean(format!("moved by {away:e}, light at {height}"), found, exact, 1e-3);
+            let centre = shift.as_dvec3() + f64::from(height) * DVec3::Z;
+            let ball = EmitterSet::new(vec![super::sphere_light(centre, 0.5 * f64::from(height))]);
+            case.mean(
+                format!("moved by {away:e}, ball at {height}"),
+                irradiance(case, &ball, shift, DVec3::Z),
+                0.25,
+                1e-3,
+            );
+        }
+    }
 }
 
 fn disc(case: &mut Case) {
