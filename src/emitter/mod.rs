@@ -38,7 +38,7 @@ pub enum Emitter {
 pub struct EmitterSample {
     /// Unit direction from the reference point.
     pub wi: Vec3,
-    /// Where a shadow ray ends: on the emitter, moved off it towards the reference point.
+    /// Where a shadow ray ends: on the emitter, moved off it to its outer side by what the kernel may be off there.
     pub target: Vec3,
     /// Radiance that arrives when nothing is in between [W m^-2 sr^-1]; for a point light, irradiance on a surface that
     /// faces it [W m^-2].

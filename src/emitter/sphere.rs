@@ -56,7 +56,8 @@ impl SphereEmitter {
         let (point, normal) = self.sphere.project(p.as_dvec3() + (along - half_chord) * direction);
         let point = point.as_vec3a();
         let normal = normal.as_vec3a();
-        let target = HitPoint { p: point, error: HitPoint::rounding_error(point, normal) }.offset(normal);
+        let error = HitPoint::rounding_error(point, normal);
+        let target = HitPoint { p: point, error }.seen_from((along - half_chord) as f32).offset(normal);
         let pdf = (1.0 / (2.0 * PI * cone.one_minus_cos)) as f32;
         Some(EmitterSample { wi, target, radiance: self.radiance, pdf, is_delta: false })
     }

@@ -62,7 +62,7 @@ impl TriangleEmitter {
                 (wi, point, self.pdf_by_area(p, point, wi))
             }
         };
-        let target = HitPoint { p: point, error: self.error }.offset(triangle.normal);
+        let target = HitPoint { p: point, error: self.error }.seen_from(point.distance(p)).offset(triangle.normal);
         Some(EmitterSample { wi, target, radiance: self.radiance, pdf, is_delta: false })
     }
 
