@@ -38,7 +38,7 @@ pub enum Emitter {
 pub struct EmitterSample {
     /// Unit direction from the reference point.
     pub wi: Vec3,
-    /// Where a shadow ray ends: on the emitter, moved off it towards the reference point.
+    /// Where a shadow ray ends: on the emitter, moved off it to its outer side by what the kernel may be off there.
     pub target: Vec3,
     /// Radiance that arrives when nothing is in between [W m^-2 sr^-1]; for a point light, irradiance on a surface that
     /// faces it [W m^-2].
@@ -60,6 +60,10 @@ impl Emitter {
         }
     }
 }
+
+/// A shadow ray to a point light ends this share of its way before it, so that a surface which the light is exactly on does not
+/// block it by chance. 16 units of f32.
+const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
 
 /// Share of the choices that does not go by power.
 const EVEN_SHARE: f64 = 0.1;
@@ -135,7 +139,7 @@ impl EmitterSet {
                 }
                 EmitterSample {
                     wi: to_light / distance2.sqrt(),
-                    target: *position,
+                    target: p + SHADOW_END * to_light,
                     radiance: *intensity / distance2,
                     pdf: 1.0,
                     is_delta: true,

@@ -59,9 +59,11 @@ impl SphereEmitter {
         let (point, normal) = self.sphere.project(p.as_dvec3() + (along - half_chord) * direction);
         let point = point.as_vec3a();
         let normal = normal.as_vec3a();
+        let mut target = HitPoint { p: point, error: HitPoint::rounding_error(point, normal) }
+            .seen_from((along - half_chord) as f32);
         // A shadow ray must not end behind `p`.
-        let error = HitPoint::rounding_error(point, normal).min((0.5 * (distance - self.sphere.radius)) as f32);
-        let target = HitPoint { p: point, error }.offset(normal);
+        target.error = target.error.min((0.5 * (distance - self.sphere.radius)) as f32);
+        let target = target.offset(normal);
         let pdf = (1.0 / (2.0 * PI * cone.one_minus_cos)) as f32;
         Some(EmitterSample { wi, target, radiance: self.radiance, pdf, is_delta: false })
     }

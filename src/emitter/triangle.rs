@@ -69,9 +69,10 @@ impl TriangleEmitter {
                 (to_light / distance, triangle.at(b1, b2), pdf_by_area(distance, height))
             }
         };
+        let mut target = HitPoint { p: point, error: self.error }.seen_from(point.distance(p));
         // A shadow ray must not end behind `p`, as it might where the light is closer than its bound.
-        let error = self.error.min((0.25 * height / f64::from(triangle.area)) as f32);
-        let target = HitPoint { p: point, error }.offset(triangle.normal);
+        target.error = target.error.min((0.25 * height / f64::from(triangle.area)) as f32);
+        let target = target.offset(triangle.normal);
         Some(EmitterSample { wi, target, radiance: self.radiance, pdf, is_delta: false })
     }
 

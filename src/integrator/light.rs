@@ -6,10 +6,6 @@ use crate::sampling::mis::power_heuristic;
 use crate::scene::{Hit, Material, Scene, SurfaceInteraction};
 use crate::spectrum::Rgb;
 
-/// A shadow ray ends this share of its length before its target, so that the light itself does not count as an obstacle
-/// when it is far away and seen at a grazing angle; its end is moved off the light besides. 16 units of f32.
-const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
-
 /// A point of a path, ready for shading.
 pub(super) struct Vertex<'s> {
     pub surface: SurfaceInteraction,
@@ -87,7 +83,8 @@ impl<'s> Vertex<'s> {
         }
         let weight = if light.is_delta { 1.0 } else { power_heuristic(light_samples as f32 * light.pdf, bsdf_pdf) };
         let origin = point.offset(self.side(light.wi));
-        let shadow = Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: SHADOW_END };
+        // The target is off the light, by more the farther it is: the light is no obstacle itself.
+        let shadow = Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: 1.0 };
         if !tracer.unoccluded(&shadow) {
             return Rgb::ZERO;
         }

@@ -42,6 +42,9 @@ impl Ray {
 /// Twice the unit roundoff of f32: a bound on the relative error of a number that was rounded once, with room to spare.
 pub const ROUNDING: f32 = f32::EPSILON;
 
+/// Bound on the kernel's error in the distance of a plane from a ray's end, in units of the ray's length.
+const DISTANCE_ERROR: f32 = 4.0 * ROUNDING;
+
 /// A point on a surface together with how far from it a ray has to start not to meet the same surface again.
 ///
 /// The point itself was rebuilt in double precision and rounded once, so it is off the surface by half a unit in the last
@@ -62,6 +65,16 @@ impl HitPoint {
     #[inline]
     pub fn rounding_error(p: Vec3, n: Vec3) -> f32 {
         ROUNDING * p.abs().dot(n.abs())
+    }
+
+    /// The same point as the end of a ray that comes from so far away.
+    ///
+    /// The kernel sees it in coordinates relative to the ray's origin, rounded at that size: the plane of a small triangle
+    /// seems nearer or farther by that along its normal, and so along the ray by any factor when seen at a grazing angle.
+    #[inline]
+    #[must_use]
+    pub fn seen_from(self, distance: f32) -> Self {
+        Self { error: self.error + DISTANCE_ERROR * distance, ..self }
     }
 
     /// Where a ray into the side `n` points to (unit normal, flipped towards the ray) starts.

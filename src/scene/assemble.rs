@@ -252,7 +252,7 @@ impl Assembler<'_> {
             self.geometries.push(Geometry::Instance {
                 triangles: triangles.clone(),
                 surface: mesh_use.surface as u32,
-                placement: Placement::new(to_scene),
+                placement: Box::new(Placement::new(to_scene)),
             });
         }
         Ok(())

@@ -159,7 +159,7 @@ pub(super) enum Geometry {
     /// A mesh in the scene frame.
     Flat { triangles: Triangles, surface: u32 },
     /// A mesh in its own frame, somewhere.
-    Instance { triangles: Triangles, surface: u32, placement: Placement },
+    Instance { triangles: Triangles, surface: u32, placement: Box<Placement> },
     /// Analytic shapes as user geometry, with the surface of each.
     Analytic { shapes: Arc<AnalyticGeometry>, surfaces: Vec<u32> },
 }
