@@ -1,0 +1,2 @@
+use crate::record::Entry;
+pub fn cases() -> Vec<Entry> { Vec::new() }
