@@ -3,7 +3,7 @@
 //! Blind to wrong directions, so the other cases of the group go with them.
 
 use super::rays::escapes;
-use super::{MESH, ball, ball_mesh, glass, grey, measure, mesh, mirror, pick, turned};
+use super::{Known, MESH, ball, ball_mesh, converges, glass, grey, measure, mesh, mirror, pick, turned};
 use crate::common::scenes::{Job, box_inside, camera, mean_and_error, render, scene};
 use crate::record::{Case, Entry, Within};
 use etendue::desc::{BsdfDesc, IntegratorDesc, MeshDesc, SceneDesc, ShapeDesc};
@@ -130,6 +130,9 @@ fn diffuse_surfaces(case: &mut Case) {
                 let job = Job { resolution: [16, 16], samples, integrator, ..Job::default() };
                 case.mean(format!("{what} at {degrees}°, {integrator:?}"), measure(&desc, &job), albedo, tolerance);
             }
+            if degrees == 60.0 && what == "Fujii" {
+                converges(case, "Fujii at 60° under uniform light", &desc, (Known::EachPixel, albedo));
+            }
         }
     }
     let mut desc = room(walls(), BsdfDesc::Black, 1.0, vec![(object(), grey(0.6))]);
@@ -174,6 +177,9 @@ fn emitting_box(case: &mut Case) {
         let tolerance = pick(case, tolerance.0, tolerance.1);
         let exact = 1.0 / (1.0 - f64::from(albedo));
         case.mean(format!("albedo {albedo}"), measure(&desc, &job), exact, tolerance);
+        if albedo < 0.95 {
+            converges(case, &format!("emitting box of albedo {albedo}"), &desc, (Known::EachPixel, exact));
+        }
     }
     for integrator in [IntegratorDesc::Direct, IntegratorDesc::Whitted] {
         // Both scatter diffuse light once.

@@ -1,21 +1,63 @@
 //! Light transport as a whole: rooms and bodies whose light is known in closed form.
 
+mod form_factors;
 mod furnace;
+mod guides;
 mod rays;
+mod refraction;
 mod rooms;
+mod whole;
 
-use crate::common::scenes::{Job, mean_and_error, render};
-use crate::record::{Case, Entry};
+use crate::common::scenes::{Job, mean_and_error, render, render_scene};
+use crate::record::{Case, Effort, Entry};
 use etendue::desc::{BsdfDesc, MeshDesc, SceneDesc, ShapeDesc};
 use etendue::math::{DVec3, Vec3};
+use etendue::scene::{BuildOptions, Scene};
 
 pub fn cases() -> Vec<Entry> {
-    [furnace::cases(), rooms::cases()].into_iter().flatten().collect()
+    [furnace::cases(), rooms::cases(), form_factors::cases(), refraction::cases(), guides::cases(), whole::cases()].into_iter().flatten().collect()
 }
 
 /// Mean of an image and its standard error.
 fn measure(desc: &SceneDesc, job: &Job) -> (f64, f64) {
     mean_and_error(&render(desc, job).0)
+}
+
+/// What has the exact value.
+#[derive(Clone, Copy)]
+enum Known {
+    EachPixel,
+    TheMean,
+}
+
+/// Error against the exact value over rising numbers of samples, in the table of the documents only.
+fn converges(case: &mut Case, what: &str, desc: &SceneDesc, (known, exact): (Known, f64)) {
+    if !case.is_full() {
+        return;
+    }
+    let (side, seeds) = match known {
+        Known::EachPixel => (32, 2),
+        Known::TheMean => (8, 128),
+    };
+    let scene = Scene::build(desc, &BuildOptions::default()).expect("a scene of the test");
+    let efforts = [16, 64, 256].map(|samples| {
+        let (mut squares, mut count, mut seconds) = (0.0, 0_u32, 0.0);
+        for seed in 1..=seeds {
+            let job = Job { resolution: [side, side], samples, seed, ..Job::default() };
+            let (image, summary) = render_scene(&scene, job.desc());
+            seconds += summary.elapsed.as_secs_f64() / seeds as f64;
+            let values = match known {
+                Known::EachPixel => image.rgb.chunks_exact(3).map(|rgb| f64::from(rgb[0])).collect(),
+                Known::TheMean => vec![image.mean()[0]],
+            };
+            for value in values {
+                squares += (value / exact - 1.0).powi(2);
+                count += 1;
+            }
+        }
+        Effort { samples, seconds, rmse: (squares / f64::from(count)).sqrt() }
+    });
+    case.convergence(what, &efforts);
 }
 
 /// The quick number, or the one of the documents.
