@@ -88,9 +88,7 @@ fn rectangles(case: &mut Case) {
         (DVec3::Z, DVec3::Y, DVec3::X),
     ];
     let mut surfaces = vec![(rectangle(1.0, 1.0), grey(ALBEDO), None)];
-    surfaces.extend(
-        walls.map(|(corner, u, v)| (parallelogram(corner, u, v), BsdfDesc::Black, Some(Vec3::splat(2.0)))),
-    );
+    surfaces.extend(walls.map(|(corner, u, v)| (parallelogram(corner, u, v), BsdfDesc::Black, Some(Vec3::splat(2.0)))));
     let desc = scene(above(1.0, 1.0, 0.4), surfaces);
     let job = Job { resolution: [16, 16], samples: case.count(128, 2048) as u32, ..Job::default() };
     case.mean("all walls of a cube", measure(&desc, &job), expected(1.0), tolerance);
@@ -142,7 +140,7 @@ fn groove(case: &mut Case) {
         let slope = parallelogram(-0.5 * long, long, DVec3::new(cos, 0.0, sin));
         let height = (0.25 * degrees.to_radians().tan().abs()).min(0.3);
         let desc = lit(above(1.0, 0.0, height), floor, slope);
-        let job = Job { resolution: [256, 1], samples: case.count(256, 4096) as u32, ..Job::default() };
+        let job = Job { resolution: [128, 1], samples: case.count(1024, 16384) as u32, ..Job::default() };
         let exact = expected(1.0 - (0.5 * degrees.to_radians()).sin());
         case.mean(format!("groove of {degrees}°"), measure(&desc, &job), exact, pick(case, 3e-3, 3e-4));
     }

@@ -184,8 +184,7 @@ fn emitting_box(case: &mut Case) {
     for integrator in [IntegratorDesc::Direct, IntegratorDesc::Whitted] {
         // Both scatter diffuse light once.
         let desc = room(walls(), grey(0.6), 2.0, Vec::new());
-        let job =
-            Job { resolution: [16, 16], samples: case.count(64, 4096) as u32, integrator, ..Job::default() };
+        let job = Job { resolution: [16, 16], samples: case.count(64, 4096) as u32, integrator, ..Job::default() };
         let tolerance = pick(case, 2e-3, 2.5e-4);
         let exact = 2.0 * (1.0 + f64::from(0.6_f32));
         case.mean(format!("{integrator:?}, albedo 0.6"), measure(&desc, &job), exact, tolerance);
@@ -215,10 +214,8 @@ fn l_shaped() -> MeshDesc {
 
 fn other_shapes(case: &mut Case) {
     let corners = [(-2.0, -1.0, 1.5), (2.5, -1.2, 1.0), (0.0, 3.0, 0.2), (0.2, -0.8, -3.0)];
-    let tetrahedron = mesh(
-        corners.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec(),
-        vec![[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]],
-    );
+    let tetrahedron =
+        mesh(corners.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec(), vec![[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]);
     let shapes = [
         ("tetrahedron", turned(tetrahedron, EYE, true)),
         ("ball of 760 triangles", turned(ball_mesh(1.0, 20, 20), DVec3::ZERO, true)),

@@ -15,7 +15,10 @@ use etendue::math::{DVec3, Vec3};
 use etendue::scene::{BuildOptions, Scene};
 
 pub fn cases() -> Vec<Entry> {
-    [furnace::cases(), rooms::cases(), form_factors::cases(), refraction::cases(), guides::cases(), whole::cases()].into_iter().flatten().collect()
+    [furnace::cases(), rooms::cases(), form_factors::cases(), refraction::cases(), guides::cases(), whole::cases()]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Mean of an image and its standard error.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::rays::{Choices, PATH, Random, Recorder, REFLECT, REFRACT, angle, follow, line};
+use super::rays::{Choices, PATH, REFLECT, REFRACT, Random, Recorder, angle, follow, line};
 use super::{Known, ball, converges, glass, measure, parallelogram, pick, plane};
 use crate::common::scenes::{Job, box_inside, camera, scene};
 use crate::record::{Case, Entry, Within};
@@ -85,12 +85,9 @@ fn slab(case: &mut Case) {
 }
 
 fn shift(case: &mut Case) {
-    for (thickness, aspect, name) in [
-        (1.0, 20.0, "20 x 1"),
-        (1e-3, 20.0, "0.02 x 0.001"),
-        (1e3, 20.0, "20000 x 1000"),
-        (1.0, 2000.0, "2000 x 1"),
-    ] {
+    for (thickness, aspect, name) in
+        [(1.0, 20.0, "20 x 1"), (1e-3, 20.0, "0.02 x 0.001"), (1e3, 20.0, "20000 x 1000"), (1.0, 2000.0, "2000 x 1")]
+    {
         let eye = DVec3::new(0.1, 0.2, -1.3) * thickness;
         let scene = build(&scene(camera(eye, DVec3::ZERO, 40.0), slab_surfaces(thickness, aspect)));
         for (degrees, stated) in [(30.0_f64, 0.193_813_782_152), (60.0, 0.512_472_013_191)] {
@@ -100,7 +97,9 @@ fn shift(case: &mut Case) {
             let (origin, direction) = line(&scene, &rays[2]);
             let shift = (origin - eye).reject_from(direction).length() / thickness;
             if aspect > 1000.0 {
-                case.known("a ray leaves a triangle half a millionth of its extent along the normal, beside its own line");
+                case.known(
+                    "a ray leaves a triangle half a millionth of its extent along the normal, beside its own line",
+                );
             }
             case.exact(format!("{name}, {degrees}°: shift / thickness"), shift, stated, Within::Absolute(1e-4));
             let turned = angle(direction, start.1);
@@ -243,9 +242,10 @@ fn ball_shares(case: &mut Case) {
     let (n, p) = (tries as f64, 0.903_259_159_797);
     case.mean("height 0.7, path", (straight / n, (p * (1.0 - p) / n).sqrt()), p, pick(case, 3e-3, 3e-4));
 
-    for (name, ior, refracted, reflected) in
-        [("1.5", 1.5_f32, 0.835_544_400_144, 0.091_777_959_342_4), ("1.333", 1.333, 0.881_437_392_471, 0.066_405_764_783_1)]
-    {
+    for (name, ior, refracted, reflected) in [
+        ("1.5", 1.5_f32, 0.835_544_400_144, 0.091_777_959_342_4),
+        ("1.333", 1.333, 0.881_437_392_471, 0.066_405_764_783_1),
+    ] {
         // A parallel beam that fills the ball, equal areas.
         let scene = glass_ball(ior, ball(DVec3::ZERO, 1.0));
         let rings = case.count(2_000, 200_000);

@@ -67,7 +67,8 @@ fn integrating_sphere(case: &mut Case) {
     for (sampler, name) in [(SamplerDesc::Random, "random"), (SamplerDesc::Jittered, "jittered")] {
         let job = point_job(case.count(64, 4096));
         let scene = Scene::build(&desc, &BuildOptions::default()).expect("a scene of the test");
-        let (image, _) = crate::common::scenes::render_scene(&scene, etendue::desc::RenderDesc { sampler, ..job.desc() });
+        let (image, _) =
+            crate::common::scenes::render_scene(&scene, etendue::desc::RenderDesc { sampler, ..job.desc() });
         let got = crate::common::scenes::mean_and_error(&image);
         case.mean(format!("side, {name} samples"), got, all, pick(case, 5e-3, 1e-3));
     }
@@ -101,10 +102,8 @@ fn sheets(rho: [f32; 2], emission: Option<Vec3>) -> Vec<(ShapeDesc, BsdfDesc, Op
 
 /// A floor under a ceiling at 1, a light of intensity 1 half-way, seen at this distance from the point under it.
 pub fn floor_and_ceiling(rho: f32, r: f64) -> SceneDesc {
-    let mut desc = scene(
-        camera(DVec3::new(r + 0.3, 0.7, 0.2), DVec3::new(r, 0.0, 0.0), POINT),
-        sheets([rho, rho], None),
-    );
+    let mut desc =
+        scene(camera(DVec3::new(r + 0.3, 0.7, 0.2), DVec3::new(r, 0.0, 0.0), POINT), sheets([rho, rho], None));
     desc.lights.push(point_light(DVec3::Y * 0.5, 1.0));
     desc
 }

@@ -7,7 +7,7 @@ use super::{ball, glass, grey, mesh, mirror, parallelogram, pick};
 use crate::common::scenes::{Job, box_inside, render_scene, scene};
 use crate::record::{Case, Entry};
 use crate::stats;
-use etendue::desc::{BsdfDesc, CameraDesc, IntegratorDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{BsdfDesc, CameraDesc, IntegratorDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc, SurfaceLook};
 use etendue::film::Image;
 use etendue::integrator::{Integrator, SceneTracer};
 use etendue::math::{DVec3, Frame, Ray, Vec3};
@@ -18,7 +18,7 @@ pub fn cases() -> Vec<Entry> {
     vec![
         Entry { id: "R69", title: "lamp and sensor exchanged", run: reciprocity },
         Entry { id: "R60", title: "Cornell box, integrators compared", run: compared },
-        Entry { id: "R60b", title: "Cornell box, power", run: power },
+        Entry { id: "R60b", title: "Cornell box, closed: power", run: power },
     ]
 }
 
@@ -70,25 +70,26 @@ impl Patch {
         self.u.cross(self.v).length()
     }
 
-    /// A ray from the patch, by density of area and cosine: pi times the area times its radiance is power received.
-    fn ray(self, scene: &Scene, u: [f32; 4]) -> Ray {
+    /// A ray that meets the patch in a random point straight on.
+    fn view(self, scene: &Scene, u: [f32; 4]) -> Ray {
         let normal = self.u.cross(self.v).normalize();
         let point = self.corner + f64::from(u[0]) * self.u + f64::from(u[1]) * self.v;
-        // Off the patch, by less than matters to the result.
-        let origin = point + 1e-5 * self.area().sqrt() * normal;
-        let direction = Frame::from_normal(normal.as_vec3a()).to_world(warps::cosine_hemisphere([u[2], u[3]]));
-        Ray::new(scene.to_scene(origin), direction.normalize())
+        Ray::new(scene.to_scene(point + 1e-4 * self.area().sqrt() * normal), -normal.as_vec3a())
     }
 
-    /// Power received from the scene.
+    /// Power that it receives from the scene, by what it shows of that.
     fn received(self, scene: &Scene, samples: u64) -> (f64, f64) {
         let [(mean, error), ..] = estimate(samples, |sampler| {
-            let ray = self.ray(scene, sampler.next_4d());
+            let ray = self.view(scene, sampler.next_4d());
             PATH.radiance(scene, ray, sampler, &mut SceneTracer::new(scene), &mut |_| {})
         });
-        (mean * PI * self.area(), error * PI * self.area())
+        let factor = PI / f64::from(GLIMMER) * self.area();
+        (mean * factor, error * factor)
     }
 }
+
+/// Albedo of what stands for black but must show what falls on it.
+const GLIMMER: f32 = 0.01;
 
 /// Surfaces around two patches.
 type Things = Vec<(ShapeDesc, BsdfDesc)>;
@@ -116,15 +117,17 @@ fn reciprocity(case: &mut Case) {
     ];
     let transfer = |things: &Things, from: Patch, to: Patch, samples: u64| {
         let mut surfaces: Vec<_> = things.iter().map(|&(shape, bsdf)| (shape, bsdf, None)).collect();
-        surfaces.push((from.shape(), BsdfDesc::Black, Some(Vec3::ONE)));
-        surfaces.push((to.shape(), BsdfDesc::Black, None));
+        surfaces.push((from.shape(), grey(GLIMMER), Some(Vec3::ONE)));
+        surfaces.push((to.shape(), grey(GLIMMER), None));
         let mut desc = scene(CameraDesc::default(), surfaces);
         desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)).into());
         to.received(&build(&desc), samples)
     };
-    let samples = case.count(1 << 16, 1 << 22);
-    let tolerance = pick(case, 1e-2, 1e-3);
     for (what, things) in cases {
+        // In the dark, only chance finds the lamp through glass and in mirrors.
+        let by_chance = what.contains("glass") || what.contains("mirror");
+        let samples = if by_chance { case.count(1 << 18, 1 << 22) } else { case.count(1 << 14, 1 << 20) };
+        let tolerance = if by_chance { pick(case, 2e-2, 4e-3) } else { pick(case, 1e-2, 2e-3) };
         let there = transfer(&things, lamp, sensor, samples);
         let back = transfer(&things, sensor, lamp, samples);
         case.equal_means(what, there, back, tolerance);
@@ -132,14 +135,14 @@ fn reciprocity(case: &mut Case) {
     // A patch within a block of glass: n² times as much radiance there, in a beam n² times as narrow.
     let inside = Patch { corner: DVec3::new(-0.6, -0.3, -0.3), u: DVec3::Y * 0.6, v: DVec3::Z * 0.6 };
     let block = |n: usize| ShapeDesc::Mesh { mesh: n, smooth: false };
-    let transfer = |from: Patch, to: Patch| {
+    let transfer = |from: Patch, to: Patch, samples: u64| {
         let mut desc = scene(
             CameraDesc::default(),
             vec![
                 (block(0), grey(0.5), None),
                 (block(1), glass(1.5, 1.0), None),
-                (from.shape(), BsdfDesc::Black, Some(Vec3::ONE)),
-                (to.shape(), BsdfDesc::Black, None),
+                (from.shape(), grey(GLIMMER), Some(Vec3::ONE)),
+                (to.shape(), grey(GLIMMER), None),
             ],
         );
         desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)).into());
@@ -148,7 +151,8 @@ fn reciprocity(case: &mut Case) {
         desc.meshes.push(mesh(inwards.positions, triangles).into());
         to.received(&build(&desc), samples)
     };
-    let (into, out) = (transfer(sensor, inside), transfer(inside, sensor));
+    let (samples, tolerance) = (case.count(1 << 18, 1 << 22), pick(case, 2e-2, 4e-3));
+    let (into, out) = (transfer(sensor, inside, samples), transfer(inside, sensor, samples));
     case.equal_means("patch within glass, over n²", (into.0 / 2.25, into.1 / 2.25), out, tolerance);
 }
 
@@ -175,9 +179,9 @@ fn blocks(image: &Image) -> Vec<(f64, f64)> {
 
 fn compared(case: &mut Case) {
     let scene = build(&cornell());
-    let side = pick(case, 32, 128);
+    let side = 32;
     let base = RenderDesc {
-        samples: case.count(64, 1024) as u32,
+        samples: case.count(64, 2048) as u32,
         seed: 1,
         ..Job { resolution: [side, side], ..Job::default() }.desc()
     };
@@ -210,12 +214,19 @@ fn compared(case: &mut Case) {
         }
         // Out of all five comparisons.
         case.p_value(format!("{what}: blocks of 8 x 8"), least, 5 * tests);
-        case.at_most(format!("{what}: largest error of a block"), largest, pick(case, 0.03, 0.003));
+        case.at_most(format!("{what}: largest error of a block"), largest, pick(case, 0.08, 0.01));
     }
 }
 
 fn power(case: &mut Case) {
-    let desc = cornell();
+    // An almost black wall closes the open side, so that nothing is lost.
+    let mut desc = cornell();
+    let corners = [(0.0, 0.0), (552.8, 0.0), (556.0, 548.8), (0.0, 548.8)];
+    let corners = corners.map(|(x, y)| DVec3::new(x, y, 0.0));
+    let wall = desc.add_material("wall", grey(GLIMMER), None).expect("a material");
+    let (shape, local) = ShapeDesc::quad(corners).expect("a wall");
+    let look = SurfaceLook { material: Some(wall), ..SurfaceLook::default() };
+    desc.add_surface(shape, local, look).expect("a wall");
     let scene = build(&desc);
     // What the walls and blocks show says what falls on them and what of that they keep: pi L (1 - a) / a.
     let mut triangles = Vec::new();
@@ -229,7 +240,7 @@ fn power(case: &mut Case) {
     }
     let areas: Vec<f64> = triangles.iter().map(|([a, b, c], _)| 0.5 * (b - a).cross(c - a).length()).collect();
     let total: f64 = areas.iter().sum();
-    let samples = case.count(1 << 16, 1 << 22);
+    let samples = case.count(1 << 17, 1 << 22);
     let kept = estimate(samples, |sampler| {
         let u = sampler.next_4d();
         let mut left = f64::from(u[0]) * total;
@@ -239,6 +250,7 @@ fn power(case: &mut Case) {
         });
         let ([a, b, c], albedo) = triangles[found.unwrap_or(triangles.len() - 1)];
         let [_, s, t] = warps::uniform_triangle([u[1], u[2]]).map(f64::from);
+        // Not all of them face the light.
         let side = if u[3] < 0.5 { 1.0 } else { -1.0 };
         let normal = side * (b - a).cross(c - a).normalize();
         let point = a + s * (b - a) + t * (c - a);
@@ -246,36 +258,22 @@ fn power(case: &mut Case) {
         let shown = PATH.radiance(&scene, ray, sampler, &mut SceneTracer::new(&scene), &mut |_| {});
         2.0 * std::f32::consts::PI * total as f32 * shown * (Vec3::ONE - albedo) / albedo
     });
-    let gathered = |patch: Patch| {
-        estimate(samples / 4, |sampler| {
-            let ray = patch.ray(&scene, sampler.next_4d());
-            let radiance = PATH.radiance(&scene, ray, sampler, &mut SceneTracer::new(&scene), &mut |_| {});
-            (PI * patch.area()) as f32 * radiance
-        })
-    };
-    // The lamp keeps all that falls on it; the rest leaves by the open side, almost a rectangle: 0.6 % wider on top. What
-    // reaches the wedge is seen by a rectangle of its own mean width where the radiance is the edge's.
+    // The lamp is black: it keeps what falls on it.
     let lamp = Patch { corner: DVec3::new(213.0, 548.8, 227.0), u: DVec3::X * 130.0, v: DVec3::Z * 105.0 };
-    let open = |width: f64| Patch { corner: DVec3::ZERO, u: DVec3::X * width, v: DVec3::Y * 548.8 };
-    let _ = open;
-    let on_lamp = gathered(lamp);
-    let emitted = desc.surfaces.iter().find_map(|surface| surface.emission).expect("a lamp");
-    let escaped = estimate(samples / 4, |sampler| {
-        // The trapezium, from a rectangle that holds it.
-        let patch = open(556.0);
+    let on_lamp = estimate(samples / 4, |sampler| {
         let u = sampler.next_4d();
-        let ray = patch.ray(&scene, u);
-        if f64::from(u[0]) * 556.0 > 552.8 + 3.2 * f64::from(u[1]) {
-            return Vec3::ZERO;
-        }
+        let point = lamp.corner + f64::from(u[0]) * lamp.u + f64::from(u[1]) * lamp.v;
+        let down = Frame::from_normal(Vec3::NEG_Y).to_world(warps::cosine_hemisphere([u[2], u[3]]));
+        let ray = Ray::new(scene.to_scene(point - 1e-2 * DVec3::Y), down.normalize());
         let radiance = PATH.radiance(&scene, ray, sampler, &mut SceneTracer::new(&scene), &mut |_| {});
-        (PI * patch.area()) as f32 * radiance
+        (PI * lamp.area()) as f32 * radiance
     });
+    let emitted = desc.surfaces.iter().find_map(|surface| surface.emission).expect("a lamp");
     for (channel, name) in ["red", "green", "blue"].into_iter().enumerate() {
-        let parts = [kept[channel], on_lamp[channel], escaped[channel]];
+        let parts = [kept[channel], on_lamp[channel]];
         let sum = parts.iter().map(|part| part.0).sum();
         let error = parts.iter().map(|part| part.1 * part.1).sum::<f64>().sqrt();
         let exact = PI * 130.0 * 105.0 * f64::from(emitted[channel]);
-        case.mean(format!("absorbed and escaped, {name}"), (sum, error), exact, pick(case, 5e-3, 1e-3));
+        case.mean(format!("absorbed over emitted, {name}"), (sum, error), exact, pick(case, 5e-3, 1e-3));
     }
 }
