@@ -72,12 +72,12 @@ fn slab(case: &mut Case) {
         }
         // The tree grows while a branch carries a 64th, and goes on by chance.
         let integrator = IntegratorDesc::Whitted;
-        let job = Job { samples: case.count(64, 8192) as u32, integrator, ..job };
-        case.mean(format!("Whitted, {degrees}°"), measure(&desc, &job), stated, pick(case, 1e-3, 1e-5));
+        let job = Job { samples: case.count(64, 1024) as u32, integrator, ..job };
+        case.mean(format!("Whitted, {degrees}°"), measure(&desc, &job), stated, pick(case, 1e-3, 2e-5));
         // Cut after 3, 5 and 7 hits, the last of which is the light: the sum over two, four, six passages of a face.
         let f = fresnel(degrees, 1.5);
         for (hits, terms) in [(3, 1.0), (5, 1.0 + f * f), (7, 1.0 + f * f + f.powi(4))] {
-            let job = Job { max_depth: Some(hits), samples: case.count(16, 8192) as u32, ..job.clone() };
+            let job = Job { max_depth: Some(hits), samples: case.count(16, 256) as u32, ..job.clone() };
             let exact = (1.0 - f) * (1.0 - f) * terms;
             case.mean(format!("Whitted, {degrees}°, {hits} hits"), measure(&desc, &job), exact, 1e-3);
         }
@@ -98,7 +98,7 @@ fn shift(case: &mut Case) {
             let shift = (origin - eye).reject_from(direction).length() / thickness;
             if aspect > 1000.0 {
                 case.known(
-                    "a ray leaves a triangle half a millionth of its extent along the normal, beside its own line",
+                    "a ray leaves a triangle by a millionth of its extent along the normal, beside its own line",
                 );
             }
             case.exact(format!("{name}, {degrees}°: shift / thickness"), shift, stated, Within::Absolute(1e-4));
