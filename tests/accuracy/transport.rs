@@ -1,7 +1,0 @@
-//! Scratch.
-
-use crate::record::Entry;
-
-pub fn cases() -> Vec<Entry> {
-    Vec::new()
-}
