@@ -38,7 +38,7 @@ impl Scene {
     /// Builds the scene of a description.
     ///
     /// Afterwards the following cannot occur: an unresolved name, a vertex that is not finite, an index out of range, a
-    /// degenerate triangle, an emitter without area, a shape without bounds.
+    /// degenerate triangle, an emitter without area, a shape without bounds, a triangle too large for the ray kernel.
     ///
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] or `Unsupported` with the JSON path for what cannot be rendered; `Device` or

@@ -90,8 +90,8 @@ impl Quadric {
         self.bounds
     }
 
-    /// A length below which it does not turn much: a quarter of its extent along the axis of its own frame where that is
-    /// least. (Half would do if the box fitted the surface.)
+    /// A length over which it may turn: a quarter of its extent along the axis of its own frame where that is least, half of
+    /// a radius where the box fits.
     #[inline]
     pub(super) fn size(&self) -> f64 {
         self.size

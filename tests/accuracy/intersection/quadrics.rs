@@ -80,7 +80,6 @@ fn table(case: &mut Case) {
                 (scene.interaction(&from, &hit).ng.as_dvec3() - gradient(coefficients, exact).normalize()).length()
             });
             let off = worst(off, 0.0);
-            // The gradient of a flat ellipsoid turns by 100 for a step of 1: what t's rounding leaves of it.
             case.exact(format!("{name}: normal {}", number + 1), off, 0.0, Within::Absolute(1e-6));
             from.tnear = (expected * (1.0 + 1e-4)) as f32;
         }
@@ -266,7 +265,7 @@ fn apex(case: &mut Case) {
     case.never("from within the cone at its apex: missed", missed, tries);
 }
 
-/// A tube of radius 1e-3 and its like, a thousand times farther than long.
+/// A tube as far away as a hundred to a million of its radii.
 fn small_and_far(case: &mut Case) {
     for distance in [1e2, 1e4, 1e6] {
         let clip = Bounds { min: DVec3::splat(-2.0), max: DVec3::splat(2.0) };

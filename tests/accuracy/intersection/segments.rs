@@ -5,7 +5,7 @@ use etendue::math::{DAffine3, DVec3, HitPoint, Ray, Vec3};
 use etendue::sampling::Rng;
 use etendue::scene::Scene;
 
-use super::{GREY, PLACES, build, in_cube, range, tally};
+use super::{GREY, PLACES, build, in_cube, tally};
 use crate::common::scenes::{point_light, scene};
 use crate::record::{Case, Entry};
 
@@ -107,10 +107,7 @@ fn segment_ends(case: &mut Case) {
             * DAffine3::from_translation(-DVec3::Z * distance);
         desc.surfaces[0].transform = tilt;
         let scene = build(&desc, 16);
-        let [lit] = tally(tries, 190, |rng| {
-            let _ = range(rng, 0.0, 1.0);
-            [shadow(&scene, distance, rng).is_some_and(|ray| !scene.unoccluded(&ray))]
-        });
+        let [lit] = tally(tries, 190, |rng| [shadow(&scene, distance, rng).is_some_and(|ray| !scene.unoccluded(&ray))]);
         case.never(format!("quad at 0.6 degrees, D = {distance:e}: the light blocks itself"), lit, tries);
     }
 }
