@@ -47,7 +47,7 @@ fn plates(case: &mut Case) {
                 let values = direct(&scene, &bsdf, light, scattering, size as u32);
                 stats::mean_and_error(&values)
             };
-            let size = case.count(2048, 65_536);
+            let size = case.count(2048, 16_384);
             let light_only = estimate(|_, _| 1.0, |_, _| 0.0, size);
             // A ball this small is hardly ever met by chance.
             let (many, rough) = if radius < 0.1 { (case.count(1 << 15, 1 << 18), 5e-2) } else { (8 * size, 1e-2) };
@@ -64,7 +64,7 @@ fn plates(case: &mut Case) {
                 }
             } else {
                 for (technique, found, tolerance) in results {
-                    let what = format!("{name}, radius {radius}: {technique}, light samples");
+                    let what = format!("{name}, radius {radius}: {technique}, light");
                     case.equal_means(what, found, light_only, tolerance);
                 }
             }
