@@ -133,7 +133,7 @@ fn jittered(direction: Vec3, steps: usize, rng: &mut Rng) -> Vec3 {
 
 /// Larger copies of a sixth of the triangles, which cover all vertices, let no ray through here; measured with this ball.
 const VERTEX: &str = "within rounding of a vertex the signs of all its edges may be equal, and no triangle takes the ray; what \
-                      would close it costs 6 % of the ray rate and 22 % of memory, and random rays never find it";
+                      would close it costs 6 % of the ray rate and 22 % of memory, and random rays from near by never find it";
 
 fn edges_and_vertices(case: &mut Case) {
     for (number, closed) in meshes().iter().enumerate() {
