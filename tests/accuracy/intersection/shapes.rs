@@ -221,6 +221,13 @@ fn tangents(case: &mut Case) {
         let normal = DVec3::new(half, b, 0.0);
         let off = worst(scenes.iter().map(|scene| normal_off(scene, &ray, normal)), 0.0);
         case.exact(format!("b = {name}: normal"), off, 0.0, Within::Absolute(1e-6));
+        let entering = Ray::new((DVec3::Y * b - 2.0 * DVec3::X).as_vec3a(), ray.direction);
+        let faces = |scene: &Scene| {
+            let hit = scene.intersect(&entering);
+            hit.is_some_and(|hit| scene.interaction(&entering, &hit).ng.dot(entering.direction) <= 0.0)
+        };
+        let away = scenes.iter().filter(|scene| !faces(scene)).count() as u64;
+        case.never(format!("b = {name}, from outside: normal looks away"), away, scenes.len() as u64);
     }
     let above_one = ray(DVec3::new(-1.0, 1.0 + f64::from(f32::EPSILON), 0.0), DVec3::X);
     let hits = scenes.iter().filter(|scene| scene.intersect(&above_one).is_some()).count() as u64;
@@ -232,7 +239,8 @@ fn tangents(case: &mut Case) {
         let normal = on_sphere(rng);
         let along = normal.cross(on_sphere(rng)).normalize();
         let touching = normal * (1.0 - 10_f64.powf(range(rng, -16.0, -2.0)));
-        let ray = ray(touching - along * range(rng, 0.0, 3.0), along);
+        // The speck is farther away.
+        let ray = Ray { tfar: 4.0, ..ray(touching - along * range(rng, 0.0, 3.0), along) };
         let Some(hit) = scene.intersect(&ray) else { return [false; 3] };
         let surface = scene.interaction(&ray, &hit);
         let was_outside = ray.origin.as_dvec3().length() > 1.0 + 1e-6;

