@@ -7,7 +7,7 @@ mod common {
     pub mod stats;
 }
 
-use common::stats::{SIGNIFICANCE, check_density, chi_square, sidak, z_test};
+use common::stats::{SIGNIFICANCE, chi_square, sidak};
 use etendue::desc::FilterDesc;
 use etendue::sampling::{Distribution1D, Filter, Rng};
 
