@@ -9,16 +9,23 @@ use super::record::{Case, Efficiency, Row, Verdict, short};
 /// All rows so far, by group and by the place of the case in it.
 #[derive(Default)]
 pub struct Table {
-    cases: BTreeMap<(&'static str, usize), (Vec<Row>, Vec<Efficiency>)>,
+    cases: BTreeMap<(&'static str, usize), Found>,
+}
+
+/// What a case wrote.
+struct Found {
+    rows: Vec<Row>,
+    efficiencies: Vec<Efficiency>,
 }
 
 impl Table {
     pub fn add(&mut self, group: &'static str, place: usize, case: Case) {
-        self.cases.insert((group, place), (case.rows, case.efficiencies));
+        let Case { rows, efficiencies, .. } = case;
+        self.cases.insert((group, place), Found { rows, efficiencies });
     }
 
     fn rows(&self) -> impl Iterator<Item = (&'static str, &Row)> {
-        self.cases.iter().flat_map(|((group, _), (rows, _))| rows.iter().map(|row| (*group, row)))
+        self.cases.iter().flat_map(|((group, _), found)| found.rows.iter().map(|row| (*group, row)))
     }
 
     /// Cases and comparisons, passed and failed.
@@ -72,7 +79,7 @@ impl Table {
 
     fn efficiency_table(&self) -> String {
         let mut text = "| case | samples: seconds, relative RMSE, 1/(RMSE² s) | slope |\n|---|---|---|\n".to_owned();
-        for efficiency in self.cases.values().flat_map(|(_, efficiencies)| efficiencies) {
+        for efficiency in self.cases.values().flat_map(|found| &found.efficiencies) {
             let efforts: Vec<String> = efficiency
                 .efforts
                 .iter()

@@ -1,9 +1,10 @@
 //! Where shadow rays end: blockers just before a light block, the light and what is behind it do not.
 
 use etendue::desc::{SceneDesc, ShapeDesc};
-use etendue::math::{DAffine3, DVec3, HitPoint, Ray, Vec3};
-use etendue::sampling::Rng;
-use etendue::scene::Scene;
+use etendue::integrator::{Direct, Integrator as _, Tracer};
+use etendue::math::{DAffine3, DVec3, Ray, Vec3};
+use etendue::sampling::{Pattern, PatternSampler, Rng, Sampler as _};
+use etendue::scene::{Hit, Scene};
 
 use super::{GREY, PLACES, build, in_cube, tally};
 use crate::common::scenes::{point_light, scene};
@@ -13,8 +14,23 @@ pub fn cases() -> Vec<Entry> {
     vec![Entry { id: "I18", title: "ends of shadow rays", run: segment_ends }]
 }
 
-/// A shadow ray ends this share before its target, as light transport has it.
-const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
+/// Traces, and keeps what the last shadow ray was answered.
+struct Listener<'s> {
+    scene: &'s Scene,
+    is_free: Option<bool>,
+}
+
+impl Tracer for Listener<'_> {
+    fn intersect(&mut self, ray: &Ray) -> Option<Hit> {
+        self.scene.intersect(ray)
+    }
+
+    fn unoccluded(&mut self, ray: &Ray) -> bool {
+        let is_free = self.scene.unoccluded(ray);
+        self.is_free = Some(is_free);
+        is_free
+    }
+}
 
 #[derive(Clone, Copy)]
 enum Lamp {
@@ -43,7 +59,13 @@ fn hall(lamp: Lamp, distance: f64, blocker: Option<f64>, eye: DVec3) -> SceneDes
     if let Some(z) = blocker {
         surfaces.push((sheet(z, 0.5), GREY, None));
     }
-    // A wall behind the eye keeps the frame where the eye is.
+    // What is lit, and a wall behind the eye, which keeps the frame where the eye is.
+    let corner = |x: f64, y: f64| distance * DVec3::new(x, y, 0.0);
+    surfaces.push((
+        ShapeDesc::Quad([corner(-0.2, -0.2), corner(0.2, -0.2), corner(0.2, 0.2), corner(-0.2, 0.2)]),
+        GREY,
+        None,
+    ));
     surfaces.push((sheet(-1.0, 2.0), GREY, None));
     let camera = crate::common::scenes::camera(distance * eye, DVec3::Z * distance, 60.0);
     let mut desc = scene(camera, surfaces);
@@ -53,13 +75,15 @@ fn hall(lamp: Lamp, distance: f64, blocker: Option<f64>, eye: DVec3) -> SceneDes
     desc
 }
 
-/// A shadow ray towards a sample of the lamp from somewhere about the origin.
-fn shadow(scene: &Scene, distance: f64, rng: &mut Rng) -> Option<Ray> {
-    let p = scene.to_scene(distance * 0.1 * in_cube(rng, 1.0));
-    let light = scene.emitters().sample(p, [(); 4].map(|()| rng.next_f32()))?;
-    // From a surface that faces the lamp.
-    let origin = HitPoint { p, error: HitPoint::rounding_error(p, Vec3::Z) }.offset(Vec3::Z);
-    Some(Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: SHADOW_END })
+/// Whether light that is sampled from somewhere about the origin arrives there; `None` where none was sampled.
+fn arrives(scene: &Scene, distance: f64, rng: &mut Rng) -> Option<bool> {
+    let over = distance * (0.1 * in_cube(rng, 1.0) + 0.15 * DVec3::Z);
+    let mut sampler = PatternSampler::new(Pattern::Random, rng.next_u64(), 1);
+    sampler.start(0, 0);
+    let mut listener = Listener { scene, is_free: None };
+    let down = Ray::new(scene.to_scene(over), Vec3::NEG_Z);
+    Direct { shadow_rays: 1 }.radiance(scene, down, &mut sampler, &mut listener, &mut |_| {});
+    listener.is_free
 }
 
 fn segment_ends(case: &mut Case) {
@@ -75,10 +99,7 @@ fn segment_ends(case: &mut Case) {
                         .map(|blocker| build(&hall(lamp, distance, blocker, eye), listed));
                     let [a, b, c] = tally(tries, 180 + number as u64, |rng| {
                         let seed = rng.next_u64();
-                        let free = |scene: &Scene| {
-                            let ray = shadow(scene, distance, &mut Rng::new(seed, 0));
-                            ray.map(|ray| scene.unoccluded(&ray))
-                        };
+                        let free = |scene: &Scene| arrives(scene, distance, &mut Rng::new(seed, 0));
                         let [alone, before, behind] = scenes.each_ref().map(free);
                         // On a ball's side, the sheet at (1 + 1e-5) D is before the light.
                         let is_behind = matches!(lamp, Lamp::Quad | Lamp::Point);
@@ -98,6 +119,19 @@ fn segment_ends(case: &mut Case) {
         }
     }
 
+    // A lamp mounted on a ceiling without thickness.
+    let (mut dark, mut total) = (0, 0);
+    for distance in [1e-3, 1.0, 1e5] {
+        for eye in eyes {
+            let scene = build(&hall(Lamp::Point, distance, Some(1.0), eye), 16);
+            let tries = case.count(1000, 50_000);
+            let [blocked] = tally(tries, 185, |rng| [arrives(&scene, distance, rng) == Some(false)]);
+            dark += blocked;
+            total += tries;
+        }
+    }
+    case.never("point, exactly on a ceiling: the ceiling blocks", dark, total);
+
     // Lamps seen at grazing angles, where the way off them is longest.
     let tries = case.count(20_000, 4_000_000);
     for distance in [1e-3, 1.0, 1e5] {
@@ -107,7 +141,7 @@ fn segment_ends(case: &mut Case) {
             * DAffine3::from_translation(-DVec3::Z * distance);
         desc.surfaces[0].transform = tilt;
         let scene = build(&desc, 16);
-        let [lit] = tally(tries, 190, |rng| [shadow(&scene, distance, rng).is_some_and(|ray| !scene.unoccluded(&ray))]);
+        let [lit] = tally(tries, 190, |rng| [arrives(&scene, distance, rng) == Some(false)]);
         case.never(format!("quad at 0.6 degrees, D = {distance:e}: the light blocks itself"), lit, tries);
     }
 }
