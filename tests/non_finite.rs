@@ -47,7 +47,7 @@ fn what_is_not_finite_is_named_and_never_written() {
         assert!(render.image().rgb.iter().all(|value| value.is_finite()));
         assert_eq!(summary.non_finite_samples.len() as u64, summary.non_finite.min(8));
         for found in &summary.non_finite_samples {
-            assert!(!found.radiance.is_finite() && found.depth >= 1, "{found:?}");
+            assert!(!found.radiance.is_finite() && found.rays >= 1, "{found:?}");
             let hit = found.hit.expect("nothing comes from nowhere");
             assert!(hit.surface == hit.material && hit.surface < 2, "{found:?}");
             assert!(hit.primitive < if hit.surface == 0 { 12 } else { 2 }, "{found:?}");

@@ -109,29 +109,30 @@ impl Scene {
         self.intersect_as::<{ sys::RTC_RAY_QUERY_FLAG_COHERENT }>(ray)
     }
 
-    #[inline]
+    #[inline(always)]
     fn intersect_as<const FLAGS: sys::RTCRayQueryFlags>(&self, ray: &Ray) -> Option<Hit> {
         if !is_traceable(ray) {
             return None;
         }
-        let hit = self.query::<FLAGS>(ray)?;
-        if (hit.u == 0.0) & (hit.v == 0.0) & self.inner.features.triangles {
-            return Some(self.with_weights(ray, hit));
+        let mut hit = self.query::<FLAGS>(ray)?;
+        if hit.u == 0.0 && hit.v == 0.0 {
+            self.weigh_again(ray, &mut hit);
         }
         Some(hit)
     }
 
-    /// A hit whose barycentric weights are those of a triangle's first vertex, with the true ones.
+    /// Gives a hit whose barycentric weights are those of a triangle's first vertex the true ones.
     ///
     /// Embree divides by twice the area of the triangle times the length of the direction, and where that is below 1e-18 it
     /// leaves the weights at zero. A longer direction brings it back into the range; by a power of two, so that all else
     /// stays as it was.
     #[cold]
-    fn with_weights(&self, ray: &Ray, hit: Hit) -> Hit {
+    #[inline(never)]
+    fn weigh_again(&self, ray: &Ray, hit: &mut Hit) {
         const LONGER: f32 = (1_u64 << 60) as f32;
         let owner = if hit.inst == Hit::NO_INSTANCE { hit.geom } else { hit.inst };
         if !matches!(self.inner.kept[owner as usize], Kept::Triangles(_) | Kept::Instance(_)) {
-            return hit;
+            return;
         }
         let t = hit.t / LONGER;
         let longer = Ray {
@@ -140,14 +141,18 @@ impl Scene {
             tnear: t * (1.0 - 8.0 * f32::EPSILON),
             tfar: t * (1.0 + 8.0 * f32::EPSILON),
         };
-        let again =
-            if is_traceable(&longer) { self.query::<{ sys::RTC_RAY_QUERY_FLAG_INCOHERENT }>(&longer) } else { None };
-        let same = |again: &Hit| (again.prim, again.geom, again.inst) == (hit.prim, hit.geom, hit.inst);
-        again.filter(same).map_or(hit, |again| Hit { u: again.u, v: again.v, ..hit })
+        if !is_traceable(&longer) {
+            return;
+        }
+        if let Some(again) = self.query::<{ sys::RTC_RAY_QUERY_FLAG_INCOHERENT }>(&longer)
+            && (again.prim, again.geom, again.inst) == (hit.prim, hit.geom, hit.inst)
+        {
+            (hit.u, hit.v) = (again.u, again.v);
+        }
     }
 
     /// What Embree says of a ray that is traceable.
-    #[inline]
+    #[inline(always)]
     fn query<const FLAGS: sys::RTCRayQueryFlags>(&self, ray: &Ray) -> Option<Hit> {
         let mut found = sys::RTCRayHit { ray: to_embree(ray), hit: no_hit() };
         // Made here and not kept in the scene: it is five words, and Embree takes it by a pointer it may write to.

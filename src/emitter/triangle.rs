@@ -22,6 +22,7 @@ pub struct TriangleEmitter {
     pub triangle: Triangle,
     /// Emitted radiance [W m^-2 sr^-1].
     pub radiance: Rgb,
+    centroid: Vec3,
     /// Up to this squared distance from the centroid directions are drawn by solid angle.
     near2: f32,
     error: f32,
@@ -33,14 +34,15 @@ impl TriangleEmitter {
         let [e1, e2] = triangle.sides();
         let longest2 = e1.length_squared().max(e2.length_squared()).max(e1.distance_squared(e2));
         let near2 = (AREA_SAMPLING_DISTANCE2 * triangle.area).max(AREA_SAMPLING_LENGTH2 * longest2);
-        Self { triangle, radiance, near2, error }
+        let centroid = triangle.at(1.0 / 3.0, 1.0 / 3.0);
+        Self { triangle, radiance, centroid, near2, error }
     }
 
     /// The triangle as seen from `p`, where directions are drawn by solid angle. The same in `sample` and `pdf`, or both
     /// would be wrong.
     #[inline]
     fn seen_from(&self, p: Vec3) -> Option<SphericalTriangle> {
-        let is_near = self.triangle.centroid().distance_squared(p) < self.near2;
+        let is_near = self.centroid.distance_squared(p) < self.near2;
         is_near.then(|| SphericalTriangle::seen_from(p, self.triangle.vertices)).flatten()
     }
 
@@ -91,6 +93,5 @@ impl TriangleEmitter {
 /// point over the triangle times twice the area.
 #[inline]
 fn pdf_by_area(distance: f32, height: f64) -> f32 {
-    let distance = f64::from(distance);
-    (2.0 * distance * distance * distance / height) as f32
+    2.0 * distance * distance / (height as f32 / distance)
 }

@@ -270,9 +270,10 @@ impl Render {
             }
         })?;
         self.rays += pass.rays.load(Ordering::Relaxed);
-        let suspects = pass.non_finite.lock().unwrap_or_else(PoisonError::into_inner);
+        let suspects = std::mem::take(&mut *pass.non_finite.lock().unwrap_or_else(PoisonError::into_inner));
         self.non_finite += suspects.count;
-        suspects.report(&mut self.non_finite_samples, |pixel, sample| pass.replay(pixel, sample));
+        let explained = suspects.explain(self);
+        self.non_finite_samples.extend(explained);
         if pass.is_complete() {
             return Ok(None);
         }

@@ -6,9 +6,9 @@
 
 use std::collections::BTreeSet;
 
-use crate::integrator::Tracer;
-use crate::math::Ray;
-use crate::scene::{Hit, HitDescription, Scene};
+use super::Render;
+use super::pass::{Pass, Replayed};
+use crate::scene::HitDescription;
 use crate::spectrum::Rgb;
 
 /// How many are told apart; of the rest only the number is known.
@@ -23,9 +23,9 @@ pub struct NonFiniteSample {
     pub sample: u32,
     /// Its value.
     pub radiance: Rgb,
-    /// How many surfaces the path had met, the first one counted, when it became so.
-    pub depth: u32,
-    /// The last one of them: surface, material and primitive.
+    /// How many rays it had asked for, shadow rays too, when it became so.
+    pub rays: u64,
+    /// The last surface that it had met: surface, material and primitive.
     pub hit: Option<HitDescription>,
 }
 
@@ -34,7 +34,7 @@ impl std::fmt::Display for NonFiniteSample {
         let [x, y] = self.pixel;
         write!(f, "pixel ({x}, {y}), sample {}", self.sample)?;
         if let Some(HitDescription { surface, material, primitive, .. }) = self.hit {
-            write!(f, ", at hit {}: surface {surface}, material {material}, primitive {primitive}", self.depth)?;
+            write!(f, ", ray {}: surface {surface}, material {material}, primitive {primitive}", self.rays)?;
         }
         Ok(())
     }
@@ -58,68 +58,32 @@ impl Suspects {
         }
     }
 
-    /// The first ones, with what `replay` finds out, added to those of earlier passes.
-    pub(super) fn report(&self, found: &mut Vec<NonFiniteSample>, replay: impl Fn([u32; 2], u32) -> Replay) {
-        for &(y, x, sample) in self.first.iter().take(REPORTED - found.len().min(REPORTED)) {
-            let Replay { radiance, depth, hit } = replay([x, y], sample);
-            found.push(NonFiniteSample { pixel: [x, y], sample, radiance, depth, hit });
+    /// The first ones, with what replaying them shows; so many as were not told of earlier passes.
+    pub(super) fn explain(&self, render: &Render) -> Vec<NonFiniteSample> {
+        let left = REPORTED.saturating_sub(render.non_finite_samples.len());
+        self.first.iter().take(left).map(|&(y, x, sample)| explain(render, [x, y], sample)).collect()
+    }
+}
+
+/// Where a sample became what it is.
+///
+/// It is cut after ever fewer rays: what they add is summed up, so from some number on the sum is not finite, and the surface
+/// that was met last by then is the one to name.
+fn explain(render: &Render, pixel: [u32; 2], sample: u32) -> NonFiniteSample {
+    let take = |limit| Pass::replay(render, pixel, sample, limit);
+    let Replayed { radiance, rays, .. } = take(u64::MAX);
+    // Finite up to `low`, not from `high` on.
+    let (mut low, mut high) = (0, rays);
+    while high > low + 1 {
+        let middle = low + (high - low) / 2;
+        if take(middle).radiance.is_finite() {
+            low = middle;
+        } else {
+            high = middle;
         }
     }
-}
-
-/// What taking a sample again showed.
-pub(super) struct Replay {
-    radiance: Rgb,
-    depth: u32,
-    hit: Option<HitDescription>,
-}
-
-impl Replay {
-    /// `radiance` takes the sample with the given tracer.
-    ///
-    /// The path is cut after ever fewer surfaces: what they add is summed up, so from some length on the sum is not finite,
-    /// and the surface that makes it this long is the one to name.
-    pub(super) fn new(scene: &Scene, radiance: impl Fn(&mut Cut) -> Rgb) -> Self {
-        let take = |most: u32| {
-            let mut tracer = Cut { scene, most, met: 0, last: None };
-            (radiance(&mut tracer), tracer)
-        };
-        let (value, whole) = take(u32::MAX);
-        // Finite up to `low`, not from `high` on.
-        let (mut low, mut high) = (0, whole.met);
-        while high > low + 1 {
-            let middle = low + (high - low) / 2;
-            if take(middle).0.is_finite() {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        let hit = take(high).1.last.map(|(ray, hit)| scene.describe_hit(&ray, &hit));
-        Self { radiance: value, depth: high, hit }
-    }
-}
-
-/// Traces until so many surfaces were met, and remembers the last.
-pub(super) struct Cut<'s> {
-    scene: &'s Scene,
-    most: u32,
-    met: u32,
-    last: Option<(Ray, Hit)>,
-}
-
-impl Tracer for Cut<'_> {
-    fn intersect(&mut self, ray: &Ray) -> Option<Hit> {
-        if self.met == self.most {
-            return None;
-        }
-        let hit = self.scene.intersect(ray)?;
-        self.met += 1;
-        self.last = Some((*ray, hit));
-        Some(hit)
-    }
-
-    fn unoccluded(&mut self, ray: &Ray) -> bool {
-        self.scene.unoccluded(ray)
-    }
+    // Back over the shadow rays that were sent from there.
+    let last = (1..=high).rev().find_map(|limit| take(limit).last);
+    let hit = last.map(|(ray, hit)| render.scene.describe_hit(&ray, &hit));
+    NonFiniteSample { pixel, sample, radiance, rays: high, hit }
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use super::Render;
-use super::non_finite::{Replay, Suspects};
+use super::non_finite::Suspects;
 use super::workers::Work;
 use crate::Cancel;
 use crate::camera::Camera;
@@ -15,6 +15,7 @@ use crate::integrator::{Direct, Integrator, Path, Tracer, Whitted};
 use crate::math::Ray;
 use crate::sampling::{Filter, Pattern, PatternSampler, Sampler, SobolSampler};
 use crate::scene::{Hit, Scene};
+use crate::spectrum::Rgb;
 
 /// Everything the workers of a pass share.
 pub(super) struct Pass {
@@ -35,6 +36,26 @@ pub(super) struct Pass {
     /// The tile that is taken next.
     next: AtomicUsize,
     tiles_done: AtomicUsize,
+    /// A sample to take once more instead.
+    again: Option<Again>,
+}
+
+/// A sample that is taken once more.
+struct Again {
+    pixel: [u32; 2],
+    sample: u32,
+    limit: u64,
+    replayed: Mutex<Replayed>,
+}
+
+/// What taking a sample once more showed.
+#[derive(Default)]
+pub(super) struct Replayed {
+    pub radiance: Rgb,
+    /// Rays that it asked for.
+    pub rays: u64,
+    /// The last ray and what it met, if it was not a shadow ray.
+    pub last: Option<(Ray, Hit)>,
 }
 
 /// Traces, counts, and once the pass is stopped finds nothing more, so that the longest path soon ends.
@@ -42,14 +63,39 @@ struct PassTracer<'p> {
     scene: &'p Scene,
     pass: &'p Pass,
     rays: u64,
+    /// The last ray that is answered; no limit but in a replay.
+    limit: u64,
+    /// What that ray met, where it asks for that.
+    last: Option<(Ray, Hit)>,
+}
+
+impl<'p> PassTracer<'p> {
+    fn new(pass: &'p Pass) -> Self {
+        let limit = pass.again.as_ref().map_or(u64::MAX, |again| again.limit);
+        Self { scene: &pass.scene, pass, rays: 0, limit, last: None }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn intersect_at_limit(&mut self, ray: &Ray) -> Option<Hit> {
+        if self.rays > self.limit {
+            return None;
+        }
+        let hit = self.scene.intersect(ray)?;
+        self.last = Some((*ray, hit));
+        Some(hit)
+    }
 }
 
 impl Tracer for PassTracer<'_> {
-    #[inline]
+    #[inline(always)]
     fn intersect(&mut self, ray: &Ray) -> Option<Hit> {
         self.rays += 1;
         if self.pass.is_stopped() {
             return None;
+        }
+        if self.rays >= self.limit {
+            return self.intersect_at_limit(ray);
         }
         self.scene.intersect(ray)
     }
@@ -57,13 +103,20 @@ impl Tracer for PassTracer<'_> {
     #[inline]
     fn unoccluded(&mut self, ray: &Ray) -> bool {
         self.rays += 1;
-        !self.pass.is_stopped() && self.scene.unoccluded(ray)
+        self.rays <= self.limit && !self.pass.is_stopped() && self.scene.unoccluded(ray)
     }
 }
 
 impl Work for Pass {
+    /// Chooses integrator and sampler once; from here on nothing is dispatched.
     fn take(&self, pause: &mut dyn FnMut() -> bool) -> bool {
-        self.dispatch(AllTiles { pause })
+        let shadow_rays = self.desc.shadow_rays;
+        let max_depth = self.desc.max_depth;
+        match self.desc.integrator {
+            IntegratorDesc::Path => self.with_integrator(&Path { max_depth, shadow_rays }, pause),
+            IntegratorDesc::Whitted => self.with_integrator(&Whitted { max_depth, shadow_rays }, pause),
+            IntegratorDesc::Direct => self.with_integrator(&Direct { shadow_rays }, pause),
+        }
     }
 
     fn is_done(&self) -> bool {
@@ -96,6 +149,7 @@ impl Pass {
             non_finite: Mutex::default(),
             next: AtomicUsize::new(0),
             tiles_done: AtomicUsize::new(0),
+            again: None,
         }
     }
 
@@ -114,43 +168,36 @@ impl Pass {
         self.stop.load(Ordering::Relaxed) || self.cancel.is_cancelled()
     }
 
-    /// The sample again, for who wants to know why it is not finite.
-    pub(super) fn replay(&self, pixel: [u32; 2], sample: u32) -> Replay {
-        self.dispatch(Again { pixel, sample })
+    /// Takes one sample once more, its first rays only, instead of what a pass takes.
+    ///
+    /// A pass does it, since one more place that light transport is called from would be one more copy of it, and neither
+    /// would be inlined as well.
+    pub(super) fn replay(render: &Render, pixel: [u32; 2], sample: u32, limit: u64) -> Replayed {
+        let columns = render.film.options().resolution[0].div_ceil(TILE);
+        let tile = pixel[1] / TILE * columns + pixel[0] / TILE;
+        let pass = Self {
+            again: Some(Again { pixel, sample, limit, replayed: Mutex::default() }),
+            next: AtomicUsize::new(tile as usize),
+            cancel: Cancel::new(),
+            ..Self::new(render, 0, None)
+        };
+        pass.take(&mut || false);
+        pass.again.and_then(|again| again.replayed.into_inner().ok()).unwrap_or_default()
     }
 
-    /// Chooses integrator and sampler once; from here on nothing is dispatched.
-    fn dispatch<J: Job>(&self, job: J) -> J::Result {
-        let shadow_rays = self.desc.shadow_rays;
-        let max_depth = self.desc.max_depth;
-        match self.desc.integrator {
-            IntegratorDesc::Path => self.with_integrator(&Path { max_depth, shadow_rays }, job),
-            IntegratorDesc::Whitted => self.with_integrator(&Whitted { max_depth, shadow_rays }, job),
-            IntegratorDesc::Direct => self.with_integrator(&Direct { shadow_rays }, job),
-        }
-    }
-
-    fn with_integrator<I: Integrator, J: Job>(&self, integrator: &I, job: J) -> J::Result {
+    fn with_integrator<I: Integrator>(&self, integrator: &I, pause: &mut dyn FnMut() -> bool) -> bool {
         let seed = self.desc.seed;
         let pattern = match self.desc.sampler {
             SamplerDesc::Sobol => {
                 let sampler = SobolSampler::new(seed, self.film.options().replicate_size);
-                return job.run(self, integrator, &sampler);
+                return self.all_tiles(integrator, &sampler, pause);
             }
             SamplerDesc::Random => Pattern::Random,
             SamplerDesc::Jittered => Pattern::Jittered,
             SamplerDesc::Grid => Pattern::Grid,
             SamplerDesc::Gaussian => Pattern::Gaussian,
         };
-        job.run(self, integrator, &PatternSampler::new(pattern, seed, self.desc.samples))
-    }
-
-    /// Starts a sample: the camera's ray and its filter weight.
-    #[inline]
-    fn camera_ray(&self, sampler: &mut impl Sampler, [x, y]: [u32; 2], sample: u32) -> (Ray, f32) {
-        sampler.start(y * self.film.options().resolution[0] + x, sample);
-        let (offset, weight) = self.filter.sample(sampler.pixel_2d());
-        (self.camera.ray(x as f32 + 0.5 + offset[0], y as f32 + 0.5 + offset[1]), weight)
+        self.all_tiles(integrator, &PatternSampler::new(pattern, seed, self.desc.samples), pause)
     }
 
     /// Takes tiles until there are none; false if it paused before that.
@@ -171,11 +218,14 @@ impl Pass {
             if number >= self.film.tile_count() {
                 return true;
             }
-            let mut tracer = PassTracer { scene: &self.scene, pass: self, rays: 0 };
+            let mut tracer = PassTracer::new(self);
             let is_complete = self.tile(integrator, &mut sampler.clone(), number, &mut tracer, pause);
             self.rays.fetch_add(tracer.rays, Ordering::Relaxed);
             if is_complete {
                 self.tiles_done.fetch_add(1, Ordering::Release);
+            }
+            if self.again.is_some() {
+                return true;
             }
         }
     }
@@ -192,7 +242,11 @@ impl Pass {
         let [width, height] = self.film.options().resolution;
         let replicate_size = self.film.options().replicate_size;
         let [left, top] = self.film.tile_origin(number);
-        for y in top..(top + TILE).min(height) {
+        let (rows, columns) = match &self.again {
+            None => (top..(top + TILE).min(height), left..(left + TILE).min(width)),
+            Some(Again { pixel: [x, y], .. }) => (*y..y + 1, *x..x + 1),
+        };
+        for y in rows {
             if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 self.abandon();
             }
@@ -200,11 +254,17 @@ impl Pass {
             pause();
             let mut tile = self.film.tile(number);
             let tile = &mut *tile;
-            for x in left..(left + TILE).min(width) {
+            for x in columns.clone() {
                 let index = ((y - top) * TILE + (x - left)) as usize;
                 let pixel = &mut tile.pixels[index];
-                for sample in pixel.count()..self.samples {
-                    let (ray, weight) = self.camera_ray(sampler, [x, y], sample);
+                let samples = match &self.again {
+                    None => pixel.count()..self.samples,
+                    Some(again) => again.sample..again.sample.saturating_add(1),
+                };
+                for sample in samples {
+                    sampler.start(y * width + x, sample);
+                    let (offset, weight) = self.filter.sample(sampler.pixel_2d());
+                    let ray = self.camera.ray(x as f32 + 0.5 + offset[0], y as f32 + 0.5 + offset[1]);
                     let mut first = None;
                     let radiance = integrator.radiance(&self.scene, ray, sampler, tracer, &mut |hit| first = Some(hit));
                     // Pixels go on from where they are, so stopping between any two samples is safe; one during which it
@@ -212,8 +272,11 @@ impl Pass {
                     if self.is_stopped() {
                         return false;
                     }
-                    if !radiance.is_finite() {
-                        self.note_non_finite([x, y], sample);
+                    if !radiance.is_finite() || self.again.is_some() {
+                        self.note([x, y], sample, radiance, tracer);
+                    }
+                    if self.again.is_some() {
+                        continue;
                     }
                     pixel.add(radiance, weight, replicate_size);
                     if let (Some(auxiliary), Some(hit)) = (tile.auxiliary.get_mut(index), first) {
@@ -225,44 +288,16 @@ impl Pass {
         true
     }
 
+    /// Notes a sample that is not finite, or what was asked for.
     #[cold]
-    fn note_non_finite(&self, pixel: [u32; 2], sample: u32) {
-        self.non_finite.lock().unwrap_or_else(PoisonError::into_inner).add(pixel, sample);
-    }
-}
-
-/// Something to do with the integrator and the sampler of a pass.
-trait Job {
-    type Result;
-
-    fn run<I: Integrator, S: Sampler + Clone>(self, pass: &Pass, integrator: &I, sampler: &S) -> Self::Result;
-}
-
-struct AllTiles<'a> {
-    pause: &'a mut dyn FnMut() -> bool,
-}
-
-impl Job for AllTiles<'_> {
-    type Result = bool;
-
-    fn run<I: Integrator, S: Sampler + Clone>(self, pass: &Pass, integrator: &I, sampler: &S) -> bool {
-        pass.all_tiles(integrator, sampler, self.pause)
-    }
-}
-
-struct Again {
-    pixel: [u32; 2],
-    sample: u32,
-}
-
-impl Job for Again {
-    type Result = Replay;
-
-    fn run<I: Integrator, S: Sampler + Clone>(self, pass: &Pass, integrator: &I, sampler: &S) -> Replay {
-        Replay::new(&pass.scene, |tracer| {
-            let mut sampler = sampler.clone();
-            let (ray, _) = pass.camera_ray(&mut sampler, self.pixel, self.sample);
-            integrator.radiance(&pass.scene, ray, &mut sampler, tracer, &mut |_| {})
-        })
+    #[inline(never)]
+    fn note(&self, pixel: [u32; 2], sample: u32, radiance: Rgb, tracer: &PassTracer) {
+        match &self.again {
+            None => self.non_finite.lock().unwrap_or_else(PoisonError::into_inner).add(pixel, sample),
+            Some(again) => {
+                let replayed = Replayed { radiance, rays: tracer.rays, last: tracer.last };
+                *again.replayed.lock().unwrap_or_else(PoisonError::into_inner) = replayed;
+            }
+        }
     }
 }

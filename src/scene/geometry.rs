@@ -18,13 +18,13 @@ pub(super) const NO_EMITTER: u32 = u32::MAX;
 
 /// Bound on the kernel's error in the distance of a triangle's plane, in units of its extent: differences of vertices that were
 /// rounded, and products with them.
-const KERNEL_ERROR: f64 = 4.0 * ROUNDING as f64;
+const KERNEL_ERROR: f32 = 4.0 * ROUNDING;
 
 /// Bound on the error of the products that make the kernel's normal, in units of the products.
-const NORMAL_ERROR: f64 = ROUNDING as f64;
+const NORMAL_ERROR: f32 = ROUNDING;
 
 /// The share of its own extent below which a triangle is so narrow that the kernel cannot tell its inside from its outside.
-const NARROW: f64 = 256.0 * ROUNDING as f64;
+const NARROW: f32 = 256.0 * ROUNDING;
 
 /// Bound on the error of a coordinate on its way into an instance's frame, in units of its parts: half a unit in the last place
 /// of each.
@@ -106,10 +106,32 @@ struct TrianglePoint {
     ng: DVec3,
     /// Shading normal, not normalised, where there is one.
     ns: Option<Vec3>,
-    /// Bound on the distance of the kernel's plane from the true one, times the length of `ng`.
-    kernel_error: f64,
-    /// Largest coordinate differences within the triangle.
-    extent: DVec3,
+    /// The two sides that leave the first vertex.
+    sides: [DVec3; 2],
+}
+
+impl TrianglePoint {
+    /// Unit normal, and the bound on the distance of the kernel's plane from the true one.
+    ///
+    /// In single precision, unless squares would leave the range of that.
+    #[inline]
+    fn normal_and_error(&self) -> (Vec3, f32) {
+        let single = self.ng.as_vec3a();
+        let length2 = single.length_squared();
+        if (1e-30..1e30).contains(&length2) {
+            let length = length2.sqrt();
+            (single / length, kernel_error(self.sides.map(DVec3::as_vec3a), length))
+        } else {
+            self.scaled_normal_and_error()
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn scaled_normal_and_error(&self) -> (Vec3, f32) {
+        let length = self.ng.length();
+        ((self.ng / length).as_vec3a(), scaled_kernel_error(self.sides, length))
+    }
 }
 
 impl Triangles {
@@ -119,7 +141,7 @@ impl Triangles {
         self.mesh.memory_bytes() + self.normals.as_ref().map_or(0, Buffer::memory_bytes) + original
     }
 
-    #[inline]
+    #[inline(always)]
     fn point(&self, primitive: u32, u: f32, v: f32) -> TrianglePoint {
         let corners = self.mesh.indices().get(primitive as usize);
         let vertices = self.mesh.vertices();
@@ -132,14 +154,7 @@ impl Triangles {
             });
             (1.0 - u - v) * n0 + u * n1 + v * n2
         });
-        let ng = e1.cross(e2);
-        TrianglePoint {
-            p: v0 + f64::from(u) * e1 + f64::from(v) * e2,
-            ng,
-            ns,
-            kernel_error: kernel_error(e1, e2, ng.length()),
-            extent: e1.abs().max(e2.abs()),
-        }
+        TrianglePoint { p: v0 + f64::from(u) * e1 + f64::from(v) * e2, ng: e1.cross(e2), ns, sides: [e1, e2] }
     }
 }
 
@@ -232,7 +247,8 @@ impl Placement {
     #[inline]
     fn error(&self, p: DVec3, point: &TrianglePoint) -> f64 {
         let translation = self.to_scene.translation;
-        let around = (p - translation).abs() + self.stretch * point.extent;
+        let [e1, e2] = point.sides;
+        let around = (p - translation).abs() + self.stretch * e1.abs().max(e2.abs());
         let moved = self.rounding * (p.abs() + translation.abs()) + self.inverting * around;
         point.ng.abs().dot(moved)
     }
@@ -264,10 +280,8 @@ pub(super) fn on_triangle(
 ) -> SurfaceInteraction {
     let point = triangles.point(primitive, u, v);
     let p = point.p.as_vec3a();
-    let length = point.ng.length();
-    let ng = (point.ng / length).as_vec3a();
-    let error = HitPoint::rounding_error(p, ng) + (point.kernel_error / length) as f32;
-    interaction(p, error, ng, point.ns, owners.of(primitive))
+    let (ng, kernel_error) = point.normal_and_error();
+    interaction(p, HitPoint::rounding_error(p, ng) + kernel_error, ng, point.ns, owners.of(primitive))
 }
 
 /// A point on an instanced triangle.
@@ -287,7 +301,8 @@ pub(super) fn on_instance(
     let length = normal.length();
     let ng = (normal / length).as_vec3a();
     let ns = point.ns.map(|ns| (placement.normals * ns.as_dvec3()).as_vec3a());
-    let kernel_error = point.kernel_error + placement.error(exact, &point);
+    // Along the object's normal, which becomes as much shorter or longer on its way to the scene as the error does.
+    let kernel_error = f64::from(point.normal_and_error().1) * point.ng.length() + placement.error(exact, &point);
     let error = HitPoint::rounding_error(p, ng) + (kernel_error / length) as f32;
     interaction(p, error, ng, ns, owners.of(primitive))
 }
@@ -300,7 +315,7 @@ pub(super) fn on_analytic(shape: &Analytic, owner: Owner, near: DVec3) -> Surfac
     interaction(p, HitPoint::rounding_error(p, ng), ng, None, owner)
 }
 
-/// How far from its plane a triangle may seem to the kernel, times twice its area, which is `double_area`.
+/// How far from its plane a triangle may seem to the kernel: of two of its sides and twice its area.
 ///
 /// With the vertices `v` seen from the ray's origin, the kernel divides v0 . n by d . n, where n is the cross product of two
 /// edges in single precision, in each component of that pair that loses less, of those that share the edge `e1`. The vertices
@@ -312,17 +327,23 @@ pub(super) fn on_analytic(shape: &Analytic, owner: Owner, near: DVec3) -> Surfac
 /// A triangle as narrow as the roundings of its length is seen from a near horizon as turned by any angle around its long
 /// axis, and met by rays that pass beside it: it is given more room, many times its own width.
 #[inline]
-fn kernel_error(e1: DVec3, e2: DVec3, double_area: f64) -> f64 {
+fn kernel_error([e1, e2]: [Vec3; 2], double_area: f32) -> f32 {
     let extent = e1.abs().max(e2.abs()).max_element();
-    let products2 = e1.length_squared() * e2.length_squared().min(e1.distance_squared(e2));
-    extent * (KERNEL_ERROR * (double_area + NARROW * extent * extent) + NORMAL_ERROR * products2.sqrt())
+    let products = e1.length() * e2.length_squared().min(e1.distance_squared(e2)).sqrt();
+    extent * (KERNEL_ERROR + (KERNEL_ERROR * NARROW * extent * extent + NORMAL_ERROR * products) / double_area)
+}
+
+/// [`kernel_error`] of a triangle of any size.
+fn scaled_kernel_error(sides: [DVec3; 2], double_area: f64) -> f32 {
+    let extent = sides[0].abs().max(sides[1].abs()).max_element();
+    let sides = sides.map(|side| (side / extent).as_vec3a());
+    extent as f32 * kernel_error(sides, (double_area / extent / extent) as f32)
 }
 
 /// The bound of [`HitPoint`] for all points of a triangle of the scene frame.
 pub(super) fn triangle_error(triangle: &Triangle) -> f32 {
     let [v0, v1, v2] = triangle.vertices;
-    let [e1, e2] = triangle.sides().map(|side| side.as_dvec3());
+    let sides = triangle.sides().map(|side| side.as_dvec3());
     let reach = v0.abs().max(v1.abs()).max(v2.abs());
-    let double_area = 2.0 * f64::from(triangle.area);
-    HitPoint::rounding_error(reach, triangle.normal) + (kernel_error(e1, e2, double_area) / double_area) as f32
+    HitPoint::rounding_error(reach, triangle.normal) + scaled_kernel_error(sides, 2.0 * f64::from(triangle.area))
 }

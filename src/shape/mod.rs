@@ -86,6 +86,7 @@ impl Analytic {
 
     /// As [`Analytic::point`], out of line: most hits do not need it.
     #[cold]
+    #[inline(never)]
     fn exact_point(&self, ray: &Ray, t: f32) -> DVec3 {
         let near = DRay { tnear: t.next_down().into(), tfar: t.next_up().into(), ..DRay::from(ray) };
         near.origin + self.intersect(&near).unwrap_or(t.into()) * near.direction

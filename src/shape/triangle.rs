@@ -43,12 +43,6 @@ impl Triangle {
         self.vertices[0] + b1 * e1 + b2 * e2
     }
 
-    /// Mean of the vertices.
-    #[inline]
-    pub fn centroid(&self) -> Vec3 {
-        self.at(1.0 / 3.0, 1.0 / 3.0)
-    }
-
     /// Twice the area times the height of `p` over the plane, on the normal's side.
     ///
     /// In double precision: seen nearly edge-on, from far away or from close by, the height is a small part of the distance
