@@ -65,37 +65,34 @@ struct PassTracer<'p> {
     rays: u64,
     /// The last ray that is answered; no limit but in a replay.
     limit: u64,
-    /// What that ray met, where it asks for that.
-    last: Option<(Ray, Hit)>,
 }
 
 impl<'p> PassTracer<'p> {
     fn new(pass: &'p Pass) -> Self {
         let limit = pass.again.as_ref().map_or(u64::MAX, |again| again.limit);
-        Self { scene: &pass.scene, pass, rays: 0, limit, last: None }
+        Self { scene: &pass.scene, pass, rays: 0, limit }
     }
+}
 
-    #[cold]
-    #[inline(never)]
-    fn intersect_at_limit(&mut self, ray: &Ray) -> Option<Hit> {
-        if self.rays > self.limit {
-            return None;
-        }
-        let hit = self.scene.intersect(ray)?;
-        self.last = Some((*ray, hit));
-        Some(hit)
-    }
+/// What the last ray of a replay meets, and none after it, nor any of a pass that is stopped.
+///
+/// Takes copies: if it was given the tracer or the ray where they are, both would be kept in memory for its sake, which
+/// costs 5 % of all rays a second.
+#[cold]
+#[inline(never)]
+fn intersect_at_end(pass: &Pass, ray: Ray, number: u64) -> Option<Hit> {
+    let again = pass.again.as_ref().filter(|again| number <= again.limit && !pass.is_stopped())?;
+    let hit = pass.scene.intersect(&ray)?;
+    again.replayed.lock().unwrap_or_else(PoisonError::into_inner).last = Some((ray, hit));
+    Some(hit)
 }
 
 impl Tracer for PassTracer<'_> {
     #[inline(always)]
     fn intersect(&mut self, ray: &Ray) -> Option<Hit> {
         self.rays += 1;
-        if self.pass.is_stopped() {
-            return None;
-        }
-        if self.rays >= self.limit {
-            return self.intersect_at_limit(ray);
+        if self.pass.is_stopped() | (self.rays >= self.limit) {
+            return intersect_at_end(self.pass, *ray, self.rays);
         }
         self.scene.intersect(ray)
     }
@@ -103,7 +100,7 @@ impl Tracer for PassTracer<'_> {
     #[inline]
     fn unoccluded(&mut self, ray: &Ray) -> bool {
         self.rays += 1;
-        self.rays <= self.limit && !self.pass.is_stopped() && self.scene.unoccluded(ray)
+        !self.pass.is_stopped() && self.scene.unoccluded(ray)
     }
 }
 
@@ -273,7 +270,7 @@ impl Pass {
                         return false;
                     }
                     if !radiance.is_finite() || self.again.is_some() {
-                        self.note([x, y], sample, radiance, tracer);
+                        self.note([x, y], sample, radiance, tracer.rays);
                     }
                     if self.again.is_some() {
                         continue;
@@ -291,12 +288,12 @@ impl Pass {
     /// Notes a sample that is not finite, or what was asked for.
     #[cold]
     #[inline(never)]
-    fn note(&self, pixel: [u32; 2], sample: u32, radiance: Rgb, tracer: &PassTracer) {
+    fn note(&self, pixel: [u32; 2], sample: u32, radiance: Rgb, rays: u64) {
         match &self.again {
             None => self.non_finite.lock().unwrap_or_else(PoisonError::into_inner).add(pixel, sample),
             Some(again) => {
-                let replayed = Replayed { radiance, rays: tracer.rays, last: tracer.last };
-                *again.replayed.lock().unwrap_or_else(PoisonError::into_inner) = replayed;
+                let mut replayed = again.replayed.lock().unwrap_or_else(PoisonError::into_inner);
+                (replayed.radiance, replayed.rays) = (radiance, rays);
             }
         }
     }

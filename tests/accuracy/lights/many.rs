@@ -108,7 +108,7 @@ fn choice(case: &mut Case) {
     let mut sum = 0.0;
     for i in 0..lights {
         let Emitter::Triangle(emitter) = set.emitters()[i as usize] else { continue };
-        let hit = emitter.triangle.centroid();
+        let hit = emitter.triangle.at(1.0 / 3.0, 1.0 / 3.0);
         let wi = hit.normalize();
         let cos = f64::from(wi.z);
         let alone = f64::from(hit.length_squared()) / (cos * f64::from(emitter.triangle.area));
