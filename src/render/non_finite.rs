@@ -45,14 +45,15 @@ impl std::fmt::Display for NonFiniteSample {
 pub(super) struct Suspects {
     /// All of them.
     pub count: u64,
-    /// The first ones by row, column and index, whichever thread met them.
+    /// The first ones by index, row and column: the same whichever thread met them and however a render is divided into
+    /// passes.
     first: BTreeSet<(u32, u32, u32)>,
 }
 
 impl Suspects {
     pub(super) fn add(&mut self, [x, y]: [u32; 2], sample: u32) {
         self.count += 1;
-        self.first.insert((y, x, sample));
+        self.first.insert((sample, y, x));
         if self.first.len() > REPORTED {
             self.first.pop_last();
         }
@@ -61,7 +62,7 @@ impl Suspects {
     /// The first ones, with what replaying them shows; so many as were not told of earlier passes.
     pub(super) fn explain(&self, render: &Render) -> Vec<NonFiniteSample> {
         let left = REPORTED.saturating_sub(render.non_finite_samples.len());
-        self.first.iter().take(left).map(|&(y, x, sample)| explain(render, [x, y], sample)).collect()
+        self.first.iter().take(left).map(|&(sample, y, x)| explain(render, [x, y], sample)).collect()
     }
 }
 

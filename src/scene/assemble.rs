@@ -70,7 +70,8 @@ pub(super) fn assemble(
     Camera::new(&desc.camera, desc.render.resolution, centre)?;
 
     let embree = SceneBuilder::cancellable(device, SceneOptions::default(), work.cancel)?;
-    let facts = Facts { bounds: lowered.bounds, ..Facts::default() };
+    let copied = lowered.copied.first().map(|&first| (lowered.copied.len(), desc.surfaces[first].path.clone()));
+    let facts = Facts { bounds: lowered.bounds, copied, ..Facts::default() };
     let known = old.map_or_else(HashMap::new, |old| old.objects.clone());
     let mut assembler =
         Assembler { desc, device, work, centre, embree, known, mesh_bounds, geometries: Vec::new(), facts };

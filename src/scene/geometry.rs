@@ -26,6 +26,10 @@ const NORMAL_ERROR: f32 = ROUNDING;
 /// The share of its own extent below which a triangle is so narrow that the kernel cannot tell its inside from its outside.
 const NARROW: f32 = 256.0 * ROUNDING;
 
+/// No triangle is left by more than this share of its extent. A narrower one may be met again; but what it would have to be left
+/// by is more than what may stand beside it.
+const FARTHEST: f32 = 0.0625;
+
 /// Bound on the error of a coordinate on its way into an instance's frame, in units of its parts: half a unit in the last place
 /// of each.
 const PLACEMENT_ERROR: f64 = 0.5 * ROUNDING as f64;
@@ -220,7 +224,8 @@ impl Cofactors {
 /// Whether the kernel, which inverts an instance's transform in single precision, sees the instance where it is. One that it
 /// does not is better copied into the scene's frame.
 pub(super) fn inverts_well(transform: &DAffine3) -> bool {
-    Cofactors::new(&transform.matrix3).cancelled < CANCELLED
+    let Cofactors { determinant, cancelled, .. } = Cofactors::new(&transform.matrix3);
+    (determinant as f32).is_normal() && cancelled < CANCELLED
 }
 
 fn magnitudes(m: &DMat3) -> DMat3 {
@@ -330,7 +335,8 @@ pub(super) fn on_analytic(shape: &Analytic, owner: Owner, near: DVec3) -> Surfac
 fn kernel_error([e1, e2]: [Vec3; 2], double_area: f32) -> f32 {
     let extent = e1.abs().max(e2.abs()).max_element();
     let products = e1.length() * e2.length_squared().min(e1.distance_squared(e2)).sqrt();
-    extent * (KERNEL_ERROR + (KERNEL_ERROR * NARROW * extent * extent + NORMAL_ERROR * products) / double_area)
+    let narrow = (KERNEL_ERROR * NARROW * extent * extent + NORMAL_ERROR * products) / double_area;
+    extent * (KERNEL_ERROR + narrow).min(FARTHEST)
 }
 
 /// [`kernel_error`] of a triangle of any size.

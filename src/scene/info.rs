@@ -111,6 +111,12 @@ pub(super) fn warnings(desc: &SceneDesc, facts: &Facts, emitters: &EmitterSet, d
         }
         warnings.push(format!("dropped {total} triangles without area: {}", places.join(", ")));
     }
+    if let Some((count, first)) = &facts.copied {
+        warnings.push(format!(
+            "{count} uses of meshes are copied instead of instanced, which takes memory, because the kernel inverts transforms \
+             in single precision and would lose theirs: a shear, or a stretch between two turns; the first is {first}"
+        ));
+    }
     let size = (facts.bounds.max - facts.bounds.min).max_element();
     if !facts.bounds.is_empty() && !SAFE_SIZES.contains(&size) {
         warnings.push(format!(

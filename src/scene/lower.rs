@@ -31,6 +31,8 @@ pub(super) struct Lowered {
     pub meshes: Vec<MeshUse>,
     /// Meshes to be instanced.
     pub instances: Vec<MeshUse>,
+    /// Surfaces among `meshes` that would be instances if the kernel could invert their transforms.
+    pub copied: Vec<usize>,
     /// Spheres, disks and quadrics.
     pub shapes: Vec<(WorldShape, usize)>,
     /// Box around everything, world frame.
@@ -103,8 +105,11 @@ pub(super) fn lower(
                 let is_large = is_shared && count > INSTANCE_TRIANGLES || is_dynamic && count > OBJECT_TRIANGLES;
                 // Emitters live in the scene frame, so what emits is copied there, a host's mesh too; and what the kernel
                 // could not find under its transform.
-                let instanced =
-                    surface.emission.is_none() && (is_large || description.host.is_some()) && inverts_well(&to_world);
+                let wanted = surface.emission.is_none() && (is_large || description.host.is_some());
+                let instanced = wanted && inverts_well(&to_world);
+                if wanted && !instanced {
+                    lowered.copied.push(number);
+                }
                 let target = if instanced { &mut lowered.instances } else { &mut lowered.meshes };
                 target.push(MeshUse { mesh, smooth, surface: number });
                 // The box of a transformed box is larger than need be, which moves the centre by nothing that matters.

@@ -42,6 +42,8 @@ pub(super) struct Facts {
     pub geometry_bytes: usize,
     pub embree_bytes: usize,
     pub decisions: Vec<String>,
+    /// Uses of meshes that are copies for their transforms' sake: how many, and the first one's path.
+    pub copied: Option<(usize, String)>,
     /// Degenerate triangles: how many of which surface.
     pub dropped: Vec<(usize, String)>,
 }

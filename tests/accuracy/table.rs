@@ -40,10 +40,15 @@ impl Table {
             count(|verdict| *verdict == Verdict::Fail),
             known
         );
+        let mut reasons: BTreeMap<&str, Vec<String>> = BTreeMap::new();
         for (_, row) in self.rows() {
             if let Verdict::Known(reason) = row.verdict {
-                let _ = write!(text, "\n- {} {}, {}: {reason}", row.id, row.title, row.what);
+                reasons.entry(reason).or_default().push(format!("{} {}: {}", row.id, row.title, row.what));
             }
+        }
+        for (reason, rows) in reasons {
+            let _ = write!(text, "\n\n*{reason}*\n");
+            rows.iter().for_each(|row| _ = write!(text, "\n- {row}"));
         }
         text
     }

@@ -97,18 +97,23 @@ fn segment_ends(case: &mut Case) {
                 for (listed, _) in PLACES {
                     let scenes = [None, Some(1.0 - 1e-5), Some(1.0 + 1e-5)]
                         .map(|blocker| build(&hall(lamp, distance, blocker, eye), listed));
-                    let [a, b, c] = tally(tries, 180 + number as u64, |rng| {
+                    let [a, b, c, sampled] = tally(tries, 180 + number as u64, |rng| {
                         let seed = rng.next_u64();
                         let free = |scene: &Scene| arrives(scene, distance, &mut Rng::new(seed, 0));
                         let [alone, before, behind] = scenes.each_ref().map(free);
                         // On a ball's side, the sheet at (1 + 1e-5) D is before the light.
                         let is_behind = matches!(lamp, Lamp::Quad | Lamp::Point);
-                        [alone == Some(false), before == Some(true), is_behind && behind == Some(false)]
+                        [
+                            alone == Some(false),
+                            before == Some(true),
+                            is_behind && behind == Some(false),
+                            alone.is_some(),
+                        ]
                     });
                     lit += a;
                     before += b;
                     behind += c;
-                    total += tries;
+                    total += sampled;
                 }
             }
         }
@@ -125,9 +130,12 @@ fn segment_ends(case: &mut Case) {
         for eye in eyes {
             let scene = build(&hall(Lamp::Point, distance, Some(1.0), eye), 16);
             let tries = case.count(1000, 50_000);
-            let [blocked] = tally(tries, 185, |rng| [arrives(&scene, distance, rng) == Some(false)]);
+            let [blocked, sampled] = tally(tries, 185, |rng| {
+                let answer = arrives(&scene, distance, rng);
+                [answer == Some(false), answer.is_some()]
+            });
             dark += blocked;
-            total += tries;
+            total += sampled;
         }
     }
     case.never("point, exactly on a ceiling: the ceiling blocks", dark, total);

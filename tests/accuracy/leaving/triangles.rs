@@ -144,6 +144,20 @@ fn needles(case: &mut Case) {
         let Tally { rays, bad, .. } = nearer;
         case.holds(format!("{kind}, a 50th of the bound"), "some met again", format!("{bad} of {rays}"), bad > 0);
     }
+    // Narrower ones are left by a sixteenth of their extent, whatever their bound: a neighbour may stand there.
+    let (mut farthest, mut slivers) = (0.0_f64, Tally::default());
+    for aspect in [1e7, 1e8] {
+        let found = leave_all(budget, 1.0, 0.02, &mut rng, |rng| {
+            let long = random_direction(rng);
+            let across = long.cross(random_direction(rng)).normalize() / aspect;
+            let start = random_point(rng);
+            [start, start + long, start + (0.5 + 0.4 * signed(rng)) * long + across]
+        });
+        farthest = farthest.max(found.offset * aspect);
+        slivers.add(found.rays);
+    }
+    case.at_most("three long sides, to 1e8 : 1: offset / reach", farthest, 0.07);
+    case.never("three long sides, to 1e8 : 1: met again", slivers.bad, slivers.rays);
     // What has a short side is no dearer than other triangles, down to the width that single precision still tells.
     case.at_most("one short side, to 1e4 : 1: offset / reach", usual, 2e-6);
     case.at_most("one short side, to 1e6 : 1: offset / reach", narrow, 2e-5);
