@@ -3,33 +3,18 @@
 mod common {
     // Each test program uses its own part.
     #[allow(dead_code)]
+    pub mod bsdfs;
+    #[allow(dead_code)]
     pub mod stats;
 }
 
+use common::bsdfs::{diffuse_models, direction, oren_nayar, uniform_3d};
 use common::stats::{SIGNIFICANCE, check_directions};
 use etendue::bsdf::{Bsdf, Dielectric};
 use etendue::desc::BsdfDesc;
 use etendue::math::Vec3;
 use etendue::sampling::{Rng, warps};
 use etendue::spectrum::Rgb;
-
-fn direction(theta_deg: f64, phi_deg: f64) -> Vec3 {
-    let (sin, cos) = theta_deg.to_radians().sin_cos();
-    let (sin_phi, cos_phi) = phi_deg.to_radians().sin_cos();
-    Vec3::new((sin * cos_phi) as f32, (sin * sin_phi) as f32, cos as f32)
-}
-
-fn lambert(albedo: f32) -> Bsdf {
-    Bsdf::new(&BsdfDesc::Lambert { albedo: Rgb::splat(albedo) })
-}
-
-fn oren_nayar(sigma: f32) -> Bsdf {
-    Bsdf::new(&BsdfDesc::OrenNayar { albedo: Rgb::ONE, sigma })
-}
-
-fn fujii(roughness: f32) -> Bsdf {
-    Bsdf::new(&BsdfDesc::Fujii { albedo: Rgb::ONE, roughness })
-}
 
 fn mirror() -> Bsdf {
     Bsdf::new(&BsdfDesc::Mirror { reflectance: Rgb::new(0.9, 0.8, 0.7) })
@@ -39,20 +24,11 @@ fn glass(ior: f32) -> Bsdf {
     Bsdf::new(&BsdfDesc::Dielectric { ior, exterior_ior: 1.0 })
 }
 
-fn diffuse_models() -> Vec<Bsdf> {
-    vec![lambert(0.8), oren_nayar(0.1), oren_nayar(0.5), oren_nayar(1.0), fujii(0.1), fujii(0.5), fujii(1.0)]
-}
-
-fn uniform_3d(rng: &mut Rng) -> [f32; 3] {
-    let [a, b, c, _] = rng.next_4d();
-    [a, b, c]
-}
-
 #[test]
 fn nothing_depends_on_which_side_is_lit() {
     let mut rng = Rng::new(4, 0);
     let flip = |w: Vec3| Vec3::new(w.x, w.y, -w.z);
-    for bsdf in diffuse_models().into_iter().chain([mirror()]) {
+    for bsdf in diffuse_models().into_iter().map(|(_, bsdf)| bsdf).chain([mirror()]) {
         for _ in 0..1000 {
             let (wo, wi) = (warps::uniform_hemisphere(rng.next_2d()), warps::uniform_hemisphere(rng.next_2d()));
             let u = uniform_3d(&mut rng);
@@ -161,7 +137,7 @@ fn refraction_obeys_snell_and_carries_the_radiance_factor() {
 #[test]
 fn directions_that_are_not_numbers_scatter_nothing() {
     let nan = Vec3::splat(f32::NAN);
-    for bsdf in diffuse_models().into_iter().chain([mirror(), glass(1.5)]) {
+    for bsdf in diffuse_models().into_iter().map(|(_, bsdf)| bsdf).chain([mirror(), glass(1.5)]) {
         assert!(bsdf.sample(nan, [0.5; 3]).is_none());
         assert_eq!(bsdf.f_pdf(nan, Vec3::Z), (Rgb::ZERO, 0.0));
         assert!(bsdf.sample(Vec3::X, [0.5; 3]).is_none());

@@ -1,6 +1,7 @@
 //! What several test programs use.
 #![allow(dead_code, reason = "no program uses all of it")]
 
+pub mod bsdfs;
 pub mod malformed;
 pub mod scenes;
 pub mod snippets;

@@ -6,52 +6,12 @@ mod glass;
 mod samplers;
 mod values;
 
-use etendue::bsdf::Bsdf;
-use etendue::desc::BsdfDesc;
-use etendue::math::Vec3;
-use etendue::sampling::Rng;
-use etendue::spectrum::Rgb;
-
+use crate::common::bsdfs::{diffuse_models, direction, fujii, lambert, oren_nayar, uniform_3d};
 use crate::record::{Case, Entry, Within};
 
 pub fn cases() -> Vec<Entry> {
     let topics = [values::cases(), albedo::cases(), fresnel::cases(), samplers::cases(), glass::cases()];
     topics.into_iter().flatten().collect()
-}
-
-fn direction(theta_deg: f64, phi_deg: f64) -> Vec3 {
-    let (sin, cos) = theta_deg.to_radians().sin_cos();
-    let (sin_phi, cos_phi) = phi_deg.to_radians().sin_cos();
-    Vec3::new((sin * cos_phi) as f32, (sin * sin_phi) as f32, cos as f32)
-}
-
-fn lambert(albedo: f32) -> Bsdf {
-    Bsdf::new(&BsdfDesc::Lambert { albedo: Rgb::splat(albedo) })
-}
-
-fn oren_nayar(sigma: f32) -> Bsdf {
-    Bsdf::new(&BsdfDesc::OrenNayar { albedo: Rgb::ONE, sigma })
-}
-
-fn fujii(roughness: f32) -> Bsdf {
-    Bsdf::new(&BsdfDesc::Fujii { albedo: Rgb::ONE, roughness })
-}
-
-fn diffuse_models() -> Vec<(&'static str, Bsdf)> {
-    vec![
-        ("Lambert", lambert(0.8)),
-        ("qualitative 0.1", oren_nayar(0.1)),
-        ("qualitative 0.5", oren_nayar(0.5)),
-        ("qualitative 1", oren_nayar(1.0)),
-        ("Fujii 0.1", fujii(0.1)),
-        ("Fujii 0.5", fujii(0.5)),
-        ("Fujii 1", fujii(1.0)),
-    ]
-}
-
-fn uniform_3d(rng: &mut Rng) -> [f32; 3] {
-    let [a, b, c, _] = rng.next_4d();
-    [a, b, c]
 }
 
 /// The worst of several comparisons, relative to what was expected.

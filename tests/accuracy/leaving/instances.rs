@@ -11,7 +11,38 @@ use crate::common::scenes::{camera, scene};
 use crate::record::{Case, Entry};
 
 pub fn cases() -> Vec<Entry> {
-    vec![Entry { id: "S22c", title: "rays spawned on instances", run: instances }]
+    vec![
+        Entry { id: "S22c", title: "rays spawned on instances", run: instances },
+        Entry { id: "S22e", title: "uses that the kernel cannot invert", run: copies },
+    ]
+}
+
+/// What single precision cannot invert is copied, said, and found.
+fn copies(case: &mut Case) {
+    let mesh: Arc<MeshDesc> = ball_mesh(60, 100).into();
+    let turn = DMat3::from_quat(DQuat::from_euler(EulerRot::XYZ, 0.5, 1.1, 2.2));
+    let stretched = turn * DMat3::from_diagonal(DVec3::new(1.0, 1e3, 1e-3)) * turn.transpose();
+    for (what, matrix) in [("a stretch between turns", stretched), ("a scale of 10^-13", DMat3::IDENTITY * 1e-13)] {
+        let ball = ShapeDesc::Mesh { mesh: 0, smooth: false };
+        let eye = matrix * DVec3::splat(2.0);
+        let mut desc = scene(camera(eye, DVec3::ZERO, 60.0), vec![(ball, GREY, None), (ball, GREY, None)]);
+        desc.meshes.push(Arc::clone(&mesh));
+        for surface in &mut desc.surfaces {
+            surface.transform = DAffine3::from_mat3(matrix);
+        }
+        let scene = build(&desc, LIST);
+        let instances = scene.info().instances;
+        case.holds(format!("{what}: instances"), "0", instances.to_string(), instances == 0);
+        let says =
+            |warning: &&String| warning.contains("2 uses of meshes are copied") && warning.contains("surfaces[0]");
+        let is_said = scene.warnings().iter().find(says).is_some();
+        case.holds(
+            format!("{what}: a warning with count and path"),
+            "said",
+            if is_said { "said" } else { "—" },
+            is_said,
+        );
+    }
 }
 
 /// A convex mesh (a tessellated ball, outward winding) of enough triangles to be instanced when used twice.
