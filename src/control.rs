@@ -1,4 +1,4 @@
-//! How work is stopped from outside.
+//! How work is stopped from outside, and shared by threads.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -30,5 +30,42 @@ impl Cancel {
     #[inline]
     pub fn check(&self) -> Result<()> {
         if self.is_cancelled() { Err(Error::new(ErrorKind::Cancelled, "cancelled")) } else { Ok(()) }
+    }
+}
+
+/// Threads that share work.
+pub trait Parallel {
+    /// Whether the work is still wanted; [`ErrorKind::Cancelled`] if not.
+    ///
+    /// # Errors
+    /// See above.
+    fn check(&self) -> Result<()>;
+
+    /// The values of `piece` for every number below `count`, in that order, from as many threads as there are.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Cancelled`] if it was stopped before all were there, [`ErrorKind::Internal`] if a piece panicked.
+    fn map<R, F>(&mut self, count: usize, piece: F) -> Result<Vec<R>>
+    where
+        R: Send + 'static,
+        F: Fn(usize) -> R + Send + Sync + 'static;
+}
+
+/// The calling thread alone.
+#[derive(Clone, Debug, Default)]
+pub struct Alone(pub Cancel);
+
+impl Parallel for Alone {
+    fn check(&self) -> Result<()> {
+        self.0.check()
+    }
+
+    fn map<R, F>(&mut self, count: usize, piece: F) -> Result<Vec<R>>
+    where
+        R: Send + 'static,
+        F: Fn(usize) -> R + Send + Sync + 'static,
+    {
+        let one = |number| self.0.check().map(|()| piece(number));
+        (0..count).map(one).collect()
     }
 }

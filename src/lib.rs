@@ -47,7 +47,7 @@ pub mod scene;
 pub mod shape;
 pub mod spectrum;
 
-pub use control::Cancel;
+pub use control::{Alone, Cancel, Parallel};
 pub use error::{Error, ErrorKind, Location, Result};
 
 /// The README's example compiles.

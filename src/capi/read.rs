@@ -4,7 +4,7 @@ use super::boundary::read_sized;
 use super::status::{Failure, Result};
 use super::types::*;
 use crate::desc::{
-    BsdfDesc, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc,
+    BsdfDesc, CacheDesc, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, MAX_SHADOW_RAYS, PhotonDesc, RenderDesc, SamplerDesc,
 };
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::output::ToneMap;
@@ -178,10 +178,19 @@ pub(super) fn render(it: &etd_render_options, resolution: [u32; 2]) -> Result<Re
             0 => IntegratorDesc::Path,
             1 => IntegratorDesc::Whitted,
             2 => IntegratorDesc::Direct,
-            other => return unknown("options.integrator", other, 2),
+            3 => IntegratorDesc::PhotonDirect,
+            4 => IntegratorDesc::Caustic,
+            5 => IntegratorDesc::Photon,
+            6 => IntegratorDesc::IrradianceCache,
+            7 => IntegratorDesc::Ppm,
+            8 => IntegratorDesc::Sppm,
+            9 => IntegratorDesc::Auto,
+            other => return unknown("options.integrator", other, 9),
         },
         max_depth: (it.max_depth != 0).then_some(it.max_depth),
         shadow_rays: it.shadow_rays.max(1),
+        photons: PhotonDesc::default(),
+        cache: CacheDesc::default(),
         seed: it.seed,
     })
 }
@@ -201,6 +210,13 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
             IntegratorDesc::Path => 0,
             IntegratorDesc::Whitted => 1,
             IntegratorDesc::Direct => 2,
+            IntegratorDesc::PhotonDirect => 3,
+            IntegratorDesc::Caustic => 4,
+            IntegratorDesc::Photon => 5,
+            IntegratorDesc::IrradianceCache => 6,
+            IntegratorDesc::Ppm => 7,
+            IntegratorDesc::Sppm => 8,
+            IntegratorDesc::Auto => 9,
         },
         sampler: match desc.sampler {
             SamplerDesc::Sobol => 0,

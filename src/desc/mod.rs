@@ -44,6 +44,7 @@ mod mcrt;
 mod native;
 mod obj;
 mod params;
+mod photon;
 mod quadric;
 mod read;
 mod render;
@@ -56,6 +57,9 @@ mod validate;
 
 pub use edit::SurfaceLook;
 pub use index::SceneIndex;
+pub use photon::{
+    CacheDesc, CacheSource, KernelDesc, MAX_NEIGHBOURS, MAX_PHOTONS, PhotonDesc, PhotonSharing,
+};
 pub use read::{apply_params, load, load_params, parse};
 #[cfg(feature = "schema")]
 pub use schema::schema;
@@ -403,6 +407,10 @@ pub struct RenderDesc {
     pub max_depth: Option<u32>,
     /// Light samples per hit, from 1 to [`MAX_SHADOW_RAYS`].
     pub shadow_rays: u32,
+    /// Photon maps.
+    pub photons: PhotonDesc,
+    /// Irradiance cache.
+    pub cache: CacheDesc,
     /// Seed of all randomness.
     pub seed: u64,
 }
@@ -417,6 +425,8 @@ impl Default for RenderDesc {
             integrator: IntegratorDesc::Path,
             max_depth: None,
             shadow_rays: 1,
+            photons: PhotonDesc::default(),
+            cache: CacheDesc::default(),
             seed: 0,
         }
     }
@@ -473,4 +483,50 @@ pub enum IntegratorDesc {
     /// Path tracing: everything.
     #[default]
     Path,
+    /// The report's photon map: direct light from photons, where no shadow photon is among them.
+    PhotonDirect,
+    /// Path tracing, with caustics from a photon map.
+    Caustic,
+    /// A global and a caustic photon map, with final gathering.
+    Photon,
+    /// Indirect diffuse light interpolated between final gathers.
+    IrradianceCache,
+    /// Progressive photon mapping: a new map every pass, with one shrinking radius.
+    Ppm,
+    /// Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel.
+    Sppm,
+    /// Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
+    Auto,
+}
+
+impl IntegratorDesc {
+    /// All of them.
+    pub const ALL: [Self; 10] = [
+        Self::Path,
+        Self::Whitted,
+        Self::Direct,
+        Self::PhotonDirect,
+        Self::Caustic,
+        Self::Photon,
+        Self::IrradianceCache,
+        Self::Ppm,
+        Self::Sppm,
+        Self::Auto,
+    ];
+
+    /// Its name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Whitted => "whitted",
+            Self::Path => "path",
+            Self::PhotonDirect => "photon_direct",
+            Self::Caustic => "caustic",
+            Self::Photon => "photon",
+            Self::IrradianceCache => "irradiance_cache",
+            Self::Ppm => "ppm",
+            Self::Sppm => "sppm",
+            Self::Auto => "auto",
+        }
+    }
 }

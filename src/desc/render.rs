@@ -135,7 +135,6 @@ enum IntegratorName {
 }
 
 const FILTERS: [&str; 5] = ["box", "tent", "gaussian", "blackman-harris", "mitchell"];
-const INTEGRATORS: [&str; 3] = ["path", "whitted", "direct"];
 
 /// A block that says its type and nothing else.
 #[derive(Deserialize)]
@@ -288,13 +287,10 @@ fn filter(raw: &RawValue, path: &str) -> Result<FilterDesc> {
 }
 
 fn integrator(raw: &RawValue, path: &str) -> Result<IntegratorDesc> {
-    let (name, block) = named(raw, path, &INTEGRATORS)?;
+    let names = IntegratorDesc::ALL.map(IntegratorDesc::name);
+    let (name, block) = named(raw, path, &names)?;
     if block {
         json::object::<Plain>(raw, path)?;
     }
-    Ok(match name.as_str() {
-        "whitted" => IntegratorDesc::Whitted,
-        "direct" => IntegratorDesc::Direct,
-        _ => IntegratorDesc::Path,
-    })
+    Ok(IntegratorDesc::ALL.into_iter().find(|integrator| integrator.name() == name).unwrap_or_default())
 }

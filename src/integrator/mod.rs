@@ -6,6 +6,7 @@
 mod direct;
 mod light;
 mod path;
+pub mod photon;
 mod whitted;
 
 pub use direct::Direct;

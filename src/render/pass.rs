@@ -113,6 +113,7 @@ impl Work for Pass {
             IntegratorDesc::Path => self.with_integrator(&Path { max_depth, shadow_rays }, pause),
             IntegratorDesc::Whitted => self.with_integrator(&Whitted { max_depth, shadow_rays }, pause),
             IntegratorDesc::Direct => self.with_integrator(&Direct { shadow_rays }, pause),
+            _ => self.with_integrator(&Path { max_depth, shadow_rays }, pause),
         }
     }
 

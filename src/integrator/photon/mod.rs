@@ -1,0 +1,7 @@
+//! Photon maps.
+
+mod map;
+mod record;
+
+pub use map::{Nearest, PhotonMap};
+pub use record::{Octahedral, Photon};
