@@ -42,6 +42,18 @@ impl<'s> Vertex<'s> {
         Self { material: scene.material(surface.material), frame, wo, wo_scene, surface }
     }
 
+    /// Back along the path, scene frame.
+    #[inline]
+    pub fn wo_scene(&self) -> Vec3 {
+        self.wo_scene
+    }
+
+    /// A direction of the scene in the local frame.
+    #[inline]
+    pub fn to_local(&self, v: Vec3) -> Vec3 {
+        self.frame.to_local(v)
+    }
+
     /// What the auxiliary layers want to know.
     pub fn first_hit(&self) -> FirstHit {
         let normal = if self.wo.z < 0.0 { -self.surface.ns } else { self.surface.ns };
