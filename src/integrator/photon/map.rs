@@ -39,6 +39,16 @@ impl PhotonMap {
         &self.photons
     }
 
+    /// Number of photons.
+    pub fn len(&self) -> usize {
+        self.photons.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.photons.is_empty()
+    }
+
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         self.photons.capacity() * size_of::<Photon>()
