@@ -1,6 +1,7 @@
 //! Photon maps.
 
 mod map;
+mod order;
 mod record;
 
 pub use map::{Nearest, PhotonMap};
