@@ -57,9 +57,7 @@ mod validate;
 
 pub use edit::SurfaceLook;
 pub use index::SceneIndex;
-pub use photon::{
-    CacheDesc, CacheSource, KernelDesc, MAX_NEIGHBOURS, MAX_PHOTONS, PhotonDesc, PhotonSharing,
-};
+pub use photon::{CacheDesc, CacheSource, KernelDesc, MAX_NEIGHBOURS, MAX_PHOTONS, PhotonDesc, PhotonSharing};
 pub use read::{apply_params, load, load_params, parse};
 #[cfg(feature = "schema")]
 pub use schema::schema;

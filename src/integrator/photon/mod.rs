@@ -6,6 +6,7 @@ mod estimate;
 mod gather;
 mod map;
 mod plan;
+mod order;
 mod record;
 mod trace;
 mod whole;
