@@ -4,7 +4,8 @@ use super::boundary::read_sized;
 use super::status::{Failure, Result};
 use super::types::*;
 use crate::desc::{
-    BsdfDesc, CacheDesc, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, MAX_SHADOW_RAYS, PhotonDesc, RenderDesc, SamplerDesc,
+    BsdfDesc, CacheDesc, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, MAX_SHADOW_RAYS, PhotonDesc, RenderDesc,
+    SamplerDesc,
 };
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::output::ToneMap;
