@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use etendue::ErrorKind;
 use etendue::desc::{
-    self, BsdfDesc, CameraDesc, Dialect, FilterDesc, FovAxis, IntegratorDesc, RenderDesc, SamplerDesc, SceneDesc,
-    ShapeDesc,
+    self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, Dialect, FilterDesc, FovAxis, IntegratorDesc, KernelDesc,
+    PhotonDesc, PhotonSharing, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc,
 };
 use etendue::math::{DAffine3, DVec3};
 use etendue::spectrum::Rgb;
@@ -93,6 +93,7 @@ fn render_blocks_are_read_with_every_key() {
         max_depth: Some(9),
         shadow_rays: 2,
         seed: u64::MAX,
+        ..RenderDesc::default()
     };
     assert_eq!(all, expected);
     for (name, sampler) in [
@@ -115,12 +116,99 @@ fn render_blocks_are_read_with_every_key() {
     ] {
         assert_eq!(render(&format!("\"filter\": {text}")).filter, filter);
     }
-    for (name, integrator) in
-        [("path", IntegratorDesc::Path), ("whitted", IntegratorDesc::Whitted), ("direct", IntegratorDesc::Direct)]
-    {
+    for (name, integrator) in [
+        ("path", IntegratorDesc::Path),
+        ("whitted", IntegratorDesc::Whitted),
+        ("direct", IntegratorDesc::Direct),
+        ("photon_direct", IntegratorDesc::PhotonDirect),
+        ("caustic", IntegratorDesc::Caustic),
+        ("photon", IntegratorDesc::Photon),
+        ("irradiance_cache", IntegratorDesc::IrradianceCache),
+        ("ppm", IntegratorDesc::Ppm),
+        ("sppm", IntegratorDesc::Sppm),
+        ("auto", IntegratorDesc::Auto),
+    ] {
         assert_eq!(render(&format!("\"integrator\": \"{name}\"")).integrator, integrator);
         assert_eq!(render(&format!("\"integrator\": {{\"type\": \"{name}\"}}")).integrator, integrator);
     }
+}
+
+#[test]
+fn settings_of_photon_maps_and_caches_are_read_with_every_key() {
+    let render = |block: &str| native(&format!("\"render\": {{{block}}}")).render;
+    let all = render(
+        r#""photonCount": 1e6, "photonRadius": 0.25, "minPhotons": 20, "causticCount": 3, "causticRadius": 1e-3,
+           "photonNeighbours": 65536, "photonKernel": {"type": "cone", "k": 1.25}, "photonAlpha": 0.75,
+           "photonSharing": "area", "photonsGuided": false, "photonsProgressive": false, "gatherRays": 16,
+           "photonMemory": 1048576, "cacheError": 0.3, "cacheRays": 16, "cacheMinSpacing": 1.5, "cacheMaxSpacing": 1,
+           "cacheSource": "photons""#,
+    );
+    let photons = PhotonDesc {
+        count: Some(1_000_000),
+        radius: Some(0.25),
+        min_photons: 20,
+        caustic_count: Some(3),
+        caustic_radius: Some(1e-3),
+        neighbours: Some(65536),
+        kernel: Some(KernelDesc::Cone { k: 1.25 }),
+        alpha: 0.75,
+        sharing: PhotonSharing::Area,
+        guided: false,
+        progressive: false,
+        gather_rays: 16,
+        memory: 1 << 20,
+    };
+    let cache = CacheDesc {
+        error: 0.3, //
+        rays: 16,
+        min_spacing: 1.5,
+        max_spacing: 1.0,
+        source: CacheSource::Photons,
+    };
+    assert_eq!(all, RenderDesc { photons, cache, ..RenderDesc::default() });
+    let aliased = render(r#""photon_count": 7, "photon_radius": 2, "min_photons": 1"#);
+    let photons = PhotonDesc { count: Some(7), radius: Some(2.0), min_photons: 1, ..PhotonDesc::default() };
+    assert_eq!(aliased, RenderDesc { photons, ..RenderDesc::default() });
+    let nothing = [
+        "photonCount",
+        "photonRadius",
+        "minPhotons",
+        "photon_count",
+        "photon_radius",
+        "min_photons",
+        "causticCount",
+        "causticRadius",
+        "photonNeighbours",
+        "photonKernel",
+        "photonAlpha",
+        "photonSharing",
+        "photonsGuided",
+        "photonsProgressive",
+        "gatherRays",
+        "photonMemory",
+        "cacheError",
+        "cacheRays",
+        "cacheMinSpacing",
+        "cacheMaxSpacing",
+        "cacheSource",
+    ]
+    .map(|key| format!("\"{key}\": null"))
+    .join(", ");
+    assert_eq!(render(&nothing), RenderDesc::default());
+    for (text, kernel) in [
+        (r#""flat""#, KernelDesc::Flat),
+        (r#"{"type": "flat"}"#, KernelDesc::Flat),
+        (r#""cone""#, KernelDesc::Cone { k: 1.0 }),
+        (r#"{"type": "cone"}"#, KernelDesc::Cone { k: 1.0 }),
+        (r#"{"type": "cone", "k": null}"#, KernelDesc::Cone { k: 1.0 }),
+        (r#""epanechnikov""#, KernelDesc::Epanechnikov),
+        (r#"{"type": "epanechnikov"}"#, KernelDesc::Epanechnikov),
+    ] {
+        assert_eq!(render(&format!("\"photonKernel\": {text}")).photons.kernel, Some(kernel));
+    }
+    let defaults =
+        r#""photonSharing": "power", "photonsGuided": true, "photonsProgressive": true, "cacheSource": "paths""#;
+    assert_eq!(render(defaults), RenderDesc::default());
 }
 
 #[test]
@@ -358,7 +446,6 @@ fn parameter_files_override_the_render_block() {
     desc::apply_params("{}", None, &mut scene).unwrap();
     assert_eq!((scene.render.samples, scene.render.max_depth, scene.warnings.len()), (3, Some(4), 0), "nothing given");
     let text = r#"{"resolution": [512, 256], "supersamples": [7, "grid"], "maxRayDepth": 9, "shadowRays": 3,
-      "photonMap": 1,
         "scalingFactor": [2, 2], "interpolation": "nearest", "recordStatistics": 1, "nonsense": {"a": []}}"#;
     desc::apply_params(text, None, &mut scene).unwrap();
     let expected = RenderDesc {
@@ -372,9 +459,7 @@ fn parameter_files_override_the_render_block() {
     };
     assert_eq!(scene.render, expected);
     let warnings = scene.warnings.join("\n");
-    for word in
-        ["photonMap: not done", "scalingFactor: not done", "interpolation, recordStatistics", "nonsense: unknown"]
-    {
+    for word in ["scalingFactor: not done", "here: interpolation, recordStatistics", "nonsense: unknown"] {
         assert!(warnings.contains(word), "{word} in:\n{warnings}");
     }
     for (pattern, sampler) in [("rand", SamplerDesc::Random), ("norm", SamplerDesc::Gaussian)] {
@@ -392,6 +477,25 @@ fn parameter_files_override_the_render_block() {
         ("{\"supersamples\": [7, \"grid\", 1]}", "line 1: supersamples: too many elements"),
         ("{\"maxRayDepth\": 0}", "line 1: maxRayDepth: 0 is out of range"),
         ("{\"shadowRays\": -1}", "line 1: shadowRays: invalid value: integer `-1`"),
+        ("{\"photonMap\": true}", "line 1: photonMap: invalid type: boolean `true`, expected a number"),
+        (
+            "{\n\"photonAmount\": 0}",
+            "line 2: photonAmount: 0 is out of range, expected a whole number from 1 to 536870912",
+        ),
+        ("{\"photonAmount\": -5}", "line 1: photonAmount: invalid value: integer `-5`"),
+        ("{\"photonAmount\": 536870913}", "line 1: photonAmount: 536870913 is out of range"),
+        ("{\"photonAmount\": 1e30}", "line 1: photonAmount: invalid value: floating point `1e+30`"),
+        ("{\"photonAmount\": 0.5}", "line 1: photonAmount: invalid value: floating point `0.5`"),
+        ("{\n\"photonEstimationRadius\": 0}", "line 2: photonEstimationRadius: 0 is not above 0"),
+        ("{\"photonEstimationRadius\": -0.1}", "line 1: photonEstimationRadius: -0.1 is not above 0"),
+        (
+            "{\"photonEstimationRadius\": 1e30}",
+            "line 1: photonEstimationRadius: 1e30 is out of range, expected a radius",
+        ),
+        ("{\"photonEstimationRadius\": 1e-30}", "line 1: photonEstimationRadius: 1e-30 is out of range"),
+        ("{\"photonEstimationRadius\": 1e39}", "line 1: photonEstimationRadius: 1e39 is beyond single precision"),
+        ("{\"photonEstimationRadius\": 1e999}", "line 1: "),
+        ("{\"photonEstimationRadius\": NaN}", "line 1: "),
         ("[]", "line 1: expected an object, found an array"),
         ("{", "line 1: the text ends inside an object"),
     ] {
@@ -495,6 +599,53 @@ fn the_reports_room_is_read_whole() {
 }
 
 #[test]
+fn the_reports_photon_map_is_asked_for_by_parameter_files() {
+    let with = |scene: &str, text: &str| {
+        let mut scene = native(scene);
+        desc::apply_params(text, None, &mut scene).unwrap();
+        (scene.render, scene.warnings)
+    };
+    let cone = Some(KernelDesc::Cone { k: 1.0 });
+    let report = PhotonDesc {
+        count: Some(1_000_000),
+        radius: Some(0.1),
+        min_photons: 10,
+        kernel: cone,
+        sharing: PhotonSharing::Area,
+        ..PhotonDesc::default()
+    };
+    let on = |photons| RenderDesc { integrator: IntegratorDesc::PhotonDirect, photons, ..RenderDesc::default() };
+    let nothing = r#""surfaces": []"#;
+    assert_eq!(with(nothing, r#"{"photonMap": 1}"#), (on(report.clone()), vec![]));
+    assert_eq!(with(nothing, r#"{"photonMap": -0.5, "photonAmount": null}"#).0, on(report.clone()));
+    let given = PhotonDesc { count: Some(5000), radius: Some(0.7), ..report.clone() };
+    let text = r#"{"photonMap": 1, "photonAmount": 5e3, "photonEstimationRadius": 0.7, "photonMapVisualize": 0}"#;
+    assert_eq!(with(nothing, text), (on(given), vec![]));
+    // What the scene says of the map is replaced, what the report does not know stays.
+    let scene = r#""render": {"photonCount": 9, "photonRadius": 9, "minPhotons": 9, "photonKernel": "flat",
+        "photonNeighbours": 9, "photonMemory": 9}"#;
+    assert_eq!(with(scene, r#"{"photonMap": 1}"#).0, on(PhotonDesc { memory: 9, ..report.clone() }));
+    // Points have no area to share by.
+    let point = r#""lights": [{"type": "point", "origin": [0, 1, 0], "color": [1, 1, 1]}]"#;
+    let shared = PhotonDesc { sharing: PhotonSharing::Power, ..report };
+    assert_eq!(with(point, r#"{"photonMap": 1}"#).0, on(shared));
+    // Off, amount and radius only wait for an integrator that uses them.
+    let waiting = PhotonDesc { count: Some(1), radius: Some(1e18), ..PhotonDesc::default() };
+    let text = r#"{"photonMap": 0, "photonAmount": 1, "photonEstimationRadius": 1e18}"#;
+    assert_eq!(with(nothing, text), (RenderDesc { photons: waiting, ..RenderDesc::default() }, vec![]));
+    let off = |integrator: &str, text: &str| {
+        with(&format!("\"render\": {{\"integrator\": \"{integrator}\"}}"), text).0.integrator
+    };
+    assert_eq!(off("photon_direct", r#"{"photonMap": 0}"#), IntegratorDesc::Path);
+    assert_eq!(off("photon_direct", "{}"), IntegratorDesc::PhotonDirect);
+    assert_eq!(off("sppm", r#"{"photonMap": 0}"#), IntegratorDesc::Sppm);
+    let (render, warnings) = with(nothing, r#"{"photonMapVisualize": 1}"#);
+    assert_eq!(render, RenderDesc::default());
+    assert!(warnings.len() == 1 && warnings[0].contains("photonMapVisualize"), "{warnings:?}");
+    assert!(warnings[0].contains("etendue photons"), "{warnings:?}");
+}
+
+#[test]
 fn the_reports_boxes_and_parameters_are_read_whole() {
     let Some(dir) = report_dir() else { return };
     let scene = desc::load(&dir.join("cornell.json"), Some(&dir.join("param.json"))).unwrap();
@@ -509,7 +660,9 @@ fn the_reports_boxes_and_parameters_are_read_whole() {
         fov_deg: 39.31,
     };
     assert_eq!(scene.camera, expected);
-    let render = RenderDesc { samples: 49, sampler: SamplerDesc::Grid, max_depth: Some(7), ..RenderDesc::default() };
+    let photons = PhotonDesc { count: Some(1_000_000), radius: Some(0.7), ..PhotonDesc::default() };
+    let render =
+        RenderDesc { samples: 49, sampler: SamplerDesc::Grid, max_depth: Some(7), photons, ..RenderDesc::default() };
     assert_eq!(scene.render, render);
     assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
 }

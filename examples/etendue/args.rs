@@ -4,7 +4,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use etendue::desc::{FilterDesc, IntegratorDesc, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc};
+use etendue::desc::{
+    FilterDesc, IntegratorDesc, MAX_PHOTONS, MAX_SHADOW_RAYS, PhotonDesc, RADII, RenderDesc, SamplerDesc,
+};
 use etendue::output::ToneMap;
 use etendue::render::{MAX_THREADS, MOST_SAMPLES};
 
@@ -71,6 +73,18 @@ pub struct RenderArgs {
     /// Light samples per hit, in place of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS)))]
     pub shadow_rays: Option<u32>,
+    /// Light paths of a photon map (of each pass, where maps are made anew), in place of the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PHOTONS)))]
+    pub photons: Option<u32>,
+    /// Radius of density estimates in scene units, in place of the scene's.
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = parse_radius)]
+    pub photon_radius: Option<f64>,
+    /// Light paths of a caustic map, in place of the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PHOTONS)))]
+    pub caustic_photons: Option<u32>,
+    /// Radius of caustics in scene units, in place of the scene's.
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = parse_radius)]
+    pub caustic_radius: Option<f64>,
     /// Greatest number of surface hits on a path, or none for no cut.
     #[arg(long, value_name = "N|none", value_parser = parse_depth)]
     pub max_depth: Option<Depth>,
@@ -120,6 +134,7 @@ pub struct CompareArgs {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
+#[value(rename_all = "snake_case")]
 pub enum Integrator {
     /// Emission and light scattered once.
     Direct,
@@ -127,6 +142,20 @@ pub enum Integrator {
     Whitted,
     /// Everything.
     Path,
+    /// The report's photon map for direct light.
+    PhotonDirect,
+    /// Paths, with caustics from a photon map.
+    Caustic,
+    /// Global and caustic photon map, with final gathering.
+    Photon,
+    /// Indirect light interpolated between final gathers.
+    IrradianceCache,
+    /// Progressive photon mapping.
+    Ppm,
+    /// Stochastic progressive photon mapping.
+    Sppm,
+    /// Path, caustic or sppm, by what the scene holds.
+    Auto,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -190,9 +219,24 @@ impl RenderArgs {
                 Integrator::Direct => IntegratorDesc::Direct,
                 Integrator::Whitted => IntegratorDesc::Whitted,
                 Integrator::Path => IntegratorDesc::Path,
+                Integrator::PhotonDirect => IntegratorDesc::PhotonDirect,
+                Integrator::Caustic => IntegratorDesc::Caustic,
+                Integrator::Photon => IntegratorDesc::Photon,
+                Integrator::IrradianceCache => IntegratorDesc::IrradianceCache,
+                Integrator::Ppm => IntegratorDesc::Ppm,
+                Integrator::Sppm => IntegratorDesc::Sppm,
+                Integrator::Auto => IntegratorDesc::Auto,
             }),
             max_depth: self.max_depth.map_or(scene.max_depth, |depth| depth.0),
             shadow_rays: self.shadow_rays.unwrap_or(scene.shadow_rays),
+            photons: PhotonDesc {
+                count: self.photons.or(scene.photons.count),
+                radius: self.photon_radius.or(scene.photons.radius),
+                caustic_count: self.caustic_photons.or(scene.photons.caustic_count),
+                caustic_radius: self.caustic_radius.or(scene.photons.caustic_radius),
+                ..scene.photons.clone()
+            },
+            cache: scene.cache.clone(),
             seed: self.seed.unwrap_or(scene.seed),
         }
     }
@@ -201,6 +245,12 @@ impl RenderArgs {
 fn parse_threads(text: &str) -> Result<usize, String> {
     let threads = text.parse::<usize>().ok().filter(|threads| *threads <= MAX_THREADS);
     threads.ok_or_else(|| format!("expected a whole number up to {MAX_THREADS}"))
+}
+
+fn parse_radius(text: &str) -> Result<f64, String> {
+    let [low, high] = RADII;
+    let radius = text.parse::<f64>().ok().filter(|radius| (low..=high).contains(radius));
+    radius.ok_or_else(|| format!("expected a radius from {low:e} to {high:e}, such as 0.1"))
 }
 
 fn parse_error(text: &str) -> Result<f64, String> {

@@ -167,7 +167,7 @@ _etendue() {
             return 0
             ;;
         etendue__subcmd__render)
-            opts="-o -q -h --output --threads --spp --time --target-error --seed --resolution --integrator --filter --sampler --shadow-rays --max-depth --progressive --tone-map --exposure --quiet --help"
+            opts="-o -q -h --output --threads --spp --time --target-error --seed --resolution --integrator --filter --sampler --shadow-rays --photons --photon-radius --caustic-photons --caustic-radius --max-depth --progressive --tone-map --exposure --quiet --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -206,7 +206,7 @@ _etendue() {
                     return 0
                     ;;
                 --integrator)
-                    COMPREPLY=($(compgen -W "direct whitted path" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "direct whitted path photon_direct caustic photon irradiance_cache ppm sppm auto" -- "${cur}"))
                     return 0
                     ;;
                 --filter)
@@ -218,6 +218,22 @@ _etendue() {
                     return 0
                     ;;
                 --shadow-rays)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --photons)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --photon-radius)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --caustic-photons)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --caustic-radius)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -39,7 +39,14 @@ complete -c etendue -n "__fish_etendue_using_subcommand render" -l seed -d 'Seed
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l resolution -d 'Width and height in pixels, such as 640x480, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l integrator -d 'Light transport, in place of the scene\'s' -r -f -a "direct\t'Emission and light scattered once'
 whitted\t'Direct light, perfect mirrors and glass'
-path\t'Everything'"
+path\t'Everything'
+photon_direct\t'The report\'s photon map for direct light'
+caustic\t'Paths, with caustics from a photon map'
+photon\t'Global and caustic photon map, with final gathering'
+irradiance_cache\t'Indirect light interpolated between final gathers'
+ppm\t'Progressive photon mapping'
+sppm\t'Stochastic progressive photon mapping'
+auto\t'Path, caustic or sppm, by what the scene holds'"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l filter -d 'Pixel filter: box, tent, gaussian[:SIGMA], blackman-harris or mitchell[:B,C]' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l sampler -d 'Where the samples of a pixel come from' -r -f -a "sobol\t'Owen-scrambled Sobol\' points'
 random\t'Independent random numbers'
@@ -47,6 +54,10 @@ jittered\t'One random position in each of n x n cells'
 grid\t'n x n regular positions'
 gaussian\t'Normally distributed around the pixel\'s centre'"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l shadow-rays -d 'Light samples per hit, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l photons -d 'Light paths of a photon map (of each pass, where maps are made anew), in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l photon-radius -d 'Radius of density estimates in scene units, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l caustic-photons -d 'Light paths of a caustic map, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l caustic-radius -d 'Radius of caustics in scene units, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l max-depth -d 'Greatest number of surface hits on a path, or none for no cut' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l tone-map -d 'How radiance becomes brightness in a PNG' -r -f -a "maximum\t'Divide by the largest value of the image'
 clamp\t'1 is white, and so is all above'

@@ -212,6 +212,27 @@ pub(super) fn tag(raw: &RawValue, path: &str, key: &'static str, known: &[&str])
     Err(Error::invalid(join(path, key), message))
 }
 
+/// A name, or an object whose `type` is the name; says whether there is an object with more in it.
+pub(super) fn named(raw: &RawValue, path: &str, known: &[&str]) -> Result<(String, bool)> {
+    if kind(raw.get()) != "a string" {
+        return tag(raw, path, "type", known).map(|name| (name, true));
+    }
+    let name: String = value(raw, path)?;
+    if known.contains(&name.as_str()) {
+        return Ok((name, false));
+    }
+    let hint = did_you_mean(&name, known.iter().copied());
+    Err(Error::invalid(path, format!("unknown name '{}', expected one of {}{hint}", elided(&name), known.join(", "))))
+}
+
+/// An object that says its type and nothing else.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Plain {
+    #[serde(rename = "type")]
+    _type: String,
+}
+
 #[derive(Deserialize)]
 struct Geometry {
     geometry: Option<String>,

@@ -38,6 +38,7 @@
 
 mod builder;
 mod edit;
+mod filter;
 mod index;
 mod json;
 mod mcrt;
@@ -45,6 +46,7 @@ mod native;
 mod obj;
 mod params;
 mod photon;
+mod photon_keys;
 mod quadric;
 mod read;
 mod render;
@@ -57,7 +59,12 @@ mod validate;
 
 pub use edit::SurfaceLook;
 pub use index::SceneIndex;
-pub use photon::{CacheDesc, CacheSource, KernelDesc, MAX_NEIGHBOURS, MAX_PHOTONS, PhotonDesc, PhotonSharing};
+pub use photon::{
+    CacheDesc, CacheSource, KernelDesc, MAX_GATHER_RAYS, MAX_NEIGHBOURS, MAX_PHOTON_MEMORY, MAX_PHOTONS, PhotonDesc,
+    PhotonSharing, RADII,
+};
+#[cfg(feature = "capi")]
+pub(crate) use photon_keys::{check_cache, check_photons};
 pub use read::{apply_params, load, load_params, parse};
 #[cfg(feature = "schema")]
 pub use schema::schema;

@@ -5,7 +5,9 @@ use serde_json::value::RawValue;
 
 use super::builder::warn;
 use super::json::{self, Whole, did_you_mean};
-use super::{RenderDesc, SamplerDesc, render, validate};
+use super::{
+    IntegratorDesc, KernelDesc, PhotonDesc, PhotonSharing, RenderDesc, SamplerDesc, photon_keys, render, validate,
+};
 use crate::{Error, Result};
 
 #[derive(Deserialize)]
@@ -26,16 +28,19 @@ struct Params<'a> {
     progressive_rendering: Option<&'a RawValue>,
     #[serde(borrow)]
     record_statistics: Option<&'a RawValue>,
-    #[serde(borrow)]
-    photon_map_visualize: Option<&'a RawValue>,
-    #[serde(borrow)]
-    photon_amount: Option<&'a RawValue>,
-    #[serde(borrow)]
-    photon_estimation_radius: Option<&'a RawValue>,
+    photon_map_visualize: Option<f64>,
+    photon_amount: Option<Whole>,
+    photon_estimation_radius: Option<f64>,
 }
 
-/// Overrides `render` with what the file says.
-pub(super) fn apply(json: &str, render: &mut RenderDesc, warnings: &mut Vec<String>) -> Result<()> {
+/// What `mcrt` shoots and how far it looks for photons, where the file does not say.
+const PHOTONS: u32 = 1_000_000;
+const RADIUS: f64 = 0.1;
+/// Fewer photons than this are no estimate.
+const MIN_PHOTONS: u32 = 10;
+
+/// Overrides `render` with what the file says. `points`: whether the scene has point lights.
+pub(super) fn apply(json: &str, points: bool, render: &mut RenderDesc, warnings: &mut Vec<String>) -> Result<()> {
     let document = json::document(json)?;
     let params: Params<'_> = json::object_lenient(document, "", |key| {
         warn(warnings, format!("{}: unknown parameter, ignored", json::elided(&key)));
@@ -52,8 +57,14 @@ pub(super) fn apply(json: &str, render: &mut RenderDesc, warnings: &mut Vec<Stri
     if let Some(count) = params.shadow_rays {
         render.shadow_rays = render::shadow_rays("shadowRays", count)?;
     }
-    if params.photon_map.is_some_and(|on| on != 0.0) {
-        warn(warnings, "photonMap: not done, direct light is computed by shadow rays".to_owned());
+    let amount = params.photon_amount.map(|count| photon_keys::count("photonAmount", count)).transpose()?;
+    let radius = params.photon_estimation_radius;
+    radius.map(|radius| validate::radius("photonEstimationRadius", radius)).transpose()?;
+    photon_map(params.photon_map.map(|on| on != 0.0), amount, radius, points, render);
+    if params.photon_map_visualize.is_some_and(|on| on != 0.0) {
+        let message =
+            "photonMapVisualize: without effect here, `etendue photons` writes photons to a file or draws them";
+        warn(warnings, message.to_owned());
     }
     if params.scaling_factor.is_some_and(|factor| factor != [1.0, 1.0]) {
         warn(warnings, "scalingFactor: not done, the image is written at its resolution".to_owned());
@@ -64,9 +75,6 @@ pub(super) fn apply(json: &str, render: &mut RenderDesc, warnings: &mut Vec<Stri
         ("interpolation", params.interpolation),
         ("progressiveRendering", params.progressive_rendering),
         ("recordStatistics", params.record_statistics),
-        ("photonMapVisualize", params.photon_map_visualize),
-        ("photonAmount", params.photon_amount),
-        ("photonEstimationRadius", params.photon_estimation_radius),
     ]
     .into_iter()
     .filter_map(|(key, given)| given.map(|_| key))
@@ -75,6 +83,30 @@ pub(super) fn apply(json: &str, render: &mut RenderDesc, warnings: &mut Vec<Stri
         warn(warnings, format!("parameters without effect here: {}", ignored.join(", ")));
     }
     Ok(())
+}
+
+/// The photon map of the report (`photonMap`, `photonAmount`, `photonEstimationRadius`): a cone filter, and photons by the
+/// area of the lights. Point lights have no area, and `mcrt` has no photons of theirs; with them, power decides.
+fn photon_map(on: Option<bool>, amount: Option<u32>, radius: Option<f64>, points: bool, render: &mut RenderDesc) {
+    match on {
+        None => {}
+        Some(false) if render.integrator == IntegratorDesc::PhotonDirect => render.integrator = IntegratorDesc::Path,
+        Some(false) => {}
+        Some(true) => {
+            render.integrator = IntegratorDesc::PhotonDirect;
+            render.photons = PhotonDesc {
+                count: Some(PHOTONS),
+                radius: Some(RADIUS),
+                min_photons: MIN_PHOTONS,
+                kernel: Some(KernelDesc::Cone { k: 1.0 }),
+                neighbours: None,
+                sharing: if points { PhotonSharing::Power } else { PhotonSharing::Area },
+                ..render.photons.clone()
+            };
+        }
+    }
+    render.photons.count = amount.or(render.photons.count);
+    render.photons.radius = radius.or(render.photons.radius);
 }
 
 /// `[n, pattern]`: n * n samples per pixel.

@@ -6,23 +6,33 @@ pub const MAX_PHOTONS: u32 = 1 << 29;
 /// Most nearest neighbours of a density estimate.
 pub const MAX_NEIGHBOURS: u32 = 1 << 16;
 
+/// Radii of density estimates that single precision can square, scene units.
+pub const RADII: [f64; 2] = [1e-18, 1e18];
+
+/// Most rays of a final gather: more cost time that more samples per pixel would spend better.
+pub const MAX_GATHER_RAYS: u32 = 1 << 10;
+
+/// Most memory that photon maps can be given [MiB].
+pub const MAX_PHOTON_MEMORY: u32 = 1 << 20;
+
 /// How photons are shot, stored and gathered. What a method does not use has no effect on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhotonDesc {
     /// Light paths of the map (of each pass, where maps are made anew), from 1 to [`MAX_PHOTONS`]; `None`: as many as the
     /// method does best with.
     pub count: Option<u32>,
-    /// Radius of a density estimate, scene units, finite and > 0; where it shrinks, the first one. `None`: from what a
+    /// Radius of a density estimate, scene units, within [`RADII`]; where it shrinks, the first one. `None`: from what a
     /// pixel sees.
     pub radius: Option<f64>,
     /// Fewer photons than this within the radius are no estimate for [`super::IntegratorDesc::PhotonDirect`], which then
-    /// sends shadow rays.
+    /// sends shadow rays; from 1 to [`MAX_PHOTONS`].
     pub min_photons: u32,
     /// Light paths of the caustic map, as `count`.
     pub caustic_count: Option<u32>,
     /// Radius of caustics, as `radius`.
     pub caustic_radius: Option<f64>,
-    /// So many nearest photons make an estimate, those beyond the radius left out; `None`: all within the radius.
+    /// So many nearest photons make an estimate, those beyond the radius left out, from 1 to [`MAX_NEIGHBOURS`];
+    /// `None`: all within the radius.
     pub neighbours: Option<u32>,
     /// How photons weigh by their distance; `None`: a cone for the report's map, Epanechnikov's kernel for all others.
     pub kernel: Option<KernelDesc>,
@@ -34,9 +44,9 @@ pub struct PhotonDesc {
     pub guided: bool,
     /// Whether the caustic map of [`super::IntegratorDesc::Caustic`] is made anew for every pass, with a shrinking radius.
     pub progressive: bool,
-    /// Rays of a final gather.
+    /// Rays of a final gather, from 1 to [`MAX_GATHER_RAYS`].
     pub gather_rays: u32,
-    /// Most memory of all maps at a time [MiB].
+    /// Most memory of all maps at a time [MiB], from 1 to [`MAX_PHOTON_MEMORY`].
     pub memory: u32,
 }
 
@@ -91,9 +101,10 @@ pub struct CacheDesc {
     pub error: f64,
     /// Rays of a record's final gather, from 16 to 2^20.
     pub rays: u32,
-    /// Smallest distance at which records are worth keeping apart, in pixels as seen by the camera.
+    /// Smallest distance at which records are worth keeping apart, in pixels as seen by the camera, in
+    /// (0, 1000].
     pub min_spacing: f64,
-    /// Greatest distance over which a record is used, as a share of the scene's extent.
+    /// Greatest distance over which a record is used, as a share of the scene's extent, in (0, 1].
     pub max_spacing: f64,
     /// What the gather's rays bring back.
     pub source: CacheSource,

@@ -58,7 +58,7 @@ pub fn parse(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDe
 
 /// Reads a parameter file of the report's renderer from a string into `scene.render`.
 ///
-/// `file` is for messages. What is not done (photon maps, resizing, statistics) is said in `scene.warnings`.
+/// `file` is for messages. What is not done (resizing, statistics) is said in `scene.warnings`.
 ///
 /// # Errors
 ///
@@ -66,7 +66,8 @@ pub fn parse(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDe
 pub fn apply_params(json: &str, file: Option<&Path>, scene: &mut SceneDesc) -> Result<()> {
     let json = json.strip_prefix('\u{feff}').unwrap_or(json);
     let (mut render, mut warnings) = (scene.render.clone(), scene.warnings.clone());
-    params::apply(json, &mut render, &mut warnings).map_err(|error| located(error, json, file))?;
+    let points = !scene.lights.is_empty();
+    params::apply(json, points, &mut render, &mut warnings).map_err(|error| located(error, json, file))?;
     (scene.render, scene.warnings) = (render, warnings);
     Ok(())
 }

@@ -3,9 +3,9 @@
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
-use super::json::{self, Whole, did_you_mean, join};
-use super::{FilterDesc, IntegratorDesc, RenderDesc, SamplerDesc, validate};
-use crate::{Error, Result};
+use super::json::{self, Plain, Whole, join};
+use super::{IntegratorDesc, RenderDesc, SamplerDesc, filter, photon_keys, validate};
+use crate::Result;
 
 /// Most samples per pixel, 2^31.
 pub(super) const SAMPLE_LIMIT: u64 = 1 << 31;
@@ -24,7 +24,7 @@ pub(super) struct Render<'a> {
     sampler: Option<Sampler>,
     /// How samples weigh in a pixel. Default `box`.
     #[serde(borrow)]
-    #[cfg_attr(feature = "schema", schemars(with = "Option<schema::Filter>"))]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<filter::schema::Filter>"))]
     filter: Option<&'a RawValue>,
     /// Greatest number of surface hits on a path, counting the first visible one; null cuts nothing. Default null.
     max_depth: Option<Whole>,
@@ -36,6 +36,61 @@ pub(super) struct Render<'a> {
     integrator: Option<&'a RawValue>,
     /// Seed of all randomness. Default 0.
     seed: Option<Whole>,
+
+    /// Light paths of a photon map (of each pass, where maps are made anew), 1 to 2^29. Default: chosen by the integrator.
+    pub(super) photon_count: Option<Whole>,
+    /// `photonCount` in other words.
+    #[serde(rename = "photon_count")]
+    pub(super) photon_count_alias: Option<Whole>,
+    /// Radius of a density estimate, scene units, 1e-18 to 1e18; where it shrinks, the first one. Default: from what a
+    /// pixel sees.
+    pub(super) photon_radius: Option<f64>,
+    /// `photonRadius` in other words.
+    #[serde(rename = "photon_radius")]
+    pub(super) photon_radius_alias: Option<f64>,
+    /// Of `photon_direct`: fewer photons than this within the radius are no estimate, and shadow rays are sent instead,
+    /// 1 to 2^29. Default 10.
+    pub(super) min_photons: Option<Whole>,
+    /// `minPhotons` in other words.
+    #[serde(rename = "min_photons")]
+    pub(super) min_photons_alias: Option<Whole>,
+    /// Light paths of a caustic map, 1 to 2^29. Default: chosen by the integrator.
+    pub(super) caustic_count: Option<Whole>,
+    /// Radius of caustics, scene units, 1e-18 to 1e18. Default: from what a pixel sees.
+    pub(super) caustic_radius: Option<f64>,
+    /// So many nearest photons make an estimate, those beyond the radius left out, 1 to 65536. Default: all within the
+    /// radius.
+    pub(super) photon_neighbours: Option<Whole>,
+    /// How photons weigh by their distance. Default: `cone` with `photon_direct`, else `epanechnikov`.
+    #[serde(borrow)]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<photon_keys::schema::Kernel>"))]
+    pub(super) photon_kernel: Option<&'a RawValue>,
+    /// Of `caustic`, `ppm` and `sppm`: the share of photons kept as radii shrink, above 0 and below 1. Default 2/3.
+    pub(super) photon_alpha: Option<f64>,
+    /// How emitters share the photons. Default `power`.
+    #[serde(default, deserialize_with = "json::name")]
+    pub(super) photon_sharing: Option<photon_keys::Sharing>,
+    /// Whether caustic photons are aimed at the specular surfaces. Default true.
+    pub(super) photons_guided: Option<bool>,
+    /// Whether the map of `caustic` is made anew for every pass, with a shrinking radius. Default true.
+    pub(super) photons_progressive: Option<bool>,
+    /// Of `photon`: rays of a final gather, 1 to 1024. Default 1.
+    pub(super) gather_rays: Option<Whole>,
+    /// Most memory of all maps at a time, MiB, 1 to 2^20. Default 4096.
+    pub(super) photon_memory: Option<Whole>,
+    /// Of `irradiance_cache`: greatest error that is allowed where records are interpolated, above 0 and up to 10.
+    /// Default 0.15.
+    pub(super) cache_error: Option<f64>,
+    /// Of `irradiance_cache`: rays of a record's final gather, 16 to 2^20. Default 1024.
+    pub(super) cache_rays: Option<Whole>,
+    /// Of `irradiance_cache`: smallest distance between records, pixels, above 0 and up to 1000. Default 3.
+    pub(super) cache_min_spacing: Option<f64>,
+    /// Of `irradiance_cache`: greatest distance over which a record is used, as a share of the scene's extent, above 0
+    /// and up to 1. Default 0.1.
+    pub(super) cache_max_spacing: Option<f64>,
+    /// Of `irradiance_cache`: what the gather's rays bring back. Default `paths`.
+    #[serde(default, deserialize_with = "json::name")]
+    pub(super) cache_source: Option<photon_keys::Source>,
 }
 
 /// Where the samples of a pixel come from.
@@ -55,110 +110,50 @@ enum Sampler {
     Gaussian,
 }
 
-/// What `filter` and `integrator` accept, for the schema.
+/// What `integrator` accepts, for the schema.
 #[cfg(feature = "schema")]
 #[expect(dead_code, reason = "only the schema of these types is used")]
 mod schema {
     #[derive(schemars::JsonSchema)]
     #[schemars(untagged)]
-    pub enum Filter {
-        /// Its name, with default parameters.
-        Name(super::FilterName),
-        /// Name and parameters.
-        Block(FilterBlock),
-    }
-
-    #[derive(schemars::JsonSchema)]
-    #[schemars(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
-    pub enum FilterBlock {
-        /// One pixel wide.
-        Box,
-        /// Triangle, radius 1 pixel.
-        Tent,
-        /// Cut at three standard deviations.
-        Gaussian {
-            /// Standard deviation, pixels, above 0 and up to 16. Default 0.5.
-            sigma: Option<f64>,
-        },
-        /// Blackman-Harris window, radius 2 pixels.
-        BlackmanHarris,
-        /// Mitchell-Netravali, radius 2 pixels.
-        Mitchell {
-            /// B, in [0, 1]. Default 1/3.
-            b: Option<f64>,
-            /// C, in [0, 1]. Default 1/3.
-            c: Option<f64>,
-        },
-    }
-
-    #[derive(schemars::JsonSchema)]
-    #[schemars(untagged)]
     pub enum Integrator {
         /// Its name.
-        Name(super::IntegratorName),
+        Name(IntegratorName),
         /// Its name, in an object.
         Block(IntegratorBlock),
     }
 
     #[derive(schemars::JsonSchema)]
-    #[schemars(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
-    pub enum IntegratorBlock {
-        /// Everything.
+    #[schemars(deny_unknown_fields)]
+    pub struct IntegratorBlock {
+        /// Its name.
+        r#type: IntegratorName,
+    }
+
+    #[derive(schemars::JsonSchema)]
+    #[schemars(rename_all = "snake_case")]
+    pub enum IntegratorName {
+        /// Path tracing: everything.
         Path,
         /// Direct light, perfect mirrors and glass.
         Whitted,
         /// Emission and light scattered once.
         Direct,
+        /// The report's photon map: direct light from photons, where no shadow photon is among them.
+        PhotonDirect,
+        /// Path tracing, with caustics from a photon map.
+        Caustic,
+        /// A global and a caustic photon map, with final gathering.
+        Photon,
+        /// Indirect diffuse light interpolated between final gathers.
+        IrradianceCache,
+        /// Progressive photon mapping: a new map every pass, with one shrinking radius.
+        Ppm,
+        /// Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel.
+        Sppm,
+        /// `path`, `caustic` or `sppm`, by what the scene holds.
+        Auto,
     }
-}
-
-#[cfg(feature = "schema")]
-#[derive(schemars::JsonSchema)]
-#[schemars(rename_all = "kebab-case")]
-#[expect(dead_code, reason = "only its schema is used")]
-enum FilterName {
-    Box,
-    Tent,
-    Gaussian,
-    BlackmanHarris,
-    Mitchell,
-}
-
-#[cfg(feature = "schema")]
-#[derive(schemars::JsonSchema)]
-#[schemars(rename_all = "kebab-case")]
-#[expect(dead_code, reason = "only its schema is used")]
-enum IntegratorName {
-    Path,
-    Whitted,
-    Direct,
-}
-
-const FILTERS: [&str; 5] = ["box", "tent", "gaussian", "blackman-harris", "mitchell"];
-
-/// A block that says its type and nothing else.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Plain {
-    #[serde(rename = "type")]
-    _type: String,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Gaussian {
-    #[serde(rename = "type")]
-    _type: String,
-    sigma: Option<f64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Mitchell {
-    #[serde(rename = "type")]
-    _type: String,
-    b: Option<f64>,
-    c: Option<f64>,
 }
 
 /// Reads the block.
@@ -182,7 +177,7 @@ pub(super) fn read(raw: &RawValue, path: &str) -> Result<RenderDesc> {
         };
     }
     if let Some(raw) = block.filter {
-        render.filter = filter(raw, &at("filter"))?;
+        render.filter = filter::read(raw, &at("filter"))?;
     }
     if let Some(depth) = block.max_depth {
         render.max_depth = Some(max_depth(&at("maxDepth"), depth)?);
@@ -196,11 +191,14 @@ pub(super) fn read(raw: &RawValue, path: &str) -> Result<RenderDesc> {
     if let Some(seed) = block.seed {
         render.seed = seed.0;
     }
+    render.photons = photon_keys::photons(&block, path)?;
+    render.cache = photon_keys::cache(&block, path)?;
     Ok(render)
 }
 
 impl RenderDesc {
-    /// Whether the format could have given these numbers: the image's size, samples, depth, shadow rays and filter.
+    /// Whether the format could have given these numbers: the image's size, samples, depth, shadow rays, filter,
+    /// photon maps and irradiance cache.
     ///
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] at `render.resolution`, `render.samples`, `render.filter.sigma` and so on.
@@ -208,15 +206,13 @@ impl RenderDesc {
         let whole = |value: u32| Whole(u64::from(value));
         validate::resolution("render.resolution", self.resolution.map(whole))?;
         validate::whole("render.samples", whole(self.samples), 1, SAMPLE_LIMIT)?;
-        match self.filter {
-            FilterDesc::Gaussian { sigma } => gaussian("render.filter", sigma.into())?,
-            FilterDesc::Mitchell { b, c } => mitchell("render.filter", b.into(), c.into())?,
-            other => other,
-        };
+        filter::check("render.filter", self.filter)?;
         if let Some(depth) = self.max_depth {
             max_depth("render.maxDepth", whole(depth))?;
         }
-        shadow_rays("render.shadowRays", whole(self.shadow_rays)).map(|_| ())
+        shadow_rays("render.shadowRays", whole(self.shadow_rays))?;
+        photon_keys::check_photons("render", &self.photons)?;
+        photon_keys::check_cache("render", &self.cache)
     }
 }
 
@@ -230,65 +226,9 @@ pub(super) fn shadow_rays(path: &str, value: Whole) -> Result<u32> {
     validate::whole(path, value, 1, u64::from(super::MAX_SHADOW_RAYS))
 }
 
-fn gaussian(path: &str, sigma: f64) -> Result<FilterDesc> {
-    let at = join(path, "sigma");
-    validate::positive(&at, sigma)?;
-    Ok(FilterDesc::Gaussian { sigma: validate::within(&at, sigma, 0.0, 16.0)? })
-}
-
-fn mitchell(path: &str, b: f64, c: f64) -> Result<FilterDesc> {
-    let within = |key: &str, value: f64| validate::within(&join(path, key), value, 0.0, 1.0);
-    Ok(FilterDesc::Mitchell { b: within("b", b)?, c: within("c", c)? })
-}
-
-/// A name, or an object whose `type` is the name; says whether there is an object with more in it.
-fn named(raw: &RawValue, path: &str, known: &[&str]) -> Result<(String, bool)> {
-    if json::kind(raw.get()) != "a string" {
-        return json::tag(raw, path, "type", known).map(|name| (name, true));
-    }
-    let name: String = json::value(raw, path)?;
-    if known.contains(&name.as_str()) {
-        return Ok((name, false));
-    }
-    let hint = did_you_mean(&name, known.iter().copied());
-    Err(Error::invalid(
-        path,
-        format!("unknown name '{}', expected one of {}{hint}", json::elided(&name), known.join(", ")),
-    ))
-}
-
-fn filter(raw: &RawValue, path: &str) -> Result<FilterDesc> {
-    let (name, block) = named(raw, path, &FILTERS)?;
-    match name.as_str() {
-        "gaussian" => {
-            let sigma = if block { json::object::<Gaussian>(raw, path)?.sigma } else { None }.unwrap_or(0.5);
-            gaussian(path, sigma)
-        }
-        "mitchell" => {
-            let (b, c) = if block {
-                let given: Mitchell = json::object(raw, path)?;
-                (given.b, given.c)
-            } else {
-                (None, None)
-            };
-            mitchell(path, b.unwrap_or(1.0 / 3.0), c.unwrap_or(1.0 / 3.0))
-        }
-        name => {
-            if block {
-                json::object::<Plain>(raw, path)?;
-            }
-            Ok(match name {
-                "tent" => FilterDesc::Tent,
-                "blackman-harris" => FilterDesc::BlackmanHarris,
-                _ => FilterDesc::Box,
-            })
-        }
-    }
-}
-
 fn integrator(raw: &RawValue, path: &str) -> Result<IntegratorDesc> {
     let names = IntegratorDesc::ALL.map(IntegratorDesc::name);
-    let (name, block) = named(raw, path, &names)?;
+    let (name, block) = json::named(raw, path, &names)?;
     if block {
         json::object::<Plain>(raw, path)?;
     }

@@ -46,6 +46,41 @@ pub(super) fn within(path: &str, value: f64, low: f64, high: f64) -> Result<f32>
     Err(Error::invalid(path, format!("{value} is out of range, expected a number in [{low}, {high}]")))
 }
 
+/// A number above 0, in single precision too, and up to `high`.
+pub(super) fn up_to(path: &str, value: f64, high: f64) -> Result<()> {
+    if (F32_MIN..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::invalid(path, format!("{value} is out of range, expected a number above 0 and up to {high}")))
+}
+
+/// A number above 0 and below 1.
+pub(super) fn share(path: &str, value: f64) -> Result<()> {
+    if value >= F32_MIN && value < 1.0 {
+        return Ok(());
+    }
+    Err(Error::invalid(path, format!("{value} is out of range, expected a number above 0 and below 1")))
+}
+
+/// A radius of density estimates, see [`super::RADII`].
+pub(super) fn radius(path: &str, value: f64) -> Result<()> {
+    positive(path, value)?;
+    let [low, high] = super::RADII;
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(Error::invalid(path, format!("{value:e} is out of range, expected a radius in [{low:e}, {high:e}]")))
+}
+
+/// The cone's k: 1 or more, as single precision has it.
+pub(super) fn cone(path: &str, k: f64) -> Result<f32> {
+    number(path, k)?;
+    if k >= 1.0 {
+        return Ok(k as f32);
+    }
+    Err(Error::invalid(path, format!("{k} is out of range, expected a number >= 1")))
+}
+
 /// A point or a vector.
 pub(super) fn vector(path: &str, value: impl Into<DVec3>) -> Result<DVec3> {
     let value = value.into();

@@ -363,7 +363,8 @@ mod tests {
     use crate::math::Vec3;
 
     fn film(auxiliary: bool) -> Film {
-        Film::new(FilmOptions { resolution: [19, 17], auxiliary, replicate_size: 1, weighted: false, gathering: false }).unwrap()
+        Film::new(FilmOptions { resolution: [19, 17], auxiliary, replicate_size: 1, weighted: false, gathering: false })
+            .unwrap()
     }
 
     #[test]

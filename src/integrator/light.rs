@@ -106,7 +106,8 @@ impl<'s> Vertex<'s> {
         if f == Rgb::ZERO {
             return Rgb::ZERO;
         }
-        let weight = if light.is_delta || is_alone { 1.0 } else { power_heuristic(light_samples as f32 * light.pdf, bsdf_pdf) };
+        let weight =
+            if light.is_delta || is_alone { 1.0 } else { power_heuristic(light_samples as f32 * light.pdf, bsdf_pdf) };
         let origin = point.offset(self.side(light.wi));
         // The target is off the light, by more the farther it is: the light is no obstacle itself.
         let shadow = Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: 1.0 };

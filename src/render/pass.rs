@@ -4,9 +4,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use super::{Method, Render};
 use super::non_finite::Suspects;
 use super::workers::Work;
+use super::{Method, Render};
 use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{RenderDesc, SamplerDesc};

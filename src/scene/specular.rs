@@ -121,7 +121,9 @@ impl Scene {
                         }
                     }
                 }
-                Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. } if is_specular(owners.of(0)) => {
+                Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. }
+                    if is_specular(owners.of(0)) =>
+                {
                     let vertices = triangles.mesh.vertices();
                     let vertex = |i: usize| DVec3::from(vertices.get(i).map(f64::from));
                     let bounds = Bounds::around((0..vertices.len()).map(vertex));

@@ -11,7 +11,8 @@ use std::time::{Duration, Instant};
 
 use etendue::Result;
 use etendue::desc::{
-    self, BsdfDesc, FilterDesc, HostMesh, MeshDesc, RenderDesc, SceneDesc, SceneIndex, ShapeDesc, SurfaceLook,
+    self, BsdfDesc, CacheDesc, FilterDesc, HostMesh, KernelDesc, MAX_NEIGHBOURS, MAX_PHOTONS, MeshDesc, PhotonDesc,
+    RenderDesc, SceneDesc, SceneIndex, ShapeDesc, SurfaceLook,
 };
 use etendue::math::{Bounds, DAffine3, DVec3, Vec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -217,6 +218,66 @@ fn render_settings_are_checked_as_in_the_format() {
     for (path, render) in bad {
         let error = render.check().expect_err(path);
         assert_eq!(error.location().json_path, path);
+    }
+    let photons = |change: fn(&mut PhotonDesc)| {
+        let mut render = fine.clone();
+        change(&mut render.photons);
+        render.check()
+    };
+    let bad_photons: [(&str, fn(&mut PhotonDesc)); 22] = [
+        ("render.photonCount", |it| it.count = Some(0)),
+        ("render.photonCount", |it| it.count = Some(MAX_PHOTONS + 1)),
+        ("render.photonRadius", |it| it.radius = Some(f64::NAN)),
+        ("render.photonRadius", |it| it.radius = Some(0.0)),
+        ("render.photonRadius", |it| it.radius = Some(1e30)),
+        ("render.minPhotons", |it| it.min_photons = 0),
+        ("render.causticCount", |it| it.caustic_count = Some(u32::MAX)),
+        ("render.causticRadius", |it| it.caustic_radius = Some(f64::INFINITY)),
+        ("render.causticRadius", |it| it.caustic_radius = Some(-1.0)),
+        ("render.photonNeighbours", |it| it.neighbours = Some(0)),
+        ("render.photonNeighbours", |it| it.neighbours = Some(MAX_NEIGHBOURS + 1)),
+        ("render.photonKernel.k", |it| it.kernel = Some(KernelDesc::Cone { k: 0.5 })),
+        ("render.photonKernel.k", |it| it.kernel = Some(KernelDesc::Cone { k: f32::NAN })),
+        ("render.photonKernel.k", |it| it.kernel = Some(KernelDesc::Cone { k: f32::INFINITY })),
+        ("render.photonAlpha", |it| it.alpha = 0.0),
+        ("render.photonAlpha", |it| it.alpha = 1.0),
+        ("render.photonAlpha", |it| it.alpha = f64::NAN),
+        ("render.gatherRays", |it| it.gather_rays = 0),
+        ("render.gatherRays", |it| it.gather_rays = 1025),
+        ("render.photonMemory", |it| it.memory = 0),
+        ("render.photonMemory", |it| it.memory = (1 << 20) + 1),
+        ("render.photonMemory", |it| it.memory = u32::MAX),
+    ];
+    for (path, change) in bad_photons {
+        assert_eq!(photons(change).expect_err(path).location().json_path, path);
+    }
+    for change in [
+        (|it| it.count = Some(MAX_PHOTONS)) as fn(&mut PhotonDesc),
+        |it| it.radius = Some(1e-18),
+        |it| it.radius = Some(1e18),
+        |it| it.kernel = Some(KernelDesc::Cone { k: 1.0 }),
+        |it| it.alpha = 0.999,
+        |it| it.memory = 1 << 20,
+    ] {
+        photons(change).unwrap();
+    }
+    let bad_caches: [(&str, fn(&mut CacheDesc)); 11] = [
+        ("render.cacheError", |it| it.error = 0.0),
+        ("render.cacheError", |it| it.error = 10.1),
+        ("render.cacheError", |it| it.error = f64::NAN),
+        ("render.cacheRays", |it| it.rays = 15),
+        ("render.cacheRays", |it| it.rays = (1 << 20) + 1),
+        ("render.cacheMinSpacing", |it| it.min_spacing = 0.0),
+        ("render.cacheMinSpacing", |it| it.min_spacing = f64::INFINITY),
+        ("render.cacheMaxSpacing", |it| it.max_spacing = -0.1),
+        ("render.cacheMaxSpacing", |it| it.max_spacing = 1.5),
+        ("render.cacheMaxSpacing", |it| it.max_spacing = 1e-300),
+        ("render.cacheMaxSpacing", |it| it.max_spacing = f64::NAN),
+    ];
+    for (path, change) in bad_caches {
+        let mut render = fine.clone();
+        change(&mut render.cache);
+        assert_eq!(render.check().expect_err(path).location().json_path, path);
     }
     let wide = RenderDesc { filter: FilterDesc::Gaussian { sigma: 16.0 }, samples: 1 << 31, ..fine };
     assert!(wide.check().is_ok());

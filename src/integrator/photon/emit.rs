@@ -55,7 +55,8 @@ impl Emission {
         let weights: Vec<f64> = match sharing {
             PhotonSharing::Power => {
                 let power = |emitter: &Emitter| emitter.power().dot(LUMINANCE_WEIGHTS.as_dvec3());
-                let seen: Vec<f64> = emitters.iter().map(|emitter| power(emitter) * share_aimed(emitter, &balls)).collect();
+                let seen: Vec<f64> =
+                    emitters.iter().map(|emitter| power(emitter) * share_aimed(emitter, &balls)).collect();
                 let (all, aimed) = (emitters.iter().map(power).sum::<f64>(), seen.iter().sum::<f64>());
                 let even = if balls.is_empty() || all == 0.0 { 0.0 } else { BY_POWER * (aimed / all).max(1e-6) };
                 emitters.iter().zip(seen).map(|(emitter, seen)| seen + even * power(emitter)).collect()
@@ -92,9 +93,7 @@ impl Emission {
                 (direction, plain / pdf)
             }
             None => match departure.normal {
-                Some(normal) => {
-                    (Frame::from_normal(normal).to_world(warps::cosine_hemisphere([d[0], d[1]])), 1.0)
-                }
+                Some(normal) => (Frame::from_normal(normal).to_world(warps::cosine_hemisphere([d[0], d[1]])), 1.0),
                 None => (warps::uniform_sphere([d[0], d[1]]), 1.0),
             },
         };

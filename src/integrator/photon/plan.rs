@@ -150,7 +150,8 @@ impl Plan {
         // What is shot, how much of it, and how it is asked.
         let mut wanted = Vec::new();
         let asked = |kernel, radius, neighbours| Asked { kernel, radius, neighbours };
-        let caustics = |kernel, neighbours| (MapKind::Caustic, caustic_count, asked(kernel, caustic_radius, neighbours));
+        let caustics =
+            |kernel, neighbours| (MapKind::Caustic, caustic_count, asked(kernel, caustic_radius, neighbours));
         let ends = match self.method {
             IntegratorDesc::PhotonDirect => {
                 wanted.push((MapKind::Direct, count, asked(cone, radius, None)));

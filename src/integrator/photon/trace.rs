@@ -185,7 +185,14 @@ impl Shooter {
         shot
     }
 
-    fn path(&self, mut ray: Ray, mut power: Rgb, sampler: &mut SobolSampler, tracer: &mut SceneTracer, shot: &mut Shot) {
+    fn path(
+        &self,
+        mut ray: Ray,
+        mut power: Rgb,
+        sampler: &mut SobolSampler,
+        tracer: &mut SceneTracer,
+        shot: &mut Shot,
+    ) {
         let mut was_diffuse = false;
         let mut was_specular = false;
         for depth in 1_u32.. {

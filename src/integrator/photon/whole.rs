@@ -15,8 +15,8 @@ use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
 use super::super::{SceneTracer, Tracer as _};
-use super::estimate::THICKNESS;
 use super::PhotonMap;
+use super::estimate::THICKNESS;
 use crate::control::Parallel;
 use crate::error::Result;
 use crate::math::{Frame, HitPoint, Ray, Vec3};
@@ -97,13 +97,7 @@ impl Whole {
     }
 
     /// Judges the cells of photons that were not met before, down to disks of this radius (> 0); returns the rays it took.
-    pub fn learn(
-        &mut self,
-        scene: &Scene,
-        map: &PhotonMap,
-        radius: f32,
-        parallel: &mut impl Parallel,
-    ) -> Result<u64> {
+    pub fn learn(&mut self, scene: &Scene, map: &PhotonMap, radius: f32, parallel: &mut impl Parallel) -> Result<u64> {
         // The next finer level begins where this radius is less than it.
         while let Some(last) = self.levels.last()
             && 0.5 * last.radius >= radius
@@ -139,7 +133,8 @@ impl Whole {
             let (p, normal) = (photon.position(), photon.normal.get());
             let mut above = coarser.iter().rev();
             // Nothing is left to be known where a coarser disk is whole, or not known itself.
-            if above.any(|coarser| coarser.cells.get(&key(p, normal, coarser.radius)).is_none_or(|is_whole| *is_whole)) {
+            if above.any(|coarser| coarser.cells.get(&key(p, normal, coarser.radius)).is_none_or(|is_whole| *is_whole))
+            {
                 continue;
             }
             let key = key(p, normal, radius);

@@ -1,0 +1,201 @@
+//! Photon maps and irradiance cache in the `render` block, and the limits on their numbers.
+
+use serde::Deserialize;
+use serde_json::value::RawValue;
+
+use super::json::{self, Plain, Whole, join};
+use super::render::Render;
+use super::{
+    CacheDesc, CacheSource, KernelDesc, MAX_GATHER_RAYS, MAX_NEIGHBOURS, MAX_PHOTON_MEMORY, MAX_PHOTONS, PhotonDesc,
+    PhotonSharing, validate,
+};
+use crate::{Error, Result};
+
+/// Smallest and greatest number.
+type Limits = (u32, u32);
+
+const COUNT: Limits = (1, MAX_PHOTONS);
+const NEIGHBOURS: Limits = (1, MAX_NEIGHBOURS);
+const GATHER_RAYS: Limits = (1, MAX_GATHER_RAYS);
+const MEMORY: Limits = (1, MAX_PHOTON_MEMORY);
+const CACHE_RAYS: Limits = (16, 1 << 20);
+
+/// How emitters share the photons.
+#[derive(Clone, Copy, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Sharing {
+    /// By their power, so that all photons carry nearly the same.
+    Power,
+    /// By their area, as in the report. Points have none.
+    Area,
+}
+
+/// What the gather's rays of an irradiance cache bring back.
+#[derive(Clone, Copy, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Source {
+    /// The light of paths: no bias but the interpolation's.
+    Paths,
+    /// The light of the global photon map: faster, with its bias.
+    Photons,
+}
+
+/// What `photonKernel` accepts, for the schema.
+#[cfg(feature = "schema")]
+#[expect(dead_code, reason = "only the schema of these types is used")]
+pub(super) mod schema {
+    #[derive(schemars::JsonSchema)]
+    #[schemars(untagged)]
+    pub enum Kernel {
+        /// Its name, with default parameters.
+        Name(KernelName),
+        /// Name and parameters.
+        Block(KernelBlock),
+    }
+
+    #[derive(schemars::JsonSchema)]
+    #[schemars(rename_all = "kebab-case")]
+    pub enum KernelName {
+        Flat,
+        Cone,
+        Epanechnikov,
+    }
+
+    #[derive(schemars::JsonSchema)]
+    #[schemars(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
+    pub enum KernelBlock {
+        /// All photons weigh the same.
+        Flat,
+        /// 1 - d / (k r).
+        Cone {
+            /// k, 1 or more. Default 1.
+            k: Option<f64>,
+        },
+        /// 1 - d^2 / r^2.
+        Epanechnikov,
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Cone {
+    #[serde(rename = "type")]
+    _type: String,
+    k: Option<f64>,
+}
+
+/// The block's photon maps.
+pub(super) fn photons(block: &Render<'_>, path: &str) -> Result<PhotonDesc> {
+    let at = |key: &str| join(path, key);
+    let default = PhotonDesc::default();
+    let number =
+        |key: &str, value: Option<Whole>, limits| value.map(|value| whole(&at(key), value, limits)).transpose();
+    let (count_key, count) =
+        either(path, ["photonCount", "photon_count"], [block.photon_count, block.photon_count_alias])?;
+    let (radius_key, radius) =
+        either(path, ["photonRadius", "photon_radius"], [block.photon_radius, block.photon_radius_alias])?;
+    let (least_key, least) = either(path, ["minPhotons", "min_photons"], [block.min_photons, block.min_photons_alias])?;
+    // Here, where it is known under which name the radius was given.
+    radius.map(|radius| validate::radius(&at(radius_key), radius)).transpose()?;
+    let photons = PhotonDesc {
+        count: number(count_key, count, COUNT)?,
+        radius,
+        min_photons: number(least_key, least, COUNT)?.unwrap_or(default.min_photons),
+        caustic_count: number("causticCount", block.caustic_count, COUNT)?,
+        caustic_radius: block.caustic_radius,
+        neighbours: number("photonNeighbours", block.photon_neighbours, NEIGHBOURS)?,
+        kernel: block.photon_kernel.map(|raw| kernel(raw, &at("photonKernel"))).transpose()?,
+        alpha: block.photon_alpha.unwrap_or(default.alpha),
+        sharing: block.photon_sharing.map_or(default.sharing, |sharing| match sharing {
+            Sharing::Power => PhotonSharing::Power,
+            Sharing::Area => PhotonSharing::Area,
+        }),
+        guided: block.photons_guided.unwrap_or(default.guided),
+        progressive: block.photons_progressive.unwrap_or(default.progressive),
+        gather_rays: number("gatherRays", block.gather_rays, GATHER_RAYS)?.unwrap_or(default.gather_rays),
+        memory: number("photonMemory", block.photon_memory, MEMORY)?.unwrap_or(default.memory),
+    };
+    check_photons(path, &photons)?;
+    Ok(photons)
+}
+
+/// The block's irradiance cache.
+pub(super) fn cache(block: &Render<'_>, path: &str) -> Result<CacheDesc> {
+    let default = CacheDesc::default();
+    let rays = block.cache_rays.map(|rays| whole(&join(path, "cacheRays"), rays, CACHE_RAYS)).transpose()?;
+    let cache = CacheDesc {
+        error: block.cache_error.unwrap_or(default.error),
+        rays: rays.unwrap_or(default.rays),
+        min_spacing: block.cache_min_spacing.unwrap_or(default.min_spacing),
+        max_spacing: block.cache_max_spacing.unwrap_or(default.max_spacing),
+        source: block.cache_source.map_or(default.source, |source| match source {
+            Source::Paths => CacheSource::Paths,
+            Source::Photons => CacheSource::Photons,
+        }),
+    };
+    check_cache(path, &cache)?;
+    Ok(cache)
+}
+
+/// Whether the format could have given these numbers, `path` being the block.
+pub(crate) fn check_photons(path: &str, photons: &PhotonDesc) -> Result<()> {
+    let at = |key: &str| join(path, key);
+    let number = |key: &str, value: u32, limits| whole(&at(key), Whole(value.into()), limits).map(|_| ());
+    let optional = |key: &str, value: Option<u32>, limits| value.map_or(Ok(()), |value| number(key, value, limits));
+    let radius = |key: &str, value: Option<f64>| value.map_or(Ok(()), |value| validate::radius(&at(key), value));
+    optional("photonCount", photons.count, COUNT)?;
+    radius("photonRadius", photons.radius)?;
+    number("minPhotons", photons.min_photons, COUNT)?;
+    optional("causticCount", photons.caustic_count, COUNT)?;
+    radius("causticRadius", photons.caustic_radius)?;
+    optional("photonNeighbours", photons.neighbours, NEIGHBOURS)?;
+    if let Some(KernelDesc::Cone { k }) = photons.kernel {
+        validate::cone(&at("photonKernel.k"), k.into())?;
+    }
+    validate::share(&at("photonAlpha"), photons.alpha)?;
+    number("gatherRays", photons.gather_rays, GATHER_RAYS)?;
+    number("photonMemory", photons.memory, MEMORY)
+}
+
+/// Whether the format could have given these numbers, `path` being the block.
+pub(crate) fn check_cache(path: &str, cache: &CacheDesc) -> Result<()> {
+    let at = |key: &str| join(path, key);
+    validate::up_to(&at("cacheError"), cache.error, 10.0)?;
+    whole(&at("cacheRays"), Whole(cache.rays.into()), CACHE_RAYS)?;
+    validate::up_to(&at("cacheMinSpacing"), cache.min_spacing, 1000.0)?;
+    validate::up_to(&at("cacheMaxSpacing"), cache.max_spacing, 1.0)
+}
+
+/// A number of light paths of a map.
+pub(super) fn count(path: &str, value: Whole) -> Result<u32> {
+    whole(path, value, COUNT)
+}
+
+fn whole(path: &str, value: Whole, (low, high): Limits) -> Result<u32> {
+    validate::whole(path, value, low.into(), high.into())
+}
+
+/// A value that has two names, with the one under which it was given.
+fn either<'a, T>(path: &str, keys: [&'a str; 2], values: [Option<T>; 2]) -> Result<(&'a str, Option<T>)> {
+    match values {
+        [Some(_), Some(_)] => {
+            Err(Error::invalid(join(path, keys[1]), format!("the key is given twice, as `{}` too", keys[0])))
+        }
+        [None, Some(value)] => Ok((keys[1], Some(value))),
+        [value, None] => Ok((keys[0], value)),
+    }
+}
+
+fn kernel(raw: &RawValue, path: &str) -> Result<KernelDesc> {
+    let (name, block) = json::named(raw, path, &["flat", "cone", "epanechnikov"])?;
+    if name == "cone" {
+        let k = if block { json::object::<Cone>(raw, path)?.k } else { None };
+        return Ok(KernelDesc::Cone { k: validate::cone(&join(path, "k"), k.unwrap_or(1.0))? });
+    }
+    if block {
+        json::object::<Plain>(raw, path)?;
+    }
+    Ok(if name == "flat" { KernelDesc::Flat } else { KernelDesc::Epanechnikov })
+}
