@@ -4,6 +4,7 @@
 //! film, no file and no thread.
 
 mod direct;
+pub mod irradiance_cache;
 mod light;
 mod path;
 pub mod photon;

@@ -12,6 +12,7 @@
 
 use std::cell::RefCell;
 
+use super::super::irradiance_cache::IrradianceCache;
 use super::super::light::Vertex;
 use super::super::path::roulette;
 use super::super::{FirstHit, Integrator, Tracer};
@@ -19,10 +20,11 @@ use super::cut::Cut;
 use super::estimate::{Asked, Estimate, direct, radiance};
 use super::whole::Whole;
 use super::{Nearest, PhotonMap};
+use crate::bsdf::Bsdf;
 use crate::film::{Gathering, ShrinkingRadius};
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::Scene;
+use crate::scene::{Hit, Scene};
 use crate::spectrum::Rgb;
 use std::sync::Arc;
 
@@ -42,6 +44,8 @@ pub(super) enum Ends {
     AtOnce,
     /// The global map, after a diffuse bounce.
     AfterGather,
+    /// The irradiance cache, at the first diffuse hit.
+    AtCache,
 }
 
 /// How radii shrink.
@@ -65,6 +69,7 @@ pub struct Gather {
     pub(super) caustic: Option<Layer>,
     /// Of indirect light, or of all of it, by `ends`.
     pub(super) diffuse: Option<Layer>,
+    pub(super) cache: Option<Arc<IrradianceCache>>,
     /// Where disks are whole.
     pub(super) whole: Whole,
     pub(super) ends: Ends,
@@ -104,6 +109,45 @@ struct State {
     way: f32,
 }
 
+impl State {
+    fn new(ray: Ray) -> Self {
+        Self {
+            ray,
+            throughput: Rgb::ONE,
+            eta2: 1.0,
+            bounced: None,
+            worth_following: 1.0,
+            depth: 1,
+            diffuse: 0,
+            way: 0.0,
+        }
+    }
+}
+
+/// Notes how far the first ray went.
+struct Watched<'a, T> {
+    tracer: &'a mut T,
+    first: &'a mut f32,
+}
+
+impl<T: Tracer> Tracer for Watched<'_, T> {
+    #[inline]
+    fn intersect(&mut self, ray: &Ray) -> Option<Hit> {
+        let hit = self.tracer.intersect(ray);
+        if self.first.is_infinite()
+            && let Some(hit) = &hit
+        {
+            *self.first = hit.t;
+        }
+        hit
+    }
+
+    #[inline]
+    fn unoccluded(&mut self, ray: &Ray) -> bool {
+        self.tracer.unoccluded(ray)
+    }
+}
+
 impl Integrator for Gather {
     fn radiance<S: Sampler, T: Tracer>(
         &self,
@@ -125,16 +169,7 @@ impl Integrator for Gather {
         first: &mut impl FnMut(FirstHit),
         gathering: Option<&mut Gathering>,
     ) -> Rgb {
-        let start = State {
-            ray,
-            throughput: Rgb::ONE,
-            eta2: 1.0,
-            bounced: None,
-            worth_following: 1.0,
-            depth: 1,
-            diffuse: 0,
-            way: 0.0,
-        };
+        let start = State::new(ray);
         let mut told = Told { gathering, bias: Rgb::ZERO };
         let radiance = self.follow(scene, start, sampler, tracer, first, &mut told);
         if let Some(gathering) = told.gathering {
@@ -151,6 +186,27 @@ struct Told<'g> {
 }
 
 impl Gather {
+    /// Radiance [W m^-2 sr^-1] that arrives at a diffuse surface along a ray that leaves it, without what comes straight
+    /// from the emitters or from them by mirrors and glass only; and the distance to what the ray meets, infinite for
+    /// nothing.
+    ///
+    /// Together with direct light and caustics it is all light, each once.
+    pub fn incident<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        ray: Ray,
+        sampler: &mut S,
+        tracer: &mut T,
+    ) -> (Rgb, f32) {
+        let mut distance = f32::INFINITY;
+        let mut state = State::new(ray);
+        (state.depth, state.diffuse) = (2, 1);
+        let mut tracer = Watched { tracer, first: &mut distance };
+        let mut told = Told { gathering: None, bias: Rgb::ZERO };
+        let radiance = self.follow(scene, state, sampler, &mut tracer, &mut |_| {}, &mut told);
+        (radiance, distance)
+    }
+
     fn follow<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
@@ -268,7 +324,12 @@ impl Gather {
             Ends::AtOnce => self.diffuse.as_ref().filter(is_whole),
             _ => None,
         };
-        let mut sum = Rgb::ZERO;
+        let cached = self.cache.as_ref().and_then(|cache| match &vertex.material.bsdf {
+            Bsdf::Lambert(lambert) => Some(lambert.f() * cache.irradiance(p, vertex.facing_shading())?),
+            _ => None,
+        });
+        let ends = ending.is_some() || cached.is_some();
+        let mut sum = cached.unwrap_or(Rgb::ZERO);
         // Straight from the emitters.
         let from_map = self.direct.as_ref().and_then(|layer| {
             is_whole(&layer).then(|| direct(&layer.map, vertex, layer.asked, self.min_photons)).flatten()
@@ -278,7 +339,7 @@ impl Gather {
             None if scene.emitters().is_dark() => {}
             None => {
                 // A path that ends here, or whose bounces may not find lights, leaves all of it to the light samples.
-                let is_alone = ending.is_some() || self.direct.is_some();
+                let is_alone = ends || self.direct.is_some();
                 for _ in 0..self.shadow_rays {
                     let u = sampler.next_4d();
                     sum += vertex.sample_light_as(scene, u, self.shadow_rays, is_alone, tracer);
@@ -302,7 +363,7 @@ impl Gather {
             sum += estimate.radiance;
             self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.indirect);
         }
-        (sum, ending.is_some())
+        (sum, ends)
     }
 
     /// With which radius a map is asked: the pixel's own at the first diffuse hit, where it has one.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::super::irradiance_cache::IrradianceCache;
 use super::super::light::Vertex;
 use super::super::{SceneTracer, Tracer as _};
 use super::estimate::{Asked, Kernel};
@@ -10,7 +11,7 @@ use super::whole::Whole;
 use super::{Job, MapKind, Photon, PhotonMap, shoot};
 use crate::camera::Camera;
 use crate::control::{Cancel, Parallel};
-use crate::desc::{IntegratorDesc, KernelDesc, RenderDesc};
+use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, RenderDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
@@ -45,6 +46,7 @@ fn samples_a_pass(pixels: u64) -> u32 {
 #[derive(Debug)]
 pub struct Plan {
     scene: Scene,
+    camera: Camera,
     desc: Arc<RenderDesc>,
     method: IntegratorDesc,
     /// First radii.
@@ -85,6 +87,7 @@ impl Plan {
         };
         Ok(Self {
             scene: scene.clone(),
+            camera: *camera,
             desc: Arc::clone(desc),
             method,
             caustic_radius: caustic,
@@ -169,6 +172,13 @@ impl Plan {
                 wanted.push((MapKind::Indirect, count, asked(epanechnikov, radius, neighbours)));
                 Ends::AtOnce
             }
+            IntegratorDesc::IrradianceCache => {
+                wanted.push(caustics(epanechnikov, neighbours));
+                if self.desc.cache.source == CacheSource::Photons {
+                    wanted.push((MapKind::Global, count, asked(epanechnikov, radius, neighbours)));
+                }
+                Ends::Never
+            }
             _ => {
                 wanted.push(caustics(epanechnikov, neighbours));
                 Ends::Never
@@ -225,7 +235,8 @@ impl Plan {
             Shrinking::Together
         };
         let direct = take(&[MapKind::Direct]);
-        Ok(Gather {
+        let mut gather = Gather {
+            cache: None,
             caustic: take(&[MapKind::Caustic]),
             diffuse: take(&[MapKind::Indirect, MapKind::Global]),
             direct,
@@ -237,7 +248,17 @@ impl Plan {
             shadow_rays: self.desc.shadow_rays,
             min_photons: photons.min_photons,
             gather_rays: photons.gather_rays,
-        })
+        };
+        if self.method == IntegratorDesc::IrradianceCache {
+            // Gather rays have bounced once when they begin, so the global map may end them at once.
+            let ends = if gather.diffuse.is_some() { Ends::AfterGather } else { Ends::Never };
+            let source = Gather { ends, ..gather.clone() };
+            let (cache, report) = IrradianceCache::fill(&self.scene, &self.camera, &self.desc, &source, parallel)?;
+            self.rays += report.rays;
+            self.notes.extend(report.notes);
+            (gather.cache, gather.diffuse, gather.ends) = (Some(Arc::new(cache)), None, Ends::AtCache);
+        }
+        Ok(gather)
     }
 }
 

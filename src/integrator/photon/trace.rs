@@ -297,6 +297,12 @@ impl Vertex<'_> {
         if self.surface.ng.dot(self.wo_scene()) < 0.0 { -self.surface.ng } else { self.surface.ng }
     }
 
+    /// The shading normal on the side that the ray came from.
+    #[inline]
+    pub(super) fn facing_shading(&self) -> Vec3 {
+        if self.wo.z < 0.0 { -self.surface.ns } else { self.surface.ns }
+    }
+
     /// Whether a ray that came along `direction` goes from a surface's outer side to its inner.
     fn enters(&self, direction: Vec3) -> bool {
         self.surface.ng.dot(direction) < 0.0
