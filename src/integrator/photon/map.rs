@@ -14,7 +14,7 @@ use std::collections::BinaryHeap;
 
 use super::Photon;
 use super::order::order;
-use crate::math::Vec3;
+use crate::math::{Vec3, Vec4};
 use crate::{Cancel, Result};
 
 /// Photons in a block.
@@ -262,7 +262,7 @@ impl PhotonMap {
         }
         let touched = |level: usize, node: usize| {
             let distances2 = self.nodes[self.levels[level] as usize + node].distance2(&query);
-            bits(distances2.map(|distance2| distance2 < query.radius2))
+            below(&distances2, query.radius2)
         };
         // On each level, the boxes beside the one that is being visited that are to be visited after it.
         let mut waiting = [0; LEVELS];
@@ -289,7 +289,7 @@ impl PhotonMap {
             }
             let block = self.block(child);
             let distances2 = Self::block_distances2(block, &query);
-            let mut inside = bits(distances2.map(|distance2| distance2 < query.radius2));
+            let mut inside = below(&distances2, query.radius2);
             while inside != 0 {
                 let i = inside.trailing_zeros() as usize;
                 inside &= inside - 1;
@@ -402,8 +402,10 @@ fn keep(candidates: &mut Vec<u64>, count: usize) -> u64 {
     last
 }
 
-/// Bit i is set if the i-th is true.
+/// Bit i is set if the i-th is less than `bound`.
 #[inline]
-fn bits<const N: usize>(of: [bool; N]) -> u32 {
-    of.iter().enumerate().fold(0, |bits, (i, &bit)| bits | u32::from(bit) << i)
+fn below<const N: usize>(of: &[f32; N], bound: f32) -> u32 {
+    let fours = of.as_chunks::<4>().0.iter().enumerate();
+    let below = |four: &[f32; 4]| Vec4::from_array(*four).cmplt(Vec4::splat(bound)).bitmask();
+    fours.fold(0, |bits, (i, four)| bits | below(four) << (4 * i))
 }
