@@ -12,7 +12,7 @@ pub use triangle::TriangleEmitter;
 
 use std::f64::consts::PI;
 
-use crate::math::{DVec3, Vec3};
+use crate::math::{DVec3, HitPoint, Vec3};
 use crate::sampling::Distribution1D;
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
 use crate::{Cancel, Result};
@@ -59,6 +59,43 @@ impl Emitter {
             Self::Sphere(emitter) => PI * emitter.sphere.area() * emitter.radiance.as_dvec3(),
         }
     }
+
+    /// Area that shines [length^2]; 0 for a point.
+    pub fn area(&self) -> f64 {
+        match self {
+            Self::Point { .. } => 0.0,
+            Self::Triangle(emitter) => f64::from(emitter.triangle.area),
+            Self::Sphere(emitter) => emitter.sphere.area(),
+        }
+    }
+
+    /// The point in its middle.
+    pub fn middle(&self) -> Vec3 {
+        match self {
+            Self::Point { position, .. } => *position,
+            Self::Triangle(emitter) => emitter.triangle.at(1.0 / 3.0, 1.0 / 3.0),
+            Self::Sphere(emitter) => emitter.sphere.centre.as_vec3a(),
+        }
+    }
+
+    /// Samples a place from which light leaves, uniformly by area; `u` uniform in [0, 1)^2.
+    #[inline]
+    pub fn sample_departure(&self, u: [f32; 2]) -> Departure {
+        match self {
+            Self::Point { position, .. } => Departure { point: HitPoint { p: *position, error: 0.0 }, normal: None },
+            Self::Triangle(emitter) => emitter.sample_departure(u),
+            Self::Sphere(emitter) => emitter.sample_departure(u),
+        }
+    }
+}
+
+/// Where light leaves an emitter.
+#[derive(Clone, Copy, Debug)]
+pub struct Departure {
+    /// The place.
+    pub point: HitPoint,
+    /// Unit normal on the side that shines; `None` for a point, which shines all around.
+    pub normal: Option<Vec3>,
 }
 
 /// A shadow ray to a point light ends this share of its way before it, so that a surface which the light is exactly on does not

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::EmitterSample;
+use super::{Departure, EmitterSample};
 use crate::math::{Frame, HitPoint, Vec3};
 use crate::sampling::warps;
 use crate::shape::Sphere;
@@ -66,6 +66,15 @@ impl SphereEmitter {
         let target = target.offset(normal);
         let pdf = (1.0 / (2.0 * PI * cone.one_minus_cos)) as f32;
         Some(EmitterSample { wi, target, radiance: self.radiance, pdf, is_delta: false })
+    }
+
+    /// A place, uniformly by area.
+    #[inline]
+    pub(super) fn sample_departure(&self, u: [f32; 2]) -> Departure {
+        let normal = warps::uniform_sphere(u).as_dvec3();
+        let (p, normal) = self.sphere.project(self.sphere.centre + normal * self.sphere.radius);
+        let (p, normal) = (p.as_vec3a(), normal.as_vec3a());
+        Departure { point: HitPoint { p, error: HitPoint::rounding_error(p, normal) }, normal: Some(normal) }
     }
 
     /// Density per solid angle at `p`, the same for all directions that meet the sphere.

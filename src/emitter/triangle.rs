@@ -1,6 +1,6 @@
 //! Triangles that emit.
 
-use super::EmitterSample;
+use super::{Departure, EmitterSample};
 use crate::math::{HitPoint, Vec3};
 use crate::sampling::{SphericalTriangle, warps};
 use crate::shape::Triangle;
@@ -76,6 +76,14 @@ impl TriangleEmitter {
         target.error = target.error.min((0.25 * height / f64::from(triangle.area)) as f32);
         let target = target.offset(triangle.normal);
         Some(EmitterSample { wi, target, radiance: self.radiance, pdf, is_delta: false })
+    }
+
+    /// A place, uniformly by area.
+    #[inline]
+    pub(super) fn sample_departure(&self, u: [f32; 2]) -> Departure {
+        let [_, b1, b2] = warps::uniform_triangle(u);
+        let point = HitPoint { p: self.triangle.at(b1, b2), error: self.error };
+        Departure { point, normal: Some(self.triangle.normal) }
     }
 
     /// Density per solid angle at `p` of the direction that meets the triangle in `hit`; 0 where `p` is not in front.

@@ -6,9 +6,11 @@
 //!
 //! Sums are f64: 2^25 samples of 1 have the mean 1, not 2^24 / 2^25.
 
+mod gathering;
 mod image;
 mod pixel;
 
+pub use gathering::{Gathering, ShrinkingRadius};
 pub use image::{Image, Layer};
 pub use pixel::{Auxiliary, Pixel};
 
@@ -32,6 +34,8 @@ pub struct FilmOptions {
     pub replicate_size: u32,
     /// Whether the filter's weights vary, so that sums have to be divided by their total.
     pub weighted: bool,
+    /// Whether pixels remember photons.
+    pub gathering: bool,
 }
 
 /// A film in tiles of [`TILE`] x [`TILE`] pixels, shared by those who fill it and those who look at it.
@@ -50,6 +54,8 @@ pub(crate) struct Tile {
     pub pixels: Vec<Pixel>,
     /// As `pixels`, or empty where no auxiliary layer is wanted.
     pub auxiliary: Vec<Auxiliary>,
+    /// As `pixels`, or empty where no photons are to be remembered.
+    pub gathering: Vec<Gathering>,
 }
 
 /// Pixels of a tile.
@@ -105,6 +111,7 @@ impl Film {
         tiles.resize_with(count, Mutex::default);
         // What the tiles will take is asked for once and given back, so that a film that cannot fit is refused now.
         let bytes = size_of::<Pixel>() + if options.auxiliary { size_of::<Auxiliary>() } else { 0 };
+        let bytes = bytes + if options.gathering { size_of::<Gathering>() } else { 0 };
         Vec::<u8>::new().try_reserve_exact(count * PER_TILE * bytes).map_err(|error| no_room().because(error))?;
         Ok(Self { options, tiles: tiles.into() })
     }
@@ -133,6 +140,9 @@ impl Film {
             tile.pixels = vec![Pixel::default(); PER_TILE];
             if self.options.auxiliary {
                 tile.auxiliary = vec![Auxiliary::default(); PER_TILE];
+            }
+            if self.options.gathering {
+                tile.gathering = vec![Gathering::default(); PER_TILE];
             }
         }
         tile
@@ -353,7 +363,8 @@ mod tests {
     use crate::math::Vec3;
 
     fn film(auxiliary: bool) -> Film {
-        Film::new(FilmOptions { resolution: [19, 17], auxiliary, replicate_size: 1, weighted: false }).unwrap()
+        Film::new(FilmOptions { resolution: [19, 17], auxiliary, replicate_size: 1, weighted: false, gathering: false })
+            .unwrap()
     }
 
     #[test]

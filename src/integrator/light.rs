@@ -42,6 +42,18 @@ impl<'s> Vertex<'s> {
         Self { material: scene.material(surface.material), frame, wo, wo_scene, surface }
     }
 
+    /// Back along the path, scene frame.
+    #[inline]
+    pub fn wo_scene(&self) -> Vec3 {
+        self.wo_scene
+    }
+
+    /// A direction of the scene in the local frame.
+    #[inline]
+    pub fn to_local(&self, v: Vec3) -> Vec3 {
+        self.frame.to_local(v)
+    }
+
     /// What the auxiliary layers want to know.
     pub fn first_hit(&self) -> FirstHit {
         let normal = if self.wo.z < 0.0 { -self.surface.ns } else { self.surface.ns };
@@ -71,6 +83,19 @@ impl<'s> Vertex<'s> {
     /// one of `light_samples`. Glass blocks: light through it comes as a path that is refracted, and never twice.
     #[inline]
     pub fn sample_light<T: Tracer>(&self, scene: &Scene, u: [f32; 4], light_samples: u32, tracer: &mut T) -> Rgb {
+        self.sample_light_as(scene, u, light_samples, false, tracer)
+    }
+
+    /// The same; `is_alone`: no Bsdf sample will look for lights, so that this sample has all the weight.
+    #[inline(always)]
+    pub fn sample_light_as<T: Tracer>(
+        &self,
+        scene: &Scene,
+        u: [f32; 4],
+        light_samples: u32,
+        is_alone: bool,
+        tracer: &mut T,
+    ) -> Rgb {
         let point = &self.surface.point;
         let Some(light) = scene.emitters().sample(point.p, u) else { return Rgb::ZERO };
         let wi = self.frame.to_local(light.wi);
@@ -81,7 +106,8 @@ impl<'s> Vertex<'s> {
         if f == Rgb::ZERO {
             return Rgb::ZERO;
         }
-        let weight = if light.is_delta { 1.0 } else { power_heuristic(light_samples as f32 * light.pdf, bsdf_pdf) };
+        let weight =
+            if light.is_delta || is_alone { 1.0 } else { power_heuristic(light_samples as f32 * light.pdf, bsdf_pdf) };
         let origin = point.offset(self.side(light.wi));
         // The target is off the light, by more the farther it is: the light is no obstacle itself.
         let shadow = Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: 1.0 };

@@ -13,6 +13,7 @@ pub use direct::Direct;
 pub use path::Path;
 pub use whitted::Whitted;
 
+use crate::film::Gathering;
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
@@ -80,4 +81,18 @@ pub trait Integrator: Sync {
         tracer: &mut T,
         first: &mut impl FnMut(FirstHit),
     ) -> Rgb;
+
+    /// The same, for integrators that remember something of each pixel.
+    #[inline(always)]
+    fn radiance_of_pixel<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        ray: Ray,
+        sampler: &mut S,
+        tracer: &mut T,
+        first: &mut impl FnMut(FirstHit),
+        _gathering: Option<&mut Gathering>,
+    ) -> Rgb {
+        self.radiance(scene, ray, sampler, tracer, first)
+    }
 }

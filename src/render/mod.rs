@@ -13,6 +13,7 @@
 //! # Ok::<(), etendue::Error>(())
 //! ```
 
+mod crew;
 mod non_finite;
 mod pass;
 mod schedule;
@@ -25,11 +26,13 @@ use std::time::{Duration, Instant};
 
 use crate::Cancel;
 use crate::camera::Camera;
-use crate::desc::{FilterDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc};
-use crate::error::{Error, Result};
+use crate::desc::{FilterDesc, IntegratorDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc};
+use crate::error::{Error, ErrorKind, Result};
 use crate::film::{Film, FilmOptions, Image};
+use crate::integrator::photon::{Gather, Plan};
 use crate::sampling::Filter;
 use crate::scene::Scene;
+use crew::Crew;
 use pass::Pass;
 use schedule::Schedule;
 
@@ -112,6 +115,15 @@ pub struct Summary {
     pub notes: Vec<String>,
 }
 
+/// Light transport, ready to be asked.
+#[derive(Clone)]
+enum Method {
+    Path,
+    Whitted,
+    Direct,
+    Gather(Gather),
+}
+
 /// A render of a scene: its film, and those who fill it.
 pub struct Render {
     scene: Scene,
@@ -121,6 +133,10 @@ pub struct Render {
     filter: Filter,
     film: Arc<Film>,
     workers: Workers,
+    /// Photon maps, where the integrator wants any.
+    plan: Option<Plan>,
+    /// What the pass under way is rendered with.
+    method: Method,
     samples: u32,
     rays: u64,
     non_finite: u64,
@@ -158,27 +174,40 @@ impl Render {
         let camera = Camera::new(scene.camera(), desc.resolution, scene.centre())?;
         // The normally distributed pattern is a pixel filter by itself.
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
+        let method = match desc.integrator {
+            IntegratorDesc::Whitted => Method::Whitted,
+            IntegratorDesc::Direct => Method::Direct,
+            _ => Method::Path,
+        };
+        let filter = Filter::new(&filter_desc);
+        let scene = scene.clone();
+        let shared = Arc::new(desc.clone());
+        let plan = match desc.integrator {
+            IntegratorDesc::Path | IntegratorDesc::Whitted | IntegratorDesc::Direct => None,
+            method => Some(Plan::new(&scene, &camera, &shared, method)?),
+        };
+        let pass_samples = plan.as_ref().and_then(Plan::samples_a_pass);
         let film = Film::new(FilmOptions {
             resolution: desc.resolution,
             auxiliary: settings.auxiliary,
-            replicate_size: schedule::replicate_size(&settings),
+            replicate_size: schedule::replicate_size(&settings, pass_samples),
             weighted: matches!(filter_desc, FilterDesc::Mitchell { .. }),
+            gathering: pass_samples.is_some(),
         })?;
         let workers = match &settings.workers {
             Some(workers) => workers.clone(),
             None => Workers::pool(settings.threads)?,
         };
-        let filter = Filter::new(&filter_desc);
-        let desc = Arc::new(desc.clone());
-        let scene = scene.clone();
         Ok(Self {
             scene,
+            desc: shared,
             settings,
-            desc,
             camera,
             filter,
             film: Arc::new(film),
             workers,
+            plan,
+            method,
             samples: 0,
             rays: 0,
             non_finite: 0,
@@ -206,7 +235,14 @@ impl Render {
             if self.settings.cancel.is_cancelled() {
                 break Ended::Cancelled;
             }
-            let count = schedule.next_pass(self.samples, start.elapsed(), error);
+            let mut count = schedule.next_pass(self.samples, start.elapsed(), error);
+            if let Some(ended) = self.prepare(&schedule, start, progress)? {
+                break ended;
+            }
+            if let Some(samples) = self.plan.as_ref().and_then(Plan::samples_a_pass) {
+                // Up to where other maps are wanted.
+                count = count.min(samples - self.samples % samples);
+            }
             if let Some(ended) = self.pass(count, &schedule, start, progress)? {
                 break ended;
             }
@@ -246,6 +282,42 @@ impl Render {
         self.film.develop()
     }
 
+    /// Makes the maps that the next samples want; what ended the render meanwhile, if anything did.
+    fn prepare(
+        &mut self,
+        schedule: &Schedule,
+        start: Instant,
+        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Option<Ended>> {
+        let Some(plan) = &mut self.plan else { return Ok(None) };
+        let limit = self.settings.time_limit.filter(|_| self.samples > 0);
+        let (samples, rays) = (self.samples, self.rays);
+        let mut crew = Crew {
+            workers: &self.workers,
+            cancel: &self.settings.cancel,
+            deadline: limit.and_then(|limit| start.checked_add(limit)),
+            look_up: &mut || {
+                let report = schedule.progress(samples, f64::from(samples), rays, start.elapsed(), None);
+                progress(&report).is_break()
+            },
+            is_broken_off: false,
+        };
+        let before = plan.rays;
+        let made = plan.gather(samples, &mut crew);
+        let is_cancelled = crew.is_broken_off || self.settings.cancel.is_cancelled();
+        self.rays += plan.rays - before;
+        match made {
+            Ok(gather) => {
+                self.method = Method::Gather(gather);
+                Ok(None)
+            }
+            Err(error) if error.kind() == ErrorKind::Cancelled => {
+                Ok(Some(if is_cancelled { Ended::Cancelled } else { Ended::Time }))
+            }
+            Err(error) => Err(error),
+        }
+    }
+
     /// One pass over all tiles; what ended the render in the middle of it, if anything did.
     fn pass(
         &mut self,
@@ -282,7 +354,7 @@ impl Render {
     }
 
     fn summary(&self, elapsed: Duration, ended: Ended) -> Summary {
-        let mut notes = Vec::new();
+        let mut notes = self.plan.as_ref().map_or_else(Vec::new, |plan| plan.notes().to_vec());
         if let Some(depth) = self.settings.desc.max_depth {
             notes.push(format!("paths were cut after {depth} hits (maxDepth): the image is too dark"));
         }

@@ -4,12 +4,12 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use super::Render;
 use super::non_finite::Suspects;
 use super::workers::Work;
+use super::{Method, Render};
 use crate::Cancel;
 use crate::camera::Camera;
-use crate::desc::{IntegratorDesc, RenderDesc, SamplerDesc};
+use crate::desc::{RenderDesc, SamplerDesc};
 use crate::film::{Film, TILE};
 use crate::integrator::{Direct, Integrator, Path, Tracer, Whitted};
 use crate::math::Ray;
@@ -23,6 +23,7 @@ pub(super) struct Pass {
     camera: Camera,
     filter: Filter,
     desc: Arc<RenderDesc>,
+    method: Method,
     /// Samples that each pixel is to have afterwards. It goes on from those it has, so that a render that was stopped in
     /// the middle of a pass can be resumed.
     samples: u32,
@@ -109,11 +110,11 @@ impl Work for Pass {
     fn take(&self, pause: &mut dyn FnMut() -> bool) -> bool {
         let shadow_rays = self.desc.shadow_rays;
         let max_depth = self.desc.max_depth;
-        match self.desc.integrator {
-            IntegratorDesc::Path => self.with_integrator(&Path { max_depth, shadow_rays }, pause),
-            IntegratorDesc::Whitted => self.with_integrator(&Whitted { max_depth, shadow_rays }, pause),
-            IntegratorDesc::Direct => self.with_integrator(&Direct { shadow_rays }, pause),
-            _ => self.with_integrator(&Path { max_depth, shadow_rays }, pause),
+        match &self.method {
+            Method::Path => self.with_integrator(&Path { max_depth, shadow_rays }, pause),
+            Method::Whitted => self.with_integrator(&Whitted { max_depth, shadow_rays }, pause),
+            Method::Direct => self.with_integrator(&Direct { shadow_rays }, pause),
+            Method::Gather(gather) => self.with_integrator(gather, pause),
         }
     }
 
@@ -138,6 +139,7 @@ impl Pass {
             camera: render.camera,
             filter: render.filter.clone(),
             desc: Arc::clone(&render.desc),
+            method: render.method.clone(),
             samples,
             film: Arc::clone(&render.film),
             deadline,
@@ -264,7 +266,14 @@ impl Pass {
                     let (offset, weight) = self.filter.sample(sampler.pixel_2d());
                     let ray = self.camera.ray(x as f32 + 0.5 + offset[0], y as f32 + 0.5 + offset[1]);
                     let mut first = None;
-                    let radiance = integrator.radiance(&self.scene, ray, sampler, tracer, &mut |hit| first = Some(hit));
+                    let radiance = integrator.radiance_of_pixel(
+                        &self.scene,
+                        ray,
+                        sampler,
+                        tracer,
+                        &mut |hit| first = Some(hit),
+                        tile.gathering.get_mut(index),
+                    );
                     // Pixels go on from where they are, so stopping between any two samples is safe; one during which it
                     // was stopped may have missed something, and is taken again.
                     if self.is_stopped() {

@@ -26,15 +26,18 @@ const OPEN_END: u32 = 1 << 20;
 /// More replicates make the estimated error more certain, larger ones are better stratified: of 256 samples in the
 /// report's room, eight replicates have 21 % more squared error than a single one, four have 12 % more, and a single one
 /// cannot tell.
-pub(super) fn replicate_size(settings: &RenderSettings) -> u32 {
-    match total(settings) {
+///
+/// Samples that share photon maps (`pass_samples`) are in the same replicate, as their errors are one.
+pub(super) fn replicate_size(settings: &RenderSettings, pass_samples: Option<u32>) -> u32 {
+    let size = match total(settings) {
         // Whoever aims at an error must hear of it early.
         samples if settings.target_error.is_some() => samples.div_ceil(4).min(OPEN_REPLICATE),
         OPEN_END.. => OPEN_REPLICATE,
         samples @ 16.. => samples / 4,
         samples @ 4.. => samples / 2,
         samples => samples,
-    }
+    };
+    pass_samples.map_or(size, |shared| size.max(1).next_multiple_of(shared))
 }
 
 /// Samples per pixel of a render that nothing cuts short.

@@ -16,6 +16,7 @@ pub use filter::Filter;
 pub(crate) use pattern::square_side;
 pub use pattern::{Pattern, PatternSampler};
 pub use rng::Rng;
+pub(crate) use rng::{hash, mix};
 pub use sobol::SobolSampler;
 pub use spherical_triangle::{SphericalTriangle, triangle_solid_angle};
 

@@ -145,6 +145,12 @@ impl Triangles {
         self.mesh.memory_bytes() + self.normals.as_ref().map_or(0, Buffer::memory_bytes) + original
     }
 
+    /// The vertices of a triangle.
+    pub(super) fn corners(&self, primitive: u32) -> [DVec3; 3] {
+        let vertices = self.mesh.vertices();
+        self.mesh.indices().get(primitive as usize).map(|i| DVec3::from(vertices.get(i as usize).map(f64::from)))
+    }
+
     #[inline(always)]
     fn point(&self, primitive: u32, u: f32, v: f32) -> TrianglePoint {
         let corners = self.mesh.indices().get(primitive as usize);
@@ -245,6 +251,11 @@ impl Placement {
             sums * (PLACEMENT_ERROR / determinant) + magnitudes(&inverse) * (PLACEMENT_ERROR * cancelled) + rounding;
         let stretch = magnitudes(&m);
         Self { to_scene, normals: inverse.transpose(), stretch, rounding, inverting }
+    }
+
+    /// The transform.
+    pub(super) fn to_scene(&self) -> &DAffine3 {
+        &self.to_scene
     }
 
     /// How far from its plane, along the normal, a triangle may seem to the kernel because of its place; times the length of the

@@ -18,12 +18,14 @@ mod info;
 mod lower;
 mod mesh;
 mod record;
+mod specular;
 mod work;
 
 pub use build::BuildOptions;
 pub use describe::HitDescription;
 pub use geometry::SurfaceInteraction;
 pub use info::SceneInfo;
+pub use specular::{Ball, Kinds};
 
 use std::sync::Arc;
 

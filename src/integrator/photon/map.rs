@@ -1,13 +1,145 @@
 //! Photons, put in order so that those near a point are found.
+//!
+//! Photons are sorted along a Morton curve and cut into blocks of [`BLOCK`]; a box around each block, and one around every
+//! [`WIDTH`] boxes, level by level, make a tree without pointers: which box holds which follows from their numbers. A query
+//! walks the boxes that its ball touches. Nothing depends on a radius chosen beforehand, and a dense caustic has as many
+//! blocks as it needs, where a grid has cells either too full or too many.
+//!
+//! Sources: Jensen 2001, "Realistic Image Synthesis Using Photon Mapping" (photons apart from geometry, the k nearest of
+//! them); Lauterbach et al. 2009, "Fast BVH Construction on GPUs" (boxes along a Morton curve); Kamel and Faloutsos 1993,
+//! "On Packing R-trees" (full nodes bottom-up). What else was tried is in `docs/performance.md`.
 
 use super::Photon;
+use super::order::order;
 use crate::math::Vec3;
 use crate::{Cancel, Result};
+
+/// Photons in a block.
+const BLOCK: usize = 8;
+
+/// Boxes side by side.
+const WIDTH: usize = 4;
+
+/// Levels of boxes above 2^32 photons.
+const LEVELS: usize = 16;
+
+/// Boxes, coordinates side by side. One that holds nothing has its corners at infinity, the wrong way round.
+#[derive(Clone, Copy, Debug)]
+struct Boxes {
+    min: [[f32; WIDTH]; 3],
+    max: [[f32; WIDTH]; 3],
+}
+
+impl Boxes {
+    const EMPTY: Self = Self { min: [[f32::INFINITY; WIDTH]; 3], max: [[f32::NEG_INFINITY; WIDTH]; 3] };
+
+    /// Makes box `i` hold `min` and `max`.
+    #[inline]
+    fn include(&mut self, i: usize, min: [f32; 3], max: [f32; 3]) {
+        for axis in 0..3 {
+            self.min[axis][i] = smaller(min[axis], self.min[axis][i]);
+            self.max[axis][i] = larger(max[axis], self.max[axis][i]);
+        }
+    }
+
+    /// The box around all.
+    fn around(&self) -> ([f32; 3], [f32; 3]) {
+        let min = self.min.map(|side| side.into_iter().fold(f32::INFINITY, |a, b| smaller(b, a)));
+        let max = self.max.map(|side| side.into_iter().fold(f32::NEG_INFINITY, |a, b| larger(b, a)));
+        (min, max)
+    }
+
+    /// Squared distances. Never larger than those of what is inside, as computed by [`Query::distance2`]: rounding is
+    /// monotonic, and it is the same sum.
+    #[inline]
+    fn distance2(&self, query: &Query) -> [f32; WIDTH] {
+        let mut sum = [0.0; WIDTH];
+        for axis in 0..3 {
+            for (i, sum) in sum.iter_mut().enumerate() {
+                let (below, above) = (self.min[axis][i] - query.p[axis], query.p[axis] - self.max[axis][i]);
+                let d = larger(larger(below, above), 0.0) * query.scale;
+                *sum += d * d;
+            }
+        }
+        sum
+    }
+}
+
+/// `a` if it is smaller, else `b`; one instruction.
+#[inline]
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// `a` if it is larger, else `b`; one instruction.
+#[inline]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// A point, and the power of two by which differences are multiplied so that their squares neither overflow nor vanish.
+#[derive(Clone, Copy, Debug)]
+struct Query {
+    p: [f32; 3],
+    scale: f32,
+    /// Square of the radius, scaled: a photon is within if its distance is smaller.
+    radius2: f32,
+    /// What turns scaled squares into those of lengths; both factors, as their product may be too large.
+    unscale: f32,
+}
+
+impl Query {
+    /// Around `p`; none if nothing can be within. Nothing is farther away than `reach`.
+    #[inline]
+    fn new(p: Vec3, radius: f32, reach: f32) -> Option<Self> {
+        if !p.is_finite() || radius.is_nan() || radius <= 0.0 {
+            return None;
+        }
+        let length = radius.min(reach);
+        // Ordinary lengths need no scale.
+        let scale = if (1e-15..1e15).contains(&length) { 1.0 } else { Self::scale(length) };
+        let scaled = radius * scale;
+        let radius2 = if radius > reach { f32::INFINITY } else { scaled * scaled };
+        Some(Self { p: p.to_array(), scale, radius2, unscale: 1.0 / scale })
+    }
+
+    /// A power of two that brings a length near 1, as far as it and its inverse are normal numbers.
+    #[cold]
+    fn scale(length: f32) -> f32 {
+        let exponent = (length.to_bits() >> 23) as i32 - 127;
+        2_f32.powi((-exponent).clamp(-126, 126))
+    }
+
+    /// Squared distance, scaled.
+    #[inline]
+    fn distance2(&self, p: &[f32; 3]) -> f32 {
+        let mut sum = 0.0;
+        for (a, b) in p.iter().zip(self.p) {
+            let d = (a - b) * self.scale;
+            sum += d * d;
+        }
+        sum
+    }
+
+    /// Squared distance without scale.
+    #[inline]
+    fn unscaled(&self, distance2: f32) -> f32 {
+        distance2 * self.unscale * self.unscale
+    }
+}
 
 /// Photons that can be asked for by place. Any number of them, 0 too, and anywhere: all in one plane, all in one point.
 #[derive(Debug, Default)]
 pub struct PhotonMap {
     photons: Vec<Photon>,
+    /// Lowest level first: box i of node n there is around block `n * WIDTH + i`, and on the next around that node.
+    nodes: Vec<Boxes>,
+    /// Where each level begins in `nodes`.
+    levels: [u32; LEVELS],
+    /// The level that is one node; nothing is there if there are no photons.
+    top: usize,
+    /// Corners of the box around all.
+    bounds: ([f32; 3], [f32; 3]),
 }
 
 /// The photons nearest to a point, by index in [`PhotonMap::photons`], with their squared distances. Keeps its memory
@@ -15,6 +147,9 @@ pub struct PhotonMap {
 #[derive(Clone, Debug, Default)]
 pub struct Nearest {
     found: Vec<(f32, u32)>,
+    /// Bits of the squared distance, which for positive numbers are in their order, above the index. Twice as many as
+    /// wanted at most, then cut down to those wanted.
+    candidates: Vec<u64>,
 }
 
 impl Nearest {
@@ -27,11 +162,52 @@ impl Nearest {
 impl PhotonMap {
     /// Puts photons in order. The order, and so every sum over them, depends on nothing but the photons and their order.
     ///
+    /// All are kept; those whose position is not a number are never found. Needs 2.4 times their bytes while it works.
+    ///
     /// # Errors
-    /// [`crate::ErrorKind::Cancelled`].
+    /// [`crate::ErrorKind::Cancelled`]; [`crate::ErrorKind::Unsupported`] for 2^32 photons or more.
     pub fn build(photons: Vec<Photon>, cancel: &Cancel) -> Result<Self> {
         cancel.check()?;
-        Ok(Self { photons })
+        let order = order(&photons, BLOCK, cancel)?;
+        let blocks = photons.len().div_ceil(BLOCK);
+        let mut sorted = Vec::with_capacity(photons.len());
+        let mut nodes = Vec::with_capacity(blocks.div_ceil(WIDTH - 1) + LEVELS);
+        for order in order.chunks(BLOCK * WIDTH) {
+            if nodes.len() % 128 == 0 {
+                cancel.check()?;
+            }
+            let mut node = Boxes::EMPTY;
+            for (i, block) in order.chunks(BLOCK).enumerate() {
+                for item in block {
+                    let photon = photons[*item as u32 as usize];
+                    // No box reaches out to infinity for what is never found anyway.
+                    if photon.position().is_finite() {
+                        node.include(i, photon.p, photon.p);
+                    }
+                    sorted.push(photon);
+                }
+            }
+            nodes.push(node);
+        }
+        drop((photons, order));
+
+        let (mut levels, mut top) = ([0; LEVELS], 0);
+        while nodes.len() > levels[top] as usize + 1 {
+            cancel.check()?;
+            let (start, end) = (levels[top] as usize, nodes.len());
+            for below in (start..end).step_by(WIDTH) {
+                let mut node = Boxes::EMPTY;
+                for (i, below) in nodes[below..end.min(below + WIDTH)].iter().enumerate() {
+                    let (min, max) = below.around();
+                    node.include(i, min, max);
+                }
+                nodes.push(node);
+            }
+            top += 1;
+            levels[top] = end as u32;
+        }
+        let bounds = nodes.last().map_or_else(Default::default, Boxes::around);
+        Ok(Self { photons: sorted, nodes, levels, top, bounds })
     }
 
     /// All photons, in the map's order.
@@ -39,18 +215,92 @@ impl PhotonMap {
         &self.photons
     }
 
+    /// Number of photons.
+    pub fn len(&self) -> usize {
+        self.photons.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.photons.is_empty()
+    }
+
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        self.photons.capacity() * size_of::<Photon>()
+        self.photons.capacity() * size_of::<Photon>() + self.nodes.capacity() * size_of::<Boxes>()
+    }
+
+    /// The photons of a block.
+    #[inline]
+    fn block(&self, block: usize) -> &[Photon] {
+        let start = (block * BLOCK).min(self.photons.len());
+        &self.photons[start..self.photons.len().min(start + BLOCK)]
+    }
+
+    /// Squared distances, scaled, of the photons in a block; infinite where there is none.
+    #[inline]
+    fn block_distances2(block: &[Photon], query: &Query) -> [f32; BLOCK] {
+        let mut distances2 = [f32::INFINITY; BLOCK];
+        if let Ok(block) = <&[Photon; BLOCK]>::try_from(block) {
+            for i in 0..BLOCK {
+                distances2[i] = query.distance2(&block[i].p);
+            }
+        } else {
+            for (distance2, photon) in distances2.iter_mut().zip(block) {
+                *distance2 = query.distance2(&photon.p);
+            }
+        }
+        distances2
     }
 
     /// Visits every photon within `radius` (> 0) of `p`, with the square of its distance, always in the same order.
+    ///
+    /// The square is computed in single precision: it is 0 for distances below 1e-23 and infinite for those above 1e19, but
+    /// which photons are visited does not suffer from that.
     #[inline]
     pub fn within(&self, p: Vec3, radius: f32, mut visit: impl FnMut(&Photon, f32)) {
-        for photon in &self.photons {
-            let distance2 = photon.position().distance_squared(p);
-            if distance2 < radius * radius {
-                visit(photon, distance2);
+        // How far away the photons are matters for radii that are large only.
+        let reach = if radius < 1e15 { f32::INFINITY } else { self.reach(p) };
+        let Some(query) = Query::new(p, radius, reach) else { return };
+        if self.nodes.is_empty() {
+            return;
+        }
+        let touched = |level: usize, node: usize| {
+            let distances2 = self.nodes[self.levels[level] as usize + node].distance2(&query);
+            bits(distances2.map(|distance2| distance2 < query.radius2))
+        };
+        // On each level, the boxes beside the one that is being visited that are to be visited after it.
+        let mut waiting = [0; LEVELS];
+        let (mut level, mut node) = (self.top, 0);
+        let mut boxes = touched(level, node);
+        loop {
+            if boxes == 0 {
+                if level == self.top {
+                    return;
+                }
+                level += 1;
+                node /= WIDTH;
+                boxes = waiting[level];
+                continue;
+            }
+            let child = node * WIDTH + boxes.trailing_zeros() as usize;
+            boxes &= boxes - 1;
+            if level > 0 {
+                waiting[level] = boxes;
+                level -= 1;
+                node = child;
+                boxes = touched(level, node);
+                continue;
+            }
+            let block = self.block(child);
+            let distances2 = Self::block_distances2(block, &query);
+            let mut inside = bits(distances2.map(|distance2| distance2 < query.radius2));
+            while inside != 0 {
+                let i = inside.trailing_zeros() as usize;
+                inside &= inside - 1;
+                if let Some(photon) = block.get(i) {
+                    visit(photon, query.unscaled(distances2[i]));
+                }
             }
         }
     }
@@ -58,10 +308,109 @@ impl PhotonMap {
     /// Finds the `count` photons nearest to `p` among those within `radius` (may be infinite), fewer if there are no more;
     /// of several at the same distance those of the lowest index.
     pub fn nearest(&self, p: Vec3, count: usize, radius: f32, nearest: &mut Nearest) {
-        nearest.found.clear();
-        let near = |(index, photon): (usize, &Photon)| (photon.position().distance_squared(p), index as u32);
-        nearest.found.extend(self.photons.iter().enumerate().map(near).filter(|(d2, _)| *d2 < radius * radius));
-        nearest.found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        nearest.found.truncate(count);
+        let Nearest { found, candidates } = nearest;
+        found.clear();
+        candidates.clear();
+        let Some(query) = Query::new(p, radius, self.reach(p)) else { return };
+        if count == 0 || self.nodes.is_empty() {
+            return;
+        }
+        // A photon is wanted if its key is below this.
+        let mut bound = key(query.radius2, 0);
+        let most = count.saturating_mul(2).max(count.saturating_add(4 * BLOCK));
+
+        // Nodes with the key of the first photon that could be inside, the nearest on top.
+        let mut waiting = [Waiting::default(); LEVELS * WIDTH];
+        waiting[0].level = self.top;
+        let mut height = 1;
+        while height > 0 {
+            height -= 1;
+            let Waiting { key: first, level, node } = waiting[height];
+            if first >= bound {
+                continue;
+            }
+            let distances2 = self.nodes[self.levels[level] as usize + node].distance2(&query);
+            // What it holds, the nearest last.
+            let (mut children, mut touched) = ([(0, 0); WIDTH], 0);
+            for (i, &distance2) in distances2.iter().enumerate() {
+                let child = node * WIDTH + i;
+                let first = key(distance2, child * BLOCK * WIDTH.pow(level as u32));
+                if distance2 < f32::INFINITY && first < bound {
+                    let mut place = touched;
+                    while place > 0 && children[place - 1].0 < first {
+                        children[place] = children[place - 1];
+                        place -= 1;
+                    }
+                    children[place] = (first, child);
+                    touched += 1;
+                }
+            }
+            if level > 0 {
+                for &(key, node) in &children[..touched] {
+                    waiting[height] = Waiting { key, level: level - 1, node };
+                    height += 1;
+                }
+                continue;
+            }
+            for &(first, child) in children[..touched].iter().rev() {
+                if first >= bound {
+                    break;
+                }
+                let distances2 = Self::block_distances2(self.block(child), &query);
+                for (i, &distance2) in distances2.iter().enumerate() {
+                    let key = key(distance2, child * BLOCK + i);
+                    if key < bound {
+                        candidates.push(key);
+                    }
+                }
+                if candidates.len() >= most {
+                    bound = keep(candidates, count);
+                }
+            }
+        }
+        if candidates.len() > count {
+            keep(candidates, count);
+        }
+        candidates.sort_unstable();
+        let one = |&key: &u64| (query.unscaled(f32::from_bits((key >> 32) as u32)), key as u32);
+        found.extend(candidates.iter().map(one));
     }
+
+    /// A distance that no photon is beyond, as far as it is a number.
+    fn reach(&self, p: Vec3) -> f32 {
+        let (min, max) = self.bounds;
+        let mut sum = 0.0;
+        for axis in 0..3 {
+            let (p, min, max) = (f64::from(p[axis]), f64::from(min[axis]), f64::from(max[axis]));
+            sum += (p - min).abs().max((max - p).abs()).powi(2);
+        }
+        (sum.sqrt() as f32).next_up()
+    }
+}
+
+/// A node to be visited.
+#[derive(Clone, Copy, Default)]
+struct Waiting {
+    key: u64,
+    level: usize,
+    node: usize,
+}
+
+/// Orders photons by distance, then by index: the bits of a positive number are in its order.
+#[inline]
+fn key(distance2: f32, index: usize) -> u64 {
+    u64::from(distance2.to_bits()) << 32 | index as u64
+}
+
+/// Leaves the `count` (> 0, fewer than there are) least keys, and returns the greatest of them.
+fn keep(candidates: &mut Vec<u64>, count: usize) -> u64 {
+    let (_, &mut last, _) = candidates.select_nth_unstable(count - 1);
+    candidates.truncate(count);
+    last
+}
+
+/// Bit i is set if the i-th is true.
+#[inline]
+fn bits<const N: usize>(of: [bool; N]) -> u32 {
+    of.iter().enumerate().fold(0, |bits, (i, &bit)| bits | u32::from(bit) << i)
 }

@@ -1,0 +1,66 @@
+//! A disk that an edge, a corner or a wall cuts off: how much of it is left, and which photons lie there.
+
+use std::f32::consts::TAU;
+
+use super::super::Tracer;
+use super::super::light::Vertex;
+use super::estimate::{Kernel, THICKNESS};
+use crate::math::{Frame, HitPoint, Ray, Vec3};
+
+/// Sectors of the disk.
+const SECTORS: usize = 16;
+
+/// Steps from the middle to the rim in which the surface is looked for.
+const STEPS: usize = 8;
+
+/// How far the surface goes from a point, in each direction.
+pub(super) struct Cut {
+    p: Vec3,
+    frame: Frame,
+    /// In lengths, no more than the disk's radius.
+    reach: [f32; SECTORS],
+}
+
+impl Cut {
+    /// Feels its way from a vertex, as far as `radius`.
+    pub fn new<T: Tracer>(tracer: &mut T, vertex: &Vertex, radius: f32) -> Self {
+        let normal = vertex.facing();
+        let frame = Frame::from_normal(normal);
+        let p = vertex.surface.point.p;
+        let height = THICKNESS * radius;
+        let error = vertex.surface.point.error.max(HitPoint::rounding_error(p, normal));
+        let above = p + normal * (0.5 * height + error);
+        let reach = std::array::from_fn(|sector| {
+            let (sin, cos) = (TAU * (sector as f32 + 0.5) / SECTORS as f32).sin_cos();
+            let along = frame.s * cos + frame.t * sin;
+            let level = Ray { origin: above, direction: along * radius, tnear: 0.0, tfar: 1.0 };
+            let wall = tracer.intersect(&level).map_or(1.0, |hit| hit.t);
+            // As far as there is something under it.
+            let is_there = |share: f32, tracer: &mut T| {
+                let origin = above + along * (radius * share);
+                let down = Ray { origin, direction: normal * (-1.5 * height - 2.0 * error), tnear: 0.0, tfar: 1.0 };
+                !tracer.unoccluded(&down)
+            };
+            let step = |i: usize| wall * (i as f32 + 0.5) / STEPS as f32;
+            let steps = (0..STEPS).take_while(|i| is_there(step(*i), tracer)).count();
+            radius * wall * steps as f32 / STEPS as f32
+        });
+        Self { p, frame, reach }
+    }
+
+    /// Whether a point of the surface belongs to what is left.
+    #[inline]
+    pub fn holds(&self, p: Vec3) -> bool {
+        let local = self.frame.to_local(p - self.p);
+        let turn = local.y.atan2(local.x) / TAU;
+        let sector = ((turn - turn.floor()) * SECTORS as f32) as usize;
+        local.x.hypot(local.y) <= self.reach[sector.min(SECTORS - 1)]
+    }
+
+    /// The share of a kernel's integral that is left, at least that of one sector.
+    #[inline]
+    pub fn share(&self, kernel: Kernel, radius: f32) -> f32 {
+        let sum: f32 = self.reach.iter().map(|reach| kernel.mass(reach / radius)).sum();
+        (sum / SECTORS as f32).max(1.0 / SECTORS as f32)
+    }
+}

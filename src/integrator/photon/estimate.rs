@@ -1,0 +1,241 @@
+//! Density estimation: from photons around a point to the radiance that leaves it.
+//!
+//! The kernel lies on a disk in the tangent plane, of the radius of the estimate; photons on another side of the surface
+//! or too far off the plane belong to other surfaces and do not count. Kernels are normalised so that they integrate to 1
+//! over the disk: the area is that of a whole disk, so estimates are asked for only where it is whole (see
+//! [`super::Whole`]) or cut it down.
+//!
+//! Sources: Jensen 2001, *Realistic Image Synthesis Using Photon Mapping*, Sec. 7.2; Silverman 1986, *Density Estimation
+//! for Statistics and Data Analysis*.
+
+use std::f32::consts::{FRAC_1_PI, SQRT_2};
+
+use super::super::light::Vertex;
+use super::{Nearest, Octahedral, Photon, PhotonMap};
+use crate::bsdf::Bsdf;
+use crate::desc::KernelDesc;
+use crate::math::Vec3;
+use crate::spectrum::Rgb;
+
+/// Half the thickness of the disk, in radii: a surface may bend by so much within it.
+pub(super) const THICKNESS: f32 = 0.25;
+
+/// Cosine between the normals of photons and that of where they count.
+const SAME_SIDE: f32 = 0.8;
+
+/// A kernel, normalised for the unit disk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kernel(KernelDesc);
+
+impl Kernel {
+    /// A checked kernel.
+    pub fn new(desc: KernelDesc) -> Self {
+        Self(desc)
+    }
+
+    /// Density [length^-2] at this squared distance from the middle of a disk of this radius; 0 beyond it.
+    #[inline]
+    pub fn density(self, distance2: f32, radius: f32) -> f32 {
+        let radius2 = radius * radius;
+        let q = distance2 / radius2;
+        if q >= 1.0 {
+            return 0.0;
+        }
+        let shape = match self.0 {
+            KernelDesc::Flat => 1.0,
+            // Jensen's normalisation, 1 - 2 / (3 k).
+            KernelDesc::Cone { k } => (1.0 - q.sqrt() / k) / (1.0 - 2.0 / (3.0 * k)),
+            KernelDesc::Epanechnikov => 2.0 * (1.0 - q),
+        };
+        shape * FRAC_1_PI / radius2
+    }
+}
+
+impl Kernel {
+    /// The part of the integral within this share of the radius.
+    #[inline]
+    pub fn mass(self, share: f32) -> f32 {
+        let t = share.clamp(0.0, 1.0);
+        match self.0 {
+            KernelDesc::Flat => t * t,
+            KernelDesc::Cone { k } => t * t * (1.0 - 2.0 * t / (3.0 * k)) / (1.0 - 2.0 / (3.0 * k)),
+            KernelDesc::Epanechnikov => t * t * (2.0 - t * t),
+        }
+    }
+}
+
+/// How a map is asked.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Asked {
+    pub kernel: Kernel,
+    /// The radius, or the largest one.
+    pub radius: f32,
+    /// How many of the nearest photons make the estimate, where not all within the radius do.
+    pub neighbours: Option<u32>,
+}
+
+/// What the photons around a point come to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Estimate {
+    /// Radiance that they make the point send back along the path.
+    pub radiance: Rgb,
+    /// The same from a kernel of 1 / sqrt(2) the radius: the difference tells the bias.
+    pub narrow: Rgb,
+    /// Photons that count.
+    pub count: u32,
+    /// Radius that was used.
+    pub radius: f32,
+}
+
+impl Estimate {
+    /// How much too large the radiance is because light is not the same all over the disk, to the second order.
+    ///
+    /// The bias of a kernel is c r^2 (Laplacian of the irradiance times half the kernel's second moment); that of the
+    /// narrow one is half of it, so it is twice their difference. Hachisuka, Jarosz, Jensen 2010, "A Progressive Error
+    /// Estimation Framework for Photon Density Estimation", Eq. 15, with the Laplacian by a difference of kernels.
+    pub fn bias(&self) -> Rgb {
+        2.0 * (self.radiance - self.narrow)
+    }
+}
+
+/// The light that photons bring to a vertex and that is scattered back along the path.
+///
+/// `cut`: the share of the kernel that the surface holds, 1 for a whole disk.
+#[inline]
+pub(super) fn radiance(
+    map: &PhotonMap,
+    vertex: &Vertex,
+    asked: Asked,
+    cut: impl Fn(Vec3) -> bool,
+    nearest: &mut Nearest,
+) -> Estimate {
+    let mut gathered = Gathered::new(vertex, asked.kernel, asked.radius);
+    let p = vertex.surface.point.p;
+    match asked.neighbours {
+        None => map.within(p, asked.radius, |photon, distance2| {
+            if cut(photon.position()) {
+                gathered.add(photon, distance2);
+            }
+        }),
+        Some(count) => {
+            map.nearest(p, count as usize, asked.radius, nearest);
+            let found = nearest.found();
+            // The radius is the distance of the last one, which therefore does not count: with it the density would be too
+            // large by k / (k - 1).
+            let found = match found {
+                [nearer @ .., (farthest, _)] if found.len() == count as usize => {
+                    gathered.set_radius(farthest.sqrt());
+                    nearer
+                }
+                all => all,
+            };
+            for &(distance2, index) in found {
+                let photon = &map.photons()[index as usize];
+                if cut(photon.position()) {
+                    gathered.add(photon, distance2);
+                }
+            }
+        }
+    }
+    gathered.finish()
+}
+
+/// Sums over photons.
+struct Gathered<'v, 's> {
+    vertex: &'v Vertex<'s>,
+    kernel: Kernel,
+    radius: f32,
+    narrow_radius2: f32,
+    height: f32,
+    normal: Vec3,
+    packed_normal: Octahedral,
+    /// For Lambert's law the sum of powers, which is scattered as one; else of what each photon's light becomes.
+    lambert: Option<Rgb>,
+    sum: Rgb,
+    narrow: Rgb,
+    count: u32,
+}
+
+impl<'v, 's> Gathered<'v, 's> {
+    #[inline]
+    fn new(vertex: &'v Vertex<'s>, kernel: Kernel, radius: f32) -> Self {
+        let normal = vertex.facing();
+        let is_flat = vertex.surface.ng == vertex.surface.ns;
+        let lambert = match &vertex.material.bsdf {
+            Bsdf::Lambert(lambert) if is_flat => Some(lambert.f()),
+            _ => None,
+        };
+        Self {
+            vertex,
+            kernel,
+            radius,
+            narrow_radius2: 0.5 * radius * radius,
+            height: THICKNESS * radius,
+            normal,
+            packed_normal: Octahedral::new(normal),
+            lambert,
+            sum: Rgb::ZERO,
+            narrow: Rgb::ZERO,
+            count: 0,
+        }
+    }
+
+    fn set_radius(&mut self, radius: f32) {
+        self.radius = radius;
+        self.narrow_radius2 = 0.5 * radius * radius;
+        self.height = THICKNESS * radius;
+    }
+
+    #[inline]
+    fn add(&mut self, photon: &Photon, distance2: f32) {
+        let height = (photon.position() - self.vertex.surface.point.p).dot(self.normal);
+        if height.abs() > self.height
+            || (photon.normal != self.packed_normal && photon.normal.get().dot(self.normal) < SAME_SIDE)
+        {
+            return;
+        }
+        self.count += 1;
+        let mut power = photon.power();
+        if self.lambert.is_none() {
+            power *= self.scattered(photon);
+        }
+        self.sum += power * self.kernel.density(distance2, self.radius);
+        if distance2 < self.narrow_radius2 {
+            self.narrow += power * self.kernel.density(distance2, self.radius * (1.0 / SQRT_2));
+        }
+    }
+
+    /// The scattering function for a photon's light; with interpolated normals, per power on the face rather than on the
+    /// shading normal's.
+    fn scattered(&self, photon: &Photon) -> Rgb {
+        let wi = photon.wi.get();
+        let local = self.vertex.to_local(wi);
+        let f = self.vertex.material.bsdf.f(self.vertex.wo, local);
+        let (ng, ns) = (self.vertex.surface.ng, self.vertex.surface.ns);
+        if ng == ns {
+            return f;
+        }
+        let ratio = (local.z / wi.dot(ng)).abs();
+        if ratio.is_finite() { f * ratio } else { Rgb::ZERO }
+    }
+
+    #[inline]
+    fn finish(self) -> Estimate {
+        let f = self.lambert.unwrap_or(Rgb::ONE);
+        Estimate { radiance: f * self.sum, narrow: f * self.narrow, count: self.count, radius: self.radius }
+    }
+}
+
+/// The report's estimate of direct light: `None` where a shadow photon is within the radius or fewer than `least` others.
+#[inline]
+pub(super) fn direct(map: &PhotonMap, vertex: &Vertex, asked: Asked, least: u32) -> Option<Rgb> {
+    let mut gathered = Gathered::new(vertex, asked.kernel, asked.radius);
+    let mut in_shadow = false;
+    map.within(vertex.surface.point.p, asked.radius, |photon, distance2| {
+        let before = gathered.count;
+        gathered.add(photon, distance2);
+        in_shadow |= gathered.count > before && photon.is_shadow();
+    });
+    let estimate = gathered.finish();
+    (!in_shadow && estimate.count >= least).then_some(estimate.radiance)
+}

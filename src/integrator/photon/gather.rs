@@ -1,0 +1,373 @@
+//! Eye paths that end in, or are helped by, photon maps.
+//!
+//! One loop serves all methods; what they differ in is decided when they are made:
+//!
+//! - the report's map gives direct light, where no shadow photon is near; the path goes on for the rest;
+//! - the caustic map gives light that came by mirrors and glass only, at every diffuse hit; a path that finds a light by
+//!   way of them after a diffuse bounce then counts for nothing, since it would be the same light twice;
+//! - the map of indirect light ends a path at its first diffuse hit, and direct light comes from shadow rays (progressive
+//!   methods); the global map ends it one diffuse bounce later (final gathering).
+//!
+//! Where a map's disk is not whole (see [`super::whole`]), the path goes on as path tracing does.
+
+use std::cell::RefCell;
+
+use super::super::light::Vertex;
+use super::super::path::roulette;
+use super::super::{FirstHit, Integrator, Tracer};
+use super::cut::Cut;
+use super::estimate::{Asked, Estimate, direct, radiance};
+use super::whole::Whole;
+use super::{Nearest, PhotonMap};
+use crate::film::{Gathering, ShrinkingRadius};
+use crate::math::{Ray, Vec3};
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+use crate::spectrum::Rgb;
+use std::sync::Arc;
+
+/// A map and how it is asked.
+#[derive(Clone, Debug)]
+pub(super) struct Layer {
+    pub map: Arc<PhotonMap>,
+    pub asked: Asked,
+}
+
+/// What ends a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ends {
+    /// Nothing but chance.
+    Never,
+    /// The map of indirect light, at the first diffuse hit.
+    AtOnce,
+    /// The global map, after a diffuse bounce.
+    AfterGather,
+}
+
+/// How radii shrink.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Shrinking {
+    /// All in the same way, or not at all.
+    Together,
+    /// Each pixel's by what it meets.
+    ByPixel {
+        /// Share of photons that is kept.
+        alpha: f32,
+        /// Photons that the first radius holds.
+        first: u32,
+    },
+}
+
+/// Path tracing with photon maps.
+#[derive(Clone, Debug)]
+pub struct Gather {
+    pub(super) direct: Option<Layer>,
+    pub(super) caustic: Option<Layer>,
+    /// Of indirect light, or of all of it, by `ends`.
+    pub(super) diffuse: Option<Layer>,
+    /// Where disks are whole.
+    pub(super) whole: Whole,
+    pub(super) ends: Ends,
+    pub(super) shrinking: Shrinking,
+    /// Number of the pass that the maps are of.
+    pub(super) pass: u32,
+    pub(super) max_depth: u32,
+    pub(super) shadow_rays: u32,
+    pub(super) min_photons: u32,
+    pub(super) gather_rays: u32,
+}
+
+/// From this bounce on a scene's own survival probabilities give way to what the path carries.
+const OWN_SURVIVAL_BOUNCES: u32 = 64;
+
+/// As in path tracing.
+const CERTAIN_SHARE: f32 = 0.5;
+
+thread_local! {
+    static NEAREST: RefCell<Nearest> = RefCell::default();
+}
+
+/// A path on its way.
+#[derive(Clone, Copy)]
+struct State {
+    ray: Ray,
+    throughput: Rgb,
+    /// Undoes the radiance scaling of refraction for the roulette.
+    eta2: f32,
+    /// The last bounce's point and density, where a light sample could have made it as well.
+    bounced: Option<(Vec3, f32)>,
+    worth_following: f32,
+    depth: u32,
+    /// Diffuse hits so far.
+    diffuse: u32,
+    /// Length of the way since the last diffuse hit.
+    way: f32,
+}
+
+impl Integrator for Gather {
+    fn radiance<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        ray: Ray,
+        sampler: &mut S,
+        tracer: &mut T,
+        first: &mut impl FnMut(FirstHit),
+    ) -> Rgb {
+        self.radiance_of_pixel(scene, ray, sampler, tracer, first, None)
+    }
+
+    fn radiance_of_pixel<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        ray: Ray,
+        sampler: &mut S,
+        tracer: &mut T,
+        first: &mut impl FnMut(FirstHit),
+        gathering: Option<&mut Gathering>,
+    ) -> Rgb {
+        let start = State {
+            ray,
+            throughput: Rgb::ONE,
+            eta2: 1.0,
+            bounced: None,
+            worth_following: 1.0,
+            depth: 1,
+            diffuse: 0,
+            way: 0.0,
+        };
+        let mut told = Told { gathering, bias: Rgb::ZERO };
+        let radiance = self.follow(scene, start, sampler, tracer, first, &mut told);
+        if let Some(gathering) = told.gathering {
+            gathering.add_bias(self.pass, told.bias);
+        }
+        radiance
+    }
+}
+
+/// What estimates tell the pixel.
+struct Told<'g> {
+    gathering: Option<&'g mut Gathering>,
+    bias: Rgb,
+}
+
+impl Gather {
+    fn follow<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        mut state: State,
+        sampler: &mut S,
+        tracer: &mut T,
+        first: &mut impl FnMut(FirstHit),
+        told: &mut Told,
+    ) -> Rgb {
+        let mut radiance = Rgb::ZERO;
+        loop {
+            let Some(hit) = tracer.intersect(&state.ray) else { return radiance };
+            state.way += hit.t;
+            let vertex = Vertex::new(scene, &state.ray, &hit);
+            if state.depth == 1 {
+                first(vertex.first_hit());
+            }
+            // Light that the surface itself sends; what came by mirrors and glass to a diffuse surface is in a map.
+            if state.diffuse == 0 || state.bounced.is_some() {
+                radiance += state.throughput * vertex.emitted(scene, state.bounced, self.shadow_rays);
+            }
+            let bsdf = &vertex.material.bsdf;
+            if state.depth > self.max_depth || bsdf.is_black() {
+                return radiance;
+            }
+            let mut rays = 1;
+            if !bsdf.is_delta() {
+                state.diffuse += 1;
+                let (sent_back, is_over) = self.diffuse(scene, &vertex, &state, sampler, tracer, told);
+                radiance += state.throughput * sent_back;
+                if is_over {
+                    return radiance;
+                }
+                if state.diffuse == 1 && self.ends == Ends::AfterGather {
+                    rays = self.gather_rays;
+                }
+                state.way = 0.0;
+            }
+            for _ in 1..rays {
+                let mut branch = state;
+                branch.throughput /= rays as f32;
+                if self.bounce(&vertex, &mut branch, sampler) {
+                    radiance += self.follow(scene, branch, sampler, tracer, first, told);
+                }
+            }
+            state.throughput /= rays as f32;
+            if !self.bounce(&vertex, &mut state, sampler) {
+                return radiance;
+            }
+        }
+    }
+
+    /// The next direction; false where the path ends.
+    #[inline]
+    fn bounce<S: Sampler>(&self, vertex: &Vertex, state: &mut State, sampler: &mut S) -> bool {
+        let u = sampler.next_4d();
+        let Some(bounce) = vertex.sample_bounce(u) else { return false };
+        let is_last = state.depth == self.max_depth;
+        if is_last && bounce.pdf.is_none() {
+            return false;
+        }
+        state.throughput *= bounce.weight;
+        state.eta2 *= bounce.eta * bounce.eta;
+        // Where the report's map stands for light samples, no bounce may find a light.
+        let counts = self.direct.is_none();
+        state.bounced = bounce.pdf.filter(|_| counts).map(|pdf| (vertex.surface.point.p, pdf));
+        state.ray = bounce.ray;
+        if !is_last {
+            let carried = state.throughput.max_element() * state.eta2;
+            if carried <= 0.0 {
+                return false;
+            }
+            if state.depth == 1 {
+                state.worth_following = CERTAIN_SHARE * carried;
+            }
+            let share = match vertex.material.survival {
+                Some(survival) if bounce.pdf.is_some() && state.depth < OWN_SURVIVAL_BOUNCES => survival,
+                _ => carried / state.worth_following,
+            };
+            let survival = roulette(share, state.depth);
+            if survival < 1.0 {
+                if u[3] >= survival {
+                    return false;
+                }
+                state.throughput /= survival;
+            }
+        }
+        state.depth += 1;
+        true
+    }
+
+    /// What a diffuse surface sends back of the light that is known here, and whether that is all of it.
+    #[inline]
+    fn diffuse<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        vertex: &Vertex,
+        state: &State,
+        sampler: &mut S,
+        tracer: &mut T,
+        told: &mut Told,
+    ) -> (Rgb, bool) {
+        let p = vertex.surface.point.p;
+        let facing = vertex.facing();
+        let is_whole = |layer: &&Layer| self.whole.is_whole(p, facing, layer.asked.radius);
+        let is_first = state.diffuse == 1;
+        // All light from one map.
+        if self.ends == Ends::AfterGather
+            && !is_first
+            && let Some(layer) = self.diffuse.as_ref().filter(|layer| state.way > layer.asked.radius).filter(is_whole)
+        {
+            return (ask(layer, layer.asked, vertex, None).radiance, true);
+        }
+        let ending = match self.ends {
+            Ends::AtOnce => self.diffuse.as_ref().filter(is_whole),
+            _ => None,
+        };
+        let mut sum = Rgb::ZERO;
+        // Straight from the emitters.
+        let from_map = self.direct.as_ref().and_then(|layer| {
+            is_whole(&layer).then(|| direct(&layer.map, vertex, layer.asked, self.min_photons)).flatten()
+        });
+        match from_map {
+            Some(light) => sum += light,
+            None if scene.emitters().is_dark() => {}
+            None => {
+                // A path that ends here, or whose bounces may not find lights, leaves all of it to the light samples.
+                let is_alone = ending.is_some() || self.direct.is_some();
+                for _ in 0..self.shadow_rays {
+                    let u = sampler.next_4d();
+                    sum += vertex.sample_light_as(scene, u, self.shadow_rays, is_alone, tracer);
+                }
+            }
+        }
+        // By mirrors and glass.
+        if let Some(layer) = &self.caustic {
+            let asked = self.asked(layer, is_first, told, |gathering| &mut gathering.caustic, vertex);
+            let cut = (!self.whole.is_whole(p, facing, asked.radius))
+                .then(|| holds_any(&layer.map, p, asked.radius).then(|| Cut::new(tracer, vertex, asked.radius)))
+                .flatten();
+            let estimate = ask(layer, asked, vertex, cut.as_ref());
+            sum += estimate.radiance;
+            self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.caustic);
+        }
+        // Scattered before.
+        if let Some(layer) = ending {
+            let asked = self.asked(layer, is_first, told, |gathering| &mut gathering.indirect, vertex);
+            let estimate = ask(layer, asked, vertex, None);
+            sum += estimate.radiance;
+            self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.indirect);
+        }
+        (sum, ending.is_some())
+    }
+
+    /// With which radius a map is asked: the pixel's own at the first diffuse hit, where it has one.
+    #[inline]
+    fn asked(
+        &self,
+        layer: &Layer,
+        is_first: bool,
+        told: &mut Told,
+        radius: impl Fn(&mut Gathering) -> &mut ShrinkingRadius,
+        vertex: &Vertex,
+    ) -> Asked {
+        let (Shrinking::ByPixel { alpha, first }, true, Some(gathering)) =
+            (self.shrinking, is_first, told.gathering.as_deref_mut())
+        else {
+            return layer.asked;
+        };
+        let radius = radius(gathering).begin(self.pass, alpha, || {
+            NEAREST.with_borrow_mut(|nearest| {
+                layer.map.nearest(vertex.surface.point.p, first as usize, layer.asked.radius, nearest);
+                match nearest.found() {
+                    // Fewer than asked for, or all in one point: as wide as it may be.
+                    found if found.len() < first as usize => layer.asked.radius,
+                    [.., (distance2, _)] if *distance2 > 0.0 => distance2.sqrt(),
+                    _ => layer.asked.radius,
+                }
+            })
+        });
+        Asked { radius: radius.min(layer.asked.radius), neighbours: None, ..layer.asked }
+    }
+
+    #[inline]
+    fn tell(
+        &self,
+        estimate: &Estimate,
+        state: &State,
+        is_first: bool,
+        told: &mut Told,
+        radius: impl Fn(&mut Gathering) -> &mut ShrinkingRadius,
+    ) {
+        let Some(gathering) = told.gathering.as_deref_mut() else { return };
+        told.bias += state.throughput * estimate.bias();
+        if is_first && self.shrinking != Shrinking::Together {
+            radius(gathering).note(estimate.count);
+        }
+    }
+}
+
+fn holds_any(map: &PhotonMap, p: Vec3, radius: f32) -> bool {
+    let mut count = 0_u32;
+    map.within(p, radius, |_, _| count += 1);
+    count > 0
+}
+
+#[inline]
+fn ask(layer: &Layer, asked: Asked, vertex: &Vertex, cut: Option<&Cut>) -> Estimate {
+    let estimate = |nearest: &mut Nearest| match cut {
+        None => radiance(&layer.map, vertex, asked, |_| true, nearest),
+        Some(cut) => {
+            let mut estimate = radiance(&layer.map, vertex, asked, |p| cut.holds(p), nearest);
+            let share = cut.share(asked.kernel, estimate.radius);
+            estimate.radiance /= share;
+            estimate.narrow /= cut.share(asked.kernel, estimate.radius * std::f32::consts::FRAC_1_SQRT_2);
+            estimate
+        }
+    };
+    if asked.neighbours.is_some() { NEAREST.with_borrow_mut(estimate) } else { estimate(&mut Nearest::default()) }
+}

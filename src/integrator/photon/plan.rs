@@ -1,0 +1,309 @@
+//! Which maps a method wants, with which radii, and when they are made.
+
+use std::sync::Arc;
+
+use super::super::light::Vertex;
+use super::super::{SceneTracer, Tracer as _};
+use super::estimate::{Asked, Kernel};
+use super::gather::{Ends, Gather, Layer, Shrinking};
+use super::whole::Whole;
+use super::{Job, MapKind, Photon, PhotonMap, shoot};
+use crate::camera::Camera;
+use crate::control::{Cancel, Parallel};
+use crate::desc::{IntegratorDesc, KernelDesc, RenderDesc};
+use crate::error::{Error, ErrorKind, Result};
+use crate::scene::Scene;
+
+/// Light paths of a map that is made once.
+const ONCE: u32 = 1_000_000;
+
+/// Light paths of a pass.
+const EACH_PASS: u32 = 1 << 17;
+
+/// The report's radius.
+const REPORT_RADIUS: f32 = 0.1;
+
+/// First radii, in pixels as the middle one sees them.
+const CAUSTIC_PIXELS: f32 = 2.0;
+const INDIRECT_PIXELS: f32 = 8.0;
+
+/// Photons that the first radius of a pixel of its own holds.
+const FIRST_PHOTONS: u32 = 32;
+
+/// Bytes a photon takes while its map is being built.
+const BYTES_A_PHOTON: usize = 80;
+
+/// Photons kept of a light path, at most, in the sizes that are planned with.
+const PHOTONS_A_PATH: usize = 64;
+
+/// Samples of a pixel for each pass of photons: few where an image has many pixels.
+fn samples_a_pass(pixels: u64) -> u32 {
+    if pixels <= 1 << 18 { 4 } else { 1 }
+}
+
+/// What a method needs to know of photons, and has made of them so far.
+#[derive(Debug)]
+pub struct Plan {
+    scene: Scene,
+    desc: Arc<RenderDesc>,
+    method: IntegratorDesc,
+    /// First radii.
+    caustic_radius: f32,
+    radius: f32,
+    whole: Whole,
+    made: Option<(u32, Gather)>,
+    notes: Vec<String>,
+    /// Rays that went into maps.
+    pub rays: u64,
+}
+
+impl Plan {
+    /// Prepares a method: checks it against the scene, finds radii where none are given.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidScene`] for a radius that single precision does not hold.
+    pub fn new(scene: &Scene, camera: &Camera, desc: &Arc<RenderDesc>, method: IntegratorDesc) -> Result<Self> {
+        let photons = &desc.photons;
+        let pixel = pixel_size(scene, camera, desc.resolution);
+        let radius = |path: &str, given: Option<f64>, otherwise: f32| match given {
+            None => Ok(otherwise),
+            Some(radius) if (radius as f32) >= f32::MIN_POSITIVE.sqrt() && (radius as f32) < f32::MAX.sqrt() => {
+                Ok(radius as f32)
+            }
+            Some(radius) => {
+                Err(Error::invalid(path, format!("{radius} is not a radius whose square single precision holds")))
+            }
+        };
+        let otherwise = match method {
+            IntegratorDesc::PhotonDirect => REPORT_RADIUS,
+            _ => INDIRECT_PIXELS * pixel,
+        };
+        let wide = radius("render.photonRadius", photons.radius, otherwise)?;
+        let caustic = match (method, photons.caustic_radius) {
+            (IntegratorDesc::PhotonDirect, None) => wide,
+            (_, given) => radius("render.causticRadius", given, CAUSTIC_PIXELS * pixel)?,
+        };
+        Ok(Self {
+            scene: scene.clone(),
+            desc: Arc::clone(desc),
+            method,
+            caustic_radius: caustic,
+            radius: wide,
+            whole: Whole::new(wide.max(caustic)),
+            made: None,
+            notes: Vec::new(),
+            rays: 0,
+        })
+    }
+
+    /// Samples of each pixel that share the maps of one pass; `None` where maps are made once.
+    pub fn samples_a_pass(&self) -> Option<u32> {
+        let pixels = self.desc.resolution.map(u64::from).into_iter().product();
+        self.is_progressive().then(|| samples_a_pass(pixels))
+    }
+
+    fn is_progressive(&self) -> bool {
+        match self.method {
+            IntegratorDesc::Ppm | IntegratorDesc::Sppm => true,
+            IntegratorDesc::Caustic => self.desc.photons.progressive,
+            _ => false,
+        }
+    }
+
+    /// What a user should know about the maps.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// The integrator for the samples from `sample` on, with maps that are made now unless they are there.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Cancelled`]; `OutOfMemory` where not even a small map fits; `InvalidScene` for settings that do not fit
+    /// the scene.
+    pub fn gather(&mut self, sample: u32, parallel: &mut impl Parallel) -> Result<Gather> {
+        let pass = self.samples_a_pass().map_or(0, |samples| sample / samples);
+        if let Some((made, gather)) = &self.made
+            && *made == pass
+        {
+            return Ok(gather.clone());
+        }
+        self.made = None;
+        let gather = self.make(pass, parallel)?;
+        self.made = Some((pass, gather.clone()));
+        Ok(gather)
+    }
+
+    fn make(&mut self, pass: u32, parallel: &mut impl Parallel) -> Result<Gather> {
+        let photons = &self.desc.photons;
+        let shrunk = if self.is_progressive() { shrunk(pass, photons.alpha) } else { 1.0 };
+        let by_pixel = self.method == IntegratorDesc::Sppm;
+        // Where each pixel has a radius of its own, the others keep within the common one.
+        let (radius, caustic_radius) = (self.radius * shrunk, self.caustic_radius * shrunk);
+        let kernel = |otherwise| Kernel::new(photons.kernel.unwrap_or(otherwise));
+        let (epanechnikov, cone) = (kernel(KernelDesc::Epanechnikov), kernel(KernelDesc::Cone { k: 1.0 }));
+        let default_count = if self.is_progressive() { EACH_PASS } else { ONCE };
+        let count = photons.count.unwrap_or(default_count);
+        let caustic_count = photons.caustic_count.unwrap_or(default_count);
+        let neighbours = photons.neighbours;
+        let kinds = self.scene.kinds();
+
+        // What is shot, how much of it, and how it is asked.
+        let mut wanted = Vec::new();
+        let asked = |kernel, radius, neighbours| Asked { kernel, radius, neighbours };
+        let caustics =
+            |kernel, neighbours| (MapKind::Caustic, caustic_count, asked(kernel, caustic_radius, neighbours));
+        let ends = match self.method {
+            IntegratorDesc::PhotonDirect => {
+                wanted.push((MapKind::Direct, count, asked(cone, radius, None)));
+                wanted.push(caustics(cone, None));
+                Ends::Never
+            }
+            IntegratorDesc::Photon => {
+                wanted.push(caustics(epanechnikov, neighbours));
+                wanted.push((MapKind::Global, count, asked(epanechnikov, radius, neighbours)));
+                Ends::AfterGather
+            }
+            IntegratorDesc::Ppm | IntegratorDesc::Sppm => {
+                let neighbours = neighbours.filter(|_| !by_pixel);
+                wanted.push(caustics(epanechnikov, neighbours));
+                wanted.push((MapKind::Indirect, count, asked(epanechnikov, radius, neighbours)));
+                Ends::AtOnce
+            }
+            _ => {
+                wanted.push(caustics(epanechnikov, neighbours));
+                Ends::Never
+            }
+        };
+        // Mirrors and glass are not there to be met, nor surfaces to be lit by them.
+        wanted.retain(|(kind, ..)| kinds.diffuse && (*kind != MapKind::Caustic || kinds.specular));
+        let budget = (photons.memory as usize).saturating_mul(1 << 20) / BYTES_A_PHOTON;
+        let mut shots: Vec<(MapKind, Asked, Vec<Photon>)> = Vec::new();
+        let maps = wanted.len();
+        for (kind, paths, asked) in wanted {
+            let used: usize = shots.iter().map(|(_, _, photons)| photons.len()).sum();
+            // What is left, the second map's share apart.
+            let most = (budget - used.min(budget)) / (maps - shots.len());
+            if most < PHOTONS_A_PATH {
+                let message = format!("{} MiB hold no photon map", photons.memory);
+                return Err(Error::new(ErrorKind::OutOfMemory, message));
+            }
+            let shot = shoot(&self.scene, &self.desc, Job { kind, paths, pass, most }, parallel)?;
+            self.rays += shot.tally.rays;
+            if let Some(planned) = shot.cut_from
+                && pass == 0
+            {
+                self.notes.push(format!(
+                    "the {} photon map was ended after {} of {planned} light paths: photonMemory allows {} MiB",
+                    kind.name(),
+                    shot.tally.paths,
+                    photons.memory
+                ));
+            }
+            shots.push((kind, asked, shot.photons));
+        }
+        let (kinds, shots): (Vec<_>, Vec<_>) =
+            shots.into_iter().map(|(kind, asked, photons)| ((kind, asked), std::sync::Mutex::new(photons))).unzip();
+        // Side by side, each on one thread.
+        let built = parallel.map(shots.len(), move |index| {
+            let photons = std::mem::take(&mut *shots[index].lock().unwrap_or_else(std::sync::PoisonError::into_inner));
+            PhotonMap::build(photons, &Cancel::new())
+        })?;
+        let mut layers = Vec::new();
+        for ((kind, asked), map) in kinds.into_iter().zip(built) {
+            layers.push((kind, Layer { map: Arc::new(map?), asked }));
+        }
+        for (_, layer) in &layers {
+            self.rays += self.whole.learn(&self.scene, &layer.map, layer.asked.radius, parallel)?;
+        }
+        let mut take = |wanted: &[MapKind]| {
+            let place = layers.iter().position(|(kind, layer)| wanted.contains(kind) && layer.map.len() > 0)?;
+            Some(layers.swap_remove(place).1)
+        };
+        let shrinking = if by_pixel {
+            Shrinking::ByPixel { alpha: photons.alpha as f32, first: FIRST_PHOTONS }
+        } else {
+            Shrinking::Together
+        };
+        let direct = take(&[MapKind::Direct]);
+        Ok(Gather {
+            caustic: take(&[MapKind::Caustic]),
+            diffuse: take(&[MapKind::Indirect, MapKind::Global]),
+            direct,
+            whole: self.whole.clone(),
+            ends,
+            shrinking,
+            pass,
+            max_depth: self.desc.max_depth.unwrap_or(u32::MAX),
+            shadow_rays: self.desc.shadow_rays,
+            min_photons: photons.min_photons,
+            gather_rays: photons.gather_rays,
+        })
+    }
+}
+
+impl MapKind {
+    /// Its name in messages and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Caustic => "caustic",
+            Self::Indirect => "indirect",
+            Self::Global => "global",
+        }
+    }
+}
+
+/// By what a radius has shrunk after so many passes: the root of the product of (i + alpha) / (i + 1).
+///
+/// Source: Knaus and Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach", Eq. 18 to 20.
+pub fn shrunk(passes: u32, alpha: f64) -> f32 {
+    // Where many, the product falls as n^(alpha - 1).
+    let few = passes.min(4096);
+    let product: f64 = (1..=few).map(|i| (f64::from(i) + alpha) / (f64::from(i) + 1.0)).product();
+    let (n, m) = (f64::from(passes) + 1.0, f64::from(few) + 1.0);
+    let rest = if passes > few { (n / m).powf(alpha - 1.0) } else { 1.0 };
+    (product * rest).sqrt() as f32
+}
+
+/// Lines and columns of the grid of pixels that are looked at for their size.
+const LOOKS: u32 = 32;
+
+/// Mirrors and glass in a row through which a pixel is followed.
+const MOST_SPECULAR: u32 = 16;
+
+/// What the middle one of many pixels sees of a diffuse surface: its distance times the angle of a pixel. Where none is
+/// seen, a thousandth of the scene.
+fn pixel_size(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -> f32 {
+    let [width, height] = resolution.map(|n| n as f32);
+    let mut tracer = SceneTracer::new(scene);
+    let mut sizes = Vec::new();
+    for i in 0..LOOKS * LOOKS {
+        let at = |k: u32, size: f32| (k as f32 + 0.5) / LOOKS as f32 * size;
+        let (x, y) = (at(i % LOOKS, width), at(i / LOOKS, height));
+        let angle = camera.ray(x, y).direction.distance(camera.ray(x + 1.0, y).direction);
+        let mut ray = camera.ray(x, y);
+        let mut way = 0.0;
+        for _ in 0..MOST_SPECULAR {
+            let Some(hit) = tracer.intersect(&ray) else { break };
+            way += hit.t;
+            let vertex = Vertex::new(scene, &ray, &hit);
+            if vertex.material.bsdf.is_delta() {
+                // Glass is seen through.
+                let Some(bounce) = vertex.sample_bounce([0.5, 0.5, 0.999, 0.0]) else { break };
+                ray = bounce.ray;
+                continue;
+            }
+            if !vertex.material.bsdf.is_black() {
+                sizes.push(way * angle);
+            }
+            break;
+        }
+    }
+    let middle = sizes.len() / 2;
+    if sizes.is_empty() {
+        let bounds = &scene.info().bounds;
+        let extent = if bounds.is_empty() { 1.0 } else { (bounds.max - bounds.min).length() };
+        return (1e-3 * extent) as f32;
+    }
+    *sizes.select_nth_unstable_by(middle, f32::total_cmp).1
+}

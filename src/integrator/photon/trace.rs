@@ -1,0 +1,323 @@
+//! Light paths: photons from the emitters through the scene, and where they are stored.
+//!
+//! A path goes on by Russian roulette with the probability that keeps the photon's power what it was, but for the colour:
+//! so all photons of a map weigh about the same, and none is worth less memory or less time than another. One that leaves
+//! the scene is counted and not replaced. Power, unlike radiance, is not scaled by refraction.
+//!
+//! Each path is a pure function of (seed, map, pass, number of the path), traced in blocks that are put together in their
+//! order: any number of threads gives the same map.
+
+use std::sync::Arc;
+
+use super::super::light::Vertex;
+use super::super::path::roulette;
+use super::super::{SceneTracer, Tracer as _};
+use super::Photon;
+use super::emit::{Aim, Emission};
+use crate::control::Parallel;
+use crate::desc::RenderDesc;
+use crate::error::Result;
+use crate::math::{DVec3, Ray, Vec3};
+use crate::sampling::{Sampler as _, SobolSampler};
+use crate::scene::Scene;
+use crate::spectrum::Rgb;
+
+/// Which photons a map holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MapKind {
+    /// Light straight from the emitters, and shadow photons behind what it meets.
+    Direct,
+    /// Light that came by mirrors and glass only (LS+D).
+    Caustic,
+    /// Light that was scattered diffusely before.
+    Indirect,
+    /// All light.
+    Global,
+}
+
+/// What became of the light that was sent out, power [W].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tally {
+    /// Light paths, those included that led nowhere.
+    pub paths: u64,
+    /// Photons stored, without shadow photons.
+    pub stored: u64,
+    /// Shadow photons.
+    pub shadows: u64,
+    /// Rays traced.
+    pub rays: u64,
+    /// Power sent out.
+    pub emitted: DVec3,
+    /// Power that left the scene.
+    pub escaped: DVec3,
+    /// Power absorbed by surfaces: what came less what went on, so that roulette is in it.
+    pub absorbed: DVec3,
+    /// Power that was still under way where paths were cut, or were over for this map.
+    pub left: DVec3,
+}
+
+impl Tally {
+    fn add(&mut self, other: &Self) {
+        self.paths += other.paths;
+        self.stored += other.stored;
+        self.shadows += other.shadows;
+        self.rays += other.rays;
+        self.emitted += other.emitted;
+        self.escaped += other.escaped;
+        self.absorbed += other.absorbed;
+        self.left += other.left;
+    }
+
+    fn scale(&mut self, factor: f64) {
+        for power in [&mut self.emitted, &mut self.escaped, &mut self.absorbed, &mut self.left] {
+            *power *= factor;
+        }
+    }
+}
+
+/// Photons, and what became of all light.
+#[derive(Clone, Debug, Default)]
+pub struct Shot {
+    /// In the order of their paths; the power of all paths together is what the emitters send.
+    pub photons: Vec<Photon>,
+    /// See [`Tally`].
+    pub tally: Tally,
+    /// Paths that were asked for, where memory ended them earlier.
+    pub cut_from: Option<u64>,
+}
+
+/// Light paths of a block: the unit of work of a thread.
+const BLOCK: u32 = 1 << 10;
+
+/// Blocks between two looks at the memory.
+const ROUND: usize = 64;
+
+/// How many light paths, of which kind, from which random numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Job {
+    /// What is stored.
+    pub kind: MapKind,
+    /// Light paths.
+    pub paths: u32,
+    /// Number of the pass: each has random numbers of its own.
+    pub pass: u32,
+    /// Most photons that are kept, whatever the number of paths.
+    pub most: usize,
+}
+
+/// Sends out light paths and keeps photons. Nothing, where nothing shines or no photon could be of this kind.
+///
+/// # Errors
+/// [`crate::ErrorKind::Cancelled`]; `InvalidScene` for points that share photons by area.
+pub fn shoot(scene: &Scene, desc: &RenderDesc, job: Job, parallel: &mut impl Parallel) -> Result<Shot> {
+    let aims = match job.kind {
+        MapKind::Caustic if desc.photons.guided => Aim::AtSpecular,
+        _ => Aim::Everywhere,
+    };
+    let Some(emission) = Emission::new(scene, desc.photons.sharing, aims)? else { return Ok(Shot::default()) };
+    let kind = job.kind as u64;
+    let shooter = Arc::new(Shooter {
+        scene: scene.clone(),
+        emission,
+        kind: job.kind,
+        // A family of its own for every kind of map, apart from that of the pixels.
+        sampler: SobolSampler::new(desc.seed ^ (0x70_68_6f_74_6f_6e_00 + kind), u32::MAX),
+        pass: job.pass,
+        share: 1.0 / f64::from(job.paths.max(1)),
+        max_depth: desc.max_depth.unwrap_or(u32::MAX),
+    });
+    let blocks = job.paths.div_ceil(BLOCK) as usize;
+    let mut shot = Shot::default();
+    for start in (0..blocks).step_by(ROUND) {
+        let shooter = Arc::clone(&shooter);
+        let count = ROUND.min(blocks - start);
+        let shots = parallel.map(count, move |block| {
+            let first = (start + block) as u32 * BLOCK;
+            shooter.block(first, first.saturating_add(BLOCK).min(job.paths))
+        })?;
+        for block in shots {
+            shot.photons.extend_from_slice(&block.photons);
+            shot.tally.add(&block.tally);
+        }
+        // What one more round may bring.
+        let next = shot.photons.len() / (start / ROUND + 1);
+        if shot.photons.len() + 2 * next > job.most && start + count < blocks {
+            shot.cut_from = Some(job.paths.into());
+            break;
+        }
+    }
+    if shot.cut_from.is_some() {
+        let factor = f64::from(job.paths) / shot.tally.paths.max(1) as f64;
+        for photon in &mut shot.photons {
+            photon.power = photon.power.map(|power| (f64::from(power) * factor) as f32);
+        }
+        shot.tally.scale(factor);
+    }
+    Ok(shot)
+}
+
+/// What all blocks share.
+struct Shooter {
+    scene: Scene,
+    emission: Emission,
+    kind: MapKind,
+    sampler: SobolSampler,
+    pass: u32,
+    share: f64,
+    max_depth: u32,
+}
+
+impl Shooter {
+    fn block(&self, from: u32, to: u32) -> Shot {
+        let mut sampler = self.sampler.clone();
+        let mut tracer = SceneTracer::new(&self.scene);
+        let mut shot = Shot::default();
+        for path in from..to {
+            sampler.start(self.pass, path);
+            shot.tally.paths += 1;
+            let (u, d) = (sampler.next_4d(), sampler.next_4d());
+            if let Some((ray, power)) = self.emission.begin(&self.scene, u, d, self.share) {
+                shot.tally.emitted += power.as_dvec3();
+                self.path(ray, power, &mut sampler, &mut tracer, &mut shot);
+            }
+        }
+        shot.tally.rays = tracer.rays;
+        shot
+    }
+
+    fn path(
+        &self,
+        mut ray: Ray,
+        mut power: Rgb,
+        sampler: &mut SobolSampler,
+        tracer: &mut SceneTracer,
+        shot: &mut Shot,
+    ) {
+        let mut was_diffuse = false;
+        let mut was_specular = false;
+        for depth in 1_u32.. {
+            let Some(hit) = tracer.intersect(&ray) else {
+                shot.tally.escaped += power.as_dvec3();
+                return;
+            };
+            let vertex = Vertex::new(&self.scene, &ray, &hit);
+            let bsdf = &vertex.material.bsdf;
+            if depth == 1 && self.kind == MapKind::Direct {
+                self.shadows(&ray, &vertex, tracer, shot);
+            }
+            if !bsdf.is_delta() && !bsdf.is_black() {
+                let is_wanted = match self.kind {
+                    MapKind::Direct => !was_diffuse && !was_specular,
+                    MapKind::Caustic => !was_diffuse && was_specular,
+                    MapKind::Indirect => was_diffuse,
+                    MapKind::Global => true,
+                };
+                if is_wanted {
+                    shot.photons.push(vertex.photon(power));
+                    shot.tally.stored += 1;
+                }
+                was_diffuse = true;
+            } else {
+                was_specular |= bsdf.is_delta();
+            }
+            // Beyond the first diffuse hit nothing more of these kinds can come; and of direct light, beyond any hit.
+            let is_over = match self.kind {
+                MapKind::Direct => true,
+                MapKind::Caustic => was_diffuse,
+                MapKind::Indirect | MapKind::Global => false,
+            };
+            if is_over || depth >= self.max_depth {
+                shot.tally.left += power.as_dvec3();
+                return;
+            }
+            let u = sampler.next_4d();
+            let Some(bounce) = vertex.sample_bounce(u) else {
+                shot.tally.absorbed += power.as_dvec3();
+                return;
+            };
+            let scattered = power * bounce.weight * (bounce.eta * bounce.eta * vertex.adjoint(bounce.ray.direction));
+            // Scattered power may exceed what came where the model is unfair to one direction; then nothing is gambled.
+            let survival = roulette(scattered.max_element() / power.max_element(), depth);
+            if survival.is_nan() || u[3] >= survival {
+                shot.tally.absorbed += power.as_dvec3();
+                return;
+            }
+            let next = if survival < 1.0 { scattered / survival } else { scattered };
+            shot.tally.absorbed += power.as_dvec3() - next.as_dvec3();
+            power = next;
+            ray = bounce.ray;
+        }
+    }
+
+    /// Marks what lies behind the first surface that light met, straight on, as being in its shadow: the first hit of each
+    /// body behind it, not the inside of a body that the light is already in.
+    fn shadows(&self, ray: &Ray, first: &Vertex, tracer: &mut SceneTracer, shot: &mut Shot) {
+        let mut inside = Vec::new();
+        let mut from = first.through(ray.direction);
+        let mut entered = first.enters(ray.direction).then_some(first.surface.surface);
+        for _ in 0..MOST_SHADOWS {
+            inside.extend(entered.take());
+            let ray = Ray::new(from, ray.direction);
+            let Some(hit) = tracer.intersect(&ray) else { return };
+            let vertex = Vertex::new(&self.scene, &ray, &hit);
+            let bsdf = &vertex.material.bsdf;
+            let surface = vertex.surface.surface;
+            if vertex.enters(ray.direction) {
+                entered = Some(surface);
+            }
+            let exits = match inside.iter().position(|other| *other == surface) {
+                Some(place) if !vertex.enters(ray.direction) => {
+                    inside.swap_remove(place);
+                    true
+                }
+                _ => false,
+            };
+            if !exits && !bsdf.is_delta() && !bsdf.is_black() {
+                shot.photons.push(vertex.photon(Rgb::ZERO));
+                shot.tally.shadows += 1;
+            }
+            from = vertex.through(ray.direction);
+        }
+    }
+}
+
+/// Surfaces behind one another that shadow photons are stored on.
+const MOST_SHADOWS: usize = 64;
+
+impl Vertex<'_> {
+    /// Light of this power that came here.
+    #[inline]
+    pub(super) fn photon(&self, power: Rgb) -> Photon {
+        Photon::new(self.surface.point.p, self.facing(), self.wo_scene(), power)
+    }
+
+    /// The geometric normal on the side that the ray came from.
+    #[inline]
+    pub(super) fn facing(&self) -> Vec3 {
+        if self.surface.ng.dot(self.wo_scene()) < 0.0 { -self.surface.ng } else { self.surface.ng }
+    }
+
+    /// Whether a ray that came along `direction` goes from a surface's outer side to its inner.
+    fn enters(&self, direction: Vec3) -> bool {
+        self.surface.ng.dot(direction) < 0.0
+    }
+
+    /// Where a ray goes on that passes through the surface.
+    fn through(&self, direction: Vec3) -> Vec3 {
+        let side = if self.enters(direction) { -self.surface.ng } else { self.surface.ng };
+        self.surface.point.offset(side)
+    }
+
+    /// What the weight of a bounce into `wi` (scene frame) is to be multiplied with where power travels and not radiance:
+    /// 1 but where shading normals are interpolated. Veach 1997, Eq. 5.19.
+    #[inline]
+    fn adjoint(&self, wi: Vec3) -> f32 {
+        let (ng, ns) = (self.surface.ng, self.surface.ns);
+        if ng == ns {
+            return 1.0;
+        }
+        let wo = self.wo_scene();
+        let ratio = (wo.dot(ns) * wi.dot(ng) / (wo.dot(ng) * wi.dot(ns))).abs();
+        if ratio.is_finite() { ratio } else { 0.0 }
+    }
+}

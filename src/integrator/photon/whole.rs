@@ -1,0 +1,208 @@
+//! Where on the surfaces a disk of the estimate's radius is whole.
+//!
+//! A kernel that reaches over an edge, into a corner or through a thin wall counts too little light, or light that is not
+//! there: dark seams and leaks. So before a map is read it is known, for small cells of space, whether a disk around any
+//! point of them is whole: rays along the surface meet no wall, and rays down on it from the disk's rim and half way there
+//! meet the surface. Elsewhere, along edges and contacts, no density is estimated; there the path goes on instead, which has no
+//! bias and costs a little noise in a narrow strip.
+//!
+//! A cell is judged from a photon in it, so a cell without photons is not whole either: where there are hardly any
+//! photons, paths do better.
+
+use std::collections::HashMap;
+use std::f32::consts::TAU;
+use std::hash::{BuildHasherDefault, Hasher};
+use std::sync::Arc;
+
+use super::super::{SceneTracer, Tracer as _};
+use super::PhotonMap;
+use super::estimate::THICKNESS;
+use crate::control::Parallel;
+use crate::error::Result;
+use crate::math::{Frame, HitPoint, Ray, Vec3};
+use crate::sampling::{hash, mix};
+use crate::scene::Scene;
+
+/// Cells to a radius.
+const FINENESS: f32 = 2.0;
+
+/// Directions along the surface.
+const DIRECTIONS: usize = 16;
+
+/// Cells that are judged by one thread at a time.
+const BLOCK: usize = 256;
+
+/// Most cells of a level that are judged before a pass, so that a first picture is not long in coming.
+const MOST_AT_ONCE: usize = 1 << 14;
+
+/// Most cells of a level that are remembered: 16 bytes each.
+const MOST: usize = 1 << 22;
+
+/// Levels above the finest that is asked for, each of twice the radius: in the middle of a wall a few large cells tell for
+/// all smaller ones.
+const COARSER: i32 = 4;
+
+/// Cells and whether disks in them are whole, for a few radii.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Whole {
+    /// From the largest radius down, each half of the one before.
+    levels: Vec<Arc<Level>>,
+}
+
+/// Disks of one radius.
+#[derive(Clone, Debug)]
+struct Level {
+    radius: f32,
+    cells: HashMap<u64, bool, BuildHasherDefault<Mixed>>,
+}
+
+/// Keys are well mixed already.
+#[derive(Clone, Copy, Debug, Default)]
+struct Mixed(u64);
+
+impl Hasher for Mixed {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = mix(self.0 ^ u64::from(*byte));
+        }
+    }
+
+    fn write_u64(&mut self, key: u64) {
+        self.0 = key;
+    }
+}
+
+impl Whole {
+    /// Nothing is known yet, of disks up to `radius` and smaller ones.
+    pub fn new(radius: f32) -> Self {
+        let level = |k| Arc::new(Level { radius: radius * 2.0_f32.powi(k), cells: HashMap::default() });
+        Self { levels: (0..=COARSER).rev().map(level).collect() }
+    }
+
+    /// Whether the disk of this radius around `p` on the side `normal` is known to be whole.
+    #[inline]
+    pub fn is_whole(&self, p: Vec3, normal: Vec3, radius: f32) -> bool {
+        for level in self.levels.iter().take_while(|level| level.radius >= radius) {
+            match level.cells.get(&key(p, normal, level.radius)) {
+                Some(true) => return true,
+                Some(false) => {}
+                None => return false,
+            }
+        }
+        false
+    }
+
+    /// Judges the cells of photons that were not met before, down to disks of this radius (> 0); returns the rays it took.
+    pub fn learn(&mut self, scene: &Scene, map: &PhotonMap, radius: f32, parallel: &mut impl Parallel) -> Result<u64> {
+        // The next finer level begins where this radius is less than it.
+        while let Some(last) = self.levels.last()
+            && 0.5 * last.radius >= radius
+        {
+            self.levels.push(Arc::new(Level { radius: 0.5 * last.radius, cells: HashMap::default() }));
+        }
+        let mut rays = 0;
+        for place in 0..self.levels.len() {
+            if self.levels[place].radius < radius {
+                break;
+            }
+            rays += self.learn_level(scene, map, place, parallel)?;
+        }
+        Ok(rays)
+    }
+
+    fn learn_level(
+        &mut self,
+        scene: &Scene,
+        map: &PhotonMap,
+        place: usize,
+        parallel: &mut impl Parallel,
+    ) -> Result<u64> {
+        let (coarser, rest) = self.levels.split_at_mut(place);
+        let Some(level) = rest.first_mut() else { return Ok(0) };
+        let level = Arc::make_mut(level);
+        let radius = level.radius;
+        let mut fresh = Vec::new();
+        for photon in map.photons() {
+            if fresh.len() == MOST_AT_ONCE || level.cells.len() == MOST {
+                break;
+            }
+            let (p, normal) = (photon.position(), photon.normal.get());
+            let mut above = coarser.iter().rev();
+            // Nothing is left to be known where a coarser disk is whole, or not known itself.
+            if above.any(|coarser| coarser.cells.get(&key(p, normal, coarser.radius)).is_none_or(|is_whole| *is_whole))
+            {
+                continue;
+            }
+            let key = key(p, normal, radius);
+            level.cells.entry(key).or_insert_with(|| {
+                fresh.push((key, p, normal));
+                false
+            });
+        }
+        let count = fresh.len().div_ceil(BLOCK);
+        let fresh = Arc::new(fresh);
+        let (judged, scene) = (Arc::clone(&fresh), scene.clone());
+        let verdicts = parallel.map(count, move |block| {
+            let mut tracer = SceneTracer::new(&scene);
+            let end = (BLOCK * (block + 1)).min(judged.len());
+            let judge = |(_, p, normal): &(u64, Vec3, Vec3)| is_whole(&mut tracer, *p, *normal, radius);
+            (judged[BLOCK * block..end].iter().map(judge).collect::<Vec<_>>(), tracer.rays)
+        })?;
+        let mut rays = 0;
+        let mut keys = fresh.iter();
+        for (verdicts, spent) in verdicts {
+            rays += spent;
+            for (verdict, (key, ..)) in verdicts.into_iter().zip(&mut keys) {
+                level.cells.insert(*key, verdict);
+            }
+        }
+        Ok(rays)
+    }
+}
+
+/// The cell that a point on this side of a surface is in.
+#[inline]
+fn key(p: Vec3, normal: Vec3, radius: f32) -> u64 {
+    let cell = (p * (FINENESS / radius)).floor();
+    // A corner has cells that several walls share: told apart by the axis that the normal is nearest to.
+    let size = normal.abs();
+    let axis = if size.x >= size.y && size.x >= size.z {
+        u64::from(normal.x > 0.0)
+    } else if size.y >= size.z {
+        2 + u64::from(normal.y > 0.0)
+    } else {
+        4 + u64::from(normal.z > 0.0)
+    };
+    // Far cells saturate; no radius is that small against a scene.
+    let [x, y, z] = cell.to_array().map(|v| u64::from(v as i32 as u32));
+    hash(hash(x << 32 | y, z), axis)
+}
+
+/// Whether every disk of this radius around a point of the cell that `p` lies in is whole.
+fn is_whole(tracer: &mut SceneTracer, p: Vec3, normal: Vec3, radius: f32) -> bool {
+    let reach = radius * (1.0 + 1.5 / FINENESS);
+    let height = THICKNESS * radius;
+    let frame = Frame::from_normal(normal);
+    // Over the surface by half of what the disk may bend, and by what rounding needs.
+    let error = HitPoint::rounding_error(p, normal);
+    let above = p + normal * (0.5 * height + error);
+    (0..DIRECTIONS).all(|i| {
+        let (sin, cos) = (TAU * (i as f32 + 0.5) / DIRECTIONS as f32).sin_cos();
+        let along = frame.s * cos + frame.t * sin;
+        let level = Ray { origin: above, direction: along * reach, tnear: 0.0, tfar: 1.0 };
+        if !tracer.unoccluded(&level) {
+            return false;
+        }
+        // The rim, and alternately nearer.
+        let near = if i % 2 == 0 { 0.5 } else { 0.75 };
+        [1.0, near].into_iter().all(|share| {
+            let origin = above + along * (reach * share);
+            let down = Ray { origin, direction: normal * (-1.5 * height - 2.0 * error), tnear: 0.0, tfar: 1.0 };
+            !tracer.unoccluded(&down)
+        })
+    })
+}

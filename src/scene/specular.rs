@@ -1,0 +1,156 @@
+//! Which surfaces are perfectly specular, and where: photons for caustics are aimed at them.
+
+use super::Scene;
+use super::geometry::{Geometry, Owner, Owners};
+use crate::math::{Bounds, DVec3, Vec3};
+use crate::shape::Analytic;
+
+/// A ball in the scene frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Centre.
+    pub centre: Vec3,
+    /// Radius.
+    pub radius: f32,
+}
+
+/// What kinds of surfaces a scene has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Kinds {
+    /// Some surface is a perfect mirror or a smooth dielectric.
+    pub specular: bool,
+    /// Some surface scatters in all directions.
+    pub diffuse: bool,
+}
+
+/// Larger than a box's ball by rounding to single precision.
+const MARGIN: f64 = 1.0 + 1e-5;
+
+/// Something specular: its box, and its exact ball where it has one.
+struct Piece {
+    bounds: Bounds,
+    ball: Option<(DVec3, f64)>,
+}
+
+impl Scene {
+    /// What kinds of surfaces it has.
+    pub fn kinds(&self) -> Kinds {
+        let mut kinds = Kinds::default();
+        let mut add = |owner: Owner| {
+            let bsdf = &self.material(owner.material).bsdf;
+            kinds.specular |= bsdf.is_delta();
+            kinds.diffuse |= !bsdf.is_delta() && !bsdf.is_black();
+        };
+        self.dress.list_owners.iter().for_each(|owner| add(*owner));
+        for owners in &*self.dress.owners {
+            match owners {
+                Owners::One(owner) => add(*owner),
+                Owners::Each(owners) => owners.iter().for_each(|owner| add(*owner)),
+            }
+        }
+        kinds
+    }
+
+    /// Balls, no more than `most` (>= 1), that together hold every surface which is perfectly specular.
+    pub fn specular_balls(&self, most: usize) -> Vec<Ball> {
+        let mut pieces = self.specular_pieces();
+        let mut groups: Vec<&mut [Piece]> = Vec::new();
+        if !pieces.is_empty() {
+            groups.push(&mut pieces);
+        }
+        // The group with the largest ball is halved where its middles are spread most.
+        while groups.len() < most {
+            let widest = (0..groups.len()).filter(|&i| groups[i].len() > 1);
+            let size = |i: &usize| extent(union(&groups[*i])).length();
+            let Some(widest) = widest.max_by(|a, b| size(a).total_cmp(&size(b))) else { break };
+            let group = groups.swap_remove(widest);
+            let middles = Bounds::around(group.iter().map(|piece| piece.bounds.centre()));
+            let spread = extent(middles);
+            let axis = if spread.x >= spread.y && spread.x >= spread.z {
+                0
+            } else if spread.y >= spread.z {
+                1
+            } else {
+                2
+            };
+            let half = group.len() / 2;
+            let middle = |piece: &Piece| piece.bounds.centre()[axis];
+            group.select_nth_unstable_by(half, |a, b| middle(a).total_cmp(&middle(b)));
+            let (low, high) = group.split_at_mut(half);
+            groups.push(low);
+            groups.push(high);
+        }
+        groups
+            .into_iter()
+            .map(|group| {
+                let (centre, radius) = match group {
+                    [Piece { ball: Some(ball), .. }] => *ball,
+                    _ => {
+                        let bounds = union(group);
+                        (bounds.centre(), 0.5 * extent(bounds).length())
+                    }
+                };
+                let rounding = centre.abs().max_element() * f64::from(f32::EPSILON);
+                Ball { centre: centre.as_vec3a(), radius: (radius * MARGIN + 2.0 * rounding) as f32 }
+            })
+            .collect()
+    }
+
+    fn specular_pieces(&self) -> Vec<Piece> {
+        let is_specular = |owner: Owner| self.material(owner.material).bsdf.is_delta();
+        let analytic = |shape: &Analytic| {
+            let ball = match shape {
+                Analytic::Sphere(sphere) => Some((sphere.centre, sphere.radius)),
+                _ => None,
+            };
+            Piece { bounds: shape.bounds(), ball }
+        };
+        let mut pieces = Vec::new();
+        for (shape, owner) in self.list.shapes().iter().zip(&*self.dress.list_owners) {
+            if is_specular(*owner) {
+                pieces.push(analytic(shape));
+            }
+        }
+        for (geometry, owners) in self.geometries.iter().zip(&*self.dress.owners) {
+            match geometry {
+                Geometry::Loose { triangles, .. } => {
+                    for primitive in 0..triangles.mesh.indices().len() as u32 {
+                        if is_specular(owners.of(primitive)) {
+                            let bounds = Bounds::around(triangles.corners(primitive));
+                            pieces.push(Piece { bounds, ball: None });
+                        }
+                    }
+                }
+                Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. }
+                    if is_specular(owners.of(0)) =>
+                {
+                    let vertices = triangles.mesh.vertices();
+                    let vertex = |i: usize| DVec3::from(vertices.get(i).map(f64::from));
+                    let bounds = Bounds::around((0..vertices.len()).map(vertex));
+                    let bounds = match geometry {
+                        Geometry::Instance { placement, .. } => bounds.transformed(placement.to_scene()),
+                        _ => bounds,
+                    };
+                    pieces.push(Piece { bounds, ball: None });
+                }
+                Geometry::Analytic { shapes, .. } => {
+                    for (primitive, shape) in shapes.0.iter().enumerate() {
+                        if is_specular(owners.of(primitive as u32)) {
+                            pieces.push(analytic(shape));
+                        }
+                    }
+                }
+                Geometry::Flat { .. } | Geometry::Instance { .. } => {}
+            }
+        }
+        pieces
+    }
+}
+
+fn union(group: &[Piece]) -> Bounds {
+    group.iter().fold(Bounds::default(), |bounds, piece| bounds.union(piece.bounds))
+}
+
+fn extent(bounds: Bounds) -> DVec3 {
+    if bounds.is_empty() { DVec3::ZERO } else { bounds.max - bounds.min }
+}
