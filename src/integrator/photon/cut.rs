@@ -8,7 +8,7 @@ use super::estimate::{Kernel, THICKNESS};
 use crate::math::{Frame, HitPoint, Ray, Vec3};
 
 /// Sectors of the disk.
-const SECTORS: usize = 16;
+const SECTORS: usize = 8;
 
 /// Steps from the middle to the rim in which the surface is looked for.
 const STEPS: usize = 8;
@@ -42,7 +42,12 @@ impl Cut {
                 !tracer.unoccluded(&down)
             };
             let step = |i: usize| wall * (i as f32 + 0.5) / STEPS as f32;
-            let steps = (0..STEPS).take_while(|i| is_there(step(*i), tracer)).count();
+            // Where it is there at the far end, it is so on the way.
+            let steps = if is_there(wall * 0.99, tracer) {
+                STEPS
+            } else {
+                (0..STEPS).take_while(|i| is_there(step(*i), tracer)).count()
+            };
             radius * wall * steps as f32 / STEPS as f32
         });
         Self { p, frame, reach }

@@ -349,10 +349,13 @@ impl Gather {
         // By mirrors and glass.
         if let Some(layer) = &self.caustic {
             let asked = self.asked(layer, is_first, told, |gathering| &mut gathering.caustic, vertex);
-            let cut = (!self.whole.is_whole(p, facing, asked.radius))
-                .then(|| holds_any(&layer.map, p, asked.radius).then(|| Cut::new(tracer, vertex, asked.radius)))
-                .flatten();
-            let estimate = ask(layer, asked, vertex, cut.as_ref());
+            let estimate = ask(layer, asked, vertex, None);
+            // Seams show where the eye looks; what they take from indirect light does not.
+            let estimate = if is_first && estimate.count > 0 && !self.whole.is_whole(p, facing, asked.radius) {
+                ask(layer, asked, vertex, Some(&Cut::new(tracer, vertex, estimate.radius)))
+            } else {
+                estimate
+            };
             sum += estimate.radiance;
             self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.caustic);
         }
@@ -410,12 +413,6 @@ impl Gather {
             radius(gathering).note(estimate.count);
         }
     }
-}
-
-fn holds_any(map: &PhotonMap, p: Vec3, radius: f32) -> bool {
-    let mut count = 0_u32;
-    map.within(p, radius, |_, _| count += 1);
-    count > 0
 }
 
 #[inline]

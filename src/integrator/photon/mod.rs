@@ -1,5 +1,6 @@
 //! Photon mapping: light paths from the emitters, maps of what they leave, and eye paths that read them.
 
+mod choose;
 mod cut;
 mod draw;
 mod emit;
@@ -12,6 +13,7 @@ mod record;
 mod trace;
 mod whole;
 
+pub use choose::{Choice, choose};
 pub use draw::{DrawSettings, colour, draw};
 pub use estimate::Kernel;
 pub use gather::Gather;
