@@ -70,6 +70,8 @@ pub struct Gather {
     /// Of indirect light, or of all of it, by `ends`.
     pub(super) diffuse: Option<Layer>,
     pub(super) cache: Option<Arc<IrradianceCache>>,
+    /// As many photons make an estimate beyond the first diffuse hit, where the map says nothing else.
+    pub(super) later_neighbours: Option<u32>,
     /// Where disks are whole.
     pub(super) whole: Whole,
     pub(super) ends: Ends,
@@ -379,8 +381,12 @@ impl Gather {
         radius: impl Fn(&mut Gathering) -> &mut ShrinkingRadius,
         vertex: &Vertex,
     ) -> Asked {
-        let (Shrinking::ByPixel { alpha, first }, true, Some(gathering)) =
-            (self.shrinking, is_first, told.gathering.as_deref_mut())
+        if !is_first {
+            // Nobody sees how sharp it is; but a bright caustic may hold half of all photons.
+            let few = layer.asked.neighbours.or(self.later_neighbours);
+            return Asked { neighbours: few, ..layer.asked };
+        }
+        let (Shrinking::ByPixel { alpha, first }, Some(gathering)) = (self.shrinking, told.gathering.as_deref_mut())
         else {
             return layer.asked;
         };

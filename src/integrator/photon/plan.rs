@@ -31,6 +31,9 @@ const INDIRECT_PIXELS: f32 = 8.0;
 /// Photons that the first radius of a pixel of its own holds.
 const FIRST_PHOTONS: u32 = 32;
 
+/// Photons of an estimate in a map that is made once.
+const NEIGHBOURS: u32 = 100;
+
 /// Bytes a photon takes while its map is being built.
 const BYTES_A_PHOTON: usize = 80;
 
@@ -139,7 +142,11 @@ impl Plan {
     fn make(&mut self, pass: u32, parallel: &mut impl Parallel) -> Result<Gather> {
         let photons = &self.desc.photons;
         let shrunk = if self.is_progressive() { shrunk(pass, photons.alpha) } else { 1.0 };
-        let by_pixel = self.method == IntegratorDesc::Sppm;
+        let by_pixel = match self.method {
+            IntegratorDesc::Sppm => true,
+            IntegratorDesc::Caustic => self.is_progressive() && photons.neighbours.is_none(),
+            _ => false,
+        };
         // Where each pixel has a radius of its own, the others keep within the common one.
         let (radius, caustic_radius) = (self.radius * shrunk, self.caustic_radius * shrunk);
         let kernel = |otherwise| Kernel::new(photons.kernel.unwrap_or(otherwise));
@@ -147,7 +154,11 @@ impl Plan {
         let default_count = if self.is_progressive() { EACH_PASS } else { ONCE };
         let count = photons.count.unwrap_or(default_count);
         let caustic_count = photons.caustic_count.unwrap_or(default_count);
-        let neighbours = photons.neighbours;
+        // None is a choice of ours, 0 one of the user's for all within the radius.
+        let neighbours = match photons.neighbours {
+            None if !self.is_progressive() => Some(NEIGHBOURS),
+            given => given.filter(|count| *count > 0),
+        };
         let kinds = self.scene.kinds();
 
         // What is shot, how much of it, and how it is asked.
@@ -240,6 +251,7 @@ impl Plan {
             caustic: take(&[MapKind::Caustic]),
             diffuse: take(&[MapKind::Indirect, MapKind::Global]),
             direct,
+            later_neighbours: photons.neighbours.is_none().then_some(FIRST_PHOTONS),
             whole: self.whole.clone(),
             ends,
             shrinking,
