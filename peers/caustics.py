@@ -2,7 +2,8 @@
 
 A row: renderer, its seconds, relMSE over all pixels, relMSE and mean over the reference's mean outside the caustic, and
 the same inside. relMSE is the mean over pixels and channels of (x - r)^2 / (r^2 + eps), eps = 1% of the squared mean of
-the reference. Pixels where the reference is black or not finite are not counted (a particle tracer leaves glass black).
+the reference. Pixels up to --margin away from one where the reference is black or not finite are not counted: a particle
+tracer leaves glass black, and its edge too dark.
 
 Inside the caustic is where the reference's luminance is more than --threshold times that of the scene without caustics.
 The latter is the pixel-wise median of many short renders of our path tracer, which finds a caustic only by chance in
@@ -77,6 +78,14 @@ def without_caustics(args, scene, work):
     return np.load(file)
 
 
+def far_from(mask, margin):
+    """Pixels more than `margin` pixels away from those of the mask, along rows, columns and diagonals."""
+    height, width = mask.shape
+    padded = np.pad(mask, margin)
+    windows = (padded[y : y + height, x : x + width] for y in range(2 * margin + 1) for x in range(2 * margin + 1))
+    return ~np.any(list(windows), axis=0)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scenes", nargs="+", type=pathlib.Path)
@@ -90,6 +99,7 @@ def main():
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--rounds", type=int, default=1, help="repetitions with other seeds; the table has medians")
     parser.add_argument("--threshold", type=float, default=1.5)
+    parser.add_argument("--margin", type=int, default=2)
     parser.add_argument("--median-renders", type=int, default=15)
     parser.add_argument("--median-spp", type=int, default=64)
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/caustics"), help="folder for images")
@@ -104,7 +114,7 @@ def main():
         if not file.exists():
             sys.exit(f"{file} does not exist: the reference of {scene}")
         reference = pictures.read_pfm(file)
-        counted = np.isfinite(reference).all(2) & (reference.max(2) > 0)
+        counted = far_from(~np.isfinite(reference).all(2) | (reference.max(2) <= 0), args.margin)
         reference = np.where(counted[..., None], reference, 0.0)
         plain = without_caustics(args, scene, args.work)
         if plain.shape != counted.shape:

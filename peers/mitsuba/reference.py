@@ -1,8 +1,8 @@
 """Renders a converged reference: many passes with independent seeds, averaged in double precision.
 
-Writes OUTPUT (.exr or .pfm, scene-linear) and beside it NAME.se.exr (.pfm), the standard error of every pixel and channel estimated
-from the scatter of the passes, and NAME.json with what was rendered and how. Nothing is cut (max_depth -1) unless
-asked; Mitsuba's Russian roulette stays on, it is unbiased.
+Writes OUTPUT (.exr or .pfm, scene-linear) and beside it NAME.se.exr (.pfm), the standard error of every pixel and
+channel estimated from the scatter of the passes, and NAME.json with what was rendered and how. Nothing is cut
+(max_depth -1) unless asked; Mitsuba's Russian roulette stays on, it is unbiased.
 
 `--integrator ptracer` traces from the lights and joins diffuse vertices with the pinhole: it finds the caustics that
 are seen directly, which the path tracer hardly does, and leaves black what is seen through glass or in a mirror.
