@@ -178,6 +178,8 @@ def engine(args):
             ("path.photongi.sampler.type", [args.photon_sampler]),
             ("path.photongi.photon.maxcount", [args.photon_paths]),
             ("path.photongi.photon.maxdepth", [args.photon_depth]),
+            ("path.photongi.visibility.lookup.radius", [args.visibility_radius]),
+            ("path.photongi.visibility.targethitrate", [args.visibility_rate]),
             ("path.photongi.caustic.enabled", [True]),
             ("path.photongi.caustic.maxsize", [args.photons]),
             ("path.photongi.caustic.lookup.radius", [args.radius]),
@@ -223,17 +225,14 @@ def render(args):
     session = pyluxcore.RenderSession(pyluxcore.RenderConfig(as_properties(engine(args) + film(resolution)), scene))
     start = time.perf_counter()
     session.Start()
-    samples = 0.0
     while True:
+        # The caustic cache is renewed by samples per pixel, which LuxCore counts when asked for its statistics.
+        session.UpdateStats()
+        samples = session.GetStats().Get("stats.renderengine.pass").GetInt()
         elapsed = time.perf_counter() - start
-        if args.spp is not None:
-            session.UpdateStats()
-            samples = session.GetStats().Get("stats.renderengine.pass").GetInt()
-            if samples >= args.spp:
-                break
-        if elapsed >= args.time:
+        if elapsed >= args.time or (args.spp is not None and samples >= args.spp):
             break
-        time.sleep(min(0.05, args.time - elapsed))
+        time.sleep(min(0.1, args.time - elapsed))
     session.UpdateStats()
     samples = session.GetStats().Get("stats.renderengine.pass").GetInt()
     # Stopping waits for the passes under way; what they add is in the image, so their time counts.
@@ -264,6 +263,8 @@ def main():
     photons.add_argument("--radius", type=float, default=0.02, help="of the first look-ups, scene units")
     photons.add_argument("--radius-reduction", type=float, default=0.96)
     photons.add_argument("--min-radius", type=float, default=0.003)
+    photons.add_argument("--visibility-radius", type=float, default=0.1, help="0 lets LuxCore find one, in seconds")
+    photons.add_argument("--visibility-rate", type=float, default=0.95, help="hit rate at which the map is complete")
     photons.add_argument("--update-spp", type=int, default=8, help="samples per pixel between updates; 0 for none")
     others = parser.add_argument_group("others")
     others.add_argument("--partition", type=float, default=0.8, help="hybrid: share of eye paths")
