@@ -33,3 +33,9 @@ def rel_mse(image, reference, where=None):
     weight = 1.0 / (reference**2 + 1e-2 * float(reference.mean()) ** 2)
     error = (image - reference) ** 2 * weight
     return float(np.mean(error if where is None else error[where]))
+
+
+def blocks(image, count):
+    """Means [count][count] over equal regions and the channels; what does not divide evenly is left out."""
+    height, width = (n // count * count for n in image.shape[:2])
+    return image[:height, :width].reshape(count, height // count, count, width // count, 3).mean((1, 3, 4))
