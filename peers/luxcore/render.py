@@ -148,7 +148,7 @@ class Converter(reader.Converter):
 def engine(args):
     """Properties of the integrator."""
     p = [
-        ("sampler.type", ["SOBOL"]),
+        ("sampler.type", [args.sampler]),
         ("renderengine.seed", [args.seed]),
         ("native.threads.count", [args.threads]),
         ("path.pathdepth.total", [MAX_DEPTH]),
@@ -253,14 +253,15 @@ def main():
     parser.add_argument("--time", type=float, default=10.0, help="seconds (default 10)")
     parser.add_argument("--spp", type=int, help="stop at so many samples per pixel, if before --time")
     parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--sampler", choices=["SOBOL", "RANDOM", "METROPOLIS"], default="SOBOL")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--verbose", action="store_true", help="LuxCore's own log, to standard error")
     photons = parser.add_argument_group("caustic cache (photongi)")
-    photons.add_argument("--photons", type=int, default=100000, help="photons stored per update")
-    photons.add_argument("--photon-paths", type=int, default=20_000_000, help="light paths per update at most")
+    photons.add_argument("--photons", type=int, default=50000, help="photons stored")
+    photons.add_argument("--photon-paths", type=int, default=20_000_000, help="light paths at most")
     photons.add_argument("--photon-depth", type=int, default=16)
     photons.add_argument("--photon-sampler", choices=["METROPOLIS", "RANDOM"], default="METROPOLIS")
-    photons.add_argument("--radius", type=float, default=0.02, help="of the first look-ups, scene units")
+    photons.add_argument("--radius", type=float, default=0.01, help="of look-ups, scene units")
     photons.add_argument("--radius-reduction", type=float, default=0.96)
     photons.add_argument("--min-radius", type=float, default=0.003)
     photons.add_argument("--visibility-radius", type=float, default=0.1, help="0 lets LuxCore find one, in seconds")
