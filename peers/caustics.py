@@ -105,6 +105,8 @@ def main():
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/caustics"), help="folder for images")
     parser.add_argument("--json", help="also write every single run here")
     args = parser.parse_args()
+    if not pathlib.Path(args.etendue).exists():
+        sys.exit(f"{args.etendue} does not exist: cargo build --release --example etendue")
     args.work.mkdir(parents=True, exist_ok=True)
 
     contestants = [("etendue", ours, name) for name in args.ours] + [("luxcore", luxcore, name) for name in args.luxcore]

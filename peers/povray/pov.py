@@ -59,10 +59,11 @@ class Writer(reader.Converter):
         if emission is not None:
             raise reader.Unsupported("a glowing sphere")
         look = self.finish(material, self.args.photons)
-        self.text.append(f"sphere {{ {v(shape['center'])}, {shape['radius']:.9g} {look} }}")
+        centre, radius = self.args.scale * reader.vec(shape["center"]), self.args.scale * shape["radius"]
+        self.text.append(f"sphere {{ {v(centre)}, {radius:.9g} {look} }}")
 
     def add_mesh(self, positions, normals, triangles, matrix, smooth, material, emission):
-        points = positions @ matrix[:3, :3].T + matrix[:3, 3]
+        points = self.args.scale * (positions @ matrix[:3, :3].T + matrix[:3, 3])
         corners = points[triangles]
         if smooth and normals is not None:
             raise reader.Unsupported("a smooth mesh")
@@ -80,6 +81,13 @@ class Writer(reader.Converter):
         if self.args.lamps == "area":
             self.lamps.append((corners, emission))
 
+    def add_polygon(self, vertices, matrix, material, emission):
+        """Walls reach a little beyond each other: radiosity's rays leave through a seam, and it grows dark there."""
+        if emission is None:
+            points = reader.vec(vertices)
+            vertices = points + self.args.overlap * (points - points.mean(0))
+        super().add_polygon(vertices, matrix, material, emission)
+
     def lights(self):
         """Area lights that fill the lamps: each lamp is cut into strips between the corners of its outline."""
         for corners, emission in self.lamps:
@@ -89,16 +97,16 @@ class Writer(reader.Converter):
                 raise reader.Unsupported("a lamp that is not horizontal: it cannot be cut into strips here")
             normal = np.cross(corners[0, 1] - corners[0, 0], corners[0, 2] - corners[0, 0])
             way = -1.0 if normal[1] < 0 else 1.0
-            for x0, x1 in strips(np.unique(flat[:, 0].round(6)), self.args.strip):
+            for x0, x1 in strips(np.unique(flat[:, 0].round(6)), self.args.strip * self.args.scale):
                 # The width in z of the lamp at the middle of the strip, so that its area is right.
                 z = crossings(corners, (x0 + x1) / 2)
                 if z is None:
                     continue
                 size = [x1 - x0, z[1] - z[0]]
-                middle = [(x0 + x1) / 2, y[0] + way * 1e-4, (z[0] + z[1]) / 2]
+                middle = [(x0 + x1) / 2, y[0] + way * 1e-4 * self.args.scale, (z[0] + z[1]) / 2]
                 # Radiance L of area A: irradiance L A cos cos / d^2, which POV-Ray divides by pi.
                 power = np.array(emission) * size[0] * size[1] / math.pi / (2 * FADE**2)
-                nx, nz = (max(1, round(s / self.args.spacing)) for s in size)
+                nx, nz = (max(1, round(s / self.args.spacing / self.args.scale)) for s in size)
                 gather = "photons { reflection on refraction on area_light }" if self.args.photons else ""
                 self.text.append(
                     f"light_source {{ {v(middle)}, rgb {v(power)}\n"
@@ -123,7 +131,7 @@ class Writer(reader.Converter):
         x, y = (half * width / height, half) if vertical else (half, half * height / width)
         up = np.cross(right, forward)
         self.text.append(
-            f"camera {{ perspective location {v(origin)} direction {v(forward)} right {v(2 * x * right)}"
+            f"camera {{ perspective location {v(self.args.scale * origin)} direction {v(forward)} right {v(2 * x * right)}"
             f" up {v(2 * y * up)} }}"
         )
 
@@ -186,6 +194,8 @@ def add_arguments(parser):
     parser.add_argument("--spacing", type=float, default=1.0, help="distance of an area light's points, scene units")
     parser.add_argument("--strip", type=float, default=2.0, help="widest strip of a lamp, scene units")
     parser.add_argument("--adaptive", type=int, default=1, help="of area lights; -1 for full")
+    parser.add_argument("--overlap", type=float, default=0.0, help="by which share of their size walls overlap")
+    parser.add_argument("--scale", type=float, default=100.0, help="of all lengths, against POV-Ray's fixed tolerances")
     parser.add_argument("--trace-level", type=int, default=30)
 
 
