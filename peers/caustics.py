@@ -2,8 +2,8 @@
 
 A row: renderer, its seconds, relMSE over all pixels, relMSE and mean over the reference's mean outside the caustic, and
 the same inside. relMSE is the mean over pixels and channels of (x - r)^2 / (r^2 + eps), eps = 1% of the squared mean of
-the reference. Pixels up to --margin away from one where the reference is black or not finite are not counted: a particle
-tracer leaves glass black, and its edge too dark.
+the reference. Pixels up to --margin away from one where the reference is black or not finite are not counted: a
+particle tracer leaves glass black, and its edge too dark.
 
 Inside the caustic is where the reference's luminance is more than --threshold times that of the scene without caustics.
 The latter is the pixel-wise median of many short renders of our path tracer, which finds a caustic only by chance in
@@ -109,7 +109,9 @@ def main():
         sys.exit(f"{args.etendue} does not exist: cargo build --release --example etendue")
     args.work.mkdir(parents=True, exist_ok=True)
 
-    contestants = [("etendue", ours, name) for name in args.ours] + [("luxcore", luxcore, name) for name in args.luxcore]
+    contestants = [("etendue", ours, name) for name in args.ours] + [
+        ("luxcore", luxcore, name) for name in args.luxcore
+    ]
     runs, refused = [], {}
     for scene in args.scenes:
         file = args.references / f"{scene.stem}.pfm"
@@ -125,8 +127,14 @@ def main():
         outside = counted & ~inside
         # The constant of relMSE wants the mean of the pixels that count.
         reference[~counted] = reference[counted].mean(0)
-        print(f"\n{scene.name}: {inside.sum()} pixels inside the caustic, {outside.sum()} outside, {(~counted).sum()} not counted")
-        print(f"{'':26}{'budget':>8}{'seconds':>9}{'relMSE':>11}{'outside':>11}{'mean/ref':>10}{'inside':>11}{'mean/ref':>10}")
+        print(
+            f"\n{scene.name}: {inside.sum()} pixels inside the caustic, {outside.sum()} outside,"
+            f" {(~counted).sum()} not counted"
+        )
+        print(
+            f"{'':26}{'budget':>8}{'seconds':>9}{'relMSE':>11}"
+            f"{'outside':>11}{'mean/ref':>10}{'inside':>11}{'mean/ref':>10}"
+        )
         for budget in args.budgets:
             for turn in range(args.rounds):
                 shift = turn % len(contestants) if contestants else 0
@@ -143,7 +151,9 @@ def main():
                     row["relMSE"] = pictures.rel_mse(image, reference, counted)
                     for region, mask in (("outside", outside), ("inside", inside)):
                         row[f"relMSE {region}"] = pictures.rel_mse(image, reference, mask) if mask.any() else None
-                        row[f"mean {region}"] = float(image[mask].mean() / reference[mask].mean()) if mask.any() else None
+                        row[f"mean {region}"] = (
+                            float(image[mask].mean() / reference[mask].mean()) if mask.any() else None
+                        )
                     runs.append(row)
             for label, _, name in contestants:
                 mine = [
@@ -155,7 +165,10 @@ def main():
                     columns = ["seconds", "relMSE", "relMSE outside", "mean outside", "relMSE inside", "mean inside"]
                     values = [[r[c] for r in mine if r[c] is not None] for c in columns]
                     s, e, eo, mo, ei, mi = (statistics.median(v) if v else float("nan") for v in values)
-                    print(f"{label + ' ' + name:26}{budget:8g}{s:9.2f}{e:11.3e}{eo:11.3e}{mo:10.4f}{ei:11.3e}{mi:10.4f}", flush=True)
+                    print(
+                        f"{label + ' ' + name:26}{budget:8g}{s:9.2f}{e:11.3e}{eo:11.3e}{mo:10.4f}{ei:11.3e}{mi:10.4f}",
+                        flush=True,
+                    )
     for name, reason in refused.items():
         print(f"{name}: NOT COMPARED, {reason}")
     if args.json:

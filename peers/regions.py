@@ -48,25 +48,29 @@ def main():
     counted = caustics.far_from(b.max(2) <= 0, args.margin)
     n = args.grid
     boxes = args.box or [
-        [width * i // n, height * j // n, width * (i + 1) // n, height * (j + 1) // n] for j in range(n) for i in range(n)
+        [width * i // n, height * j // n, width * (i + 1) // n, height * (j + 1) // n]
+        for j in range(n)
+        for i in range(n)
     ]
     print(f"{'box':>20}{'pixels':>8}{'a':>11}{'error':>10}{'b':>11}{'error':>10}{'a / b':>9}{'%':>6}{'z':>7}")
     scores = []
+
+    def row(name, mask):
+        (ma, ea), (mb, eb) = first(mask), second(mask)
+        z = (ma - mb) / np.hypot(ea, eb)
+        share = 100 * np.hypot(ea / ma, eb / mb)
+        print(f"{name:>20}{mask.sum():8}{ma:11.5f}{ea:10.5f}{mb:11.5f}{eb:10.5f}{ma / mb:9.4f}{share:6.2f}{z:7.2f}")
+        return z
+
     for x0, y0, x1, y1 in boxes:
         mask = np.zeros((height, width), dtype=bool)
         mask[y0:y1, x0:x1] = True
         mask &= counted
-        if not mask.any():
-            continue
-        (ma, ea), (mb, eb) = first(mask), second(mask)
-        error = np.hypot(ea, eb)
-        scores.append((ma - mb) / error)
-        share = 100 * np.hypot(ea / ma, eb / mb)
-        box = f"{x0} {y0} {x1} {y1}"
-        print(f"{box:>20}{mask.sum():8}{ma:11.5f}{ea:10.5f}{mb:11.5f}{eb:10.5f}{ma / mb:9.4f}{share:6.2f}{scores[-1]:7.2f}")
-    (ma, ea), (mb, eb) = first(counted), second(counted)
-    z = (ma - mb) / np.hypot(ea, eb)
-    print(f"{'all':>20}{counted.sum():8}{ma:11.5f}{ea:10.5f}{mb:11.5f}{eb:10.5f}{ma / mb:9.4f}{100 * np.hypot(ea / ma, eb / mb):6.2f}{z:7.2f}")
+        if mask.any():
+            scores.append(row(f"{x0} {y0} {x1} {y1}", mask))
+    if not scores:
+        sys.exit("no pixel is left to compare")
+    row("all", counted)
     print(f"root mean square of z: {np.sqrt(np.mean(np.square(scores))):.2f}")
 
 

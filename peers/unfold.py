@@ -23,7 +23,9 @@ def main():
     args = parser.parse_args()
     scene = json.loads(pathlib.Path(args.scene).read_text(encoding="utf-8"))
 
-    mirrors = {m["name"] for m in scene["materials"] if m["type"] == "reflective" and m.get("color", [1] * 3) == [1] * 3}
+    mirrors = {
+        m["name"] for m in scene["materials"] if m["type"] == "reflective" and m.get("color", [1] * 3) == [1] * 3
+    }
     panels = [s for s in scene["surfaces"] if s.get("material") in mirrors]
     if len(panels) != 1 or panels[0]["geometry"] != "quad":
         sys.exit(f"{args.scene}: wants one quad that is a mirror of reflectance 1, found {len(panels)}")

@@ -1,7 +1,7 @@
 """Turns the camera of a scene to one box of its pixels, square, with a field of view that just covers it.
 
-A path tracer that finds a caustic once in a thousand tries then spends all of them there, and the mean of the picture is
-an unbiased figure that other integrators must meet. Row 0 is on top; the picture is not a crop of the scene's, for the
+A path tracer that finds a caustic once in a thousand tries then spends all of them there, and the mean of the picture
+is an unbiased figure that other integrators must meet. Row 0 is on top; the picture is not a crop of the scene's, for the
 image plane turns with the camera.
 """
 
@@ -25,7 +25,10 @@ def main():
     camera, (width, height) = scene["camera"], scene["render"]["resolution"]
     if camera.get("type", "perspective") != "perspective":
         sys.exit(f"{args.scene}: not a perspective camera")
-    origin, target, up = (np.array(camera.get(k, d), dtype=float) for k, d in (("origin", [0] * 3), ("lookAt", [0, 0, -1]), ("up", [0, 1, 0])))
+    origin, target, up = (
+        np.array(camera.get(k, d), dtype=float)
+        for k, d in (("origin", [0] * 3), ("lookAt", [0, 0, -1]), ("up", [0, 1, 0]))
+    )
     forward = (target - origin) / np.linalg.norm(target - origin)
     right = np.cross(forward, up) / np.linalg.norm(np.cross(forward, up))
     up = np.cross(right, forward)
@@ -36,7 +39,10 @@ def main():
     toward = forward + x * right + y * up
     # Half the longer side of the box, at the distance of its centre.
     half = max(x1 - x0, y1 - y0) / 2 * pixel / np.linalg.norm(toward)
-    camera |= {"lookAt": (origin + toward).round(9).tolist(), "fieldOfView": round(math.degrees(2 * math.atan(half)), 9)}
+    camera |= {
+        "lookAt": (origin + toward).round(9).tolist(),
+        "fieldOfView": round(math.degrees(2 * math.atan(half)), 9),
+    }
     scene["render"]["resolution"] = [args.resolution] * 2
     pathlib.Path(args.output).write_text(json.dumps(scene, indent=1) + "\n", encoding="utf-8")
 

@@ -1,7 +1,7 @@
 """Renders one of our scenes in LuxCore for a given time, or as many samples, and writes scene-linear radiance.
 
-The time runs from the start of the session, so it includes LuxCore's own preparation: acceleration structure, visibility
-map and the first photon map. Loading the scene is outside. Box filter, no clamping, no denoiser, no tone mapping.
+The time runs from the start of the session, so it includes LuxCore's own preparation: acceleration structure,
+visibility map and the photon map. Loading the scene is outside. Box filter, no clamping, no denoiser, no tone mapping.
 What differs from our model is in ../README.md.
 """
 

@@ -43,7 +43,9 @@ class Writer(reader.Converter):
             return "pigment { rgb 0 } finish { ambient 0 emission 0 diffuse 0 }"
         target = "photons { target reflection on refraction on collect off }" if photons else ""
         if m["type"] == "reflective":
-            return f"pigment {{ rgb 0 }} finish {{ ambient 0 emission 0 diffuse 0 reflection {{ rgb {color} }} }} {target}"
+            return (
+                f"pigment {{ rgb 0 }} finish {{ ambient 0 emission 0 diffuse 0 reflection {{ rgb {color} }} }} {target}"
+            )
         if m["type"] == "refractive":
             if m.get("exteriorIndex", 1.0) != 1.0:
                 raise reader.Unsupported("an exterior index other than 1")
@@ -107,11 +109,13 @@ class Writer(reader.Converter):
                 # Radiance L of area A: irradiance L A cos cos / d^2, which POV-Ray divides by pi.
                 power = np.array(emission) * size[0] * size[1] / math.pi / (2 * FADE**2)
                 nx, nz = (max(1, round(s / self.args.spacing / self.args.scale)) for s in size)
+                # Points of the grid stand in the middle of their cells.
+                side_x, side_z = size[0] * (nx - 1) / nx, size[1] * (nz - 1) / nz
                 gather = "photons { reflection on refraction on area_light }" if self.args.photons else ""
                 self.text.append(
                     f"light_source {{ {v(middle)}, rgb {v(power)}\n"
-                    f"  spotlight point_at {v([middle[0], middle[1] + way, middle[2]])} radius 0 falloff 90 tightness 1\n"
-                    f"  area_light {v([size[0] * (nx - 1) / nx, 0, 0])}, {v([0, 0, size[1] * (nz - 1) / nz])}, {nx}, {nz}\n"
+                    f"  spotlight point_at {v(np.add(middle, [0, way, 0]))} radius 0 falloff 90 tightness 1\n"
+                    f"  area_light {v([side_x, 0, 0])}, {v([0, 0, side_z])}, {nx}, {nz}\n"
                     f"  {'adaptive ' + str(self.args.adaptive) if self.args.adaptive >= 0 else ''} jitter"
                     f" area_illumination on\n"
                     f"  fade_distance {FADE} fade_power 2\n  {gather} }}"
@@ -131,8 +135,8 @@ class Writer(reader.Converter):
         x, y = (half * width / height, half) if vertical else (half, half * height / width)
         up = np.cross(right, forward)
         self.text.append(
-            f"camera {{ perspective location {v(self.args.scale * origin)} direction {v(forward)} right {v(2 * x * right)}"
-            f" up {v(2 * y * up)} }}"
+            f"camera {{ perspective location {v(self.args.scale * origin)} direction {v(forward)}"
+            f" right {v(2 * x * right)} up {v(2 * y * up)} }}"
         )
 
     def write(self, resolution):
@@ -154,7 +158,8 @@ class Writer(reader.Converter):
             "#version 3.7;\n"
             f"global_settings {{ assumed_gamma 1 max_trace_level {a.trace_level} adc_bailout 0.0005 {photons}\n"
             f"  radiosity {{ count {a.count} error_bound {a.error_bound} recursion_limit {a.recursion}\n"
-            f"    pretrace_start 0.08 pretrace_end {a.pretrace_end} nearest_count {a.nearest} low_error_factor {a.low_error}\n"
+            f"    pretrace_start 0.08 pretrace_end {a.pretrace_end} nearest_count {a.nearest}"
+            f" low_error_factor {a.low_error}\n"
             f"    minimum_reuse {a.minimum_reuse} maximum_reuse 0.2 gray_threshold 0 brightness 1 adc_bailout 0.0005\n"
             "    always_sample off normal off media off } }\n"
             "background { rgb 0 }\n"
@@ -182,19 +187,21 @@ def crossings(corners, x):
 
 
 def add_arguments(parser):
-    parser.add_argument("--lamps", choices=["area", "emission"], default="area", help="area lights, or radiosity alone")
+    parser.add_argument(
+        "--lamps", choices=["area", "emission"], default="emission", help="area lights, or radiosity alone"
+    )
     parser.add_argument("--count", type=int, default=200, help="rays of a radiosity sample")
     parser.add_argument("--error-bound", type=float, default=0.25)
-    parser.add_argument("--recursion", type=int, default=10, help="diffuse bounces")
+    parser.add_argument("--recursion", type=int, default=16, help="diffuse bounces")
     parser.add_argument("--pretrace-end", type=float, default=0.01)
     parser.add_argument("--nearest", type=int, default=8)
     parser.add_argument("--low-error", type=float, default=0.6)
-    parser.add_argument("--minimum-reuse", type=float, default=0.008)
-    parser.add_argument("--photons", type=int, default=200000, help="photons shot; 0 for none")
+    parser.add_argument("--minimum-reuse", type=float, default=0.015)
+    parser.add_argument("--photons", type=int, default=0, help="photons shot; 0 for none")
     parser.add_argument("--spacing", type=float, default=1.0, help="distance of an area light's points, scene units")
     parser.add_argument("--strip", type=float, default=2.0, help="widest strip of a lamp, scene units")
     parser.add_argument("--adaptive", type=int, default=1, help="of area lights; -1 for full")
-    parser.add_argument("--overlap", type=float, default=0.0, help="by which share of their size walls overlap")
+    parser.add_argument("--overlap", type=float, default=1e-3, help="by which share of their size walls overlap")
     parser.add_argument("--scale", type=float, default=100.0, help="of all lengths, against POV-Ray's fixed tolerances")
     parser.add_argument("--trace-level", type=int, default=30)
 

@@ -1,8 +1,8 @@
 """Times POV-Ray 3.7 on one scene for several settings and measures its images by a reference of ours.
 
 Every --try is a string of options of pov.py, and after `--` of POV-Ray (anti-aliasing, say). The seconds are those of
-the whole process; "cpu / threads" is what they would be on a machine with nothing else to do, its processor time divided
-by the threads. relMSE is the mean over pixels and channels of (x - r)^2 / (r^2 + eps), eps = 1% of the squared mean of
+the whole process; "cpu / threads" is what they would be on a machine with nothing else to do: its processor time
+divided by the threads. relMSE is the mean over pixels and channels of (x - r)^2 / (r^2 + eps), eps = 1% of the squared mean of
 the reference; the noise left in the reference, known from its layer "variance", is taken off.
 """
 
@@ -45,7 +45,9 @@ def layer(path, prefix=""):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scene")
-    parser.add_argument("reference", help="EXR of the same scene by `etendue render`, Lambert's surfaces for rough ones")
+    parser.add_argument(
+        "reference", help="EXR of the same scene by `etendue render`, Lambert's surfaces for rough ones"
+    )
     parser.add_argument("--try", dest="tries", action="append", help="settings, may be given many times")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--limit", type=float, default=300.0, help="seconds after which a render is given up")
@@ -81,7 +83,9 @@ def main():
         error = float(np.mean((x - reference) ** 2 * weight)) - noise
         ratio = pictures.blocks(x, 4) / pictures.blocks(reference, 4)
         means = " ".join(f"{m:.4f}" for m in x.mean((0, 1)) / reference.mean((0, 1)))
-        print(f"{seconds:8.1f}{cpu:15.1f}{error:11.3e}  {means}, {ratio.min():.3f} {ratio.max():.3f}  {text}", flush=True)
+        print(
+            f"{seconds:8.1f}{cpu:15.1f}{error:11.3e}  {means}, {ratio.min():.3f} {ratio.max():.3f}  {text}", flush=True
+        )
 
 
 if __name__ == "__main__":
