@@ -1,8 +1,8 @@
 """Turns the camera of a scene to one box of its pixels, square, with a field of view that just covers it.
 
 A path tracer that finds a caustic once in a thousand tries then spends all of them there, and the mean of the picture
-is an unbiased figure that other integrators must meet. Row 0 is on top; the picture is not a crop of the scene's, for the
-image plane turns with the camera.
+is an unbiased figure that other integrators must meet. Row 0 is on top; the picture is not a crop of the scene's, for
+the image plane turns with the camera.
 """
 
 import argparse

@@ -1,9 +1,9 @@
 """Times POV-Ray 3.7 on one scene for several settings and measures its images by a reference of ours.
 
 Every --try is a string of options of pov.py, and after `--` of POV-Ray (anti-aliasing, say). The seconds are those of
-the whole process; "cpu / threads" is what they would be on a machine with nothing else to do: its processor time
-divided by the threads. relMSE is the mean over pixels and channels of (x - r)^2 / (r^2 + eps), eps = 1% of the squared mean of
-the reference; the noise left in the reference, known from its layer "variance", is taken off.
+the whole process; "cpu / threads" is what they would be on a machine with nothing else to do: its processor
+time divided by the threads. relMSE is the mean over pixels and channels of (x - r)^2 / (r^2 + eps), eps = 1% of the
+squared mean of the reference; the noise left in the reference, known from its layer "variance", is taken off.
 """
 
 import argparse
