@@ -9,7 +9,8 @@ Inside the caustic is where the reference's luminance is more than --threshold t
 The latter is the pixel-wise median of many short renders of our path tracer, which finds a caustic only by chance in
 less than every second of them; it is made once and kept in --work.
 
-The reference of scenes/NAME.json is REFERENCES/NAME.pfm. Renderers take turns; run it with nothing else running.
+The reference of scenes/NAME.json is REFERENCES/NAME.pfm, and NAME.se.pfm its standard error, if it is there: its share of
+relMSE is taken off. Renderers take turns; run it with nothing else running.
 """
 
 import argparse
@@ -117,7 +118,8 @@ def main():
         file = args.references / f"{scene.stem}.pfm"
         if not file.exists():
             sys.exit(f"{file} does not exist: the reference of {scene}")
-        reference = pictures.read_pfm(file)
+        reference, error_file = pictures.read_pfm(file), file.with_suffix(".se.pfm")
+        noise = pictures.read_pfm(error_file) if error_file.exists() else None
         counted = far_from(~np.isfinite(reference).all(2) | (reference.max(2) <= 0), args.margin)
         reference = np.where(counted[..., None], reference, 0.0)
         plain = without_caustics(args, scene, args.work)
@@ -148,9 +150,11 @@ def main():
                     image = pictures.read_pfm(output)
                     image = np.where(np.isfinite(image), image, 0.0)
                     row = {"scene": scene.name, "renderer": f"{label} {name}", "budget": budget, "seconds": seconds}
-                    row["relMSE"] = pictures.rel_mse(image, reference, counted)
+                    row["relMSE"] = pictures.rel_mse(image, reference, counted, noise)
                     for region, mask in (("outside", outside), ("inside", inside)):
-                        row[f"relMSE {region}"] = pictures.rel_mse(image, reference, mask) if mask.any() else None
+                        row[f"relMSE {region}"] = (
+                            pictures.rel_mse(image, reference, mask, noise) if mask.any() else None
+                        )
                         row[f"mean {region}"] = (
                             float(image[mask].mean() / reference[mask].mean()) if mask.any() else None
                         )
