@@ -9,8 +9,8 @@ Inside the caustic is where the reference's luminance is more than --threshold t
 The latter is the pixel-wise median of many short renders of our path tracer, which finds a caustic only by chance in
 less than every second of them; it is made once and kept in --work.
 
-The reference of scenes/NAME.json is REFERENCES/NAME.pfm, and NAME.se.pfm its standard error, if it is there: its share of
-relMSE is taken off. Renderers take turns; run it with nothing else running.
+The reference of scenes/NAME.json is REFERENCES/NAME.pfm, and NAME.se.pfm its standard error, if it is there: its share
+of relMSE is taken off. Renderers take turns; run it with nothing else running.
 """
 
 import argparse

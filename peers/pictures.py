@@ -28,8 +28,8 @@ def write_pfm(path, image):
 def rel_mse(image, reference, where=None, noise=None):
     """Mean over pixels and channels of (x - r)^2 / (r^2 + eps), eps = 1% of the squared mean of the reference.
 
-    `where`: a mask [height][width] of the pixels to count; eps is that of the whole reference all the same. `noise`: the
-    reference's standard error per pixel, whose expected share is taken off.
+    `where`: a mask [height][width] of the pixels to count; eps is that of the whole reference all the same. `noise`:
+    the reference's standard error per pixel, whose expected share is taken off.
     """
     weight = 1.0 / (reference**2 + 1e-2 * float(reference.mean()) ** 2)
     error = ((image - reference) ** 2 - (0.0 if noise is None else noise**2)) * weight
