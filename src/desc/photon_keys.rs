@@ -15,7 +15,7 @@ use crate::{Error, Result};
 type Limits = (u32, u32);
 
 const COUNT: Limits = (1, MAX_PHOTONS);
-const NEIGHBOURS: Limits = (1, MAX_NEIGHBOURS);
+const NEIGHBOURS: Limits = (0, MAX_NEIGHBOURS);
 const GATHER_RAYS: Limits = (1, MAX_GATHER_RAYS);
 const MEMORY: Limits = (1, MAX_PHOTON_MEMORY);
 const CACHE_RAYS: Limits = (16, 1 << 20);
