@@ -57,7 +57,7 @@ pub(super) enum Shrinking {
     ByPixel {
         /// Share of photons that is kept.
         alpha: f32,
-        /// Photons that the first radius holds.
+        /// Photons that the first radius of a caustic holds.
         first: u32,
     },
 }
@@ -350,7 +350,7 @@ impl Gather {
         }
         // By mirrors and glass.
         if let Some(layer) = &self.caustic {
-            let asked = self.asked(layer, is_first, told, |gathering| &mut gathering.caustic, vertex);
+            let asked = self.asked(layer, is_first, false, told, vertex);
             let estimate = ask(layer, asked, vertex, None);
             // Seams show where the eye looks; what they take from indirect light does not.
             let estimate = if is_first && estimate.count > 0 && !self.whole.is_whole(p, facing, asked.radius) {
@@ -363,7 +363,7 @@ impl Gather {
         }
         // Scattered before.
         if let Some(layer) = ending {
-            let asked = self.asked(layer, is_first, told, |gathering| &mut gathering.indirect, vertex);
+            let asked = self.asked(layer, is_first, true, told, vertex);
             let estimate = ask(layer, asked, vertex, None);
             sum += estimate.radiance;
             self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.indirect);
@@ -373,14 +373,7 @@ impl Gather {
 
     /// With which radius a map is asked: the pixel's own at the first diffuse hit, where it has one.
     #[inline]
-    fn asked(
-        &self,
-        layer: &Layer,
-        is_first: bool,
-        told: &mut Told,
-        radius: impl Fn(&mut Gathering) -> &mut ShrinkingRadius,
-        vertex: &Vertex,
-    ) -> Asked {
+    fn asked(&self, layer: &Layer, is_first: bool, is_indirect: bool, told: &mut Told, vertex: &Vertex) -> Asked {
         if !is_first {
             // Nobody sees how sharp it is; but a bright caustic may hold half of all photons.
             let few = layer.asked.neighbours.or(self.later_neighbours);
@@ -390,7 +383,12 @@ impl Gather {
         else {
             return layer.asked;
         };
-        let radius = radius(gathering).begin(self.pass, alpha, || {
+        let radius = if is_indirect { &mut gathering.indirect } else { &mut gathering.caustic };
+        let radius = radius.begin(self.pass, alpha, || {
+            // Indirect light is smooth: one radius does for all to begin with.
+            if is_indirect {
+                return layer.asked.radius;
+            }
             NEAREST.with_borrow_mut(|nearest| {
                 layer.map.nearest(vertex.surface.point.p, first as usize, layer.asked.radius, nearest);
                 match nearest.found() {

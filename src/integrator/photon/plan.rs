@@ -8,7 +8,7 @@ use super::super::{SceneTracer, Tracer as _};
 use super::estimate::{Asked, Kernel};
 use super::gather::{Ends, Gather, Layer, Shrinking};
 use super::whole::Whole;
-use super::{Job, MapKind, Photon, PhotonMap, shoot};
+use super::{Job, MapKind, Nearest, Photon, PhotonMap, shoot};
 use crate::camera::Camera;
 use crate::control::{Cancel, Parallel};
 use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, RenderDesc};
@@ -30,6 +30,12 @@ const INDIRECT_PIXELS: f32 = 8.0;
 
 /// Photons that the first radius of a pixel of its own holds.
 const FIRST_PHOTONS: u32 = 32;
+
+/// Photons that the first radius of a map of indirect light holds in the middle, where none is given.
+const INDIRECT_PHOTONS: usize = 150;
+
+/// Photons at which that is measured.
+const MEASURED: usize = 257;
 
 /// Photons of an estimate in a map that is made once.
 const NEIGHBOURS: u32 = 100;
@@ -233,6 +239,13 @@ impl Plan {
         for ((kind, asked), map) in kinds.into_iter().zip(built) {
             layers.push((kind, Layer { map: Arc::new(map?), asked }));
         }
+        if pass == 0 && photons.radius.is_none() && ends == Ends::AtOnce {
+            let indirect = layers.iter_mut().find(|(kind, layer)| *kind == MapKind::Indirect && !layer.map.is_empty());
+            if let Some((_, layer)) = indirect {
+                self.radius = middle_radius(&layer.map, self.radius);
+                layer.asked.radius = self.radius;
+            }
+        }
         for (_, layer) in &layers {
             self.rays += self.whole.learn(&self.scene, &layer.map, layer.asked.radius, parallel)?;
         }
@@ -296,6 +309,27 @@ pub fn shrunk(passes: u32, alpha: f64) -> f32 {
     let (n, m) = (f64::from(passes) + 1.0, f64::from(few) + 1.0);
     let rest = if passes > few { (n / m).powf(alpha - 1.0) } else { 1.0 };
     (product * rest).sqrt() as f32
+}
+
+/// The middle one of the radii that hold [`INDIRECT_PHOTONS`] around photons of a map; `otherwise` where it has too few.
+fn middle_radius(map: &PhotonMap, otherwise: f32) -> f32 {
+    let mut nearest = Nearest::default();
+    let stride = map.len().div_ceil(MEASURED).max(1);
+    let mut radii = Vec::new();
+    for photon in map.photons().iter().step_by(stride) {
+        map.nearest(photon.position(), INDIRECT_PHOTONS, f32::INFINITY, &mut nearest);
+        match nearest.found() {
+            [.., (distance2, _)] if nearest.found().len() == INDIRECT_PHOTONS && *distance2 > 0.0 => {
+                radii.push(distance2.sqrt());
+            }
+            _ => {}
+        }
+    }
+    if radii.is_empty() {
+        return otherwise;
+    }
+    let middle = radii.len() / 2;
+    *radii.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
 /// Lines and columns of the grid of pixels that are looked at for their size.
