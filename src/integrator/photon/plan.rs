@@ -8,7 +8,7 @@ use super::super::{SceneTracer, Tracer as _};
 use super::estimate::{Asked, Kernel};
 use super::gather::{Ends, Gather, Layer, Shrinking};
 use super::whole::Whole;
-use super::{Job, MapKind, Nearest, Photon, PhotonMap, shoot};
+use super::{Job, MapKind, Nearest, Photon, PhotonMap, Tally, shoot};
 use crate::camera::Camera;
 use crate::control::{Cancel, Parallel};
 use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, RenderDesc};
@@ -205,6 +205,7 @@ impl Plan {
         wanted.retain(|(kind, ..)| kinds.diffuse && (*kind != MapKind::Caustic || kinds.specular));
         let budget = (photons.memory as usize).saturating_mul(1 << 20) / BYTES_A_PHOTON;
         let mut shots: Vec<(MapKind, Asked, Vec<Photon>)> = Vec::new();
+        let mut told = Vec::new();
         let maps = wanted.len();
         for (kind, paths, asked) in wanted {
             let used: usize = shots.iter().map(|(_, _, photons)| photons.len()).sum();
@@ -226,6 +227,7 @@ impl Plan {
                     photons.memory
                 ));
             }
+            told.push(shot.tally);
             shots.push((kind, asked, shot.photons));
         }
         let (kinds, shots): (Vec<_>, Vec<_>) =
@@ -248,6 +250,9 @@ impl Plan {
         }
         for (_, layer) in &layers {
             self.rays += self.whole.learn(&self.scene, &layer.map, layer.asked.radius, parallel)?;
+        }
+        if pass == 0 {
+            self.notes.extend(layers.iter().zip(&told).map(|((kind, layer), tally)| note(*kind, layer, tally)));
         }
         let mut take = |wanted: &[MapKind]| {
             let place = layers.iter().position(|(kind, layer)| wanted.contains(kind) && layer.map.len() > 0)?;
@@ -297,6 +302,27 @@ impl MapKind {
             Self::Global => "global",
         }
     }
+}
+
+/// What a user should know about a map.
+fn note(kind: MapKind, layer: &Layer, tally: &Tally) -> String {
+    let photons = layer.map.len();
+    let shadows = if tally.shadows > 0 { format!(" and {} shadow photons", tally.shadows) } else { String::new() };
+    let lost = if tally.emitted.max_element() > 0.0 {
+        100.0 * tally.escaped.max_element() / tally.emitted.max_element()
+    } else {
+        0.0
+    };
+    format!(
+        "{} photon map: {} photons{shadows} of {} light paths, {lost:.0} % of the light left the scene; {:.1} MiB, {:.0} bytes a \
+         photon; radius {:.3e}",
+        kind.name(),
+        tally.stored,
+        tally.paths,
+        layer.map.bytes() as f64 / 1_048_576.0,
+        layer.map.bytes() as f64 / photons.max(1) as f64,
+        layer.asked.radius
+    )
 }
 
 /// By what a radius has shrunk after so many passes: the root of the product of (i + alpha) / (i + 1).
