@@ -31,7 +31,7 @@ pub struct PhotonDesc {
     pub caustic_count: Option<u32>,
     /// Radius of caustics, as `radius`.
     pub caustic_radius: Option<f64>,
-    /// So many nearest photons make an estimate, those beyond the radius left out, from 1 to [`MAX_NEIGHBOURS`];
+    /// So many nearest photons make an estimate, those beyond the radius left out, from 2 to [`MAX_NEIGHBOURS`];
     /// `None`: all within the radius.
     pub neighbours: Option<u32>,
     /// How photons weigh by their distance; `None`: a cone for the report's map, Epanechnikov's kernel for all others.

@@ -11,7 +11,7 @@ mod record;
 mod trace;
 mod whole;
 
-pub use estimate::Kernel;
+pub use estimate::{Asked, Kernel, irradiance};
 pub use gather::Gather;
 pub use map::{Nearest, PhotonMap};
 pub use plan::{Plan, shrunk};
