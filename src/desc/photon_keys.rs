@@ -15,7 +15,12 @@ use crate::{Error, Result};
 type Limits = (u32, u32);
 
 const COUNT: Limits = (1, MAX_PHOTONS);
+<<<<<<< HEAD
 const NEIGHBOURS: Limits = (0, MAX_NEIGHBOURS);
+=======
+/// The farthest gives the radius and does not count, so one would never see light.
+const NEIGHBOURS: Limits = (2, MAX_NEIGHBOURS);
+>>>>>>> refs/heads/accuracy
 const GATHER_RAYS: Limits = (1, MAX_GATHER_RAYS);
 const MEMORY: Limits = (1, MAX_PHOTON_MEMORY);
 const CACHE_RAYS: Limits = (16, 1 << 20);

@@ -1,6 +1,6 @@
 //! A disk that an edge, a corner or a wall cuts off: how much of it is left, and which photons lie there.
 
-use std::f32::consts::TAU;
+use std::f32::consts::{PI, TAU};
 
 use super::super::Tracer;
 use super::super::light::Vertex;
@@ -30,8 +30,9 @@ impl Cut {
         let height = THICKNESS * radius;
         let error = vertex.surface.point.error.max(HitPoint::rounding_error(p, normal));
         let above = p + normal * (0.5 * height + error);
-        let reach = std::array::from_fn(|sector| {
-            let (sin, cos) = (TAU * (sector as f32 + 0.5) / SECTORS as f32).sin_cos();
+        // Along the lines between sectors, as shares of the radius.
+        let ways: [f32; SECTORS] = std::array::from_fn(|line| {
+            let (sin, cos) = (TAU * line as f32 / SECTORS as f32).sin_cos();
             let along = frame.s * cos + frame.t * sin;
             let level = Ray { origin: above, direction: along * radius, tnear: 0.0, tfar: 1.0 };
             let wall = tracer.intersect(&level).map_or(1.0, |hit| hit.t);
@@ -42,6 +43,7 @@ impl Cut {
                 !tracer.unoccluded(&down)
             };
             let step = |i: usize| wall * (i as f32 + 0.5) / STEPS as f32;
+<<<<<<< HEAD
             // Where it is there at the far end, it is so on the way.
             let steps = if is_there(wall * 0.99, tracer) {
                 STEPS
@@ -49,6 +51,17 @@ impl Cut {
                 (0..STEPS).take_while(|i| is_there(step(*i), tracer)).count()
             };
             radius * wall * steps as f32 / STEPS as f32
+=======
+            let steps = (0..STEPS).take_while(|i| is_there(step(*i), tracer)).count();
+            wall * steps as f32 / STEPS as f32
+        });
+        // Nothing of a sector may lie behind a straight wall that both its lines meet: the foot of the perpendicular on the wall
+        // is nearer than the nearer of them, by the cosine of half a sector at most.
+        let foot = (PI / SECTORS as f32).cos();
+        let reach = std::array::from_fn(|sector| {
+            let nearer = ways[sector].min(ways[(sector + 1) % SECTORS]);
+            radius * if nearer < 1.0 { nearer * foot } else { 1.0 }
+>>>>>>> refs/heads/accuracy
         });
         Self { p, frame, reach }
     }

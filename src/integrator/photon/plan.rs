@@ -7,11 +7,12 @@ use super::super::light::Vertex;
 use super::super::{SceneTracer, Tracer as _};
 use super::estimate::{Asked, Kernel};
 use super::gather::{Ends, Gather, Layer, Shrinking};
+use super::trace::PHOTONS_A_PATH;
 use super::whole::Whole;
 use super::{Job, MapKind, Nearest, Photon, PhotonMap, Tally, shoot};
 use crate::camera::Camera;
 use crate::control::{Cancel, Parallel};
-use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, RenderDesc};
+use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, RenderDesc, check_cache, check_photons};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
@@ -43,9 +44,6 @@ const NEIGHBOURS: u32 = 100;
 /// Bytes a photon takes while its map is being built.
 const BYTES_A_PHOTON: usize = 80;
 
-/// Photons kept of a light path, at most, in the sizes that are planned with.
-const PHOTONS_A_PATH: usize = 64;
-
 /// Samples of a pixel for each pass of photons: few where an image has many pixels.
 fn samples_a_pass(pixels: u64) -> u32 {
     if pixels <= 1 << 18 { 4 } else { 1 }
@@ -72,9 +70,12 @@ impl Plan {
     /// Prepares a method: checks it against the scene, finds radii where none are given.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidScene`] for a radius that single precision does not hold.
+    /// [`ErrorKind::InvalidScene`] for settings that a file could not have given.
     pub fn new(scene: &Scene, camera: &Camera, desc: &Arc<RenderDesc>, method: IntegratorDesc) -> Result<Self> {
         let photons = &desc.photons;
+        // A host may have set numbers that no file could.
+        check_photons("render", photons)?;
+        check_cache("render", &desc.cache)?;
         let pixel = pixel_size(scene, camera, desc.resolution);
         let radius = |path: &str, given: Option<f64>, otherwise: f32| match given {
             None => Ok(otherwise),
