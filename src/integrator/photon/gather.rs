@@ -207,6 +207,19 @@ impl Gather {
         (radiance, distance)
     }
 
+    /// The same whose paths end by chance only: what [`Gather::incident`] brings back is then as unbiased as path tracing,
+    /// but for caustics.
+    #[must_use]
+    pub fn unaided(&self) -> Self {
+        Self { cache: None, diffuse: None, ends: Ends::Never, ..self.clone() }
+    }
+
+    /// The same whose paths end where the cache answers.
+    #[must_use]
+    pub fn ending_at(&self, cache: Arc<IrradianceCache>) -> Self {
+        Self { cache: Some(cache), diffuse: None, ends: Ends::AtCache, ..self.clone() }
+    }
+
     fn follow<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
