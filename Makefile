@@ -40,7 +40,7 @@ mutations: setup
 
 # Ray rates against Embree's own, and what robustness costs.
 bench: setup meshes
-	$(CARGO) bench --locked --bench rays --bench spheres --bench editing --bench robust
+	$(CARGO) bench --locked --bench rays --bench spheres --bench editing --bench robust --bench photons
 	$(CARGO) bench --locked --features capi --bench hosts
 
 # Generated meshes that are too large to store.

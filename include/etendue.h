@@ -53,7 +53,8 @@
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_RENDER_OPTIONS_INIT \
     {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \
-     NULL, NULL, NULL}
+     NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_PHOTON_KERNEL_DEFAULT, 0, ETD_PHOTON_SHARING_POWER, \
+     ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, 0}
 #define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
 #define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
@@ -449,12 +450,152 @@ enum etd_integrator
      * Emission and light scattered once.
      */
     ETD_INTEGRATOR_DIRECT = 2,
+    /**
+     * The report's photon map: direct light from photons, where no shadow photon is among them.
+     */
+    ETD_INTEGRATOR_PHOTON_DIRECT = 3,
+    /**
+     * Path tracing, with caustics from a photon map.
+     */
+    ETD_INTEGRATOR_CAUSTIC = 4,
+    /**
+     * A global and a caustic photon map, with final gathering.
+     */
+    ETD_INTEGRATOR_PHOTON = 5,
+    /**
+     * Indirect diffuse light interpolated between final gathers.
+     */
+    ETD_INTEGRATOR_IRRADIANCE_CACHE = 6,
+    /**
+     * Progressive photon mapping: a new map every pass, with one shrinking radius.
+     */
+    ETD_INTEGRATOR_PPM = 7,
+    /**
+     * Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel.
+     */
+    ETD_INTEGRATOR_SPPM = 8,
+    /**
+     * Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
+     */
+    ETD_INTEGRATOR_AUTO = 9,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
 typedef enum etd_integrator etd_integrator;
 #else
 typedef uint32_t etd_integrator;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * How photons weigh by their distance d within the radius r of a density estimate.
+ */
+enum etd_photon_kernel
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * A cone for `ETD_INTEGRATOR_PHOTON_DIRECT`, Epanechnikov's kernel for all others.
+     */
+    ETD_PHOTON_KERNEL_DEFAULT = 0,
+    /**
+     * All the same.
+     */
+    ETD_PHOTON_KERNEL_FLAT = 1,
+    /**
+     * 1 - d / (k r), by `photon_kernel_k`.
+     */
+    ETD_PHOTON_KERNEL_CONE = 2,
+    /**
+     * 1 - d^2 / r^2.
+     */
+    ETD_PHOTON_KERNEL_EPANECHNIKOV = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_photon_kernel etd_photon_kernel;
+#else
+typedef uint32_t etd_photon_kernel;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * How emitters share the photons.
+ */
+enum etd_photon_sharing
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * By their power, so that all photons carry nearly the same.
+     */
+    ETD_PHOTON_SHARING_POWER = 0,
+    /**
+     * By their area, as in the report. Points have none.
+     */
+    ETD_PHOTON_SHARING_AREA = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_photon_sharing etd_photon_sharing;
+#else
+typedef uint32_t etd_photon_sharing;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * What the gather's rays of an irradiance cache bring back.
+ */
+enum etd_cache_source
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * The light of paths: no bias but the interpolation's.
+     */
+    ETD_CACHE_SOURCE_PATHS = 0,
+    /**
+     * The light of the global photon map: faster, with its bias.
+     */
+    ETD_CACHE_SOURCE_PHOTONS = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_cache_source etd_cache_source;
+#else
+typedef uint32_t etd_cache_source;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * Whether something is done.
+ */
+enum etd_switch
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * As the field's default says.
+     */
+    ETD_SWITCH_DEFAULT = 0,
+    /**
+     * It is done.
+     */
+    ETD_SWITCH_ON = 1,
+    /**
+     * It is not done.
+     */
+    ETD_SWITCH_OFF = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_switch etd_switch;
+#else
+typedef uint32_t etd_switch;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -864,6 +1005,9 @@ typedef void (*etd_finished_fn)(void *user_data, etd_status status);
 
 /**
  * How to render and when to stop: at whichever of samples, time and error is reached first.
+ *
+ * From `photon_radius` on: settings of photon maps and of the irradiance cache, which only the integrators that use them
+ * look at (docs/scene-format.md says which) and in which 0 always stands for the default.
  */
 typedef struct etd_render_options {
     /**
@@ -922,6 +1066,91 @@ typedef struct etd_render_options {
      * Given to the two functions.
      */
     void *user_data;
+    /**
+     * Radius of a density estimate, scene units, 1e-18 to 1e18; where it shrinks, the first one. 0: 0.1 for
+     * `ETD_INTEGRATOR_PHOTON_DIRECT`, else from what a pixel sees.
+     */
+    double photon_radius;
+    /**
+     * Radius of caustics, as `photon_radius`.
+     */
+    double caustic_radius;
+    /**
+     * Of the progressive methods: the share of photons kept as radii shrink, above 0 and below 1; 0 means 2/3.
+     */
+    double photon_alpha;
+    /**
+     * Greatest error that Ward's estimate allows where records of the irradiance cache are interpolated, up to 10; 0 means
+     * 0.15.
+     */
+    double cache_error;
+    /**
+     * Smallest distance between records, pixels as seen by the camera, up to 1000; 0 means 3.
+     */
+    double cache_min_spacing;
+    /**
+     * Greatest distance over which a record is used, as a share of the scene's extent, up to 1; 0 means 0.1.
+     */
+    double cache_max_spacing;
+    /**
+     * Light paths of a photon map (of each pass, where maps are made anew), 2^29 at most; 0: as many as the integrator
+     * does best with.
+     */
+    uint32_t photon_count;
+    /**
+     * Light paths of a caustic map, as `photon_count`.
+     */
+    uint32_t caustic_count;
+    /**
+     * Of `ETD_INTEGRATOR_PHOTON_DIRECT`: fewer photons than this within the radius are no estimate, and shadow rays are
+     * sent instead; 0 means 10.
+     */
+    uint32_t min_photons;
+    /**
+     * So many nearest photons make an estimate, those beyond the radius left out, 65536 at most; 0: all within the radius.
+     */
+    uint32_t photon_neighbours;
+    /**
+     * An `etd_photon_kernel`.
+     */
+    etd_photon_kernel photon_kernel;
+    /**
+     * k of the cone, 1 or more; 0 means 1. Only looked at with `ETD_PHOTON_KERNEL_CONE`.
+     */
+    float photon_kernel_k;
+    /**
+     * An `etd_photon_sharing`.
+     */
+    etd_photon_sharing photon_sharing;
+    /**
+     * An `etd_switch`: whether caustic photons are aimed at the specular surfaces; by default they are.
+     */
+    etd_switch photons_guided;
+    /**
+     * An `etd_switch`: whether the map of `ETD_INTEGRATOR_CAUSTIC` is made anew for every pass, with a shrinking radius; by
+     * default it is.
+     */
+    etd_switch photons_progressive;
+    /**
+     * Rays of a final gather, 1024 at most; 0 means 1.
+     */
+    uint32_t gather_rays;
+    /**
+     * Most memory of all maps at a time, MiB, 2^20 at most; 0 means 4096.
+     */
+    uint32_t photon_memory;
+    /**
+     * Rays of an irradiance record's final gather, from 16 to 2^20; 0 means 1024.
+     */
+    uint32_t cache_rays;
+    /**
+     * An `etd_cache_source`.
+     */
+    etd_cache_source cache_source;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
 } etd_render_options;
 
 /**

@@ -115,7 +115,7 @@ fn names(folder: &Path) -> Vec<String> {
 fn help_and_version_go_to_standard_output() {
     let folder = folder();
     for (args, expected) in [
-        (vec!["--help"], vec!["render", "info", "compare", "Exit codes"]),
+        (vec!["--help"], vec!["render", "info", "photons", "compare", "Exit codes"]),
         (vec!["render", "--help"], vec!["--output", "--spp", "--max-depth", "--tone-map", "--progressive", "--time"]),
         (vec!["compare", "--help"], vec!["--json", "reference"]),
         (vec!["--version"], vec![env!("CARGO_PKG_VERSION")]),
@@ -360,10 +360,122 @@ fn quiet_says_nothing_and_options_reach_the_renderer() {
         let image = render(&format!("{index}.exr"), options);
         assert_ne!(image.rgb, plain.rgb, "{options:?}");
     }
+    for integrator in etendue::desc::IntegratorDesc::ALL {
+        let name = integrator.name();
+        let few = [
+            "--integrator",
+            name,
+            "--photons",
+            "2000",
+            "--photon-radius",
+            "40",
+            "--caustic-photons",
+            "500",
+            "--caustic-radius",
+            "20.5",
+        ];
+        let image = render(&format!("{name}.exr"), &few);
+        let comments = fs::read(folder.path().join(format!("{name}.exr"))).unwrap();
+        assert!(String::from_utf8_lossy(&comments).contains(&format!("integrator {integrator:?};")), "{name}");
+        assert!(image.rgb.iter().any(|value| *value > 0.0), "{name}");
+    }
     // A stop more of exposure is a brighter picture.
     let dark = render("dark.png", &["--exposure", "-2"]);
     let bright = render("bright.png", &["--exposure", "1"]);
     assert!((0..3).all(|channel| dark.mean()[channel] < bright.mean()[channel]), "{dark:?} {bright:?}");
+}
+
+#[test]
+fn photons_are_written_and_drawn() {
+    let folder = folder();
+    let cornell = scene("cornell.json");
+    let run = |more: &[&str]| {
+        let mut args = vec!["photons", &cornell, "--photons", "3000", "--resolution", "24x18"];
+        args.extend(more);
+        etendue(folder.path(), &args)
+    };
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    let done = run(&["-o", "a.png", "a.csv", "--threads", "2", "-o", "a.ply"]);
+    done.assert_done();
+    assert!(done.stderr.contains("photons and") && done.stderr.contains("of 3000 light paths"), "{}", done.stderr);
+    assert_eq!(names(folder.path()), ["a.csv", "a.ply", "a.png"]);
+    let table = String::from_utf8(read("a.csv")).unwrap();
+    assert!(table.starts_with("x,y,z,nx,ny,nz,wx,wy,wz,r,g,b,shadow\n"), "{}", &table[..60]);
+    assert!(table.lines().any(|line| line.ends_with(",1")) && table.lines().any(|line| line.ends_with(",0")));
+    let count = format!("element vertex {}\n", table.lines().count() - 1);
+    assert!(String::from_utf8_lossy(&read("a.ply")).contains(&count), "{count}");
+    // In the box of the scene, in its own coordinates.
+    for line in table.lines().skip(1) {
+        let place: Vec<f64> = line.split(',').take(3).map(|word| word.parse().unwrap()).collect();
+        assert!(place.iter().all(|x| (-1.0..561.0).contains(x)), "{line}");
+    }
+    run(&["-o", "again.csv", "--threads", "1"]).assert_done();
+    assert_eq!(read("again.csv"), read("a.csv"), "the same bytes for any number of threads");
+    let seeded = run(&["-o", "seeded.csv", "--seed", "99", "--quiet"]);
+    seeded.assert_done();
+    assert_eq!(seeded.stderr, "");
+    assert_ne!(read("seeded.csv"), read("a.csv"));
+    for map in ["indirect", "global"] {
+        run(&["-o", "map.csv", "--map", map]).assert_done();
+        let other = String::from_utf8(read("map.csv")).unwrap();
+        assert!(
+            other != table && other.lines().count() > 1000 && !other.lines().any(|line| line.ends_with(",1")),
+            "{map}"
+        );
+    }
+    // No glass, no mirror: nothing of this kind, which is said, and is no failure.
+    let none = run(&["-o", "none.csv", "--map", "caustic"]);
+    none.assert_done();
+    assert!(none.stderr.contains("warning: there is no such photon"), "{}", none.stderr);
+    assert_eq!(String::from_utf8(read("none.csv")).unwrap().lines().count(), 1);
+    // Pictures: in colour, from elsewhere.
+    let picture = |more: &[&str]| {
+        let mut args = vec!["-o", "picture.pfm"];
+        args.extend(more);
+        run(&args).assert_done();
+        let image = output::read(&folder.path().join("picture.pfm")).unwrap();
+        assert_eq!((image.width, image.height), (24, 18));
+        image
+    };
+    let plain = picture(&[]);
+    assert!(plain.rgb.contains(&1.0) && plain.rgb.contains(&0.0) && plain.rgb.iter().all(|v| (0.0..=1.0).contains(v)));
+    assert!(plain.rgb.chunks(3).all(|pixel| pixel[0] == pixel[1] && pixel[1] == pixel[2]));
+    assert!(picture(&["--color"]).rgb.chunks(3).any(|pixel| pixel[0] != pixel[2]));
+    for camera in [["--origin", "278,273,100"], ["--look-at", "-1e2,0,0"], ["--up", "1,1,0"], ["--field-of-view", "70"]]
+    {
+        assert!(picture(&camera) != plain, "{camera:?}");
+    }
+}
+
+#[test]
+fn photons_that_cannot_be_had_are_refused() {
+    let folder = folder();
+    let cornell = scene("cornell.json");
+    let run = |more: &[&str]| {
+        let mut args = vec!["photons", &cornell, "--photons", "100"];
+        args.extend(more);
+        etendue(folder.path(), &args)
+    };
+    run(&["-o", "a.obj"]).assert_refused("a.obj: nothing is known by this name's extension: use .csv or .ply");
+    run(&["-o", "a.csv", "a.csv"]).assert_refused("a.csv: given twice");
+    run(&["-o", "no/a.ply"]).assert_refused("no/a.ply: cannot write the photons into its folder");
+    run(&["-o", "no/a.png"]).assert_refused("no/a.png: cannot write the image into its folder");
+    run(&["-o", "a.png", "--origin", "0,0,0", "--look-at", "0,0,0"]).assert_refused("camera.lookAt");
+    run(&["-o", "a.png", "--up", "0,0,0"]).assert_refused("camera.up");
+    for wrong in [
+        ["--map", "shadow"],
+        ["--photons", "0"],
+        ["--origin", "1,2"],
+        ["--origin", "1,2,3,4"],
+        ["--look-at", "1,2,nan"],
+        ["--up", "a,b,c"],
+        ["--field-of-view", "180"],
+        ["--field-of-view", "0"],
+    ] {
+        let run = run(&["-o", "a.png", wrong[0], wrong[1]]);
+        assert_eq!(run.code, Some(2), "{wrong:?}: {}", run.stderr);
+    }
+    assert_eq!(names(folder.path()), [""; 0]);
 }
 
 #[test]

@@ -42,7 +42,8 @@ const INITIALISERS: &str = r"/** Stands for no material, no surface. */
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_RENDER_OPTIONS_INIT \
     {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \
-     NULL, NULL, NULL}
+     NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_PHOTON_KERNEL_DEFAULT, 0, ETD_PHOTON_SHARING_POWER, \
+     ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, 0}
 #define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
 #define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}

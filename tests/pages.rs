@@ -55,7 +55,12 @@ fn manual_and_completions_are_what_the_program_says() {
 #[test]
 fn every_option_is_in_the_manual() {
     let pages = pages();
-    for (name, sub) in [("render", "etendue-render.1"), ("info", "etendue-info.1"), ("compare", "etendue-compare.1")] {
+    for (name, sub) in [
+        ("render", "etendue-render.1"),
+        ("info", "etendue-info.1"),
+        ("photons", "etendue-photons.1"),
+        ("compare", "etendue-compare.1"),
+    ] {
         let (_, text) = pages.iter().find(|(path, _)| path.ends_with(sub)).expect("a page for each command");
         let text = text.replace("\\-", "-");
         let command = args::Cli::command();

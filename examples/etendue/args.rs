@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use etendue::desc::{
     FilterDesc, IntegratorDesc, MAX_PHOTONS, MAX_SHADOW_RAYS, PhotonDesc, RADII, RenderDesc, SamplerDesc,
 };
+use etendue::math::DVec3;
 use etendue::output::ToneMap;
 use etendue::render::{MAX_THREADS, MOST_SAMPLES};
 
@@ -29,6 +30,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Say what a scene holds, what was built for it and why.
     Info(InfoArgs),
+    /// Write the photons of a map, or draw them.
+    Photons(PhotonsArgs),
     /// Measure how far image A is from the reference B.
     Compare(CompareArgs),
 }
@@ -113,6 +116,68 @@ pub struct InfoArgs {
     /// Threads to build with; 0 takes all there are.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
     pub threads: usize,
+}
+
+#[derive(Debug, Args)]
+pub struct PhotonsArgs {
+    /// Scene file (JSON).
+    pub scene: PathBuf,
+    /// Parameter file of a scene of the 2017 report.
+    pub params: Option<PathBuf>,
+    /// Files to write, by extension: tables (.csv), point clouds (.ply), pictures (.png, .exr, .pfm). Put them after the
+    /// scene, or repeat the option.
+    #[arg(short, long, value_name = "FILE", required = true, num_args = 1..)]
+    pub output: Vec<PathBuf>,
+
+    /// Which photons.
+    #[arg(long, value_enum, default_value_t = Map::Direct)]
+    pub map: Map,
+    /// Light paths, in place of the scene's; 100000 where that has none.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PHOTONS)))]
+    pub photons: Option<u32>,
+    /// Threads; 0 takes all there are.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
+    pub threads: usize,
+    /// Seed of all randomness, in place of the scene's.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Greatest number of surface hits on a path, or none for no cut.
+    #[arg(long, value_name = "N|none", value_parser = parse_depth)]
+    pub max_depth: Option<Depth>,
+
+    /// Draw photons in the colour of their power instead of white.
+    #[arg(long)]
+    pub color: bool,
+    /// Width and height of a picture in pixels, in place of the scene's.
+    #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
+    pub resolution: Option<[u32; 2]>,
+    /// Where a picture is seen from, such as 0,1,5, in place of the scene's camera.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_vector)]
+    pub origin: Option<DVec3>,
+    /// A point in the middle of a picture.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_vector)]
+    pub look_at: Option<DVec3>,
+    /// Upwards in a picture.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_vector)]
+    pub up: Option<DVec3>,
+    /// Full angle of view of a picture, degrees.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_angle)]
+    pub field_of_view: Option<f64>,
+    /// No summary; warnings and errors stay.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Map {
+    /// Light straight from the emitters, and shadow photons behind what it meets.
+    Direct,
+    /// Light that came by mirrors and glass only.
+    Caustic,
+    /// Light that was scattered diffusely before.
+    Indirect,
+    /// All light.
+    Global,
 }
 
 #[derive(Debug, Args)]
@@ -274,6 +339,18 @@ fn parse_resolution(text: &str) -> Result<[u32; 2], String> {
         return Err(format!("more than {} pixels", etendue::desc::MAX_PIXELS));
     }
     Ok([width, height])
+}
+
+fn parse_vector(text: &str) -> Result<DVec3, String> {
+    let wrong = || "expected three numbers, such as 0,1,-2.5".to_owned();
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+    let numbers: Vec<f64> = text.split(',').map(number).collect::<Option<_>>().ok_or_else(wrong)?;
+    <[f64; 3]>::try_from(numbers).map(DVec3::from_array).map_err(|_| wrong())
+}
+
+fn parse_angle(text: &str) -> Result<f64, String> {
+    let degrees = text.parse::<f64>().ok().filter(|degrees| *degrees > 0.0 && *degrees < 180.0);
+    degrees.ok_or_else(|| "expected degrees between 0 and 180".to_owned())
 }
 
 fn parse_depth(text: &str) -> Result<Depth, String> {

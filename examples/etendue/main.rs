@@ -1,4 +1,4 @@
-//! The command line: renders a scene file to image files, says what a scene holds, compares images.
+//! The command line: renders a scene file to image files, says what a scene holds, writes and draws photons, compares images.
 //!
 //! `cargo run --release --example etendue -- render scenes/cornell.json -o cornell.exr`; docs/cli.md is the manual.
 //! It uses nothing of the library that another host could not use.
@@ -7,6 +7,7 @@ mod args;
 mod compare;
 mod console;
 mod interrupt;
+mod photons;
 mod render;
 
 use std::fmt::Display;
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Render(args) => render::render(&args),
         Command::Info(args) => render::info(&args),
+        Command::Photons(args) => photons::photons(&args),
         Command::Compare(args) => compare::compare(&args),
     };
     match outcome {

@@ -71,7 +71,7 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
 }
 
 /// Reads and builds, passing on every warning.
-fn load(scene: &Path, params: Option<&Path>, threads: usize) -> Result<(SceneDesc, Scene), Failure> {
+pub fn load(scene: &Path, params: Option<&Path>, threads: usize) -> Result<(SceneDesc, Scene), Failure> {
     let description = desc::load(scene, params)?;
     description.warnings.iter().for_each(console::warn);
     let scene = Scene::build(&description, &BuildOptions { threads, ..BuildOptions::default() })?;

@@ -25,6 +25,9 @@ _etendue() {
             etendue,info)
                 cmd="etendue__subcmd__info"
                 ;;
+            etendue,photons)
+                cmd="etendue__subcmd__photons"
+                ;;
             etendue,render)
                 cmd="etendue__subcmd__render"
                 ;;
@@ -37,6 +40,9 @@ _etendue() {
             etendue__subcmd__help,info)
                 cmd="etendue__subcmd__help__subcmd__info"
                 ;;
+            etendue__subcmd__help,photons)
+                cmd="etendue__subcmd__help__subcmd__photons"
+                ;;
             etendue__subcmd__help,render)
                 cmd="etendue__subcmd__help__subcmd__render"
                 ;;
@@ -47,7 +53,7 @@ _etendue() {
 
     case "${cmd}" in
         etendue)
-            opts="-h -V --help --version render info compare help"
+            opts="-h -V --help --version render info photons compare help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -79,7 +85,7 @@ _etendue() {
             return 0
             ;;
         etendue__subcmd__help)
-            opts="render info compare help"
+            opts="render info photons compare help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -134,6 +140,20 @@ _etendue() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        etendue__subcmd__help__subcmd__photons)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         etendue__subcmd__help__subcmd__render)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
@@ -156,6 +176,68 @@ _etendue() {
             fi
             case "${prev}" in
                 --threads)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        etendue__subcmd__photons)
+            opts="-o -q -h --output --map --photons --threads --seed --max-depth --color --resolution --origin --look-at --up --field-of-view --quiet --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --output)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                -o)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --map)
+                    COMPREPLY=($(compgen -W "direct caustic indirect global" -- "${cur}"))
+                    return 0
+                    ;;
+                --photons)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --threads)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --seed)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --max-depth)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --resolution)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --origin)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --look-at)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --up)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --field-of-view)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

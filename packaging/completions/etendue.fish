@@ -28,6 +28,7 @@ complete -c etendue -n "__fish_etendue_needs_command" -s h -l help -d 'Print hel
 complete -c etendue -n "__fish_etendue_needs_command" -s V -l version -d 'Print version'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "render" -d 'Render a scene to image files'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
+complete -c etendue -n "__fish_etendue_needs_command" -f -a "photons" -d 'Write the photons of a map, or draw them'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "compare" -d 'Measure how far image A is from the reference B'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
 complete -c etendue -n "__fish_etendue_using_subcommand render" -s o -l output -d 'Image files to write, by extension: .exr, .pfm or .png. Put them after the scene, or repeat the option' -r -F
@@ -69,11 +70,29 @@ complete -c etendue -n "__fish_etendue_using_subcommand render" -s q -l quiet -d
 complete -c etendue -n "__fish_etendue_using_subcommand render" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c etendue -n "__fish_etendue_using_subcommand info" -l threads -d 'Threads to build with; 0 takes all there are' -r
 complete -c etendue -n "__fish_etendue_using_subcommand info" -s h -l help -d 'Print help'
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -s o -l output -d 'Files to write, by extension: tables (.csv), point clouds (.ply), pictures (.png, .exr, .pfm). Put them after the scene, or repeat the option' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -l map -d 'Which photons' -r -f -a "direct\t'Light straight from the emitters, and shadow photons behind what it meets'
+caustic\t'Light that came by mirrors and glass only'
+indirect\t'Light that was scattered diffusely before'
+global\t'All light'"
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -l photons -d 'Light paths, in place of the scene\'s; 100000 where that has none' -r
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -l threads -d 'Threads; 0 takes all there are' -r
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -l seed -d 'Seed of all randomness, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -l max-depth -d 'Greatest number of surface hits on a path, or none for no cut' -r
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -l resolution -d 'Width and height of a picture in pixels, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -l origin -d 'Where a picture is seen from, such as 0,1,5, in place of the scene\'s camera' -r
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -l look-at -d 'A point in the middle of a picture' -r
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -l up -d 'Upwards in a picture' -r
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -l field-of-view -d 'Full angle of view of a picture, degrees' -r
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -l color -d 'Draw photons in the colour of their power instead of white'
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -s q -l quiet -d 'No summary; warnings and errors stay'
+complete -c etendue -n "__fish_etendue_using_subcommand photons" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -l exposure -d 'Brightness at which FLIP looks at the images, in stops' -r
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -l json -d 'Print one JSON object; what is not finite is null'
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -l no-flip -d 'Leave out FLIP, the slow one'
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -s h -l help -d 'Print help'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info compare help" -f -a "render" -d 'Render a scene to image files'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info compare help" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info compare help" -f -a "compare" -d 'Measure how far image A is from the reference B'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info compare help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare help" -f -a "render" -d 'Render a scene to image files'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare help" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare help" -f -a "photons" -d 'Write the photons of a map, or draw them'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare help" -f -a "compare" -d 'Measure how far image A is from the reference B'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'

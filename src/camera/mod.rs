@@ -90,6 +90,28 @@ impl Camera {
         Ray::new(origin, to_film.normalize())
     }
 
+    /// The film position at which a scene-frame point would be seen, in pixels as [`Camera::ray`] takes them, perhaps beyond
+    /// the film's edges; `None` for what is behind the eye, or before the near plane where there is one.
+    pub fn film_position(&self, p: Vec3) -> Option<[f32; 2]> {
+        let [corner, dx, dy] = [self.corner, self.dx, self.dy].map(|v| v.as_dvec3());
+        let v = (p - self.origin).as_dvec3();
+        // v = t (corner + x dx + y dy), by Cramer's rule.
+        let normal = dx.cross(dy);
+        let t = v.dot(normal) / corner.dot(normal);
+        if !(t > 0.0 && (t >= 1.0 || !self.starts_on_plane)) {
+            return None;
+        }
+        let v = v / t - corner;
+        let scale = normal.dot(normal);
+        let (x, y) = (v.cross(dy).dot(normal) / scale, dx.cross(v).dot(normal) / scale);
+        (x.is_finite() && y.is_finite()).then_some([x as f32, y as f32])
+    }
+
+    /// Distance of a scene-frame point from the eye.
+    pub fn eye_distance(&self, p: Vec3) -> f32 {
+        p.distance(self.origin)
+    }
+
     /// Distance of a scene-frame point from the eye, along the view direction.
     #[inline]
     pub fn depth(&self, p: Vec3) -> f32 {
@@ -111,6 +133,32 @@ mod tests {
         let corner = camera.ray(256.0, 0.0);
         assert!((corner.origin - Vec3::new(-1.0, 1.0, 1.0)).length() < 1e-6, "{corner:?}");
         assert!((corner.direction * 3.0_f32.sqrt() - Vec3::ONE).length() < 1e-6, "{corner:?}");
+    }
+
+    #[test]
+    fn points_of_a_ray_are_seen_where_it_left_the_film() {
+        let perspective = CameraDesc::Perspective {
+            eye: DVec3::new(1.0, 2.0, 3.0),
+            look_at: DVec3::new(-3.0, 1.0, 0.5),
+            up: DVec3::new(0.2, 1.0, 0.0),
+            fov_deg: 70.0,
+            fov_axis: FovAxis::Vertical,
+        };
+        let look_at = DVec3::new(2.0, 0.5, 1.0);
+        let plane = CameraDesc::ViewPlane { centre: DVec3::NEG_X, look_at, up: DVec3::Y, fov_deg: 60.0 };
+        for desc in [perspective, plane] {
+            let camera = Camera::new(&desc, [64, 48], DVec3::ZERO).unwrap();
+            for (x, y, t) in [(0.5, 0.5, 0.7), (63.0, 10.25, 3.0), (32.0, 24.0, 100.0), (-5.0, 70.0, 1.0)] {
+                let ray = camera.ray(x, y);
+                let [u, v] = camera.film_position(ray.at(t)).unwrap();
+                assert!((u - x).abs() < 1e-3 && (v - y).abs() < 1e-3, "{desc:?} {x} {y}: {u} {v}");
+                // Behind the eye, which is behind the plane.
+                assert_eq!(camera.film_position(camera.origin - ray.direction), None);
+            }
+        }
+        let camera = Camera::new(&plane, [64, 48], DVec3::ZERO).unwrap();
+        let ray = camera.ray(20.0, 20.0);
+        assert_eq!(camera.film_position(ray.at(-0.01)), None, "before the plane");
     }
 
     #[test]

@@ -223,8 +223,8 @@ pub unsafe extern "C" fn etd_film_new(
             need(out_film, "out_film")?;
             let it = read_sized(options, "options")?;
             let pixels = u64::from(it.width) * u64::from(it.height);
-            let in_tiles =
-                u64::from(it.width.div_ceil(TILE)) * u64::from(it.height.div_ceil(TILE)) * u64::from(TILE * TILE);
+            let [columns, rows] = [it.width, it.height].map(|length| u64::from(length.div_ceil(TILE)));
+            let in_tiles = (columns * rows).saturating_mul((TILE * TILE).into());
             if pixels == 0 || pixels > MAX_PIXELS || in_tiles > 2 * MAX_PIXELS {
                 let message = format!(
                     "options: {} x {} pixels; a film has 1 to {MAX_PIXELS}, and less if it is very narrow",

@@ -3,9 +3,10 @@
 use super::boundary::read_sized;
 use super::status::{Failure, Result};
 use super::types::*;
+use crate::Error;
 use crate::desc::{
-    BsdfDesc, CacheDesc, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, MAX_SHADOW_RAYS, PhotonDesc, RenderDesc,
-    SamplerDesc,
+    BsdfDesc, CacheDesc, CacheSource, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, KernelDesc, MAX_SHADOW_RAYS,
+    PhotonDesc, PhotonSharing, RenderDesc, SamplerDesc, check_cache, check_photons,
 };
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::output::ToneMap;
@@ -190,10 +191,96 @@ pub(super) fn render(it: &etd_render_options, resolution: [u32; 2]) -> Result<Re
         },
         max_depth: (it.max_depth != 0).then_some(it.max_depth),
         shadow_rays: it.shadow_rays.max(1),
-        photons: PhotonDesc::default(),
-        cache: CacheDesc::default(),
+        photons: photons(it)?,
+        cache: cache(it)?,
         seed: it.seed,
     })
+}
+
+/// What 0 leaves to the library.
+fn given<T: PartialEq + Default>(value: T) -> Option<T> {
+    (value != T::default()).then_some(value)
+}
+
+/// An `etd_switch`.
+fn switch(name: &str, value: u32, default: bool) -> Result<bool> {
+    match value {
+        0 => Ok(default),
+        1 => Ok(true),
+        2 => Ok(false),
+        other => unknown(name, other, 2),
+    }
+}
+
+/// The other way round.
+fn switch_out(on: bool) -> u32 {
+    if on { 1 } else { 2 }
+}
+
+/// A field's complaint in the words of the interface: what a file calls `photonKernel.k` is `photon_kernel_k` here.
+fn in_options(error: Error) -> Failure {
+    let mut field = String::new();
+    for c in error.location().json_path.chars() {
+        match c {
+            '.' => field.push('_'),
+            c if c.is_ascii_uppercase() => field.extend(['_', c.to_ascii_lowercase()]),
+            c => field.push(c),
+        }
+    }
+    Failure::argument(format!("options.{field}: {}", error.message()))
+}
+
+/// Settings of photon maps.
+fn photons(it: &etd_render_options) -> Result<PhotonDesc> {
+    let default = PhotonDesc::default();
+    if it.reserved != 0 {
+        return Err(Failure::argument("options.reserved is not 0"));
+    }
+    let photons = PhotonDesc {
+        count: given(it.photon_count),
+        radius: given(it.photon_radius),
+        min_photons: given(it.min_photons).unwrap_or(default.min_photons),
+        caustic_count: given(it.caustic_count),
+        caustic_radius: given(it.caustic_radius),
+        neighbours: given(it.photon_neighbours),
+        kernel: match it.photon_kernel {
+            0 => None,
+            1 => Some(KernelDesc::Flat),
+            2 => Some(KernelDesc::Cone { k: given(it.photon_kernel_k).unwrap_or(1.0) }),
+            3 => Some(KernelDesc::Epanechnikov),
+            other => return unknown("options.photon_kernel", other, 3),
+        },
+        alpha: given(it.photon_alpha).unwrap_or(default.alpha),
+        sharing: match it.photon_sharing {
+            0 => PhotonSharing::Power,
+            1 => PhotonSharing::Area,
+            other => return unknown("options.photon_sharing", other, 1),
+        },
+        guided: switch("options.photons_guided", it.photons_guided, default.guided)?,
+        progressive: switch("options.photons_progressive", it.photons_progressive, default.progressive)?,
+        gather_rays: given(it.gather_rays).unwrap_or(default.gather_rays),
+        memory: given(it.photon_memory).unwrap_or(default.memory),
+    };
+    check_photons("", &photons).map_err(in_options)?;
+    Ok(photons)
+}
+
+/// Settings of the irradiance cache.
+fn cache(it: &etd_render_options) -> Result<CacheDesc> {
+    let default = CacheDesc::default();
+    let cache = CacheDesc {
+        error: given(it.cache_error).unwrap_or(default.error),
+        rays: given(it.cache_rays).unwrap_or(default.rays),
+        min_spacing: given(it.cache_min_spacing).unwrap_or(default.min_spacing),
+        max_spacing: given(it.cache_max_spacing).unwrap_or(default.max_spacing),
+        source: match it.cache_source {
+            0 => CacheSource::Paths,
+            1 => CacheSource::Photons,
+            other => return unknown("options.cache_source", other, 1),
+        },
+    };
+    check_cache("", &cache).map_err(in_options)?;
+    Ok(cache)
 }
 
 /// The other way round.
@@ -204,6 +291,13 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
         FilterDesc::Gaussian { sigma } => (2, [sigma, 0.0]),
         FilterDesc::BlackmanHarris => (3, [0.0; 2]),
         FilterDesc::Mitchell { b, c } => (4, [b, c]),
+    };
+    let (photons, cache) = (&desc.photons, &desc.cache);
+    let (photon_kernel, photon_kernel_k) = match photons.kernel {
+        None => (0, 0.0),
+        Some(KernelDesc::Flat) => (1, 0.0),
+        Some(KernelDesc::Cone { k }) => (2, k),
+        Some(KernelDesc::Epanechnikov) => (3, 0.0),
     };
     etd_render_options {
         struct_size: size_of::<etd_render_options>(),
@@ -237,6 +331,32 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
         progress: None,
         finished: None,
         user_data: std::ptr::null_mut(),
+        photon_radius: photons.radius.unwrap_or(0.0),
+        caustic_radius: photons.caustic_radius.unwrap_or(0.0),
+        photon_alpha: photons.alpha,
+        cache_error: cache.error,
+        cache_min_spacing: cache.min_spacing,
+        cache_max_spacing: cache.max_spacing,
+        photon_count: photons.count.unwrap_or(0),
+        caustic_count: photons.caustic_count.unwrap_or(0),
+        min_photons: photons.min_photons,
+        photon_neighbours: photons.neighbours.unwrap_or(0),
+        photon_kernel,
+        photon_kernel_k,
+        photon_sharing: match photons.sharing {
+            PhotonSharing::Power => 0,
+            PhotonSharing::Area => 1,
+        },
+        photons_guided: switch_out(photons.guided),
+        photons_progressive: switch_out(photons.progressive),
+        gather_rays: photons.gather_rays,
+        photon_memory: photons.memory,
+        cache_rays: cache.rays,
+        cache_source: match cache.source {
+            CacheSource::Paths => 0,
+            CacheSource::Photons => 1,
+        },
+        reserved: 0,
     }
 }
 
@@ -248,5 +368,68 @@ pub(super) fn tone_map(value: u32) -> Result<ToneMap> {
         2 => Ok(ToneMap::Reinhard),
         3 => Ok(ToneMap::Aces),
         other => unknown("options.tone_map", other, 3),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Options as the header's initialiser has them.
+    fn options() -> etd_render_options {
+        render_out(&RenderDesc::default())
+    }
+
+    #[test]
+    fn settings_survive_the_way_out_and_back() {
+        let bare = RenderDesc { resolution: [3, 2], ..RenderDesc::default() };
+        let (photons, cache) = (PhotonDesc::default(), CacheDesc::default());
+        let all = PhotonDesc {
+            count: Some(crate::desc::MAX_PHOTONS),
+            radius: Some(0.1),
+            min_photons: 1,
+            caustic_count: Some(3),
+            caustic_radius: Some(1e-18),
+            neighbours: Some(60),
+            kernel: Some(KernelDesc::Cone { k: 1.1 }),
+            alpha: 0.7,
+            sharing: PhotonSharing::Area,
+            guided: false,
+            progressive: false,
+            gather_rays: 1024,
+            memory: 1,
+        };
+        let cached = CacheDesc {
+            error: 0.3, //
+            rays: 16,
+            min_spacing: 0.7,
+            max_spacing: 1.0,
+            source: CacheSource::Photons,
+        };
+        let mut all_kinds = vec![RenderDesc { photons: all, cache: cached, ..bare.clone() }];
+        for integrator in IntegratorDesc::ALL {
+            all_kinds.push(RenderDesc { integrator, photons: photons.clone(), cache: cache.clone(), ..bare.clone() });
+        }
+        for kernel in [None, Some(KernelDesc::Flat), Some(KernelDesc::Cone { k: 1.0 }), Some(KernelDesc::Epanechnikov)]
+        {
+            all_kinds.push(RenderDesc { photons: PhotonDesc { kernel, ..photons.clone() }, ..bare.clone() });
+        }
+        for desc in all_kinds {
+            assert_eq!(render(&render_out(&desc), desc.resolution).ok(), Some(desc));
+        }
+    }
+
+    #[test]
+    fn zeros_are_defaults() {
+        let mut it = options();
+        it.photon_alpha = 0.0;
+        (it.cache_error, it.cache_min_spacing, it.cache_max_spacing) = (0.0, 0.0, 0.0);
+        (it.min_photons, it.gather_rays, it.photon_memory, it.cache_rays) = (0, 0, 0, 0);
+        (it.photons_guided, it.photons_progressive) = (0, 0);
+        let resolution = RenderDesc::default().resolution;
+        assert_eq!(render(&it, resolution).ok(), Some(RenderDesc::default()));
+        (it.photon_kernel, it.photon_kernel_k) = (2, 0.0);
+        let kernel = render(&it, resolution).ok().and_then(|desc| desc.photons.kernel);
+        assert_eq!(kernel, Some(KernelDesc::Cone { k: 1.0 }));
     }
 }

@@ -30,6 +30,14 @@ mod numbers {
     /// The enumeration of this name, as a number.
     pub type EtdIntegrator = u32;
     /// The enumeration of this name, as a number.
+    pub type EtdPhotonKernel = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdPhotonSharing = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdCacheSource = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdSwitch = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdLayer = u32;
     /// The enumeration of this name, as a number.
     pub type EtdFormat = u32;
@@ -41,9 +49,9 @@ mod numbers {
 pub use numbers::*;
 
 pub use {
-    etd_bsdf::*, etd_camera_type::*, etd_filter::*, etd_format::*, etd_fov_axis::*, etd_integrator::*, etd_layer::*,
-    etd_log_level::*, etd_phase::*, etd_position_format::*, etd_sampler::*, etd_sharing::*, etd_text::*,
-    etd_tone_map::*, etd_usage::*,
+    etd_bsdf::*, etd_cache_source::*, etd_camera_type::*, etd_filter::*, etd_format::*, etd_fov_axis::*,
+    etd_integrator::*, etd_layer::*, etd_log_level::*, etd_phase::*, etd_photon_kernel::*, etd_photon_sharing::*,
+    etd_position_format::*, etd_sampler::*, etd_sharing::*, etd_switch::*, etd_text::*, etd_tone_map::*, etd_usage::*,
 };
 
 /// Stands for "no material", "no surface", "no mesh".
@@ -348,9 +356,72 @@ pub enum etd_integrator {
     ETD_INTEGRATOR_WHITTED = 1,
     /// Emission and light scattered once.
     ETD_INTEGRATOR_DIRECT = 2,
+    /// The report's photon map: direct light from photons, where no shadow photon is among them.
+    ETD_INTEGRATOR_PHOTON_DIRECT = 3,
+    /// Path tracing, with caustics from a photon map.
+    ETD_INTEGRATOR_CAUSTIC = 4,
+    /// A global and a caustic photon map, with final gathering.
+    ETD_INTEGRATOR_PHOTON = 5,
+    /// Indirect diffuse light interpolated between final gathers.
+    ETD_INTEGRATOR_IRRADIANCE_CACHE = 6,
+    /// Progressive photon mapping: a new map every pass, with one shrinking radius.
+    ETD_INTEGRATOR_PPM = 7,
+    /// Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel.
+    ETD_INTEGRATOR_SPPM = 8,
+    /// Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
+    ETD_INTEGRATOR_AUTO = 9,
+}
+
+/// How photons weigh by their distance d within the radius r of a density estimate.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_photon_kernel {
+    /// A cone for `ETD_INTEGRATOR_PHOTON_DIRECT`, Epanechnikov's kernel for all others.
+    ETD_PHOTON_KERNEL_DEFAULT = 0,
+    /// All the same.
+    ETD_PHOTON_KERNEL_FLAT = 1,
+    /// 1 - d / (k r), by `photon_kernel_k`.
+    ETD_PHOTON_KERNEL_CONE = 2,
+    /// 1 - d^2 / r^2.
+    ETD_PHOTON_KERNEL_EPANECHNIKOV = 3,
+}
+
+/// How emitters share the photons.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_photon_sharing {
+    /// By their power, so that all photons carry nearly the same.
+    ETD_PHOTON_SHARING_POWER = 0,
+    /// By their area, as in the report. Points have none.
+    ETD_PHOTON_SHARING_AREA = 1,
+}
+
+/// What the gather's rays of an irradiance cache bring back.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_cache_source {
+    /// The light of paths: no bias but the interpolation's.
+    ETD_CACHE_SOURCE_PATHS = 0,
+    /// The light of the global photon map: faster, with its bias.
+    ETD_CACHE_SOURCE_PHOTONS = 1,
+}
+
+/// Whether something is done.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_switch {
+    /// As the field's default says.
+    ETD_SWITCH_DEFAULT = 0,
+    /// It is done.
+    ETD_SWITCH_ON = 1,
+    /// It is not done.
+    ETD_SWITCH_OFF = 2,
 }
 
 /// How to render and when to stop: at whichever of samples, time and error is reached first.
+///
+/// From `photon_radius` on: settings of photon maps and of the irradiance cache, which only the integrators that use them
+/// look at (docs/scene-format.md says which) and in which 0 always stands for the default.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct etd_render_options {
@@ -382,6 +453,52 @@ pub struct etd_render_options {
     pub finished: etd_finished_fn,
     /// Given to the two functions.
     pub user_data: *mut c_void,
+
+    /// Radius of a density estimate, scene units, 1e-18 to 1e18; where it shrinks, the first one. 0: 0.1 for
+    /// `ETD_INTEGRATOR_PHOTON_DIRECT`, else from what a pixel sees.
+    pub photon_radius: f64,
+    /// Radius of caustics, as `photon_radius`.
+    pub caustic_radius: f64,
+    /// Of the progressive methods: the share of photons kept as radii shrink, above 0 and below 1; 0 means 2/3.
+    pub photon_alpha: f64,
+    /// Greatest error that Ward's estimate allows where records of the irradiance cache are interpolated, up to 10; 0 means
+    /// 0.15.
+    pub cache_error: f64,
+    /// Smallest distance between records, pixels as seen by the camera, up to 1000; 0 means 3.
+    pub cache_min_spacing: f64,
+    /// Greatest distance over which a record is used, as a share of the scene's extent, up to 1; 0 means 0.1.
+    pub cache_max_spacing: f64,
+    /// Light paths of a photon map (of each pass, where maps are made anew), 2^29 at most; 0: as many as the integrator
+    /// does best with.
+    pub photon_count: u32,
+    /// Light paths of a caustic map, as `photon_count`.
+    pub caustic_count: u32,
+    /// Of `ETD_INTEGRATOR_PHOTON_DIRECT`: fewer photons than this within the radius are no estimate, and shadow rays are
+    /// sent instead; 0 means 10.
+    pub min_photons: u32,
+    /// So many nearest photons make an estimate, those beyond the radius left out, 65536 at most; 0: all within the radius.
+    pub photon_neighbours: u32,
+    /// An `etd_photon_kernel`.
+    pub photon_kernel: EtdPhotonKernel,
+    /// k of the cone, 1 or more; 0 means 1. Only looked at with `ETD_PHOTON_KERNEL_CONE`.
+    pub photon_kernel_k: f32,
+    /// An `etd_photon_sharing`.
+    pub photon_sharing: EtdPhotonSharing,
+    /// An `etd_switch`: whether caustic photons are aimed at the specular surfaces; by default they are.
+    pub photons_guided: EtdSwitch,
+    /// An `etd_switch`: whether the map of `ETD_INTEGRATOR_CAUSTIC` is made anew for every pass, with a shrinking radius; by
+    /// default it is.
+    pub photons_progressive: EtdSwitch,
+    /// Rays of a final gather, 1024 at most; 0 means 1.
+    pub gather_rays: u32,
+    /// Most memory of all maps at a time, MiB, 2^20 at most; 0 means 4096.
+    pub photon_memory: u32,
+    /// Rays of an irradiance record's final gather, from 16 to 2^20; 0 means 1024.
+    pub cache_rays: u32,
+    /// An `etd_cache_source`.
+    pub cache_source: EtdCacheSource,
+    /// Must be 0.
+    pub reserved: u32,
 }
 
 /// What work is at.

@@ -21,8 +21,8 @@ pub struct PhotonDesc {
     /// Light paths of the map (of each pass, where maps are made anew), from 1 to [`MAX_PHOTONS`]; `None`: as many as the
     /// method does best with.
     pub count: Option<u32>,
-    /// Radius of a density estimate, scene units, within [`RADII`]; where it shrinks, the first one. `None`: from what a
-    /// pixel sees.
+    /// Radius of a density estimate, scene units, within [`RADII`]; where it shrinks, the first one. `None`: 0.1 for
+    /// [`super::IntegratorDesc::PhotonDirect`] as in the report, else from what a pixel sees.
     pub radius: Option<f64>,
     /// Fewer photons than this within the radius are no estimate for [`super::IntegratorDesc::PhotonDirect`], which then
     /// sends shadow rays; from 1 to [`MAX_PHOTONS`].

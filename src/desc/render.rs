@@ -42,8 +42,8 @@ pub(super) struct Render<'a> {
     /// `photonCount` in other words.
     #[serde(rename = "photon_count")]
     pub(super) photon_count_alias: Option<Whole>,
-    /// Radius of a density estimate, scene units, 1e-18 to 1e18; where it shrinks, the first one. Default: from what a
-    /// pixel sees.
+    /// Radius of a density estimate, scene units, 1e-18 to 1e18; where it shrinks, the first one. Default: 0.1
+    /// for `photon_direct`, else from what a pixel sees.
     pub(super) photon_radius: Option<f64>,
     /// `photonRadius` in other words.
     #[serde(rename = "photon_radius")]

@@ -56,7 +56,7 @@ pub(super) fn up_to(path: &str, value: f64, high: f64) -> Result<()> {
 
 /// A number above 0 and below 1.
 pub(super) fn share(path: &str, value: f64) -> Result<()> {
-    if value >= F32_MIN && value < 1.0 {
+    if (F32_MIN..1.0).contains(&value) {
         return Ok(());
     }
     Err(Error::invalid(path, format!("{value} is out of range, expected a number above 0 and below 1")))

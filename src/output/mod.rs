@@ -1,4 +1,5 @@
-//! Image files: writes and reads [`Image`], maps it to a display, and compares two of them.
+//! Image files: writes and reads [`Image`], maps it to a display, and compares two of them. Files of photons:
+//! [`write_photons`].
 //!
 //! The extension of the file's name chooses the format:
 //!
@@ -28,6 +29,7 @@
 mod exr;
 mod metrics;
 mod pfm;
+mod photons;
 mod png;
 mod replace;
 mod tone;
@@ -42,6 +44,7 @@ use crate::film::Image;
 use crate::{Error, ErrorKind, Result};
 
 pub use metrics::{Metrics, REL_MSE_EPSILON, compare};
+pub use photons::{PhotonFormat, check_photon_target, write_photons};
 pub use tone::{ToneMap, to_srgb8};
 
 /// Greatest number of pixels that [`read`] accepts: 2^28, which is 16384 x 16384.
@@ -114,7 +117,7 @@ pub fn write(image: &Image, path: &Path, options: &WriteOptions) -> Result<()> {
         threads => threads,
     }
     .min(MOST_THREADS);
-    replace::replace(path, |file| match format {
+    replace::replace(path, "the image", |file| match format {
         Format::Exr => exr::encode(image, &options.comments, threads, file),
         Format::Pfm => pfm::encode(image, file),
         Format::Png => png::encode(image, options.tone_map, options.exposure, file),
@@ -125,7 +128,7 @@ pub fn write(image: &Image, path: &Path, options: &WriteOptions) -> Result<()> {
 /// new file, nothing but a regular file in the way.
 pub fn check_target(path: &Path) -> Result<Format> {
     let format = Format::from_path(path)?;
-    replace::check(path)?;
+    replace::check(path, "the image")?;
     Ok(format)
 }
 

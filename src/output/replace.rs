@@ -11,9 +11,10 @@ use crate::{Error, ErrorKind, Result};
 /// What an encoder writes to; it may seek.
 pub(super) type Target<'a> = BufWriter<&'a mut File>;
 
-/// Runs `encode` on a new file and, only if all of it went well, gives that file the name `path`.
-pub(super) fn replace(path: &Path, encode: impl FnOnce(&mut Target) -> Result<()>) -> Result<()> {
-    let failed = |error| Error::io(path, "cannot write the image", error);
+/// Runs `encode` on a new file and, only if all of it went well, gives that file the name `path`. `what` it holds is
+/// for messages.
+pub(super) fn replace(path: &Path, what: &str, encode: impl FnOnce(&mut Target) -> Result<()>) -> Result<()> {
+    let failed = |error| Error::io(path, &format!("cannot write {what}"), error);
     let target = resolve(path);
     let mut file = create_beside(&target).map_err(failed)?;
     let mut writer = BufWriter::with_capacity(1 << 16, file.as_file_mut());
@@ -28,19 +29,20 @@ pub(super) fn replace(path: &Path, encode: impl FnOnce(&mut Target) -> Result<()
 }
 
 /// Whether [`replace`] can be expected to work, found out by creating a file and removing it again.
-pub(super) fn check(path: &Path) -> Result<()> {
+pub(super) fn check(path: &Path, what: &str) -> Result<()> {
+    let into_folder = |error| Error::io(path, &format!("cannot write {what} into its folder"), error);
     let refuse = |message: String| Err(Error::new(ErrorKind::Io, message).in_file(Some(path), 0));
     let target = resolve(path);
     if target.exists() && !target.is_file() {
-        return refuse("cannot write the image: the name is taken by something that is not a regular file".to_owned());
+        return refuse(format!("cannot write {what}: the name is taken by something that is not a regular file"));
     }
     let folder = folder_of(&target);
     match fs::metadata(folder) {
         Ok(metadata) if metadata.is_dir() => {}
-        Ok(_) => return refuse(format!("cannot write the image: '{}' is not a folder", folder.display())),
-        Err(error) => return Err(Error::io(path, "cannot write the image into its folder", error)),
+        Ok(_) => return refuse(format!("cannot write {what}: '{}' is not a folder", folder.display())),
+        Err(error) => return Err(into_folder(error)),
     }
-    create_beside(&target).map(drop).map_err(|error| Error::io(path, "cannot write the image into its folder", error))
+    create_beside(&target).map(drop).map_err(into_folder)
 }
 
 /// A symbolic link is written through, not replaced.

@@ -1,7 +1,8 @@
 /* Wrong arguments to every function: each must be refused with the documented status, and change nothing.
  *
  * In here: NULL for every pointer, in every combination, and handles of the wrong kind. Wrong values are in
- * misuse_values.c; what goes wrong over time (states, threads, callbacks) is in misuse_life.c. Every exported function occurs in the table below; abi.sh checks that.
+ * misuse_values.c, those of photon maps in misuse_photons.c; what goes wrong over time (states, threads, callbacks) is in
+ * misuse_life.c. Every exported function occurs in the table below; abi.sh checks that.
  *
  * Usage: misuse [--quick], with few repetitions, for slow checkers. */
 #define _POSIX_C_SOURCE 200809L
@@ -644,6 +645,7 @@ int main(int count, char **arguments) {
     pass_null();
     pass_wrong_handles();
     misuse_values();
+    misuse_photons();
     etd_task_release(task);
     etd_film_release(film);
     etd_scene_release(scene);

@@ -14,6 +14,9 @@ extern uint32_t mesh_number;
 /* Wrong values in arguments and structures. */
 void misuse_values(void);
 
+/* Settings of photon maps and caches. */
+void misuse_photons(void);
+
 /* What goes wrong over time: states, orders, threads, callbacks. `quick`: with few repetitions. */
 void misuse_life(int quick);
 

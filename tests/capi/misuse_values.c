@@ -230,11 +230,6 @@ static etd_status e_filter(uint32_t value) {
     options.filter = value;
     return etd_render(scene, film, &options);
 }
-static etd_status e_integrator(uint32_t value) {
-    etd_render_options options = short_render(1);
-    options.integrator = value;
-    return etd_render(scene, film, &options);
-}
 static etd_status e_format(uint32_t value) {
     static float pixels[4 * 4 * 4];
     etd_image_options options = ETD_IMAGE_OPTIONS_INIT;
@@ -272,7 +267,6 @@ static void pass_wrong_enumerations(void) {
         {"sharing", e_sharing, ETD_SHARE},
         {"sampler", e_sampler, ETD_SAMPLER_GAUSSIAN},
         {"filter", e_filter, ETD_FILTER_MITCHELL},
-        {"integrator", e_integrator, ETD_INTEGRATOR_DIRECT},
         {"format", e_format, ETD_FORMAT_RGBA8},
         {"tone_map of a copy", e_tone_map_copy, ETD_TONE_MAP_ACES},
         {"tone_map of a file", e_tone_map_write, ETD_TONE_MAP_ACES},

@@ -224,7 +224,8 @@ fn render_settings_are_checked_as_in_the_format() {
         change(&mut render.photons);
         render.check()
     };
-    let bad_photons: [(&str, fn(&mut PhotonDesc)); 22] = [
+    type Bad<T> = (&'static str, fn(&mut T));
+    let bad_photons: [Bad<PhotonDesc>; 22] = [
         ("render.photonCount", |it| it.count = Some(0)),
         ("render.photonCount", |it| it.count = Some(MAX_PHOTONS + 1)),
         ("render.photonRadius", |it| it.radius = Some(f64::NAN)),
@@ -261,7 +262,7 @@ fn render_settings_are_checked_as_in_the_format() {
     ] {
         photons(change).unwrap();
     }
-    let bad_caches: [(&str, fn(&mut CacheDesc)); 11] = [
+    let bad_caches: [Bad<CacheDesc>; 11] = [
         ("render.cacheError", |it| it.error = 0.0),
         ("render.cacheError", |it| it.error = 10.1),
         ("render.cacheError", |it| it.error = f64::NAN),

@@ -9,16 +9,19 @@
 //! them); Lauterbach et al. 2009, "Fast BVH Construction on GPUs" (boxes along a Morton curve); Kamel and Faloutsos 1993,
 //! "On Packing R-trees" (full nodes bottom-up). What else was tried is in `docs/performance.md`.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
 use super::Photon;
 use super::order::order;
-use crate::math::Vec3;
+use crate::math::{Vec3, Vec4};
 use crate::{Cancel, Result};
 
 /// Photons in a block.
-const BLOCK: usize = 8;
+const BLOCK: usize = 16;
 
 /// Boxes side by side.
-const WIDTH: usize = 4;
+const WIDTH: usize = 8;
 
 /// Levels of boxes above 2^32 photons.
 const LEVELS: usize = 16;
@@ -150,6 +153,8 @@ pub struct Nearest {
     /// Bits of the squared distance, which for positive numbers are in their order, above the index. Twice as many as
     /// wanted at most, then cut down to those wanted.
     candidates: Vec<u64>,
+    /// Nodes to be visited, the nearest first.
+    waiting: BinaryHeap<Reverse<Waiting>>,
 }
 
 impl Nearest {
@@ -173,7 +178,7 @@ impl PhotonMap {
         let mut sorted = Vec::with_capacity(photons.len());
         let mut nodes = Vec::with_capacity(blocks.div_ceil(WIDTH - 1) + LEVELS);
         for order in order.chunks(BLOCK * WIDTH) {
-            if nodes.len() % 128 == 0 {
+            if nodes.len() % 32 == 0 {
                 cancel.check()?;
             }
             let mut node = Boxes::EMPTY;
@@ -267,7 +272,7 @@ impl PhotonMap {
         }
         let touched = |level: usize, node: usize| {
             let distances2 = self.nodes[self.levels[level] as usize + node].distance2(&query);
-            bits(distances2.map(|distance2| distance2 < query.radius2))
+            below(&distances2, query.radius2)
         };
         // On each level, the boxes beside the one that is being visited that are to be visited after it.
         let mut waiting = [0; LEVELS];
@@ -294,7 +299,7 @@ impl PhotonMap {
             }
             let block = self.block(child);
             let distances2 = Self::block_distances2(block, &query);
-            let mut inside = bits(distances2.map(|distance2| distance2 < query.radius2));
+            let mut inside = below(&distances2, query.radius2);
             while inside != 0 {
                 let i = inside.trailing_zeros() as usize;
                 inside &= inside - 1;
@@ -308,7 +313,7 @@ impl PhotonMap {
     /// Finds the `count` photons nearest to `p` among those within `radius` (may be infinite), fewer if there are no more;
     /// of several at the same distance those of the lowest index.
     pub fn nearest(&self, p: Vec3, count: usize, radius: f32, nearest: &mut Nearest) {
-        let Nearest { found, candidates } = nearest;
+        let Nearest { found, candidates, waiting } = nearest;
         found.clear();
         candidates.clear();
         let Some(query) = Query::new(p, radius, self.reach(p)) else { return };
@@ -317,44 +322,26 @@ impl PhotonMap {
         }
         // A photon is wanted if its key is below this.
         let mut bound = key(query.radius2, 0);
-        let most = count.saturating_mul(2).max(count.saturating_add(4 * BLOCK));
+        let most = count.saturating_add((count / 2).max(4 * BLOCK));
 
-        // Nodes with the key of the first photon that could be inside, the nearest on top.
-        let mut waiting = [Waiting::default(); LEVELS * WIDTH];
-        waiting[0].level = self.top;
-        let mut height = 1;
-        while height > 0 {
-            height -= 1;
-            let Waiting { key: first, level, node } = waiting[height];
-            if first >= bound {
-                continue;
+        waiting.clear();
+        waiting.push(Reverse(Waiting::new(0.0, self.top, 0)));
+        while let Some(Reverse(next)) = waiting.pop() {
+            let (level, node) = next.place();
+            if next.distance2() > (bound >> 32) as u32 {
+                break;
             }
             let distances2 = self.nodes[self.levels[level] as usize + node].distance2(&query);
-            // What it holds, the nearest last.
-            let (mut children, mut touched) = ([(0, 0); WIDTH], 0);
             for (i, &distance2) in distances2.iter().enumerate() {
                 let child = node * WIDTH + i;
-                let first = key(distance2, child * BLOCK * WIDTH.pow(level as u32));
-                if distance2 < f32::INFINITY && first < bound {
-                    let mut place = touched;
-                    while place > 0 && children[place - 1].0 < first {
-                        children[place] = children[place - 1];
-                        place -= 1;
-                    }
-                    children[place] = (first, child);
-                    touched += 1;
+                // Photons in each child, as a power of two.
+                let first = key(distance2, child << (BLOCK.ilog2() + WIDTH.ilog2() * level as u32));
+                if first >= bound || distance2 == f32::INFINITY {
+                    continue;
                 }
-            }
-            if level > 0 {
-                for &(key, node) in &children[..touched] {
-                    waiting[height] = Waiting { key, level: level - 1, node };
-                    height += 1;
-                }
-                continue;
-            }
-            for &(first, child) in children[..touched].iter().rev() {
-                if first >= bound {
-                    break;
+                if level > 0 {
+                    waiting.push(Reverse(Waiting::new(distance2, level - 1, child)));
+                    continue;
                 }
                 let distances2 = Self::block_distances2(self.block(child), &query);
                 for (i, &distance2) in distances2.iter().enumerate() {
@@ -388,12 +375,28 @@ impl PhotonMap {
     }
 }
 
-/// A node to be visited.
-#[derive(Clone, Copy, Default)]
-struct Waiting {
-    key: u64,
-    level: usize,
-    node: usize,
+/// A node to be visited: bits of its squared distance, level and number, in order of all these.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Waiting(u64);
+
+impl Waiting {
+    /// Numbers have 27 bits at most, as 2^32 photons have 2^27 nodes.
+    #[inline]
+    fn new(distance2: f32, level: usize, node: usize) -> Self {
+        Self(u64::from(distance2.to_bits()) << 32 | (level as u64) << 28 | node as u64)
+    }
+
+    /// Bits of the squared distance.
+    #[inline]
+    fn distance2(self) -> u32 {
+        (self.0 >> 32) as u32
+    }
+
+    /// Level and number.
+    #[inline]
+    fn place(self) -> (usize, usize) {
+        (self.0 as usize >> 28 & 0xf, self.0 as usize & 0x0fff_ffff)
+    }
 }
 
 /// Orders photons by distance, then by index: the bits of a positive number are in its order.
@@ -409,8 +412,10 @@ fn keep(candidates: &mut Vec<u64>, count: usize) -> u64 {
     last
 }
 
-/// Bit i is set if the i-th is true.
+/// Bit i is set if the i-th is less than `bound`.
 #[inline]
-fn bits<const N: usize>(of: [bool; N]) -> u32 {
-    of.iter().enumerate().fold(0, |bits, (i, &bit)| bits | u32::from(bit) << i)
+fn below<const N: usize>(of: &[f32; N], bound: f32) -> u32 {
+    let fours = of.as_chunks::<4>().0.iter().enumerate();
+    let below = |four: &[f32; 4]| Vec4::from_array(*four).cmplt(Vec4::splat(bound)).bitmask();
+    fours.fold(0, |bits, (i, four)| bits | below(four) << (4 * i))
 }

@@ -1,6 +1,7 @@
 //! Photon mapping: light paths from the emitters, maps of what they leave, and eye paths that read them.
 
 mod cut;
+mod draw;
 mod emit;
 mod estimate;
 mod gather;
@@ -11,6 +12,7 @@ mod record;
 mod trace;
 mod whole;
 
+pub use draw::{DrawSettings, colour, draw};
 pub use estimate::Kernel;
 pub use gather::Gather;
 pub use map::{Nearest, PhotonMap};

@@ -1,0 +1,104 @@
+//! A picture of photons: what a map holds, seen by a camera, as in the report's figure of its photon map.
+
+use super::Photon;
+use crate::camera::Camera;
+use crate::desc::CameraDesc;
+use crate::film::Image;
+use crate::math::{HitPoint, Ray, Vec3};
+use crate::scene::Scene;
+use crate::{Error, Result};
+
+/// Grey of a surface that is seen edge-on, and what is added where it faces the eye: dark, so that white dots show, and not
+/// black, so that black ones do.
+const EDGE: f32 = 0.05;
+const FACING: f32 = 0.1;
+
+/// How far a photon is lifted off its surface before it is asked whether the eye sees it, in pixels.
+const LIFT: f32 = 0.01;
+
+/// How photons are drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DrawSettings {
+    /// By the colour of their power, its largest channel being 1; else white.
+    pub coloured: bool,
+}
+
+/// A photon's colour by its power: linear, the largest channel being 1; black for a shadow photon.
+pub fn colour(photon: &Photon) -> [f32; 3] {
+    let most = photon.power.into_iter().fold(0.0, f32::max);
+    photon.power.map(|power| if most > 0.0 { power / most } else { 0.0 })
+}
+
+/// Draws photons of `scene` as seen by a camera (world frame): each a dot of one pixel, white or coloured, shadow photons
+/// black, over the scene in dark grey. Of several in one pixel the nearest to the eye is seen. Not seen are those that
+/// something hides from the eye, glass too, and those on the far side of a surface.
+///
+/// The image is for looking at: values in [0, 1], linear.
+///
+/// # Errors
+/// [`crate::ErrorKind::InvalidScene`] for a camera that makes no image, or a resolution that is not one
+/// (`render.resolution`).
+pub fn draw(
+    scene: &Scene,
+    camera: &CameraDesc,
+    resolution: [u32; 2],
+    photons: &[Photon],
+    settings: DrawSettings,
+) -> Result<Image> {
+    let [width, height] = resolution;
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels == 0 || pixels > crate::desc::MAX_PIXELS {
+        let message = format!("{width} x {height} pixels, expected 1 to {} in all", crate::desc::MAX_PIXELS);
+        return Err(Error::invalid("render.resolution", message));
+    }
+    let camera = Camera::new(camera, resolution, scene.centre())?;
+    let mut rgb = shading(scene, &camera, resolution);
+    let mut nearest = vec![f32::INFINITY; pixels as usize];
+    for photon in photons {
+        let Some((pixel, distance)) = seen(scene, &camera, resolution, photon) else { continue };
+        if distance < nearest[pixel] {
+            nearest[pixel] = distance;
+            let lit = if settings.coloured { colour(photon) } else { [1.0; 3] };
+            rgb[3 * pixel..][..3].copy_from_slice(&if photon.is_shadow() { [0.0; 3] } else { lit });
+        }
+    }
+    Ok(Image { width, height, rgb, layers: Vec::new() })
+}
+
+/// The scene in grey by how much a surface faces the eye, black where there is none.
+fn shading(scene: &Scene, camera: &Camera, [width, height]: [u32; 2]) -> Vec<f32> {
+    let mut rgb = Vec::with_capacity(3 * width as usize * height as usize);
+    for y in 0..height {
+        for x in 0..width {
+            let ray = camera.ray(x as f32 + 0.5, y as f32 + 0.5);
+            let grey = scene.intersect(&ray).map_or(0.0, |hit| {
+                let cos = scene.interaction(&ray, &hit).ns.dot(ray.direction).abs();
+                EDGE + FACING * cos.min(1.0)
+            });
+            rgb.extend([grey; 3]);
+        }
+    }
+    rgb
+}
+
+/// The pixel in which the eye sees a photon, and its distance.
+fn seen(scene: &Scene, camera: &Camera, [width, height]: [u32; 2], photon: &Photon) -> Option<(usize, f32)> {
+    let p = photon.position();
+    let [x, y] = camera.film_position(p)?;
+    let [column, row] = [x.floor(), y.floor()];
+    if !((0.0..width as f32).contains(&column) && (0.0..height as f32).contains(&row)) {
+        return None;
+    }
+    let eye = camera.ray(x, y).origin;
+    let distance = p.distance(eye);
+    let normal = photon.normal.get();
+    if normal.dot(eye - p) <= 0.0 {
+        return None;
+    }
+    // As wide as a pixel is there.
+    let pixel = camera.ray(x, y).direction.distance(camera.ray(x + 1.0, y).direction) * camera.eye_distance(p);
+    let from = p + normal * (LIFT * pixel).max(HitPoint::rounding_error(p, normal));
+    let to_eye: Vec3 = eye - from;
+    let ray = Ray { origin: from, direction: to_eye, tnear: 0.0, tfar: 1.0 };
+    scene.unoccluded(&ray).then(|| (row as usize * width as usize + column as usize, distance))
+}

@@ -1,0 +1,211 @@
+/* Settings of photon maps and irradiance caches: every integrator, every field out of its range, the way from a scene's
+ * file to options and back, and programs whose options end before these fields. */
+#define _POSIX_C_SOURCE 200809L
+#include "misuse.h"
+
+#include <math.h>
+
+/* Few photons: checkers are slow. */
+static etd_render_options few_photons(uint32_t integrator) {
+    etd_render_options options = short_render(1);
+    options.integrator = integrator;
+    options.photon_count = options.caustic_count = 200;
+    options.photon_radius = options.caustic_radius = 0.5;
+    options.cache_rays = 16;
+    return options;
+}
+
+static etd_status e_integrator(uint32_t value) {
+    etd_render_options options = few_photons(value);
+    return etd_render(scene, film, &options);
+}
+static etd_status e_kernel(uint32_t value) {
+    etd_render_options options = short_render(1);
+    options.photon_kernel = value;
+    return etd_render(scene, film, &options);
+}
+static etd_status e_sharing(uint32_t value) {
+    etd_render_options options = short_render(1);
+    options.photon_sharing = value;
+    return etd_render(scene, film, &options);
+}
+static etd_status e_guided(uint32_t value) {
+    etd_render_options options = short_render(1);
+    options.photons_guided = value;
+    return etd_render(scene, film, &options);
+}
+static etd_status e_progressive(uint32_t value) {
+    etd_render_options options = short_render(1);
+    options.photons_progressive = value;
+    return etd_render(scene, film, &options);
+}
+static etd_status e_source(uint32_t value) {
+    etd_render_options options = short_render(1);
+    options.cache_source = value;
+    return etd_render(scene, film, &options);
+}
+
+static void pass_names(void) {
+    static const struct {
+        const char *name;
+        etd_status (*call)(uint32_t value);
+        uint32_t last;
+    } cases[] = {
+        {"options.integrator", e_integrator, ETD_INTEGRATOR_AUTO},
+        {"options.photon_kernel", e_kernel, ETD_PHOTON_KERNEL_EPANECHNIKOV},
+        {"options.photon_sharing", e_sharing, ETD_PHOTON_SHARING_AREA},
+        {"options.photons_guided", e_guided, ETD_SWITCH_OFF},
+        {"options.photons_progressive", e_progressive, ETD_SWITCH_OFF},
+        {"options.cache_source", e_source, ETD_CACHE_SOURCE_PHOTONS},
+    };
+    size_t i, k;
+    for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const uint32_t wrong[] = {cases[i].last + 1, 100, 0x80000000u, UINT32_MAX};
+        char text[96];
+        uint32_t value;
+        for (value = 0; value <= cases[i].last; ++value) {
+            snprintf(text, sizeof text, "%s %lu is one", cases[i].name, (unsigned long)value);
+            check_status(cases[i].call(value), ETD_OK, __FILE__, __LINE__, text);
+        }
+        for (k = 0; k < sizeof wrong / sizeof wrong[0]; ++k) {
+            snprintf(text, sizeof text, "%s %lu is none", cases[i].name, (unsigned long)wrong[k]);
+            check_status(cases[i].call(wrong[k]), ETD_INVALID_ARGUMENT, __FILE__, __LINE__, text);
+            check_that(strstr(etd_last_error_message(), cases[i].name) != NULL, __FILE__, __LINE__, text);
+        }
+    }
+}
+
+#define NUMBER(field, limit) {"options." #field ":", offsetof(etd_render_options, field), limit}
+
+/* The first whole numbers that are too large, and the last that are not. */
+static void pass_whole_numbers(void) {
+    static const struct {
+        const char *name;
+        size_t at;
+        uint32_t last;
+    } cases[] = {
+        NUMBER(photon_count, 1u << 29),   NUMBER(caustic_count, 1u << 29), NUMBER(min_photons, 1u << 29),
+        NUMBER(photon_neighbours, 65536), NUMBER(gather_rays, 1024),       NUMBER(photon_memory, 1u << 20),
+        NUMBER(cache_rays, 1u << 20),
+    };
+    size_t i, k;
+    for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const uint32_t wrong[] = {cases[i].last + 1, UINT32_MAX};
+        etd_render_options options = short_render(1);
+        memcpy((char *)&options + cases[i].at, &cases[i].last, sizeof(uint32_t));
+        check_status(etd_render(scene, film, &options), ETD_OK, __FILE__, __LINE__, cases[i].name);
+        for (k = 0; k < sizeof wrong / sizeof wrong[0]; ++k) {
+            memcpy((char *)&options + cases[i].at, &wrong[k], sizeof(uint32_t));
+            check_status(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT, __FILE__, __LINE__, cases[i].name);
+            check_that(strstr(etd_last_error_message(), cases[i].name) != NULL, __FILE__, __LINE__, cases[i].name);
+        }
+    }
+    {
+        etd_render_options options = short_render(1);
+        options.cache_rays = 15;
+        CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+        CHECK(strstr(etd_last_error_message(), "options.cache_rays: 15 is out of range") != NULL);
+        options.cache_rays = 16;
+        CHECK_OK(etd_render(scene, film, &options));
+        options.reserved = 1;
+        CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+        CHECK(strstr(etd_last_error_message(), "options.reserved") != NULL);
+    }
+}
+
+/* No numbers, and numbers out of range. */
+static void pass_other_numbers(void) {
+    static const struct {
+        const char *name;
+        size_t at;
+        double high; /* too high */
+    } cases[] = {
+        NUMBER(photon_radius, 1e30),    NUMBER(caustic_radius, 1e30),       NUMBER(photon_alpha, 1),
+        NUMBER(cache_error, 10.5),      NUMBER(cache_min_spacing, 1000.5),  NUMBER(cache_max_spacing, 1.5),
+    };
+    const float bad_k[] = {0.5f, -1, (float)NAN, (float)INFINITY};
+    etd_render_options options;
+    size_t i, k;
+    for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const double wrong[] = {cases[i].high, -1, 1e-300, -1e-300, 1e300, (double)NAN, (double)INFINITY, -(double)INFINITY};
+        for (k = 0; k < sizeof wrong / sizeof wrong[0]; ++k) {
+            char text[96];
+            options = short_render(1);
+            memcpy((char *)&options + cases[i].at, &wrong[k], sizeof(double));
+            snprintf(text, sizeof text, "%s %g", cases[i].name, wrong[k]);
+            check_status(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT, __FILE__, __LINE__, text);
+            check_that(strstr(etd_last_error_message(), cases[i].name) != NULL, __FILE__, __LINE__, text);
+        }
+    }
+    for (k = 0; k < sizeof bad_k / sizeof bad_k[0]; ++k) {
+        options = short_render(1);
+        options.photon_kernel_k = bad_k[k]; /* not looked at */
+        CHECK_OK(etd_render(scene, film, &options));
+        options.photon_kernel = ETD_PHOTON_KERNEL_CONE;
+        CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+        CHECK(strstr(etd_last_error_message(), "options.photon_kernel_k:") != NULL);
+    }
+}
+
+/* What a file says is what the options say, and what they say renders the same image. */
+static void read_settings_of_a_scene(void) {
+    static const char text[] =
+        "{\"etendue\": 1, " JSON_CAMERA ", \"render\": {\"resolution\": [4, 4], \"samples\": 2, \"integrator\": "
+        "\"photon_direct\", \"photonCount\": 300, \"photonRadius\": 0.7, \"minPhotons\": 2, \"causticCount\": 5, "
+        "\"causticRadius\": 0.3, \"photonNeighbours\": 60, \"photonKernel\": {\"type\": \"cone\", \"k\": 1.25}, "
+        "\"photonAlpha\": 0.7, \"photonSharing\": \"area\", \"photonsGuided\": false, \"photonsProgressive\": false, "
+        "\"gatherRays\": 7, \"photonMemory\": 64, \"cacheError\": 0.3, \"cacheRays\": 32, \"cacheMinSpacing\": 2.5, "
+        "\"cacheMaxSpacing\": 0.25, \"cacheSource\": \"photons\"}, \"materials\": [{\"name\": \"white\", \"type\": "
+        "\"diffuse\", \"color\": [0.8, 0.8, 0.8]}], \"surfaces\": [{\"geometry\": \"sphere\", \"origin\": [0, 0, 0], "
+        "\"radius\": 1, \"material\": \"white\"}, {\"geometry\": \"quad\", \"vertex-1\": [-1, 3, -1], \"vertex-2\": "
+        "[1, 3, -1], \"vertex-3\": [1, 3, 1], \"vertex-4\": [-1, 3, 1], \"emission\": [9, 9, 9]}]}";
+    etd_render_options options = ETD_RENDER_OPTIONS_INIT;
+    etd_film *small = new_film(device, 4, 4, 0);
+    etd_scene *read = NULL;
+    float own[4 * 4 * 4], asked[4 * 4 * 4];
+    CHECK_OK(etd_scene_from_json(device, text, sizeof text - 1, NULL, &read));
+    CHECK_OK(etd_scene_get_render_options(read, &options));
+    CHECK(options.integrator == ETD_INTEGRATOR_PHOTON_DIRECT && options.samples == 2);
+    CHECK(options.photon_count == 300 && options.photon_radius == 0.7 && options.min_photons == 2);
+    CHECK(options.caustic_count == 5 && options.caustic_radius == 0.3 && options.photon_neighbours == 60);
+    CHECK(options.photon_kernel == ETD_PHOTON_KERNEL_CONE && options.photon_kernel_k == 1.25f);
+    CHECK(options.photon_alpha == 0.7 && options.photon_sharing == ETD_PHOTON_SHARING_AREA);
+    CHECK(options.photons_guided == ETD_SWITCH_OFF && options.photons_progressive == ETD_SWITCH_OFF);
+    CHECK(options.gather_rays == 7 && options.photon_memory == 64 && options.reserved == 0);
+    CHECK(options.cache_error == 0.3 && options.cache_rays == 32 && options.cache_min_spacing == 2.5);
+    CHECK(options.cache_max_spacing == 0.25 && options.cache_source == ETD_CACHE_SOURCE_PHOTONS);
+    CHECK_OK(etd_render(read, small, NULL));
+    CHECK_OK(etd_film_copy(small, ETD_LAYER_COLOR, NULL, own, sizeof own, 0));
+    CHECK_OK(etd_render(read, small, &options));
+    CHECK_OK(etd_film_copy(small, ETD_LAYER_COLOR, NULL, asked, sizeof asked, 0));
+    CHECK(memcmp(own, asked, sizeof own) == 0);
+    etd_scene_release(read);
+    etd_film_release(small);
+}
+
+/* A program of the version without these fields: what lies behind its structure is not its options. */
+static void pass_options_of_the_first_version(void) {
+    const size_t first = offsetof(etd_render_options, photon_radius);
+    etd_render_options options = short_render(1);
+    float whole[4 * 4 * 4], cut[4 * 4 * 4];
+    CHECK_OK(etd_render(scene, film, &options));
+    CHECK_OK(etd_film_copy(film, ETD_LAYER_COLOR, NULL, whole, sizeof whole, 0));
+    memset((char *)&options + first, 0x5a, sizeof options - first);
+    CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+    options.struct_size = first;
+    CHECK_OK(etd_render(scene, film, &options));
+    CHECK_OK(etd_film_copy(film, ETD_LAYER_COLOR, NULL, cut, sizeof cut, 0));
+    CHECK(memcmp(whole, cut, sizeof whole) == 0);
+    CHECK_OK(etd_scene_get_render_options(scene, &options));
+    CHECK(options.struct_size == first && options.reserved == 0x5a5a5a5au && options.photon_count == 0x5a5a5a5au);
+    options.struct_size = first - 1 - sizeof options.user_data;
+    CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+}
+
+void misuse_photons(void) {
+    pass_names();
+    pass_whole_numbers();
+    pass_other_numbers();
+    read_settings_of_a_scene();
+    pass_options_of_the_first_version();
+}
