@@ -112,7 +112,7 @@ pub struct CacheDesc {
 
 impl Default for CacheDesc {
     fn default() -> Self {
-        Self { error: 0.15, rays: 1024, min_spacing: 3.0, max_spacing: 0.1, source: CacheSource::Paths }
+        Self { error: 0.25, rays: 512, min_spacing: 3.0, max_spacing: 0.1, source: CacheSource::Paths }
     }
 }
 

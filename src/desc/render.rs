@@ -79,9 +79,9 @@ pub(super) struct Render<'a> {
     /// Most memory of all maps at a time, MiB, 1 to 2^20. Default 4096.
     pub(super) photon_memory: Option<Whole>,
     /// Of `irradiance_cache`: greatest error that is allowed where records are interpolated, above 0 and up to 10.
-    /// Default 0.15.
+    /// Default 0.25.
     pub(super) cache_error: Option<f64>,
-    /// Of `irradiance_cache`: rays of a record's final gather, 16 to 2^20. Default 1024.
+    /// Of `irradiance_cache`: rays of a record's final gather, 16 to 2^20. Default 512.
     pub(super) cache_rays: Option<Whole>,
     /// Of `irradiance_cache`: smallest distance between records, pixels, above 0 and up to 1000. Default 3.
     pub(super) cache_min_spacing: Option<f64>,

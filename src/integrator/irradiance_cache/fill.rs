@@ -34,8 +34,9 @@ const BLOCK: usize = 1 << 9;
 /// Places that are gathered side by side.
 const BATCH: usize = 128;
 
-/// Most records: 1 kB each at worst.
-pub(super) const MOST_RECORDS: usize = 1 << 18;
+/// Most records: one for so many pixels, within these limits. Where it takes more, paths do better; a kilobyte each at worst.
+const PIXELS_A_RECORD: usize = 8;
+const MOST_RECORDS: [usize; 2] = [1 << 12, 1 << 18];
 
 /// Most listings of records in the tree, for each record that is allowed.
 const LISTINGS: usize = 24;
@@ -43,6 +44,9 @@ const LISTINGS: usize = 24;
 /// The weight that the best record must have where a place is left as it is: so that at the rim of a record there is
 /// always another.
 const ENOUGH: f32 = 0.3;
+
+/// Allowed error and spacing of a coarse cache, in those of the fine one.
+const COARSENESS: f64 = 2.0;
 
 /// The random numbers' family.
 const FAMILY: u64 = 0x69_72_72_61_64;
@@ -100,6 +104,18 @@ impl Filling {
         }
     }
 
+    /// Of a cache of fewer records, each of fewer rays.
+    pub fn coarse(&self) -> Self {
+        let CacheDesc { error, rays, max_spacing, .. } = self.cache;
+        let cache = CacheDesc {
+            error: COARSENESS * error,
+            rays: (rays / 4).max(16),
+            max_spacing: (COARSENESS * max_spacing).min(1.0),
+            ..self.cache.clone()
+        };
+        Self { cache, ..self.clone() }
+    }
+
     /// Fills a cache with looks down to every `finest` pixels.
     pub fn fill(self, min: Vec3, finest: f64, parallel: &mut impl Parallel) -> Result<(IrradianceCache, Spent)> {
         let ask = Ask::new(self.cache.error as f32);
@@ -113,7 +129,8 @@ impl Filling {
             let [columns, rows] = filling.resolution.map(|n| ((f64::from(n) / spacing).ceil() as usize).max(1));
             for from in (0..columns * rows).step_by(BAND) {
                 let looks = from..(from + BAND).min(columns * rows);
-                let at = move |look: usize| [look % columns, look / columns].map(|i| ((i as f64 + 0.5) * spacing) as f32);
+                let at =
+                    move |look: usize| [look % columns, look / columns].map(|i| ((i as f64 + 0.5) * spacing) as f32);
                 let sites = filling.bare(&grown, looks, at, &mut spent, parallel)?;
                 filling.gather(&grown, sites, &mut number, &mut spent, parallel)?;
             }
@@ -177,7 +194,7 @@ impl Filling {
             let mut later = Vec::new();
             {
                 let grown = grown.read().unwrap_or_else(PoisonError::into_inner);
-                let room = BATCH.min(MOST_RECORDS - grown.records.len());
+                let room = BATCH.min(self.most_records().saturating_sub(grown.records.len()));
                 if room == 0 {
                     spent.is_cut = true;
                     return Ok(());
@@ -195,6 +212,7 @@ impl Filling {
             }
             later.into_iter().rev().for_each(|site| waiting.push_front(site));
             let (filling, first) = (Arc::clone(self), *number);
+            let most = LISTINGS * self.most_records();
             *number = number.wrapping_add(batch.len() as u32);
             let sites = Arc::new(batch);
             let count = sites.len();
@@ -202,10 +220,17 @@ impl Filling {
             let mut grown = grown.write().unwrap_or_else(PoisonError::into_inner);
             for found in found {
                 spent.rays += found.rays;
-                grown.add(found);
+                grown.add(found, most);
             }
         }
         Ok(())
+    }
+
+    /// Most records.
+    pub fn most_records(&self) -> usize {
+        let [width, height] = self.resolution.map(|n| n as usize);
+        let [least, most] = MOST_RECORDS;
+        (width.saturating_mul(height) / PIXELS_A_RECORD).clamp(least, most)
     }
 
     /// The smallest radius of a record there.
@@ -250,12 +275,12 @@ impl Grown {
         })
     }
 
-    /// Adds a record. Distances to surfaces change no faster than places do, and neither may radii: where a neighbour's is
+    /// Adds a record; `most`: listings in the tree. Distances to surfaces change no faster than places do, and neither may radii: where a neighbour's is
     /// less than that allows, it has seen something that this record missed, or the other way round.
     ///
-    /// Source: Krivanek et al. 2006, "Making Radiance and Irradiance Caching Practical: Adaptive Caching and Neighbor
+    /// Source: Křivánek et al. 2006, "Making Radiance and Irradiance Caching Practical: Adaptive Caching and Neighbor
     /// Clamping", Sec. 4.
-    fn add(&mut self, found: Found) {
+    fn add(&mut self, found: Found, most: usize) {
         let Found { site, record, mut radius, floor, .. } = found;
         let slope = self.ask.error.min(1.0);
         for number in self.tree.near(site.p, radius) {
@@ -274,7 +299,7 @@ impl Grown {
             }
         }
         let number = self.records.len() as u32;
-        self.tree.add(Ball::new(site.p, site.n, radius, number), LISTINGS * MOST_RECORDS);
+        self.tree.add(Ball::new(site.p, site.n, radius, number), most);
         self.records.push(record);
         self.floors.push(floor);
     }

@@ -45,11 +45,7 @@ pub(super) struct Verdict {
 }
 
 /// Gathers light at random places and compares.
-pub(super) fn probe(
-    cache: &Arc<IrradianceCache>,
-    filling: &Filling,
-    parallel: &mut impl Parallel,
-) -> Result<Verdict> {
+pub(super) fn probe(cache: &Arc<IrradianceCache>, filling: &Filling, parallel: &mut impl Parallel) -> Result<Verdict> {
     let (cache, filling) = (Arc::clone(cache), Arc::new(filling.clone()));
     let source = filling.source.unaided();
     let probes = parallel.map(PROBES, move |number| {

@@ -117,11 +117,6 @@ impl Growing {
         &self.balls
     }
 
-    /// How often balls are listed.
-    pub fn listed(&self) -> usize {
-        self.listed
-    }
-
     /// Gives a ball a smaller radius.
     pub fn shrink(&mut self, number: usize, radius: f32) {
         self.balls[number].inverse_radius = 1.0 / radius;

@@ -107,6 +107,9 @@ struct State {
     diffuse: u32,
     /// Length of the way since the last diffuse hit.
     way: f32,
+    /// Whether this is one of many paths that are averaged, for which what an edge cuts off a disk is too little to be looked
+    /// for.
+    is_one_of_many: bool,
 }
 
 impl State {
@@ -120,6 +123,7 @@ impl State {
             depth: 1,
             diffuse: 0,
             way: 0.0,
+            is_one_of_many: false,
         }
     }
 }
@@ -190,7 +194,8 @@ impl Gather {
     /// from the emitters or from them by mirrors and glass only; and the distance to what the ray meets, infinite for
     /// nothing.
     ///
-    /// Together with direct light and caustics it is all light, each once.
+    /// Together with direct light and caustics it is all light, each once. Caustics that light other surfaces are as in
+    /// the map, even where an edge cuts off a disk.
     pub fn incident<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
@@ -200,7 +205,7 @@ impl Gather {
     ) -> (Rgb, f32) {
         let mut distance = f32::INFINITY;
         let mut state = State::new(ray);
-        (state.depth, state.diffuse) = (2, 1);
+        (state.depth, state.diffuse, state.is_one_of_many) = (2, 1, true);
         let mut tracer = Watched { tracer, first: &mut distance };
         let mut told = Told { gathering: None, bias: Rgb::ZERO };
         let radiance = self.follow(scene, state, sampler, &mut tracer, &mut |_| {}, &mut told);
@@ -362,7 +367,7 @@ impl Gather {
         // By mirrors and glass.
         if let Some(layer) = &self.caustic {
             let asked = self.asked(layer, is_first, told, |gathering| &mut gathering.caustic, vertex);
-            let cut = (!self.whole.is_whole(p, facing, asked.radius))
+            let cut = (!state.is_one_of_many && !self.whole.is_whole(p, facing, asked.radius))
                 .then(|| holds_any(&layer.map, p, asked.radius).then(|| Cut::new(tracer, vertex, asked.radius)))
                 .flatten();
             let estimate = ask(layer, asked, vertex, cut.as_ref());
