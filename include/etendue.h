@@ -1140,7 +1140,7 @@ typedef struct etd_render_options {
      */
     uint32_t photon_memory;
     /**
-     * Rays of an irradiance record's final gather, from 16 to 2^20; 0 means 1024.
+     * Rays of an irradiance record's final gather, from 16 to 2^20; 0 means 512.
      */
     uint32_t cache_rays;
     /**

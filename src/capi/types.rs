@@ -462,7 +462,7 @@ pub struct etd_render_options {
     /// Of the progressive methods: the share of photons kept as radii shrink, above 0 and below 1; 0 means 2/3.
     pub photon_alpha: f64,
     /// Greatest error that Ward's estimate allows where records of the irradiance cache are interpolated, up to 10; 0 means
-    /// 0.15.
+    /// 0.25.
     pub cache_error: f64,
     /// Smallest distance between records, pixels as seen by the camera, up to 1000; 0 means 3.
     pub cache_min_spacing: f64,
@@ -494,7 +494,7 @@ pub struct etd_render_options {
     pub gather_rays: u32,
     /// Most memory of all maps at a time, MiB, 2^20 at most; 0 means 4096.
     pub photon_memory: u32,
-    /// Rays of an irradiance record's final gather, from 16 to 2^20; 0 means 1024.
+    /// Rays of an irradiance record's final gather, from 16 to 2^20; 0 means 512.
     pub cache_rays: u32,
     /// An `etd_cache_source`.
     pub cache_source: EtdCacheSource,

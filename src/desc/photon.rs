@@ -31,13 +31,8 @@ pub struct PhotonDesc {
     pub caustic_count: Option<u32>,
     /// Radius of caustics, as `radius`.
     pub caustic_radius: Option<f64>,
-<<<<<<< HEAD
     /// So many nearest photons make an estimate, those beyond the radius left out, up to [`MAX_NEIGHBOURS`]; 0: all within
     /// the radius, as always with the report's map; `None`: 100 where a map is made once, all within a radius that shrinks.
-=======
-    /// So many nearest photons make an estimate, those beyond the radius left out, from 2 to [`MAX_NEIGHBOURS`];
-    /// `None`: all within the radius.
->>>>>>> refs/heads/accuracy
     pub neighbours: Option<u32>,
     /// How photons weigh by their distance; `None`: a cone for the report's map, Epanechnikov's kernel for all others.
     pub kernel: Option<KernelDesc>,
@@ -117,7 +112,7 @@ pub struct CacheDesc {
 
 impl Default for CacheDesc {
     fn default() -> Self {
-        Self { error: 0.15, rays: 1024, min_spacing: 3.0, max_spacing: 0.1, source: CacheSource::Paths }
+        Self { error: 0.25, rays: 512, min_spacing: 3.0, max_spacing: 0.1, source: CacheSource::Paths }
     }
 }
 

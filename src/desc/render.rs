@@ -58,13 +58,8 @@ pub(super) struct Render<'a> {
     pub(super) caustic_count: Option<Whole>,
     /// Radius of caustics, scene units, 1e-18 to 1e18. Default: from what a pixel sees.
     pub(super) caustic_radius: Option<f64>,
-<<<<<<< HEAD
     /// So many nearest photons make an estimate, those beyond the radius left out, up to 65536; 0: all within the
     /// radius. Default: 100 where a map is made once, all within a radius that shrinks.
-=======
-    /// So many nearest photons make an estimate, those beyond the radius left out, 2 to 65536. Default: all within the
-    /// radius.
->>>>>>> refs/heads/accuracy
     pub(super) photon_neighbours: Option<Whole>,
     /// How photons weigh by their distance. Default: `cone` with `photon_direct`, else `epanechnikov`.
     #[serde(borrow)]
@@ -84,9 +79,9 @@ pub(super) struct Render<'a> {
     /// Most memory of all maps at a time, MiB, 1 to 2^20. Default 4096.
     pub(super) photon_memory: Option<Whole>,
     /// Of `irradiance_cache`: greatest error that is allowed where records are interpolated, above 0 and up to 10.
-    /// Default 0.15.
+    /// Default 0.25.
     pub(super) cache_error: Option<f64>,
-    /// Of `irradiance_cache`: rays of a record's final gather, 16 to 2^20. Default 1024.
+    /// Of `irradiance_cache`: rays of a record's final gather, 16 to 2^20. Default 512.
     pub(super) cache_rays: Option<Whole>,
     /// Of `irradiance_cache`: smallest distance between records, pixels, above 0 and up to 1000. Default 3.
     pub(super) cache_min_spacing: Option<f64>,

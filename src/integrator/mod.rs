@@ -32,7 +32,7 @@ pub trait Tracer {
 /// Traces in a scene and counts the rays.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneTracer<'s> {
-    scene: &'s Scene,
+    pub(crate) scene: &'s Scene,
     /// Rays so far.
     pub rays: u64,
 }

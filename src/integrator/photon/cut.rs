@@ -43,15 +43,10 @@ impl Cut {
                 !tracer.unoccluded(&down)
             };
             let step = |i: usize| wall * (i as f32 + 0.5) / STEPS as f32;
-<<<<<<< HEAD
             // Where it is there at the far end, it is so on the way.
-            let steps = if is_there(wall * 0.99, tracer) {
-                STEPS
-            } else {
-                (0..STEPS).take_while(|i| is_there(step(*i), tracer)).count()
-            };
-            radius * wall * steps as f32 / STEPS as f32
-=======
+            if is_there(wall * 0.99, tracer) {
+                return wall;
+            }
             let steps = (0..STEPS).take_while(|i| is_there(step(*i), tracer)).count();
             wall * steps as f32 / STEPS as f32
         });
@@ -61,7 +56,6 @@ impl Cut {
         let reach = std::array::from_fn(|sector| {
             let nearer = ways[sector].min(ways[(sector + 1) % SECTORS]);
             radius * if nearer < 1.0 { nearer * foot } else { 1.0 }
->>>>>>> refs/heads/accuracy
         });
         Self { p, frame, reach }
     }

@@ -192,7 +192,8 @@ impl Gather {
     /// from the emitters or from them by mirrors and glass only; and the distance to what the ray meets, infinite for
     /// nothing.
     ///
-    /// Together with direct light and caustics it is all light, each once.
+    /// Together with direct light and caustics it is all light, each once. Caustics that light other surfaces are as in
+    /// the map, even where an edge cuts off a disk.
     pub fn incident<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
@@ -207,6 +208,19 @@ impl Gather {
         let mut told = Told { gathering: None, bias: Rgb::ZERO };
         let radiance = self.follow(scene, state, sampler, &mut tracer, &mut |_| {}, &mut told);
         (radiance, distance)
+    }
+
+    /// The same whose paths end by chance only: what [`Gather::incident`] brings back is then as unbiased as path tracing,
+    /// but for caustics.
+    #[must_use]
+    pub fn unaided(&self) -> Self {
+        Self { cache: None, diffuse: None, ends: Ends::Never, ..self.clone() }
+    }
+
+    /// The same whose paths end where the cache answers.
+    #[must_use]
+    pub fn ending_at(&self, cache: Arc<IrradianceCache>) -> Self {
+        Self { cache: Some(cache), diffuse: None, ends: Ends::AtCache, ..self.clone() }
     }
 
     fn follow<S: Sampler, T: Tracer>(

@@ -13,13 +13,9 @@ mod record;
 mod trace;
 mod whole;
 
-<<<<<<< HEAD
 pub use choose::{Choice, choose};
 pub use draw::{DrawSettings, colour, draw};
-pub use estimate::Kernel;
-=======
 pub use estimate::{Asked, Kernel, irradiance};
->>>>>>> refs/heads/accuracy
 pub use gather::Gather;
 pub use map::{Nearest, PhotonMap};
 pub use plan::{Plan, shrunk};

@@ -301,13 +301,13 @@ impl Vertex<'_> {
 
     /// The geometric normal on the side that the ray came from.
     #[inline]
-    pub(super) fn facing(&self) -> Vec3 {
+    pub(in super::super) fn facing(&self) -> Vec3 {
         if self.surface.ng.dot(self.wo_scene()) < 0.0 { -self.surface.ng } else { self.surface.ng }
     }
 
     /// The shading normal on the side that the ray came from.
     #[inline]
-    pub(super) fn facing_shading(&self) -> Vec3 {
+    pub(in super::super) fn facing_shading(&self) -> Vec3 {
         if self.wo.z < 0.0 { -self.surface.ns } else { self.surface.ns }
     }
 
