@@ -49,7 +49,7 @@ const ENOUGH: f32 = 0.3;
 const COARSENESS: f64 = 2.0;
 
 /// The random numbers' family.
-const FAMILY: u64 = 0x69_72_72_61_64;
+const FAMILY: u64 = 0x0069_7272_6164;
 
 /// A cache that grows.
 #[derive(Debug)]

@@ -256,7 +256,7 @@ impl Plan {
             self.notes.extend(layers.iter().zip(&told).map(|((kind, layer), tally)| note(*kind, layer, tally)));
         }
         let mut take = |wanted: &[MapKind]| {
-            let place = layers.iter().position(|(kind, layer)| wanted.contains(kind) && layer.map.len() > 0)?;
+            let place = layers.iter().position(|(kind, layer)| wanted.contains(kind) && !layer.map.is_empty())?;
             Some(layers.swap_remove(place).1)
         };
         let shrinking = if by_pixel {

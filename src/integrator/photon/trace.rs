@@ -124,7 +124,7 @@ pub fn shoot(scene: &Scene, desc: &RenderDesc, job: Job, parallel: &mut impl Par
         emission,
         kind: job.kind,
         // A family of its own for every kind of map, apart from that of the pixels.
-        sampler: SobolSampler::new(desc.seed ^ (0x70_68_6f_74_6f_6e_00 + kind), u32::MAX),
+        sampler: SobolSampler::new(desc.seed ^ (0x0070_686f_746f_6e00 + kind), u32::MAX),
         pass: job.pass,
         share: 1.0 / f64::from(job.paths.max(1)),
         max_depth: desc.max_depth.unwrap_or(u32::MAX),
