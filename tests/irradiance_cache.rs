@@ -271,8 +271,8 @@ fn scenes_with_next_to_nothing() {
         ShapeDesc::Triangle([DVec3::new(-1.0, 0.0, -1.0), DVec3::new(0.0, 0.0, 2.0), DVec3::new(1.0, 0.0, -1.0)]);
     let view = camera(DVec3::new(0.0, 2.0, 0.1), DVec3::ZERO, 60.0);
     // Nothing, and a triangle in the dark.
-    for surfaces in [vec![], vec![(floor.clone(), lambert(0.5), None)]] {
-        let (image, _) = render_scene(&built(&scene(view.clone(), surfaces)), settings([16, 16], 4));
+    for surfaces in [vec![], vec![(floor, lambert(0.5), None)]] {
+        let (image, _) = render_scene(&built(&scene(view, surfaces)), settings([16, 16], 4));
         assert!(image.rgb.iter().all(|value| *value == 0.0));
     }
     // A triangle under a point light: direct light only, so the same as by paths.

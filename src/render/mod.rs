@@ -196,7 +196,7 @@ impl Render {
             auxiliary: settings.auxiliary,
             replicate_size: schedule::replicate_size(&settings, pass_samples),
             weighted: matches!(filter_desc, FilterDesc::Mitchell { .. }),
-            gathering: pass_samples.is_some(),
+            gathering: plan.as_ref().is_some_and(Plan::remembers),
         })?;
         let workers = match &settings.workers {
             Some(workers) => workers.clone(),

@@ -33,6 +33,8 @@ use std::sync::Arc;
 pub(super) struct Layer {
     pub map: Arc<PhotonMap>,
     pub asked: Asked,
+    /// The radius that pixels with radii of their own begin with at most.
+    pub widest: f32,
 }
 
 /// What ends a path.
@@ -70,8 +72,9 @@ pub struct Gather {
     /// Of indirect light, or of all of it, by `ends`.
     pub(super) diffuse: Option<Layer>,
     pub(super) cache: Option<Arc<IrradianceCache>>,
-    /// As many photons make an estimate beyond the first diffuse hit, where the map says nothing else.
-    pub(super) later_neighbours: Option<u32>,
+    /// Caustics beyond the first diffuse hit: fewer photons over a wider radius. Nobody sees how sharp they are there, and
+    /// a bright caustic may hold half of all photons.
+    pub(super) later_caustic: Option<Layer>,
     /// Where disks are whole.
     pub(super) whole: Whole,
     pub(super) ends: Ends,
@@ -337,9 +340,11 @@ impl Gather {
             return (ask(layer, layer.asked, vertex, None).radiance, true);
         }
         let ending = match self.ends {
-            Ends::AtOnce => self.diffuse.as_ref().filter(is_whole),
+            Ends::AtOnce => self.diffuse.as_ref(),
             _ => None,
         };
+        let ending = ending.map(|layer| (layer, self.asked(layer, is_first, true, told, vertex)));
+        let ending = ending.filter(|(_, asked)| self.whole.is_whole(p, facing, asked.radius));
         let cached = self.cache.as_ref().and_then(|cache| match &vertex.material.bsdf {
             Bsdf::Lambert(lambert) => Some(lambert.f() * cache.irradiance(p, vertex.facing_shading())?),
             _ => None,
@@ -363,11 +368,18 @@ impl Gather {
             }
         }
         // By mirrors and glass.
-        if let Some(layer) = &self.caustic {
+        if !is_first {
+            if let Some(layer) = &self.later_caustic {
+                // A narrow disk where the wide one would reach over an edge or through a wall.
+                let is_wide = self.whole.is_whole(p, facing, layer.widest);
+                let asked = if is_wide { Asked { radius: layer.widest, ..layer.asked } } else { layer.asked };
+                sum += ask(layer, asked, vertex, None).radiance;
+            }
+        } else if let Some(layer) = &self.caustic {
             let asked = self.asked(layer, is_first, false, told, vertex);
             let estimate = ask(layer, asked, vertex, None);
             // Seams show where the eye looks; what they take from indirect light does not.
-            let estimate = if is_first && estimate.count > 0 && !self.whole.is_whole(p, facing, asked.radius) {
+            let estimate = if estimate.count > 0 && !self.whole.is_whole(p, facing, asked.radius) {
                 ask(layer, asked, vertex, Some(&Cut::new(tracer, vertex, estimate.radius)))
             } else {
                 estimate
@@ -376,8 +388,7 @@ impl Gather {
             self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.caustic);
         }
         // Scattered before.
-        if let Some(layer) = ending {
-            let asked = self.asked(layer, is_first, true, told, vertex);
+        if let Some((layer, asked)) = ending {
             let estimate = ask(layer, asked, vertex, None);
             sum += estimate.radiance;
             self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.indirect);
@@ -388,12 +399,8 @@ impl Gather {
     /// With which radius a map is asked: the pixel's own at the first diffuse hit, where it has one.
     #[inline]
     fn asked(&self, layer: &Layer, is_first: bool, is_indirect: bool, told: &mut Told, vertex: &Vertex) -> Asked {
-        if !is_first {
-            // Nobody sees how sharp it is; but a bright caustic may hold half of all photons.
-            let few = layer.asked.neighbours.or(self.later_neighbours);
-            return Asked { neighbours: few, ..layer.asked };
-        }
-        let (Shrinking::ByPixel { alpha, first }, Some(gathering)) = (self.shrinking, told.gathering.as_deref_mut())
+        let (Shrinking::ByPixel { alpha, first }, true, Some(gathering)) =
+            (self.shrinking, is_first, told.gathering.as_deref_mut())
         else {
             return layer.asked;
         };
@@ -401,19 +408,19 @@ impl Gather {
         let radius = radius.begin(self.pass, alpha, || {
             // Indirect light is smooth: one radius does for all to begin with.
             if is_indirect {
-                return layer.asked.radius;
+                return layer.widest;
             }
             NEAREST.with_borrow_mut(|nearest| {
-                layer.map.nearest(vertex.surface.point.p, first as usize, layer.asked.radius, nearest);
+                layer.map.nearest(vertex.surface.point.p, first as usize, layer.widest, nearest);
                 match nearest.found() {
                     // Fewer than asked for, or all in one point: as wide as it may be.
-                    found if found.len() < first as usize => layer.asked.radius,
+                    found if found.len() < first as usize => layer.widest,
                     [.., (distance2, _)] if *distance2 > 0.0 => distance2.sqrt(),
-                    _ => layer.asked.radius,
+                    _ => layer.widest,
                 }
             })
         });
-        Asked { radius: radius.min(layer.asked.radius), neighbours: None, ..layer.asked }
+        Asked { radius, neighbours: None, ..layer.asked }
     }
 
     #[inline]

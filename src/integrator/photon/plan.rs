@@ -38,8 +38,12 @@ const INDIRECT_PHOTONS: usize = 150;
 /// Photons at which that is measured.
 const MEASURED: usize = 257;
 
-/// Photons of an estimate in a map that is made once.
-const NEIGHBOURS: u32 = 100;
+/// The same in a map that is made once.
+const ONLY_PHOTONS: u32 = 100;
+
+/// Photons of caustics that eye paths meet beyond their first diffuse hit, and by what the radius is wider there.
+const LATER_PHOTONS: usize = 1 << 14;
+const LATER_WIDTH: f32 = 4.0;
 
 /// Bytes a photon takes while its map is being built.
 const BYTES_A_PHOTON: usize = 80;
@@ -115,6 +119,18 @@ impl Plan {
         self.is_progressive().then(|| samples_a_pass(pixels))
     }
 
+    /// Whether pixels remember anything between samples.
+    pub fn remembers(&self) -> bool {
+        self.is_by_pixel() || self.is_progressive()
+    }
+
+    /// Whether each pixel has radii of its own: unless the user says how many photons make an estimate, or the method has
+    /// one radius by its nature.
+    pub fn is_by_pixel(&self) -> bool {
+        !matches!(self.method, IntegratorDesc::PhotonDirect | IntegratorDesc::Ppm)
+            && self.desc.photons.neighbours.is_none()
+    }
+
     fn is_progressive(&self) -> bool {
         match self.method {
             IntegratorDesc::Ppm | IntegratorDesc::Sppm => true,
@@ -149,11 +165,7 @@ impl Plan {
     fn make(&mut self, pass: u32, parallel: &mut impl Parallel) -> Result<Gather> {
         let photons = &self.desc.photons;
         let shrunk = if self.is_progressive() { shrunk(pass, photons.alpha) } else { 1.0 };
-        let by_pixel = match self.method {
-            IntegratorDesc::Sppm => true,
-            IntegratorDesc::Caustic => self.is_progressive() && photons.neighbours.is_none(),
-            _ => false,
-        };
+        let by_pixel = self.is_by_pixel();
         // Where each pixel has a radius of its own, the others keep within the common one.
         let (radius, caustic_radius) = (self.radius * shrunk, self.caustic_radius * shrunk);
         let kernel = |otherwise| Kernel::new(photons.kernel.unwrap_or(otherwise));
@@ -161,11 +173,8 @@ impl Plan {
         let default_count = if self.is_progressive() { EACH_PASS } else { ONCE };
         let count = photons.count.unwrap_or(default_count);
         let caustic_count = photons.caustic_count.unwrap_or(default_count);
-        // None is a choice of ours, 0 one of the user's for all within the radius.
-        let neighbours = match photons.neighbours {
-            None if !self.is_progressive() => Some(NEIGHBOURS),
-            given => given.filter(|count| *count > 0),
-        };
+        // 0 is the same as none, but where each pixel would have a radius of its own.
+        let neighbours = photons.neighbours.filter(|count| *count > 0);
         let kinds = self.scene.kinds();
 
         // What is shot, how much of it, and how it is asked.
@@ -185,7 +194,6 @@ impl Plan {
                 Ends::AfterGather
             }
             IntegratorDesc::Ppm | IntegratorDesc::Sppm => {
-                let neighbours = neighbours.filter(|_| !by_pixel);
                 wanted.push(caustics(epanechnikov, neighbours));
                 wanted.push((MapKind::Indirect, count, asked(epanechnikov, radius, neighbours)));
                 Ends::AtOnce
@@ -240,13 +248,14 @@ impl Plan {
         })?;
         let mut layers = Vec::new();
         for ((kind, asked), map) in kinds.into_iter().zip(built) {
-            layers.push((kind, Layer { map: Arc::new(map?), asked }));
+            let widest = asked.radius / shrunk;
+            layers.push((kind, Layer { map: Arc::new(map?), asked, widest }));
         }
-        if pass == 0 && photons.radius.is_none() && ends == Ends::AtOnce {
-            let indirect = layers.iter_mut().find(|(kind, layer)| *kind == MapKind::Indirect && !layer.map.is_empty());
-            if let Some((_, layer)) = indirect {
+        let is_diffuse = |kind: MapKind| matches!(kind, MapKind::Indirect | MapKind::Global);
+        if pass == 0 && photons.radius.is_none() && neighbours.is_none() {
+            for (_, layer) in layers.iter_mut().filter(|(kind, layer)| is_diffuse(*kind) && !layer.map.is_empty()) {
                 self.radius = middle_radius(&layer.map, self.radius);
-                layer.asked.radius = self.radius;
+                (layer.asked.radius, layer.widest) = (self.radius, self.radius);
             }
         }
         for (_, layer) in &layers {
@@ -260,17 +269,21 @@ impl Plan {
             Some(layers.swap_remove(place).1)
         };
         let shrinking = if by_pixel {
-            Shrinking::ByPixel { alpha: photons.alpha as f32, first: FIRST_PHOTONS }
+            let (alpha, first) =
+                if self.is_progressive() { (photons.alpha as f32, FIRST_PHOTONS) } else { (1.0, ONLY_PHOTONS) };
+            Shrinking::ByPixel { alpha, first }
         } else {
             Shrinking::Together
         };
         let direct = take(&[MapKind::Direct]);
+        let caustic = take(&[MapKind::Caustic]);
+        let later = caustic.as_ref().map(thinned).transpose()?;
         let mut gather = Gather {
             cache: None,
-            caustic: take(&[MapKind::Caustic]),
+            caustic,
             diffuse: take(&[MapKind::Indirect, MapKind::Global]),
             direct,
-            later_neighbours: photons.neighbours.is_none().then_some(FIRST_PHOTONS),
+            later_caustic: later,
             whole: self.whole.clone(),
             ends,
             shrinking,
@@ -336,6 +349,19 @@ pub fn shrunk(passes: u32, alpha: f64) -> f32 {
     let (n, m) = (f64::from(passes) + 1.0, f64::from(few) + 1.0);
     let rest = if passes > few { (n / m).powf(alpha - 1.0) } else { 1.0 };
     (product * rest).sqrt() as f32
+}
+
+/// As much light in fewer photons, for a wider radius: every so many'th of the map's order, which keeps them well spread.
+fn thinned(layer: &Layer) -> Result<Layer> {
+    let stride = layer.map.len().div_ceil(LATER_PHOTONS).max(1);
+    let mut photons: Vec<Photon> = layer.map.photons().iter().skip(stride / 2).step_by(stride).copied().collect();
+    let factor = layer.map.len() as f32 / photons.len().max(1) as f32;
+    for photon in &mut photons {
+        photon.power = photon.power.map(|power| power * factor);
+    }
+    let map = Arc::new(PhotonMap::build(photons, &Cancel::new())?);
+    let asked = Asked { neighbours: None, ..layer.asked };
+    Ok(Layer { map, asked, widest: LATER_WIDTH * layer.asked.radius })
 }
 
 /// The middle one of the radii that hold [`INDIRECT_PHOTONS`] around photons of a map; `otherwise` where it has too few.
