@@ -103,7 +103,7 @@ pub struct CacheDesc {
     /// Rays of a record's final gather, from 16 to 2^20.
     pub rays: u32,
     /// Smallest distance at which records are worth keeping apart, in pixels as seen by the camera, in
-    /// (0, 1000].
+    /// (0, 1000]; at most a quarter of the greatest.
     pub min_spacing: f64,
     /// Greatest distance over which a record is used, as a share of the scene's extent, in (0, 1].
     pub max_spacing: f64,

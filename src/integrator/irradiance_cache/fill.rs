@@ -48,6 +48,9 @@ const ENOUGH: f32 = 0.3;
 /// Allowed error and spacing of a coarse cache, in those of the fine one.
 const COARSENESS: f64 = 2.0;
 
+/// Smallest radius at most, in largest radii.
+const LEAST_RANGE: f32 = 0.25;
+
 /// The random numbers' family.
 const FAMILY: u64 = 0x0069_7272_6164;
 
@@ -235,7 +238,8 @@ impl Filling {
 
     /// The smallest radius of a record there.
     fn floor(&self, site: &Site) -> f32 {
-        (self.cache.min_spacing as f32 * site.pixel).min(self.widest())
+        // In a small image a few pixels may be as large as all that is seen in them.
+        (self.cache.min_spacing as f32 * site.pixel).min(LEAST_RANGE * self.widest())
     }
 
     fn widest(&self) -> f32 {

@@ -20,7 +20,7 @@ const PROBES: usize = 384;
 const RAYS: u32 = 512;
 
 /// Apart from the records' random numbers.
-const FAMILY: u64 = 0x70_72_6f_62_65;
+const FAMILY: u64 = 0x0070_726f_6265;
 
 /// Luminances of one place.
 #[derive(Clone, Copy, Debug)]
