@@ -52,7 +52,7 @@ impl Boxes {
         (min, max)
     }
 
-    /// Squared distances. Never larger than those of what is inside, as computed by [`Query::distance2`]: rounding is
+    /// Squared distances. Never larger than those of what is inside, as computed by [`PhotonMap::block_distances2`]: rounding is
     /// monotonic, and it is the same sum.
     #[inline]
     fn distance2(&self, query: &Query) -> [f32; WIDTH] {
@@ -79,6 +79,9 @@ fn smaller(a: f32, b: f32) -> f32 {
 fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
+
+/// The places of a block; infinite where there is no photon.
+type Places = [[f32; BLOCK]; 3];
 
 /// A point, and the power of two by which differences are multiplied so that their squares neither overflow nor vanish.
 #[derive(Clone, Copy, Debug)]
@@ -113,17 +116,6 @@ impl Query {
         2_f32.powi((-exponent).clamp(-126, 126))
     }
 
-    /// Squared distance, scaled.
-    #[inline]
-    fn distance2(&self, p: &[f32; 3]) -> f32 {
-        let mut sum = 0.0;
-        for (a, b) in p.iter().zip(self.p) {
-            let d = (a - b) * self.scale;
-            sum += d * d;
-        }
-        sum
-    }
-
     /// Squared distance without scale.
     #[inline]
     fn unscaled(&self, distance2: f32) -> f32 {
@@ -135,6 +127,9 @@ impl Query {
 #[derive(Debug, Default)]
 pub struct PhotonMap {
     photons: Vec<Photon>,
+    /// Their places once more, block by block, coordinates side by side: most photons that are looked at are too far away, and so
+    /// the distances of a block are one calculation.
+    places: Vec<Places>,
     /// Lowest level first: box i of node n there is around block `n * WIDTH + i`, and on the next around that node.
     nodes: Vec<Boxes>,
     /// Where each level begins in `nodes`.
@@ -176,6 +171,7 @@ impl PhotonMap {
         let order = order(&photons, BLOCK, cancel)?;
         let blocks = photons.len().div_ceil(BLOCK);
         let mut sorted = Vec::with_capacity(photons.len());
+        let mut places = Vec::with_capacity(blocks);
         let mut nodes = Vec::with_capacity(blocks.div_ceil(WIDTH - 1) + LEVELS);
         for order in order.chunks(BLOCK * WIDTH) {
             if nodes.len() % 32 == 0 {
@@ -183,14 +179,19 @@ impl PhotonMap {
             }
             let mut node = Boxes::EMPTY;
             for (i, block) in order.chunks(BLOCK).enumerate() {
-                for item in block {
+                let mut place = [[f32::INFINITY; BLOCK]; 3];
+                for (lane, item) in block.iter().enumerate() {
                     let photon = photons[*item as u32 as usize];
                     // No box reaches out to infinity for what is never found anyway.
                     if photon.position().is_finite() {
                         node.include(i, photon.p, photon.p);
                     }
+                    for (side, p) in place.iter_mut().zip(photon.p) {
+                        side[lane] = p;
+                    }
                     sorted.push(photon);
                 }
+                places.push(place);
             }
             nodes.push(node);
         }
@@ -212,7 +213,7 @@ impl PhotonMap {
             levels[top] = end as u32;
         }
         let bounds = nodes.last().map_or_else(Default::default, Boxes::around);
-        Ok(Self { photons: sorted, nodes, levels, top, bounds })
+        Ok(Self { photons: sorted, places, nodes, levels, top, bounds })
     }
 
     /// All photons, in the map's order.
@@ -232,27 +233,19 @@ impl PhotonMap {
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        self.photons.capacity() * size_of::<Photon>() + self.nodes.capacity() * size_of::<Boxes>()
-    }
-
-    /// The photons of a block.
-    #[inline]
-    fn block(&self, block: usize) -> &[Photon] {
-        let start = (block * BLOCK).min(self.photons.len());
-        &self.photons[start..self.photons.len().min(start + BLOCK)]
+        self.photons.capacity() * size_of::<Photon>()
+            + self.places.capacity() * size_of::<Places>()
+            + self.nodes.capacity() * size_of::<Boxes>()
     }
 
     /// Squared distances, scaled, of the photons in a block; infinite where there is none.
-    #[inline]
-    fn block_distances2(block: &[Photon], query: &Query) -> [f32; BLOCK] {
-        let mut distances2 = [f32::INFINITY; BLOCK];
-        if let Ok(block) = <&[Photon; BLOCK]>::try_from(block) {
-            for i in 0..BLOCK {
-                distances2[i] = query.distance2(&block[i].p);
-            }
-        } else {
-            for (distance2, photon) in distances2.iter_mut().zip(block) {
-                *distance2 = query.distance2(&photon.p);
+    #[inline(always)]
+    fn block_distances2(&self, block: usize, query: &Query) -> [f32; BLOCK] {
+        let mut distances2 = [0.0; BLOCK];
+        for (side, p) in self.places[block].iter().zip(query.p) {
+            for (sum, place) in distances2.iter_mut().zip(side) {
+                let d = (place - p) * query.scale;
+                *sum += d * d;
             }
         }
         distances2
@@ -297,13 +290,12 @@ impl PhotonMap {
                 boxes = touched(level, node);
                 continue;
             }
-            let block = self.block(child);
-            let distances2 = Self::block_distances2(block, &query);
+            let distances2 = self.block_distances2(child, &query);
             let mut inside = below(&distances2, query.radius2);
             while inside != 0 {
                 let i = inside.trailing_zeros() as usize;
                 inside &= inside - 1;
-                if let Some(photon) = block.get(i) {
+                if let Some(photon) = self.photons.get(child * BLOCK + i) {
                     visit(photon, query.unscaled(distances2[i]));
                 }
             }
@@ -343,7 +335,7 @@ impl PhotonMap {
                     waiting.push(Reverse(Waiting::new(distance2, level - 1, child)));
                     continue;
                 }
-                let distances2 = Self::block_distances2(self.block(child), &query);
+                let distances2 = self.block_distances2(child, &query);
                 for (i, &distance2) in distances2.iter().enumerate() {
                     let key = key(distance2, child * BLOCK + i);
                     if key < bound {

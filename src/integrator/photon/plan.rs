@@ -46,7 +46,7 @@ const LATER_PHOTONS: usize = 1 << 14;
 const LATER_WIDTH: f32 = 4.0;
 
 /// Bytes a photon takes while its map is being built.
-const BYTES_A_PHOTON: usize = 80;
+const BYTES_A_PHOTON: usize = 96;
 
 /// Samples of a pixel for each pass of photons: few where an image has many pixels.
 fn samples_a_pass(pixels: u64) -> u32 {
