@@ -4,8 +4,10 @@ use std::collections::HashSet;
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use etendue::desc::IntegratorDesc;
 use etendue::desc::{self, RenderDesc, SceneDesc};
 use etendue::film::Image;
+use etendue::integrator::photon::{Choice, choose};
 use etendue::output::{self, Format, WriteOptions};
 use etendue::render::{MOST_SAMPLES, NonFiniteSample, Progress, Render, RenderSettings, Summary};
 use etendue::scene::{BuildOptions, Scene};
@@ -16,8 +18,14 @@ use crate::{Failure, interrupt};
 
 /// Prints what the scene became.
 pub fn info(args: &InfoArgs) -> Result<u8, Failure> {
-    let (_, scene) = load(&args.scene, args.params.as_deref(), args.threads)?;
-    console::print(scene.info().to_string().trim_end())?;
+    let (description, scene) = load(&args.scene, args.params.as_deref(), args.threads)?;
+    let asked = description.render.integrator;
+    let Choice { integrator, why } = choose(&scene);
+    let is_auto = asked == IntegratorDesc::Auto;
+    let would = if is_auto { "auto chooses" } else { "auto would choose" };
+    let own = if is_auto { String::new() } else { format!("{}; ", asked.name()) };
+    let line = format!("integrator      {own}{would} {}: {why}", integrator.name());
+    console::print(&format!("{}\n{line}", scene.info().to_string().trim_end()))?;
     Ok(0)
 }
 

@@ -21,17 +21,18 @@ use crate::film::{Film, Image, LayerKind, TILE};
 use crate::output::{self, ToneMap, WriteOptions};
 
 /// Layers that are images of their own, after the colour.
-const LAYERS: [(etd_layer, LayerKind); 6] = [
+const LAYERS: [(etd_layer, LayerKind); 7] = [
     (ETD_LAYER_ALBEDO, LayerKind::Albedo),
     (ETD_LAYER_NORMAL, LayerKind::Normal),
     (ETD_LAYER_DEPTH, LayerKind::Depth),
     (ETD_LAYER_SAMPLES, LayerKind::Samples),
     (ETD_LAYER_VARIANCE, LayerKind::Variance),
     (ETD_LAYER_STANDARD_ERROR, LayerKind::StandardError),
+    (ETD_LAYER_BIAS, LayerKind::Bias),
 ];
 
 /// All bits that mean something.
-const ALL_LAYERS: u32 = 255;
+const ALL_LAYERS: u32 = 511;
 
 /// Layers that need the first hit of each sample.
 const FIRST_HIT: u32 =

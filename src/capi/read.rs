@@ -242,7 +242,10 @@ fn photons(it: &etd_render_options) -> Result<PhotonDesc> {
         min_photons: given(it.min_photons).unwrap_or(default.min_photons),
         caustic_count: given(it.caustic_count),
         caustic_radius: given(it.caustic_radius),
-        neighbours: given(it.photon_neighbours),
+        neighbours: match it.photon_neighbours {
+            u32::MAX => Some(0),
+            given_count => given(given_count),
+        },
         kernel: match it.photon_kernel {
             0 => None,
             1 => Some(KernelDesc::Flat),
@@ -340,7 +343,10 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
         photon_count: photons.count.unwrap_or(0),
         caustic_count: photons.caustic_count.unwrap_or(0),
         min_photons: photons.min_photons,
-        photon_neighbours: photons.neighbours.unwrap_or(0),
+        photon_neighbours: match photons.neighbours {
+            Some(0) => u32::MAX,
+            count => count.unwrap_or(0),
+        },
         photon_kernel,
         photon_kernel_k,
         photon_sharing: match photons.sharing {

@@ -476,7 +476,8 @@ pub struct etd_render_options {
     /// Of `ETD_INTEGRATOR_PHOTON_DIRECT`: fewer photons than this within the radius are no estimate, and shadow rays are
     /// sent instead; 0 means 10.
     pub min_photons: u32,
-    /// So many nearest photons make an estimate, those beyond the radius left out, 65536 at most; 0: all within the radius.
+    /// So many nearest photons make an estimate, those beyond the radius left out, 65536 at most; `UINT32_MAX`: all within
+    /// the radius; 0: as the integrator does best.
     pub photon_neighbours: u32,
     /// An `etd_photon_kernel`.
     pub photon_kernel: EtdPhotonKernel,
@@ -578,6 +579,9 @@ pub enum etd_layer {
     ETD_LAYER_STANDARD_ERROR = 64,
     /// Not an image of its own: alpha of the colour is the share of samples that met a surface. Without it, alpha is 1.
     ETD_LAYER_ALPHA = 128,
+    /// Estimated bias of the pixel's mean where photon maps are made anew for every pass (caustic, ppm, sppm): 3 channels;
+    /// what is there is too large by so much. 0 with all other integrators.
+    ETD_LAYER_BIAS = 256,
 }
 
 /// What a film is.

@@ -63,7 +63,6 @@ pub use photon::{
     CacheDesc, CacheSource, KernelDesc, MAX_GATHER_RAYS, MAX_NEIGHBOURS, MAX_PHOTON_MEMORY, MAX_PHOTONS, PhotonDesc,
     PhotonSharing, RADII,
 };
-#[cfg(feature = "capi")]
 pub(crate) use photon_keys::{check_cache, check_photons};
 pub use read::{apply_params, load, load_params, parse};
 #[cfg(feature = "schema")]

@@ -15,7 +15,7 @@ use crate::{Error, Result};
 type Limits = (u32, u32);
 
 const COUNT: Limits = (1, MAX_PHOTONS);
-const NEIGHBOURS: Limits = (1, MAX_NEIGHBOURS);
+const NEIGHBOURS: Limits = (0, MAX_NEIGHBOURS);
 const GATHER_RAYS: Limits = (1, MAX_GATHER_RAYS);
 const MEMORY: Limits = (1, MAX_PHOTON_MEMORY);
 const CACHE_RAYS: Limits = (16, 1 << 20);
@@ -151,6 +151,11 @@ pub(crate) fn check_photons(path: &str, photons: &PhotonDesc) -> Result<()> {
     optional("causticCount", photons.caustic_count, COUNT)?;
     radius("causticRadius", photons.caustic_radius)?;
     optional("photonNeighbours", photons.neighbours, NEIGHBOURS)?;
+    if photons.neighbours == Some(1) {
+        // The farthest gives the radius and does not count, so one would never see light.
+        let message = format!("1 is out of range, expected 0 or from 2 to {MAX_NEIGHBOURS}");
+        return Err(Error::invalid(at("photonNeighbours"), message));
+    }
     if let Some(KernelDesc::Cone { k }) = photons.kernel {
         validate::cone(&at("photonKernel.k"), k.into())?;
     }

@@ -73,4 +73,11 @@ impl Gathering {
         let [a, b] = self.bias;
         (even > 0.0 && odd > 0.0).then(|| [a.map(|sum| sum / even), b.map(|sum| sum / odd)])
     }
+
+    /// The estimated bias of the pixel's mean, of all passes together.
+    pub fn bias(&self) -> Option<[f64; 3]> {
+        let count = f64::from(self.samples[0]) + f64::from(self.samples[1]);
+        let [a, b] = self.bias;
+        (count > 0.0).then(|| std::array::from_fn(|channel| (a[channel] + b[channel]) / count))
+    }
 }

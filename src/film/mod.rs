@@ -58,6 +58,13 @@ pub(crate) struct Tile {
     pub gathering: Vec<Gathering>,
 }
 
+/// What is kept of a pixel beside its sums.
+#[derive(Clone, Copy)]
+struct Beside<'a> {
+    auxiliary: Option<&'a Auxiliary>,
+    gathering: Option<&'a Gathering>,
+}
+
 /// Pixels of a tile.
 const PER_TILE: usize = (TILE * TILE) as usize;
 
@@ -76,6 +83,9 @@ pub enum LayerKind {
     Variance,
     /// Root of the variance.
     StandardError,
+    /// Estimated bias of the pixel's mean by photon maps, which counts as much as what is there is too large; 0 where no
+    /// maps are made anew.
+    Bias,
 }
 
 impl LayerKind {
@@ -83,7 +93,7 @@ impl LayerKind {
     pub fn channels(self) -> usize {
         match self {
             Self::Depth | Self::Samples => 1,
-            Self::Albedo | Self::Normal | Self::Variance | Self::StandardError => 3,
+            Self::Albedo | Self::Normal | Self::Variance | Self::StandardError | Self::Bias => 3,
         }
     }
 
@@ -149,12 +159,12 @@ impl Film {
     }
 
     /// Calls `visit` for each pixel of the image with its number in rows: tile by tile, or row by row within one.
-    fn for_each(&self, visit: impl FnMut(usize, &Pixel, Option<&Auxiliary>)) {
+    fn for_each(&self, visit: impl FnMut(usize, &Pixel, Beside)) {
         self.for_each_unless(&Cancel::new(), visit);
     }
 
     /// The same; false if it was cancelled in the middle.
-    fn for_each_unless(&self, cancel: &Cancel, mut visit: impl FnMut(usize, &Pixel, Option<&Auxiliary>)) -> bool {
+    fn for_each_unless(&self, cancel: &Cancel, mut visit: impl FnMut(usize, &Pixel, Beside)) -> bool {
         let [width, height] = self.options.resolution;
         let none = Pixel::default();
         for (number, tile) in self.tiles.iter().enumerate() {
@@ -167,7 +177,8 @@ impl Film {
                 for x in left..(left + TILE).min(width) {
                     let index = ((y - top) * TILE + (x - left)) as usize;
                     let place = y as usize * width as usize + x as usize;
-                    visit(place, tile.pixels.get(index).unwrap_or(&none), tile.auxiliary.get(index));
+                    let beside = Beside { auxiliary: tile.auxiliary.get(index), gathering: tile.gathering.get(index) };
+                    visit(place, tile.pixels.get(index).unwrap_or(&none), beside);
                 }
             }
         }
@@ -175,17 +186,17 @@ impl Film {
     }
 
     /// Values of each pixel, row by row.
-    fn collect<const N: usize>(&self, value: impl Fn(&Pixel, Option<&Auxiliary>) -> [f32; N]) -> Vec<f32> {
+    fn collect<const N: usize>(&self, value: impl Fn(&Pixel, Beside) -> [f32; N]) -> Vec<f32> {
         let mut values = vec![0.0; N * self.pixel_count()];
         self.write(&mut values, value);
         values
     }
 
-    fn write<const N: usize>(&self, out: &mut [f32], value: impl Fn(&Pixel, Option<&Auxiliary>) -> [f32; N]) {
+    fn write<const N: usize>(&self, out: &mut [f32], value: impl Fn(&Pixel, Beside) -> [f32; N]) {
         let (out, _) = out.as_chunks_mut::<N>();
-        self.for_each(|place, pixel, auxiliary| {
+        self.for_each(|place, pixel, beside| {
             if let Some(out) = out.get_mut(place) {
-                *out = value(pixel, auxiliary);
+                *out = value(pixel, beside);
             }
         });
     }
@@ -207,6 +218,9 @@ impl Film {
             let first = [("albedo", LayerKind::Albedo), ("normal", LayerKind::Normal), ("depth", LayerKind::Depth)];
             kinds.splice(0..0, first);
         }
+        if self.options.gathering {
+            kinds.push(("bias", LayerKind::Bias));
+        }
         for (name, kind) in kinds {
             let mut data = vec![0.0; kind.channels() * self.pixel_count()];
             self.write_layer(kind, &mut data);
@@ -222,7 +236,7 @@ impl Film {
     /// [`ErrorKind::Internal`] for a slice of another length.
     pub fn rgba_into(&self, out: &mut [f32], alpha: bool) -> Result<()> {
         self.check_length(out, 4)?;
-        self.write(out, |pixel, auxiliary| self.rgba(pixel, auxiliary, alpha));
+        self.write(out, |pixel, beside| self.rgba(pixel, beside.auxiliary, alpha));
         Ok(())
     }
 
@@ -237,7 +251,7 @@ impl Film {
     }
 
     fn write_layer(&self, layer: LayerKind, out: &mut [f32]) {
-        self.for_each(|place, pixel, auxiliary| put(layer, place, pixel, auxiliary, out));
+        self.for_each(|place, pixel, beside| put(layer, place, pixel, beside, out));
     }
 
     /// What [`Film::rgba_into`] and [`Film::layer_into`] do for several layers, in one walk over the film; false if it was
@@ -256,12 +270,12 @@ impl Film {
         for (layer, out) in &*layers {
             self.check_layer(*layer, out)?;
         }
-        Ok(self.for_each_unless(cancel, |place, pixel, auxiliary| {
+        Ok(self.for_each_unless(cancel, |place, pixel, beside| {
             if let Some(out) = rgba.get_mut(4 * place..4 * place + 4) {
-                out.copy_from_slice(&self.rgba(pixel, auxiliary, alpha));
+                out.copy_from_slice(&self.rgba(pixel, beside.auxiliary, alpha));
             }
             for (layer, out) in &mut *layers {
-                put(*layer, place, pixel, auxiliary, out);
+                put(*layer, place, pixel, beside, out);
             }
         }))
     }
@@ -289,7 +303,9 @@ impl Film {
     }
 
     /// Estimated relative error of the image: the root of the mean over pixels and channels of variance / (mean^2 + e),
-    /// with e = 1 % of the squared mean of the whole image so that black pixels do not rule it.
+    /// with e = 1 % of the squared mean of the whole image so that black pixels do not rule it. Where photon maps are made
+    /// anew for each pass, the square of their estimated bias is added to the variance: the product of two independent
+    /// estimates of it, since the square of one would count its noise as bias.
     ///
     /// `None` until every pixel has two complete replicates.
     pub fn relative_error(&self) -> Option<f64> {
@@ -306,11 +322,16 @@ impl Film {
         let mean = sum / values;
         let floor = 1e-2 * mean * mean;
         let mut sum = 0.0;
-        is_whole &= self.for_each_unless(cancel, |_, pixel, _| {
-            for (variance, mean) in pixel.variance().into_iter().zip(pixel.mean(self.options.weighted)) {
-                sum += variance / (f64::from(mean) * f64::from(mean) + floor);
+        is_whole &= self.for_each_unless(cancel, |_, pixel, beside| {
+            let biases = beside.gathering.and_then(Gathering::biases).unwrap_or_default();
+            let mean = pixel.mean(self.options.weighted);
+            for (channel, (variance, mean)) in pixel.variance().into_iter().zip(mean).enumerate() {
+                let bias2 = biases[0][channel] * biases[1][channel];
+                sum += (variance + bias2) / (f64::from(mean) * f64::from(mean) + floor);
             }
         });
+        // Products of noise alone may be negative.
+        let sum = if sum < 0.0 { 0.0 } else { sum };
         // NaN, from a pixel without an estimate or an image without light, is no estimate.
         (is_whole && (sum / values).is_finite()).then(|| (sum / values).sqrt())
     }
@@ -325,7 +346,7 @@ impl Film {
 
 /// Writes what a layer has of one pixel.
 #[inline]
-fn put(layer: LayerKind, place: usize, pixel: &Pixel, auxiliary: Option<&Auxiliary>, out: &mut [f32]) {
+fn put(layer: LayerKind, place: usize, pixel: &Pixel, Beside { auxiliary, gathering }: Beside, out: &mut [f32]) {
     let mean =
         |sum: Option<[f64; 3]>| sum.unwrap_or_default().map(|sum| (sum / f64::from(pixel.count().max(1))) as f32);
     let three = match layer {
@@ -333,6 +354,7 @@ fn put(layer: LayerKind, place: usize, pixel: &Pixel, auxiliary: Option<&Auxilia
         LayerKind::Normal => mean(auxiliary.map(|auxiliary| auxiliary.normal)),
         LayerKind::Variance => pixel.variance().map(|variance| variance as f32),
         LayerKind::StandardError => pixel.variance().map(|variance| variance.sqrt() as f32),
+        LayerKind::Bias => gathering.and_then(Gathering::bias).unwrap_or_default().map(|bias| bias as f32),
         LayerKind::Depth | LayerKind::Samples => {
             if let Some(out) = out.get_mut(place) {
                 *out = match layer {

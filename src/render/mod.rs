@@ -29,7 +29,7 @@ use crate::camera::Camera;
 use crate::desc::{FilterDesc, IntegratorDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{Film, FilmOptions, Image};
-use crate::integrator::photon::{Gather, Plan};
+use crate::integrator::photon::{Choice, Gather, Plan, choose};
 use crate::sampling::Filter;
 use crate::scene::Scene;
 use crew::Crew;
@@ -133,6 +133,8 @@ pub struct Render {
     filter: Filter,
     film: Arc<Film>,
     workers: Workers,
+    /// What was chosen, where that was left to us.
+    choice: Option<Choice>,
     /// Photon maps, where the integrator wants any.
     plan: Option<Plan>,
     /// What the pass under way is rendered with.
@@ -174,7 +176,9 @@ impl Render {
         let camera = Camera::new(scene.camera(), desc.resolution, scene.centre())?;
         // The normally distributed pattern is a pixel filter by itself.
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
-        let method = match desc.integrator {
+        let choice = (desc.integrator == IntegratorDesc::Auto).then(|| choose(scene));
+        let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
+        let method = match integrator {
             IntegratorDesc::Whitted => Method::Whitted,
             IntegratorDesc::Direct => Method::Direct,
             _ => Method::Path,
@@ -182,7 +186,7 @@ impl Render {
         let filter = Filter::new(&filter_desc);
         let scene = scene.clone();
         let shared = Arc::new(desc.clone());
-        let plan = match desc.integrator {
+        let plan = match integrator {
             IntegratorDesc::Path | IntegratorDesc::Whitted | IntegratorDesc::Direct => None,
             method => Some(Plan::new(&scene, &camera, &shared, method)?),
         };
@@ -192,7 +196,7 @@ impl Render {
             auxiliary: settings.auxiliary,
             replicate_size: schedule::replicate_size(&settings, pass_samples),
             weighted: matches!(filter_desc, FilterDesc::Mitchell { .. }),
-            gathering: pass_samples.is_some(),
+            gathering: plan.as_ref().is_some_and(Plan::remembers),
         })?;
         let workers = match &settings.workers {
             Some(workers) => workers.clone(),
@@ -206,6 +210,7 @@ impl Render {
             filter,
             film: Arc::new(film),
             workers,
+            choice,
             plan,
             method,
             samples: 0,
@@ -354,7 +359,11 @@ impl Render {
     }
 
     fn summary(&self, elapsed: Duration, ended: Ended) -> Summary {
-        let mut notes = self.plan.as_ref().map_or_else(Vec::new, |plan| plan.notes().to_vec());
+        let mut notes = Vec::new();
+        if let Some(choice) = &self.choice {
+            notes.push(format!("auto chose {}: {}", choice.integrator.name(), choice.why));
+        }
+        notes.extend(self.plan.iter().flat_map(|plan| plan.notes().iter().cloned()));
         if let Some(depth) = self.settings.desc.max_depth {
             notes.push(format!("paths were cut after {depth} hits (maxDepth): the image is too dark"));
         }

@@ -254,7 +254,7 @@ impl Placement {
     }
 
     /// The transform.
-    pub(super) fn to_scene(&self) -> &DAffine3 {
+    pub(super) fn transform(&self) -> &DAffine3 {
         &self.to_scene
     }
 

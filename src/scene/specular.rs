@@ -61,7 +61,7 @@ impl Scene {
         // The group with the largest ball is halved where its middles are spread most.
         while groups.len() < most {
             let widest = (0..groups.len()).filter(|&i| groups[i].len() > 1);
-            let size = |i: &usize| extent(union(&groups[*i])).length();
+            let size = |i: &usize| extent(union(groups[*i])).length();
             let Some(widest) = widest.max_by(|a, b| size(a).total_cmp(&size(b))) else { break };
             let group = groups.swap_remove(widest);
             let middles = Bounds::around(group.iter().map(|piece| piece.bounds.centre()));
@@ -128,7 +128,7 @@ impl Scene {
                     let vertex = |i: usize| DVec3::from(vertices.get(i).map(f64::from));
                     let bounds = Bounds::around((0..vertices.len()).map(vertex));
                     let bounds = match geometry {
-                        Geometry::Instance { placement, .. } => bounds.transformed(placement.to_scene()),
+                        Geometry::Instance { placement, .. } => bounds.transformed(placement.transform()),
                         _ => bounds,
                     };
                     pieces.push(Piece { bounds, ball: None });

@@ -17,6 +17,7 @@ mod bsdf;
 mod intersection;
 mod leaving;
 mod lights;
+mod photons;
 mod sampling;
 mod transport;
 
@@ -35,6 +36,7 @@ fn groups() -> Vec<(&'static str, Vec<Entry>)> {
         ("lights", lights::cases()),
         ("sampling", sampling::cases()),
         ("transport", transport::cases()),
+        ("photons", photons::cases()),
         ("arithmetic", arithmetic::cases()),
     ]
 }

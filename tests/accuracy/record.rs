@@ -134,6 +134,28 @@ impl Case {
         );
     }
 
+    /// A mean whose estimate may be biased by as much as `bias`, relative to the exact value, for a stated reason: within four
+    /// standard errors and that.
+    pub fn biased_mean(
+        &mut self,
+        what: impl Into<String>,
+        (mean, error): (f64, f64),
+        exact: f64,
+        (bias, tolerance): (f64, f64),
+    ) {
+        let off = (mean - exact).abs();
+        let beyond = (off - (bias + ARITHMETIC) * exact.abs()).max(0.0);
+        let passes = beyond <= 4.0 * error && error <= tolerance * exact.abs();
+        self.row(
+            what,
+            long(exact),
+            format!("{} ± {}", long(mean), short(error)),
+            format!("{} s, {} rel", short(off / error), short(off / exact.abs())),
+            format!("4 s + {} rel, s ≤ {} rel", short(bias), short(tolerance)),
+            passes,
+        );
+    }
+
     /// Two means that should be one, each with its standard error.
     pub fn equal_means(&mut self, what: impl Into<String>, a: (f64, f64), b: (f64, f64), tolerance: f64) {
         let error = a.1.hypot(b.1);

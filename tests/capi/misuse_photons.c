@@ -90,7 +90,7 @@ static void pass_whole_numbers(void) {
     };
     size_t i, k;
     for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        const uint32_t wrong[] = {cases[i].last + 1, UINT32_MAX};
+        const uint32_t wrong[] = {cases[i].last + 1, UINT32_MAX - 1};
         etd_render_options options = short_render(1);
         memcpy((char *)&options + cases[i].at, &cases[i].last, sizeof(uint32_t));
         check_status(etd_render(scene, film, &options), ETD_OK, __FILE__, __LINE__, cases[i].name);

@@ -285,7 +285,7 @@ fn renders(l: &mut List) {
         ("least twice", "\"minPhotons\": 1,\n@\"min_photons\": 2", "min_photons: the key is given twice"),
         ("no caustic photons", "@\"causticCount\": 0", "causticCount: 0 is out of range"),
         ("caustic radius", "@\"causticRadius\": -0.0", "causticRadius: -0 is not above 0"),
-        ("neighbours 0", "@\"photonNeighbours\": 0", "photonNeighbours: 0 is out of range"),
+        ("neighbours 1", "@\"photonNeighbours\": 1", "photonNeighbours: 1 is out of range"),
         ("neighbours", "@\"photonNeighbours\": 65537", "photonNeighbours: 65537 is out of range"),
         (
             "unknown kernel",

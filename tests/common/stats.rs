@@ -1,6 +1,6 @@
 //! Statistical tests: what a measured value has to look like if the code is right.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 /// Probability of a false alarm for a whole family of tests.
 pub const SIGNIFICANCE: f64 = 0.01;
@@ -19,6 +19,13 @@ pub fn z_test(mean: f64, standard_error: f64, exact: f64) -> f64 {
         p if p.is_nan() => 0.0,
         p => 2.0 * p,
     }
+}
+
+/// Two-sided p-value of a mean whose standard error is known from `runs` runs only.
+pub fn t_test((mean, standard_error): (f64, f64), exact: f64, runs: u32) -> f64 {
+    let t = (mean - exact).abs() / standard_error;
+    let p = StudentsT::new(0.0, 1.0, f64::from(runs.max(2) - 1)).map_or(0.0, |distribution| 2.0 * distribution.sf(t));
+    if p.is_nan() { 0.0 } else { p }
 }
 
 /// p-value of Pearson's chi-square test. Cells that expect fewer than five are pooled. A count where nothing is expected

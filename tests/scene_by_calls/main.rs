@@ -235,7 +235,7 @@ fn render_settings_are_checked_as_in_the_format() {
         ("render.causticCount", |it| it.caustic_count = Some(u32::MAX)),
         ("render.causticRadius", |it| it.caustic_radius = Some(f64::INFINITY)),
         ("render.causticRadius", |it| it.caustic_radius = Some(-1.0)),
-        ("render.photonNeighbours", |it| it.neighbours = Some(0)),
+        ("render.photonNeighbours", |it| it.neighbours = Some(1)),
         ("render.photonNeighbours", |it| it.neighbours = Some(MAX_NEIGHBOURS + 1)),
         ("render.photonKernel.k", |it| it.kernel = Some(KernelDesc::Cone { k: 0.5 })),
         ("render.photonKernel.k", |it| it.kernel = Some(KernelDesc::Cone { k: f32::NAN })),

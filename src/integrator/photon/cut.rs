@@ -1,6 +1,6 @@
 //! A disk that an edge, a corner or a wall cuts off: how much of it is left, and which photons lie there.
 
-use std::f32::consts::TAU;
+use std::f32::consts::{PI, TAU};
 
 use super::super::Tracer;
 use super::super::light::Vertex;
@@ -8,7 +8,7 @@ use super::estimate::{Kernel, THICKNESS};
 use crate::math::{Frame, HitPoint, Ray, Vec3};
 
 /// Sectors of the disk.
-const SECTORS: usize = 16;
+const SECTORS: usize = 8;
 
 /// Steps from the middle to the rim in which the surface is looked for.
 const STEPS: usize = 8;
@@ -30,8 +30,9 @@ impl Cut {
         let height = THICKNESS * radius;
         let error = vertex.surface.point.error.max(HitPoint::rounding_error(p, normal));
         let above = p + normal * (0.5 * height + error);
-        let reach = std::array::from_fn(|sector| {
-            let (sin, cos) = (TAU * (sector as f32 + 0.5) / SECTORS as f32).sin_cos();
+        // Along the lines between sectors, as shares of the radius.
+        let ways: [f32; SECTORS] = std::array::from_fn(|line| {
+            let (sin, cos) = (TAU * line as f32 / SECTORS as f32).sin_cos();
             let along = frame.s * cos + frame.t * sin;
             let level = Ray { origin: above, direction: along * radius, tnear: 0.0, tfar: 1.0 };
             let wall = tracer.intersect(&level).map_or(1.0, |hit| hit.t);
@@ -42,8 +43,19 @@ impl Cut {
                 !tracer.unoccluded(&down)
             };
             let step = |i: usize| wall * (i as f32 + 0.5) / STEPS as f32;
+            // Where it is there at the far end, it is so on the way.
+            if is_there(wall * 0.99, tracer) {
+                return wall;
+            }
             let steps = (0..STEPS).take_while(|i| is_there(step(*i), tracer)).count();
-            radius * wall * steps as f32 / STEPS as f32
+            wall * steps as f32 / STEPS as f32
+        });
+        // Nothing of a sector may lie behind a straight wall that both its lines meet: the foot of the perpendicular on the wall
+        // is nearer than the nearer of them, by the cosine of half a sector at most.
+        let foot = (PI / SECTORS as f32).cos();
+        let reach = std::array::from_fn(|sector| {
+            let nearer = ways[sector].min(ways[(sector + 1) % SECTORS]);
+            radius * if nearer < 1.0 { nearer * foot } else { 1.0 }
         });
         Self { p, frame, reach }
     }

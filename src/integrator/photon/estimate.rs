@@ -66,11 +66,12 @@ impl Kernel {
 
 /// How a map is asked.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Asked {
+pub struct Asked {
+    /// How photons weigh by their distance.
     pub kernel: Kernel,
-    /// The radius, or the largest one.
+    /// The radius, or the largest one; above 0 and such that single precision holds its square.
     pub radius: f32,
-    /// How many of the nearest photons make the estimate, where not all within the radius do.
+    /// How many of the nearest photons make the estimate, 2 or more, where not all within the radius do.
     pub neighbours: Option<u32>,
 }
 
@@ -109,75 +110,106 @@ pub(super) fn radiance(
     cut: impl Fn(Vec3) -> bool,
     nearest: &mut Nearest,
 ) -> Estimate {
-    let mut gathered = Gathered::new(vertex, asked.kernel, asked.radius);
-    let p = vertex.surface.point.p;
-    match asked.neighbours {
-        None => map.within(p, asked.radius, |photon, distance2| {
-            if cut(photon.position()) {
-                gathered.add(photon, distance2);
-            }
-        }),
-        Some(count) => {
-            map.nearest(p, count as usize, asked.radius, nearest);
-            let found = nearest.found();
-            // The radius is the distance of the last one, which therefore does not count: with it the density would be too
-            // large by k / (k - 1).
-            let found = match found {
-                [nearer @ .., (farthest, _)] if found.len() == count as usize => {
-                    gathered.set_radius(farthest.sqrt());
-                    nearer
-                }
-                all => all,
-            };
-            for &(distance2, index) in found {
-                let photon = &map.photons()[index as usize];
-                if cut(photon.position()) {
-                    gathered.add(photon, distance2);
-                }
-            }
-        }
-    }
-    gathered.finish()
+    Gathered::of_vertex(vertex, asked).gather(map, asked, cut, nearest)
+}
+
+/// Irradiance [W m^-2] that photons bring to a flat surface at `p`, on the side of the unit normal `normal`; scene frame.
+///
+/// The kernel lies on a whole disk: along an edge half of one is empty, in a corner three quarters. `nearest` keeps its
+/// memory between calls. With `asked.neighbours` k the estimate has no bias but the kernel's, and a relative standard
+/// deviation of 1 / sqrt(k - 2) (flat kernel), so none for k = 2.
+pub fn irradiance(map: &PhotonMap, p: Vec3, normal: Vec3, asked: Asked, nearest: &mut Nearest) -> Rgb {
+    Gathered::new(p, normal, asked).gather(map, asked, |_| true, nearest).radiance
 }
 
 /// Sums over photons.
 struct Gathered<'v, 's> {
-    vertex: &'v Vertex<'s>,
+    p: Vec3,
     kernel: Kernel,
     radius: f32,
     narrow_radius2: f32,
     height: f32,
     normal: Vec3,
     packed_normal: Octahedral,
-    /// For Lambert's law the sum of powers, which is scattered as one; else of what each photon's light becomes.
-    lambert: Option<Rgb>,
+    /// What makes of each photon's light what it becomes; none where the sum of powers is scattered as one.
+    scatters: Option<&'v Vertex<'s>>,
+    /// Factor of the sum: by Lambert's law, or 1.
+    factor: Rgb,
     sum: Rgb,
     narrow: Rgb,
     count: u32,
 }
 
 impl<'v, 's> Gathered<'v, 's> {
+    /// Sums of powers.
     #[inline]
-    fn new(vertex: &'v Vertex<'s>, kernel: Kernel, radius: f32) -> Self {
-        let normal = vertex.facing();
-        let is_flat = vertex.surface.ng == vertex.surface.ns;
-        let lambert = match &vertex.material.bsdf {
-            Bsdf::Lambert(lambert) if is_flat => Some(lambert.f()),
-            _ => None,
-        };
+    fn new(p: Vec3, normal: Vec3, asked: Asked) -> Self {
+        let radius = asked.radius;
         Self {
-            vertex,
-            kernel,
+            p,
+            kernel: asked.kernel,
             radius,
             narrow_radius2: 0.5 * radius * radius,
             height: THICKNESS * radius,
             normal,
             packed_normal: Octahedral::new(normal),
-            lambert,
+            scatters: None,
+            factor: Rgb::ONE,
             sum: Rgb::ZERO,
             narrow: Rgb::ZERO,
             count: 0,
         }
+    }
+
+    /// Sums of what a vertex sends back along the path.
+    #[inline]
+    fn of_vertex(vertex: &'v Vertex<'s>, asked: Asked) -> Self {
+        let is_flat = vertex.surface.ng == vertex.surface.ns;
+        let (scatters, factor) = match &vertex.material.bsdf {
+            Bsdf::Lambert(lambert) if is_flat => (None, lambert.f()),
+            _ => (Some(vertex), Rgb::ONE),
+        };
+        Self { scatters, factor, ..Self::new(vertex.surface.point.p, vertex.facing(), asked) }
+    }
+
+    #[inline]
+    fn gather(mut self, map: &PhotonMap, asked: Asked, cut: impl Fn(Vec3) -> bool, nearest: &mut Nearest) -> Estimate {
+        let p = self.p;
+        let all = |gathered: &mut Self| {
+            map.within(p, asked.radius, |photon, distance2| {
+                if cut(photon.position()) {
+                    gathered.add(photon, distance2);
+                }
+            });
+        };
+        let Some(count) = asked.neighbours else {
+            all(&mut self);
+            return self.finish();
+        };
+        map.nearest(p, count as usize, asked.radius, nearest);
+        let found = nearest.found();
+        // The radius is the distance of the last one, which therefore does not count: with it the density would be too
+        // large by k / (k - 1).
+        let found = match found {
+            [nearer @ .., (farthest, _)] if found.len() == count as usize => {
+                let radius = farthest.sqrt();
+                if radius < f32::MIN_POSITIVE.sqrt() {
+                    // All in one point, which has no density; the widest disk has.
+                    all(&mut self);
+                    return self.finish();
+                }
+                self.set_radius(radius);
+                nearer
+            }
+            all => all,
+        };
+        for &(distance2, index) in found {
+            let photon = &map.photons()[index as usize];
+            if cut(photon.position()) {
+                self.add(photon, distance2);
+            }
+        }
+        self.finish()
     }
 
     fn set_radius(&mut self, radius: f32) {
@@ -188,7 +220,7 @@ impl<'v, 's> Gathered<'v, 's> {
 
     #[inline]
     fn add(&mut self, photon: &Photon, distance2: f32) {
-        let height = (photon.position() - self.vertex.surface.point.p).dot(self.normal);
+        let height = (photon.position() - self.p).dot(self.normal);
         if height.abs() > self.height
             || (photon.normal != self.packed_normal && photon.normal.get().dot(self.normal) < SAME_SIDE)
         {
@@ -196,8 +228,8 @@ impl<'v, 's> Gathered<'v, 's> {
         }
         self.count += 1;
         let mut power = photon.power();
-        if self.lambert.is_none() {
-            power *= self.scattered(photon);
+        if let Some(vertex) = self.scatters {
+            power *= scattered(vertex, photon);
         }
         self.sum += power * self.kernel.density(distance2, self.radius);
         if distance2 < self.narrow_radius2 {
@@ -205,31 +237,31 @@ impl<'v, 's> Gathered<'v, 's> {
         }
     }
 
-    /// The scattering function for a photon's light; with interpolated normals, per power on the face rather than on the
-    /// shading normal's.
-    fn scattered(&self, photon: &Photon) -> Rgb {
-        let wi = photon.wi.get();
-        let local = self.vertex.to_local(wi);
-        let f = self.vertex.material.bsdf.f(self.vertex.wo, local);
-        let (ng, ns) = (self.vertex.surface.ng, self.vertex.surface.ns);
-        if ng == ns {
-            return f;
-        }
-        let ratio = (local.z / wi.dot(ng)).abs();
-        if ratio.is_finite() { f * ratio } else { Rgb::ZERO }
-    }
-
     #[inline]
     fn finish(self) -> Estimate {
-        let f = self.lambert.unwrap_or(Rgb::ONE);
+        let f = self.factor;
         Estimate { radiance: f * self.sum, narrow: f * self.narrow, count: self.count, radius: self.radius }
     }
+}
+
+/// The scattering function for a photon's light; with interpolated normals, per power on the face rather than on the shading
+/// normal's.
+fn scattered(vertex: &Vertex, photon: &Photon) -> Rgb {
+    let wi = photon.wi.get();
+    let local = vertex.to_local(wi);
+    let f = vertex.material.bsdf.f(vertex.wo, local);
+    let (ng, ns) = (vertex.surface.ng, vertex.surface.ns);
+    if ng == ns {
+        return f;
+    }
+    let ratio = (local.z / wi.dot(ng)).abs();
+    if ratio.is_finite() { f * ratio } else { Rgb::ZERO }
 }
 
 /// The report's estimate of direct light: `None` where a shadow photon is within the radius or fewer than `least` others.
 #[inline]
 pub(super) fn direct(map: &PhotonMap, vertex: &Vertex, asked: Asked, least: u32) -> Option<Rgb> {
-    let mut gathered = Gathered::new(vertex, asked.kernel, asked.radius);
+    let mut gathered = Gathered::of_vertex(vertex, asked);
     let mut in_shadow = false;
     map.within(vertex.surface.point.p, asked.radius, |photon, distance2| {
         let before = gathered.count;

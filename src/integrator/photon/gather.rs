@@ -33,6 +33,8 @@ use std::sync::Arc;
 pub(super) struct Layer {
     pub map: Arc<PhotonMap>,
     pub asked: Asked,
+    /// The radius that pixels with radii of their own begin with at most.
+    pub widest: f32,
 }
 
 /// What ends a path.
@@ -57,7 +59,7 @@ pub(super) enum Shrinking {
     ByPixel {
         /// Share of photons that is kept.
         alpha: f32,
-        /// Photons that the first radius holds.
+        /// Photons that the first radius of a caustic holds.
         first: u32,
     },
 }
@@ -70,6 +72,9 @@ pub struct Gather {
     /// Of indirect light, or of all of it, by `ends`.
     pub(super) diffuse: Option<Layer>,
     pub(super) cache: Option<Arc<IrradianceCache>>,
+    /// Caustics beyond the first diffuse hit: fewer photons over a wider radius. Nobody sees how sharp they are there, and
+    /// a bright caustic may hold half of all photons.
+    pub(super) later_caustic: Option<Layer>,
     /// Where disks are whole.
     pub(super) whole: Whole,
     pub(super) ends: Ends,
@@ -107,9 +112,6 @@ struct State {
     diffuse: u32,
     /// Length of the way since the last diffuse hit.
     way: f32,
-    /// Whether this is one of many paths that are averaged, for which what an edge cuts off a disk is too little to be looked
-    /// for.
-    is_one_of_many: bool,
 }
 
 impl State {
@@ -123,7 +125,6 @@ impl State {
             depth: 1,
             diffuse: 0,
             way: 0.0,
-            is_one_of_many: false,
         }
     }
 }
@@ -205,7 +206,7 @@ impl Gather {
     ) -> (Rgb, f32) {
         let mut distance = f32::INFINITY;
         let mut state = State::new(ray);
-        (state.depth, state.diffuse, state.is_one_of_many) = (2, 1, true);
+        (state.depth, state.diffuse) = (2, 1);
         let mut tracer = Watched { tracer, first: &mut distance };
         let mut told = Told { gathering: None, bias: Rgb::ZERO };
         let radiance = self.follow(scene, state, sampler, &mut tracer, &mut |_| {}, &mut told);
@@ -339,9 +340,11 @@ impl Gather {
             return (ask(layer, layer.asked, vertex, None).radiance, true);
         }
         let ending = match self.ends {
-            Ends::AtOnce => self.diffuse.as_ref().filter(is_whole),
+            Ends::AtOnce => self.diffuse.as_ref(),
             _ => None,
         };
+        let ending = ending.map(|layer| (layer, self.asked(layer, is_first, true, told, vertex)));
+        let ending = ending.filter(|(_, asked)| self.whole.is_whole(p, facing, asked.radius));
         let cached = self.cache.as_ref().and_then(|cache| match &vertex.material.bsdf {
             Bsdf::Lambert(lambert) => Some(lambert.f() * cache.irradiance(p, vertex.facing_shading())?),
             _ => None,
@@ -365,18 +368,27 @@ impl Gather {
             }
         }
         // By mirrors and glass.
-        if let Some(layer) = &self.caustic {
-            let asked = self.asked(layer, is_first, told, |gathering| &mut gathering.caustic, vertex);
-            let cut = (!state.is_one_of_many && !self.whole.is_whole(p, facing, asked.radius))
-                .then(|| holds_any(&layer.map, p, asked.radius).then(|| Cut::new(tracer, vertex, asked.radius)))
-                .flatten();
-            let estimate = ask(layer, asked, vertex, cut.as_ref());
+        if !is_first {
+            if let Some(layer) = &self.later_caustic {
+                // A narrow disk where the wide one would reach over an edge or through a wall.
+                let is_wide = self.whole.is_whole(p, facing, layer.widest);
+                let asked = if is_wide { Asked { radius: layer.widest, ..layer.asked } } else { layer.asked };
+                sum += ask(layer, asked, vertex, None).radiance;
+            }
+        } else if let Some(layer) = &self.caustic {
+            let asked = self.asked(layer, is_first, false, told, vertex);
+            let estimate = ask(layer, asked, vertex, None);
+            // Seams show where the eye looks; what they take from indirect light does not.
+            let estimate = if estimate.count > 0 && !self.whole.is_whole(p, facing, asked.radius) {
+                ask(layer, asked, vertex, Some(&Cut::new(tracer, vertex, estimate.radius)))
+            } else {
+                estimate
+            };
             sum += estimate.radiance;
             self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.caustic);
         }
         // Scattered before.
-        if let Some(layer) = ending {
-            let asked = self.asked(layer, is_first, told, |gathering| &mut gathering.indirect, vertex);
+        if let Some((layer, asked)) = ending {
             let estimate = ask(layer, asked, vertex, None);
             sum += estimate.radiance;
             self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.indirect);
@@ -386,31 +398,29 @@ impl Gather {
 
     /// With which radius a map is asked: the pixel's own at the first diffuse hit, where it has one.
     #[inline]
-    fn asked(
-        &self,
-        layer: &Layer,
-        is_first: bool,
-        told: &mut Told,
-        radius: impl Fn(&mut Gathering) -> &mut ShrinkingRadius,
-        vertex: &Vertex,
-    ) -> Asked {
+    fn asked(&self, layer: &Layer, is_first: bool, is_indirect: bool, told: &mut Told, vertex: &Vertex) -> Asked {
         let (Shrinking::ByPixel { alpha, first }, true, Some(gathering)) =
             (self.shrinking, is_first, told.gathering.as_deref_mut())
         else {
             return layer.asked;
         };
-        let radius = radius(gathering).begin(self.pass, alpha, || {
+        let radius = if is_indirect { &mut gathering.indirect } else { &mut gathering.caustic };
+        let radius = radius.begin(self.pass, alpha, || {
+            // Indirect light is smooth: one radius does for all to begin with.
+            if is_indirect {
+                return layer.widest;
+            }
             NEAREST.with_borrow_mut(|nearest| {
-                layer.map.nearest(vertex.surface.point.p, first as usize, layer.asked.radius, nearest);
+                layer.map.nearest(vertex.surface.point.p, first as usize, layer.widest, nearest);
                 match nearest.found() {
                     // Fewer than asked for, or all in one point: as wide as it may be.
-                    found if found.len() < first as usize => layer.asked.radius,
+                    found if found.len() < first as usize => layer.widest,
                     [.., (distance2, _)] if *distance2 > 0.0 => distance2.sqrt(),
-                    _ => layer.asked.radius,
+                    _ => layer.widest,
                 }
             })
         });
-        Asked { radius: radius.min(layer.asked.radius), neighbours: None, ..layer.asked }
+        Asked { radius, neighbours: None, ..layer.asked }
     }
 
     #[inline]
@@ -428,12 +438,6 @@ impl Gather {
             radius(gathering).note(estimate.count);
         }
     }
-}
-
-fn holds_any(map: &PhotonMap, p: Vec3, radius: f32) -> bool {
-    let mut count = 0_u32;
-    map.within(p, radius, |_, _| count += 1);
-    count > 0
 }
 
 #[inline]

@@ -1,5 +1,6 @@
 //! Photon mapping: light paths from the emitters, maps of what they leave, and eye paths that read them.
 
+mod choose;
 mod cut;
 mod draw;
 mod emit;
@@ -12,8 +13,9 @@ mod record;
 mod trace;
 mod whole;
 
+pub use choose::{Choice, choose};
 pub use draw::{DrawSettings, colour, draw};
-pub use estimate::Kernel;
+pub use estimate::{Asked, Kernel, irradiance};
 pub use gather::Gather;
 pub use map::{Nearest, PhotonMap};
 pub use plan::{Plan, shrunk};

@@ -7,11 +7,12 @@ use super::super::light::Vertex;
 use super::super::{SceneTracer, Tracer as _};
 use super::estimate::{Asked, Kernel};
 use super::gather::{Ends, Gather, Layer, Shrinking};
+use super::trace::PHOTONS_A_PATH;
 use super::whole::Whole;
-use super::{Job, MapKind, Photon, PhotonMap, shoot};
+use super::{Job, MapKind, Nearest, Photon, PhotonMap, Tally, shoot};
 use crate::camera::Camera;
 use crate::control::{Cancel, Parallel};
-use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, RenderDesc};
+use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, RenderDesc, check_cache, check_photons};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
@@ -31,11 +32,21 @@ const INDIRECT_PIXELS: f32 = 8.0;
 /// Photons that the first radius of a pixel of its own holds.
 const FIRST_PHOTONS: u32 = 32;
 
+/// Photons that the first radius of a map of indirect light holds in the middle, where none is given.
+const INDIRECT_PHOTONS: usize = 150;
+
+/// Photons at which that is measured.
+const MEASURED: usize = 257;
+
+/// The same in a map that is made once.
+const ONLY_PHOTONS: u32 = 100;
+
+/// Photons of caustics that eye paths meet beyond their first diffuse hit, and by what the radius is wider there.
+const LATER_PHOTONS: usize = 1 << 14;
+const LATER_WIDTH: f32 = 4.0;
+
 /// Bytes a photon takes while its map is being built.
 const BYTES_A_PHOTON: usize = 80;
-
-/// Photons kept of a light path, at most, in the sizes that are planned with.
-const PHOTONS_A_PATH: usize = 64;
 
 /// Samples of a pixel for each pass of photons: few where an image has many pixels.
 fn samples_a_pass(pixels: u64) -> u32 {
@@ -63,9 +74,12 @@ impl Plan {
     /// Prepares a method: checks it against the scene, finds radii where none are given.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidScene`] for a radius that single precision does not hold.
+    /// [`ErrorKind::InvalidScene`] for settings that a file could not have given.
     pub fn new(scene: &Scene, camera: &Camera, desc: &Arc<RenderDesc>, method: IntegratorDesc) -> Result<Self> {
         let photons = &desc.photons;
+        // A host may have set numbers that no file could.
+        check_photons("render", photons)?;
+        check_cache("render", &desc.cache)?;
         let pixel = pixel_size(scene, camera, desc.resolution);
         let radius = |path: &str, given: Option<f64>, otherwise: f32| match given {
             None => Ok(otherwise),
@@ -105,6 +119,18 @@ impl Plan {
         self.is_progressive().then(|| samples_a_pass(pixels))
     }
 
+    /// Whether pixels remember anything between samples.
+    pub fn remembers(&self) -> bool {
+        self.is_by_pixel() || self.is_progressive()
+    }
+
+    /// Whether each pixel has radii of its own: unless the user says how many photons make an estimate, or the method has
+    /// one radius by its nature.
+    pub fn is_by_pixel(&self) -> bool {
+        !matches!(self.method, IntegratorDesc::PhotonDirect | IntegratorDesc::Ppm)
+            && self.desc.photons.neighbours.is_none()
+    }
+
     fn is_progressive(&self) -> bool {
         match self.method {
             IntegratorDesc::Ppm | IntegratorDesc::Sppm => true,
@@ -139,7 +165,7 @@ impl Plan {
     fn make(&mut self, pass: u32, parallel: &mut impl Parallel) -> Result<Gather> {
         let photons = &self.desc.photons;
         let shrunk = if self.is_progressive() { shrunk(pass, photons.alpha) } else { 1.0 };
-        let by_pixel = self.method == IntegratorDesc::Sppm;
+        let by_pixel = self.is_by_pixel();
         // Where each pixel has a radius of its own, the others keep within the common one.
         let (radius, caustic_radius) = (self.radius * shrunk, self.caustic_radius * shrunk);
         let kernel = |otherwise| Kernel::new(photons.kernel.unwrap_or(otherwise));
@@ -147,7 +173,8 @@ impl Plan {
         let default_count = if self.is_progressive() { EACH_PASS } else { ONCE };
         let count = photons.count.unwrap_or(default_count);
         let caustic_count = photons.caustic_count.unwrap_or(default_count);
-        let neighbours = photons.neighbours;
+        // 0 is the same as none, but where each pixel would have a radius of its own.
+        let neighbours = photons.neighbours.filter(|count| *count > 0);
         let kinds = self.scene.kinds();
 
         // What is shot, how much of it, and how it is asked.
@@ -167,7 +194,6 @@ impl Plan {
                 Ends::AfterGather
             }
             IntegratorDesc::Ppm | IntegratorDesc::Sppm => {
-                let neighbours = neighbours.filter(|_| !by_pixel);
                 wanted.push(caustics(epanechnikov, neighbours));
                 wanted.push((MapKind::Indirect, count, asked(epanechnikov, radius, neighbours)));
                 Ends::AtOnce
@@ -188,6 +214,7 @@ impl Plan {
         wanted.retain(|(kind, ..)| kinds.diffuse && (*kind != MapKind::Caustic || kinds.specular));
         let budget = (photons.memory as usize).saturating_mul(1 << 20) / BYTES_A_PHOTON;
         let mut shots: Vec<(MapKind, Asked, Vec<Photon>)> = Vec::new();
+        let mut told = Vec::new();
         let maps = wanted.len();
         for (kind, paths, asked) in wanted {
             let used: usize = shots.iter().map(|(_, _, photons)| photons.len()).sum();
@@ -209,6 +236,7 @@ impl Plan {
                     photons.memory
                 ));
             }
+            told.push(shot.tally);
             shots.push((kind, asked, shot.photons));
         }
         let (kinds, shots): (Vec<_>, Vec<_>) =
@@ -220,26 +248,42 @@ impl Plan {
         })?;
         let mut layers = Vec::new();
         for ((kind, asked), map) in kinds.into_iter().zip(built) {
-            layers.push((kind, Layer { map: Arc::new(map?), asked }));
+            let widest = asked.radius / shrunk;
+            layers.push((kind, Layer { map: Arc::new(map?), asked, widest }));
+        }
+        let is_diffuse = |kind: MapKind| matches!(kind, MapKind::Indirect | MapKind::Global);
+        if pass == 0 && photons.radius.is_none() && neighbours.is_none() {
+            for (_, layer) in layers.iter_mut().filter(|(kind, layer)| is_diffuse(*kind) && !layer.map.is_empty()) {
+                self.radius = middle_radius(&layer.map, self.radius);
+                (layer.asked.radius, layer.widest) = (self.radius, self.radius);
+            }
         }
         for (_, layer) in &layers {
             self.rays += self.whole.learn(&self.scene, &layer.map, layer.asked.radius, parallel)?;
         }
+        if pass == 0 {
+            self.notes.extend(layers.iter().zip(&told).map(|((kind, layer), tally)| note(*kind, layer, tally)));
+        }
         let mut take = |wanted: &[MapKind]| {
-            let place = layers.iter().position(|(kind, layer)| wanted.contains(kind) && layer.map.len() > 0)?;
+            let place = layers.iter().position(|(kind, layer)| wanted.contains(kind) && !layer.map.is_empty())?;
             Some(layers.swap_remove(place).1)
         };
         let shrinking = if by_pixel {
-            Shrinking::ByPixel { alpha: photons.alpha as f32, first: FIRST_PHOTONS }
+            let (alpha, first) =
+                if self.is_progressive() { (photons.alpha as f32, FIRST_PHOTONS) } else { (1.0, ONLY_PHOTONS) };
+            Shrinking::ByPixel { alpha, first }
         } else {
             Shrinking::Together
         };
         let direct = take(&[MapKind::Direct]);
+        let caustic = take(&[MapKind::Caustic]);
+        let later = caustic.as_ref().map(thinned).transpose()?;
         let mut gather = Gather {
             cache: None,
-            caustic: take(&[MapKind::Caustic]),
+            caustic,
             diffuse: take(&[MapKind::Indirect, MapKind::Global]),
             direct,
+            later_caustic: later,
             whole: self.whole.clone(),
             ends,
             shrinking,
@@ -274,6 +318,27 @@ impl MapKind {
     }
 }
 
+/// What a user should know about a map.
+fn note(kind: MapKind, layer: &Layer, tally: &Tally) -> String {
+    let photons = layer.map.len();
+    let shadows = if tally.shadows > 0 { format!(" and {} shadow photons", tally.shadows) } else { String::new() };
+    let lost = if tally.emitted.max_element() > 0.0 {
+        100.0 * tally.escaped.max_element() / tally.emitted.max_element()
+    } else {
+        0.0
+    };
+    format!(
+        "{} photon map: {} photons{shadows} of {} light paths, {lost:.0} % of the light left the scene; {:.1} MiB, {:.0} bytes a \
+         photon; radius {:.3e}",
+        kind.name(),
+        tally.stored,
+        tally.paths,
+        layer.map.bytes() as f64 / 1_048_576.0,
+        layer.map.bytes() as f64 / photons.max(1) as f64,
+        layer.asked.radius
+    )
+}
+
 /// By what a radius has shrunk after so many passes: the root of the product of (i + alpha) / (i + 1).
 ///
 /// Source: Knaus and Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach", Eq. 18 to 20.
@@ -284,6 +349,40 @@ pub fn shrunk(passes: u32, alpha: f64) -> f32 {
     let (n, m) = (f64::from(passes) + 1.0, f64::from(few) + 1.0);
     let rest = if passes > few { (n / m).powf(alpha - 1.0) } else { 1.0 };
     (product * rest).sqrt() as f32
+}
+
+/// As much light in fewer photons, for a wider radius: every so many'th of the map's order, which keeps them well spread.
+fn thinned(layer: &Layer) -> Result<Layer> {
+    let stride = layer.map.len().div_ceil(LATER_PHOTONS).max(1);
+    let mut photons: Vec<Photon> = layer.map.photons().iter().skip(stride / 2).step_by(stride).copied().collect();
+    let factor = layer.map.len() as f32 / photons.len().max(1) as f32;
+    for photon in &mut photons {
+        photon.power = photon.power.map(|power| power * factor);
+    }
+    let map = Arc::new(PhotonMap::build(photons, &Cancel::new())?);
+    let asked = Asked { neighbours: None, ..layer.asked };
+    Ok(Layer { map, asked, widest: LATER_WIDTH * layer.asked.radius })
+}
+
+/// The middle one of the radii that hold [`INDIRECT_PHOTONS`] around photons of a map; `otherwise` where it has too few.
+fn middle_radius(map: &PhotonMap, otherwise: f32) -> f32 {
+    let mut nearest = Nearest::default();
+    let stride = map.len().div_ceil(MEASURED).max(1);
+    let mut radii = Vec::new();
+    for photon in map.photons().iter().step_by(stride) {
+        map.nearest(photon.position(), INDIRECT_PHOTONS, f32::INFINITY, &mut nearest);
+        match nearest.found() {
+            [.., (distance2, _)] if nearest.found().len() == INDIRECT_PHOTONS && *distance2 > 0.0 => {
+                radii.push(distance2.sqrt());
+            }
+            _ => {}
+        }
+    }
+    if radii.is_empty() {
+        return otherwise;
+    }
+    let middle = radii.len() / 2;
+    *radii.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
 /// Lines and columns of the grid of pixels that are looked at for their size.

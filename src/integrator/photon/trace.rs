@@ -89,8 +89,11 @@ pub struct Shot {
 /// Light paths of a block: the unit of work of a thread.
 const BLOCK: u32 = 1 << 10;
 
-/// Blocks between two looks at the memory.
+/// Most blocks between two looks at the memory.
 const ROUND: usize = 64;
+
+/// Photons kept of a light path, at most, in the sizes that are planned with.
+pub(super) const PHOTONS_A_PATH: usize = 64;
 
 /// How many light paths, of which kind, from which random numbers.
 #[derive(Clone, Copy, Debug)]
@@ -121,30 +124,35 @@ pub fn shoot(scene: &Scene, desc: &RenderDesc, job: Job, parallel: &mut impl Par
         emission,
         kind: job.kind,
         // A family of its own for every kind of map, apart from that of the pixels.
-        sampler: SobolSampler::new(desc.seed ^ (0x70_68_6f_74_6f_6e_00 + kind), u32::MAX),
+        sampler: SobolSampler::new(desc.seed ^ (0x0070_686f_746f_6e00 + kind), u32::MAX),
         pass: job.pass,
         share: 1.0 / f64::from(job.paths.max(1)),
         max_depth: desc.max_depth.unwrap_or(u32::MAX),
     });
-    let blocks = job.paths.div_ceil(BLOCK) as usize;
+    // Where hardly any photons are kept, a block's must not be too many by themselves.
+    let size = BLOCK.min((job.most / PHOTONS_A_PATH).max(1) as u32);
+    let blocks = job.paths.div_ceil(size) as usize;
     let mut shot = Shot::default();
-    for start in (0..blocks).step_by(ROUND) {
+    let (mut start, mut count) = (0, 1);
+    while start < blocks {
         let shooter = Arc::clone(&shooter);
-        let count = ROUND.min(blocks - start);
         let shots = parallel.map(count, move |block| {
-            let first = (start + block) as u32 * BLOCK;
-            shooter.block(first, first.saturating_add(BLOCK).min(job.paths))
+            let first = (start + block) as u32 * size;
+            shooter.block(first, first.saturating_add(size).min(job.paths))
         })?;
+        start += count;
         for block in shots {
             shot.photons.extend_from_slice(&block.photons);
             shot.tally.add(&block.tally);
         }
-        // What one more round may bring.
-        let next = shot.photons.len() / (start / ROUND + 1);
-        if shot.photons.len() + 2 * next > job.most && start + count < blocks {
+        // As many blocks as fit, should they bring twice what the blocks so far did.
+        let each = 2 * shot.photons.len().div_ceil(start).max(1);
+        let fits = job.most.saturating_sub(shot.photons.len()) / each;
+        if fits == 0 && start < blocks {
             shot.cut_from = Some(job.paths.into());
             break;
         }
+        count = ROUND.min(fits).min(blocks - start);
     }
     if shot.cut_from.is_some() {
         let factor = f64::from(job.paths) / shot.tally.paths.max(1) as f64;

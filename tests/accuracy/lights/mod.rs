@@ -37,7 +37,7 @@ const INTEGRATORS: [(&str, IntegratorDesc); 3] =
 /// Configuration factor of a polygon for a receiver at `p` with unit normal `n`, cut off at its horizon.
 ///
 /// Source: Lambert 1760, *Photometria*: the sum over the edges of angle times cosine of the normal of the edge's plane.
-fn polygon_factor(p: DVec3, n: DVec3, polygon: &[DVec3]) -> f64 {
+pub fn polygon_factor(p: DVec3, n: DVec3, polygon: &[DVec3]) -> f64 {
     let mut seen = Vec::with_capacity(polygon.len() + 1);
     for (place, &a) in polygon.iter().enumerate() {
         let (a, b) = (a - p, polygon[(place + 1) % polygon.len()] - p);
@@ -62,7 +62,7 @@ fn polygon_factor(p: DVec3, n: DVec3, polygon: &[DVec3]) -> f64 {
 /// Configuration factor of a sphere of radius `sin` at distance 1 whose centre is `tilt` off the receiver's normal.
 ///
 /// Source: Howell, *A Catalog of Radiation Heat Transfer Configuration Factors*, B-43.
-fn sphere_factor(sin: f64, tilt: f64) -> f64 {
+pub fn sphere_factor(sin: f64, tilt: f64) -> f64 {
     let angle = sin.asin();
     if tilt <= 0.5 * PI - angle {
         return sin * sin * tilt.cos();

@@ -1,11 +1,11 @@
 //! Light transport as a whole: rooms and bodies whose light is known in closed form.
 
-mod form_factors;
+pub mod form_factors;
 mod furnace;
 mod guides;
 mod rays;
 mod refraction;
-mod rooms;
+pub mod rooms;
 mod whole;
 
 use crate::common::scenes::{Job, mean_and_error, render, render_scene};
@@ -64,47 +64,47 @@ fn converges(case: &mut Case, what: &str, desc: &SceneDesc, (known, exact): (Kno
 }
 
 /// The quick number, or the one of the documents.
-fn pick<T>(case: &Case, quick: T, full: T) -> T {
+pub fn pick<T>(case: &Case, quick: T, full: T) -> T {
     if case.is_full() { full } else { quick }
 }
 
-fn grey(albedo: f32) -> BsdfDesc {
+pub fn grey(albedo: f32) -> BsdfDesc {
     BsdfDesc::Lambert { albedo: Vec3::splat(albedo) }
 }
 
-fn mirror(reflectance: f32) -> BsdfDesc {
+pub fn mirror(reflectance: f32) -> BsdfDesc {
     BsdfDesc::Mirror { reflectance: Vec3::splat(reflectance) }
 }
 
-fn glass(ior: f32, exterior_ior: f32) -> BsdfDesc {
+pub fn glass(ior: f32, exterior_ior: f32) -> BsdfDesc {
     BsdfDesc::Dielectric { ior, exterior_ior }
 }
 
-fn ball(centre: DVec3, radius: f64) -> ShapeDesc {
+pub fn ball(centre: DVec3, radius: f64) -> ShapeDesc {
     ShapeDesc::Sphere { centre, radius }
 }
 
 /// A parallelogram with the normal u x v.
-fn parallelogram(corner: DVec3, u: DVec3, v: DVec3) -> ShapeDesc {
+pub fn parallelogram(corner: DVec3, u: DVec3, v: DVec3) -> ShapeDesc {
     ShapeDesc::Quad([corner, corner + u, corner + u + v, corner + v])
 }
 
 /// A large square around a point, in the plane with this unit normal.
-fn plane(middle: DVec3, normal: DVec3, half: f64) -> ShapeDesc {
+pub fn plane(middle: DVec3, normal: DVec3, half: f64) -> ShapeDesc {
     let u = half * normal.any_orthonormal_vector();
     let v = normal.cross(u);
     parallelogram(middle - u - v, 2.0 * u, 2.0 * v)
 }
 
-fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> MeshDesc {
+pub fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> MeshDesc {
     MeshDesc { name: "mesh".into(), path: "meshes[0]".into(), positions, triangles, ..MeshDesc::default() }
 }
 
 /// The first mesh of a scene, flat.
-const MESH: ShapeDesc = ShapeDesc::Mesh { mesh: 0, smooth: false };
+pub const MESH: ShapeDesc = ShapeDesc::Mesh { mesh: 0, smooth: false };
 
 /// A closed convex mesh turned so that all normals point towards `inside`, or all away from it.
-fn turned(mut mesh: MeshDesc, inside: DVec3, inwards: bool) -> MeshDesc {
+pub fn turned(mut mesh: MeshDesc, inside: DVec3, inwards: bool) -> MeshDesc {
     for triangle in &mut mesh.triangles {
         let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
         if ((b - a).cross(c - a).dot(inside - a) > 0.0) != inwards {
