@@ -476,8 +476,8 @@ pub struct etd_render_options {
     /// Of `ETD_INTEGRATOR_PHOTON_DIRECT`: fewer photons than this within the radius are no estimate, and shadow rays are
     /// sent instead; 0 means 10.
     pub min_photons: u32,
-    /// So many nearest photons make an estimate, those beyond the radius left out, 65536 at most; `UINT32_MAX`: all within
-    /// the radius; 0: as the integrator does best.
+    /// So many nearest photons make an estimate, those beyond the radius left out, 2 to 65536; `UINT32_MAX`: all within
+    /// the radius; 0: within a radius of each pixel's own.
     pub photon_neighbours: u32,
     /// An `etd_photon_kernel`.
     pub photon_kernel: EtdPhotonKernel,

@@ -31,8 +31,9 @@ pub struct PhotonDesc {
     pub caustic_count: Option<u32>,
     /// Radius of caustics, as `radius`.
     pub caustic_radius: Option<f64>,
-    /// So many nearest photons make an estimate, those beyond the radius left out, up to [`MAX_NEIGHBOURS`]; 0: all within
-    /// the radius, as always with the report's map; `None`: 100 where a map is made once, all within a radius that shrinks.
+    /// So many nearest photons make an estimate, those beyond the radius left out, from 2 to [`MAX_NEIGHBOURS`]; 0: all
+    /// within the radius, as always with the report's map and with [`super::IntegratorDesc::Ppm`] by default; `None`: all
+    /// within a radius that each pixel has of its own, from what it meets first.
     pub neighbours: Option<u32>,
     /// How photons weigh by their distance; `None`: a cone for the report's map, Epanechnikov's kernel for all others.
     pub kernel: Option<KernelDesc>,

@@ -58,8 +58,8 @@ pub(super) struct Render<'a> {
     pub(super) caustic_count: Option<Whole>,
     /// Radius of caustics, scene units, 1e-18 to 1e18. Default: from what a pixel sees.
     pub(super) caustic_radius: Option<f64>,
-    /// So many nearest photons make an estimate, those beyond the radius left out, up to 65536; 0: all within the
-    /// radius. Default: 100 where a map is made once, all within a radius that shrinks.
+    /// So many nearest photons make an estimate, those beyond the radius left out, 2 to 65536; 0: all within the
+    /// radius. Default: all within a radius of each pixel's own.
     pub(super) photon_neighbours: Option<Whole>,
     /// How photons weigh by their distance. Default: `cone` with `photon_direct`, else `epanechnikov`.
     #[serde(borrow)]

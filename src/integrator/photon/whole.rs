@@ -6,10 +6,10 @@
 //! meet the surface. Elsewhere, along edges and contacts, no density is estimated; there the path goes on instead, which has no
 //! bias and costs a little noise in a narrow strip.
 //!
-//! A cell is judged from a photon in it, so a cell without photons is not whole either: where there are hardly any
+//! A cell is judged from a photon in it or near by, so a cell far from photons is not whole either: where there are hardly any
 //! photons, paths do better.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::f32::consts::TAU;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
@@ -41,6 +41,10 @@ const MOST: usize = 1 << 22;
 /// Levels above the finest that is asked for, each of twice the radius: in the middle of a wall a few large cells tell for
 /// all smaller ones.
 const COARSER: i32 = 4;
+
+/// Smallest radius that places are fine enough for, as a share of their largest coordinate: 64 roundings. A smaller disk would
+/// hold photons by the luck of rounding only.
+const RESOLUTION: f32 = 64.0 * f32::EPSILON;
 
 /// Cells and whether disks in them are whole, for a few radii.
 #[derive(Clone, Debug, Default)]
@@ -86,6 +90,9 @@ impl Whole {
     /// Whether the disk of this radius around `p` on the side `normal` is known to be whole.
     #[inline]
     pub fn is_whole(&self, p: Vec3, normal: Vec3, radius: f32) -> bool {
+        if !is_resolved(p, radius) {
+            return false;
+        }
         for level in self.levels.iter().take_while(|level| level.radius >= radius) {
             match level.cells.get(&key(p, normal, level.radius)) {
                 Some(true) => return true,
@@ -131,6 +138,9 @@ impl Whole {
                 break;
             }
             let (p, normal) = (photon.position(), photon.normal.get());
+            if !is_resolved(p, radius) {
+                continue;
+            }
             let mut above = coarser.iter().rev();
             // Nothing is left to be known where a coarser disk is whole, or not known itself.
             if above.any(|coarser| coarser.cells.get(&key(p, normal, coarser.radius)).is_none_or(|is_whole| *is_whole))
@@ -143,25 +153,57 @@ impl Whole {
                 false
             });
         }
-        let count = fresh.len().div_ceil(BLOCK);
-        let fresh = Arc::new(fresh);
-        let (judged, scene) = (Arc::clone(&fresh), scene.clone());
-        let verdicts = parallel.map(count, move |block| {
-            let mut tracer = SceneTracer::new(&scene);
-            let end = (BLOCK * (block + 1)).min(judged.len());
-            let judge = |(_, p, normal): &(u64, Vec3, Vec3)| is_whole(&mut tracer, *p, *normal, radius);
-            (judged[BLOCK * block..end].iter().map(judge).collect::<Vec<_>>(), tracer.rays)
-        })?;
-        let mut rays = 0;
-        let mut keys = fresh.iter();
-        for (verdicts, spent) in verdicts {
-            rays += spent;
-            for (verdict, (key, ..)) in verdicts.into_iter().zip(&mut keys) {
-                level.cells.insert(*key, verdict);
+        let (verdicts, mut rays) = judge(scene, fresh, radius, parallel)?;
+        // Around cells that are whole, those as well where no photon was met: were only cells with photons whole, estimates
+        // would be made where there happen to be some and nowhere else, and be too large.
+        let mut around = Vec::new();
+        let mut asked = HashSet::<u64, BuildHasherDefault<Mixed>>::default();
+        for ((_, p, normal), _) in verdicts.iter().filter(|(_, is_whole)| *is_whole) {
+            let frame = Frame::from_normal(*normal);
+            for (i, j) in (-1_i8..=1).flat_map(|i| (-1_i8..=1).map(move |j| (i, j))) {
+                let p = *p + (frame.s * f32::from(i) + frame.t * f32::from(j)) * (radius / FINENESS);
+                let key = key(p, *normal, radius);
+                if !level.cells.contains_key(&key) && asked.insert(key) {
+                    around.push((key, p, *normal));
+                }
             }
         }
+        let (others, spent) = judge(scene, around, radius, parallel)?;
+        rays += spent;
+        // A place beside the surface tells nothing of it, where it is found not to be whole.
+        let whole = others.into_iter().filter(|(_, is_whole)| *is_whole);
+        level.cells.extend(verdicts.into_iter().chain(whole).map(|((key, ..), is_whole)| (key, is_whole)));
         Ok(rays)
     }
+}
+
+/// A cell's key, and a point of a surface in it with its normal.
+type Cell = (u64, Vec3, Vec3);
+
+/// Whether disks around the cells' points are whole, and the rays that it took to know.
+fn judge(
+    scene: &Scene,
+    cells: Vec<Cell>,
+    radius: f32,
+    parallel: &mut impl Parallel,
+) -> Result<(Vec<(Cell, bool)>, u64)> {
+    let count = cells.len().div_ceil(BLOCK);
+    let cells = Arc::new(cells);
+    let (judged, scene) = (Arc::clone(&cells), scene.clone());
+    let blocks = parallel.map(count, move |block| {
+        let mut tracer = SceneTracer::new(&scene);
+        let end = (BLOCK * (block + 1)).min(judged.len());
+        let judge = |cell: &Cell| (*cell, is_whole(&mut tracer, cell.1, cell.2, radius));
+        (judged[BLOCK * block..end].iter().map(judge).collect::<Vec<_>>(), tracer.rays)
+    })?;
+    let rays = blocks.iter().map(|(_, rays)| rays).sum();
+    Ok((blocks.into_iter().flat_map(|(verdicts, _)| verdicts).collect(), rays))
+}
+
+/// Whether places like this one are fine enough for disks of this radius.
+#[inline]
+fn is_resolved(p: Vec3, radius: f32) -> bool {
+    radius > RESOLUTION * p.abs().max_element()
 }
 
 /// The cell that a point on this side of a surface is in.
@@ -177,7 +219,7 @@ fn key(p: Vec3, normal: Vec3, radius: f32) -> u64 {
     } else {
         4 + u64::from(normal.z > 0.0)
     };
-    // Far cells saturate; no radius is that small against a scene.
+    // No coordinate saturates where places are fine enough for the radius.
     let [x, y, z] = cell.to_array().map(|v| u64::from(v as i32 as u32));
     hash(hash(x << 32 | y, z), axis)
 }

@@ -141,6 +141,8 @@ fn photons(paths: u32, radius: f64) -> PhotonDesc {
         caustic_count: Some(paths),
         radius: Some(radius),
         caustic_radius: Some(radius),
+        // Estimates of so few photons, too, so that none is chosen for having found many (M65c shows what that does).
+        min_photons: 1,
         ..PhotonDesc::default()
     }
 }

@@ -1,4 +1,119 @@
-use crate::record::Entry;
+//! Convergence of the progressive methods over their passes, towards the path tracer's image.
+//!
+//! With a radius r_i that shrinks by (i + alpha) / (i + 1) in square, the variance of the mean over N passes falls as N^-alpha and
+//! its bias as N^(alpha - 1) (Knaus and Zwicker 2011): for alpha 2/3 the mean squared error falls between N^-1, where noise of the
+//! pixels rules, and N^-(2/3), where that of the maps or their bias does. It must never level out.
+
+use super::{build, load, method};
+use crate::common::scenes::{camera, render_scene, scene};
+use crate::record::{Case, Entry};
+use crate::stats;
+use crate::transport::{ball, glass, grey, mirror, parallelogram, pick, plane};
+use etendue::desc::{BsdfDesc, IntegratorDesc, RenderDesc, SceneDesc};
+use etendue::film::Image;
+use etendue::math::{DVec3, Vec3};
+use etendue::scene::Scene;
+
 pub fn cases() -> Vec<Entry> {
-    Vec::new()
+    vec![Entry { id: "M70", title: "error over passes", run: over_passes }]
+}
+
+/// Progressive methods.
+const PROGRESSIVE: [IntegratorDesc; 3] = [IntegratorDesc::Caustic, IntegratorDesc::Ppm, IntegratorDesc::Sppm];
+
+/// A glass ball and a mirror over a floor, a lamp of this size, and a looking glass in which the caustic is seen.
+fn caustics(lamp: f64, seen_in_mirror: bool) -> SceneDesc {
+    let shape = parallelogram(DVec3::new(-0.5 * lamp - 0.8, 2.5, -0.5 * lamp), DVec3::X * lamp, DVec3::Z * lamp);
+    let light = Vec3::splat((4.0 / (lamp * lamp)) as f32);
+    let mut surfaces = vec![
+        (plane(DVec3::ZERO, DVec3::Y, 3.0), grey(0.6), None),
+        (ball(DVec3::new(0.0, 0.7, 0.0), 0.5), glass(1.5, 1.0), None),
+        (shape, BsdfDesc::Black, Some(light)),
+    ];
+    let (mut eye, mut target) = (DVec3::new(0.6, 2.0, 2.2), DVec3::new(0.2, 0.0, 0.0));
+    if seen_in_mirror {
+        // Straight ahead is the looking glass, the caustic in it.
+        surfaces.push((plane(DVec3::new(0.0, 1.0, -2.0), DVec3::Z, 1.5), mirror(0.9), None));
+        (eye, target) = (DVec3::new(0.4, 1.4, 0.9), DVec3::new(0.3, 0.9, -2.0));
+    }
+    scene(camera(eye, target, 40.0), surfaces)
+}
+
+/// Mean squared error against a reference, each value relative to the reference's and a hundredth of its mean, those least one in
+/// a hundred pixels left out that are the worst.
+fn relative_mse(image: &Image, reference: &[f64]) -> f64 {
+    let floor = 1e-2 * reference.iter().sum::<f64>() / reference.len() as f64;
+    let square = |(value, exact): (&f32, &f64)| (f64::from(*value) - exact).powi(2) / (exact * exact + floor * floor);
+    let mut squares: Vec<f64> = image.rgb.iter().zip(reference).map(square).collect();
+    squares.sort_by(f64::total_cmp);
+    squares.truncate(squares.len() * 99 / 100);
+    squares.iter().sum::<f64>() / squares.len() as f64
+}
+
+fn render(scene: &Scene, desc: RenderDesc, seed: u64) -> Image {
+    render_scene(scene, RenderDesc { seed, ..desc }).0
+}
+
+fn over_passes(case: &mut Case) {
+    let side = pick(case, 24, 64);
+    let scenes: Vec<(&str, SceneDesc)> = vec![
+        ("room.json", load("room.json")),
+        ("cornell.json", load("cornell.json")),
+        ("glass ball under a small lamp", caustics(0.3, false)),
+        ("its caustic in a mirror", caustics(0.3, true)),
+    ];
+    for (name, desc) in scenes.into_iter().skip(2) {
+        let scene = build(&desc);
+        let reference = render(&scene, method(IntegratorDesc::Path, side, case.count(4096, 65536) as u32, (1, 1.0)), 7);
+        eprintln!("DEBUG {name} path mean {:?}", reference.mean());
+        for i in [IntegratorDesc::Path, IntegratorDesc::Caustic, IntegratorDesc::Ppm, IntegratorDesc::Sppm] {
+            let d = RenderDesc { samples: 256, resolution: [side, side], integrator: i, ..RenderDesc::default() };
+            let im = render(&scene, d, 3);
+            let r: Vec<f64> = reference.rgb.iter().map(|v| f64::from(*v)).collect();
+            let worst = im
+                .rgb
+                .iter()
+                .zip(&r)
+                .enumerate()
+                .max_by(|a, b| {
+                    ((*a.1.0 as f64 - a.1.1).abs() / (a.1.1 + 1e-2))
+                        .total_cmp(&((*b.1.0 as f64 - b.1.1).abs() / (b.1.1 + 1e-2)))
+                })
+                .unwrap();
+            eprintln!("DEBUG   {} mean {:?} rel {} worst {:?}", i.name(), im.mean(), relative_mse(&im, &r), worst);
+        }
+        let reference: Vec<f64> = reference.rgb.iter().map(|value| f64::from(*value)).collect();
+        for integrator in PROGRESSIVE {
+            let seeds = case.count(2, 4);
+            let points: Vec<(f64, f64)> = [4_u32, 16, 64, 256][..pick(case, 3, 4)]
+                .iter()
+                .map(|&passes| {
+                    let mut desc = RenderDesc {
+                        resolution: [side, side],
+                        // Four samples to a pass.
+                        samples: 4 * passes,
+                        integrator,
+                        ..RenderDesc::default()
+                    };
+                    let paths = case.count(1 << 12, 1 << 15) as u32;
+                    desc.photons.count = Some(paths);
+                    desc.photons.caustic_count = Some(paths);
+                    let sum: f64 =
+                        (1..=seeds).map(|seed| relative_mse(&render(&scene, desc.clone(), seed), &reference)).sum();
+                    (f64::from(passes), sum / seeds as f64)
+                })
+                .collect();
+            let falls = points.windows(2).all(|pair| pair[1].1 < pair[0].1);
+            let what = format!("{name}, {}", integrator.name());
+            let list: Vec<String> = points.iter().map(|(_, mse)| crate::record::short(*mse)).collect();
+            case.holds(format!("{what}: error over passes"), "falls each time", list.join(", "), falls);
+            // Twice two thirds, in a quarter of the passes: -2/3, with room for noise.
+            let slope = stats::log_log_slope(&points);
+            case.at_most(
+                format!("{what}: N^-(2/3) over slope of log error over log passes"),
+                (2.0 / 3.0) / -slope,
+                1.15,
+            );
+        }
+    }
 }

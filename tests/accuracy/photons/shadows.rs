@@ -175,12 +175,16 @@ fn against_rays(case: &mut Case) {
     let cut = |desc: RenderDesc| RenderDesc { max_depth: Some(1), ..desc };
     let direct = cut(method(IntegratorDesc::Direct, 48, 4 * samples, (1, 0.2)));
     let rays: Vec<Vec<f64>> = images(&scene, &direct, RUNS).iter().map(blocks).collect();
-    for (name, kernel) in [("cone", KernelDesc::Cone { k: 1.0 }), ("flat", KernelDesc::Flat)] {
+    let cone = KernelDesc::Cone { k: 1.0 };
+    for (name, kernel, least) in
+        [("cone", cone, 1), ("flat", KernelDesc::Flat, 1), ("cone, 10 photons or rays", cone, 10)]
+    {
         let mut desc =
             cut(method(IntegratorDesc::PhotonDirect, 48, samples, (case.count(1 << 15, 1 << 19) as u32, 0.25)));
         desc.photons.kernel = Some(kernel);
+        desc.photons.min_photons = least;
         let photons: Vec<Vec<f64>> = images(&scene, &desc, RUNS).iter().map(blocks).collect();
-        let (mut worst, mut least, mut tests) = (0.0_f64, 1.0_f64, 0);
+        let (mut worst, mut smallest, mut tests) = (0.0_f64, 1.0_f64, 0);
         for block in 0..rays[0].len() {
             let of = |images: &[Vec<f64>]| stats::mean_and_error(&images.iter().map(|i| i[block]).collect::<Vec<_>>());
             let (a, b) = (of(&photons), of(&rays));
@@ -192,16 +196,24 @@ fn against_rays(case: &mut Case) {
             // Where light is full, the disk of 0.25 under a height of 4 is off by 3/4 of the square of a sixteenth at most; in the
             // rim of the penumbra, where a disk may hold no shadow photon, by what light bends there.
             let beyond = ((a.0 - b.0).abs() - 1e-2 * b.0).max(0.0);
-            least = least.min(stats::t_test((beyond, error), 0.0, RUNS));
+            smallest = smallest.min(stats::t_test((beyond, error), 0.0, RUNS));
             worst = worst.max(error / b.0);
             tests += 1;
         }
-        case.p_value(format!("{name}: blocks of 8 x 8, beyond a bias of 0.01"), least, 2 * tests);
+        if least > 1 {
+            case.known(
+                "of estimates only those count that found ten photons: where a disk holds about ten, 12 % too bright",
+            );
+        }
+        case.p_value(format!("{name}: blocks of 8 x 8, beyond a bias of 0.01"), smallest, 2 * tests);
         case.at_most(format!("{name}: largest error of a block"), worst, pick(case, 0.08, 0.01));
         let all = |images: &[Vec<f64>]| {
             stats::mean_and_error(&images.iter().map(|i| i.iter().sum::<f64>() / i.len() as f64).collect::<Vec<_>>())
         };
         let (a, b) = (all(&photons), all(&rays));
+        if least > 1 {
+            continue;
+        }
         let what = format!("{name}: whole image");
         case.biased_mean(what, (a.0, a.1.hypot(b.1)), b.0, (3e-3, pick(case, 5e-3, 1e-3)));
     }

@@ -1,0 +1,83 @@
+//! The error that progressive photon mapping estimates of itself: noise and bias, against the truth.
+
+#[path = "common/mod.rs"]
+mod common;
+
+use std::ops::ControlFlow;
+
+use etendue::desc::{IntegratorDesc, PhotonDesc, RenderDesc};
+use etendue::film::{Image, LayerKind};
+use etendue::render::{Render, RenderSettings};
+use etendue::scene::{BuildOptions, Scene};
+
+const SIZE: u32 = 24;
+
+fn render(scene: &Scene, desc: RenderDesc) -> (Render, Option<f64>) {
+    let mut render = Render::new(scene, RenderSettings { desc, ..RenderSettings::default() }).unwrap();
+    let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
+    (render, summary.relative_error)
+}
+
+fn settings(integrator: IntegratorDesc, samples: u32, seed: u64) -> RenderDesc {
+    // Wide, so that the bias counts; the noise is large besides.
+    let photons = PhotonDesc {
+        radius: Some(0.35),
+        caustic_radius: Some(0.08),
+        count: Some(1 << 13),
+        caustic_count: Some(1 << 13),
+        ..PhotonDesc::default()
+    };
+    RenderDesc { resolution: [SIZE; 2], samples, integrator, seed, photons, ..RenderDesc::default() }
+}
+
+/// Root of the mean squared error relative to a reference, as `Film::relative_error` means it.
+fn true_error(image: &Image, reference: &Image) -> f64 {
+    let values = reference.rgb.len() as f64;
+    let mean = reference.rgb.iter().map(|v| f64::from(*v)).sum::<f64>() / values;
+    let sum: f64 = image
+        .rgb
+        .iter()
+        .zip(&reference.rgb)
+        .map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2) / (f64::from(*b).powi(2) + 1e-2 * mean * mean))
+        .sum();
+    (sum / values).sqrt()
+}
+
+#[test]
+fn estimated_errors_cover_the_true_ones() {
+    let desc = etendue::desc::load("scenes/caustic-room.json".as_ref(), None).unwrap();
+    let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
+    // Narrow radii and many passes: its bias and noise are small against those that are judged.
+    let reference = {
+        let photons = PhotonDesc { radius: Some(0.08), caustic_radius: Some(0.02), ..PhotonDesc::default() };
+        let desc = RenderDesc { samples: 256, photons, ..settings(IntegratorDesc::Sppm, 256, 99) };
+        render(&scene, desc).0.image()
+    };
+    for integrator in [IntegratorDesc::Ppm, IntegratorDesc::Sppm] {
+        let (mut covered, mut tried) = (0, 0);
+        let mut ratios = Vec::new();
+        for seed in 0..3 {
+            let (render, estimated) = render(&scene, settings(integrator, 64, seed));
+            let image = render.image();
+            ratios.push(estimated.unwrap() / true_error(&image, &reference));
+            let film = render.film();
+            let layer = |kind: LayerKind| {
+                let mut values = vec![0.0; image.rgb.len()];
+                film.layer_into(kind, &mut values).unwrap();
+                values
+            };
+            let (standard_error, bias) = (layer(LayerKind::StandardError), layer(LayerKind::Bias));
+            for (((value, truth), error), bias) in image.rgb.iter().zip(&reference.rgb).zip(&standard_error).zip(&bias)
+            {
+                tried += 1;
+                // Four replicates: Student's t for 3 degrees of freedom leaves out 10 % beyond 2.353.
+                covered += u32::from((value - bias - truth).abs() <= 2.353 * error + 1e-3 * truth);
+            }
+        }
+        let share = f64::from(covered) / f64::from(tried);
+        let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+        println!("{integrator:?}: 90 % intervals cover {share:.3}; estimated over true error {mean:.3}");
+        assert!((0.80..=0.98).contains(&share), "{integrator:?}: {share}");
+        assert!((0.75..=1.3).contains(&mean), "{integrator:?}: {ratios:?}");
+    }
+}
