@@ -1112,8 +1112,8 @@ typedef struct etd_render_options {
      */
     uint32_t min_photons;
     /**
-     * So many nearest photons make an estimate, those beyond the radius left out, 65536 at most; `UINT32_MAX`: all within
-     * the radius; 0: as the integrator does best.
+     * So many nearest photons make an estimate, those beyond the radius left out, 2 to 65536; `UINT32_MAX`: all within
+     * the radius; 0: within a radius of each pixel's own.
      */
     uint32_t photon_neighbours;
     /**
