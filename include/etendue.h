@@ -639,6 +639,11 @@ enum etd_layer
      * Not an image of its own: alpha of the colour is the share of samples that met a surface. Without it, alpha is 1.
      */
     ETD_LAYER_ALPHA = 128,
+    /**
+     * Estimated bias of the pixel's mean where photon maps are made anew for every pass (caustic, ppm, sppm): 3 channels;
+     * what is there is too large by so much. 0 with all other integrators.
+     */
+    ETD_LAYER_BIAS = 256,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -1081,7 +1086,7 @@ typedef struct etd_render_options {
     double photon_alpha;
     /**
      * Greatest error that Ward's estimate allows where records of the irradiance cache are interpolated, up to 10; 0 means
-     * 0.15.
+     * 0.25.
      */
     double cache_error;
     /**
@@ -1107,7 +1112,8 @@ typedef struct etd_render_options {
      */
     uint32_t min_photons;
     /**
-     * So many nearest photons make an estimate, those beyond the radius left out, 65536 at most; 0: all within the radius.
+     * So many nearest photons make an estimate, those beyond the radius left out, 2 to 65536; `UINT32_MAX`: all within
+     * the radius; 0: within a radius of each pixel's own.
      */
     uint32_t photon_neighbours;
     /**
