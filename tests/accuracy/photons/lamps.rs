@@ -37,7 +37,7 @@ fn facing_up(scene: &Scene, seed: u64, paths: u32) -> f64 {
 fn factors(case: &mut Case) {
     // Power on a small receiver over its area: no kernel in it. Off the middle of it to the second order of its size.
     let half = 0.1;
-    let paths = case.count(1 << 15, 1 << 20) as u32;
+    let paths = case.count(1 << 16, 1 << 20) as u32;
     let above = |x: [f64; 2], z: [f64; 2], y: f64| {
         [(x[0], z[0]), (x[1], z[0]), (x[1], z[1]), (x[0], z[1])].map(|(x, z)| DVec3::new(x, y, z))
     };
