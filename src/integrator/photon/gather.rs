@@ -195,8 +195,7 @@ impl Gather {
     /// from the emitters or from them by mirrors and glass only; and the distance to what the ray meets, infinite for
     /// nothing.
     ///
-    /// Together with direct light and caustics it is all light, each once. Caustics that light other surfaces are as in
-    /// the map, even where an edge cuts off a disk.
+    /// Together with direct light and caustics it is all light, each once.
     pub fn incident<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
@@ -368,22 +367,25 @@ impl Gather {
             }
         }
         // By mirrors and glass.
+        let mut caustic = |layer: &Layer, asked: Asked| {
+            let estimate = ask(layer, asked, vertex, None);
+            // Seams show where the eye looks; light that comes through a wall does so anywhere.
+            if estimate.count > 0 && !self.whole.is_whole(p, facing, asked.radius) {
+                ask(layer, asked, vertex, Some(&Cut::new(tracer, vertex, estimate.radius)))
+            } else {
+                estimate
+            }
+        };
         if !is_first {
             if let Some(layer) = &self.later_caustic {
                 // A narrow disk where the wide one would reach over an edge or through a wall.
                 let is_wide = self.whole.is_whole(p, facing, layer.widest);
                 let asked = if is_wide { Asked { radius: layer.widest, ..layer.asked } } else { layer.asked };
-                sum += ask(layer, asked, vertex, None).radiance;
+                sum += caustic(layer, asked).radiance;
             }
         } else if let Some(layer) = &self.caustic {
             let asked = self.asked(layer, is_first, false, told, vertex);
-            let estimate = ask(layer, asked, vertex, None);
-            // Seams show where the eye looks; what they take from indirect light does not.
-            let estimate = if estimate.count > 0 && !self.whole.is_whole(p, facing, asked.radius) {
-                ask(layer, asked, vertex, Some(&Cut::new(tracer, vertex, estimate.radius)))
-            } else {
-                estimate
-            };
+            let estimate = caustic(layer, asked);
             sum += estimate.radiance;
             self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.caustic);
         }
