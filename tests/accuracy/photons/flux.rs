@@ -238,7 +238,8 @@ fn guided(case: &mut Case) {
         ]
     };
     let near_lamp = ball(DVec3::new(0.0, 0.75, 0.0), 0.2);
-    let scenes: [(&str, Vec<(ShapeDesc, BsdfDesc, Option<Vec3>)>); 4] = [
+    type Body = (ShapeDesc, BsdfDesc, Option<Vec3>);
+    let scenes: [(&str, Vec<Body>); 4] = [
         ("a glass ball", vec![clear(0.0)]),
         ("two balls in line", vec![clear(0.0), clear(1.1), (sheet, mirror(0.9), None)]),
         ("a mirror sheet", vec![(sheet, mirror(0.9), None)]),
