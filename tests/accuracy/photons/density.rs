@@ -210,7 +210,7 @@ fn lamps(case: &mut Case) {
     let triangle = [DVec3::new(-0.5, 2.0, -0.4), DVec3::new(0.8, 2.0, -0.3), DVec3::new(0.1, 2.0, 0.9)];
     let corners = triangle;
     let (centre, radius) = (DVec3::new(0.3, 2.0, 0.2), 0.5);
-    let paths = case.count(1 << 16, 1 << 20) as u32;
+    let paths = case.count(1 << 16, 1 << 18) as u32;
     let points = [DVec3::ZERO, DVec3::X, DVec3::new(1.5, 0.0, -1.2)];
     for name in ["point light", "triangle", "sphere"] {
         let mut desc = unseen(vec![floor()]);
@@ -246,7 +246,7 @@ fn lamps(case: &mut Case) {
             });
             let second_order = exact(p) + a * a * laplacian / 8.0;
             let what = format!("{name}, ({}, {})", p.x, p.z);
-            case.biased_mean(what, found, second_order, (1e-4, pick(case, 3e-2, 8e-3)));
+            case.biased_mean(what, found, second_order, (1e-4, pick(case, 3e-2, 1.5e-2)));
         }
     }
     // A million photons and the 200 nearest: everywhere within one percent in the mean.

@@ -37,7 +37,7 @@ fn facing_up(scene: &Scene, seed: u64, paths: u32) -> f64 {
 fn factors(case: &mut Case) {
     // Power on a small receiver over its area: no kernel in it. Off the middle of it to the second order of its size.
     let half = 0.1;
-    let paths = case.count(1 << 16, 1 << 20) as u32;
+    let paths = case.count(1 << 16, 1 << 18) as u32;
     let above = |x: [f64; 2], z: [f64; 2], y: f64| {
         [(x[0], z[0]), (x[1], z[0]), (x[1], z[1]), (x[0], z[1])].map(|(x, z)| DVec3::new(x, y, z))
     };
@@ -66,7 +66,7 @@ fn factors(case: &mut Case) {
         let at = |i: i32| half * (2.0 * (f64::from(i) + 0.5) / f64::from(steps) - 1.0);
         let sum: f64 = (0..steps * steps).map(|i| factor(DVec3::new(at(i % steps), 0.0, at(i / steps)))).sum();
         let exact = PI * sum / f64::from(steps * steps);
-        case.mean(name, found, exact, pick(case, 4e-2, 8e-3));
+        case.mean(name, found, exact, pick(case, 4e-2, 2e-2));
     }
     for distance in [1e-2, 1.0, 1e3] {
         let mut desc = receiver(half * distance, Vec::new());
@@ -82,7 +82,7 @@ fn factors(case: &mut Case) {
             to.y / to.length().powi(3)
         };
         let exact = (0..steps * steps).map(one).sum::<f64>() / f64::from(steps * steps);
-        case.mean(format!("point light, distance {distance}"), found, exact, pick(case, 4e-2, 8e-3));
+        case.mean(format!("point light, distance {distance}"), found, exact, pick(case, 4e-2, 2e-2));
     }
 }
 
@@ -116,7 +116,7 @@ fn sides(case: &mut Case) {
 }
 
 fn many(case: &mut Case) {
-    let paths = case.count(1 << 15, 1 << 19) as u32;
+    let paths = case.count(1 << 15, 1 << 17) as u32;
     let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, z)| DVec3::new(x, 1.0, z));
     let exact = PI * polygon_factor(DVec3::ZERO, DVec3::Y, &square);
     let radius = 0.15;
@@ -127,7 +127,7 @@ fn many(case: &mut Case) {
             fixed(&map, scene.to_scene(DVec3::ZERO), Vec3::Y, KernelDesc::Flat, radius)
         })
     };
-    let tolerance = pick(case, 2e-2, 5e-3);
+    let tolerance = pick(case, 2e-2, 1e-2);
     let piece = |i: u16, side: u16| {
         let (step, x, z) = (2.0 / f64::from(side), f64::from(i % side), f64::from(i / side));
         parallelogram(DVec3::new(x * step - 1.0, 1.0, z * step - 1.0), DVec3::X * step, DVec3::Z * step)

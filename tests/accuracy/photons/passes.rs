@@ -59,7 +59,7 @@ fn render(scene: &Scene, desc: RenderDesc, seed: u64) -> Image {
 }
 
 fn over_passes(case: &mut Case) {
-    let side = pick(case, 24, 64);
+    let side = pick(case, 16, 32);
     // With the first radii of both maps.
     let scenes = vec![
         ("room.json", load("room.json"), [0.1, 0.3]),
@@ -69,10 +69,10 @@ fn over_passes(case: &mut Case) {
     ];
     for (name, desc, radii) in scenes {
         let scene = build(&desc);
-        let samples = case.count(2048, 32768) as u32;
+        let samples = case.count(2048, 8192) as u32;
         let references = [7, 8].map(|seed| render(&scene, method(IntegratorDesc::Path, side, samples, (1, 1.0)), seed));
         for integrator in PROGRESSIVE {
-            let seeds = case.count(2, 4);
+            let seeds = 2;
             let points: Vec<(f64, f64)> = [4_u32, 16, 64, 256][..pick(case, 3, 4)]
                 .iter()
                 .map(|&passes| {
@@ -83,7 +83,7 @@ fn over_passes(case: &mut Case) {
                         integrator,
                         ..RenderDesc::default()
                     };
-                    let paths = case.count(1 << 12, 1 << 15) as u32;
+                    let paths = case.count(1 << 12, 1 << 13) as u32;
                     desc.photons.count = Some(paths);
                     desc.photons.caustic_count = Some(paths);
                     [desc.photons.caustic_radius, desc.photons.radius] = radii.map(Some);

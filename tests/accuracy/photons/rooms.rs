@@ -36,7 +36,7 @@ fn room(wall: BsdfDesc, object: Option<BsdfDesc>) -> SceneDesc {
 }
 
 fn bodies(case: &mut Case) {
-    let samples = case.count(4, 256) as u32;
+    let samples = case.count(4, 16) as u32;
     for integrator in METHODS {
         let name = integrator.name();
         for (what, bsdf, exact) in
@@ -48,9 +48,9 @@ fn bodies(case: &mut Case) {
             case.exact(format!("{what}, {name}: farthest pixel"), exact + worst, exact, Within::Absolute(1e-5));
         }
         let scene = build(&room(BsdfDesc::Black, Some(grey(0.6))));
-        let paths = case.count(1 << 13, 1 << 15) as u32;
+        let paths = case.count(1 << 13, 1 << 14) as u32;
         let found = images(&scene, &method(integrator, 16, 4 * samples, (paths, 0.1)), RUNS);
-        let tolerance = pick(case, 1e-2, 1e-3);
+        let tolerance = pick(case, 1e-2, 4e-3);
         case.mean(format!("Lambert ball of 0.6, {name}"), over(&found, grey_mean), f64::from(0.6_f32), tolerance);
     }
 }
@@ -58,18 +58,18 @@ fn bodies(case: &mut Case) {
 fn emitting_box(case: &mut Case) {
     for (albedo, tolerance) in [(0.5_f32, 4e-3), (0.9, 2e-2)] {
         for (what, object) in [("empty", None), ("mirror", Some(mirror(1.0))), ("glass", Some(glass(1.5, 1.0)))] {
-            if albedo > 0.5 && what != "mirror" && !case.is_full() {
+            if (albedo > 0.5 || what == "glass") && !case.is_full() {
                 continue;
             }
             let mut desc = room(grey(albedo), object);
             desc.camera = camera(EYE, CENTRE, 80.0);
             let scene = build(&desc);
             for integrator in METHODS {
-                let paths = case.count(1 << 12, 1 << 16) as u32;
-                let desc = method(integrator, 16, case.count(8, 128) as u32, (paths, 0.2));
+                let paths = case.count(1 << 12, 1 << 13) as u32;
+                let desc = method(integrator, 16, case.count(4, 16) as u32, (paths, 0.2));
                 let found = images(&scene, &desc, RUNS / 2);
                 let exact = 1.0 / (1.0 - f64::from(albedo));
-                let tolerance = pick(case, tolerance, 0.2 * tolerance);
+                let tolerance = pick(case, 2.0 * tolerance, tolerance);
                 let what = format!("albedo {albedo}, {what}, {}", integrator.name());
                 case.mean(what, over(&found, grey_mean), exact, tolerance);
             }
@@ -111,12 +111,12 @@ fn sphere(case: &mut Case) {
     }
     let scene = build(&desc);
     for integrator in METHODS {
-        let paths = case.count(1 << 15, 1 << 17) as u32;
-        let desc = method(integrator, side, case.count(8, 256) as u32, (paths, 0.15));
+        let paths = case.count(1 << 15, 1 << 16) as u32;
+        let desc = method(integrator, side, case.count(8, 32) as u32, (paths, 0.15));
         let found = images(&scene, &desc, RUNS / 2);
         // Direct light under the lamp bends by its 1.2 units of height: the report's map is off by 3/4 (0.15 / 1.2)² of it there.
         let bias = if integrator == IntegratorDesc::PhotonDirect { 3e-3 } else { 1e-3 };
-        let within = (bias, pick(case, 4e-3, 1e-3));
+        let within = (bias, pick(case, 4e-3, 2e-3));
         case.biased_mean(integrator.name(), over(&found, grey_mean), exact, within);
     }
 }
@@ -130,12 +130,12 @@ fn form_factors(case: &mut Case) {
         // Radiance 2, albedo 0.8.
         let exact = 1.6 * form_factor;
         for integrator in METHODS {
-            let paths = case.count(1 << 13, 1 << 17) as u32;
-            let desc = method(integrator, 16, case.count(16, 256) as u32, (paths, 0.1));
+            let paths = case.count(1 << 13, 1 << 15) as u32;
+            let desc = method(integrator, 16, case.count(16, 64) as u32, (paths, 0.1));
             let found = over(&images(&scene, &desc, RUNS / 2), grey_mean);
             let bias = if integrator == IntegratorDesc::PhotonDirect { 3e-3 } else { 0.0 };
             let what = format!("{what}, {}", integrator.name());
-            case.biased_mean(what, found, exact, (bias, pick(case, 4e-3, 1e-3)));
+            case.biased_mean(what, found, exact, (bias, pick(case, 4e-3, 2e-3)));
         }
     }
 }
@@ -145,8 +145,8 @@ fn planes(case: &mut Case) {
     for &(rho, r, irradiance) in pick(case, &all[2..3], all) {
         let scene = build(&floor_and_ceiling(rho, r));
         for integrator in METHODS {
-            let paths = case.count(1 << 13, 1 << 16) as u32;
-            let desc = method(integrator, 4, case.count(64, 512) as u32, (paths, 0.25));
+            let paths = case.count(1 << 13, 1 << 14) as u32;
+            let desc = method(integrator, 4, case.count(32, 128) as u32, (paths, 0.25));
             let found = over(&images(&scene, &desc, RUNS / 2), grey_mean);
             let exact = f64::from(rho) / PI * irradiance;
             // Direct light falls off over the height of the lamp, 1/2.
@@ -155,7 +155,7 @@ fn planes(case: &mut Case) {
                 _ => 5e-3,
             };
             let what = format!("albedo {rho}, distance {r}, {}", integrator.name());
-            case.biased_mean(what, found, exact, (bias, pick(case, 2e-2, 8e-3)));
+            case.biased_mean(what, found, exact, (bias, pick(case, 3e-2, 1.5e-2)));
         }
     }
 }
@@ -175,13 +175,13 @@ fn cornell(case: &mut Case) {
     let scene = build(&load("cornell.json"));
     let side = pick(case, 32, 64);
     let all = |desc: &RenderDesc, runs: u32| images(&scene, desc, runs).iter().map(blocks).collect::<Vec<_>>();
-    let samples = case.count(16, 128) as u32;
+    let samples = case.count(16, 32) as u32;
     let path = all(&method(IntegratorDesc::Path, side, 4 * samples, (1, 20.0)), RUNS / 2);
     let of = |images: &[Vec<f64>], block: usize| {
         stats::mean_and_error(&images.iter().map(|image| image[block]).collect::<Vec<_>>())
     };
     for integrator in METHODS {
-        let paths = case.count(1 << 14, 1 << 17) as u32;
+        let paths = case.count(1 << 14, 1 << 15) as u32;
         let found = all(&method(integrator, side, samples, (paths, pick(case, 40.0, 20.0))), RUNS / 2);
         let (mut smallest, mut tests, mut largest) = (1.0_f64, 0, 0.0_f64);
         for block in 0..path[0].len() {
@@ -198,6 +198,6 @@ fn cornell(case: &mut Case) {
         }
         let name = integrator.name();
         case.p_value(format!("{name}: blocks of 8 x 8, beyond 0.01"), smallest, 5 * tests);
-        case.at_most(format!("{name}: largest error of a block"), largest, pick(case, 0.08, 0.01));
+        case.at_most(format!("{name}: largest error of a block"), largest, pick(case, 0.08, 0.05));
     }
 }

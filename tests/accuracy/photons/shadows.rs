@@ -171,7 +171,7 @@ fn blocks(image: &Image) -> Vec<f64> {
 
 fn against_rays(case: &mut Case) {
     let scene = build(&eclipse());
-    let samples = case.count(4, 64) as u32;
+    let samples = case.count(4, 16) as u32;
     let cut = |desc: RenderDesc| RenderDesc { max_depth: Some(1), ..desc };
     let direct = cut(method(IntegratorDesc::Direct, 48, 4 * samples, (1, 0.2)));
     let rays: Vec<Vec<f64>> = images(&scene, &direct, RUNS).iter().map(blocks).collect();
@@ -179,8 +179,8 @@ fn against_rays(case: &mut Case) {
     for (name, kernel, least) in
         [("cone", cone, 1), ("flat", KernelDesc::Flat, 1), ("cone, 10 photons or rays", cone, 10)]
     {
-        let mut desc =
-            cut(method(IntegratorDesc::PhotonDirect, 48, samples, (case.count(1 << 15, 1 << 19) as u32, 0.25)));
+        let paths = if least > 1 { 1 << 15 } else { case.count(1 << 15, 1 << 17) as u32 };
+        let mut desc = cut(method(IntegratorDesc::PhotonDirect, 48, samples, (paths, 0.25)));
         desc.photons.kernel = Some(kernel);
         desc.photons.min_photons = least;
         let photons: Vec<Vec<f64>> = images(&scene, &desc, RUNS).iter().map(blocks).collect();
@@ -206,7 +206,7 @@ fn against_rays(case: &mut Case) {
             );
         }
         case.p_value(format!("{name}: blocks of 8 x 8, beyond a bias of 0.01"), smallest, 2 * tests);
-        case.at_most(format!("{name}: largest error of a block"), worst, pick(case, 0.08, 0.01));
+        case.at_most(format!("{name}: largest error of a block"), worst, pick(case, 0.08, 0.05));
         let all = |images: &[Vec<f64>]| {
             stats::mean_and_error(&images.iter().map(|i| i.iter().sum::<f64>() / i.len() as f64).collect::<Vec<_>>())
         };
@@ -215,7 +215,7 @@ fn against_rays(case: &mut Case) {
             continue;
         }
         let what = format!("{name}: whole image");
-        case.biased_mean(what, (a.0, a.1.hypot(b.1)), b.0, (3e-3, pick(case, 5e-3, 1e-3)));
+        case.biased_mean(what, (a.0, a.1.hypot(b.1)), b.0, (3e-3, pick(case, 5e-3, 3e-3)));
     }
 }
 
