@@ -195,8 +195,7 @@ impl Gather {
     /// from the emitters or from them by mirrors and glass only; and the distance to what the ray meets, infinite for
     /// nothing.
     ///
-    /// Together with direct light and caustics it is all light, each once. Caustics that light other surfaces are as in
-    /// the map, even where an edge cuts off a disk.
+    /// Together with direct light and caustics it is all light, each once.
     pub fn incident<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
