@@ -367,27 +367,20 @@ impl Gather {
             }
         }
         // By mirrors and glass.
-        let mut caustic = |layer: &Layer, asked: Asked| {
-            let estimate = ask(layer, asked, vertex, None);
-            // Seams show where the eye looks; light that comes through a wall does so anywhere.
-            if estimate.count > 0 && !self.whole.is_whole(p, facing, asked.radius) {
-                ask(layer, asked, vertex, Some(&Cut::new(tracer, vertex, estimate.radius)))
-            } else {
-                estimate
-            }
-        };
-        if !is_first {
-            if let Some(layer) = &self.later_caustic {
-                // A narrow disk where the wide one would reach over an edge or through a wall.
-                let is_wide = self.whole.is_whole(p, facing, layer.widest);
-                let asked = if is_wide { Asked { radius: layer.widest, ..layer.asked } } else { layer.asked };
-                sum += caustic(layer, asked).radiance;
-            }
-        } else if let Some(layer) = &self.caustic {
+        if is_first && let Some(layer) = &self.caustic {
             let asked = self.asked(layer, is_first, false, told, vertex);
-            let estimate = caustic(layer, asked);
+            let estimate = self.ask_cut(layer, asked, vertex, tracer);
             sum += estimate.radiance;
             self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.caustic);
+        }
+        if !is_first && let Some(layer) = &self.later_caustic {
+            // A narrow disk where the wide one would reach over an edge or through a wall.
+            let estimate = if self.whole.is_whole(p, facing, layer.widest) {
+                ask(layer, Asked { radius: layer.widest, ..layer.asked }, vertex, None)
+            } else {
+                self.ask_cut(layer, layer.asked, vertex, tracer)
+            };
+            sum += estimate.radiance;
         }
         // Scattered before.
         if let Some((layer, asked)) = ending {
@@ -396,6 +389,16 @@ impl Gather {
             self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.indirect);
         }
         (sum, ends)
+    }
+
+    /// Asks on as much of the disk as there is; whether it is whole is looked at only where there are photons.
+    #[inline]
+    fn ask_cut<T: Tracer>(&self, layer: &Layer, asked: Asked, vertex: &Vertex, tracer: &mut T) -> Estimate {
+        let estimate = ask(layer, asked, vertex, None);
+        if estimate.count == 0 || self.whole.is_whole(vertex.surface.point.p, vertex.facing(), asked.radius) {
+            return estimate;
+        }
+        ask(layer, asked, vertex, Some(&Cut::new(tracer, vertex, estimate.radius)))
     }
 
     /// With which radius a map is asked: the pixel's own at the first diffuse hit, where it has one.
