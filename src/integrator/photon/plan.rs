@@ -22,6 +22,9 @@ const ONCE: u32 = 1_000_000;
 /// Light paths of a pass.
 const EACH_PASS: u32 = 1 << 17;
 
+/// One in so many light paths more is followed before the first map, to learn where disks are whole.
+const SCOUTS: u32 = 4;
+
 /// The report's radius.
 const REPORT_RADIUS: f32 = 0.1;
 
@@ -64,6 +67,8 @@ pub struct Plan {
     caustic_radius: f32,
     radius: f32,
     whole: Whole,
+    /// Maps that were gathered from, of whose photons `whole` may know from now on.
+    unlearnt: Vec<Arc<PhotonMap>>,
     made: Option<(u32, Gather)>,
     notes: Vec<String>,
     /// Rays that went into maps.
@@ -107,6 +112,7 @@ impl Plan {
             caustic_radius: caustic,
             radius: wide,
             whole: Whole::new(wide.max(caustic)),
+            unlearnt: Vec::new(),
             made: None,
             notes: Vec::new(),
             rays: 0,
@@ -177,6 +183,11 @@ impl Plan {
         let neighbours = photons.neighbours.filter(|count| *count > 0);
         let kinds = self.scene.kinds();
 
+        let is_first = self.unlearnt.is_empty();
+        for map in std::mem::take(&mut self.unlearnt) {
+            self.rays += self.whole.learn(&self.scene, map.photons(), radius.min(caustic_radius), parallel)?;
+        }
+
         // What is shot, how much of it, and how it is asked.
         let mut wanted = Vec::new();
         let asked = |kernel, radius, neighbours| Asked { kernel, radius, neighbours };
@@ -214,7 +225,7 @@ impl Plan {
         wanted.retain(|(kind, ..)| kinds.diffuse && (*kind != MapKind::Caustic || kinds.specular));
         let budget = (photons.memory as usize).saturating_mul(1 << 20) / BYTES_A_PHOTON;
         let mut shots: Vec<(MapKind, Asked, Vec<Photon>)> = Vec::new();
-        let mut told = Vec::new();
+        let (mut told, mut shot_as) = (Vec::new(), Vec::new());
         let maps = wanted.len();
         for (kind, paths, asked) in wanted {
             let used: usize = shots.iter().map(|(_, _, photons)| photons.len()).sum();
@@ -237,6 +248,7 @@ impl Plan {
                 ));
             }
             told.push(shot.tally);
+            shot_as.push((paths, most));
             shots.push((kind, asked, shot.photons));
         }
         let (kinds, shots): (Vec<_>, Vec<_>) =
@@ -258,8 +270,22 @@ impl Plan {
                 (layer.asked.radius, layer.widest) = (self.radius, self.radius);
             }
         }
-        for (_, layer) in &layers {
-            self.rays += self.whole.learn(&self.scene, &layer.map, layer.asked.radius, parallel)?;
+        for ((kind, layer), (paths, most)) in layers.iter().zip(shot_as) {
+            let radius = layer.asked.radius;
+            if *kind == MapKind::Caustic {
+                // Its estimates are made anywhere, on whole disks or cut ones.
+                self.rays += self.whole.learn(&self.scene, layer.map.photons(), radius, parallel)?;
+            } else if is_first {
+                // Photons of no pass, as no others are known yet.
+                let job = Job { kind: *kind, paths: paths.div_ceil(SCOUTS), pass: u32::MAX, most };
+                let scouts = shoot(&self.scene, &self.desc, job, parallel)?;
+                self.rays += scouts.tally.rays;
+                self.rays += self.whole.learn(&self.scene, &scouts.photons, radius, parallel)?;
+            }
+        }
+        if self.is_progressive() {
+            let unlearnt = layers.iter().filter(|(kind, _)| *kind != MapKind::Caustic);
+            self.unlearnt = unlearnt.map(|(_, layer)| Arc::clone(&layer.map)).collect();
         }
         if pass == 0 {
             self.notes.extend(layers.iter().zip(&told).map(|((kind, layer), tally)| note(*kind, layer, tally)));

@@ -7,7 +7,8 @@
 //! bias and costs a little noise in a narrow strip.
 //!
 //! A cell is judged from a photon in it or near by, so a cell far from photons is not whole either: where there are hardly any
-//! photons, paths do better.
+//! photons, paths do better. They must be other photons than those that are gathered. Else estimates would be made where there
+//! happen to be some and paths followed where there happen to be none, and the image too bright by the chance of that.
 
 use std::collections::{HashMap, HashSet};
 use std::f32::consts::TAU;
@@ -15,7 +16,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
 use super::super::{SceneTracer, Tracer as _};
-use super::PhotonMap;
+use super::Photon;
 use super::estimate::THICKNESS;
 use crate::control::Parallel;
 use crate::error::Result;
@@ -104,7 +105,13 @@ impl Whole {
     }
 
     /// Judges the cells of photons that were not met before, down to disks of this radius (> 0); returns the rays it took.
-    pub fn learn(&mut self, scene: &Scene, map: &PhotonMap, radius: f32, parallel: &mut impl Parallel) -> Result<u64> {
+    pub fn learn(
+        &mut self,
+        scene: &Scene,
+        photons: &[Photon],
+        radius: f32,
+        parallel: &mut impl Parallel,
+    ) -> Result<u64> {
         // The next finer level begins where this radius is less than it.
         while let Some(last) = self.levels.last()
             && 0.5 * last.radius >= radius
@@ -116,7 +123,7 @@ impl Whole {
             if self.levels[place].radius < radius {
                 break;
             }
-            rays += self.learn_level(scene, map, place, parallel)?;
+            rays += self.learn_level(scene, photons, place, parallel)?;
         }
         Ok(rays)
     }
@@ -124,7 +131,7 @@ impl Whole {
     fn learn_level(
         &mut self,
         scene: &Scene,
-        map: &PhotonMap,
+        photons: &[Photon],
         place: usize,
         parallel: &mut impl Parallel,
     ) -> Result<u64> {
@@ -133,7 +140,7 @@ impl Whole {
         let level = Arc::make_mut(level);
         let radius = level.radius;
         let mut fresh = Vec::new();
-        for photon in map.photons() {
+        for photon in photons {
             if fresh.len() == MOST_AT_ONCE || level.cells.len() == MOST {
                 break;
             }
@@ -154,8 +161,7 @@ impl Whole {
             });
         }
         let (verdicts, mut rays) = judge(scene, fresh, radius, parallel)?;
-        // Around cells that are whole, those as well where no photon was met: were only cells with photons whole, estimates
-        // would be made where there happen to be some and nowhere else, and be too large.
+        // Around cells that are whole, those as well where no photon was met.
         let mut around = Vec::new();
         let mut asked = HashSet::<u64, BuildHasherDefault<Mixed>>::default();
         for ((_, p, normal), _) in verdicts.iter().filter(|(_, is_whole)| *is_whole) {
