@@ -155,7 +155,7 @@ fn under_point(r: f64) -> f64 {
 fn bias(case: &mut Case) {
     // Photons of a point light at height 1 over the disk of radius 2 under it, along a spiral that turns by the golden section
     // from one to the next and is even in the cosine: hardly any noise, so that the bias shows.
-    let count = case.count(1 << 20, 1 << 24) as u32;
+    let count = case.count(1 << 22, 1 << 24) as u32;
     let least_cos = 1.0 / 5.0_f64.sqrt();
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let places = (0..count).map(|i| {
