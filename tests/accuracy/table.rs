@@ -56,7 +56,7 @@ impl Table {
     /// For the terminal: everything, or what failed only.
     pub fn to_text(&self, is_full: bool) -> String {
         let mut text = String::new();
-        if is_full || std::env::var_os("ACC_TABLE").is_some() {
+        if is_full {
             let groups: Vec<&str> = super::groups().into_iter().map(|(group, _)| group).collect();
             for group in groups {
                 let _ = write!(text, "\n{group}\n{}", self.group_table(group));

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{RUNS, add_mesh, build, load, many_runs, runs, seeded, shot, stored, unseen};
+use super::{RUNS, Surface, add_mesh, build, load, many_runs, runs, seeded, shot, stored, unseen};
 use crate::common::scenes::{box_inside, point_light};
 use crate::record::{Case, Entry, Within};
 use crate::transport::{ball, glass, grey, mirror, parallelogram, pick};
@@ -30,7 +30,7 @@ fn off(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.into_iter().zip(b).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max)
 }
 
-fn floor() -> (ShapeDesc, BsdfDesc, Option<Vec3>) {
+fn floor() -> Surface {
     let shape = parallelogram(DVec3::new(-3.0, -1.0, 3.0), DVec3::X * 6.0, DVec3::Z * -6.0);
     (shape, BsdfDesc::Lambert { albedo: Vec3::new(0.8, 0.5, 0.2) }, None)
 }
@@ -238,8 +238,7 @@ fn guided(case: &mut Case) {
         ]
     };
     let near_lamp = ball(DVec3::new(0.0, 0.75, 0.0), 0.2);
-    type Body = (ShapeDesc, BsdfDesc, Option<Vec3>);
-    let scenes: [(&str, Vec<Body>); 4] = [
+    let scenes: [(&str, Vec<Surface>); 4] = [
         ("a glass ball", vec![clear(0.0)]),
         ("two balls in line", vec![clear(0.0), clear(1.1), (sheet, mirror(0.9), None)]),
         ("a mirror sheet", vec![(sheet, mirror(0.9), None)]),

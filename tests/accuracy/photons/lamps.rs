@@ -28,6 +28,9 @@ fn receiver(half: f64, lamps: Vec<ShapeDesc>) -> SceneDesc {
     unseen(surfaces)
 }
 
+/// Configuration factor of a receiver at a point, facing up.
+type Factor = Box<dyn Fn(DVec3) -> f64>;
+
 /// Power that falls on upper sides.
 fn facing_up(scene: &Scene, seed: u64, paths: u32) -> f64 {
     let photons = shot(scene, &seeded(seed), MapKind::Direct, paths).photons;
@@ -44,7 +47,6 @@ fn factors(case: &mut Case) {
     let square = above([-1.0, 1.0], [-1.0, 1.0], 1.0);
     let aside = above([0.5, 1.5], [0.2, 1.0], 0.8);
     let upright = [(0.0, -0.5), (1.0, -0.5), (1.0, 0.5), (0.0, 0.5)].map(|(y, z)| DVec3::new(-0.8, y, z));
-    type Factor = Box<dyn Fn(DVec3) -> f64>;
     let mut lamps: Vec<(&str, ShapeDesc, Factor)> = Vec::new();
     for (name, polygon) in [("square above", square), ("rectangle aside", aside), ("upright square", upright)] {
         lamps.push((name, ShapeDesc::Quad(polygon), Box::new(move |p| polygon_factor(p, DVec3::Y, &polygon))));

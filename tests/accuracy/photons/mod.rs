@@ -53,6 +53,9 @@ const METHODS: [IntegratorDesc; 5] = [
 /// Independent runs whose scatter is the error of their mean.
 const RUNS: u32 = 32;
 
+/// A shape with its material, and what it emits.
+type Surface = (ShapeDesc, BsdfDesc, Option<Vec3>);
+
 fn build(desc: &SceneDesc) -> Scene {
     Scene::build(desc, &BuildOptions::default()).expect("a scene of the test")
 }
@@ -148,7 +151,7 @@ fn photons(paths: u32, radius: f64) -> PhotonDesc {
 }
 
 /// A scene looked at by a camera that does not matter.
-fn unseen(surfaces: Vec<(ShapeDesc, BsdfDesc, Option<Vec3>)>) -> SceneDesc {
+fn unseen(surfaces: Vec<Surface>) -> SceneDesc {
     scene(camera(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.3, -1.0, 0.1), 40.0), surfaces)
 }
 
