@@ -22,6 +22,9 @@ const ONCE: u32 = 1_000_000;
 /// Light paths of a pass.
 const EACH_PASS: u32 = 1 << 17;
 
+/// One in so many light paths more is followed before the first map, to learn where disks are whole.
+const SCOUTS: u32 = 4;
+
 /// The report's radius.
 const REPORT_RADIUS: f32 = 0.1;
 
@@ -64,6 +67,8 @@ pub struct Plan {
     caustic_radius: f32,
     radius: f32,
     whole: Whole,
+    /// Maps that were gathered from, of whose photons `whole` may know from now on.
+    unlearnt: Vec<Arc<PhotonMap>>,
     made: Option<(u32, Gather)>,
     notes: Vec<String>,
     /// Rays that went into maps.
@@ -104,6 +109,7 @@ impl Plan {
             caustic_radius: caustic,
             radius: wide,
             whole: Whole::default(),
+            unlearnt: Vec::new(),
             made: None,
             notes: Vec::new(),
             rays: 0,
@@ -173,6 +179,13 @@ impl Plan {
         let neighbours = photons.neighbours.filter(|count| *count > 0);
         let kinds = self.scene.kinds();
 
+        // Changed when all is done: a pass that is stopped is made again, from what was known before.
+        let mut whole = self.whole.clone();
+        let is_once = !self.is_progressive();
+        for map in &self.unlearnt {
+            self.rays += whole.learn(&self.scene, map.photons(), radius.min(caustic_radius), is_once, parallel)?;
+        }
+
         // What is shot, how much of it, and how it is asked.
         let mut wanted = Vec::new();
         let asked = |kernel, radius, neighbours| Asked { kernel, radius, neighbours };
@@ -210,7 +223,7 @@ impl Plan {
         wanted.retain(|(kind, ..)| kinds.diffuse && (*kind != MapKind::Caustic || kinds.specular));
         let budget = (photons.memory as usize).saturating_mul(1 << 20) / BYTES_A_PHOTON;
         let mut shots: Vec<(MapKind, Asked, Vec<Photon>)> = Vec::new();
-        let (mut told, mut notes) = (Vec::new(), Vec::new());
+        let (mut told, mut shot_as, mut notes) = (Vec::new(), Vec::new(), Vec::new());
         let maps = wanted.len();
         for (kind, paths, asked) in wanted {
             let used: usize = shots.iter().map(|(_, _, photons)| photons.len()).sum();
@@ -233,6 +246,7 @@ impl Plan {
                 ));
             }
             told.push(shot.tally);
+            shot_as.push((paths, most));
             shots.push((kind, asked, shot.photons));
         }
         let (kinds, shots): (Vec<_>, Vec<_>) =
@@ -257,16 +271,28 @@ impl Plan {
         }
         if pass == 0 {
             let widest = layers.iter().map(|(_, layer)| layer.widest).fold(f32::MIN_POSITIVE, f32::max);
-            self.whole = Whole::new(widest);
+            whole = Whole::new(widest);
         }
-        let is_once = !self.is_progressive();
-        for (_, layer) in &layers {
-            self.rays += self.whole.learn(&self.scene, &layer.map, layer.asked.radius, is_once, parallel)?;
+        for ((kind, layer), (paths, most)) in layers.iter().zip(shot_as) {
+            let radius = layer.asked.radius;
+            if *kind == MapKind::Caustic {
+                // Its estimates are made anywhere, on whole disks or cut ones.
+                self.rays += whole.learn(&self.scene, layer.map.photons(), radius, is_once, parallel)?;
+            } else if pass == 0 {
+                // Photons of no pass, as no others are known yet.
+                let job = Job { kind: *kind, paths: paths.div_ceil(SCOUTS), pass: u32::MAX, most };
+                let scouts = shoot(&self.scene, &self.desc, job, parallel)?;
+                self.rays += scouts.tally.rays;
+                self.rays += whole.learn(&self.scene, &scouts.photons, radius, is_once, parallel)?;
+            }
         }
         if pass == 0 {
             let one = |((kind, layer), tally): (&(MapKind, Layer), &Tally)| note(*kind, layer, tally, by_pixel);
             notes.extend(layers.iter().zip(&told).map(one));
         }
+        // What is gathered from now teaches nothing before the next pass.
+        let unlearnt = layers.iter().filter(|(kind, _)| !is_once && *kind != MapKind::Caustic);
+        let unlearnt: Vec<_> = unlearnt.map(|(_, layer)| Arc::clone(&layer.map)).collect();
         let mut take = |wanted: &[MapKind]| {
             let place = layers.iter().position(|(kind, layer)| wanted.contains(kind) && !layer.map.is_empty())?;
             Some(layers.swap_remove(place).1)
@@ -287,7 +313,7 @@ impl Plan {
             diffuse: take(&[MapKind::Indirect, MapKind::Global]),
             direct,
             later_caustic: later,
-            whole: self.whole.clone(),
+            whole: whole.clone(),
             ends,
             shrinking,
             pass,
@@ -305,7 +331,7 @@ impl Plan {
             notes.extend(report.notes);
             (gather.cache, gather.diffuse, gather.ends) = (Some(Arc::new(cache)), None, Ends::AtCache);
         }
-        // Not before all is done: it may be done again after a stop.
+        (self.whole, self.unlearnt) = (whole, unlearnt);
         self.notes.extend(notes);
         Ok(gather)
     }

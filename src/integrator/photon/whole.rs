@@ -7,7 +7,8 @@
 //! bias and costs a little noise in a narrow strip.
 //!
 //! A cell is judged from a photon in it or near by, so a cell far from photons is not whole either: where there are hardly any
-//! photons, paths do better.
+//! photons, paths do better. They must be other photons than those that are gathered. Else estimates would be made where there
+//! happen to be some and paths followed where there happen to be none, and the image too bright by the chance of that.
 
 use std::collections::{HashMap, HashSet};
 use std::f32::consts::TAU;
@@ -15,7 +16,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::Arc;
 
 use super::super::{SceneTracer, Tracer as _};
-use super::PhotonMap;
+use super::Photon;
 use super::estimate::THICKNESS;
 use crate::control::Parallel;
 use crate::error::Result;
@@ -111,7 +112,7 @@ impl Whole {
     pub fn learn(
         &mut self,
         scene: &Scene,
-        map: &PhotonMap,
+        photons: &[Photon],
         radius: f32,
         is_all: bool,
         parallel: &mut impl Parallel,
@@ -128,7 +129,7 @@ impl Whole {
                 break;
             }
             loop {
-                let (judged, spent) = self.learn_level(scene, map, place, parallel)?;
+                let (judged, spent) = self.learn_level(scene, photons, place, parallel)?;
                 rays += spent;
                 if !is_all || judged == 0 {
                     break;
@@ -142,7 +143,7 @@ impl Whole {
     fn learn_level(
         &mut self,
         scene: &Scene,
-        map: &PhotonMap,
+        photons: &[Photon],
         place: usize,
         parallel: &mut impl Parallel,
     ) -> Result<(usize, u64)> {
@@ -153,7 +154,7 @@ impl Whole {
         let mut fresh = Vec::new();
         // Cells are not known before they are judged, or a stop in between would leave them so.
         let mut asked = HashSet::<u64, BuildHasherDefault<Mixed>>::default();
-        for (number, photon) in map.photons().iter().enumerate() {
+        for (number, photon) in photons.iter().enumerate() {
             if number % LOOK_UP == 0 {
                 parallel.check()?;
             }
@@ -177,8 +178,7 @@ impl Whole {
         }
         let judged = fresh.len();
         let (verdicts, mut rays) = judge(scene, fresh, radius, parallel)?;
-        // Around cells that are whole, those as well where no photon was met: were only cells with photons whole, estimates
-        // would be made where there happen to be some and nowhere else, and be too large.
+        // Around cells that are whole, those as well where no photon was met.
         let mut around = Vec::new();
         for ((_, p, normal), _) in verdicts.iter().filter(|(_, is_whole)| *is_whole) {
             let frame = Frame::from_normal(*normal);

@@ -119,9 +119,9 @@ fn sphere(case: &mut Case) {
         let within = (bias, pick(case, 4e-3, 2e-3));
         case.biased_mean(integrator.name(), over(&found, grey_mean), exact, within);
     }
-    // As few photons as three to a cell of half a radius: where there are none by chance, the estimate must not be left out.
+    // Less than one photon to a square of half a radius: where there are none by chance, the estimate must not be left out.
     for integrator in [IntegratorDesc::Photon, IntegratorDesc::Ppm] {
-        let desc = method(integrator, side, case.count(16, 64) as u32, (1 << 13, 0.15));
+        let desc = method(integrator, side, case.count(16, 64) as u32, (1 << 11, 0.15));
         let found = over(&images(&scene, &desc, RUNS / 2), grey_mean);
         let what = format!("{}, few photons", integrator.name());
         case.biased_mean(what, found, exact, (1e-3, pick(case, 4e-3, 2e-3)));
