@@ -6,10 +6,11 @@ use super::super::light::Vertex;
 use super::super::{SceneTracer, Tracer as _};
 use super::emit::{Aim, Emission};
 use crate::desc::{IntegratorDesc, PhotonSharing};
+use crate::emitter::Emitter;
 use crate::error::Result;
 use crate::sampling::Rng;
 use crate::scene::Scene;
-use crate::spectrum::luminance;
+use crate::spectrum::{LUMINANCE_WEIGHTS, luminance};
 
 /// A choice, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -22,7 +23,7 @@ pub struct Choice {
 
 /// Lamps that take up at least this share of what a diffuse point sees are found by chance often enough: paths that reach
 /// them by way of glass are then not much noisier than others.
-const LARGE: f64 = 2e-3;
+const LARGE: f64 = 1e-3;
 
 /// Share of the caustics' power that smaller lamps make from which on it counts.
 const WORTH: f64 = 0.02;
@@ -59,22 +60,22 @@ pub fn choose(scene: &Scene) -> Choice {
     }
     if seen.hidden < WORTH * seen.caustic {
         let why = format!(
-            "lamps fill {:.1e} or more of what surfaces in their caustics see, enough for paths to find them",
+            "lamps fill {:.1e} of what surfaces in their caustics see, enough for paths to find them",
             seen.share
         );
         return choice(IntegratorDesc::Path, why);
     }
     let small = if seen.share > 0.0 {
-        format!("a lamp fills only {:.1e} of what surfaces in its caustic see", seen.share)
+        format!("lamps fill only {:.1e} of what surfaces in their caustics see", seen.share)
     } else {
-        "a lamp that makes caustics is a point".to_owned()
+        "the lamps that make caustics are points".to_owned()
     };
     let lost = 100.0 * seen.escaped;
     if seen.escaped > OPEN {
-        let why = format!("{small}: paths hardly find it; {lost:.0} % of photons would leave the scene");
+        let why = format!("{small}: paths hardly find them; {lost:.0} % of photons would leave the scene");
         return choice(IntegratorDesc::Caustic, why);
     }
-    choice(IntegratorDesc::Sppm, format!("{small}: paths hardly find it; photons stay in the scene"))
+    choice(IntegratorDesc::Sppm, format!("{small}: paths hardly find them; photons stay in the scene"))
 }
 
 /// What light paths show.
@@ -83,7 +84,7 @@ struct Seen {
     caustic: f64,
     /// The part of it that comes from lamps too small to be found by chance.
     hidden: f64,
-    /// The smallest share of the sphere of directions that a lamp fills where its caustics fall.
+    /// Share of the sphere of directions that lamps fill where their caustics fall; in the mean by power.
     share: f64,
     /// Share of light paths that left the scene sooner or later.
     escaped: f64,
@@ -93,7 +94,8 @@ struct Seen {
 const MOST_HITS: u32 = 16;
 
 fn look(scene: &Scene) -> Result<Seen> {
-    let mut seen = Seen { caustic: 0.0, hidden: 0.0, share: 1.0, escaped: 0.0 };
+    let mut seen = Seen { caustic: 0.0, hidden: 0.0, share: 0.0, escaped: 0.0 };
+    let areas = areas(scene.emitters().emitters());
     let mut tracer = SceneTracer::new(scene);
     let begin = |emission: &Emission, rng: &mut Rng| emission.begin(scene, rng.next_4d(), rng.next_4d(), 1.0);
     // Aimed at what is specular, so that small glass is not missed.
@@ -111,11 +113,11 @@ fn look(scene: &Scene) -> Result<Seen> {
                     if hits > 0 && !vertex.material.bsdf.is_black() {
                         let power = f64::from(luminance(power));
                         // Seen from there, the lamp fills its area over the squared distance, of which a quarter faces it.
-                        let area = emission.chosen(scene, u, d).area();
+                        let area = areas[emission.chosen(u, d)];
                         let share = (0.25 * area / (4.0 * PI * way * way)).min(1.0);
                         seen.caustic += power;
                         seen.hidden += if share < LARGE { power } else { 0.0 };
-                        seen.share = seen.share.min(share);
+                        seen.share += power * share;
                     }
                     break;
                 }
@@ -124,6 +126,9 @@ fn look(scene: &Scene) -> Result<Seen> {
                 ray = bounce.ray;
             }
         }
+    }
+    if seen.caustic > 0.0 {
+        seen.share /= seen.caustic;
     }
     if let Some(emission) = Emission::new(scene, PhotonSharing::Power, Aim::Everywhere)? {
         let mut escaped = 0_u32;
@@ -146,4 +151,28 @@ fn look(scene: &Scene) -> Result<Seen> {
         seen.escaped = f64::from(escaped) / LOOKS as f64;
     }
     Ok(seen)
+}
+
+/// For each emitter the area of all that are at least half as bright, points apart: a lamp of many triangles is one lamp to
+/// paths, and so are many lamps of a kind; but a large dim panel does not make a small bright lamp any easier to find.
+fn areas(emitters: &[Emitter]) -> Vec<f64> {
+    let radiance = |emitter: &Emitter| match emitter {
+        Emitter::Point { .. } => f64::INFINITY,
+        _ => emitter.power().dot(LUMINANCE_WEIGHTS.as_dvec3()) / emitter.area(),
+    };
+    let mut order: Vec<(f64, usize)> = emitters.iter().map(radiance).zip(0..).collect();
+    order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    let mut areas = vec![0.0; emitters.len()];
+    let (mut sum, mut next) = (0.0, 0);
+    for &(brightness, index) in &order {
+        while let Some(&(other, place)) = order.get(next)
+            && other >= 0.5 * brightness
+        {
+            // Nobody finds a point.
+            sum += emitters[place].area();
+            next += 1;
+        }
+        areas[index] = if brightness.is_finite() { sum } else { 0.0 };
+    }
+    areas
 }

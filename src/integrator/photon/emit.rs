@@ -105,10 +105,9 @@ impl Emission {
         Some((Ray::new(origin, direction.normalize()), power.as_vec3a()))
     }
 
-    /// The emitter from which [`Emission::begin`] begins with these numbers.
-    pub fn chosen<'s>(&self, scene: &'s Scene, u: [f32; 4], d: [f32; 4]) -> &'s Emitter {
-        let (index, ..) = self.choice.sample(choice_number(u, d));
-        &scene.emitters().emitters()[index]
+    /// The number of the emitter from which [`Emission::begin`] begins with these numbers.
+    pub fn chosen(&self, u: [f32; 4], d: [f32; 4]) -> usize {
+        self.choice.sample(choice_number(u, d)).0
     }
 
     /// A direction towards one of the balls and its density; `None` where there is nothing to aim at, or `p` is within a
