@@ -14,7 +14,7 @@ use super::super::light::Vertex;
 use super::{Nearest, Octahedral, Photon, PhotonMap};
 use crate::bsdf::Bsdf;
 use crate::desc::KernelDesc;
-use crate::math::Vec3;
+use crate::math::{DVec3, Vec3};
 use crate::spectrum::Rgb;
 
 /// Half the thickness of the disk, in radii: a surface may bend by so much within it.
@@ -135,8 +135,11 @@ struct Gathered<'v, 's> {
     scatters: Option<&'v Vertex<'s>>,
     /// Factor of the sum: by Lambert's law, or 1.
     factor: Rgb,
+    /// Of the last photons.
     sum: Rgb,
     narrow: Rgb,
+    /// Of those before: hundreds of thousands of small numbers are more than single precision can add.
+    sums: [DVec3; 2],
     count: u32,
 }
 
@@ -157,6 +160,7 @@ impl<'v, 's> Gathered<'v, 's> {
             factor: Rgb::ONE,
             sum: Rgb::ZERO,
             narrow: Rgb::ZERO,
+            sums: [DVec3::ZERO; 2],
             count: 0,
         }
     }
@@ -235,12 +239,18 @@ impl<'v, 's> Gathered<'v, 's> {
         if distance2 < self.narrow_radius2 {
             self.narrow += power * self.kernel.density(distance2, self.radius * (1.0 / SQRT_2));
         }
+        if self.count & 0xff == 0 {
+            self.sums[0] += std::mem::take(&mut self.sum).as_dvec3();
+            self.sums[1] += std::mem::take(&mut self.narrow).as_dvec3();
+        }
     }
 
     #[inline]
     fn finish(self) -> Estimate {
         let f = self.factor;
-        Estimate { radiance: f * self.sum, narrow: f * self.narrow, count: self.count, radius: self.radius }
+        let [sum, narrow] = [(self.sums[0], self.sum), (self.sums[1], self.narrow)]
+            .map(|(before, last)| (before + last.as_dvec3()).as_vec3a());
+        Estimate { radiance: f * sum, narrow: f * narrow, count: self.count, radius: self.radius }
     }
 }
 

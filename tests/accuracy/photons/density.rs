@@ -116,7 +116,7 @@ fn nearest(case: &mut Case) {
         }
     }
     for (values, (name, _, k)) in values.iter().zip(&queries) {
-        case.mean(name, stats::mean_and_error(values), 1.0, pick(case, 1e-2, 1.5e-3));
+        case.mean(name, stats::mean_and_error(values), 1.0, pick(case, 1e-2, 3e-3));
         if let Some(k) = k.filter(|_| name.starts_with("flat")) {
             // Of so many photons in the square, by the distribution of the k-th nearest one's area.
             let n = f64::from(SQUARE);
@@ -246,7 +246,7 @@ fn lamps(case: &mut Case) {
             });
             let second_order = exact(p) + a * a * laplacian / 8.0;
             let what = format!("{name}, ({}, {})", p.x, p.z);
-            case.biased_mean(what, found, second_order, (1e-4, pick(case, 3e-2, 1.5e-2)));
+            case.biased_mean(what, found, second_order, (1e-4, pick(case, 3e-2, 2e-2)));
         }
     }
     // A million photons and the 200 nearest: everywhere within one percent in the mean.

@@ -162,7 +162,7 @@ fn planes(case: &mut Case) {
                 _ => 5e-3,
             };
             let what = format!("albedo {rho}, distance {r}, {}", integrator.name());
-            case.biased_mean(what, found, exact, (bias, pick(case, 3e-2, 1.5e-2)));
+            case.biased_mean(what, found, exact, (bias, pick(case, 3e-2, 2e-2)));
         }
     }
 }
