@@ -41,6 +41,12 @@ pub trait Parallel {
     /// See above.
     fn check(&self) -> Result<()>;
 
+    /// What is cancelled when the work is no longer wanted, for pieces that take long; one that never is, unless who
+    /// implements this has a better one.
+    fn token(&self) -> Cancel {
+        Cancel::new()
+    }
+
     /// The values of `piece` for every number below `count`, in that order, from as many threads as there are.
     ///
     /// # Errors
@@ -58,6 +64,10 @@ pub struct Alone(pub Cancel);
 impl Parallel for Alone {
     fn check(&self) -> Result<()> {
         self.0.check()
+    }
+
+    fn token(&self) -> Cancel {
+        self.0.clone()
     }
 
     fn map<R, F>(&mut self, count: usize, piece: F) -> Result<Vec<R>>

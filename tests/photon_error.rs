@@ -81,3 +81,43 @@ fn estimated_errors_cover_the_true_ones() {
         assert!((0.75..=1.3).contains(&mean), "{integrator:?}: {ratios:?}");
     }
 }
+
+#[test]
+fn auto_looks_for_lamps_that_paths_do_not_find() {
+    use etendue::desc::{BsdfDesc, ShapeDesc};
+    use etendue::integrator::photon::choose;
+    use etendue::math::{DVec3, Vec3};
+
+    let chosen = |name: &str| {
+        let desc = etendue::desc::load(format!("scenes/{name}.json").as_ref(), None).unwrap();
+        choose(&Scene::build(&desc, &BuildOptions::default()).unwrap())
+    };
+    for (name, expected) in [
+        ("room", IntegratorDesc::Path),
+        ("cornell", IntegratorDesc::Path),
+        ("caustic-room", IntegratorDesc::Sppm),
+        ("caustic-mirror", IntegratorDesc::Sppm),
+        ("caustic-glass", IntegratorDesc::Sppm),
+    ] {
+        let choice = chosen(name);
+        assert_eq!(choice.integrator, expected, "{name}: {}", choice.why);
+    }
+    // A tiny lamp in a bulb of glass: the way to what it lights counts, not that to the glass. A large dim panel beside it makes
+    // it no easier to find.
+    let grey = BsdfDesc::Lambert { albedo: Vec3::splat(0.5) };
+    let glass = BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 };
+    let at = DVec3::new(0.0, 0.5, 0.0);
+    let ball = |radius: f64| ShapeDesc::sphere(at, radius).unwrap();
+    let room = |radius: f64| ShapeDesc::sphere(DVec3::ZERO, radius).unwrap();
+    let mut scene = etendue::desc::SceneDesc::default();
+    for ((shape, local), bsdf, emission) in
+        [(ball(0.01), BsdfDesc::Black, 1e4), (ball(0.05), glass, 0.0), (room(2.0), grey, 0.0)]
+    {
+        let material = scene.add_material(&format!("m{}", scene.materials.len()), bsdf, None).unwrap();
+        let emission = (emission > 0.0).then(|| Vec3::splat(emission));
+        let look = etendue::desc::SurfaceLook { material: Some(material), emission, ..Default::default() };
+        scene.add_surface(shape, local, look).unwrap();
+    }
+    let bulb = choose(&Scene::build(&scene, &BuildOptions::default()).unwrap());
+    assert_eq!(bulb.integrator, IntegratorDesc::Sppm, "{}", bulb.why);
+}

@@ -278,7 +278,8 @@ fn the_order_is_the_same_every_time_and_building_can_be_cancelled() {
 fn memory_is_as_promised() {
     let mut rng = Rng::new(8, 1);
     let map = build(&room(100_000, &mut rng));
-    assert!(map.bytes() <= 40 * 100_000, "{}", map.bytes());
+    // 32 of a photon, 12 of its place once more, and boxes.
+    assert!(map.bytes() <= 48 * 100_000, "{}", map.bytes());
 }
 
 proptest! {

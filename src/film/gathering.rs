@@ -60,6 +60,9 @@ impl Gathering {
     /// Adds the estimated bias of a sample.
     #[inline]
     pub fn add_bias(&mut self, pass: u32, bias: Rgb) {
+        if !bias.is_finite() {
+            return;
+        }
         let half = (pass & 1) as usize;
         for (sum, value) in self.bias[half].iter_mut().zip(bias.to_array()) {
             *sum += f64::from(value);

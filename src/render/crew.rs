@@ -18,6 +18,8 @@ pub(super) struct Crew<'a> {
     pub look_up: &'a mut dyn FnMut() -> bool,
     /// Whether it was answered so.
     pub is_broken_off: bool,
+    /// For pieces that take long: cancelled with the first of all these.
+    pub token: Cancel,
 }
 
 impl Crew<'_> {
@@ -30,6 +32,10 @@ impl Parallel for Crew<'_> {
     fn check(&self) -> Result<()> {
         self.cancel.check()?;
         if self.is_broken_off || self.is_late() { Err(stopped()) } else { Ok(()) }
+    }
+
+    fn token(&self) -> Cancel {
+        self.token.clone()
     }
 
     fn map<R, F>(&mut self, count: usize, piece: F) -> Result<Vec<R>>
@@ -47,9 +53,12 @@ impl Parallel for Crew<'_> {
             cancel: self.cancel.clone(),
         };
         let (deadline, look_up, is_broken_off) = (self.deadline, &mut *self.look_up, &mut self.is_broken_off);
+        let (cancel, token) = (self.cancel, &self.token);
         let pieces = self.workers.run(pieces, &mut |pieces| {
             *is_broken_off |= look_up();
-            if *is_broken_off || deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            let is_late = deadline.is_some_and(|deadline| Instant::now() >= deadline);
+            if *is_broken_off || is_late || cancel.is_cancelled() {
+                token.cancel();
                 pieces.abandon();
             }
         })?;

@@ -306,6 +306,7 @@ impl Render {
                 progress(&report).is_break()
             },
             is_broken_off: false,
+            token: Cancel::new(),
         };
         let before = plan.rays;
         let made = plan.gather(samples, &mut crew);

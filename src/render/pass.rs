@@ -266,13 +266,15 @@ impl Pass {
                     let (offset, weight) = self.filter.sample(sampler.pixel_2d());
                     let ray = self.camera.ray(x as f32 + 0.5 + offset[0], y as f32 + 0.5 + offset[1]);
                     let mut first = None;
+                    // A copy, as the sample may be stopped in the middle.
+                    let mut gathering = tile.gathering.get(index).copied();
                     let radiance = integrator.radiance_of_pixel(
                         &self.scene,
                         ray,
                         sampler,
                         tracer,
                         &mut |hit| first = Some(hit),
-                        tile.gathering.get_mut(index),
+                        gathering.as_mut(),
                     );
                     // Pixels go on from where they are, so stopping between any two samples is safe; one during which it
                     // was stopped may have missed something, and is taken again.
@@ -286,6 +288,9 @@ impl Pass {
                         continue;
                     }
                     pixel.add(radiance, weight, replicate_size);
+                    if let (Some(kept), Some(gathering)) = (tile.gathering.get_mut(index), gathering) {
+                        *kept = gathering;
+                    }
                     if let (Some(auxiliary), Some(hit)) = (tile.auxiliary.get_mut(index), first) {
                         auxiliary.add(hit.albedo, hit.normal, self.camera.depth(hit.p));
                     }

@@ -1,13 +1,16 @@
 //! Which of the methods suits a scene.
 
+use std::f64::consts::PI;
+
 use super::super::light::Vertex;
 use super::super::{SceneTracer, Tracer as _};
-use crate::desc::IntegratorDesc;
+use super::emit::{Aim, Emission};
+use crate::desc::{IntegratorDesc, PhotonSharing};
 use crate::emitter::Emitter;
-use crate::math::Ray;
-use crate::sampling::{Rng, warps};
+use crate::error::Result;
+use crate::sampling::Rng;
 use crate::scene::Scene;
-use crate::spectrum::LUMINANCE_WEIGHTS;
+use crate::spectrum::{LUMINANCE_WEIGHTS, luminance};
 
 /// A choice, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,9 +21,12 @@ pub struct Choice {
     pub why: String,
 }
 
-/// Lights that take up at least this share of what a diffuse point sees are found by chance often enough: paths that reach
-/// them by way of glass are then no noisier than others.
-const LARGE: f64 = 4e-3;
+/// Lamps that take up at least this share of what a diffuse point sees are found by chance often enough: paths that reach
+/// them by way of glass are then not much noisier than others.
+const LARGE: f64 = 1e-3;
+
+/// Share of the caustics' power that smaller lamps make from which on it counts.
+const WORTH: f64 = 0.02;
 
 /// Share of the light that may leave a scene which counts as closed.
 const OPEN: f64 = 0.25;
@@ -45,98 +51,128 @@ pub fn choose(scene: &Scene) -> Choice {
     if !kinds.diffuse {
         return choice(IntegratorDesc::Path, "there is no diffuse surface for caustics to fall on".to_owned());
     }
-    let seen = look(scene);
-    if seen.specular == 0 {
-        return choice(IntegratorDesc::Path, format!("none of {LOOKS} light paths met a mirror or glass first"));
+    let Ok(seen) = look(scene) else {
+        return choice(IntegratorDesc::Path, "its lights cannot be followed".to_owned());
+    };
+    if seen.caustic == 0.0 {
+        let why = format!("none of {LOOKS} light paths sent towards mirrors and glass came to a diffuse surface");
+        return choice(IntegratorDesc::Path, why);
     }
-    if seen.share >= LARGE {
+    if seen.hidden < WORTH * seen.caustic {
         let why = format!(
-            "lights fill {:.2} % of what diffuse surfaces see, enough for paths to find them through glass and mirrors",
-            100.0 * seen.share
+            "lamps fill {:.1e} of what surfaces in their caustics see, enough for paths to find them",
+            seen.share
         );
         return choice(IntegratorDesc::Path, why);
     }
     let small = if seen.share > 0.0 {
-        format!("lights fill only {:.1e} of what diffuse surfaces see", seen.share)
+        format!("lamps fill only {:.1e} of what surfaces in their caustics see", seen.share)
     } else {
-        "lights are points, or as good as".to_owned()
+        "the lamps that make caustics are points".to_owned()
     };
     let lost = 100.0 * seen.escaped;
     if seen.escaped > OPEN {
-        let why = format!(
-            "{small}, so paths do not find them by mirrors and glass; {lost:.0} % of photons would leave the scene"
-        );
+        let why = format!("{small}: paths hardly find them; {lost:.0} % of photons would leave the scene");
         return choice(IntegratorDesc::Caustic, why);
     }
-    choice(
-        IntegratorDesc::Sppm,
-        format!("{small}, so paths do not find them by mirrors and glass; photons stay in the scene"),
-    )
+    choice(IntegratorDesc::Sppm, format!("{small}: paths hardly find them; photons stay in the scene"))
 }
 
 /// What light paths show.
 struct Seen {
-    /// Those that met something specular first.
-    specular: u64,
-    /// Share of those that left the scene sooner or later.
-    escaped: f64,
-    /// Share of the sphere of directions that the lights fill, from where their light falls; in the mean by power.
+    /// Power that came to diffuse surfaces by mirrors and glass only, in any unit.
+    caustic: f64,
+    /// The part of it that comes from lamps too small to be found by chance.
+    hidden: f64,
+    /// Share of the sphere of directions that lamps fill where their caustics fall; in the mean by power.
     share: f64,
+    /// Share of light paths that left the scene sooner or later.
+    escaped: f64,
 }
 
-fn look(scene: &Scene) -> Seen {
-    let emitters = scene.emitters().emitters();
-    let powers: Vec<f64> = emitters.iter().map(|emitter| emitter.power().dot(LUMINANCE_WEIGHTS.as_dvec3())).collect();
-    let total: f64 = powers.iter().sum();
+/// Mirrors and glass in a row that light is followed through.
+const MOST_HITS: u32 = 16;
+
+fn look(scene: &Scene) -> Result<Seen> {
+    let mut seen = Seen { caustic: 0.0, hidden: 0.0, share: 0.0, escaped: 0.0 };
+    let areas = areas(scene.emitters().emitters());
     let mut tracer = SceneTracer::new(scene);
-    let (mut specular, mut escaped, mut paths) = (0, 0, 0);
-    // The distance over which light travels before it falls on something, squared.
-    let (mut reach2, mut reached) = (0.0, 0_u32);
-    // By power: the emitters in proportion to it, evenly spaced.
-    let mut index = 0;
-    let mut below = 0.0;
-    for path in 0..LOOKS {
-        let at = (path as f64 + 0.5) / LOOKS as f64 * total;
-        while index + 1 < emitters.len() && below + powers[index] < at {
-            below += powers[index];
-            index += 1;
-        }
-        let mut rng = Rng::new(0x6c6f_6f6b, path);
-        let departure = emitters[index].sample_departure(rng.next_2d());
-        let u = rng.next_2d();
-        let mut ray = match departure.normal {
-            Some(normal) => {
-                let direction = crate::math::Frame::from_normal(normal).to_world(warps::cosine_hemisphere(u));
-                Ray::new(departure.point.offset(normal), direction)
+    let begin = |emission: &Emission, rng: &mut Rng| emission.begin(scene, rng.next_4d(), rng.next_4d(), 1.0);
+    // Aimed at what is specular, so that small glass is not missed.
+    if let Some(emission) = Emission::new(scene, PhotonSharing::Power, Aim::AtSpecular)? {
+        for path in 0..LOOKS {
+            let mut rng = Rng::new(0x6c6f_6f6b, path);
+            let (u, d) = (rng.next_4d(), rng.next_4d());
+            let Some((mut ray, mut power)) = emission.begin(scene, u, d, 1.0) else { continue };
+            let mut way = 0.0;
+            for hits in 0..MOST_HITS {
+                let Some(hit) = tracer.intersect(&ray) else { break };
+                way += f64::from(hit.t);
+                let vertex = Vertex::new(scene, &ray, &hit);
+                if !vertex.material.bsdf.is_delta() {
+                    if hits > 0 && !vertex.material.bsdf.is_black() {
+                        let power = f64::from(luminance(power));
+                        // Seen from there, the lamp fills its area over the squared distance, of which a quarter faces it.
+                        let area = areas[emission.chosen(u, d)];
+                        let share = (0.25 * area / (4.0 * PI * way * way)).min(1.0);
+                        seen.caustic += power;
+                        seen.hidden += if share < LARGE { power } else { 0.0 };
+                        seen.share += power * share;
+                    }
+                    break;
+                }
+                let Some(bounce) = vertex.sample_bounce(rng.next_4d()) else { break };
+                power *= bounce.weight * (bounce.eta * bounce.eta);
+                ray = bounce.ray;
             }
-            None => Ray::new(departure.point.p, warps::uniform_sphere(u)),
-        };
-        paths += 1;
-        for depth in 0..16 {
-            let Some(hit) = tracer.intersect(&ray) else {
-                escaped += 1;
-                break;
-            };
-            let vertex = Vertex::new(scene, &ray, &hit);
-            if depth == 0 {
-                specular += u64::from(vertex.material.bsdf.is_delta());
-                reach2 += f64::from(hit.t) * f64::from(hit.t);
-                reached += 1;
-            }
-            let Some(bounce) = vertex.sample_bounce(rng.next_4d()) else { break };
-            if rng.next_f32() >= bounce.weight.max_element().min(1.0) {
-                break;
-            }
-            ray = bounce.ray;
         }
     }
-    // Paths find all lights together: each fills its area over the squared distance, of which half the directions and half the
-    // cosine face it.
-    let area: f64 = emitters.iter().map(Emitter::area).sum();
-    let reach2 = if reached > 0 { reach2 / f64::from(reached) } else { f64::INFINITY };
-    Seen {
-        specular,
-        escaped: escaped as f64 / paths as f64,
-        share: (0.25 * area / (reach2 * 4.0 * std::f64::consts::PI)).min(1.0),
+    if seen.caustic > 0.0 {
+        seen.share /= seen.caustic;
     }
+    if let Some(emission) = Emission::new(scene, PhotonSharing::Power, Aim::Everywhere)? {
+        let mut escaped = 0_u32;
+        for path in 0..LOOKS {
+            let mut rng = Rng::new(0x6c65_6176, path);
+            let Some((mut ray, _)) = begin(&emission, &mut rng) else { continue };
+            for _ in 0..MOST_HITS {
+                let Some(hit) = tracer.intersect(&ray) else {
+                    escaped += 1;
+                    break;
+                };
+                let vertex = Vertex::new(scene, &ray, &hit);
+                let Some(bounce) = vertex.sample_bounce(rng.next_4d()) else { break };
+                if rng.next_f32() >= (bounce.weight * (bounce.eta * bounce.eta)).max_element().min(1.0) {
+                    break;
+                }
+                ray = bounce.ray;
+            }
+        }
+        seen.escaped = f64::from(escaped) / LOOKS as f64;
+    }
+    Ok(seen)
+}
+
+/// For each emitter the area of all that are at least half as bright, points apart: a lamp of many triangles is one lamp to
+/// paths, and so are many lamps of a kind; but a large dim panel does not make a small bright lamp any easier to find.
+fn areas(emitters: &[Emitter]) -> Vec<f64> {
+    let radiance = |emitter: &Emitter| match emitter {
+        Emitter::Point { .. } => f64::INFINITY,
+        _ => emitter.power().dot(LUMINANCE_WEIGHTS.as_dvec3()) / emitter.area(),
+    };
+    let mut order: Vec<(f64, usize)> = emitters.iter().map(radiance).zip(0..).collect();
+    order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    let mut areas = vec![0.0; emitters.len()];
+    let (mut sum, mut next) = (0.0, 0);
+    for &(brightness, index) in &order {
+        while let Some(&(other, place)) = order.get(next)
+            && other >= 0.5 * brightness
+        {
+            // Nobody finds a point.
+            sum += emitters[place].area();
+            next += 1;
+        }
+        areas[index] = if brightness.is_finite() { sum } else { 0.0 };
+    }
+    areas
 }

@@ -79,7 +79,7 @@ impl Emission {
     /// `u`, `d` uniform in [0, 1)^4: the emitter, the place on it, and what is aimed at; and the direction, its first two.
     #[inline]
     pub fn begin(&self, scene: &Scene, u: [f32; 4], d: [f32; 4], share: f64) -> Option<(Ray, Rgb)> {
-        let (index, probability, _) = self.choice.sample(f64::from(u[0]) + f64::from(d[3]) * (-24_f64).exp2());
+        let (index, probability, _) = self.choice.sample(choice_number(u, d));
         let emitter = &scene.emitters().emitters()[index];
         let departure = emitter.sample_departure([u[1], u[2]]);
         let p = departure.point.p;
@@ -103,6 +103,11 @@ impl Emission {
         let origin = departure.normal.map_or(p, |normal| departure.point.offset(normal));
         let power = emitter.power() * (ratio * share / f64::from(probability));
         Some((Ray::new(origin, direction.normalize()), power.as_vec3a()))
+    }
+
+    /// The number of the emitter from which [`Emission::begin`] begins with these numbers.
+    pub fn chosen(&self, u: [f32; 4], d: [f32; 4]) -> usize {
+        self.choice.sample(choice_number(u, d)).0
     }
 
     /// A direction towards one of the balls and its density; `None` where there is nothing to aim at, or `p` is within a
@@ -135,6 +140,12 @@ impl Emission {
         let count = cones.iter().enumerate().filter(|(index, other)| *index == chosen || holds(other)).count();
         Some((direction, count as f64 / (2.0 * PI * f64::from(total))))
     }
+}
+
+/// The number that chooses the emitter, with more digits than a single one has.
+#[inline]
+fn choice_number(u: [f32; 4], d: [f32; 4]) -> f64 {
+    f64::from(u[0]) + f64::from(d[3]) * (-24_f64).exp2()
 }
 
 /// Where photons are sent.

@@ -129,6 +129,14 @@ impl State {
     }
 }
 
+impl State {
+    /// One of so many paths that go on together.
+    fn share(&mut self, paths: u32) {
+        self.throughput /= paths as f32;
+        self.worth_following /= paths as f32;
+    }
+}
+
 /// Notes how far the first ray went.
 struct Watched<'a, T> {
     tracer: &'a mut T,
@@ -265,12 +273,12 @@ impl Gather {
             }
             for _ in 1..rays {
                 let mut branch = state;
-                branch.throughput /= rays as f32;
+                branch.share(rays);
                 if self.bounce(&vertex, &mut branch, sampler) {
                     radiance += self.follow(scene, branch, sampler, tracer, first, told);
                 }
             }
-            state.throughput /= rays as f32;
+            state.share(rays);
             if !self.bounce(&vertex, &mut state, sampler) {
                 return radiance;
             }

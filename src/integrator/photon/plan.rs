@@ -100,10 +100,7 @@ impl Plan {
             _ => INDIRECT_PIXELS * pixel,
         };
         let wide = radius("render.photonRadius", photons.radius, otherwise)?;
-        let caustic = match (method, photons.caustic_radius) {
-            (IntegratorDesc::PhotonDirect, None) => wide,
-            (_, given) => radius("render.causticRadius", given, CAUSTIC_PIXELS * pixel)?,
-        };
+        let caustic = radius("render.causticRadius", photons.caustic_radius, CAUSTIC_PIXELS * pixel)?;
         Ok(Self {
             scene: scene.clone(),
             camera: *camera,
@@ -111,7 +108,7 @@ impl Plan {
             method,
             caustic_radius: caustic,
             radius: wide,
-            whole: Whole::new(wide.max(caustic)),
+            whole: Whole::default(),
             unlearnt: Vec::new(),
             made: None,
             notes: Vec::new(),
@@ -133,8 +130,7 @@ impl Plan {
     /// Whether each pixel has radii of its own: unless the user says how many photons make an estimate, or the method has
     /// one radius by its nature.
     pub fn is_by_pixel(&self) -> bool {
-        !matches!(self.method, IntegratorDesc::PhotonDirect | IntegratorDesc::Ppm)
-            && self.desc.photons.neighbours.is_none()
+        self.method != IntegratorDesc::Ppm && self.desc.photons.neighbours.is_none()
     }
 
     fn is_progressive(&self) -> bool {
@@ -183,9 +179,11 @@ impl Plan {
         let neighbours = photons.neighbours.filter(|count| *count > 0);
         let kinds = self.scene.kinds();
 
-        let is_first = self.unlearnt.is_empty();
-        for map in std::mem::take(&mut self.unlearnt) {
-            self.rays += self.whole.learn(&self.scene, map.photons(), radius.min(caustic_radius), parallel)?;
+        // Changed when all is done: a pass that is stopped is made again, from what was known before.
+        let mut whole = self.whole.clone();
+        let is_once = !self.is_progressive();
+        for map in &self.unlearnt {
+            self.rays += whole.learn(&self.scene, map.photons(), radius.min(caustic_radius), is_once, parallel)?;
         }
 
         // What is shot, how much of it, and how it is asked.
@@ -225,7 +223,7 @@ impl Plan {
         wanted.retain(|(kind, ..)| kinds.diffuse && (*kind != MapKind::Caustic || kinds.specular));
         let budget = (photons.memory as usize).saturating_mul(1 << 20) / BYTES_A_PHOTON;
         let mut shots: Vec<(MapKind, Asked, Vec<Photon>)> = Vec::new();
-        let (mut told, mut shot_as) = (Vec::new(), Vec::new());
+        let (mut told, mut shot_as, mut notes) = (Vec::new(), Vec::new(), Vec::new());
         let maps = wanted.len();
         for (kind, paths, asked) in wanted {
             let used: usize = shots.iter().map(|(_, _, photons)| photons.len()).sum();
@@ -240,7 +238,7 @@ impl Plan {
             if let Some(planned) = shot.cut_from
                 && pass == 0
             {
-                self.notes.push(format!(
+                notes.push(format!(
                     "the {} photon map was ended after {} of {planned} light paths: photonMemory allows {} MiB",
                     kind.name(),
                     shot.tally.paths,
@@ -254,9 +252,10 @@ impl Plan {
         let (kinds, shots): (Vec<_>, Vec<_>) =
             shots.into_iter().map(|(kind, asked, photons)| ((kind, asked), std::sync::Mutex::new(photons))).unzip();
         // Side by side, each on one thread.
+        let token = parallel.token();
         let built = parallel.map(shots.len(), move |index| {
             let photons = std::mem::take(&mut *shots[index].lock().unwrap_or_else(std::sync::PoisonError::into_inner));
-            PhotonMap::build(photons, &Cancel::new())
+            PhotonMap::build(photons, &token)
         })?;
         let mut layers = Vec::new();
         for ((kind, asked), map) in kinds.into_iter().zip(built) {
@@ -270,26 +269,30 @@ impl Plan {
                 (layer.asked.radius, layer.widest) = (self.radius, self.radius);
             }
         }
+        if pass == 0 {
+            let widest = layers.iter().map(|(_, layer)| layer.widest).fold(f32::MIN_POSITIVE, f32::max);
+            whole = Whole::new(widest);
+        }
         for ((kind, layer), (paths, most)) in layers.iter().zip(shot_as) {
             let radius = layer.asked.radius;
             if *kind == MapKind::Caustic {
                 // Its estimates are made anywhere, on whole disks or cut ones.
-                self.rays += self.whole.learn(&self.scene, layer.map.photons(), radius, parallel)?;
-            } else if is_first {
+                self.rays += whole.learn(&self.scene, layer.map.photons(), radius, is_once, parallel)?;
+            } else if pass == 0 {
                 // Photons of no pass, as no others are known yet.
                 let job = Job { kind: *kind, paths: paths.div_ceil(SCOUTS), pass: u32::MAX, most };
                 let scouts = shoot(&self.scene, &self.desc, job, parallel)?;
                 self.rays += scouts.tally.rays;
-                self.rays += self.whole.learn(&self.scene, &scouts.photons, radius, parallel)?;
+                self.rays += whole.learn(&self.scene, &scouts.photons, radius, is_once, parallel)?;
             }
         }
-        if self.is_progressive() {
-            let unlearnt = layers.iter().filter(|(kind, _)| *kind != MapKind::Caustic);
-            self.unlearnt = unlearnt.map(|(_, layer)| Arc::clone(&layer.map)).collect();
-        }
         if pass == 0 {
-            self.notes.extend(layers.iter().zip(&told).map(|((kind, layer), tally)| note(*kind, layer, tally)));
+            let one = |((kind, layer), tally): (&(MapKind, Layer), &Tally)| note(*kind, layer, tally, by_pixel);
+            notes.extend(layers.iter().zip(&told).map(one));
         }
+        // What is gathered from now teaches nothing before the next pass.
+        let unlearnt = layers.iter().filter(|(kind, _)| !is_once && *kind != MapKind::Caustic);
+        let unlearnt: Vec<_> = unlearnt.map(|(_, layer)| Arc::clone(&layer.map)).collect();
         let mut take = |wanted: &[MapKind]| {
             let place = layers.iter().position(|(kind, layer)| wanted.contains(kind) && !layer.map.is_empty())?;
             Some(layers.swap_remove(place).1)
@@ -303,14 +306,14 @@ impl Plan {
         };
         let direct = take(&[MapKind::Direct]);
         let caustic = take(&[MapKind::Caustic]);
-        let later = caustic.as_ref().map(thinned).transpose()?;
+        let later = caustic.as_ref().map(|layer| thinned(layer, &parallel.token())).transpose()?;
         let mut gather = Gather {
             cache: None,
             caustic,
             diffuse: take(&[MapKind::Indirect, MapKind::Global]),
             direct,
             later_caustic: later,
-            whole: self.whole.clone(),
+            whole: whole.clone(),
             ends,
             shrinking,
             pass,
@@ -325,9 +328,11 @@ impl Plan {
             let source = Gather { ends, ..gather.clone() };
             let (cache, report) = IrradianceCache::fill(&self.scene, &self.camera, &self.desc, &source, parallel)?;
             self.rays += report.rays;
-            self.notes.extend(report.notes);
+            notes.extend(report.notes);
             (gather.cache, gather.diffuse, gather.ends) = (Some(Arc::new(cache)), None, Ends::AtCache);
         }
+        (self.whole, self.unlearnt) = (whole, unlearnt);
+        self.notes.extend(notes);
         Ok(gather)
     }
 }
@@ -345,17 +350,18 @@ impl MapKind {
 }
 
 /// What a user should know about a map.
-fn note(kind: MapKind, layer: &Layer, tally: &Tally) -> String {
+fn note(kind: MapKind, layer: &Layer, tally: &Tally, by_pixel: bool) -> String {
     let photons = layer.map.len();
     let shadows = if tally.shadows > 0 { format!(" and {} shadow photons", tally.shadows) } else { String::new() };
+    let radius = if by_pixel && kind != MapKind::Direct { "radius, at most," } else { "radius" };
     let lost = if tally.emitted.max_element() > 0.0 {
         100.0 * tally.escaped.max_element() / tally.emitted.max_element()
     } else {
         0.0
     };
     format!(
-        "{} photon map: {} photons{shadows} of {} light paths, {lost:.0} % of the light left the scene; {:.1} MiB, {:.0} bytes a \
-         photon; radius {:.3e}",
+        "{} photon map: {} photons{shadows} of {} light paths, {lost:.0} % of their light left the scene; {:.1} MiB, {:.0} bytes \
+         a photon; {radius} {:.3e}",
         kind.name(),
         tally.stored,
         tally.paths,
@@ -378,14 +384,14 @@ pub fn shrunk(passes: u32, alpha: f64) -> f32 {
 }
 
 /// As much light in fewer photons, for a wider radius: every so many'th of the map's order, which keeps them well spread.
-fn thinned(layer: &Layer) -> Result<Layer> {
+fn thinned(layer: &Layer, cancel: &Cancel) -> Result<Layer> {
     let stride = layer.map.len().div_ceil(LATER_PHOTONS).max(1);
     let mut photons: Vec<Photon> = layer.map.photons().iter().skip(stride / 2).step_by(stride).copied().collect();
     let factor = layer.map.len() as f32 / photons.len().max(1) as f32;
     for photon in &mut photons {
         photon.power = photon.power.map(|power| power * factor);
     }
-    let map = Arc::new(PhotonMap::build(photons, &Cancel::new())?);
+    let map = Arc::new(PhotonMap::build(photons, cancel)?);
     let asked = Asked { neighbours: None, ..layer.asked };
     Ok(Layer { map, asked, widest: LATER_WIDTH * layer.asked.radius })
 }

@@ -36,6 +36,9 @@ const BLOCK: usize = 256;
 /// Most cells of a level that are judged before a pass, so that a first picture is not long in coming.
 const MOST_AT_ONCE: usize = 1 << 14;
 
+/// Photons between two looks at whether all this is still wanted.
+const LOOK_UP: usize = 1 << 14;
+
 /// Most cells of a level that are remembered: 16 bytes each.
 const MOST: usize = 1 << 22;
 
@@ -105,11 +108,13 @@ impl Whole {
     }
 
     /// Judges the cells of photons that were not met before, down to disks of this radius (> 0); returns the rays it took.
+    /// All of them, or those of a few, so that a first picture is not long in coming.
     pub fn learn(
         &mut self,
         scene: &Scene,
         photons: &[Photon],
         radius: f32,
+        is_all: bool,
         parallel: &mut impl Parallel,
     ) -> Result<u64> {
         // The next finer level begins where this radius is less than it.
@@ -123,25 +128,37 @@ impl Whole {
             if self.levels[place].radius < radius {
                 break;
             }
-            rays += self.learn_level(scene, photons, place, parallel)?;
+            loop {
+                let (judged, spent) = self.learn_level(scene, photons, place, parallel)?;
+                rays += spent;
+                if !is_all || judged == 0 {
+                    break;
+                }
+            }
         }
         Ok(rays)
     }
 
+    /// How many cells with photons it judged, and the rays it took.
     fn learn_level(
         &mut self,
         scene: &Scene,
         photons: &[Photon],
         place: usize,
         parallel: &mut impl Parallel,
-    ) -> Result<u64> {
+    ) -> Result<(usize, u64)> {
         let (coarser, rest) = self.levels.split_at_mut(place);
-        let Some(level) = rest.first_mut() else { return Ok(0) };
+        let Some(level) = rest.first_mut() else { return Ok((0, 0)) };
         let level = Arc::make_mut(level);
         let radius = level.radius;
         let mut fresh = Vec::new();
-        for photon in photons {
-            if fresh.len() == MOST_AT_ONCE || level.cells.len() == MOST {
+        // Cells are not known before they are judged, or a stop in between would leave them so.
+        let mut asked = HashSet::<u64, BuildHasherDefault<Mixed>>::default();
+        for (number, photon) in photons.iter().enumerate() {
+            if number % LOOK_UP == 0 {
+                parallel.check()?;
+            }
+            if fresh.len() == MOST_AT_ONCE || level.cells.len() + fresh.len() >= MOST {
                 break;
             }
             let (p, normal) = (photon.position(), photon.normal.get());
@@ -155,15 +172,14 @@ impl Whole {
                 continue;
             }
             let key = key(p, normal, radius);
-            level.cells.entry(key).or_insert_with(|| {
+            if !level.cells.contains_key(&key) && asked.insert(key) {
                 fresh.push((key, p, normal));
-                false
-            });
+            }
         }
+        let judged = fresh.len();
         let (verdicts, mut rays) = judge(scene, fresh, radius, parallel)?;
         // Around cells that are whole, those as well where no photon was met.
         let mut around = Vec::new();
-        let mut asked = HashSet::<u64, BuildHasherDefault<Mixed>>::default();
         for ((_, p, normal), _) in verdicts.iter().filter(|(_, is_whole)| *is_whole) {
             let frame = Frame::from_normal(*normal);
             for (i, j) in (-1_i8..=1).flat_map(|i| (-1_i8..=1).map(move |j| (i, j))) {
@@ -179,7 +195,7 @@ impl Whole {
         // A place beside the surface tells nothing of it, where it is found not to be whole.
         let whole = others.into_iter().filter(|(_, is_whole)| *is_whole);
         level.cells.extend(verdicts.into_iter().chain(whole).map(|((key, ..), is_whole)| (key, is_whole)));
-        Ok(rays)
+        Ok((judged, rays))
     }
 }
 
