@@ -121,3 +121,42 @@ fn auto_looks_for_lamps_that_paths_do_not_find() {
     let bulb = choose(&Scene::build(&scene, &BuildOptions::default()).unwrap());
     assert_eq!(bulb.integrator, IntegratorDesc::Sppm, "{}", bulb.why);
 }
+
+/// Threads, passes and stops in the middle of them change nothing.
+#[test]
+fn a_render_in_many_goes_is_the_same() {
+    use etendue::Cancel;
+    use std::time::Duration;
+
+    let desc = etendue::desc::load("scenes/caustic-room.json".as_ref(), None).unwrap();
+    let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
+    for integrator in [IntegratorDesc::Sppm, IntegratorDesc::Caustic, IntegratorDesc::IrradianceCache] {
+        let desc = RenderDesc { resolution: [48; 2], ..settings(integrator, 12, 5) };
+        let whole = render(&scene, desc.clone()).0.image();
+        let settings = RenderSettings { desc, threads: 3, ..RenderSettings::default() };
+        let mut parts = Render::new(&scene, settings).unwrap();
+        let mut stops = 0;
+        loop {
+            let cancel = Cancel::new();
+            parts.set_cancel(cancel.clone());
+            // Later each time, so that it comes to an end.
+            let delay = Duration::from_millis(5 << stops);
+            let stopper = std::thread::spawn(move || {
+                std::thread::sleep(delay);
+                cancel.cancel();
+            });
+            let summary = parts.run(&mut |_| ControlFlow::Continue(())).unwrap();
+            stopper.join().unwrap();
+            if !summary.stopped {
+                break;
+            }
+            stops += 1;
+        }
+        assert!(stops > 0, "{integrator:?} was over before it could be stopped");
+        let image = parts.image();
+        assert_eq!(image.rgb, whole.rgb, "{integrator:?} after {stops} stops");
+        let bias =
+            |image: &Image| image.layers.iter().find(|layer| layer.name == "bias").map(|layer| layer.data.clone());
+        assert_eq!(bias(&image), bias(&whole), "{integrator:?} after {stops} stops");
+    }
+}
