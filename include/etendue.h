@@ -640,8 +640,8 @@ enum etd_layer
      */
     ETD_LAYER_ALPHA = 128,
     /**
-     * Estimated bias of the pixel's mean where photon maps are made anew for every pass (caustic, ppm, sppm): 3 channels;
-     * what is there is too large by so much. 0 with all other integrators.
+     * Estimated bias of the pixel's mean by photon maps, 3 channels: what is there is too large by so much. With maps that
+     * are made once (photon, photon_direct, irradiance_cache) only that of caustics; 0 without maps.
      */
     ETD_LAYER_BIAS = 256,
 };

@@ -83,8 +83,8 @@ pub enum LayerKind {
     Variance,
     /// Root of the variance.
     StandardError,
-    /// Estimated bias of the pixel's mean by photon maps, which counts as much as what is there is too large; 0 where no
-    /// maps are made anew.
+    /// Estimated bias of the pixel's mean by photon maps: what is there is too large by so much. Of maps that are made once
+    /// only that of caustics; 0 without maps.
     Bias,
 }
 
