@@ -12,7 +12,7 @@ pub const RADII: [f64; 2] = [1e-18, 1e18];
 /// Most rays of a final gather: more cost time that more samples per pixel would spend better.
 pub const MAX_GATHER_RAYS: u32 = 1 << 10;
 
-/// Most memory that photon maps can be given [MiB].
+/// Most memory that photon maps can be given (MiB).
 pub const MAX_PHOTON_MEMORY: u32 = 1 << 20;
 
 /// How photons are shot, stored and gathered. What a method does not use has no effect on it.
@@ -47,7 +47,7 @@ pub struct PhotonDesc {
     pub progressive: bool,
     /// Rays of a final gather, from 1 to [`MAX_GATHER_RAYS`].
     pub gather_rays: u32,
-    /// Most memory of all maps at a time [MiB], from 1 to [`MAX_PHOTON_MEMORY`].
+    /// Most memory of all maps at a time (MiB), from 1 to [`MAX_PHOTON_MEMORY`].
     pub memory: u32,
 }
 

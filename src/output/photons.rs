@@ -16,11 +16,11 @@ use crate::{Error, ErrorKind, Result};
 #[non_exhaustive]
 pub enum PhotonFormat {
     /// Comma-separated values, one photon a line after the line `x,y,z,nx,ny,nz,wx,wy,wz,r,g,b,shadow`: where it is, the
-    /// surface's normal on the side it came from, the direction towards where it came from, its power [W], and 1 for a
+    /// surface's normal on the side it came from, the direction towards where it came from, its power (W), and 1 for a
     /// shadow photon, else 0.
     Csv,
     /// PLY, binary, little-endian, a vertex for each photon: `double x, y, z`, `float nx, ny, nz`, `uchar red, green, blue`
-    /// (sRGB, the colour of its power at full brightness; black for a shadow photon), `float power_r, power_g, power_b` [W],
+    /// (sRGB, the colour of its power at full brightness; black for a shadow photon), `float power_r, power_g, power_b` (W),
     /// `uchar shadow` (1 for a shadow photon, else 0).
     Ply,
 }

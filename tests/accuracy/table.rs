@@ -113,6 +113,13 @@ impl Table {
             text = replaced(&text, "summary", &self.summary())?;
             return std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()));
         }
+        // One group alone, with the numbers of this run.
+        if let Some(group) =
+            std::env::var("ETENDUE_WRITE").ok().filter(|name| super::groups().iter().any(|(group, _)| group == name))
+        {
+            text = replaced(&text, &group, &self.group_table(&group))?;
+            return std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()));
+        }
         let missing: Vec<String> = self
             .rows()
             .map(|(_, row)| format!("| {} {} | {} |", row.id, row.title, row.what))

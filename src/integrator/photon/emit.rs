@@ -73,7 +73,7 @@ impl Emission {
         Ok(Distribution1D::new(&weights).map(|choice| Self { choice, balls }))
     }
 
-    /// Begins one of `1 / share` light paths: a ray and the power that travels along it [W]. `None` for one that leads
+    /// Begins one of `1 / share` light paths: a ray and the power that travels along it (W). `None` for one that leads
     /// nowhere, which counts all the same.
     ///
     /// `u`, `d` uniform in [0, 1)^4: the emitter, the place on it, and what is aimed at; and the direction, its first two.

@@ -41,7 +41,7 @@ pub struct Photon {
     pub p: [f32; 3],
     /// Geometric normal on the side it came from.
     pub normal: Octahedral,
-    /// Its share of the light's power [W]; 0 for a shadow photon, which marks where something keeps the light away.
+    /// Its share of the light's power (W); 0 for a shadow photon, which marks where something keeps the light away.
     pub power: [f32; 3],
     /// Towards where it came from.
     pub wi: Octahedral,
@@ -60,7 +60,7 @@ impl Photon {
         Vec3::from_array(self.p)
     }
 
-    /// Its power [W].
+    /// Its power (W).
     #[inline]
     pub fn power(&self) -> Rgb {
         Rgb::from_array(self.power)

@@ -35,7 +35,7 @@ pub enum MapKind {
     Global,
 }
 
-/// What became of the light that was sent out, power [W].
+/// What became of the light that was sent out, power (W).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
     /// Light paths, those included that led nowhere.
