@@ -83,7 +83,7 @@ fn over_passes(case: &mut Case) {
                         integrator,
                         ..RenderDesc::default()
                     };
-                    let paths = 1 << 12 as u32;
+                    let paths = 1 << 12;
                     desc.photons.count = Some(paths);
                     desc.photons.caustic_count = Some(paths);
                     [desc.photons.caustic_radius, desc.photons.radius] = radii.map(Some);
