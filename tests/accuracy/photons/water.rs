@@ -109,7 +109,7 @@ fn water(case: &mut Case) {
             let found = over(&images(&scene, &method(integrator, 16, samples, (paths, 0.1)), RUNS / 2), grey_mean);
             let error = found.1.hypot(path.1);
             let what = format!("{what}, {}", integrator.name());
-            case.biased_mean(what, (found.0, error), path.0, (2e-3, pick(case, 4e-2, 1.5e-2)));
+            case.biased_mean(what, (found.0, error), path.0, (2e-3, pick(case, 4e-2, 2e-2)));
         }
     }
 }
