@@ -272,7 +272,7 @@ static void pass_wrong_enumerations(void) {
         {"tone_map of a file", e_tone_map_write, ETD_TONE_MAP_ACES},
         {"text", e_text, ETD_TEXT_WARNINGS},
     };
-    static const uint32_t layers[] = {0, 3, ETD_LAYER_ALPHA, 129, 256, UINT32_MAX};
+    static const uint32_t layers[] = {0, 3, ETD_LAYER_ALPHA, 129, 512, UINT32_MAX};
     size_t i, k;
     for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         const uint32_t wrong[] = {cases[i].last + 1, 100, 0x80000000u, UINT32_MAX};
@@ -300,9 +300,9 @@ static void pass_wrong_enumerations(void) {
         etd_film *made = NULL;
         CHECK_STATUS(etd_film_map(film, ETD_LAYER_DEPTH, &map), ETD_INVALID_OPERATION); /* not kept */
         options.width = options.height = 4;
-        options.layers = 256;
+        options.layers = 512;
         CHECK_STATUS(etd_film_new(device, &options, &made), ETD_INVALID_ARGUMENT);
-        options.layers = 255;
+        options.layers = 511;
         options.reserved = 1;
         CHECK_STATUS(etd_film_new(device, &options, &made), ETD_INVALID_ARGUMENT);
         options.reserved = 0;
