@@ -20,11 +20,11 @@ use crate::spectrum::Rgb;
 const CERTAIN_BOUNCES: u32 = 1024;
 
 /// From this bounce on a scene's own survival probabilities give way to what the path carries.
-const OWN_SURVIVAL_BOUNCES: u32 = 64;
+pub(super) const OWN_SURVIVAL_BOUNCES: u32 = 64;
 
 /// A path that still carries this share of what it had after its first hit survives with certainty. Time to equal error in
 /// the report's room is the same with 1/2 and with 1.
-const CERTAIN_SHARE: f32 = 0.5;
+pub(super) const CERTAIN_SHARE: f32 = 0.5;
 
 /// Path tracing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

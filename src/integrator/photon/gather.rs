@@ -11,10 +11,11 @@
 //! Where a map's disk is not whole (see [`super::whole`]), the path goes on as path tracing does.
 
 use std::cell::RefCell;
+use std::sync::Arc;
 
 use super::super::irradiance_cache::IrradianceCache;
 use super::super::light::Vertex;
-use super::super::path::roulette;
+use super::super::path::{CERTAIN_SHARE, OWN_SURVIVAL_BOUNCES, roulette};
 use super::super::{FirstHit, Integrator, Tracer};
 use super::cut::Cut;
 use super::estimate::{Asked, Estimate, direct, radiance};
@@ -26,7 +27,6 @@ use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
 use crate::spectrum::Rgb;
-use std::sync::Arc;
 
 /// A map and how it is asked.
 #[derive(Clone, Debug)]
@@ -87,12 +87,6 @@ pub struct Gather {
     pub(super) gather_rays: u32,
 }
 
-/// From this bounce on a scene's own survival probabilities give way to what the path carries.
-const OWN_SURVIVAL_BOUNCES: u32 = 64;
-
-/// As in path tracing.
-const CERTAIN_SHARE: f32 = 0.5;
-
 thread_local! {
     static NEAREST: RefCell<Nearest> = RefCell::default();
 }
@@ -127,9 +121,7 @@ impl State {
             way: 0.0,
         }
     }
-}
 
-impl State {
     /// One of so many paths that go on together.
     fn share(&mut self, paths: u32) {
         self.throughput /= paths as f32;
