@@ -11,7 +11,7 @@ IMAGES ?= out/$(basename $(notdir $(SCENE))).png out/$(basename $(notdir $(SCENE
 INSTALL = CARGO='$(CARGO)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh
 ETENDUE = $(CARGO) run --quiet --release --locked --example etendue --
 
-.PHONY: all setup render test accuracy mutations bench build install uninstall deb meshes clean
+.PHONY: all setup render test accuracy mutations bench bench-rays build install uninstall deb meshes clean
 all: render
 
 # Installs Embree, libclang and a C compiler where they are missing, with a line that says why.
@@ -38,9 +38,15 @@ accuracy: setup
 mutations: setup
 	scripts/mutations.pl
 
-# Ray rates against Embree's own, and what robustness costs.
+# Time and error of six scenes, with a report to open in a browser: out/bench/report.html. About ten minutes the first time,
+# when references are rendered. SUITE is another suite; ARGS are further options, such as ARGS="--runs 1".
+SUITE ?= benches/suites/default.json
 bench: setup meshes
-	$(CARGO) bench --locked --bench rays --bench spheres --bench editing --bench robust --bench photons
+	$(ETENDUE) bench --suite $(SUITE) --output out/bench $(ARGS)
+
+# Ray rates against Embree's own, and what robustness costs.
+bench-rays: setup meshes
+	$(CARGO) bench --locked --bench rays --bench spheres --bench editing --bench robust --bench photons --bench lights --bench errors
 	$(CARGO) bench --locked --features capi --bench hosts
 
 # Generated meshes that are too large to store.

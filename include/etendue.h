@@ -54,9 +54,9 @@
 #define ETD_RENDER_OPTIONS_INIT \
     {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \
      NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_PHOTON_KERNEL_DEFAULT, 0, ETD_PHOTON_SHARING_POWER, \
-     ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, 0}
+     ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, 0, ETD_ERROR_RELMSE, ETD_SWITCH_DEFAULT}
 #define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
-#define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0}
+#define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_ENDED_SAMPLES, 0}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
 #define ETD_MAP_INIT {sizeof(etd_map), NULL, 0, 0, 0, 0, 0}
 #define ETD_IMAGE_OPTIONS_INIT {sizeof(etd_image_options), ETD_FORMAT_FLOAT, ETD_TONE_MAP_CLAMP, 0, 0, NULL}
@@ -184,6 +184,39 @@ enum etd_phase
 typedef enum etd_phase etd_phase;
 #else
 typedef uint32_t etd_phase;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * What ended a render.
+ */
+enum etd_ended
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Every pixel has its samples.
+     */
+    ETD_ENDED_SAMPLES = 0,
+    /**
+     * The time limit.
+     */
+    ETD_ENDED_TIME = 1,
+    /**
+     * The error is as small as was asked for.
+     */
+    ETD_ENDED_ERROR = 2,
+    /**
+     * It was cancelled.
+     */
+    ETD_ENDED_CANCELLED = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_ended etd_ended;
+#else
+typedef uint32_t etd_ended;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -596,6 +629,32 @@ enum etd_switch
 typedef enum etd_switch etd_switch;
 #else
 typedef uint32_t etd_switch;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * What the error of an image is measured by.
+ */
+enum etd_error_measure
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * relMSE: the mean over pixels and channels of squared error / (mean^2 + e), with e = 1 % of the squared mean of the
+     * image.
+     */
+    ETD_ERROR_RELMSE = 0,
+    /**
+     * As a screen shows it: root of the mean squared error in levels of 255, after clamping to [0, 1] and the sRGB curve.
+     */
+    ETD_ERROR_DISPLAY = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_error_measure etd_error_measure;
+#else
+typedef uint32_t etd_error_measure;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -1056,7 +1115,8 @@ typedef struct etd_render_options {
      */
     double time_limit;
     /**
-     * Estimated relative error (see `etd_summary`) at which to stop, > 0; 0: none.
+     * Estimated error at which to stop, > 0, of the kind that `error_measure` says; 0: none. It counts as reached if it is
+     * below by half a standard error of the estimate, with 32 samples at least, and not while few pixels have most of it.
      */
     double target_error;
     /**
@@ -1157,6 +1217,16 @@ typedef struct etd_render_options {
      * Must be 0.
      */
     uint32_t reserved;
+    /**
+     * An `etd_error_measure`: what `target_error` is of, and what adaptive samples make small.
+     */
+    etd_error_measure error_measure;
+    /**
+     * An `etd_switch`: whether pixels with more error get more samples, `samples` being their mean; by default where
+     * `target_error` is set. Only with the samplers Sobol' and random, and not where photon maps are made anew for each
+     * pass: there all pixels have the same number, and the log callback is told.
+     */
+    etd_switch adaptive;
 } etd_render_options;
 
 /**
@@ -1453,18 +1523,45 @@ typedef struct etd_summary {
      */
     uint64_t non_finite;
     /**
-     * Estimated relative error of the image: root of the mean over pixels and channels of variance / (mean^2 + e), with
-     * e = 1 % of the squared mean of the image. NaN where there are too few samples to tell.
+     * Estimated relative error of the image: the root of `rel_mse`. NaN where there are too few samples to tell.
      */
     double relative_error;
     /**
-     * Samples for each pixel that are complete.
+     * Samples for each pixel that are complete; the mean over pixels where they differ.
      */
     uint32_t samples;
     /**
      * 1 if it was cancelled, else 0.
      */
     uint32_t cancelled;
+    /**
+     * Estimated relMSE (see `ETD_ERROR_RELMSE`). NaN where there are too few samples to tell.
+     */
+    double rel_mse;
+    /**
+     * Standard error of `rel_mse`, from the scatter over pixels.
+     */
+    double rel_mse_standard_error;
+    /**
+     * Estimated error of what a screen shows (see `ETD_ERROR_DISPLAY`), levels of 255; NaN as `rel_mse`.
+     */
+    double display_error;
+    /**
+     * Samples of the pixel that has fewest, and of the one that has most; 0 after a cancel.
+     */
+    uint32_t samples_min;
+    /**
+     * See `samples_min`.
+     */
+    uint32_t samples_max;
+    /**
+     * What ended it.
+     */
+    etd_ended ended;
+    /**
+     * 0.
+     */
+    uint32_t reserved;
 } etd_summary;
 
 /**
@@ -2003,11 +2100,14 @@ etd_status etd_film_copy(const struct etd_film *film,
 /**
  * Writes the film as it stands to a file: `.png` (8-bit sRGB), `.exr` (float, with layers) or `.pfm` (float).
  *
- * An EXR holds the layers `samples` and `variance`, and albedo, normal and depth where the film keeps any of these. The
+ * An EXR holds the layers `samples` and `variance`, and albedo, normal and depth where the film keeps any of these, and in
+ * its header what the render came to (`relMSE`, `relMSEStandardError`, `displayError`, `samplesPerPixel`, `rays`, `ended`). The
  * file appears whole or not at all. `path`: UTF-8. `options`: NULL for a clamped sRGB picture without comments. Errors:
  * `ETD_IO`, `ETD_UNSUPPORTED` for another extension, `ETD_INVALID_OPERATION` before the first render. Thread-safe.
  */
-etd_status etd_film_write(const struct etd_film *film, const char *path, const struct etd_image_options *options);
+etd_status etd_film_write(const struct etd_film *film,
+                          const char *path,
+                          const struct etd_image_options *options);
 
 /**
  * What the last render that ended on this film came to; `ETD_INVALID_OPERATION` before the first. Thread-safe.

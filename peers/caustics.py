@@ -16,9 +16,7 @@ of relMSE is taken off. Renderers take turns; run it with nothing else running.
 import argparse
 import json
 import pathlib
-import re
 import statistics
-import subprocess
 import sys
 
 try:
@@ -26,36 +24,17 @@ try:
 except ImportError as missing:
     sys.exit(f"SKIPPED: numpy is not installed ({missing}). NOTHING WAS COMPARED.")
 
+import ours
 import pictures
 
 SKIPPED = 77
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
-class Refused(Exception):
-    """A renderer did not make an image; says why."""
-
-
-def run(command):
-    done = subprocess.run([str(x) for x in command], capture_output=True, text=True)
-    if done.returncode:
-        said = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()
-        reason = next((line for line in said if "error" in line or "SKIPPED" in line), said[-1])
-        raise Refused(f"exit code {done.returncode}: {reason}")
-    return done.stdout + done.stderr
-
-
-def ours(args, scene, integrator, budget, seed, output, spp=None):
+def etendue(args, scene, integrator, budget, seed, output, spp=None):
     """Renders with our command line; the seconds of its summary."""
-    command = [args.etendue, "render", scene, "--integrator", integrator, "--threads", args.threads]
-    command += ["--seed", seed, "--output", output]
-    command += ["--spp", spp] if spp else ["--time", budget]
-    text = run(command)
-    summary = re.search(r"done in (?:(\d+) h )?(?:(\d+) min ?)?(?:([\d.]+) s)?", text)
-    if not summary or not any(summary.groups()):
-        sys.exit(f"no 'done in ... s' in the output of our command:\n{text}")
-    hours, minutes, seconds = (float(x or 0) for x in summary.groups())
-    return 3600 * hours + 60 * minutes + seconds
+    budget = ["--spp", spp] if spp else ["--time", budget]
+    return ours.render(args.etendue, scene, output, args.threads, seed, "--integrator", integrator, *budget)
 
 
 def luxcore(args, scene, integrator, budget, seed, output):
@@ -63,7 +42,7 @@ def luxcore(args, scene, integrator, budget, seed, output):
     script = pathlib.Path(__file__).parent / "luxcore" / "render.py"
     command = [args.luxcore_python, script, scene, output, "--integrator", integrator, "--time", budget]
     command += ["--seed", seed, "--threads", args.threads, *args.luxcore_options.split()]
-    return json.loads(run(command).strip().splitlines()[0])["seconds"]
+    return json.loads(ours.run(command).strip().splitlines()[0])["seconds"]
 
 
 def without_caustics(args, scene, work):
@@ -73,7 +52,7 @@ def without_caustics(args, scene, work):
         images = []
         for turn in range(args.median_renders):
             output = work / "without.pfm"
-            ours(args, scene, "path", None, 7001 + turn, output, spp=args.median_spp)
+            etendue(args, scene, "path", None, 7001 + turn, output, spp=args.median_spp)
             images.append(pictures.read_pfm(output) @ LUMINANCE)
         np.save(file, np.median(images, axis=0))
     return np.load(file)
@@ -106,11 +85,10 @@ def main():
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("out/caustics"), help="folder for images")
     parser.add_argument("--json", help="also write every single run here")
     args = parser.parse_args()
-    if not pathlib.Path(args.etendue).exists():
-        sys.exit(f"{args.etendue} does not exist: cargo build --release --example etendue")
+    ours.find(args.etendue)
     args.work.mkdir(parents=True, exist_ok=True)
 
-    contestants = [("etendue", ours, name) for name in args.ours] + [
+    contestants = [("etendue", etendue, name) for name in args.ours] + [
         ("luxcore", luxcore, name) for name in args.luxcore
     ]
     runs, refused = [], {}
@@ -144,7 +122,7 @@ def main():
                     output = args.work / f"{scene.stem}-{label}-{name}-{budget:g}-{turn}.pfm"
                     try:
                         seconds = renderer(args, scene, name, budget, 1 + turn, output)
-                    except Refused as reason:
+                    except ours.Refused as reason:
                         refused[f"{label} {name}"] = str(reason)
                         continue
                     image = pictures.read_pfm(output)

@@ -1,4 +1,5 @@
-"""Images and their measures, for what compares us with more than one renderer. Needs numpy alone.
+"""Images and their measures, for what compares us with more than one renderer. Needs numpy, and OpenEXR
+for files of that kind.
 
 Images are float64 [height][width][3], row 0 on top, scene-linear.
 """
@@ -23,6 +24,17 @@ def write_pfm(path, image):
     with open(path, "wb") as file:
         file.write(f"PF\n{width} {height}\n-1.0\n".encode())
         file.write(np.ascontiguousarray(image[::-1]).astype("<f4").tobytes())
+
+
+def read_exr(path, prefix=""):
+    """Three channels of an EXR file, those of a layer with its prefix (`variance.`); None if they are not there."""
+    import OpenEXR
+
+    channels = OpenEXR.File(str(path), separate_channels=True).parts[0].channels
+    names = [prefix + c for c in "RGB"]
+    if not all(name in channels for name in names):
+        return None
+    return np.stack([channels[name].pixels for name in names], 2).astype(np.float64)
 
 
 def rel_mse(image, reference, where=None, noise=None):

@@ -115,7 +115,7 @@ fn names(folder: &Path) -> Vec<String> {
 fn help_and_version_go_to_standard_output() {
     let folder = folder();
     for (args, expected) in [
-        (vec!["--help"], vec!["render", "info", "photons", "compare", "Exit codes"]),
+        (vec!["--help"], vec!["render", "info", "photons", "compare", "bench", "Exit codes"]),
         (vec!["render", "--help"], vec!["--output", "--spp", "--max-depth", "--tone-map", "--progressive", "--time"]),
         (vec!["compare", "--help"], vec!["--json", "reference"]),
         (vec!["--version"], vec![env!("CARGO_PKG_VERSION")]),
@@ -329,6 +329,41 @@ fn render_writes_every_image_and_a_summary() {
     let metadata = exr::meta::MetaData::read_from_file(folder.path().join("a.exr"), true).unwrap();
     let comments = metadata.headers[0].own_attributes.comments.as_ref().unwrap().to_string();
     assert!(comments.contains("cornell.json") && comments.contains("samples per pixel 4"), "{comments}");
+}
+
+#[test]
+fn statistics_and_the_images_header_say_what_it_came_to() {
+    let folder = folder();
+    let scene = scene("cornell.json");
+    let args = ["-o", "x.exr", "--adaptive", "--stats", "stats.json", "--spp", "64"];
+    let run = etendue(folder.path(), small_render(&scene, &args));
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let text = fs::read_to_string(folder.path().join("stats.json")).expect("statistics");
+    let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!((&stats["settings"]["adaptive"], &stats["settings"]["spp"]), (&true.into(), &64.into()), "{text}");
+    let [fewest, mean, most] = ["min", "mean", "max"].map(|key| stats["samples"][key].as_f64().expect(key));
+    assert!(fewest < mean && mean <= 64.0 && mean > 63.0 && most > 64.0, "{text}");
+    let [rel_mse, error] = ["value", "standardError"].map(|key| stats["relMSE"][key].as_f64().expect(key));
+    assert!(rel_mse > 0.0 && error > 0.0 && error < rel_mse, "{text}");
+    assert!(stats["rays"].as_u64() > Some(1000) && stats["seconds"]["render"].as_f64() > Some(0.0), "{text}");
+    assert_eq!((&stats["ended"], &stats["target"]), (&"samples".into(), &serde_json::Value::Null));
+    // The same in the image's header, by another reader than the one that wrote it would use.
+    let meta = exr::meta::MetaData::read_from_file(folder.path().join("x.exr"), false).expect("an EXR header");
+    let number = |name: &str| match meta.headers[0].own_attributes.other.get(&exr::meta::attribute::Text::from(name)) {
+        Some(exr::meta::attribute::AttributeValue::F64(number)) => *number,
+        other => panic!("{name}: {other:?}"),
+    };
+    assert_eq!((number("relMSE"), number("relMSEStandardError")), (rel_mse, error));
+    assert_eq!(number("rays"), stats["rays"].as_f64().unwrap());
+    // A target that is reached at once, after the least number of samples.
+    let run = etendue(
+        folder.path(),
+        small_render(&scene, &["-o", "y.exr", "--stats", "stats.json", "--target-display", "200", "--spp", "64", "-q"]),
+    );
+    assert_eq!((run.code, run.stdout.as_str()), (Some(0), ""), "{}", run.stderr);
+    let text = fs::read_to_string(folder.path().join("stats.json")).expect("statistics");
+    let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!((&stats["ended"], stats["samples"]["mean"].as_f64()), (&"error".into(), Some(32.0)), "{text}");
 }
 
 #[test]

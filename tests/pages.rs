@@ -60,6 +60,7 @@ fn every_option_is_in_the_manual() {
         ("info", "etendue-info.1"),
         ("photons", "etendue-photons.1"),
         ("compare", "etendue-compare.1"),
+        ("bench", "etendue-bench.1"),
     ] {
         let (_, text) = pages.iter().find(|(path, _)| path.ends_with(sub)).expect("a page for each command");
         let text = text.replace("\\-", "-");

@@ -15,7 +15,7 @@ const SIZE: u32 = 24;
 fn render(scene: &Scene, desc: RenderDesc) -> (Render, Option<f64>) {
     let mut render = Render::new(scene, RenderSettings { desc, ..RenderSettings::default() }).unwrap();
     let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
-    (render, summary.relative_error)
+    (render, summary.rel_mse.map(|error| error.value.sqrt()))
 }
 
 fn settings(integrator: IntegratorDesc, samples: u32, seed: u64) -> RenderDesc {
@@ -30,7 +30,7 @@ fn settings(integrator: IntegratorDesc, samples: u32, seed: u64) -> RenderDesc {
     RenderDesc { resolution: [SIZE; 2], samples, integrator, seed, photons, ..RenderDesc::default() }
 }
 
-/// Root of the mean squared error relative to a reference, as `Film::relative_error` means it.
+/// Root of the mean squared error relative to a reference, as `Film::rel_mse` means it.
 fn true_error(image: &Image, reference: &Image) -> f64 {
     let values = reference.rgb.len() as f64;
     let mean = reference.rgb.iter().map(|v| f64::from(*v)).sum::<f64>() / values;
@@ -70,8 +70,8 @@ fn estimated_errors_cover_the_true_ones() {
             for (((value, truth), error), bias) in image.rgb.iter().zip(&reference.rgb).zip(&standard_error).zip(&bias)
             {
                 tried += 1;
-                // Four replicates: Student's t for 3 degrees of freedom leaves out 10 % beyond 2.353.
-                covered += u32::from((value - bias - truth).abs() <= 2.353 * error + 1e-3 * truth);
+                // Eight replicates: Student's t for 7 degrees of freedom leaves out 10 % beyond 1.895.
+                covered += u32::from((value - bias - truth).abs() <= 1.895 * error + 1e-3 * truth);
             }
         }
         let share = f64::from(covered) / f64::from(tried);

@@ -718,3 +718,26 @@ fn the_schema_in_the_documentation_is_current() {
     let committed = std::fs::read_to_string(&path).unwrap();
     assert!(committed == current, "docs/scene.schema.json is out of date: run this test with ETENDUE_WRITE_SCHEMA=1");
 }
+
+#[test]
+fn a_render_block_lies_over_settings_that_stay() {
+    let text = r#"{"groups": [{"render": {
+        "samples": 7, "maxDepth": null, "photonRadius": 0.5}}, {"render": {"shadowRays": 0}}]}"#;
+    let mut base = RenderDesc { max_depth: Some(3), shadow_rays: 4, seed: 9, ..Default::default() };
+    base.photons.count = Some(1000);
+    base.photons.radius = Some(0.1);
+    base.cache.rays = 99;
+    let over = desc::apply_render(text, "groups[0].render", None, &base).unwrap();
+    let mut expected = RenderDesc { samples: 7, max_depth: None, ..base.clone() };
+    expected.photons.radius = Some(0.5);
+    assert_eq!(over, expected);
+    assert_eq!(desc::apply_render("{}", "", None, &base).unwrap(), base);
+    for (path, complaint) in [
+        ("groups[1].render", "suite.json:2: groups[1].render.shadowRays: 0 is out of range"),
+        ("groups[2].render", "suite.json:1: groups[2].render: there is nothing to read here"),
+        ("groups", "suite.json:1: groups: expected an object, found an array"),
+    ] {
+        let error = desc::apply_render(text, path, Some(Path::new("suite.json")), &base).unwrap_err().to_string();
+        assert!(error.starts_with(complaint), "{error}");
+    }
+}

@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use etendue::desc::{
     FilterDesc, IntegratorDesc, MAX_PHOTONS, MAX_SHADOW_RAYS, PhotonDesc, RADII, RenderDesc, SamplerDesc,
 };
+use etendue::film::ErrorMeasure;
 use etendue::math::DVec3;
 use etendue::output::ToneMap;
 use etendue::render::{MAX_THREADS, MOST_SAMPLES};
@@ -34,6 +35,8 @@ pub enum Command {
     Photons(PhotonsArgs),
     /// Measure how far image A is from the reference B.
     Compare(CompareArgs),
+    /// Measure time and error of scenes against references, and write a report.
+    Bench(BenchArgs),
 }
 
 #[derive(Debug, Args)]
@@ -55,9 +58,16 @@ pub struct RenderArgs {
     /// Stop after so many seconds. With --spp, at whichever comes first; without, the scene's samples do not count.
     #[arg(long, value_name = "SECONDS", value_parser = parse_time)]
     pub time: Option<Duration>,
-    /// Stop when the estimated relative error of the image is no larger than this, such as 0.01.
-    #[arg(long, value_name = "ERROR", value_parser = parse_error)]
+    /// Stop when the estimated relMSE of the image is no larger than this, such as 0.001.
+    #[arg(long, value_name = "RELMSE", value_parser = parse_error)]
     pub target_error: Option<f64>,
+    /// Stop when the estimated error of what a screen shows is no larger than this, in levels of 255, such as 2.
+    #[arg(long, value_name = "LEVELS", value_parser = parse_error, conflicts_with = "target_error")]
+    pub target_display: Option<f64>,
+    /// More samples for pixels with more error; alone it means on. On by itself where an error is aimed at.
+    #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "on", hide_possible_values = true)]
+    pub adaptive: Option<Switch>,
     /// Seed of all randomness, in place of the scene's.
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
@@ -92,6 +102,9 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N|none", value_parser = parse_depth)]
     pub max_depth: Option<Depth>,
 
+    /// A file for what the render came to: one JSON object.
+    #[arg(long, value_name = "FILE")]
+    pub stats: Option<PathBuf>,
     /// Rewrite the images after each pass.
     #[arg(long)]
     pub progressive: bool,
@@ -198,6 +211,63 @@ pub struct CompareArgs {
     pub exposure: f32,
 }
 
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// Scene files (JSON).
+    #[arg(required_unless_present_any = ["suite", "report_only"])]
+    pub scenes: Vec<PathBuf>,
+    /// Suite file (JSON) with groups of cases, in place of scenes.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "integrators", "samplers"])]
+    pub suite: Option<PathBuf>,
+    /// Folder for results.json, results.md, report.html and the pictures; made where it is missing.
+    #[arg(short, long, value_name = "DIR", default_value = "out/bench")]
+    pub output: PathBuf,
+
+    /// Light transport to compare, separated by commas; the scene's where none is given.
+    #[arg(long, value_name = "NAME,...", value_enum, value_delimiter = ',')]
+    pub integrators: Vec<Integrator>,
+    /// Samplers to compare, separated by commas; the scene's where none is given.
+    #[arg(long, value_name = "NAME,...", value_enum, value_delimiter = ',')]
+    pub samplers: Vec<Sampler>,
+    /// Samples per pixel to try, separated by commas; 16,64,256 where there is neither --spp nor --time.
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Vec<u32>,
+    /// Seconds to try, separated by commas.
+    #[arg(long, value_name = "SECONDS,...", value_delimiter = ',', value_parser = parse_time)]
+    pub time: Vec<Duration>,
+    /// Numbers of threads to try, separated by commas; 0 takes all there are.
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = parse_threads)]
+    pub threads: Vec<usize>,
+    /// Width and height in pixels, such as 256x256, in place of the scene's.
+    #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
+    pub resolution: Option<[u32; 2]>,
+    /// Runs of each case, each with a seed of its own; the suite's number, or 5.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub runs: Option<u32>,
+
+    /// Folder of references, NAME-WxH.exr; what is missing is path traced and kept there. References in the output
+    /// folder where none is given.
+    #[arg(long, value_name = "DIR")]
+    pub references: Option<PathBuf>,
+    /// Samples per pixel of references that are made; the suite's number, or four times the most that is measured and
+    /// at least 1024.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..))]
+    pub reference_spp: Option<u32>,
+
+    /// Results of other renderers (JSON) that the report shows beside; may be repeated.
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub include: Vec<PathBuf>,
+    /// Render nothing, and make the report of these results anew.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "suite"])]
+    pub report_only: Option<PathBuf>,
+    /// Markdown file in which the tables between <!-- bench GROUP --> and <!-- /bench --> are written anew.
+    #[arg(long, value_name = "FILE")]
+    pub tables: Option<PathBuf>,
+    /// No progress and no summary; warnings and errors stay.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
 #[derive(Clone, Copy, Debug, ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum Integrator {
@@ -221,6 +291,12 @@ pub enum Integrator {
     Sppm,
     /// Path, caustic or sppm, by what the scene holds.
     Auto,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    On,
+    Off,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -265,9 +341,15 @@ impl From<Tone> for ToneMap {
 pub struct Depth(pub Option<u32>);
 
 impl RenderArgs {
+    /// The error to stop at, and what it is measured by.
+    pub fn target(&self) -> Option<(ErrorMeasure, f64)> {
+        let relative = self.target_error.map(|target| (ErrorMeasure::RelMse, target));
+        relative.or(self.target_display.map(|target| (ErrorMeasure::Display, target)))
+    }
+
     /// The scene's settings with those of the command line in their place.
     pub fn settings(&self, scene: &RenderDesc) -> RenderDesc {
-        let is_limited = self.time.is_some() || self.target_error.is_some();
+        let is_limited = self.time.is_some() || self.target().is_some();
         RenderDesc {
             resolution: self.resolution.unwrap_or(scene.resolution),
             // Time or error alone count where they are all that was asked for.
@@ -320,7 +402,7 @@ fn parse_radius(text: &str) -> Result<f64, String> {
 
 fn parse_error(text: &str) -> Result<f64, String> {
     let error = text.parse::<f64>().ok().filter(|error| *error > 0.0 && error.is_finite());
-    error.ok_or_else(|| "expected an error above 0, such as 0.01".to_owned())
+    error.ok_or_else(|| "expected an error above 0, such as 0.001".to_owned())
 }
 
 fn parse_time(text: &str) -> Result<Duration, String> {

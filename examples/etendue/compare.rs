@@ -59,6 +59,7 @@ fn describe(report: &Report) -> String {
     let mut lines = vec![
         format!("mse             {:.6e}", metrics.mse),
         format!("relative mse    {:.6e}  (epsilon {REL_MSE_EPSILON})", metrics.rel_mse),
+        format!("relMSE          {:.6e}  (epsilon 1 % of the squared mean)", metrics.rel_mse_to_mean),
         format!("psnr            {:.2} dB", metrics.psnr),
         format!("max difference  {:.6e}  at column {x}, row {y}", metrics.max_abs_difference),
         format!("mean of A       {}", rgb(metrics.mean_a)),

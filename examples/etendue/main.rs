@@ -1,14 +1,17 @@
-//! The command line: renders a scene file to image files, says what a scene holds, writes and draws photons, compares images.
+//! The command line: renders a scene file to image files, says what a scene holds, writes and draws photons, compares images,
+//! measures time and error.
 //!
 //! `cargo run --release --example etendue -- render scenes/cornell.json -o cornell.exr`; docs/cli.md is the manual.
 //! It uses nothing of the library that another host could not use.
 
 mod args;
+mod bench;
 mod compare;
 mod console;
 mod interrupt;
 mod photons;
 mod render;
+mod stats;
 
 use std::fmt::Display;
 use std::process::ExitCode;
@@ -53,6 +56,7 @@ fn main() -> ExitCode {
         Command::Info(args) => render::info(&args),
         Command::Photons(args) => photons::photons(&args),
         Command::Compare(args) => compare::compare(&args),
+        Command::Bench(args) => bench::bench(&args),
     };
     match outcome {
         Ok(code) => ExitCode::from(code),

@@ -2,18 +2,20 @@
 
 use std::collections::HashSet;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use etendue::desc::IntegratorDesc;
 use etendue::desc::{self, RenderDesc, SceneDesc};
 use etendue::film::Image;
 use etendue::integrator::photon::{Choice, choose};
-use etendue::output::{self, Format, WriteOptions};
-use etendue::render::{MOST_SAMPLES, NonFiniteSample, Progress, Render, RenderSettings, Summary};
+use etendue::output::{self, Attribute, Format, WriteOptions};
+use etendue::render::{MOST_SAMPLES, NonFiniteSample, Progress, Render, RenderSettings, Summary, Workers};
 use etendue::scene::{BuildOptions, Scene};
 
-use crate::args::{InfoArgs, RenderArgs};
+use crate::args::{InfoArgs, RenderArgs, Switch};
 use crate::console::{self, Bar};
+use crate::stats::Stats;
 use crate::{Failure, interrupt};
 
 /// Prints what the scene became.
@@ -34,20 +36,27 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
     // An hour of rendering must not end at a typing error: everything that can be known now is asked now.
     let layers = check_outputs(args)?;
     interrupt::install()?;
+    let began = Instant::now();
     let (description, scene) = load(&args.scene, args.params.as_deref(), args.threads)?;
+    let build_time = began.elapsed();
     let desc = args.settings(&description.render);
+    let workers = Workers::pool(args.threads)?;
     let settings = RenderSettings {
         desc: desc.clone(),
-        threads: args.threads,
+        workers: Some(workers.clone()),
         time_limit: args.time,
-        target_error: args.target_error,
+        target_error: args.target().map(|(_, target)| target),
+        error_measure: args.target().map(|(measure, _)| measure).unwrap_or_default(),
+        adaptive: args.adaptive.map(|switch| switch == Switch::On),
         auxiliary: layers,
         ..RenderSettings::default()
     };
     let mut render = Render::new(&scene, settings)?;
 
     interrupt::begin();
-    let write = |image: &Image, samples: u32| write_all(args, image, &comments(&args.scene, &desc, samples));
+    let write = |image: &Image, samples: u32, attributes| {
+        write_all(args, image, comments(&args.scene, &desc, samples), attributes)
+    };
     let mut failure = None;
     let summary = {
         let bar = Bar::new(args.quiet);
@@ -55,7 +64,7 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
             .run(&mut |progress| {
                 bar.show(progress.fraction, status(progress));
                 if let (true, Some(image)) = (args.progressive, progress.image) {
-                    failure = write(&image(), progress.samples_done).err();
+                    failure = write(&image(), progress.samples_done, Vec::new()).err();
                 }
                 if failure.is_some() || interrupt::requested() {
                     ControlFlow::Break(())
@@ -72,7 +81,11 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
     if summary.stopped && summary.rays == 0 {
         console::warn("stopped before the first ray: no image is written");
     } else {
-        write(&render.image(), summary.samples)?;
+        write(&render.image(), summary.samples, output::summary_attributes(&summary))?;
+    }
+    if let Some(path) = &args.stats {
+        let stats = Stats::new(args, &desc, &summary, workers.threads(), build_time);
+        stats.write(path).map_err(Failure::running)?;
     }
     report(&summary, &description, args.quiet);
     Ok(if summary.stopped && interrupt::requested() { interrupt::EXIT_CODE } else { 0 })
@@ -87,25 +100,52 @@ pub fn load(scene: &Path, params: Option<&Path>, threads: usize) -> Result<(Scen
     Ok((description, scene))
 }
 
-/// Whether all images can be written where they are wanted, and whether one of them holds layers.
+/// Whether everything can be written where it is wanted, over nothing that is read or written besides; and whether one of the
+/// images holds layers.
 fn check_outputs(args: &RenderArgs) -> Result<bool, Failure> {
+    let inputs: Vec<PathBuf> = std::iter::once(&args.scene).chain(&args.params).map(|path| place(path)).collect();
     let mut seen = HashSet::new();
-    let mut layers = false;
-    for path in &args.output {
-        layers |= output::check_target(path)? == Format::Exr;
-        if !seen.insert(path) {
+    let mut check = |path: &Path| {
+        let place = place(path);
+        if inputs.contains(&place) {
+            return Err(Failure::usage(format!("{}: is read as the scene and cannot be written", path.display())));
+        }
+        if !seen.insert(place) {
             return Err(Failure::usage(format!("{}: given twice as an output", path.display())));
         }
+        Ok(())
+    };
+    let mut layers = false;
+    if let Some(path) = &args.stats {
+        output::check_text_target(path)?;
+        check(path)?;
+    }
+    for path in &args.output {
+        layers |= output::check_target(path)? == Format::Exr;
+        check(path)?;
     }
     Ok(layers)
 }
 
+/// The same for all ways to spell it: links followed, the folder without `.` and `..`.
+fn place(path: &Path) -> PathBuf {
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let in_folder = || Some(parent.canonicalize().ok()?.join(path.file_name()?));
+    path.canonicalize().ok().or_else(in_folder).unwrap_or_else(|| path.to_path_buf())
+}
+
 /// Writes every image that was asked for.
-fn write_all(args: &RenderArgs, image: &Image, comments: &str) -> Result<(), Failure> {
+fn write_all(
+    args: &RenderArgs,
+    image: &Image,
+    comments: String,
+    attributes: Vec<(String, Attribute)>,
+) -> Result<(), Failure> {
     let options = WriteOptions {
         tone_map: args.tone_map.into(),
         exposure: args.exposure,
-        comments: comments.to_owned(),
+        comments,
+        attributes,
         threads: args.threads,
     };
     args.output.iter().try_for_each(|path| output::write(image, path, &options)).map_err(Failure::running)
@@ -152,14 +192,22 @@ fn report(summary: &Summary, scene: &SceneDesc, quiet: bool) {
         console::say(&format!("  {sample}{}", names(sample, scene)));
     }
     let mut line = format!(
-        "{} {}: {} samples per pixel, {}",
+        "{} {}: {} samples per pixel{}, {}",
         if summary.stopped { "stopped after" } else { "done in" },
         console::duration(summary.elapsed.as_secs_f64()),
         summary.samples,
+        // Where they differ by more than what a pass that was cut short leaves.
+        summary
+            .sample_counts
+            .filter(|_| summary.adaptive)
+            .map_or(String::new(), |counts| format!(" ({} to {})", counts.min, counts.max)),
         console::ray_rate(summary.rays, summary.elapsed)
     );
-    if let Some(error) = summary.relative_error {
-        line += &format!(", relative error about {:.2} %", 100.0 * error);
+    if let Some(error) = summary.rel_mse {
+        line += &format!(", relMSE {:.2e} ± {:.0e}", error.value, error.standard_error);
+    }
+    if let Some(error) = summary.display_error {
+        line += &format!(", {:.2} levels of 255", error.value);
     }
     if let Some(bytes) = console::peak_memory() {
         line += &format!(", peak memory {} MiB", bytes.div_ceil(1 << 20));

@@ -16,6 +16,9 @@ _etendue() {
             ",$1")
                 cmd="etendue"
                 ;;
+            etendue,bench)
+                cmd="etendue__subcmd__bench"
+                ;;
             etendue,compare)
                 cmd="etendue__subcmd__compare"
                 ;;
@@ -30,6 +33,9 @@ _etendue() {
                 ;;
             etendue,render)
                 cmd="etendue__subcmd__render"
+                ;;
+            etendue__subcmd__help,bench)
+                cmd="etendue__subcmd__help__subcmd__bench"
                 ;;
             etendue__subcmd__help,compare)
                 cmd="etendue__subcmd__help__subcmd__compare"
@@ -53,12 +59,86 @@ _etendue() {
 
     case "${cmd}" in
         etendue)
-            opts="-h -V --help --version render info photons compare help"
+            opts="-h -V --help --version render info photons compare bench help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
             case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        etendue__subcmd__bench)
+            opts="-o -q -h --suite --output --integrators --samplers --spp --time --threads --resolution --runs --references --reference-spp --include --report-only --tables --quiet --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --suite)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --output)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                -o)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --integrators)
+                    COMPREPLY=($(compgen -W "direct whitted path photon_direct caustic photon irradiance_cache ppm sppm auto" -- "${cur}"))
+                    return 0
+                    ;;
+                --samplers)
+                    COMPREPLY=($(compgen -W "sobol random jittered grid gaussian" -- "${cur}"))
+                    return 0
+                    ;;
+                --spp)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --time)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --threads)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --resolution)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --runs)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --references)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --reference-spp)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --include)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --report-only)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --tables)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;
@@ -85,8 +165,22 @@ _etendue() {
             return 0
             ;;
         etendue__subcmd__help)
-            opts="render info photons compare help"
+            opts="render info photons compare bench help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        etendue__subcmd__help__subcmd__bench)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
@@ -249,7 +343,7 @@ _etendue() {
             return 0
             ;;
         etendue__subcmd__render)
-            opts="-o -q -h --output --threads --spp --time --target-error --seed --resolution --integrator --filter --sampler --shadow-rays --photons --photon-radius --caustic-photons --caustic-radius --max-depth --progressive --tone-map --exposure --quiet --help"
+            opts="-o -q -h --output --threads --spp --time --target-error --target-display --adaptive --seed --resolution --integrator --filter --sampler --shadow-rays --photons --photon-radius --caustic-photons --caustic-radius --max-depth --stats --progressive --tone-map --exposure --quiet --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -277,6 +371,14 @@ _etendue() {
                     ;;
                 --target-error)
                     COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --target-display)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --adaptive)
+                    COMPREPLY=($(compgen -W "on off" -- "${cur}"))
                     return 0
                     ;;
                 --seed)
@@ -320,6 +422,10 @@ _etendue() {
                     return 0
                     ;;
                 --max-depth)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --stats)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

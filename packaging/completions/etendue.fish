@@ -30,12 +30,16 @@ complete -c etendue -n "__fish_etendue_needs_command" -f -a "render" -d 'Render 
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "photons" -d 'Write the photons of a map, or draw them'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "compare" -d 'Measure how far image A is from the reference B'
+complete -c etendue -n "__fish_etendue_needs_command" -f -a "bench" -d 'Measure time and error of scenes against references, and write a report'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
 complete -c etendue -n "__fish_etendue_using_subcommand render" -s o -l output -d 'Image files to write, by extension: .exr, .pfm or .png. Put them after the scene, or repeat the option' -r -F
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l threads -d 'Threads; 0 takes all there are' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l spp -d 'Samples per pixel, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l time -d 'Stop after so many seconds. With --spp, at whichever comes first; without, the scene\'s samples do not count' -r
-complete -c etendue -n "__fish_etendue_using_subcommand render" -l target-error -d 'Stop when the estimated relative error of the image is no larger than this, such as 0.01' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l target-error -d 'Stop when the estimated relMSE of the image is no larger than this, such as 0.001' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l target-display -d 'Stop when the estimated error of what a screen shows is no larger than this, in levels of 255, such as 2' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l adaptive -d 'More samples for pixels with more error; alone it means on. On by itself where an error is aimed at' -r -f -a "on\t''
+off\t''"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l seed -d 'Seed of all randomness, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l resolution -d 'Width and height in pixels, such as 640x480, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l integrator -d 'Light transport, in place of the scene\'s' -r -f -a "direct\t'Emission and light scattered once'
@@ -60,6 +64,7 @@ complete -c etendue -n "__fish_etendue_using_subcommand render" -l photon-radius
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l caustic-photons -d 'Light paths of a caustic map, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l caustic-radius -d 'Radius of caustics in scene units, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l max-depth -d 'Greatest number of surface hits on a path, or none for no cut' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l stats -d 'A file for what the render came to: one JSON object' -r -F
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l tone-map -d 'How radiance becomes brightness in a PNG' -r -f -a "maximum\t'Divide by the largest value of the image'
 clamp\t'1 is white, and so is all above'
 reinhard\t'x / (1 + x)'
@@ -91,8 +96,38 @@ complete -c etendue -n "__fish_etendue_using_subcommand compare" -l exposure -d 
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -l json -d 'Print one JSON object; what is not finite is null'
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -l no-flip -d 'Leave out FLIP, the slow one'
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -s h -l help -d 'Print help'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare help" -f -a "render" -d 'Render a scene to image files'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare help" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare help" -f -a "photons" -d 'Write the photons of a map, or draw them'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare help" -f -a "compare" -d 'Measure how far image A is from the reference B'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -l suite -d 'Suite file (JSON) with groups of cases, in place of scenes' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -s o -l output -d 'Folder for results.json, results.md, report.html and the pictures; made where it is missing' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -l integrators -d 'Light transport to compare, separated by commas; the scene\'s where none is given' -r -f -a "direct\t'Emission and light scattered once'
+whitted\t'Direct light, perfect mirrors and glass'
+path\t'Everything'
+photon_direct\t'The report\'s photon map for direct light'
+caustic\t'Paths, with caustics from a photon map'
+photon\t'Global and caustic photon map, with final gathering'
+irradiance_cache\t'Indirect light interpolated between final gathers'
+ppm\t'Progressive photon mapping'
+sppm\t'Stochastic progressive photon mapping'
+auto\t'Path, caustic or sppm, by what the scene holds'"
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -l samplers -d 'Samplers to compare, separated by commas; the scene\'s where none is given' -r -f -a "sobol\t'Owen-scrambled Sobol\' points'
+random\t'Independent random numbers'
+jittered\t'One random position in each of n x n cells'
+grid\t'n x n regular positions'
+gaussian\t'Normally distributed around the pixel\'s centre'"
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -l spp -d 'Samples per pixel to try, separated by commas; 16,64,256 where there is neither --spp nor --time' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -l time -d 'Seconds to try, separated by commas' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -l threads -d 'Numbers of threads to try, separated by commas; 0 takes all there are' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -l resolution -d 'Width and height in pixels, such as 256x256, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -l runs -d 'Runs of each case, each with a seed of its own; the suite\'s number, or 5' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -l references -d 'Folder of references, NAME-WxH.exr; what is missing is path traced and kept there. References in the output folder where none is given' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -l reference-spp -d 'Samples per pixel of references that are made; the suite\'s number, or four times the most that is measured and at least 1024' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -l include -d 'Results of other renderers (JSON) that the report shows beside; may be repeated' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -l report-only -d 'Render nothing, and make the report of these results anew' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -l tables -d 'Markdown file in which the tables between <!-- bench GROUP --> and <!-- /bench --> are written anew' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -s q -l quiet -d 'No progress and no summary; warnings and errors stay'
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare bench help" -f -a "render" -d 'Render a scene to image files'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare bench help" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare bench help" -f -a "photons" -d 'Write the photons of a map, or draw them'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare bench help" -f -a "compare" -d 'Measure how far image A is from the reference B'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare bench help" -f -a "bench" -d 'Measure time and error of scenes against references, and write a report'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare bench help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'

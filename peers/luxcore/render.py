@@ -122,7 +122,9 @@ class Converter(reader.Converter):
         self.set("scene.camera.lookat.target", *map(float, c.get("lookAt", [0, 0, -1])))
         self.set("scene.camera.up", *map(float, c.get("up", [0, 1, 0])))
         self.set("scene.camera.fieldofview", 90.0)
-        self.set("scene.camera.screenwindow", -x, x, -y, y)
+        # LuxCore counts rows from below as height - 1 - y, which puts a sample of row y into the row under it.
+        row = 2 * y / height
+        self.set("scene.camera.screenwindow", -x, x, -y - row, y - row)
         self.set("scene.camera.autofocus.enable", False)
         self.set("scene.camera.cliphither", 1e-4)
 
@@ -210,8 +212,8 @@ def as_properties(lines):
     return properties
 
 
-def render(args):
-    """Image [height][width][3], seconds, samples per pixel."""
+def load(args):
+    """The scene in LuxCore, and the size of its image."""
     converter = Converter(args.scene)
     resolution = args.resolution or converter.json.get("render", {}).get("resolution", [256, 256])
     try:
@@ -219,12 +221,19 @@ def render(args):
         scene = pyluxcore.Scene()
         scene.Parse(as_properties(lines))
     except reader.Unsupported as error:
-        sys.exit(f"{args.scene}: {error}")
+        sys.exit(f"{args.scene}: error: {error}")
     finally:
         converter.close()
+    return scene, resolution
+
+
+def render(args, scene, resolution, poll=0.1):
+    """Image [height][width][3], seconds, those of them before the first sample, samples per pixel."""
     session = pyluxcore.RenderSession(pyluxcore.RenderConfig(as_properties(engine(args) + film(resolution)), scene))
     start = time.perf_counter()
+    # Returns when the acceleration structure and the photon map are made and the threads have started.
     session.Start()
+    prepared = time.perf_counter() - start
     while True:
         # The caustic cache is renewed by samples per pixel, which LuxCore counts when asked for its statistics.
         session.UpdateStats()
@@ -232,7 +241,9 @@ def render(args):
         elapsed = time.perf_counter() - start
         if elapsed >= args.time or (args.spp is not None and samples >= args.spp):
             break
-        time.sleep(min(0.1, args.time - elapsed))
+        # Asking merges the threads' films, which costs a tenth and more if done often: seldom while there is far to go.
+        ahead = 0.7 * elapsed * (args.spp - samples) / samples if args.spp is not None and samples else 0.0
+        time.sleep(min(max(poll, ahead), args.time - elapsed))
     session.UpdateStats()
     samples = session.GetStats().Get("stats.renderengine.pass").GetInt()
     # Stopping waits for the passes under way; what they add is in the image, so their time counts.
@@ -241,13 +252,13 @@ def render(args):
     width, height = (int(x) for x in resolution)
     buffer = np.zeros(width * height * 3, dtype=np.float32)
     session.GetFilm().GetOutputFloat(pyluxcore.FilmOutputType.RGB, buffer, 0)
-    return buffer.reshape(height, width, 3)[::-1], seconds, samples
+    return buffer.reshape(height, width, 3)[::-1], seconds, prepared, samples
 
 
-def main():
+def arguments():
+    """The options of all programs here."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scene", help="native scene file")
-    parser.add_argument("output", help=".pfm to write")
     parser.add_argument("--integrator", choices=["path", "photongi", "hybrid", "bidir", "bidirvm"], default="photongi")
     parser.add_argument("--resolution", type=int, nargs=2, metavar=("W", "H"), help="pixels (default: the scene's)")
     parser.add_argument("--time", type=float, default=10.0, help="seconds (default 10)")
@@ -271,10 +282,16 @@ def main():
     others.add_argument("--partition", type=float, default=0.8, help="hybrid: share of eye paths")
     others.add_argument("--light-paths", type=int, default=16384, help="bidirvm: light paths per pass")
     others.add_argument("--start-radius", type=float, default=0.003, help="bidirvm: radius over the scene's")
+    return parser
+
+
+def main():
+    parser = arguments()
+    parser.add_argument("output", help=".pfm to write")
     args = parser.parse_args()
     log = (lambda line: print(line, file=sys.stderr)) if args.verbose else (lambda line: None)
     pyluxcore.Init(log)
-    image, seconds, samples = render(args)
+    image, seconds, _, samples = render(args, *load(args))
     pictures.write_pfm(args.output, image)
     record = {
         "renderer": f"luxcore {pyluxcore.Version()} {args.integrator}",

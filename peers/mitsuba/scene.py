@@ -60,8 +60,26 @@ def placement_of(surface):
     return translation(surface.get("origin", [0, 0, 0])) @ rotation(vec(surface.get("rotate", [0, 0, 0]))) @ scale
 
 
+def read_plain_obj(path):
+    """A large OBJ of nothing but positions and triangles, some ten times faster than line by line; None if it has more."""
+    lines = pathlib.Path(path).read_text(encoding="utf-8").splitlines()
+    v = [line[2:] for line in lines if line.startswith("v ")]
+    f = [line[2:] for line in lines if line.startswith("f ")]
+    if len(v) + len(f) + sum(line.startswith("#") or not line for line in lines) != len(lines) or any(
+        "/" in x for x in f
+    ):
+        return None
+    positions, triangles = (np.fromstring(" ".join(x), sep=" ") for x in (v, f))
+    if len(positions) != 3 * len(v) or len(triangles) != 3 * len(f) or triangles.min() < 1:
+        return None
+    return positions.reshape(-1, 3), None, triangles.reshape(-1, 3).astype(np.int64) - 1
+
+
 def read_obj(path):
     """Positions, normals (or None) per corner-unique vertex and triangles of a Wavefront OBJ; polygons become fans."""
+    plain = read_plain_obj(path)
+    if plain is not None:
+        return plain
     v, vn, corners, index, triangles = [], [], [], {}, []
     with open(path, encoding="utf-8") as file:
         for line in file:

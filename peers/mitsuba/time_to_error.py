@@ -14,7 +14,6 @@ that a change of the machine's speed meets all; the table has the median of the 
 import argparse
 import json
 import pathlib
-import re
 import shlex
 import statistics
 import subprocess
@@ -25,6 +24,9 @@ import time
 import backend  # First, for its message when something is missing.
 import numpy as np
 import scene as converter
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+import ours
 
 
 class Mitsuba:
@@ -75,11 +77,7 @@ class Ours:
         process = time.perf_counter() - start
         if run.returncode:
             sys.exit(f"{self.command.format(**values)}\nended with {run.returncode}: {run.stderr.strip()}")
-        summary = re.search(r"done in (?:(\d+) h )?(?:(\d+) min ?)?(?:([\d.]+) s)?", run.stdout + run.stderr)
-        if not summary or not any(summary.groups()):
-            sys.exit(f"no 'done in ... s' in the output of our command:\n{run.stdout}{run.stderr}")
-        hours, minutes, seconds = (float(x or 0) for x in summary.groups())
-        return backend.read_exr(self.output), 3600 * hours + 60 * minutes + seconds, process
+        return backend.read_exr(self.output), ours.seconds_of(run.stdout + run.stderr), process
 
 
 def main():

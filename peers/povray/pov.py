@@ -5,14 +5,15 @@ other side of the comparison. What else differs is in ../README.md.
 """
 
 import argparse
-import json
 import math
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "mitsuba"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 
 import numpy as np
+import ours
 import scene as reader
 
 FADE = 1e-3
@@ -206,20 +207,6 @@ def add_arguments(parser):
     parser.add_argument("--trace-level", type=int, default=30)
 
 
-def lambert(path, output):
-    """Our scene with Lambert's surfaces for rough ones; files of meshes by their whole names."""
-    path = pathlib.Path(path)
-    scene = json.loads(path.read_text(encoding="utf-8"))
-    for m in scene.get("materials", []):
-        if m["type"] == "diffuse":
-            for key in ("brdf", "roughness", "sigmaDeg"):
-                m.pop(key, None)
-    for s in scene.get("surfaces", []) + scene.get("meshes", []):
-        if "file" in s:
-            s["file"] = str((path.parent / s["file"]).resolve())
-    pathlib.Path(output).write_text(json.dumps(scene, indent=1) + "\n", encoding="utf-8")
-
-
 def write(path, output, resolution, args):
     writer = Writer(path, args)
     try:
@@ -241,7 +228,7 @@ def main():
     args = parser.parse_args()
     write(args.scene, args.output, args.resolution, args)
     if args.lambert:
-        lambert(args.scene, args.lambert)
+        ours.lambert(args.scene, args.lambert)
 
 
 if __name__ == "__main__":

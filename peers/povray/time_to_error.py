@@ -24,22 +24,13 @@ if shutil.which("povray") is None:
     sys.exit(SKIPPED)
 try:
     import numpy as np
-    import OpenEXR
+    import OpenEXR  # noqa: F401 (what `pictures` reads with)
 except ImportError as missing:
     print(f"SKIPPED: {missing} (pip install numpy OpenEXR). NOTHING WAS COMPARED.", file=sys.stderr)
     sys.exit(SKIPPED)
 
 import pictures
 import pov as converter
-
-
-def layer(path, prefix=""):
-    """Three channels of an EXR file as [height][width][3], or None."""
-    channels = OpenEXR.File(str(path), separate_channels=True).parts[0].channels
-    names = [prefix + c for c in "RGB"]
-    if not all(name in channels for name in names):
-        return None
-    return np.stack([channels[name].pixels for name in names], 2).astype(np.float64)
 
 
 def main():
@@ -53,7 +44,7 @@ def main():
     parser.add_argument("--limit", type=float, default=300.0, help="seconds after which a render is given up")
     parser.add_argument("--keep", help="folder for the images")
     args = parser.parse_args()
-    reference, variance = layer(args.reference), layer(args.reference, "variance.")
+    reference, variance = pictures.read_exr(args.reference), pictures.read_exr(args.reference, "variance.")
     height, width = reference.shape[:2]
     weight = 1.0 / (reference**2 + 1e-2 * float(reference.mean()) ** 2)
     noise = 0.0 if variance is None else float(np.mean(variance * weight))
@@ -79,7 +70,7 @@ def main():
         if done.returncode:
             sys.exit(f"{shlex.join(command)}\nended with {done.returncode}: {done.stderr.strip()[-2000:]}")
         cpu = (after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime) / args.threads
-        x = layer(image)
+        x = pictures.read_exr(image)
         error = float(np.mean((x - reference) ** 2 * weight)) - noise
         ratio = pictures.blocks(x, 4) / pictures.blocks(reference, 4)
         means = " ".join(f"{m:.4f}" for m in x.mean((0, 1)) / reference.mean((0, 1)))

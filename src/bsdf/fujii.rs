@@ -3,7 +3,7 @@
 use std::f32::consts::FRAC_1_PI;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::tangential_dot;
+use super::{bright_side, sine, tangential_dot};
 use crate::math::Vec3;
 use crate::spectrum::Rgb;
 
@@ -35,6 +35,12 @@ impl Fujii {
     #[inline]
     pub fn albedo(&self) -> Rgb {
         self.albedo
+    }
+
+    /// Share of the power that comes from all directions alike, or of a beam along `w`, that is scattered: the directional
+    /// albedo. By the integral of f cos over the hemisphere.
+    pub fn directional_albedo(&self, w: Vec3) -> Rgb {
+        self.albedo * (self.a + self.b * FRAC_1_PI * (bright_side(w) - 2.0 / 3.0 * sine(w)))
     }
 
     /// The scattering function for two directions strictly on one side (sr^-1).

@@ -24,6 +24,8 @@ pub use lambert::Lambert;
 pub use mirror::Mirror;
 pub use oren_nayar::OrenNayar;
 
+use std::f32::consts::FRAC_1_PI;
+
 use crate::desc::BsdfDesc;
 use crate::math::Vec3;
 use crate::sampling::warps;
@@ -93,6 +95,18 @@ impl Bsdf {
             Self::Black => true,
             Self::Dielectric(_) => false,
             _ => self.albedo() == Rgb::ZERO,
+        }
+    }
+
+    /// The radiance that a diffuse surface sends along the unit direction `wo` (local frame) per irradiance (sr^-1) where the same
+    /// radiance comes from all directions; `None` for other surfaces.
+    #[inline]
+    pub fn mean_f(&self, wo: Vec3) -> Option<Rgb> {
+        match self {
+            Self::Lambert(lambert) => Some(lambert.f()),
+            Self::OrenNayar(oren_nayar) => Some(oren_nayar.directional_albedo(wo) * FRAC_1_PI),
+            Self::Fujii(fujii) => Some(fujii.directional_albedo(wo) * FRAC_1_PI),
+            Self::Black | Self::Mirror(_) | Self::Dielectric(_) => None,
         }
     }
 
@@ -178,9 +192,61 @@ fn reflect(wo: Vec3) -> Vec3 {
     Vec3::new(-wo.x, -wo.y, wo.z)
 }
 
+/// pi times the directional albedo of max(0, sin sin cos(phi)) / (pi max(cos, cos)), which the rough diffuse models have in
+/// common: s (theta - s c) + 2/3 s (1 - s^3) / c for sine s and cosine c of the direction's angle theta.
+///
+/// Source: Portsmouth, Kutz, Hill 2024, "EON: A Practical Energy-Preserving Rough Diffuse BRDF", Eq. 14, without its last term.
+fn bright_side(w: Vec3) -> f32 {
+    let (s, c) = (sine(w), w.z.abs());
+    // (1 - s^3) / c without a difference of what is nearly the same.
+    let rest = c * (1.0 + s + s * s) / (1.0 + s);
+    s * (s.atan2(c) - s * c) + 2.0 / 3.0 * s * rest
+}
+
+/// Sine of a unit direction's angle to the normal.
+fn sine(w: Vec3) -> f32 {
+    w.x.hypot(w.y)
+}
+
 /// Product of the two directions' tangential parts, sin theta_o sin theta_i cos(phi_o - phi_i), free of cancellation
 /// against the cosines and of any trouble at the pole.
 #[inline]
 fn tangential_dot(wo: Vec3, wi: Vec3) -> f32 {
     wo.x * wi.x + wo.y * wi.y
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_of_f_is_that_of_all_directions() {
+        let albedo = Rgb::new(1.0, 0.5, 0.25);
+        let models = [
+            BsdfDesc::Lambert { albedo },
+            BsdfDesc::OrenNayar { albedo, sigma: 0.3 },
+            BsdfDesc::OrenNayar { albedo, sigma: 1.2 },
+            BsdfDesc::Fujii { albedo, roughness: 0.2 },
+            BsdfDesc::Fujii { albedo, roughness: 1.0 },
+        ];
+        const N: u32 = 256;
+        for desc in models {
+            let bsdf = Bsdf::new(&desc);
+            for degrees in [0.0_f32, 20.0, 45.0, 70.0, 80.0] {
+                let (sin, cos) = degrees.to_radians().sin_cos();
+                let wo = Vec3::new(0.6 * sin, -0.8 * sin, cos);
+                let at = |i: u32| (i as f32 + 0.5) / N as f32;
+                let mut sum = crate::math::DVec3::ZERO;
+                for i in 0..N * N {
+                    // Distributed by the cosine, so that f / N^2 sums up to the mean of f times pi over pi.
+                    let wi = warps::cosine_hemisphere([at(i / N), at(i % N)]);
+                    sum += bsdf.f(wo, wi).as_dvec3();
+                }
+                let expected = sum / f64::from(N * N);
+                let mean = bsdf.mean_f(wo).unwrap().as_dvec3();
+                let error = ((mean - expected) / expected).abs().max_element();
+                assert!(error < 1e-3, "{desc:?} at {degrees} degrees: {mean} and not {expected}");
+            }
+        }
+    }
 }

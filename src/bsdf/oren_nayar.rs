@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use super::tangential_dot;
+use super::{bright_side, tangential_dot};
 use crate::math::Vec3;
 use crate::spectrum::Rgb;
 
@@ -39,6 +39,12 @@ impl OrenNayar {
     #[inline]
     pub fn albedo(&self) -> Rgb {
         self.albedo
+    }
+
+    /// Share of the power that comes from all directions alike, or of a beam along `w`, that is scattered: the directional
+    /// albedo. By the integral of f cos over the hemisphere.
+    pub fn directional_albedo(&self, w: Vec3) -> Rgb {
+        self.albedo * (self.a + self.b * FRAC_1_PI * bright_side(w))
     }
 
     /// The scattering function for two directions strictly on one side (sr^-1).

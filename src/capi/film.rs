@@ -18,7 +18,7 @@ use crate::Cancel;
 use crate::desc::MAX_PIXELS;
 use crate::embree::Charge;
 use crate::film::{Film, Image, LayerKind, TILE};
-use crate::output::{self, ToneMap, WriteOptions};
+use crate::output::{self, Attribute, ToneMap, WriteOptions};
 
 /// Layers that are images of their own, after the colour.
 const LAYERS: [(etd_layer, LayerKind); 7] = [
@@ -75,6 +75,8 @@ struct State {
     /// The sums of the last render.
     sums: Option<Arc<Film>>,
     summary: Option<etd_summary>,
+    /// The same for the header of an EXR.
+    attributes: Vec<(String, Attribute)>,
 }
 
 impl etd_film {
@@ -104,7 +106,15 @@ impl etd_film {
 
     /// The sums of the last render, whose memory the next one may use again.
     pub(super) fn set_sums(&self, sums: &Arc<Film>) {
-        lock(&self.state).sums = Some(Arc::clone(sums));
+        let mut state = lock(&self.state);
+        state.sums = Some(Arc::clone(sums));
+        // What is known is of other sums.
+        state.attributes.clear();
+    }
+
+    /// What the last render came to, for the files that are written of it.
+    pub(super) fn set_attributes(&self, attributes: Vec<(String, Attribute)>) {
+        lock(&self.state).attributes = attributes;
     }
 
     /// How many images there were.
@@ -260,6 +270,7 @@ pub unsafe extern "C" fn etd_film_new(
                     next_pin: 1,
                     sums: None,
                     summary: None,
+                    attributes: Vec::new(),
                 }),
                 _charge: charge,
                 device: Arc::clone(device),
@@ -449,7 +460,8 @@ pub unsafe extern "C" fn etd_film_copy(
 
 /// Writes the film as it stands to a file: `.png` (8-bit sRGB), `.exr` (float, with layers) or `.pfm` (float).
 ///
-/// An EXR holds the layers `samples` and `variance`, and albedo, normal and depth where the film keeps any of these. The
+/// An EXR holds the layers `samples` and `variance`, and albedo, normal and depth where the film keeps any of these, and in
+/// its header what the render came to (`relMSE`, `relMSEStandardError`, `displayError`, `samplesPerPixel`, `rays`, `ended`). The
 /// file appears whole or not at all. `path`: UTF-8. `options`: NULL for a clamped sRGB picture without comments. Errors:
 /// `ETD_IO`, `ETD_UNSUPPORTED` for another extension, `ETD_INVALID_OPERATION` before the first render. Thread-safe.
 ///
@@ -467,12 +479,16 @@ pub unsafe extern "C" fn etd_film_write(
             let path = text(path, "path")?;
             let it = read_image_options(options)?;
             let comments = optional_text(it.comments, "options.comments")?;
-            let sums = lock(&film.state).sums.clone();
+            let (sums, attributes) = {
+                let state = lock(&film.state);
+                (state.sums.clone(), state.attributes.clone())
+            };
             let sums = sums.ok_or_else(|| Failure::operation("nothing was rendered to the film yet"))?;
             let options = WriteOptions {
                 tone_map: read::tone_map(it.tone_map)?,
                 exposure: it.exposure,
                 comments: comments.to_owned(),
+                attributes,
                 threads: film.device.build_threads,
             };
             Ok(output::write(&sums.develop(), Path::new(path), &options)?)

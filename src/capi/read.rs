@@ -8,6 +8,7 @@ use crate::desc::{
     BsdfDesc, CacheDesc, CacheSource, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, KernelDesc, MAX_SHADOW_RAYS,
     PhotonDesc, PhotonSharing, RenderDesc, SamplerDesc, check_cache, check_photons,
 };
+use crate::film::ErrorMeasure;
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::output::ToneMap;
 use crate::render::MOST_SAMPLES;
@@ -212,6 +213,22 @@ fn switch(name: &str, value: u32, default: bool) -> Result<bool> {
     }
 }
 
+/// What is said of adaptive sampling, if anything is.
+pub(super) fn adaptive(it: &etd_render_options) -> Result<Option<bool>> {
+    match it.adaptive {
+        0 => Ok(None),
+        value => switch("options.adaptive", value, false).map(Some),
+    }
+}
+
+pub(super) fn error_measure(it: &etd_render_options) -> Result<ErrorMeasure> {
+    match it.error_measure {
+        0 => Ok(ErrorMeasure::RelMse),
+        1 => Ok(ErrorMeasure::Display),
+        other => unknown("options.error_measure", other, 1),
+    }
+}
+
 /// The other way round.
 fn switch_out(on: bool) -> u32 {
     if on { 1 } else { 2 }
@@ -363,6 +380,8 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
             CacheSource::Photons => 1,
         },
         reserved: 0,
+        error_measure: 0,
+        adaptive: 0,
     }
 }
 

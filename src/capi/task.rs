@@ -16,10 +16,11 @@ use super::read;
 use super::scene::{Progress, etd_scene};
 use super::status::{ETD_CANCELLED, ETD_DEVICE, ETD_INVALID_HANDLE, ETD_OK, ETD_RUNNING, Failure, Result, etd_status};
 use super::types::{
-    ETD_LOG_WARNING, ETD_PHASE_BUILD, ETD_PHASE_END, ETD_PHASE_RENDER, etd_phase, etd_progress, etd_render_options,
-    etd_summary,
+    ETD_ENDED_CANCELLED, ETD_ENDED_ERROR, ETD_ENDED_SAMPLES, ETD_ENDED_TIME, ETD_LOG_WARNING, ETD_PHASE_BUILD,
+    ETD_PHASE_END, ETD_PHASE_RENDER, etd_phase, etd_progress, etd_render_options, etd_summary,
 };
 use crate::Cancel;
+use crate::output::summary_attributes;
 use crate::render::{Ended, Render, RenderSettings};
 
 /// Share of the progress that building a scene takes.
@@ -196,10 +197,23 @@ impl Work {
             build_time: build_time.as_secs_f64(),
             rays: summary.rays,
             non_finite: summary.non_finite,
-            relative_error: summary.relative_error.unwrap_or(f64::NAN),
+            relative_error: summary.rel_mse.map_or(f64::NAN, |error| error.value.sqrt()),
             samples: summary.samples,
             cancelled: u32::from(cancel.is_cancelled() && summary.stopped),
+            rel_mse: summary.rel_mse.map_or(f64::NAN, |error| error.value),
+            rel_mse_standard_error: summary.rel_mse.map_or(f64::NAN, |error| error.standard_error),
+            display_error: summary.display_error.map_or(f64::NAN, |error| error.value),
+            samples_min: summary.sample_counts.map_or(0, |counts| counts.min),
+            samples_max: summary.sample_counts.map_or(0, |counts| counts.max),
+            ended: match summary.ended {
+                Ended::Samples => ETD_ENDED_SAMPLES,
+                Ended::Time => ETD_ENDED_TIME,
+                Ended::Error => ETD_ENDED_ERROR,
+                Ended::Cancelled => ETD_ENDED_CANCELLED,
+            },
+            reserved: 0,
         });
+        self.film.set_attributes(summary_attributes(&summary));
         Ok(())
     }
 
@@ -211,6 +225,8 @@ impl Work {
             workers: Some(self.scene.device.workers.clone()),
             time_limit: (it.time_limit > 0.0).then(|| seconds(it.time_limit)),
             target_error: (it.target_error > 0.0).then_some(it.target_error),
+            error_measure: read::error_measure(it)?,
+            adaptive: read::adaptive(it)?,
             auxiliary: self.film.keeps_first_hits(),
             cancel: cancel.clone(),
             ..RenderSettings::default()

@@ -38,6 +38,8 @@ mod numbers {
     /// The enumeration of this name, as a number.
     pub type EtdSwitch = u32;
     /// The enumeration of this name, as a number.
+    pub type EtdErrorMeasure = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdLayer = u32;
     /// The enumeration of this name, as a number.
     pub type EtdFormat = u32;
@@ -49,9 +51,10 @@ mod numbers {
 pub use numbers::*;
 
 pub use {
-    etd_bsdf::*, etd_cache_source::*, etd_camera_type::*, etd_filter::*, etd_format::*, etd_fov_axis::*,
-    etd_integrator::*, etd_layer::*, etd_log_level::*, etd_phase::*, etd_photon_kernel::*, etd_photon_sharing::*,
-    etd_position_format::*, etd_sampler::*, etd_sharing::*, etd_switch::*, etd_text::*, etd_tone_map::*, etd_usage::*,
+    etd_bsdf::*, etd_cache_source::*, etd_camera_type::*, etd_ended::*, etd_error_measure::*, etd_filter::*,
+    etd_format::*, etd_fov_axis::*, etd_integrator::*, etd_layer::*, etd_log_level::*, etd_phase::*,
+    etd_photon_kernel::*, etd_photon_sharing::*, etd_position_format::*, etd_sampler::*, etd_sharing::*, etd_switch::*,
+    etd_text::*, etd_tone_map::*, etd_usage::*,
 };
 
 /// Stands for "no material", "no surface", "no mesh".
@@ -418,6 +421,17 @@ pub enum etd_switch {
     ETD_SWITCH_OFF = 2,
 }
 
+/// What the error of an image is measured by.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_error_measure {
+    /// relMSE: the mean over pixels and channels of squared error / (mean^2 + e), with e = 1 % of the squared mean of the
+    /// image.
+    ETD_ERROR_RELMSE = 0,
+    /// As a screen shows it: root of the mean squared error in levels of 255, after clamping to [0, 1] and the sRGB curve.
+    ETD_ERROR_DISPLAY = 1,
+}
+
 /// How to render and when to stop: at whichever of samples, time and error is reached first.
 ///
 /// From `photon_radius` on: settings of photon maps and of the irradiance cache, which only the integrators that use them
@@ -445,7 +459,8 @@ pub struct etd_render_options {
     pub seed: u64,
     /// Seconds after which to stop, > 0; 0: no limit. One sample for each pixel is always taken.
     pub time_limit: f64,
-    /// Estimated relative error (see `etd_summary`) at which to stop, > 0; 0: none.
+    /// Estimated error at which to stop, > 0, of the kind that `error_measure` says; 0: none. It counts as reached if it is
+    /// below by half a standard error of the estimate, with 32 samples at least, and not while few pixels have most of it.
     pub target_error: f64,
     /// Told progress; may be NULL.
     pub progress: etd_progress_fn,
@@ -500,6 +515,12 @@ pub struct etd_render_options {
     pub cache_source: EtdCacheSource,
     /// Must be 0.
     pub reserved: u32,
+    /// An `etd_error_measure`: what `target_error` is of, and what adaptive samples make small.
+    pub error_measure: EtdErrorMeasure,
+    /// An `etd_switch`: whether pixels with more error get more samples, `samples` being their mean; by default where
+    /// `target_error` is set. Only with the samplers Sobol' and random, and not where photon maps are made anew for each
+    /// pass: there all pixels have the same number, and the log callback is told.
+    pub adaptive: EtdSwitch,
 }
 
 /// What work is at.
@@ -536,6 +557,20 @@ pub struct etd_progress {
     pub images: u32,
 }
 
+/// What ended a render.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_ended {
+    /// Every pixel has its samples.
+    ETD_ENDED_SAMPLES = 0,
+    /// The time limit.
+    ETD_ENDED_TIME = 1,
+    /// The error is as small as was asked for.
+    ETD_ENDED_ERROR = 2,
+    /// It was cancelled.
+    ETD_ENDED_CANCELLED = 3,
+}
+
 /// What the last render of a film came to.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -550,13 +585,26 @@ pub struct etd_summary {
     pub rays: u64,
     /// Samples that were NaN or infinite and count as black. The log callback is told where the first of them became so.
     pub non_finite: u64,
-    /// Estimated relative error of the image: root of the mean over pixels and channels of variance / (mean^2 + e), with
-    /// e = 1 % of the squared mean of the image. NaN where there are too few samples to tell.
+    /// Estimated relative error of the image: the root of `rel_mse`. NaN where there are too few samples to tell.
     pub relative_error: f64,
-    /// Samples for each pixel that are complete.
+    /// Samples for each pixel that are complete; the mean over pixels where they differ.
     pub samples: u32,
     /// 1 if it was cancelled, else 0.
     pub cancelled: u32,
+    /// Estimated relMSE (see `ETD_ERROR_RELMSE`). NaN where there are too few samples to tell.
+    pub rel_mse: f64,
+    /// Standard error of `rel_mse`, from the scatter over pixels.
+    pub rel_mse_standard_error: f64,
+    /// Estimated error of what a screen shows (see `ETD_ERROR_DISPLAY`), levels of 255; NaN as `rel_mse`.
+    pub display_error: f64,
+    /// Samples of the pixel that has fewest, and of the one that has most; 0 after a cancel.
+    pub samples_min: u32,
+    /// See `samples_min`.
+    pub samples_max: u32,
+    /// What ended it.
+    pub ended: etd_ended,
+    /// 0.
+    pub reserved: u32,
 }
 
 /// An image of a film. Layers are bits: together they say which ones a film keeps.

@@ -336,6 +336,28 @@ pub(super) fn line_at(bytes: &[u8], offset: usize) -> usize {
     1 + bytes.iter().take(offset).filter(|byte| **byte == b'\n').count()
 }
 
+/// The text of the value at `path`, as [`line_of`] counts paths; `None` where there is none.
+pub(super) fn value_at<'a>(text: &'a str, path: &str) -> Option<&'a str> {
+    let mut walker = Walker { bytes: text.as_bytes(), at: 0 };
+    walker.space();
+    for segment in segments(path) {
+        match segment {
+            Segment::Key(key) => walker.member(key),
+            Segment::Index(index) => walker.element(index),
+        }?;
+    }
+    let start = walker.at;
+    walker.skip();
+    text.get(start..walker.at)
+}
+
+/// Makes `null` a value instead of an absent one.
+pub(super) fn even_null<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    T::deserialize(deserializer).map(Some)
+}
+
 enum Segment<'a> {
     Key(&'a str),
     Index(usize),
@@ -473,6 +495,8 @@ mod tests {
         }
         assert_eq!(line_of(text, "a[7].x"), 2);
         assert_eq!(line_of("[[[[", "[0][0][0][0]"), 1);
+        assert_eq!(value_at(text, "a[1].c"), Some("[[],\n 3]"));
+        assert_eq!(value_at(text, "a[1].x"), None);
     }
 
     #[test]

@@ -64,7 +64,7 @@ pub use photon::{
     PhotonSharing, RADII,
 };
 pub(crate) use photon_keys::{check_cache, check_photons};
-pub use read::{apply_params, load, load_params, parse};
+pub use read::{apply_params, apply_render, load, load_params, parse};
 #[cfg(feature = "schema")]
 pub use schema::schema;
 pub(crate) use transform::similarity_scale;

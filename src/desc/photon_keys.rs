@@ -86,10 +86,9 @@ struct Cone {
     k: Option<f64>,
 }
 
-/// The block's photon maps.
-pub(super) fn photons(block: &Render<'_>, path: &str) -> Result<PhotonDesc> {
+/// The block's photon maps; what it does not say is as in `base`.
+pub(super) fn photons(block: &Render<'_>, path: &str, base: &PhotonDesc) -> Result<PhotonDesc> {
     let at = |key: &str| join(path, key);
-    let default = PhotonDesc::default();
     let number =
         |key: &str, value: Option<Whole>, limits| value.map(|value| whole(&at(key), value, limits)).transpose();
     let (count_key, count) =
@@ -100,37 +99,36 @@ pub(super) fn photons(block: &Render<'_>, path: &str) -> Result<PhotonDesc> {
     // Here, where it is known under which name the radius was given.
     radius.map(|radius| validate::radius(&at(radius_key), radius)).transpose()?;
     let photons = PhotonDesc {
-        count: number(count_key, count, COUNT)?,
-        radius,
-        min_photons: number(least_key, least, COUNT)?.unwrap_or(default.min_photons),
-        caustic_count: number("causticCount", block.caustic_count, COUNT)?,
-        caustic_radius: block.caustic_radius,
-        neighbours: number("photonNeighbours", block.photon_neighbours, NEIGHBOURS)?,
-        kernel: block.photon_kernel.map(|raw| kernel(raw, &at("photonKernel"))).transpose()?,
-        alpha: block.photon_alpha.unwrap_or(default.alpha),
-        sharing: block.photon_sharing.map_or(default.sharing, |sharing| match sharing {
+        count: number(count_key, count, COUNT)?.or(base.count),
+        radius: radius.or(base.radius),
+        min_photons: number(least_key, least, COUNT)?.unwrap_or(base.min_photons),
+        caustic_count: number("causticCount", block.caustic_count, COUNT)?.or(base.caustic_count),
+        caustic_radius: block.caustic_radius.or(base.caustic_radius),
+        neighbours: number("photonNeighbours", block.photon_neighbours, NEIGHBOURS)?.or(base.neighbours),
+        kernel: block.photon_kernel.map(|raw| kernel(raw, &at("photonKernel"))).transpose()?.or(base.kernel),
+        alpha: block.photon_alpha.unwrap_or(base.alpha),
+        sharing: block.photon_sharing.map_or(base.sharing, |sharing| match sharing {
             Sharing::Power => PhotonSharing::Power,
             Sharing::Area => PhotonSharing::Area,
         }),
-        guided: block.photons_guided.unwrap_or(default.guided),
-        progressive: block.photons_progressive.unwrap_or(default.progressive),
-        gather_rays: number("gatherRays", block.gather_rays, GATHER_RAYS)?.unwrap_or(default.gather_rays),
-        memory: number("photonMemory", block.photon_memory, MEMORY)?.unwrap_or(default.memory),
+        guided: block.photons_guided.unwrap_or(base.guided),
+        progressive: block.photons_progressive.unwrap_or(base.progressive),
+        gather_rays: number("gatherRays", block.gather_rays, GATHER_RAYS)?.unwrap_or(base.gather_rays),
+        memory: number("photonMemory", block.photon_memory, MEMORY)?.unwrap_or(base.memory),
     };
     check_photons(path, &photons)?;
     Ok(photons)
 }
 
-/// The block's irradiance cache.
-pub(super) fn cache(block: &Render<'_>, path: &str) -> Result<CacheDesc> {
-    let default = CacheDesc::default();
+/// The block's irradiance cache; what it does not say is as in `base`.
+pub(super) fn cache(block: &Render<'_>, path: &str, base: &CacheDesc) -> Result<CacheDesc> {
     let rays = block.cache_rays.map(|rays| whole(&join(path, "cacheRays"), rays, CACHE_RAYS)).transpose()?;
     let cache = CacheDesc {
-        error: block.cache_error.unwrap_or(default.error),
-        rays: rays.unwrap_or(default.rays),
-        min_spacing: block.cache_min_spacing.unwrap_or(default.min_spacing),
-        max_spacing: block.cache_max_spacing.unwrap_or(default.max_spacing),
-        source: block.cache_source.map_or(default.source, |source| match source {
+        error: block.cache_error.unwrap_or(base.error),
+        rays: rays.unwrap_or(base.rays),
+        min_spacing: block.cache_min_spacing.unwrap_or(base.min_spacing),
+        max_spacing: block.cache_max_spacing.unwrap_or(base.max_spacing),
+        source: block.cache_source.map_or(base.source, |source| match source {
             Source::Paths => CacheSource::Paths,
             Source::Photons => CacheSource::Photons,
         }),

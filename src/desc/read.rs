@@ -5,11 +5,10 @@ use std::io::Read;
 use std::path::Path;
 
 use serde::Deserialize;
-use serde::de::Deserializer;
 use serde_json::value::RawValue;
 
 use super::json::{self, line_at, line_of};
-use super::{SceneDesc, mcrt, native, params};
+use super::{RenderDesc, SceneDesc, mcrt, native, params, render};
 use crate::{Error, ErrorKind, Result};
 
 /// Largest scene or parameter file that is read, 512 MiB. Large meshes belong into OBJ files.
@@ -72,10 +71,30 @@ pub fn apply_params(json: &str, file: Option<&Path>, scene: &mut SceneDesc) -> R
     Ok(())
 }
 
+/// Reads the object at `path` of a JSON text (such as `groups[0].render`; empty: all of it) as a `render` block of the
+/// native format, over `base`: what it does not say stays, and a `maxDepth` of `null` takes a cut away.
+///
+/// `file` is for messages.
+///
+/// # Errors
+///
+/// [`ErrorKind::InvalidScene`], with line and JSON path in the whole text; also where `path` leads nowhere.
+pub fn apply_render(json: &str, path: &str, file: Option<&Path>, base: &RenderDesc) -> Result<RenderDesc> {
+    let json = json.strip_prefix('\u{feff}').unwrap_or(json);
+    let read = || {
+        json::document(json)?;
+        let missing = || Error::invalid(path, "there is nothing to read here, expected an object");
+        let block = json::value_at(json, path).ok_or_else(missing)?;
+        let raw = serde_json::from_str(block).map_err(|error| missing().because(error))?;
+        render::read(raw, path, base)
+    };
+    read().map_err(|error| located(error, json, file))
+}
+
 fn scene(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> {
     #[derive(Deserialize)]
     struct Probe<'a> {
-        #[serde(borrow, default, deserialize_with = "even_null")]
+        #[serde(borrow, default, deserialize_with = "json::even_null")]
         etendue: Option<&'a RawValue>,
     }
     let document = json::document(json)?;
@@ -99,11 +118,6 @@ fn hint_at_version(error: Error) -> Error {
     }
     let message = format!("{} (a file without \"etendue\": 1 is read as a scene of mcrt)", error.message());
     Error::new(error.kind(), message).at(error.location().json_path.clone())
-}
-
-/// Makes `null` a value instead of an absent one.
-fn even_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<&'de RawValue>, D::Error> {
-    <&RawValue>::deserialize(deserializer).map(Some)
 }
 
 /// Adds file and line to an error that has only a JSON path so far.

@@ -27,7 +27,9 @@ pub(super) struct Render<'a> {
     #[cfg_attr(feature = "schema", schemars(with = "Option<filter::schema::Filter>"))]
     filter: Option<&'a RawValue>,
     /// Greatest number of surface hits on a path, counting the first visible one; null cuts nothing. Default null.
-    max_depth: Option<Whole>,
+    #[serde(default, deserialize_with = "json::even_null")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Whole>"))]
+    max_depth: Option<Option<Whole>>,
     /// Light samples per hit, from 1. Default 1.
     shadow_rays: Option<Whole>,
     /// Light transport. Default `path`.
@@ -156,11 +158,11 @@ mod schema {
     }
 }
 
-/// Reads the block.
-pub(super) fn read(raw: &RawValue, path: &str) -> Result<RenderDesc> {
+/// Reads the block; what it does not say is as in `base`.
+pub(super) fn read(raw: &RawValue, path: &str, base: &RenderDesc) -> Result<RenderDesc> {
     let block: Render<'_> = json::object(raw, path)?;
     let at = |key: &str| join(path, key);
-    let mut render = RenderDesc::default();
+    let mut render = base.clone();
     if let Some(resolution) = block.resolution {
         render.resolution = validate::resolution(&at("resolution"), resolution)?;
     }
@@ -180,7 +182,7 @@ pub(super) fn read(raw: &RawValue, path: &str) -> Result<RenderDesc> {
         render.filter = filter::read(raw, &at("filter"))?;
     }
     if let Some(depth) = block.max_depth {
-        render.max_depth = Some(max_depth(&at("maxDepth"), depth)?);
+        render.max_depth = depth.map(|depth| max_depth(&at("maxDepth"), depth)).transpose()?;
     }
     if let Some(count) = block.shadow_rays {
         render.shadow_rays = shadow_rays(&at("shadowRays"), count)?;
@@ -191,8 +193,8 @@ pub(super) fn read(raw: &RawValue, path: &str) -> Result<RenderDesc> {
     if let Some(seed) = block.seed {
         render.seed = seed.0;
     }
-    render.photons = photon_keys::photons(&block, path)?;
-    render.cache = photon_keys::cache(&block, path)?;
+    render.photons = photon_keys::photons(&block, path, &base.photons)?;
+    render.cache = photon_keys::cache(&block, path, &base.cache)?;
     Ok(render)
 }
 

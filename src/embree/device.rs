@@ -119,6 +119,13 @@ impl Device {
         Ok(Self { inner: Arc::new(inner) })
     }
 
+    /// Embree's version as the library found at run time says it: major, minor, patch.
+    pub fn version(&self) -> [u32; 3] {
+        // SAFETY: `raw` is a device as long as `inner` is there.
+        let version = unsafe { sys::rtcGetDeviceProperty(self.inner.raw, sys::RTC_DEVICE_PROPERTY_VERSION) } as u32;
+        [version / 10_000, version / 100 % 100, version % 100]
+    }
+
     /// Threads that build a scene.
     pub fn threads(&self) -> usize {
         self.inner.threads

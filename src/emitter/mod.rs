@@ -1,10 +1,11 @@
 //! Emitters, and the choice among them.
 //!
-//! Area emitters shine on the side of their normal only, with the same radiance in every direction. One is chosen,
-//! mostly in proportion to its power, then a point on it (or a direction towards it) is sampled; every density here
-//! is per solid angle at the reference point and includes the choice.
+//! Area emitters shine on the side of their normal only, with the same radiance in every direction. One is chosen, among
+//! few mostly in proportion to its power, among many by what the receiver may get from it; then a point on it (or a direction
+//! towards it) is sampled. Every density here is per solid angle at the reference point and includes the choice.
 
 mod sphere;
+mod tree;
 mod triangle;
 
 pub use sphere::SphereEmitter;
@@ -16,6 +17,7 @@ use crate::math::{DVec3, HitPoint, Vec3};
 use crate::sampling::Distribution1D;
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
 use crate::{Cancel, Result};
+use tree::LightTree;
 
 /// A light source in the scene frame.
 #[derive(Clone, Copy, Debug)]
@@ -102,8 +104,49 @@ pub struct Departure {
 /// block it by chance. 16 units of f32.
 const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
 
-/// Share of the choices that does not go by power.
+/// What light is sampled for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Receiver {
+    /// Where it is.
+    pub p: Vec3,
+    /// Unit normal on the side from which light counts; 0 where it counts from all sides.
+    normal: Vec3,
+}
+
+impl Receiver {
+    /// A surface at `p` to which light counts only where its direction has a positive cosine with the unit `normal`. No more
+    /// than a hint for the choice: samples from behind may still come.
+    #[inline]
+    pub fn facing(p: Vec3, normal: Vec3) -> Self {
+        Self { p, normal }
+    }
+}
+
+/// A place to which light counts from all sides.
+impl From<Vec3> for Receiver {
+    #[inline]
+    fn from(p: Vec3) -> Self {
+        Self { p, normal: Vec3::ZERO }
+    }
+}
+
+/// Share of the choices by power that does not go by power.
 const EVEN_SHARE: f64 = 0.1;
+
+/// Up to this many emitters are chosen by power: the choice by receiver would cost the report's room, with four triangles of
+/// one lamp, a tenth of its instructions.
+const FEW: usize = 4;
+
+/// More than a tree can number.
+const TOO_MANY: usize = 1 << 29;
+
+/// How one is chosen.
+#[derive(Debug)]
+enum Choice {
+    /// The same for all receivers.
+    ByPower(Distribution1D),
+    ByReceiver(LightTree),
+}
 
 /// All emitters of a scene with their probabilities.
 #[derive(Debug, Default)]
@@ -111,12 +154,13 @@ pub struct EmitterSet {
     emitters: Vec<Emitter>,
     point_lights: usize,
     /// `None` where there is nothing to sample.
-    choice: Option<Distribution1D>,
+    choice: Option<Choice>,
 }
 
 impl EmitterSet {
-    /// Emitters chosen by luminous power, with a tenth of the choices spread evenly over them: power says nothing about
-    /// which of them a point sees, and a dim lamp beside a bright one out of sight must not be left to chance.
+    /// A few emitters are chosen by luminous power, with a tenth of the choices spread evenly over them: power says nothing
+    /// about which of them a point sees, and a dim lamp beside a bright one out of sight must not be left to chance. More are
+    /// chosen by what the receiver may get of them.
     pub fn new(emitters: Vec<Emitter>) -> Self {
         Self::cancellable(emitters, &Cancel::new()).unwrap_or_default()
     }
@@ -133,13 +177,17 @@ impl EmitterSet {
             powers.extend(block.iter().map(|emitter| emitter.power().dot(weights)));
         }
         let total: f64 = powers.iter().sum();
-        let shining = powers.iter().filter(|&&power| power > 0.0).count().max(1) as f64;
-        let even = EVEN_SHARE * total / shining;
-        // In place: from here on they are weights.
-        for power in &mut powers {
-            *power = if *power > 0.0 { (1.0 - EVEN_SHARE) * *power + even } else { 0.0 };
-        }
-        let choice = Distribution1D::cancellable(&powers, cancel)?;
+        let shining = powers.iter().filter(|&&power| power > 0.0).count();
+        let choice = if total > 0.0 && total.is_finite() && shining > FEW && emitters.len() < TOO_MANY {
+            Some(Choice::ByReceiver(LightTree::new(&emitters, &powers, cancel)?))
+        } else {
+            let even = EVEN_SHARE * total / shining.max(1) as f64;
+            // In place: from here on they are weights.
+            for power in &mut powers {
+                *power = if *power > 0.0 { (1.0 - EVEN_SHARE) * *power + even } else { 0.0 };
+            }
+            Distribution1D::cancellable(&powers, cancel)?.map(Choice::ByPower)
+        };
         let point_lights = emitters.iter().filter(|emitter| matches!(emitter, Emitter::Point { .. })).count();
         Ok(Self { emitters, point_lights, choice })
     }
@@ -159,14 +207,23 @@ impl EmitterSet {
         self.point_lights
     }
 
-    /// Samples a direction from `p` towards some emitter; `u` uniform in [0, 1)^4. The first number chooses the emitter, the
-    /// last carries on its digits, so that one among millions is still found.
+    /// Samples a direction from the receiver (or a point: light counts from all sides) towards some emitter; `u` uniform in
+    /// [0, 1)^4. The first number chooses the emitter, the last carries on its digits, so that one among millions is still
+    /// found.
     ///
-    /// `None` where the sampled emitter cannot light `p`: it contributes nothing, and the estimate stays unbiased.
+    /// `None` where the sampled emitter cannot light it: it contributes nothing, and the estimate stays unbiased.
     #[inline]
-    pub fn sample(&self, p: Vec3, u: [f32; 4]) -> Option<EmitterSample> {
-        let (index, probability, _) =
-            self.choice.as_ref()?.sample(f64::from(u[0]) + f64::from(u[3]) * (-24_f64).exp2());
+    pub fn sample(&self, receiver: impl Into<Receiver>, u: [f32; 4]) -> Option<EmitterSample> {
+        let receiver = receiver.into();
+        let p = receiver.p;
+        let chooser = f64::from(u[0]) + f64::from(u[3]) * (-24_f64).exp2();
+        let (index, probability) = match self.choice.as_ref()? {
+            Choice::ByPower(choice) => {
+                let (index, probability, _) = choice.sample(chooser);
+                (index, probability)
+            }
+            Choice::ByReceiver(tree) => tree.sample(&receiver, chooser)?,
+        };
         let mut sample = match &self.emitters[index] {
             Emitter::Point { position, intensity } => {
                 let to_light = *position - p;
@@ -189,17 +246,29 @@ impl EmitterSet {
         (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some(sample)
     }
 
-    /// Density with which [`EmitterSet::sample`] at `p` gives the direction towards the point `hit` of emitter `index`.
+    /// Probability with which [`EmitterSet::sample`] tries emitter `index` for this receiver. They sum to 1, less what
+    /// comes to nothing.
     #[inline]
-    pub fn pdf(&self, index: u32, p: Vec3, hit: Vec3) -> f32 {
-        let Some(choice) = &self.choice else { return 0.0 };
-        let index = index as usize;
-        let pdf = match &self.emitters[index] {
+    pub fn probability(&self, index: u32, receiver: impl Into<Receiver>) -> f32 {
+        match &self.choice {
+            None => 0.0,
+            Some(Choice::ByPower(choice)) => choice.pmf(index as usize),
+            Some(Choice::ByReceiver(tree)) => tree.probability(index as usize, &receiver.into()),
+        }
+    }
+
+    /// Density with which [`EmitterSet::sample`] for this receiver gives the direction towards the point `hit` of emitter
+    /// `index`.
+    #[inline]
+    pub fn pdf(&self, index: u32, receiver: impl Into<Receiver>, hit: Vec3) -> f32 {
+        let receiver = receiver.into();
+        let p = receiver.p;
+        let pdf = match &self.emitters[index as usize] {
             Emitter::Point { .. } => 0.0,
             Emitter::Triangle(emitter) => emitter.pdf(p, hit),
             Emitter::Sphere(emitter) => emitter.pdf(p),
         };
-        pdf * choice.pmf(index)
+        pdf * self.probability(index, receiver)
     }
 
     /// Radiance that emitter `index` sends along `wo` (unit, leaving it) from a point with outward normal `ng`.

@@ -6,13 +6,15 @@
 //!
 //! Sums are f64: 2^25 samples of 1 have the mean 1, not 2^24 / 2^25.
 
+mod error;
 mod gathering;
 mod image;
 mod pixel;
 
+pub use error::{ErrorEstimate, ErrorMeasure, SampleCounts};
 pub use gathering::{Gathering, ShrinkingRadius};
 pub use image::{Image, Layer};
-pub use pixel::{Auxiliary, Pixel};
+pub use pixel::{Auxiliary, Pixel, REPLICATES};
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -30,8 +32,9 @@ pub struct FilmOptions {
     pub resolution: [u32; 2],
     /// Whether albedo, normal and depth of the first hit are kept.
     pub auxiliary: bool,
-    /// Samples per pixel that share one scramble; the error is estimated from the spread of their means.
-    pub replicate_size: u32,
+    /// How many consecutive samples of a pixel have one error, as they read the same photon maps; else 1. They belong to one
+    /// of the [`REPLICATES`], from the spread of whose means the error is estimated.
+    pub share: u32,
     /// Whether the filter's weights vary, so that sums have to be divided by their total.
     pub weighted: bool,
     /// Whether pixels remember photons.
@@ -79,7 +82,7 @@ pub enum LayerKind {
     Depth,
     /// Number of samples.
     Samples,
-    /// Variance of the pixel's mean; NaN where too few replicates are complete.
+    /// Variance of the pixel's mean; NaN where there are fewer than four replicates.
     Variance,
     /// Root of the variance.
     StandardError,
@@ -207,7 +210,7 @@ impl Film {
 
     /// The image as it stands: means of what was sampled, black where nothing was.
     ///
-    /// Layers: `samples`, `variance` (of the pixel's mean; NaN where too few replicates are complete), and with
+    /// Layers: `samples`, `variance` (of the pixel's mean; NaN where there are fewer than four replicates), and with
     /// auxiliary data `albedo`, `normal` and `depth`.
     pub fn develop(&self) -> Image {
         let [width, height] = self.options.resolution;
@@ -251,7 +254,7 @@ impl Film {
     }
 
     fn write_layer(&self, layer: LayerKind, out: &mut [f32]) {
-        self.for_each(|place, pixel, beside| put(layer, place, pixel, beside, out));
+        self.for_each(|place, pixel, beside| put(layer, self.options.share, place, pixel, beside, out));
     }
 
     /// What [`Film::rgba_into`] and [`Film::layer_into`] do for several layers, in one walk over the film; false if it was
@@ -275,7 +278,7 @@ impl Film {
                 out.copy_from_slice(&self.rgba(pixel, beside.auxiliary, alpha));
             }
             for (layer, out) in &mut *layers {
-                put(*layer, place, pixel, beside, out);
+                put(*layer, self.options.share, place, pixel, beside, out);
             }
         }))
     }
@@ -302,40 +305,6 @@ impl Film {
         Err(Error::new(ErrorKind::Internal, format!("room for {} values where there are {expected}", out.len())))
     }
 
-    /// Estimated relative error of the image: the root of the mean over pixels and channels of variance / (mean^2 + e),
-    /// with e = 1 % of the squared mean of the whole image so that black pixels do not rule it. Where photon maps are made
-    /// anew for each pass, the square of their estimated bias is added to the variance: the product of two independent
-    /// estimates of it, since the square of one would count its noise as bias.
-    ///
-    /// `None` until every pixel has two complete replicates.
-    pub fn relative_error(&self) -> Option<f64> {
-        self.relative_error_unless(&Cancel::new())
-    }
-
-    /// The same; `None` too if it was cancelled in the middle.
-    pub(crate) fn relative_error_unless(&self, cancel: &Cancel) -> Option<f64> {
-        let values = (3 * self.pixel_count()).max(1) as f64;
-        let mut sum = 0.0;
-        let mut is_whole = self.for_each_unless(cancel, |_, pixel, _| {
-            sum += pixel.mean(self.options.weighted).into_iter().map(f64::from).sum::<f64>();
-        });
-        let mean = sum / values;
-        let floor = 1e-2 * mean * mean;
-        let mut sum = 0.0;
-        is_whole &= self.for_each_unless(cancel, |_, pixel, beside| {
-            let biases = beside.gathering.and_then(Gathering::biases).unwrap_or_default();
-            let mean = pixel.mean(self.options.weighted);
-            for (channel, (variance, mean)) in pixel.variance().into_iter().zip(mean).enumerate() {
-                let bias2 = biases[0][channel] * biases[1][channel];
-                sum += (variance + bias2) / (f64::from(mean) * f64::from(mean) + floor);
-            }
-        });
-        // Products of noise alone may be negative.
-        let sum = if sum < 0.0 { 0.0 } else { sum };
-        // NaN, from a pixel without an estimate or an image without light, is no estimate.
-        (is_whole && (sum / values).is_finite()).then(|| (sum / values).sqrt())
-    }
-
     /// Samples that were NaN or infinite, and were left out.
     pub fn non_finite(&self) -> u64 {
         let mut count = 0;
@@ -346,14 +315,21 @@ impl Film {
 
 /// Writes what a layer has of one pixel.
 #[inline]
-fn put(layer: LayerKind, place: usize, pixel: &Pixel, Beside { auxiliary, gathering }: Beside, out: &mut [f32]) {
+fn put(
+    layer: LayerKind,
+    share: u32,
+    place: usize,
+    pixel: &Pixel,
+    Beside { auxiliary, gathering }: Beside,
+    out: &mut [f32],
+) {
     let mean =
         |sum: Option<[f64; 3]>| sum.unwrap_or_default().map(|sum| (sum / f64::from(pixel.count().max(1))) as f32);
     let three = match layer {
         LayerKind::Albedo => mean(auxiliary.map(|auxiliary| auxiliary.albedo)),
         LayerKind::Normal => mean(auxiliary.map(|auxiliary| auxiliary.normal)),
-        LayerKind::Variance => pixel.variance().map(|variance| variance as f32),
-        LayerKind::StandardError => pixel.variance().map(|variance| variance.sqrt() as f32),
+        LayerKind::Variance => pixel.variance(share).map(|variance| variance as f32),
+        LayerKind::StandardError => pixel.variance(share).map(|variance| variance.sqrt() as f32),
         LayerKind::Bias => gathering.and_then(Gathering::bias).unwrap_or_default().map(|bias| bias as f32),
         LayerKind::Depth | LayerKind::Samples => {
             if let Some(out) = out.get_mut(place) {
@@ -385,8 +361,7 @@ mod tests {
     use crate::math::Vec3;
 
     fn film(auxiliary: bool) -> Film {
-        Film::new(FilmOptions { resolution: [19, 17], auxiliary, replicate_size: 1, weighted: false, gathering: false })
-            .unwrap()
+        Film::new(FilmOptions { resolution: [19, 17], auxiliary, share: 1, weighted: false, gathering: false }).unwrap()
     }
 
     #[test]
@@ -397,9 +372,11 @@ mod tests {
             let mut tile = film.tile(tile);
             for index in 0..PER_TILE {
                 let value = (left as usize + index % 16 + 100 * (top as usize + index / 16)) as f32;
-                tile.pixels[index].add(Vec3::splat(value), 1.0, 1);
-                tile.pixels[index].add(Vec3::splat(3.0 * value), 1.0, 1);
-                tile.auxiliary[index].add(Vec3::splat(0.5), Vec3::Z, value);
+                for _ in 0..4 {
+                    tile.pixels[index].add(Vec3::splat(value), 1.0, 1);
+                    tile.pixels[index].add(Vec3::splat(3.0 * value), 1.0, 1);
+                    tile.auxiliary[index].add(Vec3::splat(0.5), Vec3::Z, value);
+                }
             }
         }
         let image = film.develop();
@@ -407,7 +384,7 @@ mod tests {
         let mut rgba = vec![0.0; 4 * 19 * 17];
         film.rgba_into(&mut rgba, true).unwrap();
         for (rgba, rgb) in rgba.chunks_exact(4).zip(image.rgb.chunks_exact(3)) {
-            assert_eq!((&rgba[..3], rgba[3]), (rgb, 0.5), "one of two samples hit something");
+            assert_eq!((&rgba[..3], rgba[3]), (rgb, 0.5), "every other sample hit something");
         }
         for (kind, name) in
             [(LayerKind::Depth, "depth"), (LayerKind::Variance, "variance"), (LayerKind::Normal, "normal")]
@@ -418,7 +395,9 @@ mod tests {
         }
         let mut errors = vec![0.0; 3 * 19 * 17];
         film.layer_into(LayerKind::StandardError, &mut errors).unwrap();
-        assert_eq!(errors[0..6], [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+        // Of eight replicates at 2 -+ 1, the variance of the mean is 1/7.
+        assert_eq!(errors[0..3], [0.0; 3]);
+        assert!(errors[3..6].iter().all(|error| (error - 7.0_f32.sqrt().recip()).abs() < 1e-6), "{errors:?}");
     }
 
     #[test]

@@ -1,31 +1,38 @@
-//! One pixel: sums, and replicate means for its error.
+//! One pixel: sums of its replicates, and from their scatter its error.
 
 use crate::math::Vec3;
 use crate::spectrum::Rgb;
 
-/// Sums of a pixel. Samples come in order of their index, so the sums do not depend on how they are divided into passes.
+/// Parts of a pixel's samples that are independent of each other, whose scatter tells the error of their mean.
+///
+/// Samples take turns: of `share` samples that have one error (those that read the same photon maps, else 1), the first go to
+/// replicate 0, the next to replicate 1, and after the last it begins again. So replicates grow alike, however many samples
+/// there will be. What they cost is in docs/performance.md.
+pub const REPLICATES: usize = 8;
+
+/// Fewer replicates than this are no estimate: of two, one in twenty errors would seem smaller by a factor of 16.
+const LEAST_REPLICATES: usize = 4;
+
+/// Sums of a pixel, 208 bytes. Samples come in order of their index, so the sums do not depend on how they are divided into
+/// passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pixel {
-    sum: [f64; 3],
+    /// Of each replicate, per channel.
+    sums: [[f64; 3]; REPLICATES],
     weight: f64,
-    /// Where `sum` stood when the current replicate began.
-    replicate_start: [f64; 3],
-    /// Sum of the squares of the replicates' sums.
-    squares: [f64; 3],
     count: u32,
-    in_replicate: u32,
-    replicates: u32,
     non_finite: u32,
 }
 
 impl Pixel {
-    /// Adds a sample with its filter weight. `replicate_size`: how many samples make a replicate.
+    /// Adds a sample with its filter weight. `share`: how many consecutive samples have one error, and go to one replicate.
     ///
     /// A sample that is not finite counts as black, is counted apart, and leaves no other trace.
     #[inline]
-    pub fn add(&mut self, radiance: Rgb, weight: f32, replicate_size: u32) {
+    pub fn add(&mut self, radiance: Rgb, weight: f32, share: u32) {
+        let replicate = (self.count / share.max(1)) as usize % REPLICATES;
         if radiance.is_finite() {
-            for (sum, value) in self.sum.iter_mut().zip(radiance.to_array()) {
+            for (sum, value) in self.sums[replicate].iter_mut().zip(radiance.to_array()) {
                 *sum += f64::from(weight) * f64::from(value);
             }
         } else {
@@ -33,16 +40,6 @@ impl Pixel {
         }
         self.weight += f64::from(weight);
         self.count += 1;
-        self.in_replicate += 1;
-        if self.in_replicate == replicate_size {
-            for channel in 0..3 {
-                let replicate = self.sum[channel] - self.replicate_start[channel];
-                self.squares[channel] += replicate * replicate;
-            }
-            self.replicate_start = self.sum;
-            self.replicates += 1;
-            self.in_replicate = 0;
-        }
     }
 
     /// Samples so far.
@@ -55,30 +52,58 @@ impl Pixel {
         self.non_finite
     }
 
+    /// Sum of all samples.
+    #[inline]
+    fn sum(&self) -> [f64; 3] {
+        std::array::from_fn(|channel| self.sums.iter().map(|sum| sum[channel]).sum())
+    }
+
     /// The pixel's value. `weighted`: divide by the sum of weights instead of the number of samples.
     pub fn mean(&self, weighted: bool) -> [f32; 3] {
         let total = if weighted && self.weight != 0.0 { self.weight } else { f64::from(self.count.max(1)) };
-        self.sum.map(|sum| (sum / total) as f32)
+        self.sum().map(|sum| (sum / total) as f32)
     }
 
-    /// Variance of the mean per channel, from the spread of complete replicates; NaN while there are fewer than two.
+    /// Variance of the mean per channel, from the spread of the replicates' means; NaN while fewer than four of them have
+    /// samples. With eight, the error in units of its estimate follows Student's t with 7 degrees of freedom, where it is
+    /// normal at all. `share`: as it was given to [`Pixel::add`].
     ///
     /// Samples of one replicate depend on each other (they are stratified), so their own spread says nothing about the
     /// error of their mean; replicates are scrambled independently. With weights of both signs it is that of the sum
     /// before it is divided by the weights, which is more than the error of the quotient.
-    pub fn variance(&self) -> [f64; 3] {
-        if self.replicates < 2 {
+    pub fn variance(&self, share: u32) -> [f64; 3] {
+        let counts = self.replicate_counts(share);
+        let used = counts.iter().filter(|count| **count > 0.0).count();
+        if used < LEAST_REPLICATES {
             return [f64::NAN; 3];
         }
-        let n = f64::from(self.replicates);
-        let complete = f64::from(self.count - self.in_replicate);
+        let n = f64::from(self.count);
+        let sum = self.sum();
         std::array::from_fn(|channel| {
-            let sum = self.replicate_start[channel];
-            // Of the sum of all samples: n times the variance of one replicate's sum. Rounding may leave -0 or a hair less.
-            let of_sum = (n / (n - 1.0) * (self.squares[channel] - sum * sum / n)).max(0.0);
-            // What an incomplete replicate adds to the mean is counted at the complete ones' rate.
-            of_sum / (complete * complete) * (complete / f64::from(self.count))
+            // If a replicate of n_r samples has the variance s^2 / n_r, then the sum over replicates of n_r (m_r - m)^2 has the
+            // expectation (k - 1) s^2, for any n_r.
+            let mean = sum[channel] / n;
+            let scatter: f64 = self
+                .sums
+                .iter()
+                .zip(counts)
+                .filter(|(_, count)| *count > 0.0)
+                .map(|(sum, count)| {
+                    let off = sum[channel] - count * mean;
+                    off * off / count
+                })
+                .sum();
+            scatter / ((used - 1) as f64 * n)
         })
+    }
+
+    /// Samples of each replicate.
+    #[inline]
+    fn replicate_counts(&self, share: u32) -> [f64; REPLICATES] {
+        let share = share.max(1);
+        let round = share.saturating_mul(REPLICATES as u32);
+        let (rounds, rest) = (self.count / round, self.count % round);
+        std::array::from_fn(|r| f64::from(rounds * share + rest.saturating_sub(r as u32 * share).min(share)))
     }
 }
 
@@ -124,14 +149,36 @@ mod tests {
 
     #[test]
     fn variance_of_the_mean_is_that_of_replicates() {
-        // Replicate means 1, 2, 3, 6: their variance is 14/3, that of their mean 14/12.
-        let mut pixel = Pixel::default();
-        for mean in [1.0, 2.0, 3.0, 6.0] {
-            pixel.add(Rgb::splat(mean - 0.5), 1.0, 2);
-            assert!(pixel.variance()[0].is_nan() || mean > 2.0);
-            pixel.add(Rgb::splat(mean + 0.5), 1.0, 2);
+        // Replicate means 1 to 8, two samples each: their variance is 6, that of their mean 6/8.
+        for share in [1, 2] {
+            let mut pixel = Pixel::default();
+            for sample in 0..16 {
+                let replicate = sample / share % 8;
+                let off = if (sample / share / 8 * share + sample % share) % 2 == 0 { -0.5 } else { 0.5 };
+                assert!(pixel.variance(share)[0].is_nan() == (sample <= 3 * share), "{sample} samples, {share} shared");
+                pixel.add(Rgb::splat(1.0 + replicate as f32 + off), 1.0, share);
+            }
+            assert!((pixel.variance(share)[0] - 0.75).abs() < 1e-12, "{:?}", pixel.variance(share));
         }
-        assert!((pixel.variance()[0] - 14.0 / 12.0).abs() < 1e-12, "{:?}", pixel.variance());
+    }
+
+    /// Whatever the number of samples, the estimate is right on average for independent ones.
+    #[test]
+    fn unequal_replicates_are_no_bias() {
+        let mut rng = crate::sampling::Rng::new(9, 0);
+        for (count, share) in [(4, 1), (6, 1), (11, 1), (29, 1), (30, 4), (45, 4)] {
+            const RUNS: u32 = 100_000;
+            let mut sum = 0.0;
+            for _ in 0..RUNS {
+                let mut pixel = Pixel::default();
+                (0..count).for_each(|_| pixel.add(Rgb::splat(rng.next_f32()), 1.0, share));
+                sum += pixel.variance(share)[0];
+            }
+            let expected = 1.0 / 12.0 / f64::from(count);
+            let ratio = sum / f64::from(RUNS) / expected;
+            // Of three degrees of freedom: a standard error of 0.8 / sqrt(RUNS) = 0.0026.
+            assert!((ratio - 1.0).abs() < 0.011, "{count} samples, {share} shared: {ratio}");
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Light at a surface: what it emits, and what reaches it directly.
 
 use super::{FirstHit, Tracer};
+use crate::emitter::Receiver;
 use crate::math::{Frame, Ray, Vec3};
 use crate::sampling::mis::power_heuristic;
 use crate::scene::{Hit, Material, Scene, SurfaceInteraction};
@@ -54,6 +55,12 @@ impl<'s> Vertex<'s> {
         self.frame.to_local(v)
     }
 
+    /// As lights see it: all that scatters light samples does so on the side from which it is looked at.
+    #[inline]
+    pub fn receiver(&self) -> Receiver {
+        Receiver::facing(self.surface.point.p, self.facing_shading())
+    }
+
     /// What the auxiliary layers want to know.
     pub fn first_hit(&self) -> FirstHit {
         let normal = if self.wo.z < 0.0 { -self.surface.ns } else { self.surface.ns };
@@ -62,15 +69,15 @@ impl<'s> Vertex<'s> {
 
     /// Radiance emitted back along the path, with the weight of having come here by chance rather than by a light sample.
     ///
-    /// `from`: the point and density [sr^-1] of the bounce that led here, `None` when no light sample could have.
+    /// `from`: the receiver and density [sr^-1] of the bounce that led here, `None` when no light sample could have.
     /// `light_samples`: how many were taken there.
     #[inline]
-    pub fn emitted(&self, scene: &Scene, from: Option<(Vec3, f32)>, light_samples: u32) -> Rgb {
+    pub fn emitted(&self, scene: &Scene, from: Option<(Receiver, f32)>, light_samples: u32) -> Rgb {
         let Some(emitter) = self.surface.emitter else { return Rgb::ZERO };
         let le = scene.emitters().le(emitter, self.surface.ng, self.wo_scene);
         match from {
-            Some((p, pdf)) if le != Rgb::ZERO => {
-                let light_pdf = scene.emitters().pdf(emitter, p, self.surface.point.p);
+            Some((receiver, pdf)) if le != Rgb::ZERO => {
+                let light_pdf = scene.emitters().pdf(emitter, receiver, self.surface.point.p);
                 le * power_heuristic(pdf, light_samples as f32 * light_pdf)
             }
             _ => le,
@@ -97,7 +104,7 @@ impl<'s> Vertex<'s> {
         tracer: &mut T,
     ) -> Rgb {
         let point = &self.surface.point;
-        let Some(light) = scene.emitters().sample(point.p, u) else { return Rgb::ZERO };
+        let Some(light) = scene.emitters().sample(self.receiver(), u) else { return Rgb::ZERO };
         let wi = self.frame.to_local(light.wi);
         if !self.is_consistent(light.wi, wi) {
             return Rgb::ZERO;
@@ -136,6 +143,18 @@ impl<'s> Vertex<'s> {
     pub fn leave_local(&self, wi: Vec3) -> Option<Ray> {
         let scene_wi = self.frame.to_world(wi);
         self.is_consistent(scene_wi, wi).then(|| self.leave(scene_wi.normalize()))
+    }
+
+    /// The ray that leaves into the unit direction `wi` of the scene, and f |cos| along the path for light from there; `None`
+    /// where no light from there is sent back.
+    #[inline]
+    pub fn leave_towards(&self, wi: Vec3) -> Option<(Ray, Rgb)> {
+        let local = self.frame.to_local(wi);
+        if !self.is_consistent(wi, local) {
+            return None;
+        }
+        let f = self.material.bsdf.f(self.wo, local);
+        (f != Rgb::ZERO).then(|| (self.leave(wi.normalize()), f * local.z.abs()))
     }
 
     #[inline]

@@ -73,7 +73,7 @@ pub(super) fn trace<S: Sampler, T: Tracer>(
     let mut throughput = Rgb::ONE;
     // Undoes the radiance scaling of refraction for the roulette: a path inside glass is not worth less.
     let mut eta2 = 1.0;
-    // The last bounce's point and density, where a light sample could have made it as well.
+    // The last bounce's receiver and density, where a light sample could have made it as well.
     let mut bounced = None;
     // What a path has to carry to survive with certainty: a share of what was left after the first hit, so that indirect
     // light on a dark wall is as clean, against its own brightness, as on a white one.
@@ -109,7 +109,7 @@ pub(super) fn trace<S: Sampler, T: Tracer>(
         }
         throughput *= bounce.weight;
         eta2 *= bounce.eta * bounce.eta;
-        bounced = bounce.pdf.map(|pdf| (vertex.surface.point.p, pdf));
+        bounced = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
         ray = bounce.ray;
 
         // Roulette: by the scene's own probability at the surface, or by what the path still carries. The ray after the

@@ -141,7 +141,7 @@ impl Whitted {
         if let Some(bounce) = vertex.sample_bounce(sampler.next_4d())
             && let Some(hit) = tracer.intersect(&bounce.ray)
         {
-            let from = bounce.pdf.map(|pdf| (vertex.surface.point.p, pdf));
+            let from = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
             radiance += bounce.weight * Vertex::new(scene, &bounce.ray, &hit).emitted(scene, from, self.shadow_rays);
         }
         radiance

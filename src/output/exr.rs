@@ -16,12 +16,12 @@ use ::exr::image::write::layers::{LayersWriter as _, WritableLayers as _};
 use ::exr::image::{
     AnyChannel, AnyChannels, Blocks, Encoding, FlatImage, FlatSamples, Image as ExrImage, Layer as ExrLayer,
 };
-use ::exr::meta::attribute::{Chromaticities, LineOrder, Text};
+use ::exr::meta::attribute::{AttributeValue, Chromaticities, LineOrder, Text};
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::prelude::Vec2;
 
 use super::replace::Target;
-use super::{MAX_PIXELS, check_size, damaged};
+use super::{Attribute, MAX_PIXELS, WriteOptions, check_size, damaged};
 use crate::film::{Image, Layer};
 use crate::{Error, ErrorKind, Result};
 
@@ -42,7 +42,7 @@ fn suffixes(layer: &Layer) -> &'static [&'static str] {
 }
 
 /// Writes all channels as 32-bit floats. `image` has been checked.
-pub(super) fn encode(image: &Image, comments: &str, threads: usize, file: &mut Target) -> Result<()> {
+pub(super) fn encode(image: &Image, options: &WriteOptions, threads: usize, file: &mut Target) -> Result<()> {
     let plane = |data: &[f32], channels: usize, channel: usize| {
         FlatSamples::F32(data.iter().skip(channel).step_by(channels).copied().collect())
     };
@@ -59,7 +59,8 @@ pub(super) fn encode(image: &Image, comments: &str, threads: usize, file: &mut T
 
     let attributes = LayerAttributes {
         software_name: Some(text(concat!("etendue ", env!("CARGO_PKG_VERSION")))),
-        comments: Some(comments).filter(|comments| !comments.is_empty()).map(text),
+        comments: Some(options.comments.as_str()).filter(|comments| !comments.is_empty()).map(text),
+        other: options.attributes.iter().filter_map(attribute).collect(),
         ..LayerAttributes::default()
     };
     let size = Vec2(image.width as usize, image.height as usize);
@@ -95,6 +96,15 @@ pub(super) fn encode(image: &Image, comments: &str, threads: usize, file: &mut T
         }
         error => Error::new(ErrorKind::Internal, format!("cannot write the image: {error}")).because(error),
     })
+}
+
+/// As the format has it; `None` for what is not finite.
+fn attribute((name, value): &(String, Attribute)) -> Option<(Text, AttributeValue)> {
+    let value = match value {
+        Attribute::Number(number) => AttributeValue::F64(Some(*number).filter(|number| number.is_finite())?),
+        Attribute::Text(string) => AttributeValue::Text(text(string)),
+    };
+    Some((text(name), value))
 }
 
 /// Compresses these blocks, each on a thread of its own but the first, which is this thread's; all have ended on return.

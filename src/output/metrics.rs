@@ -19,6 +19,9 @@ pub struct Metrics {
     pub mse: f64,
     /// Mean of (a - b)^2 / (b^2 + [`REL_MSE_EPSILON`]) over pixels and channels.
     pub rel_mse: f64,
+    /// The same with 1 % of the squared mean of b, over all its values, in place of [`REL_MSE_EPSILON`]: the relMSE that renders
+    /// estimate and benchmarks measure, which does not depend on how bright the image is.
+    pub rel_mse_to_mean: f64,
     /// Peak signal-to-noise ratio 10 log10(peak^2 / mse) in decibels, where peak is the largest value of the reference;
     /// infinite for equal images. NaN where the reference has no value above zero.
     pub psnr: f64,
@@ -81,10 +84,21 @@ pub fn compare(a: &Image, b: &Image) -> Result<Metrics> {
     let values = 3.0 * pixels;
     let mse = squares / values;
     let (mean_a, mean_b) = (sum_a.map(|sum| sum / pixels), sum_b.map(|sum| sum / pixels));
+    let mean = mean_b.iter().sum::<f64>() / 3.0;
+    let floor = 1e-2 * mean * mean;
+    let pairs = a.rgb.chunks_exact(3).zip(b.rgb.chunks_exact(3));
+    let finite = pairs.filter(|(a, b)| a.iter().chain(*b).all(|value| value.is_finite()));
+    let to_mean: f64 = finite
+        .flat_map(|(a, b)| a.iter().zip(b))
+        .map(|(&a, &b)| (f64::from(a), f64::from(b)))
+        // Equal where both are black.
+        .map(|(a, b)| if a == b { 0.0 } else { (a - b) * (a - b) / (b * b + floor) })
+        .sum();
     let width = a.width as usize;
     Ok(Metrics {
         mse,
         rel_mse: relative / values,
+        rel_mse_to_mean: to_mean / values,
         psnr: if peak > 0.0 { 10.0 * (peak * peak / mse).log10() } else { f64::NAN },
         max_abs_difference: if counted > 0 { max } else { f64::NAN },
         max_at: [(max_index % width) as u32, (max_index / width) as u32],

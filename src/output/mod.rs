@@ -26,6 +26,7 @@
 //! # }
 //! ```
 
+mod attributes;
 mod exr;
 mod metrics;
 mod pfm;
@@ -43,6 +44,7 @@ use std::thread;
 use crate::film::Image;
 use crate::{Error, ErrorKind, Result};
 
+pub use attributes::{Attribute, summary_attributes};
 pub use metrics::{Metrics, REL_MSE_EPSILON, compare};
 pub use photons::{PhotonFormat, check_photon_target, write_photons};
 pub use tone::{ToneMap, to_srgb8};
@@ -96,6 +98,8 @@ pub struct WriteOptions {
     pub exposure: f32,
     /// Free text for the `comments` attribute of an EXR, UTF-8; empty for none.
     pub comments: String,
+    /// Further attributes of an EXR by name, such as [`summary_attributes`]; those that are not finite are left out.
+    pub attributes: Vec<(String, Attribute)>,
     /// Threads that compress an EXR, the calling one among them, 64 at most; 0 means one per core. The others have ended
     /// when the image is written. The file does not depend on it.
     pub threads: usize,
@@ -118,10 +122,24 @@ pub fn write(image: &Image, path: &Path, options: &WriteOptions) -> Result<()> {
     }
     .min(MOST_THREADS);
     replace::replace(path, "the image", |file| match format {
-        Format::Exr => exr::encode(image, &options.comments, threads, file),
+        Format::Exr => exr::encode(image, options, threads, file),
         Format::Pfm => pfm::encode(image, file),
         Format::Png => png::encode(image, options.tone_map, options.exposure, file),
     })
+}
+
+/// Writes a text file as [`write()`] writes images: it appears whole or not at all.
+///
+/// Errors: [`ErrorKind::Io`] for anything the file system refuses.
+pub fn write_text(text: &str, path: &Path) -> Result<()> {
+    use std::io::Write as _;
+    let failed = |error| Error::new(ErrorKind::Io, format!("cannot write the file: {error}")).because(error);
+    replace::replace(path, "the file", |file| file.write_all(text.as_bytes()).map_err(failed))
+}
+
+/// Whether [`write_text`] could write to `path` now, without doing so.
+pub fn check_text_target(path: &Path) -> Result<()> {
+    replace::check(path, "the file")
 }
 
 /// Whether [`write()`] could write to `path` now, without doing so: known extension, a folder that exists and accepts a

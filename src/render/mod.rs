@@ -13,6 +13,7 @@
 //! # Ok::<(), etendue::Error>(())
 //! ```
 
+mod adaptive;
 mod crew;
 mod non_finite;
 mod pass;
@@ -28,10 +29,11 @@ use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{FilterDesc, IntegratorDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::{Film, FilmOptions, Image};
+use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, SampleCounts};
 use crate::integrator::photon::{Choice, Gather, Plan, choose};
 use crate::sampling::Filter;
 use crate::scene::Scene;
+use adaptive::{LEAST_PIXELS, PILOT, Stage};
 use crew::Crew;
 use pass::Pass;
 use schedule::Schedule;
@@ -53,8 +55,15 @@ pub struct RenderSettings {
     /// Ends after this time, when the pixels that are being worked on are done, even if samples are left. For time alone
     /// to count, ask for [`MOST_SAMPLES`].
     pub time_limit: Option<Duration>,
-    /// Ends after a pass when the estimated relative error (see [`Film::relative_error`]) is no larger than this.
+    /// Ends when the estimated error is no larger than this, beyond doubt: with half a standard error of the estimate as a margin,
+    /// not before 32 samples, and not while few pixels have most of the error. Decided between passes.
     pub target_error: Option<f64>,
+    /// What `target_error` is of: relMSE if nothing is said. Adaptive samples go where it is largest.
+    pub error_measure: ErrorMeasure,
+    /// Whether pixels with more error get more samples; `samples` of `desc` is the mean over pixels then. `None`: where an
+    /// error is aimed at. Patterns that are planned for their number of samples (all samplers but `Sobol` and `Random`)
+    /// and photon maps that are made anew for each pass need the same number for each pixel, and have it; a note says so.
+    pub adaptive: Option<bool>,
     /// Stops the render soon, from any thread.
     pub cancel: Cancel,
     /// Keeps albedo, normal and depth of the first hit.
@@ -96,13 +105,19 @@ pub enum Ended {
 pub struct Summary {
     /// Time that [`Render::run`] took.
     pub elapsed: Duration,
-    /// Complete samples per pixel.
+    /// Complete samples per pixel; the mean over pixels where they differ.
     pub samples: u32,
+    /// Samples of pixels as they are, those of an unfinished pass too; `None` after a cancel.
+    pub sample_counts: Option<SampleCounts>,
+    /// Whether pixels with more error got more samples.
+    pub adaptive: bool,
     /// Rays traced, closest-hit and shadow rays together.
     pub rays: u64,
-    /// Estimated relative error (see [`Film::relative_error`]), where there are enough samples to tell and nobody who
-    /// cancelled is kept waiting for it.
-    pub relative_error: Option<f64>,
+    /// Estimated relMSE (see [`Film::rel_mse`]), where there are enough samples to tell and nobody who cancelled is kept
+    /// waiting for it.
+    pub rel_mse: Option<ErrorEstimate>,
+    /// Estimated error of what a screen shows (see [`Film::display_error`]), likewise.
+    pub display_error: Option<ErrorEstimate>,
     /// What ended it.
     pub ended: Ended,
     /// Whether the caller stopped it before the end.
@@ -121,7 +136,7 @@ enum Method {
     Path,
     Whitted,
     Direct,
-    Gather(Gather),
+    Gather(Box<Gather>),
 }
 
 /// A render of a scene: its film, and those who fill it.
@@ -140,6 +155,12 @@ pub struct Render {
     /// What the pass under way is rendered with.
     method: Method,
     samples: u32,
+    /// At how many samples it is decided how to go on.
+    decision: u32,
+    /// Where samples go until then, if not to all pixels alike.
+    stage: Option<Stage>,
+    /// Whether they may go to some pixels more than to others; if not although it was wanted, why.
+    adaptive: std::result::Result<bool, &'static str>,
     rays: u64,
     non_finite: u64,
     non_finite_samples: Vec<NonFiniteSample>,
@@ -194,10 +215,17 @@ impl Render {
         let film = Film::new(FilmOptions {
             resolution: desc.resolution,
             auxiliary: settings.auxiliary,
-            replicate_size: schedule::replicate_size(&settings, pass_samples),
+            share: pass_samples.unwrap_or(1),
             weighted: matches!(filter_desc, FilterDesc::Mitchell { .. }),
             gathering: plan.as_ref().is_some_and(Plan::remembers),
         })?;
+        let adaptive = match (settings.adaptive.unwrap_or(settings.target_error.is_some()), desc.sampler) {
+            (false, _) => Ok(false),
+            (true, _) if pass_samples.is_some() => Err("the photon maps of a pass are for all pixels"),
+            (true, _) if pixels < LEAST_PIXELS => Err("the image is too small for a choice among pixels"),
+            (true, SamplerDesc::Sobol | SamplerDesc::Random) => Ok(true),
+            (true, _) => Err("the sampler's pattern is planned for its number of samples"),
+        };
         let workers = match &settings.workers {
             Some(workers) => workers.clone(),
             None => Workers::pool(settings.threads)?,
@@ -214,6 +242,9 @@ impl Render {
             plan,
             method,
             samples: 0,
+            decision: 0,
+            stage: None,
+            adaptive,
             rays: 0,
             non_finite: 0,
             non_finite_samples: Vec::new(),
@@ -230,17 +261,21 @@ impl Render {
     /// [`crate::ErrorKind::Internal`] if a worker or a shape's intersection test panicked.
     pub fn run(&mut self, progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>) -> Result<Summary> {
         let start = Instant::now();
-        let schedule = Schedule::new(&self.settings);
-        let mut error = self.aimed_error();
+        let schedule = Schedule::new(&self.settings, self.film.options().share, self.adaptive == Ok(true));
         let ended = loop {
+            let error = self.aimed_error(&schedule);
             if let Some(ended) = schedule.ended(self.samples, start.elapsed(), error) {
                 break ended;
             }
-            // Asked now, so that a render which the caller stopped with its last sample counts as finished.
+            // Asked now, so that a render which the caller stopped with its last sample counts as finished; and before anything
+            // is decided by an error that nobody waited for.
             if self.settings.cancel.is_cancelled() {
                 break Ended::Cancelled;
             }
-            let mut count = schedule.next_pass(self.samples, start.elapsed(), error);
+            if self.samples >= self.decision && !self.decide(&schedule, error) {
+                break Ended::Cancelled;
+            }
+            let mut count = schedule.next_pass(self.samples, start.elapsed(), self.decision);
             if let Some(ended) = self.prepare(&schedule, start, progress)? {
                 break ended;
             }
@@ -252,11 +287,11 @@ impl Render {
                 break ended;
             }
             self.samples += count;
-            error = self.aimed_error();
             let image = || self.film.develop();
             let done = f64::from(self.samples);
             let report = schedule.progress(self.samples, done, self.rays, start.elapsed(), Some(&image));
             if progress(&report).is_break() {
+                let error = self.aimed_error(&schedule);
                 break schedule.ended(self.samples, start.elapsed(), error).unwrap_or(Ended::Cancelled);
             }
         };
@@ -267,9 +302,30 @@ impl Render {
         Ok(self.summary(start.elapsed(), ended))
     }
 
-    /// The error as it is, where one is aimed at.
-    fn aimed_error(&self) -> Option<f64> {
-        self.settings.target_error.and_then(|_| self.film.relative_error_unless(&self.settings.cancel))
+    /// The error as it is, where one is aimed at and it is time to decide.
+    fn aimed_error(&self, schedule: &Schedule) -> Option<ErrorEstimate> {
+        let measure = schedule.asks(self.samples).filter(|_| self.samples >= self.decision)?;
+        let error = self.film.error_unless(measure, &self.settings.cancel);
+        if error.is_none() && self.scene.emitters().is_dark() {
+            // It is black, and will be.
+            return Some(ErrorEstimate { value: 0.0, standard_error: 0.0 });
+        }
+        error
+    }
+
+    /// Decides how many samples to take before it is decided again, and where; false if it was cancelled meanwhile, and
+    /// then nothing is decided.
+    fn decide(&mut self, schedule: &Schedule, error: Option<ErrorEstimate>) -> bool {
+        let next = schedule.next_decision(self.samples, error);
+        if self.adaptive == Ok(true) && self.samples >= PILOT {
+            let (measure, seed) = (self.settings.error_measure, self.desc.seed);
+            self.stage = Stage::new(&self.film, measure, [self.samples, next], seed, &self.settings.cancel);
+            if self.stage.is_none() {
+                return false;
+            }
+        }
+        self.decision = next;
+        true
     }
 
     /// What stops the next [`Render::run`]; a render that was cancelled goes on only with a new one.
@@ -314,7 +370,7 @@ impl Render {
         self.rays += plan.rays - before;
         match made {
             Ok(gather) => {
-                self.method = Method::Gather(gather);
+                self.method = Method::Gather(Box::new(gather));
                 Ok(None)
             }
             Err(error) if error.kind() == ErrorKind::Cancelled => {
@@ -335,7 +391,8 @@ impl Render {
         // One sample everywhere is the least that makes an image.
         let limit = self.settings.time_limit.filter(|_| self.samples > 0);
         let deadline = limit.and_then(|limit| start.checked_add(limit));
-        let pass = Pass::new(self, self.samples + count, deadline);
+        let mut pass = Pass::new(self, self.samples + count, deadline);
+        pass.goals = self.stage.as_ref().map(|stage| stage.goals(self.samples + count));
         let (samples, rays_before) = (self.samples, self.rays);
         let mut is_broken_off = false;
         let pass = self.workers.run(pass, &mut |pass| {
@@ -359,6 +416,17 @@ impl Render {
         Ok(Some(if is_cancelled { Ended::Cancelled } else { Ended::Time }))
     }
 
+    /// What makes the image wrong without making it noisy, if anything does.
+    fn unknown_bias(&self) -> Option<&'static str> {
+        match self.choice.as_ref().map_or(self.desc.integrator, |choice| choice.integrator) {
+            IntegratorDesc::Whitted | IntegratorDesc::Direct => Some("of light that is scattered more often"),
+            IntegratorDesc::PhotonDirect | IntegratorDesc::Photon => Some("of photon maps that are made once"),
+            IntegratorDesc::IrradianceCache => Some("of the irradiance cache"),
+            _ if self.desc.max_depth.is_some() => Some("of paths that are cut"),
+            _ => None,
+        }
+    }
+
     fn summary(&self, elapsed: Duration, ended: Ended) -> Summary {
         let mut notes = Vec::new();
         if let Some(choice) = &self.choice {
@@ -371,17 +439,27 @@ impl Render {
         if self.settings.desc.sampler == SamplerDesc::Gaussian && self.settings.desc.filter != FilterDesc::Box {
             notes.push("the gaussian pattern is a pixel filter by itself: the filter was not used".to_owned());
         }
+        if let Some(bias) = self.unknown_bias().filter(|_| self.settings.target_error.is_some()) {
+            notes.push(format!("the error that ended or judged the render does not know the bias {bias}"));
+        }
+        if let Err(why) = self.adaptive {
+            notes.push(format!("all pixels had the same number of samples: {why}"));
+        }
         let non_finite = self.non_finite;
         if non_finite > 0 {
             let first =
                 self.non_finite_samples.first().map(|first| format!("; the first: {first}")).unwrap_or_default();
             notes.push(format!("{non_finite} samples were NaN or infinite and count as black{first}"));
         }
+        let cancel = &self.settings.cancel;
         Summary {
             elapsed,
             samples: self.samples,
+            sample_counts: self.film.counts_unless(cancel),
+            adaptive: self.stage.is_some(),
             rays: self.rays,
-            relative_error: self.film.relative_error_unless(&self.settings.cancel),
+            rel_mse: self.film.error_unless(ErrorMeasure::RelMse, cancel),
+            display_error: self.film.error_unless(ErrorMeasure::Display, cancel),
             ended,
             stopped: ended == Ended::Cancelled,
             non_finite,

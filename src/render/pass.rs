@@ -10,7 +10,7 @@ use super::{Method, Render};
 use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{RenderDesc, SamplerDesc};
-use crate::film::{Film, TILE};
+use crate::film::{Film, REPLICATES, TILE};
 use crate::integrator::{Direct, Integrator, Path, Tracer, Whitted};
 use crate::math::Ray;
 use crate::sampling::{Filter, Pattern, PatternSampler, Sampler, SobolSampler};
@@ -27,6 +27,8 @@ pub(super) struct Pass {
     /// Samples that each pixel is to have afterwards. It goes on from those it has, so that a render that was stopped in
     /// the middle of a pass can be resumed.
     samples: u32,
+    /// The same of each pixel, row by row, where they differ.
+    pub goals: Option<Vec<u32>>,
     film: Arc<Film>,
     deadline: Option<Instant>,
     cancel: Cancel,
@@ -114,7 +116,7 @@ impl Work for Pass {
             Method::Path => self.with_integrator(&Path { max_depth, shadow_rays }, pause),
             Method::Whitted => self.with_integrator(&Whitted { max_depth, shadow_rays }, pause),
             Method::Direct => self.with_integrator(&Direct { shadow_rays }, pause),
-            Method::Gather(gather) => self.with_integrator(gather, pause),
+            Method::Gather(gather) => self.with_integrator(&**gather, pause),
         }
     }
 
@@ -135,6 +137,7 @@ impl Pass {
     /// A pass of `render` up to so many samples of each pixel, cut short at `deadline`.
     pub(super) fn new(render: &Render, samples: u32, deadline: Option<Instant>) -> Self {
         Self {
+            goals: None,
             scene: render.scene.clone(),
             camera: render.camera,
             filter: render.filter.clone(),
@@ -189,7 +192,7 @@ impl Pass {
         let seed = self.desc.seed;
         let pattern = match self.desc.sampler {
             SamplerDesc::Sobol => {
-                let sampler = SobolSampler::new(seed, self.film.options().replicate_size);
+                let sampler = SobolSampler::new(seed, self.film.options().share).in_turn(REPLICATES as u32);
                 return self.all_tiles(integrator, &sampler, pause);
             }
             SamplerDesc::Random => Pattern::Random,
@@ -240,7 +243,7 @@ impl Pass {
         pause: &mut dyn FnMut() -> bool,
     ) -> bool {
         let [width, height] = self.film.options().resolution;
-        let replicate_size = self.film.options().replicate_size;
+        let share = self.film.options().share;
         let [left, top] = self.film.tile_origin(number);
         let (rows, columns) = match &self.again {
             None => (top..(top + TILE).min(height), left..(left + TILE).min(width)),
@@ -257,9 +260,10 @@ impl Pass {
             for x in columns.clone() {
                 let index = ((y - top) * TILE + (x - left)) as usize;
                 let pixel = &mut tile.pixels[index];
-                let samples = match &self.again {
-                    None => pixel.count()..self.samples,
-                    Some(again) => again.sample..again.sample.saturating_add(1),
+                let samples = match (&self.again, &self.goals) {
+                    (None, None) => pixel.count()..self.samples,
+                    (None, Some(goals)) => pixel.count()..goals[(y * width + x) as usize],
+                    (Some(again), _) => again.sample..again.sample.saturating_add(1),
                 };
                 for sample in samples {
                     sampler.start(y * width + x, sample);
@@ -287,7 +291,7 @@ impl Pass {
                     if self.again.is_some() {
                         continue;
                     }
-                    pixel.add(radiance, weight, replicate_size);
+                    pixel.add(radiance, weight, share);
                     if let (Some(kept), Some(gathering)) = (tile.gathering.get_mut(index), gathering) {
                         *kept = gathering;
                     }

@@ -1,10 +1,11 @@
-//! How many samples, and in which passes. No result depends on it.
+//! How many samples, in which passes, and when to decide. No result depends on passes.
 
 use std::time::Duration;
 
+use super::adaptive::PILOT;
 use super::{Ended, Progress, RenderSettings};
 use crate::desc::SamplerDesc;
-use crate::film::Image;
+use crate::film::{ErrorEstimate, ErrorMeasure, Image, REPLICATES};
 use crate::sampling::square_side;
 
 /// Samples per pixel that a render may reach, as many as a description may ask for: their indices stay far from wrapping
@@ -14,31 +15,16 @@ pub const MOST_SAMPLES: u32 = 1 << 31;
 /// A pass should not keep a viewer waiting longer than this.
 const LONGEST_PASS: Duration = Duration::from_millis(500);
 
-/// Samples of a replicate where no end is in sight: a render that only time limits must not wait for ever for an estimate
-/// of its error.
-const OPEN_REPLICATE: u32 = 16;
+/// Samples per pixel before an error is believed: four for each replicate.
+const LEAST_FOR_ERROR: u32 = 32;
 
-/// From so many samples on, a render counts as one without an end.
-const OPEN_END: u32 = 1 << 20;
+/// The error has to be below what is aimed at by so many of its standard errors, or a render would end when its estimate
+/// happens to be low: it is asked again and again, and the first yes counts.
+const MARGIN: f64 = 0.5;
 
-/// Samples per pixel that share one scramble.
-///
-/// More replicates make the estimated error more certain, larger ones are better stratified: of 256 samples in the
-/// report's room, eight replicates have 21 % more squared error than a single one, four have 12 % more, and a single one
-/// cannot tell.
-///
-/// Samples that share photon maps (`pass_samples`) are in the same replicate, as their errors are one.
-pub(super) fn replicate_size(settings: &RenderSettings, pass_samples: Option<u32>) -> u32 {
-    let size = match total(settings) {
-        // Whoever aims at an error must hear of it early.
-        samples if settings.target_error.is_some() => samples.div_ceil(4).min(OPEN_REPLICATE),
-        OPEN_END.. => OPEN_REPLICATE,
-        samples @ 16.. => samples / 4,
-        samples @ 4.. => samples / 2,
-        samples => samples,
-    };
-    pass_samples.map_or(size, |shared| size.max(1).next_multiple_of(shared))
-}
+/// An estimate that may be off by more than this share of what is aimed at (one standard error) rests on few pixels, as where paths that
+/// are rare and bright have met some: then others are still to be met, and the render goes on.
+const FEW_PIXELS: f64 = 0.25;
 
 /// Samples per pixel of a render that nothing cuts short.
 fn total(settings: &RenderSettings) -> u32 {
@@ -58,42 +44,73 @@ fn total(settings: &RenderSettings) -> u32 {
 pub(super) struct Schedule {
     samples: u32,
     time_limit: Option<Duration>,
-    target_error: Option<f64>,
+    target: Option<(ErrorMeasure, f64)>,
+    /// Samples that steps between decisions are a multiple of.
+    step: u32,
+    is_adaptive: bool,
 }
 
 impl Schedule {
-    pub(super) fn new(settings: &RenderSettings) -> Self {
-        let (time_limit, target_error) = (settings.time_limit, settings.target_error);
-        Self { samples: total(settings), time_limit, target_error }
+    /// `share`: samples that have one error.
+    pub(super) fn new(settings: &RenderSettings, share: u32, is_adaptive: bool) -> Self {
+        let target = settings.target_error.map(|target| (settings.error_measure, target));
+        // Complete replicates tell most; where pixels differ in their samples, they care for that themselves.
+        let step = if is_adaptive { 1 } else { share.saturating_mul(REPLICATES as u32) };
+        Self { samples: total(settings), time_limit: settings.time_limit, target, step, is_adaptive }
     }
 
-    /// What ends the render now, if anything does; `error`: the estimated relative error, where one is aimed at.
-    pub(super) fn ended(&self, done: u32, elapsed: Duration, error: Option<f64>) -> Option<Ended> {
+    /// By what the error is measured that is aimed at, if any is, once there are enough samples to ask for it.
+    pub(super) fn asks(&self, done: u32) -> Option<ErrorMeasure> {
+        self.target.filter(|_| done >= LEAST_FOR_ERROR).map(|(measure, _)| measure)
+    }
+
+    /// What ends the render now, if anything does; `error`: the estimated one, where one is asked for.
+    pub(super) fn ended(&self, done: u32, elapsed: Duration, error: Option<ErrorEstimate>) -> Option<Ended> {
         if done >= self.samples {
             return Some(Ended::Samples);
         }
         if self.time_limit.is_some_and(|limit| elapsed >= limit && done > 0) {
             return Some(Ended::Time);
         }
-        error.zip(self.target_error).and_then(|(error, target)| (error <= target).then_some(Ended::Error))
+        let (error, (measure, target)) = error.zip(self.target)?;
+        // A root is off by half as much of itself.
+        let few = if measure == ErrorMeasure::Display { 0.5 * FEW_PIXELS } else { FEW_PIXELS };
+        let is_reached = error.value + MARGIN * error.standard_error <= target && error.standard_error <= few * target;
+        is_reached.then_some(Ended::Error)
     }
 
-    /// Samples of the next pass.
+    /// At how many samples to decide next: whether the error is small enough, and where samples go. It depends on samples
+    /// alone and never on time, so neither does the image of a render that no time limit cuts short.
     ///
-    /// Passes double, so that a first image is there soon, until one takes as long as a viewer should wait. Where an error
-    /// is aimed at, a pass goes no further than it is expected to be reached: it falls as 1 / sqrt(n).
-    pub(super) fn next_pass(&self, done: u32, elapsed: Duration, error: Option<f64>) -> u32 {
+    /// No more than twice as many as now; and where an error is aimed at, no further than it is expected to be reached.
+    pub(super) fn next_decision(&self, done: u32, error: Option<ErrorEstimate>) -> u32 {
+        if self.target.is_none() && !self.is_adaptive {
+            return self.samples;
+        }
+        let first = if self.is_adaptive { PILOT } else { LEAST_FOR_ERROR };
+        let mut next = done.saturating_mul(2).max(first);
+        if let Some(((measure, target), error)) = self.target.zip(error) {
+            // Its margin falls with it.
+            let ratio = (error.value + MARGIN * error.standard_error) / target;
+            let ratio = if measure == ErrorMeasure::Display { ratio * ratio } else { ratio };
+            // Not too many decisions where it falls more slowly.
+            let expected = (f64::from(done) * ratio.max(1.0 + 1.0 / 16.0)).ceil() as u32;
+            next = next.min(expected);
+        }
+        let steps = next.max(done.saturating_add(1)).div_ceil(self.step);
+        steps.saturating_mul(self.step).min(self.samples)
+    }
+
+    /// Samples of the next pass, at most up to `decision`.
+    ///
+    /// Passes double, so that a first image is there soon, until one takes as long as a viewer should wait.
+    pub(super) fn next_pass(&self, done: u32, elapsed: Duration, decision: u32) -> u32 {
         let affordable = if done == 0 || elapsed.is_zero() {
             1.0
         } else {
             f64::from(done) * LONGEST_PASS.as_secs_f64() / elapsed.as_secs_f64()
         };
-        let mut most = done.max(1);
-        if let (Some(target), Some(error)) = (self.target_error, error) {
-            let missing = f64::from(done) * ((error / target).powi(2) - 1.0);
-            most = most.min(missing.ceil() as u32).max(1);
-        }
-        (affordable as u32).clamp(1, most).min(self.samples - done)
+        (affordable as u32).clamp(1, done.max(1)).min(decision - done)
     }
 
     /// The report on `complete` samples per pixel, `done` with those of an unfinished pass.
@@ -135,10 +152,10 @@ mod tests {
     #[test]
     fn passes_add_up() {
         for samples in [1, 2, 3, 100, 4097] {
-            let schedule = Schedule::new(&settings(samples, SamplerDesc::Sobol));
+            let schedule = Schedule::new(&settings(samples, SamplerDesc::Sobol), 1, false);
             let (mut done, mut passes) = (0, 0);
             while schedule.ended(done, Duration::ZERO, None).is_none() {
-                done += schedule.next_pass(done, Duration::from_millis(u64::from(done) + 1), None);
+                done += schedule.next_pass(done, Duration::from_millis(u64::from(done) + 1), samples);
                 passes += 1;
             }
             assert_eq!(done, samples);
@@ -149,18 +166,47 @@ mod tests {
     #[test]
     fn late_passes_end_at_the_last_sample() {
         for samples in [1 << 24, 1_000_000_007, MOST_SAMPLES] {
-            let schedule = Schedule::new(&settings(samples, SamplerDesc::Sobol));
+            let schedule = Schedule::new(&settings(samples, SamplerDesc::Sobol), 1, false);
             assert_eq!(schedule.samples, samples);
             for (done, elapsed) in
                 [(samples / 2 + 1, 0), (samples / 2 + 1, 1), (samples - 3, 1), (samples - 1, 1 << 40)]
             {
-                let count = schedule.next_pass(done, Duration::from_millis(elapsed), None);
+                let count = schedule.next_pass(done, Duration::from_millis(elapsed), samples);
                 assert!(count >= 1 && count <= samples - done, "{count} after {done} of {samples}");
                 assert!(schedule.ended(done, Duration::ZERO, None).is_none());
             }
-            assert_eq!(schedule.next_pass(samples - 3, Duration::from_millis(1), None), 3);
+            assert_eq!(schedule.next_pass(samples - 3, Duration::from_millis(1), samples), 3);
             assert_eq!(schedule.ended(samples, Duration::ZERO, None), Some(Ended::Samples));
         }
+    }
+
+    #[test]
+    fn decisions_come_at_doublings_and_where_the_error_is_expected() {
+        let mut aimed = settings(1000, SamplerDesc::Sobol);
+        assert_eq!(Schedule::new(&aimed, 1, false).next_decision(0, None), 1000);
+        let decisions = |schedule: Schedule| {
+            let mut decisions = vec![schedule.next_decision(0, None)];
+            while decisions[decisions.len() - 1] < 1000 {
+                decisions.push(schedule.next_decision(decisions[decisions.len() - 1], None));
+            }
+            decisions
+        };
+        assert_eq!(decisions(Schedule::new(&aimed, 1, true)), [16, 32, 64, 128, 256, 512, 1000]);
+        aimed.target_error = Some(0.01);
+        assert_eq!(decisions(Schedule::new(&aimed, 4, false)), [32, 64, 128, 256, 512, 1000]);
+        let schedule = Schedule::new(&aimed, 1, false);
+        let error = |value, standard_error| Some(ErrorEstimate { value, standard_error });
+        assert_eq!(schedule.next_decision(64, error(0.012, 0.001)), 80, "1.25 times as many, in whole steps");
+        assert_eq!(schedule.next_decision(64, error(0.5, 0.0)), 128);
+        assert_eq!(schedule.next_decision(960, error(0.0101, 0.0)), 1000);
+        aimed.error_measure = ErrorMeasure::Display;
+        assert_eq!(Schedule::new(&aimed, 1, true).next_decision(100, error(0.012, 0.0)), 144);
+
+        assert_eq!((schedule.asks(31), schedule.asks(32)), (None, Some(ErrorMeasure::RelMse)));
+        let ended = |value, standard_error| schedule.ended(64, Duration::ZERO, error(value, standard_error));
+        assert_eq!(ended(0.009, 0.0005), Some(Ended::Error));
+        assert_eq!(ended(0.009, 0.0022), None, "it may be more");
+        assert_eq!(ended(0.006, 0.0035), None, "few pixels have it all");
     }
 
     #[test]

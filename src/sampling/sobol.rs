@@ -31,7 +31,10 @@ use super::rng::{hash, stream, unit_f32};
 pub struct SobolSampler {
     table: &'static Table,
     seed: u64,
-    replicate_size: u32,
+    /// How many consecutive samples belong to one replicate.
+    share: u32,
+    /// How many replicates take turns: 2^`turns`.
+    turns: u32,
     /// Index of the point, before and after it is put in random order; bits reversed.
     index_rev: u32,
     shuffled_rev: u32,
@@ -42,13 +45,20 @@ pub struct SobolSampler {
 impl SobolSampler {
     /// A sampler of the family `seed`.
     ///
-    /// `replicate_size`: how many consecutive samples of a pixel make one point set (0 counts as 1): sample s is point
-    /// s mod `replicate_size` of replicate s / `replicate_size`. Replicates are independent and unbiased, so their scatter
-    /// tells the error of their mean; the larger they are, the smaller that error. Powers of two are best: only they
-    /// are complete nets. `u32::MAX` makes one replicate of all samples.
-    pub fn new(seed: u64, replicate_size: u32) -> Self {
+    /// `share`: how many consecutive samples of a pixel are of one point set, or replicate (0 counts as 1): sample s is
+    /// point s mod `share` of replicate s / `share`. `u32::MAX` makes one replicate of all samples. Replicates are
+    /// independent and unbiased, so their scatter tells the error of their mean; the more samples they have, the smaller
+    /// that error. Powers of two are best: only they are complete nets.
+    pub fn new(seed: u64, share: u32) -> Self {
         let table = &*TABLE;
-        Self { table, seed, replicate_size: replicate_size.max(1), index_rev: 0, shuffled_rev: 0, key: 0, set: 0 }
+        Self { table, seed, share: share.max(1), turns: u32::BITS, index_rev: 0, shuffled_rev: 0, key: 0, set: 0 }
+    }
+
+    /// The same with so many replicates that take turns, instead of ever new ones: after the last, the first goes on where it
+    /// was. So each grows for as long as samples are taken. `replicates` is rounded up to a power of two, 2^31 at most.
+    #[must_use]
+    pub fn in_turn(self, replicates: u32) -> Self {
+        Self { turns: replicates.clamp(1, 1 << 31).next_power_of_two().trailing_zeros(), ..self }
     }
 
     #[inline]
@@ -84,8 +94,11 @@ fn shuffle(index_rev: u32, key: u64) -> u32 {
 impl Sampler for SobolSampler {
     #[inline]
     fn start(&mut self, pixel: u32, sample: u32) {
-        let (replicate, index) = (sample / self.replicate_size, sample % self.replicate_size);
-        let block = u64::from(replicate) << 16 | u64::from(index >> 16);
+        let (turn, rest) = (u64::from(sample / self.share), sample % self.share);
+        let replicate = turn & ((1 << self.turns) - 1);
+        // At most `sample`.
+        let index = (turn >> self.turns) as u32 * self.share + rest;
+        let block = replicate << 16 | u64::from(index >> 16);
         self.key = hash(hash(self.seed, u64::from(pixel)), block);
         self.index_rev = (index & 0xffff).reverse_bits();
         self.shuffled_rev = shuffle(self.index_rev, self.key);
@@ -146,6 +159,21 @@ impl Table {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn replicates_in_turn_are_those_that_follow_each_other() {
+        let size = 64;
+        for share in [1, 4] {
+            let mut blocks = SobolSampler::new(5, size);
+            let mut turns = SobolSampler::new(5, share).in_turn(8);
+            for sample in 0..8 * size {
+                let (replicate, index) = (sample / share % 8, sample / share / 8 * share + sample % share);
+                turns.start(7, sample);
+                blocks.start(7, replicate * size + index);
+                assert_eq!((turns.pixel_2d(), turns.next_4d()), (blocks.pixel_2d(), blocks.next_4d()), "{sample}");
+            }
+        }
+    }
 
     #[test]
     fn table_gives_the_points_of_the_crate() {

@@ -25,7 +25,7 @@ pub use build::BuildOptions;
 pub use describe::HitDescription;
 pub use geometry::SurfaceInteraction;
 pub use info::SceneInfo;
-pub use specular::{Ball, Kinds};
+pub use specular::{Ball, Kinds, SpecularPart};
 
 use std::sync::Arc;
 

@@ -14,6 +14,15 @@ pub struct Ball {
     pub radius: f32,
 }
 
+/// A specular surface to aim at, in the scene frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SpecularPart {
+    /// A ball, or one that holds something else.
+    Ball(Ball),
+    /// A triangle.
+    Triangle([Vec3; 3]),
+}
+
 /// What kinds of surfaces a scene has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Kinds {
@@ -26,10 +35,16 @@ pub struct Kinds {
 /// Larger than a box's ball by rounding to single precision.
 const MARGIN: f64 = 1.0 + 1e-5;
 
-/// Something specular: its box, and its exact ball where it has one.
+/// Something specular: its box, and its exact shape where that can be aimed at.
 struct Piece {
     bounds: Bounds,
-    ball: Option<(DVec3, f64)>,
+    exact: Option<Exact>,
+}
+
+#[derive(Clone, Copy)]
+enum Exact {
+    Ball(DVec3, f64),
+    Triangle([DVec3; 3]),
 }
 
 impl Scene {
@@ -49,6 +64,23 @@ impl Scene {
             }
         }
         kinds
+    }
+
+    /// Parts, no more than `most` (>= 1), that together hold every surface which is perfectly specular: spheres and loose
+    /// triangles as they are if there are few pieces, else balls around several.
+    pub fn specular_parts(&self, most: usize) -> Vec<SpecularPart> {
+        let pieces = self.specular_pieces();
+        let is_few = pieces.len() <= most && pieces.iter().all(|piece| piece.exact.is_some());
+        if !is_few {
+            return self.specular_balls(most).into_iter().map(SpecularPart::Ball).collect();
+        }
+        let part = |piece: &Piece| {
+            Some(match piece.exact? {
+                Exact::Ball(centre, radius) => SpecularPart::Ball(ball(centre, radius)),
+                Exact::Triangle(corners) => SpecularPart::Triangle(corners.map(|corner| corner.as_vec3a())),
+            })
+        };
+        pieces.iter().filter_map(part).collect()
     }
 
     /// Balls, no more than `most` (>= 1), that together hold every surface which is perfectly specular.
@@ -84,14 +116,13 @@ impl Scene {
             .into_iter()
             .map(|group| {
                 let (centre, radius) = match group {
-                    [Piece { ball: Some(ball), .. }] => *ball,
+                    [Piece { exact: Some(Exact::Ball(centre, radius)), .. }] => (*centre, *radius),
                     _ => {
                         let bounds = union(group);
                         (bounds.centre(), 0.5 * extent(bounds).length())
                     }
                 };
-                let rounding = centre.abs().max_element() * f64::from(f32::EPSILON);
-                Ball { centre: centre.as_vec3a(), radius: (radius * MARGIN + 2.0 * rounding) as f32 }
+                ball(centre, radius)
             })
             .collect()
     }
@@ -99,11 +130,11 @@ impl Scene {
     fn specular_pieces(&self) -> Vec<Piece> {
         let is_specular = |owner: Owner| self.material(owner.material).bsdf.is_delta();
         let analytic = |shape: &Analytic| {
-            let ball = match shape {
-                Analytic::Sphere(sphere) => Some((sphere.centre, sphere.radius)),
+            let exact = match shape {
+                Analytic::Sphere(sphere) => Some(Exact::Ball(sphere.centre, sphere.radius)),
                 _ => None,
             };
-            Piece { bounds: shape.bounds(), ball }
+            Piece { bounds: shape.bounds(), exact }
         };
         let mut pieces = Vec::new();
         for (shape, owner) in self.list.shapes().iter().zip(&*self.dress.list_owners) {
@@ -116,8 +147,9 @@ impl Scene {
                 Geometry::Loose { triangles, .. } => {
                     for primitive in 0..triangles.mesh.indices().len() as u32 {
                         if is_specular(owners.of(primitive)) {
-                            let bounds = Bounds::around(triangles.corners(primitive));
-                            pieces.push(Piece { bounds, ball: None });
+                            let corners = triangles.corners(primitive);
+                            let exact = Some(Exact::Triangle(corners));
+                            pieces.push(Piece { bounds: Bounds::around(corners), exact });
                         }
                     }
                 }
@@ -131,7 +163,7 @@ impl Scene {
                         Geometry::Instance { placement, .. } => bounds.transformed(placement.transform()),
                         _ => bounds,
                     };
-                    pieces.push(Piece { bounds, ball: None });
+                    pieces.push(Piece { bounds, exact: None });
                 }
                 Geometry::Analytic { shapes, .. } => {
                     for (primitive, shape) in shapes.0.iter().enumerate() {
@@ -145,6 +177,12 @@ impl Scene {
         }
         pieces
     }
+}
+
+/// In single precision, no smaller than it is.
+fn ball(centre: DVec3, radius: f64) -> Ball {
+    let rounding = centre.abs().max_element() * f64::from(f32::EPSILON);
+    Ball { centre: centre.as_vec3a(), radius: (radius * MARGIN + 2.0 * rounding) as f32 }
 }
 
 fn union(group: &[Piece]) -> Bounds {

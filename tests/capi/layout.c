@@ -51,6 +51,11 @@ static void enumerations(void) {
     VALUE(ETD_PHASE_BUILD);
     VALUE(ETD_PHASE_RENDER);
     VALUE(ETD_PHASE_END);
+    ENUM(etd_ended);
+    VALUE(ETD_ENDED_SAMPLES);
+    VALUE(ETD_ENDED_TIME);
+    VALUE(ETD_ENDED_ERROR);
+    VALUE(ETD_ENDED_CANCELLED);
     ENUM(etd_usage);
     VALUE(ETD_USAGE_STATIC);
     VALUE(ETD_USAGE_DYNAMIC);
@@ -111,6 +116,9 @@ static void enumerations(void) {
     VALUE(ETD_SWITCH_DEFAULT);
     VALUE(ETD_SWITCH_ON);
     VALUE(ETD_SWITCH_OFF);
+    ENUM(etd_error_measure);
+    VALUE(ETD_ERROR_RELMSE);
+    VALUE(ETD_ERROR_DISPLAY);
     ENUM(etd_layer);
     VALUE(ETD_LAYER_COLOR);
     VALUE(ETD_LAYER_ALBEDO);
@@ -219,6 +227,8 @@ static void structures(void) {
     FIELD(etd_render_options, cache_rays);
     FIELD(etd_render_options, cache_source);
     FIELD(etd_render_options, reserved);
+    FIELD(etd_render_options, error_measure);
+    FIELD(etd_render_options, adaptive);
     STRUCT(etd_camera);
     FIELD(etd_camera, struct_size);
     FIELD(etd_camera, projection);
@@ -290,6 +300,13 @@ static void structures(void) {
     FIELD(etd_summary, relative_error);
     FIELD(etd_summary, samples);
     FIELD(etd_summary, cancelled);
+    FIELD(etd_summary, rel_mse);
+    FIELD(etd_summary, rel_mse_standard_error);
+    FIELD(etd_summary, display_error);
+    FIELD(etd_summary, samples_min);
+    FIELD(etd_summary, samples_max);
+    FIELD(etd_summary, ended);
+    FIELD(etd_summary, reserved);
     STRUCT(etd_ray);
     FIELD(etd_ray, origin);
     FIELD(etd_ray, tnear);

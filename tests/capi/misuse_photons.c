@@ -44,6 +44,16 @@ static etd_status e_source(uint32_t value) {
     options.cache_source = value;
     return etd_render(scene, film, &options);
 }
+static etd_status e_measure(uint32_t value) {
+    etd_render_options options = short_render(1);
+    options.error_measure = value;
+    return etd_render(scene, film, &options);
+}
+static etd_status e_adaptive(uint32_t value) {
+    etd_render_options options = short_render(1);
+    options.adaptive = value;
+    return etd_render(scene, film, &options);
+}
 
 static void pass_names(void) {
     static const struct {
@@ -57,6 +67,8 @@ static void pass_names(void) {
         {"options.photons_guided", e_guided, ETD_SWITCH_OFF},
         {"options.photons_progressive", e_progressive, ETD_SWITCH_OFF},
         {"options.cache_source", e_source, ETD_CACHE_SOURCE_PHOTONS},
+        {"options.error_measure", e_measure, ETD_ERROR_DISPLAY},
+        {"options.adaptive", e_adaptive, ETD_SWITCH_OFF},
     };
     size_t i, k;
     for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {

@@ -13,8 +13,9 @@ use crate::error::Result;
 use crate::sampling::{Rng, SobolSampler};
 use crate::spectrum::luminance;
 
-/// Places.
-const PROBES: usize = 384;
+/// Places: one for so many records, within these limits, so that looking takes a small part of what filling did.
+const RECORDS_A_PROBE: usize = 12;
+const PROBES: [usize; 2] = [192, 384];
 
 /// Rays of a place at most, in two halves that are independent of each other.
 const RAYS: u32 = 512;
@@ -46,9 +47,11 @@ pub(super) struct Verdict {
 
 /// Gathers light at random places and compares.
 pub(super) fn probe(cache: &Arc<IrradianceCache>, filling: &Filling, parallel: &mut impl Parallel) -> Result<Verdict> {
+    let [least, most] = PROBES;
+    let count = (cache.len() / RECORDS_A_PROBE).clamp(least, most);
     let (cache, filling) = (Arc::clone(cache), Arc::new(filling.clone()));
     let source = filling.source.unaided();
-    let probes = parallel.map(PROBES, move |number| {
+    let probes = parallel.map(count, move |number| {
         let mut tracer = SceneTracer::new(&filling.scene);
         let mut rng = Rng::new(filling.seed ^ FAMILY, number as u64);
         let [x, y] = rng.next_2d();

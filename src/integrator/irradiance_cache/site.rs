@@ -17,7 +17,7 @@ const LEAST_SHARE: f32 = 0.05;
 /// Mirrors and glass in a row.
 const MOST_SPECULAR: u32 = 16;
 
-/// A point on a Lambertian surface.
+/// A point on a diffuse surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Site {
     pub p: Vec3,
@@ -51,7 +51,7 @@ pub(super) fn seen(scene: &Scene, camera: &Camera, [x, y]: [f32; 2], tracer: &mu
             }
         };
         match &vertex.material.bsdf {
-            Bsdf::Lambert(_) if !vertex.material.bsdf.is_black() => {
+            Bsdf::Lambert(_) | Bsdf::OrenNayar(_) | Bsdf::Fujii(_) if !vertex.material.bsdf.is_black() => {
                 let facing = vertex.facing();
                 let (point, n) = (vertex.surface.point, vertex.facing_shading());
                 let origin = point.offset(facing);

@@ -78,6 +78,18 @@ pub fn choose(scene: &Scene) -> Choice {
     choice(IntegratorDesc::Sppm, format!("{small}: paths hardly find them; photons stay in the scene"))
 }
 
+/// Share of the caustics' power that smaller lamps may make where paths are aimed at mirrors and glass, which find more.
+const WORTH_AIMED: f64 = 0.1;
+
+/// Whether lamps are so large that paths which are aimed at mirrors and glass find them there. Nobody finds a point.
+pub(super) fn aimed_paths_find_caustics(scene: &Scene) -> Result<bool> {
+    if scene.emitters().point_lights() > 0 {
+        return Ok(false);
+    }
+    let seen = look(scene)?;
+    Ok(seen.hidden <= WORTH_AIMED * seen.caustic)
+}
+
 /// What light paths show.
 struct Seen {
     /// Power that came to diffuse surfaces by mirrors and glass only, in any unit.

@@ -9,6 +9,7 @@
 
 use std::f64::consts::PI;
 
+use super::aim::Cone;
 use crate::desc::PhotonSharing;
 use crate::emitter::Emitter;
 use crate::error::{Error, Result};
@@ -28,13 +29,6 @@ pub(super) struct Emission {
     choice: Distribution1D,
     /// What to aim at; empty where photons go everywhere.
     balls: Vec<Ball>,
-}
-
-/// A ball as seen from a place: the axis and 1 - cos of the half angle.
-#[derive(Clone, Copy)]
-struct Cone {
-    axis: Vec3,
-    one_minus_cos: f32,
 }
 
 impl Emission {
@@ -135,9 +129,9 @@ impl Emission {
             left -= cone.one_minus_cos;
         }
         let cone = cones[chosen];
-        let direction = Frame::from_normal(cone.axis).to_world(warps::uniform_cone(u, cone.one_minus_cos));
-        let holds = |other: &Cone| direction.distance_squared(other.axis) <= 2.0 * other.one_minus_cos;
-        let count = cones.iter().enumerate().filter(|(index, other)| *index == chosen || holds(other)).count();
+        let direction = cone.sample(u);
+        let count =
+            cones.iter().enumerate().filter(|(index, other)| *index == chosen || other.holds(direction)).count();
         Some((direction, count as f64 / (2.0 * PI * f64::from(total))))
     }
 }
@@ -155,21 +149,6 @@ pub(super) enum Aim {
     Everywhere,
     /// At the specular surfaces only.
     AtSpecular,
-}
-
-impl Cone {
-    /// The ball seen from `p`; `None` from within it.
-    #[inline]
-    fn new(p: Vec3, ball: &Ball) -> Option<Self> {
-        let axis = ball.centre - p;
-        let distance = axis.length();
-        let sin = ball.radius / distance;
-        if sin.is_nan() || sin >= 1.0 {
-            return None;
-        }
-        let one_minus_cos = warps::one_minus_cos_from_sin2(sin * sin);
-        Some(Self { axis: axis / distance, one_minus_cos })
-    }
 }
 
 /// The share of an emitter's light that goes to the balls, as its middle sees it; 1 where there are none.

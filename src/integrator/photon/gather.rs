@@ -17,13 +17,14 @@ use super::super::irradiance_cache::IrradianceCache;
 use super::super::light::Vertex;
 use super::super::path::{CERTAIN_SHARE, OWN_SURVIVAL_BOUNCES, roulette};
 use super::super::{FirstHit, Integrator, Tracer};
+use super::aim::Aims;
 use super::cut::Cut;
 use super::estimate::{Asked, Estimate, direct, radiance};
 use super::whole::Whole;
 use super::{Nearest, PhotonMap};
-use crate::bsdf::Bsdf;
+use crate::emitter::Receiver;
 use crate::film::{Gathering, ShrinkingRadius};
-use crate::math::{Ray, Vec3};
+use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
 use crate::spectrum::Rgb;
@@ -85,6 +86,8 @@ pub struct Gather {
     pub(super) shadow_rays: u32,
     pub(super) min_photons: u32,
     pub(super) gather_rays: u32,
+    /// Where light that comes by mirrors and glass only is looked for by the paths themselves, instead of in a map.
+    pub(super) aims: Option<Aims>,
 }
 
 thread_local! {
@@ -98,14 +101,16 @@ struct State {
     throughput: Rgb,
     /// Undoes the radiance scaling of refraction for the roulette.
     eta2: f32,
-    /// The last bounce's point and density, where a light sample could have made it as well.
-    bounced: Option<(Vec3, f32)>,
+    /// The last bounce's receiver and density, where a light sample could have made it as well.
+    bounced: Option<(Receiver, f32)>,
     worth_following: f32,
     depth: u32,
     /// Diffuse hits so far.
     diffuse: u32,
     /// Length of the way since the last diffuse hit.
     way: f32,
+    /// Whether light found by mirrors and glass only counts from here on.
+    sees_caustics: bool,
 }
 
 impl State {
@@ -119,6 +124,7 @@ impl State {
             depth: 1,
             diffuse: 0,
             way: 0.0,
+            sees_caustics: true,
         }
     }
 
@@ -205,7 +211,7 @@ impl Gather {
     ) -> (Rgb, f32) {
         let mut distance = f32::INFINITY;
         let mut state = State::new(ray);
-        (state.depth, state.diffuse) = (2, 1);
+        (state.depth, state.diffuse, state.sees_caustics) = (2, 1, false);
         let mut tracer = Watched { tracer, first: &mut distance };
         let mut told = Told { gathering: None, bias: Rgb::ZERO };
         let radiance = self.follow(scene, state, sampler, &mut tracer, &mut |_| {}, &mut told);
@@ -243,7 +249,7 @@ impl Gather {
                 first(vertex.first_hit());
             }
             // Light that the surface itself sends; what came by mirrors and glass to a diffuse surface is in a map.
-            if state.diffuse == 0 || state.bounced.is_some() {
+            if state.sees_caustics || state.bounced.is_some() {
                 radiance += state.throughput * vertex.emitted(scene, state.bounced, self.shadow_rays);
             }
             let bsdf = &vertex.material.bsdf;
@@ -253,8 +259,12 @@ impl Gather {
             let mut rays = 1;
             if !bsdf.is_delta() {
                 state.diffuse += 1;
+                state.sees_caustics = false;
                 let (sent_back, is_over) = self.diffuse(scene, &vertex, &state, sampler, tracer, told);
                 radiance += state.throughput * sent_back;
+                if let Some(aims) = &self.aims {
+                    radiance += self.reflected(scene, aims, &vertex, state, sampler, tracer);
+                }
                 if is_over {
                     return radiance;
                 }
@@ -277,6 +287,42 @@ impl Gather {
         }
     }
 
+    /// One sample of the light that comes to a surface by mirrors and glass only and is sent back along the path.
+    fn reflected<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        aims: &Aims,
+        vertex: &Vertex,
+        mut state: State,
+        sampler: &mut S,
+        tracer: &mut T,
+    ) -> Rgb {
+        let [choice, u, v, _] = sampler.next_4d();
+        let Some((wi, pdf)) = aims.sample(vertex.surface.point.p, vertex.facing(), choice, [u, v]) else {
+            return Rgb::ZERO;
+        };
+        let Some((ray, f_cos)) = vertex.leave_towards(wi) else { return Rgb::ZERO };
+        state.throughput *= f_cos / pdf;
+        (state.ray, state.bounced) = (ray, None);
+        state.worth_following = CERTAIN_SHARE * state.throughput.max_element() * state.eta2;
+        state.depth = state.depth.saturating_add(1);
+        let mut radiance = Rgb::ZERO;
+        for way in 0.. {
+            let Some(hit) = tracer.intersect(&state.ray) else { break };
+            let vertex = Vertex::new(scene, &state.ray, &hit);
+            if way > 0 {
+                radiance += state.throughput * vertex.emitted(scene, None, 1);
+            }
+            if state.depth > self.max_depth
+                || !vertex.material.bsdf.is_delta()
+                || !self.bounce(&vertex, &mut state, sampler)
+            {
+                break;
+            }
+        }
+        radiance
+    }
+
     /// The next direction; false where the path ends.
     #[inline]
     fn bounce<S: Sampler>(&self, vertex: &Vertex, state: &mut State, sampler: &mut S) -> bool {
@@ -290,7 +336,7 @@ impl Gather {
         state.eta2 *= bounce.eta * bounce.eta;
         // Where the report's map stands for light samples, no bounce may find a light.
         let counts = self.direct.is_none();
-        state.bounced = bounce.pdf.filter(|_| counts).map(|pdf| (vertex.surface.point.p, pdf));
+        state.bounced = bounce.pdf.filter(|_| counts).map(|pdf| (vertex.receiver(), pdf));
         state.ray = bounce.ray;
         if !is_last {
             let carried = state.throughput.max_element() * state.eta2;
@@ -344,9 +390,9 @@ impl Gather {
         };
         let ending = ending.map(|layer| (layer, self.asked(layer, is_first, true, told, vertex)));
         let ending = ending.filter(|(_, asked)| self.whole.is_whole(p, facing, asked.radius));
-        let cached = self.cache.as_ref().and_then(|cache| match &vertex.material.bsdf {
-            Bsdf::Lambert(lambert) => Some(lambert.f() * cache.irradiance(p, vertex.facing_shading())?),
-            _ => None,
+        let cached = self.cache.as_ref().and_then(|cache| {
+            let f = vertex.material.bsdf.mean_f(vertex.wo)?;
+            Some(f * cache.irradiance(p, vertex.facing_shading())?)
         });
         let ends = ending.is_some() || cached.is_some();
         let mut sum = cached.unwrap_or(Rgb::ZERO);

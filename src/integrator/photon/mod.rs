@@ -15,6 +15,7 @@
 //! Photon Mapping"; Knaus and Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach"; Hachisuka, Jarosz,
 //! Jensen 2010, "A Progressive Error Estimation Framework for Photon Density Estimation".
 
+mod aim;
 mod choose;
 mod cut;
 mod draw;

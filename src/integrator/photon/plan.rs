@@ -5,6 +5,8 @@ use std::sync::Arc;
 use super::super::irradiance_cache::IrradianceCache;
 use super::super::light::Vertex;
 use super::super::{SceneTracer, Tracer as _};
+use super::aim::Aims;
+use super::choose::aimed_paths_find_caustics;
 use super::estimate::{Asked, Kernel};
 use super::gather::{Ends, Gather, Layer, Shrinking};
 use super::trace::PHOTONS_A_PATH;
@@ -221,6 +223,18 @@ impl Plan {
         };
         // Mirrors and glass are not there to be met, nor surfaces to be lit by them.
         wanted.retain(|(kind, ..)| kinds.diffuse && (*kind != MapKind::Caustic || kinds.specular));
+        // Of large lamps they are found by rays, with no bias and no mottle.
+        let is_asked_for = photons.caustic_count.is_some() || photons.caustic_radius.is_some();
+        let aims = if self.method == IntegratorDesc::IrradianceCache
+            && kinds.specular
+            && !is_asked_for
+            && aimed_paths_find_caustics(&self.scene)?
+        {
+            wanted.retain(|(kind, ..)| *kind != MapKind::Caustic);
+            Some(Aims::new(&self.scene))
+        } else {
+            None
+        };
         let budget = (photons.memory as usize).saturating_mul(1 << 20) / BYTES_A_PHOTON;
         let mut shots: Vec<(MapKind, Asked, Vec<Photon>)> = Vec::new();
         let (mut told, mut shot_as, mut notes) = (Vec::new(), Vec::new(), Vec::new());
@@ -321,6 +335,7 @@ impl Plan {
             shadow_rays: self.desc.shadow_rays,
             min_photons: photons.min_photons,
             gather_rays: photons.gather_rays,
+            aims,
         };
         if self.method == IntegratorDesc::IrradianceCache {
             // Gather rays have bounced once when they begin, so the global map may end them at once.

@@ -104,7 +104,7 @@ fn permuted(desc: &SceneDesc) -> SceneDesc {
 }
 
 fn order(case: &mut Case) {
-    let samples = case.count(16, 256) as u32;
+    let samples = case.count(24, 256) as u32;
     for name in ["room.json", "cornell.json", "many-lights.json"] {
         let desc = load(name);
         let (scene, other) = (build(&desc), build(&permuted(&desc)));
@@ -120,8 +120,8 @@ fn order(case: &mut Case) {
             let tolerance = if case.is_full() { 2e-3 } else { 1e-2 };
             let what = format!("{name}, {what}");
             case.equal_means(format!("{what}: mean"), mean_and_error(&image), mean_and_error(&reference), tolerance);
-            // Pixels that are off by more than their errors allow: with four replicates each, |t| > 15 has a probability of
-            // 1 in 10^5 if they are normal, and may be ten times as frequent where they are not.
+            // Pixels that are off by more than their errors allow: with eight replicates each, |t| > 15 has a probability below
+            // 1 in 10^6 if they are normal, and may be more frequent where they are not.
             let [a, b] = [&image, &reference].map(|image| &image.layer("variance").expect("always there").data);
             let far = (0..image.rgb.len()).step_by(3).filter(|&i| {
                 let off = f64::from(image.rgb[i]) - f64::from(reference.rgb[i]);

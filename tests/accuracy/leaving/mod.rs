@@ -9,6 +9,8 @@ mod shading;
 mod spawn;
 mod triangles;
 
+pub use instances::ball_mesh;
+
 use crate::record::Entry;
 
 pub fn cases() -> Vec<Entry> {

@@ -249,7 +249,7 @@ fn glass(case: &mut Case) {
         desc.surfaces[1].shape = ShapeDesc::Mesh { mesh: 1, smooth: false };
         desc.materials[1].bsdf = BsdfDesc::Black;
         desc.surfaces[1].emission = Some(Vec3::ONE);
-        let job = Job { resolution: [64; 2], samples: case.count(16, 256) as u32, ..Job::default() };
+        let job = Job { resolution: [64; 2], samples: case.count(128, 256) as u32, ..Job::default() };
         let (image, _) = render(&desc, &job);
         let dark = image.rgb.iter().filter(|&&value| f64::from((value - 1.0).abs()) > 0.5).count() as u64;
         case.never(format!("{what}, even light: pixels off by half"), dark, image.rgb.len() as u64);

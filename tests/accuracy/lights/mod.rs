@@ -3,6 +3,7 @@
 //! A light of radiance 1 that fills the configuration factor F of a receiver's hemisphere makes the irradiance pi F there,
 //! and the radiance F of a white Lambert receiver.
 
+mod hierarchy;
 mod many;
 mod points;
 mod polygons;
@@ -24,8 +25,15 @@ use crate::record::{Case, Effort, Entry};
 use crate::stats;
 
 pub fn cases() -> Vec<Entry> {
-    let topics =
-        [solid_angles::cases(), polygons::cases(), spheres::cases(), points::cases(), many::cases(), weights::cases()];
+    let topics = [
+        solid_angles::cases(),
+        polygons::cases(),
+        spheres::cases(),
+        points::cases(),
+        many::cases(),
+        weights::cases(),
+        hierarchy::cases(),
+    ];
     topics.into_iter().flatten().collect()
 }
 

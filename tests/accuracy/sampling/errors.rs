@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_4;
 
 use etendue::desc::{BsdfDesc, FilterDesc, MeshDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc};
-use etendue::film::Image;
+use etendue::film::{Image, REPLICATES};
 use etendue::math::{DVec3, Vec3};
 use etendue::sampling::SobolSampler;
 use etendue::scene::{BuildOptions, Scene};
@@ -137,10 +137,9 @@ fn pixels(case: &mut Case) {
             let others = (total - image.mean()[0]) / (n - 1.0);
             whole.push((mean - others) / (error * (n / (n - 1.0)).sqrt()));
         }
-        // 64 samples are four replicates.
-        covered(case, &format!("{name}, pixels"), &t, 3.0, 0.015);
+        covered(case, &format!("{name}, pixels"), &t, REPLICATES as f64 - 1.0, 0.015);
         // The variance of a mean over 64 pixels has so many degrees of freedom that t is nearly normal.
-        distributed(case, &format!("{name}, image"), &whole, 150.0);
+        distributed(case, &format!("{name}, image"), &whole, 350.0);
     }
 }
 

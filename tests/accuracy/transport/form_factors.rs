@@ -71,7 +71,7 @@ fn rectangles(case: &mut Case) {
             if integrator == IntegratorDesc::Direct && !case.is_full() {
                 continue;
             }
-            let samples = case.count(192, 2048) as u32;
+            let samples = case.count(256, 2048) as u32;
             let job = Job { resolution: [16 * width, 16], samples, integrator, ..Job::default() };
             case.mean(format!("{what}, {integrator:?}"), measure(&desc, &job), expected(form_factor), tolerance);
         }
@@ -90,7 +90,7 @@ fn rectangles(case: &mut Case) {
     let mut surfaces = vec![(rectangle(1.0, 1.0), grey(ALBEDO), None)];
     surfaces.extend(walls.map(|(corner, u, v)| (parallelogram(corner, u, v), BsdfDesc::Black, Some(Vec3::splat(2.0)))));
     let desc = scene(above(1.0, 1.0, 0.4), surfaces);
-    let job = Job { resolution: [16, 16], samples: case.count(128, 2048) as u32, ..Job::default() };
+    let job = Job { resolution: [16, 16], samples: case.count(192, 2048) as u32, ..Job::default() };
     case.mean("all walls of a cube", measure(&desc, &job), expected(1.0), tolerance);
 }
 
@@ -113,7 +113,7 @@ fn round(case: &mut Case) {
     let straight_above = |height: f64| camera(DVec3::Z * height, DVec3::ZERO, 2.0 * (1.0 / height).atan().to_degrees());
     // The unit disc within the image of a square.
     let share = std::f64::consts::FRAC_PI_4;
-    let job = Job { resolution: [16, 16], samples: case.count(256, 4096) as u32, ..Job::default() };
+    let job = Job { resolution: [16, 16], samples: case.count(384, 4096) as u32, ..Job::default() };
     for (what, radius, distance, form_factor) in
         [("equal discs at 1", 1.0, 1.0, 0.381_966_011_250), ("discs 1 and 2 at 1.5", 2.0, 1.5, 0.601_653_344_388)]
     {

@@ -121,7 +121,7 @@ fn diffuse_surfaces(case: &mut Case) {
             let (sin, cos) = degrees.to_radians().sin_cos();
             // The patch fills the image; its image is a thousandth of its size.
             desc.camera = camera(0.5 * DVec3::new(sin, 0.0, cos), DVec3::ZERO, 0.01);
-            let samples = case.count(96, 1024) as u32;
+            let samples = case.count(144, 1024) as u32;
             for integrator in [IntegratorDesc::Path, IntegratorDesc::Whitted, IntegratorDesc::Direct] {
                 // All take the same samples here: one of them shows as much in little time.
                 if integrator != IntegratorDesc::Path && !case.is_full() {
@@ -137,7 +137,7 @@ fn diffuse_surfaces(case: &mut Case) {
     }
     let mut desc = room(walls(), BsdfDesc::Black, 1.0, vec![(object(), grey(0.6))]);
     look_at_object(&mut desc);
-    let job = Job { resolution: [16, 16], samples: case.count(64, 4096) as u32, ..Job::default() };
+    let job = Job { resolution: [16, 16], samples: case.count(96, 4096) as u32, ..Job::default() };
     case.mean("Lambert ball of 0.6", measure(&desc, &job), f64::from(0.6_f32), tolerance);
 }
 
@@ -237,7 +237,7 @@ fn other_shapes(case: &mut Case) {
 fn cut(case: &mut Case) {
     // N hits are N reflections: Le (1 - a^(N + 1)) / (1 - a).
     for (albedo, hits, quick, full) in
-        [(0.9_f32, 4, 192, 2048), (0.9, 8, 96, 2048), (0.9, 16, 48, 2048), (0.9, 64, 24, 2048), (0.99, 64, 8, 512)]
+        [(0.9_f32, 4, 192, 2048), (0.9, 8, 96, 2048), (0.9, 16, 48, 2048), (0.9, 64, 32, 2048), (0.99, 64, 8, 512)]
     {
         let samples = case.count(quick, full) as u32;
         let job = Job { resolution: [16, 16], samples, max_depth: Some(hits), ..Job::default() };

@@ -1,0 +1,179 @@
+//! The images that errors are measured against.
+
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use etendue::desc::{FilterDesc, IntegratorDesc, RenderDesc, SamplerDesc};
+use etendue::film::Image;
+use etendue::output::{self, WriteOptions};
+use etendue::render::{Progress, Render, RenderSettings};
+use etendue::scene::Scene;
+use etendue::{Error, ErrorKind, Result};
+use serde::{Deserialize, Serialize};
+
+/// No run that is measured has this seed, or its samples would be those of the reference.
+const SEED: u64 = 0x7265_6665_7265_6e63;
+
+/// An image as good as the truth, but for noise that is known.
+#[derive(Default)]
+pub struct Reference {
+    /// Its name, `SCENE-WxH`, with the filter where that is not the box.
+    pub name: String,
+    /// Where it is kept.
+    pub file: PathBuf,
+    /// The image.
+    pub image: Image,
+    /// Variance of each value, where it is known.
+    pub variance: Option<Vec<f32>>,
+    /// Samples per pixel, where they are known.
+    pub samples: Option<u32>,
+}
+
+/// Settings of the reference for a case: path tracing of the same pixels without any cut.
+fn settings(case: &RenderDesc, samples: u32) -> RenderDesc {
+    // The normally distributed pattern is a filter by itself, and has no other sampler.
+    let sampler = if case.sampler == SamplerDesc::Gaussian { SamplerDesc::Gaussian } else { SamplerDesc::Sobol };
+    let (resolution, filter) = (case.resolution, case.filter);
+    let integrator = IntegratorDesc::Path;
+    RenderDesc { resolution, filter, sampler, samples, integrator, seed: SEED, ..RenderDesc::default() }
+}
+
+/// What the reference of this case is called.
+pub fn name(scene: &str, case: &RenderDesc) -> String {
+    let [width, height] = case.resolution;
+    let filter = match (case.sampler, case.filter) {
+        (SamplerDesc::Gaussian, _) => "-gaussian-pattern".to_owned(),
+        (_, FilterDesc::Box) => String::new(),
+        (_, FilterDesc::Tent) => "-tent".to_owned(),
+        (_, FilterDesc::BlackmanHarris) => "-blackman-harris".to_owned(),
+        (_, FilterDesc::Gaussian { sigma }) => format!("-gaussian-{sigma}"),
+        (_, FilterDesc::Mitchell { b, c }) => format!("-mitchell-{b}-{c}"),
+    };
+    format!("{scene}-{width}x{height}{filter}")
+}
+
+/// What a reference that was made here was made from, `NAME.json` beside it. Those of others have none.
+#[derive(Deserialize, Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Origin {
+    /// [`hash`] of the scene file.
+    scene_hash: String,
+    /// Samples per pixel.
+    samples: u32,
+}
+
+impl Origin {
+    /// `None` where there is none.
+    fn load(path: &Path) -> Result<Option<Self>> {
+        if !path.exists() {
+            return Ok(None);
+        }
+        let text = fs::read_to_string(path).map_err(|error| Error::io(path, "cannot read the file", error))?;
+        let read = serde_json::from_str(&text);
+        read.map(Some).map_err(|error| Error::invalid("", error.to_string()).in_file(Some(path), error.line()))
+    }
+
+    fn write(&self, path: &Path) -> Result<()> {
+        let text = serde_json::to_string(self).map_err(|error| Error::new(ErrorKind::Internal, error.to_string()))?;
+        output::write_text(&(text + "\n"), path)
+    }
+}
+
+/// FNV-1a of 64 bits, the same for every version of every program; it is to find changes, not to withstand forgery.
+pub fn hash(bytes: &[u8]) -> String {
+    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, step))
+}
+
+/// Whether there is a reference of this name that need not be made: somebody else's, or one that was made of this very
+/// scene file with at least so many samples.
+pub fn is_current(folder: &Path, name: &str, scene_hash: &str, samples: u32) -> Result<bool> {
+    if !folder.join(format!("{name}.exr")).exists() {
+        return Ok(false);
+    }
+    let origin = Origin::load(&folder.join(format!("{name}.json")))?;
+    Ok(origin.is_none_or(|origin| origin.scene_hash == scene_hash && origin.samples >= samples))
+}
+
+/// Whether a reference of this name could be made now, without doing so.
+pub fn check_target(folder: &Path, name: &str) -> Result<()> {
+    let deviations = folder.join(format!("{name}.se.exr"));
+    if deviations.exists() {
+        let message = "these standard errors are of a reference that is missing, or of another scene or fewer samples \
+                       than now: remove them";
+        return Err(Error::new(ErrorKind::Io, message).in_file(Some(&deviations), 0));
+    }
+    output::check_target(&folder.join(format!("{name}.exr")))?;
+    output::check_text_target(&folder.join(format!("{name}.json")))
+}
+
+impl Reference {
+    /// Reads `NAME.exr` in `folder`, with its noise from `NAME.se.exr` (standard errors) or its own layer `variance`;
+    /// `None` where there is no such file.
+    pub fn load(folder: &Path, name: &str, resolution: [u32; 2]) -> Result<Option<Self>> {
+        let file = folder.join(format!("{name}.exr"));
+        if !file.exists() {
+            return Ok(None);
+        }
+        let image = output::read(&file)?;
+        let check = |image: &Image, file: &Path| {
+            let found = [image.width, image.height];
+            let ([w, h], [x, y]) = (resolution, found);
+            let message = format!("the reference has {x} x {y} pixels, and {w} x {h} are measured");
+            if found == resolution { Ok(()) } else { Err(Error::invalid("", message).in_file(Some(file), 0)) }
+        };
+        check(&image, &file)?;
+        if let Some(at) = image.rgb.iter().position(|value| !value.is_finite()) {
+            let message = format!("value {at} of the reference is not finite");
+            return Err(Error::new(ErrorKind::InvalidScene, message).in_file(Some(&file), 0));
+        }
+        let deviations = folder.join(format!("{name}.se.exr"));
+        let variance = if deviations.exists() {
+            let image = output::read(&deviations)?;
+            check(&image, &deviations)?;
+            Some(image.rgb.iter().map(|error| error * error).collect())
+        } else {
+            image.layer("variance").filter(|layer| layer.channels == 3).map(|layer| layer.data.clone())
+        };
+        let variance = variance.filter(|variance: &Vec<f32>| variance.iter().all(|value| value.is_finite()));
+        let samples = image.layer("samples").and_then(|layer| layer.data.first()).map(|&samples| samples as u32);
+        Ok(Some(Self { name: name.to_owned(), file, image, variance, samples }))
+    }
+
+    /// Path traces it and keeps it in `folder`; `None` where `progress` broke it off, and then nothing is kept.
+    pub fn make(
+        folder: &Path,
+        name: &str,
+        (scene, scene_hash): (&Scene, &str),
+        case: &RenderDesc,
+        samples: u32,
+        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Option<Self>> {
+        let desc = settings(case, samples);
+        let mut render = Render::new(scene, RenderSettings { desc, ..RenderSettings::default() })?;
+        if render.run(progress)?.stopped {
+            return Ok(None);
+        }
+        let comments = format!("reference {name}; path tracing without a cut; {samples} samples per pixel");
+        let file = folder.join(format!("{name}.exr"));
+        let origin = folder.join(format!("{name}.json"));
+        // An end between the two files leaves one that nothing is the origin of, and it is made anew.
+        Origin { scene_hash: String::new(), samples: 0 }.write(&origin)?;
+        output::write(&render.image(), &file, &WriteOptions { comments, ..WriteOptions::default() })?;
+        Origin { scene_hash: scene_hash.to_owned(), samples }.write(&origin)?;
+        // As any other reference, so that a run that finds it made measures the same.
+        Self::load(folder, name, case.resolution)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hash_is_that_of_its_authors() {
+        assert_eq!(hash(b""), "cbf29ce484222325");
+        assert_eq!(hash(b"foobar"), "85944171f73967e8");
+    }
+}

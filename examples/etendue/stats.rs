@@ -1,0 +1,136 @@
+//! What a render came to, for programs: `render --stats FILE.json`.
+
+use std::path::Path;
+use std::time::Duration;
+
+use etendue::Result;
+use etendue::desc::RenderDesc;
+use etendue::film::ErrorMeasure;
+use etendue::output;
+use etendue::render::{MOST_SAMPLES, Summary};
+use serde::Serialize;
+
+use crate::args::RenderArgs;
+use crate::console;
+
+/// The object. Numbers that are not known, or not finite, are null.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Stats {
+    version: &'static str,
+    scene: String,
+    /// Width and height, pixels.
+    resolution: [u32; 2],
+    settings: Settings,
+    samples: Samples,
+    seconds: Seconds,
+    rays: u64,
+    rays_per_second: f64,
+    #[serde(rename = "relMSE")]
+    rel_mse: Estimate,
+    /// Levels of 255.
+    display_error: Estimate,
+    /// `samples`, `time`, `error` or `cancelled`.
+    ended: &'static str,
+    target: Option<Target>,
+    non_finite: u64,
+    notes: Vec<String>,
+    /// Bytes.
+    peak_memory: Option<u64>,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Settings {
+    integrator: &'static str,
+    sampler: String,
+    filter: String,
+    /// As asked for; null where only time and error end the render.
+    spp: Option<u32>,
+    max_depth: Option<u32>,
+    shadow_rays: u32,
+    seed: u64,
+    threads: usize,
+    adaptive: bool,
+}
+
+#[derive(Serialize)]
+struct Samples {
+    mean: Option<f64>,
+    min: Option<u32>,
+    max: Option<u32>,
+}
+
+#[derive(Serialize)]
+struct Seconds {
+    /// Reading and building the scene.
+    build: f64,
+    render: f64,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Estimate {
+    value: Option<f64>,
+    standard_error: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Target {
+    /// `relMSE` or `display`.
+    measure: &'static str,
+    value: f64,
+}
+
+impl Stats {
+    pub fn new(args: &RenderArgs, desc: &RenderDesc, summary: &Summary, threads: usize, build: Duration) -> Self {
+        let estimate = |error: Option<etendue::film::ErrorEstimate>| Estimate {
+            value: error.map(|error| error.value),
+            standard_error: error.map(|error| error.standard_error),
+        };
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            scene: args.scene.display().to_string(),
+            resolution: desc.resolution,
+            settings: Settings {
+                integrator: desc.integrator.name(),
+                sampler: format!("{:?}", desc.sampler).to_lowercase(),
+                filter: format!("{:?}", desc.filter),
+                spp: (desc.samples < MOST_SAMPLES).then_some(desc.samples),
+                max_depth: desc.max_depth,
+                shadow_rays: desc.shadow_rays,
+                seed: desc.seed,
+                threads,
+                adaptive: summary.adaptive,
+            },
+            samples: Samples {
+                mean: summary.sample_counts.map(|counts| counts.mean),
+                min: summary.sample_counts.map(|counts| counts.min),
+                max: summary.sample_counts.map(|counts| counts.max),
+            },
+            seconds: Seconds { build: build.as_secs_f64(), render: summary.elapsed.as_secs_f64() },
+            rays: summary.rays,
+            rays_per_second: summary.rays as f64 / summary.elapsed.as_secs_f64(),
+            rel_mse: estimate(summary.rel_mse),
+            display_error: estimate(summary.display_error),
+            ended: summary.ended.name(),
+            target: args.target().map(|(measure, value)| Target {
+                measure: match measure {
+                    ErrorMeasure::RelMse => "relMSE",
+                    ErrorMeasure::Display => "display",
+                },
+                value,
+            }),
+            non_finite: summary.non_finite,
+            notes: summary.notes.clone(),
+            peak_memory: console::peak_memory(),
+        }
+    }
+
+    /// Writes it whole or not at all.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        // No number here fails to serialise: what is not finite becomes null.
+        let text = serde_json::to_string_pretty(self).unwrap_or_default();
+        output::write_text(&(text + "\n"), path)
+    }
+}

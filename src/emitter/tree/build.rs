@@ -1,0 +1,389 @@
+//! Building the tree: from the top, by the smallest expected cost of either side; then bounds from the bottom.
+//!
+//! The cost of a set of emitters is its intensity times the square of its diagonal times a measure of how its normals are spread
+//! (Conty Estevez and Kulla 2018, Sec. 4.4, with a measure that needs no trigonometry).
+
+use super::cone::Cone;
+use super::{IS_EMITTER, LightTree, NONE, Node, WIDTH};
+use crate::emitter::Emitter;
+use crate::math::{Bounds, DVec3, Vec3};
+use crate::{Cancel, Result};
+
+/// Slices in which a split is sought along each axis.
+const BINS: usize = 12;
+
+/// An intensity is at least this share of the sum, so that no product underflows.
+const FAINTEST: f32 = 1e-9;
+
+/// Single precision, in sizes of the tree: bounding spheres are larger by this.
+const ROUNDED: f64 = 4e-7;
+
+/// Emitters between two looks at the token.
+const BLOCK: usize = 1 << 14;
+
+/// An emitter while the tree is built; lengths as in the tree.
+#[derive(Clone, Copy)]
+struct Item {
+    min: Vec3,
+    max: Vec3,
+    /// Normal times intensity; 0 where light goes everywhere.
+    aim: Vec3,
+    intensity: f32,
+    emitter: u32,
+}
+
+/// What some items have in common.
+#[derive(Clone, Copy)]
+struct Extent {
+    min: Vec3,
+    max: Vec3,
+    aim: Vec3,
+    intensity: f32,
+}
+
+impl Extent {
+    const NOTHING: Self =
+        Self { min: Vec3::splat(f32::INFINITY), max: Vec3::splat(f32::NEG_INFINITY), aim: Vec3::ZERO, intensity: 0.0 };
+
+    fn of(items: &[Item]) -> Self {
+        items.iter().fold(Self::NOTHING, |all, item| all.with(&item.extent()))
+    }
+
+    #[inline]
+    fn with(self, other: &Self) -> Self {
+        Self {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+            aim: self.aim + other.aim,
+            intensity: self.intensity + other.intensity,
+        }
+    }
+
+    #[inline]
+    fn cost(&self) -> f32 {
+        if self.intensity == 0.0 {
+            return 0.0;
+        }
+        // The mean of equal normals has length 1, that of normals all around 0; light from the latter goes to four times
+        // as many directions.
+        let spread = 4.0 - 3.0 * (self.aim.length() / self.intensity).min(1.0);
+        self.intensity * (self.max - self.min).length_squared() * spread
+    }
+}
+
+impl Item {
+    #[inline]
+    fn extent(&self) -> Extent {
+        Extent { min: self.min, max: self.max, aim: self.aim, intensity: self.intensity }
+    }
+
+    #[inline]
+    fn middle(&self) -> Vec3 {
+        0.5 * (self.min + self.max)
+    }
+}
+
+/// Bounds of a subtree, in double precision until they are stored.
+#[derive(Clone)]
+struct Bound {
+    centre: DVec3,
+    radius: f64,
+    cone: Cone,
+    intensity: f32,
+}
+
+/// Where an emitter is and where it shines to.
+fn bound(emitter: &Emitter) -> (DVec3, f64, Cone) {
+    match emitter {
+        Emitter::Point { position, .. } => (position.as_dvec3(), 0.0, Cone::ALL),
+        Emitter::Triangle(emitter) => {
+            let corners = emitter.triangle.vertices.map(Vec3::as_dvec3);
+            let centre = Bounds::around(corners).centre();
+            let radius = corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
+            (centre, radius, Cone::along(emitter.triangle.normal.as_dvec3().normalize()))
+        }
+        Emitter::Sphere(emitter) => (emitter.sphere.centre, emitter.sphere.radius, Cone::ALL),
+    }
+}
+
+fn bounds(emitter: &Emitter) -> Bounds {
+    match emitter {
+        Emitter::Point { position, .. } => Bounds::around([position.as_dvec3()]),
+        Emitter::Triangle(emitter) => Bounds::around(emitter.triangle.vertices.map(Vec3::as_dvec3)),
+        Emitter::Sphere(emitter) => emitter.sphere.bounds(),
+    }
+}
+
+/// Radiant intensity in the brightest direction over the power that is emitted.
+fn intensity_per_power(emitter: &Emitter) -> f64 {
+    let per_pi = match emitter {
+        Emitter::Triangle(_) => 1.0,
+        Emitter::Point { .. } | Emitter::Sphere(_) => 0.25,
+    };
+    per_pi / std::f64::consts::PI
+}
+
+impl LightTree {
+    /// The tree of those emitters whose power is above 0; `powers` are finite, and one of them is above 0.
+    pub(in crate::emitter) fn new(emitters: &[Emitter], powers: &[f64], cancel: &Cancel) -> Result<Self> {
+        let shining: Vec<u32> = (0..emitters.len() as u32).filter(|&i| powers[i as usize] > 0.0).collect();
+        let mut all = Bounds::EMPTY;
+        let mut total = 0.0;
+        for block in shining.chunks(BLOCK) {
+            cancel.check()?;
+            for &i in block {
+                let emitter = &emitters[i as usize];
+                all = all.union(bounds(emitter));
+                total += intensity_per_power(emitter) * powers[i as usize];
+            }
+        }
+        let middle = all.centre().as_vec3a();
+        let size = (0.5 * (all.max - all.min)).max_element().clamp(1e-30, 1e30);
+        let per_size = (1.0 / size) as f32;
+        let frame = Frame { middle: middle.as_dvec3(), per_size: f64::from(per_size) };
+        let mut items = Vec::with_capacity(shining.len());
+        for block in shining.chunks(BLOCK) {
+            cancel.check()?;
+            items.extend(block.iter().map(|&i| {
+                let emitter = &emitters[i as usize];
+                let bounds = bounds(emitter);
+                let intensity = (intensity_per_power(emitter) * powers[i as usize] / total) as f32;
+                let intensity = intensity.max(FAINTEST);
+                let aim = match emitter {
+                    Emitter::Triangle(emitter) => intensity * emitter.triangle.normal,
+                    _ => Vec3::ZERO,
+                };
+                let (min, max) = (frame.place(bounds.min).as_vec3a(), frame.place(bounds.max).as_vec3a());
+                Item { min, max, aim, intensity, emitter: i }
+            }));
+        }
+        let mut nodes = divide(&mut items, cancel)?;
+        let mut place = vec![NONE; emitters.len()];
+        bound_all(&mut nodes, &mut place, emitters, &items, &frame, cancel)?;
+        Ok(Self { nodes, place, shining, middle, per_size })
+    }
+}
+
+/// From the scene to the tree.
+struct Frame {
+    middle: DVec3,
+    per_size: f64,
+}
+
+impl Frame {
+    fn place(&self, p: DVec3) -> DVec3 {
+        (p - self.middle) * self.per_size
+    }
+}
+
+const EMPTY: Node = Node {
+    centre: [[0.0; WIDTH]; 3],
+    radius2: [1.0; WIDTH],
+    axis: [[0.0; WIDTH]; 3],
+    cos: [1.0; WIDTH],
+    sin: [0.0; WIDTH],
+    intensity: [0.0; WIDTH],
+    child: [NONE; WIDTH],
+    parent: NONE,
+};
+
+/// Nodes without bounds, parents before their children; what stands for an emitter is its place among the items.
+fn divide(items: &mut [Item], cancel: &Cancel) -> Result<Vec<Node>> {
+    let mut nodes = Vec::with_capacity(items.len() / 2 + 1);
+    let mut work = vec![(0, items.len(), NONE)];
+    let mut until_check = 0;
+    while let Some((start, end, parent)) = work.pop() {
+        if until_check < end - start {
+            cancel.check()?;
+            until_check = BLOCK;
+        } else {
+            until_check -= end - start;
+        }
+        let number = nodes.len() as u32;
+        let mut node = Node { parent, ..EMPTY };
+        if parent != NONE {
+            let above: &mut Node = &mut nodes[parent as usize / WIDTH];
+            above.child[parent as usize % WIDTH] = number;
+        }
+        let mut parts = [(0, 0); WIDTH];
+        let count = quarter(items, (start, end), &mut parts);
+        for (k, &(start, end)) in parts[..count].iter().enumerate() {
+            if end - start == 1 {
+                node.child[k] = IS_EMITTER | start as u32;
+            } else {
+                work.push((start, end, number * WIDTH as u32 + k as u32));
+            }
+        }
+        nodes.push(node);
+    }
+    Ok(nodes)
+}
+
+/// Divides a range of items into up to four, and says how many.
+fn quarter(items: &mut [Item], all: (usize, usize), parts: &mut [(usize, usize); WIDTH]) -> usize {
+    parts[0] = all;
+    let mut count = 1;
+    if all.1 - all.0 <= WIDTH {
+        for (k, part) in parts.iter_mut().take(all.1 - all.0).enumerate() {
+            *part = (all.0 + k, all.0 + k + 1);
+        }
+        return all.1 - all.0;
+    }
+    let mut costs = [0.0; WIDTH];
+    while count < WIDTH {
+        // The one that costs most; among equals the one with the most items. There is one with two.
+        let Some(most) = (0..count).filter(|&k| parts[k].1 - parts[k].0 > 1).max_by(|&a, &b| {
+            f32::total_cmp(&costs[a], &costs[b]).then((parts[a].1 - parts[a].0).cmp(&(parts[b].1 - parts[b].0)))
+        }) else {
+            break;
+        };
+        let (start, end) = parts[most];
+        let middle = start + split(&mut items[start..end]);
+        parts[most] = (start, middle);
+        parts[count] = (middle, end);
+        costs[most] = Extent::of(&items[start..middle]).cost();
+        costs[count] = Extent::of(&items[middle..end]).cost();
+        count += 1;
+    }
+    count
+}
+
+/// Orders the items, two or more, into two sides; how many are on the first.
+fn split(items: &mut [Item]) -> usize {
+    let (mut min, mut max) = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
+    for item in &*items {
+        let middle = item.middle();
+        (min, max) = (min.min(middle), max.max(middle));
+    }
+    let extent = max - min;
+    let longest = extent.max_position();
+    if items.len() == 2 || extent[longest] <= 0.0 {
+        return items.len() / 2;
+    }
+    let bins = BINS.min(items.len());
+    // The last bin also holds the greatest. An axis of no extent has one bin, and so no split.
+    let per_bin = Vec3::from_array(extent.to_array().map(|extent| {
+        let per_bin = 0.9999 * bins as f32 / extent;
+        if per_bin.is_finite() { per_bin } else { 0.0 }
+    }));
+    let bin = |item: &Item| (item.middle() - min) * per_bin;
+    let mut slices = [[Extent::NOTHING; BINS]; 3];
+    for item in &*items {
+        let bin = bin(item);
+        let extent = item.extent();
+        for (axis, slices) in slices.iter_mut().enumerate() {
+            let slice = &mut slices[(bin[axis] as usize).min(BINS - 1)];
+            *slice = slice.with(&extent);
+        }
+    }
+    let mut best = (f32::INFINITY, longest, 0);
+    for (axis, slices) in slices.iter().enumerate() {
+        let mut above = [0.0; BINS];
+        let mut side = Extent::NOTHING;
+        for k in (1..bins).rev() {
+            side = side.with(&slices[k]);
+            above[k] = if side.intensity > 0.0 { side.cost() } else { f32::INFINITY };
+        }
+        let mut side = Extent::NOTHING;
+        for k in 1..bins {
+            side = side.with(&slices[k - 1]);
+            if side.intensity > 0.0 {
+                let cost = side.cost() + above[k];
+                if cost < best.0 {
+                    best = (cost, axis, k);
+                }
+            }
+        }
+    }
+    let (_, axis, first) = best;
+    let mut count = 0;
+    for k in 0..items.len() {
+        if (bin(&items[k])[axis] as usize) < first {
+            items.swap(k, count);
+            count += 1;
+        }
+    }
+    if count == 0 || count == items.len() { items.len() / 2 } else { count }
+}
+
+/// Bounds from the last node to the first, so that children come before their parents; and where the emitters are.
+fn bound_all(
+    nodes: &mut [Node],
+    place: &mut [u32],
+    emitters: &[Emitter],
+    items: &[Item],
+    frame: &Frame,
+    cancel: &Cancel,
+) -> Result<()> {
+    // Of the children, waiting for their parent.
+    let mut done: Vec<Option<Bound>> = Vec::new();
+    done.resize_with(nodes.len(), || None);
+    for number in (0..nodes.len()).rev() {
+        if number % BLOCK == 0 {
+            cancel.check()?;
+        }
+        let node = &mut nodes[number];
+        let mut children: [Option<Bound>; WIDTH] = [const { None }; WIDTH];
+        for (k, child) in children.iter_mut().enumerate() {
+            if node.child[k] == NONE {
+                continue;
+            }
+            *child = if node.child[k] & IS_EMITTER == 0 {
+                done[node.child[k] as usize].take()
+            } else {
+                let item = &items[(node.child[k] & !IS_EMITTER) as usize];
+                node.child[k] = IS_EMITTER | item.emitter;
+                place[item.emitter as usize] = (number * WIDTH + k) as u32;
+                let (centre, radius, cone) = bound(&emitters[item.emitter as usize]);
+                let (centre, radius) = (frame.place(centre), radius * frame.per_size);
+                Some(Bound { centre, radius, cone, intensity: item.intensity })
+            };
+            if let Some(bound) = child {
+                node.store(k, bound);
+            }
+        }
+        done[number] = together(children.into_iter().flatten());
+    }
+    Ok(())
+}
+
+impl Node {
+    fn store(&mut self, k: usize, bound: &Bound) {
+        let centre = bound.centre.as_vec3a();
+        let radius = bound.radius * (1.0 + ROUNDED) + ROUNDED;
+        let axis = bound.cone.axis.as_vec3a();
+        for i in 0..3 {
+            self.centre[i][k] = centre[i];
+            self.axis[i][k] = axis[i];
+        }
+        self.radius2[k] = (radius * radius) as f32;
+        let (sin, cos) = bound.cone.angle.sin_cos();
+        (self.sin[k], self.cos[k]) = (sin.max(0.0) as f32, cos as f32);
+        if bound.cone.angle >= std::f64::consts::PI {
+            // Any cosine is larger, rounded or not.
+            self.cos[k] = -2.0;
+        }
+        self.intensity[k] = bound.intensity;
+    }
+}
+
+/// Bounds of all; `None` of none.
+fn together(bounds: impl Iterator<Item = Bound> + Clone) -> Option<Bound> {
+    let spheres = bounds.clone();
+    let all = spheres.fold(Bounds::EMPTY, |all, bound| {
+        all.union(Bounds { min: bound.centre - bound.radius, max: bound.centre + bound.radius })
+    });
+    let centre = all.centre();
+    bounds.fold(None, |all: Option<Bound>, bound| {
+        let radius = bound.centre.distance(centre) + bound.radius;
+        Some(match all {
+            None => Bound { centre, radius, ..bound },
+            Some(all) => Bound {
+                centre,
+                radius: all.radius.max(radius),
+                cone: all.cone.union(bound.cone),
+                intensity: all.intensity + bound.intensity,
+            },
+        })
+    })
+}

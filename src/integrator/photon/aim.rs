@@ -1,0 +1,240 @@
+//! Directions from a surface towards mirrors and glass.
+//!
+//! A large lamp is found in them by rays that are aimed at them: what is specular is sampled by solid angle, as a lamp would
+//! be.
+
+use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
+
+use crate::math::{Frame, Vec3};
+use crate::sampling::{SphericalTriangle, triangle_solid_angle, warps};
+use crate::scene::{Ball, Scene, SpecularPart};
+
+/// A ball as seen from a place: the axis and 1 - cos of the half angle.
+#[derive(Clone, Copy)]
+pub(super) struct Cone {
+    pub axis: Vec3,
+    pub one_minus_cos: f32,
+}
+
+impl Cone {
+    /// The ball seen from `p`; `None` from within it.
+    #[inline]
+    pub fn new(p: Vec3, ball: &Ball) -> Option<Self> {
+        let axis = ball.centre - p;
+        let distance = axis.length();
+        let sin = ball.radius / distance;
+        if sin.is_nan() || sin >= 1.0 {
+            return None;
+        }
+        let one_minus_cos = warps::one_minus_cos_from_sin2(sin * sin);
+        Some(Self { axis: axis / distance, one_minus_cos })
+    }
+
+    /// A direction in it, uniform.
+    #[inline]
+    pub fn sample(&self, u: [f32; 2]) -> Vec3 {
+        Frame::from_normal(self.axis).to_world(warps::uniform_cone(u, self.one_minus_cos))
+    }
+
+    /// Whether a unit direction is in it.
+    #[inline]
+    pub fn holds(&self, direction: Vec3) -> bool {
+        direction.distance_squared(self.axis) <= 2.0 * self.one_minus_cos
+    }
+}
+
+/// Most parts that are aimed at one by one: each costs every aimed ray a test.
+const MOST_PARTS: usize = 16;
+
+/// What a direction counts at least where the middle of a part is under the horizon but not all of it.
+const LEAST_COSINE: f32 = 0.05;
+
+/// Everything in a scene that is specular.
+#[derive(Clone, Debug)]
+pub(super) struct Aims(Arc<[SpecularPart]>);
+
+/// A part as seen from a place.
+#[derive(Clone, Copy)]
+enum Seen {
+    /// Not at all: under the horizon.
+    Nothing,
+    Cone(Cone),
+    /// Ways to the corners, and its solid angle.
+    Triangle([Vec3; 3], f32),
+    /// All around: the place is in its ball.
+    Around,
+}
+
+impl Aims {
+    /// What to aim at in a scene.
+    pub fn new(scene: &Scene) -> Self {
+        Self(scene.specular_parts(MOST_PARTS).into())
+    }
+
+    /// A unit direction from `p`, on the side of the unit normal `n`, towards some part, and its density (sr^-1). `None`
+    /// where no part is above the horizon.
+    ///
+    /// `choice` and `u` uniform in [0, 1) and [0, 1)^2. The density is positive for every direction above the horizon in which
+    /// a specular surface lies.
+    #[inline]
+    pub fn sample(&self, p: Vec3, n: Vec3, choice: f32, u: [f32; 2]) -> Option<(Vec3, f32)> {
+        let mut seen = [(Seen::Nothing, 0.0); MOST_PARTS];
+        let mut total = 0.0;
+        for (seen, part) in seen.iter_mut().zip(&*self.0) {
+            *seen = Seen::new(part, p, n);
+            total += seen.1;
+        }
+        if total.is_nan() || total <= 0.0 {
+            return None;
+        }
+        let seen = &seen[..self.0.len()];
+        let mut left = choice * total;
+        let mut chosen = None;
+        for (index, (_, weight)) in seen.iter().enumerate().filter(|(_, (_, weight))| *weight > 0.0) {
+            chosen = Some(index);
+            if left < *weight {
+                break;
+            }
+            left -= weight;
+        }
+        let chosen = chosen?;
+        let (direction, mut density) = seen[chosen].0.sample(n, u)?;
+        density *= seen[chosen].1;
+        for (index, (other, weight)) in seen.iter().enumerate() {
+            if index != chosen && *weight > 0.0 {
+                density += weight * other.pdf(n, direction);
+            }
+        }
+        Some((direction, density / total))
+    }
+}
+
+impl Seen {
+    /// How a part is seen, and what it counts in the choice: about its projected solid angle.
+    #[inline]
+    fn new(part: &SpecularPart, p: Vec3, n: Vec3) -> (Self, f32) {
+        match part {
+            SpecularPart::Ball(ball) => {
+                let height = (ball.centre - p).dot(n);
+                if height <= -ball.radius {
+                    return (Self::Nothing, 0.0);
+                }
+                let Some(cone) = Cone::new(p, ball) else { return (Self::Around, PI) };
+                let weight = TAU * cone.one_minus_cos * cone.axis.dot(n).max(LEAST_COSINE);
+                (Self::Cone(cone), weight)
+            }
+            SpecularPart::Triangle(corners) => {
+                let corners = corners.map(|corner| corner - p);
+                let heights = corners.map(|corner| corner.dot(n));
+                if heights.iter().all(|height| *height <= 0.0) {
+                    return (Self::Nothing, 0.0);
+                }
+                let solid_angle = triangle_solid_angle(corners) as f32;
+                let middle = corners[0] + corners[1] + corners[2];
+                let cosine = (middle.dot(n) / middle.length()).max(LEAST_COSINE);
+                let weight = solid_angle * cosine;
+                // Nearly in its plane, or so far away that it is next to nothing.
+                if SphericalTriangle::new(corners).is_none() {
+                    return if solid_angle > 1.0 { (Self::Around, PI) } else { (Self::Nothing, 0.0) };
+                }
+                if weight > 0.0 { (Self::Triangle(corners, solid_angle), weight) } else { (Self::Nothing, 0.0) }
+            }
+        }
+    }
+
+    #[inline]
+    fn sample(&self, n: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
+        match self {
+            Self::Nothing => None,
+            Self::Cone(cone) => Some((cone.sample(u), warps::uniform_cone_pdf(cone.one_minus_cos))),
+            Self::Triangle(corners, _) => {
+                let triangle = SphericalTriangle::new(*corners)?;
+                Some((triangle.sample(u), triangle.pdf()))
+            }
+            Self::Around => {
+                let local = warps::cosine_hemisphere(u);
+                Some((Frame::from_normal(n).to_world(local), warps::cosine_hemisphere_pdf(local.z)))
+            }
+        }
+    }
+
+    /// Density of [`Seen::sample`] (sr^-1).
+    #[inline]
+    fn pdf(&self, n: Vec3, direction: Vec3) -> f32 {
+        match self {
+            Self::Nothing => 0.0,
+            Self::Cone(cone) if cone.holds(direction) => warps::uniform_cone_pdf(cone.one_minus_cos),
+            Self::Cone(_) => 0.0,
+            Self::Triangle([a, b, c], solid_angle) => {
+                let sides = [a.cross(*b), b.cross(*c), c.cross(*a)].map(|side| side.dot(direction));
+                let inside = sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0);
+                // In front, not behind.
+                if inside && (*a + *b + *c).dot(direction) > 0.0 { 1.0 / solid_angle } else { 0.0 }
+            }
+            Self::Around => warps::cosine_hemisphere_pdf(direction.dot(n)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::Rng;
+
+    /// Estimates of the projected solid angle of the union of parts, by aimed directions and by all of the hemisphere's.
+    #[test]
+    fn every_direction_that_meets_a_part_counts_once() {
+        let balls = [
+            Ball { centre: Vec3::new(0.0, 0.5, 2.0), radius: 0.8 },
+            // Half under the horizon; and one around the place.
+            Ball { centre: Vec3::new(2.0, 0.0, 0.1), radius: 0.5 },
+            Ball { centre: Vec3::new(0.0, 0.0, -0.2), radius: 0.3 },
+        ];
+        let triangle = [Vec3::new(-2.0, -1.0, 1.5), Vec3::new(1.5, 0.0, 1.0), Vec3::new(0.0, 2.5, 2.5)];
+        let sunken = [Vec3::new(-2.0, 0.0, -1.0), Vec3::new(-2.0, 2.0, -1.0), Vec3::new(-1.0, 0.0, 1.0)];
+        let of = |ball: usize| SpecularPart::Ball(balls[ball]);
+        let scenes = [
+            vec![of(0)],
+            vec![of(1)],
+            vec![SpecularPart::Triangle(triangle)],
+            vec![SpecularPart::Triangle(sunken)],
+            vec![of(0), of(1), SpecularPart::Triangle(triangle), SpecularPart::Triangle(sunken)],
+            vec![of(0), of(2), SpecularPart::Triangle(triangle)],
+        ];
+        let (p, n) = (Vec3::ZERO, Vec3::Z);
+        for (number, parts) in scenes.into_iter().enumerate() {
+            let meets = |w: Vec3| {
+                parts.iter().any(|part| match Seen::new(part, p, n).0 {
+                    Seen::Cone(cone) => cone.holds(w),
+                    Seen::Around => true,
+                    seen @ Seen::Triangle(..) => seen.pdf(n, w) > 0.0,
+                    Seen::Nothing => false,
+                })
+            };
+            let aims = Aims(parts.clone().into());
+            const N: u32 = 2_000_000;
+            let mut rng = Rng::new(7, number as u64);
+            let mut sums = [[0.0_f64; 2]; 2];
+            for _ in 0..N {
+                let [a, b, c, d] = rng.next_4d();
+                let aimed = aims.sample(p, n, a, [b, c]).filter(|(w, _)| w.z > 0.0);
+                let aimed = aimed.map_or(0.0, |(w, pdf)| if meets(w) { w.z / pdf } else { 0.0 });
+                let [e, _, _, _] = rng.next_4d();
+                let w = warps::cosine_hemisphere([d, e]);
+                let plain = if meets(w) { PI } else { 0.0 };
+                for (sum, x) in sums.iter_mut().zip([aimed, plain]) {
+                    sum[0] += f64::from(x);
+                    sum[1] += f64::from(x) * f64::from(x);
+                }
+            }
+            let [(aimed, a), (plain, b)] = sums.map(|[sum, squares]| {
+                let mean = sum / f64::from(N);
+                (mean, (squares / f64::from(N) - mean * mean) / f64::from(N))
+            });
+            let error = (a + b).sqrt();
+            assert!(plain > 0.0 && error < 0.015 * plain, "{number}: {plain} +- {error} proves nothing");
+            assert!((aimed - plain).abs() <= 4.0 * error, "{number}: {aimed}, by all directions {plain} +- {error}");
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! What a render came to, for the header of its image.
+
+use crate::render::{Ended, Summary};
+
+/// A value of an image's header.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Attribute {
+    /// An EXR `double`.
+    Number(f64),
+    /// An EXR `string`, UTF-8.
+    Text(String),
+}
+
+/// What a render came to: `relMSE`, `relMSEStandardError` and `displayError` where they are known (see
+/// [`Film::rel_mse`](crate::film::Film::rel_mse)), `samplesPerPixel` (the mean), `rays`, and `ended`: `samples`, `time`, `error`
+/// or `cancelled`.
+///
+/// How long it took is not among them: the same render is the same file.
+pub fn summary_attributes(summary: &Summary) -> Vec<(String, Attribute)> {
+    let numbers = [
+        ("relMSE", summary.rel_mse.map(|error| error.value)),
+        ("relMSEStandardError", summary.rel_mse.map(|error| error.standard_error)),
+        ("displayError", summary.display_error.map(|error| error.value)),
+        ("samplesPerPixel", summary.sample_counts.map(|counts| counts.mean)),
+        ("rays", Some(summary.rays as f64)),
+    ];
+    let mut attributes: Vec<_> =
+        numbers.into_iter().filter_map(|(name, number)| Some((name.to_owned(), Attribute::Number(number?)))).collect();
+    attributes.push(("ended".to_owned(), Attribute::Text(summary.ended.name().to_owned())));
+    attributes
+}
+
+impl Ended {
+    /// In a word: `samples`, `time`, `error` or `cancelled`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Samples => "samples",
+            Self::Time => "time",
+            Self::Error => "error",
+            Self::Cancelled => "cancelled",
+        }
+    }
+}
