@@ -46,7 +46,7 @@ bench: setup meshes
 
 # Ray rates against Embree's own, and what robustness costs.
 bench-rays: setup meshes
-	$(CARGO) bench --locked --bench rays --bench spheres --bench editing --bench robust --bench photons --bench lights --bench errors
+	$(CARGO) bench --locked --bench rays --bench spheres --bench editing --bench robust --bench photons --bench lights --bench growth --bench errors
 	$(CARGO) bench --locked --features capi --bench hosts
 
 # Generated meshes that are too large to store.

@@ -13,6 +13,8 @@
 //!
 //! `cargo bench --bench robust -- [SCENE.json ...]`
 
+#[path = "recorded/polygons.rs"]
+mod polygons;
 mod recorded;
 
 use std::hint::black_box;
@@ -20,44 +22,13 @@ use std::path::Path as FilePath;
 
 use etendue::camera::Camera;
 use etendue::desc::{self, SceneDesc, ShapeDesc};
-use etendue::embree::{self, SceneBuilder, SceneOptions, TriangleMesh};
 use etendue::integrator::SceneTracer;
 use etendue::math::{DVec3, Ray, Vec3};
 use etendue::scene::{BuildOptions, Scene};
-use recorded::{ROUNDS, record, render, rows, time};
+use polygons::{kernel, triangles};
+use recorded::{ROUNDS, Rays, record, render, rows, time};
 
 const THREADS: usize = 2;
-
-/// All triangles of the scene in its frame.
-fn triangles(desc: &SceneDesc, centre: DVec3) -> etendue::Result<TriangleMesh> {
-    let mut vertices: Vec<[f32; 3]> = Vec::new();
-    for surface in &desc.surfaces {
-        let to_world = surface.to_world();
-        let mut add = |corners: [DVec3; 3]| {
-            vertices.extend(corners.map(|p| (to_world.transform_point3(p) - centre).as_vec3().to_array()));
-        };
-        match surface.shape {
-            ShapeDesc::Triangle(corners) => add(corners),
-            ShapeDesc::Quad([a, b, c, d]) => {
-                add([a, b, c]);
-                add([a, c, d]);
-            }
-            ShapeDesc::Mesh { mesh, .. } => {
-                let mesh = &desc.meshes[mesh];
-                mesh.triangles.iter().for_each(|corners| add(corners.map(|i| mesh.positions[i as usize])));
-            }
-            ShapeDesc::Sphere { .. } | ShapeDesc::Disk { .. } | ShapeDesc::Quadric { .. } => {}
-        }
-    }
-    let indices = (0..vertices.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    TriangleMesh::new(vertices, indices)
-}
-
-fn kernel(scene: &Scene, mesh: &TriangleMesh, robust: bool) -> etendue::Result<embree::Scene> {
-    let mut builder = SceneBuilder::new(scene.device(), SceneOptions { robust, ..SceneOptions::default() })?;
-    builder.add_triangles(mesh.clone())?;
-    builder.commit(None)
-}
 
 /// Spheres in single precision, by the textbook.
 fn spheres(desc: &SceneDesc, centre: DVec3) -> Vec<(Vec3, f32)> {
@@ -108,13 +79,13 @@ fn measure(path: &FilePath) -> etendue::Result<()> {
     let (robust, fast) = (kernel(&scene, &mesh, true)?, kernel(&scene, &mesh, false)?);
     let spheres = spheres(&desc, scene.centre());
     let recorded = record(&scene, &camera, THREADS);
-    let count: usize = recorded.iter().map(Vec::len).sum();
-    let hits: usize = recorded.iter().flatten().filter(|(_, shadow)| !shadow).count();
+    let count: usize = recorded.iter().map(Rays::count).sum();
+    let hits: usize = recorded.iter().map(|rays| rays.closest.len()).sum();
 
     let replay = |thread: usize, intersect: &dyn Fn(&Ray) -> bool, occluded: &dyn Fn(&Ray) -> bool| {
-        let found =
-            recorded[thread].iter().filter(|(ray, shadow)| if *shadow { occluded(ray) } else { intersect(ray) });
-        black_box(found.count());
+        let rays = &recorded[thread];
+        black_box(rays.closest.iter().filter(|ray| intersect(ray)).count());
+        black_box(rays.shadow.iter().filter(|ray| occluded(ray)).count());
     };
     let [integrator, robust_ns, fast_ns, listed, single] = best(
         count,
@@ -142,8 +113,8 @@ fn measure(path: &FilePath) -> etendue::Result<()> {
     );
     // Where closest-hit rays arrive, the same way twice. Shadow rays arrive nowhere.
     let arrive = |thread: usize, point: &dyn Fn(&Ray) -> Option<Vec3>| {
-        let rays = recorded[thread].iter().filter(|(_, shadow)| !shadow);
-        black_box(rays.filter_map(|(ray, _)| point(ray)).fold(Vec3::ZERO, |sum, p| sum + p));
+        let rays = recorded[thread].closest.iter();
+        black_box(rays.filter_map(point).fold(Vec3::ZERO, |sum, p| sum + p));
     };
     let [scene_alone, rebuilt, kernel_alone, naive] = best(
         hits,

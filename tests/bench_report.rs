@@ -6,38 +6,19 @@
 
 #[path = "bench_report/browser.rs"]
 mod browser;
+#[path = "common/program.rs"]
+mod program;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use std::sync::OnceLock;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use browser::Browser;
+use program::program;
 use serde_json::{Value, json};
 use tempfile::TempDir;
-
-/// The program, built for the same profile as this test.
-fn program() -> &'static Path {
-    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-    PROGRAM.get_or_init(|| {
-        let test = std::env::current_exe().expect("the path of this test");
-        let profile = test.ancestors().nth(2).expect("the folder of the profile");
-        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| env!("CARGO").into()));
-        cargo.args(["build", "--quiet", "--example", "etendue", "--manifest-path"]);
-        cargo.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml"));
-        match profile.file_name().and_then(|name| name.to_str()) {
-            Some("debug") | None => {}
-            Some(name) => _ = cargo.args(["--profile", name]),
-        }
-        if cfg!(feature = "schema") {
-            cargo.args(["--features", "schema"]);
-        }
-        assert!(cargo.status().expect("cargo").success(), "the example does not build");
-        profile.join("examples").join(format!("etendue{}", std::env::consts::EXE_SUFFIX))
-    })
-}
 
 fn bench<S: AsRef<std::ffi::OsStr>>(folder: &Path, args: impl IntoIterator<Item = S>) -> Output {
     let mut command = Command::new(program());

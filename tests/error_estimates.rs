@@ -2,21 +2,18 @@
 //! they were told to, and adaptive samples without bias. With ETENDUE_ACCURACY=full over more renders.
 
 mod common;
-#[path = "common/stats.rs"]
-#[allow(dead_code, reason = "other programs use other parts")]
-mod stats;
 
 use std::ops::ControlFlow;
 use std::time::Duration;
 
 use common::scenes::{add, box_inside, camera, point_light, scene};
-use etendue::Cancel;
+use common::stats::{SIGNIFICANCE, mean_and_error, sidak, z_test};
+use common::stops::run_with_stops;
 use etendue::desc::{BsdfDesc, IntegratorDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc};
 use etendue::film::{ErrorMeasure, Image};
 use etendue::math::{DVec3, Vec3};
 use etendue::render::{Ended, MOST_SAMPLES, Render, RenderSettings, Summary, Workers};
 use etendue::scene::{BuildOptions, Scene};
-use stats::{SIGNIFICANCE, mean_and_error, sidak, z_test};
 
 /// Student's t for 7 degrees of freedom leaves out 5 % beyond.
 const T95: f64 = 2.364_624;
@@ -393,23 +390,7 @@ fn an_adaptive_render_in_many_goes_is_the_same() {
         let (whole, expected) = run(&scene, RenderSettings { threads: 3, ..settings() });
         let workers = Some(Workers::calling_thread());
         let mut parts = Render::new(&scene, RenderSettings { workers, ..settings() }).unwrap();
-        let mut stops = 0;
-        let summary = loop {
-            let cancel = Cancel::new();
-            parts.set_cancel(cancel.clone());
-            // Later each time, so that it comes to an end.
-            let delay = Duration::from_millis(2 << stops);
-            let stopper = std::thread::spawn(move || {
-                std::thread::sleep(delay);
-                cancel.cancel();
-            });
-            let summary = parts.run(&mut |_| ControlFlow::Continue(())).unwrap();
-            stopper.join().unwrap();
-            if !summary.stopped {
-                break summary;
-            }
-            stops += 1;
-        };
+        let (stops, summary) = run_with_stops(&mut parts, Duration::from_millis(2));
         assert!(stops > 0, "it was over before it could be stopped");
         let image = parts.image();
         assert_eq!((image.rgb, summary.ended), (whole.rgb, expected.ended), "after {stops} stops");

@@ -4,7 +4,9 @@
 mod common;
 
 use std::ops::ControlFlow;
+use std::time::Duration;
 
+use common::stops::run_with_stops;
 use etendue::desc::{IntegratorDesc, PhotonDesc, RenderDesc};
 use etendue::film::{Image, LayerKind};
 use etendue::render::{Render, RenderSettings};
@@ -125,9 +127,6 @@ fn auto_looks_for_lamps_that_paths_do_not_find() {
 /// Threads, passes and stops in the middle of them change nothing.
 #[test]
 fn a_render_in_many_goes_is_the_same() {
-    use etendue::Cancel;
-    use std::time::Duration;
-
     let desc = etendue::desc::load("scenes/caustic-room.json".as_ref(), None).unwrap();
     let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
     for integrator in [IntegratorDesc::Sppm, IntegratorDesc::Caustic, IntegratorDesc::IrradianceCache] {
@@ -135,23 +134,7 @@ fn a_render_in_many_goes_is_the_same() {
         let whole = render(&scene, desc.clone()).0.image();
         let settings = RenderSettings { desc, threads: 3, ..RenderSettings::default() };
         let mut parts = Render::new(&scene, settings).unwrap();
-        let mut stops = 0;
-        loop {
-            let cancel = Cancel::new();
-            parts.set_cancel(cancel.clone());
-            // Later each time, so that it comes to an end.
-            let delay = Duration::from_millis(5 << stops);
-            let stopper = std::thread::spawn(move || {
-                std::thread::sleep(delay);
-                cancel.cancel();
-            });
-            let summary = parts.run(&mut |_| ControlFlow::Continue(())).unwrap();
-            stopper.join().unwrap();
-            if !summary.stopped {
-                break;
-            }
-            stops += 1;
-        }
+        let (stops, _) = run_with_stops(&mut parts, Duration::from_millis(5));
         assert!(stops > 0, "{integrator:?} was over before it could be stopped");
         let image = parts.image();
         assert_eq!(image.rgb, whole.rgb, "{integrator:?} after {stops} stops");

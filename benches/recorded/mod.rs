@@ -15,21 +15,36 @@ pub const SAMPLES: u32 = 8;
 /// Rounds of which the best counts.
 pub const ROUNDS: usize = 5;
 
+/// Rays of one thread, each kind in its order.
+#[derive(Default)]
+pub struct Rays {
+    /// Those that look for the nearest hit.
+    pub closest: Vec<Ray>,
+    /// Those that look for any.
+    pub shadow: Vec<Ray>,
+}
+
+impl Rays {
+    /// How many.
+    pub fn count(&self) -> usize {
+        self.closest.len() + self.shadow.len()
+    }
+}
+
 /// Traces, and writes down what it was asked.
-pub struct Recorder<'s> {
+struct Recorder<'s> {
     scene: &'s Scene,
-    /// Rays in order; true for shadow rays.
-    pub rays: Vec<(Ray, bool)>,
+    rays: Rays,
 }
 
 impl Tracer for Recorder<'_> {
     fn intersect(&mut self, ray: &Ray) -> Option<Hit> {
-        self.rays.push((*ray, false));
+        self.rays.closest.push(*ray);
         self.scene.intersect(ray)
     }
 
     fn unoccluded(&mut self, ray: &Ray) -> bool {
-        self.rays.push((*ray, true));
+        self.rays.shadow.push(*ray);
         self.scene.unoccluded(ray)
     }
 }
@@ -38,10 +53,10 @@ impl Tracer for Recorder<'_> {
 const PATH: Path = Path { max_depth: None, shadow_rays: 1 };
 
 /// Every ray that so many threads ask for, each taking every n-th row: all see the same mixture.
-pub fn record(scene: &Scene, camera: &Camera, threads: usize) -> Vec<Vec<(Ray, bool)>> {
+pub fn record(scene: &Scene, camera: &Camera, threads: usize) -> Vec<Rays> {
     (0..threads)
         .map(|thread| {
-            let mut recorder = Recorder { scene, rays: Vec::new() };
+            let mut recorder = Recorder { scene, rays: Rays::default() };
             std::hint::black_box(render(scene, camera, rows(thread, threads), &mut recorder));
             recorder.rays
         })

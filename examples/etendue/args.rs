@@ -219,9 +219,10 @@ pub struct BenchArgs {
     /// Suite file (JSON) with groups of cases, in place of scenes.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["scenes", "integrators", "samplers"])]
     pub suite: Option<PathBuf>,
-    /// Folder for results.json, results.md, report.html and the pictures; made where it is missing.
-    #[arg(short, long, value_name = "DIR", default_value = "out/bench")]
-    pub output: PathBuf,
+    /// Folder for results.json, results.md, report.html and the pictures; made where it is missing. Beside the results with
+    /// --report-only, else out/bench where none is given.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
 
     /// Light transport to compare, separated by commas; the scene's where none is given.
     #[arg(long, value_name = "NAME,...", value_enum, value_delimiter = ',')]

@@ -1,7 +1,7 @@
 //! OpenEXR. Writing: one part, all layers. Reading: what other programs write as well, within bounds.
 
 use std::collections::BTreeMap;
-use std::io::{Read, Seek};
+use std::io::{self, BufRead as _, BufReader, Read, Seek, SeekFrom, Write as _};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::thread;
 
@@ -95,7 +95,39 @@ pub(super) fn encode(image: &Image, options: &WriteOptions, threads: usize, file
             Error::new(ErrorKind::Io, format!("cannot write the image: {error}")).because(error)
         }
         error => Error::new(ErrorKind::Internal, format!("cannot write the image: {error}")).because(error),
-    })
+    })?;
+    sort_attributes(file)
+        .map_err(|error| Error::new(ErrorKind::Io, format!("cannot write the image: {error}")).because(error))
+}
+
+/// Puts the attributes of the header in the order of their names. The crate writes them in the order of a hash map, which is
+/// another one every time; the same image is to be the same file.
+fn sort_attributes(file: &mut Target) -> io::Result<()> {
+    /// Magic number and version.
+    const BEFORE: u64 = 8;
+    file.flush()?;
+    let file = file.get_mut();
+    file.seek(SeekFrom::Start(BEFORE))?;
+    let mut reader = BufReader::new(&mut **file);
+    let mut attributes = Vec::new();
+    loop {
+        let mut attribute = Vec::new();
+        reader.read_until(0, &mut attribute)?;
+        // An empty name is the end.
+        if attribute.len() <= 1 {
+            break;
+        }
+        reader.read_until(0, &mut attribute)?;
+        let mut size = [0; 4];
+        reader.read_exact(&mut size)?;
+        attribute.extend(size);
+        reader.by_ref().take(u32::from_le_bytes(size).into()).read_to_end(&mut attribute)?;
+        attributes.push(attribute);
+    }
+    attributes.sort();
+    file.seek(SeekFrom::Start(BEFORE))?;
+    file.write_all(&attributes.concat())?;
+    file.seek(SeekFrom::End(0)).map(drop)
 }
 
 /// As the format has it; `None` for what is not finite.

@@ -5,3 +5,5 @@ pub mod bsdfs;
 pub mod malformed;
 pub mod scenes;
 pub mod snippets;
+pub mod stats;
+pub mod stops;

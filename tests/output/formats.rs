@@ -5,7 +5,7 @@ use std::path::Path;
 
 use etendue::ErrorKind;
 use etendue::film::Image;
-use etendue::output::{self, Format, ToneMap, WriteOptions};
+use etendue::output::{self, Attribute, Format, ToneMap, WriteOptions};
 use etendue::spectrum::srgb_encode;
 
 use super::{Words, arbitrary_image, assert_same_bits, folder};
@@ -30,8 +30,12 @@ fn exr_is_the_same_for_any_number_of_threads() {
     let path = folder.path().join("image.exr");
     for height in [1, 16, 200] {
         let image = arbitrary_image(33, height, true, 3);
+        // The crate keeps them in a hash map, of another order each time.
+        let number = |i: u32| (format!("number{i}"), Attribute::Number(f64::from(i)));
+        let attributes: Vec<_> = (0..6).map(number).collect();
         let write = |threads| {
-            output::write(&image, &path, &WriteOptions { threads, ..WriteOptions::default() }).unwrap();
+            let options = WriteOptions { threads, attributes: attributes.clone(), ..WriteOptions::default() };
+            output::write(&image, &path, &options).unwrap();
             fs::read(&path).unwrap()
         };
         let reference = write(1);

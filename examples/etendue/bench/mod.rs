@@ -16,14 +16,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use clap::CommandFactory;
-use clap::parser::ValueSource;
 use etendue::{Error, output};
 
 use self::measure::Measure;
 use self::results::{Group, Results};
 use self::suite::Suite;
-use crate::args::{BenchArgs, Cli};
+use crate::args::BenchArgs;
 use crate::console::{self, Bar};
 use crate::{Failure, interrupt};
 
@@ -45,7 +43,7 @@ pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
             results
         }
         None => {
-            let mut measured = measure(args)?;
+            let mut measured = measure(args, &folder)?;
             if interrupt::requested() && measured.series.is_empty() {
                 console::warn("nothing was measured, and nothing written");
                 return Ok(interrupt::EXIT_CODE);
@@ -78,7 +76,7 @@ pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
 }
 
 /// Renders and measures all that was asked for, or what could be until Ctrl-C.
-fn measure(args: &BenchArgs) -> Result<Results, Failure> {
+fn measure(args: &BenchArgs, folder: &Path) -> Result<Results, Failure> {
     let suite = match &args.suite {
         Some(path) => Suite::load(path)?,
         None => Suite::from_args(args)?,
@@ -86,8 +84,8 @@ fn measure(args: &BenchArgs) -> Result<Results, Failure> {
     interrupt::install()?;
     let jobs = plan::plan(&suite, args)?;
     let runs = args.runs.or(suite.runs).unwrap_or(RUNS);
-    let references = args.references.clone().unwrap_or_else(|| args.output.join("references"));
-    check_targets(&args.output, args)?;
+    let references = args.references.clone().unwrap_or_else(|| folder.join("references"));
+    check_targets(folder, args)?;
     let reference_samples = plan::reference_samples(&suite, &jobs, args);
     fs::create_dir_all(&references).map_err(|error| cannot_write(&references, error))?;
     for (job, case) in jobs.iter().flat_map(|job| job.cases.iter().map(move |case| (job, case))) {
@@ -102,7 +100,7 @@ fn measure(args: &BenchArgs) -> Result<Results, Failure> {
         runs,
         reference_samples,
         references,
-        output: args.output.clone(),
+        output: folder.to_owned(),
         bar: Bar::new(args.quiet),
         pictures: Cell::new(0),
         done: 0,
@@ -128,7 +126,7 @@ fn measure(args: &BenchArgs) -> Result<Results, Failure> {
         let ended = measure.job(job, &mut results);
         // What was measured so far is kept, whatever happens next.
         if !results.series.is_empty() {
-            save(&mut results, &args.output)?;
+            save(&mut results, folder)?;
         }
         ended?;
         if interrupt::requested() {
@@ -155,14 +153,10 @@ fn now() -> String {
 
 /// Where the report goes: beside results that are there, if no place was given.
 fn folder(args: &BenchArgs) -> PathBuf {
-    let matches = Cli::command().get_matches();
-    let source = matches.subcommand_matches("bench").and_then(|matches| matches.value_source("output"));
-    match &args.report_only {
-        Some(file) if source == Some(ValueSource::DefaultValue) => {
-            file.parent().map_or_else(PathBuf::new, Path::to_owned)
-        }
-        _ => args.output.clone(),
-    }
+    args.output.clone().unwrap_or_else(|| match &args.report_only {
+        Some(file) => file.parent().map_or_else(PathBuf::new, Path::to_owned),
+        None => PathBuf::from("out/bench"),
+    })
 }
 
 /// Makes the folders, and asks whether everything can be written into them.

@@ -1,0 +1,188 @@
+//! How time and memory grow with triangles, with the resolution and with threads.
+//!
+//! A room whose floor is a landscape of fractal noise, finer with every step, under one small lamp. For each number of
+//! triangles: seconds of the build, bytes that Embree and the arrays take per triangle, and the rays per second of path
+//! tracing and of Embree alone with the same rays, closest-hit and shadow rays apart.
+//!
+//! `cargo bench --bench growth [-- MOST-TRIANGLES]` (10^7 takes 5 GiB and some minutes)
+
+mod recorded;
+
+use std::hint::black_box;
+use std::ops::ControlFlow;
+
+use etendue::camera::Camera;
+use etendue::desc::{
+    BsdfDesc, CameraDesc, FovAxis, MaterialDesc, MeshDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceDesc,
+};
+use etendue::integrator::SceneTracer;
+use etendue::math::{DAffine3, DVec3, Vec3};
+use etendue::render::{Render, RenderSettings};
+use etendue::sampling::Rng;
+use etendue::scene::{BuildOptions, Scene};
+use recorded::{ROUNDS, Rays, record, render, rows, time};
+
+const COUNTS: [usize; 5] = [1_000, 10_000, 100_000, 1_000_000, 10_000_000];
+const THREADS: usize = 2;
+
+/// Value noise over the unit square, `OCTAVES` of it, in lattices whose numbers depend on nothing but their place.
+const OCTAVES: u64 = 11;
+
+fn height(x: f64, y: f64) -> f64 {
+    let lattice = |octave: u64, i: f64, j: f64| {
+        let place = (octave << 48) ^ ((i as u64) << 24) ^ j as u64;
+        f64::from(Rng::new(place, 0).next_f32()) - 0.5
+    };
+    let of_octave = |octave: u64| {
+        let scale = 4.0 * 2_f64.powi(octave as i32);
+        let (x, y) = (x * scale, y * scale);
+        let (i, j) = (x.floor(), y.floor());
+        let ease = |t: f64| t * t * (3.0 - 2.0 * t);
+        let (u, v) = (ease(x - i), ease(y - j));
+        let row = |j: f64| lattice(octave, i, j) * (1.0 - u) + lattice(octave, i + 1.0, j) * u;
+        (row(j) * (1.0 - v) + row(j + 1.0) * v) * 2_f64.powf(-0.9 * octave as f64)
+    };
+    (0..OCTAVES).map(of_octave).sum()
+}
+
+/// A square of 4 x 4 with about so many triangles.
+fn landscape(triangles: usize) -> MeshDesc {
+    let side = (triangles as f64 / 2.0).sqrt().round() as u32;
+    let at = |i: u32| f64::from(i) / f64::from(side);
+    let point = |i: u32, j: u32| DVec3::new(4.0 * at(i) - 2.0, 0.5 * height(at(i), at(j)), 4.0 * at(j) - 2.0);
+    let vertex = |i: u32, j: u32| i * (side + 1) + j;
+    MeshDesc {
+        positions: (0..=side).flat_map(|i| (0..=side).map(move |j| point(i, j))).collect(),
+        triangles: (0..side)
+            .flat_map(|i| {
+                (0..side).map(move |j| [vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1), vertex(i + 1, j)])
+            })
+            .flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]])
+            .collect(),
+        ..MeshDesc::default()
+    }
+}
+
+fn room(triangles: usize) -> SceneDesc {
+    let camera = CameraDesc::Perspective {
+        eye: DVec3::new(0.0, 1.3, 1.9),
+        look_at: DVec3::new(0.0, 0.2, 0.0),
+        up: DVec3::Y,
+        fov_deg: 70.0,
+        fov_axis: FovAxis::Horizontal,
+    };
+    let mut desc = SceneDesc { camera, ..SceneDesc::default() };
+    desc.materials.push(MaterialDesc {
+        name: "wall".into(),
+        path: "materials.wall".into(),
+        bsdf: BsdfDesc::Lambert { albedo: Vec3::splat(0.6) },
+        survival: None,
+    });
+    desc.meshes.push(landscape(triangles).into());
+    let mut add = |shape, emission| {
+        desc.surfaces.push(SurfaceDesc {
+            path: format!("surfaces[{}]", desc.surfaces.len()),
+            shape,
+            local: DAffine3::IDENTITY,
+            transform: DAffine3::IDENTITY,
+            material: 0,
+            emission,
+            hidden: false,
+        });
+    };
+    add(ShapeDesc::Mesh { mesh: 0, smooth: false }, None);
+    let corner = |x, y, z| DVec3::new(x, y, z);
+    let (low, high, r) = (-1.0, 2.0, 2.0);
+    for wall in [
+        [corner(-r, low, -r), corner(r, low, -r), corner(r, high, -r), corner(-r, high, -r)],
+        [corner(-r, low, r), corner(-r, high, r), corner(r, high, r), corner(r, low, r)],
+        [corner(-r, low, -r), corner(-r, high, -r), corner(-r, high, r), corner(-r, low, r)],
+        [corner(r, low, -r), corner(r, low, r), corner(r, high, r), corner(r, high, -r)],
+        [corner(-r, high, -r), corner(r, high, -r), corner(r, high, r), corner(-r, high, r)],
+    ] {
+        add(ShapeDesc::Quad(wall), None);
+    }
+    let (s, y) = (0.15, 1.9);
+    let lamp = [corner(-s, y, -s), corner(s, y, -s), corner(s, y, s), corner(-s, y, s)];
+    add(ShapeDesc::Quad(lamp), Some(Vec3::splat(40.0)));
+    desc
+}
+
+fn of_triangles(most: usize) -> etendue::Result<()> {
+    println!(
+        "| triangles | build, s | Embree, bytes a triangle | arrays | path, Mrays/s | Embree alone | closest-hit | shadow | \
+         share | ns a ray |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
+    for count in COUNTS.into_iter().filter(|count| *count <= most) {
+        let scene = Scene::build(&room(count), &BuildOptions::default())?;
+        let info = scene.info();
+        let per_triangle = |bytes: usize| bytes as f64 / info.triangles as f64;
+        let camera = Camera::new(scene.camera(), [recorded::RESOLUTION; 2], scene.centre())?;
+        let recorded = record(&scene, &camera, THREADS);
+        let all: usize = recorded.iter().map(Rays::count).sum();
+        let closest: usize = recorded.iter().map(|rays| rays.closest.len()).sum();
+        let kernel = scene.kernel().expect("the landscape is Embree's");
+        let mut best = [f64::INFINITY; 3];
+        for _ in 0..ROUNDS {
+            let path = time(THREADS, |thread| {
+                let mut tracer = SceneTracer::new(&scene);
+                black_box(render(&scene, &camera, rows(thread, THREADS), &mut tracer));
+            });
+            let closest = time(THREADS, |thread| {
+                black_box(recorded[thread].closest.iter().filter(|ray| kernel.intersect(ray).is_some()).count());
+            });
+            let shadow = time(THREADS, |thread| {
+                black_box(recorded[thread].shadow.iter().filter(|ray| kernel.occluded(ray)).count());
+            });
+            for (best, seconds) in best.iter_mut().zip([path, closest, shadow]) {
+                *best = best.min(seconds);
+            }
+        }
+        let [path, closest_time, shadow_time] = best;
+        let rate = |rays: usize, seconds: f64| rays as f64 / seconds / 1e6;
+        println!(
+            "| {} | {:.3} | {:.1} | {:.1} | {:.2} | {:.2} | {:.2} | {:.2} | {:.3} | {:.0} |",
+            info.triangles,
+            info.build_time.as_secs_f64(),
+            per_triangle(info.embree_bytes),
+            per_triangle(info.geometry_bytes),
+            rate(all, path),
+            rate(all, closest_time + shadow_time),
+            rate(closest, closest_time),
+            rate(all - closest, shadow_time),
+            (closest_time + shadow_time) / path,
+            1e9 * path * THREADS as f64 / all as f64,
+        );
+    }
+    Ok(())
+}
+
+fn seconds(scene: &Scene, side: u32, samples: u32, threads: usize) -> etendue::Result<f64> {
+    let desc = RenderDesc { resolution: [side; 2], samples, ..RenderDesc::default() };
+    let mut best = f64::INFINITY;
+    for _ in 0..ROUNDS {
+        let mut render =
+            Render::new(scene, RenderSettings { desc: desc.clone(), threads, ..RenderSettings::default() })?;
+        let summary = render.run(&mut |_| ControlFlow::Continue(()))?;
+        best = best.min(summary.elapsed.as_secs_f64());
+    }
+    Ok(best)
+}
+
+fn main() -> etendue::Result<()> {
+    let most = std::env::args().filter_map(|argument| argument.parse().ok()).next().unwrap_or(10_000_000);
+    of_triangles(most)?;
+    let scene = Scene::build(&room(100_000), &BuildOptions::default())?;
+    println!("\n| pixels | s for 16 samples | ns a sample |");
+    println!("|---|---|---|");
+    for side in [64, 128, 256, 512, 1024] {
+        let time = seconds(&scene, side, 16, THREADS)?;
+        println!("| {side} x {side} | {time:.3} | {:.0} |", 1e9 * time * THREADS as f64 / f64::from(16 * side * side));
+    }
+    let times = [1, 2].map(|threads| seconds(&scene, 256, 64, threads));
+    let [one, two] = times;
+    let (one, two) = (one?, two?);
+    println!("\n1 thread {one:.3} s, 2 threads {two:.3} s: {:.3} times as fast", one / two);
+    Ok(())
+}

@@ -1,0 +1,32 @@
+//! The command line program, for tests that run it.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+/// The program, built for the same profile as this test. A plain `cargo test` has built it already; a narrower one such
+/// as `cargo test --test cli` has not, or left an old one.
+pub fn program() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    PROGRAM.get_or_init(|| {
+        // target/<profile>/deps/cli-<hash>
+        let test = std::env::current_exe().expect("the path of this test");
+        let profile = test.ancestors().nth(2).expect("the folder of the profile");
+        let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| env!("CARGO").into()));
+        cargo.args(["build", "--quiet", "--example", "etendue", "--manifest-path"]);
+        cargo.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml"));
+        // The folder of the development profile is the one that is not named like its profile.
+        match profile.file_name().and_then(|name| name.to_str()) {
+            Some("debug") | None => {}
+            Some(name) => _ = cargo.args(["--profile", name]),
+        }
+        if cfg!(feature = "schema") {
+            cargo.args(["--features", "schema"]);
+        }
+        assert!(cargo.status().expect("cargo").success(), "the example does not build");
+        let name = format!("etendue{}", std::env::consts::EXE_SUFFIX);
+        let program = profile.join("examples").join(name);
+        assert!(program.is_file(), "{} is missing", program.display());
+        program
+    })
+}

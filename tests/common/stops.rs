@@ -1,0 +1,26 @@
+//! Renders that are stopped in the middle.
+
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use etendue::Cancel;
+use etendue::render::{Render, Summary};
+
+/// Runs it to its end, stopped from outside again and again: after `delay`, and later each time, so that it comes to an
+/// end. How often, and what it came to.
+pub fn run_with_stops(render: &mut Render, delay: Duration) -> (u32, Summary) {
+    for stops in 0.. {
+        let cancel = Cancel::new();
+        render.set_cancel(cancel.clone());
+        let stopper = std::thread::spawn(move || {
+            std::thread::sleep(delay * (1 << stops));
+            cancel.cancel();
+        });
+        let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
+        stopper.join().unwrap();
+        if !summary.stopped {
+            return (stops, summary);
+        }
+    }
+    unreachable!("delays double until the render is done before")
+}
