@@ -76,7 +76,7 @@ pub(super) fn encode(image: &Image, options: &WriteOptions, threads: usize, file
     });
     let headers = file_image.write().infer_meta_data();
     let layers = file_image.layer_data.create_writer(&headers);
-    ::exr::block::write(file, headers, true, |meta, chunks| {
+    ::exr::block::write(&mut *file, headers, true, |meta, chunks| {
         let block = |index| UncompressedBlock { index, data: layers.extract_uncompressed_block(&meta.headers, index) };
         let compress = |index| block(index).compress_to_chunk(&meta.headers);
         let mut blocks = ::exr::block::enumerate_ordered_header_block_indices(&meta.headers);
