@@ -97,7 +97,7 @@ complete -c etendue -n "__fish_etendue_using_subcommand compare" -l json -d 'Pri
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -l no-flip -d 'Leave out FLIP, the slow one'
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -s h -l help -d 'Print help'
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -l suite -d 'Suite file (JSON) with groups of cases, in place of scenes' -r -F
-complete -c etendue -n "__fish_etendue_using_subcommand bench" -s o -l output -d 'Folder for results.json, results.md, report.html and the pictures; made where it is missing' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand bench" -s o -l output -d 'Folder for results.json, results.md, report.html and the pictures; made where it is missing. Beside the results with --report-only, else out/bench where none is given' -r -F
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -l integrators -d 'Light transport to compare, separated by commas; the scene\'s where none is given' -r -f -a "direct\t'Emission and light scattered once'
 whitted\t'Direct light, perfect mirrors and glass'
 path\t'Everything'
