@@ -357,6 +357,7 @@ fn budgets_combine() {
     let (_, summary) = run(&scene, adaptive(11, None, None));
     let counts = summary.sample_counts.unwrap();
     assert_eq!((counts.min, counts.max, summary.adaptive), (11, 11, false));
+    assert!(summary.notes.iter().any(|note| note.contains("too few to choose by")), "{:?}", summary.notes);
 }
 
 #[test]

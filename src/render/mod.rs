@@ -72,7 +72,8 @@ pub struct RenderSettings {
 
 /// How far a render has come.
 pub struct Progress<'a> {
-    /// Share of the work or of the time limit that is done, in [0, 1]; only grows.
+    /// Share of the work or of the time limit that is done, in [0, 1]; only grows. Where an error is aimed at, of the samples
+    /// that it is expected to take, once there is an estimate.
     pub fraction: f64,
     /// Samples per pixel that are complete.
     pub samples_done: u32,
@@ -261,7 +262,7 @@ impl Render {
     /// [`crate::ErrorKind::Internal`] if a worker or a shape's intersection test panicked.
     pub fn run(&mut self, progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>) -> Result<Summary> {
         let start = Instant::now();
-        let schedule = Schedule::new(&self.settings, self.film.options().share, self.adaptive == Ok(true));
+        let mut schedule = Schedule::new(&self.settings, self.film.options().share, self.adaptive == Ok(true));
         let ended = loop {
             let error = self.aimed_error(&schedule);
             if let Some(ended) = schedule.ended(self.samples, start.elapsed(), error) {
@@ -272,7 +273,7 @@ impl Render {
             if self.settings.cancel.is_cancelled() {
                 break Ended::Cancelled;
             }
-            if self.samples >= self.decision && !self.decide(&schedule, error) {
+            if self.samples >= self.decision && !self.decide(&mut schedule, error) {
                 break Ended::Cancelled;
             }
             let mut count = schedule.next_pass(self.samples, start.elapsed(), self.decision);
@@ -315,7 +316,7 @@ impl Render {
 
     /// Decides how many samples to take before it is decided again, and where; false if it was cancelled meanwhile, and
     /// then nothing is decided.
-    fn decide(&mut self, schedule: &Schedule, error: Option<ErrorEstimate>) -> bool {
+    fn decide(&mut self, schedule: &mut Schedule, error: Option<ErrorEstimate>) -> bool {
         let next = schedule.next_decision(self.samples, error);
         if self.adaptive == Ok(true) && self.samples >= PILOT {
             let (measure, seed) = (self.settings.error_measure, self.desc.seed);
@@ -444,6 +445,10 @@ impl Render {
         }
         if let Err(why) = self.adaptive {
             notes.push(format!("all pixels had the same number of samples: {why}"));
+        }
+        let is_asked_for = self.settings.adaptive == Some(true) && self.adaptive == Ok(true);
+        if is_asked_for && self.stage.is_none() && ended != Ended::Cancelled {
+            notes.push(format!("all pixels had the same number of samples: the first {PILOT} are too few to choose by"));
         }
         let non_finite = self.non_finite;
         if non_finite > 0 {

@@ -1,5 +1,6 @@
 //! How many samples, in which passes, and when to decide. No result depends on passes.
 
+use std::cell::Cell;
 use std::time::Duration;
 
 use super::adaptive::PILOT;
@@ -48,6 +49,10 @@ pub(super) struct Schedule {
     /// Samples that steps between decisions are a multiple of.
     step: u32,
     is_adaptive: bool,
+    /// At how many samples the error is expected to be what is aimed at, once there is an estimate.
+    expected: Option<f64>,
+    /// The largest fraction reported: the expectation may change, and a report only goes forward.
+    shown: Cell<f64>,
 }
 
 impl Schedule {
@@ -56,7 +61,15 @@ impl Schedule {
         let target = settings.target_error.map(|target| (settings.error_measure, target));
         // Complete replicates tell most; where pixels differ in their samples, they care for that themselves.
         let step = if is_adaptive { 1 } else { share.saturating_mul(REPLICATES as u32) };
-        Self { samples: total(settings), time_limit: settings.time_limit, target, step, is_adaptive }
+        Self {
+            samples: total(settings),
+            time_limit: settings.time_limit,
+            target,
+            step,
+            is_adaptive,
+            expected: None,
+            shown: Cell::new(0.0),
+        }
     }
 
     /// By what the error is measured that is aimed at, if any is, once there are enough samples to ask for it.
@@ -82,8 +95,9 @@ impl Schedule {
     /// At how many samples to decide next: whether the error is small enough, and where samples go. It depends on samples
     /// alone and never on time, so neither does the image of a render that no time limit cuts short.
     ///
-    /// No more than twice as many as now; and where an error is aimed at, no further than it is expected to be reached.
-    pub(super) fn next_decision(&self, done: u32, error: Option<ErrorEstimate>) -> u32 {
+    /// No more than twice as many as now; and where an error is aimed at, no further than it is expected to be reached, which
+    /// reports go by from then on.
+    pub(super) fn next_decision(&mut self, done: u32, error: Option<ErrorEstimate>) -> u32 {
         if self.target.is_none() && !self.is_adaptive {
             return self.samples;
         }
@@ -93,6 +107,7 @@ impl Schedule {
             // Its margin falls with it.
             let ratio = (error.value + MARGIN * error.standard_error) / target;
             let ratio = if measure == ErrorMeasure::Display { ratio * ratio } else { ratio };
+            self.expected = Some(f64::from(done) * ratio);
             // Not too many decisions where it falls more slowly.
             let expected = (f64::from(done) * ratio.max(1.0 + 1.0 / 16.0)).ceil() as u32;
             next = next.min(expected);
@@ -136,7 +151,9 @@ impl Schedule {
     fn fraction(&self, samples: f64, elapsed: Duration) -> f64 {
         let by_samples = samples / f64::from(self.samples);
         let by_time = self.time_limit.map_or(0.0, |limit| elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9));
-        by_samples.max(by_time).min(1.0)
+        let by_error = self.expected.map_or(0.0, |expected| samples / expected.max(1.0));
+        self.shown.set(by_samples.max(by_time).max(by_error).clamp(self.shown.get(), 1.0));
+        self.shown.get()
     }
 }
 
@@ -184,7 +201,7 @@ mod tests {
     fn decisions_come_at_doublings_and_where_the_error_is_expected() {
         let mut aimed = settings(1000, SamplerDesc::Sobol);
         assert_eq!(Schedule::new(&aimed, 1, false).next_decision(0, None), 1000);
-        let decisions = |schedule: Schedule| {
+        let decisions = |mut schedule: Schedule| {
             let mut decisions = vec![schedule.next_decision(0, None)];
             while decisions[decisions.len() - 1] < 1000 {
                 decisions.push(schedule.next_decision(decisions[decisions.len() - 1], None));
@@ -194,10 +211,12 @@ mod tests {
         assert_eq!(decisions(Schedule::new(&aimed, 1, true)), [16, 32, 64, 128, 256, 512, 1000]);
         aimed.target_error = Some(0.01);
         assert_eq!(decisions(Schedule::new(&aimed, 4, false)), [32, 64, 128, 256, 512, 1000]);
-        let schedule = Schedule::new(&aimed, 1, false);
+        let mut schedule = Schedule::new(&aimed, 1, false);
         let error = |value, standard_error| Some(ErrorEstimate { value, standard_error });
         assert_eq!(schedule.next_decision(64, error(0.012, 0.001)), 80, "1.25 times as many, in whole steps");
+        assert_eq!(schedule.fraction(40.0, Duration::ZERO), 40.0 / (64.0 * 1.25));
         assert_eq!(schedule.next_decision(64, error(0.5, 0.0)), 128);
+        assert_eq!(schedule.fraction(65.0, Duration::ZERO), 0.5, "forward only");
         assert_eq!(schedule.next_decision(960, error(0.0101, 0.0)), 1000);
         aimed.error_measure = ErrorMeasure::Display;
         assert_eq!(Schedule::new(&aimed, 1, true).next_decision(100, error(0.012, 0.0)), 144);
