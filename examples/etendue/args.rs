@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use etendue::bake::{MAX_GUTTER, MAX_SIDE};
 use etendue::desc::{
     FilterDesc, IntegratorDesc, MAX_PHOTONS, MAX_SHADOW_RAYS, PhotonDesc, RADII, RenderDesc, SamplerDesc,
 };
@@ -33,6 +34,8 @@ pub enum Command {
     Info(InfoArgs),
     /// Write the photons of a map, or draw them.
     Photons(PhotonsArgs),
+    /// Bake light maps: the irradiance of all surfaces, in texels and at vertices.
+    Bake(BakeArgs),
     /// Measure how far image A is from the reference B.
     Compare(CompareArgs),
     /// Measure time and error of scenes against references, and write a report.
@@ -179,6 +182,92 @@ pub struct PhotonsArgs {
     /// No summary; warnings and errors stay.
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct BakeArgs {
+    /// Scene file (JSON).
+    pub scene: PathBuf,
+    /// Parameter file of a scene of the 2017 report.
+    pub params: Option<PathBuf>,
+    /// What the files' names begin with: PREFIX.exr (light map), PREFIX.obj (its coordinates), PREFIX.ply (vertices) and
+    /// PREFIX.json (summary). Of a folder: the scene's name in it.
+    #[arg(short, long, value_name = "PREFIX")]
+    pub output: PathBuf,
+
+    /// Only the light map, or only the vertices, instead of both.
+    #[arg(long, value_enum)]
+    pub only: Option<BakeTarget>,
+    /// Texels along the sides of the light map; 512 where --texels-per-unit is not given either.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
+    pub resolution: Option<u32>,
+    /// Texels for a unit of length; as many as fit where only --resolution is given.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse_length)]
+    pub texels_per_unit: Option<f64>,
+    /// Texels around each chart that are its own.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(value_parser = clap::value_parser!(u32).range(..=i64::from(MAX_GUTTER)))]
+    pub gutter: u32,
+    /// Where the layout of meshes comes from.
+    #[arg(long, value_enum, default_value_t = BakeLayout::Auto)]
+    pub layout: BakeLayout,
+    /// Greatest length of a triangle's side between vertices; the vertices as they are where none is given.
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = parse_length)]
+    pub spacing: Option<f64>,
+    /// The inner side of surfaces instead of the outer one.
+    #[arg(long)]
+    pub back: bool,
+    /// Most memory for the light map and its work, MiB.
+    #[arg(long, value_name = "MIB", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1..))]
+    pub memory: u32,
+
+    /// Threads; 0 takes all there are.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
+    pub threads: usize,
+    /// Samples per texel and vertex, in place of the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Stop each of both after so many seconds. With --spp, at whichever comes first; without, the scene's samples do not count.
+    #[arg(long, value_name = "SECONDS", value_parser = parse_time)]
+    pub time: Option<Duration>,
+    /// Stop when the estimated relMSE over texels (or vertices) is no larger than this, such as 0.001.
+    #[arg(long, value_name = "RELMSE", value_parser = parse_error)]
+    pub target_error: Option<f64>,
+    /// Seed of all randomness, in place of the scene's.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Light samples per hit, in place of the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS)))]
+    pub shadow_rays: Option<u32>,
+    /// Greatest number of surface hits on a path, the texel being the first, or none for no cut. 1 is direct light alone.
+    #[arg(long, value_name = "N|none", value_parser = parse_depth)]
+    pub max_depth: Option<Depth>,
+
+    /// Brightness of the vertices' display colours in stops: 1 doubles it.
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0)]
+    #[arg(allow_negative_numbers = true, value_parser = parse_exposure)]
+    pub exposure: f32,
+    /// No progress and no summary; warnings and errors stay.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum BakeTarget {
+    /// The light map and its coordinates.
+    Map,
+    /// The vertices.
+    Vertices,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum BakeLayout {
+    /// A mesh's own texture coordinates where they are fit for it, else charts.
+    Auto,
+    /// Charts.
+    Charts,
+    /// A mesh's own texture coordinates; an error where they are not fit for it.
+    Own,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -398,6 +487,11 @@ fn parse_radius(text: &str) -> Result<f64, String> {
     let [low, high] = RADII;
     let radius = text.parse::<f64>().ok().filter(|radius| (low..=high).contains(radius));
     radius.ok_or_else(|| format!("expected a radius from {low:e} to {high:e}, such as 0.1"))
+}
+
+fn parse_length(text: &str) -> Result<f64, String> {
+    let length = text.parse::<f64>().ok().filter(|length| *length > 0.0 && length.is_finite());
+    length.ok_or_else(|| "expected a number above 0, such as 8 or 0.1".to_owned())
 }
 
 fn parse_error(text: &str) -> Result<f64, String> {

@@ -4,6 +4,7 @@
 //! film, no file and no thread.
 
 mod direct;
+mod irradiance;
 pub mod irradiance_cache;
 mod light;
 mod path;
@@ -11,6 +12,7 @@ pub mod photon;
 mod whitted;
 
 pub use direct::Direct;
+pub use irradiance::{Irradiance, Piece, Sites};
 pub use path::Path;
 pub use whitted::Whitted;
 

@@ -29,8 +29,9 @@ use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{FilterDesc, IntegratorDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, SampleCounts};
+use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, SampleCounts, TILE};
 use crate::integrator::photon::{Choice, Gather, Plan, choose};
+use crate::integrator::{Irradiance, Path, Sites};
 use crate::sampling::Filter;
 use crate::scene::Scene;
 use adaptive::{LEAST_PIXELS, PILOT, Stage};
@@ -41,6 +42,9 @@ use schedule::Schedule;
 pub use non_finite::NonFiniteSample;
 pub use schedule::MOST_SAMPLES;
 pub use workers::{MAX_THREADS, Workers};
+
+/// Pixels to a row of a film of irradiance: as many as a tile has.
+pub const IRRADIANCE_WIDTH: u32 = TILE;
 
 /// What to render, and with how much effort.
 #[derive(Clone, Debug, Default)]
@@ -137,6 +141,7 @@ enum Method {
     Whitted,
     Direct,
     Gather(Box<Gather>),
+    Irradiance(Irradiance),
 }
 
 /// A render of a scene: its film, and those who fill it.
@@ -173,6 +178,39 @@ impl Render {
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] for settings that make no image, `OutOfMemory` for a film that does not fit.
     pub fn new(scene: &Scene, settings: RenderSettings) -> Result<Self> {
+        Self::with_method(scene, settings, None)
+    }
+
+    /// Prepares a render of irradiance [W m^-2] by path tracing: of each of these sites, on the outer side of the surface
+    /// (`front`) or the other, instead of what a camera sees.
+    ///
+    /// The film has [`IRRADIANCE_WIDTH`] pixels a row, one for each site, row by row; pixels of the last row that are left over
+    /// show the first sites once more. Of the settings resolution, integrator, filter and auxiliary layers are not looked at;
+    /// depth counts the site itself as the first hit; samplers other than `Random` count as `Sobol`.
+    ///
+    /// # Errors
+    /// As for [`Render::new`]; `InvalidScene` where there is no site.
+    pub fn irradiance(scene: &Scene, settings: RenderSettings, sites: Arc<Sites>, front: bool) -> Result<Self> {
+        if sites.is_empty() {
+            return Err(Error::new(ErrorKind::InvalidScene, "there is no surface whose irradiance could be asked for"));
+        }
+        let rows = sites.len().div_ceil(IRRADIANCE_WIDTH as usize);
+        let desc = RenderDesc {
+            resolution: [IRRADIANCE_WIDTH, u32::try_from(rows).unwrap_or(u32::MAX)],
+            integrator: IntegratorDesc::Path,
+            filter: FilterDesc::Box,
+            sampler: match settings.desc.sampler {
+                SamplerDesc::Random => SamplerDesc::Random,
+                _ => SamplerDesc::Sobol,
+            },
+            ..settings.desc
+        };
+        let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
+        let settings = RenderSettings { desc, auxiliary: false, ..settings };
+        Self::with_method(scene, settings, Some(Method::Irradiance(Irradiance::new(sites, path, front))))
+    }
+
+    fn with_method(scene: &Scene, settings: RenderSettings, method: Option<Method>) -> Result<Self> {
         let desc = &settings.desc;
         let [width, height] = desc.resolution;
         let pixels = u64::from(width) * u64::from(height);
@@ -194,16 +232,18 @@ impl Render {
             return Err(Error::invalid("targetError", message));
         }
         check_filter(&desc.filter)?;
-        let camera = Camera::new(scene.camera(), desc.resolution, scene.centre())?;
+        // Irradiance is nothing that a camera sees, and its film no image.
+        let seen = if method.is_some() { [1, 1] } else { desc.resolution };
+        let camera = Camera::new(scene.camera(), seen, scene.centre())?;
         // The normally distributed pattern is a pixel filter by itself.
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
         let choice = (desc.integrator == IntegratorDesc::Auto).then(|| choose(scene));
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
-        let method = match integrator {
+        let method = method.unwrap_or(match integrator {
             IntegratorDesc::Whitted => Method::Whitted,
             IntegratorDesc::Direct => Method::Direct,
             _ => Method::Path,
-        };
+        });
         let filter = Filter::new(&filter_desc);
         let scene = scene.clone();
         let shared = Arc::new(desc.clone());

@@ -52,6 +52,12 @@ impl Disk {
         (p - (p - self.centre).dot(self.normal) * self.normal, self.normal)
     }
 
+    /// The centre, and a point of the edge for each of these angles [radians].
+    pub(super) fn rim(&self, angles: impl Iterator<Item = f64>) -> (DVec3, Vec<DVec3>) {
+        let [a, b] = self.radii;
+        (self.centre, angles.map(|angle| self.centre + angle.cos() * a + angle.sin() * b).collect())
+    }
+
     /// A box around it.
     pub fn bounds(&self) -> Bounds {
         // The largest coordinate of c + a cos + b sin along an axis is c + sqrt(a^2 + b^2).

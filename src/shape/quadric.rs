@@ -97,7 +97,18 @@ impl Quadric {
         self.size
     }
 
-    fn value(&self, p: DVec3) -> f64 {
+    /// The box around it in its own frame.
+    pub(super) fn own_box(&self) -> Bounds {
+        own_bounds(self.a, self.b, self.c, self.clip)
+    }
+
+    /// Its own frame's place.
+    pub(super) fn frame(&self) -> &DAffine3 {
+        &self.to_scene
+    }
+
+    /// What is 0 on the surface, grows towards its outside; own frame.
+    pub(super) fn value(&self, p: DVec3) -> f64 {
         p.dot(self.a * p) + 2.0 * self.b.dot(p) + self.c
     }
 
