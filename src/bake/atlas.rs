@@ -4,16 +4,16 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::chart::{self, Chart};
-use super::own;
 use super::overlap::Flat;
+use super::own;
 use super::own::doubled_area;
 use super::{pack, raster};
+use crate::Cancel;
 use crate::embree::Charge;
 use crate::error::{Error, ErrorKind, Result};
 use crate::integrator::{Piece, Sites};
 use crate::math::{DVec3, Vec3};
 use crate::scene::{Facet, Scene, SurfaceMesh};
-use crate::Cancel;
 
 /// Most texels along a side of a light map.
 pub const MAX_SIDE: u32 = 1 << 13;
@@ -148,11 +148,8 @@ impl Atlas {
             if bytes <= limit {
                 return Ok(());
             }
-            let message = format!(
-                "{what} takes {} MiB, past the limit of {} (memory)",
-                bytes.div_ceil(1 << 20),
-                options.memory
-            );
+            let message =
+                format!("{what} takes {} MiB, past the limit of {} (memory)", bytes.div_ceil(1 << 20), options.memory);
             Err(Error::new(ErrorKind::OutOfMemory, message))
         };
         // Charts and the atlas's own vertices take several times what the meshes do.
@@ -373,7 +370,15 @@ impl Atlas {
                     for (order, (fan, texels)) in part.fan().enumerate() {
                         let corners = fan.map(|p| raster::weights(&flat, p));
                         let (texel, order) = (y * placement.side + x, order as u8);
-                        let cut = Cut { key: along_curve([x, y]), texel, order, facet, corners, texels, area: texels * stretch };
+                        let cut = Cut {
+                            key: along_curve([x, y]),
+                            texel,
+                            order,
+                            facet,
+                            corners,
+                            texels,
+                            area: texels * stretch,
+                        };
                         cuts.push(cut);
                     }
                 })?;
@@ -494,7 +499,10 @@ fn count_pieces(charts: &[Chart], placement: &Placement, cancel: &Cancel) -> Res
         }
     }
     if pieces > u64::from(u32::MAX) {
-        return Err(Error::new(ErrorKind::OutOfMemory, format!("{pieces} parts of texels are more than can be numbered")));
+        return Err(Error::new(
+            ErrorKind::OutOfMemory,
+            format!("{pieces} parts of texels are more than can be numbered"),
+        ));
     }
     let texels = u64::from(placement.side) * u64::from(placement.side);
     Ok((pieces, sites.min(texels)))

@@ -74,7 +74,8 @@ pub(super) fn grow(
         let project = |face: &Face| face.corners.map(|p| [(p - origin).dot(right), (p - origin).dot(above)]);
         let tolerance = TOLERANCE * extent(&project(&faces[seed as usize]));
         let mut cover = Cover::new(2.0 * mean_area.sqrt(), tolerance);
-        let mut chart = Chart { mesh: number, triangles: Vec::new(), flat: Vec::new(), size: [0.0; 2], unit: 1.0, is_own: false };
+        let mut chart =
+            Chart { mesh: number, triangles: Vec::new(), flat: Vec::new(), size: [0.0; 2], unit: 1.0, is_own: false };
         let mut waiting = VecDeque::from([seed]);
         while let Some(next) = waiting.pop_front() {
             let face = &faces[next as usize];

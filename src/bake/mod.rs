@@ -51,6 +51,7 @@ pub use vertices::{LitVertex, VertexOptions, Vertices};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use crate::Cancel;
 use crate::error::Result;
 use crate::film::LayerKind;
 use crate::integrator::Sites;
@@ -58,7 +59,6 @@ use crate::math::Vec3;
 use crate::render::{Progress, Render, RenderSettings, Summary};
 use crate::scene::{Facet, Scene};
 use crate::spectrum::Rgb;
-use crate::Cancel;
 
 /// Irradiance of sites by path tracing.
 pub struct Bake {

@@ -56,11 +56,15 @@ impl Cover {
     fn cells_of(&self, triangle: &Flat) -> Option<impl Iterator<Item = [i64; 2]> + use<>> {
         let range = |axis: usize| {
             let values = triangle.map(|corner| (corner[axis] / self.cell).floor());
-            let [low, high] = [values.iter().copied().fold(f64::INFINITY, f64::min), values.into_iter().fold(f64::NEG_INFINITY, f64::max)];
+            let [low, high] = [
+                values.iter().copied().fold(f64::INFINITY, f64::min),
+                values.into_iter().fold(f64::NEG_INFINITY, f64::max),
+            ];
             (low as i64, high as i64)
         };
         let ((left, right), (bottom, top)) = (range(0), range(1));
-        let count = right.saturating_sub(left).saturating_add(1).saturating_mul(top.saturating_sub(bottom).saturating_add(1));
+        let count =
+            right.saturating_sub(left).saturating_add(1).saturating_mul(top.saturating_sub(bottom).saturating_add(1));
         (count <= MOST_CELLS).then(|| (bottom..=top).flat_map(move |y| (left..=right).map(move |x| [x, y])))
     }
 }

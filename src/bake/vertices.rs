@@ -4,13 +4,13 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::reflection;
+use crate::Cancel;
 use crate::embree::Charge;
 use crate::error::{Error, ErrorKind, Result};
 use crate::integrator::{Piece, Sites};
 use crate::math::{DVec3, Vec3};
 use crate::scene::{Scene, SurfaceMesh};
 use crate::spectrum::Rgb;
-use crate::Cancel;
 
 /// How vertices are chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,12 +80,7 @@ impl Vertices {
     ///
     /// # Errors
     /// As for [`Vertices::new`]; `InvalidScene` too where there is no such surface.
-    pub fn of_surfaces(
-        scene: &Scene,
-        options: &VertexOptions,
-        only: Option<u32>,
-        cancel: &Cancel,
-    ) -> Result<Self> {
+    pub fn of_surfaces(scene: &Scene, options: &VertexOptions, only: Option<u32>, cancel: &Cancel) -> Result<Self> {
         if let Some(spacing) = options.spacing
             && !(spacing > 0.0 && spacing.is_finite())
         {
@@ -223,7 +218,8 @@ impl Vertices {
                 match weights.iter().position(|&weight| weight == 0) {
                     Some(zero) => {
                         let (a, b) = ((zero + 1) % 3, (zero + 2) % 3);
-                        let (from, to, at) = if triangle[a] < triangle[b] { (a, b, weights[b]) } else { (b, a, weights[a]) };
+                        let (from, to, at) =
+                            if triangle[a] < triangle[b] { (a, b, weights[b]) } else { (b, a, weights[a]) };
                         *on_sides.entry((triangle[from], triangle[to], at)).or_insert_with(make)
                     }
                     None => make(),

@@ -417,7 +417,8 @@ impl Target {
             let message = format!("target.stride is {stride}, expected a multiple of 4 of at least {ITEM}");
             return Err(Failure::argument(message));
         }
-        let too_large = || Failure::argument(format!("target: {columns} x {rows} items {stride} bytes apart do not exist"));
+        let too_large =
+            || Failure::argument(format!("target: {columns} x {rows} items {stride} bytes apart do not exist"));
         let row = (columns - 1).checked_mul(stride).and_then(|row| row.checked_add(ITEM)).ok_or_else(too_large)?;
         let row_stride = match it.row_stride {
             _ if rows == 1 => row,
@@ -430,10 +431,8 @@ impl Target {
         }
         let all = (rows - 1).checked_mul(row_stride).and_then(|rest| rest.checked_add(row));
         if all.is_none_or(|all| all > it.size) {
-            let message = format!(
-                "target.size is {}: {rows} rows of {row} bytes, {row_stride} apart, do not fit",
-                it.size
-            );
+            let message =
+                format!("target.size is {}: {rows} rows of {row} bytes, {row_stride} apart, do not fit", it.size);
             return Err(Failure::argument(message));
         }
         let front = match it.side {

@@ -326,8 +326,15 @@ impl Pass {
                     let mut first = None;
                     // A copy, as the sample may be stopped in the middle.
                     let mut gathering = tile.gathering.get(index).copied();
-                    let radiance =
-                        subject.sample(self, [x, y], offset, sampler, tracer, &mut |hit| first = Some(hit), gathering.as_mut());
+                    let radiance = subject.sample(
+                        self,
+                        [x, y],
+                        offset,
+                        sampler,
+                        tracer,
+                        &mut |hit| first = Some(hit),
+                        gathering.as_mut(),
+                    );
                     // Pixels go on from where they are, so stopping between any two samples is safe; one during which it
                     // was stopped may have missed something, and is taken again.
                     if self.is_stopped() {

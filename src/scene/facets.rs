@@ -2,8 +2,8 @@
 
 use super::geometry::{self, Geometry, Triangles};
 use super::{IN_LIST, Scene, SurfaceInteraction};
-use crate::Result;
 use crate::Cancel;
+use crate::Result;
 use crate::math::{DVec3, Vec3};
 use crate::shape::Analytic;
 
@@ -131,9 +131,10 @@ impl Scene {
         }
         let normal = |n: [f32; 3]| turn(Vec3::from(n)).normalize_or_zero();
         mesh.normals = triangles.normals.as_ref().map(|normals| normals.iter().map(normal).collect());
-        mesh.uvs = self.record.uv_mesh(surface).map(|described| {
-            (0..vertices.len()).map(|vertex| described.uv(vertex).unwrap_or_default()).collect()
-        });
+        mesh.uvs = self
+            .record
+            .uv_mesh(surface)
+            .map(|described| (0..vertices.len()).map(|vertex| described.uv(vertex).unwrap_or_default()).collect());
         for primitive in 0..indices.len() {
             if primitive % LOOK == 0 {
                 cancel.check()?;

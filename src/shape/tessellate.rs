@@ -180,7 +180,8 @@ mod tests {
         let tube = Bounds { min: DVec3::new(-1.001, -1.001, 0.0), max: wide };
         let everywhere = Bounds { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
         let place = DAffine3::from_translation(DVec3::new(3.0, -2.0, 1.0));
-        let quadric = |coefficients: [f64; 10], clip| Analytic::Quadric(Box::new(Quadric::new(&coefficients, clip, place)));
+        let quadric =
+            |coefficients: [f64; 10], clip| Analytic::Quadric(Box::new(Quadric::new(&coefficients, clip, place)));
         let cone = [1.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.0];
         for (shape, expected) in [
             (Analytic::Sphere(Sphere { centre: DVec3::X, radius: 2.0 }), 16.0 * PI),

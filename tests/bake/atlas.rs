@@ -80,7 +80,10 @@ fn soup() -> impl Strategy<Value = MeshDesc> {
     (prop::collection::vec(point, 3..24), prop::collection::vec([0..1000_u32, 0..1000, 0..1000], 1..40)).prop_map(
         |(points, triangles)| {
             let count = points.len() as u32;
-            mesh(points.into_iter().map(DVec3::from).collect(), triangles.into_iter().map(|t| t.map(|i| i % count)).collect())
+            mesh(
+                points.into_iter().map(DVec3::from).collect(),
+                triangles.into_iter().map(|t| t.map(|i| i % count)).collect(),
+            )
         },
     )
 }
@@ -173,7 +176,10 @@ fn seams_are_padded() {
                 for j in 0..=8 - i {
                     let [b1, b2] = [i, j].map(|k| f32::from(k) / 8.0);
                     let found = map.at(atlas.uv(triangle, [b1, b2]));
-                    assert!((found.x - 1.0 - chart as f32).abs() < 1e-4, "{found} at {b1}, {b2} of {triangle} in {chart}");
+                    assert!(
+                        (found.x - 1.0 - chart as f32).abs() < 1e-4,
+                        "{found} at {b1}, {b2} of {triangle} in {chart}"
+                    );
                 }
             }
         }
@@ -188,7 +194,8 @@ fn unwrapped_box() -> MeshDesc {
         let (first, mut known) = (mesh.positions.len() as u32, HashMap::new());
         let (column, row) = ((face % 3) as f64, (face / 3) as f64);
         let corners = two[0].map(|i| positions[i as usize]);
-        let across = (0..3).find(|&axis| corners.iter().all(|p| p[axis] == corners[0][axis])).expect("a face of a cube");
+        let across =
+            (0..3).find(|&axis| corners.iter().all(|p| p[axis] == corners[0][axis])).expect("a face of a cube");
         for corner in two.iter_mut().flatten() {
             let next = known.len() as u32;
             let number = *known.entry(*corner).or_insert(next);
