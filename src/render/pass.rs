@@ -117,6 +117,7 @@ impl Work for Pass {
             Method::Whitted => self.with_integrator(&Whitted { max_depth, shadow_rays }, pause),
             Method::Direct => self.with_integrator(&Direct { shadow_rays }, pause),
             Method::Gather(gather) => self.with_integrator(&**gather, pause),
+            Method::Radiosity(picture) => self.with_integrator(picture, pause),
         }
     }
 

@@ -12,6 +12,7 @@ mod assemble;
 mod build;
 mod describe;
 mod dress;
+mod faces;
 mod frame;
 mod geometry;
 mod info;
@@ -23,6 +24,7 @@ mod work;
 
 pub use build::BuildOptions;
 pub use describe::HitDescription;
+pub(crate) use faces::{Body, FaceNumbers};
 pub use geometry::SurfaceInteraction;
 pub use info::SceneInfo;
 pub use specular::{Ball, Kinds, SpecularPart};
