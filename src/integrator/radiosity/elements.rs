@@ -61,7 +61,6 @@ impl Node {
 /// The root of a tree of elements.
 #[derive(Clone, Debug)]
 pub(super) struct Patch {
-    pub face: u32,
     pub surface: u32,
     pub is_front: bool,
     /// Share of irradiance that is sent back.
@@ -100,7 +99,6 @@ pub(super) struct Elements {
     sides: Vec<[Side; 2]>,
     /// Square of the longest side below which nothing is divided.
     least2: f64,
-    pub extent: f64,
     /// Bytes that may be used.
     limit: usize,
 }
@@ -125,12 +123,11 @@ impl Elements {
         let bounds = &scene.info().bounds;
         let extent = if bounds.is_empty() { 1.0 } else { (bounds.max - bounds.min).length().max(f64::MIN_POSITIVE) };
         let least = size.unwrap_or(extent / 64.0);
-        let mut elements = Self { least2: least * least, extent, limit, top: NONE, ..Self::default() };
+        let mut elements = Self { least2: least * least, limit, top: NONE, ..Self::default() };
         elements.check(2 * scene.face_count() * BYTES_A_PATCH)?;
         let albedos: Vec<DVec3> = (0..scene.info().materials).map(|i| mean_albedo(&scene.material(i as u32).bsdf)).collect();
         let mut welds = Welds::new();
         let mut roots = Vec::new();
-        let mut face_number = 0;
         scene.each_face(|face| {
             let albedo = albedos[face.material as usize];
             let emitted = std::f64::consts::PI * face.emission.as_dvec3();
@@ -163,7 +160,6 @@ impl Elements {
                         corners.map(|p| elements.welded(&mut welds, p, (face.surface, is_front), normal, least));
                     let patch = elements.patches.len() as u32;
                     elements.patches.push(Patch {
-                        face: face_number,
                         surface: face.surface,
                         is_front,
                         albedo,
@@ -177,7 +173,6 @@ impl Elements {
                 }
             }
             elements.sides.push(sides);
-            face_number += 1;
             elements.check(roots.len() * BYTES_A_PATCH)
         })?;
         elements.cluster(roots);
@@ -481,7 +476,7 @@ impl Elements {
     }
 }
 
-fn empty() -> Node {
+pub(super) fn empty() -> Node {
     Node {
         centre: DVec3::ZERO,
         normal: DVec3::ZERO,

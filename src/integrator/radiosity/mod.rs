@@ -35,6 +35,7 @@ mod light;
 mod links;
 mod picture;
 mod refine;
+mod shoot;
 mod solve;
 mod tessellate;
 mod vertices;
@@ -45,7 +46,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
 use crate::control::Parallel;
-use crate::desc::{RadiosityDesc, check_radiosity};
+use crate::desc::{RadiosityDesc, RadiositySolver, check_radiosity};
 use crate::error::Result;
 use crate::math::{DVec3, Vec3};
 use crate::scene::{FaceNumbers, Hit, Scene};
@@ -129,16 +130,32 @@ impl Radiosity {
         }
         let is_dark = scene.emitters().is_dark();
         let shared: Shared = Arc::new(RwLock::new(Network::new(scene, elements)));
-        let mut course = Course::default();
+        let (mut course, mut ambient) = (Course::default(), DVec3::ZERO);
         if !is_dark && !read(&shared).judge.elements.patches.is_empty() {
             link(&shared, desc, parallel)?;
-            course = solve::gather(&shared, desc.iterations, desc.tolerance, parallel)?;
+            (course, ambient) = match desc.solver {
+                // The last of a number of bounces is gathered at the vertices.
+                RadiositySolver::Gather => {
+                    let bounces = desc.iterations.map(|count| count.saturating_sub(1));
+                    let course = solve::gather(&shared, bounces, desc.tolerance, parallel)?;
+                    (Course { iterations: desc.iterations.unwrap_or(course.iterations), ..course }, DVec3::ZERO)
+                }
+                RadiositySolver::Shoot => shoot::shoot(&shared, desc.iterations, desc.tolerance, parallel)?,
+            };
         } else {
             let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
             network.first = vec![0; network.judge.elements.nodes.len() + 1];
         }
-        let found = solve::irradiances(&shared, parallel)?;
-        let irradiance = vertices::vertices(&shared, parallel)?;
+        let mut found = solve::irradiances(&shared, parallel)?;
+        let mut irradiance = vertices::vertices(&shared, parallel)?;
+        if desc.iterations == Some(0) {
+            found.iter_mut().for_each(|(_, e)| *e = DVec3::ZERO);
+            irradiance.fill(Rgb::ZERO);
+        }
+        if desc.ambient {
+            let ambient = ambient.as_vec3a();
+            irradiance.iter_mut().for_each(|e| *e += ambient);
+        }
         let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
         let mut summary = RadiositySummary {
             links: network.links.len(),

@@ -76,7 +76,7 @@ impl Network {
     }
 
     /// Puts the links in the order of their receivers.
-    fn sort(&mut self) {
+    pub fn sort(&mut self) {
         self.links.sort_by_key(|link| (link.receiver, link.source));
         let nodes = self.judge.elements.nodes.len();
         self.first = Vec::with_capacity(nodes + 1);

@@ -243,3 +243,97 @@ pub(super) fn gather(
     }
     Ok(course)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::RwLock;
+
+    use super::super::elements::{Node, Patch, empty};
+    use super::super::shoot::shoot;
+    use super::*;
+    use crate::control::Alone;
+    use crate::desc::SceneDesc;
+    use crate::scene::{BuildOptions, Scene};
+
+    /// A unit cube with one patch a face, of which the first emits 1 W m^-2; its exact form factors.
+    fn cube(albedo: f64) -> Shared {
+        const OPPOSITE: f64 = 0.199_824_895_698_387_4;
+        const BESIDE: f64 = 0.200_043_776_075_403_2;
+        let mut elements = Elements { top: NONE, ..Elements::default() };
+        for face in 0..6_u32 {
+            elements.nodes.push(Node { patch: face, area: 1.0, parent: NONE, ..empty() });
+            elements.patches.push(Patch {
+                surface: face,
+                is_front: true,
+                albedo: DVec3::splat(albedo),
+                emitted: if face == 0 { DVec3::ONE } else { DVec3::ZERO },
+                shape: NONE,
+                node: face,
+                error: 0.0,
+            });
+        }
+        let scene = Scene::build(&SceneDesc::default(), &BuildOptions::default()).unwrap();
+        let mut network = Network::new(&scene, elements);
+        for (receiver, source) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
+            if receiver != source {
+                // In full precision: a factor of single precision, and what it lacks as a second link.
+                let exact = if receiver / 2 == source / 2 { OPPOSITE } else { BESIDE };
+                let coarse = exact as f32;
+                for factor in [coarse, (exact - f64::from(coarse)) as f32] {
+                    let link = Link { receiver, source, factor, visible: 1.0, error: 0.0, kind: Kind::Element };
+                    network.links.push(link);
+                }
+            }
+        }
+        network.sort();
+        Arc::new(RwLock::new(network))
+    }
+
+    #[test]
+    fn cube_with_one_patch_a_face() {
+        for (albedo, expected) in [
+            (0.5, [1.090_909_098_11, 0.181_745_826_108, 0.181_836_268_946]),
+            (0.8, [1.551_724_153_64, 0.689_551_070_738, 0.689_681_193_904]),
+        ] {
+            let check = |shared: &Shared, how: &str, tolerance: f64| {
+                let network = shared.read().unwrap();
+                for (face, expected) in [0, 1, 2, 3, 4, 5].into_iter().zip([0, 1, 2, 2, 2, 2].map(|i| expected[i])) {
+                    let b = network.judge.sent.b[face].x;
+                    assert!((b - expected).abs() < tolerance, "{how}, albedo {albedo}, face {face}: {b} {expected}");
+                }
+            };
+            let shared = cube(albedo);
+            let course = gather(&shared, None, 1e-9, &mut Alone::default()).unwrap();
+            check(&shared, "gathered", 1e-8);
+            assert!(course.bound < 1e-8 && course.iterations < 100, "{course:?}");
+
+            let shared = cube(albedo);
+            gather(&shared, Some(150), 0.5, &mut Alone::default()).unwrap();
+            check(&shared, "bounces", 1e-8);
+
+            let shared = cube(albedo);
+            let (course, _) = shoot(&shared, None, 1e-9, &mut Alone::default()).unwrap();
+            check(&shared, "shot", 1e-8);
+            assert!(course.bound < 1e-8, "{course:?}");
+        }
+    }
+
+    /// After so many bounces the rest is within the bound that was told.
+    #[test]
+    fn bounds_hold() {
+        let exact = cube(0.8);
+        gather(&exact, None, 1e-12, &mut Alone::default()).unwrap();
+        let sum = |shared: &Shared| shared.read().unwrap().judge.sent.b.iter().map(|b| b.x).sum::<f64>();
+        for iterations in [1, 2, 5, 20] {
+            let shared = cube(0.8);
+            let course = gather(&shared, Some(iterations), 0.5, &mut Alone::default()).unwrap();
+            let left = (sum(&exact) - sum(&shared)) / sum(&shared);
+            assert!(left <= course.bound && left > 0.2 * course.bound, "{iterations}: {left} {course:?}");
+
+            let shared = cube(0.8);
+            let (course, ambient) = shoot(&shared, Some(iterations), 0.5, &mut Alone::default()).unwrap();
+            let left = sum(&exact) - sum(&shared);
+            assert!(left > 0.0 && ambient.x >= 0.0, "{iterations}: {left} {course:?}");
+        }
+    }
+}
