@@ -6,7 +6,8 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use etendue::bake::{MAX_GUTTER, MAX_SIDE};
 use etendue::desc::{
-    FilterDesc, IntegratorDesc, MAX_PHOTONS, MAX_SHADOW_RAYS, PhotonDesc, RADII, RenderDesc, SamplerDesc,
+    FilterDesc, IntegratorDesc, MAX_PHOTONS, MAX_RADIOSITY_ITERATIONS, MAX_SHADOW_RAYS, PhotonDesc, RADII,
+    RadiosityDesc, RadiositySolver, RenderDesc, SamplerDesc,
 };
 use etendue::film::ErrorMeasure;
 use etendue::math::DVec3;
@@ -101,6 +102,26 @@ pub struct RenderArgs {
     /// Radius of caustics in scene units, in place of the scene's.
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = parse_radius)]
     pub caustic_radius: Option<f64>,
+    /// Radiosity: iterations, or none to go on until little is left. Gathered ones are bounces of light.
+    #[arg(long, value_name = "N|none", value_parser = parse_iterations)]
+    pub iterations: Option<Iterations>,
+    /// Radiosity: longest side below which elements are not divided, in scene units, in place of the scene's.
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = parse_radius)]
+    pub element_size: Option<f64>,
+    /// Radiosity: what one link between elements may be wrong by, in thousandths of all irradiance.
+    #[arg(long, value_name = "E", value_parser = parse_link_error)]
+    pub radiosity_error: Option<f64>,
+    /// Radiosity: how the system is solved.
+    #[arg(long, value_enum)]
+    pub radiosity_solver: Option<Solver>,
+    /// Radiosity: light that was not yet distributed is shown as its mean; alone it means on.
+    #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "on", hide_possible_values = true)]
+    pub ambient: Option<Switch>,
+    /// Radiosity: direct light from light samples, indirect light from a ray into the solution; alone it means on.
+    #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "on", hide_possible_values = true)]
+    pub final_gather: Option<Switch>,
     /// Greatest number of surface hits on a path, or none for no cut.
     #[arg(long, value_name = "N|none", value_parser = parse_depth)]
     pub max_depth: Option<Depth>,
@@ -195,6 +216,9 @@ pub struct BakeArgs {
     #[arg(short, long, value_name = "PREFIX")]
     pub output: PathBuf,
 
+    /// How light is found.
+    #[arg(long, value_enum, default_value_t = BakeMethod::Path)]
+    pub method: BakeMethod,
     /// Only the light map, or only the vertices, instead of both.
     #[arg(long, value_enum)]
     pub only: Option<BakeTarget>,
@@ -250,6 +274,14 @@ pub struct BakeArgs {
     /// No progress and no summary; warnings and errors stay.
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum BakeMethod {
+    /// Path tracing: everything, with noise whose size is known.
+    Path,
+    /// Radiosity: without noise, for diffuse scenes; elements as small as texels, unless the scene says how large.
+    Radiosity,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -374,6 +406,8 @@ pub enum Integrator {
     Photon,
     /// Indirect light interpolated between final gathers.
     IrradianceCache,
+    /// The diffuse scene solved as a whole, for every view of it.
+    Radiosity,
     /// Progressive photon mapping.
     Ppm,
     /// Stochastic progressive photon mapping.
@@ -403,6 +437,14 @@ pub enum Sampler {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Solver {
+    /// Every element gathers from all others, again and again.
+    Gather,
+    /// The patch that has most light left shoots it.
+    Shoot,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Tone {
     /// Divide by the largest value of the image.
     Maximum,
@@ -428,6 +470,10 @@ impl From<Tone> for ToneMap {
 /// A path length; `None` cuts nothing. A type of its own because clap gives `Option` a meaning.
 #[derive(Clone, Copy, Debug)]
 pub struct Depth(pub Option<u32>);
+
+/// Iterations; `None` until little is left.
+#[derive(Clone, Copy, Debug)]
+pub struct Iterations(pub Option<u32>);
 
 impl RenderArgs {
     /// The error to stop at, and what it is measured by.
@@ -459,6 +505,7 @@ impl RenderArgs {
                 Integrator::Caustic => IntegratorDesc::Caustic,
                 Integrator::Photon => IntegratorDesc::Photon,
                 Integrator::IrradianceCache => IntegratorDesc::IrradianceCache,
+                Integrator::Radiosity => IntegratorDesc::Radiosity,
                 Integrator::Ppm => IntegratorDesc::Ppm,
                 Integrator::Sppm => IntegratorDesc::Sppm,
                 Integrator::Auto => IntegratorDesc::Auto,
@@ -473,6 +520,18 @@ impl RenderArgs {
                 ..scene.photons.clone()
             },
             cache: scene.cache.clone(),
+            radiosity: RadiosityDesc {
+                element_size: self.element_size.or(scene.radiosity.element_size),
+                error: self.radiosity_error.unwrap_or(scene.radiosity.error),
+                iterations: self.iterations.map_or(scene.radiosity.iterations, |iterations| iterations.0),
+                solver: self.radiosity_solver.map_or(scene.radiosity.solver, |solver| match solver {
+                    Solver::Gather => RadiositySolver::Gather,
+                    Solver::Shoot => RadiositySolver::Shoot,
+                }),
+                ambient: self.ambient.map_or(scene.radiosity.ambient, |ambient| ambient == Switch::On),
+                final_gather: self.final_gather.map_or(scene.radiosity.final_gather, |gather| gather == Switch::On),
+                ..scene.radiosity.clone()
+            },
             seed: self.seed.unwrap_or(scene.seed),
         }
     }
@@ -535,6 +594,20 @@ fn parse_depth(text: &str) -> Result<Depth, String> {
     }
     let depth = text.parse::<u32>().ok().filter(|depth| *depth > 0);
     depth.map(|depth| Depth(Some(depth))).ok_or_else(|| "expected a number above 0, or none".to_owned())
+}
+
+fn parse_iterations(text: &str) -> Result<Iterations, String> {
+    if text == "none" {
+        return Ok(Iterations(None));
+    }
+    let count = text.parse::<u32>().ok().filter(|count| *count <= MAX_RADIOSITY_ITERATIONS);
+    let wrong = || format!("expected a number up to {MAX_RADIOSITY_ITERATIONS}, or none");
+    count.map(|count| Iterations(Some(count))).ok_or_else(wrong)
+}
+
+fn parse_link_error(text: &str) -> Result<f64, String> {
+    let error = text.parse::<f64>().ok().filter(|error| *error >= 1e-6 && *error <= 1000.0);
+    error.ok_or_else(|| "expected a number from 1e-6 to 1000, such as 5".to_owned())
 }
 
 fn parse_exposure(text: &str) -> Result<f32, String> {

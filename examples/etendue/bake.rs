@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use etendue::Cancel;
-use etendue::bake::{Atlas, AtlasOptions, Bake, Baked, Layout, VertexOptions, Vertices};
+use etendue::bake::{Atlas, AtlasOptions, Bake, Baked, Layout, VertexOptions, Vertices, by_radiosity};
 use etendue::desc::{RenderDesc, SceneDesc};
 use etendue::film::ErrorEstimate;
 use etendue::integrator::Sites;
@@ -16,7 +16,7 @@ use etendue::render::{MOST_SAMPLES, RenderSettings, Summary, Workers};
 use etendue::scene::Scene;
 use serde_json::{Value, json};
 
-use crate::args::{BakeArgs, BakeLayout, BakeTarget};
+use crate::args::{BakeArgs, BakeLayout, BakeMethod, BakeTarget};
 use crate::console::{self, Bar};
 use crate::{Failure, interrupt, render};
 
@@ -128,13 +128,14 @@ impl Baker<'_> {
         let atlas = Atlas::new(self.scene, &options, &Cancel::new())?;
         let laid_out = began.elapsed();
         atlas.warnings().iter().for_each(console::warn);
-        let (baked, summary) = self.run(atlas.sites(), "texels")?;
+        let (baked, summary) = self.run(atlas.sites(), Some(1.0 / atlas.texels_per_unit()), "texels")?;
         let map = atlas.light_map(&baked);
         let mut attributes = output::summary_attributes(&summary);
         attributes.push(("texelsPerUnit".to_owned(), output::Attribute::Number(atlas.texels_per_unit())));
         let comments = format!(
-            "light map of scene {}: irradiance [W m^-2], bottom row at v = 0; side {}; samples per texel {}; seed {}",
+            "light map of scene {}: irradiance [W m^-2], bottom row at v = 0; {:?}; side {}; samples per texel {}; seed {}",
             self.args.scene.display(),
+            self.args.method,
             if self.args.back { "back" } else { "front" },
             summary.samples,
             self.settings.desc.seed
@@ -168,7 +169,7 @@ impl Baker<'_> {
     fn vertices(&self, files: &Files) -> Result<Part, Failure> {
         let options = VertexOptions { spacing: self.args.spacing, memory: self.args.memory };
         let vertices = Vertices::new(self.scene, &options, &Cancel::new())?;
-        let (baked, summary) = self.run(vertices.sites(), "vertices")?;
+        let (baked, summary) = self.run(vertices.sites(), self.args.spacing, "vertices")?;
         let irradiance = vertices.spread(&baked.irradiance);
         let values = VertexValues {
             radiosity: &vertices.radiosity(&irradiance),
@@ -184,7 +185,11 @@ impl Baker<'_> {
         Ok(Part { json, stopped: summary.stopped })
     }
 
-    fn run(&self, sites: &Arc<Sites>, what: &str) -> Result<(Baked, Summary), Failure> {
+    /// `spacing`: how far apart sites are, about.
+    fn run(&self, sites: &Arc<Sites>, spacing: Option<f64>, what: &str) -> Result<(Baked, Summary), Failure> {
+        if self.args.method == BakeMethod::Radiosity {
+            return self.solve(sites, spacing);
+        }
         let mut bake = Bake::new(self.scene, sites, self.settings.clone(), !self.args.back)?;
         interrupt::begin();
         let bar = Bar::new(self.args.quiet);
@@ -199,6 +204,16 @@ impl Baker<'_> {
         Ok((bake.irradiance(), summary))
     }
 
+    fn solve(&self, sites: &Arc<Sites>, spacing: Option<f64>) -> Result<(Baked, Summary), Failure> {
+        let began = Instant::now();
+        interrupt::begin();
+        let mut look_up = || if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let made = by_radiosity(self.scene, sites, &self.settings, spacing, !self.args.back, &mut look_up);
+        let (baked, solution) = made.map_err(Failure::running)?;
+        let summary = Summary { elapsed: began.elapsed(), notes: solution.notes().to_vec(), ..Summary::default() };
+        Ok((baked, summary))
+    }
+
     fn report(&self, summary: &Summary, what: &str) {
         if self.args.quiet {
             return;
@@ -209,7 +224,10 @@ impl Baker<'_> {
         let ended = if summary.stopped { "stopped after" } else { "done in" };
         let time = console::duration(summary.elapsed.as_secs_f64());
         let rate = console::ray_rate(summary.rays, summary.elapsed);
-        let mut line = format!("{what}: {ended} {time}, {} samples each, {rate}", summary.samples);
+        let mut line = format!("{what}: {ended} {time}");
+        if summary.samples > 0 {
+            line += &format!(", {} samples each, {rate}", summary.samples);
+        }
         if let Some(error) = summary.rel_mse {
             line += &format!(", relMSE {:.2e} ± {:.0e}", error.value, error.standard_error);
         }
@@ -243,6 +261,7 @@ fn write_summary(
     let summary = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "scene": args.scene.display().to_string(),
+        "method": format!("{:?}", args.method).to_lowercase(),
         "side": if args.back { "back" } else { "front" },
         "surfaces": names,
         "map": map.map(|part| &part.json),

@@ -2,7 +2,7 @@
 //!
 //! An [`Atlas`] gives every point of every surface a place of its own in a square of texels; [`Vertices`] take the vertices
 //! instead. A [`Bake`] finds the irradiance [W m^-2] of each by path tracing, so that scenes with mirrors and glass can be baked as
-//! well, with the errors, budgets and threads of any other render. A Lambert surface of albedo a is seen with the radiance
+//! well, with the errors, budgets and threads of any other render; [`by_radiosity`] takes it from a radiosity solution instead. A Lambert surface of albedo a is seen with the radiance
 //! a / pi times that, and what it emits.
 //!
 //! A poor choice for what is looked at once: an image costs less. And for surfaces that are not diffuse, of which irradiance
@@ -39,6 +39,7 @@ mod map;
 mod overlap;
 mod own;
 mod pack;
+mod radiosity;
 mod raster;
 mod vertices;
 
@@ -46,6 +47,7 @@ pub use atlas::{
     Atlas, AtlasOptions, AtlasSurface, AtlasVertex, ChartPlace, DEFAULT_SIDE, Layout, MAX_GUTTER, MAX_SIDE,
 };
 pub use map::LightMap;
+pub use radiosity::by_radiosity;
 pub use vertices::{LitVertex, VertexOptions, Vertices};
 
 use std::ops::ControlFlow;

@@ -1,12 +1,12 @@
 //! Light maps: layouts, and irradiance into arrays of the host.
 
-use std::ffi::{c_char, c_void};
+use std::ffi::c_char;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::boundary::{
-    Header, Object, UserData, give, need, object, on, read_sized, release, retain, take_status, write_sized,
+    Header, Object, give, need, object, on, read_sized, release, retain, take_status, write_sized,
 };
 use super::read;
 use super::scene::etd_scene;
@@ -14,9 +14,10 @@ use super::status::{ETD_CANCELLED, Failure, Result, etd_status};
 use super::task::{settings_of, summary_out};
 use super::types::*;
 use crate::Cancel;
-use crate::bake::{Atlas, AtlasOptions, Bake, Baked, Layout, VertexOptions, Vertices};
+use crate::bake::{Atlas, AtlasOptions, Bake, Baked, Layout, VertexOptions, Vertices, by_radiosity};
+use crate::desc::IntegratorDesc;
 use crate::integrator::Sites;
-use crate::render::Summary;
+use crate::render::{Progress, Summary};
 use crate::scene::Scene;
 
 /// The layout of a light map, and the scene that it is of, as it was built then.
@@ -313,10 +314,11 @@ unsafe fn copy<T>(
     Ok(())
 }
 
-/// Bakes the light map of an atlas by path tracing into the host's array: irradiance [W m^-2], seams padded.
+/// Bakes the light map of an atlas into the host's array: irradiance [W m^-2], seams padded.
 ///
-/// `options`: NULL for the scene's own settings; integrator, filter and `finished` are not looked at, depth counts the texel as the
-/// first hit, and "pixels" are texels here. `target`: three floats for each texel, `[height][width]`, row 0 at v = 0; with the
+/// `options`: NULL for the scene's own settings. `ETD_INTEGRATOR_RADIOSITY` takes it from a radiosity solution (elements as small as
+/// texels unless a size is given; NaN for standard errors; when it is stopped nothing is written), any other integrator means
+/// path tracing. Filter and `finished` are not looked at, depth counts the texel as the first hit, and "pixels" are texels here. `target`: three floats for each texel, `[height][width]`, row 0 at v = 0; with the
 /// standard error likewise, if it is asked for. `out_summary`: NULL, or filled. Texels that no triangle covers have the values of
 /// the nearest one of their chart, and are 0 beyond the gutter.
 ///
@@ -339,7 +341,8 @@ pub unsafe extern "C" fn etd_atlas_bake(
             let side = atlas.atlas.side() as usize;
             let target = Target::new(target, [side, side])?;
             let job = Job::new(&atlas.scene, options, out_summary)?;
-            let (baked, summary) = job.run(&atlas.built, atlas.atlas.sites(), target.front)?;
+            let texel = 1.0 / atlas.atlas.texels_per_unit();
+            let (baked, summary) = job.run(&atlas.built, atlas.atlas.sites(), Some(texel), target.front)?;
             let map = atlas.atlas.light_map(&baked);
             target.write(&map.irradiance, &map.standard_error);
             job.finish(&summary, out_summary)
@@ -347,7 +350,7 @@ pub unsafe extern "C" fn etd_atlas_bake(
     }
 }
 
-/// Bakes the vertices of one surface by path tracing into the host's array: irradiance [W m^-2]; builds the scene first where it has
+/// Bakes the vertices of one surface into the host's array: irradiance [W m^-2]; builds the scene first where it has
 /// changed.
 ///
 /// `surface`: number of the surface. `target`: three floats for each vertex; of a mesh for all its vertices in their order, of a
@@ -381,7 +384,7 @@ pub unsafe extern "C" fn etd_scene_bake_vertices(
                 vertices => vertices?,
             };
             let target = Target::new(target, [vertices.vertices().len(), 1])?;
-            let (baked, summary) = job.run(&built, vertices.sites(), target.front)?;
+            let (baked, summary) = job.run(&built, vertices.sites(), None, target.front)?;
             target.write(&vertices.spread(&baked.irradiance), &vertices.spread(&baked.standard_error));
             job.finish(&summary, out_summary)
         })
@@ -502,32 +505,55 @@ impl<'a> Job<'a> {
         Ok(job)
     }
 
-    fn run(&self, built: &Scene, sites: &Arc<Sites>, front: bool) -> Result<(Baked, Summary)> {
+    /// `texel`: the length of one, where there are any.
+    fn run(
+        &self,
+        built: &Scene,
+        sites: &Arc<Sites>,
+        texel: Option<f64>,
+        front: bool,
+    ) -> Result<(Baked, Summary)> {
         let start = Instant::now();
         let settings = settings_of(&self.options, [1, 1], &self.scene.device, &self.cancel)?;
+        if settings.desc.integrator == IntegratorDesc::Radiosity {
+            let mut look_up = || self.tell(start, 0.0, None);
+            let (baked, solution) = by_radiosity(built, sites, &settings, texel, front, &mut look_up)?;
+            let notes = solution.notes().to_vec();
+            let summary = Summary { elapsed: start.elapsed(), notes, ..Summary::default() };
+            self.log(&summary);
+            return Ok((baked, summary));
+        }
         let mut bake = Bake::new(built, sites, settings, front)?;
-        let user_data = UserData(self.options.user_data);
         let mut most = 0.0_f64;
         let summary = bake.run(&mut |progress| {
-            let Some(tell) = self.options.progress else { return ControlFlow::Continue(()) };
             most = most.max(progress.fraction);
-            let report = etd_progress {
-                struct_size: size_of::<etd_progress>(),
-                fraction: most,
-                elapsed: start.elapsed().as_secs_f64(),
-                rays: progress.rays,
-                samples_done: progress.samples_done,
-                samples_total: progress.samples_total,
-                phase: ETD_PHASE_RENDER,
-                images: 0,
-            };
-            // SAFETY: the host gave the function for this; the report lives during the call.
-            let answer = unsafe { tell(user_data.0 as *mut c_void, &raw const report) };
-            if answer == 0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            self.tell(start, most, Some(progress))
         })?;
+        self.log(&summary);
+        Ok((bake.irradiance(), summary))
+    }
+
+    /// Tells the host how far it is, if it wants to know; whether to go on.
+    fn tell(&self, start: Instant, fraction: f64, progress: Option<&Progress>) -> ControlFlow<()> {
+        let Some(tell) = self.options.progress else { return ControlFlow::Continue(()) };
+        let report = etd_progress {
+            struct_size: size_of::<etd_progress>(),
+            fraction,
+            elapsed: start.elapsed().as_secs_f64(),
+            rays: progress.map_or(0, |progress| progress.rays),
+            samples_done: progress.map_or(0, |progress| progress.samples_done),
+            samples_total: progress.map_or(0, |progress| progress.samples_total),
+            phase: ETD_PHASE_RENDER,
+            images: 0,
+        };
+        // SAFETY: the host gave the function for this; the report lives during the call.
+        let answer = unsafe { tell(self.options.user_data, &raw const report) };
+        if answer == 0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    }
+
+    fn log(&self, summary: &Summary) {
         let callbacks = self.scene.device.callbacks();
         summary.notes.iter().for_each(|note| callbacks.log(ETD_LOG_WARNING, note));
-        Ok((bake.irradiance(), summary))
     }
 
     /// # Safety

@@ -38,6 +38,8 @@ mod numbers {
     /// The enumeration of this name, as a number.
     pub type EtdSwitch = u32;
     /// The enumeration of this name, as a number.
+    pub type EtdRadiositySolver = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdErrorMeasure = u32;
     /// The enumeration of this name, as a number.
     pub type EtdLayer = u32;
@@ -57,7 +59,7 @@ pub use numbers::*;
 pub use {
     etd_atlas_layout::*, etd_bsdf::*, etd_cache_source::*, etd_camera_type::*, etd_ended::*, etd_error_measure::*,
     etd_filter::*, etd_format::*, etd_fov_axis::*, etd_integrator::*, etd_layer::*, etd_log_level::*, etd_phase::*,
-    etd_photon_kernel::*, etd_photon_sharing::*, etd_position_format::*, etd_sampler::*, etd_sharing::*, etd_side::*,
+    etd_photon_kernel::*, etd_photon_sharing::*, etd_position_format::*, etd_radiosity_solver::*, etd_sampler::*, etd_sharing::*, etd_side::*,
     etd_switch::*, etd_text::*, etd_tone_map::*, etd_usage::*,
 };
 
@@ -377,6 +379,8 @@ pub enum etd_integrator {
     ETD_INTEGRATOR_SPPM = 8,
     /// Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
     ETD_INTEGRATOR_AUTO = 9,
+    /// Radiosity: the diffuse scene solved as a whole, for every view of it.
+    ETD_INTEGRATOR_RADIOSITY = 10,
 }
 
 /// How photons weigh by their distance d within the radius r of a density estimate.
@@ -413,6 +417,16 @@ pub enum etd_cache_source {
     ETD_CACHE_SOURCE_PHOTONS = 1,
 }
 
+/// How a radiosity system is solved.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_radiosity_solver {
+    /// Every element gathers from all others, again and again.
+    ETD_RADIOSITY_SOLVER_GATHER = 0,
+    /// The patch that has most light left shoots it: progressive refinement.
+    ETD_RADIOSITY_SOLVER_SHOOT = 1,
+}
+
 /// Whether something is done.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -438,7 +452,7 @@ pub enum etd_error_measure {
 
 /// How to render and when to stop: at whichever of samples, time and error is reached first.
 ///
-/// From `photon_radius` on: settings of photon maps and of the irradiance cache, which only the integrators that use them
+/// From `photon_radius` on: settings of photon maps, the irradiance cache and radiosity, which only the integrators that use them
 /// look at (docs/scene-format.md says which) and in which 0 always stands for the default.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -525,6 +539,28 @@ pub struct etd_render_options {
     /// `target_error` is set. Only with the samplers Sobol' and random, and not where photon maps are made anew for each
     /// pass: there all pixels have the same number, and the log callback is told.
     pub adaptive: EtdSwitch,
+
+    /// Of `ETD_INTEGRATOR_RADIOSITY`, as all that follows: elements whose longest side is no longer than this are not divided
+    /// any more, scene units, 1e-18 to 1e18; 0: a 64th of the extent of the scene.
+    pub radiosity_element_size: f64,
+    /// What one link between elements may be wrong by, in thousandths of all irradiance, up to 1000; 0 means 5.
+    pub radiosity_error: f64,
+    /// Share of the solution that may be left to iterate for, below 1; 0 means 0.0001.
+    pub radiosity_tolerance: f64,
+    /// Iterations, 2^24 at most: bounces of light, or patches that shoot; `UINT32_MAX`: none, light sources alone; 0: until
+    /// what is left is below `radiosity_tolerance`.
+    pub radiosity_iterations: u32,
+    /// An `etd_radiosity_solver`.
+    pub radiosity_solver: EtdRadiositySolver,
+    /// An `etd_switch`: whether light that was shot but not distributed yet is shown as its mean; by default it is not.
+    pub radiosity_ambient: EtdSwitch,
+    /// An `etd_switch`: whether pictures take direct light from light samples and indirect light from a ray into the solution,
+    /// instead of interpolating it; by default they do not.
+    pub radiosity_final_gather: EtdSwitch,
+    /// Most memory of elements and links, MiB, 2^20 at most; 0 means 1024.
+    pub radiosity_memory: u32,
+    /// Must be 0.
+    pub reserved_2: u32,
 }
 
 /// What work is at.

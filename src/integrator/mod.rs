@@ -9,6 +9,7 @@ pub mod irradiance_cache;
 mod light;
 mod path;
 pub mod photon;
+pub mod radiosity;
 mod whitted;
 
 pub use direct::Direct;

@@ -31,6 +31,7 @@ use crate::desc::{FilterDesc, IntegratorDesc, MAX_PIXELS, MAX_SHADOW_RAYS, Rende
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, SampleCounts, TILE};
 use crate::integrator::photon::{Choice, Gather, Plan, choose};
+use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
 use crate::integrator::{Irradiance, Path, Sites};
 use crate::sampling::Filter;
 use crate::scene::Scene;
@@ -142,6 +143,7 @@ enum Method {
     Direct,
     Gather(Box<Gather>),
     Irradiance(Irradiance),
+    Radiosity(RadiosityPicture),
 }
 
 /// A render of a scene: its film, and those who fill it.
@@ -157,6 +159,8 @@ pub struct Render {
     choice: Option<Choice>,
     /// Photon maps, where the integrator wants any.
     plan: Option<Plan>,
+    /// The solution, where the integrator is radiosity and it has been made.
+    radiosity: Option<Arc<Radiosity>>,
     /// What the pass under way is rendered with.
     method: Method,
     samples: u32,
@@ -248,7 +252,7 @@ impl Render {
         let scene = scene.clone();
         let shared = Arc::new(desc.clone());
         let plan = match integrator {
-            IntegratorDesc::Path | IntegratorDesc::Whitted | IntegratorDesc::Direct => None,
+            IntegratorDesc::Path | IntegratorDesc::Whitted | IntegratorDesc::Direct | IntegratorDesc::Radiosity => None,
             method => Some(Plan::new(&scene, &camera, &shared, method)?),
         };
         let pass_samples = plan.as_ref().and_then(Plan::samples_a_pass);
@@ -280,6 +284,7 @@ impl Render {
             workers,
             choice,
             plan,
+            radiosity: None,
             method,
             samples: 0,
             decision: 0,
@@ -390,7 +395,10 @@ impl Render {
         start: Instant,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Option<Ended>> {
-        let Some(plan) = &mut self.plan else { return Ok(None) };
+        let wants_solution = self.desc.integrator == IntegratorDesc::Radiosity && self.radiosity.is_none();
+        if self.plan.is_none() && !wants_solution {
+            return Ok(None);
+        }
         let limit = self.settings.time_limit.filter(|_| self.samples > 0);
         let (samples, rays) = (self.samples, self.rays);
         let mut crew = Crew {
@@ -404,13 +412,24 @@ impl Render {
             is_broken_off: false,
             token: Cancel::new(),
         };
-        let before = plan.rays;
-        let made = plan.gather(samples, &mut crew);
+        let made = match &mut self.plan {
+            Some(plan) => {
+                let before = plan.rays;
+                let gather = plan.gather(samples, &mut crew);
+                self.rays += plan.rays - before;
+                gather.map(|gather| Method::Gather(Box::new(gather)))
+            }
+            None => Radiosity::solve(&self.scene, &self.desc.radiosity, &mut crew).map(|solution| {
+                let solution = Arc::new(solution);
+                self.radiosity = Some(Arc::clone(&solution));
+                let (is_gather, shadow_rays) = (self.desc.radiosity.final_gather, self.desc.shadow_rays);
+                Method::Radiosity(RadiosityPicture::new(&self.scene, solution, is_gather, shadow_rays))
+            }),
+        };
         let is_cancelled = crew.is_broken_off || self.settings.cancel.is_cancelled();
-        self.rays += plan.rays - before;
         match made {
-            Ok(gather) => {
-                self.method = Method::Gather(Box::new(gather));
+            Ok(method) => {
+                self.method = method;
                 Ok(None)
             }
             Err(error) if error.kind() == ErrorKind::Cancelled => {
@@ -462,6 +481,7 @@ impl Render {
             IntegratorDesc::Whitted | IntegratorDesc::Direct => Some("of light that is scattered more often"),
             IntegratorDesc::PhotonDirect | IntegratorDesc::Photon => Some("of photon maps that are made once"),
             IntegratorDesc::IrradianceCache => Some("of the irradiance cache"),
+            IntegratorDesc::Radiosity => Some("of the radiosity solution"),
             _ if self.desc.max_depth.is_some() => Some("of paths that are cut"),
             _ => None,
         }
@@ -473,7 +493,8 @@ impl Render {
             notes.push(format!("auto chose {}: {}", choice.integrator.name(), choice.why));
         }
         notes.extend(self.plan.iter().flat_map(|plan| plan.notes().iter().cloned()));
-        if let Some(depth) = self.settings.desc.max_depth {
+        notes.extend(self.radiosity.iter().flat_map(|solution| solution.notes().iter().cloned()));
+        if let Some(depth) = self.settings.desc.max_depth.filter(|_| self.radiosity.is_none()) {
             notes.push(format!("paths were cut after {depth} hits (maxDepth): the image is too dark"));
         }
         if self.settings.desc.sampler == SamplerDesc::Gaussian && self.settings.desc.filter != FilterDesc::Box {
@@ -507,6 +528,31 @@ impl Render {
             notes,
         }
     }
+}
+
+/// Has work of equal pieces done by those who would do a render of these settings, until it is done, or `look_up`, asked now and then
+/// on the calling thread, answers with `Break`.
+///
+/// # Errors
+/// Those of the work; [`ErrorKind::Cancelled`] if it was stopped, by the time limit too.
+pub(crate) fn with_crew<R>(
+    settings: &RenderSettings,
+    look_up: &mut dyn FnMut() -> ControlFlow<()>,
+    work: impl FnOnce(&mut Crew) -> Result<R>,
+) -> Result<R> {
+    let workers = match &settings.workers {
+        Some(workers) => workers.clone(),
+        None => Workers::pool(settings.threads)?,
+    };
+    let mut crew = Crew {
+        workers: &workers,
+        cancel: &settings.cancel,
+        deadline: settings.time_limit.and_then(|limit| Instant::now().checked_add(limit)),
+        look_up: &mut || look_up().is_break(),
+        is_broken_off: false,
+        token: Cancel::new(),
+    };
+    work(&mut crew)
 }
 
 /// Parameters within which a filter is one.

@@ -171,6 +171,7 @@ impl Work for Pass {
             Method::Whitted => self.with_subject(&View(&Whitted { max_depth, shadow_rays }), pause),
             Method::Direct => self.with_subject(&View(&Direct { shadow_rays }), pause),
             Method::Gather(gather) => self.with_subject(&View(&**gather), pause),
+            Method::Radiosity(picture) => self.with_subject(&View(picture), pause),
             Method::Irradiance(irradiance) => self.with_subject(irradiance, pause),
         }
     }

@@ -1,7 +1,7 @@
 //! Surfaces as triangles, for whoever wants to go over all of a scene's surfaces instead of asking rays.
 
 use super::geometry::{self, Geometry, Triangles};
-use super::{IN_LIST, Scene, SurfaceInteraction};
+use super::{Hit, IN_LIST, Scene, SurfaceInteraction};
 use crate::Cancel;
 use crate::Result;
 use crate::math::{DVec3, Vec3};
@@ -193,6 +193,11 @@ impl Scene {
 impl Facet {
     fn triangle(geometry: u32, primitive: u32) -> Self {
         Self { geometry, primitive, corners: [[0.0; 3]; 3] }
+    }
+
+    /// What a ray meets that comes to this point.
+    pub(crate) fn hit(&self, b1: f32, b2: f32) -> Hit {
+        Hit { t: 0.0, u: b1, v: b2, primitive: self.primitive, geometry: self.geometry }
     }
 
     /// The point of an analytic shape over that of the flat facet.

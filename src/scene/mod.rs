@@ -12,6 +12,7 @@ mod assemble;
 mod build;
 mod describe;
 mod dress;
+mod faces;
 mod facets;
 mod frame;
 mod geometry;
@@ -24,6 +25,7 @@ mod work;
 
 pub use build::BuildOptions;
 pub use describe::HitDescription;
+pub(crate) use faces::{Body, FaceNumbers};
 pub use facets::{Facet, SurfaceMesh};
 pub use geometry::SurfaceInteraction;
 pub use info::SceneInfo;

@@ -101,6 +101,7 @@ static void enumerations(void) {
     VALUE(ETD_INTEGRATOR_PPM);
     VALUE(ETD_INTEGRATOR_SPPM);
     VALUE(ETD_INTEGRATOR_AUTO);
+    VALUE(ETD_INTEGRATOR_RADIOSITY);
     ENUM(etd_photon_kernel);
     VALUE(ETD_PHOTON_KERNEL_DEFAULT);
     VALUE(ETD_PHOTON_KERNEL_FLAT);
@@ -112,6 +113,9 @@ static void enumerations(void) {
     ENUM(etd_cache_source);
     VALUE(ETD_CACHE_SOURCE_PATHS);
     VALUE(ETD_CACHE_SOURCE_PHOTONS);
+    ENUM(etd_radiosity_solver);
+    VALUE(ETD_RADIOSITY_SOLVER_GATHER);
+    VALUE(ETD_RADIOSITY_SOLVER_SHOOT);
     ENUM(etd_switch);
     VALUE(ETD_SWITCH_DEFAULT);
     VALUE(ETD_SWITCH_ON);
@@ -236,6 +240,15 @@ static void structures(void) {
     FIELD(etd_render_options, reserved);
     FIELD(etd_render_options, error_measure);
     FIELD(etd_render_options, adaptive);
+    FIELD(etd_render_options, radiosity_element_size);
+    FIELD(etd_render_options, radiosity_error);
+    FIELD(etd_render_options, radiosity_tolerance);
+    FIELD(etd_render_options, radiosity_iterations);
+    FIELD(etd_render_options, radiosity_solver);
+    FIELD(etd_render_options, radiosity_ambient);
+    FIELD(etd_render_options, radiosity_final_gather);
+    FIELD(etd_render_options, radiosity_memory);
+    FIELD(etd_render_options, reserved_2);
     STRUCT(etd_camera);
     FIELD(etd_camera, struct_size);
     FIELD(etd_camera, projection);
