@@ -658,8 +658,8 @@ fn bake_writes_map_atlas_vertices_and_summary() {
          "vertex-4": [1, 0, -1], "#,
         r#"{"geometry": "mesh", "file": "light.obj", "#,
     );
-    fs::write(folder.path().join("again.json"), again).unwrap();
-    let args = ["bake", "again.json", "-o", "again", "--only", "map", "--layout", "own", "--resolution", "20"];
+    fs::write(folder.path().join("own.json"), again).unwrap();
+    let args = ["bake", "own.json", "-o", "again", "--only", "map", "--layout", "own", "--resolution", "20"];
     etendue(folder.path(), args.iter().chain(&["--spp", "64"])).assert_done();
     let same = output::read(&folder.path().join("again.exr")).unwrap();
     let same_coverage = &same.layer("coverage").expect("the layer").data;
