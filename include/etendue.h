@@ -3,7 +3,7 @@
  * Generated from the library's sources; changes made here are lost.
  *
  * Objects. A device has threads and a memory limit; a scene is described, then built; a film holds the image; a task is a
- * render that was started. Each is held by a pointer with one reference, which its etd_..._release gives back; what an
+ * render that was started; an atlas lays out a light map. Each is held by a pointer with one reference, which its etd_..._release gives back; what an
  * object needs of another it keeps alive itself, so they may be released in any order. Handles that were released must
  * not be used any more: it is reported where it can be noticed, which is not always.
  *
@@ -54,12 +54,16 @@
 #define ETD_RENDER_OPTIONS_INIT \
     {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \
      NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_PHOTON_KERNEL_DEFAULT, 0, ETD_PHOTON_SHARING_POWER, \
-     ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, 0, ETD_ERROR_RELMSE, ETD_SWITCH_DEFAULT}
+     ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, 0, ETD_ERROR_RELMSE, ETD_SWITCH_DEFAULT, \
+     0, 0, 0, 0, ETD_RADIOSITY_SOLVER_GATHER, ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0}
 #define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
 #define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_ENDED_SAMPLES, 0}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
 #define ETD_MAP_INIT {sizeof(etd_map), NULL, 0, 0, 0, 0, 0}
 #define ETD_IMAGE_OPTIONS_INIT {sizeof(etd_image_options), ETD_FORMAT_FLOAT, ETD_TONE_MAP_CLAMP, 0, 0, NULL}
+#define ETD_ATLAS_OPTIONS_INIT {sizeof(etd_atlas_options), 0, 0, 0, 0, ETD_ATLAS_LAYOUT_AUTO, 0, 0}
+#define ETD_ATLAS_INFO_INIT {sizeof(etd_atlas_info), 0, 0, 0, 0, 0, 0, 0, 0}
+#define ETD_BAKE_TARGET_INIT {sizeof(etd_bake_target), NULL, NULL, 0, 0, 0, ETD_SIDE_FRONT, 0}
 #define ETD_SCENE_INFO_INIT {sizeof(etd_scene_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, 0}
 
 
@@ -511,6 +515,10 @@ enum etd_integrator
      * Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
      */
     ETD_INTEGRATOR_AUTO = 9,
+    /**
+     * Radiosity: the diffuse scene solved as a whole, for every view of it.
+     */
+    ETD_INTEGRATOR_RADIOSITY = 10,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -600,6 +608,31 @@ enum etd_cache_source
 typedef enum etd_cache_source etd_cache_source;
 #else
 typedef uint32_t etd_cache_source;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * How a radiosity system is solved.
+ */
+enum etd_radiosity_solver
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Every element gathers from all others, again and again.
+     */
+    ETD_RADIOSITY_SOLVER_GATHER = 0,
+    /**
+     * The patch that has most light left shoots it: progressive refinement.
+     */
+    ETD_RADIOSITY_SOLVER_SHOOT = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_radiosity_solver etd_radiosity_solver;
+#else
+typedef uint32_t etd_radiosity_solver;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -802,6 +835,66 @@ typedef enum etd_text etd_text;
 typedef uint32_t etd_text;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
+
+/**
+ * Where the layout of a mesh in a light map comes from.
+ */
+enum etd_atlas_layout
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * The mesh's own texture coordinates where they are fit for it (in [0, 1], without overlaps, every triangle with an area), else
+     * charts; the log callback is told of those that are not.
+     */
+    ETD_ATLAS_LAYOUT_AUTO = 0,
+    /**
+     * Charts, whatever coordinates a mesh has.
+     */
+    ETD_ATLAS_LAYOUT_CHARTS = 1,
+    /**
+     * The mesh's own texture coordinates; an error where they are not fit for it.
+     */
+    ETD_ATLAS_LAYOUT_OWN = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_atlas_layout etd_atlas_layout;
+#else
+typedef uint32_t etd_atlas_layout;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * A side of a surface.
+ */
+enum etd_side
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * The one that the normal is on.
+     */
+    ETD_SIDE_FRONT = 0,
+    /**
+     * The other one.
+     */
+    ETD_SIDE_BACK = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_side etd_side;
+#else
+typedef uint32_t etd_side;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * The layout of a light map, and the scene that it is of, as it was built then.
+ */
+typedef struct etd_atlas etd_atlas;
 
 /**
  * Threads, a memory limit, and the functions that messages go to. Devices do not know of each other.
@@ -1070,7 +1163,7 @@ typedef void (*etd_finished_fn)(void *user_data, etd_status status);
 /**
  * How to render and when to stop: at whichever of samples, time and error is reached first.
  *
- * From `photon_radius` on: settings of photon maps and of the irradiance cache, which only the integrators that use them
+ * From `photon_radius` on: settings of photon maps, the irradiance cache and radiosity, which only the integrators that use them
  * look at (docs/scene-format.md says which) and in which 0 always stands for the default.
  */
 typedef struct etd_render_options {
@@ -1227,6 +1320,45 @@ typedef struct etd_render_options {
      * pass: there all pixels have the same number, and the log callback is told.
      */
     etd_switch adaptive;
+    /**
+     * Of `ETD_INTEGRATOR_RADIOSITY`, as all that follows: elements whose longest side is no longer than this are not divided
+     * any more, scene units, 1e-18 to 1e18; 0: a 64th of the extent of the scene.
+     */
+    double radiosity_element_size;
+    /**
+     * What one link between elements may be wrong by, in thousandths of all irradiance, up to 1000; 0 means 5.
+     */
+    double radiosity_error;
+    /**
+     * Share of the solution that may be left to iterate for, below 1; 0 means 0.0001.
+     */
+    double radiosity_tolerance;
+    /**
+     * Iterations, 2^24 at most: bounces of light, or patches that shoot; `UINT32_MAX`: none, light sources alone; 0: until
+     * what is left is below `radiosity_tolerance`.
+     */
+    uint32_t radiosity_iterations;
+    /**
+     * An `etd_radiosity_solver`.
+     */
+    etd_radiosity_solver radiosity_solver;
+    /**
+     * An `etd_switch`: whether light that was shot but not distributed yet is shown as its mean; by default it is not.
+     */
+    etd_switch radiosity_ambient;
+    /**
+     * An `etd_switch`: whether pictures take direct light from light samples and indirect light from a ray into the solution,
+     * instead of interpolating it; by default they do not.
+     */
+    etd_switch radiosity_final_gather;
+    /**
+     * Most memory of elements and links, MiB, 2^20 at most; 0 means 1024.
+     */
+    uint32_t radiosity_memory;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved_2;
 } etd_render_options;
 
 /**
@@ -1625,6 +1757,181 @@ typedef struct etd_hit {
      */
     uint32_t primitive;
 } etd_hit;
+
+/**
+ * How a light map is laid out. 0 always stands for the default.
+ */
+typedef struct etd_atlas_options {
+    /**
+     * `sizeof(etd_atlas_options)`.
+     */
+    size_t struct_size;
+    /**
+     * Texels along the sides of the square, 8192 at most; 0: as many as `texels_per_unit` needs, or 512.
+     */
+    uint32_t resolution;
+    /**
+     * Texels around each chart that are its own, 64 at most; 0 means 2, `UINT32_MAX` none. One is what bilinear lookups need.
+     */
+    uint32_t gutter;
+    /**
+     * Texels for a unit of length; 0: as many as fit.
+     */
+    double texels_per_unit;
+    /**
+     * How far the normals of a chart's triangles may be from the first one's, degrees, below 90; 0 means 45.
+     */
+    double max_angle_deg;
+    /**
+     * An `etd_atlas_layout`.
+     */
+    etd_atlas_layout layout;
+    /**
+     * Most memory that the atlas and its bakes may take, MiB; 0 means 4096. The device's limit holds beside it.
+     */
+    uint32_t memory;
+    /**
+     * Must be 0.
+     */
+    uint64_t reserved;
+} etd_atlas_options;
+
+/**
+ * How large an atlas is.
+ */
+typedef struct etd_atlas_info {
+    /**
+     * `sizeof(etd_atlas_info)`.
+     */
+    size_t struct_size;
+    /**
+     * Texels in a row.
+     */
+    uint32_t width;
+    /**
+     * Rows.
+     */
+    uint32_t height;
+    /**
+     * Vertices of all surfaces.
+     */
+    size_t vertex_count;
+    /**
+     * Triangles of all surfaces.
+     */
+    size_t triangle_count;
+    /**
+     * Surfaces that are there.
+     */
+    size_t surface_count;
+    /**
+     * Charts.
+     */
+    size_t chart_count;
+    /**
+     * Texels that triangles cover.
+     */
+    size_t covered_texels;
+    /**
+     * Texels for a unit of length, along the plane of a chart; for meshes with their own layout, on the mean.
+     */
+    double texels_per_unit;
+} etd_atlas_info;
+
+/**
+ * A corner of a light-mapped triangle.
+ */
+typedef struct etd_atlas_vertex {
+    /**
+     * World frame.
+     */
+    double position[3];
+    /**
+     * Unit normal: the shading normal of a smooth surface, else the mean of the chart's triangles there.
+     */
+    float normal[3];
+    /**
+     * Its place in the light map, in [0, 1]: (0, 0) is the outer corner of the first texel of row 0.
+     */
+    float uv[2];
+    /**
+     * Its number in the mesh as it was given; of a triangle or a quad that of the corner; running on other shapes.
+     */
+    uint32_t source;
+} etd_atlas_vertex;
+
+/**
+ * A surface in a light map.
+ */
+typedef struct etd_atlas_surface {
+    /**
+     * Its number in the scene.
+     */
+    uint32_t surface;
+    /**
+     * Its first vertex.
+     */
+    uint32_t first_vertex;
+    /**
+     * How many it has.
+     */
+    uint32_t vertex_count;
+    /**
+     * Its first triangle.
+     */
+    uint32_t first_triangle;
+    /**
+     * How many it has.
+     */
+    uint32_t triangle_count;
+    /**
+     * 1 if the mesh's own texture coordinates are the layout, else 0.
+     */
+    uint32_t has_own_layout;
+    /**
+     * Then (u, v) of the mesh times the first two, plus the others, is the place in the light map; else 0.
+     */
+    float scale_offset[4];
+} etd_atlas_surface;
+
+/**
+ * Where baked light goes.
+ */
+typedef struct etd_bake_target {
+    /**
+     * `sizeof(etd_bake_target)`.
+     */
+    size_t struct_size;
+    /**
+     * Three floats for each texel or vertex: irradiance [W m^-2], linear Rec. 709.
+     */
+    float *irradiance;
+    /**
+     * Three floats for each: its standard error [W m^-2], NaN where there are too few samples to tell; laid out as `irradiance`.
+     * NULL: not wanted.
+     */
+    float *standard_error;
+    /**
+     * Bytes that may be written from each of the two pointers on.
+     */
+    size_t size;
+    /**
+     * Bytes from one texel or vertex to the next; 0: they lie close together (12).
+     */
+    size_t stride;
+    /**
+     * Bytes from one row of texels to the next; 0: they lie close together.
+     */
+    size_t row_stride;
+    /**
+     * An `etd_side`.
+     */
+    etd_side side;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+} etd_bake_target;
 
 #ifdef __cplusplus
 extern "C" {
@@ -2209,6 +2516,123 @@ etd_status etd_scene_occluded(const struct etd_scene *scene,
                               const struct etd_ray *rays,
                               size_t count,
                               uint8_t *occluded);
+
+/**
+ * Lays out all surfaces of a scene in one square light map; builds the scene first where it has changed.
+ *
+ * `options`: NULL for the defaults of `ETD_ATLAS_OPTIONS_INIT`. On `ETD_OK` `*out_atlas` is one reference; it keeps the scene as
+ * it is now, and what is baked later is of that. The same scene gives the same layout. The log callback is told of meshes whose
+ * own texture coordinates could not be used. Errors: `ETD_INVALID_SCENE` for a scene without a surface, options out of their range,
+ * charts that do not fit, and texture coordinates that are no layout where these are asked for; `ETD_OUT_OF_MEMORY`; all that
+ * `etd_scene_commit` has. Thread-safe.
+ */
+etd_status etd_atlas_new(struct etd_scene *scene,
+                         const struct etd_atlas_options *options,
+                         struct etd_atlas **out_atlas);
+
+/**
+ * One more reference to an atlas. Thread-safe.
+ */
+etd_status etd_atlas_retain(struct etd_atlas *atlas);
+
+/**
+ * Gives back one reference to an atlas; NULL is fine. Thread-safe.
+ */
+void etd_atlas_release(struct etd_atlas *atlas);
+
+/**
+ * The first failure of a call on this atlas since this was last asked, and forgets it; `ETD_OK` if there was none.
+ * `message`: where its message goes (at most `capacity` bytes with the zero byte), or NULL. Thread-safe.
+ */
+etd_status etd_atlas_status(struct etd_atlas *atlas, char *message, size_t capacity);
+
+/**
+ * How large an atlas is, and how many of everything it has. Thread-safe.
+ */
+etd_status etd_atlas_get_info(const struct etd_atlas *atlas, struct etd_atlas_info *out_info);
+
+/**
+ * Copies the vertices of an atlas, those of a surface together; one on the seam of two charts is there for each.
+ *
+ * `*out_needed`, unless NULL, is their number; `vertices` may be NULL to ask for that alone. `ETD_INVALID_ARGUMENT` for a capacity
+ * below it. Thread-safe.
+ */
+etd_status etd_atlas_copy_vertices(const struct etd_atlas *atlas,
+                                   struct etd_atlas_vertex *vertices,
+                                   size_t capacity,
+                                   size_t *out_needed);
+
+/**
+ * Copies three vertex numbers for each triangle of an atlas, counter-clockwise seen from outside, those of a surface together and
+ * in the order in which they were given. Triangles without an area are left out: `etd_atlas_copy_primitives` says which are there.
+ *
+ * `capacity` and `*out_needed` count numbers, three times the triangles. All else as for `etd_atlas_copy_vertices`. Thread-safe.
+ */
+etd_status etd_atlas_copy_indices(const struct etd_atlas *atlas,
+                                  uint32_t *indices,
+                                  size_t capacity,
+                                  size_t *out_needed);
+
+/**
+ * Copies for each triangle of an atlas its number in its mesh as it was given; 0 or 1 for the half of a quad; running on other
+ * shapes. All else as for `etd_atlas_copy_vertices`. Thread-safe.
+ */
+etd_status etd_atlas_copy_primitives(const struct etd_atlas *atlas,
+                                     uint32_t *primitives,
+                                     size_t capacity,
+                                     size_t *out_needed);
+
+/**
+ * Copies what an atlas has of each surface, in the order of their numbers; removed surfaces and those without an area are missing.
+ * All else as for `etd_atlas_copy_vertices`. Thread-safe.
+ */
+etd_status etd_atlas_copy_surfaces(const struct etd_atlas *atlas,
+                                   struct etd_atlas_surface *surfaces,
+                                   size_t capacity,
+                                   size_t *out_needed);
+
+/**
+ * Copies for each texel of an atlas the share that triangles cover, `[height][width]`, row 0 at v = 0; 0 for padding and for what
+ * belongs to no chart. All else as for `etd_atlas_copy_vertices`. Thread-safe.
+ */
+etd_status etd_atlas_copy_coverage(const struct etd_atlas *atlas,
+                                   float *coverage,
+                                   size_t capacity,
+                                   size_t *out_needed);
+
+/**
+ * Bakes the light map of an atlas into the host's array: irradiance [W m^-2], seams padded.
+ *
+ * `options`: NULL for the scene's own settings. `ETD_INTEGRATOR_RADIOSITY` takes it from a radiosity solution (elements as small as
+ * texels unless a size is given; NaN for standard errors; when it is stopped nothing is written), any other integrator means
+ * path tracing. Filter and `finished` are not looked at, depth counts the texel as the first hit, and "pixels" are texels here. `target`: three floats for each texel, `[height][width]`, row 0 at v = 0; with the
+ * standard error likewise, if it is asked for. `out_summary`: NULL, or filled. Texels that no triangle covers have the values of
+ * the nearest one of their chart, and are 0 beyond the gutter.
+ *
+ * Returns when it is done. `ETD_CANCELLED` if the progress callback stopped it: the arrays then hold what was done. What is baked is
+ * the scene as it was when the atlas was made, and depends on atlas and options alone, not on threads. Errors:
+ * `ETD_INVALID_ARGUMENT` for a target that cannot hold the map. Thread-safe.
+ */
+etd_status etd_atlas_bake(struct etd_atlas *atlas,
+                          const struct etd_render_options *options,
+                          const struct etd_bake_target *target,
+                          struct etd_summary *out_summary);
+
+/**
+ * Bakes the vertices of one surface into the host's array: irradiance [W m^-2]; builds the scene first where it has
+ * changed.
+ *
+ * `surface`: number of the surface. `target`: three floats for each vertex; of a mesh for all its vertices in their order, of a
+ * triangle or a quad for the corners. A vertex has the mean irradiance of the part of the surface that is nearest to it (of each
+ * triangle around it a third); one of no triangle has 0. `target->row_stride` is not looked at. All else as for
+ * `etd_atlas_bake`. Errors: `ETD_INVALID_ARGUMENT` for a number of no surface with vertices of its own, be it removed, and for a
+ * target that cannot hold them. Thread-safe.
+ */
+etd_status etd_scene_bake_vertices(struct etd_scene *scene,
+                                   uint32_t surface,
+                                   const struct etd_render_options *options,
+                                   const struct etd_bake_target *target,
+                                   struct etd_summary *out_summary);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -51,6 +51,7 @@
 #include <type_traits>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #if defined(__has_include)
 #if __has_include(<span>) && (__cplusplus >= 202002L || (defined(_MSVC_LANG) && _MSVC_LANG >= 202002L))
@@ -146,6 +147,15 @@ inline etd_render_options render_options() noexcept { return ETD_RENDER_OPTIONS_
 inline etd_image_options image_options() noexcept { return ETD_IMAGE_OPTIONS_INIT; }
 /** The default camera. */
 inline etd_camera camera() noexcept { return ETD_CAMERA_INIT; }
+/** Defaults of a light map's layout. */
+inline etd_atlas_options atlas_options() noexcept { return ETD_ATLAS_OPTIONS_INIT; }
+/** Three floats for each texel or vertex, close together. */
+inline etd_bake_target bake_target(span<float> irradiance) noexcept {
+    etd_bake_target target = ETD_BAKE_TARGET_INIT;
+    target.irradiance = irradiance.data();
+    target.size = irradiance.size() * sizeof(float);
+    return target;
+}
 /** A film of this resolution; `layers`: `etd_layer` bits besides the colour. */
 inline etd_film_options film_options(std::uint32_t width, std::uint32_t height, std::uint32_t layers = 0) noexcept {
     etd_film_options options = ETD_FILM_OPTIONS_INIT;
@@ -624,6 +634,7 @@ std::optional<Error> first_failure(etd_status (*ask)(T *, char *, std::size_t), 
 
 class Film;
 class Task;
+class Atlas;
 
 /** Bytes that hierarchies and films of a device take. */
 struct Memory {
@@ -985,7 +996,11 @@ public:
 private:
     friend class Film;
     friend class Task;
+    friend class Atlas;
     friend Outcome<etd_status> render(Scene &scene, Film &film, const etd_render_options *options, Progress progress);
+    friend Outcome<etd_status> bake_vertices(Scene &scene, std::uint32_t surface, const etd_bake_target &target,
+                                             const etd_render_options &options, Progress progress,
+                                             etd_summary *summary);
     using Owner::Owner;
 
     static void let_go(void *owner) noexcept { delete static_cast<std::shared_ptr<const void> *>(owner); }
@@ -1264,6 +1279,81 @@ inline Outcome<etd_status> render(Scene &scene, Film &film, const etd_render_opt
 inline Outcome<etd_status> render(Scene &scene, Film &film, const etd_render_options &options,
                                   Progress progress = {}) {
     return render(scene, film, &options, std::move(progress));
+}
+
+/** The layout of a light map, and the scene that it is of. */
+class Atlas : public detail::Owner<etd_atlas, etd_atlas_retain, etd_atlas_release> {
+public:
+    /** Lays out all surfaces of a scene. */
+    static Outcome<Atlas> create(Scene &scene, const etd_atlas_options &options = atlas_options()) {
+        etd_atlas *atlas = nullptr;
+        const etd_status status = etd_atlas_new(scene.get(), &options, &atlas);
+        return detail::give(status, Atlas(scene.keep(), atlas));
+    }
+    /** A second owner of the same atlas. */
+    Outcome<Atlas> share() const {
+        const etd_status status = retain();
+        return detail::give(status, Atlas(keep(), status == ETD_OK ? get() : nullptr));
+    }
+    /** The first failure of a call on this atlas since this was last asked. */
+    std::optional<Error> first_failure() const { return detail::first_failure(etd_atlas_status, get()); }
+
+    /** How large it is, and how many of everything it has. */
+    Outcome<etd_atlas_info> info() const {
+        etd_atlas_info info = ETD_ATLAS_INFO_INIT;
+        const etd_status status = etd_atlas_get_info(get(), &info);
+        return detail::give(status, std::move(info));
+    }
+    /** Vertices, those of a surface together. */
+    Outcome<std::vector<etd_atlas_vertex>> vertices() const { return copy(etd_atlas_copy_vertices); }
+    /** Three vertex numbers for each triangle. */
+    Outcome<std::vector<std::uint32_t>> indices() const { return copy(etd_atlas_copy_indices); }
+    /** The number of each triangle in its mesh as it was given. */
+    Outcome<std::vector<std::uint32_t>> primitives() const { return copy(etd_atlas_copy_primitives); }
+    /** What there is of each surface. */
+    Outcome<std::vector<etd_atlas_surface>> surfaces() const { return copy(etd_atlas_copy_surfaces); }
+    /** The share of each texel that triangles cover, row 0 at v = 0. */
+    Outcome<std::vector<float>> coverage() const { return copy(etd_atlas_copy_coverage); }
+
+    /** Bakes the light map into the program's memory: `ETD_OK`, or `ETD_CANCELLED` if `progress` said so. */
+    Outcome<etd_status> bake(const etd_bake_target &target, const etd_render_options &options, Progress progress = {},
+                             etd_summary *summary = nullptr) {
+        etd_render_options raw = options;
+        detail::ProgressHooks hooks(std::move(progress), raw.progress, raw.user_data, keep());
+        raw.progress = detail::ProgressHooks::tell;
+        raw.user_data = &hooks;
+        const etd_status status = etd_atlas_bake(get(), &raw, &target, summary);
+        hooks.rethrow();
+        return detail::ended(status);
+    }
+
+private:
+    using Owner::Owner;
+
+    template <class T>
+    Outcome<std::vector<T>> copy(etd_status (*call)(const etd_atlas *, T *, std::size_t, std::size_t *)) const {
+        std::vector<T> items;
+        std::size_t needed = 0;
+        etd_status status = call(get(), nullptr, 0, &needed);
+        if (status == ETD_OK) {
+            items.resize(needed);
+            status = call(get(), items.data(), items.size(), &needed);
+        }
+        return detail::give(status, std::move(items));
+    }
+};
+
+/** Bakes the vertices of one surface into the program's memory: `ETD_OK`, or `ETD_CANCELLED` if `progress` said so. */
+inline Outcome<etd_status> bake_vertices(Scene &scene, std::uint32_t surface, const etd_bake_target &target,
+                                         const etd_render_options &options, Progress progress = {},
+                                         etd_summary *summary = nullptr) {
+    etd_render_options raw = options;
+    detail::ProgressHooks hooks(std::move(progress), raw.progress, raw.user_data, scene.keep());
+    raw.progress = detail::ProgressHooks::tell;
+    raw.user_data = &hooks;
+    const etd_status status = etd_scene_bake_vertices(scene.get(), surface, &raw, &target, summary);
+    hooks.rethrow();
+    return detail::ended(status);
 }
 
 } // inline namespace

@@ -66,6 +66,11 @@ run_examples() {
     if [ -x "$bin/two_devices" ]; then
         run "$bin/two_devices" 24 16 2
         run "$bin/pick" "$root/scenes/cornell.json" 12
+        run "$bin/bake" bake.ppm 32 4
+        if [ ! -s bake.ppm ]; then
+            echo "failed: $bin wrote no bake.ppm" >&2
+            exit 1
+        fi
     fi
     if [ -x "$bin/viewer" ]; then
         run "$bin/viewer" 24 16 8 2

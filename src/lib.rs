@@ -27,6 +27,7 @@
 //! scene-linear with Rec. 709 primaries.
 #![deny(unsafe_code, missing_docs, unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
 
+pub mod bake;
 pub mod bsdf;
 pub mod buffer;
 pub mod camera;

@@ -90,7 +90,7 @@ fn names(folder: &Path) -> Vec<String> {
 fn help_and_version_go_to_standard_output() {
     let folder = folder();
     for (args, expected) in [
-        (vec!["--help"], vec!["render", "info", "photons", "compare", "bench", "Exit codes"]),
+        (vec!["--help"], vec!["render", "info", "photons", "bake", "compare", "bench", "Exit codes"]),
         (vec!["render", "--help"], vec!["--output", "--spp", "--max-depth", "--tone-map", "--progressive", "--time"]),
         (vec!["compare", "--help"], vec!["--json", "reference"]),
         (vec!["--version"], vec![env!("CARGO_PKG_VERSION")]),
@@ -591,4 +591,108 @@ fn a_reader_that_has_seen_enough_is_no_failure() {
     assert!(child.wait().unwrap().success());
     assert_eq!(fs::read_to_string(folder.path().join("errors")).unwrap(), "");
     assert_eq!(fs::read_to_string(folder.path().join("code")).unwrap(), "0\n");
+}
+
+/// A square of side 2 under a point light.
+const SQUARE: &str = r#"{
+    "etendue": 1,
+    "camera": {"origin": [0, 1, 3], "lookAt": [0, 0, 0], "up": [0, 1, 0], "fieldOfView": 60},
+    "materials": [{"name": "grey", "type": "diffuse", "color": [0.5, 0.5, 0.5]}],
+    "lights": [{"type": "point", "origin": [0, 2, 0], "color": [8, 4, 2]}],
+    "surfaces": [
+        {"geometry": "quad", "vertex-1": [-1, 0, -1], "vertex-2": [-1, 0, 1], "vertex-3": [1, 0, 1],
+         "vertex-4": [1, 0, -1], "material": "grey"}
+    ]
+}"#;
+
+#[test]
+fn bake_writes_map_atlas_vertices_and_summary() {
+    let folder = folder();
+    fs::write(folder.path().join("square.json"), SQUARE).unwrap();
+    let args = ["bake", "square.json", "-o", "light", "--texels-per-unit", "8", "--spp", "64", "--spacing", "0.25"];
+    let run = etendue(folder.path(), args.iter().chain(&["--threads", "2"]));
+    run.assert_done();
+    assert!(run.stderr.contains("20 x 20 texels, 1 charts"), "{}", run.stderr);
+    assert_eq!(names(folder.path()), ["light.exr", "light.json", "light.obj", "light.ply", "square.json"]);
+    // E = I cos / d^2, in the map's middle I / 4.
+    let map = output::read(&folder.path().join("light.exr")).unwrap();
+    assert_eq!((map.width, map.height), (20, 20));
+    let middle = map.pixel(10, 10);
+    for (found, intensity) in middle.iter().zip([8.0, 4.0, 2.0]) {
+        assert!((found / (intensity / 4.0) - 1.0).abs() < 0.01, "{middle:?}");
+    }
+    let coverage = &map.layer("coverage").expect("the layer").data;
+    assert_eq!(coverage.iter().filter(|&&share| share > 0.999).count(), 16 * 16);
+    assert_eq!(map.layer("error").expect("the layer").channels, 3);
+    // The OBJ reads as a mesh whose own coordinates are that layout: a bake of it is the same map.
+    let obj = fs::read_to_string(folder.path().join("light.obj")).unwrap();
+    assert_eq!(obj.lines().filter(|line| line.starts_with("f ")).count(), 2);
+    assert!(obj.contains("\no surface_0\n"), "{obj}");
+    let again = SQUARE.replace(
+        r#"{"geometry": "quad", "vertex-1": [-1, 0, -1], "vertex-2": [-1, 0, 1], "vertex-3": [1, 0, 1],
+         "vertex-4": [1, 0, -1], "#,
+        r#"{"geometry": "mesh", "file": "light.obj", "#,
+    );
+    fs::write(folder.path().join("own.json"), again).unwrap();
+    let args = ["bake", "own.json", "-o", "again", "--only", "map", "--layout", "own", "--resolution", "20"];
+    etendue(folder.path(), args.iter().chain(&["--spp", "64"])).assert_done();
+    let same = output::read(&folder.path().join("again.exr")).unwrap();
+    let same_coverage = &same.layer("coverage").expect("the layer").data;
+    for (i, share) in coverage.iter().enumerate() {
+        assert!((share - same_coverage[i]).abs() < 1e-3, "texel {i}");
+        if *share > 0.999 {
+            assert!((map.rgb[3 * i] / same.rgb[3 * i] - 1.0).abs() < 0.02, "texel {i}");
+        }
+    }
+    assert!(!folder.path().join("again.ply").exists());
+    // Vertices: the header, then 13 x 13 of 24 + 12 + 3 + 36 + 4 bytes, and 288 triangles of 13.
+    let ply = fs::read(folder.path().join("light.ply")).unwrap();
+    let end = b"end_header\n";
+    let header = ply.windows(end.len()).position(|bytes| bytes == end).expect("a header") + end.len();
+    assert!(String::from_utf8_lossy(&ply[..header]).contains("element vertex 169\n"));
+    assert_eq!(ply.len() - header, 169 * 79 + 288 * 13);
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("light.json")).unwrap()).unwrap();
+    assert_eq!(summary["map"]["side"], 20);
+    assert_eq!(summary["map"]["coveredTexels"], 256);
+    assert_eq!(summary["map"]["ended"], "samples");
+    assert_eq!(summary["vertices"]["vertices"], 169);
+    assert_eq!(summary["surfaces"][0], "surfaces[0]");
+}
+
+#[test]
+fn bakes_that_cannot_be_done_have_exit_code_2() {
+    let folder = folder();
+    fs::write(folder.path().join("square.json"), SQUARE).unwrap();
+    let empty = r#"{"etendue": 1, "camera": {"origin": [0, 1, 3], "lookAt": [0, 0, 0]}, "surfaces": []}"#;
+    fs::write(folder.path().join("empty.json"), empty).unwrap();
+    let bake = |args: &[&str]| etendue(folder.path(), ["bake"].iter().chain(args));
+    for args in [
+        &["square.json"][..],
+        &["square.json", "-o", "l", "--resolution", "0"],
+        &["square.json", "-o", "l", "--resolution", "8193"],
+        &["square.json", "-o", "l", "--texels-per-unit", "0"],
+        &["square.json", "-o", "l", "--texels-per-unit", "-3"],
+        &["square.json", "-o", "l", "--texels-per-unit", "nan"],
+        &["square.json", "-o", "l", "--gutter", "65"],
+        &["square.json", "-o", "l", "--spacing", "0"],
+        &["square.json", "-o", "l", "--only", "light"],
+        &["square.json", "-o", "l", "--layout", "best"],
+        &["square.json", "-o", "l", "--spp", "0"],
+        &["square.json", "-o", "l", "--memory", "0"],
+    ] {
+        let run = bake(args);
+        assert_eq!((run.code, run.stdout.as_str()), (Some(2), ""), "{args:?}: {}", run.stderr);
+        assert!(!run.stderr.contains("panicked"), "{args:?}: {}", run.stderr);
+    }
+    bake(&["missing.json", "-o", "no/where/l"]).assert_refused("no/where/l");
+    bake(&["square.json", "-o", "square"]).assert_refused("is read as the scene");
+    bake(&["square.json", "-o", "l", "--texels-per-unit", "1e6"]).assert_refused("at most 8192 x 8192");
+    let run = bake(&["empty.json", "-o", "l"]);
+    assert_eq!(run.code, Some(2));
+    assert!(run.stderr.contains("no surface"), "{}", run.stderr);
+    let run = bake(&["square.json", "-o", "l", "--resolution", "8192", "--memory", "100"]);
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    assert!(run.stderr.contains("8192 x 8192"), "{}", run.stderr);
+    assert_eq!(names(folder.path()), ["empty.json", "square.json"]);
 }

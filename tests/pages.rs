@@ -59,6 +59,7 @@ fn every_option_is_in_the_manual() {
         ("render", "etendue-render.1"),
         ("info", "etendue-info.1"),
         ("photons", "etendue-photons.1"),
+        ("bake", "etendue-bake.1"),
         ("compare", "etendue-compare.1"),
         ("bench", "etendue-bench.1"),
     ] {

@@ -4,8 +4,10 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use etendue::bake::{MAX_GUTTER, MAX_SIDE};
 use etendue::desc::{
-    FilterDesc, IntegratorDesc, MAX_PHOTONS, MAX_SHADOW_RAYS, PhotonDesc, RADII, RenderDesc, SamplerDesc,
+    FilterDesc, IntegratorDesc, MAX_PHOTONS, MAX_RADIOSITY_ITERATIONS, MAX_SHADOW_RAYS, PhotonDesc, RADII,
+    RadiosityDesc, RadiositySolver, RenderDesc, SamplerDesc,
 };
 use etendue::film::ErrorMeasure;
 use etendue::math::DVec3;
@@ -33,6 +35,8 @@ pub enum Command {
     Info(InfoArgs),
     /// Write the photons of a map, or draw them.
     Photons(PhotonsArgs),
+    /// Bake light maps: the irradiance of all surfaces, in texels and at vertices.
+    Bake(BakeArgs),
     /// Measure how far image A is from the reference B.
     Compare(CompareArgs),
     /// Measure time and error of scenes against references, and write a report.
@@ -98,6 +102,26 @@ pub struct RenderArgs {
     /// Radius of caustics in scene units, in place of the scene's.
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = parse_radius)]
     pub caustic_radius: Option<f64>,
+    /// Radiosity: iterations, or none to go on until little is left. Gathered ones are bounces of light.
+    #[arg(long, value_name = "N|none", value_parser = parse_iterations)]
+    pub iterations: Option<Iterations>,
+    /// Radiosity: longest side below which elements are not divided, in scene units, in place of the scene's.
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = parse_radius)]
+    pub element_size: Option<f64>,
+    /// Radiosity: what one link between elements may be wrong by, in thousandths of all irradiance.
+    #[arg(long, value_name = "E", value_parser = parse_link_error)]
+    pub radiosity_error: Option<f64>,
+    /// Radiosity: how the system is solved.
+    #[arg(long, value_enum)]
+    pub radiosity_solver: Option<Solver>,
+    /// Radiosity: light that was not yet distributed is shown as its mean; alone it means on.
+    #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "on", hide_possible_values = true)]
+    pub ambient: Option<Switch>,
+    /// Radiosity: direct light from light samples, indirect light from a ray into the solution; alone it means on.
+    #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "on", hide_possible_values = true)]
+    pub final_gather: Option<Switch>,
     /// Greatest number of surface hits on a path, or none for no cut.
     #[arg(long, value_name = "N|none", value_parser = parse_depth)]
     pub max_depth: Option<Depth>,
@@ -179,6 +203,103 @@ pub struct PhotonsArgs {
     /// No summary; warnings and errors stay.
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct BakeArgs {
+    /// Scene file (JSON).
+    pub scene: PathBuf,
+    /// Parameter file of a scene of the 2017 report.
+    pub params: Option<PathBuf>,
+    /// What the files' names begin with: PREFIX.exr (light map), PREFIX.obj (its coordinates), PREFIX.ply (vertices) and
+    /// PREFIX.json (summary). Of a folder: the scene's name in it.
+    #[arg(short, long, value_name = "PREFIX")]
+    pub output: PathBuf,
+
+    /// How light is found.
+    #[arg(long, value_enum, default_value_t = BakeMethod::Path)]
+    pub method: BakeMethod,
+    /// Only the light map, or only the vertices, instead of both.
+    #[arg(long, value_enum)]
+    pub only: Option<BakeTarget>,
+    /// Texels along the sides of the light map; 512 where --texels-per-unit is not given either.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
+    pub resolution: Option<u32>,
+    /// Texels for a unit of length; as many as fit where only --resolution is given.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse_length)]
+    pub texels_per_unit: Option<f64>,
+    /// Texels around each chart that are its own.
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    #[arg(value_parser = clap::value_parser!(u32).range(..=i64::from(MAX_GUTTER)))]
+    pub gutter: u32,
+    /// Where the layout of meshes comes from.
+    #[arg(long, value_enum, default_value_t = BakeLayout::Auto)]
+    pub layout: BakeLayout,
+    /// Greatest length of a triangle's side between vertices; the vertices as they are where none is given.
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = parse_length)]
+    pub spacing: Option<f64>,
+    /// The inner side of surfaces instead of the outer one.
+    #[arg(long)]
+    pub back: bool,
+    /// Most memory for the light map and its work, MiB.
+    #[arg(long, value_name = "MIB", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1..))]
+    pub memory: u32,
+
+    /// Threads; 0 takes all there are.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
+    pub threads: usize,
+    /// Samples per texel and vertex, in place of the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Stop each of both after so many seconds. With --spp, at whichever comes first; without, the scene's samples do not count.
+    #[arg(long, value_name = "SECONDS", value_parser = parse_time)]
+    pub time: Option<Duration>,
+    /// Stop when the estimated relMSE over texels (or vertices) is no larger than this, such as 0.001.
+    #[arg(long, value_name = "RELMSE", value_parser = parse_error)]
+    pub target_error: Option<f64>,
+    /// Seed of all randomness, in place of the scene's.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Light samples per hit, in place of the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS)))]
+    pub shadow_rays: Option<u32>,
+    /// Greatest number of surface hits on a path, the texel being the first, or none for no cut. 1 is direct light alone.
+    #[arg(long, value_name = "N|none", value_parser = parse_depth)]
+    pub max_depth: Option<Depth>,
+
+    /// Brightness of the vertices' display colours in stops: 1 doubles it.
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0)]
+    #[arg(allow_negative_numbers = true, value_parser = parse_exposure)]
+    pub exposure: f32,
+    /// No progress and no summary; warnings and errors stay.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum BakeMethod {
+    /// Path tracing: everything, with noise whose size is known.
+    Path,
+    /// Radiosity: without noise, for diffuse scenes; elements as small as texels, unless the scene says how large.
+    Radiosity,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum BakeTarget {
+    /// The light map and its coordinates.
+    Map,
+    /// The vertices.
+    Vertices,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum BakeLayout {
+    /// A mesh's own texture coordinates where they are fit for it, else charts.
+    Auto,
+    /// Charts.
+    Charts,
+    /// A mesh's own texture coordinates; an error where they are not fit for it.
+    Own,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -286,6 +407,8 @@ pub enum Integrator {
     Photon,
     /// Indirect light interpolated between final gathers.
     IrradianceCache,
+    /// The diffuse scene solved as a whole, for every view of it.
+    Radiosity,
     /// Progressive photon mapping.
     Ppm,
     /// Stochastic progressive photon mapping.
@@ -315,6 +438,14 @@ pub enum Sampler {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Solver {
+    /// Every element gathers from all others, again and again.
+    Gather,
+    /// The patch that has most light left shoots it.
+    Shoot,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Tone {
     /// Divide by the largest value of the image.
     Maximum,
@@ -340,6 +471,10 @@ impl From<Tone> for ToneMap {
 /// A path length; `None` cuts nothing. A type of its own because clap gives `Option` a meaning.
 #[derive(Clone, Copy, Debug)]
 pub struct Depth(pub Option<u32>);
+
+/// Iterations; `None` until little is left.
+#[derive(Clone, Copy, Debug)]
+pub struct Iterations(pub Option<u32>);
 
 impl RenderArgs {
     /// The error to stop at, and what it is measured by.
@@ -371,6 +506,7 @@ impl RenderArgs {
                 Integrator::Caustic => IntegratorDesc::Caustic,
                 Integrator::Photon => IntegratorDesc::Photon,
                 Integrator::IrradianceCache => IntegratorDesc::IrradianceCache,
+                Integrator::Radiosity => IntegratorDesc::Radiosity,
                 Integrator::Ppm => IntegratorDesc::Ppm,
                 Integrator::Sppm => IntegratorDesc::Sppm,
                 Integrator::Auto => IntegratorDesc::Auto,
@@ -385,6 +521,18 @@ impl RenderArgs {
                 ..scene.photons.clone()
             },
             cache: scene.cache.clone(),
+            radiosity: RadiosityDesc {
+                element_size: self.element_size.or(scene.radiosity.element_size),
+                error: self.radiosity_error.unwrap_or(scene.radiosity.error),
+                iterations: self.iterations.map_or(scene.radiosity.iterations, |iterations| iterations.0),
+                solver: self.radiosity_solver.map_or(scene.radiosity.solver, |solver| match solver {
+                    Solver::Gather => RadiositySolver::Gather,
+                    Solver::Shoot => RadiositySolver::Shoot,
+                }),
+                ambient: self.ambient.map_or(scene.radiosity.ambient, |ambient| ambient == Switch::On),
+                final_gather: self.final_gather.map_or(scene.radiosity.final_gather, |gather| gather == Switch::On),
+                ..scene.radiosity.clone()
+            },
             seed: self.seed.unwrap_or(scene.seed),
         }
     }
@@ -399,6 +547,11 @@ fn parse_radius(text: &str) -> Result<f64, String> {
     let [low, high] = RADII;
     let radius = text.parse::<f64>().ok().filter(|radius| (low..=high).contains(radius));
     radius.ok_or_else(|| format!("expected a radius from {low:e} to {high:e}, such as 0.1"))
+}
+
+fn parse_length(text: &str) -> Result<f64, String> {
+    let length = text.parse::<f64>().ok().filter(|length| *length > 0.0 && length.is_finite());
+    length.ok_or_else(|| "expected a number above 0, such as 8 or 0.1".to_owned())
 }
 
 fn parse_error(text: &str) -> Result<f64, String> {
@@ -442,6 +595,20 @@ fn parse_depth(text: &str) -> Result<Depth, String> {
     }
     let depth = text.parse::<u32>().ok().filter(|depth| *depth > 0);
     depth.map(|depth| Depth(Some(depth))).ok_or_else(|| "expected a number above 0, or none".to_owned())
+}
+
+fn parse_iterations(text: &str) -> Result<Iterations, String> {
+    if text == "none" {
+        return Ok(Iterations(None));
+    }
+    let count = text.parse::<u32>().ok().filter(|count| *count <= MAX_RADIOSITY_ITERATIONS);
+    let wrong = || format!("expected a number up to {MAX_RADIOSITY_ITERATIONS}, or none");
+    count.map(|count| Iterations(Some(count))).ok_or_else(wrong)
+}
+
+fn parse_link_error(text: &str) -> Result<f64, String> {
+    let error = text.parse::<f64>().ok().filter(|error| *error >= 1e-6 && *error <= 1000.0);
+    error.ok_or_else(|| "expected a number from 1e-6 to 1000, such as 5".to_owned())
 }
 
 fn parse_exposure(text: &str) -> Result<f32, String> {

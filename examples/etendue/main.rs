@@ -1,10 +1,11 @@
-//! The command line: renders a scene file to image files, says what a scene holds, writes and draws photons, compares images,
-//! measures time and error.
+//! The command line: renders a scene file to image files, says what a scene holds, writes and draws photons, bakes light maps,
+//! compares images, measures time and error.
 //!
 //! `cargo run --release --example etendue -- render scenes/cornell.json -o cornell.exr`; docs/cli.md is the manual.
 //! It uses nothing of the library that another host could not use.
 
 mod args;
+mod bake;
 mod bench;
 mod compare;
 mod console;
@@ -55,6 +56,7 @@ fn main() -> ExitCode {
         Command::Render(args) => render::render(&args),
         Command::Info(args) => render::info(&args),
         Command::Photons(args) => photons::photons(&args),
+        Command::Bake(args) => bake::bake(&args),
         Command::Compare(args) => compare::compare(&args),
         Command::Bench(args) => bench::bench(&args),
     };

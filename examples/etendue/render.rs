@@ -52,6 +52,10 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
         ..RenderSettings::default()
     };
     let mut render = Render::new(&scene, settings)?;
+    // Of the scene's own integrator they were told with the scene.
+    if desc.integrator == IntegratorDesc::Radiosity && description.render.integrator != IntegratorDesc::Radiosity {
+        scene.info().not_diffuse.iter().for_each(console::warn);
+    }
 
     interrupt::begin();
     let write = |image: &Image, samples: u32, attributes| {

@@ -16,6 +16,9 @@ _etendue() {
             ",$1")
                 cmd="etendue"
                 ;;
+            etendue,bake)
+                cmd="etendue__subcmd__bake"
+                ;;
             etendue,bench)
                 cmd="etendue__subcmd__bench"
                 ;;
@@ -33,6 +36,9 @@ _etendue() {
                 ;;
             etendue,render)
                 cmd="etendue__subcmd__render"
+                ;;
+            etendue__subcmd__help,bake)
+                cmd="etendue__subcmd__help__subcmd__bake"
                 ;;
             etendue__subcmd__help,bench)
                 cmd="etendue__subcmd__help__subcmd__bench"
@@ -59,12 +65,98 @@ _etendue() {
 
     case "${cmd}" in
         etendue)
-            opts="-h -V --help --version render info photons compare bench help"
+            opts="-h -V --help --version render info photons bake compare bench help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
             case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        etendue__subcmd__bake)
+            opts="-o -q -h --output --method --only --resolution --texels-per-unit --gutter --layout --spacing --back --memory --threads --spp --time --target-error --seed --shadow-rays --max-depth --exposure --quiet --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --output)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                -o)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --method)
+                    COMPREPLY=($(compgen -W "path radiosity" -- "${cur}"))
+                    return 0
+                    ;;
+                --only)
+                    COMPREPLY=($(compgen -W "map vertices" -- "${cur}"))
+                    return 0
+                    ;;
+                --resolution)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --texels-per-unit)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --gutter)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --layout)
+                    COMPREPLY=($(compgen -W "auto charts own" -- "${cur}"))
+                    return 0
+                    ;;
+                --spacing)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --memory)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --threads)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --spp)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --time)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --target-error)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --seed)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --shadow-rays)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --max-depth)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --exposure)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;
@@ -92,7 +184,7 @@ _etendue() {
                     return 0
                     ;;
                 --integrators)
-                    COMPREPLY=($(compgen -W "direct whitted path photon_direct caustic photon irradiance_cache ppm sppm auto" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "direct whitted path photon_direct caustic photon irradiance_cache radiosity ppm sppm auto" -- "${cur}"))
                     return 0
                     ;;
                 --samplers)
@@ -165,8 +257,22 @@ _etendue() {
             return 0
             ;;
         etendue__subcmd__help)
-            opts="render info photons compare bench help"
+            opts="render info photons bake compare bench help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        etendue__subcmd__help__subcmd__bake)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
@@ -343,7 +449,7 @@ _etendue() {
             return 0
             ;;
         etendue__subcmd__render)
-            opts="-o -q -h --output --threads --spp --time --target-error --target-display --adaptive --seed --resolution --integrator --filter --sampler --shadow-rays --photons --photon-radius --caustic-photons --caustic-radius --max-depth --stats --progressive --tone-map --exposure --quiet --help"
+            opts="-o -q -h --output --threads --spp --time --target-error --target-display --adaptive --seed --resolution --integrator --filter --sampler --shadow-rays --photons --photon-radius --caustic-photons --caustic-radius --iterations --element-size --radiosity-error --radiosity-solver --ambient --final-gather --max-depth --stats --progressive --tone-map --exposure --quiet --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -390,7 +496,7 @@ _etendue() {
                     return 0
                     ;;
                 --integrator)
-                    COMPREPLY=($(compgen -W "direct whitted path photon_direct caustic photon irradiance_cache ppm sppm auto" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "direct whitted path photon_direct caustic photon irradiance_cache radiosity ppm sppm auto" -- "${cur}"))
                     return 0
                     ;;
                 --filter)
@@ -419,6 +525,30 @@ _etendue() {
                     ;;
                 --caustic-radius)
                     COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --iterations)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --element-size)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --radiosity-error)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --radiosity-solver)
+                    COMPREPLY=($(compgen -W "gather shoot" -- "${cur}"))
+                    return 0
+                    ;;
+                --ambient)
+                    COMPREPLY=($(compgen -W "on off" -- "${cur}"))
+                    return 0
+                    ;;
+                --final-gather)
+                    COMPREPLY=($(compgen -W "on off" -- "${cur}"))
                     return 0
                     ;;
                 --max-depth)

@@ -29,6 +29,7 @@ complete -c etendue -n "__fish_etendue_needs_command" -s V -l version -d 'Print 
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "render" -d 'Render a scene to image files'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "photons" -d 'Write the photons of a map, or draw them'
+complete -c etendue -n "__fish_etendue_needs_command" -f -a "bake" -d 'Bake light maps: the irradiance of all surfaces, in texels and at vertices'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "compare" -d 'Measure how far image A is from the reference B'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "bench" -d 'Measure time and error of scenes against references, and write a report'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
@@ -49,6 +50,7 @@ photon_direct\t'The report\'s photon map for direct light'
 caustic\t'Paths, with caustics from a photon map'
 photon\t'Global and caustic photon map, with final gathering'
 irradiance_cache\t'Indirect light interpolated between final gathers'
+radiosity\t'The diffuse scene solved as a whole, for every view of it'
 ppm\t'Progressive photon mapping'
 sppm\t'Stochastic progressive photon mapping'
 auto\t'Path, caustic or sppm, by what the scene holds'"
@@ -63,6 +65,15 @@ complete -c etendue -n "__fish_etendue_using_subcommand render" -l photons -d 'L
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l photon-radius -d 'Radius of density estimates in scene units, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l caustic-photons -d 'Light paths of a caustic map, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l caustic-radius -d 'Radius of caustics in scene units, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l iterations -d 'Radiosity: iterations, or none to go on until little is left. Gathered ones are bounces of light' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l element-size -d 'Radiosity: longest side below which elements are not divided, in scene units, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l radiosity-error -d 'Radiosity: what one link between elements may be wrong by, in thousandths of all irradiance' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l radiosity-solver -d 'Radiosity: how the system is solved' -r -f -a "gather\t'Every element gathers from all others, again and again'
+shoot\t'The patch that has most light left shoots it'"
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l ambient -d 'Radiosity: light that was not yet distributed is shown as its mean; alone it means on' -r -f -a "on\t''
+off\t''"
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l final-gather -d 'Radiosity: direct light from light samples, indirect light from a ray into the solution; alone it means on' -r -f -a "on\t''
+off\t''"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l max-depth -d 'Greatest number of surface hits on a path, or none for no cut' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l stats -d 'A file for what the render came to: one JSON object' -r -F
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l tone-map -d 'How radiance becomes brightness in a PNG' -r -f -a "maximum\t'Divide by the largest value of the image'
@@ -92,6 +103,30 @@ complete -c etendue -n "__fish_etendue_using_subcommand photons" -l field-of-vie
 complete -c etendue -n "__fish_etendue_using_subcommand photons" -l color -d 'Draw photons in the colour of their power instead of white'
 complete -c etendue -n "__fish_etendue_using_subcommand photons" -s q -l quiet -d 'No summary; warnings and errors stay'
 complete -c etendue -n "__fish_etendue_using_subcommand photons" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -s o -l output -d 'What the files\' names begin with: PREFIX.exr (light map), PREFIX.obj (its coordinates), PREFIX.ply (vertices) and PREFIX.json (summary). Of a folder: the scene\'s name in it' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l method -d 'How light is found' -r -f -a "path\t'Path tracing: everything, with noise whose size is known'
+radiosity\t'Radiosity: without noise, for diffuse scenes; elements as small as texels, unless the scene says how large'"
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l only -d 'Only the light map, or only the vertices, instead of both' -r -f -a "map\t'The light map and its coordinates'
+vertices\t'The vertices'"
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l resolution -d 'Texels along the sides of the light map; 512 where --texels-per-unit is not given either' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l texels-per-unit -d 'Texels for a unit of length; as many as fit where only --resolution is given' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l gutter -d 'Texels around each chart that are its own' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l layout -d 'Where the layout of meshes comes from' -r -f -a "auto\t'A mesh\'s own texture coordinates where they are fit for it, else charts'
+charts\t'Charts'
+own\t'A mesh\'s own texture coordinates; an error where they are not fit for it'"
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l spacing -d 'Greatest length of a triangle\'s side between vertices; the vertices as they are where none is given' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l memory -d 'Most memory for the light map and its work, MiB' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l threads -d 'Threads; 0 takes all there are' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l spp -d 'Samples per texel and vertex, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l time -d 'Stop each of both after so many seconds. With --spp, at whichever comes first; without, the scene\'s samples do not count' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l target-error -d 'Stop when the estimated relMSE over texels (or vertices) is no larger than this, such as 0.001' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l seed -d 'Seed of all randomness, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l shadow-rays -d 'Light samples per hit, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l max-depth -d 'Greatest number of surface hits on a path, the texel being the first, or none for no cut. 1 is direct light alone' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l exposure -d 'Brightness of the vertices\' display colours in stops: 1 doubles it' -r
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -l back -d 'The inner side of surfaces instead of the outer one'
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -s q -l quiet -d 'No progress and no summary; warnings and errors stay'
+complete -c etendue -n "__fish_etendue_using_subcommand bake" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -l exposure -d 'Brightness at which FLIP looks at the images, in stops' -r
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -l json -d 'Print one JSON object; what is not finite is null'
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -l no-flip -d 'Leave out FLIP, the slow one'
@@ -105,6 +140,7 @@ photon_direct\t'The report\'s photon map for direct light'
 caustic\t'Paths, with caustics from a photon map'
 photon\t'Global and caustic photon map, with final gathering'
 irradiance_cache\t'Indirect light interpolated between final gathers'
+radiosity\t'The diffuse scene solved as a whole, for every view of it'
 ppm\t'Progressive photon mapping'
 sppm\t'Stochastic progressive photon mapping'
 auto\t'Path, caustic or sppm, by what the scene holds'"
@@ -125,9 +161,10 @@ complete -c etendue -n "__fish_etendue_using_subcommand bench" -l report-only -d
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -l tables -d 'Markdown file in which the tables between <!-- bench GROUP --> and <!-- /bench --> are written anew' -r -F
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -s q -l quiet -d 'No progress and no summary; warnings and errors stay'
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -s h -l help -d 'Print help (see more with \'--help\')'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare bench help" -f -a "render" -d 'Render a scene to image files'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare bench help" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare bench help" -f -a "photons" -d 'Write the photons of a map, or draw them'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare bench help" -f -a "compare" -d 'Measure how far image A is from the reference B'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare bench help" -f -a "bench" -d 'Measure time and error of scenes against references, and write a report'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons compare bench help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "render" -d 'Render a scene to image files'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "photons" -d 'Write the photons of a map, or draw them'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "bake" -d 'Bake light maps: the irradiance of all surfaces, in texels and at vertices'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "compare" -d 'Measure how far image A is from the reference B'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "bench" -d 'Measure time and error of scenes against references, and write a report'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'

@@ -9,6 +9,7 @@
 //! or a status keep them apart. No lock is held while a function of the host is called.
 #![allow(unsafe_code, non_camel_case_types)]
 
+mod bake;
 mod boundary;
 mod describe;
 mod device;
@@ -21,6 +22,7 @@ mod status;
 mod task;
 mod types;
 
+pub use bake::*;
 pub use describe::*;
 pub use device::*;
 pub use film::*;

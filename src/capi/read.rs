@@ -6,7 +6,8 @@ use super::types::*;
 use crate::Error;
 use crate::desc::{
     BsdfDesc, CacheDesc, CacheSource, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, KernelDesc, MAX_SHADOW_RAYS,
-    PhotonDesc, PhotonSharing, RenderDesc, SamplerDesc, check_cache, check_photons,
+    PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, SamplerDesc, check_cache, check_photons,
+    check_radiosity,
 };
 use crate::film::ErrorMeasure;
 use crate::math::{DAffine3, DMat3, DVec3};
@@ -188,12 +189,14 @@ pub(super) fn render(it: &etd_render_options, resolution: [u32; 2]) -> Result<Re
             7 => IntegratorDesc::Ppm,
             8 => IntegratorDesc::Sppm,
             9 => IntegratorDesc::Auto,
-            other => return unknown("options.integrator", other, 9),
+            10 => IntegratorDesc::Radiosity,
+            other => return unknown("options.integrator", other, 10),
         },
         max_depth: (it.max_depth != 0).then_some(it.max_depth),
         shadow_rays: it.shadow_rays.max(1),
         photons: photons(it)?,
         cache: cache(it)?,
+        radiosity: radiosity(it)?,
         seed: it.seed,
     })
 }
@@ -250,7 +253,7 @@ fn in_options(error: Error) -> Failure {
 /// Settings of photon maps.
 fn photons(it: &etd_render_options) -> Result<PhotonDesc> {
     let default = PhotonDesc::default();
-    if it.reserved != 0 {
+    if it.reserved != 0 || it.reserved_2 != 0 {
         return Err(Failure::argument("options.reserved is not 0"));
     }
     let photons = PhotonDesc {
@@ -303,6 +306,30 @@ fn cache(it: &etd_render_options) -> Result<CacheDesc> {
     Ok(cache)
 }
 
+/// Settings of radiosity.
+fn radiosity(it: &etd_render_options) -> Result<RadiosityDesc> {
+    let default = RadiosityDesc::default();
+    let radiosity = RadiosityDesc {
+        element_size: given(it.radiosity_element_size),
+        error: given(it.radiosity_error).unwrap_or(default.error),
+        iterations: match it.radiosity_iterations {
+            u32::MAX => Some(0),
+            count => given(count),
+        },
+        tolerance: given(it.radiosity_tolerance).unwrap_or(default.tolerance),
+        solver: match it.radiosity_solver {
+            0 => RadiositySolver::Gather,
+            1 => RadiositySolver::Shoot,
+            other => return unknown("options.radiosity_solver", other, 1),
+        },
+        ambient: switch("options.radiosity_ambient", it.radiosity_ambient, default.ambient)?,
+        final_gather: switch("options.radiosity_final_gather", it.radiosity_final_gather, default.final_gather)?,
+        memory: given(it.radiosity_memory).unwrap_or(default.memory),
+    };
+    check_radiosity("", &radiosity).map_err(in_options)?;
+    Ok(radiosity)
+}
+
 /// The other way round.
 pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
     let (filter, filter_parameters) = match desc.filter {
@@ -312,7 +339,7 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
         FilterDesc::BlackmanHarris => (3, [0.0; 2]),
         FilterDesc::Mitchell { b, c } => (4, [b, c]),
     };
-    let (photons, cache) = (&desc.photons, &desc.cache);
+    let (photons, cache, radiosity) = (&desc.photons, &desc.cache, &desc.radiosity);
     let (photon_kernel, photon_kernel_k) = match photons.kernel {
         None => (0, 0.0),
         Some(KernelDesc::Flat) => (1, 0.0),
@@ -332,6 +359,7 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
             IntegratorDesc::Ppm => 7,
             IntegratorDesc::Sppm => 8,
             IntegratorDesc::Auto => 9,
+            IntegratorDesc::Radiosity => 10,
         },
         sampler: match desc.sampler {
             SamplerDesc::Sobol => 0,
@@ -382,6 +410,21 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
         reserved: 0,
         error_measure: 0,
         adaptive: 0,
+        radiosity_element_size: radiosity.element_size.unwrap_or(0.0),
+        radiosity_error: radiosity.error,
+        radiosity_tolerance: radiosity.tolerance,
+        radiosity_iterations: match radiosity.iterations {
+            Some(0) => u32::MAX,
+            count => count.unwrap_or(0),
+        },
+        radiosity_solver: match radiosity.solver {
+            RadiositySolver::Gather => 0,
+            RadiositySolver::Shoot => 1,
+        },
+        radiosity_ambient: switch_out(radiosity.ambient),
+        radiosity_final_gather: switch_out(radiosity.final_gather),
+        radiosity_memory: radiosity.memory,
+        reserved_2: 0,
     }
 }
 
@@ -431,7 +474,19 @@ mod tests {
             max_spacing: 1.0,
             source: CacheSource::Photons,
         };
-        let mut all_kinds = vec![RenderDesc { photons: all, cache: cached, ..bare.clone() }];
+        let solved = RadiosityDesc {
+            element_size: Some(0.2),
+            error: 0.5,
+            iterations: Some(0),
+            tolerance: 1e-3,
+            solver: RadiositySolver::Shoot,
+            ambient: true,
+            final_gather: true,
+            memory: 7,
+        };
+        let mut all_kinds = vec![RenderDesc { photons: all, cache: cached, radiosity: solved, ..bare.clone() }];
+        let iterations = RadiosityDesc { iterations: Some(3), ..RadiosityDesc::default() };
+        all_kinds.push(RenderDesc { radiosity: iterations, ..bare.clone() });
         for integrator in IntegratorDesc::ALL {
             all_kinds.push(RenderDesc { integrator, photons: photons.clone(), cache: cache.clone(), ..bare.clone() });
         }
@@ -451,6 +506,8 @@ mod tests {
         (it.cache_error, it.cache_min_spacing, it.cache_max_spacing) = (0.0, 0.0, 0.0);
         (it.min_photons, it.gather_rays, it.photon_memory, it.cache_rays) = (0, 0, 0, 0);
         (it.photons_guided, it.photons_progressive) = (0, 0);
+        (it.radiosity_error, it.radiosity_tolerance, it.radiosity_memory) = (0.0, 0.0, 0);
+        (it.radiosity_ambient, it.radiosity_final_gather) = (0, 0);
         let resolution = RenderDesc::default().resolution;
         assert_eq!(render(&it, resolution).ok(), Some(RenderDesc::default()));
         (it.photon_kernel, it.photon_kernel_k) = (2, 0.0);

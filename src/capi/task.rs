@@ -11,6 +11,7 @@ use super::boundary::{
     Header, Inside, Object, UserData, boundary, catch, give, is_inside, lock, need, object, on, peek, read_sized,
     release, share, take_status, write_sized,
 };
+use super::device::etd_device;
 use super::film::etd_film;
 use super::read;
 use super::scene::{Progress, etd_scene};
@@ -21,7 +22,7 @@ use super::types::{
 };
 use crate::Cancel;
 use crate::output::summary_attributes;
-use crate::render::{Ended, Render, RenderSettings};
+use crate::render::{Ended, Render, RenderSettings, Summary};
 
 /// Share of the progress that building a scene takes.
 const BUILD_SHARE: f64 = 0.1;
@@ -191,46 +192,14 @@ impl Work {
             // The scene is needed no more, nor are arrays that it shares.
             *slot = None;
         }
-        *out_summary = Some(etd_summary {
-            struct_size: size_of::<etd_summary>(),
-            elapsed: summary.elapsed.as_secs_f64(),
-            build_time: build_time.as_secs_f64(),
-            rays: summary.rays,
-            non_finite: summary.non_finite,
-            relative_error: summary.rel_mse.map_or(f64::NAN, |error| error.value.sqrt()),
-            samples: summary.samples,
-            cancelled: u32::from(cancel.is_cancelled() && summary.stopped),
-            rel_mse: summary.rel_mse.map_or(f64::NAN, |error| error.value),
-            rel_mse_standard_error: summary.rel_mse.map_or(f64::NAN, |error| error.standard_error),
-            display_error: summary.display_error.map_or(f64::NAN, |error| error.value),
-            samples_min: summary.sample_counts.map_or(0, |counts| counts.min),
-            samples_max: summary.sample_counts.map_or(0, |counts| counts.max),
-            ended: match summary.ended {
-                Ended::Samples => ETD_ENDED_SAMPLES,
-                Ended::Time => ETD_ENDED_TIME,
-                Ended::Error => ETD_ENDED_ERROR,
-                Ended::Cancelled => ETD_ENDED_CANCELLED,
-            },
-            reserved: 0,
-        });
+        *out_summary = Some(summary_out(&summary, build_time, cancel.is_cancelled() && summary.stopped));
         self.film.set_attributes(summary_attributes(&summary));
         Ok(())
     }
 
     fn settings(&self, cancel: &Cancel) -> Result<RenderSettings> {
-        let it = &self.options;
-        let seconds = |limit: f64| Duration::try_from_secs_f64(limit).unwrap_or(Duration::MAX);
-        Ok(RenderSettings {
-            desc: read::render(it, self.film.resolution)?,
-            workers: Some(self.scene.device.workers.clone()),
-            time_limit: (it.time_limit > 0.0).then(|| seconds(it.time_limit)),
-            target_error: (it.target_error > 0.0).then_some(it.target_error),
-            error_measure: read::error_measure(it)?,
-            adaptive: read::adaptive(it)?,
-            auxiliary: self.film.keeps_first_hits(),
-            cancel: cancel.clone(),
-            ..RenderSettings::default()
-        })
+        let settings = settings_of(&self.options, self.film.resolution, &self.scene.device, cancel)?;
+        Ok(RenderSettings { auxiliary: self.film.keeps_first_hits(), ..settings })
     }
 
     /// Takes on a run, unless it is over already or somebody else has.
@@ -302,6 +271,52 @@ impl Work {
             let _ = thread.join();
         }
         outcome
+    }
+}
+
+/// What a render's options ask for.
+pub(super) fn settings_of(
+    it: &etd_render_options,
+    resolution: [u32; 2],
+    device: &etd_device,
+    cancel: &Cancel,
+) -> Result<RenderSettings> {
+    let seconds = |limit: f64| Duration::try_from_secs_f64(limit).unwrap_or(Duration::MAX);
+    Ok(RenderSettings {
+        desc: read::render(it, resolution)?,
+        workers: Some(device.workers.clone()),
+        time_limit: (it.time_limit > 0.0).then(|| seconds(it.time_limit)),
+        target_error: (it.target_error > 0.0).then_some(it.target_error),
+        error_measure: read::error_measure(it)?,
+        adaptive: read::adaptive(it)?,
+        cancel: cancel.clone(),
+        ..RenderSettings::default()
+    })
+}
+
+/// What a render came to, for the host.
+pub(super) fn summary_out(summary: &Summary, build_time: Duration, is_cancelled: bool) -> etd_summary {
+    etd_summary {
+        struct_size: size_of::<etd_summary>(),
+        elapsed: summary.elapsed.as_secs_f64(),
+        build_time: build_time.as_secs_f64(),
+        rays: summary.rays,
+        non_finite: summary.non_finite,
+        relative_error: summary.rel_mse.map_or(f64::NAN, |error| error.value.sqrt()),
+        samples: summary.samples,
+        cancelled: u32::from(is_cancelled),
+        rel_mse: summary.rel_mse.map_or(f64::NAN, |error| error.value),
+        rel_mse_standard_error: summary.rel_mse.map_or(f64::NAN, |error| error.standard_error),
+        display_error: summary.display_error.map_or(f64::NAN, |error| error.value),
+        samples_min: summary.sample_counts.map_or(0, |counts| counts.min),
+        samples_max: summary.sample_counts.map_or(0, |counts| counts.max),
+        ended: match summary.ended {
+            Ended::Samples => ETD_ENDED_SAMPLES,
+            Ended::Time => ETD_ENDED_TIME,
+            Ended::Error => ETD_ENDED_ERROR,
+            Ended::Cancelled => ETD_ENDED_CANCELLED,
+        },
+        reserved: 0,
     }
 }
 

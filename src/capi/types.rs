@@ -38,6 +38,8 @@ mod numbers {
     /// The enumeration of this name, as a number.
     pub type EtdSwitch = u32;
     /// The enumeration of this name, as a number.
+    pub type EtdRadiositySolver = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdErrorMeasure = u32;
     /// The enumeration of this name, as a number.
     pub type EtdLayer = u32;
@@ -47,14 +49,18 @@ mod numbers {
     pub type EtdToneMap = u32;
     /// The enumeration of this name, as a number.
     pub type EtdText = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdAtlasLayout = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdSide = u32;
 }
 pub use numbers::*;
 
 pub use {
-    etd_bsdf::*, etd_cache_source::*, etd_camera_type::*, etd_ended::*, etd_error_measure::*, etd_filter::*,
-    etd_format::*, etd_fov_axis::*, etd_integrator::*, etd_layer::*, etd_log_level::*, etd_phase::*,
-    etd_photon_kernel::*, etd_photon_sharing::*, etd_position_format::*, etd_sampler::*, etd_sharing::*, etd_switch::*,
-    etd_text::*, etd_tone_map::*, etd_usage::*,
+    etd_atlas_layout::*, etd_bsdf::*, etd_cache_source::*, etd_camera_type::*, etd_ended::*, etd_error_measure::*,
+    etd_filter::*, etd_format::*, etd_fov_axis::*, etd_integrator::*, etd_layer::*, etd_log_level::*, etd_phase::*,
+    etd_photon_kernel::*, etd_photon_sharing::*, etd_position_format::*, etd_radiosity_solver::*, etd_sampler::*, etd_sharing::*, etd_side::*,
+    etd_switch::*, etd_text::*, etd_tone_map::*, etd_usage::*,
 };
 
 /// Stands for "no material", "no surface", "no mesh".
@@ -373,6 +379,8 @@ pub enum etd_integrator {
     ETD_INTEGRATOR_SPPM = 8,
     /// Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
     ETD_INTEGRATOR_AUTO = 9,
+    /// Radiosity: the diffuse scene solved as a whole, for every view of it.
+    ETD_INTEGRATOR_RADIOSITY = 10,
 }
 
 /// How photons weigh by their distance d within the radius r of a density estimate.
@@ -409,6 +417,16 @@ pub enum etd_cache_source {
     ETD_CACHE_SOURCE_PHOTONS = 1,
 }
 
+/// How a radiosity system is solved.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_radiosity_solver {
+    /// Every element gathers from all others, again and again.
+    ETD_RADIOSITY_SOLVER_GATHER = 0,
+    /// The patch that has most light left shoots it: progressive refinement.
+    ETD_RADIOSITY_SOLVER_SHOOT = 1,
+}
+
 /// Whether something is done.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -434,7 +452,7 @@ pub enum etd_error_measure {
 
 /// How to render and when to stop: at whichever of samples, time and error is reached first.
 ///
-/// From `photon_radius` on: settings of photon maps and of the irradiance cache, which only the integrators that use them
+/// From `photon_radius` on: settings of photon maps, the irradiance cache and radiosity, which only the integrators that use them
 /// look at (docs/scene-format.md says which) and in which 0 always stands for the default.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -521,6 +539,28 @@ pub struct etd_render_options {
     /// `target_error` is set. Only with the samplers Sobol' and random, and not where photon maps are made anew for each
     /// pass: there all pixels have the same number, and the log callback is told.
     pub adaptive: EtdSwitch,
+
+    /// Of `ETD_INTEGRATOR_RADIOSITY`, as all that follows: elements whose longest side is no longer than this are not divided
+    /// any more, scene units, 1e-18 to 1e18; 0: a 64th of the extent of the scene.
+    pub radiosity_element_size: f64,
+    /// What one link between elements may be wrong by, in thousandths of all irradiance, up to 1000; 0 means 5.
+    pub radiosity_error: f64,
+    /// Share of the solution that may be left to iterate for, below 1; 0 means 0.0001.
+    pub radiosity_tolerance: f64,
+    /// Iterations, 2^24 at most: bounces of light, or patches that shoot; `UINT32_MAX`: none, light sources alone; 0: until
+    /// what is left is below `radiosity_tolerance`.
+    pub radiosity_iterations: u32,
+    /// An `etd_radiosity_solver`.
+    pub radiosity_solver: EtdRadiositySolver,
+    /// An `etd_switch`: whether light that was shot but not distributed yet is shown as its mean; by default it is not.
+    pub radiosity_ambient: EtdSwitch,
+    /// An `etd_switch`: whether pictures take direct light from light samples and indirect light from a ray into the solution,
+    /// instead of interpolating it; by default they do not.
+    pub radiosity_final_gather: EtdSwitch,
+    /// Most memory of elements and links, MiB, 2^20 at most; 0 means 1024.
+    pub radiosity_memory: u32,
+    /// Must be 0.
+    pub reserved_2: u32,
 }
 
 /// What work is at.
@@ -798,6 +838,132 @@ pub enum etd_text {
     ETD_TEXT_WARNINGS = 1,
 }
 
+/// Where the layout of a mesh in a light map comes from.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_atlas_layout {
+    /// The mesh's own texture coordinates where they are fit for it (in [0, 1], without overlaps, every triangle with an area), else
+    /// charts; the log callback is told of those that are not.
+    ETD_ATLAS_LAYOUT_AUTO = 0,
+    /// Charts, whatever coordinates a mesh has.
+    ETD_ATLAS_LAYOUT_CHARTS = 1,
+    /// The mesh's own texture coordinates; an error where they are not fit for it.
+    ETD_ATLAS_LAYOUT_OWN = 2,
+}
+
+/// A side of a surface.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_side {
+    /// The one that the normal is on.
+    ETD_SIDE_FRONT = 0,
+    /// The other one.
+    ETD_SIDE_BACK = 1,
+}
+
+/// How a light map is laid out. 0 always stands for the default.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct etd_atlas_options {
+    /// `sizeof(etd_atlas_options)`.
+    pub struct_size: usize,
+    /// Texels along the sides of the square, 8192 at most; 0: as many as `texels_per_unit` needs, or 512.
+    pub resolution: u32,
+    /// Texels around each chart that are its own, 64 at most; 0 means 2, `UINT32_MAX` none. One is what bilinear lookups need.
+    pub gutter: u32,
+    /// Texels for a unit of length; 0: as many as fit.
+    pub texels_per_unit: f64,
+    /// How far the normals of a chart's triangles may be from the first one's, degrees, below 90; 0 means 45.
+    pub max_angle_deg: f64,
+    /// An `etd_atlas_layout`.
+    pub layout: EtdAtlasLayout,
+    /// Most memory that the atlas and its bakes may take, MiB; 0 means 4096. The device's limit holds beside it.
+    pub memory: u32,
+    /// Must be 0.
+    pub reserved: u64,
+}
+
+/// How large an atlas is.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct etd_atlas_info {
+    /// `sizeof(etd_atlas_info)`.
+    pub struct_size: usize,
+    /// Texels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Vertices of all surfaces.
+    pub vertex_count: usize,
+    /// Triangles of all surfaces.
+    pub triangle_count: usize,
+    /// Surfaces that are there.
+    pub surface_count: usize,
+    /// Charts.
+    pub chart_count: usize,
+    /// Texels that triangles cover.
+    pub covered_texels: usize,
+    /// Texels for a unit of length, along the plane of a chart; for meshes with their own layout, on the mean.
+    pub texels_per_unit: f64,
+}
+
+/// A corner of a light-mapped triangle.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct etd_atlas_vertex {
+    /// World frame.
+    pub position: [f64; 3],
+    /// Unit normal: the shading normal of a smooth surface, else the mean of the chart's triangles there.
+    pub normal: [f32; 3],
+    /// Its place in the light map, in [0, 1]: (0, 0) is the outer corner of the first texel of row 0.
+    pub uv: [f32; 2],
+    /// Its number in the mesh as it was given; of a triangle or a quad that of the corner; running on other shapes.
+    pub source: u32,
+}
+
+/// A surface in a light map.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct etd_atlas_surface {
+    /// Its number in the scene.
+    pub surface: u32,
+    /// Its first vertex.
+    pub first_vertex: u32,
+    /// How many it has.
+    pub vertex_count: u32,
+    /// Its first triangle.
+    pub first_triangle: u32,
+    /// How many it has.
+    pub triangle_count: u32,
+    /// 1 if the mesh's own texture coordinates are the layout, else 0.
+    pub has_own_layout: u32,
+    /// Then (u, v) of the mesh times the first two, plus the others, is the place in the light map; else 0.
+    pub scale_offset: [f32; 4],
+}
+
+/// Where baked light goes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct etd_bake_target {
+    /// `sizeof(etd_bake_target)`.
+    pub struct_size: usize,
+    /// Three floats for each texel or vertex: irradiance [W m^-2], linear Rec. 709.
+    pub irradiance: *mut f32,
+    /// Three floats for each: its standard error [W m^-2], NaN where there are too few samples to tell; laid out as `irradiance`.
+    /// NULL: not wanted.
+    pub standard_error: *mut f32,
+    /// Bytes that may be written from each of the two pointers on.
+    pub size: usize,
+    /// Bytes from one texel or vertex to the next; 0: they lie close together (12).
+    pub stride: usize,
+    /// Bytes from one row of texels to the next; 0: they lie close together.
+    pub row_stride: usize,
+    /// An `etd_side`.
+    pub side: EtdSide,
+    /// Must be 0.
+    pub reserved: u32,
+}
+
 macro_rules! versioned {
     ($($type:ty, $last:ident;)*) => {$(
         // SAFETY: `repr(C)`, begins with `struct_size: usize`, and consists of numbers, pointers and `Option`s of
@@ -823,4 +989,7 @@ versioned! {
     etd_map, id;
     etd_image_options, comments;
     etd_scene_info, build_time;
+    etd_atlas_options, reserved;
+    etd_atlas_info, texels_per_unit;
+    etd_bake_target, reserved;
 }

@@ -48,6 +48,7 @@ mod params;
 mod photon;
 mod photon_keys;
 mod quadric;
+mod radiosity;
 mod read;
 mod render;
 #[cfg(feature = "schema")]
@@ -64,6 +65,8 @@ pub use photon::{
     PhotonSharing, RADII,
 };
 pub(crate) use photon_keys::{check_cache, check_photons};
+pub(crate) use radiosity::check_radiosity;
+pub use radiosity::{MAX_RADIOSITY_ITERATIONS, MAX_RADIOSITY_MEMORY, RadiosityDesc, RadiositySolver};
 pub use read::{apply_params, apply_render, load, load_params, parse};
 #[cfg(feature = "schema")]
 pub use schema::schema;
@@ -415,6 +418,8 @@ pub struct RenderDesc {
     pub photons: PhotonDesc,
     /// Irradiance cache.
     pub cache: CacheDesc,
+    /// Radiosity.
+    pub radiosity: RadiosityDesc,
     /// Seed of all randomness.
     pub seed: u64,
 }
@@ -431,6 +436,7 @@ impl Default for RenderDesc {
             shadow_rays: 1,
             photons: PhotonDesc::default(),
             cache: CacheDesc::default(),
+            radiosity: RadiosityDesc::default(),
             seed: 0,
         }
     }
@@ -495,6 +501,8 @@ pub enum IntegratorDesc {
     Photon,
     /// Indirect diffuse light interpolated between final gathers.
     IrradianceCache,
+    /// Radiosity: the diffuse scene solved as a whole, for every view of it.
+    Radiosity,
     /// Progressive photon mapping: a new map every pass, with one shrinking radius.
     Ppm,
     /// Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel.
@@ -505,7 +513,7 @@ pub enum IntegratorDesc {
 
 impl IntegratorDesc {
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Path,
         Self::Whitted,
         Self::Direct,
@@ -513,6 +521,7 @@ impl IntegratorDesc {
         Self::Caustic,
         Self::Photon,
         Self::IrradianceCache,
+        Self::Radiosity,
         Self::Ppm,
         Self::Sppm,
         Self::Auto,
@@ -528,6 +537,7 @@ impl IntegratorDesc {
             Self::Caustic => "caustic",
             Self::Photon => "photon",
             Self::IrradianceCache => "irradiance_cache",
+            Self::Radiosity => "radiosity",
             Self::Ppm => "ppm",
             Self::Sppm => "sppm",
             Self::Auto => "auto",

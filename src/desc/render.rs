@@ -4,7 +4,7 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::json::{self, Plain, Whole, join};
-use super::{IntegratorDesc, RenderDesc, SamplerDesc, filter, photon_keys, validate};
+use super::{IntegratorDesc, RenderDesc, SamplerDesc, filter, photon_keys, radiosity, validate};
 use crate::Result;
 
 /// Most samples per pixel, 2^31.
@@ -93,6 +93,29 @@ pub(super) struct Render<'a> {
     /// Of `irradiance_cache`: what the gather's rays bring back. Default `paths`.
     #[serde(default, deserialize_with = "json::name")]
     pub(super) cache_source: Option<photon_keys::Source>,
+    /// Of `radiosity`: elements whose longest side is no longer than this are not divided any more, scene units. Default: a
+    /// 64th of the extent of the scene.
+    pub(super) radiosity_element_size: Option<f64>,
+    /// Of `radiosity`: what one link between elements may be wrong by, in thousandths of all irradiance, above 0 and up to
+    /// 1000. Default 5.
+    pub(super) radiosity_error: Option<f64>,
+    /// Of `radiosity`: iterations, 0 to 2^24; null: until what is left is below `radiosityTolerance`. Default null.
+    #[serde(default, deserialize_with = "json::even_null")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Whole>"))]
+    pub(super) radiosity_iterations: Option<Option<Whole>>,
+    /// Of `radiosity`: share of the solution that may be left to iterate for, above 0 and below 1. Default 0.0001.
+    pub(super) radiosity_tolerance: Option<f64>,
+    /// Of `radiosity`: how the system is solved. Default `gather`.
+    #[serde(default, deserialize_with = "json::name")]
+    pub(super) radiosity_solver: Option<radiosity::Solver>,
+    /// Of `radiosity`: whether a solution stopped by `radiosityIterations` is shown with the mean of the light that was not
+    /// yet distributed. Default false.
+    pub(super) radiosity_ambient: Option<bool>,
+    /// Of `radiosity`: whether pictures take indirect light from one ray into the solution at what the camera sees, and direct
+    /// light from light samples. Default false.
+    pub(super) radiosity_final_gather: Option<bool>,
+    /// Of `radiosity`: most memory of elements and links, MiB, 1 to 2^20. Default 1024.
+    pub(super) radiosity_memory: Option<Whole>,
 }
 
 /// Where the samples of a pixel come from.
@@ -149,6 +172,8 @@ mod schema {
         Photon,
         /// Indirect diffuse light interpolated between final gathers.
         IrradianceCache,
+        /// The diffuse scene solved as a whole, for every view of it.
+        Radiosity,
         /// Progressive photon mapping: a new map every pass, with one shrinking radius.
         Ppm,
         /// Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel.
@@ -195,12 +220,13 @@ pub(super) fn read(raw: &RawValue, path: &str, base: &RenderDesc) -> Result<Rend
     }
     render.photons = photon_keys::photons(&block, path, &base.photons)?;
     render.cache = photon_keys::cache(&block, path, &base.cache)?;
+    render.radiosity = radiosity::radiosity(&block, path, &base.radiosity)?;
     Ok(render)
 }
 
 impl RenderDesc {
     /// Whether the format could have given these numbers: the image's size, samples, depth, shadow rays, filter,
-    /// photon maps and irradiance cache.
+    /// photon maps, irradiance cache and radiosity.
     ///
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] at `render.resolution`, `render.samples`, `render.filter.sigma` and so on.
@@ -214,7 +240,8 @@ impl RenderDesc {
         }
         shadow_rays("render.shadowRays", whole(self.shadow_rays))?;
         photon_keys::check_photons("render", &self.photons)?;
-        photon_keys::check_cache("render", &self.cache)
+        photon_keys::check_cache("render", &self.cache)?;
+        radiosity::check_radiosity("render", &self.radiosity)
     }
 }
 

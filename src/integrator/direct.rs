@@ -30,6 +30,6 @@ impl Integrator for Direct {
         first: &mut impl FnMut(FirstHit),
     ) -> Rgb {
         let path = Path { max_depth: Some(1), shadow_rays: self.shadow_rays };
-        trace(scene, ray, sampler, tracer, first, Limits { path, mirrors_see_lights: true })
+        trace(scene, ray, sampler, tracer, first, Limits { path, mirrors_see_lights: true, from: None })
     }
 }

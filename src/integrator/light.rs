@@ -43,6 +43,15 @@ impl<'s> Vertex<'s> {
         Self { material: scene.material(surface.material), frame, wo, wo_scene, surface }
     }
 
+    /// A point of a surface as if it were of this diffuse material, looked at along its shading normal from the side of it
+    /// (`front`) or the other.
+    #[inline]
+    pub fn seen_along_normal(surface: SurfaceInteraction, material: &'s Material, front: bool) -> Self {
+        let side = if front { 1.0 } else { -1.0 };
+        let frame = Frame::from_normal(surface.ns);
+        Self { material, frame, wo: Vec3::new(0.0, 0.0, side), wo_scene: side * surface.ns, surface }
+    }
+
     /// Back along the path, scene frame.
     #[inline]
     pub fn wo_scene(&self) -> Vec3 {

@@ -4,13 +4,16 @@
 //! film, no file and no thread.
 
 mod direct;
+mod irradiance;
 pub mod irradiance_cache;
 mod light;
 mod path;
 pub mod photon;
+pub mod radiosity;
 mod whitted;
 
 pub use direct::Direct;
+pub use irradiance::{Irradiance, Piece, Sites};
 pub use path::Path;
 pub use whitted::Whitted;
 

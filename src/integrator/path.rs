@@ -10,6 +10,7 @@
 
 use super::light::Vertex;
 use super::{FirstHit, Integrator, Tracer};
+use crate::emitter::Receiver;
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
@@ -46,7 +47,7 @@ impl Integrator for Path {
         tracer: &mut T,
         first: &mut impl FnMut(FirstHit),
     ) -> Rgb {
-        trace(scene, ray, sampler, tracer, first, Limits { path: *self, mirrors_see_lights: false })
+        trace(scene, ray, sampler, tracer, first, Limits { path: *self, mirrors_see_lights: false, from: None })
     }
 }
 
@@ -56,6 +57,8 @@ pub(super) struct Limits {
     pub path: Path,
     /// Whether a specular surface at the last allowed hit still shows the lights it reflects or refracts.
     pub mirrors_see_lights: bool,
+    /// The receiver that the ray leaves and the density of its direction, where a light sample could have made it as well.
+    pub from: Option<(Receiver, f32)>,
 }
 
 #[inline]
@@ -74,7 +77,7 @@ pub(super) fn trace<S: Sampler, T: Tracer>(
     // Undoes the radiance scaling of refraction for the roulette: a path inside glass is not worth less.
     let mut eta2 = 1.0;
     // The last bounce's receiver and density, where a light sample could have made it as well.
-    let mut bounced = None;
+    let mut bounced = limits.from;
     // What a path has to carry to survive with certainty: a share of what was left after the first hit, so that indirect
     // light on a dark wall is as clean, against its own brightness, as on a white one.
     let mut worth_following = 1.0;

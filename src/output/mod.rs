@@ -1,5 +1,5 @@
 //! Image files: writes and reads [`Image`], maps it to a display, and compares two of them. Files of photons:
-//! [`write_photons`].
+//! [`write_photons`]. Files of light maps: [`light_map_image`], [`write_atlas`], [`write_vertices`].
 //!
 //! The extension of the file's name chooses the format:
 //!
@@ -27,6 +27,7 @@
 //! ```
 
 mod attributes;
+mod bake;
 mod exr;
 mod metrics;
 mod pfm;
@@ -45,6 +46,7 @@ use crate::film::Image;
 use crate::{Error, ErrorKind, Result};
 
 pub use attributes::{Attribute, summary_attributes};
+pub use bake::{VertexValues, light_map_image, write_atlas, write_vertices};
 pub use metrics::{Metrics, REL_MSE_EPSILON, compare};
 pub use photons::{PhotonFormat, check_photon_target, write_photons};
 pub use tone::{ToneMap, to_srgb8};

@@ -9,7 +9,7 @@ use crate::control::{Cancel, Parallel};
 use crate::error::{Error, ErrorKind, Result};
 
 /// The workers of a render, until somebody stops them.
-pub(super) struct Crew<'a> {
+pub(crate) struct Crew<'a> {
     pub workers: &'a Workers,
     pub cancel: &'a Cancel,
     /// When time is up.

@@ -29,8 +29,10 @@ use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{FilterDesc, IntegratorDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, SampleCounts};
+use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, SampleCounts, TILE};
 use crate::integrator::photon::{Choice, Gather, Plan, choose};
+use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
+use crate::integrator::{Irradiance, Path, Sites};
 use crate::sampling::Filter;
 use crate::scene::Scene;
 use adaptive::{LEAST_PIXELS, PILOT, Stage};
@@ -41,6 +43,9 @@ use schedule::Schedule;
 pub use non_finite::NonFiniteSample;
 pub use schedule::MOST_SAMPLES;
 pub use workers::{MAX_THREADS, Workers};
+
+/// Pixels to a row of a film of irradiance: as many as a tile has.
+pub const IRRADIANCE_WIDTH: u32 = TILE;
 
 /// What to render, and with how much effort.
 #[derive(Clone, Debug, Default)]
@@ -138,6 +143,8 @@ enum Method {
     Whitted,
     Direct,
     Gather(Box<Gather>),
+    Irradiance(Irradiance),
+    Radiosity(RadiosityPicture),
 }
 
 /// A render of a scene: its film, and those who fill it.
@@ -153,6 +160,8 @@ pub struct Render {
     choice: Option<Choice>,
     /// Photon maps, where the integrator wants any.
     plan: Option<Plan>,
+    /// The solution, where the integrator is radiosity and it has been made.
+    radiosity: Option<Arc<Radiosity>>,
     /// What the pass under way is rendered with.
     method: Method,
     samples: u32,
@@ -174,6 +183,39 @@ impl Render {
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] for settings that make no image, `OutOfMemory` for a film that does not fit.
     pub fn new(scene: &Scene, settings: RenderSettings) -> Result<Self> {
+        Self::with_method(scene, settings, None)
+    }
+
+    /// Prepares a render of irradiance [W m^-2] by path tracing: of each of these sites, on the outer side of the surface
+    /// (`front`) or the other, instead of what a camera sees.
+    ///
+    /// The film has [`IRRADIANCE_WIDTH`] pixels a row, one for each site, row by row; pixels of the last row that are left over
+    /// show the first sites once more. Of the settings resolution, integrator, filter and auxiliary layers are not looked at;
+    /// depth counts the site itself as the first hit; samplers other than `Random` count as `Sobol`.
+    ///
+    /// # Errors
+    /// As for [`Render::new`]; `InvalidScene` where there is no site.
+    pub fn irradiance(scene: &Scene, settings: RenderSettings, sites: Arc<Sites>, front: bool) -> Result<Self> {
+        if sites.is_empty() {
+            return Err(Error::new(ErrorKind::InvalidScene, "there is no surface whose irradiance could be asked for"));
+        }
+        let rows = sites.len().div_ceil(IRRADIANCE_WIDTH as usize);
+        let desc = RenderDesc {
+            resolution: [IRRADIANCE_WIDTH, u32::try_from(rows).unwrap_or(u32::MAX)],
+            integrator: IntegratorDesc::Path,
+            filter: FilterDesc::Box,
+            sampler: match settings.desc.sampler {
+                SamplerDesc::Random => SamplerDesc::Random,
+                _ => SamplerDesc::Sobol,
+            },
+            ..settings.desc
+        };
+        let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
+        let settings = RenderSettings { desc, auxiliary: false, ..settings };
+        Self::with_method(scene, settings, Some(Method::Irradiance(Irradiance::new(sites, path, front))))
+    }
+
+    fn with_method(scene: &Scene, settings: RenderSettings, method: Option<Method>) -> Result<Self> {
         let desc = &settings.desc;
         let [width, height] = desc.resolution;
         let pixels = u64::from(width) * u64::from(height);
@@ -195,21 +237,23 @@ impl Render {
             return Err(Error::invalid("targetError", message));
         }
         check_filter(&desc.filter)?;
-        let camera = Camera::new(scene.camera(), desc.resolution, scene.centre())?;
+        // Irradiance is nothing that a camera sees, and its film no image.
+        let seen = if method.is_some() { [1, 1] } else { desc.resolution };
+        let camera = Camera::new(scene.camera(), seen, scene.centre())?;
         // The normally distributed pattern is a pixel filter by itself.
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
         let choice = (desc.integrator == IntegratorDesc::Auto).then(|| choose(scene));
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
-        let method = match integrator {
+        let method = method.unwrap_or(match integrator {
             IntegratorDesc::Whitted => Method::Whitted,
             IntegratorDesc::Direct => Method::Direct,
             _ => Method::Path,
-        };
+        });
         let filter = Filter::new(&filter_desc);
         let scene = scene.clone();
         let shared = Arc::new(desc.clone());
         let plan = match integrator {
-            IntegratorDesc::Path | IntegratorDesc::Whitted | IntegratorDesc::Direct => None,
+            IntegratorDesc::Path | IntegratorDesc::Whitted | IntegratorDesc::Direct | IntegratorDesc::Radiosity => None,
             method => Some(Plan::new(&scene, &camera, &shared, method)?),
         };
         let pass_samples = plan.as_ref().and_then(Plan::samples_a_pass);
@@ -241,6 +285,7 @@ impl Render {
             workers,
             choice,
             plan,
+            radiosity: None,
             method,
             samples: 0,
             decision: 0,
@@ -351,7 +396,10 @@ impl Render {
         start: Instant,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Option<Ended>> {
-        let Some(plan) = &mut self.plan else { return Ok(None) };
+        let wants_solution = self.desc.integrator == IntegratorDesc::Radiosity && self.radiosity.is_none();
+        if self.plan.is_none() && !wants_solution {
+            return Ok(None);
+        }
         let limit = self.settings.time_limit.filter(|_| self.samples > 0);
         let (samples, rays) = (self.samples, self.rays);
         let mut crew = Crew {
@@ -365,13 +413,24 @@ impl Render {
             is_broken_off: false,
             token: Cancel::new(),
         };
-        let before = plan.rays;
-        let made = plan.gather(samples, &mut crew);
+        let made = match &mut self.plan {
+            Some(plan) => {
+                let before = plan.rays;
+                let gather = plan.gather(samples, &mut crew);
+                self.rays += plan.rays - before;
+                gather.map(|gather| Method::Gather(Box::new(gather)))
+            }
+            None => Radiosity::solve(&self.scene, &self.desc.radiosity, &mut crew).map(|solution| {
+                let solution = Arc::new(solution);
+                self.radiosity = Some(Arc::clone(&solution));
+                let (is_gather, shadow_rays) = (self.desc.radiosity.final_gather, self.desc.shadow_rays);
+                Method::Radiosity(RadiosityPicture::new(&self.scene, solution, is_gather, shadow_rays))
+            }),
+        };
         let is_cancelled = crew.is_broken_off || self.settings.cancel.is_cancelled();
-        self.rays += plan.rays - before;
         match made {
-            Ok(gather) => {
-                self.method = Method::Gather(Box::new(gather));
+            Ok(method) => {
+                self.method = method;
                 Ok(None)
             }
             Err(error) if error.kind() == ErrorKind::Cancelled => {
@@ -423,6 +482,7 @@ impl Render {
             IntegratorDesc::Whitted | IntegratorDesc::Direct => Some("of light that is scattered more often"),
             IntegratorDesc::PhotonDirect | IntegratorDesc::Photon => Some("of photon maps that are made once"),
             IntegratorDesc::IrradianceCache => Some("of the irradiance cache"),
+            IntegratorDesc::Radiosity => Some("of the radiosity solution"),
             _ if self.desc.max_depth.is_some() => Some("of paths that are cut"),
             _ => None,
         }
@@ -434,7 +494,8 @@ impl Render {
             notes.push(format!("auto chose {}: {}", choice.integrator.name(), choice.why));
         }
         notes.extend(self.plan.iter().flat_map(|plan| plan.notes().iter().cloned()));
-        if let Some(depth) = self.settings.desc.max_depth {
+        notes.extend(self.radiosity.iter().flat_map(|solution| solution.notes().iter().cloned()));
+        if let Some(depth) = self.settings.desc.max_depth.filter(|_| self.radiosity.is_none()) {
             notes.push(format!("paths were cut after {depth} hits (maxDepth): the image is too dark"));
         }
         if self.settings.desc.sampler == SamplerDesc::Gaussian && self.settings.desc.filter != FilterDesc::Box {
@@ -472,6 +533,31 @@ impl Render {
             notes,
         }
     }
+}
+
+/// Has work of equal pieces done by those who would do a render of these settings, until it is done, or `look_up`, asked now and then
+/// on the calling thread, answers with `Break`.
+///
+/// # Errors
+/// Those of the work; [`ErrorKind::Cancelled`] if it was stopped, by the time limit too.
+pub(crate) fn with_crew<R>(
+    settings: &RenderSettings,
+    look_up: &mut dyn FnMut() -> ControlFlow<()>,
+    work: impl FnOnce(&mut Crew) -> Result<R>,
+) -> Result<R> {
+    let workers = match &settings.workers {
+        Some(workers) => workers.clone(),
+        None => Workers::pool(settings.threads)?,
+    };
+    let mut crew = Crew {
+        workers: &workers,
+        cancel: &settings.cancel,
+        deadline: settings.time_limit.and_then(|limit| Instant::now().checked_add(limit)),
+        look_up: &mut || look_up().is_break(),
+        is_broken_off: false,
+        token: Cancel::new(),
+    };
+    work(&mut crew)
 }
 
 /// Parameters within which a filter is one.

@@ -10,8 +10,8 @@ use super::{Method, Render};
 use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{RenderDesc, SamplerDesc};
-use crate::film::{Film, REPLICATES, TILE};
-use crate::integrator::{Direct, Integrator, Path, Tracer, Whitted};
+use crate::film::{Film, Gathering, REPLICATES, TILE};
+use crate::integrator::{Direct, FirstHit, Integrator, Irradiance, Path, Tracer, Whitted};
 use crate::math::Ray;
 use crate::sampling::{Filter, Pattern, PatternSampler, Sampler, SobolSampler};
 use crate::scene::{Hit, Scene};
@@ -107,16 +107,72 @@ impl Tracer for PassTracer<'_> {
     }
 }
 
+/// What the samples of a pixel are samples of.
+trait Subject: Sync {
+    /// One sample of pixel (x, y). `offset`: from the pixel's middle, as the filter draws it, in pixels.
+    #[allow(clippy::too_many_arguments)]
+    fn sample<S: Sampler, T: Tracer>(
+        &self,
+        pass: &Pass,
+        pixel: [u32; 2],
+        offset: [f32; 2],
+        sampler: &mut S,
+        tracer: &mut T,
+        first: &mut impl FnMut(FirstHit),
+        gathering: Option<&mut Gathering>,
+    ) -> Rgb;
+}
+
+/// Radiance as the camera sees it.
+struct View<'i, I>(&'i I);
+
+impl<I: Integrator> Subject for View<'_, I> {
+    #[inline(always)]
+    fn sample<S: Sampler, T: Tracer>(
+        &self,
+        pass: &Pass,
+        [x, y]: [u32; 2],
+        offset: [f32; 2],
+        sampler: &mut S,
+        tracer: &mut T,
+        first: &mut impl FnMut(FirstHit),
+        gathering: Option<&mut Gathering>,
+    ) -> Rgb {
+        let ray = pass.camera.ray(x as f32 + 0.5 + offset[0], y as f32 + 0.5 + offset[1]);
+        self.0.radiance_of_pixel(&pass.scene, ray, sampler, tracer, first, gathering)
+    }
+}
+
+/// Irradiance of sites, numbered as the film's pixels are.
+impl Subject for Irradiance {
+    #[inline(always)]
+    fn sample<S: Sampler, T: Tracer>(
+        &self,
+        pass: &Pass,
+        [x, y]: [u32; 2],
+        offset: [f32; 2],
+        sampler: &mut S,
+        tracer: &mut T,
+        _first: &mut impl FnMut(FirstHit),
+        _gathering: Option<&mut Gathering>,
+    ) -> Rgb {
+        let site = (y * pass.film.options().resolution[0] + x) as usize;
+        self.estimate(&pass.scene, site, offset.map(|offset| offset + 0.5), sampler, tracer)
+    }
+}
+
 impl Work for Pass {
     /// Chooses integrator and sampler once; from here on nothing is dispatched.
     fn take(&self, pause: &mut dyn FnMut() -> bool) -> bool {
         let shadow_rays = self.desc.shadow_rays;
         let max_depth = self.desc.max_depth;
         match &self.method {
-            Method::Path => self.with_integrator(&Path { max_depth, shadow_rays }, pause),
-            Method::Whitted => self.with_integrator(&Whitted { max_depth, shadow_rays }, pause),
-            Method::Direct => self.with_integrator(&Direct { shadow_rays }, pause),
-            Method::Gather(gather) => self.with_integrator(&**gather, pause),
+            Method::Path => self.with_subject(&View(&Path { max_depth, shadow_rays }), pause),
+            Method::Whitted => self.with_subject(&View(&Whitted { max_depth, shadow_rays }), pause),
+            Method::Direct => self.with_subject(&View(&Direct { shadow_rays }), pause),
+            Method::Gather(gather) => self.with_subject(&View(&**gather), pause),
+            Method::Radiosity(picture) => self.with_subject(&View(picture), pause),
+            Method::Irradiance(irradiance) => self.with_subject(irradiance, pause),
         }
     }
 
@@ -188,25 +244,25 @@ impl Pass {
         pass.again.and_then(|again| again.replayed.into_inner().ok()).unwrap_or_default()
     }
 
-    fn with_integrator<I: Integrator>(&self, integrator: &I, pause: &mut dyn FnMut() -> bool) -> bool {
+    fn with_subject<I: Subject>(&self, subject: &I, pause: &mut dyn FnMut() -> bool) -> bool {
         let seed = self.desc.seed;
         let pattern = match self.desc.sampler {
             SamplerDesc::Sobol => {
                 let sampler = SobolSampler::new(seed, self.film.options().share).in_turn(REPLICATES as u32);
-                return self.all_tiles(integrator, &sampler, pause);
+                return self.all_tiles(subject, &sampler, pause);
             }
             SamplerDesc::Random => Pattern::Random,
             SamplerDesc::Jittered => Pattern::Jittered,
             SamplerDesc::Grid => Pattern::Grid,
             SamplerDesc::Gaussian => Pattern::Gaussian,
         };
-        self.all_tiles(integrator, &PatternSampler::new(pattern, seed, self.desc.samples), pause)
+        self.all_tiles(subject, &PatternSampler::new(pattern, seed, self.desc.samples), pause)
     }
 
     /// Takes tiles until there are none; false if it paused before that.
-    fn all_tiles<I: Integrator, S: Sampler + Clone>(
+    fn all_tiles<I: Subject, S: Sampler + Clone>(
         &self,
-        integrator: &I,
+        subject: &I,
         sampler: &S,
         pause: &mut dyn FnMut() -> bool,
     ) -> bool {
@@ -222,7 +278,7 @@ impl Pass {
                 return true;
             }
             let mut tracer = PassTracer::new(self);
-            let is_complete = self.tile(integrator, &mut sampler.clone(), number, &mut tracer, pause);
+            let is_complete = self.tile(subject, &mut sampler.clone(), number, &mut tracer, pause);
             self.rays.fetch_add(tracer.rays, Ordering::Relaxed);
             if is_complete {
                 self.tiles_done.fetch_add(1, Ordering::Release);
@@ -234,9 +290,9 @@ impl Pass {
     }
 
     /// All samples of one tile, unless the pass is stopped; whether they are complete. Allocates nothing but the tile.
-    fn tile<I: Integrator, S: Sampler>(
+    fn tile<I: Subject, S: Sampler>(
         &self,
-        integrator: &I,
+        subject: &I,
         sampler: &mut S,
         number: usize,
         tracer: &mut PassTracer,
@@ -268,13 +324,13 @@ impl Pass {
                 for sample in samples {
                     sampler.start(y * width + x, sample);
                     let (offset, weight) = self.filter.sample(sampler.pixel_2d());
-                    let ray = self.camera.ray(x as f32 + 0.5 + offset[0], y as f32 + 0.5 + offset[1]);
                     let mut first = None;
                     // A copy, as the sample may be stopped in the middle.
                     let mut gathering = tile.gathering.get(index).copied();
-                    let radiance = integrator.radiance_of_pixel(
-                        &self.scene,
-                        ray,
+                    let radiance = subject.sample(
+                        self,
+                        [x, y],
+                        offset,
                         sampler,
                         tracer,
                         &mut |hit| first = Some(hit),

@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use super::record::{Facts, Record};
-use crate::desc::SceneDesc;
+use crate::desc::{BsdfDesc, IntegratorDesc, SceneDesc, SurfaceDesc};
 use crate::emitter::EmitterSet;
 use crate::math::Bounds;
 
@@ -46,6 +46,8 @@ pub struct SceneInfo {
     pub decisions: Vec<String>,
     /// What this scene does not need and does not pay for.
     pub switched_off: Vec<&'static str>,
+    /// What radiosity makes of surfaces that are not Lambert's, a line each kind.
+    pub not_diffuse: Vec<String>,
 }
 
 impl SceneInfo {
@@ -92,6 +94,7 @@ impl SceneInfo {
             embree_bytes: facts.embree_bytes,
             build_time: Duration::ZERO,
             decisions,
+            not_diffuse: not_diffuse(desc),
             switched_off: off.into_iter().filter_map(|(is_off, name)| is_off.then_some(name)).collect(),
         }
     }
@@ -129,12 +132,42 @@ pub(super) fn warnings(desc: &SceneDesc, facts: &Facts, emitters: &EmitterSet, d
     if dark_lights > 0 {
         warnings.push(format!("dropped {dark_lights} point lights without intensity"));
     }
+    if desc.render.integrator == IntegratorDesc::Radiosity {
+        warnings.extend(not_diffuse(desc));
+    }
     if desc.surfaces.is_empty() {
         warnings.push("the scene has no surface: the image will be black".to_owned());
     } else if emitters.is_dark() {
         warnings.push("nothing in the scene emits light: the image will be black".to_owned());
     }
     warnings
+}
+
+/// Surfaces named in one warning.
+const NAMED: usize = 5;
+
+/// What radiosity makes of surfaces that are not Lambert's.
+fn not_diffuse(desc: &SceneDesc) -> Vec<String> {
+    let name = |is_such: fn(&BsdfDesc) -> bool, becomes: &str| {
+        let such = |surface: &&SurfaceDesc| {
+            !surface.hidden && desc.materials.get(surface.material).is_some_and(|material| is_such(&material.bsdf))
+        };
+        let count = desc.surfaces.iter().filter(such).count();
+        let named = desc.surfaces.iter().filter(such).take(NAMED).map(|surface| {
+            let material = &desc.materials[surface.material].name;
+            if material.is_empty() { surface.path.clone() } else { format!("{} ({material})", surface.path) }
+        });
+        let mut named: Vec<String> = named.collect();
+        if count > NAMED {
+            named.push(format!("and {} more", count - NAMED));
+        }
+        (count > 0).then(|| format!("radiosity takes {count} surfaces as {becomes}: {}", named.join(", ")))
+    };
+    let is_specular = |bsdf: &BsdfDesc| matches!(bsdf, BsdfDesc::Mirror { .. } | BsdfDesc::Dielectric { .. });
+    let is_rough = |bsdf: &BsdfDesc| matches!(bsdf, BsdfDesc::OrenNayar { .. } | BsdfDesc::Fujii { .. });
+    let specular = name(is_specular, "black, being mirrors or glass");
+    let rough = name(is_rough, "Lambert's of the same mean albedo, being rough");
+    specular.into_iter().chain(rough).collect()
 }
 
 impl fmt::Display for SceneInfo {

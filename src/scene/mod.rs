@@ -12,6 +12,8 @@ mod assemble;
 mod build;
 mod describe;
 mod dress;
+mod faces;
+mod facets;
 mod frame;
 mod geometry;
 mod info;
@@ -23,6 +25,8 @@ mod work;
 
 pub use build::BuildOptions;
 pub use describe::HitDescription;
+pub(crate) use faces::{Body, FaceNumbers};
+pub use facets::{Facet, SurfaceMesh};
 pub use geometry::SurfaceInteraction;
 pub use info::SceneInfo;
 pub use specular::{Ball, Kinds, SpecularPart};

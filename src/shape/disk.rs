@@ -52,6 +52,24 @@ impl Disk {
         (p - (p - self.centre).dot(self.normal) * self.normal, self.normal)
     }
 
+    /// The centre, and a point of the edge for each of these angles [radians].
+    pub(super) fn rim(&self, angles: impl Iterator<Item = f64>) -> (DVec3, Vec<DVec3>) {
+        let [a, b] = self.radii;
+        (self.centre, angles.map(|angle| self.centre + angle.cos() * a + angle.sin() * b).collect())
+    }
+
+    /// Triangles from the middle to its edge, `count` >= 3 of them, as large together as the disk: their outer corners lie a little
+    /// beyond the edge.
+    pub(crate) fn fan(&self, count: u32) -> Vec<[DVec3; 3]> {
+        let step = std::f64::consts::TAU / f64::from(count);
+        let reach = (step / step.sin()).sqrt();
+        let at = |i: u32| {
+            let (sin, cos) = (f64::from(i % count) * step).sin_cos();
+            self.centre + reach * (cos * self.radii[0] + sin * self.radii[1])
+        };
+        (0..count).map(|i| [self.centre, at(i), at(i + 1)]).collect()
+    }
+
     /// A box around it.
     pub fn bounds(&self) -> Bounds {
         // The largest coordinate of c + a cos + b sin along an axis is c + sqrt(a^2 + b^2).

@@ -7,6 +7,7 @@ mod disk;
 mod quadric;
 mod roots;
 mod sphere;
+mod tessellate;
 mod triangle;
 
 pub use disk::Disk;

@@ -97,6 +97,63 @@ impl Quadric {
         self.size
     }
 
+    /// Triangles inscribed in the clipped surface: of the tetrahedra into which a grid of `cells` along each axis divides its
+    /// box, those that the surface cuts.
+    ///
+    /// Source: Doi and Koide 1991, "An Efficient Method of Triangulating Equi-Valued Surfaces by Using Tetrahedral Cells".
+    pub(crate) fn triangles(&self, cells: u32) -> Vec<[DVec3; 3]> {
+        // Six tetrahedra around the diagonal of each cell, by the order in which its axes are walked along.
+        const WALKS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        let bounds = own_bounds(self.a, self.b, self.c, self.clip);
+        let step = (bounds.max - bounds.min) / f64::from(cells);
+        let place = |i: [u32; 3]| bounds.min + step * DVec3::new(i[0].into(), i[1].into(), i[2].into());
+        let mut triangles = Vec::new();
+        for x in 0..cells {
+            for y in 0..cells {
+                for z in 0..cells {
+                    for walk in WALKS {
+                        let mut at = [x, y, z];
+                        let mut corners = [place(at); 4];
+                        for (corner, axis) in corners[1..].iter_mut().zip(walk) {
+                            at[axis] += 1;
+                            *corner = place(at);
+                        }
+                        self.cut(&corners, &mut triangles);
+                    }
+                }
+            }
+        }
+        triangles
+    }
+
+    /// The triangles in which the surface cuts a tetrahedron, its own frame; told in the scene's.
+    fn cut(&self, corners: &[DVec3; 4], triangles: &mut Vec<[DVec3; 3]>) {
+        let values = corners.map(|p| self.value(p));
+        let (mut inside, mut outside) = (Vec::with_capacity(4), Vec::with_capacity(4));
+        for (corner, value) in corners.iter().zip(values) {
+            if value < 0.0 { inside.push(*corner) } else { outside.push(*corner) }
+        }
+        let crossing = |a: DVec3, b: DVec3| self.to_scene.transform_point3(self.between(a, b));
+        match (&inside[..], &outside[..]) {
+            (&[a], &[b, c, d]) | (&[b, c, d], &[a]) => triangles.push([crossing(a, b), crossing(a, c), crossing(a, d)]),
+            (&[a, b], &[c, d]) => {
+                let [ac, ad, bc, bd] = [crossing(a, c), crossing(a, d), crossing(b, c), crossing(b, d)];
+                triangles.extend([[ac, ad, bd], [ac, bd, bc]]);
+            }
+            _ => {}
+        }
+    }
+
+    /// The point of the surface between two points on different sides of it; the same whichever comes first.
+    fn between(&self, a: DVec3, b: DVec3) -> DVec3 {
+        let (mut low, mut high) = if self.value(a) < 0.0 { (a, b) } else { (b, a) };
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if self.value(middle) < 0.0 { low = middle } else { high = middle }
+        }
+        high
+    }
+
     fn value(&self, p: DVec3) -> f64 {
         p.dot(self.a * p) + 2.0 * self.b.dot(p) + self.c
     }

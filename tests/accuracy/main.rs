@@ -18,6 +18,7 @@ mod intersection;
 mod leaving;
 mod lights;
 mod photons;
+mod radiosity;
 mod sampling;
 mod transport;
 
@@ -37,6 +38,7 @@ fn groups() -> Vec<(&'static str, Vec<Entry>)> {
         ("sampling", sampling::cases()),
         ("transport", transport::cases()),
         ("photons", photons::cases()),
+        ("radiosity", radiosity::cases()),
         ("arithmetic", arithmetic::cases()),
     ]
 }

@@ -322,7 +322,43 @@ void contents() {
     CHECK(status_of([&] { film.copy(ETD_LAYER_COLOR, etd::span<unsigned char>(bytes)); }) == ETD_INVALID_ARGUMENT);
 }
 
+void light_maps() {
+    const etd::Device device = etd::Device::create();
+    etd::Scene scene = ball(device);
+    etd_atlas_options layout = etd::atlas_options();
+    layout.resolution = 64;
+    etd::Atlas atlas = etd::Atlas::create(scene, layout);
+    const etd_atlas_info info = atlas.info();
+    CHECK(info.width == 64 && info.height == 64);
+    CHECK(atlas.vertices().size() == info.vertex_count);
+    CHECK(atlas.indices().size() == 3 * info.triangle_count);
+    CHECK(atlas.primitives().size() == info.triangle_count);
+    CHECK(atlas.surfaces().size() == 1 && atlas.surfaces()[0].triangle_count == info.triangle_count);
+    const std::vector<float> coverage = atlas.coverage();
+    std::vector<float> texels(64 * 64 * 3, -1.0F);
+    etd_summary summary = ETD_SUMMARY_INIT;
+    CHECK(atlas.bake(etd::bake_target(texels), few(), {}, &summary) == ETD_OK);
+    CHECK(summary.samples == 2);
+    bool is_lit = false;
+    for (std::size_t i = 0; i < coverage.size(); ++i) {
+        CHECK(texels[3 * i] >= 0);
+        is_lit = is_lit || (coverage[i] > 0 && texels[3 * i] > 0);
+    }
+    CHECK(is_lit);
+    CHECK(atlas.bake(etd::bake_target(texels), few(100000), [](const etd_progress &) { return false; }) == ETD_CANCELLED);
+    CHECK(thrown_by([&] {
+              atlas.bake(etd::bake_target(texels), few(), [](const etd_progress &) -> bool { throw Boom("bake"); });
+          }) == "bake");
+    CHECK(status_of([&] { atlas.bake(etd::bake_target(etd::span<float>()), few()); }) == ETD_INVALID_ARGUMENT);
+    CHECK(status_of([&] { etd::bake_vertices(scene, 7, etd::bake_target(texels), few()); }) == ETD_INVALID_ARGUMENT);
+    std::vector<float> vertices(3 * info.vertex_count);
+    CHECK(etd::bake_vertices(scene, 0, etd::bake_target(vertices), few()) == ETD_OK);
+    const etd::Atlas other = atlas.share();
+    CHECK(other.get() == atlas.get());
+}
+
 void all() {
+    light_maps();
     errors();
     owners();
     shared_meshes();
@@ -366,6 +402,10 @@ void all() {
     status = task->wait();
     CHECK(status && (*status == ETD_CANCELLED || *status == ETD_OK));
     CHECK(film->map()->data().size() == 64);
+    etd::Result<etd::Atlas> atlas = etd::Atlas::create(scene);
+    CHECK(atlas && atlas->info()->width == 512);
+    const etd::Result<etd_status> baked = atlas->bake(etd::bake_target(etd::span<float>()), options);
+    CHECK(!baked && baked.error().status() == ETD_INVALID_ARGUMENT);
     CHECK(film->map(ETD_LAYER_DEPTH).error().status() == ETD_INVALID_OPERATION);
 }
 

@@ -101,6 +101,7 @@ static void enumerations(void) {
     VALUE(ETD_INTEGRATOR_PPM);
     VALUE(ETD_INTEGRATOR_SPPM);
     VALUE(ETD_INTEGRATOR_AUTO);
+    VALUE(ETD_INTEGRATOR_RADIOSITY);
     ENUM(etd_photon_kernel);
     VALUE(ETD_PHOTON_KERNEL_DEFAULT);
     VALUE(ETD_PHOTON_KERNEL_FLAT);
@@ -112,6 +113,9 @@ static void enumerations(void) {
     ENUM(etd_cache_source);
     VALUE(ETD_CACHE_SOURCE_PATHS);
     VALUE(ETD_CACHE_SOURCE_PHOTONS);
+    ENUM(etd_radiosity_solver);
+    VALUE(ETD_RADIOSITY_SOLVER_GATHER);
+    VALUE(ETD_RADIOSITY_SOLVER_SHOOT);
     ENUM(etd_switch);
     VALUE(ETD_SWITCH_DEFAULT);
     VALUE(ETD_SWITCH_ON);
@@ -142,6 +146,13 @@ static void enumerations(void) {
     ENUM(etd_text);
     VALUE(ETD_TEXT_INFO);
     VALUE(ETD_TEXT_WARNINGS);
+    ENUM(etd_atlas_layout);
+    VALUE(ETD_ATLAS_LAYOUT_AUTO);
+    VALUE(ETD_ATLAS_LAYOUT_CHARTS);
+    VALUE(ETD_ATLAS_LAYOUT_OWN);
+    ENUM(etd_side);
+    VALUE(ETD_SIDE_FRONT);
+    VALUE(ETD_SIDE_BACK);
 }
 
 static void structures(void) {
@@ -229,6 +240,15 @@ static void structures(void) {
     FIELD(etd_render_options, reserved);
     FIELD(etd_render_options, error_measure);
     FIELD(etd_render_options, adaptive);
+    FIELD(etd_render_options, radiosity_element_size);
+    FIELD(etd_render_options, radiosity_error);
+    FIELD(etd_render_options, radiosity_tolerance);
+    FIELD(etd_render_options, radiosity_iterations);
+    FIELD(etd_render_options, radiosity_solver);
+    FIELD(etd_render_options, radiosity_ambient);
+    FIELD(etd_render_options, radiosity_final_gather);
+    FIELD(etd_render_options, radiosity_memory);
+    FIELD(etd_render_options, reserved_2);
     STRUCT(etd_camera);
     FIELD(etd_camera, struct_size);
     FIELD(etd_camera, projection);
@@ -321,6 +341,47 @@ static void structures(void) {
     FIELD(etd_hit, surface);
     FIELD(etd_hit, material);
     FIELD(etd_hit, primitive);
+    STRUCT(etd_atlas_options);
+    FIELD(etd_atlas_options, struct_size);
+    FIELD(etd_atlas_options, resolution);
+    FIELD(etd_atlas_options, gutter);
+    FIELD(etd_atlas_options, texels_per_unit);
+    FIELD(etd_atlas_options, max_angle_deg);
+    FIELD(etd_atlas_options, layout);
+    FIELD(etd_atlas_options, memory);
+    FIELD(etd_atlas_options, reserved);
+    STRUCT(etd_atlas_info);
+    FIELD(etd_atlas_info, struct_size);
+    FIELD(etd_atlas_info, width);
+    FIELD(etd_atlas_info, height);
+    FIELD(etd_atlas_info, vertex_count);
+    FIELD(etd_atlas_info, triangle_count);
+    FIELD(etd_atlas_info, surface_count);
+    FIELD(etd_atlas_info, chart_count);
+    FIELD(etd_atlas_info, covered_texels);
+    FIELD(etd_atlas_info, texels_per_unit);
+    STRUCT(etd_atlas_vertex);
+    FIELD(etd_atlas_vertex, position);
+    FIELD(etd_atlas_vertex, normal);
+    FIELD(etd_atlas_vertex, uv);
+    FIELD(etd_atlas_vertex, source);
+    STRUCT(etd_atlas_surface);
+    FIELD(etd_atlas_surface, surface);
+    FIELD(etd_atlas_surface, first_vertex);
+    FIELD(etd_atlas_surface, vertex_count);
+    FIELD(etd_atlas_surface, first_triangle);
+    FIELD(etd_atlas_surface, triangle_count);
+    FIELD(etd_atlas_surface, has_own_layout);
+    FIELD(etd_atlas_surface, scale_offset);
+    STRUCT(etd_bake_target);
+    FIELD(etd_bake_target, struct_size);
+    FIELD(etd_bake_target, irradiance);
+    FIELD(etd_bake_target, standard_error);
+    FIELD(etd_bake_target, size);
+    FIELD(etd_bake_target, stride);
+    FIELD(etd_bake_target, row_stride);
+    FIELD(etd_bake_target, side);
+    FIELD(etd_bake_target, reserved);
 }
 
 static void macros(void) {
@@ -344,6 +405,9 @@ static void macros(void) {
     INITIALISER(etd_map, ETD_MAP_INIT);
     INITIALISER(etd_image_options, ETD_IMAGE_OPTIONS_INIT);
     INITIALISER(etd_scene_info, ETD_SCENE_INFO_INIT);
+    INITIALISER(etd_atlas_options, ETD_ATLAS_OPTIONS_INIT);
+    INITIALISER(etd_atlas_info, ETD_ATLAS_INFO_INIT);
+    INITIALISER(etd_bake_target, ETD_BAKE_TARGET_INIT);
 }
 
 int main(void) {

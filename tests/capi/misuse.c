@@ -14,6 +14,7 @@ etd_device *device;
 etd_scene *scene;
 etd_film *film;
 etd_task *task;
+etd_atlas *atlas;
 uint32_t mesh_number;
 
 /* Memory that is no handle of any kind. */
@@ -78,6 +79,7 @@ static void *handle(unsigned bit, void *right) {
 #define SCENE(bit) ((etd_scene *)handle(bit, scene))
 #define FILM(bit) ((etd_film *)handle(bit, film))
 #define TASK(bit) ((etd_task *)handle(bit, task))
+#define ATLAS(bit) ((etd_atlas *)handle(bit, atlas))
 
 /* Makes the call that is to be judged. */
 #define CALL(call) (remember_outputs(), (call))
@@ -464,6 +466,81 @@ static etd_status n_scene_occluded(void) {
     return CALL(etd_scene_occluded(SCENE(0), AT(1, &ray), 1, answer));
 }
 
+static etd_status n_atlas_new(void) {
+    etd_atlas_options options = ETD_ATLAS_OPTIONS_INIT;
+    etd_atlas **out = AT(2, output(sizeof *out));
+    etd_status status;
+    options.resolution = 256;
+    status = CALL(etd_atlas_new(SCENE(0), AT(1, &options), out));
+    if (status == ETD_OK) {
+        etd_atlas_release(*out);
+    }
+    return status;
+}
+static etd_status n_atlas_retain(void) {
+    etd_status status = CALL(etd_atlas_retain(ATLAS(0)));
+    if (status == ETD_OK) {
+        etd_atlas_release(atlas);
+    }
+    return status;
+}
+static etd_status n_atlas_release(void) {
+    if (nulls == 0 && wrong_handle == NULL) {
+        return ETD_OK;
+    }
+    etd_atlas_release(ATLAS(0));
+    return wrong_handle != NULL ? ETD_INVALID_HANDLE : ETD_OK;
+}
+static etd_status n_atlas_status(void) {
+    char *message = AT(1, output(64));
+    etd_atlas_status(atlas, NULL, 0);
+    return CALL(etd_atlas_status(ATLAS(0), message, 64));
+}
+static etd_status n_atlas_get_info(void) {
+    etd_atlas_info *info = AT(1, sized_output(sizeof *info));
+    return CALL(etd_atlas_get_info(ATLAS(0), info));
+}
+
+/* Room for all that the atlas has; where that is too much for the outputs, it is not looked at. */
+static union {
+    float floats[MISUSE_SIDE * MISUSE_SIDE * 3];
+    uint32_t numbers[65536];
+    etd_atlas_vertex vertices[16384];
+    etd_atlas_surface surfaces[1024];
+} copied;
+
+#define COPY(name, array)                                                                    \
+    static etd_status n_atlas_copy_##name(void) {                                            \
+        size_t *needed = AT(2, output(sizeof *needed));                                      \
+        const size_t capacity = sizeof copied.array / sizeof copied.array[0];                \
+        if ((nulls & 7u) == 6u) {                                                            \
+            expected = ETD_INVALID_ARGUMENT; /* one of the two must be there */              \
+        }                                                                                    \
+        return CALL(etd_atlas_copy_##name(ATLAS(0), AT(1, copied.array), capacity, needed)); \
+    }
+COPY(vertices, vertices)
+COPY(indices, numbers)
+COPY(primitives, numbers)
+COPY(surfaces, surfaces)
+COPY(coverage, floats)
+
+static etd_status n_atlas_bake(void) {
+    etd_render_options options = short_render(1);
+    etd_bake_target target = ETD_BAKE_TARGET_INIT;
+    etd_summary *summary = AT(3, sized_output(sizeof *summary));
+    target.irradiance = copied.floats;
+    target.size = sizeof copied.floats;
+    return CALL(etd_atlas_bake(ATLAS(0), AT(1, &options), AT(2, &target), summary));
+}
+static etd_status n_scene_bake_vertices(void) {
+    etd_render_options options = short_render(1);
+    etd_bake_target target = ETD_BAKE_TARGET_INIT;
+    etd_summary *summary = AT(3, sized_output(sizeof *summary));
+    target.irradiance = copied.floats;
+    target.size = sizeof copied.floats;
+    return CALL(etd_scene_bake_vertices(SCENE(0), 0, AT(1, &options), AT(2, &target), summary));
+}
+
 /* Bits: pointer n must not be NULL; pointer n is a handle. */
 static const struct {
     const char *name;
@@ -543,6 +620,18 @@ static const struct {
     {"etd_task_status", n_task_status, 2, 1, 1},
     {"etd_scene_intersect", n_scene_intersect, 3, 7, 1},
     {"etd_scene_occluded", n_scene_occluded, 3, 7, 1},
+    {"etd_atlas_new", n_atlas_new, 3, 5, 1},
+    {"etd_atlas_retain", n_atlas_retain, 1, 1, 1},
+    {"etd_atlas_release", n_atlas_release, 1, 0, 1},
+    {"etd_atlas_status", n_atlas_status, 2, 1, 1},
+    {"etd_atlas_get_info", n_atlas_get_info, 2, 3, 1},
+    {"etd_atlas_copy_vertices", n_atlas_copy_vertices, 3, 1, 1},
+    {"etd_atlas_copy_indices", n_atlas_copy_indices, 3, 1, 1},
+    {"etd_atlas_copy_primitives", n_atlas_copy_primitives, 3, 1, 1},
+    {"etd_atlas_copy_surfaces", n_atlas_copy_surfaces, 3, 1, 1},
+    {"etd_atlas_copy_coverage", n_atlas_copy_coverage, 3, 1, 1},
+    {"etd_atlas_bake", n_atlas_bake, 4, 5, 1},
+    {"etd_scene_bake_vertices", n_scene_bake_vertices, 4, 5, 1},
 };
 #define TABLE_SIZE (sizeof table / sizeof table[0])
 
@@ -577,26 +666,28 @@ static void pass_null(void) {
 static void pass_wrong_handles(void) {
     size_t entry;
     for (entry = 0; entry < TABLE_SIZE; ++entry) {
-        const void *others[6];
+        const void *others[7];
         int kind;
         others[0] = device;
         others[1] = scene;
         others[2] = film;
         others[3] = task;
-        others[4] = &nothing;
-        others[5] = nothing.bytes + 1; /* not aligned either */
+        others[4] = atlas;
+        others[5] = &nothing;
+        others[6] = nothing.bytes + 1; /* not aligned either */
         for (wrong_at = 0; wrong_at < 2; ++wrong_at) {
             const char *name = wrong_at == 0 ? table[entry].name : "etd_film_";
             if (!(table[entry].handles >> wrong_at & 1u)) {
                 continue;
             }
-            for (kind = 0; kind < 6; ++kind) {
-                static const char *const prefixes[4] = {"etd_device_", "etd_scene_", "etd_film_", "etd_task_"};
+            for (kind = 0; kind < 7; ++kind) {
+                static const char *const prefixes[5] = {"etd_device_", "etd_scene_", "etd_film_", "etd_task_",
+                                                        "etd_atlas_"};
                 int makes_scene = strcmp(name, "etd_scene_new") == 0 || strncmp(name, "etd_scene_from", 14) == 0;
                 int makes_film = strcmp(name, "etd_film_new") == 0;
-                int renders = strncmp(name, "etd_render", 10) == 0;
-                const char *right = makes_scene || makes_film ? "etd_device_" : renders ? "etd_scene_" : name;
-                if (kind < 4 && strncmp(right, prefixes[kind], strlen(prefixes[kind])) == 0) {
+                int asks_scene = strncmp(name, "etd_render", 10) == 0 || strcmp(name, "etd_atlas_new") == 0;
+                const char *right = makes_scene || makes_film ? "etd_device_" : asks_scene ? "etd_scene_" : name;
+                if (kind < 5 && strncmp(right, prefixes[kind], strlen(prefixes[kind])) == 0) {
                     continue;
                 }
                 wrong_handle = others[kind];
@@ -610,6 +701,8 @@ static void pass_wrong_handles(void) {
     CHECK_OK(etd_device_memory(device, NULL, NULL));
     CHECK_OK(etd_scene_commit(scene, NULL, NULL));
     CHECK_OK(etd_task_poll(task, NULL));
+    etd_atlas_status(atlas, NULL, 0);
+    CHECK_OK(etd_atlas_status(atlas, NULL, 0));
     CHECK_OK(etd_film_write(film, "misuse.pfm", NULL));
 }
 
@@ -641,11 +734,18 @@ int main(int count, char **arguments) {
     }
     CHECK_OK(etd_render_start(scene, film, &options, &task));
     CHECK_OK(etd_task_wait(task, -1));
+    {
+        etd_atlas_options layout = ETD_ATLAS_OPTIONS_INIT;
+        layout.resolution = MISUSE_SIDE;
+        CHECK_OK(etd_atlas_new(scene, &layout, &atlas));
+    }
 
     pass_null();
     pass_wrong_handles();
     misuse_values();
     misuse_photons();
+    misuse_bake();
+    etd_atlas_release(atlas);
     etd_task_release(task);
     etd_film_release(film);
     etd_scene_release(scene);

@@ -9,6 +9,7 @@ extern etd_device *device;
 extern etd_scene *scene;
 extern etd_film *film;
 extern etd_task *task;
+extern etd_atlas *atlas;
 extern uint32_t mesh_number;
 
 /* Wrong values in arguments and structures. */
@@ -16,6 +17,12 @@ void misuse_values(void);
 
 /* Settings of photon maps and caches. */
 void misuse_photons(void);
+
+/* Texels along a side of the atlas. */
+#define MISUSE_SIDE 96
+
+/* Light maps. */
+void misuse_bake(void);
 
 /* What goes wrong over time: states, orders, threads, callbacks. `quick`: with few repetitions. */
 void misuse_life(int quick);

@@ -55,18 +55,38 @@ static etd_status e_adaptive(uint32_t value) {
     return etd_render(scene, film, &options);
 }
 
+static etd_status e_solver(uint32_t value) {
+    etd_render_options options = short_render(1);
+    options.radiosity_solver = value;
+    return etd_render(scene, film, &options);
+}
+static etd_status e_ambient(uint32_t value) {
+    etd_render_options options = short_render(1);
+    options.radiosity_ambient = value;
+    return etd_render(scene, film, &options);
+}
+static etd_status e_final_gather(uint32_t value) {
+    etd_render_options options = short_render(1);
+    options.integrator = ETD_INTEGRATOR_RADIOSITY;
+    options.radiosity_final_gather = value;
+    return etd_render(scene, film, &options);
+}
+
 static void pass_names(void) {
     static const struct {
         const char *name;
         etd_status (*call)(uint32_t value);
         uint32_t last;
     } cases[] = {
-        {"options.integrator", e_integrator, ETD_INTEGRATOR_AUTO},
+        {"options.integrator", e_integrator, ETD_INTEGRATOR_RADIOSITY},
         {"options.photon_kernel", e_kernel, ETD_PHOTON_KERNEL_EPANECHNIKOV},
         {"options.photon_sharing", e_sharing, ETD_PHOTON_SHARING_AREA},
         {"options.photons_guided", e_guided, ETD_SWITCH_OFF},
         {"options.photons_progressive", e_progressive, ETD_SWITCH_OFF},
         {"options.cache_source", e_source, ETD_CACHE_SOURCE_PHOTONS},
+        {"options.radiosity_solver", e_solver, ETD_RADIOSITY_SOLVER_SHOOT},
+        {"options.radiosity_ambient", e_ambient, ETD_SWITCH_OFF},
+        {"options.radiosity_final_gather", e_final_gather, ETD_SWITCH_OFF},
         {"options.error_measure", e_measure, ETD_ERROR_DISPLAY},
         {"options.adaptive", e_adaptive, ETD_SWITCH_OFF},
     };
@@ -98,7 +118,8 @@ static void pass_whole_numbers(void) {
     } cases[] = {
         NUMBER(photon_count, 1u << 29),   NUMBER(caustic_count, 1u << 29), NUMBER(min_photons, 1u << 29),
         NUMBER(photon_neighbours, 65536), NUMBER(gather_rays, 1024),       NUMBER(photon_memory, 1u << 20),
-        NUMBER(cache_rays, 1u << 20),
+        NUMBER(cache_rays, 1u << 20),     NUMBER(radiosity_iterations, 1u << 24),
+        NUMBER(radiosity_memory, 1u << 20),
     };
     size_t i, k;
     for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
@@ -122,6 +143,10 @@ static void pass_whole_numbers(void) {
         options.reserved = 1;
         CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
         CHECK(strstr(etd_last_error_message(), "options.reserved") != NULL);
+        options.reserved = 0;
+        options.reserved_2 = 1;
+        CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
+        CHECK(strstr(etd_last_error_message(), "options.reserved") != NULL);
     }
 }
 
@@ -134,6 +159,7 @@ static void pass_other_numbers(void) {
     } cases[] = {
         NUMBER(photon_radius, 1e30),    NUMBER(caustic_radius, 1e30),       NUMBER(photon_alpha, 1),
         NUMBER(cache_error, 10.5),      NUMBER(cache_min_spacing, 1000.5),  NUMBER(cache_max_spacing, 1.5),
+        NUMBER(radiosity_element_size, 1e30), NUMBER(radiosity_error, 1000.5), NUMBER(radiosity_tolerance, 1),
     };
     const float bad_k[] = {0.5f, -1, (float)NAN, (float)INFINITY};
     etd_render_options options;

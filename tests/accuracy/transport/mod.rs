@@ -115,7 +115,7 @@ pub fn turned(mut mesh: MeshDesc, inside: DVec3, inwards: bool) -> MeshDesc {
 }
 
 /// A tessellated ball around the origin.
-fn ball_mesh(radius: f64, rings: u32, sectors: u32) -> MeshDesc {
+pub fn ball_mesh(radius: f64, rings: u32, sectors: u32) -> MeshDesc {
     use std::f64::consts::{PI, TAU};
     let mut positions = vec![radius * DVec3::Y, -radius * DVec3::Y];
     let point = |ring: u32, sector: u32| 2 + (ring - 1) * sectors + sector % sectors;

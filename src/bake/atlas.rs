@@ -1,0 +1,658 @@
+//! Light-map coordinates for all surfaces of a scene: one square of texels in which every point has a place of its own.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::chart::{self, Chart};
+use super::overlap::Flat;
+use super::own;
+use super::own::doubled_area;
+use super::{pack, raster};
+use crate::Cancel;
+use crate::embree::Charge;
+use crate::error::{Error, ErrorKind, Result};
+use crate::integrator::{Piece, Sites};
+use crate::math::{DVec3, Vec3};
+use crate::scene::{Facet, Scene, SurfaceMesh};
+
+/// Most texels along a side of a light map.
+pub const MAX_SIDE: u32 = 1 << 13;
+
+/// Texels along a side where nobody says how many, nor how dense.
+pub const DEFAULT_SIDE: u32 = 512;
+
+/// Most texels around a chart that are its own.
+pub const MAX_GUTTER: u32 = 64;
+
+/// Where the layout of a mesh comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Layout {
+    /// The mesh's own texture coordinates where they are fit for it, with a warning where a mesh has some that are not; else
+    /// charts.
+    #[default]
+    Auto,
+    /// Charts, whatever coordinates a mesh has.
+    Charts,
+    /// The mesh's own texture coordinates; an error where they are not fit for it. Surfaces that are no meshes have charts.
+    Own,
+}
+
+/// How a light map is laid out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AtlasOptions {
+    /// Texels along the sides of the square, up to [`MAX_SIDE`]. `None`: as many as `texels_per_unit` needs; where that is
+    /// not given either, [`DEFAULT_SIDE`].
+    pub resolution: Option<u32>,
+    /// Texels for a unit of length, > 0. `None`: as many as fit.
+    pub texels_per_unit: Option<f64>,
+    /// Texels around each chart that are its own, up to [`MAX_GUTTER`]. One is what bilinear lookups need, more are for smaller
+    /// levels of a map.
+    pub gutter: u32,
+    /// Where layouts come from.
+    pub layout: Layout,
+    /// How far the normals of a chart's triangles may be from the first one's, degrees, above 0 and below 90.
+    pub max_angle_deg: f64,
+    /// Most memory that atlas and bake may take together, MiB.
+    pub memory: u32,
+}
+
+impl Default for AtlasOptions {
+    fn default() -> Self {
+        Self {
+            resolution: None,
+            texels_per_unit: None,
+            gutter: 2,
+            layout: Layout::Auto,
+            max_angle_deg: 45.0,
+            memory: 4096,
+        }
+    }
+}
+
+/// A corner of a light-mapped triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AtlasVertex {
+    /// World frame.
+    pub position: DVec3,
+    /// Unit normal: the shading normal of a smooth surface, else the mean of the chart's triangles there.
+    pub normal: Vec3,
+    /// Its place in the light map, in [0, 1]^2: (0, 0) is the outer corner of the first texel of row 0, (1, 1) that of the last
+    /// texel of the last row.
+    pub uv: [f32; 2],
+    /// Its number in the mesh as it was given; of a triangle or a quad that of the corner; of an analytic shape running.
+    pub source: u32,
+}
+
+/// A surface in a light map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AtlasSurface {
+    /// Index in [`crate::desc::SceneDesc::surfaces`].
+    pub surface: u32,
+    /// Its vertices among [`Atlas::vertices`].
+    pub vertices: std::ops::Range<u32>,
+    /// Its triangles among [`Atlas::triangles`].
+    pub triangles: std::ops::Range<u32>,
+    /// Where the mesh's own texture coordinates are the layout: (u, v) times the first two, plus the others, is its place in
+    /// the light map.
+    pub scale_offset: Option<[f32; 4]>,
+}
+
+/// A chart's place: a rectangle of texels that is its own, gutter included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChartPlace {
+    /// Column and row of its first texel.
+    pub origin: [u32; 2],
+    /// Columns and rows.
+    pub size: [u32; 2],
+}
+
+/// Light-map coordinates for all surfaces of a scene.
+#[derive(Clone, Debug)]
+pub struct Atlas {
+    side: u32,
+    texels_per_unit: f64,
+    padding: u32,
+    surfaces: Vec<AtlasSurface>,
+    vertices: Vec<AtlasVertex>,
+    triangles: Vec<[u32; 3]>,
+    primitives: Vec<u32>,
+    chart_numbers: Vec<u32>,
+    charts: Vec<ChartPlace>,
+    sites: Arc<Sites>,
+    texels: Vec<u32>,
+    coverage: Vec<f32>,
+    warnings: Vec<String>,
+    _charge: Option<Arc<Charge>>,
+}
+
+/// Bytes that a texel takes while it is baked, beside its pieces: the film's sums, results, and their copies.
+const BYTES_PER_SITE: u64 = 320;
+
+/// Bytes for each texel of the square, covered or not.
+const BYTES_PER_TEXEL: u64 = 40;
+
+impl Atlas {
+    /// Lays out all surfaces of a scene.
+    ///
+    /// The same for the same scene and options.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidScene`] for options out of their range, a scene without a surface, charts that do not fit, and texture
+    /// coordinates that are no layout if [`Layout::Own`] asks for them; `OutOfMemory` past `memory` or the device's limit;
+    /// `Cancelled`.
+    pub fn new(scene: &Scene, options: &AtlasOptions, cancel: &Cancel) -> Result<Self> {
+        check(options)?;
+        let limit = u64::from(options.memory) << 20;
+        let mut bytes = scene.surface_mesh_bytes() as u64;
+        let fits = |bytes: u64, what: &str| {
+            if bytes <= limit {
+                return Ok(());
+            }
+            let message =
+                format!("{what} takes {} MiB, past the limit of {} (memory)", bytes.div_ceil(1 << 20), options.memory);
+            Err(Error::new(ErrorKind::OutOfMemory, message))
+        };
+        // Charts and the atlas's own vertices take several times what the meshes do.
+        bytes = bytes.saturating_mul(5);
+        fits(bytes, "a light map of all triangles")?;
+        let meshes_charge = scene.device().charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
+        let meshes = scene.surface_meshes(cancel)?;
+        if meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
+            return Err(Error::new(ErrorKind::InvalidScene, "the scene has no surface to make a light map for"));
+        }
+        let mut warnings = Vec::new();
+        let charts = charts(&meshes, options, &mut warnings, cancel)?;
+        let placement = Placement::find(&charts, options, cancel)?;
+
+        let texels = u64::from(placement.side) * u64::from(placement.side);
+        // What it takes at least is known at once, and what it takes after going over all texels.
+        let least = texels.saturating_mul(BYTES_PER_TEXEL);
+        let what = format!("a light map of {0} x {0} texels", placement.side);
+        fits(bytes.saturating_add(least), &what)?;
+        drop(scene.device().charge(usize::try_from(least).unwrap_or(usize::MAX))?);
+        let (pieces, sites_at_most) = count_pieces(&charts, &placement, cancel)?;
+        let wanted = pieces
+            .saturating_mul((size_of::<Piece>() + size_of::<Cut>()) as u64)
+            .saturating_add(sites_at_most.saturating_mul(BYTES_PER_SITE))
+            .saturating_add(least);
+        fits(bytes.saturating_add(wanted), &what)?;
+        let charge = scene.device().charge(usize::try_from(wanted).unwrap_or(usize::MAX))?;
+
+        let mut atlas = Self {
+            side: placement.side,
+            texels_per_unit: placement.density,
+            padding: options.gutter.max(1),
+            surfaces: Vec::new(),
+            vertices: Vec::new(),
+            triangles: Vec::new(),
+            primitives: Vec::new(),
+            chart_numbers: Vec::new(),
+            charts: placement.places.clone(),
+            sites: Arc::default(),
+            texels: Vec::new(),
+            coverage: Vec::new(),
+            warnings,
+            _charge: charge.map(Arc::new),
+        };
+        atlas.add_triangles(&meshes, &charts, &placement, cancel)?;
+        atlas.cut_into_texels(&meshes, &charts, &placement, pieces as usize, cancel)?;
+        drop(meshes_charge);
+        Ok(atlas)
+    }
+
+    /// Texels along a side of the square.
+    pub fn side(&self) -> u32 {
+        self.side
+    }
+
+    /// Texels for a unit of length, along the plane of a chart; for meshes with their own layout, on the mean.
+    pub fn texels_per_unit(&self) -> f64 {
+        self.texels_per_unit
+    }
+
+    /// Surfaces in the order of the description; those without an area are missing.
+    pub fn surfaces(&self) -> &[AtlasSurface] {
+        &self.surfaces
+    }
+
+    /// Vertices, those of a surface together. One that lies on the seam of two charts is there for each.
+    pub fn vertices(&self) -> &[AtlasVertex] {
+        &self.vertices
+    }
+
+    /// Three vertex numbers for each triangle, counter-clockwise seen from outside, those of a surface together and in the order in
+    /// which they were given. Triangles without an area are left out.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The number of each triangle in its mesh as it was given; 0 or 1 for the half of a quad; running for analytic shapes.
+    pub fn primitives(&self) -> &[u32] {
+        &self.primitives
+    }
+
+    /// The chart of each triangle.
+    pub fn chart_numbers(&self) -> &[u32] {
+        &self.chart_numbers
+    }
+
+    /// The charts' places; no two have a texel in common.
+    pub fn charts(&self) -> &[ChartPlace] {
+        &self.charts
+    }
+
+    /// How far texels beside covered ones are given their values: the gutter, one at least.
+    pub fn padding(&self) -> u32 {
+        self.padding
+    }
+
+    /// What each covered texel covers of the surfaces. Its facets are numbered as [`Atlas::triangles`] are.
+    pub fn sites(&self) -> &Arc<Sites> {
+        &self.sites
+    }
+
+    /// The texel of each site: row times side plus column.
+    pub fn texels(&self) -> &[u32] {
+        &self.texels
+    }
+
+    /// How much of each site's texel triangles cover, in (0, 1].
+    pub fn coverage(&self) -> &[f32] {
+        &self.coverage
+    }
+
+    /// What is worth a word: texture coordinates that were not used, and why.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// The place in the light map of a point of a triangle, by the weights of its second and third corner.
+    pub fn uv(&self, triangle: usize, [b1, b2]: [f32; 2]) -> [f32; 2] {
+        let [a, b, c] = self.triangles[triangle].map(|corner| self.vertices[corner as usize].uv);
+        [0, 1].map(|i| a[i] + b1 * (b[i] - a[i]) + b2 * (c[i] - a[i]))
+    }
+
+    /// Vertices and triangles, surface by surface.
+    fn add_triangles(
+        &mut self,
+        meshes: &[SurfaceMesh],
+        charts: &[Chart],
+        placement: &Placement,
+        cancel: &Cancel,
+    ) -> Result<()> {
+        let side = f64::from(placement.side);
+        let mut first_chart = 0;
+        for (number, mesh) in meshes.iter().enumerate() {
+            cancel.check()?;
+            let own_charts = charts[first_chart..].iter().take_while(|chart| chart.mesh == number).count();
+            let range = first_chart..first_chart + own_charts;
+            first_chart = range.end;
+            if mesh.triangles.is_empty() {
+                continue;
+            }
+            // The chart of each triangle, and its place in it.
+            let mut places = vec![(0, 0); mesh.triangles.len()];
+            for number in range.clone() {
+                for (at, &triangle) in charts[number].triangles.iter().enumerate() {
+                    places[triangle as usize] = (number, at);
+                }
+            }
+            let (first_vertex, first_triangle) = (self.vertices.len() as u32, self.triangles.len() as u32);
+            let mut known: HashMap<(u32, u32), u32> = HashMap::with_capacity(mesh.positions.len());
+            let mut normals: Vec<DVec3> = Vec::new();
+            for (i, triangle) in mesh.triangles.iter().enumerate() {
+                let (chart, at) = places[i];
+                let flat = placement.in_texels(chart, &charts[chart], at);
+                let corners = triangle.map(|corner| mesh.positions[corner as usize]);
+                let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+                let mut numbers = [0; 3];
+                for corner in 0..3 {
+                    let source = triangle[corner];
+                    numbers[corner] = *known.entry((chart as u32, source)).or_insert_with(|| {
+                        self.vertices.push(AtlasVertex {
+                            position: corners[corner],
+                            normal: Vec3::ZERO,
+                            uv: flat[corner].map(|x| (x / side).clamp(0.0, 1.0) as f32),
+                            source,
+                        });
+                        normals.push(DVec3::ZERO);
+                        self.vertices.len() as u32 - 1
+                    });
+                    normals[(numbers[corner] - first_vertex) as usize] += cross;
+                }
+                self.triangles.push(numbers);
+                self.primitives.push(mesh.primitives[i]);
+                self.chart_numbers.push(chart as u32);
+            }
+            for (vertex, mean) in self.vertices[first_vertex as usize..].iter_mut().zip(normals) {
+                let shading = mesh.normals.as_ref().map_or(Vec3::ZERO, |normals| normals[vertex.source as usize]);
+                let is_given = shading != Vec3::ZERO;
+                vertex.normal = if is_given { shading } else { mean.normalize_or_zero().as_vec3a() };
+            }
+            let scale_offset = charts[range.start].is_own.then(|| {
+                let (scale, [x, y]) = (placement.scale(&charts[range.start]), placement.corner(range.start));
+                [scale / side, scale / side, x / side, y / side].map(|x| x as f32)
+            });
+            self.surfaces.push(AtlasSurface {
+                surface: mesh.surface,
+                vertices: first_vertex..self.vertices.len() as u32,
+                triangles: first_triangle..self.triangles.len() as u32,
+                scale_offset,
+            });
+        }
+        Ok(())
+    }
+
+    /// What each texel covers of the surfaces.
+    fn cut_into_texels(
+        &mut self,
+        meshes: &[SurfaceMesh],
+        charts: &[Chart],
+        placement: &Placement,
+        count: usize,
+        cancel: &Cancel,
+    ) -> Result<()> {
+        let mut cuts: Vec<Cut> = Vec::with_capacity(count);
+        // Facets are numbered as triangles are.
+        let facets: Vec<Facet> = meshes.iter().flat_map(|mesh| mesh.facets.iter().copied()).collect();
+        let mut first = 0;
+        let firsts: Vec<u32> = meshes.iter().map(|mesh| (first, first += mesh.facets.len() as u32).0).collect();
+        for (number, chart) in charts.iter().enumerate() {
+            let mesh = &meshes[chart.mesh];
+            for (at, &triangle) in chart.triangles.iter().enumerate() {
+                let facet = firsts[chart.mesh] + triangle;
+                let flat = placement.in_texels(number, chart, at);
+                // A site's points are uniform on the surface, not in the map.
+                let corners = mesh.triangles[triangle as usize].map(|corner| mesh.positions[corner as usize]);
+                let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
+                let stretch = area / doubled_area(&flat).abs();
+                raster::for_each_texel(&flat, cancel, |[x, y], part| {
+                    for (order, (fan, texels)) in part.fan().enumerate() {
+                        let corners = fan.map(|p| raster::weights(&flat, p));
+                        let (texel, order) = (y * placement.side + x, order as u8);
+                        let cut = Cut {
+                            key: along_curve([x, y]),
+                            texel,
+                            order,
+                            facet,
+                            corners,
+                            texels,
+                            area: texels * stretch,
+                        };
+                        cuts.push(cut);
+                    }
+                })?;
+            }
+        }
+        cancel.check()?;
+        cuts.sort_unstable_by_key(|cut| (cut.key, cut.facet, cut.order));
+        let mut pieces = Vec::with_capacity(cuts.len());
+        let mut starts = vec![0];
+        for same in cuts.chunk_by(|a, b| a.texel == b.texel) {
+            let whole: f64 = same.iter().map(|cut| cut.area).sum();
+            let mut sum = 0.0;
+            for cut in same {
+                sum += cut.area;
+                pieces.push(Piece { facet: cut.facet, corners: cut.corners, until: (sum / whole) as f32 });
+            }
+            if let Some(last) = pieces.last_mut() {
+                last.until = 1.0;
+            }
+            starts.push(pieces.len() as u32);
+            self.texels.push(same[0].texel);
+            self.coverage.push(same.iter().map(|cut| cut.texels).sum::<f64>().min(1.0) as f32);
+        }
+        self.sites = Arc::new(Sites::new(facets, pieces, starts));
+        Ok(())
+    }
+}
+
+/// A part of a texel.
+struct Cut {
+    /// Of the texel, along a curve that keeps neighbours together.
+    key: u32,
+    texel: u32,
+    facet: u32,
+    order: u8,
+    corners: [[f32; 2]; 3],
+    /// Area in the map [texels].
+    texels: f64,
+    /// Area in the scene.
+    area: f64,
+}
+
+/// A texel's place on Morton's curve.
+fn along_curve([x, y]: [u32; 2]) -> u32 {
+    let spread = |x: u32| {
+        let x = (x | x << 8) & 0x00ff_00ff;
+        let x = (x | x << 4) & 0x0f0f_0f0f;
+        let x = (x | x << 2) & 0x3333_3333;
+        (x | x << 1) & 0x5555_5555
+    };
+    spread(x) | spread(y) << 1
+}
+
+fn check(options: &AtlasOptions) -> Result<()> {
+    let invalid = |path: &str, message: String| Err(Error::invalid(path, message));
+    if let Some(side) = options.resolution
+        && !(1..=MAX_SIDE).contains(&side)
+    {
+        return invalid("resolution", format!("{side} texels along a side; expected 1 to {MAX_SIDE}"));
+    }
+    if let Some(density) = options.texels_per_unit
+        && !(density > 0.0 && density.is_finite())
+    {
+        return invalid("texelsPerUnit", format!("{density}; expected a finite number above 0"));
+    }
+    if options.gutter > MAX_GUTTER {
+        return invalid("gutter", format!("{} texels; expected at most {MAX_GUTTER}", options.gutter));
+    }
+    let angle = options.max_angle_deg;
+    if !(angle > 0.0 && angle < 90.0) {
+        return invalid("maxAngle", format!("{angle}; expected degrees between 0 and 90"));
+    }
+    Ok(())
+}
+
+/// The charts of all meshes, those of a mesh together.
+fn charts(
+    meshes: &[SurfaceMesh],
+    options: &AtlasOptions,
+    warnings: &mut Vec<String>,
+    cancel: &Cancel,
+) -> Result<Vec<Chart>> {
+    let cos_angle = options.max_angle_deg.to_radians().cos();
+    let mut charts = Vec::new();
+    for (number, mesh) in meshes.iter().enumerate() {
+        if mesh.triangles.is_empty() {
+            continue;
+        }
+        if mesh.uvs.is_some() && options.layout != Layout::Charts || options.layout == Layout::Own && mesh.is_mesh {
+            match own::layout(number, mesh, cancel)? {
+                Ok(chart) => {
+                    charts.push(chart);
+                    continue;
+                }
+                Err(why) if options.layout == Layout::Own => {
+                    return Err(Error::invalid(format!("surfaces[{}]", mesh.surface), why));
+                }
+                Err(why) => warnings.push(format!(
+                    "surfaces[{}]: its texture coordinates are no layout of a light map, charts are used instead: {why}",
+                    mesh.surface
+                )),
+            }
+        }
+        chart::grow(number, mesh, cos_angle, cancel, &mut charts)?;
+    }
+    Ok(charts)
+}
+
+/// How many pieces there will be, and no fewer than there will be sites.
+fn count_pieces(charts: &[Chart], placement: &Placement, cancel: &Cancel) -> Result<(u64, u64)> {
+    let (mut pieces, mut sites) = (0_u64, 0_u64);
+    for (number, chart) in charts.iter().enumerate() {
+        for at in 0..chart.triangles.len() {
+            raster::for_each_texel(&placement.in_texels(number, chart, at), cancel, |_, part| {
+                sites += 1;
+                pieces += part.fan().count() as u64;
+            })?;
+        }
+    }
+    if pieces > u64::from(u32::MAX) {
+        return Err(Error::new(
+            ErrorKind::OutOfMemory,
+            format!("{pieces} parts of texels are more than can be numbered"),
+        ));
+    }
+    let texels = u64::from(placement.side) * u64::from(placement.side);
+    Ok((pieces, sites.min(texels)))
+}
+
+/// Where charts lie in the square.
+struct Placement {
+    side: u32,
+    density: f64,
+    gutter: u32,
+    places: Vec<ChartPlace>,
+}
+
+/// Lengths that are whole numbers of texels but for rounding are taken as such.
+const WHOLE: f64 = 1e-6;
+
+impl Placement {
+    fn find(charts: &[Chart], options: &AtlasOptions, cancel: &Cancel) -> Result<Self> {
+        // One mesh that is laid out already: the map is its own.
+        if let [chart] = charts
+            && chart.is_own
+        {
+            let by_density = || options.texels_per_unit.map(|density| (density * chart.unit).ceil());
+            let side = match options.resolution.map(f64::from).or_else(by_density) {
+                Some(side) if side <= f64::from(MAX_SIDE) => (side as u32).max(1),
+                Some(side) => return Err(too_large(options, side)),
+                None => DEFAULT_SIDE,
+            };
+            let place = ChartPlace { origin: [0, 0], size: [side, side] };
+            return Ok(Self { side, density: f64::from(side) / chart.unit, gutter: 0, places: vec![place] });
+        }
+        let gutter = options.gutter;
+        let at = |side: u32, density: f64| {
+            let Some(sizes) = sizes(charts, density, gutter, side) else { return Ok(None) };
+            let places = pack::pack(&sizes, side, cancel)?;
+            Ok::<_, Error>(places.map(|places| {
+                let place = |(origin, size)| ChartPlace { origin, size };
+                let places = places.into_iter().zip(sizes).map(place).collect();
+                Self { side, density, gutter, places }
+            }))
+        };
+        match (options.resolution, options.texels_per_unit) {
+            (Some(side), Some(density)) => match at(side, density)? {
+                Some(placement) => Ok(placement),
+                None => {
+                    let message = format!(
+                        "{density} texels per unit do not fit into {side} x {side} texels: raise the resolution, or leave one \
+                         of the two to be found"
+                    );
+                    Err(Error::invalid("resolution", message))
+                }
+            },
+            (None, Some(density)) => {
+                let area: f64 = charts.iter().map(|chart| padded_area(chart, density, gutter)).sum();
+                let mut side = area.sqrt().ceil().max(1.0);
+                loop {
+                    if side > f64::from(MAX_SIDE) {
+                        return Err(too_large(options, side));
+                    }
+                    // Multiples of four, which block compression likes.
+                    let whole = (side as u32).next_multiple_of(4).min(MAX_SIDE);
+                    if let Some(placement) = at(whole, density)? {
+                        return Ok(placement);
+                    }
+                    side = (1.04 * f64::from(whole)).max(f64::from(whole) + 1.0);
+                }
+            }
+            (resolution, None) => Self::densest(charts, resolution.unwrap_or(DEFAULT_SIDE), gutter, at),
+        }
+    }
+
+    /// The densest that fits, to 1 %.
+    fn densest(
+        charts: &[Chart],
+        side: u32,
+        gutter: u32,
+        at: impl Fn(u32, f64) -> Result<Option<Self>>,
+    ) -> Result<Self> {
+        let area: f64 = charts.iter().map(|chart| chart.size[0] * chart.size[1] * chart.unit * chart.unit).sum();
+        let mut high = f64::from(side) / area.sqrt();
+        let mut low = high;
+        let mut best = None;
+        for _ in 0..64 {
+            low *= 0.8;
+            best = at(side, low)?;
+            if best.is_some() {
+                break;
+            }
+            high = low;
+        }
+        let Some(mut best) = best else {
+            let message = format!(
+                "{} charts with {gutter} texels around each do not fit into {side} x {side} texels",
+                charts.len()
+            );
+            return Err(Error::invalid("resolution", message));
+        };
+        while high > 1.01 * low {
+            let middle = (low * high).sqrt();
+            match at(side, middle)? {
+                Some(better) => (low, best) = (middle, better),
+                None => high = middle,
+            }
+        }
+        Ok(best)
+    }
+
+    /// Texels for a unit of a chart's plane.
+    fn scale(&self, chart: &Chart) -> f64 {
+        self.density * chart.unit
+    }
+
+    /// Where the origin of a chart's plane lies, in texels.
+    fn corner(&self, number: usize) -> [f64; 2] {
+        self.places[number].origin.map(|x| f64::from(x + self.gutter))
+    }
+
+    /// A chart's triangle in texels.
+    fn in_texels(&self, number: usize, chart: &Chart, at: usize) -> Flat {
+        let (scale, [x, y]) = (self.scale(chart), self.corner(number));
+        // Not beyond its own texels by rounding.
+        let most = self.places[number].size.map(|size| f64::from(size - 2 * self.gutter));
+        chart.flat[at].map(|[u, v]| [x + (u * scale).min(most[0]), y + (v * scale).min(most[1])])
+    }
+}
+
+/// Texels that charts take with their gutters; `None` where one is larger than `side`.
+fn sizes(charts: &[Chart], density: f64, gutter: u32, side: u32) -> Option<Vec<[u32; 2]>> {
+    charts
+        .iter()
+        .map(|chart| {
+            let length = |length: f64| {
+                let texels = (length * chart.unit * density - WHOLE).ceil().max(1.0) + f64::from(2 * gutter);
+                (texels <= f64::from(side)).then_some(texels as u32)
+            };
+            Some([length(chart.size[0])?, length(chart.size[1])?])
+        })
+        .collect()
+}
+
+fn padded_area(chart: &Chart, density: f64, gutter: u32) -> f64 {
+    let length = |length: f64| (length * chart.unit * density).ceil().max(1.0) + f64::from(2 * gutter);
+    length(chart.size[0]) * length(chart.size[1])
+}
+
+fn too_large(options: &AtlasOptions, side: f64) -> Error {
+    let density = options.texels_per_unit.unwrap_or_default();
+    let message = format!(
+        "{density} texels per unit need a light map of about {side:.0} x {side:.0} texels; at most {MAX_SIDE} x {MAX_SIDE} \
+         are made"
+    );
+    Error::invalid("texelsPerUnit", message)
+}

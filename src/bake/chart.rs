@@ -1,0 +1,220 @@
+//! Charts: parts of surfaces laid flat without overlaps.
+
+use std::collections::{HashMap, VecDeque};
+
+use super::overlap::{Cover, Flat};
+use crate::math::DVec3;
+use crate::scene::SurfaceMesh;
+use crate::{Cancel, Result};
+
+/// A part of a surface, laid flat.
+#[derive(Debug)]
+pub(super) struct Chart {
+    /// Number of the surface's mesh among those that were given.
+    pub mesh: usize,
+    /// Numbers of its triangles in that mesh.
+    pub triangles: Vec<u32>,
+    /// The corners of each in the plane, in units of `unit`, from (0, 0) up to `size`.
+    pub flat: Vec<Flat>,
+    /// Width and height in the plane.
+    pub size: [f64; 2],
+    /// Length in the scene of one unit of the plane.
+    pub unit: f64,
+    /// Whether the plane is that of the mesh's own texture coordinates.
+    pub is_own: bool,
+}
+
+/// How deep an overlap is none, in units of a chart's largest triangle.
+const TOLERANCE: f64 = 1e-9;
+
+/// Triangles between two looks at whether to go on.
+const LOOK: usize = 1 << 10;
+
+/// A triangle's place and direction.
+struct Face {
+    corners: [DVec3; 3],
+    normal: DVec3,
+    area: f64,
+}
+
+impl Face {
+    fn new(mesh: &SurfaceMesh, triangle: [u32; 3]) -> Self {
+        let corners = triangle.map(|corner| mesh.positions[corner as usize]);
+        let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        Self { corners, normal: cross.normalize_or_zero(), area: 0.5 * cross.length() }
+    }
+}
+
+/// Cuts a mesh into charts: triangles that hang together by their sides, whose normals are within an angle of the first one's
+/// (the largest that is left), projected along that normal. A triangle that would cover another is left for another chart.
+///
+/// `cos_angle`: cosine of the angle, above 0.
+pub(super) fn grow(
+    number: usize,
+    mesh: &SurfaceMesh,
+    cos_angle: f64,
+    cancel: &Cancel,
+    charts: &mut Vec<Chart>,
+) -> Result<()> {
+    let count = mesh.triangles.len();
+    let faces: Vec<Face> = mesh.triangles.iter().map(|&triangle| Face::new(mesh, triangle)).collect();
+    let neighbours = neighbours(mesh);
+    let mut order: Vec<u32> = (0..count as u32).collect();
+    order.sort_by(|&a, &b| faces[b as usize].area.total_cmp(&faces[a as usize].area).then(a.cmp(&b)));
+    let mean_area = faces.iter().map(|face| face.area).sum::<f64>() / count.max(1) as f64;
+    let mut is_taken = vec![false; count];
+    let mut done = 0;
+    for seed in order {
+        if is_taken[seed as usize] {
+            continue;
+        }
+        let axis = faces[seed as usize].normal;
+        let (right, above) = axis.any_orthonormal_pair();
+        let origin = faces[seed as usize].corners[0];
+        let project = |face: &Face| face.corners.map(|p| [(p - origin).dot(right), (p - origin).dot(above)]);
+        let tolerance = TOLERANCE * extent(&project(&faces[seed as usize]));
+        let mut cover = Cover::new(2.0 * mean_area.sqrt(), tolerance);
+        let mut chart =
+            Chart { mesh: number, triangles: Vec::new(), flat: Vec::new(), size: [0.0; 2], unit: 1.0, is_own: false };
+        let mut waiting = VecDeque::from([seed]);
+        while let Some(next) = waiting.pop_front() {
+            let face = &faces[next as usize];
+            if is_taken[next as usize] || face.normal.dot(axis) < cos_angle {
+                continue;
+            }
+            let flat = project(face);
+            // The first is where it may, whatever its normal is by rounding.
+            if next != seed && cover.overlapped(&flat).is_some() {
+                continue;
+            }
+            done += 1;
+            if done % LOOK == 0 {
+                cancel.check()?;
+            }
+            is_taken[next as usize] = true;
+            cover.add(flat, next);
+            chart.triangles.push(next);
+            chart.flat.push(flat);
+            waiting.extend(neighbours[next as usize].iter().copied().filter(|&other| other != u32::MAX));
+        }
+        // A normal that is no unit vector to the last digit must not keep the first triangle out of its own chart.
+        if chart.triangles.is_empty() {
+            is_taken[seed as usize] = true;
+            chart.triangles.push(seed);
+            chart.flat.push(project(&faces[seed as usize]));
+        }
+        lay(&mut chart);
+        charts.push(chart);
+    }
+    Ok(())
+}
+
+fn extent(flat: &Flat) -> f64 {
+    flat.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+/// The triangle beyond each side of each triangle, or `u32::MAX`: sides that exactly two triangles share, wound alike. Vertices
+/// at one place are one.
+fn neighbours(mesh: &SurfaceMesh) -> Vec<[u32; 3]> {
+    let mut welded: HashMap<[u64; 3], u32> = HashMap::with_capacity(mesh.positions.len());
+    let place: Vec<u32> = mesh
+        .positions
+        .iter()
+        .map(|p| {
+            let next = welded.len() as u32;
+            // Both zeros are one.
+            *welded.entry(p.to_array().map(|x| (x + 0.0).to_bits())).or_insert(next)
+        })
+        .collect();
+    let mut sides: Vec<([u32; 2], bool, u32, u8)> = Vec::with_capacity(3 * mesh.triangles.len());
+    for (number, triangle) in mesh.triangles.iter().enumerate() {
+        for side in 0..3 {
+            let (a, b) = (place[triangle[side] as usize], place[triangle[(side + 1) % 3] as usize]);
+            sides.push(([a.min(b), a.max(b)], a < b, number as u32, side as u8));
+        }
+    }
+    sides.sort_unstable();
+    let mut neighbours = vec![[u32::MAX; 3]; mesh.triangles.len()];
+    for same in sides.chunk_by(|a, b| a.0 == b.0) {
+        if let &[(_, forwards, a, a_side), (_, other_forwards, b, b_side)] = same
+            && forwards != other_forwards
+            && a != b
+        {
+            neighbours[a as usize][usize::from(a_side)] = b;
+            neighbours[b as usize][usize::from(b_side)] = a;
+        }
+    }
+    neighbours
+}
+
+/// Turns a chart so that the box around it is small, and moves it to the origin; no higher than it is wide.
+fn lay(chart: &mut Chart) {
+    let hull = hull(chart.flat.iter().flatten().copied().collect());
+    let mut best: Option<(f64, [f64; 2])> = None;
+    for (i, a) in hull.iter().enumerate() {
+        let b = hull[(i + 1) % hull.len()];
+        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+        let length = dx.hypot(dy);
+        if length <= 0.0 {
+            continue;
+        }
+        let direction = [dx / length, dy / length];
+        let [min, max] = bounds(hull.iter().map(|p| turned(direction, *p)));
+        let area = (max[0] - min[0]) * (max[1] - min[1]);
+        // Clearly smaller: ties must not be decided by rounding.
+        if best.is_none_or(|(least, _)| area < least * (1.0 - 1e-9)) {
+            best = Some((area, direction));
+        }
+        // Of an outline of very many corners a part will do.
+        if hull.len() > 512 && i > 64 {
+            break;
+        }
+    }
+    let mut direction = best.map_or([1.0, 0.0], |(_, direction)| direction);
+    let [min, max] = bounds(hull.iter().map(|p| turned(direction, *p)));
+    if max[1] - min[1] > (max[0] - min[0]) * (1.0 + 1e-9) {
+        direction = [-direction[1], direction[0]];
+    }
+    let [min, max] = bounds(hull.iter().map(|p| turned(direction, *p)));
+    for corner in chart.flat.iter_mut().flatten() {
+        let [x, y] = turned(direction, *corner);
+        *corner = [(x - min[0]).max(0.0), (y - min[1]).max(0.0)];
+    }
+    chart.size = [max[0] - min[0], max[1] - min[1]];
+}
+
+/// Coordinates along `direction` and across it.
+fn turned([c, s]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
+    [c * x + s * y, c * y - s * x]
+}
+
+/// Smallest and largest coordinates.
+pub(super) fn bounds(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
+    points.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[min, max], [x, y]| {
+        [[min[0].min(x), min[1].min(y)], [max[0].max(x), max[1].max(y)]]
+    })
+}
+
+/// The convex hull, counter-clockwise. Source: Andrew 1979, "Another Efficient Algorithm for Convex Hulls in Two Dimensions".
+fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    points.dedup();
+    if points.len() < 3 {
+        return points;
+    }
+    let is_left = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0]);
+    let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for p in points {
+            while chain.len() >= 2 && !is_left(chain[chain.len() - 2], chain[chain.len() - 1], p) {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut hull = half(&mut points.iter().copied());
+    hull.extend(half(&mut points.iter().rev().copied()));
+    hull
+}

@@ -1,0 +1,66 @@
+//! Irradiance of sites from a radiosity solution: without noise, for diffuse scenes.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use super::Baked;
+use crate::control::Parallel;
+use crate::desc::RadiosityDesc;
+use crate::error::{Error, ErrorKind, Result};
+use crate::integrator::Sites;
+use crate::integrator::radiosity::Radiosity;
+use crate::math::Vec3;
+use crate::render::{RenderSettings, with_crew};
+use crate::scene::Scene;
+
+/// Points of a site whose mean is its irradiance: those of a (0, 2)-net.
+const POINTS: u32 = 16;
+
+/// Sites that are one piece of work.
+const PIECE: usize = 1 << 12;
+
+/// The irradiance [W m^-2] of each of these sites, on the outer side of the surface (`front`) or the other, from a radiosity
+/// solution of the scene, which comes with it; the same for any number of threads. Its standard error is not known: NaN.
+///
+/// `element_size`: what takes the place of the description's, where that has none: the length of a texel, say. Of the settings only
+/// `desc.radiosity`, workers, time limit and cancel are looked at. `look_up` is called now and then on the calling thread;
+/// `Break` stops the work. Surfaces that reflect nothing diffusely and do not emit have no irradiance here.
+///
+/// # Errors
+/// As for [`Radiosity::solve`]; [`ErrorKind::InvalidScene`] where there is no site; `Cancelled` if it was stopped, by the time limit
+/// too: half a solution is none.
+pub fn by_radiosity(
+    scene: &Scene,
+    sites: &Arc<Sites>,
+    settings: &RenderSettings,
+    element_size: Option<f64>,
+    front: bool,
+    look_up: &mut dyn FnMut() -> ControlFlow<()>,
+) -> Result<(Baked, Arc<Radiosity>)> {
+    if sites.is_empty() {
+        return Err(Error::new(ErrorKind::InvalidScene, "there is no surface whose irradiance could be asked for"));
+    }
+    let own = &settings.desc.radiosity;
+    let desc = RadiosityDesc { element_size: own.element_size.or(element_size), ..own.clone() };
+    with_crew(settings, look_up, |crew| {
+        let solution = Arc::new(Radiosity::solve(scene, &desc, crew)?);
+        let (scene, shared, read) = (scene.clone(), Arc::clone(sites), Arc::clone(&solution));
+        let pieces = crew.map(sites.len().div_ceil(PIECE), move |piece| {
+            let range = piece * PIECE..((piece + 1) * PIECE).min(shared.len());
+            range.map(|site| mean(&scene, &read, &shared, site, front)).collect::<Vec<_>>()
+        })?;
+        let irradiance: Vec<[f32; 3]> = pieces.into_iter().flatten().collect();
+        Ok((Baked { standard_error: vec![[f32::NAN; 3]; irradiance.len()], irradiance }, solution))
+    })
+}
+
+fn mean(scene: &Scene, solution: &Radiosity, sites: &Sites, site: usize, front: bool) -> [f32; 3] {
+    let mut sum = Vec3::ZERO;
+    for i in 0..POINTS {
+        let u = [(i as f32 + 0.5) / POINTS as f32, (i.reverse_bits() >> 8) as f32 / 16_777_216.0 + 0.5 / POINTS as f32];
+        let (facet, [b1, b2]) = sites.point(site, u);
+        let p = scene.facet_point(facet, b1, b2).point.p;
+        sum += solution.irradiance(&facet.hit(b1, b2), p, front);
+    }
+    (sum / POINTS as f32).to_array()
+}

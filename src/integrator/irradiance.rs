@@ -1,0 +1,151 @@
+//! Irradiance of small parts of surfaces: texels of a light map, surroundings of a vertex.
+//!
+//! The irradiance [W m^-2] of a surface does not depend on how the surface itself scatters. A sample is pi times the radiance
+//! that a white Lambert surface at the same place would send along its normal, estimated as [`Path`] does it: by light
+//! samples and a cosine-distributed path, combined by multiple importance sampling. Without bias, for scenes of any kind.
+//!
+//! The cosine is that of the shading normal, as in images, and light does not pass through the face. So a Lambert surface of
+//! albedo a sends albedo / pi times what is estimated here.
+
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+use super::Tracer;
+use super::light::Vertex;
+use super::path::{Limits, Path, trace};
+use crate::bsdf::{Bsdf, Lambert};
+use crate::sampling::Sampler;
+use crate::scene::{Facet, Material, Scene};
+use crate::spectrum::Rgb;
+
+/// A triangle inside a facet: what a site takes of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Its number among the facets.
+    pub facet: u32,
+    /// Its corners, each as the weights of the facet's second and third corner.
+    pub corners: [[f32; 2]; 3],
+    /// Which share of its site's area it and those before it are; 1 for the last one.
+    pub until: f32,
+}
+
+impl Piece {
+    /// A point, as weights of the facet's second and third corner: uniform by area for `u` uniform in [0, 1)^2.
+    #[inline]
+    pub fn point(&self, u: [f32; 2]) -> [f32; 2] {
+        let root = u[0].sqrt();
+        let weights = [1.0 - root, root * (1.0 - u[1]), root * u[1]];
+        let [a, b, c] = self.corners;
+        let mix = |i: usize| weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i];
+        let [b1, b2] = [mix(0).max(0.0), mix(1).max(0.0)];
+        // Rounding must not lead out of the facet.
+        let sum = b1 + b2;
+        if sum > 1.0 { [b1 / sum, b2 / sum] } else { [b1, b2] }
+    }
+}
+
+/// Parts of surfaces, each of one or more pieces.
+#[derive(Clone, Debug, Default)]
+pub struct Sites {
+    facets: Vec<Facet>,
+    pieces: Vec<Piece>,
+    /// Where the pieces of each site begin, and the end of the last.
+    starts: Vec<u32>,
+}
+
+impl Sites {
+    /// Sites of these pieces. `starts`: where those of each site begin, and how many pieces there are; each site has one at
+    /// least.
+    pub fn new(facets: Vec<Facet>, pieces: Vec<Piece>, starts: Vec<u32>) -> Self {
+        debug_assert!(starts.last().is_some_and(|&end| end as usize == pieces.len()));
+        debug_assert!(starts.is_sorted_by(|a, b| a < b));
+        Self { facets, pieces, starts }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The pieces of a site.
+    pub fn pieces(&self, site: usize) -> &[Piece] {
+        &self.pieces[self.starts[site] as usize..self.starts[site + 1] as usize]
+    }
+
+    /// The facets that the pieces are of.
+    pub fn facets(&self) -> &[Facet] {
+        &self.facets
+    }
+
+    /// A point of a site, uniform by area for `u` uniform in [0, 1)^2: a facet and the weights of its second and third corner.
+    #[inline]
+    pub fn point(&self, site: usize, u: [f32; 2]) -> (&Facet, [f32; 2]) {
+        let pieces = self.pieces(site);
+        let mut number = 0;
+        while number + 1 < pieces.len() && u[0] >= pieces[number].until {
+            number += 1;
+        }
+        let piece = &pieces[number];
+        let begin = if number == 0 { 0.0 } else { pieces[number - 1].until };
+        let within = ((u[0] - begin) / (piece.until - begin)).clamp(0.0, 1.0);
+        (&self.facets[piece.facet as usize], piece.point([within, u[1]]))
+    }
+}
+
+/// Estimates the irradiance of sites.
+#[derive(Clone, Debug)]
+pub struct Irradiance {
+    sites: Arc<Sites>,
+    path: Path,
+    front: bool,
+    white: Material,
+}
+
+impl Irradiance {
+    /// Of these sites (one at least), on the outer side (`front`) or the other.
+    ///
+    /// `path.max_depth` counts the site itself as the first hit: 1 is direct light alone.
+    pub fn new(sites: Arc<Sites>, path: Path, front: bool) -> Self {
+        let white = Material { bsdf: Bsdf::Lambert(Lambert::new(Rgb::ONE)), survival: None };
+        Self { sites, path, front, white }
+    }
+
+    /// One sample of a site's irradiance [W m^-2]. `place`: where in the site, uniform in [0, 1)^2. Numbers past the last site
+    /// begin again with the first.
+    #[inline]
+    pub fn estimate<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        site: usize,
+        place: [f32; 2],
+        sampler: &mut S,
+        tracer: &mut T,
+    ) -> Rgb {
+        let (facet, [b1, b2]) = self.sites.point(site % self.sites.len(), place);
+        let surface = scene.facet_point(facet, b1, b2);
+        let vertex = Vertex::seen_along_normal(surface, &self.white, self.front);
+        let Path { max_depth, shadow_rays } = self.path;
+        let mut radiance = Rgb::ZERO;
+        // Light that reaches it straight from an emitter.
+        if !scene.emitters().is_dark() {
+            for _ in 0..shadow_rays {
+                radiance += vertex.sample_light(scene, sampler.next_4d(), shadow_rays, tracer);
+            }
+        }
+        // What a path brings, emitters among it.
+        if let Some(bounce) = vertex.sample_bounce(sampler.next_4d()) {
+            let limits = Limits {
+                path: Path { max_depth: max_depth.map(|depth| depth.saturating_sub(1)), shadow_rays },
+                mirrors_see_lights: false,
+                from: bounce.pdf.map(|pdf| (vertex.receiver(), pdf)),
+            };
+            radiance += bounce.weight * trace(scene, bounce.ray, sampler, tracer, &mut |_| {}, limits);
+        }
+        PI * radiance
+    }
+}

@@ -1,0 +1,554 @@
+//! Elements: what a scene's surfaces are cut into, and the tree above them.
+//!
+//! A *patch* is one side of a triangle of the scene, or of a triangle inscribed in an analytic shape. Patches are the roots of
+//! trees of *elements*, each of which is four, made by halving the sides of the one above, the new corners put onto the shape
+//! where there is one. Above the patches is a binary tree of *clusters*. Elements and clusters are nodes of one array.
+//!
+//! Corners are vertices that neighbours of a surface share, in flat neighbours and smooth ones, so that the solution is
+//! continuous over them. A vertex in the middle of a side that only one neighbour has halved hangs: its value is that between the
+//! ends.
+
+use std::collections::HashMap;
+
+use super::form_factor::{self, quarters};
+use super::tessellate::tessellate;
+use crate::bsdf::Bsdf;
+use crate::error::{Error, ErrorKind, Result};
+use crate::math::{Bounds, DVec3, HitPoint, Vec3};
+use crate::scene::{Body, Scene};
+use crate::shape::Analytic;
+
+/// Stands for "none".
+pub(super) const NONE: u32 = u32::MAX;
+
+/// An element or a cluster.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub centre: DVec3,
+    /// Unit normal; of a cluster the middle of its normals, or zero.
+    pub normal: DVec3,
+    pub area: f64,
+    /// Of a ball around `centre` that holds it.
+    pub radius: f64,
+    pub parent: u32,
+    /// Children follow each other from here on.
+    pub first: u32,
+    pub children: u32,
+    /// The patch that it is of; [`NONE`] for a cluster.
+    pub patch: u32,
+    /// Vertices of an element. Of a cluster its patches, as a range of [`Elements::order`], and its number.
+    pub corners: [u32; 3],
+    /// Largest angle between a normal and `normal`.
+    pub cone: f64,
+    /// Of a convex side: area over that of the flat element.
+    pub swell: f64,
+}
+
+impl Node {
+    pub fn is_cluster(&self) -> bool {
+        self.patch == NONE
+    }
+
+    pub fn is_leaf(&self) -> bool {
+        self.children == 0
+    }
+
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.children) as usize
+    }
+}
+
+/// The root of a tree of elements.
+#[derive(Clone, Debug)]
+pub(super) struct Patch {
+    pub surface: u32,
+    pub is_front: bool,
+    /// Share of irradiance that is sent back.
+    pub albedo: DVec3,
+    /// Emitted [W m^-2].
+    pub emitted: DVec3,
+    /// Number of the shape that its corners lie on, or [`NONE`].
+    pub shape: u32,
+    pub node: u32,
+    /// Bound of [`HitPoint`] for its points; of a shape, each point has its own.
+    pub error: f32,
+}
+
+/// Patches of one side of a face.
+#[derive(Clone, Copy, Debug, Default)]
+struct Side {
+    first: u32,
+    count: u32,
+}
+
+/// All elements and clusters.
+#[derive(Debug, Default)]
+pub(super) struct Elements {
+    pub nodes: Vec<Node>,
+    pub patches: Vec<Patch>,
+    /// Patches in the order of the cluster tree.
+    pub order: Vec<u32>,
+    pub clusters: u32,
+    /// The top; [`NONE`] where there is nothing.
+    pub top: u32,
+    pub vertices: Vec<DVec3>,
+    /// The ends of the side whose middle a vertex is.
+    pub ends: Vec<[u32; 2]>,
+    middles: HashMap<[u32; 2], u32>,
+    shapes: Vec<Analytic>,
+    sides: Vec<[Side; 2]>,
+    /// Square of the longest side below which nothing is divided.
+    least2: f64,
+    /// Bytes that may be used.
+    limit: usize,
+}
+
+/// A vertex of its surface, and the normal of the first patch that it is of.
+type Welds = HashMap<([u64; 3], u32, bool), Vec<(u32, DVec3)>>;
+
+/// Neighbours of a flat surface whose normals differ by less than this cosine share vertices.
+const FLAT: f64 = 0.9999;
+/// The same of a smooth surface: beyond that an edge is an edge.
+const SMOOTH: f64 = 0.2;
+
+/// Bytes for a patch, with its vertices and its share of clusters.
+const BYTES_A_PATCH: usize = 2 * size_of::<Node>() + size_of::<Patch>() + 200;
+
+/// Elements have no more generations than this.
+const MOST_GENERATIONS: u32 = 16;
+
+impl Elements {
+    /// The patches of a scene and their clusters. `size`: longest side below which no element is divided; `limit`: bytes.
+    pub fn new(scene: &Scene, size: Option<f64>, limit: usize) -> Result<Self> {
+        let bounds = &scene.info().bounds;
+        let extent = if bounds.is_empty() { 1.0 } else { (bounds.max - bounds.min).length().max(f64::MIN_POSITIVE) };
+        let least = size.unwrap_or(extent / 64.0);
+        let mut elements = Self { least2: least * least, limit, top: NONE, ..Self::default() };
+        elements.check(2 * scene.face_count() * BYTES_A_PATCH)?;
+        let albedos: Vec<DVec3> = (0..scene.info().materials).map(|i| mean_albedo(&scene.material(i as u32).bsdf)).collect();
+        let mut welds = Welds::new();
+        let mut roots = Vec::new();
+        scene.each_face(|face| {
+            let albedo = albedos[face.material as usize];
+            let emitted = std::f64::consts::PI * face.emission.as_dvec3();
+            let (triangles, outer, error, shape, is_smooth) = match face.body {
+                Body::Triangle { corners, normal, error, is_smooth } => {
+                    (vec![corners], Some(normal.as_dvec3()), error, NONE, is_smooth)
+                }
+                Body::Shape(shape) => {
+                    let triangles = tessellate(&shape);
+                    elements.shapes.push(shape);
+                    (triangles, None, 0.0, elements.shapes.len() as u32 - 1, true)
+                }
+            };
+            let mut sides = [Side::default(); 2];
+            for (is_front, side) in [true, false].into_iter().zip(&mut sides) {
+                let emitted = if is_front { emitted } else { DVec3::ZERO };
+                if albedo == DVec3::ZERO && emitted == DVec3::ZERO {
+                    continue;
+                }
+                side.first = elements.patches.len() as u32;
+                for corners in &triangles {
+                    let Some(flat) = form_factor::normal(corners) else { continue };
+                    let outer = outer.unwrap_or_else(|| {
+                        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+                        elements.shapes[shape as usize].project(middle).1
+                    });
+                    let normal = if (flat.dot(outer) < 0.0) == is_front { -flat } else { flat };
+                    let least = if is_smooth { SMOOTH } else { FLAT };
+                    let corners =
+                        corners.map(|p| elements.welded(&mut welds, p, (face.surface, is_front), normal, least));
+                    let patch = elements.patches.len() as u32;
+                    elements.patches.push(Patch {
+                        surface: face.surface,
+                        is_front,
+                        albedo,
+                        emitted,
+                        shape,
+                        node: NONE,
+                        error,
+                    });
+                    roots.push(elements.element(corners, normal, patch, NONE, None));
+                    side.count += 1;
+                }
+            }
+            elements.sides.push(sides);
+            elements.check(roots.len() * BYTES_A_PATCH)
+        })?;
+        elements.cluster(roots);
+        Ok(elements)
+    }
+
+    /// Whether so many bytes may be used.
+    pub fn check(&self, bytes: usize) -> Result<()> {
+        if bytes <= self.limit {
+            return Ok(());
+        }
+        let message = format!(
+            "radiosity needs more than the {} MiB that radiosityMemory allows, after {} patches and {} elements: allow more, or \
+             a larger radiosityError or radiosityElementSize",
+            self.limit >> 20,
+            self.patches.len(),
+            self.nodes.len()
+        );
+        Err(Error::new(ErrorKind::OutOfMemory, message))
+    }
+
+    /// Memory that they take, bytes.
+    pub fn bytes(&self) -> usize {
+        size_of::<Node>() * self.nodes.len()
+            + size_of::<Patch>() * self.patches.len()
+            // Position, ends and entry of the table of middles.
+            + (24 + 8 + 24) * self.vertices.len()
+            + size_of::<[Side; 2]>() * self.sides.len()
+    }
+
+    fn vertex(&mut self, p: DVec3, ends: [u32; 2]) -> u32 {
+        self.vertices.push(p);
+        self.ends.push(ends);
+        self.vertices.len() as u32 - 1
+    }
+
+    fn welded(&mut self, welds: &mut Welds, p: DVec3, side: (u32, bool), normal: DVec3, least: f64) -> u32 {
+        // Adding zero makes one zero of both.
+        let key = ((p + DVec3::ZERO).to_array().map(f64::to_bits), side.0, side.1);
+        let here = welds.entry(key).or_default();
+        if let Some((vertex, _)) = here.iter().find(|(_, other)| other.dot(normal) > least) {
+            return *vertex;
+        }
+        let vertex = self.vertices.len() as u32;
+        here.push((vertex, normal));
+        self.vertex(p, [NONE; 2])
+    }
+
+    pub fn triangle(&self, node: &Node) -> [DVec3; 3] {
+        node.corners.map(|vertex| self.vertices[vertex as usize])
+    }
+
+    pub fn shape(&self, patch: u32) -> Option<&Analytic> {
+        self.shapes.get(self.patches[patch as usize].shape as usize)
+    }
+
+    /// An element with these corners; `area` of it where that is known to be a flat one's.
+    fn element(&self, corners: [u32; 3], normal: DVec3, patch: u32, parent: u32, area: Option<f64>) -> Node {
+        let [a, b, c] = corners.map(|vertex| self.vertices[vertex as usize]);
+        let centre = (a + b + c) / 3.0;
+        let flat = 0.5 * (b - a).cross(c - a).length();
+        let (mut whole, mut swell) = (area.unwrap_or(flat), 1.0);
+        if let Some(shape) = self.shape(patch) {
+            whole = curved_area(shape, &[a, b, c]);
+            // Convex sides are seen from far away, where their area counts. Concave ones surround who sees them, and so do the
+            // flat elements inscribed.
+            if (shape.project(centre).0 - centre).dot(normal) > 0.0 && flat > 0.0 {
+                swell = whole / flat;
+            }
+        }
+        let radius = [a, b, c].iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
+        Node {
+            centre,
+            normal,
+            area: whole,
+            radius,
+            parent,
+            first: 0,
+            children: 0,
+            patch,
+            corners,
+            cone: 0.0,
+            swell,
+        }
+    }
+
+    /// Whether an element has children, or may get some.
+    pub fn is_divisible(&self, number: u32) -> bool {
+        let node = &self.nodes[number as usize];
+        if !node.is_leaf() {
+            return true;
+        }
+        let [a, b, c] = self.triangle(node);
+        let longest2 = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        // Where halves would be lost in rounding, sides have no middle.
+        let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
+        longest2 > self.least2 && longest2 > (1e-11 * reach).powi(2) && self.generation(number) < MOST_GENERATIONS
+    }
+
+    fn generation(&self, mut number: u32) -> u32 {
+        let mut generation = 0;
+        while self.nodes[number as usize].parent != NONE
+            && !self.nodes[self.nodes[number as usize].parent as usize].is_cluster()
+        {
+            number = self.nodes[number as usize].parent;
+            generation += 1;
+        }
+        generation
+    }
+
+    /// Divides an element that has no children: [corner, corner, corner, middle], each with its corners in the same order.
+    pub fn divide(&mut self, number: u32) {
+        let Node { corners: [a, b, c], normal, patch, area, .. } = self.nodes[number as usize];
+        let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|ends| self.middle(ends, patch));
+        let first = self.nodes.len() as u32;
+        let is_flat = self.shape(patch).is_none();
+        for corners in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [bc, ca, ab]] {
+            let own = form_factor::normal(&corners.map(|vertex| self.vertices[vertex as usize])).unwrap_or(normal);
+            let normal = match is_flat {
+                true => normal,
+                false if own.dot(normal) < 0.0 => -own,
+                false => own,
+            };
+            let child = self.element(corners, normal, patch, number, is_flat.then_some(0.25 * area));
+            self.nodes.push(child);
+        }
+        let node = &mut self.nodes[number as usize];
+        (node.first, node.children) = (first, 4);
+    }
+
+    /// The vertex in the middle of a side.
+    fn middle(&mut self, mut ends: [u32; 2], patch: u32) -> u32 {
+        ends.sort_unstable();
+        if let Some(vertex) = self.middles.get(&ends) {
+            return *vertex;
+        }
+        let [a, b] = ends.map(|end| self.vertices[end as usize]);
+        let mut p = 0.5 * (a + b);
+        if let Some(shape) = self.shape(patch) {
+            p = on_shape(shape, p);
+        }
+        let vertex = self.vertex(p, ends);
+        self.middles.insert(ends, vertex);
+        vertex
+    }
+
+    /// The vertex in the middle of a side, where somebody has halved it.
+    pub fn known_middle(&self, mut ends: [u32; 2]) -> Option<u32> {
+        ends.sort_unstable();
+        self.middles.get(&ends).copied()
+    }
+
+    /// A point of an element by barycentric coordinates, as rays leave it: on the shape where there is one; and the normal
+    /// there on the element's side.
+    pub fn point(&self, node: &Node, [s, t]: [f64; 2]) -> (HitPoint, Vec3) {
+        let [a, b, c] = self.triangle(node);
+        let p = a + s * (b - a) + t * (c - a);
+        match self.shape(node.patch) {
+            None => {
+                let error = self.patches[node.patch as usize].error;
+                (HitPoint { p: p.as_vec3a(), error }, node.normal.as_vec3a())
+            }
+            Some(shape) => {
+                let (p, outer) = shape.project(p);
+                let n = if self.patches[node.patch as usize].is_front { outer } else { -outer }.as_vec3a();
+                let p = p.as_vec3a();
+                (HitPoint { p, error: HitPoint::rounding_error(p, n) }, n)
+            }
+        }
+    }
+
+    /// The leaf of a face's side at a place on it: `weights` of the second and third corner of a triangle, `p` on a shape, in
+    /// the scene frame. And the weights of the leaf's second and third corner.
+    pub fn leaf_at(&self, face: u32, is_front: bool, weights: [f32; 2], p: DVec3) -> Option<(u32, [f64; 2])> {
+        let side = self.sides.get(face as usize)?[usize::from(!is_front)];
+        let patches = &self.patches[side.first as usize..(side.first + side.count) as usize];
+        let patch = patches.first()?;
+        if patch.shape != NONE {
+            return self.leaf_on_shape(patches, p);
+        }
+        let mut number = patch.node;
+        let [mut s, mut t] = weights.map(|w| f64::from(w).clamp(0.0, 1.0));
+        while let Node { first, children: 4, .. } = self.nodes[number as usize] {
+            let child;
+            let r = 1.0 - s - t;
+            (child, s, t) = if r > 0.5 {
+                (0, 2.0 * s, 2.0 * t)
+            } else if s > 0.5 {
+                (1, 2.0 * s - 1.0, 2.0 * t)
+            } else if t > 0.5 {
+                (2, 2.0 * s, 2.0 * t - 1.0)
+            } else {
+                // Its corners are opposite to the first, second and third.
+                (3, 1.0 - 2.0 * s, 1.0 - 2.0 * t)
+            };
+            number = first + child;
+        }
+        Some((number, inside([s, t])))
+    }
+
+    fn leaf_on_shape(&self, patches: &[Patch], p: DVec3) -> Option<(u32, [f64; 2])> {
+        let best = |numbers: &mut dyn Iterator<Item = u32>| {
+            let mut best = (f64::NEG_INFINITY, NONE, [0.0; 2]);
+            for number in numbers {
+                let node = &self.nodes[number as usize];
+                let [s, t] = weights(&self.triangle(node), p);
+                // How far inside, and not on the far side of the shape.
+                let height = (p - node.centre).dot(node.normal).abs() / node.radius;
+                let least = s.min(t).min(1.0 - s - t) - 4.0 * (height - 1.0).max(0.0);
+                if least > best.0 {
+                    best = (least, number, [s, t]);
+                }
+            }
+            best
+        };
+        let (_, mut number, mut at) = best(&mut patches.iter().map(|patch| patch.node));
+        while number != NONE && !self.nodes[number as usize].is_leaf() {
+            let range = self.nodes[number as usize].range();
+            (_, number, at) = best(&mut range.map(|number| number as u32));
+        }
+        (number != NONE).then_some((number, inside(at)))
+    }
+
+    /// The binary tree above the roots, the two sides of surfaces apart.
+    fn cluster(&mut self, roots: Vec<Node>) {
+        if roots.is_empty() {
+            return;
+        }
+        let (mut fronts, mut backs): (Vec<u32>, Vec<u32>) =
+            (0..roots.len() as u32).partition(|&patch| self.patches[patch as usize].is_front);
+        self.nodes.reserve(2 * roots.len());
+        self.nodes.push(empty());
+        self.top = 0;
+        if fronts.is_empty() || backs.is_empty() {
+            fronts.append(&mut backs);
+            self.group(0, NONE, &mut fronts, &roots);
+        } else {
+            self.nodes.extend([empty(), empty()]);
+            self.group(1, 0, &mut fronts, &roots);
+            self.group(2, 0, &mut backs, &roots);
+            self.finish_cluster(0, NONE, 1, 0..self.order.len() as u32);
+        }
+    }
+
+    fn group(&mut self, slot: u32, parent: u32, patches: &mut [u32], roots: &[Node]) {
+        let start = self.order.len() as u32;
+        if let [patch] = *patches {
+            self.order.push(patch);
+            self.nodes[slot as usize] = Node { parent, ..roots[patch as usize].clone() };
+            self.patches[patch as usize].node = slot;
+            return;
+        }
+        let centres = Bounds::around(patches.iter().map(|&patch| roots[patch as usize].centre));
+        let spread = (centres.max - centres.min).to_array();
+        let axis = (0..3).max_by(|&i, &j| spread[i].total_cmp(&spread[j])).unwrap_or(0);
+        let half = patches.len() / 2;
+        let key = |&patch: &u32| (roots[patch as usize].centre[axis], patch);
+        patches.select_nth_unstable_by(half, |a, b| {
+            let (a, b) = (key(a), key(b));
+            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+        });
+        let (low, high) = patches.split_at_mut(half);
+        let first = self.nodes.len() as u32;
+        self.nodes.extend([empty(), empty()]);
+        self.group(first, slot, low, roots);
+        self.group(first + 1, slot, high, roots);
+        self.finish_cluster(slot, parent, first, start..self.order.len() as u32);
+    }
+
+    fn finish_cluster(&mut self, slot: u32, parent: u32, first: u32, range: std::ops::Range<u32>) {
+        let [a, b] = [0, 1].map(|i| &self.nodes[(first + i) as usize]);
+        // The ball around two balls.
+        let between = b.centre - a.centre;
+        let distance = between.length();
+        let (centre, radius) = if distance + b.radius <= a.radius {
+            (a.centre, a.radius)
+        } else if distance + a.radius <= b.radius {
+            (b.centre, b.radius)
+        } else {
+            let radius = 0.5 * (distance + a.radius + b.radius);
+            (a.centre + (radius - a.radius) / distance * between, radius)
+        };
+        let normal = (a.area * a.normal + b.area * b.normal).normalize_or_zero();
+        let angle = |child: &Node| child.cone + normal.dot(child.normal).clamp(-1.0, 1.0).acos();
+        let cone = if normal == DVec3::ZERO { std::f64::consts::PI } else { angle(a).max(angle(b)) };
+        let cluster = Node {
+            centre,
+            normal,
+            area: a.area + b.area,
+            radius,
+            parent,
+            first,
+            children: 2,
+            patch: NONE,
+            corners: [range.start, range.end, self.clusters],
+            cone: cone.min(std::f64::consts::PI),
+            swell: 1.0,
+        };
+        self.clusters += 1;
+        self.nodes[slot as usize] = cluster;
+    }
+}
+
+pub(super) fn empty() -> Node {
+    Node {
+        centre: DVec3::ZERO,
+        normal: DVec3::ZERO,
+        area: 0.0,
+        radius: 0.0,
+        parent: NONE,
+        first: 0,
+        children: 0,
+        patch: NONE,
+        corners: [0; 3],
+        cone: 0.0,
+        swell: 1.0,
+    }
+}
+
+/// Barycentric weights of the second and third corner for the point of a triangle's plane next to `p`.
+fn weights(&[a, b, c]: &[DVec3; 3], p: DVec3) -> [f64; 2] {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let n = ab.cross(ac);
+    let n2 = n.length_squared();
+    if n2 > 0.0 { [ap.cross(ac).dot(n) / n2, ab.cross(ap).dot(n) / n2] } else { [0.0; 2] }
+}
+
+/// Weights of a point next to the triangle, moved onto it.
+fn inside([s, t]: [f64; 2]) -> [f64; 2] {
+    let (s, t) = (s.max(0.0), t.max(0.0));
+    let sum = s + t;
+    if sum > 1.0 { [s / sum, t / sum] } else { [s, t] }
+}
+
+/// The point of a shape for the middle of a chord.
+fn on_shape(shape: &Analytic, p: DVec3) -> DVec3 {
+    let (p, _) = shape.project(p);
+    // A disk is flat: what is on its edge stays inside.
+    p
+}
+
+/// Area of the part of a shape that a triangle inscribed in it stands for: of flat triangles of two finer levels, extrapolated.
+fn curved_area(shape: &Analytic, triangle: &[DVec3; 3]) -> f64 {
+    let area = |t: &[DVec3; 3]| 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length();
+    let divided = |t: &[DVec3; 3]| {
+        let [a, b, c] = *t;
+        let [ab, bc, ca] = [0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)].map(|p| on_shape(shape, p));
+        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [bc, ca, ab]]
+    };
+    let once = divided(triangle);
+    let coarse: f64 = once.iter().map(area).sum();
+    let fine: f64 = once.iter().flat_map(divided).map(|t| area(&t)).sum();
+    // The error falls by four with each level.
+    fine + (fine - coarse) / 3.0
+}
+
+/// The share of a diffuse surface's irradiance that it sends back, where the same radiance comes from all directions; 0 for
+/// mirrors and glass.
+pub(super) fn mean_albedo(bsdf: &Bsdf) -> DVec3 {
+    if bsdf.is_delta() || bsdf.is_black() {
+        return DVec3::ZERO;
+    }
+    if let Bsdf::Lambert(lambert) = bsdf {
+        return lambert.albedo().as_dvec3();
+    }
+    // Mean of the directional albedo by the cosine, by the rule of the middle in its square.
+    const STEPS: u32 = 4096;
+    let at = |i: u32| {
+        let cos2 = (f64::from(i) + 0.5) / f64::from(STEPS);
+        let wo = DVec3::new((1.0 - cos2).sqrt(), 0.0, cos2.sqrt()).as_vec3a();
+        bsdf.mean_f(wo).map_or(DVec3::ZERO, |f| f.as_dvec3() * std::f64::consts::PI)
+    };
+    (0..STEPS).map(at).sum::<DVec3>() / f64::from(STEPS)
+}
+
+/// The middles of a triangle's quarters: a rule of integration that its quarters share.
+pub(super) fn quarter_centres(triangle: &[DVec3; 3]) -> [DVec3; 4] {
+    quarters(triangle).map(|[a, b, c]| (a + b + c) / 3.0)
+}

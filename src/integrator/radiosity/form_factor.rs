@@ -1,0 +1,129 @@
+//! Form factors of polygons: what share of the light that leaves one reaches the other, nothing being in between.
+//!
+//! From a point the factor is Lambert's closed form, in double precision, of what of the polygon is above the horizon. Between
+//! two polygons it is the mean of that over one of them, by adaptive quadrature: the inner integral is exact, so that shared
+//! edges, where the kernel 1 / r^2 has a pole, leave no more than a bounded function with a kink.
+//!
+//! Sources: Lambert 1760, *Photometria*; Baum, Rushmeier, Winget 1989, "Improving Radiosity Solutions Through the Use of
+//! Analytically Determined Form-Factors"; Radon 1948 (the rule of seven points).
+
+use std::f64::consts::TAU;
+
+use crate::math::DVec3;
+
+/// Share of a hemisphere's cosine-weighted directions at `p` with unit normal `n` that meet a flat convex polygon: the
+/// irradiance by a polygon of radiosity 1, whichever side of it `p` is on. What is below the horizon does not count.
+///
+/// `corners` in order around the edge, of any number from 3. For `p` on the polygon itself or on its edge the value is one
+/// of the limits there.
+pub fn point_to_polygon(p: DVec3, n: DVec3, corners: &[DVec3]) -> f64 {
+    let Some(&last) = corners.last() else { return 0.0 };
+    let mut a = last - p;
+    let mut height_a = a.dot(n);
+    let (mut exit, mut entry) = (None, None);
+    let mut sum = 0.0;
+    for &corner in corners {
+        let b = corner - p;
+        let height_b = b.dot(n);
+        match (height_a > 0.0, height_b > 0.0) {
+            (true, true) => sum += edge(a, b, n),
+            (true, false) => {
+                let crossing = a + (height_a / (height_a - height_b)) * (b - a);
+                sum += edge(a, crossing, n);
+                exit = Some(crossing);
+            }
+            (false, true) => {
+                let crossing = a + (height_a / (height_a - height_b)) * (b - a);
+                sum += edge(crossing, b, n);
+                entry = Some(crossing);
+            }
+            (false, false) => {}
+        }
+        (a, height_a) = (b, height_b);
+    }
+    // Along the horizon.
+    if let (Some(exit), Some(entry)) = (exit, entry) {
+        sum += edge(exit, entry, n);
+    }
+    (sum.abs() / TAU).min(1.0)
+}
+
+/// One edge's part of the sum: its angle, times the cosine between `n` and the normal of the plane through it and the point.
+#[inline]
+fn edge(a: DVec3, b: DVec3, n: DVec3) -> f64 {
+    let cross = a.cross(b);
+    let sine = cross.length();
+    if sine > 0.0 { sine.atan2(a.dot(b)) * (cross.dot(n) / sine) } else { 0.0 }
+}
+
+/// The same for the front of a polygon with unit normal `facing`: 0 for a point behind it.
+#[inline]
+pub(super) fn point_to_front(p: DVec3, n: DVec3, corners: &[DVec3], facing: DVec3) -> f64 {
+    if (p - corners[0]).dot(facing) > 0.0 { point_to_polygon(p, n, corners) } else { 0.0 }
+}
+
+/// The form factor F12 of two flat convex polygons, on the sides from which their corners run counter-clockwise: the share of
+/// what `from` sends that reaches `to`.
+///
+/// `tolerance`: of the result, absolute. At most some ten thousand evaluations of [`point_to_polygon`]; polygons without area
+/// have factor 0.
+pub fn polygon_to_polygon(from: &[DVec3], to: &[DVec3], tolerance: f64) -> f64 {
+    let (Some(n), Some(facing)) = (normal(from), normal(to)) else { return 0.0 };
+    let f = |p| point_to_front(p, n, to, facing);
+    let area = |t: &[DVec3; 3]| 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length();
+    let fan: Vec<[DVec3; 3]> = (2..from.len()).map(|i| [from[0], from[i - 1], from[i]]).collect();
+    let total: f64 = fan.iter().map(area).sum();
+    let share = |t| area(t) / total * mean(&f, t, tolerance, MOST_HALVINGS);
+    fan.iter().map(share).sum()
+}
+
+/// Unit normal of a flat polygon whose corners run counter-clockwise seen from its tip; `None` where it has no area.
+pub(super) fn normal(corners: &[DVec3]) -> Option<DVec3> {
+    let first = *corners.first()?;
+    let cross: DVec3 = corners.windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum();
+    cross.try_normalize()
+}
+
+/// So often a triangle's sides are halved at most.
+const MOST_HALVINGS: u32 = 12;
+
+/// Nodes of Radon's rule of degree five: barycentric coordinates and weight of three points each, besides the middle.
+const RADON: [(f64, f64, f64); 2] = [
+    (0.059_715_871_789_769_82, 0.470_142_064_105_115_1, 0.132_394_152_788_506_16),
+    (0.797_426_985_353_087_2, 0.101_286_507_323_456_34, 0.125_939_180_544_827_15),
+];
+
+/// Mean of `f` over a triangle. `tolerance`: allowed error of it, absolute. `halvings`: how often it may be divided.
+pub(super) fn mean(f: &impl Fn(DVec3) -> f64, triangle: &[DVec3; 3], tolerance: f64, halvings: u32) -> f64 {
+    let whole = rule(f, triangle);
+    refine(f, triangle, whole, tolerance, halvings)
+}
+
+fn rule(f: &impl Fn(DVec3) -> f64, &[a, b, c]: &[DVec3; 3]) -> f64 {
+    let mut sum = 0.225 * f((a + b + c) / 3.0);
+    for (one, others, weight) in RADON {
+        sum += weight * (f(one * a + others * (b + c)) + f(one * b + others * (c + a)) + f(one * c + others * (a + b)));
+    }
+    sum
+}
+
+fn refine(f: &impl Fn(DVec3) -> f64, triangle: &[DVec3; 3], whole: f64, tolerance: f64, halvings: u32) -> f64 {
+    if halvings == 0 {
+        return whole;
+    }
+    let parts = quarters(triangle);
+    let means = parts.each_ref().map(|part| rule(f, part));
+    let finer = 0.25 * means.iter().sum::<f64>();
+    // The finer value is far better than the difference says; what remains is where there is a kink.
+    if (finer - whole).abs() <= 4.0 * tolerance {
+        return finer;
+    }
+    // Errors of the parts are independent of each other, or nearly: each may have twice its share.
+    0.25 * (0..4).map(|i| refine(f, &parts[i], means[i], 2.0 * tolerance, halvings - 1)).sum::<f64>()
+}
+
+/// The four triangles that the middles of the sides make: those at the three corners, and the one between.
+pub(super) fn quarters(&[a, b, c]: &[DVec3; 3]) -> [[DVec3; 3]; 4] {
+    let (ab, bc, ca) = (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a));
+    [[a, ab, ca], [ab, b, bc], [ca, bc, c], [bc, ca, ab]]
+}

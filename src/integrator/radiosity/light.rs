@@ -1,0 +1,115 @@
+//! Light of and at nodes: radiosities, and functions of direction for clusters.
+
+use std::f64::consts::FRAC_1_PI;
+use std::ops::AddAssign;
+
+use super::elements::{Elements, NONE};
+use crate::math::DVec3;
+
+/// A smooth function of direction for each colour channel: a polynomial of second degree, which spans the same as spherical
+/// harmonics up to band 2.
+///
+/// 1, x, y, z, xx, yy, zz, xy, yz, zx.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Moments([DVec3; 10]);
+
+impl Moments {
+    /// Adds `weight` max(0, n . d), as function of n or d, as far as band 2 holds it: within 3/32 of `weight`.
+    ///
+    /// Source: Ramamoorthi and Hanrahan 2001, "An Efficient Representation for Irradiance Environment Maps": 1/4, 1/2 and 5/16 of
+    /// the Legendre polynomials.
+    #[inline]
+    pub fn add_lobe(&mut self, d: DVec3, weight: DVec3) {
+        self.0[0] += 3.0 / 32.0 * weight;
+        self.add_linear(d, 0.5 * weight);
+        let weight = 15.0 / 32.0 * weight;
+        self.0[4] += d.x * d.x * weight;
+        self.0[5] += d.y * d.y * weight;
+        self.0[6] += d.z * d.z * weight;
+        self.0[7] += 2.0 * d.x * d.y * weight;
+        self.0[8] += 2.0 * d.y * d.z * weight;
+        self.0[9] += 2.0 * d.z * d.x * weight;
+    }
+
+    /// Adds `weight` n . d.
+    #[inline]
+    pub fn add_linear(&mut self, d: DVec3, weight: DVec3) {
+        self.0[1] += d.x * weight;
+        self.0[2] += d.y * weight;
+        self.0[3] += d.z * weight;
+    }
+
+    /// The function at the unit vector `n`, no less than 0.
+    #[inline]
+    pub fn at(&self, n: DVec3) -> DVec3 {
+        let m = &self.0;
+        let linear = m[0] + n.x * m[1] + n.y * m[2] + n.z * m[3];
+        let squares = n.x * n.x * m[4] + n.y * n.y * m[5] + n.z * n.z * m[6];
+        (linear + squares + n.x * n.y * m[7] + n.y * n.z * m[8] + n.z * n.x * m[9]).max(DVec3::ZERO)
+    }
+}
+
+impl AddAssign<&Self> for Moments {
+    fn add_assign(&mut self, other: &Self) {
+        for (mine, theirs) in self.0.iter_mut().zip(&other.0) {
+            *mine += *theirs;
+        }
+    }
+}
+
+/// What all nodes send.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sent {
+    /// Radiosity of each node [W m^-2]; of one with children, the mean by area.
+    pub b: Vec<DVec3>,
+    /// How far, at most, radiosities below are from that.
+    pub spread: Vec<f32>,
+    /// The largest below.
+    pub most: Vec<f32>,
+    /// Of each cluster: radiant intensity [W sr^-1] by direction.
+    pub intensity: Vec<Moments>,
+}
+
+impl Sent {
+    /// Fills up from the leaves, whose radiosities are in place.
+    pub fn pull(&mut self, elements: &Elements) {
+        let nodes = &elements.nodes;
+        self.b.resize(nodes.len(), DVec3::ZERO);
+        self.spread.resize(nodes.len(), 0.0);
+        self.most.resize(nodes.len(), 0.0);
+        self.intensity.clear();
+        self.intensity.resize(elements.clusters as usize, Moments::default());
+        // Children come after their parents.
+        for (i, node) in nodes.iter().enumerate().rev() {
+            if node.is_leaf() {
+                self.most[i] = self.b[i].max_element() as f32;
+                self.spread[i] = 0.0;
+            } else {
+                let (mut sum, mut area, mut most) = (DVec3::ZERO, 0.0, 0.0);
+                for child in node.range() {
+                    sum += nodes[child].area * self.b[child];
+                    area += nodes[child].area;
+                    most = f32::max(most, self.most[child]);
+                }
+                let mean = if area > 0.0 { sum / area } else { DVec3::ZERO };
+                let spread = |child: usize| (self.b[child] - mean).abs().max_element() as f32 + self.spread[child];
+                let spread = node.range().map(spread).fold(0.0, f32::max);
+                (self.b[i], self.most[i], self.spread[i]) = (mean, most, spread);
+            }
+            if node.parent == NONE {
+                continue;
+            }
+            let parent = &nodes[node.parent as usize];
+            if !parent.is_cluster() {
+                continue;
+            }
+            let cluster = parent.corners[2] as usize;
+            if node.is_cluster() {
+                let own = self.intensity[node.corners[2] as usize];
+                self.intensity[cluster] += &own;
+            } else if self.b[i] != DVec3::ZERO {
+                self.intensity[cluster].add_lobe(node.normal, FRAC_1_PI * node.area * self.b[i]);
+            }
+        }
+    }
+}

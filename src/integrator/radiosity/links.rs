@@ -1,0 +1,470 @@
+//! Links: which nodes exchange light as wholes, and how much of it.
+//!
+//! A pair of nodes is linked as it is where what that may be wrong by is small against all irradiance, in the root of the mean
+//! square; else one of them is divided, and its parts are asked. The oracle knows four errors: the form factor that varies over
+//! the receiver, the radiosity that varies over the source, visibility that is neither full nor none, and a cluster taken for a
+//! point. Where only the first is large, the receiver is divided; the inner integral over the source is exact.
+//!
+//! Sources: Hanrahan, Salzman, Aupperle 1991, "A Rapid Hierarchical Radiosity Algorithm"; Smits, Arvo, Greenberg 1994, "A
+//! Clustering Algorithm for Radiosity in Complex Environments"; Sillion 1995, "A Unified Hierarchical Algorithm for Global
+//! Illumination with Scattering Volumes and Object Clusters"; Lischinski, Smits, Greenberg 1994, "Bounds and Error Estimates
+//! for Radiosity" (errors from samples of the kernel).
+
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_2};
+
+use super::elements::{Elements, NONE, Node, quarter_centres};
+use super::form_factor::{mean, point_to_front};
+use super::light::Sent;
+use crate::math::{DVec3, HitPoint, Ray, Vec3};
+use crate::sampling::hash;
+use crate::scene::Scene;
+
+/// Numbers from here on are point lights.
+pub(super) const POINT: u32 = 1 << 31;
+
+/// A point light, scene frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PointLight {
+    pub position: DVec3,
+    /// [W sr^-1]
+    pub intensity: DVec3,
+}
+
+/// One node's light at another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Link {
+    pub receiver: u32,
+    /// A node, or a point light from [`POINT`] on.
+    pub source: u32,
+    /// Irradiance at the receiver (at a cluster: across the way to the source) per strength of the source, nothing being in
+    /// between: per radiosity of an element [1], per radiant intensity of a cluster or point [length^-2].
+    pub factor: f32,
+    /// Share that is not blocked.
+    pub visible: f32,
+    /// What `factor` times `visible` may be wrong by; 0 where nothing can be done about it.
+    pub error: f32,
+    pub kind: Kind,
+}
+
+/// How a link's irradiance depends on the receiving surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// The receiver is an element.
+    Element,
+    /// All surfaces of the receiving cluster face the source.
+    Facing,
+    /// Some do not.
+    Mixed,
+    /// Nodes that are in each other's way, of which one is too dark to matter. Its strength is the largest radiosity.
+    Dim,
+}
+
+/// What becomes of a pair.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Verdict {
+    /// They do not see each other.
+    Drop,
+    Keep(Link),
+    DivideReceiver,
+    DivideSource,
+    DivideBoth,
+}
+
+/// What judging pairs needs.
+#[derive(Debug)]
+pub(super) struct Judge {
+    pub scene: Scene,
+    pub elements: Elements,
+    pub sent: Sent,
+    pub lights: Vec<PointLight>,
+    /// Error that is allowed: irradiance times root of area.
+    pub threshold: f64,
+}
+
+/// Rays for a pair: of little consequence, usually, and where some are blocked but nothing more can be divided.
+const FEW_RAYS: u32 = 4;
+const RAYS: u32 = 8;
+const MORE_RAYS: u32 = 32;
+
+/// Elements farther apart than this, in their radii, are points to each other.
+const FAR: f64 = 40.0;
+
+/// Shares of the spread of a form factor over the receiver, and of the factor itself, that count as its error: the solution is
+/// interpolated, so most of a spread is none.
+const SPREAD_SHARE: f64 = 0.15;
+const UNSEEN_SHARE: f64 = 0.02;
+
+/// Heights over a plane, in distances, that are rounding.
+const FLAT: f64 = 1e-6;
+
+impl Judge {
+    fn node(&self, number: u32) -> &Node {
+        &self.elements.nodes[number as usize]
+    }
+
+    /// Strength of a source in the unit direction `d`, in its largest channel.
+    fn strength(&self, source: u32, d: DVec3) -> f64 {
+        if source >= POINT {
+            return self.lights[(source - POINT) as usize].intensity.max_element();
+        }
+        let node = self.node(source);
+        if node.is_cluster() {
+            self.sent.intensity[node.corners[2] as usize].at(d).max_element()
+        } else {
+            self.sent.b[source as usize].max_element()
+        }
+    }
+
+    /// Whether a link is no longer good enough.
+    pub fn is_stale(&self, link: &Link) -> bool {
+        let receiver = self.node(link.receiver);
+        let root = receiver.area.sqrt();
+        if link.kind == Kind::Dim {
+            return f64::from(self.sent.most[link.source as usize]) * f64::from(link.error) * root > self.threshold;
+        }
+        let strength = if link.source >= POINT {
+            self.strength(link.source, DVec3::ZERO)
+        } else {
+            let source = self.node(link.source);
+            if !source.is_cluster() {
+                let spread = f64::from(self.sent.spread[link.source as usize]);
+                if spread * f64::from(link.factor * link.visible) * root > self.threshold {
+                    return true;
+                }
+            }
+            self.strength(link.source, (receiver.centre - source.centre).normalize_or_zero())
+        };
+        strength * f64::from(link.error) * root > self.threshold
+    }
+
+    /// What becomes of a pair.
+    pub fn judge(&self, receiver: u32, source: u32) -> Verdict {
+        if source >= POINT {
+            return self.from_point(receiver, source);
+        }
+        let (r, s) = (self.node(receiver), self.node(source));
+        if receiver == source {
+            return self.itself(receiver);
+        }
+        if r.is_cluster() || s.is_cluster() { self.clusters(receiver, source) } else { self.polygons(receiver, source) }
+    }
+
+    fn itself(&self, number: u32) -> Verdict {
+        let node = self.node(number);
+        // A flat element does not see itself; a bent one does on its hollow side.
+        let is_flat = !node.is_cluster() && self.elements.shape(node.patch).is_none();
+        if is_flat {
+            return Verdict::Drop;
+        }
+        let is_bright = f64::from(self.sent.most[number as usize]) * node.area.sqrt() > self.threshold;
+        if is_bright && (node.is_cluster() || self.elements.is_divisible(number)) {
+            return Verdict::DivideBoth;
+        }
+        if !node.is_cluster() && is_bright {
+            return Verdict::Drop;
+        }
+        self.dim(number, number)
+    }
+
+    fn dim(&self, receiver: u32, source: u32) -> Verdict {
+        Verdict::Keep(Link { receiver, source, factor: 0.0, visible: 1.0, error: 1.0, kind: Kind::Dim })
+    }
+
+    /// Divides the wider of two.
+    fn divide(&self, receiver: u32, source: u32) -> Option<Verdict> {
+        let can_receiver = self.elements.is_divisible(receiver);
+        let can_source = self.elements.is_divisible(source);
+        match (can_receiver, can_source) {
+            (false, false) => None,
+            (true, false) => Some(Verdict::DivideReceiver),
+            (false, true) => Some(Verdict::DivideSource),
+            (true, true) if self.node(receiver).radius >= self.node(source).radius => Some(Verdict::DivideReceiver),
+            (true, true) => Some(Verdict::DivideSource),
+        }
+    }
+
+    fn polygons(&self, receiver: u32, source: u32) -> Verdict {
+        let (r, s) = (self.node(receiver), self.node(source));
+        if r.patch == s.patch && self.elements.shape(r.patch).is_none() {
+            return Verdict::Drop;
+        }
+        let (from, to) = (self.elements.triangle(r), self.elements.triangle(s));
+        let way = s.centre - r.centre;
+        let distance = way.length();
+        let margin = FLAT * (distance + r.radius + s.radius);
+        let height = |corners: &[DVec3; 3], over: &Node| {
+            corners.iter().map(|p| (p - over.centre).dot(over.normal)).fold(f64::NEG_INFINITY, f64::max)
+        };
+        if height(&to, r) <= margin || height(&from, s) <= margin {
+            return Verdict::Drop;
+        }
+
+        let (factor, error) = if distance > FAR * (r.radius + s.radius) {
+            let d = way / distance;
+            let cosines = d.dot(r.normal).max(0.0) * (-d.dot(s.normal)).max(0.0);
+            let factor = cosines * s.area * FRAC_1_PI / (distance * distance);
+            (factor, factor / FAR)
+        } else {
+            let f = |p: DVec3| point_to_front(p, r.normal, &to, s.normal) * s.swell;
+            let [a, b, c, middle] = quarter_centres(&from).map(f);
+            let rough = 0.25 * (a + b + c + middle);
+            let spread = a.max(b).max(c).max(middle) - a.min(b).min(c).min(middle);
+            let bend = (middle - (a + b + c) / 3.0).abs();
+            let factor = if spread > 0.05 * rough { mean(&f, &from, 1e-4 * rough.max(1e-3), 4) } else { rough };
+            (factor, bend + SPREAD_SHARE * spread)
+        };
+        if factor <= 0.0 {
+            return Verdict::Drop;
+        }
+        let root = r.area.sqrt();
+        let strength = self.sent.b[source as usize].max_element();
+        let allowed = self.threshold / root;
+        if error * strength > allowed && self.elements.is_divisible(receiver) {
+            return Verdict::DivideReceiver;
+        }
+        if factor * f64::from(self.sent.spread[source as usize]) > allowed && !s.is_leaf() {
+            return Verdict::DivideSource;
+        }
+        let all = factor * strength;
+        let rays = if all > allowed { RAYS } else { FEW_RAYS };
+        let mut visible = self.visible(receiver, source, rays);
+        let mut unsure = 2.0 * visible * (1.0 - visible);
+        let mut error = error;
+        if all * unsure > allowed {
+            if let Some(verdict) = self.divide(receiver, source) {
+                return verdict;
+            }
+            visible = self.visible(receiver, source, MORE_RAYS);
+            (error, unsure) = (0.0, 0.0);
+        }
+        if visible == 0.0 && all < 0.25 * allowed {
+            return Verdict::Drop;
+        }
+        let error = error * visible + factor * (unsure + UNSEEN_SHARE);
+        let is_last = !self.elements.is_divisible(receiver) && !self.elements.is_divisible(source);
+        Verdict::Keep(Link {
+            receiver,
+            source,
+            factor: factor as f32,
+            visible: visible as f32,
+            error: if is_last { 0.0 } else { error as f32 },
+            kind: Kind::Element,
+        })
+    }
+
+    /// Where a node is on the side of a plane or cone that another one never sees.
+    fn is_hidden(&self, node: &Node, other: &Node, d: DVec3, distance: f64) -> bool {
+        if !node.is_cluster() {
+            let rounding = FLAT * (distance + other.radius);
+            let bulge = if self.elements.shape(node.patch).is_some() { node.radius } else { 0.0 };
+            return distance * d.dot(node.normal) + other.radius + bulge <= rounding;
+        }
+        let radii = node.radius + other.radius;
+        if distance <= radii || node.cone >= FRAC_PI_2 {
+            return false;
+        }
+        let angle = d.dot(node.normal).clamp(-1.0, 1.0).acos();
+        angle - node.cone - (radii / distance).asin() > FRAC_PI_2
+    }
+
+    fn clusters(&self, receiver: u32, source: u32) -> Verdict {
+        let (r, s) = (self.node(receiver), self.node(source));
+        let way = s.centre - r.centre;
+        let distance = way.length();
+        let d = way.normalize_or_zero();
+        if self.is_hidden(r, s, d, distance) || self.is_hidden(s, r, -d, distance) {
+            return Verdict::Drop;
+        }
+        let allowed = self.threshold / r.area.sqrt();
+        let gap = distance - r.radius - s.radius;
+        if gap < 0.3 * r.radius.max(s.radius) {
+            if f64::from(self.sent.most[source as usize]) > allowed
+                && let Some(verdict) = self.divide(receiver, source)
+            {
+                return verdict;
+            }
+            return self.dim(receiver, source);
+        }
+        let inverse2 = 1.0 / (distance * distance);
+        let kind = self.facing(r, s.radius, d, distance);
+        let cosine = if kind == Kind::Element { d.dot(r.normal).max(0.0) } else { 1.0 };
+        let factor = if s.is_cluster() {
+            cosine * inverse2
+        } else {
+            cosine * inverse2 * FRAC_1_PI * s.area * (-d.dot(s.normal)).max(0.0)
+        };
+        let mixed = if kind == Kind::Mixed { 0.15 } else { 0.0 };
+        // A source whose middle is just behind a plane is still seen in part.
+        let grazing = 0.25 * inverse2 * if s.is_cluster() { s.radius / distance } else { s.area * s.radius / distance };
+        let error = factor * (0.5 * (2.0 * r.radius + s.radius) / distance + mixed) + 0.2 * grazing;
+        self.settle(receiver, source, [factor, error], kind, -d)
+    }
+
+    fn facing(&self, r: &Node, radius: f64, d: DVec3, distance: f64) -> Kind {
+        if !r.is_cluster() {
+            return Kind::Element;
+        }
+        let angle = d.dot(r.normal).clamp(-1.0, 1.0).acos();
+        let reach = ((r.radius + radius) / distance).min(1.0).asin();
+        if angle + r.cone + reach < FRAC_PI_2 { Kind::Facing } else { Kind::Mixed }
+    }
+
+    /// The verdict where clusters or points take part. `d`: from the source to the receiver.
+    fn settle(&self, receiver: u32, source: u32, [factor, error]: [f64; 2], kind: Kind, d: DVec3) -> Verdict {
+        let allowed = self.threshold / self.node(receiver).area.sqrt();
+        let strength = self.strength(source, d);
+        let divide = || if source >= POINT { None } else { self.divide(receiver, source) };
+        let divide = || match divide() {
+            None if self.elements.is_divisible(receiver) => Some(Verdict::DivideReceiver),
+            verdict => verdict,
+        };
+        if error * strength > allowed
+            && let Some(verdict) = divide()
+        {
+            return verdict;
+        }
+        let all = factor * strength;
+        let mut visible = self.visible(receiver, source, if all > allowed { RAYS } else { FEW_RAYS });
+        let mut unsure = 2.0 * visible * (1.0 - visible);
+        if all * unsure > allowed {
+            if let Some(verdict) = divide() {
+                return verdict;
+            }
+            visible = self.visible(receiver, source, MORE_RAYS);
+            unsure = 0.0;
+        }
+        let is_last = divide().is_none();
+        let error = if is_last { 0.0 } else { error + factor * (unsure + UNSEEN_SHARE) };
+        Verdict::Keep(Link {
+            receiver,
+            source,
+            factor: factor as f32,
+            visible: visible as f32,
+            error: error as f32,
+            kind,
+        })
+    }
+
+    fn from_point(&self, receiver: u32, source: u32) -> Verdict {
+        let r = self.node(receiver);
+        let light = &self.lights[(source - POINT) as usize];
+        let way = light.position - r.centre;
+        let distance = way.length();
+        let d = way.normalize_or_zero();
+        if r.is_cluster() {
+            if distance < 2.0 * r.radius {
+                return Verdict::DivideReceiver;
+            }
+            let angle = d.dot(r.normal).clamp(-1.0, 1.0).acos();
+            if r.cone < FRAC_PI_2 && angle - r.cone - (r.radius / distance).asin() > FRAC_PI_2 {
+                return Verdict::Drop;
+            }
+            let kind = self.facing(r, 0.0, d, distance);
+            let factor = 1.0 / (distance * distance);
+            let error = factor * (r.radius / distance + if kind == Kind::Mixed { 0.15 } else { 0.0 });
+            return self.settle(receiver, source, [factor, error], kind, -d);
+        }
+        let from = self.elements.triangle(r);
+        if !from.iter().any(|p| (light.position - p).dot(r.normal) > FLAT * distance) {
+            return Verdict::Drop;
+        }
+        let f = |p: DVec3| point_factor(light.position - p, r.normal);
+        let [a, b, c, middle] = quarter_centres(&from).map(f);
+        let rough = 0.25 * (a + b + c + middle);
+        let spread = a.max(b).max(c).max(middle) - a.min(b).min(c).min(middle);
+        let bend = (middle - (a + b + c) / 3.0).abs();
+        let factor = if spread > 0.05 * rough { mean(&f, &from, 1e-4 * rough, 4) } else { rough };
+        self.settle(receiver, source, [factor, bend + SPREAD_SHARE * spread], Kind::Element, -d)
+    }
+
+    /// The share of the light between two nodes that nothing blocks, by `count` rays.
+    fn visible(&self, receiver: u32, source: u32, count: u32) -> f64 {
+        // A sequence of low discrepancy in four dimensions: powers of the root of x^5 = x + 1. (Roberts 2018.)
+        const STEPS: [f64; 4] =
+            [0.856_674_883_854_502_9, 0.733_891_856_627_126_2, 0.628_706_721_037_808_3, 0.538_597_257_472_236_5];
+        let key = hash(u64::from(receiver), u64::from(source));
+        let start: [f64; 4] = std::array::from_fn(|i| (hash(key, i as u64) >> 11) as f64 / (1_u64 << 53) as f64);
+        let (mut sum, mut total) = (0.0, 0.0);
+        for i in 0..count {
+            let u: [f64; 4] = std::array::from_fn(|k| (start[k] + f64::from(i) * STEPS[k]).fract());
+            let random = hash(key, 16 + u64::from(i));
+            let Some((p, n)) = self.place(receiver, [u[0], u[1]], random, self.centre(source)) else { continue };
+            let (weight, shadow) = if source >= POINT {
+                let light = self.lights[(source - POINT) as usize].position;
+                let origin = p.offset(n);
+                // Not quite there, as for other shadow rays.
+                let direction = (light.as_vec3a() - origin) * (1.0 - 16.0 * f32::EPSILON);
+                (point_factor(light - p.p.as_dvec3(), n.as_dvec3()), Ray { origin, direction, tnear: 0.0, tfar: 1.0 })
+            } else {
+                let Some((q, m)) = self.place(source, [u[2], u[3]], hash(random, 1), self.centre(receiver)) else {
+                    continue;
+                };
+                let way = q.p - p.p;
+                let distance2 = f64::from(way.length_squared());
+                let cosines = f64::from(way.dot(n).max(0.0)) * f64::from((-way.dot(m)).max(0.0));
+                let origin = p.offset(n);
+                let target = q.seen_from(way.length()).offset(m);
+                let weight = if cosines > 0.0 { cosines / (distance2 * distance2) } else { 0.0 };
+                (weight, Ray { origin, direction: target - origin, tnear: 0.0, tfar: 1.0 })
+            };
+            if weight > 0.0 && weight.is_finite() {
+                total += weight;
+                if self.scene.unoccluded(&shadow) {
+                    sum += weight;
+                }
+            }
+        }
+        // Where no ray could say, nothing is known to be in between, and little light to be lost.
+        if total > 0.0 { sum / total } else { 1.0 }
+    }
+
+    fn centre(&self, number: u32) -> DVec3 {
+        if number >= POINT { self.lights[(number - POINT) as usize].position } else { self.node(number).centre }
+    }
+
+    /// A point of a node, of a cluster on a patch that faces `towards` if there is one soon.
+    fn place(&self, number: u32, u: [f64; 2], random: u64, towards: DVec3) -> Option<(HitPoint, Vec3)> {
+        let mut node = self.node(number);
+        if node.is_cluster() {
+            let [start, end, _] = node.corners;
+            let mut found = None;
+            for i in 0..4 {
+                let step = (hash(random, i) >> 32) * u64::from(end - start) >> 32;
+                let patch = self.elements.order[start as usize + step as usize];
+                let member = self.node(self.elements.patches[patch as usize].node);
+                if (towards - member.centre).dot(member.normal) > 0.0 {
+                    found = Some(member);
+                    break;
+                }
+            }
+            node = found?;
+        }
+        let [s, t] = if u[0] + u[1] > 1.0 { [1.0 - u[0], 1.0 - u[1]] } else { u };
+        Some(self.elements.point(node, [s, t]))
+    }
+}
+
+/// Irradiance by a point of intensity 1.
+pub(super) fn point_factor(way: DVec3, n: DVec3) -> f64 {
+    let distance2 = way.length_squared();
+    let cosine = way.dot(n).max(0.0);
+    if cosine > 0.0 { cosine / (distance2 * distance2.sqrt()) } else { 0.0 }
+}
+
+impl Elements {
+    /// The parts of a node, which gets them now if it has none.
+    pub fn parts(&mut self, number: u32) -> std::ops::Range<u32> {
+        if self.nodes[number as usize].is_leaf() {
+            self.divide(number);
+        }
+        let node = &self.nodes[number as usize];
+        debug_assert_ne!(node.children, 0);
+        node.first..node.first + node.children
+    }
+
+    /// The node above, where that is an element.
+    pub fn element_above(&self, number: u32) -> Option<u32> {
+        let parent = self.nodes[number as usize].parent;
+        (parent != NONE && !self.nodes[parent as usize].is_cluster()).then_some(parent)
+    }
+}

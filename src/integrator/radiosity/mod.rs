@@ -1,0 +1,341 @@
+//! Radiosity: the light of a diffuse scene, solved for all of it at once and for every view.
+//!
+//! Surfaces are cut into elements, whose form factors say how much of one's light reaches another. That is a system of linear
+//! equations, and hierarchical: parts of a wall that are far from each other exchange light as wholes, so that its cost grows
+//! about as the number of elements. Pictures of the solution cost one ray a sample.
+//!
+//! # What it does and how
+//!
+//! - Elements are sides of triangles, divided where light changes ([`form_factor`], `elements`, `links`). Inscribed triangles
+//!   stand for spheres, disks and quadrics, with the areas of these.
+//! - Clusters above them exchange light as points do, by functions of direction, so that scenes of many triangles are no worse
+//!   than others.
+//! - Rays say what share of a pair's light is blocked.
+//! - The solution is irradiance at vertices, and continuous over flat surfaces and smooth ones. Emission is never interpolated.
+//! - With `radiosityFinalGather`, what the camera sees takes direct light from light samples and indirect light from a ray into
+//!   the solution: shadows and contacts are as sharp as a path tracer's.
+//!
+//! # When it is a poor choice
+//!
+//! Where surfaces are not diffuse: mirrors and glass are black to it, rough diffuse surfaces are Lambert's of the same mean albedo.
+//! Where shadows are fine against elements, unless the final gather draws them.
+//!
+//! ```json
+//! {"integrator": "radiosity", "radiosityError": 5, "radiosityIterations": null, "radiosityTolerance": 0.0001,
+//!  "radiositySolver": "gather", "radiosityAmbient": false, "radiosityFinalGather": false, "radiosityMemory": 1024}
+//! ```
+//!
+//! Sources: Goral et al. 1984, "Modeling the Interaction of Light Between Diffuse Surfaces"; Cohen et al. 1988, "A Progressive
+//! Refinement Approach to Fast Radiosity Image Generation"; Hanrahan, Salzman, Aupperle 1991, "A Rapid Hierarchical Radiosity
+//! Algorithm"; Smits, Arvo, Greenberg 1994, "A Clustering Algorithm for Radiosity in Complex Environments".
+
+mod elements;
+pub mod form_factor;
+mod light;
+mod links;
+mod picture;
+mod refine;
+mod shoot;
+mod solve;
+mod tessellate;
+mod vertices;
+
+pub(crate) use picture::RadiosityPicture;
+
+use std::sync::{Arc, PoisonError, RwLock};
+use std::time::{Duration, Instant};
+
+use crate::control::Parallel;
+use crate::desc::{RadiosityDesc, RadiositySolver, check_radiosity};
+use crate::error::Result;
+use crate::math::{DVec3, Vec3};
+use crate::scene::{FaceNumbers, Hit, Scene};
+use crate::spectrum::Rgb;
+use elements::{Elements, NONE};
+use refine::{Network, Shared};
+use solve::Course;
+
+/// What a solution came to.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RadiositySummary {
+    /// Elements that are not divided any further, both sides of surfaces counted.
+    pub elements: usize,
+    /// Links between elements or clusters.
+    pub links: usize,
+    /// Iterations of the last solution: bounces gathered, or bodies that shot.
+    pub iterations: u32,
+    /// What the last iteration changed, over what there is, both as sums of area times radiosity.
+    pub residual: f64,
+    /// Bound on what more iterations would change, in the same measure. It knows nothing of what the links are wrong by.
+    pub error_bound: f64,
+    /// Light emitted and light absorbed by surfaces [W], per channel.
+    pub emitted: Rgb,
+    /// See `emitted`.
+    pub absorbed: Rgb,
+    /// Memory of elements and links while it was solved, bytes.
+    pub memory: usize,
+    /// Time it took.
+    pub elapsed: Duration,
+}
+
+/// A solution: irradiance on every diffuse surface.
+#[derive(Debug)]
+pub struct Radiosity {
+    elements: Elements,
+    numbers: FaceNumbers,
+    scene: Scene,
+    /// Irradiance at the vertices of elements.
+    irradiance: Vec<Rgb>,
+    summary: RadiositySummary,
+    notes: Vec<String>,
+}
+
+/// The elements of a surface, as triangles.
+#[derive(Clone, Debug, Default)]
+pub struct RadiosityMesh {
+    /// Positions, world frame.
+    pub positions: Vec<DVec3>,
+    /// Radiosity at each [W m^-2]: what is emitted and what is reflected.
+    pub radiosity: Vec<Rgb>,
+    /// Irradiance at each [W m^-2].
+    pub irradiance: Vec<Rgb>,
+    /// Three indices each, counter-clockwise seen from the side that they are of.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// By what the allowed error of a link is larger at first: brightness is not known yet.
+const COARSENESS: [f64; 4] = [64.0, 16.0, 4.0, 1.0];
+
+/// Once it is, links are looked at again so often.
+const REPEATS: usize = 2;
+
+/// Iterations between refinements.
+const SWEEPS: usize = 3;
+
+impl Radiosity {
+    /// Solves a scene. The result is the same for any number of threads.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::InvalidScene`] for settings that no file could have given; `OutOfMemory` where elements and links
+    /// take more than `memory` allows; `Cancelled`.
+    pub fn solve(scene: &Scene, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> Result<Self> {
+        let start = Instant::now();
+        check_radiosity("render", desc)?;
+        parallel.check()?;
+        let limit = (desc.memory as usize).saturating_mul(1 << 20);
+        let elements = Elements::new(scene, desc.element_size, limit)?;
+        let mut notes = Vec::new();
+        if elements.patches.is_empty() {
+            notes.push("radiosity: no surface is diffuse or emits, the solution is empty".to_owned());
+        }
+        let is_dark = scene.emitters().is_dark();
+        let shared: Shared = Arc::new(RwLock::new(Network::new(scene, elements)));
+        let (mut course, mut ambient) = (Course::default(), DVec3::ZERO);
+        if !is_dark && !read(&shared).judge.elements.patches.is_empty() {
+            link(&shared, desc, parallel)?;
+            (course, ambient) = match desc.solver {
+                // The last of a number of bounces is gathered at the vertices.
+                RadiositySolver::Gather => {
+                    let bounces = desc.iterations.map(|count| count.saturating_sub(1));
+                    let course = solve::gather(&shared, bounces, desc.tolerance, parallel)?;
+                    (Course { iterations: desc.iterations.unwrap_or(course.iterations), ..course }, DVec3::ZERO)
+                }
+                RadiositySolver::Shoot => shoot::shoot(&shared, desc.iterations, desc.tolerance, parallel)?,
+            };
+        } else {
+            let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
+            network.first = vec![0; network.judge.elements.nodes.len() + 1];
+        }
+        let mut found = solve::irradiances(&shared, parallel)?;
+        let mut irradiance = vertices::vertices(&shared, parallel)?;
+        if desc.iterations == Some(0) {
+            found.iter_mut().for_each(|(_, e)| *e = DVec3::ZERO);
+            irradiance.fill(Rgb::ZERO);
+        }
+        if desc.ambient {
+            let ambient = ambient.as_vec3a();
+            irradiance.iter_mut().for_each(|e| *e += ambient);
+        }
+        let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
+        let mut summary = RadiositySummary {
+            links: network.links.len(),
+            memory: network.bytes(),
+            iterations: course.iterations,
+            residual: course.residual,
+            error_bound: course.bound,
+            ..RadiositySummary::default()
+        };
+        let elements = std::mem::take(&mut network.judge.elements);
+        let mut absorbed = DVec3::ZERO;
+        for (leaf, irradiance) in found {
+            let node = &elements.nodes[leaf as usize];
+            let patch = &elements.patches[node.patch as usize];
+            absorbed += node.area * (1.0 - patch.albedo) * irradiance;
+            summary.elements += 1;
+        }
+        let emitted = scene.emitters().emitters().iter().map(crate::emitter::Emitter::power).sum::<DVec3>();
+        (summary.emitted, summary.absorbed) = (emitted.as_vec3a(), absorbed.as_vec3a());
+        summary.elapsed = start.elapsed();
+        notes.push(format!(
+            "radiosity: {} elements, {} links, {} iterations, residual {:.1e}, {:.1} MiB, {:.1} s",
+            summary.elements,
+            summary.links,
+            summary.iterations,
+            summary.residual,
+            summary.memory as f64 / f64::from(1 << 20),
+            summary.elapsed.as_secs_f64(),
+        ));
+        let numbers = scene.face_numbers();
+        Ok(Self { elements, numbers, scene: scene.clone(), irradiance, summary, notes })
+    }
+
+    /// Irradiance [W m^-2] where a ray of the same scene met a surface, on the outer side (`front`) or the other one. `p`: the
+    /// point, scene frame. 0 on surfaces that reflect nothing diffusely and do not emit.
+    #[inline]
+    pub fn irradiance(&self, hit: &Hit, p: Vec3, front: bool) -> Rgb {
+        let (face, weights) = self.numbers.of(hit);
+        self.at(face, weights, p.as_dvec3(), front).unwrap_or(Rgb::ZERO)
+    }
+
+    /// The same for a place of a described surface: of a triangle, quad or mesh the `primitive` and the weights of its second
+    /// and third vertex as in [`crate::scene::HitDescription`]; of other shapes the point `p`, world frame.
+    ///
+    /// `None` where the surface has no such primitive, or nothing on it reflects diffusely or emits.
+    pub fn irradiance_on(
+        &self,
+        surface: u32,
+        primitive: u32,
+        barycentric: [f32; 2],
+        p: DVec3,
+        front: bool,
+    ) -> Option<Rgb> {
+        let (face, is_swapped) = self.scene.face_of(surface, primitive)?;
+        let [s, t] = barycentric;
+        let weights = if is_swapped { [t, s] } else { [s, t] };
+        self.at(face, weights, p - self.scene.centre(), front)
+    }
+
+    #[inline]
+    fn at(&self, face: u32, weights: [f32; 2], p: DVec3, front: bool) -> Option<Rgb> {
+        let (leaf, [s, t]) = self.elements.leaf_at(face, front, weights, p)?;
+        let [a, b, c] = self.elements.nodes[leaf as usize].corners.map(|vertex| self.irradiance[vertex as usize]);
+        let (s, t) = (s as f32, t as f32);
+        Some((1.0 - s - t) * a + s * b + t * c)
+    }
+
+    /// What the solution came to.
+    pub fn summary(&self) -> &RadiositySummary {
+        &self.summary
+    }
+
+    /// What a user should know.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// The elements of one side of a surface, or of all surfaces, as a mesh.
+    pub fn mesh(&self, surface: Option<u32>, front: bool) -> RadiosityMesh {
+        let elements = &self.elements;
+        let mut mesh = RadiosityMesh::default();
+        let mut known = std::collections::HashMap::new();
+        for node in elements.nodes.iter().filter(|node| node.patch != NONE && node.is_leaf()) {
+            let patch = &elements.patches[node.patch as usize];
+            if patch.is_front != front || surface.is_some_and(|surface| surface != patch.surface) {
+                continue;
+            }
+            let mut corners = node.corners.map(|vertex| {
+                *known.entry(vertex).or_insert_with(|| {
+                    let irradiance = self.irradiance[vertex as usize];
+                    mesh.positions.push(elements.vertices[vertex as usize] + self.scene.centre());
+                    mesh.irradiance.push(irradiance);
+                    mesh.radiosity.push(patch.emitted.as_vec3a() + patch.albedo.as_vec3a() * irradiance);
+                    mesh.positions.len() as u32 - 1
+                })
+            });
+            let flat = form_factor::normal(&elements.triangle(node)).unwrap_or(node.normal);
+            if flat.dot(node.normal) < 0.0 {
+                corners.swap(1, 2);
+            }
+            mesh.triangles.push(corners);
+        }
+        mesh
+    }
+}
+
+fn read(shared: &Shared) -> std::sync::RwLockReadGuard<'_, Network> {
+    shared.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Links everything, coarsely at first, then as brightness becomes known.
+fn link(shared: &Shared, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> Result<()> {
+    let allowed = 1e-3 * desc.error;
+    let mut norm = first_norm(&read(shared));
+    let mut pairs = refine::first_pairs(&read(shared));
+    let last = COARSENESS.len() - 1;
+    for step in 0..COARSENESS.len() + REPEATS {
+        let coarseness = COARSENESS[step.min(last)];
+        shared.write().unwrap_or_else(PoisonError::into_inner).judge.threshold = coarseness * allowed * norm;
+        if step > 0 {
+            pairs = refine::stale(shared, parallel)?;
+        }
+        let count = pairs.len();
+        refine::refine(shared, pairs, parallel)?;
+        pairs = Vec::new();
+        if step > last && count == 0 {
+            break;
+        }
+        for _ in 0..SWEEPS {
+            solve::bounce(shared, parallel)?;
+        }
+        let found = solve::irradiances(shared, parallel)?;
+        let nodes = &read(shared).judge.elements.nodes;
+        let square = |(leaf, e): &(u32, DVec3)| nodes[*leaf as usize].area * e.max_element().powi(2);
+        let total = found.iter().map(square).sum::<f64>().sqrt();
+        if total > 0.0 {
+            norm = total;
+        }
+    }
+    Ok(())
+}
+
+/// Patches and emitters that are looked at for a first idea of how bright it is.
+const LOOKS: usize = 512;
+const LIGHTS: usize = 64;
+
+/// The root of the integral of the square of direct irradiance, nothing being in between: roughly, from some patches.
+fn first_norm(network: &Network) -> f64 {
+    let judge = &network.judge;
+    let elements = &judge.elements;
+    let shining: Vec<u32> =
+        elements.patches.iter().filter(|patch| patch.emitted != DVec3::ZERO).map(|patch| patch.node).collect();
+    let step = shining.len().div_ceil(LIGHTS).max(1);
+    let looks = elements.patches.len().div_ceil(LOOKS).max(1);
+    let mut sum = 0.0;
+    let (mut power, mut area) = (0.0, 0.0);
+    for patch in elements.patches.iter().step_by(looks) {
+        let node = &elements.nodes[patch.node as usize];
+        let mut e = 0.0;
+        for &source in shining.iter().step_by(step) {
+            let source = &elements.nodes[source as usize];
+            let way = source.centre - node.centre;
+            let distance2 = way.length_squared().max(0.25 * source.area);
+            let cosine = (-way.dot(source.normal)).max(0.0) / distance2.sqrt();
+            e += step as f64 * judge.sent.b[elements.patches[source.patch as usize].node as usize].max_element()
+                * links::point_factor(way, node.normal).min(1.0 / distance2)
+                * cosine.min(1.0)
+                * source.area
+                * std::f64::consts::FRAC_1_PI;
+        }
+        for light in &judge.lights {
+            let way = light.position - node.centre;
+            e += light.intensity.max_element() * links::point_factor(way, node.normal).min(4.0 / node.area);
+        }
+        sum += looks as f64 * node.area * e * e;
+        area += looks as f64 * node.area;
+    }
+    for &source in &shining {
+        power += elements.nodes[source as usize].area * judge.sent.b[source as usize].max_element();
+    }
+    // Where no patch that was looked at is lit: as if all were, evenly.
+    if sum > 0.0 { sum.sqrt() } else { (power / area.max(f64::MIN_POSITIVE).sqrt()).max(f64::MIN_POSITIVE) }
+}

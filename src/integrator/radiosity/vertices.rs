@@ -1,0 +1,165 @@
+//! The solution between elements: irradiance at their vertices.
+//!
+//! Each leaf gathers once more at its three corners, over the links that it has: form factors are those at the corner,
+//! visibility that of the link. A vertex has the mean of what the leaves around it find. One that hangs on the side of a larger
+//! leaf has the mean of the side's ends, so that the interpolation has no cracks.
+
+use std::f64::consts::FRAC_1_PI;
+use std::sync::{Arc, PoisonError};
+
+use super::elements::{Elements, NONE, Node};
+use super::form_factor::point_to_front;
+use super::light::Moments;
+use super::links::{Kind, Link, POINT, point_factor};
+use super::refine::{Network, Shared};
+use super::solve::received;
+use crate::control::Parallel;
+use crate::error::Result;
+use crate::math::DVec3;
+use crate::spectrum::Rgb;
+
+/// Patches of one thread at a time.
+const BLOCK: usize = 16;
+
+/// So far from a corner towards the middle of its element light is gathered for it: on an edge that two walls share, Lambert's
+/// formula is any of its limits.
+const INWARDS: f64 = 1e-3;
+
+/// Farther from a point than this, in its radii, an element sends what a point would.
+const FAR: f64 = 12.0;
+
+/// Irradiance at every vertex.
+pub(super) fn vertices(shared: &Shared, parallel: &mut impl Parallel) -> Result<Vec<Rgb>> {
+    let received = Arc::new(received(shared, parallel)?);
+    let count = shared.read().unwrap_or_else(PoisonError::into_inner).judge.elements.patches.len();
+    let network = Arc::clone(shared);
+    let found = parallel.map(count.div_ceil(BLOCK), move |block| {
+        let network = network.read().unwrap_or_else(PoisonError::into_inner);
+        let mut corners = Vec::new();
+        for patch in block * BLOCK..((block + 1) * BLOCK).min(count) {
+            patch_corners(&network, patch as u32, &received, &mut corners);
+        }
+        corners
+    })?;
+    let network = shared.read().unwrap_or_else(PoisonError::into_inner);
+    let elements = &network.judge.elements;
+    let mut sums = vec![(DVec3::ZERO, 0.0); elements.vertices.len()];
+    for Corner { vertex, weight, irradiance } in found.into_iter().flatten() {
+        let (sum, total) = &mut sums[vertex as usize];
+        *sum += weight * irradiance;
+        *total += weight;
+    }
+    let mut irradiance: Vec<DVec3> =
+        sums.into_iter().map(|(sum, total)| if total > 0.0 { sum / total } else { DVec3::ZERO }).collect();
+    let hanging = hanging(elements);
+    // Ends come before their middle.
+    for vertex in 0..irradiance.len() {
+        if hanging[vertex] {
+            let [a, b] = elements.ends[vertex].map(|end| irradiance[end as usize]);
+            irradiance[vertex] = 0.5 * (a + b);
+        }
+    }
+    Ok(irradiance.into_iter().map(|e| e.as_vec3a()).collect())
+}
+
+/// Which vertices are in the middle of a side of some leaf.
+fn hanging(elements: &Elements) -> Vec<bool> {
+    let mut hanging = vec![false; elements.vertices.len()];
+    for node in elements.nodes.iter().filter(|node| node.is_leaf() && !node.is_cluster()) {
+        let [a, b, c] = node.corners;
+        let mut sides = vec![[a, b], [b, c], [c, a]];
+        while let Some([a, b]) = sides.pop() {
+            if let Some(middle) = elements.known_middle([a, b]) {
+                hanging[middle as usize] = true;
+                sides.extend([[a, middle], [middle, b]]);
+            }
+        }
+    }
+    hanging
+}
+
+/// What a leaf finds at one of its corners.
+struct Corner {
+    vertex: u32,
+    weight: f64,
+    irradiance: DVec3,
+}
+
+fn patch_corners(network: &Network, patch: u32, received: &[Moments], corners: &mut Vec<Corner>) {
+    let elements = &network.judge.elements;
+    let mut waiting = vec![elements.patches[patch as usize].node];
+    while let Some(number) = waiting.pop() {
+        let node = &elements.nodes[number as usize];
+        if node.is_leaf() {
+            leaf_corners(network, number, received, corners);
+        } else {
+            waiting.extend(node.range().map(|child| child as u32));
+        }
+    }
+}
+
+fn leaf_corners(network: &Network, leaf: u32, received: &[Moments], corners: &mut Vec<Corner>) {
+    let elements = &network.judge.elements;
+    let node = &elements.nodes[leaf as usize];
+    let places = elements.triangle(node).map(|p| p + INWARDS * (node.centre - p));
+    let mut sums = [DVec3::ZERO; 3];
+    let mut at = leaf;
+    loop {
+        for link in network.links_of(at).iter().filter(|link| link.visible > 0.0 && link.kind == Kind::Element) {
+            gather(network, link, node, &places, &mut sums);
+        }
+        match elements.element_above(at) {
+            Some(above) => at = above,
+            None => break,
+        }
+    }
+    let cluster = elements.nodes[at as usize].parent;
+    if cluster != NONE {
+        let moments = &received[elements.nodes[cluster as usize].corners[2] as usize];
+        let irradiance = moments.at(node.normal);
+        sums = sums.map(|sum| sum + irradiance);
+    }
+    // The smaller neighbour knows better.
+    let weight = 1.0 / node.radius;
+    for (vertex, irradiance) in node.corners.into_iter().zip(sums) {
+        corners.push(Corner { vertex, weight, irradiance });
+    }
+}
+
+/// One link's irradiance at three places of a leaf below its receiver.
+fn gather(network: &Network, link: &Link, leaf: &Node, places: &[DVec3; 3], sums: &mut [DVec3; 3]) {
+    let judge = &network.judge;
+    let visible = f64::from(link.visible);
+    if link.source >= POINT {
+        let light = &judge.lights[(link.source - POINT) as usize];
+        for (sum, p) in sums.iter_mut().zip(places) {
+            *sum += visible * point_factor(light.position - *p, leaf.normal) * light.intensity;
+        }
+        return;
+    }
+    let source = &judge.elements.nodes[link.source as usize];
+    if source.is_cluster() {
+        let intensity = judge.sent.intensity[source.corners[2] as usize];
+        for (sum, p) in sums.iter_mut().zip(places) {
+            let way = source.centre - *p;
+            *sum += visible * point_factor(way, leaf.normal) * intensity.at(-way.normalize_or_zero());
+        }
+        return;
+    }
+    let b = judge.sent.b[link.source as usize];
+    if b == DVec3::ZERO {
+        return;
+    }
+    let corners = judge.elements.triangle(source);
+    for (sum, p) in sums.iter_mut().zip(places) {
+        let way = source.centre - *p;
+        let distance2 = way.length_squared();
+        let factor = if distance2 > (FAR * source.radius).powi(2) {
+            let cosine = (-way.dot(source.normal)).max(0.0) / distance2.sqrt();
+            point_factor(way, leaf.normal) * cosine * source.area * FRAC_1_PI
+        } else {
+            point_to_front(*p, leaf.normal, &corners, source.normal) * source.swell
+        };
+        *sum += visible * factor * b;
+    }
+}

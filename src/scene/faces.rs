@@ -1,0 +1,159 @@
+//! The surfaces of a scene one by one: for algorithms that need all of them, and not those that rays meet.
+
+use super::geometry::{self, Geometry, NO_EMITTER, Owner};
+use super::{Hit, IN_LIST, Scene};
+use crate::emitter::Emitter;
+use crate::math::{DVec3, Vec3};
+use crate::shape::Analytic;
+use crate::spectrum::Rgb;
+
+/// A triangle or an analytic shape of a built scene, in the scene frame.
+#[derive(Clone, Debug)]
+pub(crate) struct Face {
+    pub body: Body,
+    pub surface: u32,
+    pub material: u32,
+    /// Radiance emitted on the outer side [W m^-2 sr^-1].
+    pub emission: Rgb,
+}
+
+/// What a face is.
+#[derive(Clone, Debug)]
+pub(crate) enum Body {
+    Triangle {
+        corners: [DVec3; 3],
+        /// Geometric unit normal on the outer side.
+        normal: Vec3,
+        /// Greatest of the bounds of [`crate::math::HitPoint`] at its corners.
+        error: f32,
+        /// Whether it is part of a surface whose normals are interpolated.
+        is_smooth: bool,
+    },
+    Shape(Analytic),
+}
+
+/// Numbers of faces: those of all geometries in turn, then those of the list.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FaceNumbers {
+    /// The first of each geometry, and of the list.
+    first: Vec<u32>,
+}
+
+impl FaceNumbers {
+    /// The number of the face that a ray met, and where on it: weights of the second and third corner.
+    #[inline]
+    pub fn of(&self, hit: &Hit) -> (u32, [f32; 2]) {
+        let last = self.first.len() - 1;
+        let group = if hit.geometry == IN_LIST { last } else { hit.geometry as usize };
+        (self.first[group] + hit.primitive, [hit.u, hit.v])
+    }
+}
+
+impl Scene {
+    /// How many faces there are.
+    pub(crate) fn face_count(&self) -> usize {
+        self.geometries.iter().map(count).sum::<usize>() + self.list.shapes().len()
+    }
+
+    /// How faces are numbered.
+    pub(crate) fn face_numbers(&self) -> FaceNumbers {
+        let mut next = 0;
+        let mut first = Vec::with_capacity(self.geometries.len() + 1);
+        for geometry in &*self.geometries {
+            first.push(next);
+            next += count(geometry) as u32;
+        }
+        first.push(next);
+        FaceNumbers { first }
+    }
+
+    /// Visits all faces in the order of their numbers, until `visit` fails.
+    pub(crate) fn each_face<E>(&self, mut visit: impl FnMut(Face) -> Result<(), E>) -> Result<(), E> {
+        for (geometry, owners) in self.geometries.iter().zip(&*self.dress.owners) {
+            for primitive in 0..count(geometry) as u32 {
+                let owner = owners.of(primitive);
+                let body = match geometry {
+                    Geometry::Analytic { shapes, .. } => Body::Shape(shapes.0[primitive as usize].clone()),
+                    Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
+                        let at = |u, v| geometry::on_triangle(triangles, owners, primitive, u, v);
+                        Body::triangle(triangles.corners(primitive), triangles.normals.is_some(), at)
+                    }
+                    Geometry::Instance { triangles, placement, .. } => {
+                        let place = |corner| placement.transform().transform_point3(corner);
+                        let at = |u, v| geometry::on_instance(triangles, owners, placement, primitive, u, v);
+                        Body::triangle(triangles.corners(primitive).map(place), triangles.normals.is_some(), at)
+                    }
+                };
+                visit(self.face(body, owner))?;
+            }
+        }
+        for (shape, owner) in self.list.shapes().iter().zip(&*self.dress.list_owners) {
+            visit(self.face(Body::Shape(shape.clone()), *owner))?;
+        }
+        Ok(())
+    }
+
+    fn face(&self, body: Body, owner: Owner) -> Face {
+        let emission = match self.emitters().emitters().get(owner.emitter as usize) {
+            Some(Emitter::Triangle(emitter)) if owner.emitter != NO_EMITTER => emitter.radiance,
+            Some(Emitter::Sphere(emitter)) if owner.emitter != NO_EMITTER => emitter.radiance,
+            _ => Rgb::ZERO,
+        };
+        Face { body, surface: owner.surface, material: owner.material, emission }
+    }
+
+    /// The face of a surface that has the number `primitive` in [`super::HitDescription`].
+    ///
+    /// `None` where there is no such surface or primitive, or it was left out for having no area. The flag says whether the
+    /// second and third corner are swapped against the description.
+    pub(crate) fn face_of(&self, surface: u32, primitive: u32) -> Option<(u32, bool)> {
+        let mut first = 0;
+        for geometry in &*self.geometries {
+            match geometry {
+                Geometry::Loose { parts, .. } => {
+                    // In the order of their surfaces.
+                    let key = (surface, primitive);
+                    if let Ok(i) = parts.binary_search_by_key(&key, |part| (part.surface, part.half)) {
+                        return Some((first + i as u32, self.record.is_mirrored(surface)));
+                    }
+                }
+                Geometry::Flat { triangles, surface: own } | Geometry::Instance { triangles, surface: own, .. }
+                    if *own == surface =>
+                {
+                    let i = match &triangles.original {
+                        Some(original) => original.binary_search(&primitive).ok()? as u32,
+                        None if (primitive as usize) < triangles.mesh.indices().len() => primitive,
+                        None => return None,
+                    };
+                    return Some((first + i, triangles.swapped));
+                }
+                Geometry::Analytic { surfaces, .. } => {
+                    if let Some(i) = surfaces.iter().position(|own| *own == surface) {
+                        return Some((first + i as u32, false));
+                    }
+                }
+                Geometry::Flat { .. } | Geometry::Instance { .. } => {}
+            }
+            first += count(geometry) as u32;
+        }
+        let listed = self.dress.list_owners.iter().position(|owner| owner.surface == surface)?;
+        Some((first + listed as u32, false))
+    }
+}
+
+impl Body {
+    fn triangle(corners: [DVec3; 3], is_smooth: bool, at: impl Fn(f32, f32) -> geometry::SurfaceInteraction) -> Self {
+        let points = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(u, v)| at(u, v));
+        let error = points.iter().map(|at| at.point.error).fold(0.0, f32::max);
+        Self::Triangle { corners, normal: points[0].ng, error, is_smooth }
+    }
+}
+
+fn count(geometry: &Geometry) -> usize {
+    match geometry {
+        Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. } => {
+            triangles.mesh.indices().len()
+        }
+        Geometry::Analytic { shapes, .. } => shapes.0.len(),
+    }
+}

@@ -1,0 +1,230 @@
+//! Surfaces as triangles, for whoever wants to go over all of a scene's surfaces instead of asking rays.
+
+use super::geometry::{self, Geometry, Triangles};
+use super::{Hit, IN_LIST, Scene, SurfaceInteraction};
+use crate::Cancel;
+use crate::Result;
+use crate::math::{DVec3, Vec3};
+use crate::shape::Analytic;
+
+/// A triangle of a surface: one that rays meet, or a part of an analytic shape that is nearly flat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facet {
+    geometry: u32,
+    primitive: u32,
+    /// Corners of a part of an analytic shape, scene frame; not looked at for triangles.
+    corners: [[f32; 3]; 3],
+}
+
+/// A surface as triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceMesh {
+    /// Index in [`crate::desc::SceneDesc::surfaces`].
+    pub surface: u32,
+    /// Whether it is a mesh, and not a triangle, a quad or an analytic shape.
+    pub is_mesh: bool,
+    /// Vertices, world frame. Of a mesh all of them, in the order in which they were given; of a triangle or a quad its
+    /// corners; of an analytic shape points of it.
+    pub positions: Vec<DVec3>,
+    /// Shading unit normal of each vertex on the outer side, where the surface is smooth: zero where a mesh has none.
+    pub normals: Option<Vec<Vec3>>,
+    /// Texture coordinates of each vertex, where a mesh has them.
+    pub uvs: Option<Vec<[f32; 2]>>,
+    /// Three vertex numbers for each triangle, counter-clockwise seen from outside. Those without an area are left out.
+    pub triangles: Vec<[u32; 3]>,
+    /// The number of each triangle in its mesh as it was given; 0 or 1 for the half of a quad; running for analytic shapes.
+    pub primitives: Vec<u32>,
+    /// The facet of each triangle, its corners in the same order.
+    pub facets: Vec<Facet>,
+}
+
+/// Items between two looks at whether to go on.
+const LOOK: usize = 1 << 14;
+
+impl Scene {
+    /// Every surface that rays can meet, in the order of the description.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::Cancelled`].
+    pub fn surface_meshes(&self, cancel: &Cancel) -> Result<Vec<SurfaceMesh>> {
+        let mut meshes = Vec::new();
+        for (number, geometry) in self.geometries.iter().enumerate() {
+            cancel.check()?;
+            let geometry_number = number as u32;
+            match geometry {
+                Geometry::Loose { triangles, parts } => {
+                    // Halves of a quad follow each other.
+                    let mut begin = 0;
+                    for group in parts.chunk_by(|a, b| a.surface == b.surface) {
+                        let range = begin..begin + group.len();
+                        begin = range.end;
+                        let mut mesh = SurfaceMesh { surface: group[0].surface, ..SurfaceMesh::default() };
+                        let mirrored = self.record.is_mirrored(mesh.surface);
+                        for primitive in range {
+                            let facet = Facet::triangle(geometry_number, primitive as u32);
+                            let corners = triangles.corners(primitive as u32).map(|corner| corner + self.centre);
+                            mesh.add_loose(facet, corners, parts[primitive].half, mirrored);
+                        }
+                        meshes.push(mesh);
+                    }
+                }
+                &Geometry::Flat { ref triangles, surface } => {
+                    meshes.push(self.mesh(geometry_number, surface, triangles, |p| p, |n| n, cancel)?);
+                }
+                Geometry::Instance { triangles, surface, placement } => {
+                    let to_scene = *placement.transform();
+                    let normals = to_scene.matrix3.inverse().transpose();
+                    let place = |p: DVec3| to_scene.transform_point3(p);
+                    let turn = |n: Vec3| (normals * n.as_dvec3()).as_vec3a();
+                    meshes.push(self.mesh(geometry_number, *surface, triangles, place, turn, cancel)?);
+                }
+                Geometry::Analytic { shapes, surfaces } => {
+                    for (primitive, (shape, surface)) in shapes.0.iter().zip(surfaces).enumerate() {
+                        cancel.check()?;
+                        meshes.push(self.curved(geometry_number, primitive as u32, *surface, shape));
+                    }
+                }
+            }
+        }
+        for (primitive, shape) in self.list.shapes().iter().enumerate() {
+            let surface = self.dress.list_owners[primitive].surface;
+            meshes.push(self.curved(IN_LIST, primitive as u32, surface, shape));
+        }
+        meshes.sort_by_key(|mesh| mesh.surface);
+        Ok(meshes)
+    }
+
+    /// The memory that [`Scene::surface_meshes`] takes, at most.
+    pub fn surface_mesh_bytes(&self) -> usize {
+        let triangle = size_of::<[u32; 3]>() + size_of::<u32>() + size_of::<Facet>();
+        let vertex = size_of::<DVec3>() + size_of::<Vec3>() + size_of::<[f32; 2]>();
+        let of = |triangles: &Triangles| {
+            triangles.mesh.indices().len() * triangle + triangles.mesh.vertices().len() * vertex
+        };
+        let geometry = |geometry: &Geometry| match geometry {
+            Geometry::Loose { triangles, parts } => of(triangles) + parts.len() * size_of::<SurfaceMesh>(),
+            Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. } => of(triangles),
+            Geometry::Analytic { shapes, .. } => shapes.0.len() * Analytic::MOST_TRIANGLES * (triangle + vertex),
+        };
+        let listed = self.list.shapes().len() * Analytic::MOST_TRIANGLES * (triangle + vertex);
+        self.geometries.iter().map(geometry).sum::<usize>() + listed
+    }
+
+    fn mesh(
+        &self,
+        geometry: u32,
+        surface: u32,
+        triangles: &Triangles,
+        place: impl Fn(DVec3) -> DVec3,
+        turn: impl Fn(Vec3) -> Vec3,
+        cancel: &Cancel,
+    ) -> Result<SurfaceMesh> {
+        let (vertices, indices) = (triangles.mesh.vertices(), triangles.mesh.indices());
+        let mut mesh = SurfaceMesh { surface, is_mesh: true, ..SurfaceMesh::default() };
+        mesh.positions.reserve_exact(vertices.len());
+        for vertex in 0..vertices.len() {
+            if vertex % LOOK == 0 {
+                cancel.check()?;
+            }
+            let p = DVec3::from(vertices.get(vertex).map(f64::from));
+            mesh.positions.push(place(p) + self.centre);
+        }
+        let normal = |n: [f32; 3]| turn(Vec3::from(n)).normalize_or_zero();
+        mesh.normals = triangles.normals.as_ref().map(|normals| normals.iter().map(normal).collect());
+        mesh.uvs = self
+            .record
+            .uv_mesh(surface)
+            .map(|described| (0..vertices.len()).map(|vertex| described.uv(vertex).unwrap_or_default()).collect());
+        for primitive in 0..indices.len() {
+            if primitive % LOOK == 0 {
+                cancel.check()?;
+            }
+            mesh.triangles.push(indices.get(primitive));
+            let original = triangles.original.as_ref().map_or(primitive as u32, |original| original[primitive]);
+            mesh.primitives.push(original);
+            mesh.facets.push(Facet::triangle(geometry, primitive as u32));
+        }
+        Ok(mesh)
+    }
+
+    fn curved(&self, geometry: u32, primitive: u32, surface: u32, shape: &Analytic) -> SurfaceMesh {
+        let (points, triangles) = shape.tessellate();
+        let single: Vec<[f32; 3]> = points.iter().map(|p| p.as_vec3a().to_array()).collect();
+        SurfaceMesh {
+            surface,
+            normals: Some(points.iter().map(|&p| shape.project(p).1.as_vec3a()).collect()),
+            positions: points.into_iter().map(|p| p + self.centre).collect(),
+            is_mesh: false,
+            uvs: None,
+            primitives: (0..triangles.len() as u32).collect(),
+            facets: triangles
+                .iter()
+                .map(|t| Facet { geometry, primitive, corners: t.map(|corner| single[corner as usize]) })
+                .collect(),
+            triangles,
+        }
+    }
+
+    /// A point of a facet of this scene by the weights of its second and third corner, which are >= 0 and sum up to 1 at most: as a
+    /// ray would have met it.
+    #[inline]
+    pub fn facet_point(&self, facet: &Facet, b1: f32, b2: f32) -> SurfaceInteraction {
+        let primitive = facet.primitive;
+        if facet.geometry == IN_LIST {
+            let (shape, owner) = (&self.list.shapes()[primitive as usize], self.dress.list_owners[primitive as usize]);
+            return geometry::on_analytic(shape, owner, facet.near(shape, b1, b2));
+        }
+        let owners = &self.dress.owners[facet.geometry as usize];
+        match &self.geometries[facet.geometry as usize] {
+            Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
+                geometry::on_triangle(triangles, owners, primitive, b1, b2)
+            }
+            Geometry::Instance { triangles, placement, .. } => {
+                geometry::on_instance(triangles, owners, placement, primitive, b1, b2)
+            }
+            Geometry::Analytic { shapes, .. } => {
+                let shape = &shapes.0[primitive as usize];
+                geometry::on_analytic(shape, owners.of(primitive), facet.near(shape, b1, b2))
+            }
+        }
+    }
+}
+
+impl Facet {
+    fn triangle(geometry: u32, primitive: u32) -> Self {
+        Self { geometry, primitive, corners: [[0.0; 3]; 3] }
+    }
+
+    /// What a ray meets that comes to this point.
+    pub(crate) fn hit(&self, b1: f32, b2: f32) -> Hit {
+        Hit { t: 0.0, u: b1, v: b2, primitive: self.primitive, geometry: self.geometry }
+    }
+
+    /// The point of an analytic shape over that of the flat facet.
+    fn near(&self, shape: &Analytic, b1: f32, b2: f32) -> DVec3 {
+        let [a, b, c] = self.corners.map(|corner| Vec3::from(corner).as_dvec3());
+        let flat = a + f64::from(b1) * (b - a) + f64::from(b2) * (c - a);
+        // A step towards a quadric leaves the square of the distance; two of them and the one that follows leave nothing.
+        shape.project(shape.project(flat).0).0
+    }
+}
+
+impl SurfaceMesh {
+    /// Adds a triangle that a surface has by itself; corners that are there already are used again.
+    ///
+    /// `mirrored`: its winding was turned round, while vertices keep the order in which they were given.
+    fn add_loose(&mut self, facet: Facet, corners: [DVec3; 3], half: u32, mirrored: bool) {
+        let given = if mirrored { [0, 2, 1] } else { [0, 1, 2] };
+        let mut numbers = [0; 3];
+        for i in given {
+            let known = self.positions.iter().position(|p| *p == corners[i]);
+            numbers[i] = known.unwrap_or(self.positions.len()) as u32;
+            if known.is_none() {
+                self.positions.push(corners[i]);
+            }
+        }
+        self.triangles.push(numbers);
+        self.primitives.push(half);
+        self.facets.push(facet);
+    }
+}

@@ -1,0 +1,166 @@
+//! Radiosity: the same rooms and factors as light transport, by the solver.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use crate::common::scenes::{box_inside, camera, point_light, scene};
+use crate::record::{Case, Entry, Within};
+use crate::transport::{MESH, ball_mesh, grey, mesh, parallelogram, turned};
+use etendue::Alone;
+use etendue::desc::{BsdfDesc, MeshDesc, RadiosityDesc, SceneDesc};
+use etendue::integrator::radiosity::Radiosity;
+use etendue::integrator::radiosity::form_factor::polygon_to_polygon;
+use etendue::math::{DVec3, Ray, Vec3};
+use etendue::scene::{BuildOptions, Scene};
+
+pub fn cases() -> Vec<Entry> {
+    vec![
+        Entry { id: "Q55", title: "emitting rooms", run: furnaces },
+        Entry { id: "Q56", title: "integrating sphere", run: sphere },
+        Entry { id: "Q57", title: "form factors in closed form", run: factors },
+        Entry { id: "Q58", title: "two plates", run: plates },
+        Entry { id: "Q60", title: "Cornell box", run: cornell },
+        Entry { id: "Q46", title: "dark side of emitters", run: sides },
+    ]
+}
+
+fn build(desc: &SceneDesc) -> Scene {
+    Scene::build(desc, &BuildOptions::default()).expect("a scene of the test")
+}
+
+fn solve(scene: &Scene, desc: &RadiosityDesc) -> Radiosity {
+    Radiosity::solve(scene, desc, &mut Alone::default()).expect("it fits, and nobody cancels")
+}
+
+/// A room of one mesh.
+fn room(mesh: MeshDesc, albedo: f32, emission: Option<f32>) -> SceneDesc {
+    let view = camera(DVec3::ZERO, DVec3::X, 60.0);
+    let mut desc = scene(view, vec![(MESH, grey(albedo), emission.map(Vec3::splat))]);
+    desc.meshes.push(Arc::new(mesh));
+    desc
+}
+
+fn furnaces(case: &mut Case) {
+    let corners = [[-1.0, -1.0, -1.0], [2.0, 1.0, -1.0], [1.0, -1.5, 1.0], [-1.0, 1.0, 1.5]].map(DVec3::from_array);
+    let tetrahedron = mesh(corners.to_vec(), vec![[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]);
+    let rooms = [
+        ("box", box_inside(DVec3::new(-1.0, -2.0, -1.0), DVec3::new(1.0, 1.0, 1.5))),
+        ("tetrahedron", turned(tetrahedron, 0.25 * corners.iter().sum::<DVec3>(), true)),
+        ("sphere of triangles", turned(ball_mesh(1.5, 12, 24), DVec3::ZERO, true)),
+    ];
+    for (name, mesh) in rooms {
+        for albedo in [0.5_f32, 0.9] {
+            let solution = solve(&build(&room(mesh.clone(), albedo, Some(1.0))), &RadiosityDesc::default());
+            let expected = 1.0 / (1.0 - f64::from(albedo));
+            let radiance = solution.mesh(None, true).radiosity.into_iter().map(|b| f64::from(b.x) / PI);
+            let farthest = radiance.fold(expected, |worst, b| {
+                if (b - expected).abs() > (worst - expected).abs() { b } else { worst }
+            });
+            case.exact(format!("{name}, albedo {albedo}, worst vertex"), farthest, expected, Within::Relative(1e-3));
+            let summary = solution.summary();
+            let balance = f64::from(summary.absorbed.x / summary.emitted.x);
+            case.exact(format!("{name}, albedo {albedo}, absorbed"), balance, 1.0, Within::Absolute(1e-3));
+        }
+    }
+}
+
+fn sphere(case: &mut Case) {
+    let (radius, albedo, intensity, light) = (2.0, 0.7, 5.0, DVec3::new(0.8, 0.0, 0.0));
+    let mut desc = room(turned(ball_mesh(radius, 36, 72), DVec3::ZERO, true), albedo as f32, None);
+    desc.lights.push(point_light(light, intensity as f32));
+    let scene = build(&desc);
+    let solution = solve(&scene, &RadiosityDesc { error: 1.0, element_size: Some(10.0), ..RadiosityDesc::default() });
+    for (p, expected) in [
+        (DVec3::X * radius, 1.423_552_546_54),
+        (DVec3::X * -radius, 0.791_985_312_053),
+        (DVec3::Y * radius, 0.872_814_060_219),
+    ] {
+        // Not quite at a vertex.
+        let ray = Ray::new(scene.to_scene(DVec3::ZERO), (p + DVec3::splat(1e-3)).normalize().as_vec3a());
+        let Some(hit) = scene.intersect(&ray) else { continue };
+        let at = scene.interaction(&ray, &hit);
+        let radiance = albedo / PI * f64::from(solution.irradiance(&hit, at.point.p, true).x);
+        case.exact(format!("5040 triangles, radiance at {p}"), radiance, expected, Within::Relative(0.01));
+    }
+}
+
+fn quad(corner: DVec3, u: DVec3, v: DVec3) -> [DVec3; 4] {
+    [corner, corner + u, corner + u + v, corner + v]
+}
+
+fn factors(case: &mut Case) {
+    let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+    let floor = |width: f64| quad(DVec3::ZERO, width * x, y);
+    let ceiling = |width: f64, height: f64| quad(height * z, y, width * x);
+    let wall = |height: f64| quad(DVec3::ZERO, y, height * z);
+    let groove = quad(-5000.0 * y, 1e4 * y, 0.5 * x + 0.75_f64.sqrt() * z);
+    for (what, from, to, expected) in [
+        ("parallel squares at 1", floor(1.0), ceiling(1.0, 1.0), 0.199_824_895_698_387_4),
+        ("parallel squares at 0.1", floor(1.0), ceiling(1.0, 0.1), 0.826_994_522_397),
+        ("parallel squares at 10", floor(1.0), ceiling(1.0, 10.0), 0.003_162_056_838_76),
+        ("parallel rectangles 2 x 1 at 0.5", floor(2.0), ceiling(2.0, 0.5), 0.508_988_669_041),
+        ("squares with a common edge", floor(1.0), wall(1.0), 0.200_043_776_075_403_2),
+        ("common edge, width 1, height 2", floor(1.0), wall(2.0), 0.232_852_602_795),
+        ("common edge, width 2, height 1", floor(2.0), wall(1.0), 0.116_426_301_398),
+        ("a piece of a long groove of 60 degrees", floor(1.0), groove, 0.5),
+    ] {
+        let area = |p: &[DVec3; 4]| (p[1] - p[0]).cross(p[3] - p[0]).length();
+        let (there, back) = (polygon_to_polygon(&from, &to, 1e-7), polygon_to_polygon(&to, &from, 1e-9));
+        case.exact(what, there, expected, Within::Absolute(1e-5));
+        case.exact(format!("{what}, reciprocity"), area(&to) * back / area(&from), there, Within::Absolute(1e-5));
+    }
+}
+
+fn plates(case: &mut Case) {
+    let half = 500.0;
+    let floor = parallelogram(DVec3::new(-half, 0.0, -half), DVec3::Z * 2.0 * half, DVec3::X * 2.0 * half);
+    let ceiling = parallelogram(DVec3::new(-half, 1.0, -half), DVec3::X * 2.0 * half, DVec3::Z * 2.0 * half);
+    let surfaces =
+        vec![(floor, grey(0.5), Some(Vec3::splat((1.0 / PI) as f32))), (ceiling, grey(0.8), None)];
+    let desc = scene(camera(DVec3::Y * 0.5, DVec3::ZERO, 60.0), surfaces);
+    let solution = solve(&build(&desc), &RadiosityDesc { tolerance: 1e-5, ..RadiosityDesc::default() });
+    let at = |surface| solution.irradiance_on(surface, 0, [0.3, 0.4], DVec3::ZERO, true).map_or(f64::NAN, |e| f64::from(e.x));
+    case.exact("radiosity of the one that emits", 1.0 + 0.5 * at(0), 5.0 / 3.0, Within::Absolute(3e-3));
+    case.exact("radiosity of the other", 0.8 * at(1), 4.0 / 3.0, Within::Absolute(3e-3));
+}
+
+/// Power: the open side lets some escape, so the box is closed for this by a black wall, which absorbs what meets it.
+fn cornell(case: &mut Case) {
+    let mut desc = etendue::desc::load("scenes/cornell.json".as_ref(), None).expect("the scene is there");
+    let (albedo, z) = (1e-4, DVec3::Z);
+    desc.materials.push(etendue::desc::MaterialDesc {
+        name: "front".into(),
+        path: "materials.front".into(),
+        bsdf: BsdfDesc::Lambert { albedo: Vec3::splat(albedo) },
+        survival: None,
+    });
+    let mut front = desc.surfaces[0].clone();
+    front.shape = parallelogram(DVec3::new(-10.0, -10.0, -1e-3), DVec3::Y * 580.0, DVec3::X * 580.0);
+    front.material = desc.materials.len() - 1;
+    desc.surfaces.push(front);
+    desc.camera = camera(DVec3::new(278.0, 273.0, 10.0), DVec3::new(278.0, 273.0, 10.0) + z, 60.0);
+    let solution = solve(&build(&desc), &RadiosityDesc { error: 1.0, ..RadiosityDesc::default() });
+    let summary = solution.summary();
+    let balance = f64::from(summary.absorbed.element_sum() / summary.emitted.element_sum());
+    case.exact("closed by a black wall: absorbed over emitted power", balance, 1.0, Within::Absolute(1e-3));
+}
+
+fn sides(case: &mut Case) {
+    let square = |y: f64, up: bool| {
+        let (corner, u, v) = (DVec3::new(-1.0, y, -1.0), DVec3::Z * 2.0, DVec3::X * 2.0);
+        if up { parallelogram(corner, u, v) } else { parallelogram(corner, v, u) }
+    };
+    let surfaces = vec![
+        (square(0.0, true), BsdfDesc::Black, Some(Vec3::ONE)),
+        (square(-1.0, true), grey(0.5), None),
+        (square(1.0, false), grey(0.5), None),
+    ];
+    let desc = scene(camera(DVec3::Y * 5.0, DVec3::ZERO, 60.0), surfaces);
+    let solution = solve(&build(&desc), &RadiosityDesc::default());
+    let at = |surface, front| {
+        solution.irradiance_on(surface, 0, [0.3, 0.3], DVec3::ZERO, front).map_or(f64::NAN, |e| f64::from(e.x))
+    };
+    case.exact("behind it", at(1, true), 0.0, Within::Absolute(0.0));
+    case.exact("behind it, the other side", at(1, false), 0.0, Within::Absolute(0.0));
+    case.holds("before it", "> 0.5", format!("{:.3}", at(2, true)), at(2, true) > 0.5);
+}

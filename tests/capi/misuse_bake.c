@@ -1,0 +1,226 @@
+/* Light maps: every option out of its range, targets that are too small, crooked or of the wrong size, and bakes that are
+ * stopped. What is refused writes nothing. */
+#define _POSIX_C_SOURCE 200809L
+#include "misuse.h"
+
+#include <math.h>
+
+static float texels[MISUSE_SIDE * MISUSE_SIDE * 4];
+static float errors[MISUSE_SIDE * MISUSE_SIDE * 4];
+
+static void forget(void) {
+    size_t i;
+    for (i = 0; i < sizeof texels / sizeof texels[0]; ++i) {
+        texels[i] = errors[i] = -7;
+    }
+}
+
+static int is_untouched(void) {
+    size_t i;
+    for (i = 0; i < sizeof texels / sizeof texels[0]; ++i) {
+        if (texels[i] != -7 || errors[i] != -7) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static etd_bake_target whole(void) {
+    etd_bake_target target = ETD_BAKE_TARGET_INIT;
+    target.irradiance = texels;
+    target.size = sizeof texels;
+    return target;
+}
+
+static void refuse_layout(etd_atlas_options options, etd_status expected, const char *what) {
+    etd_atlas *made = NULL;
+    check_status(etd_atlas_new(scene, &options, &made), expected, __FILE__, __LINE__, what);
+    CHECK(made == NULL);
+}
+
+static void pass_layouts(void) {
+    etd_atlas_options options = ETD_ATLAS_OPTIONS_INIT;
+    static const double bad[] = {-1, 1e300};
+    size_t i;
+#define REFUSE(field, value, status)                    \
+    do {                                                \
+        etd_atlas_options other = options;              \
+        other.field = value;                            \
+        refuse_layout(other, status, #field " " #value); \
+    } while (0)
+    REFUSE(resolution, 8193, ETD_INVALID_SCENE);
+    REFUSE(resolution, UINT32_MAX, ETD_INVALID_SCENE);
+    REFUSE(resolution, 3, ETD_INVALID_SCENE);
+    REFUSE(gutter, 65, ETD_INVALID_SCENE);
+    REFUSE(texels_per_unit, NAN, ETD_INVALID_SCENE);
+    REFUSE(texels_per_unit, INFINITY, ETD_INVALID_SCENE);
+    REFUSE(max_angle_deg, 90, ETD_INVALID_SCENE);
+    REFUSE(max_angle_deg, -1, ETD_INVALID_SCENE);
+    REFUSE(max_angle_deg, NAN, ETD_INVALID_SCENE);
+    REFUSE(layout, 3, ETD_INVALID_ARGUMENT);
+    REFUSE(layout, UINT32_MAX, ETD_INVALID_ARGUMENT);
+    REFUSE(reserved, 1, ETD_INVALID_ARGUMENT);
+    REFUSE(struct_size, 0, ETD_INVALID_ARGUMENT);
+    REFUSE(struct_size, 8, ETD_INVALID_ARGUMENT);
+    /* The mesh has no texture coordinates. */
+    REFUSE(layout, ETD_ATLAS_LAYOUT_OWN, ETD_INVALID_SCENE);
+    for (i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        REFUSE(texels_per_unit, bad[i], ETD_INVALID_SCENE);
+    }
+    options.resolution = 8192;
+    options.memory = 16;
+    refuse_layout(options, ETD_OUT_OF_MEMORY, "8192 texels in 16 MiB");
+    {
+        etd_scene *empty = NULL;
+        etd_atlas *made = NULL;
+        CHECK_OK(etd_scene_new(device, NULL, &empty));
+        CHECK_STATUS(etd_atlas_new(empty, NULL, &made), ETD_INVALID_SCENE);
+        CHECK(made == NULL);
+        etd_scene_release(empty);
+    }
+}
+
+static void refuse_target(etd_bake_target target, const char *what) {
+    etd_render_options options = short_render(1);
+    forget();
+    check_status(etd_atlas_bake(atlas, &options, &target, NULL), ETD_INVALID_ARGUMENT, __FILE__, __LINE__, what);
+    check_that(is_untouched(), __FILE__, __LINE__, what);
+}
+
+static void pass_targets(void) {
+    const size_t row = MISUSE_SIDE * 12;
+    etd_bake_target target = whole();
+    union {
+        float *right;
+        char *bytes;
+    } odd;
+#define SPOIL(field, value)                      \
+    do {                                         \
+        etd_bake_target other = target;          \
+        other.field = value;                     \
+        refuse_target(other, #field " " #value); \
+    } while (0)
+    SPOIL(size, 0);
+    SPOIL(size, MISUSE_SIDE * row - 1);
+    SPOIL(stride, 8);
+    SPOIL(stride, 13);
+    SPOIL(stride, 1024);
+    SPOIL(stride, SIZE_MAX / 2);
+    SPOIL(stride, SIZE_MAX - 3);
+    SPOIL(row_stride, row - 4);
+    SPOIL(row_stride, row + 2);
+    SPOIL(row_stride, SIZE_MAX - 3);
+    SPOIL(side, 2);
+    SPOIL(side, UINT32_MAX);
+    SPOIL(reserved, 1);
+    SPOIL(struct_size, 0);
+    SPOIL(struct_size, 16);
+    SPOIL(irradiance, NULL);
+    odd.right = texels;
+    odd.bytes += 2;
+    SPOIL(irradiance, odd.right);
+    SPOIL(standard_error, odd.right);
+}
+
+static void refuse_options(etd_render_options options, const char *what) {
+    etd_bake_target target = whole();
+    forget();
+    check_status(etd_atlas_bake(atlas, &options, &target, NULL), ETD_INVALID_ARGUMENT, __FILE__, __LINE__, what);
+    check_status(etd_scene_bake_vertices(scene, 0, &options, &target, NULL), ETD_INVALID_ARGUMENT, __FILE__, __LINE__,
+                 what);
+    check_that(is_untouched(), __FILE__, __LINE__, what);
+}
+
+static int32_t stop(void *user_data, const etd_progress *progress) {
+    ++*(int *)user_data;
+    return progress->samples_done >= 1;
+}
+
+static void pass_bakes(void) {
+    etd_render_options options = short_render(4);
+    etd_render_options wrong = options;
+    etd_bake_target target = whole();
+    etd_summary summary = ETD_SUMMARY_INIT;
+    etd_atlas_info info = ETD_ATLAS_INFO_INIT;
+    size_t needed = 7;
+    int calls = 0;
+    wrong.samples = 0;
+    refuse_options(wrong, "no samples and no limit");
+    wrong = options;
+    wrong.time_limit = NAN;
+    refuse_options(wrong, "time_limit NaN");
+    wrong = options;
+    wrong.shadow_rays = 1025;
+    refuse_options(wrong, "shadow_rays 1025");
+    wrong = options;
+    wrong.integrator = 100;
+    refuse_options(wrong, "integrator 100");
+    wrong = options;
+    wrong.struct_size = 3;
+    refuse_options(wrong, "struct_size 3");
+
+    /* Capacities that are too small, and how much is needed. */
+    CHECK_OK(etd_atlas_get_info(atlas, &info));
+    CHECK(info.width == MISUSE_SIDE && info.height == MISUSE_SIDE && info.covered_texels > 0);
+    CHECK_OK(etd_atlas_copy_coverage(atlas, NULL, 0, &needed));
+    CHECK(needed == MISUSE_SIDE * MISUSE_SIDE);
+    needed = 7;
+    forget();
+    CHECK_STATUS(etd_atlas_copy_coverage(atlas, texels, MISUSE_SIDE * MISUSE_SIDE - 1, &needed), ETD_INVALID_ARGUMENT);
+    CHECK(needed == 7 && is_untouched());
+
+    /* Strides, and a side. Between the texels nothing is written. */
+    target.standard_error = errors;
+    target.stride = 16;
+    forget();
+    CHECK_OK(etd_atlas_bake(atlas, &options, &target, &summary));
+    CHECK(summary.samples == 4 && summary.ended == ETD_ENDED_SAMPLES && summary.rays > 0);
+    {
+        size_t i;
+        int untouched = 1, sane = 1;
+        for (i = 0; i < MISUSE_SIDE * MISUSE_SIDE; ++i) {
+            untouched = untouched && texels[4 * i + 3] == -7 && errors[4 * i + 3] == -7;
+            sane = sane && texels[4 * i] >= 0 && texels[4 * i] < 1e6f;
+        }
+        CHECK(untouched && sane);
+    }
+    target.side = ETD_SIDE_BACK;
+    CHECK_OK(etd_atlas_bake(atlas, &options, &target, NULL));
+
+    /* Stopped: what was done is there. */
+    options.samples = 1u << 30;
+    options.progress = stop;
+    options.user_data = &calls;
+    forget();
+    CHECK_STATUS(etd_atlas_bake(atlas, &options, &target, &summary), ETD_CANCELLED);
+    CHECK(calls > 0 && summary.cancelled == 1 && texels[0] >= 0);
+    CHECK_STATUS(etd_scene_bake_vertices(scene, 0, &options, &target, NULL), ETD_CANCELLED);
+
+    options = short_render(2);
+    forget();
+    CHECK_STATUS(etd_scene_bake_vertices(scene, 1000000, &options, &target, NULL), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_bake_vertices(scene, ETD_NONE, &options, &target, NULL), ETD_INVALID_ARGUMENT);
+    target.size = 4;
+    CHECK_STATUS(etd_scene_bake_vertices(scene, 0, &options, &target, NULL), ETD_INVALID_ARGUMENT);
+    CHECK(is_untouched());
+
+    /* An atlas outlives its scene, and is of the scene as it was. */
+    {
+        etd_scene *own = new_scene(device);
+        etd_atlas *made = NULL;
+        etd_atlas_options layout = ETD_ATLAS_OPTIONS_INIT;
+        layout.resolution = MISUSE_SIDE;
+        CHECK_OK(etd_atlas_new(own, &layout, &made));
+        etd_scene_release(own);
+        target = whole();
+        CHECK_OK(etd_atlas_bake(made, &options, &target, NULL));
+        etd_atlas_release(made);
+        CHECK_STATUS(etd_atlas_bake(NULL, &options, &target, NULL), ETD_INVALID_ARGUMENT);
+    }
+}
+
+void misuse_bake(void) {
+    pass_layouts();
+    pass_targets();
+    pass_bakes();
+}

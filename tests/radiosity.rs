@@ -1,0 +1,511 @@
+//! Radiosity: form factors and solutions where they are known, what it does with what it cannot do, and that nothing depends
+//! on threads.
+
+mod common;
+
+use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use common::scenes::{add, box_inside, camera, point_light};
+use etendue::desc::{
+    BsdfDesc, IntegratorDesc, MeshDesc, RadiosityDesc, RadiositySolver, RenderDesc, SceneDesc, ShapeDesc,
+};
+use etendue::integrator::radiosity::Radiosity;
+use etendue::integrator::radiosity::form_factor::{point_to_polygon, polygon_to_polygon};
+use etendue::math::{DVec3, Ray, Vec3};
+use etendue::render::{Render, RenderSettings};
+use etendue::sampling::Rng;
+use etendue::scene::{BuildOptions, Scene};
+use etendue::{Alone, Cancel, ErrorKind};
+
+fn build(desc: &SceneDesc) -> Scene {
+    Scene::build(desc, &BuildOptions::default()).unwrap()
+}
+
+fn solve(desc: &SceneDesc, radiosity: &RadiosityDesc) -> Radiosity {
+    let solution = Radiosity::solve(&build(desc), radiosity, &mut Alone::default()).unwrap();
+    println!("{}", solution.notes().join("\n"));
+    solution
+}
+
+fn lambert(albedo: f32) -> BsdfDesc {
+    BsdfDesc::Lambert { albedo: Vec3::splat(albedo) }
+}
+
+/// A mesh of one material that emits, alone.
+fn furnace(mesh: MeshDesc, albedo: f32, emission: Option<f32>) -> SceneDesc {
+    let mut desc = SceneDesc { camera: camera(DVec3::ZERO, DVec3::X, 60.0), ..SceneDesc::default() };
+    desc.meshes.push(Arc::new(mesh));
+    add(&mut desc, 0, ShapeDesc::Mesh { mesh: 0, smooth: false }, lambert(albedo), emission.map(Vec3::splat));
+    desc
+}
+
+/// Smallest and largest irradiance of a surface over what is expected.
+fn range(solution: &Radiosity, surface: u32, expected: f64) -> (f64, f64) {
+    let mesh = solution.mesh(Some(surface), true);
+    assert!(!mesh.irradiance.is_empty());
+    mesh.irradiance.iter().fold((f64::INFINITY, 0.0), |(low, high), e| {
+        let e = f64::from(e.x) / expected;
+        (low.min(e), high.max(e))
+    })
+}
+
+// Form factors.
+
+fn quad(corner: [f64; 3], u: [f64; 3], v: [f64; 3]) -> [DVec3; 4] {
+    let [corner, u, v] = [corner, u, v].map(DVec3::from_array);
+    [corner, corner + u, corner + u + v, corner + v]
+}
+
+fn polygon_area(corners: &[DVec3]) -> f64 {
+    let sum: DVec3 = (1..corners.len() - 1).map(|i| (corners[i] - corners[0]).cross(corners[i + 1] - corners[0])).sum();
+    0.5 * sum.length()
+}
+
+#[test]
+fn form_factors_of_the_catalogue() {
+    let floor = |x: f64, y: f64| quad([0.0; 3], [x, 0.0, 0.0], [0.0, y, 0.0]);
+    let ceiling = |x: f64, y: f64, z: f64| quad([0.0, 0.0, z], [0.0, y, 0.0], [x, 0.0, 0.0]);
+    // Stands on the floor's edge x = 0 and looks along x.
+    let wall = |y: f64, z: f64| quad([0.0; 3], [0.0, y, 0.0], [0.0, 0.0, z]);
+    // Sides of a groove of 60 degrees: a piece of one and all of the other, ten thousand times as long.
+    let up = [0.5, 0.0, 0.75_f64.sqrt()];
+    let cases = [
+        (floor(1.0, 1.0), ceiling(1.0, 1.0, 1.0), 0.199_824_895_698_387_4),
+        (floor(1.0, 1.0), wall(1.0, 1.0), 0.200_043_776_075_403_2),
+        (floor(1.0, 1.0), ceiling(1.0, 1.0, 0.1), 0.826_994_522_397),
+        (floor(1.0, 1.0), ceiling(1.0, 1.0, 10.0), 0.003_162_056_838_76),
+        (floor(2.0, 1.0), ceiling(2.0, 1.0, 0.5), 0.508_988_669_041),
+        (floor(1.0, 1.0), wall(1.0, 2.0), 0.232_852_602_795),
+        (floor(2.0, 1.0), wall(1.0, 1.0), 0.116_426_301_398),
+        (floor(1.0, 1.0), quad([0.0, -5000.0, 0.0], [0.0, 1e4, 0.0], up), 0.5),
+    ];
+    for (i, (from, to, expected)) in cases.into_iter().enumerate() {
+        let factor = polygon_to_polygon(&from, &to, 1e-7);
+        assert!((factor - expected).abs() < 1e-5, "case {i}: {factor} and not {expected}");
+        let reverse = polygon_to_polygon(&to, &from, 1e-9);
+        let exchange = [polygon_area(&from) * factor, polygon_area(&to) * reverse];
+        assert!((exchange[0] - exchange[1]).abs() < 1e-5 * exchange[0].max(0.1), "case {i} reversed: {exchange:?}");
+    }
+    let closure = 4.0 * polygon_to_polygon(&floor(1.0, 1.0), &wall(1.0, 1.0), 1e-7)
+        + polygon_to_polygon(&floor(1.0, 1.0), &ceiling(1.0, 1.0, 1.0), 1e-7);
+    assert!((closure - 1.0).abs() < 1e-5, "{closure}");
+}
+
+/// Discs, as polygons of the same area: off by the square of the step, 1e-5 here.
+#[test]
+fn form_factors_of_discs() {
+    const SIDES: u32 = 256;
+    let disc = |radius: f64, z: f64, turns: f64| -> Vec<DVec3> {
+        let step = TAU / f64::from(SIDES);
+        let reach = radius * (step / step.sin()).sqrt();
+        let at = |i: u32| {
+            let angle = turns * step * f64::from(i);
+            DVec3::new(reach * angle.cos(), reach * angle.sin(), z)
+        };
+        (0..SIDES).map(at).collect()
+    };
+    for (radius, height, expected) in [(1.0, 1.0, 0.381_966_011_250), (2.0, 1.5, 0.601_653_344_388)] {
+        let factor = polygon_to_polygon(&disc(1.0, 0.0, 1.0), &disc(radius, height, -1.0), 1e-6);
+        assert!((factor - expected).abs() < 2e-5, "{factor} and not {expected}");
+    }
+}
+
+/// From any point, over all directions: the sides of a tetrahedron, as narrow as can be, sum to 1.
+#[test]
+fn a_point_sees_all_of_what_is_around_it() {
+    let mut rng = Rng::new(5, 7);
+    let mut random = || DVec3::from_array(std::array::from_fn(|_| f64::from(rng.next_f32()) - 0.5));
+    for case in 0..2000 {
+        let flat = 10.0_f64.powi(-(case % 10));
+        let corners: [DVec3; 4] = std::array::from_fn(|_| random() * DVec3::new(1.0, 1.0, flat));
+        let volume = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(corners[3] - corners[0]).abs();
+        if volume < 1e-3 * flat {
+            continue;
+        }
+        // Close to a side, to an edge, to a corner, or anywhere.
+        let mut weights = (random() + 0.5).to_array();
+        for weight in weights.iter_mut().take(case as usize % 4) {
+            *weight *= 1e-7;
+        }
+        let total = 1.0 + weights.iter().sum::<f64>();
+        let p = (corners[0] + (0..3).map(|i| weights[i] * corners[i + 1]).sum::<DVec3>()) / total;
+        let n = random().normalize();
+        let sum: f64 = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]
+            .iter()
+            .map(|side| point_to_polygon(p, n, &side.map(|i| corners[i])))
+            .sum();
+        assert!((sum - 1.0).abs() < 1e-6, "{case}: {sum} at {p} in {corners:?}");
+    }
+}
+
+#[test]
+fn polygons_without_area_see_nothing() {
+    let square = quad([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+    let line = [DVec3::Z, DVec3::Z + DVec3::X, DVec3::Z + 2.0 * DVec3::X];
+    assert_eq!(polygon_to_polygon(&square, &line, 1e-6), 0.0);
+    assert_eq!(polygon_to_polygon(&line, &square, 1e-6), 0.0);
+    assert_eq!(polygon_to_polygon(&[], &square, 1e-6), 0.0);
+    assert_eq!(point_to_polygon(DVec3::ZERO, DVec3::Z, &[]), 0.0);
+    // Behind.
+    assert_eq!(point_to_polygon(DVec3::Z, DVec3::Z, &square), 0.0);
+    assert_eq!(polygon_to_polygon(&square, &square, 1e-6), 0.0);
+}
+
+// Rooms with known light.
+
+/// A tessellated unit sphere, seen from inside: `rings` from pole to pole.
+fn sphere_inside(rings: u32, radius: f64) -> MeshDesc {
+    let columns = 2 * rings;
+    let at = |i: u32, j: u32| {
+        let (sin, cos) = (PI * f64::from(i) / f64::from(rings)).sin_cos();
+        let (y, x) = (TAU * f64::from(j % columns) / f64::from(columns)).sin_cos();
+        radius * DVec3::new(sin * x, sin * y, cos)
+    };
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for i in 0..rings {
+        for j in 0..columns {
+            let first = positions.len() as u32;
+            positions.extend([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+            if i > 0 {
+                triangles.push([first, first + 3, first + 2]);
+            }
+            if i + 1 < rings {
+                triangles.push([first, first + 2, first + 1]);
+            }
+        }
+    }
+    // Normals inwards.
+    for triangle in &mut triangles {
+        let [a, b, c] = triangle.map(|i| positions[i as usize]);
+        if (b - a).cross(c - a).dot(a + b + c) > 0.0 {
+            triangle.swap(1, 2);
+        }
+    }
+    MeshDesc { name: "sphere".into(), positions, triangles, ..MeshDesc::default() }
+}
+
+fn tetrahedron_inside() -> MeshDesc {
+    let positions =
+        vec![DVec3::new(-1.0, -1.0, -1.0), DVec3::new(2.0, 1.0, -1.0), DVec3::new(1.0, -1.5, 1.0), DVec3::new(-1.0, 1.0, 1.5)];
+    let mut triangles = vec![[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
+    let middle = positions.iter().sum::<DVec3>() / 4.0;
+    for triangle in &mut triangles {
+        let [a, b, c] = triangle.map(|i: u32| positions[i as usize]);
+        if (b - a).cross(c - a).dot(middle - a) < 0.0 {
+            triangle.swap(1, 2);
+        }
+    }
+    MeshDesc { name: "tetrahedron".into(), positions, triangles, ..MeshDesc::default() }
+}
+
+#[test]
+fn furnaces() {
+    let rooms = [
+        ("box", box_inside(DVec3::new(-1.0, -2.0, -1.0), DVec3::new(1.0, 1.0, 1.5))),
+        ("tetrahedron", tetrahedron_inside()),
+        ("sphere", sphere_inside(12, 1.5)),
+    ];
+    for (name, room) in rooms {
+        for albedo in [0.5, 0.9] {
+            let solution = solve(&furnace(room.clone(), albedo, Some(1.0)), &RadiosityDesc::default());
+            // All radiosities are pi / (1 - albedo), and so is what arrives.
+            let (low, high) = range(&solution, 0, PI / (1.0 - f64::from(albedo)));
+            println!("{name}, albedo {albedo}: {low:.6} to {high:.6}");
+            assert!(low > 0.999 && high < 1.001, "{name}, albedo {albedo}: {low} to {high}");
+            let summary = solution.summary();
+            let balance = f64::from(summary.absorbed.x / summary.emitted.x);
+            assert!((balance - 1.0).abs() < 1e-3, "{name}: absorbed {balance} of what is emitted");
+        }
+    }
+}
+
+/// Case 56: L = rho E / pi + rho^2 Phi / (4 pi^2 R^2 (1 - rho)) at any place of a sphere with a point light inside, as
+/// irradiance: E + rho Phi / (4 pi R^2 (1 - rho)).
+#[test]
+fn integrating_sphere() {
+    let (radius, albedo, intensity, light) = (2.0, 0.7, 5.0, DVec3::new(0.8, 0.0, 0.0));
+    let mut errors = Vec::new();
+    for rings in [12, 36] {
+        let mut desc = furnace(sphere_inside(rings, radius), albedo as f32, None);
+        desc.lights.push(point_light(light, intensity as f32));
+        let settings = RadiosityDesc { element_size: Some(10.0), error: 1.0, ..RadiosityDesc::default() };
+        let solution = solve(&desc, &settings);
+        let scene = build(&desc);
+        let mut worst = 0.0_f64;
+        for p in [DVec3::new(2.0, 1e-3, 1e-3), DVec3::new(-2.0, 1e-3, 2e-3), DVec3::new(1e-3, 2.0, 1e-3)] {
+            let ray = Ray::new(scene.to_scene(DVec3::ZERO), p.normalize().as_vec3a());
+            let hit = scene.intersect(&ray).unwrap();
+            let at = scene.interaction(&ray, &hit);
+            let e = f64::from(solution.irradiance(&hit, at.point.p, true).x);
+            let to_light = light - p;
+            let direct = intensity * to_light.dot(-p).abs() / (radius * to_light.length().powi(3));
+            let expected = direct + albedo * 4.0 * PI * intensity / (4.0 * PI * radius * radius * (1.0 - albedo));
+            worst = worst.max((e / expected - 1.0).abs());
+        }
+        println!("{rings} rings: {worst:.5}");
+        errors.push(worst);
+    }
+    // 2 * 36 * 72 triangles are 5000, less those at the poles.
+    assert!(errors[1] < 0.01 && errors[1] < 0.6 * errors[0], "{errors:?}");
+}
+
+/// Case 58: two plates as good as without end, one of which emits 1 W m^-2: 1 / (1 - rho1 rho2) and rho2 times that.
+#[test]
+fn plates() {
+    let mut desc = SceneDesc { camera: camera(DVec3::new(0.0, 0.5, 0.0), DVec3::ZERO, 60.0), ..SceneDesc::default() };
+    let half = 500.0;
+    let plate = |y: f64, up: f64| {
+        let mut corners = [[-half, -half], [-half, half], [half, half], [half, -half]].map(|[x, z]| DVec3::new(x, y, z));
+        if up < 0.0 {
+            corners.reverse();
+        }
+        ShapeDesc::Quad(corners)
+    };
+    add(&mut desc, 0, plate(0.0, 1.0), lambert(0.5), Some(Vec3::splat((1.0 / PI) as f32)));
+    add(&mut desc, 1, plate(1.0, -1.0), lambert(0.8), None);
+    let solution = solve(&desc, &RadiosityDesc { tolerance: 1e-5, ..RadiosityDesc::default() });
+    let at = |surface: u32| f64::from(solution.irradiance_on(surface, 0, [0.3, 0.4], DVec3::ZERO, true).unwrap().x);
+    let (floor, ceiling) = (1.0 + 0.5 * at(0), 0.8 * at(1));
+    assert!((floor - 5.0 / 3.0).abs() < 3e-3 && (ceiling - 4.0 / 3.0).abs() < 3e-3, "{floor} {ceiling}");
+}
+
+// Light that comes straight.
+
+/// The irradiance a quad lamp gives is Lambert's, and a point light's falls by the square of the distance: at many places.
+#[test]
+fn direct_light() {
+    let mut desc = SceneDesc { camera: camera(DVec3::new(0.0, 5.0, 0.0), DVec3::ZERO, 60.0), ..SceneDesc::default() };
+    let floor = quad([-4.0, 0.0, -4.0], [0.0, 0.0, 8.0], [8.0, 0.0, 0.0]);
+    let lamp = quad([-0.5, 2.0, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
+    add(&mut desc, 0, ShapeDesc::Quad(floor), lambert(0.5), None);
+    add(&mut desc, 1, ShapeDesc::Quad(lamp), BsdfDesc::Black, Some(Vec3::splat(3.0)));
+    let position = DVec3::new(-2.0, 1.0, 1.0);
+    desc.lights.push(point_light(position, 2.0));
+    let solution = solve(&desc, &RadiosityDesc { error: 0.5, element_size: Some(0.1), ..RadiosityDesc::default() });
+    let mut worst = 0.0_f64;
+    for i in 0..20 {
+        for half in 0..2 {
+            let b = [f64::from(i) / 20.0 * 0.9 + 0.04, f64::from((7 * i) % 20) / 20.0];
+            let b = [b[0], b[1] * (1.0 - b[0])];
+            let corners = if half == 0 { [floor[0], floor[1], floor[2]] } else { [floor[0], floor[2], floor[3]] };
+            let p = corners[0] + b[0] * (corners[1] - corners[0]) + b[1] * (corners[2] - corners[0]);
+            let e = solution.irradiance_on(0, half, b.map(|b| b as f32), DVec3::ZERO, true).unwrap();
+            let way = position - p;
+            let expected = 3.0 * PI * point_to_polygon(p, DVec3::Y, &lamp) + 2.0 * way.y / way.length().powi(3);
+            worst = worst.max((f64::from(e.x) / expected - 1.0).abs());
+            assert_eq!(solution.irradiance_on(0, half, b.map(|b| b as f32), DVec3::ZERO, false), Some(Vec3::ZERO));
+        }
+    }
+    println!("worst {worst:.4}");
+    assert!(worst < 0.02, "{worst}");
+}
+
+/// Case 46: the back of an emitter is dark, and what stands behind it stays so.
+#[test]
+fn emitters_have_a_dark_side() {
+    let mut desc = SceneDesc { camera: camera(DVec3::new(0.0, 5.0, 0.0), DVec3::ZERO, 60.0), ..SceneDesc::default() };
+    let square = |y: f64, up: bool| {
+        let corners = quad([-1.0, y, -1.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0]);
+        ShapeDesc::Quad(if up { corners } else { [corners[0], corners[3], corners[2], corners[1]] })
+    };
+    add(&mut desc, 0, square(0.0, true), lambert(0.0), Some(Vec3::ONE));
+    add(&mut desc, 1, square(-1.0, true), lambert(0.5), None);
+    add(&mut desc, 2, square(1.0, false), lambert(0.5), None);
+    let solution = solve(&desc, &RadiosityDesc::default());
+    let at = |surface, front| solution.irradiance_on(surface, 0, [0.3, 0.3], DVec3::ZERO, front).unwrap().x;
+    assert_eq!([at(1, true), at(1, false)], [0.0; 2]);
+    assert!(at(2, true) > 0.5 && at(2, false) == 0.0);
+}
+
+/// A lamp in the form of a ball: E = pi L (r / d)^2 below its middle, as if its area was where its elements are.
+#[test]
+fn ball_lamp() {
+    let mut desc = SceneDesc { camera: camera(DVec3::new(0.0, 5.0, 0.0), DVec3::ZERO, 60.0), ..SceneDesc::default() };
+    let floor = quad([-1.0, 0.0, -1.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0]);
+    add(&mut desc, 0, ShapeDesc::Quad(floor), lambert(0.0), None);
+    desc.materials[0].bsdf = lambert(1e-3);
+    let ball = ShapeDesc::Sphere { centre: DVec3::new(0.0, 1.5, 0.0), radius: 0.5 };
+    add(&mut desc, 1, ball, BsdfDesc::Black, Some(Vec3::ONE));
+    let solution = solve(&desc, &RadiosityDesc { error: 0.5, element_size: Some(0.05), ..RadiosityDesc::default() });
+    let e = solution.irradiance_on(0, 0, [0.0, 0.5], DVec3::ZERO, true).unwrap().x;
+    let expected = PI / 9.0;
+    assert!((f64::from(e) / expected - 1.0).abs() < 0.01, "{e} and not {expected}");
+}
+
+// Whole rooms, many surfaces.
+
+/// A closed room with a lamp and, in it, balls of many triangles: all that is emitted is absorbed.
+fn room_with_balls(rings: u32, balls: u32) -> SceneDesc {
+    let mut desc = furnace(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)), 0.6, None);
+    let lamp = quad([-0.3, 0.99, -0.3], [0.6, 0.0, 0.0], [0.0, 0.0, 0.6]);
+    add(&mut desc, 1, ShapeDesc::Quad(lamp), BsdfDesc::Black, Some(Vec3::splat(5.0)));
+    let mut ball = sphere_inside(rings, 1.0);
+    ball.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    desc.meshes.push(Arc::new(ball));
+    for i in 0..balls {
+        let number = desc.surfaces.len();
+        add(&mut desc, number, ShapeDesc::Mesh { mesh: 1, smooth: false }, lambert(0.5), None);
+        let angle = TAU * f64::from(i) / f64::from(balls);
+        let place = DVec3::new(0.55 * angle.cos(), -0.6, 0.55 * angle.sin());
+        desc.surfaces[number].transform =
+            etendue::math::DAffine3::from_scale_rotation_translation(DVec3::splat(0.25), Default::default(), place);
+    }
+    desc
+}
+
+fn picture(scene: &Scene, desc: RenderDesc, threads: usize) -> Vec<f32> {
+    let settings = RenderSettings { desc, threads, ..RenderSettings::default() };
+    let mut render = Render::new(scene, settings).unwrap();
+    let summary = render.run(&mut |_| ControlFlow::Continue(())).unwrap();
+    assert_eq!(summary.non_finite, 0);
+    assert!(summary.notes.iter().any(|note| note.starts_with("radiosity:")) || summary.notes.is_empty());
+    render.image().rgb
+}
+
+fn rel_mse(a: &[f32], reference: &[f32]) -> f64 {
+    let mean = reference.iter().map(|&x| f64::from(x)).sum::<f64>() / reference.len() as f64;
+    let one = |(a, r): (&f32, &f32)| (f64::from(*a) - f64::from(*r)).powi(2) / (f64::from(*r).powi(2) + 0.01 * mean * mean);
+    a.iter().zip(reference).map(one).sum::<f64>() / a.len() as f64
+}
+
+/// Clusters: against the path tracer, and all light is accounted for.
+#[test]
+fn many_triangles() {
+    let mut desc = room_with_balls(16, 4);
+    desc.camera = camera(DVec3::new(0.0, 0.1, 0.97), DVec3::new(0.0, -0.3, 0.0), 90.0);
+    let scene = build(&desc);
+    let base = RenderDesc { resolution: [48, 48], samples: 1024, ..RenderDesc::default() };
+    let reference = picture(&scene, base.clone(), 2);
+    let radiosity = RenderDesc { integrator: IntegratorDesc::Radiosity, samples: 64, ..base };
+    let error = rel_mse(&picture(&scene, radiosity, 2), &reference);
+    println!("relMSE {error:.2e}");
+    let summary = *solve(&desc, &RadiosityDesc::default()).summary();
+    let balance = f64::from(summary.absorbed.x / summary.emitted.x);
+    println!("absorbed {balance}");
+    assert!(error < 5e-3, "{error}");
+    assert!((balance - 1.0).abs() < 0.01, "{balance}");
+}
+
+/// Case 60, small: the Cornell box's pictures against the path tracer's; finer elements are better, the final gather best.
+#[test]
+fn cornell_box() {
+    let desc = etendue::desc::load("scenes/cornell.json".as_ref(), None).unwrap();
+    let scene = build(&desc);
+    let base = RenderDesc { resolution: [40, 40], samples: 4096, ..RenderDesc::default() };
+    let reference = picture(&scene, base.clone(), 2);
+    let one = |size: f64, error: f64, final_gather: bool| {
+        let radiosity = RadiosityDesc { element_size: Some(size), error, final_gather, ..RadiosityDesc::default() };
+        let samples = if final_gather { 1024 } else { 64 };
+        let desc = RenderDesc { integrator: IntegratorDesc::Radiosity, samples, radiosity, ..base.clone() };
+        rel_mse(&picture(&scene, desc, 2), &reference)
+    };
+    let errors = [one(150.0, 20.0, false), one(50.0, 5.0, false), one(15.0, 1.0, false), one(50.0, 5.0, true)];
+    println!("{errors:?}");
+    assert!(errors[1] < 0.7 * errors[0] && errors[2] < 0.7 * errors[1], "{errors:?}");
+    assert!(errors[2] < 4e-3 && errors[3] < 1e-3, "{errors:?}");
+}
+
+#[test]
+fn threads_change_nothing() {
+    let mut desc = room_with_balls(8, 2);
+    desc.lights.push(point_light(DVec3::new(0.5, 0.5, 0.5), 0.2));
+    desc.camera = camera(DVec3::new(0.0, 0.1, 0.97), DVec3::new(0.0, -0.3, 0.0), 90.0);
+    let scene = build(&desc);
+    for (solver, final_gather) in [(RadiositySolver::Gather, false), (RadiositySolver::Shoot, true)] {
+        let radiosity = RadiosityDesc { solver, final_gather, error: 20.0, ..RadiosityDesc::default() };
+        let desc = RenderDesc {
+            resolution: [16, 16],
+            samples: 2,
+            integrator: IntegratorDesc::Radiosity,
+            radiosity,
+            ..RenderDesc::default()
+        };
+        let [one, four] = [1, 4].map(|threads| picture(&scene, desc.clone(), threads));
+        assert!(one == four && one.iter().any(|x| *x > 0.0));
+    }
+}
+
+/// Both solvers come to the same; bounces do not decrease, and lack what a geometric series says.
+#[test]
+fn solvers_agree() {
+    let desc = furnace(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)), 0.5, Some(1.0));
+    let with = |solver, iterations, ambient| {
+        let settings = RadiosityDesc { solver, iterations, ambient, tolerance: 1e-6, ..RadiosityDesc::default() };
+        let solution = solve(&desc, &settings);
+        let e = solution.irradiance_on(0, 0, [0.3, 0.3], DVec3::ZERO, true).unwrap();
+        (f64::from(e.x) / PI, *solution.summary())
+    };
+    for bounces in [0, 1, 2, 4] {
+        let (e, summary) = with(RadiositySolver::Gather, Some(bounces), false);
+        // Irradiance by what was scattered up to so many times less one: 1 + 1/2 + ...
+        let expected = 2.0 * (1.0 - 0.5_f64.powi(bounces as i32));
+        assert!((e - expected).abs() < 2e-3, "{bounces}: {e} and not {expected}");
+        assert_eq!(summary.iterations, bounces);
+    }
+    let (gathered, summary) = with(RadiositySolver::Gather, None, false);
+    assert!(summary.residual < 1e-5 && summary.error_bound < 1e-5, "{summary:?}");
+    let (shot, summary) = with(RadiositySolver::Shoot, None, false);
+    assert!(summary.error_bound < 1e-5 && summary.iterations > 12, "{summary:?}");
+    assert!((gathered - 2.0).abs() < 2e-3 && (shot - gathered).abs() < 1e-4, "{gathered} {shot}");
+    // Shot once, the rest is spread: in a room that is the same everywhere that is all of it, nearly.
+    let (bare, _) = with(RadiositySolver::Shoot, Some(6), false);
+    let (ambient, _) = with(RadiositySolver::Shoot, Some(6), true);
+    assert!(bare < 1.6 && (ambient - 2.0).abs() < 0.2, "{bare} {ambient}");
+}
+
+// What cannot be done, or need not.
+
+#[test]
+fn nothing_to_solve() {
+    let dark = furnace(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)), 0.5, None);
+    let solution = solve(&dark, &RadiosityDesc::default());
+    assert!(solution.mesh(None, true).irradiance.iter().all(|e| *e == Vec3::ZERO));
+    assert_eq!(solution.irradiance_on(0, 99, [0.0; 2], DVec3::ZERO, true), None);
+    assert_eq!(solution.irradiance_on(7, 0, [0.0; 2], DVec3::ZERO, true), None);
+
+    let mut mirrors = furnace(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)), 0.5, None);
+    mirrors.materials[0].bsdf = BsdfDesc::Mirror { reflectance: Vec3::ONE };
+    mirrors.lights.push(point_light(DVec3::ZERO, 1.0));
+    mirrors.render.integrator = IntegratorDesc::Radiosity;
+    let solution = solve(&mirrors, &RadiosityDesc::default());
+    assert!(solution.notes()[0].contains("no surface is diffuse"));
+    assert_eq!(solution.summary().elements, 0);
+    // Told before the first ray.
+    let scene = build(&mirrors);
+    let told = scene.warnings().iter().any(|w| w.contains("black, being mirrors or glass: surfaces[0] (material 0)"));
+    assert!(told, "{:?}", scene.warnings());
+    let empty = SceneDesc::default();
+    assert_eq!(solve(&empty, &RadiosityDesc::default()).summary().elements, 0);
+}
+
+#[test]
+fn limits_and_cancelling() {
+    let desc = room_with_balls(40, 4);
+    let scene = build(&desc);
+    let solve = |settings: RadiosityDesc, cancel| Radiosity::solve(&scene, &settings, &mut Alone(cancel)).map(|_| ());
+    let small = RadiosityDesc { memory: 1, ..RadiosityDesc::default() };
+    let error = solve(small, Cancel::new()).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::OutOfMemory);
+    assert!(error.to_string().contains("radiosityMemory"), "{error}");
+    // Links that grow beyond it.
+    let fine = RadiosityDesc { memory: 24, error: 1e-3, element_size: Some(1e-3), ..RadiosityDesc::default() };
+    assert_eq!(solve(fine, Cancel::new()).unwrap_err().kind(), ErrorKind::OutOfMemory);
+    let cancel = Cancel::new();
+    cancel.cancel();
+    assert_eq!(solve(RadiosityDesc::default(), cancel).unwrap_err().kind(), ErrorKind::Cancelled);
+    for (settings, path) in [
+        (RadiosityDesc { error: 0.0, ..RadiosityDesc::default() }, "render.radiosityError"),
+        (RadiosityDesc { error: f64::NAN, ..RadiosityDesc::default() }, "render.radiosityError"),
+        (RadiosityDesc { element_size: Some(-1.0), ..RadiosityDesc::default() }, "render.radiosityElementSize"),
+        (RadiosityDesc { tolerance: 1.0, ..RadiosityDesc::default() }, "render.radiosityTolerance"),
+        (RadiosityDesc { memory: 0, ..RadiosityDesc::default() }, "render.radiosityMemory"),
+        (RadiosityDesc { iterations: Some(u32::MAX), ..RadiosityDesc::default() }, "render.radiosityIterations"),
+    ] {
+        let error = solve(settings, Cancel::new()).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::InvalidScene);
+        assert!(error.to_string().contains(path), "{error}");
+    }
+}
