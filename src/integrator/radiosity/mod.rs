@@ -320,7 +320,8 @@ fn first_norm(network: &Network) -> f64 {
             let way = source.centre - node.centre;
             let distance2 = way.length_squared().max(0.25 * source.area);
             let cosine = (-way.dot(source.normal)).max(0.0) / distance2.sqrt();
-            e += step as f64 * judge.sent.b[elements.patches[source.patch as usize].node as usize].max_element()
+            e += step as f64
+                * judge.sent.b[elements.patches[source.patch as usize].node as usize].max_element()
                 * links::point_factor(way, node.normal).min(1.0 / distance2)
                 * cosine.min(1.0)
                 * source.area
