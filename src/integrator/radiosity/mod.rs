@@ -68,7 +68,7 @@ pub struct RadiositySummary {
     pub residual: f64,
     /// Bound on what more iterations would change, in the same measure. It knows nothing of what the links are wrong by.
     pub error_bound: f64,
-    /// Light emitted and light absorbed by surfaces [W], per channel.
+    /// Light emitted and light absorbed by surfaces (W), per channel.
     pub emitted: Rgb,
     /// See `emitted`.
     pub absorbed: Rgb,
