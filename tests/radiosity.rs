@@ -188,8 +188,12 @@ fn sphere_inside(rings: u32, radius: f64) -> MeshDesc {
 }
 
 fn tetrahedron_inside() -> MeshDesc {
-    let positions =
-        vec![DVec3::new(-1.0, -1.0, -1.0), DVec3::new(2.0, 1.0, -1.0), DVec3::new(1.0, -1.5, 1.0), DVec3::new(-1.0, 1.0, 1.5)];
+    let positions = vec![
+        DVec3::new(-1.0, -1.0, -1.0),
+        DVec3::new(2.0, 1.0, -1.0),
+        DVec3::new(1.0, -1.5, 1.0),
+        DVec3::new(-1.0, 1.0, 1.5),
+    ];
     let mut triangles = vec![[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
     let middle = positions.iter().sum::<DVec3>() / 4.0;
     for triangle in &mut triangles {
@@ -258,7 +262,8 @@ fn plates() {
     let mut desc = SceneDesc { camera: camera(DVec3::new(0.0, 0.5, 0.0), DVec3::ZERO, 60.0), ..SceneDesc::default() };
     let half = 500.0;
     let plate = |y: f64, up: f64| {
-        let mut corners = [[-half, -half], [-half, half], [half, half], [half, -half]].map(|[x, z]| DVec3::new(x, y, z));
+        let mut corners =
+            [[-half, -half], [-half, half], [half, half], [half, -half]].map(|[x, z]| DVec3::new(x, y, z));
         if up < 0.0 {
             corners.reverse();
         }
@@ -367,7 +372,8 @@ fn picture(scene: &Scene, desc: RenderDesc, threads: usize) -> Vec<f32> {
 
 fn rel_mse(a: &[f32], reference: &[f32]) -> f64 {
     let mean = reference.iter().map(|&x| f64::from(x)).sum::<f64>() / reference.len() as f64;
-    let one = |(a, r): (&f32, &f32)| (f64::from(*a) - f64::from(*r)).powi(2) / (f64::from(*r).powi(2) + 0.01 * mean * mean);
+    let one =
+        |(a, r): (&f32, &f32)| (f64::from(*a) - f64::from(*r)).powi(2) / (f64::from(*r).powi(2) + 0.01 * mean * mean);
     a.iter().zip(reference).map(one).sum::<f64>() / a.len() as f64
 }
 

@@ -39,6 +39,7 @@ mod map;
 mod overlap;
 mod own;
 mod pack;
+mod placement;
 mod radiosity;
 mod raster;
 mod vertices;

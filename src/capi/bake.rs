@@ -5,9 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::boundary::{
-    Header, Object, give, need, object, on, read_sized, release, retain, take_status, write_sized,
-};
+use super::boundary::{Header, Object, give, need, object, on, read_sized, release, retain, take_status, write_sized};
 use super::read;
 use super::scene::etd_scene;
 use super::status::{ETD_CANCELLED, Failure, Result, etd_status};
@@ -506,13 +504,7 @@ impl<'a> Job<'a> {
     }
 
     /// `texel`: the length of one, where there are any.
-    fn run(
-        &self,
-        built: &Scene,
-        sites: &Arc<Sites>,
-        texel: Option<f64>,
-        front: bool,
-    ) -> Result<(Baked, Summary)> {
+    fn run(&self, built: &Scene, sites: &Arc<Sites>, texel: Option<f64>, front: bool) -> Result<(Baked, Summary)> {
         let start = Instant::now();
         let settings = settings_of(&self.options, [1, 1], &self.scene.device, &self.cancel)?;
         if settings.desc.integrator == IntegratorDesc::Radiosity {

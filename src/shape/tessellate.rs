@@ -20,7 +20,7 @@ impl Analytic {
     pub const MOST_TRIANGLES: usize = 64 * (CELLS * CELLS) as usize;
 
     /// Points of the shape, and triangles of them, counter-clockwise seen from outside; each has an area. A few hundred for a
-    /// sphere or a quadric, off the surface by less than a hundredth of its size; scene frame.
+    /// sphere or a quadric, off the surface by no more than a few hundredths of its size; scene frame.
     pub fn tessellate(&self) -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let mut mesh = match self {
             Self::Sphere(sphere) => of_sphere(sphere),
@@ -149,7 +149,7 @@ mod tests {
                 let [a, b, c] = triangle.map(|corner| points[corner as usize]);
                 let middle = (a + b + c) / 3.0;
                 let (near, normal) = shape.project(middle);
-                assert!((near - middle).length() < 0.03, "{shape:?}: {near} {middle}");
+                assert!((near - middle).length() < 0.05, "{shape:?}: {near} {middle}");
                 assert!((b - a).cross(c - a).dot(normal) > 0.0, "{shape:?} turned round");
             }
             assert!(points.iter().all(|&p| (shape.project(p).0 - p).length() < 1e-9), "{shape:?}");

@@ -143,7 +143,7 @@ fn a_box_has_six_charts_and_a_quad_one() {
     sizes.sort();
     assert_eq!(sizes, [[24, 16], [24, 16], [32, 16], [32, 16], [32, 24], [32, 24]]);
     assert!(atlas.coverage().iter().all(|&coverage| coverage > 0.999));
-    assert!(atlas.side() % 4 == 0 && atlas.side() <= 80, "{}", atlas.side());
+    assert!(atlas.side().is_multiple_of(4) && atlas.side() <= 80, "{}", atlas.side());
     assert_eq!(atlas.texels_per_unit(), 8.0);
 
     let scene = build(&scenes::scene(
@@ -247,7 +247,8 @@ fn a_mesh_keeps_its_own_layout() {
 
 #[test]
 fn coordinates_that_are_no_layout_are_refused_or_replaced() {
-    let cases: [(&str, fn(&mut MeshDesc)); 6] = [
+    type Spoil = fn(&mut MeshDesc);
+    let cases: [(&str, Spoil); 6] = [
         ("has no texture coordinates", |mesh| mesh.uvs.clear()),
         ("is outside of [0, 1]", |mesh| mesh.uvs[5] = [1.25, 0.5]),
         ("is outside of [0, 1]", |mesh| mesh.uvs[5][1] = -0.001),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use etendue::bake::{Bake, Baked};
+use etendue::bake::{Bake, Baked, by_radiosity};
 use etendue::desc::{BsdfDesc, SceneDesc, ShapeDesc};
 use etendue::integrator::Sites;
 use etendue::math::{DVec3, Vec3};
@@ -123,6 +123,36 @@ fn a_lamp_over_a_square() {
     let (floor, numbers) = of_first_surface(&atlas, &baked);
     let at = |p: DVec3| 5.0 * lambert(&lamp, p, DVec3::Y);
     assert_agrees(&floor, |i| mean_over(&scene, atlas.sites(), numbers[i], 4, &at), 2e-3);
+}
+
+/// The same room by a radiosity solution, which has no noise; and what stops it.
+#[test]
+fn furnace_by_radiosity() {
+    let room = scenes::box_inside(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.0, 1.0, 2.0));
+    let scene = build(&one_mesh(room, Some(Vec3::splat(2.0))));
+    let atlas = atlas(&scene, 48);
+    let by = |settings: &RenderSettings, front| {
+        by_radiosity(&scene, atlas.sites(), settings, Some(0.5), front, &mut || ControlFlow::Continue(()))
+    };
+    let (baked, solution) = by(&settings(1, None), true).unwrap();
+    assert!(solution.summary().elements > 100, "{:?}", solution.summary());
+    assert_eq!(baked.irradiance.len(), atlas.sites().len());
+    assert!(baked.standard_error.iter().flatten().all(|error| error.is_nan()));
+    let exact = PI * 2.0 / (1.0 - 0.5);
+    let count = baked.irradiance.len() as f64;
+    let mean = baked.irradiance.iter().map(|value| f64::from(value[0])).sum::<f64>() / count;
+    assert!((mean / exact - 1.0).abs() < 2e-3, "{mean} and not {exact}");
+    for value in &baked.irradiance {
+        assert!((f64::from(value[0]) / exact - 1.0).abs() < 1e-2, "{value:?} and not {exact}");
+    }
+    let one = RenderSettings { threads: 1, ..settings(1, None) };
+    assert_eq!(by(&one, true).unwrap().0.irradiance, baked.irradiance);
+    // The outside of the room is dark.
+    assert!(by(&one, false).unwrap().0.irradiance.iter().flatten().all(|&value| value == 0.0));
+    one.cancel.cancel();
+    assert_eq!(by(&one, true).unwrap_err().kind(), etendue::ErrorKind::Cancelled);
+    let none = by_radiosity(&scene, &Arc::default(), &settings(1, None), None, true, &mut || ControlFlow::Continue(()));
+    assert_eq!(none.unwrap_err().kind(), etendue::ErrorKind::InvalidScene);
 }
 
 /// Surfaces that are no triangles, inside a room that is as bright everywhere: rays leave them cleanly all around.

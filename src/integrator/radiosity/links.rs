@@ -140,7 +140,7 @@ impl Judge {
     /// What becomes of a pair.
     pub fn judge(&self, receiver: u32, source: u32) -> Verdict {
         if source >= POINT {
-            return self.from_point(receiver, source);
+            return self.by_point(receiver, source);
         }
         let (r, s) = (self.node(receiver), self.node(source));
         if receiver == source {
@@ -345,7 +345,7 @@ impl Judge {
         })
     }
 
-    fn from_point(&self, receiver: u32, source: u32) -> Verdict {
+    fn by_point(&self, receiver: u32, source: u32) -> Verdict {
         let r = self.node(receiver);
         let light = &self.lights[(source - POINT) as usize];
         let way = light.position - r.centre;
@@ -429,7 +429,7 @@ impl Judge {
             let [start, end, _] = node.corners;
             let mut found = None;
             for i in 0..4 {
-                let step = (hash(random, i) >> 32) * u64::from(end - start) >> 32;
+                let step = ((hash(random, i) >> 32) * u64::from(end - start)) >> 32;
                 let patch = self.elements.order[start as usize + step as usize];
                 let member = self.node(self.elements.patches[patch as usize].node);
                 if (towards - member.centre).dot(member.normal) > 0.0 {

@@ -68,7 +68,7 @@ pub struct RadiositySummary {
     pub residual: f64,
     /// Bound on what more iterations would change, in the same measure. It knows nothing of what the links are wrong by.
     pub error_bound: f64,
-    /// Light emitted and light absorbed by surfaces [W], per channel.
+    /// Light emitted and light absorbed by surfaces (W), per channel.
     pub emitted: Rgb,
     /// See `emitted`.
     pub absorbed: Rgb,
@@ -320,7 +320,8 @@ fn first_norm(network: &Network) -> f64 {
             let way = source.centre - node.centre;
             let distance2 = way.length_squared().max(0.25 * source.area);
             let cosine = (-way.dot(source.normal)).max(0.0) / distance2.sqrt();
-            e += step as f64 * judge.sent.b[elements.patches[source.patch as usize].node as usize].max_element()
+            e += step as f64
+                * judge.sent.b[elements.patches[source.patch as usize].node as usize].max_element()
                 * links::point_factor(way, node.normal).min(1.0 / distance2)
                 * cosine.min(1.0)
                 * source.area

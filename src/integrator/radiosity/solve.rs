@@ -123,9 +123,11 @@ pub(super) fn leaves_of_patch(network: &Network, patch: u32, received: &[Moments
     };
     // Flat elements have one normal.
     match from_clusters {
-        Some(moments) if elements.shape(patch).is_some() => leaves(network, root, DVec3::ZERO, &mut |leaf, irradiance| {
-            visit(leaf, irradiance + moments.at(elements.nodes[leaf as usize].normal));
-        }),
+        Some(moments) if elements.shape(patch).is_some() => {
+            leaves(network, root, DVec3::ZERO, &mut |leaf, irradiance| {
+                visit(leaf, irradiance + moments.at(elements.nodes[leaf as usize].normal));
+            })
+        }
         Some(moments) => leaves(network, root, moments.at(node.normal), visit),
         None => leaves(network, root, DVec3::ZERO, visit),
     }
@@ -259,7 +261,8 @@ mod tests {
     fn cube(albedo: f64) -> Shared {
         const OPPOSITE: f64 = 0.199_824_895_698_387_4;
         const BESIDE: f64 = 0.200_043_776_075_403_2;
-        let mut elements = Elements { top: NONE, ..Elements::default() };
+        let mut elements = Elements::default();
+        elements.top = NONE;
         for face in 0..6_u32 {
             elements.nodes.push(Node { patch: face, area: 1.0, parent: NONE, ..empty() });
             elements.patches.push(Patch {
