@@ -21,7 +21,7 @@
 //! Where shadows are fine against elements, unless the final gather draws them.
 //!
 //! ```json
-//! {"integrator": "radiosity", "radiosityError": 5, "radiosityIterations": null, "radiosityTolerance": 0.0001,
+//! {"integrator": "radiosity", "radiosityError": 1, "radiosityIterations": null, "radiosityTolerance": 0.0001,
 //!  "radiositySolver": "gather", "radiosityAmbient": false, "radiosityFinalGather": false, "radiosityMemory": 1024}
 //! ```
 //!
@@ -133,6 +133,7 @@ impl Radiosity {
         let (mut course, mut ambient) = (Course::default(), DVec3::ZERO);
         if !is_dark && !read(&shared).judge.elements.patches.is_empty() {
             link(&shared, desc, parallel)?;
+            solve::balance(&shared, parallel)?;
             (course, ambient) = match desc.solver {
                 // The last of a number of bounces is gathered at the vertices.
                 RadiositySolver::Gather => {
