@@ -145,7 +145,9 @@ fn pictures() -> Result<()> {
         Ok((render.image(), start.elapsed().as_secs_f64()))
     };
     let (reference, seconds) = picture(RenderDesc { samples: 8192, seed: 99, ..base.clone() })?;
-    println!("reference: 8192 samples, {seconds:.0} s\n\n| method | seconds | relMSE | one view x relMSE |\n|---|---|---|---|");
+    println!(
+        "reference: 8192 samples, {seconds:.0} s\n\n| method | seconds | relMSE | one view x relMSE |\n|---|---|---|---|"
+    );
     let tell = |name: String, desc: RenderDesc| -> Result<f64> {
         let (image, seconds) = picture(desc)?;
         let error = output::compare(&image, &reference)?.rel_mse;

@@ -188,8 +188,12 @@ fn sphere_inside(rings: u32, radius: f64) -> MeshDesc {
 }
 
 fn tetrahedron_inside() -> MeshDesc {
-    let positions =
-        vec![DVec3::new(-1.0, -1.0, -1.0), DVec3::new(2.0, 1.0, -1.0), DVec3::new(1.0, -1.5, 1.0), DVec3::new(-1.0, 1.0, 1.5)];
+    let positions = vec![
+        DVec3::new(-1.0, -1.0, -1.0),
+        DVec3::new(2.0, 1.0, -1.0),
+        DVec3::new(1.0, -1.5, 1.0),
+        DVec3::new(-1.0, 1.0, 1.5),
+    ];
     let mut triangles = vec![[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]];
     let middle = positions.iter().sum::<DVec3>() / 4.0;
     for triangle in &mut triangles {
@@ -211,7 +215,10 @@ fn furnaces() {
     let mut wrong = false;
     for (name, room) in rooms {
         for albedo in [0.5, 0.9] {
-            let solution = solve(&furnace(room.clone(), albedo, Some(1.0)), &RadiosityDesc::default());
+            let solution = solve(
+                &furnace(room.clone(), albedo, Some(1.0)),
+                &RadiosityDesc { error: 0.1, ..RadiosityDesc::default() },
+            );
             // All radiosities are pi / (1 - albedo), and so is what arrives.
             let (low, high) = range(&solution, 0, PI / (1.0 - f64::from(albedo)));
             println!("{name}, albedo {albedo}: {low:.6} to {high:.6}");
@@ -261,7 +268,8 @@ fn plates() {
     let mut desc = SceneDesc { camera: camera(DVec3::new(0.0, 0.5, 0.0), DVec3::ZERO, 60.0), ..SceneDesc::default() };
     let half = 500.0;
     let plate = |y: f64, up: f64| {
-        let mut corners = [[-half, -half], [-half, half], [half, half], [half, -half]].map(|[x, z]| DVec3::new(x, y, z));
+        let mut corners =
+            [[-half, -half], [-half, half], [half, half], [half, -half]].map(|[x, z]| DVec3::new(x, y, z));
         if up < 0.0 {
             corners.reverse();
         }
@@ -372,7 +380,8 @@ fn picture(scene: &Scene, desc: RenderDesc, threads: usize) -> Vec<f32> {
 
 fn rel_mse(a: &[f32], reference: &[f32]) -> f64 {
     let mean = reference.iter().map(|&x| f64::from(x)).sum::<f64>() / reference.len() as f64;
-    let one = |(a, r): (&f32, &f32)| (f64::from(*a) - f64::from(*r)).powi(2) / (f64::from(*r).powi(2) + 0.01 * mean * mean);
+    let one =
+        |(a, r): (&f32, &f32)| (f64::from(*a) - f64::from(*r)).powi(2) / (f64::from(*r).powi(2) + 0.01 * mean * mean);
     a.iter().zip(reference).map(one).sum::<f64>() / a.len() as f64
 }
 
@@ -382,12 +391,13 @@ fn many_triangles() {
     let mut desc = room_with_balls(16, 4);
     desc.camera = camera(DVec3::new(0.0, 0.1, 0.97), DVec3::new(0.0, -0.3, 0.0), 90.0);
     let scene = build(&desc);
+    let fine = RadiosityDesc { error: 0.2, ..RadiosityDesc::default() };
     let base = RenderDesc { resolution: [48, 48], samples: 1024, ..RenderDesc::default() };
     let reference = picture(&scene, base.clone(), 2);
-    let radiosity = RenderDesc { integrator: IntegratorDesc::Radiosity, samples: 64, ..base };
+    let radiosity = RenderDesc { integrator: IntegratorDesc::Radiosity, samples: 64, radiosity: fine.clone(), ..base };
     let error = rel_mse(&picture(&scene, radiosity, 2), &reference);
     println!("relMSE {error:.2e}");
-    let summary = *solve(&desc, &RadiosityDesc::default()).summary();
+    let summary = *solve(&desc, &fine).summary();
     let balance = f64::from(summary.absorbed.x / summary.emitted.x);
     println!("absorbed {balance}");
     assert!(error < 5e-3, "{error}");

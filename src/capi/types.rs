@@ -55,8 +55,8 @@ pub use numbers::*;
 pub use {
     etd_bsdf::*, etd_cache_source::*, etd_camera_type::*, etd_ended::*, etd_error_measure::*, etd_filter::*,
     etd_format::*, etd_fov_axis::*, etd_integrator::*, etd_layer::*, etd_log_level::*, etd_phase::*,
-    etd_photon_kernel::*, etd_photon_sharing::*, etd_position_format::*, etd_radiosity_solver::*, etd_sampler::*, etd_sharing::*, etd_switch::*,
-    etd_text::*, etd_tone_map::*, etd_usage::*,
+    etd_photon_kernel::*, etd_photon_sharing::*, etd_position_format::*, etd_radiosity_solver::*, etd_sampler::*,
+    etd_sharing::*, etd_switch::*, etd_text::*, etd_tone_map::*, etd_usage::*,
 };
 
 /// Stands for "no material", "no surface", "no mesh".

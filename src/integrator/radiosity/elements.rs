@@ -125,7 +125,8 @@ impl Elements {
         let least = size.unwrap_or(extent / 64.0);
         let mut elements = Self { least2: least * least, limit, top: NONE, ..Self::default() };
         elements.check(2 * scene.face_count() * BYTES_A_PATCH)?;
-        let albedos: Vec<DVec3> = (0..scene.info().materials).map(|i| mean_albedo(&scene.material(i as u32).bsdf)).collect();
+        let albedos: Vec<DVec3> =
+            (0..scene.info().materials).map(|i| mean_albedo(&scene.material(i as u32).bsdf)).collect();
         let mut welds = Welds::new();
         let mut roots = Vec::new();
         scene.each_face(|face| {
@@ -244,19 +245,7 @@ impl Elements {
             }
         }
         let radius = [a, b, c].iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
-        Node {
-            centre,
-            normal,
-            area: whole,
-            radius,
-            parent,
-            first: 0,
-            children: 0,
-            patch,
-            corners,
-            cone: 0.0,
-            swell,
-        }
+        Node { centre, normal, area: whole, radius, parent, first: 0, children: 0, patch, corners, cone: 0.0, swell }
     }
 
     /// Whether an element has children, or may get some.

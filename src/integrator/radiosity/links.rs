@@ -98,6 +98,12 @@ const UNSEEN_SHARE: f64 = 0.02;
 const COHERENT: f64 = 0.1;
 const NOTHING: f64 = 1.0 / 64.0;
 
+/// Up to so many patches, clusters are only used for what is dark: each pair of patches can be looked at.
+const FEW_PATCHES: usize = 1200;
+
+/// Of a source that is seen in part the radiosity may vary by this share of what is allowed: such errors go one way.
+const HIDDEN: f64 = 1.0 / 32.0;
+
 /// Heights over a plane, in distances, that are rounding.
 const FLAT: f64 = 1e-6;
 
@@ -131,8 +137,10 @@ impl Judge {
         } else {
             let source = self.node(link.source);
             if !source.is_cluster() {
-                let spread = f64::from(self.sent.spread[link.source as usize]);
-                if spread * f64::from(link.factor * link.visible) * root > self.threshold {
+                let spread = f64::from(self.sent.spread[link.source as usize]) * f64::from(link.factor) * root;
+                let visible = f64::from(link.visible);
+                let hidden = 2.0 * visible * (1.0 - visible);
+                if spread * visible > self.threshold || spread * hidden > HIDDEN * self.threshold {
                     return true;
                 }
             }
@@ -171,13 +179,22 @@ impl Judge {
     }
 
     fn dim(&self, receiver: u32, source: u32) -> Verdict {
-        Verdict::Keep(Link { receiver, source, factor: 0.0, visible: 1.0, error: (1.0 / NOTHING) as f32, kind: Kind::Dim })
+        Verdict::Keep(Link {
+            receiver,
+            source,
+            factor: 0.0,
+            visible: 1.0,
+            error: (1.0 / NOTHING) as f32,
+            kind: Kind::Dim,
+        })
     }
 
     /// Divides the wider of two.
     fn divide(&self, receiver: u32, source: u32) -> Option<Verdict> {
-        let can_receiver = self.elements.is_divisible(receiver);
-        let can_source = self.elements.is_divisible(source);
+        let clusters = (self.node(receiver).is_cluster(), self.node(source).is_cluster());
+        let is_few = self.elements.patches.len() <= FEW_PATCHES && clusters.0 != clusters.1;
+        let can_receiver = if is_few { clusters.0 } else { self.elements.is_divisible(receiver) };
+        let can_source = if is_few { clusters.1 } else { self.elements.is_divisible(source) };
         match (can_receiver, can_source) {
             (false, false) => None,
             (true, false) => Some(Verdict::DivideReceiver),
@@ -240,6 +257,11 @@ impl Judge {
             }
             visible = self.visible(receiver, source, MORE_RAYS);
             (error, unsure) = (0.0, 0.0);
+        }
+        // What is hidden of a source may be what is dark of it: the floor under a box.
+        let hidden = factor * f64::from(self.sent.spread[source as usize]) * 2.0 * visible * (1.0 - visible);
+        if hidden > HIDDEN * allowed && !s.is_leaf() {
+            return Verdict::DivideSource;
         }
         if visible == 0.0 && all < NOTHING * allowed {
             return Verdict::Drop;
@@ -307,10 +329,13 @@ impl Judge {
         // Errors of all that a surface receives from clusters add up: each has to be a small part of its link, or next to
         // nothing.
         let own = factor + grazing;
-        if error > COHERENT * own
-            && error * self.strength(source, -d) > NOTHING * self.threshold / r.area.sqrt()
-            && let Some(verdict) = self.divide(receiver, source)
-        {
+        let strength = self.strength(source, -d);
+        let is_divided = if self.elements.patches.len() <= FEW_PATCHES {
+            f64::from(self.sent.most[source as usize]) > 0.0
+        } else {
+            error > COHERENT * own && error * strength > NOTHING * self.threshold / r.area.sqrt()
+        };
+        if is_divided && let Some(verdict) = self.divide(receiver, source) {
             return verdict;
         }
         self.settle(receiver, source, [factor, error], kind, -d)
@@ -343,7 +368,8 @@ impl Judge {
         let all = factor * strength;
         let mut visible = self.visible(receiver, source, if all > allowed { RAYS } else { FEW_RAYS });
         let mut unsure = 2.0 * visible * (1.0 - visible);
-        if all * unsure > allowed {
+        let enough = if source < POINT && self.node(source).is_cluster() { HIDDEN * allowed } else { allowed };
+        if all * unsure > enough {
             if let Some(verdict) = divide() {
                 return verdict;
             }

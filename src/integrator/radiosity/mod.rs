@@ -109,6 +109,9 @@ const COARSENESS: [f64; 4] = [64.0, 16.0, 4.0, 1.0];
 /// Once it is, links are looked at again so often.
 const REPEATS: usize = 2;
 
+/// How often leaves are balanced: by what they send, which it changes.
+const BALANCES: usize = 6;
+
 /// Iterations between refinements.
 const SWEEPS: usize = 3;
 
@@ -133,7 +136,10 @@ impl Radiosity {
         let (mut course, mut ambient) = (Course::default(), DVec3::ZERO);
         if !is_dark && !read(&shared).judge.elements.patches.is_empty() {
             link(&shared, desc, parallel)?;
-            solve::balance(&shared, parallel)?;
+            for _ in 0..BALANCES {
+                solve::balance(&shared, parallel)?;
+                solve::sweep(&shared, parallel)?;
+            }
             (course, ambient) = match desc.solver {
                 // The last of a number of bounces is gathered at the vertices.
                 RadiositySolver::Gather => {
@@ -321,7 +327,8 @@ fn first_norm(network: &Network) -> f64 {
             let way = source.centre - node.centre;
             let distance2 = way.length_squared().max(0.25 * source.area);
             let cosine = (-way.dot(source.normal)).max(0.0) / distance2.sqrt();
-            e += step as f64 * judge.sent.b[elements.patches[source.patch as usize].node as usize].max_element()
+            e += step as f64
+                * judge.sent.b[elements.patches[source.patch as usize].node as usize].max_element()
                 * links::point_factor(way, node.normal).min(1.0 / distance2)
                 * cosine.min(1.0)
                 * source.area

@@ -53,9 +53,11 @@ pub(super) fn shoot(
             break;
         }
         parallel.check()?;
-        let brightest = shooting.power.iter().enumerate().fold((0, 0.0), |best, (i, &power)| {
-            if power > best.1 { (i, power) } else { best }
-        });
+        let brightest = shooting
+            .power
+            .iter()
+            .enumerate()
+            .fold((0, 0.0), |best, (i, &power)| if power > best.1 { (i, power) } else { best });
         shooting.shoot(brightest.0);
         course.iterations += 1;
     }
@@ -87,7 +89,8 @@ impl<'n> Shooting<'n> {
         }
         let leaf = |(i, b): (usize, &DVec3)| if elements.nodes[i].is_leaf() { *b } else { DVec3::ZERO };
         let b: Vec<DVec3> = sent.b.iter().enumerate().map(leaf).collect();
-        let patch = |patch: &super::elements::Patch| elements.nodes[patch.node as usize].area * patch.emitted.element_sum();
+        let patch =
+            |patch: &super::elements::Patch| elements.nodes[patch.node as usize].area * patch.emitted.element_sum();
         let mut power: Vec<f64> = elements.patches.iter().map(patch).collect();
         power.extend(lights.iter().map(|light| 4.0 * PI * light.intensity.element_sum()));
         Self { network, outgoing, first, unshot: b.clone(), b, power }
@@ -168,7 +171,11 @@ impl<'n> Shooting<'n> {
             };
             let d = (from - receiver.centre).normalize_or_zero();
             let mut moments = Moments::default();
-            if link.kind == Kind::Facing { moments.add_linear(d, weight) } else { moments.add_lobe(d, weight) }
+            if link.kind == Kind::Facing {
+                moments.add_linear(d, weight)
+            } else {
+                moments.add_lobe(d, weight)
+            }
             let [start, end, _] = receiver.corners;
             for &patch in &elements.order[start as usize..end as usize] {
                 let node = elements.patches[patch as usize].node;

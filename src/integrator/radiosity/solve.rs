@@ -8,10 +8,10 @@
 use std::sync::{Arc, PoisonError};
 
 use super::elements::{Elements, NONE, quarter_centres};
-use super::vertices::gather_at;
 use super::light::{Moments, Sent};
 use super::links::{Judge, Kind, Link, POINT, intensity};
 use super::refine::{Network, Shared};
+use super::vertices::gather_at;
 use crate::control::Parallel;
 use crate::error::Result;
 use crate::math::DVec3;
@@ -124,10 +124,12 @@ pub(super) fn leaves_of_patch(network: &Network, patch: u32, received: &[Moments
     };
     // Flat elements have one normal.
     match from_clusters {
-        Some(moments) if elements.shape(patch).is_some() => leaves(network, root, DVec3::ZERO, &mut |leaf, irradiance| {
-            let above = moments.at(elements.nodes[leaf as usize].normal);
-            visit(leaf, irradiance + network.scale_of(leaf) * above);
-        }),
+        Some(moments) if elements.shape(patch).is_some() => {
+            leaves(network, root, DVec3::ZERO, &mut |leaf, irradiance| {
+                let above = moments.at(elements.nodes[leaf as usize].normal);
+                visit(leaf, irradiance + network.scale_of(leaf) * above);
+            })
+        }
         Some(moments) => leaves(network, root, moments.at(node.normal), visit),
         None => leaves(network, root, DVec3::ZERO, visit),
     }
@@ -209,7 +211,7 @@ pub(super) fn balance(shared: &Shared, parallel: &mut impl Parallel) -> Result<(
         for patch in block * BLOCK..((block + 1) * BLOCK).min(count) {
             leaves_of_patch(&network, patch as u32, &received, &mut |leaf, irradiance| {
                 let better = irradiance_of_leaf(&network, leaf, &received).element_sum();
-                let scale = better / irradiance.element_sum();
+                let scale = network.scale_of(leaf) * better / irradiance.element_sum();
                 found.push((leaf, if scale.is_finite() { scale.clamp(0.5, 2.0) as f32 } else { 1.0 }));
             });
         }
@@ -292,7 +294,7 @@ pub(super) fn gather(
         let shrinking = (course.residual / before).min(1.0);
         let rest = course.residual * shrinking / (1.0 - shrinking);
         before = course.residual;
-        let is_done = course.residual == 0.0 || (course.iterations > 1 && rest.min(course.bound) < tolerance);
+        let is_done = course.residual == 0.0 || (course.residual < tolerance && rest.min(course.bound) < tolerance);
         if iterations.is_none() && is_done {
             break;
         }

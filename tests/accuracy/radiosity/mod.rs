@@ -53,9 +53,8 @@ fn furnaces(case: &mut Case) {
             let solution = solve(&build(&room(mesh.clone(), albedo, Some(1.0))), &RadiosityDesc::default());
             let expected = 1.0 / (1.0 - f64::from(albedo));
             let radiance = solution.mesh(None, true).radiosity.into_iter().map(|b| f64::from(b.x) / PI);
-            let farthest = radiance.fold(expected, |worst, b| {
-                if (b - expected).abs() > (worst - expected).abs() { b } else { worst }
-            });
+            let farthest = radiance
+                .fold(expected, |worst, b| if (b - expected).abs() > (worst - expected).abs() { b } else { worst });
             case.exact(format!("{name}, albedo {albedo}, worst vertex"), farthest, expected, Within::Relative(1e-3));
             let summary = solution.summary();
             let balance = f64::from(summary.absorbed.x / summary.emitted.x);
@@ -115,11 +114,12 @@ fn plates(case: &mut Case) {
     let half = 500.0;
     let floor = parallelogram(DVec3::new(-half, 0.0, -half), DVec3::Z * 2.0 * half, DVec3::X * 2.0 * half);
     let ceiling = parallelogram(DVec3::new(-half, 1.0, -half), DVec3::X * 2.0 * half, DVec3::Z * 2.0 * half);
-    let surfaces =
-        vec![(floor, grey(0.5), Some(Vec3::splat((1.0 / PI) as f32))), (ceiling, grey(0.8), None)];
+    let surfaces = vec![(floor, grey(0.5), Some(Vec3::splat((1.0 / PI) as f32))), (ceiling, grey(0.8), None)];
     let desc = scene(camera(DVec3::Y * 0.5, DVec3::ZERO, 60.0), surfaces);
     let solution = solve(&build(&desc), &RadiosityDesc { tolerance: 1e-5, ..RadiosityDesc::default() });
-    let at = |surface| solution.irradiance_on(surface, 0, [0.3, 0.4], DVec3::ZERO, true).map_or(f64::NAN, |e| f64::from(e.x));
+    let at = |surface| {
+        solution.irradiance_on(surface, 0, [0.3, 0.4], DVec3::ZERO, true).map_or(f64::NAN, |e| f64::from(e.x))
+    };
     case.exact("radiosity of the one that emits", 1.0 + 0.5 * at(0), 5.0 / 3.0, Within::Absolute(3e-3));
     case.exact("radiosity of the other", 0.8 * at(1), 4.0 / 3.0, Within::Absolute(3e-3));
 }
