@@ -54,7 +54,8 @@
 #define ETD_RENDER_OPTIONS_INIT \
     {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \
      NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_PHOTON_KERNEL_DEFAULT, 0, ETD_PHOTON_SHARING_POWER, \
-     ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, 0, ETD_ERROR_RELMSE, ETD_SWITCH_DEFAULT}
+     ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, 0, ETD_ERROR_RELMSE, ETD_SWITCH_DEFAULT, \
+     0, 0, 0, 0, ETD_RADIOSITY_SOLVER_GATHER, ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0}
 #define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
 #define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_ENDED_SAMPLES, 0}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
@@ -511,6 +512,10 @@ enum etd_integrator
      * Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
      */
     ETD_INTEGRATOR_AUTO = 9,
+    /**
+     * Radiosity: the diffuse scene solved as a whole, for every view of it.
+     */
+    ETD_INTEGRATOR_RADIOSITY = 10,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -600,6 +605,31 @@ enum etd_cache_source
 typedef enum etd_cache_source etd_cache_source;
 #else
 typedef uint32_t etd_cache_source;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * How a radiosity system is solved.
+ */
+enum etd_radiosity_solver
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Every element gathers from all others, again and again.
+     */
+    ETD_RADIOSITY_SOLVER_GATHER = 0,
+    /**
+     * The patch that has most light left shoots it: progressive refinement.
+     */
+    ETD_RADIOSITY_SOLVER_SHOOT = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_radiosity_solver etd_radiosity_solver;
+#else
+typedef uint32_t etd_radiosity_solver;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -1070,7 +1100,7 @@ typedef void (*etd_finished_fn)(void *user_data, etd_status status);
 /**
  * How to render and when to stop: at whichever of samples, time and error is reached first.
  *
- * From `photon_radius` on: settings of photon maps and of the irradiance cache, which only the integrators that use them
+ * From `photon_radius` on: settings of photon maps, the irradiance cache and radiosity, which only the integrators that use them
  * look at (docs/scene-format.md says which) and in which 0 always stands for the default.
  */
 typedef struct etd_render_options {
@@ -1227,6 +1257,45 @@ typedef struct etd_render_options {
      * pass: there all pixels have the same number, and the log callback is told.
      */
     etd_switch adaptive;
+    /**
+     * Of `ETD_INTEGRATOR_RADIOSITY`, as all that follows: elements whose longest side is no longer than this are not divided
+     * any more, scene units, 1e-18 to 1e18; 0: a 64th of the extent of the scene.
+     */
+    double radiosity_element_size;
+    /**
+     * What one link between elements may be wrong by, in thousandths of all irradiance, up to 1000; 0 means 1.
+     */
+    double radiosity_error;
+    /**
+     * Share of the solution that may be left to iterate for, below 1; 0 means 0.0001.
+     */
+    double radiosity_tolerance;
+    /**
+     * Iterations, 2^24 at most: bounces of light, or patches that shoot; `UINT32_MAX`: none, light sources alone; 0: until
+     * what is left is below `radiosity_tolerance`.
+     */
+    uint32_t radiosity_iterations;
+    /**
+     * An `etd_radiosity_solver`.
+     */
+    etd_radiosity_solver radiosity_solver;
+    /**
+     * An `etd_switch`: whether light that was shot but not distributed yet is shown as its mean; by default it is not.
+     */
+    etd_switch radiosity_ambient;
+    /**
+     * An `etd_switch`: whether pictures take direct light from light samples and indirect light from a ray into the solution,
+     * instead of interpolating it; by default they do not.
+     */
+    etd_switch radiosity_final_gather;
+    /**
+     * Most memory of elements and links, MiB, 2^20 at most; 0 means 1024.
+     */
+    uint32_t radiosity_memory;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved_2;
 } etd_render_options;
 
 /**
