@@ -1326,7 +1326,7 @@ typedef struct etd_render_options {
      */
     double radiosity_element_size;
     /**
-     * What one link between elements may be wrong by, in thousandths of all irradiance, up to 1000; 0 means 5.
+     * What one link between elements may be wrong by, in thousandths of all irradiance, up to 1000; 0 means 1.
      */
     double radiosity_error;
     /**

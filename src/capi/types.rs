@@ -543,7 +543,7 @@ pub struct etd_render_options {
     /// Of `ETD_INTEGRATOR_RADIOSITY`, as all that follows: elements whose longest side is no longer than this are not divided
     /// any more, scene units, 1e-18 to 1e18; 0: a 64th of the extent of the scene.
     pub radiosity_element_size: f64,
-    /// What one link between elements may be wrong by, in thousandths of all irradiance, up to 1000; 0 means 5.
+    /// What one link between elements may be wrong by, in thousandths of all irradiance, up to 1000; 0 means 1.
     pub radiosity_error: f64,
     /// Share of the solution that may be left to iterate for, below 1; 0 means 0.0001.
     pub radiosity_tolerance: f64,

@@ -43,7 +43,7 @@ impl Default for RadiosityDesc {
     fn default() -> Self {
         Self {
             element_size: None,
-            error: 5.0,
+            error: 1.0,
             iterations: None,
             tolerance: 1e-4,
             solver: RadiositySolver::Gather,

@@ -97,7 +97,7 @@ pub(super) struct Render<'a> {
     /// 64th of the extent of the scene.
     pub(super) radiosity_element_size: Option<f64>,
     /// Of `radiosity`: what one link between elements may be wrong by, in thousandths of all irradiance, above 0 and up to
-    /// 1000. Default 5.
+    /// 1000. Default 1.
     pub(super) radiosity_error: Option<f64>,
     /// Of `radiosity`: iterations, 0 to 2^24; null: until what is left is below `radiosityTolerance`. Default null.
     #[serde(default, deserialize_with = "json::even_null")]

@@ -433,24 +433,18 @@ impl Elements {
 
     fn finish_cluster(&mut self, slot: u32, parent: u32, first: u32, range: std::ops::Range<u32>) {
         let [a, b] = [0, 1].map(|i| &self.nodes[(first + i) as usize]);
-        // The ball around two balls.
-        let between = b.centre - a.centre;
-        let distance = between.length();
-        let (centre, radius) = if distance + b.radius <= a.radius {
-            (a.centre, a.radius)
-        } else if distance + a.radius <= b.radius {
-            (b.centre, b.radius)
-        } else {
-            let radius = 0.5 * (distance + a.radius + b.radius);
-            (a.centre + (radius - a.radius) / distance * between, radius)
-        };
+        // Around the middle by area, where light comes from in the first order.
+        let area = a.area + b.area;
+        let centre = if area > 0.0 { (a.area * a.centre + b.area * b.centre) / area } else { a.centre };
+        let reach = |child: &Node| centre.distance(child.centre) + child.radius;
+        let radius = reach(a).max(reach(b));
         let normal = (a.area * a.normal + b.area * b.normal).normalize_or_zero();
         let angle = |child: &Node| child.cone + normal.dot(child.normal).clamp(-1.0, 1.0).acos();
         let cone = if normal == DVec3::ZERO { std::f64::consts::PI } else { angle(a).max(angle(b)) };
         let cluster = Node {
             centre,
             normal,
-            area: a.area + b.area,
+            area,
             radius,
             parent,
             first,

@@ -68,20 +68,36 @@ pub(super) fn point_to_front(p: DVec3, n: DVec3, corners: &[DVec3], facing: DVec
 /// `tolerance`: of the result, absolute. At most some ten thousand evaluations of [`point_to_polygon`]; polygons without area
 /// have factor 0.
 pub fn polygon_to_polygon(from: &[DVec3], to: &[DVec3], tolerance: f64) -> f64 {
-    let (Some(n), Some(facing)) = (normal(from), normal(to)) else { return 0.0 };
-    let f = |p| point_to_front(p, n, to, facing);
-    let area = |t: &[DVec3; 3]| 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length();
-    let fan: Vec<[DVec3; 3]> = (2..from.len()).map(|i| [from[0], from[i - 1], from[i]]).collect();
-    let total: f64 = fan.iter().map(area).sum();
-    let share = |t| area(t) / total * mean(&f, t, tolerance, MOST_HALVINGS);
-    fan.iter().map(share).sum()
+    let (Some((n, area)), Some((facing, other))) = (plane(from), plane(to)) else { return 0.0 };
+    // From the smaller one all that is seen of the larger is found, which the other way round might be missed.
+    if area <= other {
+        mean_over(from, area, &|p| point_to_front(p, n, to, facing), tolerance)
+    } else {
+        let scale = other / area;
+        scale * mean_over(to, other, &|p| point_to_front(p, facing, from, n), tolerance / scale)
+    }
+}
+
+/// Mean of `f` over a polygon of this area.
+fn mean_over(polygon: &[DVec3], area: f64, f: &impl Fn(DVec3) -> f64, tolerance: f64) -> f64 {
+    let fan = (2..polygon.len()).map(|i| [polygon[0], polygon[i - 1], polygon[i]]);
+    fan.map(|t| triangle_area(&t) / area * mean(f, &t, tolerance, MOST_HALVINGS)).sum()
+}
+
+fn triangle_area(t: &[DVec3; 3]) -> f64 {
+    0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length()
 }
 
 /// Unit normal of a flat polygon whose corners run counter-clockwise seen from its tip; `None` where it has no area.
 pub(super) fn normal(corners: &[DVec3]) -> Option<DVec3> {
+    plane(corners).map(|(normal, _)| normal)
+}
+
+/// Normal and area.
+fn plane(corners: &[DVec3]) -> Option<(DVec3, f64)> {
     let first = *corners.first()?;
     let cross: DVec3 = corners.windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum();
-    cross.try_normalize()
+    Some((cross.try_normalize()?, 0.5 * cross.length()))
 }
 
 /// So often a triangle's sides are halved at most.

@@ -49,6 +49,15 @@ impl Moments {
     }
 }
 
+impl Moments {
+    /// The sum of the lobes at the unit vector `n`, exactly, where it is on the bright side of all of them.
+    #[inline]
+    pub fn at_facing(&self, n: DVec3) -> DVec3 {
+        let m = &self.0;
+        (2.0 * (n.x * m[1] + n.y * m[2] + n.z * m[3])).max(DVec3::ZERO)
+    }
+}
+
 impl AddAssign<&Self> for Moments {
     fn add_assign(&mut self, other: &Self) {
         for (mine, theirs) in self.0.iter_mut().zip(&other.0) {

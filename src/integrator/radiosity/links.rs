@@ -94,6 +94,16 @@ const FAR: f64 = 40.0;
 const SPREAD_SHARE: f64 = 0.15;
 const UNSEEN_SHARE: f64 = 0.02;
 
+/// A cluster's link may be wrong by this share of itself, or by this share of what is allowed.
+const COHERENT: f64 = 0.1;
+const NOTHING: f64 = 1.0 / 64.0;
+
+/// Up to so many patches, clusters are only used for what is dark: each pair of patches can be looked at.
+const FEW_PATCHES: usize = 1200;
+
+/// Of a source that is seen in part the radiosity may vary by this share of what is allowed: such errors go one way.
+const HIDDEN: f64 = 1.0 / 32.0;
+
 /// Heights over a plane, in distances, that are rounding.
 const FLAT: f64 = 1e-6;
 
@@ -109,7 +119,7 @@ impl Judge {
         }
         let node = self.node(source);
         if node.is_cluster() {
-            self.sent.intensity[node.corners[2] as usize].at(d).max_element()
+            intensity(node, &self.sent, d).max_element()
         } else {
             self.sent.b[source as usize].max_element()
         }
@@ -127,8 +137,10 @@ impl Judge {
         } else {
             let source = self.node(link.source);
             if !source.is_cluster() {
-                let spread = f64::from(self.sent.spread[link.source as usize]);
-                if spread * f64::from(link.factor * link.visible) * root > self.threshold {
+                let spread = f64::from(self.sent.spread[link.source as usize]) * f64::from(link.factor) * root;
+                let visible = f64::from(link.visible);
+                let hidden = 2.0 * visible * (1.0 - visible);
+                if spread * visible > self.threshold || spread * hidden > HIDDEN * self.threshold {
                     return true;
                 }
             }
@@ -156,7 +168,7 @@ impl Judge {
         if is_flat {
             return Verdict::Drop;
         }
-        let is_bright = f64::from(self.sent.most[number as usize]) * node.area.sqrt() > self.threshold;
+        let is_bright = f64::from(self.sent.most[number as usize]) * node.area.sqrt() > NOTHING * self.threshold;
         if is_bright && (node.is_cluster() || self.elements.is_divisible(number)) {
             return Verdict::DivideBoth;
         }
@@ -167,13 +179,22 @@ impl Judge {
     }
 
     fn dim(&self, receiver: u32, source: u32) -> Verdict {
-        Verdict::Keep(Link { receiver, source, factor: 0.0, visible: 1.0, error: 1.0, kind: Kind::Dim })
+        Verdict::Keep(Link {
+            receiver,
+            source,
+            factor: 0.0,
+            visible: 1.0,
+            error: (1.0 / NOTHING) as f32,
+            kind: Kind::Dim,
+        })
     }
 
     /// Divides the wider of two.
     fn divide(&self, receiver: u32, source: u32) -> Option<Verdict> {
-        let can_receiver = self.elements.is_divisible(receiver);
-        let can_source = self.elements.is_divisible(source);
+        let clusters = (self.node(receiver).is_cluster(), self.node(source).is_cluster());
+        let is_few = self.elements.patches.len() <= FEW_PATCHES && clusters.0 != clusters.1;
+        let can_receiver = if is_few { clusters.0 } else { self.elements.is_divisible(receiver) };
+        let can_source = if is_few { clusters.1 } else { self.elements.is_divisible(source) };
         match (can_receiver, can_source) {
             (false, false) => None,
             (true, false) => Some(Verdict::DivideReceiver),
@@ -237,7 +258,12 @@ impl Judge {
             visible = self.visible(receiver, source, MORE_RAYS);
             (error, unsure) = (0.0, 0.0);
         }
-        if visible == 0.0 && all < 0.25 * allowed {
+        // What is hidden of a source may be what is dark of it: the floor under a box.
+        let hidden = factor * f64::from(self.sent.spread[source as usize]) * 2.0 * visible * (1.0 - visible);
+        if hidden > HIDDEN * allowed && !s.is_leaf() {
+            return Verdict::DivideSource;
+        }
+        if visible == 0.0 && all < NOTHING * allowed {
             return Verdict::Drop;
         }
         let error = error * visible + factor * (unsure + UNSEEN_SHARE);
@@ -278,7 +304,7 @@ impl Judge {
         let allowed = self.threshold / r.area.sqrt();
         let gap = distance - r.radius - s.radius;
         if gap < 0.3 * r.radius.max(s.radius) {
-            if f64::from(self.sent.most[source as usize]) > allowed
+            if f64::from(self.sent.most[source as usize]) > NOTHING * allowed
                 && let Some(verdict) = self.divide(receiver, source)
             {
                 return verdict;
@@ -286,27 +312,43 @@ impl Judge {
             return self.dim(receiver, source);
         }
         let inverse2 = 1.0 / (distance * distance);
-        let kind = self.facing(r, s.radius, d, distance);
+        let kind = self.facing(r, d);
         let cosine = if kind == Kind::Element { d.dot(r.normal).max(0.0) } else { 1.0 };
         let factor = if s.is_cluster() {
             cosine * inverse2
         } else {
             cosine * inverse2 * FRAC_1_PI * s.area * (-d.dot(s.normal)).max(0.0)
         };
-        let mixed = if kind == Kind::Mixed { 0.15 } else { 0.0 };
+        let lobes = |is_mixed: bool| if is_mixed { 0.15 } else { 0.0 };
+        let mixed = lobes(kind == Kind::Mixed) + lobes(s.is_cluster() && !faces(s, -d));
         // A source whose middle is just behind a plane is still seen in part.
         let grazing = 0.25 * inverse2 * if s.is_cluster() { s.radius / distance } else { s.area * s.radius / distance };
-        let error = factor * (0.5 * (2.0 * r.radius + s.radius) / distance + mixed) + 0.2 * grazing;
+        // Centres by area leave errors of the second order in the mean, of the first from place to place.
+        let (wide, narrow) = (r.radius.max(s.radius) / distance, r.radius / distance);
+        let error = factor * (0.5 * narrow + 1.5 * wide * wide + mixed) + 0.2 * grazing;
+        // Errors of all that a surface receives from clusters add up: each has to be a small part of its link, or next to
+        // nothing.
+        let own = factor + grazing;
+        let strength = self.strength(source, -d);
+        let is_divided = if self.elements.patches.len() <= FEW_PATCHES {
+            f64::from(self.sent.most[source as usize]) > 0.0
+        } else {
+            error > COHERENT * own && error * strength > NOTHING * self.threshold / r.area.sqrt()
+        };
+        if is_divided && let Some(verdict) = self.divide(receiver, source) {
+            return verdict;
+        }
         self.settle(receiver, source, [factor, error], kind, -d)
     }
 
-    fn facing(&self, r: &Node, radius: f64, d: DVec3, distance: f64) -> Kind {
+    fn facing(&self, r: &Node, d: DVec3) -> Kind {
         if !r.is_cluster() {
-            return Kind::Element;
+            Kind::Element
+        } else if faces(r, d) {
+            Kind::Facing
+        } else {
+            Kind::Mixed
         }
-        let angle = d.dot(r.normal).clamp(-1.0, 1.0).acos();
-        let reach = ((r.radius + radius) / distance).min(1.0).asin();
-        if angle + r.cone + reach < FRAC_PI_2 { Kind::Facing } else { Kind::Mixed }
     }
 
     /// The verdict where clusters or points take part. `d`: from the source to the receiver.
@@ -326,7 +368,8 @@ impl Judge {
         let all = factor * strength;
         let mut visible = self.visible(receiver, source, if all > allowed { RAYS } else { FEW_RAYS });
         let mut unsure = 2.0 * visible * (1.0 - visible);
-        if all * unsure > allowed {
+        let enough = if source < POINT && self.node(source).is_cluster() { HIDDEN * allowed } else { allowed };
+        if all * unsure > enough {
             if let Some(verdict) = divide() {
                 return verdict;
             }
@@ -359,7 +402,7 @@ impl Judge {
             if r.cone < FRAC_PI_2 && angle - r.cone - (r.radius / distance).asin() > FRAC_PI_2 {
                 return Verdict::Drop;
             }
-            let kind = self.facing(r, 0.0, d, distance);
+            let kind = self.facing(r, d);
             let factor = 1.0 / (distance * distance);
             let error = factor * (r.radius / distance + if kind == Kind::Mixed { 0.15 } else { 0.0 });
             return self.settle(receiver, source, [factor, error], kind, -d);
@@ -442,6 +485,18 @@ impl Judge {
         let [s, t] = if u[0] + u[1] > 1.0 { [1.0 - u[0], 1.0 - u[1]] } else { u };
         Some(self.elements.point(node, [s, t]))
     }
+}
+
+/// Whether all surfaces of a cluster face the unit direction `d`.
+pub(super) fn faces(cluster: &Node, d: DVec3) -> bool {
+    d.dot(cluster.normal).clamp(-1.0, 1.0).acos() + cluster.cone < FRAC_PI_2
+}
+
+/// Radiant intensity of a cluster in the unit direction `d`.
+#[inline]
+pub(super) fn intensity(cluster: &Node, sent: &Sent, d: DVec3) -> DVec3 {
+    let moments = &sent.intensity[cluster.corners[2] as usize];
+    if faces(cluster, d) { moments.at_facing(d) } else { moments.at(d) }
 }
 
 /// Irradiance by a point of intensity 1.

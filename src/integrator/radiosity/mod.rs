@@ -21,7 +21,7 @@
 //! Where shadows are fine against elements, unless the final gather draws them.
 //!
 //! ```json
-//! {"integrator": "radiosity", "radiosityError": 5, "radiosityIterations": null, "radiosityTolerance": 0.0001,
+//! {"integrator": "radiosity", "radiosityError": 1, "radiosityIterations": null, "radiosityTolerance": 0.0001,
 //!  "radiositySolver": "gather", "radiosityAmbient": false, "radiosityFinalGather": false, "radiosityMemory": 1024}
 //! ```
 //!
@@ -109,6 +109,9 @@ const COARSENESS: [f64; 4] = [64.0, 16.0, 4.0, 1.0];
 /// Once it is, links are looked at again so often.
 const REPEATS: usize = 2;
 
+/// How often leaves are balanced: by what they send, which it changes.
+const BALANCES: usize = 6;
+
 /// Iterations between refinements.
 const SWEEPS: usize = 3;
 
@@ -133,6 +136,10 @@ impl Radiosity {
         let (mut course, mut ambient) = (Course::default(), DVec3::ZERO);
         if !is_dark && !read(&shared).judge.elements.patches.is_empty() {
             link(&shared, desc, parallel)?;
+            for _ in 0..BALANCES {
+                solve::balance(&shared, parallel)?;
+                solve::sweep(&shared, parallel)?;
+            }
             (course, ambient) = match desc.solver {
                 // The last of a number of bounces is gathered at the vertices.
                 RadiositySolver::Gather => {

@@ -33,6 +33,8 @@ pub(super) struct Network {
     pub first: Vec<u32>,
     /// Numbers of all clusters' nodes, parents first.
     pub clusters: Vec<u32>,
+    /// What leaves gather is scaled by this; empty while that is not known.
+    pub scale: Vec<f32>,
 }
 
 /// Shared by the threads that work on it.
@@ -50,7 +52,7 @@ impl Network {
         let lights = scene.emitters().emitters().iter().filter_map(light).collect();
         let clusters = (0..elements.nodes.len() as u32).filter(|&i| elements.nodes[i as usize].is_cluster()).collect();
         let judge = Judge { scene: scene.clone(), elements, sent: Sent::default(), lights, threshold: 0.0 };
-        let mut network = Self { judge, links: Vec::new(), first: Vec::new(), clusters };
+        let mut network = Self { judge, links: Vec::new(), first: Vec::new(), clusters, scale: Vec::new() };
         network.emit();
         network
     }
@@ -67,8 +69,8 @@ impl Network {
 
     /// Memory of all of it, bytes.
     pub fn bytes(&self) -> usize {
-        // Radiosity, spread, largest, first link; a vertex' irradiance is counted with the nodes.
-        let node = 24 + 4 + 4 + 4 + 24;
+        // Radiosity, spread, largest, first link, scale; a vertex' irradiance is counted with the nodes.
+        let node = 24 + 4 + 4 + 4 + 4 + 24;
         self.judge.elements.bytes()
             + node * self.judge.elements.nodes.len()
             + size_of::<Link>() * self.links.len()
@@ -87,6 +89,10 @@ impl Network {
             }
             self.first.push(next as u32);
         }
+    }
+
+    pub fn scale_of(&self, leaf: u32) -> f64 {
+        self.scale.get(leaf as usize).copied().map_or(1.0, f64::from)
     }
 
     pub fn links_of(&self, node: u32) -> &[Link] {

@@ -7,7 +7,7 @@ use std::sync::PoisonError;
 
 use super::elements::{Elements, NONE};
 use super::light::Moments;
-use super::links::{Judge, Kind, Link, POINT};
+use super::links::{Judge, Kind, Link, POINT, faces};
 use super::refine::{Network, Shared};
 use super::solve::{Course, largest_albedo};
 use crate::control::Parallel;
@@ -123,7 +123,11 @@ impl<'n> Shooting<'n> {
         moments.add_lobe(node.normal, FRAC_1_PI * node.area * b);
         while above != NONE {
             let cluster = &elements.nodes[above as usize];
-            self.send(above as usize, &|receiver| moments.at((receiver - cluster.centre).normalize_or_zero()));
+            // As the cluster's intensity is told, so that all its patches together send what it does.
+            self.send(above as usize, &|receiver| {
+                let d = (receiver - cluster.centre).normalize_or_zero();
+                if faces(cluster, d) { moments.at_facing(d) } else { moments.at(d) }
+            });
             above = cluster.parent;
         }
     }
@@ -196,7 +200,8 @@ impl<'n> Shooting<'n> {
             node.range().for_each(|child| self.receive(child as u32, irradiance));
             return;
         }
-        let b = elements.patches[node.patch as usize].albedo * irradiance;
+        let scale = self.network.scale_of(number);
+        let b = scale * elements.patches[node.patch as usize].albedo * irradiance;
         self.b[number as usize] += b;
         self.unshot[number as usize] += b;
         self.power[node.patch as usize] += node.area * b.element_sum();

@@ -7,10 +7,11 @@
 
 use std::sync::{Arc, PoisonError};
 
-use super::elements::{Elements, NONE};
+use super::elements::{Elements, NONE, quarter_centres};
 use super::light::{Moments, Sent};
-use super::links::{Judge, Kind, Link, POINT};
+use super::links::{Judge, Kind, Link, POINT, intensity};
 use super::refine::{Network, Shared};
+use super::vertices::gather_at;
 use crate::control::Parallel;
 use crate::error::Result;
 use crate::math::DVec3;
@@ -40,7 +41,7 @@ fn strength(judge: &Judge, sent: &Sent, link: &Link) -> DVec3 {
     let source = &judge.elements.nodes[link.source as usize];
     if source.is_cluster() {
         let d = judge.elements.nodes[link.receiver as usize].centre - source.centre;
-        sent.intensity[source.corners[2] as usize].at(d.normalize_or_zero())
+        intensity(source, sent, d.normalize_or_zero())
     } else {
         sent.b[link.source as usize]
     }
@@ -104,7 +105,7 @@ fn leaves(network: &Network, node: u32, above: DVec3, visit: &mut impl FnMut(u32
     let irradiance = above + gathered(network, node);
     let element = &network.judge.elements.nodes[node as usize];
     if element.is_leaf() {
-        visit(node, irradiance);
+        visit(node, network.scale_of(node) * irradiance);
     } else {
         for child in element.range() {
             leaves(network, child as u32, irradiance, visit);
@@ -125,7 +126,8 @@ pub(super) fn leaves_of_patch(network: &Network, patch: u32, received: &[Moments
     match from_clusters {
         Some(moments) if elements.shape(patch).is_some() => {
             leaves(network, root, DVec3::ZERO, &mut |leaf, irradiance| {
-                visit(leaf, irradiance + moments.at(elements.nodes[leaf as usize].normal));
+                let above = moments.at(elements.nodes[leaf as usize].normal);
+                visit(leaf, irradiance + network.scale_of(leaf) * above);
             })
         }
         Some(moments) => leaves(network, root, moments.at(node.normal), visit),
@@ -194,6 +196,60 @@ pub(super) fn sweep(shared: &Shared, parallel: &mut impl Parallel) -> Result<[f6
     Ok(changes)
 }
 
+/// Finds by what leaves gather too much or too little, by what is sent now.
+///
+/// An element that was divided for some of its links has the others as a whole, whose light is in truth spread over it unevenly:
+/// where one part is nearer to the ones, it is farther from the others. What leaves gather is scaled by what they would if all
+/// that came to the elements above them had come to themselves. In a closed room, rows so sum to one.
+pub(super) fn balance(shared: &Shared, parallel: &mut impl Parallel) -> Result<()> {
+    let received = Arc::new(received(shared, parallel)?);
+    let count = shared.read().unwrap_or_else(PoisonError::into_inner).judge.elements.patches.len();
+    let network = Arc::clone(shared);
+    let found = parallel.map(count.div_ceil(BLOCK), move |block| {
+        let network = network.read().unwrap_or_else(PoisonError::into_inner);
+        let mut found = Vec::new();
+        for patch in block * BLOCK..((block + 1) * BLOCK).min(count) {
+            leaves_of_patch(&network, patch as u32, &received, &mut |leaf, irradiance| {
+                let better = irradiance_of_leaf(&network, leaf, &received).element_sum();
+                let scale = network.scale_of(leaf) * better / irradiance.element_sum();
+                found.push((leaf, if scale.is_finite() { scale.clamp(0.5, 2.0) as f32 } else { 1.0 }));
+            });
+        }
+        found
+    })?;
+    let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
+    let mut scale = vec![1.0; network.judge.elements.nodes.len()];
+    for (leaf, of_leaf) in found.into_iter().flatten() {
+        scale[leaf as usize] = of_leaf;
+    }
+    network.scale = scale;
+    Ok(())
+}
+
+/// By the same four places for all links, so that what they miss of one they have of another.
+fn irradiance_of_leaf(network: &Network, leaf: u32, received: &[Moments]) -> DVec3 {
+    let elements = &network.judge.elements;
+    let node = &elements.nodes[leaf as usize];
+    let places = quarter_centres(&elements.triangle(node));
+    let mut sums = [DVec3::ZERO; 4];
+    let mut at = leaf;
+    loop {
+        for link in network.links_of(at) {
+            gather_at(network, link, node, &places, &mut sums);
+        }
+        match elements.element_above(at) {
+            Some(above) => at = above,
+            None => break,
+        }
+    }
+    let mut irradiance = 0.25 * sums.iter().sum::<DVec3>();
+    let cluster = elements.nodes[at as usize].parent;
+    if cluster != NONE {
+        irradiance += received[elements.nodes[cluster as usize].corners[2] as usize].at(node.normal);
+    }
+    irradiance
+}
+
 fn pull_patch(elements: &Elements, sent: &mut Sent, number: u32) {
     let node = &elements.nodes[number as usize];
     if node.is_leaf() {
@@ -238,7 +294,7 @@ pub(super) fn gather(
         let shrinking = (course.residual / before).min(1.0);
         let rest = course.residual * shrinking / (1.0 - shrinking);
         before = course.residual;
-        let is_done = course.residual == 0.0 || (course.iterations > 1 && rest.min(course.bound) < tolerance);
+        let is_done = course.residual == 0.0 || (course.residual < tolerance && rest.min(course.bound) < tolerance);
         if iterations.is_none() && is_done {
             break;
         }

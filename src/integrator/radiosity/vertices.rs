@@ -10,7 +10,7 @@ use std::sync::{Arc, PoisonError};
 use super::elements::{Elements, NONE, Node};
 use super::form_factor::point_to_front;
 use super::light::Moments;
-use super::links::{Kind, Link, POINT, point_factor};
+use super::links::{Kind, Link, POINT, intensity, point_factor};
 use super::refine::{Network, Shared};
 use super::solve::received;
 use crate::control::Parallel;
@@ -105,8 +105,8 @@ fn leaf_corners(network: &Network, leaf: u32, received: &[Moments], corners: &mu
     let mut sums = [DVec3::ZERO; 3];
     let mut at = leaf;
     loop {
-        for link in network.links_of(at).iter().filter(|link| link.visible > 0.0 && link.kind == Kind::Element) {
-            gather(network, link, node, &places, &mut sums);
+        for link in network.links_of(at) {
+            gather_at(network, link, node, &places, &mut sums);
         }
         match elements.element_above(at) {
             Some(above) => at = above,
@@ -126,8 +126,11 @@ fn leaf_corners(network: &Network, leaf: u32, received: &[Moments], corners: &mu
     }
 }
 
-/// One link's irradiance at three places of a leaf below its receiver.
-fn gather(network: &Network, link: &Link, leaf: &Node, places: &[DVec3; 3], sums: &mut [DVec3; 3]) {
+/// Adds one link's irradiance at some places of a leaf, the link's receiver or below it.
+pub(super) fn gather_at(network: &Network, link: &Link, leaf: &Node, places: &[DVec3], sums: &mut [DVec3]) {
+    if link.visible == 0.0 || link.kind != Kind::Element {
+        return;
+    }
     let judge = &network.judge;
     let visible = f64::from(link.visible);
     if link.source >= POINT {
@@ -139,10 +142,10 @@ fn gather(network: &Network, link: &Link, leaf: &Node, places: &[DVec3; 3], sums
     }
     let source = &judge.elements.nodes[link.source as usize];
     if source.is_cluster() {
-        let intensity = judge.sent.intensity[source.corners[2] as usize];
         for (sum, p) in sums.iter_mut().zip(places) {
             let way = source.centre - *p;
-            *sum += visible * point_factor(way, leaf.normal) * intensity.at(-way.normalize_or_zero());
+            let intensity = intensity(source, &judge.sent, -way.normalize_or_zero());
+            *sum += visible * point_factor(way, leaf.normal) * intensity;
         }
         return;
     }
