@@ -252,7 +252,7 @@ fn renders(l: &mut List) {
             "unknown integrator type",
             "\"integrator\": {\n@\"type\": \"whited\"}",
             "integrator.type: unknown type 'whited', \
-             expected one of path, whitted, direct, photon_direct, caustic, photon, irradiance_cache, ppm, sppm, auto; \
+             expected one of path, whitted, direct, photon_direct, caustic, photon, irradiance_cache, radiosity, ppm, sppm, auto; \
              did you mean 'whitted'?",
         ),
         (
