@@ -317,7 +317,8 @@ mod tests {
     fn cube(albedo: f64) -> Shared {
         const OPPOSITE: f64 = 0.199_824_895_698_387_4;
         const BESIDE: f64 = 0.200_043_776_075_403_2;
-        let mut elements = Elements { top: NONE, ..Elements::default() };
+        let mut elements = Elements::default();
+        elements.top = NONE;
         for face in 0..6_u32 {
             elements.nodes.push(Node { patch: face, area: 1.0, parent: NONE, ..empty() });
             elements.patches.push(Patch {
