@@ -124,6 +124,7 @@ fn render_blocks_are_read_with_every_key() {
         ("caustic", IntegratorDesc::Caustic),
         ("photon", IntegratorDesc::Photon),
         ("irradiance_cache", IntegratorDesc::IrradianceCache),
+        ("radiosity", IntegratorDesc::Radiosity),
         ("ppm", IntegratorDesc::Ppm),
         ("sppm", IntegratorDesc::Sppm),
         ("auto", IntegratorDesc::Auto),
