@@ -120,7 +120,8 @@ fn seconds() -> f64 {
 
 fn render(scene: &Scene, samples: u32, seed: u64) -> etendue::Result<Image> {
     let desc = RenderDesc { resolution: [64, 48], samples, seed, ..RenderDesc::default() };
-    let mut render = Render::new(scene, RenderSettings { desc, threads: 2, auxiliary: true, ..RenderSettings::default() })?;
+    let mut render =
+        Render::new(scene, RenderSettings { desc, threads: 2, auxiliary: true, ..RenderSettings::default() })?;
     render.run(&mut |_| ControlFlow::Continue(()))?;
     Ok(render.image())
 }

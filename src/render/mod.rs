@@ -509,7 +509,8 @@ impl Render {
         }
         let is_asked_for = self.settings.adaptive == Some(true) && self.adaptive == Ok(true);
         if is_asked_for && self.stage.is_none() && ended != Ended::Cancelled {
-            notes.push(format!("all pixels had the same number of samples: the first {PILOT} are too few to choose by"));
+            notes
+                .push(format!("all pixels had the same number of samples: the first {PILOT} are too few to choose by"));
         }
         let non_finite = self.non_finite;
         if non_finite > 0 {

@@ -5,9 +5,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
-#[path = "../common/stats.rs"]
-#[allow(dead_code, reason = "other programs use the rest")]
-mod stats;
+use common::stats;
 
 mod record;
 mod table;
