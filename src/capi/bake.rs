@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::boundary::{Header, Object, give, need, object, on, read_sized, release, retain, take_status, write_sized};
+use super::device::etd_device;
 use super::read;
 use super::scene::etd_scene;
 use super::status::{ETD_CANCELLED, Failure, Result, etd_status};
@@ -21,11 +22,14 @@ use crate::scene::Scene;
 /// The layout of a light map, and the scene that it is of, as it was built then.
 pub struct etd_atlas {
     header: Header,
-    atlas: Atlas,
-    built: Scene,
+    atlas: Box<Atlas>,
+    built: Box<Scene>,
     scene: Arc<etd_scene>,
 }
 object!(etd_atlas, b"EtAt", "atlas");
+
+// The tag is looked for in whatever object the host passes: it must lie inside the smallest one.
+const _: () = assert!(size_of::<etd_atlas>() <= size_of::<etd_device>());
 
 /// Lays out all surfaces of a scene in one square light map; builds the scene first where it has changed.
 ///
@@ -55,6 +59,7 @@ pub unsafe extern "C" fn etd_atlas_new(
             for warning in atlas.warnings() {
                 header.callbacks.log(ETD_LOG_WARNING, warning);
             }
+            let (atlas, built) = (Box::new(atlas), Box::new(built));
             give(Arc::new(etd_atlas { header, atlas, built, scene: Arc::clone(scene) }), out_atlas);
             Ok(())
         })
