@@ -11,7 +11,7 @@ use super::elements::{Elements, NONE, quarter_centres};
 use super::light::{Moments, Sent};
 use super::links::{Judge, Kind, Link, POINT, intensity};
 use super::refine::{Network, Shared};
-use super::vertices::gather_at;
+use super::vertices::gather_over;
 use crate::control::Parallel;
 use crate::error::Result;
 use crate::math::DVec3;
@@ -231,23 +231,8 @@ fn irradiance_of_leaf(network: &Network, leaf: u32, received: &[Moments]) -> DVe
     let elements = &network.judge.elements;
     let node = &elements.nodes[leaf as usize];
     let places = quarter_centres(&elements.triangle(node));
-    let mut sums = [DVec3::ZERO; 4];
-    let mut at = leaf;
-    loop {
-        for link in network.links_of(at) {
-            gather_at(network, link, node, &places, &mut sums);
-        }
-        match elements.element_above(at) {
-            Some(above) => at = above,
-            None => break,
-        }
-    }
-    let mut irradiance = 0.25 * sums.iter().sum::<DVec3>();
-    let cluster = elements.nodes[at as usize].parent;
-    if cluster != NONE {
-        irradiance += received[elements.nodes[cluster as usize].corners[2] as usize].at(node.normal);
-    }
-    irradiance
+    let (sums, from_clusters) = gather_over(network, leaf, &places, received);
+    0.25 * sums.iter().sum::<DVec3>() + from_clusters
 }
 
 fn pull_patch(elements: &Elements, sent: &mut Sent, number: u32) {

@@ -102,23 +102,8 @@ fn leaf_corners(network: &Network, leaf: u32, received: &[Moments], corners: &mu
     let elements = &network.judge.elements;
     let node = &elements.nodes[leaf as usize];
     let places = elements.triangle(node).map(|p| p + INWARDS * (node.centre - p));
-    let mut sums = [DVec3::ZERO; 3];
-    let mut at = leaf;
-    loop {
-        for link in network.links_of(at) {
-            gather_at(network, link, node, &places, &mut sums);
-        }
-        match elements.element_above(at) {
-            Some(above) => at = above,
-            None => break,
-        }
-    }
-    let cluster = elements.nodes[at as usize].parent;
-    if cluster != NONE {
-        let moments = &received[elements.nodes[cluster as usize].corners[2] as usize];
-        let irradiance = moments.at(node.normal);
-        sums = sums.map(|sum| sum + irradiance);
-    }
+    let (sums, from_clusters) = gather_over(network, leaf, &places, received);
+    let sums = sums.map(|sum| sum + from_clusters);
     // The smaller neighbour knows better.
     let weight = 1.0 / node.radius;
     for (vertex, irradiance) in node.corners.into_iter().zip(sums) {
@@ -126,8 +111,35 @@ fn leaf_corners(network: &Network, leaf: u32, received: &[Moments], corners: &mu
     }
 }
 
+/// Irradiance at some places of a leaf by its own links and those of the elements above it, and what clusters bring to all of it.
+pub(super) fn gather_over<const N: usize>(
+    network: &Network,
+    leaf: u32,
+    places: &[DVec3; N],
+    received: &[Moments],
+) -> ([DVec3; N], DVec3) {
+    let elements = &network.judge.elements;
+    let node = &elements.nodes[leaf as usize];
+    let mut sums = [DVec3::ZERO; N];
+    let mut at = leaf;
+    loop {
+        for link in network.links_of(at) {
+            gather_at(network, link, node, places, &mut sums);
+        }
+        match elements.element_above(at) {
+            Some(above) => at = above,
+            None => break,
+        }
+    }
+    let from_clusters = match elements.nodes[at as usize].parent {
+        NONE => DVec3::ZERO,
+        cluster => received[elements.nodes[cluster as usize].corners[2] as usize].at(node.normal),
+    };
+    (sums, from_clusters)
+}
+
 /// Adds one link's irradiance at some places of a leaf, the link's receiver or below it.
-pub(super) fn gather_at(network: &Network, link: &Link, leaf: &Node, places: &[DVec3], sums: &mut [DVec3]) {
+fn gather_at(network: &Network, link: &Link, leaf: &Node, places: &[DVec3], sums: &mut [DVec3]) {
     if link.visible == 0.0 || link.kind != Kind::Element {
         return;
     }
