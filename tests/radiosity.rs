@@ -217,7 +217,7 @@ fn furnaces() {
         for albedo in [0.5, 0.9] {
             let solution = solve(
                 &furnace(room.clone(), albedo, Some(1.0)),
-                &RadiosityDesc { error: 0.1, ..RadiosityDesc::default() },
+                &RadiosityDesc { error: 0.3, ..RadiosityDesc::default() },
             );
             // All radiosities are pi / (1 - albedo), and so is what arrives.
             let (low, high) = range(&solution, 0, PI / (1.0 - f64::from(albedo)));
@@ -229,6 +229,20 @@ fn furnaces() {
         }
     }
     assert!(!wrong);
+}
+
+/// In an empty room all that a point light sends is absorbed; what a source's mean lacks is about a thousandth a bounce.
+#[test]
+fn power_in_an_empty_room() {
+    for (albedo, tolerance) in [(1e-4, 1e-5), (0.6, 4e-3)] {
+        let mut desc = furnace(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)), albedo, None);
+        desc.lights.push(point_light(DVec3::new(0.3, 0.2, 0.4), 2.0));
+        let solution = solve(&desc, &RadiosityDesc { error: 0.3, ..RadiosityDesc::default() });
+        let summary = solution.summary();
+        let balance = f64::from(summary.absorbed.x / summary.emitted.x);
+        println!("albedo {albedo}: absorbed {balance}");
+        assert!((balance - 1.0).abs() < tolerance, "{albedo}: {balance}");
+    }
 }
 
 /// Case 56: L = rho E / pi + rho^2 Phi / (4 pi^2 R^2 (1 - rho)) at any place of a sphere with a point light inside, as
@@ -400,8 +414,8 @@ fn many_triangles() {
     let summary = *solve(&desc, &fine).summary();
     let balance = f64::from(summary.absorbed.x / summary.emitted.x);
     println!("absorbed {balance}");
-    assert!(error < 5e-3, "{error}");
-    assert!((balance - 1.0).abs() < 0.01, "{balance}");
+    assert!(error < 2e-3, "{error}");
+    assert!((balance - 1.0).abs() < 0.006, "{balance}");
 }
 
 /// Case 60, small: the Cornell box's pictures against the path tracer's; finer elements are better, the final gather best.
@@ -420,7 +434,7 @@ fn cornell_box() {
     let errors = [one(150.0, 20.0, false), one(50.0, 5.0, false), one(15.0, 1.0, false), one(50.0, 5.0, true)];
     println!("{errors:?}");
     assert!(errors[1] < 0.7 * errors[0] && errors[2] < 0.7 * errors[1], "{errors:?}");
-    assert!(errors[2] < 0.03 && errors[3] < 0.01, "{errors:?}");
+    assert!(errors[2] < 0.01 && errors[3] < 0.005, "{errors:?}");
 }
 
 #[test]

@@ -42,6 +42,8 @@ pub(super) struct Node {
     pub cone: f64,
     /// Of a convex side: area over that of the flat element.
     pub swell: f64,
+    /// Whether something stands on it, or its corners do not tell what light is within.
+    pub is_cut: bool,
 }
 
 impl Node {
@@ -245,7 +247,20 @@ impl Elements {
             }
         }
         let radius = [a, b, c].iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
-        Node { centre, normal, area: whole, radius, parent, first: 0, children: 0, patch, corners, cone: 0.0, swell }
+        Node {
+            centre,
+            normal,
+            area: whole,
+            radius,
+            parent,
+            first: 0,
+            children: 0,
+            patch,
+            corners,
+            cone: 0.0,
+            swell,
+            is_cut: false,
+        }
     }
 
     /// Whether an element has children, or may get some.
@@ -342,8 +357,12 @@ impl Elements {
         if patch.shape != NONE {
             return self.leaf_on_shape(patches, p);
         }
-        let mut number = patch.node;
-        let [mut s, mut t] = weights.map(|w| f64::from(w).clamp(0.0, 1.0));
+        let (number, at) = self.leaf_below(patch.node, weights.map(|w| f64::from(w).clamp(0.0, 1.0)));
+        Some((number, inside(at)))
+    }
+
+    /// The leaf below an element at weights of its second and third corner, and the weights of the leaf's.
+    pub fn leaf_below(&self, mut number: u32, [mut s, mut t]: [f64; 2]) -> (u32, [f64; 2]) {
         while let Node { first, children: 4, .. } = self.nodes[number as usize] {
             let child;
             let r = 1.0 - s - t;
@@ -359,7 +378,7 @@ impl Elements {
             };
             number = first + child;
         }
-        Some((number, inside([s, t])))
+        (number, [s, t])
     }
 
     fn leaf_on_shape(&self, patches: &[Patch], p: DVec3) -> Option<(u32, [f64; 2])> {
@@ -453,6 +472,7 @@ impl Elements {
             corners: [range.start, range.end, self.clusters],
             cone: cone.min(std::f64::consts::PI),
             swell: 1.0,
+            is_cut: false,
         };
         self.clusters += 1;
         self.nodes[slot as usize] = cluster;
@@ -472,6 +492,7 @@ pub(super) fn empty() -> Node {
         corners: [0; 3],
         cone: 0.0,
         swell: 1.0,
+        is_cut: false,
     }
 }
 

@@ -115,12 +115,18 @@ pub(super) fn mean(f: &impl Fn(DVec3) -> f64, triangle: &[DVec3; 3], tolerance: 
     refine(f, triangle, whole, tolerance, halvings)
 }
 
-fn rule(f: &impl Fn(DVec3) -> f64, &[a, b, c]: &[DVec3; 3]) -> f64 {
-    let mut sum = 0.225 * f((a + b + c) / 3.0);
-    for (one, others, weight) in RADON {
-        sum += weight * (f(one * a + others * (b + c)) + f(one * b + others * (c + a)) + f(one * c + others * (a + b)));
-    }
-    sum
+fn rule(f: &impl Fn(DVec3) -> f64, triangle: &[DVec3; 3]) -> f64 {
+    let (places, weights) = places(triangle);
+    places.into_iter().zip(weights).map(|(p, weight)| weight * f(p)).sum()
+}
+
+/// The places of that rule in a triangle, and their weights.
+pub(super) fn places(&[a, b, c]: &[DVec3; 3]) -> ([DVec3; 7], [f64; 7]) {
+    let [(o, p, w), (q, r, v)] = RADON;
+    let at =
+        |one: f64, others: f64| [one * a + others * (b + c), one * b + others * (c + a), one * c + others * (a + b)];
+    let ([d, e, f], [g, h, i]) = (at(o, p), at(q, r));
+    ([(a + b + c) / 3.0, d, e, f, g, h, i], [0.225, w, w, w, v, v, v])
 }
 
 fn refine(f: &impl Fn(DVec3) -> f64, triangle: &[DVec3; 3], whole: f64, tolerance: f64, halvings: u32) -> f64 {

@@ -13,11 +13,11 @@
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2};
 
 use super::elements::{Elements, NONE, Node, quarter_centres};
-use super::form_factor::{mean, point_to_front};
+use super::form_factor::{mean, point_to_front, quarters};
 use super::light::Sent;
-use crate::math::{DVec3, HitPoint, Ray, Vec3};
-use crate::sampling::hash;
+use crate::math::DVec3;
 use crate::scene::Scene;
+use crate::spectrum::Rgb;
 
 /// Numbers from here on are point lights.
 pub(super) const POINT: u32 = 1 << 31;
@@ -41,9 +41,46 @@ pub(super) struct Link {
     pub factor: f32,
     /// Share that is not blocked.
     pub visible: f32,
+    /// The same by other rays: by these it is decided whether to divide. A share that had to pass that test would be a biased
+    /// one: links seen less than half would be divided, and lost, more often than those seen more.
+    pub seen: f32,
     /// What `factor` times `visible` may be wrong by; 0 where nothing can be done about it.
     pub error: f32,
+    pub shares: Shares,
     pub kind: Kind,
+}
+
+/// What share of a link's form factor each quarter of its source has: what is near is bright, usually, so that a mean by area
+/// would lack some.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Shares([u16; 3]);
+
+impl Shares {
+    /// By area.
+    pub const EVEN: Self = Self([u16::MAX; 3]);
+
+    fn new(factors: [f64; 4]) -> Self {
+        let sum: f64 = factors.iter().sum();
+        if sum > 0.0 {
+            Self([0, 1, 2].map(|k| (factors[k] / sum * f64::from(u16::MAX - 1)) as u16))
+        } else {
+            Self::EVEN
+        }
+    }
+
+    /// The mean by these of what a node's parts have; `whole`: its mean by area.
+    #[inline]
+    pub fn mean<T>(self, source: &Node, of: &[T], whole: T) -> T
+    where
+        T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
+    {
+        if self == Self::EVEN || source.children != 4 {
+            return whole;
+        }
+        let parts = &of[source.first as usize..source.first as usize + 4];
+        let [a, b, c] = self.0.map(|share| f64::from(share) / f64::from(u16::MAX - 1));
+        parts[0] * a + parts[1] * b + parts[2] * c + parts[3] * (1.0 - a - b - c)
+    }
 }
 
 /// How a link's irradiance depends on the receiving surfaces.
@@ -79,12 +116,13 @@ pub(super) struct Judge {
     pub lights: Vec<PointLight>,
     /// Error that is allowed: irradiance times root of area.
     pub threshold: f64,
+    /// Irradiance at vertices; empty while that is not known.
+    pub at_vertices: Vec<Rgb>,
 }
 
-/// Rays for a pair: of little consequence, usually, and where some are blocked but nothing more can be divided.
-const FEW_RAYS: u32 = 4;
-const RAYS: u32 = 8;
-const MORE_RAYS: u32 = 32;
+/// Rays that decide on a pair: the more the more light is at stake, so that no shadow is missed that matters.
+const RAYS: f64 = 4.0;
+const MOST_RAYS: f64 = 64.0;
 
 /// Elements farther apart than this, in their radii, are points to each other.
 const FAR: f64 = 40.0;
@@ -104,16 +142,19 @@ const FEW_PATCHES: usize = 1200;
 /// Of a source that is seen in part the radiosity may vary by this share of what is allowed: such errors go one way.
 const HIDDEN: f64 = 1.0 / 32.0;
 
+/// Elements that are cut are divided where a link brings more than this share of what is allowed.
+const CUT: f64 = 0.25;
+
 /// Heights over a plane, in distances, that are rounding.
 const FLAT: f64 = 1e-6;
 
 impl Judge {
-    fn node(&self, number: u32) -> &Node {
+    pub fn node(&self, number: u32) -> &Node {
         &self.elements.nodes[number as usize]
     }
 
     /// Strength of a source in the unit direction `d`, in its largest channel.
-    fn strength(&self, source: u32, d: DVec3) -> f64 {
+    pub fn strength(&self, source: u32, d: DVec3) -> f64 {
         if source >= POINT {
             return self.lights[(source - POINT) as usize].intensity.max_element();
         }
@@ -129,6 +170,13 @@ impl Judge {
     pub fn is_stale(&self, link: &Link) -> bool {
         let receiver = self.node(link.receiver);
         let root = receiver.area.sqrt();
+        if link.kind == Kind::Element && receiver.is_cut && self.elements.is_divisible(link.receiver) {
+            let d = if link.source >= POINT { DVec3::ZERO } else { receiver.centre - self.node(link.source).centre };
+            let all = f64::from(link.factor) * self.strength(link.source, d.normalize_or_zero());
+            if all * root > CUT * self.threshold {
+                return true;
+            }
+        }
         if link.kind == Kind::Dim {
             return f64::from(self.sent.most[link.source as usize]) * f64::from(link.error) * root > self.threshold;
         }
@@ -137,16 +185,27 @@ impl Judge {
         } else {
             let source = self.node(link.source);
             if !source.is_cluster() {
-                let spread = f64::from(self.sent.spread[link.source as usize]) * f64::from(link.factor) * root;
-                let visible = f64::from(link.visible);
-                let hidden = 2.0 * visible * (1.0 - visible);
-                if spread * visible > self.threshold || spread * hidden > HIDDEN * self.threshold {
+                let spread = self.spread(link.source, link.shares) * f64::from(link.factor) * root;
+                let seen = f64::from(link.seen);
+                let hidden = 2.0 * seen * (1.0 - seen);
+                if spread * seen > self.threshold || spread * hidden > HIDDEN * self.threshold {
                     return true;
                 }
             }
             self.strength(link.source, (receiver.centre - source.centre).normalize_or_zero())
         };
         strength * f64::from(link.error) * root > self.threshold
+    }
+
+    /// How far, at most, radiosities below a source's quarters are from those of the quarters.
+    fn spread(&self, source: u32, shares: Shares) -> f64 {
+        let spread = |number: usize| f64::from(self.sent.spread[number]);
+        let node = self.node(source);
+        if shares == Shares::EVEN || node.children != 4 {
+            return spread(source as usize);
+        }
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| spread(node.first as usize + k));
+        a.max(b).max(c).max(d)
     }
 
     /// What becomes of a pair.
@@ -184,6 +243,8 @@ impl Judge {
             source,
             factor: 0.0,
             visible: 1.0,
+            seen: 1.0,
+            shares: Shares::EVEN,
             error: (1.0 / NOTHING) as f32,
             kind: Kind::Dim,
         })
@@ -220,19 +281,29 @@ impl Judge {
             return Verdict::Drop;
         }
 
-        let (factor, error) = if distance > FAR * (r.radius + s.radius) {
+        let (factor, error, shares) = if distance > FAR * (r.radius + s.radius) {
             let d = way / distance;
             let cosines = d.dot(r.normal).max(0.0) * (-d.dot(s.normal)).max(0.0);
             let factor = cosines * s.area * FRAC_1_PI / (distance * distance);
-            (factor, factor / FAR)
+            (factor, factor / FAR, Shares::EVEN)
         } else {
             let f = |p: DVec3| point_to_front(p, r.normal, &to, s.normal) * s.swell;
             let [a, b, c, middle] = quarter_centres(&from).map(f);
             let rough = 0.25 * (a + b + c + middle);
             let spread = a.max(b).max(c).max(middle) - a.min(b).min(c).min(middle);
             let bend = (middle - (a + b + c) / 3.0).abs();
-            let factor = if spread > 0.05 * rough { mean(&f, &from, 1e-4 * rough.max(1e-3), 4) } else { rough };
-            (factor, bend + SPREAD_SHARE * spread)
+            let is_uneven = spread > 0.05 * rough;
+            let factor = if is_uneven { mean(&f, &from, 1e-4 * rough.max(1e-3), 4) } else { rough };
+            let places = quarter_centres(&from);
+            let places = if is_uneven { &places[..] } else { &places[3..] };
+            let shares = match self.elements.shape(s.patch) {
+                Some(_) => Shares::EVEN,
+                None => Shares::new(
+                    quarters(&to)
+                        .map(|part| places.iter().map(|&p| point_to_front(p, r.normal, &part, s.normal)).sum()),
+                ),
+            };
+            (factor, bend + SPREAD_SHARE * spread, shares)
         };
         if factor <= 0.0 {
             return Verdict::Drop;
@@ -243,37 +314,43 @@ impl Judge {
         if error * strength > allowed && self.elements.is_divisible(receiver) {
             return Verdict::DivideReceiver;
         }
-        if factor * f64::from(self.sent.spread[source as usize]) > allowed && !s.is_leaf() {
+        let source_spread = self.spread(source, shares);
+        if factor * source_spread > allowed && !s.is_leaf() {
             return Verdict::DivideSource;
         }
         let all = factor * strength;
-        let rays = if all > allowed { RAYS } else { FEW_RAYS };
-        let mut visible = self.visible(receiver, source, rays);
-        let mut unsure = 2.0 * visible * (1.0 - visible);
+        let rays = (RAYS * all / allowed).clamp(RAYS, MOST_RAYS) as u32;
+        let seen = self.seen(receiver, source, rays);
+        let mut unsure = 2.0 * seen * (1.0 - seen);
         let mut error = error;
         if all * unsure > allowed {
             if let Some(verdict) = self.divide(receiver, source) {
                 return verdict;
             }
-            visible = self.visible(receiver, source, MORE_RAYS);
             (error, unsure) = (0.0, 0.0);
         }
         // What is hidden of a source may be what is dark of it: the floor under a box.
-        let hidden = factor * f64::from(self.sent.spread[source as usize]) * 2.0 * visible * (1.0 - visible);
+        let hidden = factor * source_spread * 2.0 * seen * (1.0 - seen);
         if hidden > HIDDEN * allowed && !s.is_leaf() {
             return Verdict::DivideSource;
         }
-        if visible == 0.0 && all < NOTHING * allowed {
-            return Verdict::Drop;
+        let much = all > CUT * allowed;
+        if much && r.is_cut && self.elements.is_divisible(receiver) {
+            return Verdict::DivideReceiver;
         }
-        let error = error * visible + factor * (unsure + UNSEEN_SHARE);
+        if much && s.is_cut && self.elements.is_divisible(source) {
+            return Verdict::DivideSource;
+        }
+        let error = error * seen + factor * (unsure + UNSEEN_SHARE);
         let is_last = !self.elements.is_divisible(receiver) && !self.elements.is_divisible(source);
         Verdict::Keep(Link {
             receiver,
             source,
             factor: factor as f32,
-            visible: visible as f32,
+            visible: seen as f32,
+            seen: seen as f32,
             error: if is_last { 0.0 } else { error as f32 },
+            shares,
             kind: Kind::Element,
         })
     }
@@ -366,14 +443,14 @@ impl Judge {
             return verdict;
         }
         let all = factor * strength;
-        let mut visible = self.visible(receiver, source, if all > allowed { RAYS } else { FEW_RAYS });
-        let mut unsure = 2.0 * visible * (1.0 - visible);
+        let rays = (RAYS * all / allowed).clamp(RAYS, MOST_RAYS) as u32;
+        let seen = self.seen(receiver, source, rays);
+        let mut unsure = 2.0 * seen * (1.0 - seen);
         let enough = if source < POINT && self.node(source).is_cluster() { HIDDEN * allowed } else { allowed };
         if all * unsure > enough {
             if let Some(verdict) = divide() {
                 return verdict;
             }
-            visible = self.visible(receiver, source, MORE_RAYS);
             unsure = 0.0;
         }
         let is_last = divide().is_none();
@@ -382,8 +459,10 @@ impl Judge {
             receiver,
             source,
             factor: factor as f32,
-            visible: visible as f32,
+            visible: seen as f32,
+            seen: seen as f32,
             error: error as f32,
+            shares: Shares::EVEN,
             kind,
         })
     }
@@ -418,72 +497,6 @@ impl Judge {
         let bend = (middle - (a + b + c) / 3.0).abs();
         let factor = if spread > 0.05 * rough { mean(&f, &from, 1e-4 * rough, 4) } else { rough };
         self.settle(receiver, source, [factor, bend + SPREAD_SHARE * spread], Kind::Element, -d)
-    }
-
-    /// The share of the light between two nodes that nothing blocks, by `count` rays.
-    fn visible(&self, receiver: u32, source: u32, count: u32) -> f64 {
-        // A sequence of low discrepancy in four dimensions: powers of the root of x^5 = x + 1. (Roberts 2018.)
-        const STEPS: [f64; 4] =
-            [0.856_674_883_854_502_9, 0.733_891_856_627_126_2, 0.628_706_721_037_808_3, 0.538_597_257_472_236_5];
-        let key = hash(u64::from(receiver), u64::from(source));
-        let start: [f64; 4] = std::array::from_fn(|i| (hash(key, i as u64) >> 11) as f64 / (1_u64 << 53) as f64);
-        let (mut sum, mut total) = (0.0, 0.0);
-        for i in 0..count {
-            let u: [f64; 4] = std::array::from_fn(|k| (start[k] + f64::from(i) * STEPS[k]).fract());
-            let random = hash(key, 16 + u64::from(i));
-            let Some((p, n)) = self.place(receiver, [u[0], u[1]], random, self.centre(source)) else { continue };
-            let (weight, shadow) = if source >= POINT {
-                let light = self.lights[(source - POINT) as usize].position;
-                let origin = p.offset(n);
-                // Not quite there, as for other shadow rays.
-                let direction = (light.as_vec3a() - origin) * (1.0 - 16.0 * f32::EPSILON);
-                (point_factor(light - p.p.as_dvec3(), n.as_dvec3()), Ray { origin, direction, tnear: 0.0, tfar: 1.0 })
-            } else {
-                let Some((q, m)) = self.place(source, [u[2], u[3]], hash(random, 1), self.centre(receiver)) else {
-                    continue;
-                };
-                let way = q.p - p.p;
-                let distance2 = f64::from(way.length_squared());
-                let cosines = f64::from(way.dot(n).max(0.0)) * f64::from((-way.dot(m)).max(0.0));
-                let origin = p.offset(n);
-                let target = q.seen_from(way.length()).offset(m);
-                let weight = if cosines > 0.0 { cosines / (distance2 * distance2) } else { 0.0 };
-                (weight, Ray { origin, direction: target - origin, tnear: 0.0, tfar: 1.0 })
-            };
-            if weight > 0.0 && weight.is_finite() {
-                total += weight;
-                if self.scene.unoccluded(&shadow) {
-                    sum += weight;
-                }
-            }
-        }
-        // Where no ray could say, nothing is known to be in between, and little light to be lost.
-        if total > 0.0 { sum / total } else { 1.0 }
-    }
-
-    fn centre(&self, number: u32) -> DVec3 {
-        if number >= POINT { self.lights[(number - POINT) as usize].position } else { self.node(number).centre }
-    }
-
-    /// A point of a node, of a cluster on a patch that faces `towards` if there is one soon.
-    fn place(&self, number: u32, u: [f64; 2], random: u64, towards: DVec3) -> Option<(HitPoint, Vec3)> {
-        let mut node = self.node(number);
-        if node.is_cluster() {
-            let [start, end, _] = node.corners;
-            let mut found = None;
-            for i in 0..4 {
-                let step = ((hash(random, i) >> 32) * u64::from(end - start)) >> 32;
-                let patch = self.elements.order[start as usize + step as usize];
-                let member = self.node(self.elements.patches[patch as usize].node);
-                if (towards - member.centre).dot(member.normal) > 0.0 {
-                    found = Some(member);
-                    break;
-                }
-            }
-            node = found?;
-        }
-        let [s, t] = if u[0] + u[1] > 1.0 { [1.0 - u[0], 1.0 - u[1]] } else { u };
-        Some(self.elements.point(node, [s, t]))
     }
 }
 

@@ -39,6 +39,7 @@ mod shoot;
 mod solve;
 mod tessellate;
 mod vertices;
+mod visibility;
 
 pub(crate) use picture::RadiosityPicture;
 
@@ -109,6 +110,11 @@ const COARSENESS: [f64; 4] = [64.0, 16.0, 4.0, 1.0];
 /// Once it is, links are looked at again so often.
 const REPEATS: usize = 2;
 
+/// How often leaves are divided whose corners do not tell what light is within, and by how much that is, in what a link may be
+/// wrong by.
+const DIVISIONS: usize = 2;
+const BETWEEN: f64 = 3.0;
+
 /// How often leaves are balanced: by what they send, which it changes.
 const BALANCES: usize = 6;
 
@@ -136,6 +142,10 @@ impl Radiosity {
         let (mut course, mut ambient) = (Course::default(), DVec3::ZERO);
         if !is_dark && !read(&shared).judge.elements.patches.is_empty() {
             link(&shared, desc, parallel)?;
+            let at_vertices = vertices::vertices(&shared, parallel)?;
+            shared.write().unwrap_or_else(PoisonError::into_inner).judge.at_vertices = at_vertices;
+            refine::look_again(&shared, parallel)?;
+            solve::sweep(&shared, parallel)?;
             for _ in 0..BALANCES {
                 solve::balance(&shared, parallel)?;
                 solve::sweep(&shared, parallel)?;
@@ -300,6 +310,34 @@ fn link(shared: &Shared, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> 
         let total = found.iter().map(square).sum::<f64>().sqrt();
         if total > 0.0 {
             norm = total;
+        }
+    }
+    for _ in 0..DIVISIONS {
+        cut(shared, parallel)?;
+        let pairs = refine::stale(shared, parallel)?;
+        if pairs.is_empty() {
+            break;
+        }
+        refine::refine(shared, pairs, parallel)?;
+        for _ in 0..SWEEPS {
+            solve::bounce(shared, parallel)?;
+        }
+    }
+    Ok(())
+}
+
+/// Marks the leaves whose corners do not tell what light is within: at the edges of shadows.
+fn cut(shared: &Shared, parallel: &mut impl Parallel) -> Result<()> {
+    let at_vertices = vertices::vertices(shared, parallel)?;
+    let found = solve::irradiances(shared, parallel)?;
+    let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
+    let threshold = network.judge.threshold;
+    for (leaf, within) in found {
+        let node = &mut network.judge.elements.nodes[leaf as usize];
+        let corners = node.corners.map(|vertex| at_vertices[vertex as usize].as_dvec3());
+        let mean = (corners[0] + corners[1] + corners[2]) / 3.0;
+        if (mean - within).abs().max_element() * node.area.sqrt() > BETWEEN * threshold {
+            node.is_cut = true;
         }
     }
     Ok(())

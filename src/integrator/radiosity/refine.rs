@@ -51,7 +51,14 @@ impl Network {
         };
         let lights = scene.emitters().emitters().iter().filter_map(light).collect();
         let clusters = (0..elements.nodes.len() as u32).filter(|&i| elements.nodes[i as usize].is_cluster()).collect();
-        let judge = Judge { scene: scene.clone(), elements, sent: Sent::default(), lights, threshold: 0.0 };
+        let judge = Judge {
+            scene: scene.clone(),
+            elements,
+            sent: Sent::default(),
+            lights,
+            threshold: 0.0,
+            at_vertices: Vec::new(),
+        };
         let mut network = Self { judge, links: Vec::new(), first: Vec::new(), clusters, scale: Vec::new() };
         network.emit();
         network
@@ -101,8 +108,14 @@ impl Network {
 
     /// Makes the parts of nodes that have none; they send what the whole did.
     fn divide(&mut self, number: u32) -> std::ops::Range<u32> {
+        let is_new = self.judge.elements.nodes[number as usize].is_leaf();
+        let parts = self.judge.elements.parts(number);
+        if is_new {
+            for part in parts.clone() {
+                self.judge.elements.nodes[part as usize].is_cut = self.judge.is_cut(part);
+            }
+        }
         let Judge { elements, sent, .. } = &mut self.judge;
-        let parts = elements.parts(number);
         if sent.b.len() < elements.nodes.len() {
             let b = sent.b[number as usize];
             sent.b.resize(elements.nodes.len(), b);
@@ -178,4 +191,20 @@ pub(super) fn stale(shared: &Shared, parallel: &mut impl Parallel) -> Result<Vec
         !is_stale
     });
     Ok(pairs)
+}
+
+/// Looks again at how much of each link is visible, by what is sent now: at those that are seen in part.
+pub(super) fn look_again(shared: &Shared, parallel: &mut impl Parallel) -> Result<()> {
+    let count = shared.read().unwrap_or_else(PoisonError::into_inner).links.len();
+    let network = Arc::clone(shared);
+    let visible = parallel.map(count.div_ceil(LOOKS), move |block| {
+        let network = network.read().unwrap_or_else(PoisonError::into_inner);
+        let links = network.links[block * LOOKS..].iter().take(LOOKS);
+        links.map(|link| network.judge.look_again(link)).collect::<Vec<_>>()
+    })?;
+    let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
+    for (link, visible) in network.links.iter_mut().zip(visible.into_iter().flatten()) {
+        link.visible = visible;
+    }
+    Ok(())
 }

@@ -26,6 +26,8 @@ struct Shooting<'n> {
     unshot: Vec<DVec3>,
     /// The same as power, of each patch, all channels; behind them of each point light.
     power: Vec<f64>,
+    /// Of each node: what was taken from it last.
+    taken: Vec<DVec3>,
 }
 
 /// Shoots so many times, or until no more than `tolerance` is left; leaves behind what was shot as what is sent. And the
@@ -93,7 +95,7 @@ impl<'n> Shooting<'n> {
             |patch: &super::elements::Patch| elements.nodes[patch.node as usize].area * patch.emitted.element_sum();
         let mut power: Vec<f64> = elements.patches.iter().map(patch).collect();
         power.extend(lights.iter().map(|light| 4.0 * PI * light.intensity.element_sum()));
-        Self { network, outgoing, first, unshot: b.clone(), b, power }
+        Self { network, outgoing, first, unshot: b.clone(), taken: vec![DVec3::ZERO; nodes], b, power }
     }
 
     /// Sum of area times radiosity, all channels.
@@ -107,15 +109,21 @@ impl<'n> Shooting<'n> {
         if number >= elements.patches.len() {
             let light = number - elements.patches.len();
             let intensity = self.network.judge.lights[light].intensity;
-            self.send(elements.nodes.len() + light, &|_| intensity);
+            self.send(elements.nodes.len() + light, &|_, _| intensity);
             return;
         }
         let root = elements.patches[number].node;
         let mut sent = Vec::new();
         let b = self.take(root, &mut sent);
-        for (node, b) in sent {
-            self.send(node as usize, &|_| b);
+        let mut taken = std::mem::take(&mut self.taken);
+        for &(node, b) in &sent {
+            taken[node as usize] = b;
         }
+        for (number, b) in sent {
+            let node = &elements.nodes[number as usize];
+            self.send(number as usize, &|link, _| link.shares.mean(node, &taken, b));
+        }
+        self.taken = taken;
         // As part of the clusters above.
         let node = &elements.nodes[root as usize];
         let mut above = node.parent;
@@ -124,7 +132,7 @@ impl<'n> Shooting<'n> {
         while above != NONE {
             let cluster = &elements.nodes[above as usize];
             // As the cluster's intensity is told, so that all its patches together send what it does.
-            self.send(above as usize, &|receiver| {
+            self.send(above as usize, &|_, receiver| {
                 let d = (receiver - cluster.centre).normalize_or_zero();
                 if faces(cluster, d) { moments.at_facing(d) } else { moments.at(d) }
             });
@@ -150,8 +158,8 @@ impl<'n> Shooting<'n> {
         mean
     }
 
-    /// Sends over all links of a source; `strength` by where the receiver is.
-    fn send(&mut self, slot: usize, strength: &dyn Fn(DVec3) -> DVec3) {
+    /// Sends over all links of a source; `strength` by the link and where the receiver is.
+    fn send(&mut self, slot: usize, strength: &dyn Fn(&Link, DVec3) -> DVec3) {
         let network = self.network;
         let Judge { elements, lights, .. } = &network.judge;
         for i in self.first[slot]..self.first[slot + 1] {
@@ -160,7 +168,7 @@ impl<'n> Shooting<'n> {
                 continue;
             }
             let receiver = &elements.nodes[link.receiver as usize];
-            let weight = f64::from(link.factor) * f64::from(link.visible) * strength(receiver.centre);
+            let weight = f64::from(link.factor) * f64::from(link.visible) * strength(link, receiver.centre);
             if !receiver.is_cluster() {
                 self.receive(link.receiver, weight);
                 continue;

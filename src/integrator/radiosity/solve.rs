@@ -7,7 +7,8 @@
 
 use std::sync::{Arc, PoisonError};
 
-use super::elements::{Elements, NONE, quarter_centres};
+use super::elements::{Elements, NONE};
+use super::form_factor;
 use super::light::{Moments, Sent};
 use super::links::{Judge, Kind, Link, POINT, intensity};
 use super::refine::{Network, Shared};
@@ -43,7 +44,7 @@ fn strength(judge: &Judge, sent: &Sent, link: &Link) -> DVec3 {
         let d = judge.elements.nodes[link.receiver as usize].centre - source.centre;
         intensity(source, sent, d.normalize_or_zero())
     } else {
-        sent.b[link.source as usize]
+        link.shares.mean(source, &sent.b, sent.b[link.source as usize])
     }
 }
 
@@ -226,13 +227,13 @@ pub(super) fn balance(shared: &Shared, parallel: &mut impl Parallel) -> Result<(
     Ok(())
 }
 
-/// By the same four places for all links, so that what they miss of one they have of another.
+/// By the same places for all links, so that what they miss of one they have of another.
 fn irradiance_of_leaf(network: &Network, leaf: u32, received: &[Moments]) -> DVec3 {
     let elements = &network.judge.elements;
     let node = &elements.nodes[leaf as usize];
-    let places = quarter_centres(&elements.triangle(node));
-    let (sums, from_clusters) = gather_over(network, leaf, &places, received);
-    0.25 * sums.iter().sum::<DVec3>() + from_clusters
+    let (places, weights) = form_factor::places(&elements.triangle(node));
+    let (sums, from_clusters) = gather_over(network, leaf, &places, received, &|link, _, _| f64::from(link.visible));
+    sums.iter().zip(weights).map(|(sum, weight)| weight * sum).sum::<DVec3>() + from_clusters
 }
 
 fn pull_patch(elements: &Elements, sent: &mut Sent, number: u32) {
@@ -292,6 +293,7 @@ mod tests {
     use std::sync::RwLock;
 
     use super::super::elements::{Node, Patch, empty};
+    use super::super::links::Shares;
     use super::super::shoot::shoot;
     use super::*;
     use crate::control::Alone;
@@ -324,7 +326,16 @@ mod tests {
                 let exact = if receiver / 2 == source / 2 { OPPOSITE } else { BESIDE };
                 let coarse = exact as f32;
                 for factor in [coarse, (exact - f64::from(coarse)) as f32] {
-                    let link = Link { receiver, source, factor, visible: 1.0, error: 0.0, kind: Kind::Element };
+                    let link = Link {
+                        receiver,
+                        source,
+                        factor,
+                        visible: 1.0,
+                        seen: 1.0,
+                        error: 0.0,
+                        shares: Shares::EVEN,
+                        kind: Kind::Element,
+                    };
                     network.links.push(link);
                 }
             }

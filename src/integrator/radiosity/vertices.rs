@@ -1,7 +1,7 @@
 //! The solution between elements: irradiance at their vertices.
 //!
 //! Each leaf gathers once more at its three corners, over the links that it has: form factors are those at the corner,
-//! visibility that of the link. A vertex has the mean of what the leaves around it find. One that hangs on the side of a larger
+//! and so is the visibility of what matters. A vertex has the mean of what the leaves around it find. One that hangs on the side of a larger
 //! leaf has the mean of the side's ends, so that the interpolation has no cracks.
 
 use std::f64::consts::FRAC_1_PI;
@@ -16,6 +16,7 @@ use super::solve::received;
 use crate::control::Parallel;
 use crate::error::Result;
 use crate::math::DVec3;
+use crate::sampling::hash;
 use crate::spectrum::Rgb;
 
 /// Patches of one thread at a time.
@@ -24,6 +25,11 @@ const BLOCK: usize = 16;
 /// So far from a corner towards the middle of its element light is gathered for it: on an edge that two walls share, Lambert's
 /// formula is any of its limits.
 const INWARDS: f64 = 1e-3;
+
+/// Rays from a corner to the source of a link: where it brings more than is allowed to be wrong, or this share of it and is
+/// seen in part.
+const RAYS: u32 = 16;
+const PARTLY: f64 = 0.1;
 
 /// Farther from a point than this, in its radii, an element sends what a point would.
 const FAR: f64 = 12.0;
@@ -99,10 +105,25 @@ fn patch_corners(network: &Network, patch: u32, received: &[Moments], corners: &
 }
 
 fn leaf_corners(network: &Network, leaf: u32, received: &[Moments], corners: &mut Vec<Corner>) {
-    let elements = &network.judge.elements;
+    let judge = &network.judge;
+    let elements = &judge.elements;
     let node = &elements.nodes[leaf as usize];
+    // Of the second and third corner.
+    let weights = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|at: [f64; 2]| at.map(|w| w + INWARDS * (1.0 / 3.0 - w)));
     let places = elements.triangle(node).map(|p| p + INWARDS * (node.centre - p));
-    let (sums, from_clusters) = gather_over(network, leaf, &places, received);
+    let hits = weights.map(|at| elements.point(node, at));
+    let root = node.area.sqrt();
+    let visible = |link: &Link, k: usize, strength: DVec3| {
+        let stake = f64::from(link.factor) * strength.max_element() * root;
+        let is_partly = link.visible > 0.0 && link.visible < 1.0;
+        if stake < judge.threshold * if is_partly { PARTLY } else { 1.0 } {
+            return f64::from(link.visible);
+        }
+        let (at, n) = hits[k];
+        let key = hash(hash(u64::from(leaf), k as u64), u64::from(link.source));
+        judge.visible_at(at, n, link.source, RAYS, key)
+    };
+    let (sums, from_clusters) = gather_over(network, leaf, &places, received, &visible);
     let sums = sums.map(|sum| sum + from_clusters);
     // The smaller neighbour knows better.
     let weight = 1.0 / node.radius;
@@ -112,19 +133,21 @@ fn leaf_corners(network: &Network, leaf: u32, received: &[Moments], corners: &mu
 }
 
 /// Irradiance at some places of a leaf by its own links and those of the elements above it, and what clusters bring to all of it.
+/// `visible`: what is seen of a link's source, which is so strong, from one of the places.
 pub(super) fn gather_over<const N: usize>(
     network: &Network,
     leaf: u32,
     places: &[DVec3; N],
     received: &[Moments],
+    visible: &impl Fn(&Link, usize, DVec3) -> f64,
 ) -> ([DVec3; N], DVec3) {
     let elements = &network.judge.elements;
     let node = &elements.nodes[leaf as usize];
     let mut sums = [DVec3::ZERO; N];
     let mut at = leaf;
     loop {
-        for link in network.links_of(at) {
-            gather_at(network, link, node, places, &mut sums);
+        for link in network.links_of(at).iter().filter(|link| link.kind == Kind::Element) {
+            gather_at(network, link, node, places, visible, &mut sums);
         }
         match elements.element_above(at) {
             Some(above) => at = above,
@@ -139,34 +162,42 @@ pub(super) fn gather_over<const N: usize>(
 }
 
 /// Adds one link's irradiance at some places of a leaf, the link's receiver or below it.
-fn gather_at(network: &Network, link: &Link, leaf: &Node, places: &[DVec3], sums: &mut [DVec3]) {
-    if link.visible == 0.0 || link.kind != Kind::Element {
-        return;
-    }
+fn gather_at(
+    network: &Network,
+    link: &Link,
+    leaf: &Node,
+    places: &[DVec3],
+    visible: &impl Fn(&Link, usize, DVec3) -> f64,
+    sums: &mut [DVec3],
+) {
     let judge = &network.judge;
-    let visible = f64::from(link.visible);
+    let mut add = |k: usize, factor: f64, strength: DVec3| {
+        if factor > 0.0 {
+            sums[k] += visible(link, k, strength) * factor * strength;
+        }
+    };
     if link.source >= POINT {
         let light = &judge.lights[(link.source - POINT) as usize];
-        for (sum, p) in sums.iter_mut().zip(places) {
-            *sum += visible * point_factor(light.position - *p, leaf.normal) * light.intensity;
+        for (k, p) in places.iter().enumerate() {
+            add(k, point_factor(light.position - *p, leaf.normal), light.intensity);
         }
         return;
     }
     let source = &judge.elements.nodes[link.source as usize];
     if source.is_cluster() {
-        for (sum, p) in sums.iter_mut().zip(places) {
+        for (k, p) in places.iter().enumerate() {
             let way = source.centre - *p;
             let intensity = intensity(source, &judge.sent, -way.normalize_or_zero());
-            *sum += visible * point_factor(way, leaf.normal) * intensity;
+            add(k, point_factor(way, leaf.normal), intensity);
         }
         return;
     }
-    let b = judge.sent.b[link.source as usize];
+    let b = link.shares.mean(source, &judge.sent.b, judge.sent.b[link.source as usize]);
     if b == DVec3::ZERO {
         return;
     }
     let corners = judge.elements.triangle(source);
-    for (sum, p) in sums.iter_mut().zip(places) {
+    for (k, p) in places.iter().enumerate() {
         let way = source.centre - *p;
         let distance2 = way.length_squared();
         let factor = if distance2 > (FAR * source.radius).powi(2) {
@@ -175,6 +206,6 @@ fn gather_at(network: &Network, link: &Link, leaf: &Node, places: &[DVec3], sums
         } else {
             point_to_front(*p, leaf.normal, &corners, source.normal) * source.swell
         };
-        *sum += visible * factor * b;
+        add(k, factor, b);
     }
 }

@@ -120,11 +120,7 @@ fn plates(case: &mut Case) {
     let at = |surface| {
         solution.irradiance_on(surface, 0, [0.3, 0.4], DVec3::ZERO, true).map_or(f64::NAN, |e| f64::from(e.x))
     };
-    // With the diagonals of both plates crossed they are divided, and right (tests/radiosity.rs).
-    const MIRRORED: &str = "triangles that mirror each other at a thousandth of their size are not divided";
-    case.known(MIRRORED);
     case.exact("radiosity of the one that emits", 1.0 + 0.5 * at(0), 5.0 / 3.0, Within::Absolute(3e-3));
-    case.known(MIRRORED);
     case.exact("radiosity of the other", 0.8 * at(1), 4.0 / 3.0, Within::Absolute(3e-3));
 }
 
@@ -143,11 +139,12 @@ fn cornell(case: &mut Case) {
     front.material = desc.materials.len() - 1;
     desc.surfaces.push(front);
     desc.camera = camera(DVec3::new(278.0, 273.0, 10.0), DVec3::new(278.0, 273.0, 10.0) + z, 60.0);
-    let solution = solve(&build(&desc), &RadiosityDesc { error: 1.0, ..RadiosityDesc::default() });
+    let solution = solve(&build(&desc), &RadiosityDesc { error: 0.3, ..RadiosityDesc::default() });
     let summary = solution.summary();
     let balance = f64::from(summary.absorbed.element_sum() / summary.emitted.element_sum());
     case.known(
-        "where something stands in between, links that few rays judge lose one or two per cent of reflected light",
+        "where radiosity varies over a source, what is near is bright, usually, and its mean lacks some: one or two thousandths a \
+         bounce",
     );
     case.exact("closed by a black wall: absorbed over emitted power", balance, 1.0, Within::Absolute(1e-3));
 }
