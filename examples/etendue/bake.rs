@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use etendue::Cancel;
 use etendue::bake::{Atlas, AtlasOptions, Bake, Baked, Layout, VertexOptions, Vertices, by_radiosity};
 use etendue::desc::{RenderDesc, SceneDesc};
 use etendue::film::ErrorEstimate;
@@ -125,7 +124,12 @@ impl Baker<'_> {
             memory: self.args.memory,
             ..AtlasOptions::default()
         };
-        let atlas = Atlas::new(self.scene, &options, &Cancel::new())?;
+        let bar = Bar::new(self.args.quiet);
+        let atlas = Atlas::watched(self.scene, &options, &mut |fraction| {
+            bar.show(fraction, "texels: layout".to_owned());
+            ControlFlow::Continue(())
+        })?;
+        drop(bar);
         let laid_out = began.elapsed();
         atlas.warnings().iter().for_each(console::warn);
         let (baked, summary) = self.run(atlas.sites(), Some(1.0 / atlas.texels_per_unit()), "texels")?;
@@ -168,7 +172,12 @@ impl Baker<'_> {
     /// Irradiance and radiosity at vertices.
     fn vertices(&self, files: &Files) -> Result<Part, Failure> {
         let options = VertexOptions { spacing: self.args.spacing, memory: self.args.memory };
-        let vertices = Vertices::new(self.scene, &options, &Cancel::new())?;
+        let bar = Bar::new(self.args.quiet);
+        let vertices = Vertices::watched(self.scene, &options, None, &mut |fraction| {
+            bar.show(fraction, "vertices: layout".to_owned());
+            ControlFlow::Continue(())
+        })?;
+        drop(bar);
         let (baked, summary) = self.run(vertices.sites(), self.args.spacing, "vertices")?;
         let irradiance = vertices.spread(&baked.irradiance);
         let values = VertexValues {
@@ -188,7 +197,7 @@ impl Baker<'_> {
     /// `spacing`: how far apart sites are, about.
     fn run(&self, sites: &Arc<Sites>, spacing: Option<f64>, what: &str) -> Result<(Baked, Summary), Failure> {
         if self.args.method == BakeMethod::Radiosity {
-            return self.solve(sites, spacing);
+            return self.solve(sites, spacing, what);
         }
         let mut bake = Bake::new(self.scene, sites, self.settings.clone(), !self.args.back)?;
         interrupt::begin();
@@ -204,11 +213,17 @@ impl Baker<'_> {
         Ok((bake.irradiance(), summary))
     }
 
-    fn solve(&self, sites: &Arc<Sites>, spacing: Option<f64>) -> Result<(Baked, Summary), Failure> {
+    fn solve(&self, sites: &Arc<Sites>, spacing: Option<f64>, what: &str) -> Result<(Baked, Summary), Failure> {
         let began = Instant::now();
         interrupt::begin();
-        let mut look_up = || if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let bar = Bar::new(self.args.quiet);
+        let mut look_up = |fraction| {
+            let left = console::time_left(fraction, began.elapsed());
+            bar.show(fraction, format!("{what}: radiosity{left}"));
+            if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
         let made = by_radiosity(self.scene, sites, &self.settings, spacing, !self.args.back, &mut look_up);
+        drop(bar);
         let (baked, solution) = made.map_err(Failure::running)?;
         let summary = Summary { elapsed: began.elapsed(), notes: solution.notes().to_vec(), ..Summary::default() };
         Ok((baked, summary))

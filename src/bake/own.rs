@@ -2,22 +2,20 @@
 
 use super::chart::Chart;
 use super::overlap::{Cover, Flat};
+use crate::Result;
+use crate::control::Watch;
 use crate::scene::SurfaceMesh;
-use crate::{Cancel, Result};
 
 /// Overlaps no deeper than this share of the square are none: exporters round, and it is a hundredth of a texel of a map of ten
 /// thousand.
 const TOLERANCE: f64 = 1e-6;
 
-/// Triangles between two looks at whether to go on.
-const LOOK: usize = 1 << 10;
-
 /// One chart of all of a mesh, laid out as its own texture coordinates say; or why they are no layout of a light map, which needs
-/// a place of its own in [0, 1]^2 for every point.
+/// a place of its own in [0, 1]^2 for every point. A unit of work is a triangle.
 ///
 /// # Errors
 /// [`crate::ErrorKind::Cancelled`].
-pub(super) fn layout(number: usize, mesh: &SurfaceMesh, cancel: &Cancel) -> Result<std::result::Result<Chart, String>> {
+pub(super) fn layout(number: usize, mesh: &SurfaceMesh, watch: &Watch) -> Result<std::result::Result<Chart, String>> {
     let Some(uvs) = &mesh.uvs else { return Ok(Err("the mesh has no texture coordinates".to_owned())) };
     let mut chart = Chart {
         mesh: number,
@@ -29,9 +27,7 @@ pub(super) fn layout(number: usize, mesh: &SurfaceMesh, cancel: &Cancel) -> Resu
     };
     let (mut area, mut flat_area) = (0.0, 0.0);
     for (i, triangle) in mesh.triangles.iter().enumerate() {
-        if i % LOOK == 0 {
-            cancel.check()?;
-        }
+        watch.check()?;
         let original = mesh.primitives[i];
         for &corner in triangle {
             let [u, v] = uvs[corner as usize];
@@ -53,14 +49,13 @@ pub(super) fn layout(number: usize, mesh: &SurfaceMesh, cancel: &Cancel) -> Resu
     }
     let mut cover = Cover::new(2.0 * (flat_area / chart.flat.len().max(1) as f64).sqrt(), TOLERANCE);
     for (i, flat) in chart.flat.iter().enumerate() {
-        if i % LOOK == 0 {
-            cancel.check()?;
-        }
+        watch.check()?;
         let original = mesh.primitives[i];
         if let Some(other) = cover.overlapped(flat) {
             return Ok(Err(format!("triangles {other} and {original} overlap in texture coordinates")));
         }
         cover.add(*flat, original);
+        watch.spend(1);
     }
     chart.unit = (area / flat_area).sqrt();
     Ok(Ok(chart))

@@ -3,7 +3,8 @@
 use super::chart::bounds;
 use super::overlap::Flat;
 use super::own::doubled_area;
-use crate::{Cancel, Result};
+use crate::Result;
+use crate::control::Watch;
 
 /// What a triangle covers of a texel may have so many corners.
 const MOST_CORNERS: usize = 8;
@@ -72,15 +73,11 @@ impl Polygon {
 ///
 /// # Errors
 /// [`crate::ErrorKind::Cancelled`].
-pub(super) fn for_each_texel(
-    triangle: &Flat,
-    cancel: &Cancel,
-    mut visit: impl FnMut([u32; 2], &Polygon),
-) -> Result<()> {
+pub(super) fn for_each_texel(triangle: &Flat, watch: &Watch, mut visit: impl FnMut([u32; 2], &Polygon)) -> Result<()> {
     let whole = Polygon::new(triangle);
     let [[_, low], [_, high]] = bounds(triangle.iter().copied());
     for row in low as u32..=high as u32 {
-        cancel.check()?;
+        watch.check()?;
         let strip = whole.clipped(1, f64::from(row), 1.0).clipped(1, f64::from(row) + 1.0, -1.0);
         if strip.count < 3 {
             continue;
@@ -110,6 +107,7 @@ pub(super) fn weights(triangle: &Flat, p: [f64; 2]) -> [f32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Cancel;
     use crate::sampling::Rng;
 
     #[test]
@@ -120,7 +118,7 @@ mod tests {
                 let mut corner = || [0.0; 2].map(|_| f64::from(rng.next_f32()) * size + 1.0);
                 let triangle = [corner(), corner(), corner()];
                 let mut sum = 0.0;
-                for_each_texel(&triangle, &Cancel::new(), |[x, y], part| {
+                for_each_texel(&triangle, &Watch::new(&Cancel::new()), |[x, y], part| {
                     for (fan, area) in part.fan() {
                         sum += area;
                         for p in fan {
@@ -148,7 +146,7 @@ mod tests {
     fn texels_beside_a_side_are_not_covered() {
         let mut found = Vec::new();
         let triangle = [[1.0, 1.0], [3.0, 1.0], [1.0, 3.0]];
-        for_each_texel(&triangle, &Cancel::new(), |texel, _| found.push(texel)).unwrap();
+        for_each_texel(&triangle, &Watch::new(&Cancel::new()), |texel, _| found.push(texel)).unwrap();
         assert_eq!(found, [[1, 1], [2, 1], [1, 2]]);
     }
 }

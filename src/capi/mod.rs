@@ -15,6 +15,7 @@ mod describe;
 mod device;
 mod film;
 mod mesh;
+mod progress;
 mod query;
 mod read;
 mod scene;

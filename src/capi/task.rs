@@ -13,19 +13,17 @@ use super::boundary::{
 };
 use super::device::etd_device;
 use super::film::etd_film;
+use super::progress::{BUILD_SHARE, none_yet};
 use super::read;
 use super::scene::{Progress, etd_scene};
 use super::status::{ETD_CANCELLED, ETD_DEVICE, ETD_INVALID_HANDLE, ETD_OK, ETD_RUNNING, Failure, Result, etd_status};
 use super::types::{
     ETD_ENDED_CANCELLED, ETD_ENDED_ERROR, ETD_ENDED_SAMPLES, ETD_ENDED_TIME, ETD_LOG_WARNING, ETD_PHASE_BUILD,
-    ETD_PHASE_END, ETD_PHASE_RENDER, etd_phase, etd_progress, etd_render_options, etd_summary,
+    ETD_PHASE_END, ETD_PHASE_RENDER, etd_progress, etd_render_options, etd_summary,
 };
 use crate::Cancel;
 use crate::output::summary_attributes;
 use crate::render::{Ended, Render, RenderSettings, Summary};
-
-/// Share of the progress that building a scene takes.
-const BUILD_SHARE: f64 = 0.1;
 
 /// A film gets a new image in the middle of a pass only when the last one is as old as this.
 const IMAGE_INTERVAL: Duration = Duration::from_secs(1);
@@ -362,19 +360,6 @@ unsafe fn prepare(
     work.settings(&cancel)?.desc.check()?;
     work.film.begin()?;
     Ok(Arc::new(work))
-}
-
-fn none_yet(phase: etd_phase) -> etd_progress {
-    etd_progress {
-        struct_size: size_of::<etd_progress>(),
-        fraction: 0.0,
-        elapsed: 0.0,
-        rays: 0,
-        samples_done: 0,
-        samples_total: 0,
-        phase,
-        images: 0,
-    }
 }
 
 /// Renders a scene to a film and returns when it is done; builds the scene first where it has changed.

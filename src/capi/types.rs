@@ -105,7 +105,8 @@ pub type etd_release_fn = Option<unsafe extern "C" fn(user_data: *mut c_void)>;
 /// Told how far work has come; return 0 to go on and anything else to cancel.
 ///
 /// Called about ten times a second and after each pass, never twice at once for one piece of work: on the calling thread
-/// by `etd_render`, on the task's own thread by `etd_render_start`, on one of the building threads while a scene is built.
+/// by `etd_render` and by what makes and bakes light maps, on the task's own thread by `etd_render_start`, on one of the
+/// building threads while a scene is built.
 /// It must not unwind; it may map and copy the film, and must not wait for the work that called it.
 pub type etd_progress_fn = Option<unsafe extern "C" fn(user_data: *mut c_void, progress: *const etd_progress) -> i32>;
 
@@ -567,7 +568,7 @@ pub struct etd_render_options {
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_phase {
-    /// The scene is being built.
+    /// The scene is being built, or a light map laid out.
     ETD_PHASE_BUILD = 0,
     /// The film is being filled.
     ETD_PHASE_RENDER = 1,
@@ -881,6 +882,10 @@ pub struct etd_atlas_options {
     pub memory: u32,
     /// Must be 0.
     pub reserved: u64,
+    /// Told how far it is; may be NULL.
+    pub progress: etd_progress_fn,
+    /// Given to `progress`.
+    pub user_data: *mut c_void,
 }
 
 /// How large an atlas is.

@@ -6,6 +6,7 @@ mod common;
 mod atlas;
 mod light;
 mod refused;
+mod stopped;
 mod vertices;
 
 use std::ops::ControlFlow;

@@ -45,7 +45,7 @@ pub(crate) use picture::RadiosityPicture;
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
-use crate::control::Parallel;
+use crate::control::{Parallel, Part};
 use crate::desc::{RadiosityDesc, RadiositySolver, check_radiosity};
 use crate::error::Result;
 use crate::math::{DVec3, Vec3};
@@ -115,6 +115,13 @@ const BALANCES: usize = 6;
 /// Iterations between refinements.
 const SWEEPS: usize = 3;
 
+/// What share of the work is done after each step of linking, by how many pairs are judged in them in usual scenes.
+const LINKED: [f64; COARSENESS.len() + REPEATS] = [0.1, 0.3, 0.5, 0.75, 0.8, 0.82];
+
+/// When they are balanced, and when the system of equations is solved.
+const BALANCED: f64 = 0.9;
+const SOLVED: f64 = 0.95;
+
 impl Radiosity {
     /// Solves a scene. The result is the same for any number of threads.
     ///
@@ -136,9 +143,11 @@ impl Radiosity {
         let (mut course, mut ambient) = (Course::default(), DVec3::ZERO);
         if !is_dark && !read(&shared).judge.elements.patches.is_empty() {
             link(&shared, desc, parallel)?;
-            for _ in 0..BALANCES {
+            let linked = LINKED[LINKED.len() - 1];
+            for count in 1..=BALANCES {
                 solve::balance(&shared, parallel)?;
                 solve::sweep(&shared, parallel)?;
+                parallel.progress(linked + (BALANCED - linked) * count as f64 / BALANCES as f64);
             }
             (course, ambient) = match desc.solver {
                 // The last of a number of bounces is gathered at the vertices.
@@ -147,12 +156,16 @@ impl Radiosity {
                     let course = solve::gather(&shared, bounces, desc.tolerance, parallel)?;
                     (Course { iterations: desc.iterations.unwrap_or(course.iterations), ..course }, DVec3::ZERO)
                 }
-                RadiositySolver::Shoot => shoot::shoot(&shared, desc.iterations, desc.tolerance, parallel)?,
+                RadiositySolver::Shoot => {
+                    let mut part = Part::new(parallel, BALANCED..SOLVED);
+                    shoot::shoot(&shared, desc.iterations, desc.tolerance, &mut part)?
+                }
             };
         } else {
             let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
             network.first = vec![0; network.judge.elements.nodes.len() + 1];
         }
+        parallel.progress(SOLVED);
         let mut found = solve::irradiances(&shared, parallel)?;
         let mut irradiance = vertices::vertices(&shared, parallel)?;
         if desc.iterations == Some(0) {
@@ -301,6 +314,7 @@ fn link(shared: &Shared, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> 
         if total > 0.0 {
             norm = total;
         }
+        parallel.progress(LINKED[step]);
     }
     Ok(())
 }
