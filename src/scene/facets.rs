@@ -1,6 +1,9 @@
 //! Surfaces as triangles, for whoever wants to go over all of a scene's surfaces instead of asking rays.
+//!
+//! As they were described: a mesh for each surface, with its own vertices and their numbers, and curved shapes cut as finely as they
+//! are flat. `faces` has what rays meet instead, one by one.
 
-use super::geometry::{self, Geometry, Triangles};
+use super::geometry::{Geometry, Triangles};
 use super::{Hit, IN_LIST, Scene, SurfaceInteraction};
 use crate::control::{Cancel, Watch};
 use crate::error::Result;
@@ -180,29 +183,12 @@ impl Scene {
     /// ray would have met it.
     #[inline]
     pub fn facet_point(&self, facet: &Facet, b1: f32, b2: f32) -> SurfaceInteraction {
-        let primitive = facet.primitive;
-        if facet.geometry == IN_LIST {
-            let (shape, owner) = (&self.list.shapes()[primitive as usize], self.dress.list_owners[primitive as usize]);
-            return geometry::on_analytic(shape, owner, facet.near(shape, b1, b2));
-        }
-        let owners = &self.dress.owners[facet.geometry as usize];
-        match &self.geometries[facet.geometry as usize] {
-            Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
-                geometry::on_triangle(triangles, owners, primitive, b1, b2)
-            }
-            Geometry::Instance { triangles, placement, .. } => {
-                geometry::on_instance(triangles, owners, placement, primitive, b1, b2)
-            }
-            Geometry::Analytic { shapes, .. } => {
-                let shape = &shapes.0[primitive as usize];
-                geometry::on_analytic(shape, owners.of(primitive), facet.near(shape, b1, b2))
-            }
-        }
+        self.point_of(&facet.hit(b1, b2), |shape| facet.near(shape, b1, b2))
     }
 }
 
 impl Facet {
-    fn triangle(geometry: u32, primitive: u32) -> Self {
+    pub(super) fn triangle(geometry: u32, primitive: u32) -> Self {
         Self { geometry, primitive, corners: [[0.0; 3]; 3] }
     }
 
