@@ -4,12 +4,19 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The files of the C interface, in the order in which the header presents them.
-const SOURCES: [&str; 10] = [
+const SOURCES: [&str; 17] = [
     "status.rs",
-    "types.rs",
+    "types/mod.rs",
+    "types/device.rs",
+    "types/scene.rs",
+    "types/render.rs",
+    "types/film.rs",
+    "types/query.rs",
+    "types/bake.rs",
     "device.rs",
     "scene.rs",
     "describe.rs",
+    "surface.rs",
     "mesh.rs",
     "film.rs",
     "task.rs",
