@@ -442,7 +442,7 @@ fn cuts(
         let mesh = &meshes[chart.mesh];
         for (at, &triangle) in chart.triangles.iter().enumerate() {
             let facet = firsts[chart.mesh] + triangle;
-            let flat = placement.in_texels(number, chart, at);
+            let flat = placement.drawn(number, chart, at);
             // A site's points are uniform on the surface, not in the map.
             let corners = mesh.triangles[triangle as usize].map(|corner| mesh.positions[corner as usize]);
             let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
@@ -532,7 +532,7 @@ fn count_pieces(charts: &[Chart], placement: &Placement, watch: &Watch) -> Resul
     let (mut pieces, mut sites) = (0_u64, 0_u64);
     for (number, chart) in charts.iter().enumerate() {
         for at in 0..chart.triangles.len() {
-            raster::for_each_texel(&placement.in_texels(number, chart, at), watch, |_, part| {
+            raster::for_each_texel(&placement.drawn(number, chart, at), watch, |_, part| {
                 sites += 1;
                 pieces += part.fan().count() as u64;
             })?;

@@ -59,7 +59,7 @@ pub(super) fn grow(
     let neighbours = neighbours(mesh, watch)?;
     let mut order: Vec<u32> = (0..count as u32).collect();
     watch.sort(&mut order, &|&a, &b| faces[b as usize].area.total_cmp(&faces[a as usize].area).then(a.cmp(&b)))?;
-    let mean_area = faces.iter().map(|face| face.area).sum::<f64>() / count.max(1) as f64;
+    let mean_length = faces.iter().map(|face| face.area.sqrt()).sum::<f64>() / count.max(1) as f64;
     let mut is_taken = vec![false; count];
     for seed in order {
         if is_taken[seed as usize] {
@@ -70,7 +70,8 @@ pub(super) fn grow(
         let origin = faces[seed as usize].corners[0];
         let project = |face: &Face| face.corners.map(|p| [(p - origin).dot(right), (p - origin).dot(above)]);
         let tolerance = TOLERANCE * extent(&project(&faces[seed as usize]));
-        let mut cover = Cover::new(2.0 * mean_area.sqrt(), tolerance);
+        // The seed is the largest that is left: fine detail must not be in one cell because of what is coarse elsewhere.
+        let mut cover = Cover::new(2.0 * mean_length.min(faces[seed as usize].area.sqrt()), tolerance);
         let mut chart =
             Chart { mesh: number, triangles: Vec::new(), flat: Vec::new(), size: [0.0; 2], unit: 1.0, is_own: false };
         let mut waiting = VecDeque::from([seed]);

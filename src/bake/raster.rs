@@ -9,21 +9,44 @@ use crate::control::Watch;
 /// What a triangle covers of a texel may have so many corners.
 const MOST_CORNERS: usize = 8;
 
-/// Parts of a texel smaller than this are none: rounding, where a side goes along a row of texels.
+/// Parts of a texel smaller than this are none: rounding, where a side goes along a row of texels. Of triangles smaller than a
+/// texel, this share of them.
 const LEAST_AREA: f64 = 1e-9;
+
+/// Triangles of less area in the map are drawn as one of these legs: in doubles there is no shape left to cut.
+const SPECK_AREA: f64 = 1e-15;
+const SPECK_LEG: f64 = 1e-6;
+
+/// What is cut into texels in the place of a triangle, so that even the smallest has a texel to be looked up in: itself, unless
+/// it is a speck. That becomes a triangle that can be cut, in the texel of its first corner.
+///
+/// `triangle`: in texels. `end`: its coordinates are not beyond, whole numbers of texels.
+pub(super) fn drawn(triangle: Flat, end: [f64; 2]) -> Flat {
+    // Written so that NaN is a speck.
+    if 0.5 * doubled_area(&triangle).abs() >= SPECK_AREA {
+        return triangle;
+    }
+    let [x, y] = [0, 1].map(|axis| {
+        let texel = triangle[0][axis].floor().min(end[axis] - 1.0);
+        triangle[0][axis].clamp(texel, texel + 1.0 - SPECK_LEG)
+    });
+    [[x, y], [x + SPECK_LEG, y], [x, y + SPECK_LEG]]
+}
 
 /// A convex polygon.
 #[derive(Clone, Copy)]
 pub(super) struct Polygon {
     corners: [[f64; 2]; MOST_CORNERS],
     count: usize,
+    /// Smaller parts of it are none.
+    least: f64,
 }
 
 impl Polygon {
     fn new(triangle: &Flat) -> Self {
         let mut corners = [[0.0; 2]; MOST_CORNERS];
         corners[..3].copy_from_slice(triangle);
-        Self { corners, count: 3 }
+        Self { corners, count: 3, least: LEAST_AREA * (0.5 * doubled_area(triangle).abs()).min(1.0) }
     }
 
     pub(super) fn corners(&self) -> &[[f64; 2]] {
@@ -34,7 +57,7 @@ impl Polygon {
     ///
     /// Source: Sutherland and Hodgman 1974, "Reentrant Polygon Clipping".
     fn clipped(&self, axis: usize, value: f64, sign: f64) -> Self {
-        let mut clipped = Self { corners: [[0.0; 2]; MOST_CORNERS], count: 0 };
+        let mut clipped = Self { corners: [[0.0; 2]; MOST_CORNERS], count: 0, least: self.least };
         let mut add = |corner: [f64; 2]| {
             if clipped.count < MOST_CORNERS {
                 clipped.corners[clipped.count] = corner;
@@ -62,7 +85,7 @@ impl Polygon {
         (2..self.count).filter_map(|i| {
             let part = [self.corners[0], self.corners[i - 1], self.corners[i]];
             let area = 0.5 * doubled_area(&part).abs();
-            (area > LEAST_AREA).then_some((part, area))
+            (area > self.least).then_some((part, area))
         })
     }
 }

@@ -199,11 +199,12 @@ impl Vertices {
         spread
     }
 
-    /// Radiosity [W m^-2] on the outer side of each vertex, by its irradiance there: what a diffuse surface reflects of it, and what
-    /// it emits. Mirrors and glass reflect nothing here.
-    pub fn radiosity(&self, irradiance: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    /// Radiosity [W m^-2] on the outer side (`front`) or the other of each vertex, by its irradiance there: what a diffuse surface
+    /// reflects of it, and what it emits, on the outer side alone. Mirrors and glass reflect nothing here.
+    pub fn radiosity(&self, irradiance: &[[f32; 3]], front: bool) -> Vec<[f32; 3]> {
         let of = |(vertex, irradiance): (&LitVertex, &[f32; 3])| {
             let (reflectance, emitted) = self.looks.get(&vertex.surface).copied().unwrap_or_default();
+            let emitted = if front { emitted } else { Vec3::ZERO };
             (reflectance * Vec3::from(*irradiance) + emitted).to_array()
         };
         self.vertices.iter().zip(irradiance).map(of).collect()

@@ -533,6 +533,11 @@ impl<'a> Job<'a> {
         let start = Instant::now();
         let settings = settings_of(&self.options, [1, 1], &self.scene.device, self.reporter.cancel())?;
         if settings.desc.integrator == IntegratorDesc::Radiosity {
+            // Of the scene's own integrator they were told with the scene.
+            let is_own = self.scene.desc().render.integrator == IntegratorDesc::Radiosity;
+            let warnings = built.info().not_diffuse.iter().filter(|_| !is_own);
+            let callbacks = self.scene.device.callbacks();
+            warnings.chain(&built.info().not_in_radiosity).for_each(|it| callbacks.log(ETD_LOG_WARNING, it));
             let mut look_up = |fraction| self.reporter.tell(fraction, none_yet(ETD_PHASE_RENDER));
             let (baked, solution) = by_radiosity(built, sites, &settings, texel, front, &mut look_up)?;
             let notes = solution.notes().to_vec();

@@ -17,6 +17,7 @@ use super::types::{
     ETD_PHASE_END, ETD_PHASE_RENDER, etd_progress, etd_render_options, etd_summary,
 };
 use crate::Cancel;
+use crate::desc::IntegratorDesc;
 use crate::output::summary_attributes;
 use crate::render::{Ended, Render, RenderSettings, Summary};
 
@@ -177,6 +178,12 @@ impl Work {
             let (scene, time) = self.scene.build(cancel, told)?;
             build_time = time;
             let settings = self.settings(cancel)?;
+            // Of the scene's own integrator they were told with the scene.
+            let is_own = self.scene.desc().render.integrator == IntegratorDesc::Radiosity;
+            if settings.desc.integrator == IntegratorDesc::Radiosity && !is_own {
+                let callbacks = self.scene.device.callbacks();
+                scene.info().not_diffuse.iter().for_each(|warning| callbacks.log(ETD_LOG_WARNING, warning));
+            }
             *slot = Some(Render::new(&scene, settings)?);
         }
         let Some(render) = slot.as_mut() else { return Ok(()) };

@@ -328,10 +328,59 @@ static void pass_bakes(void) {
     }
 }
 
+/* Messages that name the mirror as what radiosity cannot do, and as what it has no irradiance of. */
+struct warned {
+    int as_black;
+    int without;
+};
+
+static void listen(void *user_data, etd_log_level level, const char *message) {
+    struct warned *warned = user_data;
+    if (level != ETD_LOG_WARNING) {
+        return;
+    }
+    warned->as_black += strstr(message, "as black, being mirrors or glass") != NULL;
+    warned->without += strstr(message, "no irradiance for 1 surfaces") != NULL;
+}
+
+/* What radiosity cannot do is said before the first ray, whoever asks for it. */
+static void pass_warnings(void) {
+    struct warned warned = {0, 0};
+    etd_device_options options = ETD_DEVICE_OPTIONS_INIT;
+    etd_atlas_options layout = ETD_ATLAS_OPTIONS_INIT;
+    etd_render_options render = short_render(1);
+    etd_bake_target target = whole();
+    etd_device *own = NULL;
+    etd_scene *mirrored;
+    etd_film *image;
+    etd_atlas *made = NULL;
+    options.log = listen;
+    options.user_data = &warned;
+    CHECK_OK(etd_device_new(&options, &own));
+    mirrored = new_scene(own);
+    layout.resolution = MISUSE_SIDE;
+    CHECK_OK(etd_atlas_new(mirrored, &layout, &made));
+    CHECK_OK(etd_atlas_bake(made, &render, &target, NULL));
+    CHECK(warned.as_black == 0 && warned.without == 0);
+    render.integrator = ETD_INTEGRATOR_RADIOSITY;
+    CHECK_OK(etd_atlas_bake(made, &render, &target, NULL));
+    CHECK(warned.as_black == 1 && warned.without == 1);
+    CHECK_OK(etd_scene_bake_vertices(mirrored, 0, &render, &target, NULL));
+    CHECK(warned.as_black == 2 && warned.without == 2);
+    image = new_film(own, 8, 8, 0);
+    CHECK_OK(etd_render(mirrored, image, &render));
+    CHECK(warned.as_black == 3 && warned.without == 2);
+    etd_film_release(image);
+    etd_atlas_release(made);
+    etd_scene_release(mirrored);
+    etd_device_release(own);
+}
+
 void misuse_bake(void) {
     pass_layouts();
     pass_stopped_layouts();
     pass_targets();
     pass_bakes();
     pass_told_bakes();
+    pass_warnings();
 }

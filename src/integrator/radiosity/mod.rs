@@ -182,7 +182,8 @@ impl Radiosity {
             memory: network.bytes(),
             iterations: course.iterations,
             residual: course.residual,
-            error_bound: course.bound,
+            // Where nothing is left there is nothing to bound, whatever surfaces reflect.
+            error_bound: if course.residual == 0.0 { 0.0 } else { course.bound },
             ..RadiositySummary::default()
         };
         let elements = std::mem::take(&mut network.judge.elements);
@@ -196,8 +197,13 @@ impl Radiosity {
         let emitted = scene.emitters().emitters().iter().map(crate::emitter::Emitter::power).sum::<DVec3>();
         (summary.emitted, summary.absorbed) = (emitted.as_vec3a(), absorbed.as_vec3a());
         summary.elapsed = start.elapsed();
+        let bound = if summary.error_bound.is_finite() {
+            format!("bound {:.1e}", summary.error_bound)
+        } else {
+            "no bound, a surface reflects all of a colour".to_owned()
+        };
         notes.push(format!(
-            "radiosity: {} elements, {} links, {} iterations, residual {:.1e}, {:.1} MiB, {:.1} s",
+            "radiosity: {} elements, {} links, {} iterations, residual {:.1e}, {bound}, {:.1} MiB, {:.1} s",
             summary.elements,
             summary.links,
             summary.iterations,
