@@ -735,6 +735,8 @@ fn a_bake_by_radiosity_says_what_it_is_worth() {
         assert_eq!((&part["ended"], &part["samples"]), (&serde_json::Value::Null, &0.into()));
         let solution = &part["radiosity"];
         assert!(solution["elements"].as_u64() > Some(0) && solution["residual"].as_f64() < Some(1e-3), "{solution}");
+        // It reflects all, but onto nothing: there is nothing left.
+        assert_eq!(solution["errorBound"].as_f64(), Some(0.0), "{solution}");
         assert!(solution["emitted"][0].as_f64() > Some(100.0), "{solution}");
     }
     // Time that is too short is said to be, and leaves what there was.

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::Baked;
 use crate::control::Parallel;
-use crate::desc::RadiosityDesc;
+use crate::desc::{RADII, RadiosityDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::integrator::Sites;
 use crate::integrator::radiosity::Radiosity;
@@ -45,6 +45,8 @@ pub fn by_radiosity(
         return Err(Error::new(ErrorKind::InvalidScene, "there is no surface whose irradiance could be asked for"));
     }
     let own = &settings.desc.radiosity;
+    // Nobody asked for it: it must not be refused as if somebody had.
+    let element_size = element_size.map(|size| size.clamp(RADII[0], RADII[1]));
     let desc = RadiosityDesc { element_size: own.element_size.or(element_size), ..own.clone() };
     let count = sites.len().div_ceil(PIECE);
     let looked_up = Arc::new(AtomicUsize::new(0));
