@@ -61,7 +61,7 @@
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
 #define ETD_MAP_INIT {sizeof(etd_map), NULL, 0, 0, 0, 0, 0}
 #define ETD_IMAGE_OPTIONS_INIT {sizeof(etd_image_options), ETD_FORMAT_FLOAT, ETD_TONE_MAP_CLAMP, 0, 0, NULL}
-#define ETD_ATLAS_OPTIONS_INIT {sizeof(etd_atlas_options), 0, 0, 0, 0, ETD_ATLAS_LAYOUT_AUTO, 0, 0}
+#define ETD_ATLAS_OPTIONS_INIT {sizeof(etd_atlas_options), 0, 0, 0, 0, ETD_ATLAS_LAYOUT_AUTO, 0, 0, NULL, NULL}
 #define ETD_ATLAS_INFO_INIT {sizeof(etd_atlas_info), 0, 0, 0, 0, 0, 0, 0, 0}
 #define ETD_BAKE_TARGET_INIT {sizeof(etd_bake_target), NULL, NULL, 0, 0, 0, ETD_SIDE_FRONT, 0}
 #define ETD_SCENE_INFO_INIT {sizeof(etd_scene_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, 0}
@@ -171,7 +171,7 @@ enum etd_phase
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * The scene is being built.
+     * The scene is being built, or a light map laid out.
      */
     ETD_PHASE_BUILD = 0,
     /**
@@ -1084,7 +1084,8 @@ typedef struct etd_progress {
  * Told how far work has come; return 0 to go on and anything else to cancel.
  *
  * Called about ten times a second and after each pass, never twice at once for one piece of work: on the calling thread
- * by `etd_render`, on the task's own thread by `etd_render_start`, on one of the building threads while a scene is built.
+ * by `etd_render` and by what makes and bakes light maps, on the task's own thread by `etd_render_start`, on one of the
+ * building threads while a scene is built.
  * It must not unwind; it may map and copy the film, and must not wait for the work that called it.
  */
 typedef int32_t (*etd_progress_fn)(void *user_data, const struct etd_progress *progress);
@@ -1794,6 +1795,14 @@ typedef struct etd_atlas_options {
      * Must be 0.
      */
     uint64_t reserved;
+    /**
+     * Told how far it is; may be NULL.
+     */
+    etd_progress_fn progress;
+    /**
+     * Given to `progress`.
+     */
+    void *user_data;
 } etd_atlas_options;
 
 /**
@@ -2522,9 +2531,9 @@ etd_status etd_scene_occluded(const struct etd_scene *scene,
  *
  * `options`: NULL for the defaults of `ETD_ATLAS_OPTIONS_INIT`. On `ETD_OK` `*out_atlas` is one reference; it keeps the scene as
  * it is now, and what is baked later is of that. The same scene gives the same layout. The log callback is told of meshes whose
- * own texture coordinates could not be used. Errors: `ETD_INVALID_SCENE` for a scene without a surface, options out of their range,
- * charts that do not fit, and texture coordinates that are no layout where these are asked for; `ETD_OUT_OF_MEMORY`; all that
- * `etd_scene_commit` has. Thread-safe.
+ * own texture coordinates could not be used. Errors: `ETD_CANCELLED` if the progress callback stopped it; `ETD_INVALID_SCENE` for
+ * a scene without a surface, options out of their range, charts that do not fit, and texture coordinates that are no layout where
+ * these are asked for; `ETD_OUT_OF_MEMORY`; all that `etd_scene_commit` has. Thread-safe.
  */
 etd_status etd_atlas_new(struct etd_scene *scene,
                          const struct etd_atlas_options *options,

@@ -1284,10 +1284,20 @@ inline Outcome<etd_status> render(Scene &scene, Film &film, const etd_render_opt
 /** The layout of a light map, and the scene that it is of. */
 class Atlas : public detail::Owner<etd_atlas, etd_atlas_retain, etd_atlas_release> {
 public:
-    /** Lays out all surfaces of a scene. */
-    static Outcome<Atlas> create(Scene &scene, const etd_atlas_options &options = atlas_options()) {
+    /**
+     * Lays out all surfaces of a scene. `ETD_CANCELLED` is an error here: there is no atlas then.
+     *
+     * `progress`: where empty, what `options` says is called.
+     */
+    static Outcome<Atlas> create(Scene &scene, const etd_atlas_options &options = atlas_options(),
+                                 Progress progress = {}) {
+        etd_atlas_options raw = options;
+        detail::ProgressHooks hooks(std::move(progress), raw.progress, raw.user_data, scene.keep());
+        raw.progress = detail::ProgressHooks::tell;
+        raw.user_data = &hooks;
         etd_atlas *atlas = nullptr;
-        const etd_status status = etd_atlas_new(scene.get(), &options, &atlas);
+        const etd_status status = etd_atlas_new(scene.get(), &raw, &atlas);
+        hooks.rethrow();
         return detail::give(status, Atlas(scene.keep(), atlas));
     }
     /** A second owner of the same atlas. */

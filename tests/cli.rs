@@ -661,6 +661,130 @@ fn bake_writes_map_atlas_vertices_and_summary() {
 }
 
 #[test]
+fn a_bake_spares_what_it_reads() {
+    let folder = folder();
+    let obj = "v -1 0 -1\nv -1 0 1\nv 1 0 1\nf 1 2 3\n";
+    fs::create_dir(folder.path().join("sub")).unwrap();
+    fs::write(folder.path().join("sub/floor.obj"), obj).unwrap();
+    let quad = SQUARE.find(r#"{"geometry": "quad""#).expect("the quad");
+    let end = SQUARE.rfind("\n    ]").expect("the end of the surfaces");
+    let floor = r#"{"geometry": "mesh", "file": "sub/floor.obj", "material": "grey"}"#;
+    let scene = format!("{}{floor}{}", &SQUARE[..quad], &SQUARE[end..]);
+    fs::write(folder.path().join("room.json"), &scene).unwrap();
+    let bake = |args: &[&str]| etendue(folder.path(), ["bake"].iter().chain(args).chain(&["--spp", "1"]));
+    bake(&["room.json", "-o", "sub/../sub/floor"]).assert_refused("floor.obj: is read as the scene");
+    assert_eq!(fs::read_to_string(folder.path().join("sub/floor.obj")).unwrap(), obj);
+    assert_eq!(names(&folder.path().join("sub")), ["floor.obj"]);
+    // Vertices alone leave it alone.
+    bake(&["room.json", "-o", "sub/floor", "--only", "vertices"]).assert_done();
+    assert_eq!(fs::read_to_string(folder.path().join("sub/floor.obj")).unwrap(), obj);
+    let path = folder.path().join("odd.exr");
+    fs::copy(folder.path().join("room.json"), &path).unwrap();
+    bake(&["odd.exr", "-o", "odd"]).assert_refused("odd.exr: is read as the scene");
+    assert_eq!(fs::read_to_string(&path).unwrap(), scene);
+    // Names that are none, and two names of one file.
+    bake(&["room.json", "-o", "-"]).assert_refused("is no beginning of a file's name");
+    bake(&["room.json", "-o", "new/"]).assert_refused("new/: is no beginning of a file's name");
+    #[cfg(unix)]
+    {
+        for name in ["two.obj", "two.ply"] {
+            std::os::unix::fs::symlink("one", folder.path().join(name)).unwrap();
+        }
+        fs::write(folder.path().join("one"), "").unwrap();
+        bake(&["room.json", "-o", "two"]).assert_refused("is one file with another output");
+        assert_eq!(fs::read(folder.path().join("one")).unwrap(), b"");
+    }
+}
+
+#[test]
+fn a_bake_by_radiosity_says_what_it_is_worth() {
+    let folder = folder();
+    // A black wall and a mirror beside the square, which reflects all.
+    let white = SQUARE.replace(
+        "[0.5, 0.5, 0.5]}",
+        r#"[1, 1, 1]}, {"name": "mirror", "type": "reflective"}, {"name": "soot", "type": "black"}"#,
+    );
+    let surface = |material: &str, x: i32| {
+        let corners = [[x, 1, -1], [x, 1, 1], [x, 0, 1]];
+        let [a, b, c] = corners.map(|corner| format!("{corner:?}"));
+        format!(
+            r#"{{"geometry": "triangle", "vertex-1": {a}, "vertex-2": {b}, "vertex-3": {c}, "material": "{material}"}}"#
+        )
+    };
+    let end = white.rfind("\n    ]").expect("the end of the surfaces");
+    let scene = format!("{}, {}, {}{}", &white[..end], surface("mirror", -1), surface("soot", -2), &white[end..]);
+    fs::write(folder.path().join("scene.json"), &scene).unwrap();
+    let bake = |args: &[&str]| {
+        let fixed = ["bake", "scene.json", "-o", "light", "--resolution", "32", "--method", "radiosity"];
+        etendue(folder.path(), fixed.iter().chain(args))
+    };
+    let run = bake(&["-q"]);
+    run.assert_done();
+    let lines: Vec<&str> = run.stderr.lines().collect();
+    assert_eq!(lines.len(), 2, "{}", run.stderr);
+    assert!(lines[0].contains("1 surfaces as black, being mirrors or glass: surfaces[1] (mirror)"), "{}", run.stderr);
+    assert!(
+        lines[1].contains("no irradiance for 2 surfaces") && lines[1].contains("surfaces[2] (soot)"),
+        "{}",
+        run.stderr
+    );
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("light.json")).unwrap()).unwrap();
+    for part in ["map", "vertices"] {
+        let part = &summary[part];
+        assert_eq!((&part["ended"], &part["samples"]), (&serde_json::Value::Null, &0.into()));
+        let solution = &part["radiosity"];
+        assert!(solution["elements"].as_u64() > Some(0) && solution["residual"].as_f64() < Some(1e-3), "{solution}");
+        // It reflects all, but onto nothing: there is nothing left.
+        assert_eq!(solution["errorBound"].as_f64(), Some(0.0), "{solution}");
+        assert!(solution["emitted"][0].as_f64() > Some(100.0), "{solution}");
+    }
+    // Time that is too short is said to be, and leaves what there was.
+    let old = fs::read(folder.path().join("light.exr")).unwrap();
+    let run = bake(&["--time", "1e-9"]);
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    assert!(run.stderr.contains("error: --time was over before the radiosity solution was there"), "{}", run.stderr);
+    assert_eq!(fs::read(folder.path().join("light.exr")).unwrap(), old);
+    assert_eq!(names(folder.path()), ["light.exr", "light.json", "light.obj", "light.ply", "scene.json"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_bake_by_radiosity_writes_what_is_whole() {
+    let folder = folder();
+    // The map's elements are large, those of the vertices small.
+    let cornell = fs::read_to_string(scene("cornell.json")).unwrap();
+    let slow = cornell.replace(r#""integrator": "path""#, r#""integrator": "path", "radiosityError": 0.3"#);
+    assert_ne!(slow, cornell);
+    fs::write(folder.path().join("slow.json"), slow).unwrap();
+    let args = ["bake", "slow.json", "-o", "l", "--method", "radiosity", "--resolution", "48", "--spacing", "8"];
+    let mut child = command(folder.path(), args).spawn().unwrap();
+    let start = Instant::now();
+    // The coordinates are written last of the map.
+    let is_under_way = || folder.path().join("l.obj").exists() || start.elapsed() > Duration::from_secs(60);
+    while !is_under_way() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(100));
+    let signal = Command::new("sh").arg("-c").arg(format!("kill -INT {}", child.id())).status().unwrap();
+    assert!(signal.success());
+    while child.try_wait().unwrap().is_none() {
+        if start.elapsed() > Duration::from_secs(120) {
+            child.kill().unwrap();
+            panic!("the run did not stop");
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let run = Run::from(child.wait_with_output().unwrap());
+    assert_eq!(run.code, Some(130), "{}", run.stderr);
+    assert!(run.stderr.contains("warning: stopped before there was anything to write: no vertices"), "{}", run.stderr);
+    assert_eq!(names(folder.path()), ["l.exr", "l.json", "l.obj", "slow.json"]);
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("l.json")).unwrap()).unwrap();
+    assert!(summary["map"].is_object() && summary["vertices"].is_null(), "{summary}");
+}
+
+#[test]
 fn bakes_that_cannot_be_done_have_exit_code_2() {
     let folder = folder();
     fs::write(folder.path().join("square.json"), SQUARE).unwrap();

@@ -4,12 +4,19 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The files of the C interface, in the order in which the header presents them.
-const SOURCES: [&str; 10] = [
+const SOURCES: [&str; 17] = [
     "status.rs",
-    "types.rs",
+    "types/mod.rs",
+    "types/device.rs",
+    "types/scene.rs",
+    "types/render.rs",
+    "types/film.rs",
+    "types/query.rs",
+    "types/bake.rs",
     "device.rs",
     "scene.rs",
     "describe.rs",
+    "surface.rs",
     "mesh.rs",
     "film.rs",
     "task.rs",
@@ -60,7 +67,7 @@ const INITIALISERS: &str = r"/** Stands for no material, no surface. */
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
 #define ETD_MAP_INIT {sizeof(etd_map), NULL, 0, 0, 0, 0, 0}
 #define ETD_IMAGE_OPTIONS_INIT {sizeof(etd_image_options), ETD_FORMAT_FLOAT, ETD_TONE_MAP_CLAMP, 0, 0, NULL}
-#define ETD_ATLAS_OPTIONS_INIT {sizeof(etd_atlas_options), 0, 0, 0, 0, ETD_ATLAS_LAYOUT_AUTO, 0, 0}
+#define ETD_ATLAS_OPTIONS_INIT {sizeof(etd_atlas_options), 0, 0, 0, 0, ETD_ATLAS_LAYOUT_AUTO, 0, 0, NULL, NULL}
 #define ETD_ATLAS_INFO_INIT {sizeof(etd_atlas_info), 0, 0, 0, 0, 0, 0, 0, 0}
 #define ETD_BAKE_TARGET_INIT {sizeof(etd_bake_target), NULL, NULL, 0, 0, 0, ETD_SIDE_FRONT, 0}
 #define ETD_SCENE_INFO_INIT {sizeof(etd_scene_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, 0}

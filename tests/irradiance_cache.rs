@@ -393,7 +393,7 @@ struct Ending {
 }
 
 impl Parallel for Ending {
-    fn check(&self) -> Result<()> {
+    fn check(&mut self) -> Result<()> {
         self.cancel.check()
     }
 

@@ -106,7 +106,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N|none", value_parser = parse_iterations)]
     pub iterations: Option<Iterations>,
     /// Radiosity: longest side below which elements are not divided, in scene units, in place of the scene's.
-    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = parse_radius)]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = parse_element_size)]
     pub element_size: Option<f64>,
     /// Radiosity: what one link between elements may be wrong by, in thousandths of all irradiance.
     #[arg(long, value_name = "E", value_parser = parse_link_error)]
@@ -547,6 +547,10 @@ fn parse_radius(text: &str) -> Result<f64, String> {
     let [low, high] = RADII;
     let radius = text.parse::<f64>().ok().filter(|radius| (low..=high).contains(radius));
     radius.ok_or_else(|| format!("expected a radius from {low:e} to {high:e}, such as 0.1"))
+}
+
+fn parse_element_size(text: &str) -> Result<f64, String> {
+    parse_radius(text).map_err(|message| message.replace("a radius", "a length"))
 }
 
 fn parse_length(text: &str) -> Result<f64, String> {

@@ -1,16 +1,18 @@
 //! `bake SCENE`: light maps, their coordinates, and irradiance at vertices, in files.
 
+use std::collections::HashSet;
 use std::ffi::OsString;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf, is_separator};
 use std::sync::Arc;
 use std::time::Instant;
 
-use etendue::Cancel;
+use etendue::ErrorKind;
 use etendue::bake::{Atlas, AtlasOptions, Bake, Baked, Layout, VertexOptions, Vertices, by_radiosity};
-use etendue::desc::{RenderDesc, SceneDesc};
+use etendue::desc::{IntegratorDesc, RenderDesc, SceneDesc};
 use etendue::film::ErrorEstimate;
 use etendue::integrator::Sites;
+use etendue::integrator::radiosity::Radiosity;
 use etendue::output::{self, VertexValues, WriteOptions};
 use etendue::render::{MOST_SAMPLES, RenderSettings, Summary, Workers};
 use etendue::scene::Scene;
@@ -18,6 +20,7 @@ use serde_json::{Value, json};
 
 use crate::args::{BakeArgs, BakeLayout, BakeMethod, BakeTarget};
 use crate::console::{self, Bar};
+use crate::render::place;
 use crate::{Failure, interrupt, render};
 
 /// Bakes and writes; [`interrupt::EXIT_CODE`] after a run that was stopped.
@@ -25,6 +28,13 @@ pub fn bake(args: &BakeArgs) -> Result<u8, Failure> {
     let files = Files::new(args)?;
     interrupt::install()?;
     let (description, scene) = render::load(&args.scene, args.params.as_deref(), args.threads)?;
+    files.spare(&description.files)?;
+    if args.method == BakeMethod::Radiosity {
+        // Of the scene's own integrator they were told with the scene.
+        let own = description.render.integrator == IntegratorDesc::Radiosity;
+        let not_diffuse = scene.info().not_diffuse.iter().filter(|_| !own);
+        not_diffuse.chain(&scene.info().not_in_radiosity).for_each(console::warn);
+    }
     let is_limited = args.time.is_some() || args.target_error.is_some();
     let settings = RenderSettings {
         desc: RenderDesc {
@@ -40,15 +50,18 @@ pub fn bake(args: &BakeArgs) -> Result<u8, Failure> {
         ..RenderSettings::default()
     };
     let baker = Baker { args, scene: &scene, settings };
-    let map = (args.only != Some(BakeTarget::Vertices)).then(|| baker.map(&files)).transpose()?;
-    let vertices = match &map {
-        // One Ctrl-C stops all.
-        Some(map) if map.stopped => None,
-        _ => (args.only != Some(BakeTarget::Map)).then(|| baker.vertices(&files)).transpose()?,
-    };
-    write_summary(&files, args, &description, map.as_ref(), vertices.as_ref())?;
-    let stopped = map.iter().chain(&vertices).any(|part| part.stopped);
-    Ok(if stopped && interrupt::requested() { interrupt::EXIT_CODE } else { 0 })
+    let (mut map, mut vertices) = (Made::NotAsked, Made::NotAsked);
+    if args.only != Some(BakeTarget::Vertices) {
+        map = baker.map(&files)?;
+    }
+    // One Ctrl-C stops all.
+    if args.only != Some(BakeTarget::Map) && !map.is_stopped() {
+        vertices = baker.vertices(&files)?;
+    }
+    if map.json().or(vertices.json()).is_some() {
+        write_summary(&files, args, &description, &map, &vertices)?;
+    }
+    Ok(if map.is_stopped() || vertices.is_stopped() { interrupt::EXIT_CODE } else { 0 })
 }
 
 /// The files to write.
@@ -57,6 +70,7 @@ struct Files {
     atlas: PathBuf,
     vertices: PathBuf,
     summary: PathBuf,
+    only: Option<BakeTarget>,
 }
 
 impl Files {
@@ -64,43 +78,93 @@ impl Files {
     fn new(args: &BakeArgs) -> Result<Self, Failure> {
         let stem = args.scene.file_stem().unwrap_or_else(|| "light-map".as_ref());
         let prefix = if args.output.is_dir() { args.output.join(stem) } else { args.output.clone() };
-        if prefix.file_name().is_none() {
-            return Err(Failure::usage(format!("{}: is no beginning of a file's name", args.output.display())));
+        // "new/" is a folder that is not there, and "-" would be standard output, which cannot hold four files.
+        let ends_in_folder =
+            args.output.as_os_str().as_encoded_bytes().last().is_some_and(|&end| is_separator(end.into()));
+        if prefix.file_name().is_none_or(|name| name == "-") || ends_in_folder && !args.output.is_dir() {
+            let message = "is no beginning of a file's name, nor a folder that is there";
+            return Err(Failure::usage(format!("{}: {message}", args.output.display())));
         }
         let with = |extension: &str| {
             let mut name = OsString::from(&prefix);
             name.push(extension);
             PathBuf::from(name)
         };
-        let files = Self { map: with(".exr"), atlas: with(".obj"), vertices: with(".ply"), summary: with(".json") };
-        let mut wanted = vec![&files.summary];
+        let files = Self {
+            map: with(".exr"),
+            atlas: with(".obj"),
+            vertices: with(".ply"),
+            summary: with(".json"),
+            only: args.only,
+        };
         if args.only != Some(BakeTarget::Vertices) {
             output::check_target(&files.map)?;
-            wanted.push(&files.atlas);
         }
-        if args.only != Some(BakeTarget::Map) {
-            wanted.push(&files.vertices);
-        }
-        let inputs: Vec<PathBuf> = [Some(&args.scene), args.params.as_ref()]
-            .into_iter()
-            .flatten()
-            .filter_map(|path| path.canonicalize().ok())
-            .collect();
-        for path in wanted {
+        let wanted = files.wanted();
+        let mut seen = HashSet::new();
+        for path in &wanted {
             output::check_text_target(path)?;
-            if path.canonicalize().is_ok_and(|path| inputs.contains(&path)) {
-                let message = "is read as the scene and cannot be written; give --output another name";
-                return Err(Failure::usage(format!("{}: {message}", path.display())));
+            if !seen.insert(place(path)) {
+                return Err(Failure::usage(format!("{}: is one file with another output", path.display())));
             }
         }
+        let inputs: Vec<PathBuf> = [Some(&args.scene), args.params.as_ref()].into_iter().flatten().cloned().collect();
+        files.spare(&inputs)?;
         Ok(files)
+    }
+
+    /// Those of what is baked.
+    fn wanted(&self) -> Vec<&Path> {
+        let mut wanted = vec![self.summary.as_path()];
+        if self.only != Some(BakeTarget::Vertices) {
+            wanted.extend([self.map.as_path(), &self.atlas]);
+        }
+        if self.only != Some(BakeTarget::Map) {
+            wanted.push(&self.vertices);
+        }
+        wanted
+    }
+
+    /// Refuses to write over what is read.
+    fn spare(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
+        let inputs: HashSet<PathBuf> = inputs.iter().map(|path| place(path)).collect();
+        match self.wanted().into_iter().find(|path| inputs.contains(&place(path))) {
+            Some(path) => {
+                let message = "is read as the scene and cannot be written; give --output another name";
+                Err(Failure::usage(format!("{}: {message}", path.display())))
+            }
+            None => Ok(()),
+        }
     }
 }
 
 /// What one of the bakes came to.
-struct Part {
-    json: Value,
-    stopped: bool,
+enum Made {
+    NotAsked,
+    /// Stopped by Ctrl-C before there was anything to write.
+    Nothing,
+    /// Written, with what is said of it.
+    Written {
+        json: Value,
+        stopped: bool,
+    },
+}
+
+impl Made {
+    fn json(&self) -> Option<&Value> {
+        if let Self::Written { json, .. } = self { Some(json) } else { None }
+    }
+
+    fn is_stopped(&self) -> bool {
+        matches!(self, Self::Nothing | Self::Written { stopped: true, .. })
+    }
+}
+
+/// What was found at sites.
+struct Found {
+    baked: Baked,
+    summary: Summary,
+    solution: Option<Arc<Radiosity>>,
 }
 
 struct Baker<'a> {
@@ -111,7 +175,7 @@ struct Baker<'a> {
 
 impl Baker<'_> {
     /// The light map and its coordinates.
-    fn map(&self, files: &Files) -> Result<Part, Failure> {
+    fn map(&self, files: &Files) -> Result<Made, Failure> {
         let began = Instant::now();
         let options = AtlasOptions {
             resolution: self.args.resolution,
@@ -125,10 +189,16 @@ impl Baker<'_> {
             memory: self.args.memory,
             ..AtlasOptions::default()
         };
-        let atlas = Atlas::new(self.scene, &options, &Cancel::new())?;
+        let bar = Bar::new(self.args.quiet);
+        let atlas = Atlas::watched(self.scene, &options, &mut |fraction| {
+            bar.show(fraction, "texels: layout".to_owned());
+            ControlFlow::Continue(())
+        })?;
+        drop(bar);
         let laid_out = began.elapsed();
         atlas.warnings().iter().for_each(console::warn);
-        let (baked, summary) = self.run(atlas.sites(), Some(1.0 / atlas.texels_per_unit()), "texels")?;
+        let found = self.run(atlas.sites(), Some(1.0 / atlas.texels_per_unit()), "texels")?;
+        let Some(Found { baked, summary, solution }) = found else { return Ok(nothing("light map")) };
         let map = atlas.light_map(&baked);
         let mut attributes = output::summary_attributes(&summary);
         attributes.push(("texelsPerUnit".to_owned(), output::Attribute::Number(atlas.texels_per_unit())));
@@ -144,7 +214,7 @@ impl Baker<'_> {
         output::write(&output::light_map_image(&map), &files.map, &write).map_err(Failure::running)?;
         output::write_atlas(&atlas, &files.atlas).map_err(Failure::running)?;
         self.report(&summary, &format!("{0} x {0} texels, {1} charts", atlas.side(), atlas.charts().len()));
-        let mut json = facts(&summary);
+        let mut json = facts(&summary, solution.as_deref());
         json["side"] = json!(atlas.side());
         json["texelsPerUnit"] = json!(atlas.texels_per_unit());
         json["charts"] = json!(atlas.charts().len());
@@ -162,33 +232,39 @@ impl Baker<'_> {
                 })
             })
             .collect();
-        Ok(Part { json, stopped: summary.stopped })
+        Ok(Made::Written { json, stopped: summary.stopped })
     }
 
     /// Irradiance and radiosity at vertices.
-    fn vertices(&self, files: &Files) -> Result<Part, Failure> {
+    fn vertices(&self, files: &Files) -> Result<Made, Failure> {
         let options = VertexOptions { spacing: self.args.spacing, memory: self.args.memory };
-        let vertices = Vertices::new(self.scene, &options, &Cancel::new())?;
-        let (baked, summary) = self.run(vertices.sites(), self.args.spacing, "vertices")?;
+        let bar = Bar::new(self.args.quiet);
+        let vertices = Vertices::watched(self.scene, &options, None, &mut |fraction| {
+            bar.show(fraction, "vertices: layout".to_owned());
+            ControlFlow::Continue(())
+        })?;
+        drop(bar);
+        let found = self.run(vertices.sites(), self.args.spacing, "vertices")?;
+        let Some(Found { baked, summary, solution }) = found else { return Ok(nothing("vertices")) };
         let irradiance = vertices.spread(&baked.irradiance);
         let values = VertexValues {
-            radiosity: &vertices.radiosity(&irradiance),
+            radiosity: &vertices.radiosity(&irradiance, !self.args.back),
             irradiance: &irradiance,
             standard_error: &vertices.spread(&baked.standard_error),
         };
         output::write_vertices(&vertices, values, self.args.exposure, &files.vertices).map_err(Failure::running)?;
         let (points, triangles) = (vertices.vertices().len(), vertices.triangles().len());
         self.report(&summary, &format!("{points} vertices, {triangles} triangles"));
-        let mut json = facts(&summary);
+        let mut json = facts(&summary, solution.as_deref());
         json["vertices"] = json!(points);
         json["triangles"] = json!(triangles);
-        Ok(Part { json, stopped: summary.stopped })
+        Ok(Made::Written { json, stopped: summary.stopped })
     }
 
-    /// `spacing`: how far apart sites are, about.
-    fn run(&self, sites: &Arc<Sites>, spacing: Option<f64>, what: &str) -> Result<(Baked, Summary), Failure> {
+    /// `spacing`: how far apart sites are, about. `None` if it was stopped before there was anything.
+    fn run(&self, sites: &Arc<Sites>, spacing: Option<f64>, what: &str) -> Result<Option<Found>, Failure> {
         if self.args.method == BakeMethod::Radiosity {
-            return self.solve(sites, spacing);
+            return self.solve(sites, spacing, what);
         }
         let mut bake = Bake::new(self.scene, sites, self.settings.clone(), !self.args.back)?;
         interrupt::begin();
@@ -201,17 +277,31 @@ impl Baker<'_> {
                 if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })
             .map_err(Failure::running)?;
-        Ok((bake.irradiance(), summary))
+        // Zeros are nothing to put in the place of older files.
+        let is_nothing = summary.stopped && summary.rays == 0;
+        Ok((!is_nothing).then(|| Found { baked: bake.irradiance(), summary, solution: None }))
     }
 
-    fn solve(&self, sites: &Arc<Sites>, spacing: Option<f64>) -> Result<(Baked, Summary), Failure> {
+    fn solve(&self, sites: &Arc<Sites>, spacing: Option<f64>, what: &str) -> Result<Option<Found>, Failure> {
         let began = Instant::now();
         interrupt::begin();
-        let mut look_up = || if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let bar = Bar::new(self.args.quiet);
+        let mut look_up = |fraction| {
+            let left = console::time_left(fraction, began.elapsed());
+            bar.show(fraction, format!("{what}: radiosity{left}"));
+            if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
         let made = by_radiosity(self.scene, sites, &self.settings, spacing, !self.args.back, &mut look_up);
-        let (baked, solution) = made.map_err(Failure::running)?;
+        drop(bar);
+        let (baked, solution) = match made {
+            Err(error) if error.kind() == ErrorKind::Cancelled && interrupt::requested() => return Ok(None),
+            Err(error) if error.kind() == ErrorKind::Cancelled => {
+                return Err(Failure::running("--time was over before the radiosity solution was there"));
+            }
+            made => made.map_err(Failure::running)?,
+        };
         let summary = Summary { elapsed: began.elapsed(), notes: solution.notes().to_vec(), ..Summary::default() };
-        Ok((baked, summary))
+        Ok(Some(Found { baked, summary, solution: Some(solution) }))
     }
 
     fn report(&self, summary: &Summary, what: &str) {
@@ -235,10 +325,16 @@ impl Baker<'_> {
     }
 }
 
+/// What is said and done of a part that was stopped before there was anything.
+fn nothing(what: &str) -> Made {
+    console::warn(format!("stopped before there was anything to write: no {what}"));
+    Made::Nothing
+}
+
 /// What a bake came to; numbers that are not known are null.
-fn facts(summary: &Summary) -> Value {
+fn facts(summary: &Summary, solution: Option<&Radiosity>) -> Value {
     let number = |of: fn(ErrorEstimate) -> f64| summary.rel_mse.map(of);
-    json!({
+    let mut facts = json!({
         "samples": summary.samples,
         "seconds": summary.elapsed.as_secs_f64(),
         "rays": summary.rays,
@@ -247,15 +343,28 @@ fn facts(summary: &Summary) -> Value {
         "ended": summary.ended.name(),
         "nonFinite": summary.non_finite,
         "notes": summary.notes,
-    })
+    });
+    if let Some(solution) = solution.map(Radiosity::summary) {
+        facts["ended"] = Value::Null;
+        facts["radiosity"] = json!({
+            "elements": solution.elements,
+            "links": solution.links,
+            "iterations": solution.iterations,
+            "residual": solution.residual,
+            "errorBound": solution.error_bound,
+            "emitted": solution.emitted.to_array(),
+            "absorbed": solution.absorbed.to_array(),
+        });
+    }
+    facts
 }
 
 fn write_summary(
     files: &Files,
     args: &BakeArgs,
     description: &SceneDesc,
-    map: Option<&Part>,
-    vertices: Option<&Part>,
+    map: &Made,
+    vertices: &Made,
 ) -> Result<(), Failure> {
     let names: Vec<&str> = description.surfaces.iter().map(|surface| surface.path.as_str()).collect();
     let summary = json!({
@@ -264,8 +373,8 @@ fn write_summary(
         "method": format!("{:?}", args.method).to_lowercase(),
         "side": if args.back { "back" } else { "front" },
         "surfaces": names,
-        "map": map.map(|part| &part.json),
-        "vertices": vertices.map(|part| &part.json),
+        "map": map.json(),
+        "vertices": vertices.json(),
     });
     let text = serde_json::to_string_pretty(&summary).unwrap_or_default();
     output::write_text(&(text + "\n"), &files.summary).map_err(Failure::running)

@@ -138,7 +138,7 @@ fn report(shot: &Shot, job: &Job, quiet: bool) {
 struct Crew(usize);
 
 impl Parallel for Crew {
-    fn check(&self) -> etendue::Result<()> {
+    fn check(&mut self) -> etendue::Result<()> {
         if interrupt::requested() { Err(Error::new(ErrorKind::Cancelled, "interrupted")) } else { Ok(()) }
     }
 

@@ -132,7 +132,7 @@ fn check_outputs(args: &RenderArgs) -> Result<bool, Failure> {
 }
 
 /// The same for all ways to spell it: links followed, the folder without `.` and `..`.
-fn place(path: &Path) -> PathBuf {
+pub fn place(path: &Path) -> PathBuf {
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let in_folder = || Some(parent.canonicalize().ok()?.join(path.file_name()?));
     path.canonicalize().ok().or_else(in_folder).unwrap_or_else(|| path.to_path_buf())

@@ -266,6 +266,10 @@ class Converter:
             normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
         else:
             normals = None
+        self.add_placed(positions, normals, triangles, smooth, material, emission)
+
+    def add_placed(self, positions, normals, triangles, smooth, material, emission):
+        """Adds a mesh in the world's frame. `normals`: None where it is flat or has none."""
         file = pathlib.Path(self.folder.name) / f"{self.count}.ply"
         write_ply(file, positions, normals, triangles)
         self.add_shape({"type": "ply", "filename": str(file), "face_normals": not smooth}, material, emission)

@@ -84,15 +84,7 @@ class Converter(reader.Converter):
         file.write_bytes(b"".join(np.ascontiguousarray(a).astype(t).tobytes() for a, t in arrays))
         self.line("mesh", number, str(len(positions)), str(len(triangles)), "0" if normals is None else "1", file.name)
 
-    def add_mesh(self, positions, normals, triangles, matrix, smooth, material, emission):
-        positions = positions @ matrix[:3, :3].T + matrix[:3, 3]
-        if np.linalg.det(matrix[:3, :3]) < 0:
-            triangles = triangles[:, ::-1]
-        if normals is not None and smooth:
-            normals = normals @ np.linalg.inv(matrix[:3, :3])
-            normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-        else:
-            normals = None
+    def add_placed(self, positions, normals, triangles, smooth, material, emission):
         if emission is None:
             self.write_mesh(self.material(material), positions, normals, triangles)
             return

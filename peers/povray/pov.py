@@ -65,10 +65,9 @@ class Writer(reader.Converter):
         centre, radius = self.args.scale * reader.vec(shape["center"]), self.args.scale * shape["radius"]
         self.text.append(f"sphere {{ {v(centre)}, {radius:.9g} {look} }}")
 
-    def add_mesh(self, positions, normals, triangles, matrix, smooth, material, emission):
-        points = self.args.scale * (positions @ matrix[:3, :3].T + matrix[:3, 3])
-        corners = points[triangles]
-        if smooth and normals is not None:
+    def add_placed(self, positions, normals, triangles, smooth, material, emission):
+        corners = (self.args.scale * positions)[triangles]
+        if normals is not None:
             raise reader.Unsupported("a smooth mesh")
         faces = "\n".join(f"triangle {{ {v(a)}, {v(b)}, {v(c)} }}" for a, b, c in corners)
         if emission is None:

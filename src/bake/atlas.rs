@@ -1,6 +1,7 @@
 //! Light-map coordinates for all surfaces of a scene: one square of texels in which every point has a place of its own.
 
 use std::collections::HashMap;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::chart::{self, Chart};
@@ -8,12 +9,12 @@ use super::own;
 use super::own::doubled_area;
 use super::placement::Placement;
 use super::raster;
-use crate::Cancel;
+use crate::control::{Cancel, Watch};
 use crate::embree::Charge;
 use crate::error::{Error, ErrorKind, Result};
 use crate::integrator::{Piece, Sites};
 use crate::math::{DVec3, Vec3};
-use crate::scene::{Facet, Scene, SurfaceMesh};
+use crate::scene::{Scene, SurfaceMesh};
 
 /// Most texels along a side of a light map.
 pub const MAX_SIDE: u32 = 1 << 13;
@@ -131,6 +132,20 @@ const BYTES_PER_SITE: u64 = 320;
 /// Bytes for each texel of the square, covered or not.
 const BYTES_PER_TEXEL: u64 = 40;
 
+/// How often charts are packed until their density is found, about.
+const TRIES: usize = 12;
+
+/// What part of all work is done when a stage of it ends, about.
+mod stage {
+    pub const MESHES: f64 = 0.05;
+    pub const CHARTS: f64 = 0.5;
+    pub const PLACEMENT: f64 = 0.6;
+    pub const COUNT: f64 = 0.7;
+    pub const TRIANGLES: f64 = 0.75;
+    pub const CUTS: f64 = 0.9;
+    pub const SITES: f64 = 1.0;
+}
+
 impl Atlas {
     /// Lays out all surfaces of a scene.
     ///
@@ -141,6 +156,23 @@ impl Atlas {
     /// coordinates that are no layout if [`Layout::Own`] asks for them; `OutOfMemory` past `memory` or the device's limit;
     /// `Cancelled`.
     pub fn new(scene: &Scene, options: &AtlasOptions, cancel: &Cancel) -> Result<Self> {
+        Self::make(scene, options, &Watch::new(cancel))
+    }
+
+    /// The same, stopped by `look_up`: called on this thread about ten times a second, at the beginning too, with the share of
+    /// the work that is done, which only grows. `Break` stops the work.
+    ///
+    /// # Errors
+    /// As for [`Atlas::new`].
+    pub fn watched(
+        scene: &Scene,
+        options: &AtlasOptions,
+        look_up: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<Self> {
+        Self::make(scene, options, &Watch::telling(look_up))
+    }
+
+    fn make(scene: &Scene, options: &AtlasOptions, watch: &Watch) -> Result<Self> {
         check(options)?;
         let limit = u64::from(options.memory) << 20;
         let mut bytes = scene.surface_mesh_bytes() as u64;
@@ -156,13 +188,17 @@ impl Atlas {
         bytes = bytes.saturating_mul(5);
         fits(bytes, "a light map of all triangles")?;
         let meshes_charge = scene.device().charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
-        let meshes = scene.surface_meshes(cancel)?;
+        watch.stage(stage::MESHES, scene.surface_mesh_items())?;
+        let meshes = scene.watched_surface_meshes(watch)?;
         if meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
             return Err(Error::new(ErrorKind::InvalidScene, "the scene has no surface to make a light map for"));
         }
         let mut warnings = Vec::new();
-        let charts = charts(&meshes, options, &mut warnings, cancel)?;
-        let placement = Placement::find(&charts, options, cancel)?;
+        let triangles = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        watch.stage(stage::CHARTS, triangles)?;
+        let charts = charts(&meshes, options, &mut warnings, watch)?;
+        watch.stage(stage::PLACEMENT, TRIES.saturating_mul(charts.len()))?;
+        let placement = Placement::find(&charts, options, watch)?;
 
         let texels = u64::from(placement.side) * u64::from(placement.side);
         // What it takes at least is known at once, and what it takes after going over all texels.
@@ -170,7 +206,8 @@ impl Atlas {
         let what = format!("a light map of {0} x {0} texels", placement.side);
         fits(bytes.saturating_add(least), &what)?;
         drop(scene.device().charge(usize::try_from(least).unwrap_or(usize::MAX))?);
-        let (pieces, sites_at_most) = count_pieces(&charts, &placement, cancel)?;
+        watch.stage(stage::COUNT, triangles)?;
+        let (pieces, sites_at_most) = count_pieces(&charts, &placement, watch)?;
         let wanted = pieces
             .saturating_mul((size_of::<Piece>() + size_of::<Cut>()) as u64)
             .saturating_add(sites_at_most.saturating_mul(BYTES_PER_SITE))
@@ -194,8 +231,12 @@ impl Atlas {
             warnings,
             _charge: charge.map(Arc::new),
         };
-        atlas.add_triangles(&meshes, &charts, &placement, cancel)?;
-        atlas.cut_into_texels(&meshes, &charts, &placement, pieces as usize, cancel)?;
+        watch.stage(stage::TRIANGLES, triangles)?;
+        atlas.add_triangles(&meshes, &charts, &placement, watch)?;
+        watch.stage(stage::CUTS, pieces as usize)?;
+        let cuts = cuts(&meshes, &charts, &placement, pieces as usize, watch)?;
+        watch.stage(stage::SITES, pieces as usize)?;
+        atlas.join(&meshes, cuts, watch)?;
         drop(meshes_charge);
         Ok(atlas)
     }
@@ -278,12 +319,12 @@ impl Atlas {
         meshes: &[SurfaceMesh],
         charts: &[Chart],
         placement: &Placement,
-        cancel: &Cancel,
+        watch: &Watch,
     ) -> Result<()> {
         let side = f64::from(placement.side);
         let mut first_chart = 0;
         for (number, mesh) in meshes.iter().enumerate() {
-            cancel.check()?;
+            watch.check()?;
             let own_charts = charts[first_chart..].iter().take_while(|chart| chart.mesh == number).count();
             let range = first_chart..first_chart + own_charts;
             first_chart = range.end;
@@ -300,7 +341,8 @@ impl Atlas {
             let (first_vertex, first_triangle) = (self.vertices.len() as u32, self.triangles.len() as u32);
             let mut known: HashMap<(u32, u32), u32> = HashMap::with_capacity(mesh.positions.len());
             let mut normals: Vec<DVec3> = Vec::new();
-            for (i, triangle) in mesh.triangles.iter().enumerate() {
+            watch.each(mesh.triangles.len(), |i| {
+                let triangle = mesh.triangles[i];
                 let (chart, at) = places[i];
                 let flat = placement.in_texels(chart, &charts[chart], at);
                 let corners = triangle.map(|corner| mesh.positions[corner as usize]);
@@ -323,7 +365,7 @@ impl Atlas {
                 self.triangles.push(numbers);
                 self.primitives.push(mesh.primitives[i]);
                 self.chart_numbers.push(chart as u32);
-            }
+            })?;
             for (vertex, mean) in self.vertices[first_vertex as usize..].iter_mut().zip(normals) {
                 let shading = mesh.normals.as_ref().map_or(Vec3::ZERO, |normals| normals[vertex.source as usize]);
                 let is_given = shading != Vec3::ZERO;
@@ -344,51 +386,12 @@ impl Atlas {
     }
 
     /// What each texel covers of the surfaces.
-    fn cut_into_texels(
-        &mut self,
-        meshes: &[SurfaceMesh],
-        charts: &[Chart],
-        placement: &Placement,
-        count: usize,
-        cancel: &Cancel,
-    ) -> Result<()> {
-        let mut cuts: Vec<Cut> = Vec::with_capacity(count);
-        // Facets are numbered as triangles are.
-        let facets: Vec<Facet> = meshes.iter().flat_map(|mesh| mesh.facets.iter().copied()).collect();
-        let mut first = 0;
-        let firsts: Vec<u32> = meshes.iter().map(|mesh| (first, first += mesh.facets.len() as u32).0).collect();
-        for (number, chart) in charts.iter().enumerate() {
-            let mesh = &meshes[chart.mesh];
-            for (at, &triangle) in chart.triangles.iter().enumerate() {
-                let facet = firsts[chart.mesh] + triangle;
-                let flat = placement.in_texels(number, chart, at);
-                // A site's points are uniform on the surface, not in the map.
-                let corners = mesh.triangles[triangle as usize].map(|corner| mesh.positions[corner as usize]);
-                let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
-                let stretch = area / doubled_area(&flat).abs();
-                raster::for_each_texel(&flat, cancel, |[x, y], part| {
-                    for (order, (fan, texels)) in part.fan().enumerate() {
-                        let corners = fan.map(|p| raster::weights(&flat, p));
-                        let (texel, order) = (y * placement.side + x, order as u8);
-                        let cut = Cut {
-                            key: along_curve([x, y]),
-                            texel,
-                            order,
-                            facet,
-                            corners,
-                            texels,
-                            area: texels * stretch,
-                        };
-                        cuts.push(cut);
-                    }
-                })?;
-            }
-        }
-        cancel.check()?;
-        cuts.sort_unstable_by_key(|cut| (cut.key, cut.facet, cut.order));
+    fn join(&mut self, meshes: &[SurfaceMesh], mut cuts: Vec<Cut>, watch: &Watch) -> Result<()> {
+        watch.sort(&mut cuts, &|a, b| (a.key, a.facet, a.order).cmp(&(b.key, b.facet, b.order)))?;
         let mut pieces = Vec::with_capacity(cuts.len());
         let mut starts = vec![0];
         for same in cuts.chunk_by(|a, b| a.texel == b.texel) {
+            watch.check()?;
             let whole: f64 = same.iter().map(|cut| cut.area).sum();
             let mut sum = 0.0;
             for cut in same {
@@ -401,7 +404,10 @@ impl Atlas {
             starts.push(pieces.len() as u32);
             self.texels.push(same[0].texel);
             self.coverage.push(same.iter().map(|cut| cut.texels).sum::<f64>().min(1.0) as f32);
+            watch.spend(same.len());
         }
+        // Facets are numbered as triangles are.
+        let facets = meshes.iter().flat_map(|mesh| mesh.facets.iter().copied()).collect();
         self.sites = Arc::new(Sites::new(facets, pieces, starts));
         Ok(())
     }
@@ -419,6 +425,40 @@ struct Cut {
     texels: f64,
     /// Area in the scene.
     area: f64,
+}
+
+/// The triangles of all charts, cut into `count` parts of texels; a unit of work is one of them.
+fn cuts(
+    meshes: &[SurfaceMesh],
+    charts: &[Chart],
+    placement: &Placement,
+    count: usize,
+    watch: &Watch,
+) -> Result<Vec<Cut>> {
+    let mut cuts = Vec::with_capacity(count);
+    let mut first = 0;
+    let firsts: Vec<u32> = meshes.iter().map(|mesh| (first, first += mesh.facets.len() as u32).0).collect();
+    for (number, chart) in charts.iter().enumerate() {
+        let mesh = &meshes[chart.mesh];
+        for (at, &triangle) in chart.triangles.iter().enumerate() {
+            let facet = firsts[chart.mesh] + triangle;
+            let flat = placement.drawn(number, chart, at);
+            // A site's points are uniform on the surface, not in the map.
+            let corners = mesh.triangles[triangle as usize].map(|corner| mesh.positions[corner as usize]);
+            let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
+            let stretch = area / doubled_area(&flat).abs();
+            raster::for_each_texel(&flat, watch, |[x, y], part| {
+                for (order, (fan, texels)) in part.fan().enumerate() {
+                    let corners = fan.map(|p| raster::weights(&flat, p));
+                    let (texel, order) = (y * placement.side + x, order as u8);
+                    let (key, area) = (along_curve([x, y]), texels * stretch);
+                    cuts.push(Cut { key, texel, order, facet, corners, texels, area });
+                    watch.spend(1);
+                }
+            })?;
+        }
+    }
+    Ok(cuts)
 }
 
 /// A texel's place on Morton's curve.
@@ -459,7 +499,7 @@ fn charts(
     meshes: &[SurfaceMesh],
     options: &AtlasOptions,
     warnings: &mut Vec<String>,
-    cancel: &Cancel,
+    watch: &Watch,
 ) -> Result<Vec<Chart>> {
     let cos_angle = options.max_angle_deg.to_radians().cos();
     let mut charts = Vec::new();
@@ -468,7 +508,7 @@ fn charts(
             continue;
         }
         if mesh.uvs.is_some() && options.layout != Layout::Charts || options.layout == Layout::Own && mesh.is_mesh {
-            match own::layout(number, mesh, cancel)? {
+            match own::layout(number, mesh, watch)? {
                 Ok(chart) => {
                     charts.push(chart);
                     continue;
@@ -482,20 +522,21 @@ fn charts(
                 )),
             }
         }
-        chart::grow(number, mesh, cos_angle, cancel, &mut charts)?;
+        chart::grow(number, mesh, cos_angle, watch, &mut charts)?;
     }
     Ok(charts)
 }
 
 /// How many pieces there will be, and no fewer than there will be sites.
-fn count_pieces(charts: &[Chart], placement: &Placement, cancel: &Cancel) -> Result<(u64, u64)> {
+fn count_pieces(charts: &[Chart], placement: &Placement, watch: &Watch) -> Result<(u64, u64)> {
     let (mut pieces, mut sites) = (0_u64, 0_u64);
     for (number, chart) in charts.iter().enumerate() {
         for at in 0..chart.triangles.len() {
-            raster::for_each_texel(&placement.in_texels(number, chart, at), cancel, |_, part| {
+            raster::for_each_texel(&placement.drawn(number, chart, at), watch, |_, part| {
                 sites += 1;
                 pieces += part.fan().count() as u64;
             })?;
+            watch.spend(1);
         }
     }
     if pieces > u64::from(u32::MAX) {

@@ -3,9 +3,10 @@
 use std::collections::{HashMap, VecDeque};
 
 use super::overlap::{Cover, Flat};
+use crate::Result;
+use crate::control::Watch;
 use crate::math::DVec3;
 use crate::scene::SurfaceMesh;
-use crate::{Cancel, Result};
 
 /// A part of a surface, laid flat.
 #[derive(Debug)]
@@ -27,9 +28,6 @@ pub(super) struct Chart {
 /// How deep an overlap is none, in units of a chart's largest triangle.
 const TOLERANCE: f64 = 1e-9;
 
-/// Triangles between two looks at whether to go on.
-const LOOK: usize = 1 << 10;
-
 /// A triangle's place and direction.
 struct Face {
     corners: [DVec3; 3],
@@ -48,22 +46,21 @@ impl Face {
 /// Cuts a mesh into charts: triangles that hang together by their sides, whose normals are within an angle of the first one's
 /// (the largest that is left), projected along that normal. A triangle that would cover another is left for another chart.
 ///
-/// `cos_angle`: cosine of the angle, above 0.
+/// `cos_angle`: cosine of the angle, above 0. A unit of work is a triangle.
 pub(super) fn grow(
     number: usize,
     mesh: &SurfaceMesh,
     cos_angle: f64,
-    cancel: &Cancel,
+    watch: &Watch,
     charts: &mut Vec<Chart>,
 ) -> Result<()> {
     let count = mesh.triangles.len();
     let faces: Vec<Face> = mesh.triangles.iter().map(|&triangle| Face::new(mesh, triangle)).collect();
-    let neighbours = neighbours(mesh);
+    let neighbours = neighbours(mesh, watch)?;
     let mut order: Vec<u32> = (0..count as u32).collect();
-    order.sort_by(|&a, &b| faces[b as usize].area.total_cmp(&faces[a as usize].area).then(a.cmp(&b)));
-    let mean_area = faces.iter().map(|face| face.area).sum::<f64>() / count.max(1) as f64;
+    watch.sort(&mut order, &|&a, &b| faces[b as usize].area.total_cmp(&faces[a as usize].area).then(a.cmp(&b)))?;
+    let mean_length = faces.iter().map(|face| face.area.sqrt()).sum::<f64>() / count.max(1) as f64;
     let mut is_taken = vec![false; count];
-    let mut done = 0;
     for seed in order {
         if is_taken[seed as usize] {
             continue;
@@ -73,11 +70,13 @@ pub(super) fn grow(
         let origin = faces[seed as usize].corners[0];
         let project = |face: &Face| face.corners.map(|p| [(p - origin).dot(right), (p - origin).dot(above)]);
         let tolerance = TOLERANCE * extent(&project(&faces[seed as usize]));
-        let mut cover = Cover::new(2.0 * mean_area.sqrt(), tolerance);
+        // The seed is the largest that is left: fine detail must not be in one cell because of what is coarse elsewhere.
+        let mut cover = Cover::new(2.0 * mean_length.min(faces[seed as usize].area.sqrt()), tolerance);
         let mut chart =
             Chart { mesh: number, triangles: Vec::new(), flat: Vec::new(), size: [0.0; 2], unit: 1.0, is_own: false };
         let mut waiting = VecDeque::from([seed]);
         while let Some(next) = waiting.pop_front() {
+            watch.check()?;
             let face = &faces[next as usize];
             if is_taken[next as usize] || face.normal.dot(axis) < cos_angle {
                 continue;
@@ -87,10 +86,7 @@ pub(super) fn grow(
             if next != seed && cover.overlapped(&flat).is_some() {
                 continue;
             }
-            done += 1;
-            if done % LOOK == 0 {
-                cancel.check()?;
-            }
+            watch.spend(1);
             is_taken[next as usize] = true;
             cover.add(flat, next);
             chart.triangles.push(next);
@@ -103,7 +99,7 @@ pub(super) fn grow(
             chart.triangles.push(seed);
             chart.flat.push(project(&faces[seed as usize]));
         }
-        lay(&mut chart);
+        lay(&mut chart, watch)?;
         charts.push(chart);
     }
     Ok(())
@@ -115,17 +111,16 @@ fn extent(flat: &Flat) -> f64 {
 
 /// The triangle beyond each side of each triangle, or `u32::MAX`: sides that exactly two triangles share, wound alike. Vertices
 /// at one place are one.
-fn neighbours(mesh: &SurfaceMesh) -> Vec<[u32; 3]> {
+fn neighbours(mesh: &SurfaceMesh, watch: &Watch) -> Result<Vec<[u32; 3]>> {
     let mut welded: HashMap<[u64; 3], u32> = HashMap::with_capacity(mesh.positions.len());
-    let place: Vec<u32> = mesh
-        .positions
-        .iter()
-        .map(|p| {
-            let next = welded.len() as u32;
-            // Both zeros are one.
-            *welded.entry(p.to_array().map(|x| (x + 0.0).to_bits())).or_insert(next)
-        })
-        .collect();
+    let mut place: Vec<u32> = Vec::with_capacity(mesh.positions.len());
+    for p in &mesh.positions {
+        watch.check()?;
+        let next = welded.len() as u32;
+        // Both zeros are one.
+        place.push(*welded.entry(p.to_array().map(|x| (x + 0.0).to_bits())).or_insert(next));
+    }
+    drop(welded);
     let mut sides: Vec<([u32; 2], bool, u32, u8)> = Vec::with_capacity(3 * mesh.triangles.len());
     for (number, triangle) in mesh.triangles.iter().enumerate() {
         for side in 0..3 {
@@ -133,7 +128,7 @@ fn neighbours(mesh: &SurfaceMesh) -> Vec<[u32; 3]> {
             sides.push(([a.min(b), a.max(b)], a < b, number as u32, side as u8));
         }
     }
-    sides.sort_unstable();
+    watch.sort(&mut sides, &Ord::cmp)?;
     let mut neighbours = vec![[u32::MAX; 3]; mesh.triangles.len()];
     for same in sides.chunk_by(|a, b| a.0 == b.0) {
         if let &[(_, forwards, a, a_side), (_, other_forwards, b, b_side)] = same
@@ -144,12 +139,12 @@ fn neighbours(mesh: &SurfaceMesh) -> Vec<[u32; 3]> {
             neighbours[b as usize][usize::from(b_side)] = a;
         }
     }
-    neighbours
+    Ok(neighbours)
 }
 
 /// Turns a chart so that the box around it is small, and moves it to the origin; no higher than it is wide.
-fn lay(chart: &mut Chart) {
-    let hull = hull(chart.flat.iter().flatten().copied().collect());
+fn lay(chart: &mut Chart, watch: &Watch) -> Result<()> {
+    let hull = hull(chart.flat.iter().flatten().copied().collect(), watch)?;
     let mut best: Option<(f64, [f64; 2])> = None;
     for (i, a) in hull.iter().enumerate() {
         let b = hull[(i + 1) % hull.len()];
@@ -181,6 +176,7 @@ fn lay(chart: &mut Chart) {
         *corner = [(x - min[0]).max(0.0), (y - min[1]).max(0.0)];
     }
     chart.size = [max[0] - min[0], max[1] - min[1]];
+    Ok(())
 }
 
 /// Coordinates along `direction` and across it.
@@ -196,11 +192,11 @@ pub(super) fn bounds(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
 }
 
 /// The convex hull, counter-clockwise. Source: Andrew 1979, "Another Efficient Algorithm for Convex Hulls in Two Dimensions".
-fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+fn hull(mut points: Vec<[f64; 2]>, watch: &Watch) -> Result<Vec<[f64; 2]>> {
+    watch.sort(&mut points, &|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])))?;
     points.dedup();
     if points.len() < 3 {
-        return points;
+        return Ok(points);
     }
     let is_left = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0]);
     let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
@@ -216,5 +212,5 @@ fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     };
     let mut hull = half(&mut points.iter().copied());
     hull.extend(half(&mut points.iter().rev().copied()));
-    hull
+    Ok(hull)
 }

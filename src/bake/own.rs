@@ -1,23 +1,24 @@
 //! A mesh's own texture coordinates as the layout of its light map.
 
-use super::chart::Chart;
+use super::chart::{Chart, bounds};
 use super::overlap::{Cover, Flat};
+use crate::Result;
+use crate::control::Watch;
 use crate::scene::SurfaceMesh;
-use crate::{Cancel, Result};
 
-/// Overlaps no deeper than this share of the square are none: exporters round, and it is a hundredth of a texel of a map of ten
-/// thousand.
+/// Overlaps no deeper than this share of the layout's size are none, nor is what is so little beside the square: exporters round,
+/// and it is a hundredth of a texel of a map of ten thousand.
 const TOLERANCE: f64 = 1e-6;
 
-/// Triangles between two looks at whether to go on.
-const LOOK: usize = 1 << 10;
+/// The least share of the square that a layout covers: below a hundred texels of the largest map.
+const LEAST_SHARE: f64 = 1e-6;
 
 /// One chart of all of a mesh, laid out as its own texture coordinates say; or why they are no layout of a light map, which needs
-/// a place of its own in [0, 1]^2 for every point.
+/// a place of its own in [0, 1]^2 for every point. A unit of work is a triangle.
 ///
 /// # Errors
 /// [`crate::ErrorKind::Cancelled`].
-pub(super) fn layout(number: usize, mesh: &SurfaceMesh, cancel: &Cancel) -> Result<std::result::Result<Chart, String>> {
+pub(super) fn layout(number: usize, mesh: &SurfaceMesh, watch: &Watch) -> Result<std::result::Result<Chart, String>> {
     let Some(uvs) = &mesh.uvs else { return Ok(Err("the mesh has no texture coordinates".to_owned())) };
     let mut chart = Chart {
         mesh: number,
@@ -27,21 +28,20 @@ pub(super) fn layout(number: usize, mesh: &SurfaceMesh, cancel: &Cancel) -> Resu
         unit: 1.0,
         is_own: true,
     };
-    let (mut area, mut flat_area) = (0.0, 0.0);
+    let (mut area, mut flat_area, mut flat_length) = (0.0, 0.0, 0.0);
     for (i, triangle) in mesh.triangles.iter().enumerate() {
-        if i % LOOK == 0 {
-            cancel.check()?;
-        }
+        watch.check()?;
         let original = mesh.primitives[i];
         for &corner in triangle {
             let [u, v] = uvs[corner as usize];
             // Written so that NaN fails.
-            if !((0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v)) {
+            let near = -TOLERANCE..=1.0 + TOLERANCE;
+            if !(near.contains(&f64::from(u)) && near.contains(&f64::from(v))) {
                 let message = format!("({u}, {v}) of vertex {corner} is outside of [0, 1]");
                 return Ok(Err(format!("the texture coordinate {message} (triangle {original})")));
             }
         }
-        let flat: Flat = triangle.map(|corner| uvs[corner as usize].map(f64::from));
+        let flat: Flat = triangle.map(|corner| uvs[corner as usize].map(|x| f64::from(x).clamp(0.0, 1.0)));
         let twice = doubled_area(&flat).abs();
         if twice < f64::from(f32::MIN_POSITIVE) {
             return Ok(Err(format!("triangle {original} has no area in texture coordinates")));
@@ -49,18 +49,23 @@ pub(super) fn layout(number: usize, mesh: &SurfaceMesh, cancel: &Cancel) -> Resu
         let [a, b, c] = triangle.map(|corner| mesh.positions[corner as usize]);
         area += 0.5 * (b - a).cross(c - a).length();
         flat_area += 0.5 * twice;
+        flat_length += (0.5 * twice).sqrt();
         chart.flat.push(flat);
     }
-    let mut cover = Cover::new(2.0 * (flat_area / chart.flat.len().max(1) as f64).sqrt(), TOLERANCE);
+    let [min, max] = bounds(chart.flat.iter().flatten().copied());
+    let size = (max[0] - min[0]).max(max[1] - min[1]);
+    let mut cover = Cover::new(2.0 * flat_length / chart.flat.len().max(1) as f64, TOLERANCE * size);
     for (i, flat) in chart.flat.iter().enumerate() {
-        if i % LOOK == 0 {
-            cancel.check()?;
-        }
+        watch.check()?;
         let original = mesh.primitives[i];
         if let Some(other) = cover.overlapped(flat) {
             return Ok(Err(format!("triangles {other} and {original} overlap in texture coordinates")));
         }
         cover.add(*flat, original);
+        watch.spend(1);
+    }
+    if flat_area < LEAST_SHARE {
+        return Ok(Err(format!("its triangles cover no more than {flat_area:.0e} of the square")));
     }
     chart.unit = (area / flat_area).sqrt();
     Ok(Ok(chart))

@@ -3,8 +3,8 @@
 use super::atlas::{AtlasOptions, ChartPlace, DEFAULT_SIDE, MAX_SIDE};
 use super::chart::Chart;
 use super::overlap::Flat;
-use super::pack;
-use crate::Cancel;
+use super::{pack, raster};
+use crate::control::Watch;
 use crate::error::{Error, Result};
 
 /// Where charts lie in the square.
@@ -21,16 +21,18 @@ const WHOLE: f64 = 1e-6;
 
 impl Placement {
     /// Finds resolution and density as far as they are not given.
-    pub(super) fn find(charts: &[Chart], options: &AtlasOptions, cancel: &Cancel) -> Result<Self> {
+    pub(super) fn find(charts: &[Chart], options: &AtlasOptions, watch: &Watch) -> Result<Self> {
         // One mesh that is laid out already: the map is its own.
         if let [chart] = charts
             && chart.is_own
         {
-            let by_density = || options.texels_per_unit.map(|density| (density * chart.unit).ceil());
-            let side = match options.resolution.map(f64::from).or_else(by_density) {
-                Some(side) if side <= f64::from(MAX_SIDE) => (side as u32).max(1),
-                Some(side) => return Err(too_large(options, side)),
-                None => DEFAULT_SIDE,
+            let needed = options.texels_per_unit.map(|density| (density * chart.unit - WHOLE).ceil());
+            let side = match (options.resolution, needed) {
+                (Some(side), Some(needed)) if needed > f64::from(side) => return Err(too_dense(options, side)),
+                (Some(side), _) => side,
+                (None, Some(needed)) if needed > f64::from(MAX_SIDE) => return Err(too_large(options, needed)),
+                (None, Some(needed)) => (needed as u32).max(1),
+                (None, None) => DEFAULT_SIDE,
             };
             let place = ChartPlace { origin: [0, 0], size: [side, side] };
             return Ok(Self { side, density: f64::from(side) / chart.unit, gutter: 0, places: vec![place] });
@@ -38,7 +40,7 @@ impl Placement {
         let gutter = options.gutter;
         let at = |side: u32, density: f64| {
             let Some(sizes) = sizes(charts, density, gutter, side) else { return Ok(None) };
-            let places = pack::pack(&sizes, side, cancel)?;
+            let places = pack::pack(&sizes, side, watch)?;
             Ok::<_, Error>(places.map(|places| {
                 let place = |(origin, size)| ChartPlace { origin, size };
                 let places = places.into_iter().zip(sizes).map(place).collect();
@@ -48,13 +50,7 @@ impl Placement {
         match (options.resolution, options.texels_per_unit) {
             (Some(side), Some(density)) => match at(side, density)? {
                 Some(placement) => Ok(placement),
-                None => {
-                    let message = format!(
-                        "{density} texels per unit do not fit into {side} x {side} texels: raise the resolution, or leave one \
-                         of the two to be found"
-                    );
-                    Err(Error::invalid("resolution", message))
-                }
+                None => Err(too_dense(options, side)),
             },
             (None, Some(density)) => {
                 let area: f64 = charts.iter().map(|chart| padded_area(chart, density, gutter)).sum();
@@ -83,7 +79,8 @@ impl Placement {
         at: impl Fn(u32, f64) -> Result<Option<Self>>,
     ) -> Result<Self> {
         let area: f64 = charts.iter().map(|chart| chart.size[0] * chart.size[1] * chart.unit * chart.unit).sum();
-        let mut high = f64::from(side) / area.sqrt();
+        let lengths = charts.iter().map(|chart| chart.size[0].max(chart.size[1]) * chart.unit);
+        let mut high = f64::from(side) / area.sqrt().max(lengths.fold(0.0, f64::max));
         let mut low = high;
         let mut best = None;
         for _ in 0..64 {
@@ -121,6 +118,13 @@ impl Placement {
         self.places[number].origin.map(|x| f64::from(x + self.gutter))
     }
 
+    /// What is cut into texels in the place of a chart's triangle.
+    pub(super) fn drawn(&self, number: usize, chart: &Chart, at: usize) -> Flat {
+        let ChartPlace { origin, size } = self.places[number];
+        let end = [0, 1].map(|axis| f64::from(origin[axis] + size[axis] - self.gutter));
+        raster::drawn(self.in_texels(number, chart, at), end)
+    }
+
     /// A chart's triangle in texels.
     pub(super) fn in_texels(&self, number: usize, chart: &Chart, at: usize) -> Flat {
         let (scale, [x, y]) = (self.scale(chart), self.corner(number));
@@ -147,6 +151,15 @@ fn sizes(charts: &[Chart], density: f64, gutter: u32, side: u32) -> Option<Vec<[
 fn padded_area(chart: &Chart, density: f64, gutter: u32) -> f64 {
     let length = |length: f64| (length * chart.unit * density).ceil().max(1.0) + f64::from(2 * gutter);
     length(chart.size[0]) * length(chart.size[1])
+}
+
+fn too_dense(options: &AtlasOptions, side: u32) -> Error {
+    let density = options.texels_per_unit.unwrap_or_default();
+    let message = format!(
+        "{density} texels per unit do not fit into {side} x {side} texels: raise the resolution, or leave one of the two to be \
+         found"
+    );
+    Error::invalid("resolution", message)
 }
 
 fn too_large(options: &AtlasOptions, side: f64) -> Error {

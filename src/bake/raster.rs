@@ -3,26 +3,50 @@
 use super::chart::bounds;
 use super::overlap::Flat;
 use super::own::doubled_area;
-use crate::{Cancel, Result};
+use crate::Result;
+use crate::control::Watch;
 
 /// What a triangle covers of a texel may have so many corners.
 const MOST_CORNERS: usize = 8;
 
-/// Parts of a texel smaller than this are none: rounding, where a side goes along a row of texels.
+/// Parts of a texel smaller than this are none: rounding, where a side goes along a row of texels. Of triangles smaller than a
+/// texel, this share of them.
 const LEAST_AREA: f64 = 1e-9;
+
+/// Triangles of less area in the map are drawn as one of these legs: in doubles there is no shape left to cut.
+const SPECK_AREA: f64 = 1e-15;
+const SPECK_LEG: f64 = 1e-6;
+
+/// What is cut into texels in the place of a triangle, so that even the smallest has a texel to be looked up in: itself, unless
+/// it is a speck. That becomes a triangle that can be cut, in the texel of its first corner.
+///
+/// `triangle`: in texels. `end`: its coordinates are not beyond, whole numbers of texels.
+pub(super) fn drawn(triangle: Flat, end: [f64; 2]) -> Flat {
+    // Written so that NaN is a speck.
+    if 0.5 * doubled_area(&triangle).abs() >= SPECK_AREA {
+        return triangle;
+    }
+    let [x, y] = [0, 1].map(|axis| {
+        let texel = triangle[0][axis].floor().min(end[axis] - 1.0);
+        triangle[0][axis].clamp(texel, texel + 1.0 - SPECK_LEG)
+    });
+    [[x, y], [x + SPECK_LEG, y], [x, y + SPECK_LEG]]
+}
 
 /// A convex polygon.
 #[derive(Clone, Copy)]
 pub(super) struct Polygon {
     corners: [[f64; 2]; MOST_CORNERS],
     count: usize,
+    /// Smaller parts of it are none.
+    least: f64,
 }
 
 impl Polygon {
     fn new(triangle: &Flat) -> Self {
         let mut corners = [[0.0; 2]; MOST_CORNERS];
         corners[..3].copy_from_slice(triangle);
-        Self { corners, count: 3 }
+        Self { corners, count: 3, least: LEAST_AREA * (0.5 * doubled_area(triangle).abs()).min(1.0) }
     }
 
     pub(super) fn corners(&self) -> &[[f64; 2]] {
@@ -33,7 +57,7 @@ impl Polygon {
     ///
     /// Source: Sutherland and Hodgman 1974, "Reentrant Polygon Clipping".
     fn clipped(&self, axis: usize, value: f64, sign: f64) -> Self {
-        let mut clipped = Self { corners: [[0.0; 2]; MOST_CORNERS], count: 0 };
+        let mut clipped = Self { corners: [[0.0; 2]; MOST_CORNERS], count: 0, least: self.least };
         let mut add = |corner: [f64; 2]| {
             if clipped.count < MOST_CORNERS {
                 clipped.corners[clipped.count] = corner;
@@ -61,7 +85,7 @@ impl Polygon {
         (2..self.count).filter_map(|i| {
             let part = [self.corners[0], self.corners[i - 1], self.corners[i]];
             let area = 0.5 * doubled_area(&part).abs();
-            (area > LEAST_AREA).then_some((part, area))
+            (area > self.least).then_some((part, area))
         })
     }
 }
@@ -72,15 +96,11 @@ impl Polygon {
 ///
 /// # Errors
 /// [`crate::ErrorKind::Cancelled`].
-pub(super) fn for_each_texel(
-    triangle: &Flat,
-    cancel: &Cancel,
-    mut visit: impl FnMut([u32; 2], &Polygon),
-) -> Result<()> {
+pub(super) fn for_each_texel(triangle: &Flat, watch: &Watch, mut visit: impl FnMut([u32; 2], &Polygon)) -> Result<()> {
     let whole = Polygon::new(triangle);
     let [[_, low], [_, high]] = bounds(triangle.iter().copied());
     for row in low as u32..=high as u32 {
-        cancel.check()?;
+        watch.check()?;
         let strip = whole.clipped(1, f64::from(row), 1.0).clipped(1, f64::from(row) + 1.0, -1.0);
         if strip.count < 3 {
             continue;
@@ -110,6 +130,7 @@ pub(super) fn weights(triangle: &Flat, p: [f64; 2]) -> [f32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Cancel;
     use crate::sampling::Rng;
 
     #[test]
@@ -120,7 +141,7 @@ mod tests {
                 let mut corner = || [0.0; 2].map(|_| f64::from(rng.next_f32()) * size + 1.0);
                 let triangle = [corner(), corner(), corner()];
                 let mut sum = 0.0;
-                for_each_texel(&triangle, &Cancel::new(), |[x, y], part| {
+                for_each_texel(&triangle, &Watch::new(&Cancel::new()), |[x, y], part| {
                     for (fan, area) in part.fan() {
                         sum += area;
                         for p in fan {
@@ -148,7 +169,7 @@ mod tests {
     fn texels_beside_a_side_are_not_covered() {
         let mut found = Vec::new();
         let triangle = [[1.0, 1.0], [3.0, 1.0], [1.0, 3.0]];
-        for_each_texel(&triangle, &Cancel::new(), |texel, _| found.push(texel)).unwrap();
+        for_each_texel(&triangle, &Watch::new(&Cancel::new()), |texel, _| found.push(texel)).unwrap();
         assert_eq!(found, [[1, 1], [2, 1], [1, 2]]);
     }
 }

@@ -1,10 +1,11 @@
 //! Surfaces as triangles with irradiance at their vertices.
 
 use std::collections::HashMap;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::reflection;
-use crate::Cancel;
+use crate::control::{Cancel, Watch};
 use crate::embree::Charge;
 use crate::error::{Error, ErrorKind, Result};
 use crate::integrator::{Piece, Sites};
@@ -60,6 +61,10 @@ pub struct Vertices {
     _charge: Option<Arc<Charge>>,
 }
 
+/// What part of all work is done when the meshes are there, and when they are cut, about.
+const MESHES_END: f64 = 0.2;
+const CUTS_END: f64 = 0.7;
+
 /// Bytes for each vertex, its sums and results among them.
 const BYTES_PER_VERTEX: u64 = 400;
 
@@ -81,6 +86,23 @@ impl Vertices {
     /// # Errors
     /// As for [`Vertices::new`]; `InvalidScene` too where there is no such surface.
     pub fn of_surfaces(scene: &Scene, options: &VertexOptions, only: Option<u32>, cancel: &Cancel) -> Result<Self> {
+        Self::make(scene, options, only, &Watch::new(cancel))
+    }
+
+    /// The same, stopped by `look_up` as in [`super::Atlas::watched`].
+    ///
+    /// # Errors
+    /// As for [`Vertices::of_surfaces`].
+    pub fn watched(
+        scene: &Scene,
+        options: &VertexOptions,
+        only: Option<u32>,
+        look_up: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<Self> {
+        Self::make(scene, options, only, &Watch::telling(look_up))
+    }
+
+    fn make(scene: &Scene, options: &VertexOptions, only: Option<u32>, watch: &Watch) -> Result<Self> {
         if let Some(spacing) = options.spacing
             && !(spacing > 0.0 && spacing.is_finite())
         {
@@ -96,7 +118,8 @@ impl Vertices {
             return Err(past(bytes));
         }
         let meshes_charge = scene.device().charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
-        let mut meshes = scene.surface_meshes(cancel)?;
+        watch.stage(MESHES_END, scene.surface_mesh_items())?;
+        let mut meshes = scene.watched_surface_meshes(watch)?;
         meshes.retain(|mesh| only.is_none_or(|only| mesh.surface == only));
         let cuts: Vec<u64> = meshes.iter().map(|mesh| cuts(mesh, options.spacing)).collect();
         for (mesh, &n) in meshes.iter().zip(&cuts) {
@@ -110,6 +133,7 @@ impl Vertices {
             return Err(past(bytes));
         }
         let charge = scene.device().charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
+        watch.stage(CUTS_END, meshes.iter().map(|mesh| mesh.triangles.len()).sum())?;
         let mut maker = Maker::default();
         let mut made = Self {
             vertices: Vec::new(),
@@ -122,13 +146,14 @@ impl Vertices {
             _charge: charge.map(Arc::new),
         };
         for (mesh, n) in meshes.iter().zip(cuts) {
-            made.add(scene, mesh, n as u32, &mut maker, cancel)?;
+            made.add(scene, mesh, n as u32, &mut maker, watch)?;
         }
         drop(meshes_charge);
         if made.triangles.is_empty() {
             return Err(Error::new(ErrorKind::InvalidScene, "the scene has no surface whose vertices could be lit"));
         }
-        made.finish(&meshes, maker, cancel)?;
+        watch.stage(1.0, maker.cells.len())?;
+        made.finish(&meshes, maker, watch)?;
         Ok(made)
     }
 
@@ -174,18 +199,19 @@ impl Vertices {
         spread
     }
 
-    /// Radiosity [W m^-2] on the outer side of each vertex, by its irradiance there: what a diffuse surface reflects of it, and what
-    /// it emits. Mirrors and glass reflect nothing here.
-    pub fn radiosity(&self, irradiance: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    /// Radiosity [W m^-2] on the outer side (`front`) or the other of each vertex, by its irradiance there: what a diffuse surface
+    /// reflects of it, and what it emits, on the outer side alone. Mirrors and glass reflect nothing here.
+    pub fn radiosity(&self, irradiance: &[[f32; 3]], front: bool) -> Vec<[f32; 3]> {
         let of = |(vertex, irradiance): (&LitVertex, &[f32; 3])| {
             let (reflectance, emitted) = self.looks.get(&vertex.surface).copied().unwrap_or_default();
+            let emitted = if front { emitted } else { Vec3::ZERO };
             (reflectance * Vec3::from(*irradiance) + emitted).to_array()
         };
         self.vertices.iter().zip(irradiance).map(of).collect()
     }
 
     /// Vertices and triangles of a surface, each triangle cut into n x n.
-    fn add(&mut self, scene: &Scene, mesh: &SurfaceMesh, n: u32, maker: &mut Maker, cancel: &Cancel) -> Result<()> {
+    fn add(&mut self, scene: &Scene, mesh: &SurfaceMesh, n: u32, maker: &mut Maker, watch: &Watch) -> Result<()> {
         let first = self.vertices.len() as u32;
         self.firsts.push((mesh.surface, first));
         let vertex = |position| LitVertex { position, normal: Vec3::ZERO, surface: mesh.surface };
@@ -194,7 +220,8 @@ impl Vertices {
         maker.normals.extend((0..mesh.positions.len()).map(|i| (smooth(i).as_dvec3(), DVec3::ZERO)));
         let mut on_sides: HashMap<(u32, u32, u32), u32> = HashMap::new();
         for (i, triangle) in mesh.triangles.iter().enumerate() {
-            cancel.check()?;
+            watch.check()?;
+            watch.spend(1);
             let facet = mesh.facets[i];
             let facet_number = maker.facet_count;
             maker.facet_count += 1;
@@ -254,16 +281,17 @@ impl Vertices {
         Ok(())
     }
 
-    fn finish(&mut self, meshes: &[SurfaceMesh], mut maker: Maker, cancel: &Cancel) -> Result<()> {
+    fn finish(&mut self, meshes: &[SurfaceMesh], mut maker: Maker, watch: &Watch) -> Result<()> {
         for (vertex, (smooth, mean)) in self.vertices.iter_mut().zip(maker.normals) {
             let normal = if smooth != DVec3::ZERO { smooth } else { mean };
             vertex.normal = normal.normalize_or_zero().as_vec3a();
         }
-        cancel.check()?;
-        maker.cells.sort_by_key(|cell| cell.vertex);
+        watch.sort(&mut maker.cells, &|a, b| (a.vertex, a.number).cmp(&(b.vertex, b.number)))?;
         let mut pieces = Vec::with_capacity(maker.cells.len());
         let mut starts = vec![0];
         for cells in maker.cells.chunk_by(|a, b| a.vertex == b.vertex) {
+            watch.check()?;
+            watch.spend(cells.len());
             let whole: f64 = cells.iter().map(|cell| cell.area).sum();
             let mut sum = 0.0;
             for cell in cells {
@@ -297,6 +325,8 @@ struct Maker {
 /// A part of what a vertex stands for.
 struct Cell {
     vertex: u32,
+    /// In the order in which they were made.
+    number: u32,
     facet: u32,
     corners: [[f32; 2]; 3],
     area: f64,
@@ -310,7 +340,8 @@ impl Maker {
         for i in 0..3 {
             let [own, next, last] = [corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]];
             for corners in [[own, mean(own, next), centre], [own, centre, mean(own, last)]] {
-                self.cells.push(Cell { vertex: numbers[i], facet, corners, area: area / 6.0 });
+                let number = self.cells.len() as u32;
+                self.cells.push(Cell { vertex: numbers[i], number, facet, corners, area: area / 6.0 });
             }
         }
     }

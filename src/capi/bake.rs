@@ -1,23 +1,28 @@
 //! Light maps: layouts, and irradiance into arrays of the host.
 
 use std::ffi::c_char;
-use std::ops::ControlFlow;
+use std::ptr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::boundary::{Header, Object, give, need, object, on, read_sized, release, retain, take_status, write_sized};
+use super::boundary::{
+    Header, Object, UserData, give, need, object, on, read_sized, release, retain, take_status, write_sized,
+};
 use super::device::etd_device;
+use super::progress::{BUILD_SHARE, Reporter, none_yet};
 use super::read;
 use super::scene::etd_scene;
 use super::status::{ETD_CANCELLED, Failure, Result, etd_status};
-use super::task::{settings_of, summary_out};
 use super::types::*;
-use crate::Cancel;
+use super::work::{settings_of, summary_out};
 use crate::bake::{Atlas, AtlasOptions, Bake, Baked, Layout, VertexOptions, Vertices, by_radiosity};
 use crate::desc::IntegratorDesc;
 use crate::integrator::Sites;
-use crate::render::{Progress, Summary};
+use crate::render::Summary;
 use crate::scene::Scene;
+
+/// Share of the progress that choosing vertices takes, of what follows the build.
+const VERTICES_SHARE: f64 = 0.1;
 
 /// The layout of a light map, and the scene that it is of, as it was built then.
 pub struct etd_atlas {
@@ -35,9 +40,9 @@ const _: () = assert!(size_of::<etd_atlas>() <= size_of::<etd_device>());
 ///
 /// `options`: NULL for the defaults of `ETD_ATLAS_OPTIONS_INIT`. On `ETD_OK` `*out_atlas` is one reference; it keeps the scene as
 /// it is now, and what is baked later is of that. The same scene gives the same layout. The log callback is told of meshes whose
-/// own texture coordinates could not be used. Errors: `ETD_INVALID_SCENE` for a scene without a surface, options out of their range,
-/// charts that do not fit, and texture coordinates that are no layout where these are asked for; `ETD_OUT_OF_MEMORY`; all that
-/// `etd_scene_commit` has. Thread-safe.
+/// own texture coordinates could not be used. Errors: `ETD_CANCELLED` if the progress callback stopped it; `ETD_INVALID_SCENE` for
+/// a scene without a surface, options out of their range, charts that do not fit, and texture coordinates that are no layout where
+/// these are asked for; `ETD_OUT_OF_MEMORY`; all that `etd_scene_commit` has. Thread-safe.
 ///
 /// # Safety
 /// Pointers must be NULL or point to what they say.
@@ -51,10 +56,14 @@ pub unsafe extern "C" fn etd_atlas_new(
     unsafe {
         on(scene, |scene| {
             need(out_atlas, "out_atlas")?;
-            let options = if options.is_null() { AtlasOptions::default() } else { atlas_options(options)? };
-            let cancel = Cancel::new();
-            let (built, _) = scene.build(&cancel, None)?;
-            let atlas = Atlas::new(&built, &options, &cancel)?;
+            let (options, reporter) = if options.is_null() {
+                (AtlasOptions::default(), Reporter::new(None, UserData(ptr::null_mut())))
+            } else {
+                atlas_options(options)?
+            };
+            let (built, layout) = build(scene, &reporter)?;
+            let mut look_up = |fraction| layout.tell(fraction, none_yet(ETD_PHASE_BUILD));
+            let atlas = Atlas::watched(&built, &options, &mut look_up)?;
             let header = Header::new::<etd_atlas>(scene.device.callbacks());
             for warning in atlas.warnings() {
                 header.callbacks.log(ETD_LOG_WARNING, warning);
@@ -66,9 +75,16 @@ pub unsafe extern "C" fn etd_atlas_new(
     }
 }
 
+/// The scene as it is described now, and who tells of what follows.
+fn build(scene: &etd_scene, reporter: &Reporter) -> Result<(Scene, Reporter)> {
+    let (built, time) = scene.build(reporter.cancel(), reporter.part(0.0, BUILD_SHARE).build())?;
+    let share = if time.is_zero() { 0.0 } else { BUILD_SHARE };
+    Ok((built, reporter.part(share, 1.0)))
+}
+
 /// # Safety
 /// As for [`read_sized`].
-unsafe fn atlas_options(options: *const etd_atlas_options) -> Result<AtlasOptions> {
+unsafe fn atlas_options(options: *const etd_atlas_options) -> Result<(AtlasOptions, Reporter)> {
     // SAFETY: passed on.
     let it = unsafe { read_sized(options, "options") }?;
     let default = AtlasOptions::default();
@@ -81,7 +97,7 @@ unsafe fn atlas_options(options: *const etd_atlas_options) -> Result<AtlasOption
     if it.reserved != 0 {
         return Err(Failure::argument("options.reserved is not 0"));
     }
-    Ok(AtlasOptions {
+    let made = AtlasOptions {
         resolution: (it.resolution != 0).then_some(it.resolution),
         texels_per_unit: (it.texels_per_unit != 0.0).then_some(it.texels_per_unit),
         gutter: match it.gutter {
@@ -92,7 +108,8 @@ unsafe fn atlas_options(options: *const etd_atlas_options) -> Result<AtlasOption
         layout,
         max_angle_deg: if it.max_angle_deg == 0.0 { default.max_angle_deg } else { it.max_angle_deg },
         memory: if it.memory == 0 { default.memory } else { it.memory },
-    })
+    };
+    Ok((made, Reporter::new(it.progress, UserData(it.user_data))))
 }
 
 /// One more reference to an atlas. Thread-safe.
@@ -378,8 +395,10 @@ pub unsafe extern "C" fn etd_scene_bake_vertices(
             let job = Job::new(scene, options, out_summary)?;
             // What is wrong with the target is known before anything is built.
             Target::new(target, [1, 1])?;
-            let (built, _) = scene.build(&Cancel::new(), None)?;
-            let vertices = Vertices::of_surfaces(&built, &VertexOptions::default(), Some(surface), &Cancel::new());
+            let (built, rest) = build(scene, &job.reporter)?;
+            let (making, baking) = (rest.part(0.0, VERTICES_SHARE), rest.part(VERTICES_SHARE, 1.0));
+            let mut look_up = |fraction| making.tell(fraction, none_yet(ETD_PHASE_BUILD));
+            let vertices = Vertices::watched(&built, &VertexOptions::default(), Some(surface), &mut look_up);
             let vertices = match vertices {
                 Err(error) if error.kind() == crate::ErrorKind::InvalidScene => {
                     return Err(Failure::argument(format!("surface {surface} does not exist or has no vertices")));
@@ -387,6 +406,7 @@ pub unsafe extern "C" fn etd_scene_bake_vertices(
                 vertices => vertices?,
             };
             let target = Target::new(target, [vertices.vertices().len(), 1])?;
+            let job = Job { reporter: baking, ..job };
             let (baked, summary) = job.run(&built, vertices.sites(), None, target.front)?;
             target.write(&vertices.spread(&baked.irradiance), &vertices.spread(&baked.standard_error));
             job.finish(&summary, out_summary)
@@ -482,7 +502,7 @@ impl Target {
 struct Job<'a> {
     scene: &'a Arc<etd_scene>,
     options: etd_render_options,
-    cancel: Cancel,
+    reporter: Reporter,
 }
 
 impl<'a> Job<'a> {
@@ -503,17 +523,22 @@ impl<'a> Job<'a> {
             // SAFETY: passed on.
             unsafe { read_sized(out_summary.cast_const(), "out_summary") }?;
         }
-        let job = Self { scene, options, cancel: Cancel::new() };
-        settings_of(&job.options, [1, 1], &scene.device, &job.cancel)?.desc.check()?;
-        Ok(job)
+        let reporter = Reporter::new(options.progress, UserData(options.user_data));
+        settings_of(&options, [1, 1], &scene.device, reporter.cancel())?.desc.check()?;
+        Ok(Self { scene, options, reporter })
     }
 
     /// `texel`: the length of one, where there are any.
     fn run(&self, built: &Scene, sites: &Arc<Sites>, texel: Option<f64>, front: bool) -> Result<(Baked, Summary)> {
         let start = Instant::now();
-        let settings = settings_of(&self.options, [1, 1], &self.scene.device, &self.cancel)?;
+        let settings = settings_of(&self.options, [1, 1], &self.scene.device, self.reporter.cancel())?;
         if settings.desc.integrator == IntegratorDesc::Radiosity {
-            let mut look_up = || self.tell(start, 0.0, None);
+            // Of the scene's own integrator they were told with the scene.
+            let is_own = self.scene.desc().render.integrator == IntegratorDesc::Radiosity;
+            let warnings = built.info().not_diffuse.iter().filter(|_| !is_own);
+            let callbacks = self.scene.device.callbacks();
+            warnings.chain(&built.info().not_in_radiosity).for_each(|it| callbacks.log(ETD_LOG_WARNING, it));
+            let mut look_up = |fraction| self.reporter.tell(fraction, none_yet(ETD_PHASE_RENDER));
             let (baked, solution) = by_radiosity(built, sites, &settings, texel, front, &mut look_up)?;
             let notes = solution.notes().to_vec();
             let summary = Summary { elapsed: start.elapsed(), notes, ..Summary::default() };
@@ -521,31 +546,17 @@ impl<'a> Job<'a> {
             return Ok((baked, summary));
         }
         let mut bake = Bake::new(built, sites, settings, front)?;
-        let mut most = 0.0_f64;
         let summary = bake.run(&mut |progress| {
-            most = most.max(progress.fraction);
-            self.tell(start, most, Some(progress))
+            let report = etd_progress {
+                rays: progress.rays,
+                samples_done: progress.samples_done,
+                samples_total: progress.samples_total,
+                ..none_yet(ETD_PHASE_RENDER)
+            };
+            self.reporter.tell(progress.fraction, report)
         })?;
         self.log(&summary);
         Ok((bake.irradiance(), summary))
-    }
-
-    /// Tells the host how far it is, if it wants to know; whether to go on.
-    fn tell(&self, start: Instant, fraction: f64, progress: Option<&Progress>) -> ControlFlow<()> {
-        let Some(tell) = self.options.progress else { return ControlFlow::Continue(()) };
-        let report = etd_progress {
-            struct_size: size_of::<etd_progress>(),
-            fraction,
-            elapsed: start.elapsed().as_secs_f64(),
-            rays: progress.map_or(0, |progress| progress.rays),
-            samples_done: progress.map_or(0, |progress| progress.samples_done),
-            samples_total: progress.map_or(0, |progress| progress.samples_total),
-            phase: ETD_PHASE_RENDER,
-            images: 0,
-        };
-        // SAFETY: the host gave the function for this; the report lives during the call.
-        let answer = unsafe { tell(self.options.user_data, &raw const report) };
-        if answer == 0 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
     fn log(&self, summary: &Summary) {

@@ -12,11 +12,11 @@ use super::boundary::{
     optional_text, read_sized, release, retain, share, take_status, text, write_sized,
 };
 use super::device::etd_device;
+use super::progress::Reporter;
 use super::read;
 use super::status::{ETD_INVALID_SCENE, Failure, Result, etd_status};
 use super::types::{
-    ETD_LOG_INFO, ETD_LOG_WARNING, ETD_PHASE_BUILD, EtdText, etd_progress, etd_progress_fn, etd_render_options,
-    etd_scene_info, etd_scene_options,
+    ETD_LOG_INFO, ETD_LOG_WARNING, EtdText, etd_progress_fn, etd_render_options, etd_scene_info, etd_scene_options,
 };
 use crate::Cancel;
 use crate::desc::{self, SceneDesc};
@@ -344,31 +344,8 @@ pub unsafe extern "C" fn etd_scene_commit(
     // SAFETY: passed on.
     unsafe {
         on(scene, |scene| {
-            let cancel = Cancel::new();
-            let told = progress.map(|progress| {
-                let user_data = UserData(user_data);
-                let cancel = cancel.clone();
-                let start = std::time::Instant::now();
-                let tell = move |fraction: f64| {
-                    let user_data = &user_data;
-                    let report = etd_progress {
-                        struct_size: size_of::<etd_progress>(),
-                        fraction,
-                        elapsed: start.elapsed().as_secs_f64(),
-                        rays: 0,
-                        samples_done: 0,
-                        samples_total: 0,
-                        phase: ETD_PHASE_BUILD,
-                        images: 0,
-                    };
-                    // The host gave the function for this; the report lives during the call.
-                    if progress(user_data.0, &raw const report) != 0 {
-                        cancel.cancel();
-                    }
-                };
-                Arc::new(tell) as Arc<dyn Fn(f64) + Send + Sync>
-            });
-            scene.build(&cancel, told)?;
+            let reporter = Reporter::new(progress, UserData(user_data));
+            scene.build(reporter.cancel(), reporter.build())?;
             Ok(())
         })
     }

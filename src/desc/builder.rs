@@ -72,6 +72,7 @@ impl<'a> Builder<'a> {
         }
         let mesh = obj::load(&file, path, &mut self.scene.warnings)?;
         let mesh = self.scene.put_mesh(mesh);
+        self.scene.files.push(file);
         self.files.insert(identity, mesh);
         Ok(mesh)
     }

@@ -139,6 +139,7 @@ impl SceneDesc {
         obj::check_name(&at, file)?;
         // It adds warnings only once nothing can fail any more.
         let mesh = obj::load(file, &at, &mut self.warnings)?;
+        self.files.push(file.to_owned());
         let number = self.put_mesh(mesh);
         self.index.name_mesh(name.to_owned(), number);
         Ok(number)

@@ -84,6 +84,8 @@ use crate::spectrum::Rgb;
 pub struct SceneDesc {
     /// The file it was read from, for messages.
     pub file: Option<PathBuf>,
+    /// The mesh files that were read.
+    pub files: Vec<PathBuf>,
     /// Which rules of reading applied.
     pub dialect: Dialect,
     /// Where it is seen from.

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use super::workers::{Work, Workers};
-use crate::control::{Cancel, Parallel};
+use crate::control::{Cancel, LOOK_UP, Parallel};
 use crate::error::{Error, ErrorKind, Result};
 
 /// The workers of a render, until somebody stops them.
@@ -14,28 +14,62 @@ pub(crate) struct Crew<'a> {
     pub cancel: &'a Cancel,
     /// When time is up.
     pub deadline: Option<Instant>,
-    /// Asked now and then on the calling thread: whether to stop.
-    pub look_up: &'a mut dyn FnMut() -> bool,
+    /// Asked now and then on the calling thread, and told what share of the work is done: whether to stop.
+    pub look_up: &'a mut dyn FnMut(f64) -> bool,
     /// Whether it was answered so.
     pub is_broken_off: bool,
     /// For pieces that take long: cancelled with the first of all these.
     pub token: Cancel,
+    /// What share of the work is done, and what it was when that was told.
+    share: f64,
+    told: f64,
+    /// When it was last asked.
+    last: Instant,
 }
 
-impl Crew<'_> {
+/// News of this much is told at once.
+const NEWS: f64 = 1.0 / 64.0;
+
+impl<'a> Crew<'a> {
+    pub fn new(
+        workers: &'a Workers,
+        cancel: &'a Cancel,
+        deadline: Option<Instant>,
+        look_up: &'a mut dyn FnMut(f64) -> bool,
+    ) -> Self {
+        let (token, last) = (Cancel::new(), Instant::now());
+        Self { workers, cancel, deadline, look_up, is_broken_off: false, token, share: 0.0, told: 0.0, last }
+    }
+
+    fn look(&mut self) {
+        self.is_broken_off |= (self.look_up)(self.share);
+        self.told = self.share;
+        self.last = Instant::now();
+    }
+
     fn is_late(&self) -> bool {
         self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 }
 
 impl Parallel for Crew<'_> {
-    fn check(&self) -> Result<()> {
+    fn check(&mut self) -> Result<()> {
         self.cancel.check()?;
+        if self.last.elapsed() >= LOOK_UP {
+            self.look();
+        }
         if self.is_broken_off || self.is_late() { Err(stopped()) } else { Ok(()) }
     }
 
     fn token(&self) -> Cancel {
         self.token.clone()
+    }
+
+    fn progress(&mut self, share: f64) {
+        self.share = share.clamp(self.share, 1.0);
+        if self.share >= self.told + NEWS {
+            self.look();
+        }
     }
 
     fn map<R, F>(&mut self, count: usize, piece: F) -> Result<Vec<R>>
@@ -52,13 +86,11 @@ impl Parallel for Crew<'_> {
             stop: AtomicBool::new(false),
             cancel: self.cancel.clone(),
         };
-        let (deadline, look_up, is_broken_off) = (self.deadline, &mut *self.look_up, &mut self.is_broken_off);
-        let (cancel, token) = (self.cancel, &self.token);
-        let pieces = self.workers.run(pieces, &mut |pieces| {
-            *is_broken_off |= look_up();
-            let is_late = deadline.is_some_and(|deadline| Instant::now() >= deadline);
-            if *is_broken_off || is_late || cancel.is_cancelled() {
-                token.cancel();
+        let workers = self.workers;
+        let pieces = workers.run(pieces, &mut |pieces| {
+            self.look();
+            if self.is_broken_off || self.is_late() || self.cancel.is_cancelled() {
+                self.token.cancel();
                 pieces.abandon();
             }
         })?;

@@ -44,6 +44,9 @@ pub use non_finite::NonFiniteSample;
 pub use schedule::MOST_SAMPLES;
 pub use workers::{MAX_THREADS, Workers};
 
+/// What share of a render a radiosity solution counts as. What it will take is not known before, nor what a sample does.
+const SOLUTION_SHARE: f64 = 0.5;
+
 /// Pixels to a row of a film of irradiance: as many as a tile has.
 pub const IRRADIANCE_WIDTH: u32 = TILE;
 
@@ -308,6 +311,9 @@ impl Render {
     pub fn run(&mut self, progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>) -> Result<Summary> {
         let start = Instant::now();
         let mut schedule = Schedule::new(&self.settings, self.film.options().share, self.adaptive == Ok(true));
+        if self.wants_solution() {
+            schedule.lead = SOLUTION_SHARE;
+        }
         let ended = loop {
             let error = self.aimed_error(&schedule);
             if let Some(ended) = schedule.ended(self.samples, start.elapsed(), error) {
@@ -389,6 +395,11 @@ impl Render {
         self.film.develop()
     }
 
+    /// Whether there is a radiosity solution to be found first.
+    fn wants_solution(&self) -> bool {
+        self.desc.integrator == IntegratorDesc::Radiosity && self.radiosity.is_none()
+    }
+
     /// Makes the maps that the next samples want; what ended the render meanwhile, if anything did.
     fn prepare(
         &mut self,
@@ -396,23 +407,21 @@ impl Render {
         start: Instant,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Option<Ended>> {
-        let wants_solution = self.desc.integrator == IntegratorDesc::Radiosity && self.radiosity.is_none();
+        let wants_solution = self.wants_solution();
         if self.plan.is_none() && !wants_solution {
             return Ok(None);
         }
         let limit = self.settings.time_limit.filter(|_| self.samples > 0);
         let (samples, rays) = (self.samples, self.rays);
-        let mut crew = Crew {
-            workers: &self.workers,
-            cancel: &self.settings.cancel,
-            deadline: limit.and_then(|limit| start.checked_add(limit)),
-            look_up: &mut || {
-                let report = schedule.progress(samples, f64::from(samples), rays, start.elapsed(), None);
-                progress(&report).is_break()
-            },
-            is_broken_off: false,
-            token: Cancel::new(),
+        let mut look_up = |share| {
+            if wants_solution {
+                schedule.prepared.set(share);
+            }
+            let report = schedule.progress(samples, f64::from(samples), rays, start.elapsed(), None);
+            progress(&report).is_break()
         };
+        let deadline = limit.and_then(|limit| start.checked_add(limit));
+        let mut crew = Crew::new(&self.workers, &self.settings.cancel, deadline, &mut look_up);
         let made = match &mut self.plan {
             Some(plan) => {
                 let before = plan.rays;
@@ -423,6 +432,7 @@ impl Render {
             None => Radiosity::solve(&self.scene, &self.desc.radiosity, &mut crew).map(|solution| {
                 let solution = Arc::new(solution);
                 self.radiosity = Some(Arc::clone(&solution));
+                schedule.prepared.set(1.0);
                 let (is_gather, shadow_rays) = (self.desc.radiosity.final_gather, self.desc.shadow_rays);
                 Method::Radiosity(RadiosityPicture::new(&self.scene, solution, is_gather, shadow_rays))
             }),
@@ -537,28 +547,22 @@ impl Render {
 }
 
 /// Has work of equal pieces done by those who would do a render of these settings, until it is done, or `look_up`, asked now and then
-/// on the calling thread, answers with `Break`.
+/// on the calling thread and told what share of the work is done, answers with `Break`.
 ///
 /// # Errors
 /// Those of the work; [`ErrorKind::Cancelled`] if it was stopped, by the time limit too.
 pub(crate) fn with_crew<R>(
     settings: &RenderSettings,
-    look_up: &mut dyn FnMut() -> ControlFlow<()>,
+    look_up: &mut dyn FnMut(f64) -> ControlFlow<()>,
     work: impl FnOnce(&mut Crew) -> Result<R>,
 ) -> Result<R> {
     let workers = match &settings.workers {
         Some(workers) => workers.clone(),
         None => Workers::pool(settings.threads)?,
     };
-    let mut crew = Crew {
-        workers: &workers,
-        cancel: &settings.cancel,
-        deadline: settings.time_limit.and_then(|limit| Instant::now().checked_add(limit)),
-        look_up: &mut || look_up().is_break(),
-        is_broken_off: false,
-        token: Cancel::new(),
-    };
-    work(&mut crew)
+    let deadline = settings.time_limit.and_then(|limit| Instant::now().checked_add(limit));
+    let mut look_up = |share| look_up(share).is_break();
+    work(&mut Crew::new(&workers, &settings.cancel, deadline, &mut look_up))
 }
 
 /// Parameters within which a filter is one.

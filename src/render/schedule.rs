@@ -51,6 +51,9 @@ pub(super) struct Schedule {
     is_adaptive: bool,
     /// At how many samples the error is expected to be what is aimed at, once there is an estimate.
     expected: Option<f64>,
+    /// What share of the work comes before the first sample, and what part of that is done.
+    pub(super) lead: f64,
+    pub(super) prepared: Cell<f64>,
     /// The largest fraction reported: the expectation may change, and a report only goes forward.
     shown: Cell<f64>,
 }
@@ -68,6 +71,8 @@ impl Schedule {
             step,
             is_adaptive,
             expected: None,
+            lead: 0.0,
+            prepared: Cell::new(0.0),
             shown: Cell::new(0.0),
         }
     }
@@ -152,7 +157,8 @@ impl Schedule {
         let by_samples = samples / f64::from(self.samples);
         let by_time = self.time_limit.map_or(0.0, |limit| elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9));
         let by_error = self.expected.map_or(0.0, |expected| samples / expected.max(1.0));
-        self.shown.set(by_samples.max(by_time).max(by_error).clamp(self.shown.get(), 1.0));
+        let sampled = (1.0 - self.lead) * by_samples.max(by_error);
+        self.shown.set(by_time.max(self.lead * self.prepared.get() + sampled).clamp(self.shown.get(), 1.0));
         self.shown.get()
     }
 }
@@ -226,6 +232,19 @@ mod tests {
         assert_eq!(ended(0.009, 0.0005), Some(Ended::Error));
         assert_eq!(ended(0.009, 0.0022), None, "it may be more");
         assert_eq!(ended(0.006, 0.0035), None, "few pixels have it all");
+    }
+
+    #[test]
+    fn what_comes_before_the_first_sample_counts() {
+        let mut schedule = Schedule::new(&settings(100, SamplerDesc::Sobol), 1, false);
+        schedule.lead = 0.5;
+        assert_eq!(schedule.fraction(0.0, Duration::ZERO), 0.0);
+        schedule.prepared.set(0.5);
+        assert_eq!(schedule.fraction(0.0, Duration::ZERO), 0.25);
+        schedule.prepared.set(1.0);
+        assert_eq!(schedule.fraction(0.0, Duration::ZERO), 0.5);
+        assert_eq!(schedule.fraction(50.0, Duration::ZERO), 0.75);
+        assert_eq!(schedule.fraction(100.0, Duration::ZERO), 1.0);
     }
 
     #[test]

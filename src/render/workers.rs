@@ -7,13 +7,11 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use crate::control::LOOK_UP;
 use crate::error::{Error, ErrorKind, Result};
 
 /// Most worker threads of a render.
 pub const MAX_THREADS: usize = 1024;
-
-/// How often whoever waits for work looks up.
-pub(super) const LOOK_UP: Duration = Duration::from_millis(100);
 
 /// How long one of our own threads works on one render before it gives way to others that share the threads.
 const TURN: Duration = Duration::from_millis(10);

@@ -1,7 +1,9 @@
-//! The surfaces of a scene one by one: for algorithms that need all of them, and not those that rays meet.
+//! What rays can meet of a scene one by one, numbered: for algorithms that keep something of each, and look it up where a ray met it.
+//!
+//! A face is a triangle without neighbours, or a whole analytic shape. `facets` has surfaces as meshes instead.
 
-use super::geometry::{self, Geometry, NO_EMITTER, Owner};
-use super::{Hit, IN_LIST, Scene};
+use super::geometry::{Geometry, NO_EMITTER, Owner};
+use super::{Facet, Hit, IN_LIST, Scene};
 use crate::emitter::Emitter;
 use crate::math::{DVec3, Vec3};
 use crate::shape::Analytic;
@@ -69,28 +71,32 @@ impl Scene {
 
     /// Visits all faces in the order of their numbers, until `visit` fails.
     pub(crate) fn each_face<E>(&self, mut visit: impl FnMut(Face) -> Result<(), E>) -> Result<(), E> {
-        for (geometry, owners) in self.geometries.iter().zip(&*self.dress.owners) {
+        for (number, (geometry, owners)) in self.geometries.iter().zip(&*self.dress.owners).enumerate() {
             for primitive in 0..count(geometry) as u32 {
-                let owner = owners.of(primitive);
+                let facet = Facet::triangle(number as u32, primitive);
                 let body = match geometry {
                     Geometry::Analytic { shapes, .. } => Body::Shape(shapes.0[primitive as usize].clone()),
                     Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
-                        let at = |u, v| geometry::on_triangle(triangles, owners, primitive, u, v);
-                        Body::triangle(triangles.corners(primitive), triangles.normals.is_some(), at)
+                        self.triangle(&facet, triangles.corners(primitive), triangles.normals.is_some())
                     }
                     Geometry::Instance { triangles, placement, .. } => {
                         let place = |corner| placement.transform().transform_point3(corner);
-                        let at = |u, v| geometry::on_instance(triangles, owners, placement, primitive, u, v);
-                        Body::triangle(triangles.corners(primitive).map(place), triangles.normals.is_some(), at)
+                        self.triangle(&facet, triangles.corners(primitive).map(place), triangles.normals.is_some())
                     }
                 };
-                visit(self.face(body, owner))?;
+                visit(self.face(body, owners.of(primitive)))?;
             }
         }
         for (shape, owner) in self.list.shapes().iter().zip(&*self.dress.list_owners) {
             visit(self.face(Body::Shape(shape.clone()), *owner))?;
         }
         Ok(())
+    }
+
+    fn triangle(&self, facet: &Facet, corners: [DVec3; 3], is_smooth: bool) -> Body {
+        let points = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(b1, b2)| self.facet_point(facet, b1, b2));
+        let error = points.iter().map(|at| at.point.error).fold(0.0, f32::max);
+        Body::Triangle { corners, normal: points[0].ng, error, is_smooth }
     }
 
     fn face(&self, body: Body, owner: Owner) -> Face {
@@ -138,14 +144,6 @@ impl Scene {
         }
         let listed = self.dress.list_owners.iter().position(|owner| owner.surface == surface)?;
         Some((first + listed as u32, false))
-    }
-}
-
-impl Body {
-    fn triangle(corners: [DVec3; 3], is_smooth: bool, at: impl Fn(f32, f32) -> geometry::SurfaceInteraction) -> Self {
-        let points = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(u, v)| at(u, v));
-        let error = points.iter().map(|at| at.point.error).fold(0.0, f32::max);
-        Self::Triangle { corners, normal: points[0].ng, error, is_smooth }
     }
 }
 

@@ -1,9 +1,12 @@
 //! Surfaces as triangles, for whoever wants to go over all of a scene's surfaces instead of asking rays.
+//!
+//! As they were described: a mesh for each surface, with its own vertices and their numbers, and curved shapes cut as finely as they
+//! are flat. `faces` has what rays meet instead, one by one.
 
-use super::geometry::{self, Geometry, Triangles};
+use super::geometry::{Geometry, Triangles};
 use super::{Hit, IN_LIST, Scene, SurfaceInteraction};
-use crate::Cancel;
-use crate::Result;
+use crate::control::{Cancel, Watch};
+use crate::error::Result;
 use crate::math::{DVec3, Vec3};
 use crate::shape::Analytic;
 
@@ -38,24 +41,27 @@ pub struct SurfaceMesh {
     pub facets: Vec<Facet>,
 }
 
-/// Items between two looks at whether to go on.
-const LOOK: usize = 1 << 14;
-
 impl Scene {
     /// Every surface that rays can meet, in the order of the description.
     ///
     /// # Errors
     /// [`crate::ErrorKind::Cancelled`].
     pub fn surface_meshes(&self, cancel: &Cancel) -> Result<Vec<SurfaceMesh>> {
+        self.watched_surface_meshes(&Watch::new(cancel))
+    }
+
+    /// The same; a unit of work is a vertex or a triangle of a mesh, of which there are [`Scene::surface_mesh_items`].
+    pub(crate) fn watched_surface_meshes(&self, watch: &Watch) -> Result<Vec<SurfaceMesh>> {
         let mut meshes = Vec::new();
         for (number, geometry) in self.geometries.iter().enumerate() {
-            cancel.check()?;
+            watch.check()?;
             let geometry_number = number as u32;
             match geometry {
                 Geometry::Loose { triangles, parts } => {
                     // Halves of a quad follow each other.
                     let mut begin = 0;
                     for group in parts.chunk_by(|a, b| a.surface == b.surface) {
+                        watch.check()?;
                         let range = begin..begin + group.len();
                         begin = range.end;
                         let mut mesh = SurfaceMesh { surface: group[0].surface, ..SurfaceMesh::default() };
@@ -69,18 +75,18 @@ impl Scene {
                     }
                 }
                 &Geometry::Flat { ref triangles, surface } => {
-                    meshes.push(self.mesh(geometry_number, surface, triangles, |p| p, |n| n, cancel)?);
+                    meshes.push(self.mesh(geometry_number, surface, triangles, |p| p, |n| n, watch)?);
                 }
                 Geometry::Instance { triangles, surface, placement } => {
                     let to_scene = *placement.transform();
                     let normals = to_scene.matrix3.inverse().transpose();
                     let place = |p: DVec3| to_scene.transform_point3(p);
                     let turn = |n: Vec3| (normals * n.as_dvec3()).as_vec3a();
-                    meshes.push(self.mesh(geometry_number, *surface, triangles, place, turn, cancel)?);
+                    meshes.push(self.mesh(geometry_number, *surface, triangles, place, turn, watch)?);
                 }
                 Geometry::Analytic { shapes, surfaces } => {
                     for (primitive, (shape, surface)) in shapes.0.iter().zip(surfaces).enumerate() {
-                        cancel.check()?;
+                        watch.check()?;
                         meshes.push(self.curved(geometry_number, primitive as u32, *surface, shape));
                     }
                 }
@@ -92,6 +98,17 @@ impl Scene {
         }
         meshes.sort_by_key(|mesh| mesh.surface);
         Ok(meshes)
+    }
+
+    /// Vertices and triangles of all meshes.
+    pub(crate) fn surface_mesh_items(&self) -> usize {
+        let items = |geometry: &Geometry| match geometry {
+            Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. } => {
+                triangles.mesh.vertices().len() + triangles.mesh.indices().len()
+            }
+            Geometry::Loose { .. } | Geometry::Analytic { .. } => 0,
+        };
+        self.geometries.iter().map(items).sum()
     }
 
     /// The memory that [`Scene::surface_meshes`] takes, at most.
@@ -117,33 +134,30 @@ impl Scene {
         triangles: &Triangles,
         place: impl Fn(DVec3) -> DVec3,
         turn: impl Fn(Vec3) -> Vec3,
-        cancel: &Cancel,
+        watch: &Watch,
     ) -> Result<SurfaceMesh> {
         let (vertices, indices) = (triangles.mesh.vertices(), triangles.mesh.indices());
         let mut mesh = SurfaceMesh { surface, is_mesh: true, ..SurfaceMesh::default() };
+        let described = self.record.uv_mesh(surface);
         mesh.positions.reserve_exact(vertices.len());
-        for vertex in 0..vertices.len() {
-            if vertex % LOOK == 0 {
-                cancel.check()?;
-            }
+        mesh.normals = triangles.normals.as_ref().map(|_| Vec::with_capacity(vertices.len()));
+        mesh.uvs = described.map(|_| Vec::with_capacity(vertices.len()));
+        watch.each(vertices.len(), |vertex| {
             let p = DVec3::from(vertices.get(vertex).map(f64::from));
             mesh.positions.push(place(p) + self.centre);
-        }
-        let normal = |n: [f32; 3]| turn(Vec3::from(n)).normalize_or_zero();
-        mesh.normals = triangles.normals.as_ref().map(|normals| normals.iter().map(normal).collect());
-        mesh.uvs = self
-            .record
-            .uv_mesh(surface)
-            .map(|described| (0..vertices.len()).map(|vertex| described.uv(vertex).unwrap_or_default()).collect());
-        for primitive in 0..indices.len() {
-            if primitive % LOOK == 0 {
-                cancel.check()?;
+            if let (Some(normals), Some(given)) = (&mut mesh.normals, &triangles.normals) {
+                normals.push(turn(Vec3::from(given.get(vertex))).normalize_or_zero());
             }
+            if let (Some(uvs), Some(described)) = (&mut mesh.uvs, &described) {
+                uvs.push(described.uv(vertex).unwrap_or_default());
+            }
+        })?;
+        watch.each(indices.len(), |primitive| {
             mesh.triangles.push(indices.get(primitive));
             let original = triangles.original.as_ref().map_or(primitive as u32, |original| original[primitive]);
             mesh.primitives.push(original);
             mesh.facets.push(Facet::triangle(geometry, primitive as u32));
-        }
+        })?;
         Ok(mesh)
     }
 
@@ -169,29 +183,12 @@ impl Scene {
     /// ray would have met it.
     #[inline]
     pub fn facet_point(&self, facet: &Facet, b1: f32, b2: f32) -> SurfaceInteraction {
-        let primitive = facet.primitive;
-        if facet.geometry == IN_LIST {
-            let (shape, owner) = (&self.list.shapes()[primitive as usize], self.dress.list_owners[primitive as usize]);
-            return geometry::on_analytic(shape, owner, facet.near(shape, b1, b2));
-        }
-        let owners = &self.dress.owners[facet.geometry as usize];
-        match &self.geometries[facet.geometry as usize] {
-            Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
-                geometry::on_triangle(triangles, owners, primitive, b1, b2)
-            }
-            Geometry::Instance { triangles, placement, .. } => {
-                geometry::on_instance(triangles, owners, placement, primitive, b1, b2)
-            }
-            Geometry::Analytic { shapes, .. } => {
-                let shape = &shapes.0[primitive as usize];
-                geometry::on_analytic(shape, owners.of(primitive), facet.near(shape, b1, b2))
-            }
-        }
+        self.point_of(&facet.hit(b1, b2), |shape| facet.near(shape, b1, b2))
     }
 }
 
 impl Facet {
-    fn triangle(geometry: u32, primitive: u32) -> Self {
+    pub(super) fn triangle(geometry: u32, primitive: u32) -> Self {
         Self { geometry, primitive, corners: [[0.0; 3]; 3] }
     }
 

@@ -7,6 +7,7 @@ use super::record::{Facts, Record};
 use crate::desc::{BsdfDesc, IntegratorDesc, SceneDesc, SurfaceDesc};
 use crate::emitter::EmitterSet;
 use crate::math::Bounds;
+use crate::spectrum::Rgb;
 
 /// Extents of a scene for which products of three lengths, and the kernel's tests with them, stay in range.
 const SAFE_SIZES: std::ops::RangeInclusive<f64> = 1e-8..=1e9;
@@ -48,6 +49,8 @@ pub struct SceneInfo {
     pub switched_off: Vec<&'static str>,
     /// What radiosity makes of surfaces that are not Lambert's, a line each kind.
     pub not_diffuse: Vec<String>,
+    /// Surfaces that radiosity knows no irradiance of, if there are any: they reflect nothing diffusely and do not emit.
+    pub not_in_radiosity: Option<String>,
 }
 
 impl SceneInfo {
@@ -95,6 +98,7 @@ impl SceneInfo {
             build_time: Duration::ZERO,
             decisions,
             not_diffuse: not_diffuse(desc),
+            not_in_radiosity: not_in_radiosity(desc),
             switched_off: off.into_iter().filter_map(|(is_off, name)| is_off.then_some(name)).collect(),
         }
     }
@@ -146,28 +150,50 @@ pub(super) fn warnings(desc: &SceneDesc, facts: &Facts, emitters: &EmitterSet, d
 /// Surfaces named in one warning.
 const NAMED: usize = 5;
 
+/// How many surfaces of a description are so, and the names of the first; `None` where there are none.
+fn named(desc: &SceneDesc, is_such: impl Fn(&SurfaceDesc, &BsdfDesc) -> bool) -> Option<(usize, String)> {
+    let such = |surface: &&SurfaceDesc| {
+        let material = desc.materials.get(surface.material);
+        !surface.hidden && material.is_some_and(|material| is_such(surface, &material.bsdf))
+    };
+    let count = desc.surfaces.iter().filter(such).count();
+    let named = desc.surfaces.iter().filter(such).take(NAMED).map(|surface| {
+        let material = &desc.materials[surface.material].name;
+        if material.is_empty() { surface.path.clone() } else { format!("{} ({material})", surface.path) }
+    });
+    let mut named: Vec<String> = named.collect();
+    if count > NAMED {
+        named.push(format!("and {} more", count - NAMED));
+    }
+    (count > 0).then(|| (count, named.join(", ")))
+}
+
+fn is_specular(bsdf: &BsdfDesc) -> bool {
+    matches!(bsdf, BsdfDesc::Mirror { .. } | BsdfDesc::Dielectric { .. })
+}
+
 /// What radiosity makes of surfaces that are not Lambert's.
 fn not_diffuse(desc: &SceneDesc) -> Vec<String> {
-    let name = |is_such: fn(&BsdfDesc) -> bool, becomes: &str| {
-        let such = |surface: &&SurfaceDesc| {
-            !surface.hidden && desc.materials.get(surface.material).is_some_and(|material| is_such(&material.bsdf))
-        };
-        let count = desc.surfaces.iter().filter(such).count();
-        let named = desc.surfaces.iter().filter(such).take(NAMED).map(|surface| {
-            let material = &desc.materials[surface.material].name;
-            if material.is_empty() { surface.path.clone() } else { format!("{} ({material})", surface.path) }
-        });
-        let mut named: Vec<String> = named.collect();
-        if count > NAMED {
-            named.push(format!("and {} more", count - NAMED));
-        }
-        (count > 0).then(|| format!("radiosity takes {count} surfaces as {becomes}: {}", named.join(", ")))
-    };
-    let is_specular = |bsdf: &BsdfDesc| matches!(bsdf, BsdfDesc::Mirror { .. } | BsdfDesc::Dielectric { .. });
+    let taken = |(count, names), as_what: &str| format!("radiosity takes {count} surfaces as {as_what}: {names}");
     let is_rough = |bsdf: &BsdfDesc| matches!(bsdf, BsdfDesc::OrenNayar { .. } | BsdfDesc::Fujii { .. });
-    let specular = name(is_specular, "black, being mirrors or glass");
-    let rough = name(is_rough, "Lambert's of the same mean albedo, being rough");
+    let specular = named(desc, |_, bsdf| is_specular(bsdf)).map(|it| taken(it, "black, being mirrors or glass"));
+    let rough =
+        named(desc, |_, bsdf| is_rough(bsdf)).map(|it| taken(it, "Lambert's of the same mean albedo, being rough"));
     specular.into_iter().chain(rough).collect()
+}
+
+/// What radiosity has no elements for.
+fn not_in_radiosity(desc: &SceneDesc) -> Option<String> {
+    let is_black = |bsdf: &BsdfDesc| match bsdf {
+        BsdfDesc::Black => true,
+        BsdfDesc::Lambert { albedo } | BsdfDesc::OrenNayar { albedo, .. } | BsdfDesc::Fujii { albedo, .. } => {
+            *albedo == Rgb::ZERO
+        }
+        BsdfDesc::Mirror { .. } | BsdfDesc::Dielectric { .. } => false,
+    };
+    let (count, names) =
+        named(desc, |surface, bsdf| surface.emission.is_none() && (is_specular(bsdf) || is_black(bsdf)))?;
+    Some(format!("radiosity finds no irradiance for {count} surfaces, which reflect nothing diffusely: {names}"))
 }
 
 impl fmt::Display for SceneInfo {

@@ -38,6 +38,7 @@ use crate::desc::CameraDesc;
 use crate::embree::{self, Device};
 use crate::emitter::EmitterSet;
 use crate::math::{DVec3, Ray, Vec3};
+use crate::shape::Analytic;
 use analytic::AnalyticList;
 use dress::Dress;
 use geometry::Geometry;
@@ -126,10 +127,16 @@ impl Scene {
     /// Position, normals, material and emitter of what `ray` met; `hit` must come from the same ray and scene.
     #[inline]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
+        self.point_of(hit, |shape| shape.point(ray, hit.t))
+    }
+
+    /// The same for any place of a primitive; `on_shape`: near which point of an analytic one.
+    #[inline(always)]
+    fn point_of(&self, hit: &Hit, on_shape: impl FnOnce(&Analytic) -> DVec3) -> SurfaceInteraction {
         if hit.geometry == IN_LIST {
             let index = hit.primitive as usize;
             let shape = &self.list.shapes()[index];
-            return geometry::on_analytic(shape, self.dress.list_owners[index], shape.point(ray, hit.t));
+            return geometry::on_analytic(shape, self.dress.list_owners[index], on_shape(shape));
         }
         let owners = &self.dress.owners[hit.geometry as usize];
         match &self.geometries[hit.geometry as usize] {
@@ -141,7 +148,7 @@ impl Scene {
             }
             Geometry::Analytic { shapes, .. } => {
                 let shape = &shapes.0[hit.primitive as usize];
-                geometry::on_analytic(shape, owners.of(hit.primitive), shape.point(ray, hit.t))
+                geometry::on_analytic(shape, owners.of(hit.primitive), on_shape(shape))
             }
         }
     }

@@ -269,3 +269,119 @@ fn coordinates_that_are_no_layout_are_refused_or_replaced() {
         assert_eq!(atlas.warnings().iter().any(|warning| warning.contains(what)), warned, "{:?}", atlas.warnings());
     }
 }
+
+#[test]
+fn coordinates_beside_the_square_by_rounding_are_a_layout() {
+    let mut mesh = unwrapped_box();
+    let least = mesh.uvs.iter().flatten().copied().fold(1.0, f32::min);
+    let most = mesh.uvs.iter().flatten().copied().fold(0.0, f32::max);
+    mesh.uvs.iter_mut().flatten().for_each(|x| *x = (*x - least) / (most - least) * 1.000_000_7 - 4e-7);
+    assert!(mesh.uvs.iter().flatten().any(|x| *x < 0.0) && mesh.uvs.iter().flatten().any(|x| *x > 1.0));
+    let desc = one_mesh(mesh, None);
+    let atlas = with_layout(&desc, Layout::Own).unwrap();
+    check(&build(&desc), &atlas);
+}
+
+#[test]
+fn a_speck_of_the_square_is_no_layout() {
+    // Overlaps are judged by the size of the layout, and one without a texel to speak of is none.
+    let shrunk = |mut mesh: MeshDesc, by: f32| {
+        mesh.uvs.iter_mut().flatten().for_each(|x| *x *= by);
+        one_mesh(mesh, None)
+    };
+    let mut folded = unwrapped_box();
+    folded.uvs.iter_mut().for_each(|uv| uv[0] = (uv[0] * 3.0).fract());
+    let error = with_layout(&shrunk(folded, 2e-3), Layout::Own).unwrap_err();
+    assert!(error.message().contains("overlap"), "{error}");
+    let error = with_layout(&shrunk(unwrapped_box(), 1e-4), Layout::Own).unwrap_err();
+    assert!(error.message().contains("of the square"), "{error}");
+    assert!(with_layout(&shrunk(unwrapped_box(), 2e-3), Layout::Own).is_ok());
+}
+
+#[test]
+fn a_layout_of_its_own_is_as_dense_as_was_asked() {
+    let desc = one_mesh(unwrapped_box(), None);
+    let options = AtlasOptions {
+        resolution: Some(64),
+        texels_per_unit: Some(100.0),
+        layout: Layout::Own,
+        ..AtlasOptions::default()
+    };
+    let error = Atlas::new(&build(&desc), &options, &Cancel::new()).unwrap_err();
+    assert_eq!(error.location().json_path, "resolution");
+    assert!(error.message().contains("100 texels per unit do not fit into 64 x 64"), "{error}");
+    let fits = AtlasOptions { texels_per_unit: Some(2.0), ..options };
+    assert_eq!(Atlas::new(&build(&desc), &fits, &Cancel::new()).unwrap().side(), 64);
+}
+
+#[test]
+fn specks_have_a_texel() {
+    // A millionth of a texel, less than rounding tells apart, and nothing at all of it.
+    for size in [1e-2, 1e-6, 1e-9] {
+        let ground = scenes::scene(
+            scenes::camera(DVec3::Y, DVec3::ZERO, 60.0),
+            vec![
+                (square(0.0, true), BsdfDesc::Black, None),
+                (
+                    ShapeDesc::Triangle([DVec3::Y, DVec3::Y + size * DVec3::Z, DVec3::Y + size * DVec3::X]),
+                    BsdfDesc::Black,
+                    None,
+                ),
+            ],
+        );
+        let scene = build(&ground);
+        let atlas = atlas(&scene, 32);
+        check(&scene, &atlas);
+        let shown: Vec<usize> = (0..atlas.sites().len())
+            .filter(|&site| atlas.sites().pieces(site).iter().any(|piece| piece.facet == 2))
+            .collect();
+        assert_eq!(shown.len(), 1, "{size}");
+        let [u, v] = atlas.uv(2, [0.3, 0.3]).map(|u| (u * 32.0) as u32);
+        assert_eq!(atlas.texels()[shown[0]], v * 32 + u, "{size}");
+        let baked = Baked { irradiance: vec![[1.0; 3]; atlas.sites().len()], standard_error: Vec::new() };
+        assert_eq!(atlas.light_map(&baked).at(atlas.uv(2, [0.3, 0.3])), Vec3::ONE, "{size}");
+    }
+}
+
+#[test]
+fn a_thread_of_a_surface_fits() {
+    let corners = [DVec3::ZERO, DVec3::X * 1e6, DVec3::X * 1e6 + DVec3::Y * 1e-9];
+    let scene = build(&one_mesh(mesh(corners.to_vec(), vec![[0, 1, 2]]), None));
+    let atlas = atlas(&scene, 64);
+    assert!(atlas.texels_per_unit() * 1e6 > 55.0, "{}", atlas.texels_per_unit());
+}
+
+#[test]
+fn fine_detail_on_a_large_ground_is_laid_out_in_time() {
+    // Grids of cells as large as the mean triangle had all of the detail in one: its square of comparisons, minutes of work.
+    let n = 160_u32;
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for z in 0..=n {
+        for x in 0..=n {
+            positions.push(DVec3::new(f64::from(x), 1.0, f64::from(z)) * DVec3::new(1e-4, 0.1, 1e-4));
+            if x < n && z < n {
+                let a = z * (n + 1) + x;
+                triangles.extend([[a, a + n + 1, a + n + 2], [a, a + n + 2, a + 1]]);
+            }
+        }
+    }
+    let first = positions.len() as u32;
+    positions
+        .extend([(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)].map(|(x, z)| DVec3::new(1e3 * x, 0.0, 1e3 * z)));
+    triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    let scene = build(&one_mesh(mesh(positions, triangles), None));
+    let cancel = Cancel::new();
+    let watch = cancel.clone();
+    let (done, is_done) = std::sync::mpsc::channel::<()>();
+    let guard = std::thread::spawn(move || {
+        if is_done.recv_timeout(std::time::Duration::from_secs(30)).is_err() {
+            watch.cancel();
+        }
+    });
+    let options = AtlasOptions { resolution: Some(64), ..AtlasOptions::default() };
+    let atlas = Atlas::new(&scene, &options, &cancel).expect("an atlas within half a minute");
+    done.send(()).expect("somebody waits");
+    guard.join().expect("no panic");
+    assert_eq!(atlas.charts().len(), 2);
+}

@@ -132,7 +132,7 @@ fn furnace_by_radiosity() {
     let scene = build(&one_mesh(room, Some(Vec3::splat(2.0))));
     let atlas = atlas(&scene, 48);
     let by = |settings: &RenderSettings, front| {
-        by_radiosity(&scene, atlas.sites(), settings, Some(0.5), front, &mut || ControlFlow::Continue(()))
+        by_radiosity(&scene, atlas.sites(), settings, Some(0.5), front, &mut |_| ControlFlow::Continue(()))
     };
     let (baked, solution) = by(&settings(1, None), true).unwrap();
     assert!(solution.summary().elements > 100, "{:?}", solution.summary());
@@ -151,7 +151,8 @@ fn furnace_by_radiosity() {
     assert!(by(&one, false).unwrap().0.irradiance.iter().flatten().all(|&value| value == 0.0));
     one.cancel.cancel();
     assert_eq!(by(&one, true).unwrap_err().kind(), etendue::ErrorKind::Cancelled);
-    let none = by_radiosity(&scene, &Arc::default(), &settings(1, None), None, true, &mut || ControlFlow::Continue(()));
+    let none =
+        by_radiosity(&scene, &Arc::default(), &settings(1, None), None, true, &mut |_| ControlFlow::Continue(()));
     assert_eq!(none.unwrap_err().kind(), etendue::ErrorKind::InvalidScene);
 }
 

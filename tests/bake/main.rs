@@ -1,20 +1,18 @@
 //! Light maps: layouts without overlaps, and irradiance against closed forms.
 
-#[path = "../common/scenes.rs"]
-#[allow(dead_code)]
-mod scenes;
-#[path = "../common/stats.rs"]
-#[allow(dead_code)]
-mod stats;
+#[path = "../common/mod.rs"]
+mod common;
 
 mod atlas;
 mod light;
 mod refused;
+mod stopped;
 mod vertices;
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use common::{scenes, stats};
 use etendue::Cancel;
 use etendue::bake::{Atlas, AtlasOptions, Bake, Baked};
 use etendue::desc::{BsdfDesc, MeshDesc, RenderDesc, SceneDesc, ShapeDesc};

@@ -1,7 +1,7 @@
 //! What cannot be baked is an error that says why.
 
 use etendue::ErrorKind;
-use etendue::bake::{AtlasOptions, Bake, VertexOptions, Vertices};
+use etendue::bake::{AtlasOptions, Bake, VertexOptions, Vertices, by_radiosity};
 use etendue::embree::{Device, DeviceOptions, MemoryBudget};
 
 use super::*;
@@ -87,6 +87,15 @@ fn more_than_there_is_memory_for() {
     assert!(budget.used() > before);
     drop(small);
     assert_eq!(budget.used(), before);
+}
+
+#[test]
+fn texels_smaller_than_any_element_are_no_error() {
+    let scene = build(&quad_scene());
+    let sites = Arc::clone(atlas(&scene, 16).sites());
+    let mut look_up = |_| ControlFlow::Continue(());
+    let found = by_radiosity(&scene, &sites, &settings(1, None), Some(1e-22), true, &mut look_up);
+    assert_eq!(found.expect("a dark solution").0.irradiance, vec![[0.0; 3]; sites.len()]);
 }
 
 #[test]

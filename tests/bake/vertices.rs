@@ -61,11 +61,14 @@ fn vertices_are_those_of_the_description() {
     assert_eq!(irradiance[0], [0.0; 3]);
     // The furnace: E = pi L / (1 - rho), and its radiosity the same.
     let exact = std::f32::consts::PI / 0.5;
-    let radiosity = vertices.radiosity(&irradiance);
+    let radiosity = vertices.radiosity(&irradiance, true);
+    let behind = vertices.radiosity(&irradiance, false);
     for i in 1..9 {
         let off = 5.0 * baked.standard_error[i - 1][0] + 1e-4;
         assert!((irradiance[i][0] - exact).abs() < off, "{:?}", irradiance[i]);
         assert!((radiosity[i][0] - exact).abs() < off, "{:?}", radiosity[i]);
+        // It emits on the outer side alone.
+        assert_eq!(behind[i], irradiance[i].map(|value| 0.5 * value));
     }
     for i in 9..13 {
         assert_eq!(radiosity[i], irradiance[i].map(|value| 0.25 * value));

@@ -327,7 +327,17 @@ void light_maps() {
     etd::Scene scene = ball(device);
     etd_atlas_options layout = etd::atlas_options();
     layout.resolution = 64;
-    etd::Atlas atlas = etd::Atlas::create(scene, layout);
+    CHECK(status_of([&] { etd::Atlas::create(scene, layout, [](const etd_progress &) { return false; }); }) ==
+          ETD_CANCELLED);
+    CHECK(thrown_by([&] {
+              etd::Atlas::create(scene, layout, [](const etd_progress &) -> bool { throw Boom("atlas"); });
+          }) == "atlas");
+    double fraction = -1;
+    etd::Atlas atlas = etd::Atlas::create(scene, layout, [&](const etd_progress &progress) {
+        fraction = progress.fraction;
+        return true;
+    });
+    CHECK(fraction > 0 && fraction <= 1);
     const etd_atlas_info info = atlas.info();
     CHECK(info.width == 64 && info.height == 64);
     CHECK(atlas.vertices().size() == info.vertex_count);
@@ -404,6 +414,9 @@ void all() {
     CHECK(film->map()->data().size() == 64);
     etd::Result<etd::Atlas> atlas = etd::Atlas::create(scene);
     CHECK(atlas && atlas->info()->width == 512);
+    const etd::Result<etd::Atlas> stopped =
+        etd::Atlas::create(scene, etd::atlas_options(), [](const etd_progress &) { return false; });
+    CHECK(!stopped && stopped.error().status() == ETD_CANCELLED);
     const etd::Result<etd_status> baked = atlas->bake(etd::bake_target(etd::span<float>()), options);
     CHECK(!baked && baked.error().status() == ETD_INVALID_ARGUMENT);
     CHECK(film->map(ETD_LAYER_DEPTH).error().status() == ETD_INVALID_OPERATION);

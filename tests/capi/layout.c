@@ -350,6 +350,8 @@ static void structures(void) {
     FIELD(etd_atlas_options, layout);
     FIELD(etd_atlas_options, memory);
     FIELD(etd_atlas_options, reserved);
+    FIELD(etd_atlas_options, progress);
+    FIELD(etd_atlas_options, user_data);
     STRUCT(etd_atlas_info);
     FIELD(etd_atlas_info, struct_size);
     FIELD(etd_atlas_info, width);

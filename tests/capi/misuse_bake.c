@@ -4,6 +4,7 @@
 #include "misuse.h"
 
 #include <math.h>
+#include <stddef.h>
 
 static float texels[MISUSE_SIDE * MISUSE_SIDE * 4];
 static float errors[MISUSE_SIDE * MISUSE_SIDE * 4];
@@ -78,6 +79,114 @@ static void pass_layouts(void) {
         CHECK(made == NULL);
         etd_scene_release(empty);
     }
+}
+
+/* What a progress function was told. */
+struct told {
+    int calls;
+    int stop_at;
+    int is_sane;
+    int is_inner;
+    double last;
+    etd_phase phase;
+};
+
+static int32_t hear(void *user_data, const etd_progress *progress) {
+    struct told *told = user_data;
+    told->is_sane = told->is_sane && progress->struct_size == sizeof *progress && progress->fraction >= told->last &&
+                    progress->fraction <= 1 && progress->phase >= told->phase;
+    told->is_inner = told->is_inner || (progress->fraction > 0 && progress->fraction < 1);
+    told->last = progress->fraction;
+    told->phase = progress->phase;
+    return ++told->calls == told->stop_at;
+}
+
+static struct told nothing(int stop_at) {
+    struct told told = {0, 0, 1, 0, 0, ETD_PHASE_BUILD};
+    told.stop_at = stop_at;
+    return told;
+}
+
+/* Stopped at each of its reports, the layout is not there; the next one is whole. */
+static void pass_stopped_layouts(void) {
+    etd_atlas_options options = ETD_ATLAS_OPTIONS_INIT;
+    etd_scene *own = new_scene(device);
+    etd_atlas *made = NULL;
+    struct told told = nothing(0);
+    uint32_t grid;
+    int stop_at;
+    add_grid(own, 60, &grid);
+    options.resolution = 1024;
+    options.progress = hear;
+    options.user_data = &told;
+    /* The scene is built on the way, and told of too. */
+    CHECK_OK(etd_atlas_new(own, &options, &made));
+    CHECK(told.calls > 5 && told.is_sane && told.is_inner && told.phase == ETD_PHASE_BUILD);
+    etd_atlas_release(made);
+    for (stop_at = 1; stop_at < 1000; ++stop_at) {
+        etd_status status;
+        made = NULL;
+        told = nothing(stop_at);
+        status = etd_atlas_new(own, &options, &made);
+        if (told.calls < stop_at) {
+            CHECK(status == ETD_OK);
+            break;
+        }
+        CHECK(status == ETD_CANCELLED && made == NULL && told.calls == stop_at && told.is_sane);
+    }
+    CHECK(stop_at > 5);
+    etd_atlas_release(made);
+    /* While the scene is being built. */
+    {
+        etd_scene *other = new_scene(device);
+        told = nothing(1);
+        made = NULL;
+        CHECK_STATUS(etd_atlas_new(other, &options, &made), ETD_CANCELLED);
+        CHECK(made == NULL && told.calls >= 1);
+        CHECK_OK(etd_atlas_new(other, NULL, &made));
+        etd_atlas_release(made);
+        etd_scene_release(other);
+    }
+    /* A program of before has no function behind `reserved`: what stands there is not called. */
+    options.struct_size = offsetof(etd_atlas_options, progress);
+    told = nothing(1);
+    made = NULL;
+    CHECK_OK(etd_atlas_new(own, &options, &made));
+    CHECK(told.calls == 0);
+    etd_atlas_release(made);
+    etd_scene_release(own);
+}
+
+/* Bakes tell what is done, and stop at any report. */
+static void pass_told_bakes(void) {
+    etd_render_options options = short_render(4);
+    etd_bake_target target = whole();
+    etd_scene *own = new_scene(device);
+    struct told told = nothing(0);
+    int stop_at, calls;
+    options.progress = hear;
+    options.user_data = &told;
+    CHECK_OK(etd_scene_bake_vertices(own, 0, &options, &target, NULL));
+    CHECK(told.calls > 4 && told.is_sane && told.is_inner && told.phase == ETD_PHASE_RENDER);
+    calls = told.calls;
+    for (stop_at = 1; stop_at < 3; ++stop_at) {
+        etd_scene *other = new_scene(device);
+        told = nothing(stop_at);
+        forget();
+        CHECK_STATUS(etd_scene_bake_vertices(other, 0, &options, &target, NULL), ETD_CANCELLED);
+        CHECK(told.calls >= stop_at && told.calls <= calls && is_untouched());
+        etd_scene_release(other);
+    }
+    etd_scene_release(own);
+
+    options.integrator = ETD_INTEGRATOR_RADIOSITY;
+    told = nothing(0);
+    CHECK_OK(etd_atlas_bake(atlas, &options, &target, NULL));
+    CHECK(told.calls > 8 && told.is_sane && told.is_inner && told.phase == ETD_PHASE_RENDER && told.last > 0.8);
+    told = nothing(4);
+    forget();
+    CHECK_STATUS(etd_atlas_bake(atlas, &options, &target, NULL), ETD_CANCELLED);
+    CHECK(told.calls == 4 && is_untouched());
 }
 
 static void refuse_target(etd_bake_target target, const char *what) {
@@ -219,8 +328,59 @@ static void pass_bakes(void) {
     }
 }
 
+/* Messages that name the mirror as what radiosity cannot do, and as what it has no irradiance of. */
+struct warned {
+    int as_black;
+    int without;
+};
+
+static void listen(void *user_data, etd_log_level level, const char *message) {
+    struct warned *warned = user_data;
+    if (level != ETD_LOG_WARNING) {
+        return;
+    }
+    warned->as_black += strstr(message, "as black, being mirrors or glass") != NULL;
+    warned->without += strstr(message, "no irradiance for 1 surfaces") != NULL;
+}
+
+/* What radiosity cannot do is said before the first ray, whoever asks for it. */
+static void pass_warnings(void) {
+    struct warned warned = {0, 0};
+    etd_device_options options = ETD_DEVICE_OPTIONS_INIT;
+    etd_atlas_options layout = ETD_ATLAS_OPTIONS_INIT;
+    etd_render_options render = short_render(1);
+    etd_bake_target target = whole();
+    etd_device *own = NULL;
+    etd_scene *mirrored;
+    etd_film *image;
+    etd_atlas *made = NULL;
+    options.log = listen;
+    options.user_data = &warned;
+    CHECK_OK(etd_device_new(&options, &own));
+    mirrored = new_scene(own);
+    layout.resolution = MISUSE_SIDE;
+    CHECK_OK(etd_atlas_new(mirrored, &layout, &made));
+    CHECK_OK(etd_atlas_bake(made, &render, &target, NULL));
+    CHECK(warned.as_black == 0 && warned.without == 0);
+    render.integrator = ETD_INTEGRATOR_RADIOSITY;
+    CHECK_OK(etd_atlas_bake(made, &render, &target, NULL));
+    CHECK(warned.as_black == 1 && warned.without == 1);
+    CHECK_OK(etd_scene_bake_vertices(mirrored, 0, &render, &target, NULL));
+    CHECK(warned.as_black == 2 && warned.without == 2);
+    image = new_film(own, 8, 8, 0);
+    CHECK_OK(etd_render(mirrored, image, &render));
+    CHECK(warned.as_black == 3 && warned.without == 2);
+    etd_film_release(image);
+    etd_atlas_release(made);
+    etd_scene_release(mirrored);
+    etd_device_release(own);
+}
+
 void misuse_bake(void) {
     pass_layouts();
+    pass_stopped_layouts();
     pass_targets();
     pass_bakes();
+    pass_told_bakes();
+    pass_warnings();
 }

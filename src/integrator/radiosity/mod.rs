@@ -46,7 +46,7 @@ pub(crate) use picture::RadiosityPicture;
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
-use crate::control::Parallel;
+use crate::control::{Parallel, Part};
 use crate::desc::{RadiosityDesc, RadiositySolver, check_radiosity};
 use crate::error::Result;
 use crate::math::{DVec3, Vec3};
@@ -121,6 +121,16 @@ const BALANCES: usize = 6;
 /// Iterations between refinements.
 const SWEEPS: usize = 3;
 
+/// What share of the work is done after each step of linking, by how many pairs are judged in them in usual scenes.
+const LINKED: [f64; COARSENESS.len() + REPEATS] = [0.05, 0.15, 0.3, 0.45, 0.5, 0.52];
+
+/// After each division of leaves.
+const DIVIDED: [f64; DIVISIONS] = [0.63, 0.75];
+
+/// When they are balanced, and when the system of equations is solved.
+const BALANCED: f64 = 0.9;
+const SOLVED: f64 = 0.95;
+
 impl Radiosity {
     /// Solves a scene. The result is the same for any number of threads.
     ///
@@ -146,9 +156,11 @@ impl Radiosity {
             shared.write().unwrap_or_else(PoisonError::into_inner).judge.at_vertices = at_vertices;
             refine::look_again(&shared, parallel)?;
             solve::sweep(&shared, parallel)?;
-            for _ in 0..BALANCES {
+            let divided = DIVIDED[DIVISIONS - 1];
+            for count in 1..=BALANCES {
                 solve::balance(&shared, parallel)?;
                 solve::sweep(&shared, parallel)?;
+                parallel.progress(divided + (BALANCED - divided) * count as f64 / BALANCES as f64);
             }
             (course, ambient) = match desc.solver {
                 // The last of a number of bounces is gathered at the vertices.
@@ -157,12 +169,16 @@ impl Radiosity {
                     let course = solve::gather(&shared, bounces, desc.tolerance, parallel)?;
                     (Course { iterations: desc.iterations.unwrap_or(course.iterations), ..course }, DVec3::ZERO)
                 }
-                RadiositySolver::Shoot => shoot::shoot(&shared, desc.iterations, desc.tolerance, parallel)?,
+                RadiositySolver::Shoot => {
+                    let mut part = Part::new(parallel, BALANCED..SOLVED);
+                    shoot::shoot(&shared, desc.iterations, desc.tolerance, &mut part)?
+                }
             };
         } else {
             let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
             network.first = vec![0; network.judge.elements.nodes.len() + 1];
         }
+        parallel.progress(SOLVED);
         let mut found = solve::irradiances(&shared, parallel)?;
         let mut irradiance = vertices::vertices(&shared, parallel)?;
         if desc.iterations == Some(0) {
@@ -179,7 +195,8 @@ impl Radiosity {
             memory: network.bytes(),
             iterations: course.iterations,
             residual: course.residual,
-            error_bound: course.bound,
+            // Where nothing is left there is nothing to bound, whatever surfaces reflect.
+            error_bound: if course.residual == 0.0 { 0.0 } else { course.bound },
             ..RadiositySummary::default()
         };
         let elements = std::mem::take(&mut network.judge.elements);
@@ -193,8 +210,13 @@ impl Radiosity {
         let emitted = scene.emitters().emitters().iter().map(crate::emitter::Emitter::power).sum::<DVec3>();
         (summary.emitted, summary.absorbed) = (emitted.as_vec3a(), absorbed.as_vec3a());
         summary.elapsed = start.elapsed();
+        let bound = if summary.error_bound.is_finite() {
+            format!("bound {:.1e}", summary.error_bound)
+        } else {
+            "no bound, a surface reflects all of a colour".to_owned()
+        };
         notes.push(format!(
-            "radiosity: {} elements, {} links, {} iterations, residual {:.1e}, {:.1} MiB, {:.1} s",
+            "radiosity: {} elements, {} links, {} iterations, residual {:.1e}, {bound}, {:.1} MiB, {:.1} s",
             summary.elements,
             summary.links,
             summary.iterations,
@@ -311,8 +333,9 @@ fn link(shared: &Shared, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> 
         if total > 0.0 {
             norm = total;
         }
+        parallel.progress(LINKED[step]);
     }
-    for _ in 0..DIVISIONS {
+    for done in DIVIDED {
         cut(shared, parallel)?;
         let pairs = refine::stale(shared, parallel)?;
         if pairs.is_empty() {
@@ -322,6 +345,7 @@ fn link(shared: &Shared, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> 
         for _ in 0..SWEEPS {
             solve::bounce(shared, parallel)?;
         }
+        parallel.progress(done);
     }
     Ok(())
 }

@@ -55,6 +55,11 @@ pub(super) fn shoot(
             break;
         }
         parallel.check()?;
+        parallel.progress(match iterations {
+            Some(count) => f64::from(course.iterations) / f64::from(count),
+            // What is left shrinks by about the same factor each time.
+            None => course.residual.ln() / tolerance.ln(),
+        });
         let brightest = shooting
             .power
             .iter()

@@ -1,0 +1,445 @@
+//! Surfaces of a scene: added, changed, removed; and finding things by their names. What `describe` says holds here too.
+
+use std::ffi::c_char;
+
+use super::boundary::{array, need, on, read_sized, text, write_sized};
+use super::describe::{find, vector};
+use super::read;
+use super::scene::etd_scene;
+use super::status::{Failure, Result, etd_status};
+use super::types::{ETD_NONE, etd_surface};
+use crate::desc::{SceneDesc, ShapeDesc, SurfaceLook};
+use crate::math::{Bounds, DAffine3, DVec3};
+
+/// Adds a sphere with its normals outwards. `centre`: three numbers; `radius` > 0. Under a transform that stretches it,
+/// it is an ellipsoid, which cannot emit.
+///
+/// As all that add a surface: `surface` says material, emission and transform; `*out_surface` is the surface's number;
+/// errors are `ETD_INVALID_SCENE` and `ETD_UNSUPPORTED` with the JSON path that a file would have. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_sphere(
+    scene: *mut etd_scene,
+    centre: *const f64,
+    radius: f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::sphere(vector(centre, "centre")?, radius)?)) }
+}
+
+/// Adds a triangle with normal (v1 - v0) x (v2 - v0). `vertices`: three positions, nine numbers. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_triangle(
+    scene: *mut etd_scene,
+    vertices: *const f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::triangle(vectors(vertices, "vertices")?)?)) }
+}
+
+/// Adds a flat convex quadrilateral, vertices in order around its edge, with the normal of its first three.
+/// `vertices`: four positions, twelve numbers. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_quad(
+    scene: *mut etd_scene,
+    vertices: *const f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::quad(vectors(vertices, "vertices")?)?)) }
+}
+
+/// Adds a flat round disk. `normal`: any length. Cannot emit. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_disk(
+    scene: *mut etd_scene,
+    centre: *const f64,
+    normal: *const f64,
+    radius: f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, surface, out_surface, || {
+            Ok(ShapeDesc::disk(vector(centre, "centre")?, vector(normal, "normal")?, radius)?)
+        })
+    }
+}
+
+/// Adds a tube without caps, normals outwards. `base`: centre of one end; `axis`: direction to the other, any length.
+/// Cannot emit. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_cylinder(
+    scene: *mut etd_scene,
+    base: *const f64,
+    axis: *const f64,
+    radius: f64,
+    height: f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, surface, out_surface, || {
+            Ok(ShapeDesc::cylinder(vector(base, "base")?, vector(axis, "axis")?, radius, height)?)
+        })
+    }
+}
+
+/// Adds a cone without its base disk, normals outwards. `base`: centre of the base; `axis`: direction to the apex.
+/// Cannot emit. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_cone(
+    scene: *mut etd_scene,
+    base: *const f64,
+    axis: *const f64,
+    radius: f64,
+    height: f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, surface, out_surface, || {
+            Ok(ShapeDesc::cone(vector(base, "base")?, vector(axis, "axis")?, radius, height)?)
+        })
+    }
+}
+
+/// Adds a paraboloid of revolution, open at its wide end, normals away from its axis. `axis`: direction from the apex
+/// into the bowl; `radius`: that at `height`. Cannot emit. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_paraboloid(
+    scene: *mut etd_scene,
+    apex: *const f64,
+    axis: *const f64,
+    radius: f64,
+    height: f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, surface, out_surface, || {
+            Ok(ShapeDesc::paraboloid(vector(apex, "apex")?, vector(axis, "axis")?, radius, height)?)
+        })
+    }
+}
+
+/// Adds an ellipsoid with its axes along x, y and z, normals outwards. `radii`: three numbers > 0. Cannot emit.
+/// Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_ellipsoid(
+    scene: *mut etd_scene,
+    centre: *const f64,
+    radii: *const f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, surface, out_surface, || {
+            Ok(ShapeDesc::ellipsoid(vector(centre, "centre")?, vector(radii, "radii")?)?)
+        })
+    }
+}
+
+/// Adds a quadric: a x^2 + b y^2 + c z^2 + 2d xy + 2e yz + 2f xz + 2g x + 2h y + 2i z + j = 0, normals along the gradient.
+///
+/// `coefficients`: ten numbers, a to j. `clip_min`, `clip_max`: only what lies inside this box is there; both NULL for an
+/// ellipsoid, which ends by itself. Cannot emit. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_quadric(
+    scene: *mut etd_scene,
+    coefficients: *const f64,
+    clip_min: *const f64,
+    clip_max: *const f64,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, surface, out_surface, || {
+            let clip = match (clip_min.is_null(), clip_max.is_null()) {
+                (true, true) => None,
+                _ => Some(Bounds { min: vector(clip_min, "clip_min")?, max: vector(clip_max, "clip_max")? }),
+            };
+            Ok(ShapeDesc::quadric(array(coefficients, "coefficients")?, clip)?)
+        })
+    }
+}
+
+/// Adds a use of a mesh; one mesh may be used many times, and is kept once.
+///
+/// `smooth`: not 0 interpolates the vertex normals (made from the faces where the mesh has none). Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_mesh_surface(
+    scene: *mut etd_scene,
+    mesh: u32,
+    smooth: u32,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+) -> etd_status {
+    let shape = ShapeDesc::Mesh { mesh: mesh as usize, smooth: smooth != 0 };
+    // SAFETY: passed on.
+    unsafe { add(scene, surface, out_surface, || Ok((shape, DAffine3::IDENTITY))) }
+}
+
+/// Removes a surface. Its number is not used again, and every other keeps its own. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_remove_surface(scene: *mut etd_scene, surface: u32) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            find(&scene.desc().surfaces, surface, "surface")?;
+            scene.edit(|desc| desc.remove_surface(surface as usize))
+        })
+    }
+}
+
+/// Places a surface. `transform`: object to world, three rows of four numbers, not flattening; it replaces the one there
+/// was. Of a shape with a place of its own (a cylinder's base, say) it moves the whole. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_transform(
+    scene: *mut etd_scene,
+    surface: u32,
+    transform: *const f64,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            find(&scene.desc().surfaces, surface, "surface")?;
+            let rows: [f64; 12] = array(transform, "transform")?;
+            if rows == [0.0; 12] {
+                return Err(Failure::argument("transform is all zero"));
+            }
+            scene.edit(|desc| desc.set_transform(surface as usize, read::transform(&rows)))
+        })
+    }
+}
+
+/// Gives a surface another material; `ETD_NONE` for one that emits and reflects nothing. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_surface_material(
+    scene: *mut etd_scene,
+    surface: u32,
+    material: u32,
+) -> etd_status {
+    let number = material;
+    let material = (material != ETD_NONE).then_some(material as usize);
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            find(&scene.desc().surfaces, surface, "surface")?;
+            find_material(scene, number)?;
+            scene.edit(|desc| desc.set_surface_material(surface as usize, material))
+        })
+    }
+}
+
+/// Changes what a surface emits [W m^-2 sr^-1]. `radiance`: three numbers >= 0; all zero, or NULL: it emits nothing.
+/// Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_emission(
+    scene: *mut etd_scene,
+    surface: u32,
+    radiance: *const f32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            find(&scene.desc().surfaces, surface, "surface")?;
+            let radiance = if radiance.is_null() { [0.0; 3] } else { array(radiance, "radiance")? };
+            scene.edit(|desc| desc.set_emission(surface as usize, read::emission(radiance)))
+        })
+    }
+}
+
+/// Material, emission and transform of a surface as they are described now; an error if it was removed. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_surface(
+    scene: *const etd_scene,
+    surface: u32,
+    out_surface: *mut etd_surface,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            let desc = scene.desc();
+            let it = find(&desc.surfaces, surface, "surface")?;
+            if it.hidden {
+                return Err(Failure::argument(format!("surface {surface} was removed")));
+            }
+            let value = etd_surface {
+                struct_size: size_of::<etd_surface>(),
+                material: it.material as u32,
+                emission: it.emission.map_or([0.0; 3], |emission| emission.to_array()),
+                transform: read::transform_out(&it.transform),
+            };
+            write_sized(out_surface, "out_surface", value)
+        })
+    }
+}
+
+/// The number of the material of this name. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_find_material(
+    scene: *const etd_scene,
+    name: *const c_char,
+    out_material: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { look_up(scene, name, out_material, "material", |desc, name| desc.find_material(name)) }
+}
+
+/// The number of the mesh of this name. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_find_mesh(
+    scene: *const etd_scene,
+    name: *const c_char,
+    out_mesh: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { look_up(scene, name, out_mesh, "mesh", |desc, name| desc.find_mesh(name)) }
+}
+
+/// The number of the surface with this JSON path, such as `surfaces[3]` or, for an area light, `lights[0]`. Thread-safe.
+///
+/// # Safety
+/// Pointers must be NULL or point to what they say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_find_surface(
+    scene: *const etd_scene,
+    json_path: *const c_char,
+    out_surface: *mut u32,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe { look_up(scene, json_path, out_surface, "surface", |desc, path| desc.find_surface(path)) }
+}
+
+/// # Safety
+/// As for the three functions above.
+unsafe fn look_up(
+    scene: *const etd_scene,
+    name: *const c_char,
+    out: *mut u32,
+    what: &str,
+    find: impl FnOnce(&SceneDesc, &str) -> Option<usize>,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            need(out, "the number's place")?;
+            let name = text(name, "name")?;
+            let number = find(&scene.desc(), name);
+            let number = number.ok_or_else(|| Failure::argument(format!("there is no {what} '{name}'")))?;
+            out.write(number as u32);
+            Ok(())
+        })
+    }
+}
+
+/// Adds a surface of a shape.
+///
+/// # Safety
+/// As for the functions that call it.
+unsafe fn add(
+    scene: *mut etd_scene,
+    surface: *const etd_surface,
+    out_surface: *mut u32,
+    shape: impl FnOnce() -> Result<(ShapeDesc, DAffine3)>,
+) -> etd_status {
+    // SAFETY: passed on.
+    unsafe {
+        on(scene, |scene| {
+            need(out_surface, "out_surface")?;
+            let it = read_sized(surface, "surface")?;
+            find_material(scene, it.material)?;
+            let look = SurfaceLook {
+                material: (it.material != ETD_NONE).then_some(it.material as usize),
+                emission: read::emission(it.emission),
+                transform: read::transform(&it.transform),
+            };
+            let (shape, local) = shape()?;
+            if let ShapeDesc::Mesh { mesh, .. } = &shape {
+                find(&scene.desc().meshes, u32::try_from(*mesh).unwrap_or(u32::MAX), "mesh")?;
+            }
+            let number = scene.edit(|desc| desc.add_surface(shape, local, look))?;
+            out_surface.write(number as u32);
+            Ok(())
+        })
+    }
+}
+
+/// # Safety
+/// 3 N numbers must be readable at `pointer`, unless it is NULL.
+unsafe fn vectors<const N: usize>(pointer: *const f64, name: &str) -> Result<[DVec3; N]> {
+    need(pointer, name)?;
+    // SAFETY: passed on; arrays have the alignment of their items.
+    let all: [[f64; 3]; N] = unsafe { pointer.cast::<[[f64; 3]; N]>().read() };
+    Ok(all.map(DVec3::from_array))
+}
+
+/// Refuses the number of no material; `ETD_NONE` is fine here.
+fn find_material(scene: &etd_scene, number: u32) -> Result {
+    if number != ETD_NONE {
+        find(&scene.desc().materials, number, "material")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,87 @@
+//! The plain types of the interface: enumerations, options, records.
+//!
+//! Structures that may grow begin with their own size; zero bytes in a field mean its default, so that a structure from an
+//! older header stays valid. Enumerations come in as numbers and are checked: a Rust enumeration with a value it does not
+//! have would be undefined behaviour.
+
+use super::status::etd_error;
+
+/// Makes a structure one that may grow: after its name, the field behind the last one of its first version, or that last one
+/// itself. A structure must reach as far.
+macro_rules! versioned {
+    ($($type:ty, $last:ident;)*) => {$(
+        // SAFETY: `repr(C)`, begins with `struct_size: usize`, and consists of numbers, pointers and `Option`s of
+        // functions, for which zero bytes are a value. (Enumerations in it have a variant of value 0.)
+        unsafe impl $crate::capi::boundary::Versioned for $type {
+            const SMALLEST: usize = std::mem::offset_of!($type, $last);
+        }
+    )*};
+}
+
+mod bake;
+mod device;
+mod film;
+mod query;
+mod render;
+mod scene;
+
+pub use bake::*;
+pub use device::*;
+pub use film::*;
+pub use query::*;
+pub use render::*;
+pub use scene::*;
+
+/// Numbers of enumerations that come from C, called by the enumeration's own name in the header.
+mod numbers {
+    /// The enumeration of this name, as a number.
+    pub type EtdUsage = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdCameraType = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdFovAxis = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdBsdf = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdPositionFormat = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdSharing = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdSampler = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdFilter = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdIntegrator = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdPhotonKernel = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdPhotonSharing = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdCacheSource = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdSwitch = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdRadiositySolver = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdErrorMeasure = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdLayer = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdFormat = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdToneMap = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdText = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdAtlasLayout = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdSide = u32;
+}
+pub use numbers::*;
+
+/// Stands for "no material", "no surface", "no mesh".
+pub const ETD_NONE: u32 = 0xffff_ffff;
+
+versioned! {
+    etd_error, json_path;
+}
