@@ -42,7 +42,11 @@ impl<'a> Crew<'a> {
     }
 
     fn look(&mut self) {
-        self.is_broken_off |= (self.look_up)(self.share);
+        // Who said no is not asked again.
+        if self.is_broken_off {
+            return;
+        }
+        self.is_broken_off = (self.look_up)(self.share);
         self.told = self.share;
         self.last = Instant::now();
     }

@@ -105,6 +105,7 @@ fn bakes_by_radiosity() {
     for (threads, solver) in [(1, RadiositySolver::Gather), (2, RadiositySolver::Shoot)] {
         let mut settings = RenderSettings { threads, ..settings(1, None) };
         settings.desc.radiosity.solver = solver;
+        settings.desc.radiosity.error = 50.0;
         let told = stopped_everywhere("a bake", |look_up| {
             by_radiosity(&scene, atlas.sites(), &settings, Some(0.5), true, look_up)
         });
