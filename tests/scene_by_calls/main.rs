@@ -19,7 +19,7 @@ use etendue::scene::{BuildOptions, Scene};
 
 /// All of a description but paths and what is kept for looking up.
 fn content(desc: &SceneDesc) -> String {
-    let mut desc = SceneDesc { file: None, index: SceneIndex::default(), ..desc.clone() };
+    let mut desc = SceneDesc { file: None, files: Vec::new(), index: SceneIndex::default(), ..desc.clone() };
     desc.lights.iter_mut().for_each(|light| light.path.clear());
     desc.materials.iter_mut().for_each(|material| material.path.clear());
     desc.meshes.iter_mut().for_each(|mesh| Arc::make_mut(mesh).path.clear());

@@ -453,6 +453,10 @@ impl Judge {
             }
             unsure = 0.0;
         }
+        let is_cut = kind == Kind::Element && self.node(receiver).is_cut && self.elements.is_divisible(receiver);
+        if is_cut && all > CUT * allowed {
+            return Verdict::DivideReceiver;
+        }
         let is_last = divide().is_none();
         let error = if is_last { 0.0 } else { error + factor * (unsure + UNSEEN_SHARE) };
         Verdict::Keep(Link {

@@ -122,6 +122,35 @@ fn plates(case: &mut Case) {
     };
     case.exact("radiosity of the one that emits", 1.0 + 0.5 * at(0), 5.0 / 3.0, Within::Absolute(3e-3));
     case.exact("radiosity of the other", 0.8 * at(1), 4.0 / 3.0, Within::Absolute(3e-3));
+    plates_with_a_point(case);
+}
+
+/// The same with a point light half way between them.
+fn plates_with_a_point(case: &mut Case) {
+    let half = 500.0;
+    let floor = parallelogram(DVec3::new(-half, 0.0, -half), DVec3::Z * 2.0 * half, DVec3::X * 2.0 * half);
+    let ceiling = parallelogram(DVec3::new(-half, 1.0, -half), DVec3::X * 2.0 * half, DVec3::Z * 2.0 * half);
+    for (albedo, expected) in [
+        (0.5, &[(0.0, 4.528_129_526)][..]),
+        (0.8, &[(0.0, 5.177_588_122), (1.0, 1.108_237_669), (3.0, 0.201_985_157_5)]),
+    ] {
+        let surfaces = vec![(floor, grey(albedo), None), (ceiling, grey(albedo), None)];
+        let mut desc = scene(camera(DVec3::Y * 0.5, DVec3::ZERO, 60.0), surfaces);
+        desc.lights.push(point_light(DVec3::Y * 0.5, 1.0));
+        let scene = build(&desc);
+        let solution =
+            solve(&scene, &RadiosityDesc { error: 20.0, element_size: Some(0.1), ..RadiosityDesc::default() });
+        for &(r, expected) in expected {
+            // Not along a diagonal.
+            let p = DVec3::new(r * 0.8, 0.25, r * 0.6);
+            let ray = Ray::new(scene.to_scene(p), -Vec3::Y);
+            let Some(hit) = scene.intersect(&ray) else { continue };
+            let at = scene.interaction(&ray, &hit);
+            let e = f64::from(solution.irradiance(&hit, at.point.p, true).x);
+            case.known("quadrature over a plate of 500 misses the spot of 1 that is bright on the other: nearly all that is reflected");
+            case.exact(format!("point light, albedo {albedo}, at {r}"), e, expected, Within::Relative(3e-3));
+        }
+    }
 }
 
 /// Power: the open side lets some escape, so the box is closed for this by a black wall, which absorbs what meets it.
