@@ -215,10 +215,7 @@ fn furnaces() {
     let mut wrong = false;
     for (name, room) in rooms {
         for albedo in [0.5, 0.9] {
-            let solution = solve(
-                &furnace(room.clone(), albedo, Some(1.0)),
-                &RadiosityDesc { error: 0.3, ..RadiosityDesc::default() },
-            );
+            let solution = solve(&furnace(room.clone(), albedo, Some(1.0)), &RadiosityDesc::default());
             // All radiosities are pi / (1 - albedo), and so is what arrives.
             let (low, high) = range(&solution, 0, PI / (1.0 - f64::from(albedo)));
             println!("{name}, albedo {albedo}: {low:.6} to {high:.6}");
