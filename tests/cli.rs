@@ -537,16 +537,7 @@ fn an_interrupt_writes_what_there_is() {
     while !path.exists() && start.elapsed() < Duration::from_secs(60) && child.try_wait().unwrap().is_none() {
         std::thread::sleep(Duration::from_millis(10));
     }
-    let signal = Command::new("sh").arg("-c").arg(format!("kill -INT {}", child.id())).status().unwrap();
-    assert!(signal.success());
-    while child.try_wait().unwrap().is_none() {
-        if start.elapsed() > Duration::from_secs(120) {
-            child.kill().unwrap();
-            panic!("the run did not stop");
-        }
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    let run = Run::from(child.wait_with_output().unwrap());
+    let run = interrupt(child, start);
     assert_eq!(run.code, Some(130), "{}", run.stderr);
     assert!(run.stderr.contains("stopped after "), "{}", run.stderr);
     assert!(output::read(&path).unwrap().mean()[0] > 0.0);
@@ -766,16 +757,7 @@ fn an_interrupted_bake_by_radiosity_writes_what_is_whole() {
         std::thread::sleep(Duration::from_millis(10));
     }
     std::thread::sleep(Duration::from_millis(100));
-    let signal = Command::new("sh").arg("-c").arg(format!("kill -INT {}", child.id())).status().unwrap();
-    assert!(signal.success());
-    while child.try_wait().unwrap().is_none() {
-        if start.elapsed() > Duration::from_secs(120) {
-            child.kill().unwrap();
-            panic!("the run did not stop");
-        }
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    let run = Run::from(child.wait_with_output().unwrap());
+    let run = interrupt(child, start);
     assert_eq!(run.code, Some(130), "{}", run.stderr);
     assert!(run.stderr.contains("warning: stopped before there was anything to write: no vertices"), "{}", run.stderr);
     assert_eq!(names(folder.path()), ["l.exr", "l.json", "l.obj", "slow.json"]);
@@ -819,4 +801,18 @@ fn bakes_that_cannot_be_done_have_exit_code_2() {
     assert_eq!(run.code, Some(1), "{}", run.stderr);
     assert!(run.stderr.contains("8192 x 8192"), "{}", run.stderr);
     assert_eq!(names(folder.path()), ["empty.json", "square.json"]);
+}
+
+/// Presses Ctrl-C on a run that began at `start`, and waits for its end.
+fn interrupt(mut child: std::process::Child, start: Instant) -> Run {
+    let signal = Command::new("sh").arg("-c").arg(format!("kill -INT {}", child.id())).status().unwrap();
+    assert!(signal.success());
+    while child.try_wait().unwrap().is_none() {
+        if start.elapsed() > Duration::from_secs(120) {
+            child.kill().unwrap();
+            panic!("the run did not stop");
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    Run::from(child.wait_with_output().unwrap())
 }

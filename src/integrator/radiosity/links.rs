@@ -166,16 +166,20 @@ impl Judge {
         }
     }
 
+    /// What a link brings if all of its source is seen: irradiance times root of area.
+    pub fn stake(&self, link: &Link) -> f64 {
+        let receiver = self.node(link.receiver);
+        let d = if link.source >= POINT { DVec3::ZERO } else { receiver.centre - self.node(link.source).centre };
+        f64::from(link.factor) * self.strength(link.source, d.normalize_or_zero()) * receiver.area.sqrt()
+    }
+
     /// Whether a link is no longer good enough.
     pub fn is_stale(&self, link: &Link) -> bool {
         let receiver = self.node(link.receiver);
         let root = receiver.area.sqrt();
-        if link.kind == Kind::Element && receiver.is_cut && self.elements.is_divisible(link.receiver) {
-            let d = if link.source >= POINT { DVec3::ZERO } else { receiver.centre - self.node(link.source).centre };
-            let all = f64::from(link.factor) * self.strength(link.source, d.normalize_or_zero());
-            if all * root > CUT * self.threshold {
-                return true;
-            }
+        let is_cut = link.kind == Kind::Element && receiver.is_cut && self.elements.is_divisible(link.receiver);
+        if is_cut && self.stake(link) > CUT * self.threshold {
+            return true;
         }
         if link.kind == Kind::Dim {
             return f64::from(self.sent.most[link.source as usize]) * f64::from(link.error) * root > self.threshold;
@@ -288,13 +292,13 @@ impl Judge {
             (factor, factor / FAR, Shares::EVEN)
         } else {
             let f = |p: DVec3| point_to_front(p, r.normal, &to, s.normal) * s.swell;
-            let [a, b, c, middle] = quarter_centres(&from).map(f);
+            let places = quarter_centres(&from);
+            let [a, b, c, middle] = places.map(f);
             let rough = 0.25 * (a + b + c + middle);
             let spread = a.max(b).max(c).max(middle) - a.min(b).min(c).min(middle);
             let bend = (middle - (a + b + c) / 3.0).abs();
             let is_uneven = spread > 0.05 * rough;
             let factor = if is_uneven { mean(&f, &from, 1e-4 * rough.max(1e-3), 4) } else { rough };
-            let places = quarter_centres(&from);
             let places = if is_uneven { &places[..] } else { &places[3..] };
             let shares = match self.elements.shape(s.patch) {
                 Some(_) => Shares::EVEN,

@@ -193,7 +193,7 @@ pub(super) fn stale(shared: &Shared, parallel: &mut impl Parallel) -> Result<Vec
     Ok(pairs)
 }
 
-/// Looks again at how much of each link is visible, by what is sent now: at those that are seen in part.
+/// Looks again at how much of each link is visible, by what is sent now.
 pub(super) fn look_again(shared: &Shared, parallel: &mut impl Parallel) -> Result<()> {
     let count = shared.read().unwrap_or_else(PoisonError::into_inner).links.len();
     let network = Arc::clone(shared);

@@ -1,8 +1,8 @@
 //! The solution between elements: irradiance at their vertices.
 //!
-//! Each leaf gathers once more at its three corners, over the links that it has: form factors are those at the corner,
-//! and so is the visibility of what matters. A vertex has the mean of what the leaves around it find. One that hangs on the side of a larger
-//! leaf has the mean of the side's ends, so that the interpolation has no cracks.
+//! Each leaf gathers once more at its three corners, over the links that it has: form factors are those at the corner, and so is
+//! the visibility of what matters. A vertex has the mean of what the leaves around it find. One that hangs on the side of a
+//! larger leaf has the mean of the side's ends, so that the interpolation has no cracks.
 
 use std::f64::consts::FRAC_1_PI;
 use std::sync::{Arc, PoisonError};

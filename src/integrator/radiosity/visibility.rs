@@ -28,10 +28,7 @@ impl Judge {
         if link.kind == Kind::Dim {
             return link.visible;
         }
-        let receiver = self.node(link.receiver);
-        let d = if link.source >= POINT { DVec3::ZERO } else { receiver.centre - self.node(link.source).centre };
-        let all = f64::from(link.factor) * self.strength(link.source, d.normalize_or_zero());
-        let is_much = all * receiver.area.sqrt() > self.threshold;
+        let is_much = self.stake(link) > self.threshold;
         self.visible(link.receiver, link.source, LOOKS[usize::from(is_much)], KEPT) as f32
     }
 
