@@ -107,7 +107,7 @@ pub(super) fn radiosity(block: &Render<'_>, path: &str, base: &RadiosityDesc) ->
 pub(crate) fn check_radiosity(path: &str, radiosity: &RadiosityDesc) -> Result<()> {
     let at = |key: &str| join(path, key);
     if let Some(size) = radiosity.element_size {
-        validate::radius(&at("radiosityElementSize"), size)?;
+        validate::length(&at("radiosityElementSize"), size, "a length")?;
     }
     validate::up_to(&at("radiosityError"), radiosity.error, 1000.0)?;
     validate::share(&at("radiosityTolerance"), radiosity.tolerance)?;

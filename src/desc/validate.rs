@@ -64,12 +64,17 @@ pub(super) fn share(path: &str, value: f64) -> Result<()> {
 
 /// A radius of density estimates, see [`super::RADII`].
 pub(super) fn radius(path: &str, value: f64) -> Result<()> {
+    length(path, value, "a radius")
+}
+
+/// A length in the bounds of those radii; `what` it is.
+pub(super) fn length(path: &str, value: f64, what: &str) -> Result<()> {
     positive(path, value)?;
     let [low, high] = super::RADII;
     if (low..=high).contains(&value) {
         return Ok(());
     }
-    Err(Error::invalid(path, format!("{value:e} is out of range, expected a radius in [{low:e}, {high:e}]")))
+    Err(Error::invalid(path, format!("{value:e} is out of range, expected {what} in [{low:e}, {high:e}]")))
 }
 
 /// The cone's k: 1 or more, as single precision has it.

@@ -18,6 +18,7 @@ pub use pattern::{Pattern, PatternSampler};
 pub use rng::Rng;
 pub(crate) use rng::{hash, mix};
 pub use sobol::SobolSampler;
+pub(crate) use spherical_triangle::solid_angle;
 pub use spherical_triangle::{SphericalTriangle, triangle_solid_angle};
 
 /// A source of sample points: one per worker, its state a pure function of (seed, pixel, sample index), so that any

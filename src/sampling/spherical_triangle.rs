@@ -11,7 +11,8 @@ pub fn triangle_solid_angle(v: [Vec3; 3]) -> f64 {
     solid_angle(v.map(Vec3::as_dvec3))
 }
 
-fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
+/// The same in double precision.
+pub(crate) fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     let (la, lb, lc) = (a.length(), b.length(), c.length());
     let triple = a.dot((b - a).cross(c - a)).abs();
     let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;

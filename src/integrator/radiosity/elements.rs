@@ -287,8 +287,24 @@ impl Elements {
         generation
     }
 
+    /// The parts of a node, which gets them now if it has none.
+    pub fn parts(&mut self, number: u32) -> std::ops::Range<u32> {
+        if self.nodes[number as usize].is_leaf() {
+            self.divide(number);
+        }
+        let node = &self.nodes[number as usize];
+        debug_assert_ne!(node.children, 0);
+        node.first..node.first + node.children
+    }
+
+    /// The node above, where that is an element.
+    pub fn element_above(&self, number: u32) -> Option<u32> {
+        let parent = self.nodes[number as usize].parent;
+        (parent != NONE && !self.nodes[parent as usize].is_cluster()).then_some(parent)
+    }
+
     /// Divides an element that has no children: [corner, corner, corner, middle], each with its corners in the same order.
-    pub fn divide(&mut self, number: u32) {
+    fn divide(&mut self, number: u32) {
         let Node { corners: [a, b, c], normal, patch, area, .. } = self.nodes[number as usize];
         let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|ends| self.middle(ends, patch));
         let first = self.nodes.len() as u32;

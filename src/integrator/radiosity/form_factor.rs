@@ -84,7 +84,7 @@ fn mean_over(polygon: &[DVec3], area: f64, f: &impl Fn(DVec3) -> f64, tolerance:
     fan.map(|t| triangle_area(&t) / area * mean(f, &t, tolerance, MOST_HALVINGS)).sum()
 }
 
-fn triangle_area(t: &[DVec3; 3]) -> f64 {
+pub(super) fn triangle_area(t: &[DVec3; 3]) -> f64 {
     0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length()
 }
 

@@ -3,8 +3,9 @@
 use std::f64::consts::FRAC_1_PI;
 use std::ops::AddAssign;
 
-use super::elements::{Elements, NONE};
+use super::elements::{Elements, NONE, Node};
 use crate::math::DVec3;
+use crate::spectrum::Rgb;
 
 /// A smooth function of direction for each colour channel: a polynomial of second degree, which spans the same as spherical
 /// harmonics up to band 2.
@@ -75,6 +76,9 @@ pub(super) struct Sent {
     pub spread: Vec<f32>,
     /// The largest below.
     pub most: Vec<f32>,
+    /// How it is spread over the node: the integral of what it differs from `b`, times the weight of the first and of the
+    /// second corner, over the area. That of the third is what is missing to 0.
+    pub tilt: Vec<[Rgb; 2]>,
     /// Of each cluster: radiant intensity [W sr^-1] by direction.
     pub intensity: Vec<Moments>,
 }
@@ -86,6 +90,7 @@ impl Sent {
         self.b.resize(nodes.len(), DVec3::ZERO);
         self.spread.resize(nodes.len(), 0.0);
         self.most.resize(nodes.len(), 0.0);
+        self.tilt.resize(nodes.len(), [Rgb::ZERO; 2]);
         self.intensity.clear();
         self.intensity.resize(elements.clusters as usize, Moments::default());
         // Children come after their parents.
@@ -93,6 +98,7 @@ impl Sent {
             if node.is_leaf() {
                 self.most[i] = self.b[i].max_element() as f32;
                 self.spread[i] = 0.0;
+                self.tilt[i] = [Rgb::ZERO; 2];
             } else {
                 let (mut sum, mut area, mut most) = (DVec3::ZERO, 0.0, 0.0);
                 for child in node.range() {
@@ -104,6 +110,9 @@ impl Sent {
                 let spread = |child: usize| (self.b[child] - mean).abs().max_element() as f32 + self.spread[child];
                 let spread = node.range().map(spread).fold(0.0, f32::max);
                 (self.b[i], self.most[i], self.spread[i]) = (mean, most, spread);
+                if !node.is_cluster() {
+                    self.tilt[i] = self.tilt_of(nodes, node, mean);
+                }
             }
             if node.parent == NONE {
                 continue;
@@ -120,5 +129,22 @@ impl Sent {
                 self.intensity[cluster].add_lobe(node.normal, FRAC_1_PI * node.area * self.b[i]);
             }
         }
+    }
+
+    /// The tilt of an element by those of its quarters: three at its corners and the one between, which is turned round.
+    fn tilt_of(&self, nodes: &[Node], node: &Node, mean: DVec3) -> [Rgb; 2] {
+        [0, 1].map(|corner| {
+            let mut sum = Rgb::ZERO;
+            for (quarter, child) in node.range().enumerate() {
+                let (weight, side) = match quarter {
+                    3 => (1.0 / 3.0, -0.5),
+                    quarter if quarter == corner => (2.0 / 3.0, 0.5),
+                    _ => (1.0 / 6.0, 0.5),
+                };
+                let share = (nodes[child].area / node.area) as f32;
+                sum += share * (weight * (self.b[child] - mean).as_vec3a() + side * self.tilt[child][corner]);
+            }
+            sum
+        })
     }
 }

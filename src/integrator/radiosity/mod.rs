@@ -31,6 +31,7 @@
 
 mod elements;
 pub mod form_factor;
+mod judge;
 mod light;
 mod links;
 mod picture;
@@ -150,7 +151,9 @@ impl Radiosity {
         let is_dark = scene.emitters().is_dark();
         let shared: Shared = Arc::new(RwLock::new(Network::new(scene, elements)));
         let (mut course, mut ambient) = (Course::default(), DVec3::ZERO);
-        if !is_dark && !read(&shared).judge.elements.patches.is_empty() {
+        // With no bounce at all, nothing is asked for but what surfaces emit.
+        let is_emission = desc.iterations == Some(0) && !desc.ambient;
+        if !is_dark && !is_emission && !read(&shared).judge.elements.patches.is_empty() {
             link(&shared, desc, parallel)?;
             let at_vertices = vertices::vertices(&shared, parallel)?;
             shared.write().unwrap_or_else(PoisonError::into_inner).judge.at_vertices = at_vertices;
@@ -162,17 +165,15 @@ impl Radiosity {
                 solve::sweep(&shared, parallel)?;
                 parallel.progress(divided + (BALANCED - divided) * count as f64 / BALANCES as f64);
             }
+            let mut part = Part::new(parallel, BALANCED..SOLVED);
             (course, ambient) = match desc.solver {
                 // The last of a number of bounces is gathered at the vertices.
                 RadiositySolver::Gather => {
                     let bounces = desc.iterations.map(|count| count.saturating_sub(1));
-                    let course = solve::gather(&shared, bounces, desc.tolerance, parallel)?;
+                    let course = solve::gather(&shared, bounces, desc.tolerance, &mut part)?;
                     (Course { iterations: desc.iterations.unwrap_or(course.iterations), ..course }, DVec3::ZERO)
                 }
-                RadiositySolver::Shoot => {
-                    let mut part = Part::new(parallel, BALANCED..SOLVED);
-                    shoot::shoot(&shared, desc.iterations, desc.tolerance, &mut part)?
-                }
+                RadiositySolver::Shoot => shoot::shoot(&shared, desc.iterations, desc.tolerance, &mut part)?,
             };
         } else {
             let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);

@@ -6,8 +6,9 @@
 use std::sync::{Arc, PoisonError, RwLock};
 
 use super::elements::Elements;
+use super::judge::{Judge, Verdict};
 use super::light::Sent;
-use super::links::{Judge, Link, POINT, PointLight, Verdict};
+use super::links::{Link, POINT, PointLight};
 use crate::control::Parallel;
 use crate::emitter::Emitter;
 use crate::error::Result;
@@ -76,8 +77,8 @@ impl Network {
 
     /// Memory of all of it, bytes.
     pub fn bytes(&self) -> usize {
-        // Radiosity, spread, largest, first link, scale; a vertex' irradiance is counted with the nodes.
-        let node = 24 + 4 + 4 + 4 + 4 + 24;
+        // Radiosity, its tilt, spread, largest, first link, scale; a vertex' irradiance is counted with the nodes.
+        let node = 24 + 32 + 4 + 4 + 4 + 4 + 24;
         self.judge.elements.bytes()
             + node * self.judge.elements.nodes.len()
             + size_of::<Link>() * self.links.len()

@@ -6,8 +6,9 @@ use std::f64::consts::{FRAC_1_PI, PI};
 use std::sync::PoisonError;
 
 use super::elements::{Elements, NONE};
+use super::judge::Judge;
 use super::light::Moments;
-use super::links::{Judge, Kind, Link, POINT, faces};
+use super::links::{Kind, Link, POINT, faces};
 use super::refine::{Network, Shared};
 use super::solve::{Course, largest_albedo};
 use crate::control::Parallel;

@@ -9,8 +9,9 @@ use std::sync::{Arc, PoisonError};
 
 use super::elements::{Elements, NONE};
 use super::form_factor;
+use super::judge::Judge;
 use super::light::{Moments, Sent};
-use super::links::{Judge, Kind, Link, POINT, intensity};
+use super::links::{Kind, Link, POINT, intensity};
 use super::refine::{Network, Shared};
 use super::vertices::gather_over;
 use crate::control::Parallel;
@@ -232,7 +233,9 @@ fn irradiance_of_leaf(network: &Network, leaf: u32, received: &[Moments]) -> DVe
     let elements = &network.judge.elements;
     let node = &elements.nodes[leaf as usize];
     let (places, weights) = form_factor::places(&elements.triangle(node));
-    let (sums, from_clusters) = gather_over(network, leaf, &places, received, &|link, _, _| f64::from(link.visible));
+    let is_hidden = |link: &Link| link.visible == 0.0;
+    let visible = |link: &Link, _, _| f64::from(link.visible);
+    let (sums, from_clusters) = gather_over(network, leaf, &places, received, is_hidden, &visible);
     sums.iter().zip(weights).map(|(sum, weight)| weight * sum).sum::<DVec3>() + from_clusters
 }
 
@@ -275,6 +278,10 @@ pub(super) fn gather(
         let [change, sum] = if iterations.is_some() { bounce(shared, parallel)? } else { sweep(shared, parallel)? };
         course.iterations += 1;
         course.residual = if sum > 0.0 { change / sum } else { 0.0 };
+        parallel.progress(match iterations {
+            Some(count) => f64::from(course.iterations) / f64::from(count),
+            None => course.residual.ln() / tolerance.ln(),
+        });
         course.bound = course.residual * left;
         // What is left if it goes on shrinking as it does, which is less than the bound where light escapes.
         let shrinking = (course.residual / before).min(1.0);

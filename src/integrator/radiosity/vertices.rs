@@ -9,6 +9,7 @@ use std::sync::{Arc, PoisonError};
 
 use super::elements::{Elements, NONE, Node};
 use super::form_factor::point_to_front;
+use super::judge::Judge;
 use super::light::Moments;
 use super::links::{Kind, Link, POINT, intensity, point_factor};
 use super::refine::{Network, Shared};
@@ -33,6 +34,9 @@ const PARTLY: f64 = 0.1;
 
 /// Farther from a point than this, in its radii, an element sends what a point would.
 const FAR: f64 = 12.0;
+
+/// Nearer than this the kernel is too uneven over a source for its values at the corners to tell: shares of quarters do.
+const NEAR: f64 = 2.0;
 
 /// Irradiance at every vertex.
 pub(super) fn vertices(shared: &Shared, parallel: &mut impl Parallel) -> Result<Vec<Rgb>> {
@@ -123,7 +127,7 @@ fn leaf_corners(network: &Network, leaf: u32, received: &[Moments], corners: &mu
         let key = hash(hash(u64::from(leaf), k as u64), u64::from(link.source));
         judge.visible_at(at, n, link.source, RAYS, key)
     };
-    let (sums, from_clusters) = gather_over(network, leaf, &places, received, &visible);
+    let (sums, from_clusters) = gather_over(network, leaf, &places, received, |_| false, &visible);
     let sums = sums.map(|sum| sum + from_clusters);
     // The smaller neighbour knows better.
     let weight = 1.0 / node.radius;
@@ -133,12 +137,14 @@ fn leaf_corners(network: &Network, leaf: u32, received: &[Moments], corners: &mu
 }
 
 /// Irradiance at some places of a leaf by its own links and those of the elements above it, and what clusters bring to all of it.
-/// `visible`: what is seen of a link's source, which is so strong, from one of the places.
+/// `is_hidden`: links that bring nothing; `visible`: what is seen of another one's source, which is so strong, from one of the
+/// places.
 pub(super) fn gather_over<const N: usize>(
     network: &Network,
     leaf: u32,
     places: &[DVec3; N],
     received: &[Moments],
+    is_hidden: impl Fn(&Link) -> bool,
     visible: &impl Fn(&Link, usize, DVec3) -> f64,
 ) -> ([DVec3; N], DVec3) {
     let elements = &network.judge.elements;
@@ -146,7 +152,7 @@ pub(super) fn gather_over<const N: usize>(
     let mut sums = [DVec3::ZERO; N];
     let mut at = leaf;
     loop {
-        for link in network.links_of(at).iter().filter(|link| link.kind == Kind::Element) {
+        for link in network.links_of(at).iter().filter(|link| link.kind == Kind::Element && !is_hidden(link)) {
             gather_at(network, link, node, places, visible, &mut sums);
         }
         match elements.element_above(at) {
@@ -193,19 +199,44 @@ fn gather_at(
         return;
     }
     let b = link.shares.mean(source, &judge.sent.b, judge.sent.b[link.source as usize]);
-    if b == DVec3::ZERO {
+    if judge.sent.most[link.source as usize] == 0.0 {
         return;
     }
     let corners = judge.elements.triangle(source);
-    for (k, p) in places.iter().enumerate() {
-        let way = source.centre - *p;
+    for (k, &p) in places.iter().enumerate() {
+        let way = source.centre - p;
         let distance2 = way.length_squared();
         let factor = if distance2 > (FAR * source.radius).powi(2) {
             let cosine = (-way.dot(source.normal)).max(0.0) / distance2.sqrt();
             point_factor(way, leaf.normal) * cosine * source.area * FRAC_1_PI
         } else {
-            point_to_front(*p, leaf.normal, &corners, source.normal) * source.swell
+            point_to_front(p, leaf.normal, &corners, source.normal) * source.swell
+        };
+        let is_tilted = judge.sent.spread[link.source as usize] > 0.0 && distance2 > (NEAR * source.radius).powi(2);
+        let b = if is_tilted && factor > 0.0 {
+            seen_from(p, leaf.normal, &corners, source.normal, judge, link.source)
+        } else {
+            b
         };
         add(k, factor, b);
+    }
+}
+
+/// The mean radiosity of a source as seen from a place: what is near is bright, usually, so that the mean by area would lack
+/// some. The kernel is taken to be even between its values at the corners.
+fn seen_from(p: DVec3, n: DVec3, corners: &[DVec3; 3], facing: DVec3, judge: &Judge, source: u32) -> DVec3 {
+    let kernel = corners.map(|corner| {
+        let way = corner - p;
+        let cosines = way.dot(n).max(0.0) * (-way.dot(facing)).max(0.0);
+        cosines / way.length_squared().powi(2)
+    });
+    let total = kernel[0] + kernel[1] + kernel[2];
+    let b = judge.sent.b[source as usize];
+    if total > 0.0 {
+        let [first, second] = judge.sent.tilt[source as usize].map(|tilt| tilt.as_dvec3());
+        let more = first * (kernel[0] - kernel[2]) + second * (kernel[1] - kernel[2]);
+        (b + 3.0 / total * more).max(DVec3::ZERO)
+    } else {
+        b
     }
 }

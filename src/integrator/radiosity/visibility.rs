@@ -4,7 +4,8 @@
 //! that test would be a biased one. Rays count by the light that they bring, not by their number.
 
 use super::elements::NONE;
-use super::links::{Judge, Kind, Link, POINT, point_factor};
+use super::judge::Judge;
+use super::links::{Kind, Link, POINT, point_factor};
 use crate::math::{DVec3, HitPoint, Ray, Vec3};
 use crate::sampling::hash;
 
