@@ -20,8 +20,11 @@ pub fn program() -> &'static Path {
             Some("debug") | None => {}
             Some(name) => _ = cargo.args(["--profile", name]),
         }
-        if cfg!(feature = "schema") {
-            cargo.args(["--features", "schema"]);
+        // Those of this test, so that what it was built with serves again.
+        for (feature, is_on) in [("capi", cfg!(feature = "capi")), ("schema", cfg!(feature = "schema"))] {
+            if is_on {
+                cargo.args(["--features", feature]);
+            }
         }
         assert!(cargo.status().expect("cargo").success(), "the example does not build");
         let name = format!("etendue{}", std::env::consts::EXE_SUFFIX);
