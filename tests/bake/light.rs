@@ -156,6 +156,39 @@ fn furnace_by_radiosity() {
     assert_eq!(none.unwrap_err().kind(), etendue::ErrorKind::InvalidScene);
 }
 
+/// Rooms with shadows, by both methods at their defaults: channel means, and the root of the mean square of what texels differ
+/// by without the paths' noise. Texels hold means, elements' corners do not: most of it is at the edges of shadows.
+#[test]
+fn radiosity_and_paths_bake_the_same() {
+    let cornell = etendue::desc::load("scenes/cornell.json".as_ref(), None).expect("the scene is there");
+    for (name, desc) in [("room", room()), ("cornell", cornell)] {
+        let scene = build(&desc);
+        let atlas = atlas(&scene, 64);
+        let (paths, _) = bake(&scene, atlas.sites(), settings(1024, None));
+        let (solved, _) =
+            by_radiosity(&scene, atlas.sites(), &settings(1, None), None, true, &mut |_| ControlFlow::Continue(()))
+                .unwrap();
+        let count = paths.irradiance.len() as f64;
+        for channel in 0..3 {
+            let (mut sums, mut square, mut noise) = ([0.0; 2], 0.0, 0.0);
+            for site in 0..paths.irradiance.len() {
+                let [a, b] = [&paths, &solved].map(|baked| f64::from(baked.irradiance[site][channel]));
+                sums = [sums[0] + a, sums[1] + b];
+                square += (b - a).powi(2);
+                noise += f64::from(paths.standard_error[site][channel]).powi(2);
+            }
+            let mean = sums[0] / count;
+            let (off, differ) = (sums[1] / sums[0] - 1.0, ((square - noise).max(0.0) / count).sqrt() / mean);
+            println!(
+                "{name}, channel {channel}: mean off by {off:.5} +- {:.5}, texels by {differ:.4}",
+                noise.sqrt() / sums[0]
+            );
+            assert!(off.abs() < 0.02, "{name}, channel {channel}: {off}");
+            assert!(differ < 0.08, "{name}, channel {channel}: {differ}");
+        }
+    }
+}
+
 /// Surfaces that are no triangles, inside a room that is as bright everywhere: rays leave them cleanly all around.
 #[test]
 fn round_things_in_a_bright_room() {

@@ -235,7 +235,7 @@ impl Judge {
                     let areas = s.swell * triangle_area(&to) / triangle_area(&from);
                     let factor = areas * mean(&back, &to, 1e-3, 2);
                     let quarters = quarters(&to).map(|[a, b, c]| back((a + b + c) / 3.0));
-                    let root_mean_square = width * f(place);
+                    let root_mean_square = factor.max(width * f(place));
                     (factor, SPOT_SHARE * root_mean_square, root_mean_square, self.shares(s, quarters))
                 }
                 None => {

@@ -14,6 +14,7 @@ use crate::emitter::Emitter;
 use crate::error::Result;
 use crate::math::DVec3;
 use crate::scene::Scene;
+use crate::spectrum::Rgb;
 
 /// Pairs of one thread at a time.
 const BLOCK: usize = 64;
@@ -35,7 +36,7 @@ pub(super) struct Network {
     /// Numbers of all clusters' nodes, parents first.
     pub clusters: Vec<u32>,
     /// What leaves gather is scaled by this; empty while that is not known.
-    pub scale: Vec<f32>,
+    pub scale: Vec<Rgb>,
 }
 
 /// Shared by the threads that work on it.
@@ -78,7 +79,7 @@ impl Network {
     /// Memory of all of it, bytes.
     pub fn bytes(&self) -> usize {
         // Radiosity, its tilt, spread, largest, first link, scale; a vertex' irradiance is counted with the nodes.
-        let node = 24 + 32 + 4 + 4 + 4 + 4 + 24;
+        let node = 24 + 32 + 4 + 4 + 4 + 16 + 24;
         self.judge.elements.bytes()
             + node * self.judge.elements.nodes.len()
             + size_of::<Link>() * self.links.len()
@@ -99,8 +100,8 @@ impl Network {
         }
     }
 
-    pub fn scale_of(&self, leaf: u32) -> f64 {
-        self.scale.get(leaf as usize).copied().map_or(1.0, f64::from)
+    pub fn scale_of(&self, leaf: u32) -> DVec3 {
+        self.scale.get(leaf as usize).map_or(DVec3::ONE, |scale| scale.as_dvec3())
     }
 
     pub fn links_of(&self, node: u32) -> &[Link] {
@@ -122,6 +123,7 @@ impl Network {
             sent.b.resize(elements.nodes.len(), b);
             sent.most.resize(elements.nodes.len(), b.max_element() as f32);
             sent.spread.resize(elements.nodes.len(), 0.0);
+            sent.tilt.resize(elements.nodes.len(), Default::default());
         }
         parts
     }

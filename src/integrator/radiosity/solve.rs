@@ -17,6 +17,7 @@ use super::vertices::gather_over;
 use crate::control::Parallel;
 use crate::error::Result;
 use crate::math::DVec3;
+use crate::spectrum::Rgb;
 
 /// Patches of one thread at a time.
 const BLOCK: usize = 64;
@@ -212,15 +213,17 @@ pub(super) fn balance(shared: &Shared, parallel: &mut impl Parallel) -> Result<(
         let mut found = Vec::new();
         for patch in block * BLOCK..((block + 1) * BLOCK).min(count) {
             leaves_of_patch(&network, patch as u32, &received, &mut |leaf, irradiance| {
-                let better = irradiance_of_leaf(&network, leaf, &received).element_sum();
-                let scale = network.scale_of(leaf) * better / irradiance.element_sum();
-                found.push((leaf, if scale.is_finite() { scale.clamp(0.5, 2.0) as f32 } else { 1.0 }));
+                // Each channel by itself: light that comes straight and light that was reflected want different scales.
+                let better = irradiance_of_leaf(&network, leaf, &received);
+                let scale = network.scale_of(leaf) * better / irradiance;
+                let scale = scale.to_array().map(|scale| if scale.is_finite() { scale.clamp(0.5, 2.0) } else { 1.0 });
+                found.push((leaf, DVec3::from(scale).as_vec3a()));
             });
         }
         found
     })?;
     let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
-    let mut scale = vec![1.0; network.judge.elements.nodes.len()];
+    let mut scale = vec![Rgb::ONE; network.judge.elements.nodes.len()];
     for (leaf, of_leaf) in found.into_iter().flatten() {
         scale[leaf as usize] = of_leaf;
     }
