@@ -124,6 +124,7 @@ impl Judge {
         } else {
             let source = self.node(link.source);
             if !source.is_cluster() {
+                // The error is the larger where the factor is a spot's, whose mean says little of its square.
                 let spread = self.spread(link.source, link.shares) * f64::from(link.factor.max(link.error)) * root;
                 let seen = f64::from(link.seen);
                 let hidden = 2.0 * seen * (1.0 - seen);
@@ -308,7 +309,7 @@ impl Judge {
         })
     }
 
-    /// Shares of a source's quarters; of one that is bent by area, since what they see changes with each division.
+    /// Shares of a source's quarters; of one that is bent, by area.
     fn shares(&self, source: &Node, factors: [f64; 4]) -> Shares {
         match self.elements.shape(source.patch) {
             Some(_) => Shares::EVEN,
