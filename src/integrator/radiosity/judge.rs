@@ -77,6 +77,10 @@ const FEW_PATCHES: usize = 1200;
 /// Of a source that is seen in part the radiosity may vary by this share of what is allowed: such errors go one way.
 const HIDDEN: f64 = 1.0 / 32.0;
 
+/// Of a source that is seen in part this share of what is allowed may be at the wrong places: what is in between is in the way of
+/// many sources at once.
+const SHADOW: f64 = 1.0 / 16.0;
+
 /// Elements that are cut are divided where a link brings more than this share of what is allowed.
 const CUT: f64 = 0.25;
 
@@ -277,7 +281,7 @@ impl Judge {
         let seen = self.seen(receiver, source, rays);
         let mut unsure = 2.0 * seen * (1.0 - seen);
         let mut error = error;
-        if all * unsure > allowed {
+        if all * unsure > SHADOW * allowed {
             if let Some(verdict) = self.divide(receiver, source) {
                 return verdict;
             }

@@ -116,8 +116,11 @@ const REPEATS: usize = 2;
 const DIVISIONS: usize = 2;
 const BETWEEN: f64 = 3.0;
 
-/// How often leaves are balanced: by what they send, which it changes.
+/// How often leaves are balanced: by what they send, which it changes; they look for themselves in the second half.
 const BALANCES: usize = 6;
+
+/// How often vertices are moved to where they hold the light of the elements around them.
+const CONSERVED: usize = 2;
 
 /// Iterations between refinements.
 const SWEEPS: usize = 3;
@@ -161,7 +164,7 @@ impl Radiosity {
             solve::sweep(&shared, parallel)?;
             let divided = DIVIDED[DIVISIONS - 1];
             for count in 1..=BALANCES {
-                solve::balance(&shared, parallel)?;
+                solve::balance(&shared, count > BALANCES / 2, parallel)?;
                 solve::sweep(&shared, parallel)?;
                 parallel.progress(divided + (BALANCED - divided) * count as f64 / BALANCES as f64);
             }
@@ -180,8 +183,14 @@ impl Radiosity {
             network.first = vec![0; network.judge.elements.nodes.len() + 1];
         }
         parallel.progress(SOLVED);
+        if desc.iterations.is_some() {
+            solve::balance(&shared, true, parallel)?;
+        }
         let mut found = solve::irradiances(&shared, parallel)?;
         let mut irradiance = vertices::vertices(&shared, parallel)?;
+        for _ in 0..CONSERVED {
+            vertices::conserve(&read(&shared).judge.elements, &mut irradiance, &found);
+        }
         if desc.iterations == Some(0) {
             found.iter_mut().for_each(|(_, e)| *e = DVec3::ZERO);
             irradiance.fill(Rgb::ZERO);

@@ -5,6 +5,7 @@
 //! left is small, it is Gauss and Seidel's from patch to patch. *Shooting* distributes the light of the patch that has most of it
 //! left.
 
+use std::cell::Cell;
 use std::sync::{Arc, PoisonError};
 
 use super::elements::{Elements, NONE};
@@ -21,6 +22,18 @@ use crate::spectrum::Rgb;
 
 /// Patches of one thread at a time.
 const BLOCK: usize = 64;
+
+/// Rays from a leaf to what its parents see in part, in proportion to the share of its light. Of fewer the nearest parts of a
+/// source, which are the strongest and seldom hidden, would not weigh enough.
+const RAYS: f64 = 64.0;
+const FEWEST_RAYS: f64 = 8.0;
+const MOST_RAYS: f64 = 16.0;
+
+/// Leaves are scaled by no less, and no more than its inverse: what is scaled to nothing could not be balanced again.
+const DARKEST: f64 = 1e-3;
+
+/// Of a number of bounces so many are balanced each by itself; later ones are so alike that they need not be.
+const BALANCED: u32 = 8;
 
 /// Iterations after which nothing is waited for any more.
 const MOST_SWEEPS: u32 = 100_000;
@@ -204,7 +217,9 @@ pub(super) fn sweep(shared: &Shared, parallel: &mut impl Parallel) -> Result<[f6
 /// An element that was divided for some of its links has the others as a whole, whose light is in truth spread over it unevenly:
 /// where one part is nearer to the ones, it is farther from the others. What leaves gather is scaled by what they would if all
 /// that came to the elements above them had come to themselves. In a closed room, rows so sum to one.
-pub(super) fn balance(shared: &Shared, parallel: &mut impl Parallel) -> Result<()> {
+///
+/// `looks`: each leaf sees for itself what is hidden of sources that elements above it have in part; else it is as for those.
+pub(super) fn balance(shared: &Shared, looks: bool, parallel: &mut impl Parallel) -> Result<()> {
     let received = Arc::new(received(shared, parallel)?);
     let count = shared.read().unwrap_or_else(PoisonError::into_inner).judge.elements.patches.len();
     let network = Arc::clone(shared);
@@ -214,9 +229,11 @@ pub(super) fn balance(shared: &Shared, parallel: &mut impl Parallel) -> Result<(
         for patch in block * BLOCK..((block + 1) * BLOCK).min(count) {
             leaves_of_patch(&network, patch as u32, &received, &mut |leaf, irradiance| {
                 // Each channel by itself: light that comes straight and light that was reflected want different scales.
-                let better = irradiance_of_leaf(&network, leaf, &received);
+                let better = irradiance_of_leaf(&network, leaf, &received, looks.then(|| irradiance.max_element()));
                 let scale = network.scale_of(leaf) * better / irradiance;
-                let scale = scale.to_array().map(|scale| if scale.is_finite() { scale.clamp(0.5, 2.0) } else { 1.0 });
+                let scale = scale
+                    .to_array()
+                    .map(|scale| if scale.is_finite() { scale.clamp(DARKEST, 1.0 / DARKEST) } else { 1.0 });
                 found.push((leaf, DVec3::from(scale).as_vec3a()));
             });
         }
@@ -231,13 +248,25 @@ pub(super) fn balance(shared: &Shared, parallel: &mut impl Parallel) -> Result<(
     Ok(())
 }
 
-/// By the same places for all links, so that what they miss of one they have of another.
-fn irradiance_of_leaf(network: &Network, leaf: u32, received: &[Moments]) -> DVec3 {
+/// By the same places for all links, so that what they miss of one they have of another. `about`: roughly what comes
+/// out, where the leaf looks for itself.
+fn irradiance_of_leaf(network: &Network, leaf: u32, received: &[Moments], about: Option<f64>) -> DVec3 {
     let elements = &network.judge.elements;
     let node = &elements.nodes[leaf as usize];
     let (places, weights) = form_factor::places(&elements.triangle(node));
     let is_hidden = |link: &Link| link.visible == 0.0;
-    let visible = |link: &Link, _, _| f64::from(link.visible);
+    let last = Cell::new((u32::MAX, 0.0));
+    let visible = |link: &Link, _, strength: DVec3| {
+        let Some(about) = about.filter(|_| link.receiver != leaf && link.visible < 1.0) else {
+            return f64::from(link.visible);
+        };
+        if last.get().0 != link.source {
+            let share = f64::from(link.factor) * strength.max_element() / about;
+            let rays = (RAYS * share).clamp(FEWEST_RAYS, MOST_RAYS) as u32;
+            last.set((link.source, network.judge.visible_from(leaf, link.source, rays)));
+        }
+        last.get().1
+    };
     let (sums, from_clusters) = gather_over(network, leaf, &places, received, is_hidden, &visible);
     sums.iter().zip(weights).map(|(sum, weight)| weight * sum).sum::<DVec3>() + from_clusters
 }
@@ -278,6 +307,9 @@ pub(super) fn gather(
     }
     let mut before = f64::INFINITY;
     while course.iterations < iterations.unwrap_or(MOST_SWEEPS) {
+        if iterations.is_some() && course.iterations < BALANCED {
+            balance(shared, true, parallel)?;
+        }
         let [change, sum] = if iterations.is_some() { bounce(shared, parallel)? } else { sweep(shared, parallel)? };
         course.iterations += 1;
         course.residual = if sum > 0.0 { change / sum } else { 0.0 };

@@ -35,8 +35,54 @@ const PARTLY: f64 = 0.1;
 /// Farther from a point than this, in its radii, an element sends what a point would.
 const FAR: f64 = 12.0;
 
+/// Means over elements are known to this share of them.
+const KNOWN: f64 = 2e-3;
+
 /// Nearer than this the kernel is too uneven over a source for its values at the corners to tell: shares of quarters do.
 const NEAR: f64 = 2.0;
+
+/// Moves vertices so that the means over elements, interpolated, are those of `leaves`: light's peaks are rounder between
+/// corners than the interpolation is, which would lack some. What is missing from an element is shared by the elements around
+/// each of its corners, so that nothing is lost or gained in sum.
+pub(super) fn conserve(elements: &Elements, irradiance: &mut [Rgb], leaves: &[(u32, DVec3)]) {
+    // Of each vertex: what it lacks times the area that it stands for, and that area.
+    let mut lacks = vec![(DVec3::ZERO, 0.0); irradiance.len()];
+    for &(leaf, mean) in leaves {
+        let node = &elements.nodes[leaf as usize];
+        let corners = node.corners.map(|vertex| irradiance[vertex as usize].as_dvec3());
+        let lack = mean - (corners[0] + corners[1] + corners[2]) / 3.0;
+        let known = KNOWN * mean;
+        let lack = lack - lack.clamp(-known, known);
+        for vertex in node.corners {
+            let (sum, area) = &mut lacks[vertex as usize];
+            *sum += node.area * lack;
+            *area += node.area;
+        }
+    }
+    let hanging = hanging(elements);
+    // A middle's share is that of its ends, which come before it.
+    for vertex in (0..irradiance.len()).rev() {
+        if hanging[vertex] {
+            let (sum, area) = std::mem::take(&mut lacks[vertex]);
+            for end in elements.ends[vertex] {
+                let (sum_of_end, area_of_end) = &mut lacks[end as usize];
+                *sum_of_end += 0.5 * sum;
+                *area_of_end += 0.5 * area;
+            }
+        }
+    }
+    for vertex in 0..irradiance.len() {
+        if hanging[vertex] {
+            let [a, b] = elements.ends[vertex].map(|end| irradiance[end as usize]);
+            irradiance[vertex] = 0.5 * (a + b);
+        } else {
+            let (sum, area) = lacks[vertex];
+            if area > 0.0 {
+                irradiance[vertex] = (irradiance[vertex] + (sum / area).as_vec3a()).max(Rgb::ZERO);
+            }
+        }
+    }
+}
 
 /// Irradiance at every vertex.
 pub(super) fn vertices(shared: &Shared, parallel: &mut impl Parallel) -> Result<Vec<Rgb>> {

@@ -38,6 +38,11 @@ impl Judge {
         self.visible(receiver, source, count, DECIDING)
     }
 
+    /// The same by rays of one leaf below a link's receiver, which may see more or less of the source than the whole.
+    pub fn visible_from(&self, leaf: u32, source: u32, count: u32) -> f64 {
+        self.visible(leaf, source, count, KEPT)
+    }
+
     fn visible(&self, receiver: u32, source: u32, count: u32, salt: u64) -> f64 {
         let key = hash(hash(u64::from(receiver), u64::from(source)), salt);
         let towards = self.centre(source);
