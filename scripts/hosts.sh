@@ -11,7 +11,9 @@ root=$PWD
 prefix=${1:?usage: scripts/hosts.sh PREFIX}
 prefix=$(cd "$prefix" && pwd)
 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+begun=
+watched=
+trap '[ -z "$watched" ] || kill "$watched" 2>/dev/null || true; rm -rf "$work"' EXIT
 export PKG_CONFIG_PATH="$prefix/lib/pkgconfig" CMAKE_PREFIX_PATH="$prefix"
 export LD_LIBRARY_PATH="$prefix/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 strict="-Wall -Wextra -Wpedantic -Werror"
@@ -99,6 +101,28 @@ run_tests() {
     cd "$root"
 }
 
+# Valgrind knows one processor and takes longest: beside all that follows, with the programs of the first compiler.
+watch() {
+    if ! has valgrind; then
+        skip "valgrind is not installed"
+        return
+    fi
+    say "valgrind, with $cc's programs, in the background"
+    memcheck="valgrind --quiet --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite,indirect,possible"
+    memcheck="$memcheck --suppressions=$root/tests/capi/valgrind.supp"
+    mkdir -p "$work/valgrind"
+    cat >"$work/valgrind/tiny.json" <<'SCENE'
+{"etendue": 1, "render": {"resolution": [8, 6], "samples": 1},
+ "camera": {"origin": [0, 0, 4], "lookAt": [0, 0, 0], "up": [0, 1, 0], "fieldOfView": 60},
+ "surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "emission": [1, 1, 1]}]}
+SCENE
+    (
+        cd "$work/valgrind"
+        $memcheck "$work/$cc-c/minimal" tiny.json tiny.png && $memcheck "$work/$cc-tests/misuse" --quick
+    ) >"$work/valgrind/report" 2>&1 &
+    watched=$!
+}
+
 say "the binary interface"
 run tests/capi/abi.sh "$prefix/include/etendue.h" "$prefix/lib/libetendue.so"
 
@@ -128,6 +152,8 @@ for pair in $compilers; do
     say "$cc: tests and examples by pkg-config"
     build tests/capi "$cc-tests" CC="$cc" CXX="$cxx"
     build examples/c "$cc-c" CC="$cc" CFLAGS="-O2 $strict"
+    [ -n "$begun" ] || watch
+    begun=yes
     build examples/cpp "$cc-cpp" CXX="$cxx" CXXFLAGS="-std=c++17 -O2 $strict_cpp"
     build examples/cpp "$cc-cpp20" CXX="$cxx" CXXFLAGS="-std=c++20 -O1 $strict_cpp"
     run_tests "$cc-tests"
@@ -202,22 +228,12 @@ if [ -n "$checked_by" ]; then
     run env TSAN_OPTIONS="suppressions=$root/tests/capi/tsan.supp halt_on_error=1" "$work/tsan/async" 5
 fi
 
-if has valgrind; then
-    say "valgrind"
-    memcheck="valgrind --quiet --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite,indirect,possible"
-    memcheck="$memcheck --suppressions=$root/tests/capi/valgrind.supp"
-    mkdir -p "$work/valgrind"
-    cd "$work/valgrind"
-    cat >tiny.json <<'SCENE'
-{"etendue": 1, "render": {"resolution": [8, 6], "samples": 1},
- "camera": {"origin": [0, 0, 4], "lookAt": [0, 0, 0], "up": [0, 1, 0], "fieldOfView": 60},
- "surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "emission": [1, 1, 1]}]}
-SCENE
-    run $memcheck "$work/$cc-c/minimal" tiny.json tiny.png
-    run $memcheck "$work/$cc-tests/misuse" --quick
-    cd "$root"
-else
-    skip "valgrind is not installed"
+if [ -n "$watched" ]; then
+    say "valgrind, to its end"
+    if ! wait "$watched"; then
+        cat "$work/valgrind/report" >&2
+        exit 1
+    fi
 fi
 
 say "done; $skipped left out"
