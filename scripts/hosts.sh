@@ -13,7 +13,18 @@ prefix=$(cd "$prefix" && pwd)
 work=$(mktemp -d)
 begun=
 watched=
-trap '[ -z "$watched" ] || kill "$watched" 2>/dev/null || true; rm -rf "$work"' EXIT
+# Ends what runs in the background, says what it said, and cleans up.
+leave() {
+    if [ -n "$watched" ]; then
+        kill "$watched" 2>/dev/null || true
+        wait "$watched" 2>/dev/null || true
+        tail -n 60 "$work/valgrind/report" >&2
+    fi
+    rm -rf "$work"
+}
+trap leave EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM HUP
 export PKG_CONFIG_PATH="$prefix/lib/pkgconfig" CMAKE_PREFIX_PATH="$prefix"
 export LD_LIBRARY_PATH="$prefix/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 strict="-Wall -Wextra -Wpedantic -Werror"
@@ -117,8 +128,15 @@ watch() {
  "surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "emission": [1, 1, 1]}]}
 SCENE
     (
+        child=
+        trap '[ -z "$child" ] || kill "$child" 2>/dev/null; exit 143' TERM
         cd "$work/valgrind"
-        $memcheck "$work/$cc-c/minimal" tiny.json tiny.png && $memcheck "$work/$cc-tests/misuse" --quick
+        $memcheck "$work/$cc-c/minimal" tiny.json tiny.png &
+        child=$!
+        wait "$child"
+        $memcheck "$work/$cc-tests/misuse" --quick &
+        child=$!
+        wait "$child"
     ) >"$work/valgrind/report" 2>&1 &
     watched=$!
 }
@@ -230,8 +248,12 @@ fi
 
 if [ -n "$watched" ]; then
     say "valgrind, to its end"
-    if ! wait "$watched"; then
-        cat "$work/valgrind/report" >&2
+    status=0
+    wait "$watched" || status=$?
+    watched=
+    if [ "$status" != 0 ]; then
+        echo "failed: valgrind, status $status" >&2
+        tail -n 60 "$work/valgrind/report" >&2
         exit 1
     fi
 fi

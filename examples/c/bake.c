@@ -111,6 +111,12 @@ static void write_map(const char *path, const struct texel *texels, const etd_at
     fclose(file);
 }
 
+/* The texel of one coordinate: 0 is the outer side of the first, 1 that of the last. */
+static uint32_t texel_at(float coordinate, uint32_t count) {
+    const uint32_t texel = (uint32_t)(coordinate * (float)count);
+    return texel < count ? texel : count - 1;
+}
+
 int main(int count, char **arguments) {
     const char *image = count > 1 ? arguments[1] : "bake.ppm";
     etd_device *device = NULL;
@@ -168,8 +174,8 @@ int main(int count, char **arguments) {
     /* What a program looks up: the first corner of each surface. */
     for (i = 0; i < info.surface_count; ++i) {
         const etd_atlas_vertex *vertex = vertices + indices[3 * surfaces[i].first_triangle];
-        const uint32_t x = (uint32_t)(vertex->uv[0] * (float)(info.width - 1));
-        const uint32_t y = (uint32_t)(vertex->uv[1] * (float)(info.height - 1));
+        const uint32_t x = texel_at(vertex->uv[0], info.width);
+        const uint32_t y = texel_at(vertex->uv[1], info.height);
         printf("surface %u: %u triangles, at (%.2f, %.2f, %.2f) irradiance %.3f\n", surfaces[i].surface,
                surfaces[i].triangle_count, vertex->position[0], vertex->position[1], vertex->position[2],
                texels[y * info.width + x].irradiance[1]);

@@ -1,6 +1,6 @@
 //! How far an image is from its expectation, as far as it can tell itself.
 
-use super::{Film, Gathering};
+use super::{Film, Gathering, Tile, lock};
 use crate::Cancel;
 use crate::spectrum::{luminance, srgb_encode};
 
@@ -102,6 +102,12 @@ impl Film {
 
     /// The same; `None` too if it was cancelled in the middle.
     pub(crate) fn error_unless(&self, measure: ErrorMeasure, cancel: &Cancel) -> Option<ErrorEstimate> {
+        // Usually all pixels are as far: a first picture need not look at them all to learn that it knows nothing.
+        let has_none =
+            |tile: &Tile| tile.pixels.first().is_none_or(|first| first.variance(self.options.share)[0].is_nan());
+        if self.tiles.first().is_none_or(|tile| has_none(&lock(tile))) {
+            return None;
+        }
         let mut terms = Terms::default();
         if !self.for_each_error(measure, false, cancel, |_, _, error| terms.add(error)) {
             return None;

@@ -119,6 +119,9 @@ const BETWEEN: f64 = 3.0;
 /// How often leaves are balanced: by what they send, which it changes; they look for themselves in the second half.
 const BALANCES: usize = 6;
 
+/// Of a number of bounces so many are balanced each by itself; later ones are alike enough.
+const BALANCED_BOUNCES: u32 = 8;
+
 /// How often vertices are moved to where they hold the light of the elements around them.
 const CONSERVED: usize = 2;
 
@@ -173,7 +176,7 @@ impl Radiosity {
                 // The last of a number of bounces is gathered at the vertices.
                 RadiositySolver::Gather => {
                     let bounces = desc.iterations.map(|count| count.saturating_sub(1));
-                    let course = solve::gather(&shared, bounces, desc.tolerance, &mut part)?;
+                    let course = solve::gather(&shared, bounces, BALANCED_BOUNCES, desc.tolerance, &mut part)?;
                     (Course { iterations: desc.iterations.unwrap_or(course.iterations), ..course }, DVec3::ZERO)
                 }
                 RadiositySolver::Shoot => shoot::shoot(&shared, desc.iterations, desc.tolerance, &mut part)?,
@@ -183,7 +186,7 @@ impl Radiosity {
             network.first = vec![0; network.judge.elements.nodes.len() + 1];
         }
         parallel.progress(SOLVED);
-        if desc.iterations.is_some() {
+        if desc.iterations.is_some_and(|count| count > 0) {
             solve::balance(&shared, true, parallel)?;
         }
         let mut found = solve::irradiances(&shared, parallel)?;
@@ -220,8 +223,11 @@ impl Radiosity {
         let emitted = scene.emitters().emitters().iter().map(crate::emitter::Emitter::power).sum::<DVec3>();
         (summary.emitted, summary.absorbed) = (emitted.as_vec3a(), absorbed.as_vec3a());
         summary.elapsed = start.elapsed();
+        let is_bounded = solve::largest_albedo(&elements) < 1.0;
         let bound = if summary.error_bound.is_finite() {
             format!("bound {:.1e}", summary.error_bound)
+        } else if is_bounded {
+            "no bound after so few".to_owned()
         } else {
             "no bound, a surface reflects all of a colour".to_owned()
         };

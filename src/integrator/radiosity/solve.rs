@@ -20,7 +20,7 @@ use crate::error::Result;
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 
-/// Patches of one thread at a time.
+/// Patches, clusters or leaves of one thread at a time.
 const BLOCK: usize = 64;
 
 /// Rays from a leaf to what its parents see in part, in proportion to the share of its light. Of fewer the nearest parts of a
@@ -29,11 +29,9 @@ const RAYS: f64 = 64.0;
 const FEWEST_RAYS: f64 = 8.0;
 const MOST_RAYS: f64 = 16.0;
 
-/// Leaves are scaled by no less, and no more than its inverse: what is scaled to nothing could not be balanced again.
-const DARKEST: f64 = 1e-3;
-
-/// Of a number of bounces so many are balanced each by itself; later ones are so alike that they need not be.
-const BALANCED: u32 = 8;
+/// Leaves are scaled by no less, since what is scaled to nothing could not be balanced again; and by no more, since what is found
+/// by a glimmer would be too much for the light that comes later.
+const SCALES: [f64; 2] = [1e-3, 8.0];
 
 /// Iterations after which nothing is waited for any more.
 const MOST_SWEEPS: u32 = 100_000;
@@ -221,23 +219,19 @@ pub(super) fn sweep(shared: &Shared, parallel: &mut impl Parallel) -> Result<[f6
 /// `looks`: each leaf sees for itself what is hidden of sources that elements above it have in part; else it is as for those.
 pub(super) fn balance(shared: &Shared, looks: bool, parallel: &mut impl Parallel) -> Result<()> {
     let received = Arc::new(received(shared, parallel)?);
-    let count = shared.read().unwrap_or_else(PoisonError::into_inner).judge.elements.patches.len();
+    let leaves = Arc::new(irradiances(shared, parallel)?);
     let network = Arc::clone(shared);
-    let found = parallel.map(count.div_ceil(BLOCK), move |block| {
+    let found = parallel.map(leaves.len().div_ceil(BLOCK), move |block| {
         let network = network.read().unwrap_or_else(PoisonError::into_inner);
-        let mut found = Vec::new();
-        for patch in block * BLOCK..((block + 1) * BLOCK).min(count) {
-            leaves_of_patch(&network, patch as u32, &received, &mut |leaf, irradiance| {
-                // Each channel by itself: light that comes straight and light that was reflected want different scales.
-                let better = irradiance_of_leaf(&network, leaf, &received, looks.then(|| irradiance.max_element()));
-                let scale = network.scale_of(leaf) * better / irradiance;
-                let scale = scale
-                    .to_array()
-                    .map(|scale| if scale.is_finite() { scale.clamp(DARKEST, 1.0 / DARKEST) } else { 1.0 });
-                found.push((leaf, DVec3::from(scale).as_vec3a()));
-            });
-        }
-        found
+        let scale = |&(leaf, irradiance): &(u32, DVec3)| {
+            // Each channel by itself: light that comes straight and light that was reflected want different scales.
+            let about = looks.then(|| irradiance.max_element());
+            let better = irradiance_of_leaf(&network, leaf, &received, about);
+            let scale = network.scale_of(leaf) * better / irradiance;
+            let bounded = |scale: f64| if scale.is_finite() { scale.clamp(SCALES[0], SCALES[1]) } else { 1.0 };
+            (leaf, DVec3::from(scale.to_array().map(bounded)).as_vec3a())
+        };
+        leaves[block * BLOCK..].iter().take(BLOCK).map(scale).collect::<Vec<_>>()
     })?;
     let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
     let mut scale = vec![Rgb::ONE; network.judge.elements.nodes.len()];
@@ -291,10 +285,12 @@ pub(super) fn largest_albedo(elements: &Elements) -> f64 {
     elements.patches.iter().map(|patch| patch.albedo.max_element()).fold(0.0, f64::max)
 }
 
-/// Gathers `iterations` times from what is emitted, or until no more than `tolerance` is left.
+/// Gathers `iterations` times from what is emitted, or until no more than `tolerance` is left. `balanced`: of a number of iterations,
+/// how many of the first are balanced each by itself.
 pub(super) fn gather(
     shared: &Shared,
     iterations: Option<u32>,
+    balanced: u32,
     tolerance: f64,
     parallel: &mut impl Parallel,
 ) -> Result<Course> {
@@ -307,7 +303,7 @@ pub(super) fn gather(
     }
     let mut before = f64::INFINITY;
     while course.iterations < iterations.unwrap_or(MOST_SWEEPS) {
-        if iterations.is_some() && course.iterations < BALANCED {
+        if iterations.is_some() && course.iterations < balanced {
             balance(shared, true, parallel)?;
         }
         let [change, sum] = if iterations.is_some() { bounce(shared, parallel)? } else { sweep(shared, parallel)? };
@@ -322,7 +318,9 @@ pub(super) fn gather(
         let shrinking = (course.residual / before).min(1.0);
         let rest = course.residual * shrinking / (1.0 - shrinking);
         before = course.residual;
-        let is_done = course.residual == 0.0 || (course.residual < tolerance && rest.min(course.bound) < tolerance);
+        // Nothing more is to be had of what is not finite.
+        let is_over = course.residual == 0.0 || !course.residual.is_finite();
+        let is_done = is_over || (course.residual < tolerance && rest.min(course.bound) < tolerance);
         if iterations.is_none() && is_done {
             break;
         }
@@ -400,12 +398,12 @@ mod tests {
                 }
             };
             let shared = cube(albedo);
-            let course = gather(&shared, None, 1e-9, &mut Alone::default()).unwrap();
+            let course = gather(&shared, None, 0, 1e-9, &mut Alone::default()).unwrap();
             check(&shared, "gathered", 1e-8);
             assert!(course.bound < 1e-8 && course.iterations < 100, "{course:?}");
 
             let shared = cube(albedo);
-            gather(&shared, Some(150), 0.5, &mut Alone::default()).unwrap();
+            gather(&shared, Some(150), 0, 0.5, &mut Alone::default()).unwrap();
             check(&shared, "bounces", 1e-8);
 
             let shared = cube(albedo);
@@ -419,11 +417,11 @@ mod tests {
     #[test]
     fn bounds_hold() {
         let exact = cube(0.8);
-        gather(&exact, None, 1e-12, &mut Alone::default()).unwrap();
+        gather(&exact, None, 0, 1e-12, &mut Alone::default()).unwrap();
         let sum = |shared: &Shared| shared.read().unwrap().judge.sent.b.iter().map(|b| b.x).sum::<f64>();
         for iterations in [1, 2, 5, 20] {
             let shared = cube(0.8);
-            let course = gather(&shared, Some(iterations), 0.5, &mut Alone::default()).unwrap();
+            let course = gather(&shared, Some(iterations), 0, 0.5, &mut Alone::default()).unwrap();
             let left = (sum(&exact) - sum(&shared)) / sum(&shared);
             assert!(left <= course.bound && left > 0.2 * course.bound, "{iterations}: {left} {course:?}");
 

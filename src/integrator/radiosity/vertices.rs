@@ -2,7 +2,8 @@
 //!
 //! Each leaf gathers once more at its three corners, over the links that it has: form factors are those at the corner, and so is
 //! the visibility of what matters. A vertex has the mean of what the leaves around it find. One that hangs on the side of a
-//! larger leaf has the mean of the side's ends, so that the interpolation has no cracks.
+//! larger leaf has the mean of the side's ends, so that the interpolation has no cracks. At last vertices are moved towards where
+//! the interpolation holds as much light as came to the elements ([`conserve`]).
 
 use std::f64::consts::FRAC_1_PI;
 use std::sync::{Arc, PoisonError};
@@ -35,15 +36,15 @@ const PARTLY: f64 = 0.1;
 /// Farther from a point than this, in its radii, an element sends what a point would.
 const FAR: f64 = 12.0;
 
-/// Means over elements are known to this share of them.
+/// Means over elements are known to no less than this share of them.
 const KNOWN: f64 = 2e-3;
 
 /// Nearer than this the kernel is too uneven over a source for its values at the corners to tell: shares of quarters do.
 const NEAR: f64 = 2.0;
 
-/// Moves vertices so that the means over elements, interpolated, are those of `leaves`: light's peaks are rounder between
-/// corners than the interpolation is, which would lack some. What is missing from an element is shared by the elements around
-/// each of its corners, so that nothing is lost or gained in sum.
+/// Moves vertices towards where the means over elements, interpolated, are those of `leaves`: light's peaks are rounder between
+/// corners than the interpolation is, which would lack some. What is missing from an element, beyond what its mean is known to,
+/// goes to its corners and so to all elements around them: in sum none of it is lost.
 pub(super) fn conserve(elements: &Elements, irradiance: &mut [Rgb], leaves: &[(u32, DVec3)]) {
     // Of each vertex: what it lacks times the area that it stands for, and that area.
     let mut lacks = vec![(DVec3::ZERO, 0.0); irradiance.len()];
