@@ -337,14 +337,15 @@ unsafe fn copy<T>(
 /// Bakes the light map of an atlas into the host's array: irradiance [W m^-2], seams padded.
 ///
 /// `options`: NULL for the scene's own settings. `ETD_INTEGRATOR_RADIOSITY` takes it from a radiosity solution (elements as small as
-/// texels unless a size is given; NaN for standard errors; when it is stopped nothing is written), any other integrator means
-/// path tracing. Filter and `finished` are not looked at, depth counts the texel as the first hit, and "pixels" are texels here. `target`: three floats for each texel, `[height][width]`, row 0 at v = 0; with the
-/// standard error likewise, if it is asked for. `out_summary`: NULL, or filled. Texels that no triangle covers have the values of
-/// the nearest one of their chart, and are 0 beyond the gutter.
+/// texels unless a size is given; no samples, NaN for standard errors), any other integrator means path tracing. Filter and
+/// `finished` are not looked at, depth counts the texel as the first hit, and "pixels" are texels here. `target`: three floats for
+/// each texel, `[height][width]`, row 0 at v = 0; with the standard error likewise, if it is asked for. `out_summary`: NULL, or
+/// filled. Texels that no triangle covers have the values of the nearest one of their chart, and are 0 beyond the gutter.
 ///
-/// Returns when it is done. `ETD_CANCELLED` if the progress callback stopped it: the arrays then hold what was done. What is baked is
-/// the scene as it was when the atlas was made, and depends on atlas and options alone, not on threads. Errors:
-/// `ETD_INVALID_ARGUMENT` for a target that cannot hold the map. Thread-safe.
+/// Returns when it is done. What is baked is the scene as it was when the atlas was made, and depends on atlas and options alone, not
+/// on threads. Errors: `ETD_CANCELLED` if the progress callback stopped it: the arrays then hold what was done by paths, and what they
+/// held before by radiosity; `ETD_INVALID_ARGUMENT` for a target that cannot hold the map; `ETD_OUT_OF_MEMORY` for a radiosity
+/// solution beyond `radiosity_memory`. Thread-safe.
 ///
 /// # Safety
 /// Pointers must be NULL or point to what they say; `target->size` bytes must be writable.
