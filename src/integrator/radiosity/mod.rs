@@ -116,7 +116,7 @@ const REPEATS: usize = 2;
 const DIVISIONS: usize = 2;
 const BETWEEN: f64 = 3.0;
 
-/// How often leaves are balanced: by what they send, which it changes; they look for themselves in the second half.
+/// How often leaves are balanced: by what they send, which it changes; they look for themselves the last time.
 const BALANCES: usize = 6;
 
 /// Of a number of bounces so many are balanced each by itself; later ones are alike enough.
@@ -167,7 +167,7 @@ impl Radiosity {
             solve::sweep(&shared, parallel)?;
             let divided = DIVIDED[DIVISIONS - 1];
             for count in 1..=BALANCES {
-                solve::balance(&shared, count > BALANCES / 2, parallel)?;
+                solve::balance(&shared, count == BALANCES, parallel)?;
                 solve::sweep(&shared, parallel)?;
                 parallel.progress(divided + (BALANCED - divided) * count as f64 / BALANCES as f64);
             }
