@@ -180,6 +180,7 @@ static void pass_told_bakes(void) {
     etd_scene_release(own);
 
     options.integrator = ETD_INTEGRATOR_RADIOSITY;
+    options.radiosity_element_size = 1;
     told = nothing(0);
     CHECK_OK(etd_atlas_bake(atlas, &options, &target, NULL));
     CHECK(told.calls > 8 && told.is_sane && told.is_inner && told.phase == ETD_PHASE_RENDER && told.last > 0.8);
@@ -362,7 +363,10 @@ static void pass_warnings(void) {
     CHECK_OK(etd_atlas_new(mirrored, &layout, &made));
     CHECK_OK(etd_atlas_bake(made, &render, &target, NULL));
     CHECK(warned.as_black == 0 && warned.without == 0);
+    /* As coarse as it may be: nothing but what is said is looked at. */
     render.integrator = ETD_INTEGRATOR_RADIOSITY;
+    render.radiosity_element_size = 1;
+    render.radiosity_error = 100;
     CHECK_OK(etd_atlas_bake(made, &render, &target, NULL));
     CHECK(warned.as_black == 1 && warned.without == 1);
     CHECK_OK(etd_scene_bake_vertices(mirrored, 0, &render, &target, NULL));
