@@ -11,7 +11,6 @@ root=$PWD
 prefix=${1:?usage: scripts/hosts.sh PREFIX}
 prefix=$(cd "$prefix" && pwd)
 work=$(mktemp -d)
-begun=
 watched=
 # Ends what runs in the background, says what it said, and cleans up.
 leave() {
@@ -114,10 +113,6 @@ run_tests() {
 
 # Valgrind knows one processor and takes longest: beside all that follows, with the programs of the first compiler.
 watch() {
-    if ! has valgrind; then
-        skip "valgrind is not installed"
-        return
-    fi
     say "valgrind, with $cc's programs, in the background"
     memcheck="valgrind --quiet --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite,indirect,possible"
     memcheck="$memcheck --suppressions=$root/tests/capi/valgrind.supp"
@@ -170,8 +165,9 @@ for pair in $compilers; do
     say "$cc: tests and examples by pkg-config"
     build tests/capi "$cc-tests" CC="$cc" CXX="$cxx"
     build examples/c "$cc-c" CC="$cc" CFLAGS="-O2 $strict"
-    [ -n "$begun" ] || watch
-    begun=yes
+    if [ -z "$watched" ] && has valgrind; then
+        watch
+    fi
     build examples/cpp "$cc-cpp" CXX="$cxx" CXXFLAGS="-std=c++17 -O2 $strict_cpp"
     build examples/cpp "$cc-cpp20" CXX="$cxx" CXXFLAGS="-std=c++20 -O1 $strict_cpp"
     run_tests "$cc-tests"
@@ -256,6 +252,8 @@ if [ -n "$watched" ]; then
         tail -n 60 "$work/valgrind/report" >&2
         exit 1
     fi
+else
+    skip "valgrind is not installed"
 fi
 
 say "done; $skipped left out"

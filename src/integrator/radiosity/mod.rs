@@ -122,9 +122,6 @@ const BALANCES: usize = 6;
 /// Of a number of bounces so many are balanced each by itself; later ones are alike enough.
 const BALANCED_BOUNCES: u32 = 8;
 
-/// How often vertices are moved to where they hold the light of the elements around them.
-const CONSERVED: usize = 2;
-
 /// Iterations between refinements.
 const SWEEPS: usize = 3;
 
@@ -191,9 +188,7 @@ impl Radiosity {
         }
         let mut found = solve::irradiances(&shared, parallel)?;
         let mut irradiance = vertices::vertices(&shared, parallel)?;
-        for _ in 0..CONSERVED {
-            vertices::conserve(&read(&shared).judge.elements, &mut irradiance, &found);
-        }
+        vertices::conserve(&read(&shared).judge.elements, &mut irradiance, &found);
         if desc.iterations == Some(0) {
             found.iter_mut().for_each(|(_, e)| *e = DVec3::ZERO);
             irradiance.fill(Rgb::ZERO);

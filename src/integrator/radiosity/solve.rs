@@ -152,6 +152,16 @@ pub(super) fn leaves_of_patch(network: &Network, patch: u32, received: &[Moments
 /// Irradiance of all leaves by what is sent now, patch by patch.
 pub(super) fn irradiances(shared: &Shared, parallel: &mut impl Parallel) -> Result<Vec<(u32, DVec3)>> {
     let received = Arc::new(received(shared, parallel)?);
+    irradiances_with(shared, &received, parallel)
+}
+
+/// The same with what clusters received.
+fn irradiances_with(
+    shared: &Shared,
+    received: &Arc<Vec<Moments>>,
+    parallel: &mut impl Parallel,
+) -> Result<Vec<(u32, DVec3)>> {
+    let received = Arc::clone(received);
     let count = shared.read().unwrap_or_else(PoisonError::into_inner).judge.elements.patches.len();
     let network = Arc::clone(shared);
     let found = parallel.map(count.div_ceil(BLOCK), move |block| {
@@ -219,7 +229,7 @@ pub(super) fn sweep(shared: &Shared, parallel: &mut impl Parallel) -> Result<[f6
 /// `looks`: each leaf sees for itself what is hidden of sources that elements above it have in part; else it is as for those.
 pub(super) fn balance(shared: &Shared, looks: bool, parallel: &mut impl Parallel) -> Result<()> {
     let received = Arc::new(received(shared, parallel)?);
-    let leaves = Arc::new(irradiances(shared, parallel)?);
+    let leaves = Arc::new(irradiances_with(shared, &received, parallel)?);
     let network = Arc::clone(shared);
     let found = parallel.map(leaves.len().div_ceil(BLOCK), move |block| {
         let network = network.read().unwrap_or_else(PoisonError::into_inner);

@@ -36,54 +36,14 @@ const PARTLY: f64 = 0.1;
 /// Farther from a point than this, in its radii, an element sends what a point would.
 const FAR: f64 = 12.0;
 
+/// How often vertices are moved to where they hold the light of the elements around them.
+const CONSERVED: usize = 2;
+
 /// Means over elements are known to no less than this share of them.
 const KNOWN: f64 = 2e-3;
 
 /// Nearer than this the kernel is too uneven over a source for its values at the corners to tell: shares of quarters do.
 const NEAR: f64 = 2.0;
-
-/// Moves vertices towards where the means over elements, interpolated, are those of `leaves`: light's peaks are rounder between
-/// corners than the interpolation is, which would lack some. What is missing from an element, beyond what its mean is known to,
-/// goes to its corners and so to all elements around them: in sum none of it is lost.
-pub(super) fn conserve(elements: &Elements, irradiance: &mut [Rgb], leaves: &[(u32, DVec3)]) {
-    // Of each vertex: what it lacks times the area that it stands for, and that area.
-    let mut lacks = vec![(DVec3::ZERO, 0.0); irradiance.len()];
-    for &(leaf, mean) in leaves {
-        let node = &elements.nodes[leaf as usize];
-        let corners = node.corners.map(|vertex| irradiance[vertex as usize].as_dvec3());
-        let lack = mean - (corners[0] + corners[1] + corners[2]) / 3.0;
-        let known = KNOWN * mean;
-        let lack = lack - lack.clamp(-known, known);
-        for vertex in node.corners {
-            let (sum, area) = &mut lacks[vertex as usize];
-            *sum += node.area * lack;
-            *area += node.area;
-        }
-    }
-    let hanging = hanging(elements);
-    // A middle's share is that of its ends, which come before it.
-    for vertex in (0..irradiance.len()).rev() {
-        if hanging[vertex] {
-            let (sum, area) = std::mem::take(&mut lacks[vertex]);
-            for end in elements.ends[vertex] {
-                let (sum_of_end, area_of_end) = &mut lacks[end as usize];
-                *sum_of_end += 0.5 * sum;
-                *area_of_end += 0.5 * area;
-            }
-        }
-    }
-    for vertex in 0..irradiance.len() {
-        if hanging[vertex] {
-            let [a, b] = elements.ends[vertex].map(|end| irradiance[end as usize]);
-            irradiance[vertex] = 0.5 * (a + b);
-        } else {
-            let (sum, area) = lacks[vertex];
-            if area > 0.0 {
-                irradiance[vertex] = (irradiance[vertex] + (sum / area).as_vec3a()).max(Rgb::ZERO);
-            }
-        }
-    }
-}
 
 /// Irradiance at every vertex.
 pub(super) fn vertices(shared: &Shared, parallel: &mut impl Parallel) -> Result<Vec<Rgb>> {
@@ -108,15 +68,55 @@ pub(super) fn vertices(shared: &Shared, parallel: &mut impl Parallel) -> Result<
     }
     let mut irradiance: Vec<DVec3> =
         sums.into_iter().map(|(sum, total)| if total > 0.0 { sum / total } else { DVec3::ZERO }).collect();
-    let hanging = hanging(elements);
-    // Ends come before their middle.
-    for vertex in 0..irradiance.len() {
-        if hanging[vertex] {
-            let [a, b] = elements.ends[vertex].map(|end| irradiance[end as usize]);
-            irradiance[vertex] = 0.5 * (a + b);
-        }
-    }
+    hang(elements, &hanging(elements), &mut irradiance, |a, b| 0.5 * (a + b));
     Ok(irradiance.into_iter().map(|e| e.as_vec3a()).collect())
+}
+
+/// Moves vertices towards where the means over elements, interpolated, are those of `leaves`: light's peaks are rounder between
+/// corners than the interpolation is, which would lack some. What is missing from an element, beyond what its mean is known to,
+/// goes to its corners and so to all elements around them: in sum none of it is lost.
+pub(super) fn conserve(elements: &Elements, irradiance: &mut [Rgb], leaves: &[(u32, DVec3)]) {
+    let hanging = hanging(elements);
+    for _ in 0..CONSERVED {
+        // Of each vertex: what it lacks times the area that it stands for, and that area.
+        let mut lacks = vec![(DVec3::ZERO, 0.0); irradiance.len()];
+        for &(leaf, mean) in leaves {
+            let node = &elements.nodes[leaf as usize];
+            let corners = node.corners.map(|vertex| irradiance[vertex as usize].as_dvec3());
+            let lack = mean - (corners[0] + corners[1] + corners[2]) / 3.0;
+            let known = KNOWN * mean;
+            let lack = lack - lack.clamp(-known, known);
+            for vertex in node.corners {
+                let (sum, area) = &mut lacks[vertex as usize];
+                *sum += node.area * lack;
+                *area += node.area;
+            }
+        }
+        // A middle's share is that of its ends, which come before it.
+        for vertex in (0..irradiance.len()).rev().filter(|&vertex| hanging[vertex]) {
+            let (sum, area) = std::mem::take(&mut lacks[vertex]);
+            for end in elements.ends[vertex] {
+                let (sum_of_end, area_of_end) = &mut lacks[end as usize];
+                *sum_of_end += 0.5 * sum;
+                *area_of_end += 0.5 * area;
+            }
+        }
+        for (irradiance, (sum, area)) in irradiance.iter_mut().zip(lacks) {
+            if area > 0.0 {
+                *irradiance = (*irradiance + (sum / area).as_vec3a()).max(Rgb::ZERO);
+            }
+        }
+        hang(elements, &hanging, irradiance, |a, b| 0.5 * (a + b));
+    }
+}
+
+/// Gives hanging vertices the mean of their ends.
+fn hang<T: Copy>(elements: &Elements, hanging: &[bool], values: &mut [T], mean: impl Fn(T, T) -> T) {
+    // Ends come before their middle.
+    for vertex in (0..values.len()).filter(|&vertex| hanging[vertex]) {
+        let [a, b] = elements.ends[vertex].map(|end| values[end as usize]);
+        values[vertex] = mean(a, b);
+    }
 }
 
 /// Which vertices are in the middle of a side of some leaf.
