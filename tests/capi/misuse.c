@@ -4,7 +4,7 @@
  * misuse_values.c, those of photon maps in misuse_photons.c; what goes wrong over time (states, threads, callbacks) is in
  * misuse_life.c. Every exported function occurs in the table below; abi.sh checks that.
  *
- * Usage: misuse [--quick], with few repetitions, for slow checkers. */
+ * Usage: misuse [--quick], with few repetitions and small layouts, for slow checkers. */
 #define _POSIX_C_SOURCE 200809L
 #include "misuse.h"
 
@@ -744,7 +744,7 @@ int main(int count, char **arguments) {
     pass_wrong_handles();
     misuse_values();
     misuse_photons();
-    misuse_bake();
+    misuse_bake(quick);
     etd_atlas_release(atlas);
     etd_task_release(task);
     etd_film_release(film);

@@ -21,8 +21,8 @@ void misuse_photons(void);
 /* Texels along a side of the atlas. */
 #define MISUSE_SIDE 96
 
-/* Light maps. */
-void misuse_bake(void);
+/* Light maps. `quick`: small ones. */
+void misuse_bake(int quick);
 
 /* What goes wrong over time: states, orders, threads, callbacks. `quick`: with few repetitions. */
 void misuse_life(int quick);

@@ -108,15 +108,15 @@ static struct told nothing(int stop_at) {
 }
 
 /* Stopped at each of its reports, the layout is not there; the next one is whole. */
-static void pass_stopped_layouts(void) {
+static void pass_stopped_layouts(int quick) {
     etd_atlas_options options = ETD_ATLAS_OPTIONS_INIT;
     etd_scene *own = new_scene(device);
     etd_atlas *made = NULL;
     struct told told = nothing(0);
     uint32_t grid;
     int stop_at;
-    add_grid(own, 60, &grid);
-    options.resolution = 1024;
+    add_grid(own, quick ? 20 : 60, &grid);
+    options.resolution = quick ? 256 : 1024;
     options.progress = hear;
     options.user_data = &told;
     /* The scene is built on the way, and told of too. */
@@ -380,9 +380,9 @@ static void pass_warnings(void) {
     etd_device_release(own);
 }
 
-void misuse_bake(void) {
+void misuse_bake(int quick) {
     pass_layouts();
-    pass_stopped_layouts();
+    pass_stopped_layouts(quick);
     pass_targets();
     pass_bakes();
     pass_told_bakes();

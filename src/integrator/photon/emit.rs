@@ -25,7 +25,7 @@ const MOST_BALLS: usize = 16;
 const BY_POWER: f64 = 0.05;
 
 /// How light paths begin.
-pub(super) struct Emission {
+pub(in crate::integrator) struct Emission {
     choice: Distribution1D,
     /// What to aim at; empty where photons go everywhere.
     balls: Vec<Ball>,
@@ -144,7 +144,7 @@ fn choice_number(u: [f32; 4], d: [f32; 4]) -> f64 {
 
 /// Where photons are sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Aim {
+pub(in crate::integrator) enum Aim {
     /// Wherever light goes.
     Everywhere,
     /// At the specular surfaces only.

@@ -31,6 +31,7 @@ mod whole;
 
 pub use choose::{Choice, choose};
 pub use draw::{DrawSettings, colour, draw};
+pub(in crate::integrator) use emit::{Aim, Emission};
 pub use estimate::{Asked, Kernel, irradiance};
 pub use gather::Gather;
 pub use map::{Nearest, PhotonMap};

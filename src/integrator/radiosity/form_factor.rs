@@ -7,7 +7,7 @@
 //! Sources: Lambert 1760, *Photometria*; Baum, Rushmeier, Winget 1989, "Improving Radiosity Solutions Through the Use of
 //! Analytically Determined Form-Factors"; Radon 1948 (the rule of seven points).
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use crate::math::DVec3;
 
@@ -53,7 +53,32 @@ pub fn point_to_polygon(p: DVec3, n: DVec3, corners: &[DVec3]) -> f64 {
 fn edge(a: DVec3, b: DVec3, n: DVec3) -> f64 {
     let cross = a.cross(b);
     let sine = cross.length();
-    if sine > 0.0 { sine.atan2(a.dot(b)) * (cross.dot(n) / sine) } else { 0.0 }
+    if sine > 0.0 { angle(sine, a.dot(b)) * (cross.dot(n) / sine) } else { 0.0 }
+}
+
+/// The angle in [0, pi] whose sine and cosine are in proportion to these, `sine` being no less than 0 and not both 0: as
+/// `sine.atan2(cosine)` to four units in the last place, in a third of its time, which was half of a solution's.
+///
+/// Source: Moshier 1989, *Methods and Programs for Mathematical Functions* (Cephes, `atan.c`).
+#[inline]
+fn angle(sine: f64, cosine: f64) -> f64 {
+    let adjacent = cosine.abs();
+    let is_steep = sine > adjacent;
+    let ratio = if is_steep { adjacent / sine } else { sine / adjacent };
+    let (t, base) = if ratio > 0.66 { ((ratio - 1.0) / (ratio + 1.0), FRAC_PI_4) } else { (ratio, 0.0) };
+    let z = t * t;
+    let above = (((-8.750_608_600_031_904e-1 * z - 1.615_753_718_733_365e1) * z - 7.500_855_792_314_705e1) * z
+        - 1.228_866_684_490_136_2e2)
+        * z
+        - 6.485_021_904_942_025e1;
+    let below = ((((z + 2.485_846_490_142_306_3e1) * z + 1.650_270_098_316_988_5e2) * z + 4.328_810_604_912_902_7e2)
+        * z
+        + 4.853_903_996_359_137e2)
+        * z
+        + 1.945_506_571_482_614e2;
+    let acute = base + (t + t * (z * above / below));
+    let acute = if is_steep { FRAC_PI_2 - acute } else { acute };
+    if cosine < 0.0 { PI - acute } else { acute }
 }
 
 /// The same for the front of a polygon with unit normal `facing`: 0 for a point behind it.
@@ -148,4 +173,25 @@ fn refine(f: &impl Fn(DVec3) -> f64, triangle: &[DVec3; 3], whole: f64, toleranc
 pub(super) fn quarters(&[a, b, c]: &[DVec3; 3]) -> [[DVec3; 3]; 4] {
     let (ab, bc, ca) = (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a));
     [[a, ab, ca], [ab, b, bc], [ca, bc, c], [bc, ca, ab]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_are_those_of_the_standard_library() {
+        let mut worst = 0.0_f64;
+        for i in 0..200_000 {
+            // All around, and close to both ends.
+            let exact = PI * f64::from(i) / 200_000.0;
+            for turn in [exact, exact * 1e-9, exact.powi(4) / PI.powi(3)] {
+                for (sine, cosine) in [(turn.sin(), turn.cos()), (1e-150 * turn.sin(), -1e-150 * turn.cos())] {
+                    let expected = sine.atan2(cosine);
+                    worst = worst.max((angle(sine, cosine) - expected).abs() / expected.max(f64::MIN_POSITIVE));
+                }
+            }
+        }
+        assert!(worst < 4.0 * f64::EPSILON, "{worst:e}");
+    }
 }

@@ -274,7 +274,13 @@ impl Judge {
         }
         let source_spread = self.spread(source, shares);
         if root_mean_square * source_spread > allowed && !s.is_leaf() {
-            return Verdict::DivideSource;
+            // Of a large receiver most is far from what is close to some of it, and would do with larger sources.
+            let is_spot = root_mean_square > factor && r.radius > s.radius;
+            return if is_spot && self.elements.is_divisible(receiver) {
+                Verdict::DivideReceiver
+            } else {
+                Verdict::DivideSource
+            };
         }
         let all = factor * strength;
         let rays = (RAYS * all / allowed).clamp(RAYS, MOST_RAYS) as u32;

@@ -48,12 +48,16 @@ use std::sync::{Arc, PoisonError, RwLock};
 use std::time::{Duration, Instant};
 
 use crate::control::{Parallel, Part};
-use crate::desc::{RadiosityDesc, RadiositySolver, check_radiosity};
+use crate::desc::{PhotonSharing, RadiosityDesc, RadiositySolver, check_radiosity};
+use crate::emitter::Receiver;
 use crate::error::Result;
+use crate::integrator::photon::{Aim, Emission};
 use crate::math::{DVec3, Vec3};
+use crate::sampling::Rng;
 use crate::scene::{FaceNumbers, Hit, Scene};
 use crate::spectrum::Rgb;
 use elements::{Elements, NONE};
+use judge::Judge;
 use refine::{Network, Shared};
 use solve::Course;
 
@@ -117,7 +121,13 @@ const DIVISIONS: usize = 2;
 const BETWEEN: f64 = 3.0;
 
 /// How often leaves are balanced: by what they send, which it changes; they look for themselves the last time.
-const BALANCES: usize = 6;
+const BALANCES: u32 = 6;
+
+/// No more than this is changed by a balance that needs no other after it but the one in which leaves look.
+const SETTLED: f64 = 1e-3;
+
+/// Iterations between two balances, at most: before all are balanced, some may gather more than there is, and without bound.
+const SWEEPS_BETWEEN: usize = 8;
 
 /// Of a number of bounces so many are balanced each by itself; later ones are alike enough.
 const BALANCED_BOUNCES: u32 = 8;
@@ -163,10 +173,23 @@ impl Radiosity {
             refine::look_again(&shared, parallel)?;
             solve::sweep(&shared, parallel)?;
             let divided = DIVIDED[DIVISIONS - 1];
+            let mut is_settled = false;
             for count in 1..=BALANCES {
-                solve::balance(&shared, count == BALANCES, parallel)?;
-                solve::sweep(&shared, parallel)?;
-                parallel.progress(divided + (BALANCED - divided) * count as f64 / BALANCES as f64);
+                let is_last = is_settled || count == BALANCES;
+                solve::balance(&shared, is_last, parallel)?;
+                let mut change = solve::sweep(&shared, parallel)?;
+                is_settled = change < SETTLED;
+                // Far cheaper than another balance, which is the better the nearer light is to where it ends.
+                for _ in 1..SWEEPS_BETWEEN {
+                    if change < SETTLED {
+                        break;
+                    }
+                    change = solve::sweep(&shared, parallel)?;
+                }
+                parallel.progress(divided + (BALANCED - divided) * f64::from(count) / f64::from(BALANCES));
+                if is_last {
+                    break;
+                }
             }
             let mut part = Part::new(parallel, BALANCED..SOLVED);
             (course, ambient) = match desc.solver {
@@ -319,7 +342,7 @@ fn read(shared: &Shared) -> std::sync::RwLockReadGuard<'_, Network> {
 /// Links everything, coarsely at first, then as brightness becomes known.
 fn link(shared: &Shared, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> Result<()> {
     let allowed = 1e-3 * desc.error;
-    let mut norm = first_norm(&read(shared));
+    let mut norm = first_norm(&read(shared))?;
     let mut pairs = refine::first_pairs(&read(shared));
     let last = COARSENESS.len() - 1;
     for step in 0..COARSENESS.len() + REPEATS {
@@ -378,45 +401,31 @@ fn cut(shared: &Shared, parallel: &mut impl Parallel) -> Result<()> {
     Ok(())
 }
 
-/// Patches and emitters that are looked at for a first idea of how bright it is.
-const LOOKS: usize = 512;
-const LIGHTS: usize = 64;
+/// Photons that give a first idea of how bright it is.
+const PHOTONS: u64 = 1024;
 
-/// The root of the integral of the square of direct irradiance, nothing being in between: roughly, from some patches.
-fn first_norm(network: &Network) -> f64 {
-    let judge = &network.judge;
-    let elements = &judge.elements;
-    let shining: Vec<u32> =
-        elements.patches.iter().filter(|patch| patch.emitted != DVec3::ZERO).map(|patch| patch.node).collect();
-    let step = shining.len().div_ceil(LIGHTS).max(1);
-    let looks = elements.patches.len().div_ceil(LOOKS).max(1);
+/// The root of the integral of the square of direct irradiance, roughly. The integral is what photons find of irradiance where
+/// they land, however small the spot that has most of it.
+fn first_norm(network: &Network) -> Result<f64> {
+    let Judge { scene, elements, .. } = &network.judge;
+    let emitters = scene.emitters();
     let mut sum = 0.0;
-    let (mut power, mut area) = (0.0, 0.0);
-    for patch in elements.patches.iter().step_by(looks) {
-        let node = &elements.nodes[patch.node as usize];
-        let mut e = 0.0;
-        for &source in shining.iter().step_by(step) {
-            let source = &elements.nodes[source as usize];
-            let way = source.centre - node.centre;
-            let distance2 = way.length_squared().max(0.25 * source.area);
-            let cosine = (-way.dot(source.normal)).max(0.0) / distance2.sqrt();
-            e += step as f64
-                * judge.sent.b[elements.patches[source.patch as usize].node as usize].max_element()
-                * links::point_factor(way, node.normal).min(1.0 / distance2)
-                * cosine.min(1.0)
-                * source.area
-                * std::f64::consts::FRAC_1_PI;
+    if let Some(emission) = Emission::new(scene, PhotonSharing::Power, Aim::Everywhere)? {
+        for photon in 0..PHOTONS {
+            let mut rng = Rng::new(0, photon);
+            let (u, d) = (rng.next_4d(), rng.next_4d());
+            let Some((ray, power)) = emission.begin(scene, u, d, 1.0 / PHOTONS as f64) else { continue };
+            let Some(hit) = scene.intersect(&ray) else { continue };
+            let at = scene.interaction(&ray, &hit);
+            let normal = if at.ng.dot(ray.direction) < 0.0 { at.ng } else { -at.ng };
+            if let Some(light) = emitters.sample(Receiver::facing(at.point.p, normal), rng.next_4d()) {
+                let cosine = normal.dot(light.wi).max(0.0);
+                sum += f64::from((power * light.radiance).max_element() * cosine / light.pdf);
+            }
         }
-        for light in &judge.lights {
-            let way = light.position - node.centre;
-            e += light.intensity.max_element() * links::point_factor(way, node.normal).min(4.0 / node.area);
-        }
-        sum += looks as f64 * node.area * e * e;
-        area += looks as f64 * node.area;
     }
-    for &source in &shining {
-        power += elements.nodes[source as usize].area * judge.sent.b[source as usize].max_element();
-    }
-    // Where no patch that was looked at is lit: as if all were, evenly.
-    if sum > 0.0 { sum.sqrt() } else { (power / area.max(f64::MIN_POSITIVE).sqrt()).max(f64::MIN_POSITIVE) }
+    // Where no photon landed on what is lit: as if all were, evenly.
+    let power: f64 = emitters.emitters().iter().map(|emitter| emitter.power().max_element()).sum();
+    let area: f64 = elements.patches.iter().map(|patch| elements.nodes[patch.node as usize].area).sum();
+    Ok(if sum > 0.0 { sum.sqrt() } else { (power / area.max(f64::MIN_POSITIVE).sqrt()).max(f64::MIN_POSITIVE) })
 }

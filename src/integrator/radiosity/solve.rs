@@ -175,8 +175,8 @@ fn irradiances_with(
     Ok(found.into_iter().flatten().collect())
 }
 
-/// One Jacobi iteration: a bounce. What it changed, and the sum of area times radiosity.
-pub(super) fn bounce(shared: &Shared, parallel: &mut impl Parallel) -> Result<[f64; 2]> {
+/// One Jacobi iteration: a bounce. What it changed, as [`Course::residual`].
+pub(super) fn bounce(shared: &Shared, parallel: &mut impl Parallel) -> Result<f64> {
     let found = irradiances(shared, parallel)?;
     let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
     let Judge { elements, sent, .. } = &mut network.judge;
@@ -185,7 +185,11 @@ pub(super) fn bounce(shared: &Shared, parallel: &mut impl Parallel) -> Result<[f
         set(elements, sent, leaf, irradiance, &mut changes);
     }
     sent.pull(elements);
-    Ok(changes)
+    Ok(share(changes))
+}
+
+fn share([changed, sum]: [f64; 2]) -> f64 {
+    if sum > 0.0 { changed / sum } else { 0.0 }
 }
 
 /// A leaf's new radiosity.
@@ -199,7 +203,7 @@ fn set(elements: &Elements, sent: &mut Sent, leaf: u32, irradiance: DVec3, chang
 }
 
 /// One iteration of Gauss and Seidel's from patch to patch; clusters lag behind by one.
-pub(super) fn sweep(shared: &Shared, parallel: &mut impl Parallel) -> Result<[f64; 2]> {
+pub(super) fn sweep(shared: &Shared, parallel: &mut impl Parallel) -> Result<f64> {
     let received = received(shared, parallel)?;
     let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
     let mut changes = [0.0; 2];
@@ -217,7 +221,7 @@ pub(super) fn sweep(shared: &Shared, parallel: &mut impl Parallel) -> Result<[f6
     }
     let Judge { elements, sent, .. } = &mut network.judge;
     sent.pull(elements);
-    Ok(changes)
+    Ok(share(changes))
 }
 
 /// Finds by what leaves gather too much or too little, by what is sent now.
@@ -316,9 +320,8 @@ pub(super) fn gather(
         if iterations.is_some() && course.iterations < balanced {
             balance(shared, true, parallel)?;
         }
-        let [change, sum] = if iterations.is_some() { bounce(shared, parallel)? } else { sweep(shared, parallel)? };
+        course.residual = if iterations.is_some() { bounce(shared, parallel)? } else { sweep(shared, parallel)? };
         course.iterations += 1;
-        course.residual = if sum > 0.0 { change / sum } else { 0.0 };
         parallel.progress(match iterations {
             Some(count) => f64::from(course.iterations) / f64::from(count),
             None => course.residual.ln() / tolerance.ln(),

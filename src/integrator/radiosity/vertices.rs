@@ -21,8 +21,8 @@ use crate::math::DVec3;
 use crate::sampling::hash;
 use crate::spectrum::Rgb;
 
-/// Patches of one thread at a time.
-const BLOCK: usize = 16;
+/// Leaves of one thread at a time.
+const BLOCK: usize = 64;
 
 /// So far from a corner towards the middle of its element light is gathered for it: on an edge that two walls share, Lambert's
 /// formula is any of its limits.
@@ -42,26 +42,25 @@ const CONSERVED: usize = 2;
 /// Means over elements are known to no less than this share of them.
 const KNOWN: f64 = 2e-3;
 
-/// Nearer than this the kernel is too uneven over a source for its values at the corners to tell: shares of quarters do.
+/// A source whose radiosities differ by more than this share of their mean is uneven; nearer than this, in its radii, so is the
+/// kernel, and its values at the corners do not tell how.
+const UNEVEN: f64 = 0.02;
 const NEAR: f64 = 2.0;
 
 /// Irradiance at every vertex.
 pub(super) fn vertices(shared: &Shared, parallel: &mut impl Parallel) -> Result<Vec<Rgb>> {
     let received = Arc::new(received(shared, parallel)?);
-    let count = shared.read().unwrap_or_else(PoisonError::into_inner).judge.elements.patches.len();
+    let leaves = Arc::new(leaves(&shared.read().unwrap_or_else(PoisonError::into_inner).judge.elements));
     let network = Arc::clone(shared);
-    let found = parallel.map(count.div_ceil(BLOCK), move |block| {
+    let found = parallel.map(leaves.len().div_ceil(BLOCK), move |block| {
         let network = network.read().unwrap_or_else(PoisonError::into_inner);
-        let mut corners = Vec::new();
-        for patch in block * BLOCK..((block + 1) * BLOCK).min(count) {
-            patch_corners(&network, patch as u32, &received, &mut corners);
-        }
-        corners
+        let leaves = leaves[block * BLOCK..].iter().take(BLOCK);
+        leaves.map(|&leaf| leaf_corners(&network, leaf, &received)).collect::<Vec<_>>()
     })?;
     let network = shared.read().unwrap_or_else(PoisonError::into_inner);
     let elements = &network.judge.elements;
     let mut sums = vec![(DVec3::ZERO, 0.0); elements.vertices.len()];
-    for Corner { vertex, weight, irradiance } in found.into_iter().flatten() {
+    for Corner { vertex, weight, irradiance } in found.into_iter().flatten().flatten() {
         let (sum, total) = &mut sums[vertex as usize];
         *sum += weight * irradiance;
         *total += weight;
@@ -119,11 +118,17 @@ fn hang<T: Copy>(elements: &Elements, hanging: &[bool], values: &mut [T], mean: 
     }
 }
 
+/// Numbers of all elements that are not divided.
+fn leaves(elements: &Elements) -> Vec<u32> {
+    let nodes = elements.nodes.iter().zip(0..);
+    nodes.filter(|(node, _)| node.is_leaf() && !node.is_cluster()).map(|(_, number)| number).collect()
+}
+
 /// Which vertices are in the middle of a side of some leaf.
 fn hanging(elements: &Elements) -> Vec<bool> {
     let mut hanging = vec![false; elements.vertices.len()];
-    for node in elements.nodes.iter().filter(|node| node.is_leaf() && !node.is_cluster()) {
-        let [a, b, c] = node.corners;
+    for leaf in leaves(elements) {
+        let [a, b, c] = elements.nodes[leaf as usize].corners;
         let mut sides = vec![[a, b], [b, c], [c, a]];
         while let Some([a, b]) = sides.pop() {
             if let Some(middle) = elements.known_middle([a, b]) {
@@ -142,20 +147,7 @@ struct Corner {
     irradiance: DVec3,
 }
 
-fn patch_corners(network: &Network, patch: u32, received: &[Moments], corners: &mut Vec<Corner>) {
-    let elements = &network.judge.elements;
-    let mut waiting = vec![elements.patches[patch as usize].node];
-    while let Some(number) = waiting.pop() {
-        let node = &elements.nodes[number as usize];
-        if node.is_leaf() {
-            leaf_corners(network, number, received, corners);
-        } else {
-            waiting.extend(node.range().map(|child| child as u32));
-        }
-    }
-}
-
-fn leaf_corners(network: &Network, leaf: u32, received: &[Moments], corners: &mut Vec<Corner>) {
+fn leaf_corners(network: &Network, leaf: u32, received: &[Moments]) -> [Corner; 3] {
     let judge = &network.judge;
     let elements = &judge.elements;
     let node = &elements.nodes[leaf as usize];
@@ -178,9 +170,7 @@ fn leaf_corners(network: &Network, leaf: u32, received: &[Moments], corners: &mu
     let sums = sums.map(|sum| sum + from_clusters);
     // The smaller neighbour knows better.
     let weight = 1.0 / node.radius;
-    for (vertex, irradiance) in node.corners.into_iter().zip(sums) {
-        corners.push(Corner { vertex, weight, irradiance });
-    }
+    std::array::from_fn(|k| Corner { vertex: node.corners[k], weight, irradiance: sums[k] })
 }
 
 /// Irradiance at some places of a leaf by its own links and those of the elements above it, and what clusters bring to all of it.
@@ -245,28 +235,38 @@ fn gather_at(
         }
         return;
     }
-    let b = link.shares.mean(source, &judge.sent.b, judge.sent.b[link.source as usize]);
     if judge.sent.most[link.source as usize] == 0.0 {
         return;
     }
-    let corners = judge.elements.triangle(source);
     for (k, &p) in places.iter().enumerate() {
-        let way = source.centre - p;
-        let distance2 = way.length_squared();
-        let factor = if distance2 > (FAR * source.radius).powi(2) {
-            let cosine = (-way.dot(source.normal)).max(0.0) / distance2.sqrt();
-            point_factor(way, leaf.normal) * cosine * source.area * FRAC_1_PI
-        } else {
-            point_to_front(p, leaf.normal, &corners, source.normal) * source.swell
-        };
-        let is_tilted = judge.sent.spread[link.source as usize] > 0.0 && distance2 > (NEAR * source.radius).powi(2);
-        let b = if is_tilted && factor > 0.0 {
-            seen_from(p, leaf.normal, &corners, source.normal, judge, link.source)
-        } else {
-            b
-        };
-        add(k, factor, b);
+        let (factor, light) = from_element(judge, p, leaf.normal, link.source);
+        if factor > 0.0 {
+            add(k, factor, light / factor);
+        }
     }
+}
+
+/// The form factor of an element from a place with this normal, and the irradiance that it brings if all of it is seen. Where it
+/// is near and uneven, its parts are asked.
+fn from_element(judge: &Judge, p: DVec3, n: DVec3, number: u32) -> (f64, DVec3) {
+    let source = &judge.elements.nodes[number as usize];
+    let way = source.centre - p;
+    let distance2 = way.length_squared();
+    let b = judge.sent.b[number as usize];
+    let is_uneven = f64::from(judge.sent.spread[number as usize]) > UNEVEN * b.max_element();
+    if is_uneven && distance2 < (NEAR * source.radius).powi(2) {
+        let parts = source.range().map(|part| from_element(judge, p, n, part as u32));
+        return parts.fold((0.0, DVec3::ZERO), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+    }
+    let corners = judge.elements.triangle(source);
+    let factor = if distance2 > (FAR * source.radius).powi(2) {
+        let cosine = (-way.dot(source.normal)).max(0.0) / distance2.sqrt();
+        point_factor(way, n) * cosine * source.area * FRAC_1_PI
+    } else {
+        point_to_front(p, n, &corners, source.normal) * source.swell
+    };
+    let is_tilted = is_uneven && factor > 0.0;
+    (factor, factor * if is_tilted { seen_from(p, n, &corners, source.normal, judge, number) } else { b })
 }
 
 /// The mean radiosity of a source as seen from a place: what is near is bright, usually, so that the mean by area would lack

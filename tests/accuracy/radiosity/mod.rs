@@ -125,11 +125,15 @@ fn plates(case: &mut Case) {
     plates_with_a_point(case);
 }
 
-/// The same with a point light half way between them.
+/// The same with a point light half way between them: a spot of 1 of plates of 1000, whose light wanders outwards.
+///
+/// What is dim beside the spot is known to the three thousandths that are asked for where links may be wrong by ten times less
+/// than by default. The test solves five times as coarsely, which leaves it five times as far off.
 fn plates_with_a_point(case: &mut Case) {
     let half = 500.0;
     let floor = parallelogram(DVec3::new(-half, 0.0, -half), DVec3::Z * 2.0 * half, DVec3::X * 2.0 * half);
     let ceiling = parallelogram(DVec3::new(-half, 1.0, -half), DVec3::X * 2.0 * half, DVec3::Z * 2.0 * half);
+    let error = if case.is_full() { 0.1 } else { 0.5 };
     for (albedo, expected) in [
         (0.5, &[(0.0, 4.528_129_526)][..]),
         (0.8, &[(0.0, 5.177_588_122), (1.0, 1.108_237_669), (3.0, 0.201_985_157_5)]),
@@ -138,8 +142,7 @@ fn plates_with_a_point(case: &mut Case) {
         let mut desc = scene(camera(DVec3::Y * 0.5, DVec3::ZERO, 60.0), surfaces);
         desc.lights.push(point_light(DVec3::Y * 0.5, 1.0));
         let scene = build(&desc);
-        let solution =
-            solve(&scene, &RadiosityDesc { error: 5.0, element_size: Some(0.2), ..RadiosityDesc::default() });
+        let solution = solve(&scene, &RadiosityDesc { error, element_size: Some(0.02), ..RadiosityDesc::default() });
         for &(r, expected) in expected {
             // Not along a diagonal.
             let p = DVec3::new(r * 0.8, 0.25, r * 0.6);
@@ -147,11 +150,7 @@ fn plates_with_a_point(case: &mut Case) {
             let Some(hit) = scene.intersect(&ray) else { continue };
             let at = scene.interaction(&ray, &hit);
             let e = f64::from(solution.irradiance(&hit, at.point.p, true).x);
-            case.known(
-                "what links may be wrong by is a share of all light, which is in a spot of 1 of a plate of 1000: what is dim beside \
-                 it is wrong by more of itself, and less so the smaller radiosityError",
-            );
-            case.exact(format!("point light, albedo {albedo}, at {r}"), e, expected, Within::Relative(3e-3));
+            case.exact(format!("point light, albedo {albedo}, at {r}"), e, expected, Within::Relative(0.03 * error));
         }
     }
 }
@@ -175,8 +174,8 @@ fn cornell(case: &mut Case) {
     let summary = solution.summary();
     let balance = f64::from(summary.absorbed.element_sum() / summary.emitted.element_sum());
     case.known(
-        "elements of the floor that lie half below a block let some light into it, which is lost: three thousandths, fewer the \
-         smaller radiosityError; in an empty room all but one ten-thousandth is found",
+        "around blocks two thousandths of the light are lost, at a radiosityError of 0.3 and of 0.1: elements of the floor that lie \
+         half below one let some into it; in an empty room all but one ten-thousandth is found",
     );
     case.exact("closed by a black wall: absorbed over emitted power", balance, 1.0, Within::Absolute(1e-3));
 }
