@@ -396,6 +396,39 @@ fn rel_mse(a: &[f32], reference: &[f32]) -> f64 {
     a.iter().zip(reference).map(one).sum::<f64>() / a.len() as f64
 }
 
+/// However wide walls are, only the spot that a light is near to is divided finely: by a first idea of brightness from the middle of
+/// the walls, there were twenty times as many elements.
+#[test]
+fn a_spot_between_wide_walls() {
+    let mut desc = SceneDesc { camera: camera(DVec3::Y * 0.5, DVec3::ZERO, 60.0), ..SceneDesc::default() };
+    let floor = quad([-500.0, 0.0, -500.0], [0.0, 0.0, 1000.0], [1000.0, 0.0, 0.0]);
+    let ceiling = quad([-500.0, 1.0, -500.0], [1000.0, 0.0, 0.0], [0.0, 0.0, 1000.0]);
+    add(&mut desc, 0, ShapeDesc::Quad(floor), lambert(0.5), None);
+    add(&mut desc, 1, ShapeDesc::Quad(ceiling), lambert(0.5), None);
+    desc.lights.push(point_light(DVec3::Y * 0.5, 1.0));
+    let solution = solve(&desc, &RadiosityDesc { error: 5.0, element_size: Some(0.2), ..RadiosityDesc::default() });
+    assert!((200..3000).contains(&solution.summary().elements), "{:?}", solution.summary());
+}
+
+/// Light of any brightness: all of it in proportion, with no square of it that is too large or too small for its type.
+#[test]
+fn bright_and_dark_light() {
+    let room = |radiance: f32| {
+        let mesh = box_inside(DVec3::splat(-1.0), DVec3::splat(1.0));
+        let mut desc = furnace(mesh, 0.5, None);
+        let lamp = quad([-0.2, 0.8, -0.2], [0.4, 0.0, 0.0], [0.0, 0.0, 0.4]);
+        add(&mut desc, 1, ShapeDesc::Quad(lamp), BsdfDesc::Black, Some(Vec3::splat(radiance)));
+        solve(&desc, &RadiosityDesc { error: 5.0, ..RadiosityDesc::default() }).mesh(Some(0), true).irradiance
+    };
+    let usual = room(1.0);
+    assert!(usual.len() > 50 && usual.iter().any(|e| e.x > 0.05));
+    for power in [-80, 80] {
+        let factor = 2.0_f32.powi(power);
+        let other: Vec<Vec3> = room(factor).into_iter().map(|e| e / factor).collect();
+        assert_eq!(other, usual, "times 2^{power}");
+    }
+}
+
 /// Clusters: against the path tracer, and all light is accounted for.
 #[test]
 fn many_triangles() {

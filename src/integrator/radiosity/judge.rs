@@ -3,7 +3,8 @@
 //! A pair of nodes is linked as it is where what that may be wrong by is small against all irradiance, in the root of the mean
 //! square; else one of them is divided, and its parts are asked. The oracle knows four errors: the form factor that varies over
 //! the receiver, the radiosity that varies over the source, visibility that is neither full nor none, and a cluster taken for a
-//! point. Where only the first is large, the receiver is divided; the inner integral over the source is exact.
+//! point. Where only the first is large, the receiver is divided; the inner integral over the source is exact. So it is, before the
+//! source, where it is the larger and only a spot of it is near.
 //!
 //! Sources: Hanrahan, Salzman, Aupperle 1991, "A Rapid Hierarchical Radiosity Algorithm"; Smits, Arvo, Greenberg 1994, "A
 //! Clustering Algorithm for Radiosity in Complex Environments"; Sillion 1995, "A Unified Hierarchical Algorithm for Global

@@ -52,7 +52,7 @@ use crate::desc::{PhotonSharing, RadiosityDesc, RadiositySolver, check_radiosity
 use crate::emitter::Receiver;
 use crate::error::Result;
 use crate::integrator::photon::{Aim, Emission};
-use crate::math::{DVec3, Vec3};
+use crate::math::{DVec3, Ray, Vec3};
 use crate::sampling::Rng;
 use crate::scene::{FaceNumbers, Hit, Scene};
 use crate::spectrum::Rgb;
@@ -177,18 +177,18 @@ impl Radiosity {
             for count in 1..=BALANCES {
                 let is_last = is_settled || count == BALANCES;
                 solve::balance(&shared, is_last, parallel)?;
+                parallel.progress(divided + (BALANCED - divided) * f64::from(count) / f64::from(BALANCES));
+                if is_last {
+                    break;
+                }
                 let mut change = solve::sweep(&shared, parallel)?;
                 is_settled = change < SETTLED;
                 // Far cheaper than another balance, which is the better the nearer light is to where it ends.
                 for _ in 1..SWEEPS_BETWEEN {
-                    if change < SETTLED {
+                    if change < SETTLED || !change.is_finite() {
                         break;
                     }
                     change = solve::sweep(&shared, parallel)?;
-                }
-                parallel.progress(divided + (BALANCED - divided) * f64::from(count) / f64::from(BALANCES));
-                if is_last {
-                    break;
                 }
             }
             let mut part = Part::new(parallel, BALANCED..SOLVED);
@@ -405,10 +405,10 @@ fn cut(shared: &Shared, parallel: &mut impl Parallel) -> Result<()> {
 const PHOTONS: u64 = 1024;
 
 /// The root of the integral of the square of direct irradiance, roughly. The integral is what photons find of irradiance where
-/// they land, however small the spot that has most of it.
+/// they land: what they see of a spot is its share of the light, however small it is.
 fn first_norm(network: &Network) -> Result<f64> {
     let Judge { scene, elements, .. } = &network.judge;
-    let emitters = scene.emitters();
+    let (emitters, numbers) = (scene.emitters(), scene.face_numbers());
     let mut sum = 0.0;
     if let Some(emission) = Emission::new(scene, PhotonSharing::Power, Aim::Everywhere)? {
         for photon in 0..PHOTONS {
@@ -417,15 +417,27 @@ fn first_norm(network: &Network) -> Result<f64> {
             let Some((ray, power)) = emission.begin(scene, u, d, 1.0 / PHOTONS as f64) else { continue };
             let Some(hit) = scene.intersect(&ray) else { continue };
             let at = scene.interaction(&ray, &hit);
-            let normal = if at.ng.dot(ray.direction) < 0.0 { at.ng } else { -at.ng };
+            let front = at.ng.dot(ray.direction) < 0.0;
+            let normal = if front { at.ng } else { -at.ng };
+            let (face, weights) = numbers.of(&hit);
+            // Mirrors, glass and what is black have no elements.
+            if elements.leaf_at(face, front, weights, at.point.p.as_dvec3()).is_none() {
+                continue;
+            }
             if let Some(light) = emitters.sample(Receiver::facing(at.point.p, normal), rng.next_4d()) {
-                let cosine = normal.dot(light.wi).max(0.0);
-                sum += f64::from((power * light.radiance).max_element() * cosine / light.pdf);
+                let origin = at.point.offset(normal);
+                let shadow = Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: 1.0 };
+                let cosine = f64::from(normal.dot(light.wi).max(0.0) / light.pdf);
+                let seen = if cosine > 0.0 && scene.unoccluded(&shadow) { cosine } else { 0.0 };
+                sum += seen * (power.as_dvec3() * light.radiance.as_dvec3()).max_element();
             }
         }
     }
-    // Where no photon landed on what is lit: as if all were, evenly.
+    if sum > 0.0 && sum.is_finite() {
+        return Ok(sum.sqrt());
+    }
+    // Where no photon landed on what is lit, or one at a light itself: as if all were, evenly.
     let power: f64 = emitters.emitters().iter().map(|emitter| emitter.power().max_element()).sum();
     let area: f64 = elements.patches.iter().map(|patch| elements.nodes[patch.node as usize].area).sum();
-    Ok(if sum > 0.0 { sum.sqrt() } else { (power / area.max(f64::MIN_POSITIVE).sqrt()).max(f64::MIN_POSITIVE) })
+    Ok((power / area.max(f64::MIN_POSITIVE).sqrt()).max(f64::MIN_POSITIVE))
 }

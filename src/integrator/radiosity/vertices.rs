@@ -50,7 +50,7 @@ const NEAR: f64 = 2.0;
 /// Irradiance at every vertex.
 pub(super) fn vertices(shared: &Shared, parallel: &mut impl Parallel) -> Result<Vec<Rgb>> {
     let received = Arc::new(received(shared, parallel)?);
-    let leaves = Arc::new(leaves(&shared.read().unwrap_or_else(PoisonError::into_inner).judge.elements));
+    let leaves: Arc<[u32]> = leaves(&shared.read().unwrap_or_else(PoisonError::into_inner).judge.elements).collect();
     let network = Arc::clone(shared);
     let found = parallel.map(leaves.len().div_ceil(BLOCK), move |block| {
         let network = network.read().unwrap_or_else(PoisonError::into_inner);
@@ -119,9 +119,9 @@ fn hang<T: Copy>(elements: &Elements, hanging: &[bool], values: &mut [T], mean: 
 }
 
 /// Numbers of all elements that are not divided.
-fn leaves(elements: &Elements) -> Vec<u32> {
+fn leaves(elements: &Elements) -> impl Iterator<Item = u32> {
     let nodes = elements.nodes.iter().zip(0..);
-    nodes.filter(|(node, _)| node.is_leaf() && !node.is_cluster()).map(|(_, number)| number).collect()
+    nodes.filter(|(node, _)| node.is_leaf() && !node.is_cluster()).map(|(_, number)| number)
 }
 
 /// Which vertices are in the middle of a side of some leaf.

@@ -76,7 +76,7 @@ fn sphere(case: &mut Case) {
     ] {
         // Not quite at a vertex.
         let ray = Ray::new(scene.to_scene(DVec3::ZERO), (p + DVec3::splat(1e-3)).normalize().as_vec3a());
-        let Some(hit) = scene.intersect(&ray) else { continue };
+        let hit = scene.intersect(&ray).expect("it looks at a surface");
         let at = scene.interaction(&ray, &hit);
         let radiance = albedo / PI * f64::from(solution.irradiance(&hit, at.point.p, true).x);
         case.exact(format!("5040 triangles, radiance at {p}"), radiance, expected, Within::Relative(0.01));
@@ -147,7 +147,7 @@ fn plates_with_a_point(case: &mut Case) {
             // Not along a diagonal.
             let p = DVec3::new(r * 0.8, 0.25, r * 0.6);
             let ray = Ray::new(scene.to_scene(p), -Vec3::Y);
-            let Some(hit) = scene.intersect(&ray) else { continue };
+            let hit = scene.intersect(&ray).expect("it looks at a surface");
             let at = scene.interaction(&ray, &hit);
             let e = f64::from(solution.irradiance(&hit, at.point.p, true).x);
             case.exact(format!("point light, albedo {albedo}, at {r}"), e, expected, Within::Relative(0.03 * error));
