@@ -18,10 +18,16 @@ const NO_COMPILER: &str =
     "no C compiler could be started: install build-essential (Debian), or set CC to one that works";
 
 /// The structures whose layout the crate relies on.
-const STRUCTS: [&str; 11] = [
+const STRUCTS: [&str; 17] = [
     "RTCRay",
     "RTCHit",
     "RTCRayHit",
+    "RTCRay8",
+    "RTCHit8",
+    "RTCRayHit8",
+    "RTCRay16",
+    "RTCHit16",
+    "RTCRayHit16",
     "RTCBounds",
     "RTCRayQueryContext",
     "RTCIntersectArguments",

@@ -20,7 +20,7 @@ use etendue::math::{DAffine3, DVec3, Vec3};
 use etendue::render::{Render, RenderSettings};
 use etendue::sampling::Rng;
 use etendue::scene::{BuildOptions, Scene};
-use recorded::{ROUNDS, Rays, record, render, rows, time};
+use recorded::{ROUNDS, Rays, record, render_in_waves, rows, time};
 
 const COUNTS: [usize; 5] = [1_000, 10_000, 100_000, 1_000_000, 10_000_000];
 const THREADS: usize = 2;
@@ -119,15 +119,14 @@ fn of_triangles(most: usize) -> etendue::Result<()> {
         let info = scene.info();
         let per_triangle = |bytes: usize| bytes as f64 / info.triangles as f64;
         let camera = Camera::new(scene.camera(), [recorded::RESOLUTION; 2], scene.centre())?;
-        let recorded = record(&scene, &camera, THREADS);
+        let recorded = record(&scene, &camera, THREADS, false);
         let all: usize = recorded.iter().map(Rays::count).sum();
         let closest: usize = recorded.iter().map(|rays| rays.closest.len()).sum();
         let kernel = scene.kernel().expect("the landscape is Embree's");
         let mut best = [f64::INFINITY; 3];
         for _ in 0..ROUNDS {
             let path = time(THREADS, |thread| {
-                let mut tracer = SceneTracer::new(&scene);
-                black_box(render(&scene, &camera, rows(thread, THREADS), &mut tracer));
+                black_box(render_in_waves(&scene, &camera, rows(thread, THREADS), &mut SceneTracer::new(&scene)));
             });
             let closest = time(THREADS, |thread| {
                 black_box(recorded[thread].closest.iter().filter(|ray| kernel.intersect(ray).is_some()).count());

@@ -2,9 +2,9 @@
 //!
 //! Records every ray that path tracing a scene asks for, then times in turn, in one process: the whole integrator; the
 //! recorded rays through the scene (Embree and the list of analytic shapes); through Embree with the analytic shapes in its
-//! tree as user geometry; and through Embree without them, where rays go on to what is behind, in its robust mode and in its
-//! fast one. Closest-hit and shadow rays apart. Reports rays per second and the integrator's share of what Embree alone
-//! would do, best of several rounds each.
+//! tree as user geometry; and through Embree without them, where rays go on to what is behind, in its robust mode, in its
+//! fast one, and in packets as waves of paths ask for them. Closest-hit and shadow rays apart. Reports rays per second and the
+//! integrator's share of what Embree alone would do, best of several rounds each.
 //!
 //! `cargo bench --bench rays -- [SCENE.json ...]`
 
@@ -21,7 +21,7 @@ use etendue::integrator::SceneTracer;
 use etendue::math::Ray;
 use etendue::scene::{BuildOptions, Scene};
 use polygons::{kernel, triangles};
-use recorded::{RESOLUTION, ROUNDS, Rays, SAMPLES, record, render, rows, time};
+use recorded::{RESOLUTION, ROUNDS, Rays, SAMPLES, record, render_in_waves, rows, time};
 
 /// A scene that Embree has no part in has no ray rate to compare with.
 fn no_kernel() -> etendue::Error {
@@ -39,7 +39,7 @@ fn measure(path: &FilePath, threads: usize) -> etendue::Result<()> {
     let fast = kernel(&scene, &mesh, false)?;
     let (all, polygons) = (all_in_embree.kernel().ok_or_else(no_kernel)?, scene.kernel().ok_or_else(no_kernel)?);
 
-    let recorded = record(&scene, &camera, threads);
+    let recorded = record(&scene, &camera, threads, false);
     let count: usize = recorded.iter().map(Rays::count).sum();
     let closest: usize = recorded.iter().map(|rays| rays.closest.len()).sum();
 
@@ -50,12 +50,13 @@ fn measure(path: &FilePath, threads: usize) -> etendue::Result<()> {
         ("Embree, polygons only", &|ray| polygons.intersect(ray).is_some(), &|ray| polygons.occluded(ray)),
         ("the same, robust off", &|ray| fast.intersect(ray).is_some(), &|ray| fast.occluded(ray)),
     ];
+    let waves = record(&scene, &camera, threads, true);
+    let mut in_packets = [f64::INFINITY; 2];
     let mut integrator = f64::INFINITY;
     let mut best = [[f64::INFINITY; 2]; 4];
     for _ in 0..ROUNDS {
         integrator = integrator.min(time(threads, |thread| {
-            let mut tracer = SceneTracer::new(&scene);
-            black_box(render(&scene, &camera, rows(thread, threads), &mut tracer));
+            black_box(render_in_waves(&scene, &camera, rows(thread, threads), &mut SceneTracer::new(&scene)));
         }));
         for (best, (_, intersect, occluded)) in best.iter_mut().zip(through) {
             let closest = time(threads, |thread| {
@@ -66,6 +67,17 @@ fn measure(path: &FilePath, threads: usize) -> etendue::Result<()> {
             });
             *best = [best[0].min(closest), best[1].min(shadow)];
         }
+        let closest = time(threads, |thread| {
+            let (rays, mut met) = (&waves[thread].closest, 0);
+            polygons.intersect_many(rays, |number| rays[number].tfar, |_, _| met += 1);
+            black_box(met);
+        });
+        let shadow = time(threads, |thread| {
+            let mut blocked = 0;
+            polygons.occluded_many(&waves[thread].shadow, |_| blocked += 1);
+            black_box(blocked);
+        });
+        in_packets = [in_packets[0].min(closest), in_packets[1].min(shadow)];
     }
     let rate = |count: usize, seconds: f64| count as f64 / seconds / 1e6;
     let samples = f64::from(RESOLUTION * RESOLUTION * SAMPLES);
@@ -76,7 +88,8 @@ fn measure(path: &FilePath, threads: usize) -> etendue::Result<()> {
         (count - closest) as f64 / samples,
     );
     println!("  integrator               {:6.2} Mrays/s", rate(count, integrator));
-    for ((what, ..), [closest_time, shadow_time]) in through.into_iter().zip(best) {
+    let through = through.map(|(what, ..)| what).into_iter().chain(["polygons, in packets"]);
+    for (what, [closest_time, shadow_time]) in through.zip(best.into_iter().chain([in_packets])) {
         println!(
             "  {what:22}   {:6.2} Mrays/s (closest-hit {:.2}, shadow {:.2}), integrator / this {:.3}",
             rate(count, closest_time + shadow_time),

@@ -26,7 +26,7 @@ use etendue::integrator::SceneTracer;
 use etendue::math::{DVec3, Ray, Vec3};
 use etendue::scene::{BuildOptions, Scene};
 use polygons::{kernel, triangles};
-use recorded::{ROUNDS, Rays, record, render, rows, time};
+use recorded::{ROUNDS, Rays, record, render_in_waves, rows, time};
 
 const THREADS: usize = 2;
 
@@ -78,7 +78,7 @@ fn measure(path: &FilePath) -> etendue::Result<()> {
     let mesh = triangles(&desc, scene.centre())?;
     let (robust, fast) = (kernel(&scene, &mesh, true)?, kernel(&scene, &mesh, false)?);
     let spheres = spheres(&desc, scene.centre());
-    let recorded = record(&scene, &camera, THREADS);
+    let recorded = record(&scene, &camera, THREADS, false);
     let count: usize = recorded.iter().map(Rays::count).sum();
     let hits: usize = recorded.iter().map(|rays| rays.closest.len()).sum();
 
@@ -91,8 +91,7 @@ fn measure(path: &FilePath) -> etendue::Result<()> {
         count,
         [
             &|thread| {
-                let mut tracer = SceneTracer::new(&scene);
-                black_box(render(&scene, &camera, rows(thread, THREADS), &mut tracer));
+                black_box(render_in_waves(&scene, &camera, rows(thread, THREADS), &mut SceneTracer::new(&scene)));
             },
             &|thread| replay(thread, &|ray| robust.intersect(ray).is_some(), &|ray| robust.occluded(ray)),
             &|thread| replay(thread, &|ray| fast.intersect(ray).is_some(), &|ray| fast.occluded(ray)),

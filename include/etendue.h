@@ -1210,7 +1210,7 @@ typedef struct etd_render_options {
     double time_limit;
     /**
      * Estimated error at which to stop, > 0, of the kind that `error_measure` says; 0: none. It counts as reached if it is
-     * below by half a standard error of the estimate, with 32 samples at least, and not while few pixels have most of it.
+     * below by a quarter of the estimate's standard error, with 32 samples at least, and not while few pixels have most of it.
      */
     double target_error;
     /**

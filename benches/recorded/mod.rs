@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use etendue::camera::Camera;
-use etendue::integrator::{Integrator, Path, Tracer};
+use etendue::integrator::{Integrator, Path, Sample, Tracer, Wave};
 use etendue::math::Ray;
 use etendue::sampling::{Sampler, SobolSampler};
 use etendue::scene::{Hit, Scene};
@@ -52,12 +52,18 @@ impl Tracer for Recorder<'_> {
 /// The integrator.
 const PATH: Path = Path { max_depth: None, shadow_rays: 1 };
 
-/// Every ray that so many threads ask for, each taking every n-th row: all see the same mixture.
-pub fn record(scene: &Scene, camera: &Camera, threads: usize) -> Vec<Rays> {
+/// Every ray that so many threads ask for, each taking every n-th row: all see the same mixture. Path by path, or in the order
+/// of waves.
+pub fn record(scene: &Scene, camera: &Camera, threads: usize, in_waves: bool) -> Vec<Rays> {
     (0..threads)
         .map(|thread| {
             let mut recorder = Recorder { scene, rays: Rays::default() };
-            std::hint::black_box(render(scene, camera, rows(thread, threads), &mut recorder));
+            let rows = rows(thread, threads);
+            std::hint::black_box(if in_waves {
+                render_in_waves(scene, camera, rows, &mut recorder)
+            } else {
+                render(scene, camera, rows, &mut recorder)
+            });
             recorder.rays
         })
         .collect()
@@ -68,8 +74,8 @@ pub fn rows(thread: usize, threads: usize) -> impl Iterator<Item = u32> {
     (thread as u32..RESOLUTION).step_by(threads)
 }
 
-/// Path traces rows of pixels; in tiles' order it would be the same work.
-pub fn render<T: Tracer>(scene: &Scene, camera: &Camera, rows: impl Iterator<Item = u32>, tracer: &mut T) -> f32 {
+/// Path traces rows of pixels, path by path.
+fn render<T: Tracer>(scene: &Scene, camera: &Camera, rows: impl Iterator<Item = u32>, tracer: &mut T) -> f32 {
     let mut sampler = SobolSampler::new(7, SAMPLES);
     let mut sum = 0.0;
     for y in rows {
@@ -80,6 +86,32 @@ pub fn render<T: Tracer>(scene: &Scene, camera: &Camera, rows: impl Iterator<Ite
                 let ray = camera.ray(x as f32 + dx, y as f32 + dy);
                 sum += PATH.radiance(scene, ray, &mut sampler, tracer, &mut |_| ()).element_sum();
             }
+        }
+    }
+    sum
+}
+
+/// The same in waves, as renders do it; in tiles' order it would be the same work.
+pub fn render_in_waves<T: Tracer>(
+    scene: &Scene,
+    camera: &Camera,
+    rows: impl Iterator<Item = u32>,
+    tracer: &mut T,
+) -> f32 {
+    const PIXELS: usize = 128 / SAMPLES as usize;
+    let mut wave = Wave::default();
+    let mut samples = vec![Sample::new(SobolSampler::new(7, SAMPLES)); PIXELS * SAMPLES as usize];
+    let mut sum = 0.0;
+    for y in rows {
+        for left in (0..RESOLUTION).step_by(PIXELS) {
+            for (number, sample) in (0..).zip(&mut samples) {
+                let x = left + number / SAMPLES;
+                sample.sampler.start(y * RESOLUTION + x, number % SAMPLES);
+                let [dx, dy] = sample.sampler.pixel_2d();
+                sample.ray = camera.ray(x as f32 + dx, y as f32 + dy);
+            }
+            PATH.radiance_of_many(scene, &mut samples, &mut wave, tracer);
+            sum += samples.iter().map(|sample| sample.radiance.element_sum()).sum::<f32>();
         }
     }
     sum

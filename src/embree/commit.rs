@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use super::device::{Building, lock};
+use super::packet::Width;
 use super::scene::{Kept, Scene, SceneInner};
 use super::sys;
 use super::user::panic_text;
@@ -109,6 +110,9 @@ fn build(mut inner: SceneInner, watch: &Arc<Watch>) -> Result<Scene> {
     watch.advance(1.0);
     inner.bvh_bytes = grown;
     inner.mask = inner.features.mask();
+    if !inner.features.user && !inner.features.spheres {
+        inner.width = Width::of(device.raw);
+    }
     inner.kept.shrink_to_fit();
     Ok(Scene { inner: Arc::new(inner) })
 }

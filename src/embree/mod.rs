@@ -94,6 +94,7 @@ mod builder;
 mod commit;
 mod device;
 mod mesh;
+mod packet;
 mod ray;
 mod scene;
 #[allow(clippy::undocumented_unsafe_blocks)]
@@ -104,6 +105,7 @@ pub use budget::{Charge, MemoryBudget};
 pub use builder::{BuildQuality, GeometryId, SceneBuilder, SceneOptions};
 pub use device::{Device, DeviceOptions};
 pub use mesh::{MAX_COORDINATE, TriangleMesh, VertexBuffer};
+pub use packet::PACKET;
 pub use ray::Hit;
 pub use scene::{Features, Scene};
 pub use user::{UserGeometry, UserHit};

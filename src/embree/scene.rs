@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::device::DeviceInner;
 use super::mesh::TriangleMesh;
+use super::packet::Width;
 use super::ray::{Hit, from_embree, is_traceable, no_hit, to_embree};
 use super::user::ErasedUser;
 use super::{Device, sys};
@@ -68,6 +69,8 @@ pub(super) struct SceneInner {
     pub(super) kept: Vec<Kept>,
     pub(super) features: Features,
     pub(super) mask: sys::RTCFeatureFlags,
+    /// User geometry is asked about one ray at a time, and so are Embree's spheres.
+    pub(super) width: Width,
     pub(super) bvh_bytes: usize,
     pub(super) device: Arc<DeviceInner>,
 }
@@ -115,10 +118,16 @@ impl Scene {
             return None;
         }
         let mut hit = self.query::<FLAGS>(ray)?;
-        if hit.u == 0.0 && hit.v == 0.0 {
-            self.weigh_again(ray, &mut hit);
-        }
+        self.complete(ray, &mut hit);
         Some(hit)
+    }
+
+    /// Mends what the kernel leaves out in tiny triangles.
+    #[inline(always)]
+    pub(super) fn complete(&self, ray: &Ray, hit: &mut Hit) {
+        if hit.u == 0.0 && hit.v == 0.0 {
+            self.weigh_again(ray, hit);
+        }
     }
 
     /// Gives a hit whose barycentric weights are those of a triangle's first vertex the true ones.
@@ -155,18 +164,34 @@ impl Scene {
     #[inline(always)]
     fn query<const FLAGS: sys::RTCRayQueryFlags>(&self, ray: &Ray) -> Option<Hit> {
         let mut found = sys::RTCRayHit { ray: to_embree(ray), hit: no_hit() };
-        // Made here and not kept in the scene: it is five words, and Embree takes it by a pointer it may write to.
-        let mut arguments = sys::RTCIntersectArguments {
-            flags: FLAGS,
-            feature_mask: self.inner.mask,
-            context: std::ptr::null_mut(),
-            filter: None,
-            intersect: None,
-        };
+        let mut arguments = self.intersect_arguments(FLAGS);
         // SAFETY: the scene is committed (a `Scene` is made by `SceneBuilder::commit` alone); both structures are
         // local, of the layout the build script checked, and aligned by their types.
         unsafe { sys::rtcIntersect1(self.inner.raw, &raw mut found, &raw mut arguments) };
         from_embree(&found)
+    }
+
+    // Made for each query and not kept in the scene: it is five words, and Embree takes it by a pointer it may write to.
+    #[inline(always)]
+    pub(super) fn intersect_arguments(&self, flags: sys::RTCRayQueryFlags) -> sys::RTCIntersectArguments {
+        sys::RTCIntersectArguments {
+            flags,
+            feature_mask: self.inner.mask,
+            context: std::ptr::null_mut(),
+            filter: None,
+            intersect: None,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn occluded_arguments(&self) -> sys::RTCOccludedArguments {
+        sys::RTCOccludedArguments {
+            flags: sys::RTC_RAY_QUERY_FLAG_INCOHERENT,
+            feature_mask: self.inner.mask,
+            context: std::ptr::null_mut(),
+            filter: None,
+            occluded: None,
+        }
     }
 
     /// Whether `ray` meets anything. A ray that is not traceable meets nothing.
@@ -176,13 +201,7 @@ impl Scene {
             return false;
         }
         let mut segment = to_embree(ray);
-        let mut arguments = sys::RTCOccludedArguments {
-            flags: sys::RTC_RAY_QUERY_FLAG_INCOHERENT,
-            feature_mask: self.inner.mask,
-            context: std::ptr::null_mut(),
-            filter: None,
-            occluded: None,
-        };
+        let mut arguments = self.occluded_arguments();
         // SAFETY: as in `intersect_as`.
         unsafe { sys::rtcOccluded1(self.inner.raw, &raw mut segment, &raw mut arguments) };
         segment.tfar == f32::NEG_INFINITY
@@ -291,13 +310,7 @@ mod tests {
         for scene in [&child, &parent] {
             let inside = sys::RTCRayHit { ray: to_embree(&ray), hit: no_hit() };
             let mut query = Fenced { before: [CANARY; 8], inside, after: [CANARY; 32] };
-            let arguments = sys::RTCIntersectArguments {
-                flags: sys::RTC_RAY_QUERY_FLAG_INCOHERENT,
-                feature_mask: scene.inner.mask,
-                context: std::ptr::null_mut(),
-                filter: None,
-                intersect: None,
-            };
+            let arguments = scene.intersect_arguments(sys::RTC_RAY_QUERY_FLAG_INCOHERENT);
             let mut arguments = Fenced { before: [CANARY; 8], inside: arguments, after: [CANARY; 32] };
             // SAFETY: as in `intersect_as`.
             unsafe { sys::rtcIntersect1(scene.inner.raw, &raw mut query.inside, &raw mut arguments.inside) };

@@ -44,7 +44,7 @@ pub struct FilmOptions {
 /// A film in tiles of [`TILE`] x [`TILE`] pixels, shared by those who fill it and those who look at it.
 ///
 /// Each tile has a lock, so that any thread may develop the film while others fill it: it sees every pixel as it was
-/// between two rows of work. A tile takes memory when it is filled for the first time.
+/// between two additions of samples. A tile takes memory when it is filled for the first time.
 #[derive(Debug)]
 pub struct Film {
     options: FilmOptions,
@@ -59,6 +59,13 @@ pub(crate) struct Tile {
     pub auxiliary: Vec<Auxiliary>,
     /// As `pixels`, or empty where no photons are to be remembered.
     pub gathering: Vec<Gathering>,
+}
+
+impl Tile {
+    /// Samples of each pixel, once the tile takes memory.
+    pub(crate) fn counts(&self) -> [u32; PER_TILE] {
+        std::array::from_fn(|index| self.pixels[index].count())
+    }
 }
 
 /// What is kept of a pixel beside its sums.

@@ -6,6 +6,7 @@
 //! `"integrator": { "type": "direct" }`, with `shadowRays` (1).
 
 use super::path::{Limits, Path, trace};
+use super::wave::{Sample, Wave};
 use super::{FirstHit, Integrator, Tracer};
 use crate::math::Ray;
 use crate::sampling::Sampler;
@@ -19,6 +20,13 @@ pub struct Direct {
     pub shadow_rays: u32,
 }
 
+impl Direct {
+    fn limits(&self) -> Limits {
+        let path = Path { max_depth: Some(1), shadow_rays: self.shadow_rays };
+        Limits { path, mirrors_see_lights: true, from: None }
+    }
+}
+
 impl Integrator for Direct {
     #[inline]
     fn radiance<S: Sampler, T: Tracer>(
@@ -29,7 +37,19 @@ impl Integrator for Direct {
         tracer: &mut T,
         first: &mut impl FnMut(FirstHit),
     ) -> Rgb {
-        let path = Path { max_depth: Some(1), shadow_rays: self.shadow_rays };
-        trace(scene, ray, sampler, tracer, first, Limits { path, mirrors_see_lights: true, from: None })
+        trace(scene, ray, sampler, tracer, first, self.limits())
+    }
+
+    const IN_WAVES: bool = true;
+
+    #[inline(always)]
+    fn radiance_of_many<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        samples: &mut [Sample<S>],
+        wave: &mut Wave,
+        tracer: &mut T,
+    ) {
+        wave.trace(scene, samples, tracer, &self.limits());
     }
 }

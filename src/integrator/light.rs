@@ -95,8 +95,7 @@ impl<'s> Vertex<'s> {
 
     /// One sample of the light that comes straight from an emitter and is scattered back along the path.
     ///
-    /// Weighted against a Bsdf sample in the same direction by the power heuristic (Veach 1997, Sec. 9.2.4), this being
-    /// one of `light_samples`. Glass blocks: light through it comes as a path that is refracted, and never twice.
+    /// One of `light_samples`, as [`Vertex::light_sample`] says.
     #[inline]
     pub fn sample_light<T: Tracer>(&self, scene: &Scene, u: [f32; 4], light_samples: u32, tracer: &mut T) -> Rgb {
         self.sample_light_as(scene, u, light_samples, false, tracer)
@@ -112,25 +111,35 @@ impl<'s> Vertex<'s> {
         is_alone: bool,
         tracer: &mut T,
     ) -> Rgb {
+        match self.light_sample(scene, u, light_samples, is_alone) {
+            Some((shadow, light)) if tracer.unoccluded(&shadow) => light,
+            _ => Rgb::ZERO,
+        }
+    }
+
+    /// A shadow ray towards an emitter, and what is scattered back along the path if nothing is in its way; `None` where that
+    /// is nothing.
+    ///
+    /// Weighted against a Bsdf sample in the same direction by the power heuristic (Veach 1997, Sec. 9.2.4), this being
+    /// one of `light_samples`. Glass blocks: light through it comes as a path that is refracted, and never twice.
+    #[inline(always)]
+    pub fn light_sample(&self, scene: &Scene, u: [f32; 4], light_samples: u32, is_alone: bool) -> Option<(Ray, Rgb)> {
         let point = &self.surface.point;
-        let Some(light) = scene.emitters().sample(self.receiver(), u) else { return Rgb::ZERO };
+        let light = scene.emitters().sample(self.receiver(), u)?;
         let wi = self.frame.to_local(light.wi);
         if !self.is_consistent(light.wi, wi) {
-            return Rgb::ZERO;
+            return None;
         }
         let (f, bsdf_pdf) = self.material.bsdf.f_pdf(self.wo, wi);
         if f == Rgb::ZERO {
-            return Rgb::ZERO;
+            return None;
         }
         let weight =
             if light.is_delta || is_alone { 1.0 } else { power_heuristic(light_samples as f32 * light.pdf, bsdf_pdf) };
         let origin = point.offset(self.side(light.wi));
         // The target is off the light, by more the farther it is: the light is no obstacle itself.
         let shadow = Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: 1.0 };
-        if !tracer.unoccluded(&shadow) {
-            return Rgb::ZERO;
-        }
-        f * light.radiance * (wi.z.abs() * weight / (light.pdf * light_samples as f32))
+        Some((shadow, f * light.radiance * (wi.z.abs() * weight / (light.pdf * light_samples as f32))))
     }
 
     /// Samples the next direction of the path; `None` when it ends in absorption.

@@ -10,11 +10,13 @@ mod light;
 mod path;
 pub mod photon;
 pub mod radiosity;
+mod wave;
 mod whitted;
 
 pub use direct::Direct;
 pub use irradiance::{Irradiance, Piece, Sites};
 pub use path::Path;
+pub use wave::{Sample, Wave};
 pub use whitted::Whitted;
 
 use crate::film::Gathering;
@@ -30,6 +32,19 @@ pub trait Tracer {
 
     /// Whether nothing lies in the ray's segment.
     fn unoccluded(&mut self, ray: &Ray) -> bool;
+
+    /// The nearest surface along each of the rays; what [`Tracer::intersect`] would answer. `hits` has the length of `rays`.
+    #[inline]
+    fn intersect_many(&mut self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.intersect(ray));
+    }
+
+    /// Whether nothing lies in the segment of each of the rays; what [`Tracer::unoccluded`] would answer. `clear` has the length
+    /// of `rays`.
+    #[inline]
+    fn unoccluded_many(&mut self, rays: &[Ray], clear: &mut [bool]) {
+        rays.iter().zip(clear).for_each(|(ray, clear)| *clear = self.unoccluded(ray));
+    }
 }
 
 /// Traces in a scene and counts the rays.
@@ -58,6 +73,18 @@ impl Tracer for SceneTracer<'_> {
     fn unoccluded(&mut self, ray: &Ray) -> bool {
         self.rays += 1;
         self.scene.unoccluded(ray)
+    }
+
+    #[inline]
+    fn intersect_many(&mut self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        self.rays += rays.len() as u64;
+        self.scene.intersect_many(rays, hits);
+    }
+
+    #[inline]
+    fn unoccluded_many(&mut self, rays: &[Ray], clear: &mut [bool]) {
+        self.rays += rays.len() as u64;
+        self.scene.unoccluded_many(rays, clear);
     }
 }
 
@@ -98,5 +125,23 @@ pub trait Integrator: Sync {
         _gathering: Option<&mut Gathering>,
     ) -> Rgb {
         self.radiance(scene, ray, sampler, tracer, first)
+    }
+
+    /// Whether several samples at once are faster than one after another.
+    const IN_WAVES: bool = false;
+
+    /// The radiance of several samples, each as [`Integrator::radiance`] would estimate it.
+    #[inline(always)]
+    fn radiance_of_many<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        samples: &mut [Sample<S>],
+        _wave: &mut Wave,
+        tracer: &mut T,
+    ) {
+        for Sample { ray, sampler, radiance, first } in samples {
+            *first = None;
+            *radiance = self.radiance(scene, *ray, sampler, tracer, &mut |hit| *first = Some(hit));
+        }
     }
 }

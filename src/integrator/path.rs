@@ -9,6 +9,7 @@
 //! and Image Synthesis" (roulette).
 
 use super::light::Vertex;
+use super::wave::{Sample, Wave};
 use super::{FirstHit, Integrator, Tracer};
 use crate::emitter::Receiver;
 use crate::math::Ray;
@@ -47,7 +48,26 @@ impl Integrator for Path {
         tracer: &mut T,
         first: &mut impl FnMut(FirstHit),
     ) -> Rgb {
-        trace(scene, ray, sampler, tracer, first, Limits { path: *self, mirrors_see_lights: false, from: None })
+        trace(scene, ray, sampler, tracer, first, self.limits())
+    }
+
+    const IN_WAVES: bool = true;
+
+    #[inline(always)]
+    fn radiance_of_many<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        samples: &mut [Sample<S>],
+        wave: &mut Wave,
+        tracer: &mut T,
+    ) {
+        wave.trace(scene, samples, tracer, &self.limits());
+    }
+}
+
+impl Path {
+    fn limits(&self) -> Limits {
+        Limits { path: *self, mirrors_see_lights: false, from: None }
     }
 }
 
@@ -61,6 +81,112 @@ pub(super) struct Limits {
     pub from: Option<(Receiver, f32)>,
 }
 
+/// A path on its way.
+#[derive(Clone, Copy)]
+pub(super) struct Walk {
+    /// What it has brought so far.
+    pub radiance: Rgb,
+    throughput: Rgb,
+    /// The last bounce's receiver and density, where a light sample could have made it as well.
+    bounced: Option<(Receiver, f32)>,
+    /// Undoes the radiance scaling of refraction for the roulette: a path inside glass is not worth less.
+    eta2: f32,
+    /// What a path has to carry to survive with certainty: a share of what was left after the first hit, so that indirect
+    /// light on a dark wall is as clean, against its own brightness, as on a white one.
+    worth_following: f32,
+    /// Hits so far.
+    depth: u32,
+}
+
+impl Walk {
+    /// Before the first hit.
+    #[inline]
+    pub fn new(limits: &Limits) -> Self {
+        Self {
+            radiance: Rgb::ZERO,
+            throughput: Rgb::ONE,
+            bounced: limits.from,
+            eta2: 1.0,
+            worth_following: 1.0,
+            depth: 0,
+        }
+    }
+
+    /// What happens at the path's next vertex: the ray that it goes on with, if it does.
+    ///
+    /// `light` is given shadow rays, each with the radiance that it adds if nothing is in its way, to be added to the path's in
+    /// this order and before the next hit.
+    #[inline(always)]
+    pub fn meet<S: Sampler>(
+        &mut self,
+        scene: &Scene,
+        vertex: &Vertex<'_>,
+        sampler: &mut S,
+        limits: &Limits,
+        first: &mut impl FnMut(FirstHit),
+        mut light: impl FnMut(&mut Rgb, Ray, Rgb),
+    ) -> Option<Ray> {
+        let Path { max_depth, shadow_rays } = limits.path;
+        let max_depth = max_depth.unwrap_or(u32::MAX);
+        self.depth += 1;
+        let depth = self.depth;
+        if depth == 1 {
+            first(vertex.first_hit());
+        }
+
+        // Light that the surface itself sends.
+        self.radiance += self.throughput * vertex.emitted(scene, self.bounced, shadow_rays);
+        let bsdf = &vertex.material.bsdf;
+        if depth > max_depth || bsdf.is_black() {
+            return None;
+        }
+
+        // Light that reaches it straight from an emitter.
+        if !bsdf.is_delta() && !scene.emitters().is_dark() {
+            for _ in 0..shadow_rays {
+                if let Some((shadow, sent)) = vertex.light_sample(scene, sampler.next_4d(), shadow_rays, false) {
+                    light(&mut self.radiance, shadow, self.throughput * sent);
+                }
+            }
+        }
+
+        // The next direction.
+        let u = sampler.next_4d();
+        let bounce = vertex.sample_bounce(u)?;
+        if depth == max_depth && bounce.pdf.is_none() && !limits.mirrors_see_lights {
+            return None;
+        }
+        self.throughput *= bounce.weight;
+        self.eta2 *= bounce.eta * bounce.eta;
+        self.bounced = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
+
+        // Roulette: by the scene's own probability at the surface, or by what the path still carries. The ray after the
+        // last allowed hit only looks for a light.
+        if depth < max_depth {
+            let carried = self.throughput.max_element() * self.eta2;
+            if carried <= 0.0 {
+                return None;
+            }
+            if depth == 1 {
+                self.worth_following = CERTAIN_SHARE * carried;
+            }
+            let share = match vertex.material.survival {
+                Some(survival) if self.bounced.is_some() && depth < OWN_SURVIVAL_BOUNCES => survival,
+                _ => carried / self.worth_following,
+            };
+            let survival = roulette(share, depth);
+            if survival < 1.0 {
+                if u[3] >= survival {
+                    return None;
+                }
+                self.throughput /= survival;
+            }
+        }
+        Some(bounce.ray)
+    }
+}
+
+/// One path, from the first ray to the end.
 #[inline]
 pub(super) fn trace<S: Sampler, T: Tracer>(
     scene: &Scene,
@@ -70,75 +196,20 @@ pub(super) fn trace<S: Sampler, T: Tracer>(
     first: &mut impl FnMut(FirstHit),
     limits: Limits,
 ) -> Rgb {
-    let Path { max_depth, shadow_rays } = limits.path;
-    let max_depth = max_depth.unwrap_or(u32::MAX);
-    let mut radiance = Rgb::ZERO;
-    let mut throughput = Rgb::ONE;
-    // Undoes the radiance scaling of refraction for the roulette: a path inside glass is not worth less.
-    let mut eta2 = 1.0;
-    // The last bounce's receiver and density, where a light sample could have made it as well.
-    let mut bounced = limits.from;
-    // What a path has to carry to survive with certainty: a share of what was left after the first hit, so that indirect
-    // light on a dark wall is as clean, against its own brightness, as on a white one.
-    let mut worth_following = 1.0;
-
-    for depth in 1_u32.. {
-        let Some(hit) = tracer.intersect(&ray) else { break };
-        let vertex = Vertex::new(scene, &ray, &hit);
-        if depth == 1 {
-            first(vertex.first_hit());
-        }
-
-        // Light that the surface itself sends.
-        radiance += throughput * vertex.emitted(scene, bounced, shadow_rays);
-        let bsdf = &vertex.material.bsdf;
-        if depth > max_depth || bsdf.is_black() {
-            break;
-        }
-
-        // Light that reaches it straight from an emitter.
-        if !bsdf.is_delta() && !scene.emitters().is_dark() {
-            for _ in 0..shadow_rays {
-                let u = sampler.next_4d();
-                radiance += throughput * vertex.sample_light(scene, u, shadow_rays, tracer);
-            }
-        }
-
-        // The next direction.
-        let u = sampler.next_4d();
-        let Some(bounce) = vertex.sample_bounce(u) else { break };
-        if depth == max_depth && bounce.pdf.is_none() && !limits.mirrors_see_lights {
-            break;
-        }
-        throughput *= bounce.weight;
-        eta2 *= bounce.eta * bounce.eta;
-        bounced = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
-        ray = bounce.ray;
-
-        // Roulette: by the scene's own probability at the surface, or by what the path still carries. The ray after the
-        // last allowed hit only looks for a light.
-        if depth < max_depth {
-            let carried = throughput.max_element() * eta2;
-            if carried <= 0.0 {
-                break;
-            }
-            if depth == 1 {
-                worth_following = CERTAIN_SHARE * carried;
-            }
-            let share = match vertex.material.survival {
-                Some(survival) if bounced.is_some() && depth < OWN_SURVIVAL_BOUNCES => survival,
-                _ => carried / worth_following,
-            };
-            let survival = roulette(share, depth);
-            if survival < 1.0 {
-                if u[3] >= survival {
-                    break;
+    let mut walk = Walk::new(&limits);
+    while let Some(hit) = tracer.intersect(&ray) {
+        let next =
+            walk.meet(scene, &Vertex::new(scene, &ray, &hit), sampler, &limits, first, |radiance, shadow, sent| {
+                if tracer.unoccluded(&shadow) {
+                    *radiance += sent;
                 }
-                throughput /= survival;
-            }
+            });
+        match next {
+            Some(next) => ray = next,
+            None => break,
         }
     }
-    radiance
+    walk.radiance
 }
 
 /// Survival probability of a path that carries this share of what would be worth following, after `depth` hits.

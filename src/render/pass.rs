@@ -11,11 +11,14 @@ use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{RenderDesc, SamplerDesc};
 use crate::film::{Film, Gathering, REPLICATES, TILE};
-use crate::integrator::{Direct, FirstHit, Integrator, Irradiance, Path, Tracer, Whitted};
+use crate::integrator::{Direct, Integrator, Irradiance, Path, Sample, Tracer, Wave, Whitted};
 use crate::math::Ray;
 use crate::sampling::{Filter, Pattern, PatternSampler, Sampler, SobolSampler};
 use crate::scene::{Hit, Scene};
 use crate::spectrum::Rgb;
+
+/// Samples that are taken together: enough to fill packets when most paths have ended, few enough to stay in the nearest caches.
+const WAVE: usize = 128;
 
 /// Everything the workers of a pass share.
 pub(super) struct Pass {
@@ -105,59 +108,117 @@ impl Tracer for PassTracer<'_> {
         self.rays += 1;
         !self.pass.is_stopped() && self.scene.unoccluded(ray)
     }
+
+    #[inline]
+    fn intersect_many(&mut self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        let before = self.rays;
+        self.rays += rays.len() as u64;
+        if self.pass.is_stopped() | (self.rays >= self.limit) {
+            for (number, (ray, hit)) in (before + 1..).zip(rays.iter().zip(hits)) {
+                *hit = intersect_at_end(self.pass, *ray, number);
+            }
+        } else {
+            self.scene.intersect_many(rays, hits);
+        }
+    }
+
+    #[inline]
+    fn unoccluded_many(&mut self, rays: &[Ray], clear: &mut [bool]) {
+        self.rays += rays.len() as u64;
+        if self.pass.is_stopped() {
+            clear.fill(false);
+        } else {
+            self.scene.unoccluded_many(rays, clear);
+        }
+    }
+}
+
+/// A sample of a pixel that is being taken.
+struct Job {
+    pixel: [u32; 2],
+    /// Its number in the tile.
+    index: usize,
+    sample: u32,
+    /// From the pixel's middle, as the filter draws it, in pixels, and the weight of that.
+    offset: [f32; 2],
+    weight: f32,
+    /// What the pixel remembers: a copy, as the sample may be stopped in the middle.
+    gathering: Option<Gathering>,
+}
+
+/// What a worker takes at once.
+struct Batch<S> {
+    jobs: Vec<Job>,
+    /// One for each job, and perhaps more.
+    samples: Vec<Sample<S>>,
+    wave: Wave,
+    /// How many there may be now. Few at first, so that a pass that is stopped again and again gets on.
+    most: usize,
+}
+
+impl<S: Clone> Batch<S> {
+    /// An empty one for batches of so many.
+    fn new(sampler: &S, most: usize) -> Self {
+        Self {
+            jobs: Vec::with_capacity(most),
+            samples: vec![Sample::new(sampler.clone()); most],
+            wave: Wave::default(),
+            most: 1,
+        }
+    }
 }
 
 /// What the samples of a pixel are samples of.
 trait Subject: Sync {
-    /// One sample of pixel (x, y). `offset`: from the pixel's middle, as the filter draws it, in pixels.
-    #[allow(clippy::too_many_arguments)]
-    fn sample<S: Sampler, T: Tracer>(
-        &self,
-        pass: &Pass,
-        pixel: [u32; 2],
-        offset: [f32; 2],
-        sampler: &mut S,
-        tracer: &mut T,
-        first: &mut impl FnMut(FirstHit),
-        gathering: Option<&mut Gathering>,
-    ) -> Rgb;
+    /// How many are best taken at once.
+    fn together(&self, _pass: &Pass) -> usize {
+        1
+    }
+
+    /// Takes the samples of all jobs.
+    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S>, tracer: &mut T);
 }
 
 /// Radiance as the camera sees it.
 struct View<'i, I>(&'i I);
 
 impl<I: Integrator> Subject for View<'_, I> {
+    /// The paths of a wave, or as many as send the shadow rays of one.
+    fn together(&self, pass: &Pass) -> usize {
+        if I::IN_WAVES { (WAVE / pass.desc.shadow_rays.max(1) as usize).max(1) } else { 1 }
+    }
+
     #[inline(always)]
-    fn sample<S: Sampler, T: Tracer>(
-        &self,
-        pass: &Pass,
-        [x, y]: [u32; 2],
-        offset: [f32; 2],
-        sampler: &mut S,
-        tracer: &mut T,
-        first: &mut impl FnMut(FirstHit),
-        gathering: Option<&mut Gathering>,
-    ) -> Rgb {
-        let ray = pass.camera.ray(x as f32 + 0.5 + offset[0], y as f32 + 0.5 + offset[1]);
-        self.0.radiance_of_pixel(&pass.scene, ray, sampler, tracer, first, gathering)
+    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S>, tracer: &mut T) {
+        let Batch { jobs, samples, wave, .. } = batch;
+        let samples = &mut samples[..jobs.len()];
+        for (job, sample) in jobs.iter().zip(samples.iter_mut()) {
+            let [x, y] = job.pixel;
+            sample.ray = pass.camera.ray(x as f32 + 0.5 + job.offset[0], y as f32 + 0.5 + job.offset[1]);
+        }
+        if I::IN_WAVES {
+            self.0.radiance_of_many(&pass.scene, samples, wave, tracer);
+        } else {
+            for (job, Sample { ray, sampler, radiance, first }) in jobs.iter_mut().zip(samples) {
+                *first = None;
+                let first = &mut |hit| *first = Some(hit);
+                let gathering = job.gathering.as_mut();
+                *radiance = self.0.radiance_of_pixel(&pass.scene, *ray, sampler, tracer, first, gathering);
+            }
+        }
     }
 }
 
 /// Irradiance of sites, numbered as the film's pixels are.
 impl Subject for Irradiance {
     #[inline(always)]
-    fn sample<S: Sampler, T: Tracer>(
-        &self,
-        pass: &Pass,
-        [x, y]: [u32; 2],
-        offset: [f32; 2],
-        sampler: &mut S,
-        tracer: &mut T,
-        _first: &mut impl FnMut(FirstHit),
-        _gathering: Option<&mut Gathering>,
-    ) -> Rgb {
-        let site = (y * pass.film.options().resolution[0] + x) as usize;
-        self.estimate(&pass.scene, site, offset.map(|offset| offset + 0.5), sampler, tracer)
+    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S>, tracer: &mut T) {
+        for (job, sample) in batch.jobs.iter().zip(&mut batch.samples) {
+            let [x, y] = job.pixel;
+            let site = (y * pass.film.options().resolution[0] + x) as usize;
+            let place = job.offset.map(|offset| offset + 0.5);
+            sample.radiance = self.estimate(&pass.scene, site, place, &mut sample.sampler, tracer);
+        }
     }
 }
 
@@ -266,6 +327,8 @@ impl Pass {
         sampler: &S,
         pause: &mut dyn FnMut() -> bool,
     ) -> bool {
+        let most = subject.together(self);
+        let mut batch = Batch::new(sampler, most);
         loop {
             if self.is_stopped() {
                 return true;
@@ -278,7 +341,7 @@ impl Pass {
                 return true;
             }
             let mut tracer = PassTracer::new(self);
-            let is_complete = self.tile(subject, &mut sampler.clone(), number, &mut tracer, pause);
+            let is_complete = self.tile(subject, &mut batch, number, &mut tracer, pause);
             self.rays.fetch_add(tracer.rays, Ordering::Relaxed);
             if is_complete {
                 self.tiles_done.fetch_add(1, Ordering::Release);
@@ -293,71 +356,78 @@ impl Pass {
     fn tile<I: Subject, S: Sampler>(
         &self,
         subject: &I,
-        sampler: &mut S,
+        batch: &mut Batch<S>,
         number: usize,
         tracer: &mut PassTracer,
         pause: &mut dyn FnMut() -> bool,
     ) -> bool {
         let [width, height] = self.film.options().resolution;
-        let share = self.film.options().share;
         let [left, top] = self.film.tile_origin(number);
         let (rows, columns) = match &self.again {
             None => (top..(top + TILE).min(height), left..(left + TILE).min(width)),
             Some(Again { pixel: [x, y], .. }) => (*y..y + 1, *x..x + 1),
         };
-        for y in rows {
+        let index = |[x, y]: [u32; 2]| ((y - top) * TILE + (x - left)) as usize;
+        let counts = self.film.tile(number).counts();
+        let samples = |pixel: [u32; 2]| {
+            let samples = match (&self.again, &self.goals) {
+                (None, None) => counts[index(pixel)]..self.samples,
+                (None, Some(goals)) => counts[index(pixel)]..goals[(pixel[1] * width + pixel[0]) as usize],
+                (Some(again), _) => again.sample..again.sample.saturating_add(1),
+            };
+            samples.map(move |sample| (pixel, sample))
+        };
+        let mut wanted = rows.flat_map(|y| columns.clone().map(move |x| [x, y])).flat_map(samples);
+        loop {
             if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 self.abandon();
             }
             // A tile is finished before its worker gives way; but who works for itself may want to look up.
             pause();
-            let mut tile = self.film.tile(number);
-            let tile = &mut *tile;
-            for x in columns.clone() {
-                let index = ((y - top) * TILE + (x - left)) as usize;
-                let pixel = &mut tile.pixels[index];
-                let samples = match (&self.again, &self.goals) {
-                    (None, None) => pixel.count()..self.samples,
-                    (None, Some(goals)) => pixel.count()..goals[(y * width + x) as usize],
-                    (Some(again), _) => again.sample..again.sample.saturating_add(1),
-                };
-                for sample in samples {
-                    sampler.start(y * width + x, sample);
-                    let (offset, weight) = self.filter.sample(sampler.pixel_2d());
-                    let mut first = None;
-                    // A copy, as the sample may be stopped in the middle.
-                    let mut gathering = tile.gathering.get(index).copied();
-                    let radiance = subject.sample(
-                        self,
-                        [x, y],
-                        offset,
-                        sampler,
-                        tracer,
-                        &mut |hit| first = Some(hit),
-                        gathering.as_mut(),
-                    );
-                    // Pixels go on from where they are, so stopping between any two samples is safe; one during which it
-                    // was stopped may have missed something, and is taken again.
-                    if self.is_stopped() {
-                        return false;
-                    }
-                    if !radiance.is_finite() || self.again.is_some() {
-                        self.note([x, y], sample, radiance, tracer.rays);
-                    }
-                    if self.again.is_some() {
-                        continue;
-                    }
-                    pixel.add(radiance, weight, share);
-                    if let (Some(kept), Some(gathering)) = (tile.gathering.get_mut(index), gathering) {
-                        *kept = gathering;
-                    }
-                    if let (Some(auxiliary), Some(hit)) = (tile.auxiliary.get_mut(index), first) {
-                        auxiliary.add(hit.albedo, hit.normal, self.camera.depth(hit.p));
-                    }
-                }
+            batch.jobs.clear();
+            for (pixel, sample) in wanted.by_ref().take(batch.most) {
+                let sampler = &mut batch.samples[batch.jobs.len()].sampler;
+                sampler.start(pixel[1] * width + pixel[0], sample);
+                let (offset, weight) = self.filter.sample(sampler.pixel_2d());
+                let index = index(pixel);
+                let remembers = self.film.options().gathering;
+                let gathering = if remembers { self.film.tile(number).gathering.get(index).copied() } else { None };
+                batch.jobs.push(Job { pixel, index, sample, offset, weight, gathering });
+            }
+            if batch.jobs.is_empty() {
+                return true;
+            }
+            subject.take(self, batch, tracer);
+            // Pixels go on from where they are, so stopping between any two batches is safe; one during which it was stopped may
+            // have missed something, and is taken again.
+            if self.is_stopped() {
+                return false;
+            }
+            self.keep(batch, number, tracer.rays);
+            batch.most = (2 * batch.most).min(batch.samples.len());
+        }
+    }
+
+    /// Adds samples to their pixels.
+    fn keep<S>(&self, batch: &Batch<S>, tile: usize, rays: u64) {
+        let share = self.film.options().share;
+        let mut tile = self.film.tile(tile);
+        let tile = &mut *tile;
+        for (job, Sample { radiance, first, .. }) in batch.jobs.iter().zip(&batch.samples) {
+            if !radiance.is_finite() || self.again.is_some() {
+                self.note(job.pixel, job.sample, *radiance, rays);
+            }
+            if self.again.is_some() {
+                continue;
+            }
+            tile.pixels[job.index].add(*radiance, job.weight, share);
+            if let (Some(kept), Some(gathering)) = (tile.gathering.get_mut(job.index), job.gathering) {
+                *kept = gathering;
+            }
+            if let (Some(auxiliary), Some(hit)) = (tile.auxiliary.get_mut(job.index), first) {
+                auxiliary.add(hit.albedo, hit.normal, self.camera.depth(hit.p));
             }
         }
-        true
     }
 
     /// Notes a sample that is not finite, or what was asked for.

@@ -35,7 +35,7 @@ use std::sync::Arc;
 
 use crate::bsdf::Bsdf;
 use crate::desc::CameraDesc;
-use crate::embree::{self, Device};
+use crate::embree::{self, Device, PACKET};
 use crate::emitter::EmitterSet;
 use crate::math::{DVec3, Ray, Vec3};
 use crate::shape::Analytic;
@@ -63,6 +63,15 @@ pub struct Hit {
     primitive: u32,
     /// Number of the geometry or instance in the Embree scene, or [`IN_LIST`].
     geometry: u32,
+}
+
+impl From<embree::Hit> for Hit {
+    #[inline]
+    fn from(hit: embree::Hit) -> Self {
+        // An instance is known by its own number, its only geometry being number 0.
+        let geometry = if hit.inst == embree::Hit::NO_INSTANCE { hit.geom } else { hit.inst };
+        Self { t: hit.t, u: hit.u, v: hit.v, primitive: hit.prim, geometry }
+    }
 }
 
 /// The geometry number of shapes outside Embree.
@@ -108,11 +117,30 @@ impl Scene {
         if let Some(embree) = &self.embree
             && let Some(hit) = embree.intersect(&ray)
         {
-            // An instance is known by its own number, its only geometry being number 0.
-            let geometry = if hit.inst == embree::Hit::NO_INSTANCE { hit.geom } else { hit.inst };
-            nearest = Some(Hit { t: hit.t, u: hit.u, v: hit.v, primitive: hit.prim, geometry });
+            nearest = Some(hit.into());
         }
         nearest
+    }
+
+    /// [`Scene::intersect`] of many rays, of which `hits` takes the answers; faster than one after another.
+    #[inline]
+    pub fn intersect_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
+            hits.fill(None);
+            let mut ends = [0.0; PACKET];
+            for ((ray, end), hit) in rays.iter().zip(&mut ends).zip(hits.iter_mut()) {
+                *end = ray.tfar;
+                if !self.list.is_empty()
+                    && let Some((t, shape)) = self.list.intersect(ray)
+                {
+                    *end = t;
+                    *hit = Some(Hit { t, u: 0.0, v: 0.0, primitive: shape, geometry: IN_LIST });
+                }
+            }
+            if let Some(embree) = &self.embree {
+                embree.intersect_many(rays, |number| ends[number], |number, hit| hits[number] = Some(hit.into()));
+            }
+        }
     }
 
     /// Whether nothing lies in the ray's segment.
@@ -122,6 +150,22 @@ impl Scene {
             return false;
         }
         self.embree.as_ref().is_none_or(|embree| !embree.occluded(ray))
+    }
+
+    /// [`Scene::unoccluded`] of many rays, of which `clear` takes the answers; faster than one after another.
+    #[inline]
+    pub fn unoccluded_many(&self, rays: &[Ray], clear: &mut [bool]) {
+        if let Some(embree) = &self.embree {
+            clear.fill(true);
+            embree.occluded_many(rays, |number| clear[number] = false);
+            if !self.list.is_empty() {
+                for (ray, clear) in rays.iter().zip(clear) {
+                    *clear = *clear && !self.list.occluded(ray);
+                }
+            }
+        } else {
+            rays.iter().zip(clear).for_each(|(ray, clear)| *clear = !self.list.occluded(ray));
+        }
     }
 
     /// Position, normals, material and emitter of what `ray` met; `hit` must come from the same ray and scene.

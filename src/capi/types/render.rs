@@ -167,7 +167,7 @@ pub struct etd_render_options {
     /// Seconds after which to stop, > 0; 0: no limit. One sample for each pixel is always taken.
     pub time_limit: f64,
     /// Estimated error at which to stop, > 0, of the kind that `error_measure` says; 0: none. It counts as reached if it is
-    /// below by half a standard error of the estimate, with 32 samples at least, and not while few pixels have most of it.
+    /// below by a quarter of the estimate's standard error, with 32 samples at least, and not while few pixels have most of it.
     pub target_error: f64,
     /// Told progress; may be NULL.
     pub progress: etd_progress_fn,

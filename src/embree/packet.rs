@@ -1,0 +1,304 @@
+//! Several rays at once.
+//!
+//! Rays that have nothing in common but that all are asked for at one time are still answered up to twice as fast in packets
+//! as one by one: the call and what it prepares are paid for once. Each ray is then traversed by itself, so answers are the
+//! same bits as those of single rays, whatever else is in the packet. (Packets for coherent rays would be faster for the
+//! camera's, but which of two triangles a ray meets at their common side would depend on its neighbours.)
+
+use super::ray::{Hit, INVALID};
+use super::scene::Scene;
+use super::sys;
+use crate::math::{Ray, Vec3};
+
+/// The most rays that go into one packet.
+pub const PACKET: usize = 16;
+
+/// Packets that fill less than one in so many of their lanes are asked one by one.
+const LEAST_FILLED: usize = 4;
+
+/// How many rays a scene takes at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Width {
+    One,
+    Eight,
+    Sixteen,
+}
+
+impl Width {
+    /// The widest packets that the device answers natively.
+    pub(super) fn of(device: sys::RTCDevice) -> Self {
+        let has = |property| {
+            // SAFETY: `device` is alive.
+            unsafe { sys::rtcGetDeviceProperty(device, property) != 0 }
+        };
+        if has(sys::RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) {
+            Self::Sixteen
+        } else if has(sys::RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) {
+            Self::Eight
+        } else {
+            Self::One
+        }
+    }
+}
+
+macro_rules! packets {
+    ($name:ident, $lanes:literal, $align:literal, $Ray:ident, $RayHit:ident, $intersect:ident, $occluded:ident) => {
+        mod $name {
+            use super::*;
+
+            const LANES: usize = $lanes;
+
+            /// -1 in each lane that holds a ray.
+            #[repr(C, align($align))]
+            struct Valid([i32; LANES]);
+
+            /// The rays in Embree's form, each up to its `tfar`; lanes without one, or with one that cannot be traced, are not
+            /// valid.
+            #[inline(always)]
+            fn fill(rays: &[Ray], tfar: &impl Fn(usize) -> f32, packet: &mut sys::$Ray) -> Valid {
+                packet.mask = [u32::MAX; LANES];
+                // Lanes without a ray end before they begin.
+                packet.tfar = [-1.0; LANES];
+                for (lane, ray) in rays.iter().enumerate().take(LANES) {
+                    packet.org_x[lane] = ray.origin.x;
+                    packet.org_y[lane] = ray.origin.y;
+                    packet.org_z[lane] = ray.origin.z;
+                    packet.tnear[lane] = ray.tnear;
+                    packet.dir_x[lane] = ray.direction.x;
+                    packet.dir_y[lane] = ray.direction.y;
+                    packet.dir_z[lane] = ray.direction.z;
+                    packet.tfar[lane] = tfar(lane);
+                }
+                // `ray::is_traceable`, all lanes side by side.
+                let mut valid = Valid([0; LANES]);
+                for lane in 0..LANES {
+                    let (x, y, z) = (packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]);
+                    let not_finite = (packet.org_x[lane] * 0.0 + x * 0.0)
+                        + (packet.org_y[lane] * 0.0 + y * 0.0)
+                        + (packet.org_z[lane] * 0.0 + z * 0.0);
+                    let has_direction = (x != 0.0) | (y != 0.0) | (z != 0.0);
+                    let (tnear, tfar) = (packet.tnear[lane], packet.tfar[lane]);
+                    let is_valid = (not_finite == 0.0) & has_direction & (tnear >= 0.0) & (tnear <= tfar);
+                    valid.0[lane] = -i32::from(is_valid);
+                }
+                valid
+            }
+
+            #[inline(always)]
+            pub(super) fn intersect(
+                scene: &Scene,
+                rays: &[Ray],
+                tfar: &impl Fn(usize) -> f32,
+                meet: &mut impl FnMut(usize, Hit),
+            ) {
+                // SAFETY: plain floats and integers, for which all-zero bytes are a value.
+                let mut found: sys::$RayHit = unsafe { std::mem::zeroed() };
+                let valid = fill(rays, tfar, &mut found.ray);
+                found.hit.geomID = [INVALID; LANES];
+                found.hit.instID[0] = [INVALID; LANES];
+                let mut arguments = scene.intersect_arguments(sys::RTC_RAY_QUERY_FLAG_INCOHERENT);
+                // SAFETY: the scene is committed and holds no user geometry (its `width` says so); all structures are local,
+                // of the layout that the build script checked, and aligned by their types.
+                unsafe {
+                    sys::$intersect(valid.0.as_ptr(), scene.inner.raw, &raw mut found, &raw mut arguments);
+                }
+                for lane in 0..rays.len().min(LANES) {
+                    if found.hit.geomID[lane] == INVALID {
+                        continue;
+                    }
+                    let mut hit = Hit {
+                        t: found.ray.tfar[lane],
+                        u: found.hit.u[lane],
+                        v: found.hit.v[lane],
+                        ng: Vec3::new(found.hit.Ng_x[lane], found.hit.Ng_y[lane], found.hit.Ng_z[lane]),
+                        prim: found.hit.primID[lane],
+                        geom: found.hit.geomID[lane],
+                        inst: found.hit.instID[0][lane],
+                    };
+                    scene.complete(&rays[lane], &mut hit);
+                    meet(lane, hit);
+                }
+            }
+
+            #[inline(always)]
+            pub(super) fn occluded(scene: &Scene, rays: &[Ray], blocked: &mut impl FnMut(usize)) {
+                // SAFETY: as in `intersect`.
+                let mut segments: sys::$Ray = unsafe { std::mem::zeroed() };
+                let valid = fill(rays, &|lane| rays[lane].tfar, &mut segments);
+                let mut arguments = scene.occluded_arguments();
+                // SAFETY: as in `intersect`.
+                unsafe {
+                    sys::$occluded(valid.0.as_ptr(), scene.inner.raw, &raw mut segments, &raw mut arguments);
+                }
+                for lane in 0..rays.len().min(LANES) {
+                    if valid.0[lane] != 0 && segments.tfar[lane] == f32::NEG_INFINITY {
+                        blocked(lane);
+                    }
+                }
+            }
+        }
+    };
+}
+
+packets!(eight, 8, 32, RTCRay8, RTCRayHit8, rtcIntersect8, rtcOccluded8);
+packets!(sixteen, 16, 64, RTCRay16, RTCRayHit16, rtcIntersect16, rtcOccluded16);
+
+impl Scene {
+    /// What each ray meets first: as [`Scene::intersect`] would answer, but faster. Calls `meet` with the number of each ray that
+    /// meets anything. `tfar`: where each ends, in place of its own.
+    #[inline]
+    pub fn intersect_many(&self, rays: &[Ray], tfar: impl Fn(usize) -> f32, mut meet: impl FnMut(usize, Hit)) {
+        self.in_packets(rays, |begin, rays, width| match width {
+            Width::One => rays.iter().enumerate().for_each(|(lane, ray)| {
+                let ray = Ray { tfar: tfar(begin + lane), ..*ray };
+                if let Some(hit) = self.intersect(&ray) {
+                    meet(begin + lane, hit);
+                }
+            }),
+            Width::Eight => {
+                eight::intersect(self, rays, &|lane| tfar(begin + lane), &mut |lane, hit| meet(begin + lane, hit))
+            }
+            Width::Sixteen => {
+                sixteen::intersect(self, rays, &|lane| tfar(begin + lane), &mut |lane, hit| meet(begin + lane, hit))
+            }
+        });
+    }
+
+    /// Whether each ray meets anything: as [`Scene::occluded`] would answer, but faster. Calls `blocked` with the number of each
+    /// ray that does.
+    #[inline]
+    pub fn occluded_many(&self, rays: &[Ray], mut blocked: impl FnMut(usize)) {
+        self.in_packets(rays, |begin, rays, width| match width {
+            Width::One => rays.iter().enumerate().for_each(|(lane, ray)| {
+                if self.occluded(ray) {
+                    blocked(begin + lane);
+                }
+            }),
+            Width::Eight => eight::occluded(self, rays, &mut |lane| blocked(begin + lane)),
+            Width::Sixteen => sixteen::occluded(self, rays, &mut |lane| blocked(begin + lane)),
+        });
+    }
+
+    /// Divides rays into packets: the number of the first in each, and how they are to be asked.
+    #[inline(always)]
+    fn in_packets(&self, rays: &[Ray], mut ask: impl FnMut(usize, &[Ray], Width)) {
+        let lanes = match self.inner.width {
+            Width::Eight => 8,
+            Width::One | Width::Sixteen => PACKET,
+        };
+        for (number, packet) in rays.chunks(lanes).enumerate() {
+            let width = if packet.len() * LEAST_FILLED < lanes { Width::One } else { self.inner.width };
+            ask(number * lanes, packet, width);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::embree::{Device, DeviceOptions, SceneBuilder, SceneOptions, TriangleMesh, UserGeometry, UserHit};
+    use crate::math::DAffine3;
+    use crate::math::DVec3;
+    use crate::sampling::Rng;
+
+    fn random(rng: &mut Rng) -> Vec3 {
+        Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 2.0 - Vec3::ONE
+    }
+
+    /// Loose triangles, and the same as an instance.
+    fn triangles(rng: &mut Rng) -> Scene {
+        let device = Device::new(&DeviceOptions::default()).unwrap();
+        let mut vertices = Vec::new();
+        for _ in 0..300 {
+            let p = random(rng);
+            vertices.extend([0; 3].map(|_| (p + 0.3 * random(rng)).to_array()));
+        }
+        let indices = (0..300).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let mesh = TriangleMesh::new(vertices, indices).unwrap();
+        let mut builder = SceneBuilder::new(&device, SceneOptions::default()).unwrap();
+        builder.add_triangles(mesh.clone()).unwrap();
+        let child = builder.commit(None).unwrap();
+        let mut builder = SceneBuilder::new(&device, SceneOptions::default()).unwrap();
+        builder.add_triangles(mesh).unwrap();
+        builder.add_instance(&child, &DAffine3::from_translation(DVec3::new(0.5, 0.25, -0.5))).unwrap();
+        builder.commit(None).unwrap()
+    }
+
+    /// Rays of all lengths, every eighth of them none.
+    fn rays(rng: &mut Rng, count: usize) -> Vec<Ray> {
+        let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+        (0..count)
+            .map(|i| {
+                let mut ray = Ray { tfar: 3.0 * rng.next_f32(), ..Ray::new(random(rng), random(rng)) };
+                match i % 40 {
+                    7 => ray.origin.y = odd[i / 40 % 3],
+                    15 => ray.direction.z = odd[i / 40 % 3],
+                    23 => ray.direction = Vec3::ZERO,
+                    31 => ray.tnear = ray.tfar + 0.1,
+                    39 => ray.tfar = f32::NAN,
+                    _ if i % 3 == 0 => ray.tfar = f32::INFINITY,
+                    _ => {}
+                }
+                ray
+            })
+            .collect()
+    }
+
+    /// Widths that the processor has no instructions for are answered too, only slower.
+    #[test]
+    fn packets_of_any_width_and_number_answer_as_single_rays_do() {
+        let mut rng = Rng::new(11, 0);
+        let mut scene = triangles(&mut rng);
+        for width in [Width::One, Width::Eight, Width::Sixteen] {
+            Arc::get_mut(&mut scene.inner).unwrap().width = width;
+            let mut met = 0;
+            for count in (0..80).chain([4000]) {
+                let rays = rays(&mut rng, count);
+                let ends: Vec<f32> = rays.iter().map(|ray| ray.tfar.min(2.0)).collect();
+                let mut found = vec![None; count];
+                scene.intersect_many(&rays, |number| ends[number], |number, hit| found[number] = Some(hit));
+                let mut blocked = vec![false; count];
+                scene.occluded_many(&rays, |number| blocked[number] = true);
+                for (i, ray) in rays.iter().enumerate() {
+                    assert_eq!(found[i], scene.intersect(&Ray { tfar: ends[i], ..*ray }), "{width:?}: {ray:?}");
+                    assert_eq!(blocked[i], scene.occluded(ray), "{width:?}: {ray:?}");
+                }
+                met += found.iter().flatten().count();
+            }
+            assert!(met > 1000, "{met} rays met anything");
+        }
+    }
+
+    /// The packets that a processor has instructions for are used, where they can be.
+    #[test]
+    fn user_geometry_is_asked_one_ray_at_a_time() {
+        struct Square;
+        impl UserGeometry for Square {
+            fn len(&self) -> usize {
+                1
+            }
+            fn bounds(&self, _: usize) -> ([f32; 3], [f32; 3]) {
+                ([-1.0, -1.0, 0.0], [1.0, 1.0, 0.0])
+            }
+            fn intersect(&self, _: usize, ray: &Ray) -> Option<UserHit> {
+                let t = -ray.origin.z / ray.direction.z;
+                (ray.tnear..=ray.tfar).contains(&t).then_some(UserHit { t, u: 0.5, v: 0.5, ng: Vec3::Z })
+            }
+        }
+        let mut rng = Rng::new(12, 0);
+        let device = Device::new(&DeviceOptions::default()).unwrap();
+        assert_eq!(triangles(&mut rng).inner.width, Width::of(device.inner.raw));
+        let mut builder = SceneBuilder::new(&device, SceneOptions::default()).unwrap();
+        builder.add_user(Arc::new(Square)).unwrap();
+        let scene = builder.commit(None).unwrap();
+        assert_eq!(scene.inner.width, Width::One);
+        let rays = rays(&mut rng, 100);
+        let mut met = Vec::new();
+        scene.intersect_many(&rays, |number| rays[number].tfar, |number, _| met.push(number));
+        let expected: Vec<usize> = (0..100).filter(|&i| scene.intersect(&rays[i]).is_some()).collect();
+        assert_eq!(met, expected);
+        assert!(met.len() > 10);
+    }
+}
