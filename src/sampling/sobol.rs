@@ -40,6 +40,8 @@ pub struct SobolSampler {
     shuffled_rev: u32,
     key: u64,
     set: u32,
+    #[cfg(target_arch = "x86_64")]
+    has_avx2: bool,
 }
 
 impl SobolSampler {
@@ -51,7 +53,18 @@ impl SobolSampler {
     /// that error. Powers of two are best: only they are complete nets.
     pub fn new(seed: u64, share: u32) -> Self {
         let table = &*TABLE;
-        Self { table, seed, share: share.max(1), turns: u32::BITS, index_rev: 0, shuffled_rev: 0, key: 0, set: 0 }
+        Self {
+            table,
+            seed,
+            share: share.max(1),
+            turns: u32::BITS,
+            index_rev: 0,
+            shuffled_rev: 0,
+            key: 0,
+            set: 0,
+            #[cfg(target_arch = "x86_64")]
+            has_avx2: is_x86_feature_detected!("avx2"),
+        }
     }
 
     /// The same with so many replicates that take turns, instead of ever new ones: after the last, the first goes on where it
@@ -76,6 +89,25 @@ impl SobolSampler {
 
     #[inline]
     fn scrambled(&self, set: u32, index_rev: u32, key: u64) -> [f32; 4] {
+        #[cfg(target_arch = "x86_64")]
+        if self.has_avx2 {
+            // SAFETY: the processor has AVX2, as `new` found.
+            #[allow(unsafe_code)]
+            return unsafe { self.scrambled_by_avx2(set, index_rev, key) };
+        }
+        self.scrambled_by_any(set, index_rev, key)
+    }
+
+    /// The same numbers in less time: older processors have neither products of four integers nor a way to put bytes into
+    /// another order.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn scrambled_by_avx2(&self, set: u32, index_rev: u32, key: u64) -> [f32; 4] {
+        self.scrambled_by_any(set, index_rev, key)
+    }
+
+    #[inline(always)]
+    fn scrambled_by_any(&self, set: u32, index_rev: u32, key: u64) -> [f32; 4] {
         let seeds = [stream(key, 2 * u64::from(set) + 1), stream(key, 2 * u64::from(set) + 2)];
         let point = self.table.point(set, index_rev);
         std::array::from_fn(|d| {
@@ -171,6 +203,18 @@ mod tests {
                 turns.start(7, sample);
                 blocks.start(7, replicate * size + index);
                 assert_eq!((turns.pixel_2d(), turns.next_4d()), (blocks.pixel_2d(), blocks.next_4d()), "{sample}");
+            }
+        }
+    }
+
+    #[test]
+    fn all_processors_have_the_same_points() {
+        let mut sampler = SobolSampler::new(1, 64);
+        for sample in 0..1000 {
+            sampler.start(sample / 64, sample);
+            for set in 0..NUM_DIMENSION_SETS_4D {
+                let (index, key) = (sampler.shuffled_rev, sampler.key);
+                assert_eq!(sampler.scrambled(set, index, key), sampler.scrambled_by_any(set, index, key));
             }
         }
     }
