@@ -3,7 +3,7 @@
 //! Records every ray that path tracing a scene asks for, then times in turn, in one process: the whole integrator; the
 //! recorded rays through the scene (Embree and the list of analytic shapes); through Embree with the analytic shapes in its
 //! tree as user geometry; and through Embree without them, where rays go on to what is behind, in its robust mode, in its
-//! fast one, and in packets as waves of paths ask for them. Closest-hit and shadow rays apart. Reports rays per second and the
+//! fast one, and in full packets, in the order of waves of paths. Closest-hit and shadow rays apart. Reports rays per second and the
 //! integrator's share of what Embree alone would do, best of several rounds each.
 //!
 //! `cargo bench --bench rays -- [SCENE.json ...]`

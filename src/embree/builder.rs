@@ -289,14 +289,14 @@ impl SceneBuilder {
             // SAFETY: the geometry is alive and no other thread has it.
             unsafe { sys::rtcCommitGeometry(geometry.0) }
         })?;
-        // From here on the scene may refer to the data, so it is kept whatever happens next.
+        // From here on the scene may refer to the data, so it is kept whatever happens next, and the scene may have it.
         self.inner.kept.push(kept);
+        self.inner.features = self.inner.features.union(features);
         // SAFETY: scene and geometry are of the same device, and `self` alone has the scene.
         let id = device.guarded(&self.cancel, || unsafe { sys::rtcAttachGeometry(self.inner.raw, geometry.0) })?;
         if id == ray::INVALID {
             return Err(Error::new(ErrorKind::Device, "Embree has no room for another geometry"));
         }
-        self.inner.features = self.inner.features.union(features);
         Ok(GeometryId(id))
     }
 

@@ -209,7 +209,7 @@ pub(super) unsafe extern "C" fn on_intersect<G: UserGeometry>(args: *const sys::
     // SAFETY: as in `on_bounds`; with N = 1, `valid` is one integer and `rayhit` has the layout of `RTCRayHit`.
     unsafe {
         let args = &*args;
-        // Scenes are queried with single rays only.
+        // Scenes with user geometry are queried with single rays only.
         if args.N != 1 || *args.valid == 0 {
             return;
         }

@@ -33,14 +33,15 @@ pub trait Tracer {
     /// Whether nothing lies in the ray's segment.
     fn unoccluded(&mut self, ray: &Ray) -> bool;
 
-    /// The nearest surface along each of the rays; what [`Tracer::intersect`] would answer. `hits` has the length of `rays`.
+    /// The nearest surface along each of the rays; what [`Tracer::intersect`] would answer. `hits` has the length of `rays`, and
+    /// all of it is written.
     #[inline]
     fn intersect_many(&mut self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.intersect(ray));
     }
 
     /// Whether nothing lies in the segment of each of the rays; what [`Tracer::unoccluded`] would answer. `clear` has the length
-    /// of `rays`.
+    /// of `rays`, and all of it is written.
     #[inline]
     fn unoccluded_many(&mut self, rays: &[Ray], clear: &mut [bool]) {
         rays.iter().zip(clear).for_each(|(ray, clear)| *clear = self.unoccluded(ray));
@@ -127,7 +128,7 @@ pub trait Integrator: Sync {
         self.radiance(scene, ray, sampler, tracer, first)
     }
 
-    /// Whether several samples at once are faster than one after another.
+    /// Whether several samples at once are faster than one after another. Not for what remembers something of each pixel.
     const IN_WAVES: bool = false;
 
     /// The radiance of several samples, each as [`Integrator::radiance`] would estimate it.

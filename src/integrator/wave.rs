@@ -8,6 +8,7 @@
 use super::light::Vertex;
 use super::path::{Limits, Walk};
 use super::{FirstHit, Tracer};
+use crate::desc::MAX_SHADOW_RAYS;
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
@@ -72,13 +73,13 @@ impl Wave {
         rays.extend(samples.iter().map(|sample| sample.ray));
         samples.iter_mut().for_each(|sample| sample.first = None);
         hits.resize(samples.len().max(hits.len()), None);
-        // A vertex sends so many at most.
-        let most_shadows = samples.len() * limits.path.shadow_rays as usize;
+        // What vertices send at most, or all that a description may ask for: so no later wave takes more memory.
+        let most_shadows = samples.len() * limits.path.shadow_rays.min(MAX_SHADOW_RAYS) as usize;
         shadows.clear();
         shadows.reserve(most_shadows);
         lights.clear();
         lights.reserve(most_shadows);
-        clear.resize(most_shadows.max(clear.len()), false);
+        clear.reserve(most_shadows.saturating_sub(clear.len()));
 
         while !active.is_empty() {
             let hits = &mut hits[..active.len()];
@@ -109,9 +110,9 @@ impl Wave {
             active.truncate(kept);
             rays.truncate(kept);
 
-            let clear = &mut clear[..shadows.len()];
+            clear.resize(shadows.len(), false);
             tracer.unoccluded_many(shadows, clear);
-            for ((number, light), clear) in lights.iter().zip(clear) {
+            for ((number, light), clear) in lights.iter().zip(&*clear) {
                 if *clear {
                     walks[*number as usize].radiance += *light;
                 }

@@ -60,11 +60,11 @@ pub struct RenderSettings {
     pub threads: usize,
     /// Who does the work, where it is not a pool of its own.
     pub workers: Option<Workers>,
-    /// Ends after this time, when the pixels that are being worked on are done, even if samples are left. For time alone
+    /// Ends after this time, when the samples that are being taken are done, even if others are left. For time alone
     /// to count, ask for [`MOST_SAMPLES`].
     pub time_limit: Option<Duration>,
-    /// Ends when the estimated error is no larger than this, beyond doubt: with half a standard error of the estimate as a margin,
-    /// not before 32 samples, and not while few pixels have most of the error. Decided between passes.
+    /// Ends when the estimated error is no larger than this, by a margin of a quarter of the estimate's standard error: not
+    /// before 32 samples, and not while few pixels have most of the error. Decided between passes.
     pub target_error: Option<f64>,
     /// What `target_error` is of: relMSE if nothing is said. Adaptive samples go where it is largest.
     pub error_measure: ErrorMeasure,

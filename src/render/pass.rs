@@ -20,6 +20,9 @@ use crate::spectrum::Rgb;
 /// Samples that are taken together: enough to fill packets when most paths have ended, few enough to stay in the nearest caches.
 const WAVE: usize = 128;
 
+/// Samples of those that are taken one after another between two looks at the clock and two additions to the film.
+const IN_A_ROW: usize = 16;
+
 /// Everything the workers of a pass share.
 pub(super) struct Pass {
     scene: Scene,
@@ -142,7 +145,7 @@ struct Job {
     /// From the pixel's middle, as the filter draws it, in pixels, and the weight of that.
     offset: [f32; 2],
     weight: f32,
-    /// What the pixel remembers: a copy, as the sample may be stopped in the middle.
+    /// What the pixel remembers: a copy, as the sample may be stopped in the middle. Such samples are taken one at a time.
     gathering: Option<Gathering>,
 }
 
@@ -170,10 +173,8 @@ impl<S: Clone> Batch<S> {
 
 /// What the samples of a pixel are samples of.
 trait Subject: Sync {
-    /// How many are best taken at once.
-    fn together(&self, _pass: &Pass) -> usize {
-        1
-    }
+    /// How many are best taken at once; one where a sample needs to know what the pixel's last one left.
+    fn together(&self, pass: &Pass) -> usize;
 
     /// Takes the samples of all jobs.
     fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S>, tracer: &mut T);
@@ -185,7 +186,11 @@ struct View<'i, I>(&'i I);
 impl<I: Integrator> Subject for View<'_, I> {
     /// The paths of a wave, or as many as send the shadow rays of one.
     fn together(&self, pass: &Pass) -> usize {
-        if I::IN_WAVES { (WAVE / pass.desc.shadow_rays.max(1) as usize).max(1) } else { 1 }
+        match (I::IN_WAVES, pass.film.options().gathering) {
+            (true, _) => (WAVE / pass.desc.shadow_rays.max(1) as usize).max(1),
+            (false, true) => 1,
+            (false, false) => IN_A_ROW,
+        }
     }
 
     #[inline(always)]
@@ -211,6 +216,10 @@ impl<I: Integrator> Subject for View<'_, I> {
 
 /// Irradiance of sites, numbered as the film's pixels are.
 impl Subject for Irradiance {
+    fn together(&self, _pass: &Pass) -> usize {
+        IN_A_ROW
+    }
+
     #[inline(always)]
     fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S>, tracer: &mut T) {
         for (job, sample) in batch.jobs.iter().zip(&mut batch.samples) {
@@ -352,7 +361,8 @@ impl Pass {
         }
     }
 
-    /// All samples of one tile, unless the pass is stopped; whether they are complete. Allocates nothing but the tile.
+    /// All samples of one tile, unless the pass is stopped; whether they are complete. Allocates nothing but the tile, and in a worker's first
+    /// batches what these need.
     fn tile<I: Subject, S: Sampler>(
         &self,
         subject: &I,
@@ -384,6 +394,9 @@ impl Pass {
             }
             // A tile is finished before its worker gives way; but who works for itself may want to look up.
             pause();
+            if self.is_stopped() {
+                return false;
+            }
             batch.jobs.clear();
             for (pixel, sample) in wanted.by_ref().take(batch.most) {
                 let sampler = &mut batch.samples[batch.jobs.len()].sampler;

@@ -123,8 +123,12 @@ impl Scene {
     }
 
     /// [`Scene::intersect`] of many rays, of which `hits` takes the answers; faster than one after another.
+    ///
+    /// # Panics
+    /// If there are not as many `hits` as rays.
     #[inline]
     pub fn intersect_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len(), "rays and hits");
         for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
             hits.fill(None);
             let mut ends = [0.0; PACKET];
@@ -153,8 +157,12 @@ impl Scene {
     }
 
     /// [`Scene::unoccluded`] of many rays, of which `clear` takes the answers; faster than one after another.
+    ///
+    /// # Panics
+    /// If there is not as much room in `clear` as there are rays.
     #[inline]
     pub fn unoccluded_many(&self, rays: &[Ray], clear: &mut [bool]) {
+        assert_eq!(rays.len(), clear.len(), "rays and answers");
         if let Some(embree) = &self.embree {
             clear.fill(true);
             embree.occluded_many(rays, |number| clear[number] = false);
