@@ -361,8 +361,8 @@ impl Pass {
         }
     }
 
-    /// All samples of one tile, unless the pass is stopped; whether they are complete. Allocates nothing but the tile, and in a worker's first
-    /// batches what these need.
+    /// All samples of one tile, unless the pass is stopped; whether they are complete. Allocates nothing but the tile, and in a
+    /// worker's first batches what these need.
     fn tile<I: Subject, S: Sampler>(
         &self,
         subject: &I,
@@ -394,9 +394,6 @@ impl Pass {
             }
             // A tile is finished before its worker gives way; but who works for itself may want to look up.
             pause();
-            if self.is_stopped() {
-                return false;
-            }
             batch.jobs.clear();
             for (pixel, sample) in wanted.by_ref().take(batch.most) {
                 let sampler = &mut batch.samples[batch.jobs.len()].sampler;
@@ -409,6 +406,9 @@ impl Pass {
             }
             if batch.jobs.is_empty() {
                 return true;
+            }
+            if self.is_stopped() {
+                return false;
             }
             subject.take(self, batch, tracer);
             // Pixels go on from where they are, so stopping between any two batches is safe; one during which it was stopped may
