@@ -8,7 +8,7 @@
 use super::ray::{Hit, INVALID};
 use super::scene::Scene;
 use super::sys;
-use crate::math::{Ray, Vec3};
+use crate::math::{Mat4, Ray, Vec3, Vec4};
 
 /// The most rays that go into one packet.
 pub const PACKET: usize = 16;
@@ -41,6 +41,11 @@ impl Width {
     }
 }
 
+#[inline(always)]
+fn transposed([a, b, c, d]: [Vec4; 4]) -> [[f32; 4]; 4] {
+    Mat4::from_cols(a, b, c, d).transpose().to_cols_array_2d()
+}
+
 macro_rules! packets {
     ($name:ident, $lanes:literal, $align:literal, $Ray:ident, $RayHit:ident, $intersect:ident, $occluded:ident) => {
         mod $name {
@@ -59,15 +64,24 @@ macro_rules! packets {
                 packet.mask = [u32::MAX; LANES];
                 // Lanes without a ray end before they begin.
                 packet.tfar = [-1.0; LANES];
-                for (lane, ray) in rays.iter().enumerate().take(LANES) {
-                    packet.org_x[lane] = ray.origin.x;
-                    packet.org_y[lane] = ray.origin.y;
-                    packet.org_z[lane] = ray.origin.z;
-                    packet.tnear[lane] = ray.tnear;
-                    packet.dir_x[lane] = ray.direction.x;
-                    packet.dir_y[lane] = ray.direction.y;
-                    packet.dir_z[lane] = ray.direction.z;
-                    packet.tfar[lane] = tfar(lane);
+                for (number, four) in rays.chunks(4).enumerate().take(LANES / 4) {
+                    // Four rays next to each other become four lanes of each component.
+                    let of = |lane: usize| four.get(lane).unwrap_or(&four[0]);
+                    let origins: [Vec4; 4] = std::array::from_fn(|lane| of(lane).origin.extend(of(lane).tnear));
+                    let directions: [Vec4; 4] = std::array::from_fn(|lane| of(lane).direction.extend(0.0));
+                    let [x, y, z, tnear] = transposed(origins);
+                    let [dx, dy, dz, _] = transposed(directions);
+                    let lanes = 4 * number..4 * number + 4;
+                    packet.org_x[lanes.clone()].copy_from_slice(&x);
+                    packet.org_y[lanes.clone()].copy_from_slice(&y);
+                    packet.org_z[lanes.clone()].copy_from_slice(&z);
+                    packet.tnear[lanes.clone()].copy_from_slice(&tnear);
+                    packet.dir_x[lanes.clone()].copy_from_slice(&dx);
+                    packet.dir_y[lanes.clone()].copy_from_slice(&dy);
+                    packet.dir_z[lanes.clone()].copy_from_slice(&dz);
+                    for (lane, end) in packet.tfar[lanes].iter_mut().enumerate().take(four.len()) {
+                        *end = tfar(4 * number + lane);
+                    }
                 }
                 // `ray::is_traceable`, all lanes side by side.
                 let mut valid = Valid([0; LANES]);

@@ -179,8 +179,10 @@ impl Assembler<'_> {
         })?;
         let vertices = VertexBuffer::from_vec(vertices, self.work.cancel)?;
         let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), self.work.cancel)?;
-        let triangles =
-            Triangles { mesh, normals: None, any_length: false, original: None, swapped: false, _charge: charge };
+        let (normals, original) = (None, None);
+        let mut triangles =
+            Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: charge, ready: None };
+        triangles.prepare();
         self.add_triangles(&triangles)?;
         self.geometries.push(Geometry::Loose { triangles, parts });
         Ok(())
@@ -200,7 +202,8 @@ impl Assembler<'_> {
         let mesh = self.mesh(mesh_use);
         let made = mesh::placed(mesh, mesh_use.smooth, &to_scene, self.device, self.work)?;
         self.note_dropped(made.dropped, mesh_use);
-        let Some(triangles) = made.triangles else { return Ok(()) };
+        let Some(mut triangles) = made.triangles else { return Ok(()) };
+        triangles.prepare();
         self.facts.smooth_meshes += usize::from(mesh_use.smooth);
         self.add_triangles(&triangles)?;
         self.geometries.push(Geometry::Flat { triangles, surface: mesh_use.surface as u32 });
