@@ -113,6 +113,12 @@ impl VertexBuffer {
         self.buffer.get(index)
     }
 
+    /// Has the processor fetch the vertex `index` while other things are done.
+    #[inline]
+    pub(crate) fn prefetch(&self, index: usize) {
+        self.buffer.prefetch(index);
+    }
+
     /// All vertices in order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = [f32; 3]> + '_ {
         (0..self.len).map(|index| self.get(index))

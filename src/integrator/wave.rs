@@ -84,6 +84,7 @@ impl Wave {
         while !active.is_empty() {
             let hits = &mut hits[..active.len()];
             tracer.intersect_many(rays, hits);
+            scene.prefetch(hits);
             shadows.clear();
             lights.clear();
             let mut kept = 0;

@@ -182,7 +182,7 @@ impl Assembler<'_> {
         let (normals, original) = (None, None);
         let mut triangles =
             Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: charge, ready: None };
-        triangles.prepare();
+        triangles.prepare(self.device)?;
         self.add_triangles(&triangles)?;
         self.geometries.push(Geometry::Loose { triangles, parts });
         Ok(())
@@ -203,7 +203,7 @@ impl Assembler<'_> {
         let made = mesh::placed(mesh, mesh_use.smooth, &to_scene, self.device, self.work)?;
         self.note_dropped(made.dropped, mesh_use);
         let Some(mut triangles) = made.triangles else { return Ok(()) };
-        triangles.prepare();
+        triangles.prepare(self.device)?;
         self.facts.smooth_meshes += usize::from(mesh_use.smooth);
         self.add_triangles(&triangles)?;
         self.geometries.push(Geometry::Flat { triangles, surface: mesh_use.surface as u32 });

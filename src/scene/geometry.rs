@@ -9,7 +9,8 @@ use super::analytic::AnalyticGeometry;
 use glam::Vec3Swizzles as _;
 
 use crate::buffer::Buffer;
-use crate::embree::{Charge, TriangleMesh};
+use crate::embree::{Charge, Device, TriangleMesh};
+use crate::error::Result;
 use crate::math::{DAffine3, DMat3, DVec3, HitPoint, ROUNDING, Vec3};
 use crate::shape::{Analytic, Triangle};
 
@@ -102,13 +103,20 @@ pub(super) struct Triangles {
     /// What it takes from the device's shared allowance.
     pub _charge: Option<Arc<Charge>>,
     /// See [`Triangles::prepare`].
-    pub ready: Option<Arc<[Ready]>>,
+    pub ready: Option<Arc<Ready>>,
+}
+
+/// Triangles for which what a hit is made of is kept ready.
+#[derive(Debug)]
+pub(super) struct Ready {
+    triangles: Vec<ReadyTriangle>,
+    _charge: Option<Charge>,
 }
 
 /// What a hit of a flat triangle is made of, in one line of the cache.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-pub(super) struct Ready {
+struct ReadyTriangle {
     corners: [[f32; 3]; 3],
     ng: [f32; 3],
     kernel_error: f32,
@@ -157,29 +165,52 @@ impl Triangles {
     /// Bytes of this library's memory behind it.
     pub(super) fn memory_bytes(&self) -> usize {
         let original = self.original.as_ref().map_or(0, |original| size_of_val(&original[..]));
-        let ready = self.ready.as_ref().map_or(0, |ready| size_of_val(&ready[..]));
+        let ready = self.ready.as_ref().map_or(0, |ready| size_of_val(&ready.triangles[..]));
         self.mesh.memory_bytes() + self.normals.as_ref().map_or(0, Buffer::memory_bytes) + original + ready
     }
 
     /// Keeps ready what hits are made of, for flat triangles of the scene frame, where they are few: normals and errors need
-    /// not be found anew at every hit. The same bits.
-    pub(super) fn prepare(&mut self) {
+    /// not be found anew at every hit, and three arrays not be looked up. The same bits.
+    ///
+    /// # Errors
+    /// What the device's allowance says.
+    pub(super) fn prepare(&mut self, device: &Device) -> Result<()> {
         let count = self.mesh.indices().len();
         if self.normals.is_some() || count > MOST_READY {
-            return;
+            return Ok(());
         }
+        let charge = device.charge(count * size_of::<ReadyTriangle>())?;
         let ready = |primitive: usize| {
             let corners = self.mesh.indices().get(primitive).map(|corner| self.mesh.vertices().get(corner as usize));
             let (ng, kernel_error) = self.point(primitive as u32, 0.0, 0.0).normal_and_error();
-            Ready { corners, ng: ng.to_array(), kernel_error }
+            ReadyTriangle { corners, ng: ng.to_array(), kernel_error }
         };
-        self.ready = Some((0..count).map(ready).collect());
+        let triangles = (0..count).map(ready).collect();
+        self.ready = Some(Arc::new(Ready { triangles, _charge: charge }));
+        Ok(())
     }
 
     /// The vertices of a triangle.
     pub(super) fn corners(&self, primitive: u32) -> [DVec3; 3] {
         let vertices = self.mesh.vertices();
         self.mesh.indices().get(primitive as usize).map(|i| DVec3::from(vertices.get(i as usize).map(f64::from)))
+    }
+
+    /// Has the processor fetch what says where a triangle's vertices are.
+    #[inline]
+    pub(super) fn prefetch_corners(&self, primitive: u32) {
+        self.mesh.indices().prefetch(primitive as usize);
+    }
+
+    /// Has the processor fetch a triangle's vertices.
+    #[inline]
+    pub(super) fn prefetch_vertices(&self, primitive: u32) {
+        for corner in self.mesh.indices().get(primitive as usize) {
+            self.mesh.vertices().prefetch(corner as usize);
+            if let Some(normals) = &self.normals {
+                normals.prefetch(corner as usize);
+            }
+        }
     }
 
     #[inline(always)]
@@ -224,6 +255,19 @@ pub(super) enum Geometry {
     Instance { triangles: Triangles, surface: u32, placement: Box<Placement> },
     /// Analytic shapes as user geometry, with the surface of each.
     Analytic { shapes: Arc<AnalyticGeometry>, surfaces: Vec<u32> },
+}
+
+impl Geometry {
+    /// Triangles that are looked up in arrays which may be too large for the processor's caches.
+    #[inline]
+    pub(super) fn far_triangles(&self) -> Option<&Triangles> {
+        match self {
+            Self::Loose { triangles, .. } | Self::Flat { triangles, .. } | Self::Instance { triangles, .. } => {
+                triangles.ready.is_none().then_some(triangles)
+            }
+            Self::Analytic { .. } => None,
+        }
+    }
 }
 
 /// Where an instance stands, and how exactly the kernel moves rays there.
@@ -332,7 +376,7 @@ pub(super) fn on_triangle(
     v: f32,
 ) -> SurfaceInteraction {
     if let Some(ready) = &triangles.ready {
-        let Ready { corners, ng, kernel_error } = &ready[primitive as usize];
+        let ReadyTriangle { corners, ng, kernel_error } = &ready.triangles[primitive as usize];
         let [v0, v1, v2] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
         let (p, ng) = (at(v0, [v1 - v0, v2 - v0], u, v).as_vec3a(), Vec3::from(*ng));
         return interaction(p, HitPoint::rounding_error(p, ng) + kernel_error, ng, None, owners.of(primitive));
@@ -406,4 +450,69 @@ pub(super) fn triangle_error(triangle: &Triangle) -> f32 {
     let sides = triangle.sides().map(|side| side.as_dvec3());
     let reach = v0.abs().max(v1.abs()).max(v2.abs());
     HitPoint::rounding_error(reach, triangle.normal) + scaled_kernel_error(sides, 2.0 * f64::from(triangle.area))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::embree::DeviceOptions;
+    use crate::sampling::Rng;
+
+    /// Triangles of all sizes and shapes, far from the origin and near it.
+    #[test]
+    fn what_is_kept_ready_is_what_would_be_found() {
+        let mut rng = Rng::new(21, 0);
+        let mut random = || Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 2.0 - Vec3::ONE;
+        let mut vertices = Vec::new();
+        for i in 0..1000 {
+            let (size, far) = (10.0_f32.powi(i % 21 - 12), 10.0_f32.powi(i % 5 - 2));
+            let (first, side, other) = (far * random(), size * random(), size * random());
+            // Every third is narrow.
+            let other = if i % 3 == 0 { 0.5 * side + 1e-5 * other } else { other };
+            vertices.extend([first, first + side, first + other].map(|corner| corner.to_array()));
+        }
+        let indices = (0..1000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let mesh = TriangleMesh::new(vertices, indices).unwrap();
+        let (normals, original) = (None, None);
+        let triangles =
+            Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: None, ready: None };
+        let mut prepared = triangles.clone();
+        prepared.prepare(&Device::new(&DeviceOptions::default()).unwrap()).unwrap();
+        assert_eq!(prepared.memory_bytes() - triangles.memory_bytes(), 64_000);
+        let owners = Owners::One(Owner { surface: 1, material: 2, emitter: NO_EMITTER });
+        let bits = |on: SurfaceInteraction| {
+            let SurfaceInteraction { point: HitPoint { p, error }, ng, ns, .. } = on;
+            [p, ng, ns, Vec3::splat(error)].map(|v| v.to_array().map(f32::to_bits))
+        };
+        for primitive in 0..1000 {
+            let [u, v, _] = random().to_array().map(|x| 0.5 * x.abs());
+            let found = on_triangle(&triangles, &owners, primitive, u, v);
+            // Those without any area are in no scene.
+            if found.ng.is_finite() {
+                assert_eq!(bits(on_triangle(&prepared, &owners, primitive, u, v)), bits(found), "{primitive}");
+            }
+        }
+    }
+
+    #[test]
+    fn large_and_smooth_meshes_are_looked_up() {
+        let device = Device::new(&DeviceOptions::default()).unwrap();
+        let corner = [0.0, 1.0, 0.0];
+        let made = |count: usize, smooth: bool| {
+            let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], corner], vec![[0, 1, 2]; count]).unwrap();
+            let normals = smooth.then(|| vec![corner; 3].into());
+            let mut triangles = Triangles {
+                mesh,
+                normals,
+                any_length: false,
+                original: None,
+                swapped: false,
+                _charge: None,
+                ready: None,
+            };
+            triangles.prepare(&device).unwrap();
+            triangles.ready.is_some()
+        };
+        assert_eq!([made(MOST_READY, false), made(MOST_READY + 1, false), made(1, true)], [true, false, false]);
+    }
 }

@@ -83,6 +83,8 @@ pub struct Scene {
     embree: Option<embree::Scene>,
     list: Arc<AnalyticList>,
     geometries: Arc<[Geometry]>,
+    /// Whether any of them has [`Geometry::far_triangles`].
+    is_large: bool,
     dress: Dress,
     materials: Arc<[Material]>,
     camera: CameraDesc,
@@ -173,6 +175,26 @@ impl Scene {
             }
         } else {
             rays.iter().zip(clear).for_each(|(ray, clear)| *clear = !self.list.occluded(ray));
+        }
+    }
+
+    /// Has the processor fetch what [`Scene::interaction`] will read for these hits. They are all over the arrays of a large mesh,
+    /// and one by one each would be waited for.
+    #[inline]
+    pub(crate) fn prefetch(&self, hits: &[Option<Hit>]) {
+        if !self.is_large {
+            return;
+        }
+        let far = |hit: &Hit| self.geometries.get(hit.geometry as usize)?.far_triangles();
+        for hit in hits.iter().flatten() {
+            if let Some(triangles) = far(hit) {
+                triangles.prefetch_corners(hit.primitive);
+            }
+        }
+        for hit in hits.iter().flatten() {
+            if let Some(triangles) = far(hit) {
+                triangles.prefetch_vertices(hit.primitive);
+            }
         }
     }
 
