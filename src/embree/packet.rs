@@ -120,7 +120,7 @@ macro_rules! packets {
                     if found.hit.geomID[lane] == INVALID {
                         continue;
                     }
-                    let mut hit = Hit {
+                    let hit = Hit {
                         t: found.ray.tfar[lane],
                         u: found.hit.u[lane],
                         v: found.hit.v[lane],
@@ -129,8 +129,7 @@ macro_rules! packets {
                         geom: found.hit.geomID[lane],
                         inst: found.hit.instID[0][lane],
                     };
-                    scene.complete(&rays[lane], &mut hit);
-                    meet(lane, hit);
+                    meet(lane, scene.complete(&rays[lane], hit));
                 }
             }
 

@@ -117,33 +117,37 @@ impl Scene {
         if !is_traceable(ray) {
             return None;
         }
-        let mut hit = self.query::<FLAGS>(ray)?;
-        self.complete(ray, &mut hit);
-        Some(hit)
+        let hit = self.query::<FLAGS>(ray)?;
+        Some(self.complete(ray, hit))
     }
 
     /// Mends what the kernel leaves out in tiny triangles.
     #[inline(always)]
-    pub(super) fn complete(&self, ray: &Ray, hit: &mut Hit) {
+    pub(super) fn complete(&self, ray: &Ray, hit: Hit) -> Hit {
         if hit.u == 0.0 && hit.v == 0.0 {
-            self.weigh_again(ray, hit);
+            // Not the hit itself: it would be kept in memory for that, written field by field and read as a whole, for which the
+            // processor waits.
+            let [u, v] = self.weigh_again(ray, hit.t, [hit.prim, hit.geom, hit.inst]);
+            return Hit { u, v, ..hit };
         }
+        hit
     }
 
-    /// Gives a hit whose barycentric weights are those of a triangle's first vertex the true ones.
+    /// The true barycentric weights of a hit at `t` whose weights are those of a triangle's first vertex.
     ///
     /// Embree divides by twice the area of the triangle times the length of the direction, and where that is below 1e-18 it
     /// leaves the weights at zero. A longer direction brings it back into the range; by a power of two, so that all else
     /// stays as it was.
     #[cold]
     #[inline(never)]
-    fn weigh_again(&self, ray: &Ray, hit: &mut Hit) {
+    fn weigh_again(&self, ray: &Ray, t: f32, [prim, geom, inst]: [u32; 3]) -> [f32; 2] {
         const LONGER: f32 = (1_u64 << 60) as f32;
-        let owner = if hit.inst == Hit::NO_INSTANCE { hit.geom } else { hit.inst };
+        const FIRST_VERTEX: [f32; 2] = [0.0; 2];
+        let owner = if inst == Hit::NO_INSTANCE { geom } else { inst };
         if !matches!(self.inner.kept[owner as usize], Kept::Triangles(_) | Kept::Instance(_)) {
-            return;
+            return FIRST_VERTEX;
         }
-        let t = hit.t / LONGER;
+        let t = t / LONGER;
         let longer = Ray {
             origin: ray.origin,
             direction: ray.direction * LONGER,
@@ -151,12 +155,11 @@ impl Scene {
             tfar: t * (1.0 + 8.0 * f32::EPSILON),
         };
         if !is_traceable(&longer) {
-            return;
+            return FIRST_VERTEX;
         }
-        if let Some(again) = self.query::<{ sys::RTC_RAY_QUERY_FLAG_INCOHERENT }>(&longer)
-            && (again.prim, again.geom, again.inst) == (hit.prim, hit.geom, hit.inst)
-        {
-            (hit.u, hit.v) = (again.u, again.v);
+        match self.query::<{ sys::RTC_RAY_QUERY_FLAG_INCOHERENT }>(&longer) {
+            Some(again) if [again.prim, again.geom, again.inst] == [prim, geom, inst] => [again.u, again.v],
+            _ => FIRST_VERTEX,
         }
     }
 

@@ -32,15 +32,18 @@ pub(super) struct Bounce {
 impl<'s> Vertex<'s> {
     #[inline]
     pub fn new(scene: &'s Scene, ray: &Ray, hit: &Hit) -> Self {
-        let mut surface = scene.interaction(ray, hit);
+        // Field by field: a copy as a whole would be read in larger pieces than it was just written in, for which the processor
+        // waits.
+        let SurfaceInteraction { point, ng, mut ns, surface, material, emitter } = scene.interaction(ray, hit);
         let wo_scene = -ray.direction;
         // An interpolated normal may look away from a viewer who does see the face: shade flat there.
-        if surface.ns.dot(wo_scene) * surface.ng.dot(wo_scene) <= 0.0 {
-            surface.ns = surface.ng;
+        if ns.dot(wo_scene) * ng.dot(wo_scene) <= 0.0 {
+            ns = ng;
         }
-        let frame = Frame::from_normal(surface.ns);
+        let frame = Frame::from_normal(ns);
         let wo = frame.to_local(wo_scene);
-        Self { material: scene.material(surface.material), frame, wo, wo_scene, surface }
+        let surface = SurfaceInteraction { point, ng, ns, surface, material, emitter };
+        Self { material: scene.material(material), frame, wo, wo_scene, surface }
     }
 
     /// A point of a surface as if it were of this diffuse material, looked at along its shading normal from the side of it
@@ -143,7 +146,7 @@ impl<'s> Vertex<'s> {
     }
 
     /// Samples the next direction of the path; `None` when it ends in absorption.
-    #[inline]
+    #[inline(always)]
     pub fn sample_bounce(&self, u: [f32; 4]) -> Option<Bounce> {
         let sample = self.material.bsdf.sample(self.wo, [u[0], u[1], u[2]])?;
         let wi = self.frame.to_world(sample.wi);

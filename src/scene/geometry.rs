@@ -268,6 +268,15 @@ impl Geometry {
             Self::Analytic { .. } => None,
         }
     }
+
+    /// What of its triangles is kept ready, if it is.
+    #[inline]
+    pub(super) fn ready(&self) -> Option<&Ready> {
+        match self {
+            Self::Loose { triangles, .. } | Self::Flat { triangles, .. } => triangles.ready.as_deref(),
+            Self::Instance { .. } | Self::Analytic { .. } => None,
+        }
+    }
 }
 
 /// Where an instance stands, and how exactly the kernel moves rays there.
@@ -366,6 +375,15 @@ fn interaction(p: Vec3, error: f32, ng: Vec3, ns: Option<Vec3>, owner: Owner) ->
     }
 }
 
+/// A point on one of the triangles that are kept ready.
+#[inline(always)]
+pub(super) fn on_ready(ready: &Ready, owners: &Owners, primitive: u32, u: f32, v: f32) -> SurfaceInteraction {
+    let ReadyTriangle { corners, ng, kernel_error } = &ready.triangles[primitive as usize];
+    let [v0, v1, v2] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
+    let (p, ng) = (at(v0, [v1 - v0, v2 - v0], u, v).as_vec3a(), Vec3::from(*ng));
+    interaction(p, HitPoint::rounding_error(p, ng) + kernel_error, ng, None, owners.of(primitive))
+}
+
 /// A point on triangles of the scene frame.
 #[inline]
 pub(super) fn on_triangle(
@@ -375,12 +393,6 @@ pub(super) fn on_triangle(
     u: f32,
     v: f32,
 ) -> SurfaceInteraction {
-    if let Some(ready) = &triangles.ready {
-        let ReadyTriangle { corners, ng, kernel_error } = &ready.triangles[primitive as usize];
-        let [v0, v1, v2] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
-        let (p, ng) = (at(v0, [v1 - v0, v2 - v0], u, v).as_vec3a(), Vec3::from(*ng));
-        return interaction(p, HitPoint::rounding_error(p, ng) + kernel_error, ng, None, owners.of(primitive));
-    }
     let point = triangles.point(primitive, u, v);
     let p = point.p.as_vec3a();
     let (ng, kernel_error) = point.normal_and_error();
@@ -479,6 +491,7 @@ mod tests {
         let mut prepared = triangles.clone();
         prepared.prepare(&Device::new(&DeviceOptions::default()).unwrap()).unwrap();
         assert_eq!(prepared.memory_bytes() - triangles.memory_bytes(), 64_000);
+        let ready = prepared.ready.unwrap();
         let owners = Owners::One(Owner { surface: 1, material: 2, emitter: NO_EMITTER });
         let bits = |on: SurfaceInteraction| {
             let SurfaceInteraction { point: HitPoint { p, error }, ng, ns, .. } = on;
@@ -489,7 +502,7 @@ mod tests {
             let found = on_triangle(&triangles, &owners, primitive, u, v);
             // Those without any area are in no scene.
             if found.ng.is_finite() {
-                assert_eq!(bits(on_triangle(&prepared, &owners, primitive, u, v)), bits(found), "{primitive}");
+                assert_eq!(bits(on_ready(&ready, &owners, primitive, u, v)), bits(found), "{primitive}");
             }
         }
     }

@@ -207,6 +207,15 @@ impl Scene {
     /// The same for any place of a primitive; `on_shape`: near which point of an analytic one.
     #[inline(always)]
     fn point_of(&self, hit: &Hit, on_shape: impl FnOnce(&Analytic) -> DVec3) -> SurfaceInteraction {
+        if let Some(ready) = self.geometries.get(hit.geometry as usize).and_then(Geometry::ready) {
+            let owners = &self.dress.owners[hit.geometry as usize];
+            return geometry::on_ready(ready, owners, hit.primitive, hit.u, hit.v);
+        }
+        self.point_elsewhere(hit, on_shape)
+    }
+
+    /// [`Scene::point_of`] on what is not kept ready.
+    fn point_elsewhere(&self, hit: &Hit, on_shape: impl FnOnce(&Analytic) -> DVec3) -> SurfaceInteraction {
         if hit.geometry == IN_LIST {
             let index = hit.primitive as usize;
             let shape = &self.list.shapes()[index];
