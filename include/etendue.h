@@ -1135,7 +1135,7 @@ typedef struct etd_scene_info {
      */
     uint64_t emitters;
     /**
-     * Bytes of vertices, indices and normals that belong to the library.
+     * Bytes of vertices, indices and normals that belong to the library, and of what is kept ready for shading.
      */
     uint64_t geometry_bytes;
     /**

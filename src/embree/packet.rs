@@ -8,7 +8,7 @@
 use super::ray::{Hit, INVALID};
 use super::scene::Scene;
 use super::sys;
-use crate::math::{Mat4, Ray, Vec3, Vec4};
+use crate::math::{Ray, Vec3, Vec4};
 
 /// The most rays that go into one packet.
 pub const PACKET: usize = 16;
@@ -43,7 +43,7 @@ impl Width {
 
 #[inline(always)]
 fn transposed([a, b, c, d]: [Vec4; 4]) -> [[f32; 4]; 4] {
-    Mat4::from_cols(a, b, c, d).transpose().to_cols_array_2d()
+    glam::Mat4::from_cols(a, b, c, d).transpose().to_cols_array_2d()
 }
 
 macro_rules! packets {

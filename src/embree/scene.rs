@@ -127,25 +127,26 @@ impl Scene {
         if hit.u == 0.0 && hit.v == 0.0 {
             // Not the hit itself: it would be kept in memory for that, written field by field and read as a whole, for which the
             // processor waits.
-            let [u, v] = self.weigh_again(ray, hit.t, [hit.prim, hit.geom, hit.inst]);
-            return Hit { u, v, ..hit };
+            if let Some([u, v]) = self.weigh_again(ray, hit.t, [hit.prim, hit.geom, hit.inst]) {
+                return Hit { u, v, ..hit };
+            }
         }
         hit
     }
 
-    /// The true barycentric weights of a hit at `t` whose weights are those of a triangle's first vertex.
+    /// The true barycentric weights of a hit at `t` whose weights are those of a triangle's first vertex; `None` where these are
+    /// all that can be known.
     ///
     /// Embree divides by twice the area of the triangle times the length of the direction, and where that is below 1e-18 it
     /// leaves the weights at zero. A longer direction brings it back into the range; by a power of two, so that all else
     /// stays as it was.
     #[cold]
     #[inline(never)]
-    fn weigh_again(&self, ray: &Ray, t: f32, [prim, geom, inst]: [u32; 3]) -> [f32; 2] {
+    fn weigh_again(&self, ray: &Ray, t: f32, [prim, geom, inst]: [u32; 3]) -> Option<[f32; 2]> {
         const LONGER: f32 = (1_u64 << 60) as f32;
-        const FIRST_VERTEX: [f32; 2] = [0.0; 2];
         let owner = if inst == Hit::NO_INSTANCE { geom } else { inst };
         if !matches!(self.inner.kept[owner as usize], Kept::Triangles(_) | Kept::Instance(_)) {
-            return FIRST_VERTEX;
+            return None;
         }
         let t = t / LONGER;
         let longer = Ray {
@@ -155,12 +156,10 @@ impl Scene {
             tfar: t * (1.0 + 8.0 * f32::EPSILON),
         };
         if !is_traceable(&longer) {
-            return FIRST_VERTEX;
+            return None;
         }
-        match self.query::<{ sys::RTC_RAY_QUERY_FLAG_INCOHERENT }>(&longer) {
-            Some(again) if [again.prim, again.geom, again.inst] == [prim, geom, inst] => [again.u, again.v],
-            _ => FIRST_VERTEX,
-        }
+        let again = self.query::<{ sys::RTC_RAY_QUERY_FLAG_INCOHERENT }>(&longer)?;
+        ([again.prim, again.geom, again.inst] == [prim, geom, inst]).then_some([again.u, again.v])
     }
 
     /// What Embree says of a ray that is traceable.

@@ -177,6 +177,9 @@ mod tests {
             // Shapes in Embree's tree are user geometry.
             let all = BuildOptions { listed_shapes: Some(0), ..BuildOptions::default() };
             compare(&Scene::build(&desc, &all).unwrap(), &Path { max_depth: None, shadow_rays: 1 }, &sobol);
+            // Larger meshes are instances.
+            let dynamic = BuildOptions { dynamic: true, ..BuildOptions::default() };
+            compare(&Scene::build(&desc, &dynamic).unwrap(), &Path { max_depth: None, shadow_rays: 1 }, &sobol);
         }
     }
 }

@@ -4,7 +4,7 @@ mod frame;
 mod ray;
 
 pub use frame::Frame;
-pub use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot, Mat4, Vec2, Vec3A as Vec3, Vec4};
+pub use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot, Vec2, Vec3A as Vec3, Vec4};
 pub use ray::{HitPoint, ROUNDING, Ray};
 
 /// An axis-aligned box in double precision; `min > max` in any axis means empty.

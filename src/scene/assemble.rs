@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::analytic::{AnalyticGeometry, AnalyticList};
 use super::dress::Bare;
-use super::geometry::{Geometry, Part, Placement, Triangles};
+use super::geometry::{Geometry, MOST_READY, Part, Placement, Triangles};
 use super::lower::{self, Lowered, MeshUse};
 use super::mesh::{self, MeshObject};
 use super::record::{Facts, ObjectKey, Record, address};
@@ -180,9 +180,8 @@ impl Assembler<'_> {
         let vertices = VertexBuffer::from_vec(vertices, self.work.cancel)?;
         let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), self.work.cancel)?;
         let (normals, original) = (None, None);
-        let mut triangles =
+        let triangles =
             Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: charge, ready: None };
-        triangles.prepare(self.device)?;
         self.add_triangles(&triangles)?;
         self.geometries.push(Geometry::Loose { triangles, parts });
         Ok(())
@@ -202,8 +201,7 @@ impl Assembler<'_> {
         let mesh = self.mesh(mesh_use);
         let made = mesh::placed(mesh, mesh_use.smooth, &to_scene, self.device, self.work)?;
         self.note_dropped(made.dropped, mesh_use);
-        let Some(mut triangles) = made.triangles else { return Ok(()) };
-        triangles.prepare(self.device)?;
+        let Some(triangles) = made.triangles else { return Ok(()) };
         self.facts.smooth_meshes += usize::from(mesh_use.smooth);
         self.add_triangles(&triangles)?;
         self.geometries.push(Geometry::Flat { triangles, surface: mesh_use.surface as u32 });
@@ -292,6 +290,11 @@ impl Assembler<'_> {
             self.facts.embree_bytes += embree.hierarchy_bytes();
             Some(embree)
         };
+        // Last of all, so that it takes no memory that the rest needs.
+        let mut room = MOST_READY;
+        for geometry in &mut self.geometries {
+            self.facts.geometry_bytes += geometry.prepare(&mut room, self.device);
+        }
         // Of the meshes with hierarchies those stay that a surface names, be it hidden.
         let named = |surface: &crate::desc::SurfaceDesc| match surface.shape {
             ShapeDesc::Mesh { mesh, smooth } => Some((address(self.desc.meshes.get(mesh)?), smooth)),

@@ -164,7 +164,7 @@ fn complete(desc: &SceneDesc, device: Device, assembly: Assembly, dress: Dress, 
     Scene {
         embree: assembly.embree,
         list: assembly.list,
-        is_large: assembly.geometries.iter().any(|geometry| geometry.far_triangles().is_some()),
+        is_large: super::geometry::are_large(&assembly.geometries),
         geometries: assembly.geometries,
         dress,
         materials,

@@ -10,7 +10,6 @@ use glam::Vec3Swizzles as _;
 
 use crate::buffer::Buffer;
 use crate::embree::{Charge, Device, TriangleMesh};
-use crate::error::Result;
 use crate::math::{DAffine3, DMat3, DVec3, HitPoint, ROUNDING, Vec3};
 use crate::shape::{Analytic, Triangle};
 
@@ -88,7 +87,8 @@ pub struct SurfaceInteraction {
     pub emitter: Option<u32>,
 }
 
-/// Triangles with what shading needs of them: the same memory that Embree reads. Clones share it.
+/// Triangles with what shading needs of them: the same memory that Embree reads, and what may be kept ready beside it. Clones
+/// share it.
 #[derive(Clone, Debug)]
 pub(super) struct Triangles {
     pub mesh: TriangleMesh,
@@ -122,9 +122,8 @@ struct ReadyTriangle {
     kernel_error: f32,
 }
 
-/// Up to this many triangles of a geometry are kept ready, 64 bytes each: as many as fit into a processor's second cache with
-/// room to spare.
-const MOST_READY: usize = 4096;
+/// Up to this many triangles of a scene are kept ready, 64 bytes each: about as much as stays in a processor's second cache.
+pub(super) const MOST_READY: usize = 4096;
 
 /// A point of a triangle in its own frame, not yet rounded.
 struct TrianglePoint {
@@ -165,21 +164,18 @@ impl Triangles {
     /// Bytes of this library's memory behind it.
     pub(super) fn memory_bytes(&self) -> usize {
         let original = self.original.as_ref().map_or(0, |original| size_of_val(&original[..]));
-        let ready = self.ready.as_ref().map_or(0, |ready| size_of_val(&ready.triangles[..]));
-        self.mesh.memory_bytes() + self.normals.as_ref().map_or(0, Buffer::memory_bytes) + original + ready
+        self.mesh.memory_bytes() + self.normals.as_ref().map_or(0, Buffer::memory_bytes) + original
     }
 
-    /// Keeps ready what hits are made of, for flat triangles of the scene frame, where they are few: normals and errors need
-    /// not be found anew at every hit, and three arrays not be looked up. The same bits.
-    ///
-    /// # Errors
-    /// What the device's allowance says.
-    pub(super) fn prepare(&mut self, device: &Device) -> Result<()> {
+    /// Keeps ready what hits are made of, for flat triangles of the scene frame: normals and errors need not be found anew at
+    /// every hit, and three arrays not be looked up. The same bits. Returns how many are ready: all, or none where they are more
+    /// than `room`, have normals of their own, or the device's allowance has nothing left for them.
+    fn prepare(&mut self, room: usize, device: &Device) -> usize {
         let count = self.mesh.indices().len();
-        if self.normals.is_some() || count > MOST_READY {
-            return Ok(());
+        if self.normals.is_some() || count > room {
+            return 0;
         }
-        let charge = device.charge(count * size_of::<ReadyTriangle>())?;
+        let Ok(charge) = device.charge(count * size_of::<ReadyTriangle>()) else { return 0 };
         let ready = |primitive: usize| {
             let corners = self.mesh.indices().get(primitive).map(|corner| self.mesh.vertices().get(corner as usize));
             let (ng, kernel_error) = self.point(primitive as u32, 0.0, 0.0).normal_and_error();
@@ -187,7 +183,7 @@ impl Triangles {
         };
         let triangles = (0..count).map(ready).collect();
         self.ready = Some(Arc::new(Ready { triangles, _charge: charge }));
-        Ok(())
+        count
     }
 
     /// The vertices of a triangle.
@@ -258,14 +254,15 @@ pub(super) enum Geometry {
 }
 
 impl Geometry {
-    /// Triangles that are looked up in arrays which may be too large for the processor's caches.
-    #[inline]
-    pub(super) fn far_triangles(&self) -> Option<&Triangles> {
+    /// [`Triangles::prepare`], for those of the scene frame. Returns how many bytes that took.
+    pub(super) fn prepare(&mut self, room: &mut usize, device: &Device) -> usize {
         match self {
-            Self::Loose { triangles, .. } | Self::Flat { triangles, .. } | Self::Instance { triangles, .. } => {
-                triangles.ready.is_none().then_some(triangles)
+            Self::Loose { triangles, .. } | Self::Flat { triangles, .. } => {
+                let count = triangles.prepare(*room, device);
+                *room -= count;
+                count * size_of::<ReadyTriangle>()
             }
-            Self::Analytic { .. } => None,
+            Self::Instance { .. } | Self::Analytic { .. } => 0,
         }
     }
 
@@ -277,6 +274,23 @@ impl Geometry {
             Self::Instance { .. } | Self::Analytic { .. } => None,
         }
     }
+
+    /// Triangles whose arrays are looked up at every hit.
+    #[inline]
+    pub(super) fn far_triangles(&self) -> Option<&Triangles> {
+        match self {
+            Self::Loose { triangles, .. } | Self::Flat { triangles, .. } | Self::Instance { triangles, .. } => {
+                triangles.ready.is_none().then_some(triangles)
+            }
+            Self::Analytic { .. } => None,
+        }
+    }
+}
+
+/// Whether the arrays that are looked up may be too large for the processor's caches.
+pub(super) fn are_large(geometries: &[Geometry]) -> bool {
+    let far = geometries.iter().filter_map(Geometry::far_triangles);
+    far.map(|triangles| triangles.mesh.indices().len()).sum::<usize>() > MOST_READY
 }
 
 /// Where an instance stands, and how exactly the kernel moves rays there.
@@ -467,7 +481,7 @@ pub(super) fn triangle_error(triangle: &Triangle) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::embree::DeviceOptions;
+    use crate::embree::{DeviceOptions, MemoryBudget};
     use crate::sampling::Rng;
 
     /// Triangles of all sizes and shapes, far from the origin and near it.
@@ -489,43 +503,55 @@ mod tests {
         let triangles =
             Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: None, ready: None };
         let mut prepared = triangles.clone();
-        prepared.prepare(&Device::new(&DeviceOptions::default()).unwrap()).unwrap();
-        assert_eq!(prepared.memory_bytes() - triangles.memory_bytes(), 64_000);
+        assert_eq!(prepared.prepare(1000, &Device::new(&DeviceOptions::default()).unwrap()), 1000);
         let ready = prepared.ready.unwrap();
         let owners = Owners::One(Owner { surface: 1, material: 2, emitter: NO_EMITTER });
         let bits = |on: SurfaceInteraction| {
             let SurfaceInteraction { point: HitPoint { p, error }, ng, ns, .. } = on;
             [p, ng, ns, Vec3::splat(error)].map(|v| v.to_array().map(f32::to_bits))
         };
+        let mut compared = 0;
         for primitive in 0..1000 {
             let [u, v, _] = random().to_array().map(|x| 0.5 * x.abs());
             let found = on_triangle(&triangles, &owners, primitive, u, v);
             // Those without any area are in no scene.
             if found.ng.is_finite() {
                 assert_eq!(bits(on_ready(&ready, &owners, primitive, u, v)), bits(found), "{primitive}");
+                compared += 1;
             }
         }
+        assert!(compared > 700, "{compared}");
+    }
+
+    fn one_triangle(count: usize, smooth: bool) -> Geometry {
+        let corner = [0.0, 1.0, 0.0];
+        let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], corner], vec![[0, 1, 2]; count]).unwrap();
+        let normals = smooth.then(|| vec![corner; 3].into());
+        let (any_length, swapped) = (false, false);
+        let triangles = Triangles { mesh, normals, any_length, original: None, swapped, _charge: None, ready: None };
+        Geometry::Flat { triangles, surface: 0 }
     }
 
     #[test]
-    fn large_and_smooth_meshes_are_looked_up() {
-        let device = Device::new(&DeviceOptions::default()).unwrap();
-        let corner = [0.0, 1.0, 0.0];
-        let made = |count: usize, smooth: bool| {
-            let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], corner], vec![[0, 1, 2]; count]).unwrap();
-            let normals = smooth.then(|| vec![corner; 3].into());
-            let mut triangles = Triangles {
-                mesh,
-                normals,
-                any_length: false,
-                original: None,
-                swapped: false,
-                _charge: None,
-                ready: None,
-            };
-            triangles.prepare(&device).unwrap();
-            triangles.ready.is_some()
-        };
-        assert_eq!([made(MOST_READY, false), made(MOST_READY + 1, false), made(1, true)], [true, false, false]);
+    fn as_many_are_kept_ready_as_there_is_room_for() {
+        let budget = MemoryBudget::new(64 * 1500);
+        let device = Device::new(&DeviceOptions { budget: Some(budget.clone()), ..DeviceOptions::default() }).unwrap();
+        let before = budget.used();
+        let mut room = 2000;
+        // Too many for the room, smooth, ready, too many for what is left, ready, too many for the allowance.
+        let counts = [(2001, false), (1, true), (1000, false), (1001, false), (400, false), (200, false)];
+        let mut geometries = counts.map(|(count, smooth)| one_triangle(count, smooth));
+        let bytes = geometries.each_mut().map(|geometry| geometry.prepare(&mut room, &device));
+        assert_eq!((bytes, room), ([0, 0, 64_000, 0, 25_600, 0], 600));
+        assert_eq!(budget.used() - before, 89_600);
+        assert_eq!(geometries.each_ref().map(|g| g.ready().is_some()), bytes.map(|bytes| bytes > 0));
+        drop(geometries);
+        assert_eq!(budget.used(), before);
+    }
+
+    #[test]
+    fn few_triangles_that_are_looked_up_are_not_large() {
+        assert!(!are_large(&[one_triangle(MOST_READY - 1, false), one_triangle(1, true)]));
+        assert!(are_large(&[one_triangle(MOST_READY, false), one_triangle(1, true)]));
     }
 }

@@ -37,7 +37,7 @@ pub struct SceneInfo {
     pub smooth_meshes: usize,
     /// Box around all surfaces, world frame.
     pub bounds: Bounds,
-    /// Bytes of vertices, indices and normals, without those that a host keeps.
+    /// Bytes of vertices, indices and normals, without those that a host keeps, and of what is kept ready for shading.
     pub geometry_bytes: usize,
     /// Bytes that Embree holds for this scene's trees, those included that it shares with the scene it was rebuilt from.
     pub embree_bytes: usize,

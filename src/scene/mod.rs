@@ -83,7 +83,7 @@ pub struct Scene {
     embree: Option<embree::Scene>,
     list: Arc<AnalyticList>,
     geometries: Arc<[Geometry]>,
-    /// Whether any of them has [`Geometry::far_triangles`].
+    /// What [`geometry::are_large`] says of them.
     is_large: bool,
     dress: Dress,
     materials: Arc<[Material]>,
@@ -182,7 +182,7 @@ impl Scene {
     /// and one by one each would be waited for.
     #[inline]
     pub(crate) fn prefetch(&self, hits: &[Option<Hit>]) {
-        if !self.is_large {
+        if !self.is_large || cfg!(not(target_arch = "x86_64")) {
             return;
         }
         let far = |hit: &Hit| self.geometries.get(hit.geometry as usize)?.far_triangles();

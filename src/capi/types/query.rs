@@ -64,7 +64,7 @@ pub struct etd_scene_info {
     pub analytic_shapes: u64,
     /// Emitters that can be sampled.
     pub emitters: u64,
-    /// Bytes of vertices, indices and normals that belong to the library.
+    /// Bytes of vertices, indices and normals that belong to the library, and of what is kept ready for shading.
     pub geometry_bytes: u64,
     /// Bytes of Embree's hierarchies.
     pub hierarchy_bytes: u64,
