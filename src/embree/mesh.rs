@@ -192,6 +192,16 @@ impl TriangleMesh {
         &self.indices
     }
 
+    /// The vertices of a triangle.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such triangle.
+    #[inline(always)]
+    pub fn corners(&self, triangle: usize) -> [[f32; 3]; 3] {
+        self.indices.get(triangle).map(|corner| self.vertices.get(corner as usize))
+    }
+
     /// Bytes of both buffers, without those that belong to somebody else.
     pub fn memory_bytes(&self) -> usize {
         self.vertices.buffer.memory_bytes() + self.indices.memory_bytes()

@@ -195,13 +195,6 @@ impl Film {
         true
     }
 
-    /// Values of each pixel, row by row.
-    fn collect<const N: usize>(&self, value: impl Fn(&Pixel, Beside) -> [f32; N]) -> Vec<f32> {
-        let mut values = vec![0.0; N * self.pixel_count()];
-        self.write(&mut values, value);
-        values
-    }
-
     fn write<const N: usize>(&self, out: &mut [f32], value: impl Fn(&Pixel, Beside) -> [f32; N]) {
         let (out, _) = out.as_chunks_mut::<N>();
         self.for_each(|place, pixel, beside| {
@@ -221,8 +214,6 @@ impl Film {
     /// auxiliary data `albedo`, `normal` and `depth`.
     pub fn develop(&self) -> Image {
         let [width, height] = self.options.resolution;
-        let rgb = self.collect(|pixel, _| pixel.mean(self.options.weighted));
-        let mut image = Image { width, height, rgb, ..Image::default() };
         let mut kinds = vec![("samples", LayerKind::Samples), ("variance", LayerKind::Variance)];
         if self.options.auxiliary {
             let first = [("albedo", LayerKind::Albedo), ("normal", LayerKind::Normal), ("depth", LayerKind::Depth)];
@@ -231,12 +222,22 @@ impl Film {
         if self.options.gathering {
             kinds.push(("bias", LayerKind::Bias));
         }
-        for (name, kind) in kinds {
-            let mut data = vec![0.0; kind.channels() * self.pixel_count()];
-            self.write_layer(kind, &mut data);
-            image.layers.push(Layer { name: name.to_owned(), channels: kind.channels(), data });
-        }
-        image
+        let room = |channels: usize| vec![0.0; channels * self.pixel_count()];
+        let mut rgb = room(3);
+        let mut layers: Vec<_> = kinds.iter().map(|(_, kind)| (*kind, room(kind.channels()))).collect();
+        self.for_each(|place, pixel, beside| {
+            if let Some(out) = rgb.get_mut(3 * place..3 * place + 3) {
+                out.copy_from_slice(&pixel.mean(self.options.weighted));
+            }
+            for (kind, out) in &mut layers {
+                put(*kind, self.options.share, place, pixel, beside, out);
+            }
+        });
+        let named = kinds.iter().zip(layers);
+        let layers = named
+            .map(|((name, kind), (_, data))| Layer { name: (*name).to_owned(), channels: kind.channels(), data })
+            .collect();
+        Image { width, height, rgb, layers }
     }
 
     /// Writes the image as it stands as `[height][width][4]`, row 0 on top. The fourth value is the share of samples that

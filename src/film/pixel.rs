@@ -72,6 +72,9 @@ impl Pixel {
     /// error of their mean; replicates are scrambled independently. With weights of both signs it is that of the sum
     /// before it is divided by the weights, which is more than the error of the quotient.
     pub fn variance(&self, share: u32) -> [f64; 3] {
+        if (self.count as usize) < LEAST_REPLICATES {
+            return [f64::NAN; 3];
+        }
         let counts = self.replicate_counts(share);
         let used = counts.iter().filter(|count| **count > 0.0).count();
         if used < LEAST_REPLICATES {

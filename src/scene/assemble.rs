@@ -5,9 +5,11 @@ use std::sync::Arc;
 
 use super::analytic::{AnalyticGeometry, AnalyticList};
 use super::dress::Bare;
-use super::geometry::{Geometry, MOST_READY, Part, Placement, Triangles};
+use super::geometry::{Geometry, Part, Triangles};
 use super::lower::{self, Lowered, MeshUse};
 use super::mesh::{self, MeshObject};
+use super::placement::Placement;
+use super::ready::MOST_READY;
 use super::record::{Facts, ObjectKey, Record, address};
 use super::work::{Work, cost};
 use super::{BuildOptions, dress, frame};
@@ -180,10 +182,9 @@ impl Assembler<'_> {
         let vertices = VertexBuffer::from_vec(vertices, self.work.cancel)?;
         let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), self.work.cancel)?;
         let (normals, original) = (None, None);
-        let triangles =
-            Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: charge, ready: None };
+        let triangles = Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: charge };
         self.add_triangles(&triangles)?;
-        self.geometries.push(Geometry::Loose { triangles, parts });
+        self.geometries.push(Geometry::Loose { triangles, parts, ready: None });
         Ok(())
     }
 
@@ -204,7 +205,7 @@ impl Assembler<'_> {
         let Some(triangles) = made.triangles else { return Ok(()) };
         self.facts.smooth_meshes += usize::from(mesh_use.smooth);
         self.add_triangles(&triangles)?;
-        self.geometries.push(Geometry::Flat { triangles, surface: mesh_use.surface as u32 });
+        self.geometries.push(Geometry::Flat { triangles, surface: mesh_use.surface as u32, ready: None });
         Ok(())
     }
 

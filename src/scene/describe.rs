@@ -38,7 +38,9 @@ impl Scene {
                 let uv = if self.record.is_quad(part.surface) { quad_uv(part.half, barycentric) } else { barycentric };
                 (barycentric, uv, part.half)
             }
-            Some(&Geometry::Flat { ref triangles, surface } | &Geometry::Instance { ref triangles, surface, .. }) => {
+            Some(
+                &Geometry::Flat { ref triangles, surface, .. } | &Geometry::Instance { ref triangles, surface, .. },
+            ) => {
                 let barycentric = in_order(triangles.swapped, hit);
                 let uv = self.mesh_uv(surface, triangles, hit).unwrap_or(barycentric);
                 let original = triangles.original.as_ref();

@@ -91,7 +91,7 @@ impl Dresser<'_> {
     fn geometry(&mut self, geometry: &Geometry) -> Result<Owners> {
         let work = self.work;
         match geometry {
-            Geometry::Loose { triangles, parts } => {
+            Geometry::Loose { triangles, parts, .. } => {
                 let mut owners = Vec::with_capacity(parts.len());
                 work.each(parts.len(), cost::EMITTER, |i| {
                     let surface = parts[i].surface;
@@ -100,7 +100,7 @@ impl Dresser<'_> {
                 })?;
                 Ok(Owners::Each(owners))
             }
-            &Geometry::Flat { ref triangles, surface } => {
+            &Geometry::Flat { ref triangles, surface, .. } => {
                 let mut first = NO_EMITTER;
                 if let Some(radiance) = self.emission(surface) {
                     first = self.emitters.len() as u32;

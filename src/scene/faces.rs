@@ -80,7 +80,7 @@ impl Scene {
                         self.triangle(&facet, triangles.corners(primitive), triangles.normals.is_some())
                     }
                     Geometry::Instance { triangles, placement, .. } => {
-                        let place = |corner| placement.transform().transform_point3(corner);
+                        let place = |corner| placement.to_scene.transform_point3(corner);
                         self.triangle(&facet, triangles.corners(primitive).map(place), triangles.normals.is_some())
                     }
                 };
@@ -123,7 +123,7 @@ impl Scene {
                         return Some((first + i as u32, self.record.is_mirrored(surface)));
                     }
                 }
-                Geometry::Flat { triangles, surface: own } | Geometry::Instance { triangles, surface: own, .. }
+                Geometry::Flat { triangles, surface: own, .. } | Geometry::Instance { triangles, surface: own, .. }
                     if *own == surface =>
                 {
                     let i = match &triangles.original {

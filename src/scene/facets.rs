@@ -57,7 +57,7 @@ impl Scene {
             watch.check()?;
             let geometry_number = number as u32;
             match geometry {
-                Geometry::Loose { triangles, parts } => {
+                Geometry::Loose { triangles, parts, .. } => {
                     // Halves of a quad follow each other.
                     let mut begin = 0;
                     for group in parts.chunk_by(|a, b| a.surface == b.surface) {
@@ -74,11 +74,11 @@ impl Scene {
                         meshes.push(mesh);
                     }
                 }
-                &Geometry::Flat { ref triangles, surface } => {
+                &Geometry::Flat { ref triangles, surface, .. } => {
                     meshes.push(self.mesh(geometry_number, surface, triangles, |p| p, |n| n, watch)?);
                 }
                 Geometry::Instance { triangles, surface, placement } => {
-                    let to_scene = *placement.transform();
+                    let to_scene = placement.to_scene;
                     let normals = to_scene.matrix3.inverse().transpose();
                     let place = |p: DVec3| to_scene.transform_point3(p);
                     let turn = |n: Vec3| (normals * n.as_dvec3()).as_vec3a();
@@ -119,7 +119,7 @@ impl Scene {
             triangles.mesh.indices().len() * triangle + triangles.mesh.vertices().len() * vertex
         };
         let geometry = |geometry: &Geometry| match geometry {
-            Geometry::Loose { triangles, parts } => of(triangles) + parts.len() * size_of::<SurfaceMesh>(),
+            Geometry::Loose { triangles, parts, .. } => of(triangles) + parts.len() * size_of::<SurfaceMesh>(),
             Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. } => of(triangles),
             Geometry::Analytic { shapes, .. } => shapes.0.len() * Analytic::MOST_TRIANGLES * (triangle + vertex),
         };

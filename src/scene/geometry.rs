@@ -6,11 +6,11 @@
 use std::sync::Arc;
 
 use super::analytic::AnalyticGeometry;
-use glam::Vec3Swizzles as _;
-
+use super::placement::Placement;
+use super::ready::{MOST_READY, Ready};
 use crate::buffer::Buffer;
 use crate::embree::{Charge, Device, TriangleMesh};
-use crate::math::{DAffine3, DMat3, DVec3, HitPoint, ROUNDING, Vec3};
+use crate::math::{DVec3, HitPoint, ROUNDING, Vec3};
 use crate::shape::{Analytic, Triangle};
 
 /// Stands for "no emitter".
@@ -29,15 +29,6 @@ const NARROW: f32 = 256.0 * ROUNDING;
 /// No triangle is left by more than this share of its extent. A narrower one may be met again; but what it would have to be left
 /// by is more than what may stand beside it.
 const FARTHEST: f32 = 0.0625;
-
-/// Bound on the error of a coordinate on its way into an instance's frame, in units of its parts: half a unit in the last place
-/// of each.
-const PLACEMENT_ERROR: f64 = 0.5 * ROUNDING as f64;
-
-/// A matrix whose determinant is smaller than the sum of its products by this is no longer inverted well in single precision.
-///
-/// Turns, and stretches along the axes before or after a turn, stay below 2 whatever they stretch by.
-const CANCELLED: f64 = 16.0;
 
 /// What a primitive belongs to.
 #[derive(Clone, Copy, Debug)]
@@ -87,8 +78,7 @@ pub struct SurfaceInteraction {
     pub emitter: Option<u32>,
 }
 
-/// Triangles with what shading needs of them: the same memory that Embree reads, and what may be kept ready beside it. Clones
-/// share it.
+/// Triangles with what shading needs of them: the same memory that Embree reads. Clones share it.
 #[derive(Clone, Debug)]
 pub(super) struct Triangles {
     pub mesh: TriangleMesh,
@@ -102,31 +92,10 @@ pub(super) struct Triangles {
     pub swapped: bool,
     /// What it takes from the device's shared allowance.
     pub _charge: Option<Arc<Charge>>,
-    /// See [`Triangles::prepare`].
-    pub ready: Option<Arc<Ready>>,
 }
-
-/// Triangles for which what a hit is made of is kept ready.
-#[derive(Debug)]
-pub(super) struct Ready {
-    triangles: Vec<ReadyTriangle>,
-    _charge: Option<Charge>,
-}
-
-/// What a hit of a flat triangle is made of, in one line of the cache.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-struct ReadyTriangle {
-    corners: [[f32; 3]; 3],
-    ng: [f32; 3],
-    kernel_error: f32,
-}
-
-/// Up to this many triangles of a scene are kept ready, 64 bytes each: about as much as stays in a processor's second cache.
-pub(super) const MOST_READY: usize = 4096;
 
 /// A point of a triangle in its own frame, not yet rounded.
-struct TrianglePoint {
+pub(super) struct TrianglePoint {
     p: DVec3,
     /// Not normalised.
     ng: DVec3,
@@ -141,7 +110,7 @@ impl TrianglePoint {
     ///
     /// In single precision, unless squares would leave the range of that.
     #[inline]
-    fn normal_and_error(&self) -> (Vec3, f32) {
+    pub(super) fn normal_and_error(&self) -> (Vec3, f32) {
         let single = self.ng.as_vec3a();
         let length2 = single.length_squared();
         if (1e-30..1e30).contains(&length2) {
@@ -167,29 +136,10 @@ impl Triangles {
         self.mesh.memory_bytes() + self.normals.as_ref().map_or(0, Buffer::memory_bytes) + original
     }
 
-    /// Keeps ready what hits are made of, for flat triangles of the scene frame: normals and errors need not be found anew at
-    /// every hit, and three arrays not be looked up. The same bits. Returns how many are ready: all, or none where they are more
-    /// than `room`, have normals of their own, or the device's allowance has nothing left for them.
-    fn prepare(&mut self, room: usize, device: &Device) -> usize {
-        let count = self.mesh.indices().len();
-        if self.normals.is_some() || count > room {
-            return 0;
-        }
-        let Ok(charge) = device.charge(count * size_of::<ReadyTriangle>()) else { return 0 };
-        let ready = |primitive: usize| {
-            let corners = self.mesh.indices().get(primitive).map(|corner| self.mesh.vertices().get(corner as usize));
-            let (ng, kernel_error) = self.point(primitive as u32, 0.0, 0.0).normal_and_error();
-            ReadyTriangle { corners, ng: ng.to_array(), kernel_error }
-        };
-        let triangles = (0..count).map(ready).collect();
-        self.ready = Some(Arc::new(Ready { triangles, _charge: charge }));
-        count
-    }
-
     /// The vertices of a triangle.
+    #[inline(always)]
     pub(super) fn corners(&self, primitive: u32) -> [DVec3; 3] {
-        let vertices = self.mesh.vertices();
-        self.mesh.indices().get(primitive as usize).map(|i| DVec3::from(vertices.get(i as usize).map(f64::from)))
+        self.mesh.corners(primitive as usize).map(|corner| DVec3::from(corner.map(f64::from)))
     }
 
     /// Has the processor fetch what says where a triangle's vertices are.
@@ -209,14 +159,13 @@ impl Triangles {
         }
     }
 
+    /// The point of a triangle with these weights of the second and third vertex.
     #[inline(always)]
-    fn point(&self, primitive: u32, u: f32, v: f32) -> TrianglePoint {
-        let corners = self.mesh.indices().get(primitive as usize);
-        let vertices = self.mesh.vertices();
-        let [v0, v1, v2] = corners.map(|corner| DVec3::from(vertices.get(corner as usize).map(f64::from)));
+    pub(super) fn point(&self, primitive: u32, u: f32, v: f32) -> TrianglePoint {
+        let [v0, v1, v2] = self.corners(primitive);
         let (e1, e2) = (v1 - v0, v2 - v0);
         let ns = self.normals.as_ref().map(|normals| {
-            let [n0, n1, n2] = corners.map(|corner| {
+            let [n0, n1, n2] = self.mesh.indices().get(primitive as usize).map(|corner| {
                 let normal = Vec3::from(normals.get(corner as usize));
                 if self.any_length { normal.normalize_or_zero() } else { normal }
             });
@@ -226,9 +175,9 @@ impl Triangles {
     }
 }
 
-/// The point of a triangle with these weights of the second and third vertex.
+/// The point with these weights of the sides that leave `v0`.
 #[inline(always)]
-fn at(v0: DVec3, [e1, e2]: [DVec3; 2], u: f32, v: f32) -> DVec3 {
+pub(super) fn at(v0: DVec3, [e1, e2]: [DVec3; 2], u: f32, v: f32) -> DVec3 {
     v0 + f64::from(u) * e1 + f64::from(v) * e2
 }
 
@@ -244,9 +193,9 @@ pub(super) struct Part {
 #[derive(Debug)]
 pub(super) enum Geometry {
     /// Triangles and quads of all surfaces, in the scene frame.
-    Loose { triangles: Triangles, parts: Vec<Part> },
+    Loose { triangles: Triangles, parts: Vec<Part>, ready: Option<Ready> },
     /// A mesh in the scene frame.
-    Flat { triangles: Triangles, surface: u32 },
+    Flat { triangles: Triangles, surface: u32, ready: Option<Ready> },
     /// A mesh in its own frame, somewhere.
     Instance { triangles: Triangles, surface: u32, placement: Box<Placement> },
     /// Analytic shapes as user geometry, with the surface of each.
@@ -254,13 +203,12 @@ pub(super) enum Geometry {
 }
 
 impl Geometry {
-    /// [`Triangles::prepare`], for those of the scene frame. Returns how many bytes that took.
+    /// Keeps ready what hits of its triangles are made of ([`Ready::new`]). Returns how many bytes that took.
     pub(super) fn prepare(&mut self, room: &mut usize, device: &Device) -> usize {
         match self {
-            Self::Loose { triangles, .. } | Self::Flat { triangles, .. } => {
-                let count = triangles.prepare(*room, device);
-                *room -= count;
-                count * size_of::<ReadyTriangle>()
+            Self::Loose { triangles, ready, .. } | Self::Flat { triangles, ready, .. } => {
+                *ready = Ready::new(triangles, room, device);
+                ready.as_ref().map_or(0, Ready::memory_bytes)
             }
             Self::Instance { .. } | Self::Analytic { .. } => 0,
         }
@@ -270,7 +218,7 @@ impl Geometry {
     #[inline]
     pub(super) fn ready(&self) -> Option<&Ready> {
         match self {
-            Self::Loose { triangles, .. } | Self::Flat { triangles, .. } => triangles.ready.as_deref(),
+            Self::Loose { ready, .. } | Self::Flat { ready, .. } => ready.as_ref(),
             Self::Instance { .. } | Self::Analytic { .. } => None,
         }
     }
@@ -279,10 +227,10 @@ impl Geometry {
     #[inline]
     pub(super) fn far_triangles(&self) -> Option<&Triangles> {
         match self {
+            Self::Loose { ready: Some(_), .. } | Self::Flat { ready: Some(_), .. } | Self::Analytic { .. } => None,
             Self::Loose { triangles, .. } | Self::Flat { triangles, .. } | Self::Instance { triangles, .. } => {
-                triangles.ready.is_none().then_some(triangles)
+                Some(triangles)
             }
-            Self::Analytic { .. } => None,
         }
     }
 }
@@ -293,90 +241,9 @@ pub(super) fn are_large(geometries: &[Geometry]) -> bool {
     far.map(|triangles| triangles.mesh.indices().len()).sum::<usize>() > MOST_READY
 }
 
-/// Where an instance stands, and how exactly the kernel moves rays there.
-///
-/// The kernel inverts the matrix in single precision and adds the inverse's translation, rounded, to every ray's origin. Both
-/// move the ray in the object's frame by an error that need not be along the normal, nor small in the scene: where the
-/// transform stretches, the same step in the object's frame is many lengths in the scene's.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Placement {
-    to_scene: DAffine3,
-    /// Inverse transpose, for normals.
-    normals: DMat3,
-    /// Magnitudes of the matrix.
-    stretch: DMat3,
-    /// Bound on the error in the object's frame that comes of rounding, for each unit of a coordinate in the scene's frame.
-    rounding: DMat3,
-    /// The same, and with it the error of the inverse.
-    inverting: DMat3,
-}
-
-/// What an inversion in single precision is made of.
-struct Cofactors {
-    /// The cofactors with the magnitudes of their products added, transposed.
-    sums: DMat3,
-    /// Magnitude of the determinant.
-    determinant: f64,
-    /// The sum of the magnitudes of its products over the determinant: by this much its relative error grows.
-    cancelled: f64,
-}
-
-impl Cofactors {
-    fn new(m: &DMat3) -> Self {
-        let DMat3 { x_axis: a, y_axis: b, z_axis: c } = magnitudes(m);
-        let cross = |a: DVec3, b: DVec3| a.yzx() * b.zxy() + a.zxy() * b.yzx();
-        let determinant = m.determinant().abs();
-        let sums = DMat3::from_cols(cross(b, c), cross(c, a), cross(a, b)).transpose();
-        Self { sums, determinant, cancelled: a.dot(cross(b, c)) / determinant }
-    }
-}
-
-/// Whether the kernel, which inverts an instance's transform in single precision, sees the instance where it is. One that it
-/// does not is better copied into the scene's frame.
-pub(super) fn inverts_well(transform: &DAffine3) -> bool {
-    let Cofactors { determinant, cancelled, .. } = Cofactors::new(&transform.matrix3);
-    (determinant as f32).is_normal() && cancelled < CANCELLED
-}
-
-fn magnitudes(m: &DMat3) -> DMat3 {
-    DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
-}
-
-impl Placement {
-    /// The transform as the kernel is given it: rounded to single precision.
-    pub(super) fn new(to_scene: DAffine3) -> Self {
-        let to_scene = DAffine3::from_cols_array(&to_scene.to_cols_array().map(|x| f64::from(x as f32)));
-        let m = to_scene.matrix3;
-        let inverse = m.inverse();
-        let rounding = magnitudes(&inverse) * PLACEMENT_ERROR;
-        let Cofactors { sums, determinant, cancelled } = Cofactors::new(&m);
-        // Cofactors over the determinant: what cancels in them was rounded before.
-        let inverting =
-            sums * (PLACEMENT_ERROR / determinant) + magnitudes(&inverse) * (PLACEMENT_ERROR * cancelled) + rounding;
-        let stretch = magnitudes(&m);
-        Self { to_scene, normals: inverse.transpose(), stretch, rounding, inverting }
-    }
-
-    /// The transform.
-    pub(super) fn transform(&self) -> &DAffine3 {
-        &self.to_scene
-    }
-
-    /// How far from its plane, along the normal, a triangle may seem to the kernel because of its place; times the length of the
-    /// normal after the transform. `p` is the point in the scene.
-    #[inline]
-    fn error(&self, p: DVec3, point: &TrianglePoint) -> f64 {
-        let translation = self.to_scene.translation;
-        let [e1, e2] = point.sides;
-        let around = (p - translation).abs() + self.stretch * e1.abs().max(e2.abs());
-        let moved = self.rounding * (p.abs() + translation.abs()) + self.inverting * around;
-        point.ng.abs().dot(moved)
-    }
-}
-
 /// The point `hit` by a ray, given everything the tables say.
 #[inline]
-fn interaction(p: Vec3, error: f32, ng: Vec3, ns: Option<Vec3>, owner: Owner) -> SurfaceInteraction {
+pub(super) fn interaction(p: Vec3, error: f32, ng: Vec3, ns: Option<Vec3>, owner: Owner) -> SurfaceInteraction {
     // Vertex normals that cancel out say nothing: shade flat there.
     let ns = ns.and_then(Vec3::try_normalize).unwrap_or(ng);
     SurfaceInteraction {
@@ -387,15 +254,6 @@ fn interaction(p: Vec3, error: f32, ng: Vec3, ns: Option<Vec3>, owner: Owner) ->
         material: owner.material,
         emitter: (owner.emitter != NO_EMITTER).then_some(owner.emitter),
     }
-}
-
-/// A point on one of the triangles that are kept ready.
-#[inline(always)]
-pub(super) fn on_ready(ready: &Ready, owners: &Owners, primitive: u32, u: f32, v: f32) -> SurfaceInteraction {
-    let ReadyTriangle { corners, ng, kernel_error } = &ready.triangles[primitive as usize];
-    let [v0, v1, v2] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
-    let (p, ng) = (at(v0, [v1 - v0, v2 - v0], u, v).as_vec3a(), Vec3::from(*ng));
-    interaction(p, HitPoint::rounding_error(p, ng) + kernel_error, ng, None, owners.of(primitive))
 }
 
 /// A point on triangles of the scene frame.
@@ -431,7 +289,8 @@ pub(super) fn on_instance(
     let ng = (normal / length).as_vec3a();
     let ns = point.ns.map(|ns| (placement.normals * ns.as_dvec3()).as_vec3a());
     // Along the object's normal, which becomes as much shorter or longer on its way to the scene as the error does.
-    let kernel_error = f64::from(point.normal_and_error().1) * point.ng.length() + placement.error(exact, &point);
+    let kernel_error =
+        f64::from(point.normal_and_error().1) * point.ng.length() + placement.error(exact, point.ng, point.sides);
     let error = HitPoint::rounding_error(p, ng) + (kernel_error / length) as f32;
     interaction(p, error, ng, ns, owners.of(primitive))
 }
@@ -476,82 +335,4 @@ pub(super) fn triangle_error(triangle: &Triangle) -> f32 {
     let sides = triangle.sides().map(|side| side.as_dvec3());
     let reach = v0.abs().max(v1.abs()).max(v2.abs());
     HitPoint::rounding_error(reach, triangle.normal) + scaled_kernel_error(sides, 2.0 * f64::from(triangle.area))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::embree::{DeviceOptions, MemoryBudget};
-    use crate::sampling::Rng;
-
-    /// Triangles of all sizes and shapes, far from the origin and near it.
-    #[test]
-    fn what_is_kept_ready_is_what_would_be_found() {
-        let mut rng = Rng::new(21, 0);
-        let mut random = || Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 2.0 - Vec3::ONE;
-        let mut vertices = Vec::new();
-        for i in 0..1000 {
-            let (size, far) = (10.0_f32.powi(i % 21 - 12), 10.0_f32.powi(i % 5 - 2));
-            let (first, side, other) = (far * random(), size * random(), size * random());
-            // Every third is narrow.
-            let other = if i % 3 == 0 { 0.5 * side + 1e-5 * other } else { other };
-            vertices.extend([first, first + side, first + other].map(|corner| corner.to_array()));
-        }
-        let indices = (0..1000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        let mesh = TriangleMesh::new(vertices, indices).unwrap();
-        let (normals, original) = (None, None);
-        let triangles =
-            Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: None, ready: None };
-        let mut prepared = triangles.clone();
-        assert_eq!(prepared.prepare(1000, &Device::new(&DeviceOptions::default()).unwrap()), 1000);
-        let ready = prepared.ready.unwrap();
-        let owners = Owners::One(Owner { surface: 1, material: 2, emitter: NO_EMITTER });
-        let bits = |on: SurfaceInteraction| {
-            let SurfaceInteraction { point: HitPoint { p, error }, ng, ns, .. } = on;
-            [p, ng, ns, Vec3::splat(error)].map(|v| v.to_array().map(f32::to_bits))
-        };
-        let mut compared = 0;
-        for primitive in 0..1000 {
-            let [u, v, _] = random().to_array().map(|x| 0.5 * x.abs());
-            let found = on_triangle(&triangles, &owners, primitive, u, v);
-            // Those without any area are in no scene.
-            if found.ng.is_finite() {
-                assert_eq!(bits(on_ready(&ready, &owners, primitive, u, v)), bits(found), "{primitive}");
-                compared += 1;
-            }
-        }
-        assert!(compared > 700, "{compared}");
-    }
-
-    fn one_triangle(count: usize, smooth: bool) -> Geometry {
-        let corner = [0.0, 1.0, 0.0];
-        let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], corner], vec![[0, 1, 2]; count]).unwrap();
-        let normals = smooth.then(|| vec![corner; 3].into());
-        let (any_length, swapped) = (false, false);
-        let triangles = Triangles { mesh, normals, any_length, original: None, swapped, _charge: None, ready: None };
-        Geometry::Flat { triangles, surface: 0 }
-    }
-
-    #[test]
-    fn as_many_are_kept_ready_as_there_is_room_for() {
-        let budget = MemoryBudget::new(64 * 1500);
-        let device = Device::new(&DeviceOptions { budget: Some(budget.clone()), ..DeviceOptions::default() }).unwrap();
-        let before = budget.used();
-        let mut room = 2000;
-        // Too many for the room, smooth, ready, too many for what is left, ready, too many for the allowance.
-        let counts = [(2001, false), (1, true), (1000, false), (1001, false), (400, false), (200, false)];
-        let mut geometries = counts.map(|(count, smooth)| one_triangle(count, smooth));
-        let bytes = geometries.each_mut().map(|geometry| geometry.prepare(&mut room, &device));
-        assert_eq!((bytes, room), ([0, 0, 64_000, 0, 25_600, 0], 600));
-        assert_eq!(budget.used() - before, 89_600);
-        assert_eq!(geometries.each_ref().map(|g| g.ready().is_some()), bytes.map(|bytes| bytes > 0));
-        drop(geometries);
-        assert_eq!(budget.used(), before);
-    }
-
-    #[test]
-    fn few_triangles_that_are_looked_up_are_not_large() {
-        assert!(!are_large(&[one_triangle(MOST_READY - 1, false), one_triangle(1, true)]));
-        assert!(are_large(&[one_triangle(MOST_READY, false), one_triangle(1, true)]));
-    }
 }

@@ -119,15 +119,7 @@ pub(super) fn placed(
     let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), work.cancel)?;
     let charge = charge.map(Arc::new);
     Ok(Made {
-        triangles: Some(Triangles {
-            mesh,
-            normals,
-            any_length: false,
-            original,
-            swapped,
-            _charge: charge,
-            ready: None,
-        }),
+        triangles: Some(Triangles { mesh, normals, any_length: false, original, swapped, _charge: charge }),
         dropped,
     })
 }
@@ -163,8 +155,7 @@ fn in_place(mesh: &MeshDesc, host: &HostMesh, smooth: bool, device: &Device, wor
     };
     let any_length = normals.is_some() && !made_normals;
     let triangles = TriangleMesh::checked(Arc::new(vertices), indices, work.cancel).map_err(|e| e.at(&mesh.path))?;
-    let triangles =
-        Triangles { mesh: triangles, normals, any_length, original, swapped: false, _charge: charge, ready: None };
+    let triangles = Triangles { mesh: triangles, normals, any_length, original, swapped: false, _charge: charge };
     Ok(Made { triangles: Some(triangles), dropped })
 }
 

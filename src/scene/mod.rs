@@ -19,6 +19,8 @@ mod geometry;
 mod info;
 mod lower;
 mod mesh;
+mod placement;
+mod ready;
 mod record;
 mod specular;
 mod work;
@@ -209,7 +211,7 @@ impl Scene {
     fn point_of(&self, hit: &Hit, on_shape: impl FnOnce(&Analytic) -> DVec3) -> SurfaceInteraction {
         if let Some(ready) = self.geometries.get(hit.geometry as usize).and_then(Geometry::ready) {
             let owners = &self.dress.owners[hit.geometry as usize];
-            return geometry::on_ready(ready, owners, hit.primitive, hit.u, hit.v);
+            return ready.point_of(owners, hit.primitive, hit.u, hit.v);
         }
         self.point_elsewhere(hit, on_shape)
     }

@@ -160,7 +160,7 @@ impl Scene {
                     let vertex = |i: usize| DVec3::from(vertices.get(i).map(f64::from));
                     let bounds = Bounds::around((0..vertices.len()).map(vertex));
                     let bounds = match geometry {
-                        Geometry::Instance { placement, .. } => bounds.transformed(placement.transform()),
+                        Geometry::Instance { placement, .. } => bounds.transformed(&placement.to_scene),
                         _ => bounds,
                     };
                     pieces.push(Piece { bounds, exact: None });

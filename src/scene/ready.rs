@@ -1,0 +1,135 @@
+//! Flat triangles of the scene frame for which what a hit is made of is kept ready: normals and errors need not be found anew
+//! at every hit, and three arrays not be looked up.
+
+use crate::embree::{Charge, Device};
+use crate::math::{DVec3, HitPoint, Vec3};
+
+use super::geometry::{Owners, SurfaceInteraction, Triangles, at, interaction};
+
+/// Up to this many triangles of a scene are kept ready, 64 bytes each: about as much as stays in a processor's second cache.
+pub(super) const MOST_READY: usize = 4096;
+
+/// What hits of a geometry's triangles are made of.
+#[derive(Debug)]
+pub(super) struct Ready {
+    triangles: Vec<ReadyTriangle>,
+    _charge: Option<Charge>,
+}
+
+/// What a hit of a flat triangle is made of, in one line of the cache.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct ReadyTriangle {
+    corners: [[f32; 3]; 3],
+    ng: [f32; 3],
+    kernel_error: f32,
+}
+
+impl Ready {
+    /// All of the triangles, which are taken from `room`; none where they are more, have normals of their own, or the device's
+    /// allowance has nothing left for them.
+    pub(super) fn new(triangles: &Triangles, room: &mut usize, device: &Device) -> Option<Self> {
+        let count = triangles.mesh.indices().len();
+        if triangles.normals.is_some() || count > *room {
+            return None;
+        }
+        let charge = device.charge(count * size_of::<ReadyTriangle>()).ok()?;
+        *room -= count;
+        let ready = |primitive: usize| {
+            let (ng, kernel_error) = triangles.point(primitive as u32, 0.0, 0.0).normal_and_error();
+            ReadyTriangle { corners: triangles.mesh.corners(primitive), ng: ng.to_array(), kernel_error }
+        };
+        Some(Self { triangles: (0..count).map(ready).collect(), _charge: charge })
+    }
+
+    /// Bytes behind it.
+    pub(super) fn memory_bytes(&self) -> usize {
+        size_of_val(&self.triangles[..])
+    }
+
+    /// What [`on_triangle`](super::geometry::on_triangle) would find, to the last bit.
+    #[inline(always)]
+    pub(super) fn point_of(&self, owners: &Owners, primitive: u32, u: f32, v: f32) -> SurfaceInteraction {
+        let ReadyTriangle { corners, ng, kernel_error } = &self.triangles[primitive as usize];
+        let [v0, v1, v2] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
+        let (p, ng) = (at(v0, [v1 - v0, v2 - v0], u, v).as_vec3a(), Vec3::from(*ng));
+        interaction(p, HitPoint::rounding_error(p, ng) + kernel_error, ng, None, owners.of(primitive))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::embree::{DeviceOptions, MemoryBudget, TriangleMesh};
+    use crate::sampling::Rng;
+    use crate::scene::geometry::{Geometry, NO_EMITTER, Owner, are_large, on_triangle};
+
+    /// Triangles of all sizes and shapes, far from the origin and near it.
+    #[test]
+    fn what_is_kept_ready_is_what_would_be_found() {
+        let mut rng = Rng::new(21, 0);
+        let mut random = || Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 2.0 - Vec3::ONE;
+        let mut vertices = Vec::new();
+        for i in 0..1000 {
+            let (size, far) = (10.0_f32.powi(i % 21 - 12), 10.0_f32.powi(i % 5 - 2));
+            let (first, side, other) = (far * random(), size * random(), size * random());
+            // Every third is narrow.
+            let other = if i % 3 == 0 { 0.5 * side + 1e-5 * other } else { other };
+            vertices.extend([first, first + side, first + other].map(|corner| corner.to_array()));
+        }
+        let indices = (0..1000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let mesh = TriangleMesh::new(vertices, indices).unwrap();
+        let (normals, original) = (None, None);
+        let triangles = Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: None };
+        let device = Device::new(&DeviceOptions::default()).unwrap();
+        let ready = Ready::new(&triangles, &mut 1000, &device).unwrap();
+        let owners = Owners::One(Owner { surface: 1, material: 2, emitter: NO_EMITTER });
+        let bits = |on: SurfaceInteraction| {
+            let SurfaceInteraction { point: HitPoint { p, error }, ng, ns, .. } = on;
+            [p, ng, ns, Vec3::splat(error)].map(|v| v.to_array().map(f32::to_bits))
+        };
+        let mut compared = 0;
+        for primitive in 0..1000 {
+            let [u, v, _] = random().to_array().map(|x| 0.5 * x.abs());
+            let found = on_triangle(&triangles, &owners, primitive, u, v);
+            // Those without any area are in no scene.
+            if found.ng.is_finite() {
+                assert_eq!(bits(ready.point_of(&owners, primitive, u, v)), bits(found), "{primitive}");
+                compared += 1;
+            }
+        }
+        assert!(compared > 700, "{compared}");
+    }
+
+    fn one_triangle(count: usize, smooth: bool) -> Geometry {
+        let corner = [0.0, 1.0, 0.0];
+        let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], corner], vec![[0, 1, 2]; count]).unwrap();
+        let normals = smooth.then(|| vec![corner; 3].into());
+        let (any_length, swapped) = (false, false);
+        let triangles = Triangles { mesh, normals, any_length, original: None, swapped, _charge: None };
+        Geometry::Flat { triangles, surface: 0, ready: None }
+    }
+
+    #[test]
+    fn as_many_are_kept_ready_as_there_is_room_for() {
+        let budget = MemoryBudget::new(64 * 1500);
+        let device = Device::new(&DeviceOptions { budget: Some(budget.clone()), ..DeviceOptions::default() }).unwrap();
+        let before = budget.used();
+        let mut room = 2000;
+        // Too many for the room, smooth, ready, too many for what is left, ready, too many for the allowance.
+        let counts = [(2001, false), (1, true), (1000, false), (1001, false), (400, false), (200, false)];
+        let mut geometries = counts.map(|(count, smooth)| one_triangle(count, smooth));
+        let bytes = geometries.each_mut().map(|geometry| geometry.prepare(&mut room, &device));
+        assert_eq!((bytes, room), ([0, 0, 64_000, 0, 25_600, 0], 600));
+        assert_eq!(budget.used() - before, 89_600);
+        assert_eq!(geometries.each_ref().map(|g| g.ready().is_some()), bytes.map(|bytes| bytes > 0));
+        drop(geometries);
+        assert_eq!(budget.used(), before);
+    }
+
+    #[test]
+    fn few_triangles_that_are_looked_up_are_not_large() {
+        assert!(!are_large(&[one_triangle(MOST_READY - 1, false), one_triangle(1, true)]));
+        assert!(are_large(&[one_triangle(MOST_READY, false), one_triangle(1, true)]));
+    }
+}
