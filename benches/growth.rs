@@ -2,11 +2,16 @@
 //!
 //! A room whose floor is a landscape of fractal noise, finer with every step, under one small lamp. For each number of
 //! triangles: seconds of the build, bytes that Embree and the arrays take per triangle, and the rays per second of path
-//! tracing and of Embree alone with the same rays, closest-hit and shadow rays apart.
+//! tracing and of Embree alone with the same rays, closest-hit and shadow rays apart: one by one in its robust mode, in full packets
+//! in the order of waves of paths, and one by one in its fast mode.
 //!
 //! `cargo bench --bench growth [-- MOST-TRIANGLES]` (10^7 takes 5 GiB and some minutes)
 
+#[path = "recorded/polygons.rs"]
+mod polygons;
 mod recorded;
+#[path = "recorded/replay.rs"]
+mod replay;
 
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -15,12 +20,14 @@ use etendue::camera::Camera;
 use etendue::desc::{
     BsdfDesc, CameraDesc, FovAxis, MaterialDesc, MeshDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceDesc,
 };
+use etendue::embree;
 use etendue::integrator::SceneTracer;
 use etendue::math::{DAffine3, DVec3, Vec3};
 use etendue::render::{Render, RenderSettings};
 use etendue::sampling::Rng;
 use etendue::scene::{BuildOptions, Scene};
 use recorded::{ROUNDS, Rays, record, render_in_waves, rows, time};
+use replay::{keep_best, replay, replay_in_packets};
 
 const COUNTS: [usize; 5] = [1_000, 10_000, 100_000, 1_000_000, 10_000_000];
 const THREADS: usize = 2;
@@ -110,49 +117,54 @@ fn room(triangles: usize) -> SceneDesc {
 
 fn of_triangles(most: usize) -> etendue::Result<()> {
     println!(
-        "| triangles | build, s | Embree, bytes a triangle | arrays | path, Mrays/s | Embree alone | closest-hit | shadow | \
-         share | ns a ray |"
+        "| triangles | build, s | Embree, bytes a triangle | arrays | path, Mrays/s | ns a ray | Embree (closest-hit, shadow) | \
+         share | in packets | share | fast | share |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
     for count in COUNTS.into_iter().filter(|count| *count <= most) {
-        let scene = Scene::build(&room(count), &BuildOptions::default())?;
+        let desc = room(count);
+        let scene = Scene::build(&desc, &BuildOptions::default())?;
         let info = scene.info();
         let per_triangle = |bytes: usize| bytes as f64 / info.triangles as f64;
         let camera = Camera::new(scene.camera(), [recorded::RESOLUTION; 2], scene.centre())?;
-        let recorded = record(&scene, &camera, THREADS, false);
+        let fast = polygons::kernel(&scene, &polygons::triangles(&desc, scene.centre())?, false)?;
+        drop(desc);
+        let [recorded, waves] = [false, true].map(|in_waves| record(&scene, &camera, THREADS, in_waves));
         let all: usize = recorded.iter().map(Rays::count).sum();
         let closest: usize = recorded.iter().map(|rays| rays.closest.len()).sum();
-        let kernel = scene.kernel().expect("the landscape is Embree's");
-        let mut best = [f64::INFINITY; 3];
+        let robust = scene.kernel().expect("the landscape is Embree's");
+        let (mut path, mut best) = (f64::INFINITY, [[f64::INFINITY; 2]; 3]);
         for _ in 0..ROUNDS {
-            let path = time(THREADS, |thread| {
+            path = path.min(time(THREADS, |thread| {
                 black_box(render_in_waves(&scene, &camera, rows(thread, THREADS), &mut SceneTracer::new(&scene)));
-            });
-            let closest = time(THREADS, |thread| {
-                black_box(recorded[thread].closest.iter().filter(|ray| kernel.intersect(ray).is_some()).count());
-            });
-            let shadow = time(THREADS, |thread| {
-                black_box(recorded[thread].shadow.iter().filter(|ray| kernel.occluded(ray)).count());
-            });
-            for (best, seconds) in best.iter_mut().zip([path, closest, shadow]) {
-                *best = best.min(seconds);
-            }
+            }));
+            let one_by_one = |kernel: &embree::Scene| {
+                replay(&recorded, |ray| kernel.intersect(ray).is_some(), |ray| kernel.occluded(ray))
+            };
+            keep_best(&mut best[0], one_by_one(robust));
+            keep_best(&mut best[1], replay_in_packets(&waves, robust));
+            keep_best(&mut best[2], one_by_one(&fast));
         }
-        let [path, closest_time, shadow_time] = best;
         let rate = |rays: usize, seconds: f64| rays as f64 / seconds / 1e6;
-        println!(
-            "| {} | {:.3} | {:.1} | {:.1} | {:.2} | {:.2} | {:.2} | {:.2} | {:.3} | {:.0} |",
+        print!(
+            "| {} | {:.3} | {:.1} | {:.1} | {:.2} | {:.0} |",
             info.triangles,
             info.build_time.as_secs_f64(),
             per_triangle(info.embree_bytes),
             per_triangle(info.geometry_bytes),
             rate(all, path),
-            rate(all, closest_time + shadow_time),
-            rate(closest, closest_time),
-            rate(all - closest, shadow_time),
-            (closest_time + shadow_time) / path,
             1e9 * path * THREADS as f64 / all as f64,
         );
+        for [closest_time, shadow_time] in best {
+            print!(
+                " {:.2} ({:.2}, {:.2}) | {:.3} |",
+                rate(all, closest_time + shadow_time),
+                rate(closest, closest_time),
+                rate(all - closest, shadow_time),
+                (closest_time + shadow_time) / path,
+            );
+        }
+        println!();
     }
     Ok(())
 }

@@ -11,6 +11,8 @@
 #[path = "recorded/polygons.rs"]
 mod polygons;
 mod recorded;
+#[path = "recorded/replay.rs"]
+mod replay;
 
 use std::hint::black_box;
 use std::path::Path as FilePath;
@@ -22,6 +24,7 @@ use etendue::math::Ray;
 use etendue::scene::{BuildOptions, Scene};
 use polygons::{kernel, triangles};
 use recorded::{RESOLUTION, ROUNDS, Rays, SAMPLES, record, render_in_waves, rows, time};
+use replay::{keep_best, replay, replay_in_packets};
 
 /// A scene that Embree has no part in has no ray rate to compare with.
 fn no_kernel() -> etendue::Error {
@@ -59,25 +62,9 @@ fn measure(path: &FilePath, threads: usize) -> etendue::Result<()> {
             black_box(render_in_waves(&scene, &camera, rows(thread, threads), &mut SceneTracer::new(&scene)));
         }));
         for (best, (_, intersect, occluded)) in best.iter_mut().zip(through) {
-            let closest = time(threads, |thread| {
-                black_box(recorded[thread].closest.iter().filter(|ray| intersect(ray)).count());
-            });
-            let shadow = time(threads, |thread| {
-                black_box(recorded[thread].shadow.iter().filter(|ray| occluded(ray)).count());
-            });
-            *best = [best[0].min(closest), best[1].min(shadow)];
+            keep_best(best, replay(&recorded, intersect, occluded));
         }
-        let closest = time(threads, |thread| {
-            let (rays, mut met) = (&waves[thread].closest, 0);
-            polygons.intersect_many(rays, |number| rays[number].tfar, |_, _| met += 1);
-            black_box(met);
-        });
-        let shadow = time(threads, |thread| {
-            let mut blocked = 0;
-            polygons.occluded_many(&waves[thread].shadow, |_| blocked += 1);
-            black_box(blocked);
-        });
-        in_packets = [in_packets[0].min(closest), in_packets[1].min(shadow)];
+        keep_best(&mut in_packets, replay_in_packets(&waves, polygons));
     }
     let rate = |count: usize, seconds: f64| count as f64 / seconds / 1e6;
     let samples = f64::from(RESOLUTION * RESOLUTION * SAMPLES);
