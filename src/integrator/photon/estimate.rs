@@ -255,7 +255,8 @@ impl<'v, 's> Gathered<'v, 's> {
 }
 
 /// The scattering function for a photon's light; with interpolated normals, per power on the face rather than on the shading
-/// normal's.
+/// normal's: on that which the photon met, as there it came the more rarely the more it grazed. To the vertex's own face a photon
+/// of its neighbour may be edge-on, and would count without bound.
 fn scattered(vertex: &Vertex, photon: &Photon) -> Rgb {
     let wi = photon.wi.get();
     let local = vertex.to_local(wi);
@@ -264,7 +265,7 @@ fn scattered(vertex: &Vertex, photon: &Photon) -> Rgb {
     if ng == ns {
         return f;
     }
-    let ratio = (local.z / wi.dot(ng)).abs();
+    let ratio = (local.z / wi.dot(photon.normal.get())).abs();
     if ratio.is_finite() { f * ratio } else { Rgb::ZERO }
 }
 
