@@ -223,20 +223,19 @@ impl Film {
             kinds.push(("bias", LayerKind::Bias));
         }
         let room = |channels: usize| vec![0.0; channels * self.pixel_count()];
-        let mut rgb = room(3);
-        let mut layers: Vec<_> = kinds.iter().map(|(_, kind)| (*kind, room(kind.channels()))).collect();
+        let empty = |&(name, kind): &(&str, LayerKind)| {
+            let channels = kind.channels();
+            Layer { name: name.to_owned(), channels, data: room(channels) }
+        };
+        let (mut rgb, mut layers) = (room(3), kinds.iter().map(empty).collect::<Vec<_>>());
         self.for_each(|place, pixel, beside| {
             if let Some(out) = rgb.get_mut(3 * place..3 * place + 3) {
                 out.copy_from_slice(&pixel.mean(self.options.weighted));
             }
-            for (kind, out) in &mut layers {
-                put(*kind, self.options.share, place, pixel, beside, out);
+            for ((_, kind), layer) in kinds.iter().zip(&mut layers) {
+                put(*kind, self.options.share, place, pixel, beside, &mut layer.data);
             }
         });
-        let named = kinds.iter().zip(layers);
-        let layers = named
-            .map(|((name, kind), (_, data))| Layer { name: (*name).to_owned(), channels: kind.channels(), data })
-            .collect();
         Image { width, height, rgb, layers }
     }
 
