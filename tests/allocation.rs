@@ -46,7 +46,7 @@ fn room() -> SceneDesc {
         vec![
             (
                 ShapeDesc::Mesh { mesh: 0, smooth: true },
-                BsdfDesc::Fujii { albedo: Vec3::splat(0.7), roughness: 0.3 },
+                BsdfDesc::OrenNayar { albedo: Vec3::splat(0.7), roughness: 0.3 },
                 Some(Vec3::ONE),
             ),
             (sphere(-0.4), BsdfDesc::Mirror { reflectance: Vec3::splat(0.9) }, None),

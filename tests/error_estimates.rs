@@ -77,7 +77,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     let mut penumbra = walls(lambert(0.1, 0.1, 0.1));
     ball(&mut penumbra, lambert(0.5, 0.5, 0.5));
     lamp(&mut penumbra, 0.4, 0.3, 4.0);
-    let mut mirrors = walls(BsdfDesc::OrenNayar { albedo: Vec3::splat(0.6), sigma: 0.35 });
+    let mut mirrors = walls(BsdfDesc::OrenNayarQualitative { albedo: Vec3::splat(0.6), sigma: 0.35 });
     ball(&mut mirrors, BsdfDesc::Mirror { reflectance: Vec3::splat(0.9) });
     mirrors.lights.push(point_light(DVec3::new(0.2, 0.2, 0.2), 0.5));
     let mut glow = walls(lambert(0.8, 0.8, 0.8));

@@ -314,7 +314,7 @@ fn a_large_lamp_in_a_mirror_is_found_without_a_map() {
     let lid = quad([[-1.2, 1.0, -2.0], [-0.2, 1.0, -2.0], [-0.2, 1.0, 2.0], [-1.2, 1.0, 2.0]]);
     let mirror = quad([[2.0, 0.0, -2.0], [2.0, 0.0, 2.0], [2.0, 2.0, 2.0], [2.0, 2.0, -2.0]]);
     let ball = ShapeDesc::Sphere { centre: DVec3::new(1.0, 0.4, 0.0), radius: 0.4 };
-    let rough = BsdfDesc::Fujii { albedo: Rgb::splat(0.5), roughness: 0.7 };
+    let rough = BsdfDesc::OrenNayar { albedo: Rgb::splat(0.5), roughness: 0.7 };
     let desc = scene(
         camera(DVec3::new(-0.5, 0.9, 0.8), DVec3::new(0.6, 0.0, 0.9), 40.0),
         vec![

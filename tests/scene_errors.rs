@@ -58,8 +58,8 @@ fn check(scene: &SceneDesc, text: &str) {
         let fine = match material.bsdf {
             BsdfDesc::Black => true,
             BsdfDesc::Lambert { albedo } => unit(albedo),
-            BsdfDesc::OrenNayar { albedo, sigma } => unit(albedo) && sigma >= 0.0,
-            BsdfDesc::Fujii { albedo, roughness } => unit(albedo) && (0.0..=1.0).contains(&roughness),
+            BsdfDesc::OrenNayarQualitative { albedo, sigma } => unit(albedo) && sigma >= 0.0,
+            BsdfDesc::OrenNayar { albedo, roughness } => unit(albedo) && (0.0..=1.0).contains(&roughness),
             BsdfDesc::Mirror { reflectance } => unit(reflectance),
             BsdfDesc::Dielectric { ior, exterior_ior } => ior > 0.0 && exterior_ior > 0.0 && ior.is_finite(),
         };

@@ -224,12 +224,12 @@ fn materials_are_read_with_every_key() {
         ),
         (
             r#""type": "diffuse", "color": [0.25, 0.5, 1], "brdf": "oren-nayar", "roughness": 0.5"#,
-            BsdfDesc::Fujii { albedo, roughness: 0.5 },
+            BsdfDesc::OrenNayar { albedo, roughness: 0.5 },
             None,
         ),
         (
             r#""type": "diffuse", "color": [0.25, 0.5, 1], "brdf": "oren-nayar-qualitative", "sigmaDeg": 45"#,
-            BsdfDesc::OrenNayar { albedo, sigma: std::f32::consts::FRAC_PI_4 },
+            BsdfDesc::OrenNayarQualitative { albedo, sigma: std::f32::consts::FRAC_PI_4 },
             None,
         ),
         (r#""type": "reflective""#, BsdfDesc::Mirror { reflectance: Rgb::ONE }, None),
@@ -525,7 +525,7 @@ fn the_reports_dialect_warns_where_it_departs_from_the_letter() {
     let names: Vec<_> = scene.materials.iter().map(|material| material.name.as_str()).collect();
     assert_eq!(names, ["a", "b", "c", "d", "e"]);
     assert_eq!(scene.materials[0].bsdf, BsdfDesc::Lambert { albedo: Rgb::ONE }, "the first definition wins");
-    assert_eq!(scene.materials[1].bsdf, BsdfDesc::Fujii { albedo: Rgb::new(1.0, 0.0, 1.0), roughness: 0.25 });
+    assert_eq!(scene.materials[1].bsdf, BsdfDesc::OrenNayar { albedo: Rgb::new(1.0, 0.0, 1.0), roughness: 0.25 });
     let survival: Vec<_> = scene.materials.iter().map(|material| material.survival).collect();
     assert_eq!(survival, [Some(0.5), None, None, None, None]);
     assert_eq!(scene.lights[0].intensity, Rgb::new(2.0, 4.0, 6.0));
@@ -577,7 +577,7 @@ fn the_reports_room_is_read_whole() {
     let white = scene.materials.iter().find(|material| material.name == "white").unwrap();
     assert_eq!((white.bsdf, white.survival), (BsdfDesc::Lambert { albedo: Rgb::ONE }, Some(0.75)));
     let concrete = scene.materials.iter().find(|material| material.name == "concrete").unwrap();
-    assert_eq!(concrete.bsdf, BsdfDesc::Fujii { albedo: Rgb::ONE, roughness: 0.2 });
+    assert_eq!(concrete.bsdf, BsdfDesc::OrenNayar { albedo: Rgb::ONE, roughness: 0.2 });
     let glass = scene.materials.iter().find(|material| material.name == "glass").unwrap();
     assert_eq!((glass.bsdf, glass.survival), (BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 }, None));
     let mirror = scene.materials.iter().find(|material| material.name == "mirror").unwrap();

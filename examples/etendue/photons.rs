@@ -8,7 +8,7 @@ use std::thread;
 
 use etendue::desc::{CameraDesc, RenderDesc};
 use etendue::film::Image;
-use etendue::integrator::photon::{self, DrawSettings, Job, MapKind, Photon, Shot};
+use etendue::integrator::photon::{self, DrawSettings, MapKind, Photon, PhotonBatch, PhotonJob};
 use etendue::output::{self, PhotonFormat, WriteOptions};
 use etendue::scene::Scene;
 use etendue::{Error, ErrorKind, Parallel};
@@ -32,7 +32,7 @@ pub fn photons(args: &PhotonsArgs) -> Result<u8, Failure> {
     };
     let camera = camera(args, description.camera);
     let size = size_of::<Photon>();
-    let job = Job {
+    let job = PhotonJob {
         kind: match args.map {
             Map::Direct => MapKind::Direct,
             Map::Caustic => MapKind::Caustic,
@@ -109,7 +109,13 @@ fn camera(args: &PhotonsArgs, camera: CameraDesc) -> CameraDesc {
     camera
 }
 
-fn write(path: &Path, shot: &Shot, image: Option<&Image>, scene: &Scene, args: &PhotonsArgs) -> etendue::Result<()> {
+fn write(
+    path: &Path,
+    shot: &PhotonBatch,
+    image: Option<&Image>,
+    scene: &Scene,
+    args: &PhotonsArgs,
+) -> etendue::Result<()> {
     if PhotonFormat::from_path(path).is_some() {
         return output::write_photons(&shot.photons, scene.centre(), path);
     }
@@ -119,7 +125,7 @@ fn write(path: &Path, shot: &Shot, image: Option<&Image>, scene: &Scene, args: &
     output::write(image, path, &WriteOptions { comments, threads: args.threads, ..WriteOptions::default() })
 }
 
-fn report(shot: &Shot, job: &Job, quiet: bool) {
+fn report(shot: &PhotonBatch, job: &PhotonJob, quiet: bool) {
     if shot.photons.is_empty() {
         console::warn("there is no such photon: nothing shines, or no light comes this way");
     }

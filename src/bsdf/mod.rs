@@ -12,17 +12,17 @@
 
 mod dielectric;
 mod fresnel;
-mod fujii;
 mod lambert;
 mod mirror;
 mod oren_nayar;
+mod oren_nayar_qualitative;
 
 pub use dielectric::Dielectric;
 pub use fresnel::{fresnel_dielectric, refracted_cosine};
-pub use fujii::Fujii;
 pub use lambert::Lambert;
 pub use mirror::Mirror;
 pub use oren_nayar::OrenNayar;
+pub use oren_nayar_qualitative::OrenNayarQualitative;
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -55,9 +55,9 @@ pub enum Bsdf {
     /// Ideal diffuse reflection.
     Lambert(Lambert),
     /// Oren and Nayar's qualitative model.
-    OrenNayar(OrenNayar),
+    OrenNayarQualitative(OrenNayarQualitative),
     /// Fujii's improved Oren-Nayar.
-    Fujii(Fujii),
+    OrenNayar(OrenNayar),
     /// Perfect mirror.
     Mirror(Mirror),
     /// Smooth dielectric interface.
@@ -72,10 +72,12 @@ impl Bsdf {
         match *desc {
             BsdfDesc::Black => Self::Black,
             BsdfDesc::Lambert { albedo } => Self::Lambert(Lambert::new(albedo)),
-            BsdfDesc::OrenNayar { albedo, sigma: 0.0 } => Self::Lambert(Lambert::new(albedo)),
-            BsdfDesc::OrenNayar { albedo, sigma } => Self::OrenNayar(OrenNayar::new(albedo, sigma)),
-            BsdfDesc::Fujii { albedo, roughness: 0.0 } => Self::Lambert(Lambert::new(albedo)),
-            BsdfDesc::Fujii { albedo, roughness } => Self::Fujii(Fujii::new(albedo, roughness)),
+            BsdfDesc::OrenNayarQualitative { albedo, sigma: 0.0 } => Self::Lambert(Lambert::new(albedo)),
+            BsdfDesc::OrenNayarQualitative { albedo, sigma } => {
+                Self::OrenNayarQualitative(OrenNayarQualitative::new(albedo, sigma))
+            }
+            BsdfDesc::OrenNayar { albedo, roughness: 0.0 } => Self::Lambert(Lambert::new(albedo)),
+            BsdfDesc::OrenNayar { albedo, roughness } => Self::OrenNayar(OrenNayar::new(albedo, roughness)),
             BsdfDesc::Mirror { reflectance } => Self::Mirror(Mirror::new(reflectance)),
             BsdfDesc::Dielectric { ior, exterior_ior } => Self::Dielectric(Dielectric::new(ior, exterior_ior)),
         }
@@ -104,8 +106,10 @@ impl Bsdf {
     pub fn mean_f(&self, wo: Vec3) -> Option<Rgb> {
         match self {
             Self::Lambert(lambert) => Some(lambert.f()),
+            Self::OrenNayarQualitative(oren_nayar_qualitative) => {
+                Some(oren_nayar_qualitative.directional_albedo(wo) * FRAC_1_PI)
+            }
             Self::OrenNayar(oren_nayar) => Some(oren_nayar.directional_albedo(wo) * FRAC_1_PI),
-            Self::Fujii(fujii) => Some(fujii.directional_albedo(wo) * FRAC_1_PI),
             Self::Black | Self::Mirror(_) | Self::Dielectric(_) => None,
         }
     }
@@ -115,8 +119,8 @@ impl Bsdf {
         match self {
             Self::Black => Rgb::ZERO,
             Self::Lambert(lambert) => lambert.albedo(),
+            Self::OrenNayarQualitative(oren_nayar_qualitative) => oren_nayar_qualitative.albedo(),
             Self::OrenNayar(oren_nayar) => oren_nayar.albedo(),
-            Self::Fujii(fujii) => fujii.albedo(),
             Self::Mirror(mirror) => mirror.reflectance(),
             Self::Dielectric(_) => Rgb::ONE,
         }
@@ -130,8 +134,8 @@ impl Bsdf {
         }
         match self {
             Self::Lambert(lambert) => lambert.f(),
+            Self::OrenNayarQualitative(oren_nayar_qualitative) => oren_nayar_qualitative.f(wo, wi),
             Self::OrenNayar(oren_nayar) => oren_nayar.f(wo, wi),
-            Self::Fujii(fujii) => fujii.f(wo, wi),
             Self::Black | Self::Mirror(_) | Self::Dielectric(_) => Rgb::ZERO,
         }
     }
@@ -140,7 +144,7 @@ impl Bsdf {
     #[inline]
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         match self {
-            Self::Lambert(_) | Self::OrenNayar(_) | Self::Fujii(_) if same_side(wo, wi) => {
+            Self::Lambert(_) | Self::OrenNayarQualitative(_) | Self::OrenNayar(_) if same_side(wo, wi) => {
                 warps::cosine_hemisphere_pdf(wi.z.abs())
             }
             _ => 0.0,
@@ -163,8 +167,10 @@ impl Bsdf {
         match self {
             Self::Black => None,
             Self::Lambert(lambert) => Some(sample_diffuse(wo, u, |_| lambert.albedo())),
+            Self::OrenNayarQualitative(oren_nayar_qualitative) => {
+                Some(sample_diffuse(wo, u, |wi| oren_nayar_qualitative.weight(wo, wi)))
+            }
             Self::OrenNayar(oren_nayar) => Some(sample_diffuse(wo, u, |wi| oren_nayar.weight(wo, wi))),
-            Self::Fujii(fujii) => Some(sample_diffuse(wo, u, |wi| fujii.weight(wo, wi))),
             Self::Mirror(mirror) => Some(mirror.sample(wo)),
             Self::Dielectric(dielectric) => Some(dielectric.sample(wo, u[2])),
         }
@@ -224,10 +230,10 @@ mod tests {
         let albedo = Rgb::new(1.0, 0.5, 0.25);
         let models = [
             BsdfDesc::Lambert { albedo },
-            BsdfDesc::OrenNayar { albedo, sigma: 0.3 },
-            BsdfDesc::OrenNayar { albedo, sigma: 1.2 },
-            BsdfDesc::Fujii { albedo, roughness: 0.2 },
-            BsdfDesc::Fujii { albedo, roughness: 1.0 },
+            BsdfDesc::OrenNayarQualitative { albedo, sigma: 0.3 },
+            BsdfDesc::OrenNayarQualitative { albedo, sigma: 1.2 },
+            BsdfDesc::OrenNayar { albedo, roughness: 0.2 },
+            BsdfDesc::OrenNayar { albedo, roughness: 1.0 },
         ];
         const N: u32 = 256;
         for desc in models {

@@ -72,13 +72,13 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc,
     let bsdf = match it.bsdf {
         0 => BsdfDesc::Black,
         1 => BsdfDesc::Lambert { albedo: color },
-        2 => BsdfDesc::Fujii { albedo: color, roughness: it.roughness },
+        2 => BsdfDesc::OrenNayar { albedo: color, roughness: it.roughness },
         3 => {
             if !(0.0..=90.0).contains(&it.sigma_deg) {
                 let message = format!("material.sigma_deg is {}, expected a number in [0, 90]", it.sigma_deg);
                 return Err(Failure::argument(message));
             }
-            BsdfDesc::OrenNayar { albedo: color, sigma: it.sigma_deg.to_radians() }
+            BsdfDesc::OrenNayarQualitative { albedo: color, sigma: it.sigma_deg.to_radians() }
         }
         4 => BsdfDesc::Mirror { reflectance: color },
         5 => {
@@ -106,10 +106,10 @@ pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>) -> etd_materi
     match *bsdf {
         BsdfDesc::Black => {}
         BsdfDesc::Lambert { albedo } => (it.bsdf, it.color) = (1, albedo.to_array()),
-        BsdfDesc::Fujii { albedo, roughness } => {
+        BsdfDesc::OrenNayar { albedo, roughness } => {
             (it.bsdf, it.color, it.roughness) = (2, albedo.to_array(), roughness);
         }
-        BsdfDesc::OrenNayar { albedo, sigma } => {
+        BsdfDesc::OrenNayarQualitative { albedo, sigma } => {
             (it.bsdf, it.color, it.sigma_deg) = (3, albedo.to_array(), sigma.to_degrees());
         }
         BsdfDesc::Mirror { reflectance } => (it.bsdf, it.color) = (4, reflectance.to_array()),

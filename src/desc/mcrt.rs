@@ -163,7 +163,7 @@ fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()>
                 None | Some("lambertian") => BsdfDesc::Lambert { albedo },
                 Some("oren-nayar") => {
                     let roughness = material.roughness.ok_or_else(|| missing("roughness"))?;
-                    BsdfDesc::Fujii { albedo, roughness: validate::within(&at("roughness"), roughness, 0.0, 1.0)? }
+                    BsdfDesc::OrenNayar { albedo, roughness: validate::within(&at("roughness"), roughness, 0.0, 1.0)? }
                 }
                 Some(other) => {
                     let known = ["lambertian", "oren-nayar"];

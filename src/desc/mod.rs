@@ -207,14 +207,14 @@ pub enum BsdfDesc {
         albedo: Rgb,
     },
     /// Oren and Nayar's qualitative model (the report's equations 2 and 3).
-    OrenNayar {
+    OrenNayarQualitative {
         /// Albedo of the facets.
         albedo: Rgb,
         /// Standard deviation of the facets' slope angle, radians, >= 0.
         sigma: f32,
     },
     /// Fujii's improved Oren-Nayar.
-    Fujii {
+    OrenNayar {
         /// Albedo of the facets.
         albedo: Rgb,
         /// sigma' in [0, 1], not an angle.

@@ -329,12 +329,12 @@ fn diffuse(diffuse: Diffuse, path: &str) -> Result<(String, BsdfDesc, Option<f32
         Brdf::Lambertian => BsdfDesc::Lambert { albedo },
         Brdf::OrenNayar => {
             let roughness = needed("roughness", diffuse.roughness)?;
-            BsdfDesc::Fujii { albedo, roughness: validate::within(&at("roughness"), roughness, 0.0, 1.0)? }
+            BsdfDesc::OrenNayar { albedo, roughness: validate::within(&at("roughness"), roughness, 0.0, 1.0)? }
         }
         Brdf::OrenNayarQualitative => {
             let degrees = needed("sigmaDeg", diffuse.sigma_deg)?;
             validate::within(&at("sigmaDeg"), degrees, 0.0, 90.0)?;
-            BsdfDesc::OrenNayar { albedo, sigma: degrees.to_radians() as f32 }
+            BsdfDesc::OrenNayarQualitative { albedo, sigma: degrees.to_radians() as f32 }
         }
     };
     let survival = match diffuse.reflection_rate {

@@ -206,8 +206,8 @@ pub(super) fn material(path: &str, bsdf: &BsdfDesc, survival: Option<f32>) -> Re
     match *bsdf {
         BsdfDesc::Black => {}
         BsdfDesc::Lambert { albedo: color }
+        | BsdfDesc::OrenNayarQualitative { albedo: color, .. }
         | BsdfDesc::OrenNayar { albedo: color, .. }
-        | BsdfDesc::Fujii { albedo: color, .. }
         | BsdfDesc::Mirror { reflectance: color } => {
             reflectance(&at("color"), color.as_dvec3())?;
         }
@@ -217,17 +217,17 @@ pub(super) fn material(path: &str, bsdf: &BsdfDesc, survival: Option<f32>) -> Re
         }
     }
     match *bsdf {
-        BsdfDesc::Fujii { roughness, .. } => {
+        BsdfDesc::OrenNayar { roughness, .. } => {
             within(&at("roughness"), roughness.into(), 0.0, 1.0)?;
         }
         // A right angle rounded to single precision is a little more than one.
-        BsdfDesc::OrenNayar { sigma, .. } if sigma != std::f32::consts::FRAC_PI_2 => {
+        BsdfDesc::OrenNayarQualitative { sigma, .. } if sigma != std::f32::consts::FRAC_PI_2 => {
             within(&at("sigmaDeg"), f64::from(sigma).to_degrees(), 0.0, 90.0)?;
         }
         _ => {}
     }
     let Some(rate) = survival else { return Ok(()) };
-    if !matches!(bsdf, BsdfDesc::Lambert { .. } | BsdfDesc::OrenNayar { .. } | BsdfDesc::Fujii { .. }) {
+    if !matches!(bsdf, BsdfDesc::Lambert { .. } | BsdfDesc::OrenNayarQualitative { .. } | BsdfDesc::OrenNayar { .. }) {
         return Err(Error::invalid(at("reflectionRate"), "only a diffuse material has a survival probability"));
     }
     survival_rate(&at("reflectionRate"), rate.into()).map(|_| ())

@@ -104,17 +104,17 @@ impl<'s> Vertex<'s> {
         self.sample_light_as(scene, u, light_samples, false, tracer)
     }
 
-    /// The same; `is_alone`: no Bsdf sample will look for lights, so that this sample has all the weight.
+    /// The same; `only_light_samples`: no Bsdf sample will look for lights, so that this sample has all the weight.
     #[inline(always)]
     pub fn sample_light_as<T: Tracer>(
         &self,
         scene: &Scene,
         u: [f32; 4],
         light_samples: u32,
-        is_alone: bool,
+        only_light_samples: bool,
         tracer: &mut T,
     ) -> Rgb {
-        match self.light_sample(scene, u, light_samples, is_alone) {
+        match self.light_sample(scene, u, light_samples, only_light_samples) {
             Some((shadow, light)) if tracer.unoccluded(&shadow) => light,
             _ => Rgb::ZERO,
         }
@@ -126,7 +126,13 @@ impl<'s> Vertex<'s> {
     /// Weighted against a Bsdf sample in the same direction by the power heuristic (Veach 1997, Sec. 9.2.4), this being
     /// one of `light_samples`. Glass blocks: light through it comes as a path that is refracted, and never twice.
     #[inline(always)]
-    pub fn light_sample(&self, scene: &Scene, u: [f32; 4], light_samples: u32, is_alone: bool) -> Option<(Ray, Rgb)> {
+    pub fn light_sample(
+        &self,
+        scene: &Scene,
+        u: [f32; 4],
+        light_samples: u32,
+        only_light_samples: bool,
+    ) -> Option<(Ray, Rgb)> {
         let point = &self.surface.point;
         let light = scene.emitters().sample(self.receiver(), u)?;
         let wi = self.frame.to_local(light.wi);
@@ -137,8 +143,11 @@ impl<'s> Vertex<'s> {
         if f == Rgb::ZERO {
             return None;
         }
-        let weight =
-            if light.is_delta || is_alone { 1.0 } else { power_heuristic(light_samples as f32 * light.pdf, bsdf_pdf) };
+        let weight = if light.is_delta || only_light_samples {
+            1.0
+        } else {
+            power_heuristic(light_samples as f32 * light.pdf, bsdf_pdf)
+        };
         let origin = point.offset(self.side(light.wi));
         // The target is off the light, by more the farther it is: the light is no obstacle itself.
         let shadow = Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: 1.0 };

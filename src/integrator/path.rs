@@ -26,7 +26,7 @@ pub(super) const OWN_SURVIVAL_BOUNCES: u32 = 64;
 
 /// A path that still carries this share of what it had after its first hit survives with certainty. Time to equal error in
 /// the report's room is the same with 1/2 and with 1.
-pub(super) const CERTAIN_SHARE: f32 = 0.5;
+pub(super) const CERTAIN_FRACTION: f32 = 0.5;
 
 /// Path tracing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,7 +93,7 @@ pub(super) struct Walk {
     eta2: f32,
     /// What a path has to carry to survive with certainty: a share of what was left after the first hit, so that indirect
     /// light on a dark wall is as clean, against its own brightness, as on a white one.
-    worth_following: f32,
+    roulette_reference: f32,
     /// Hits so far.
     depth: u32,
 }
@@ -107,7 +107,7 @@ impl Walk {
             throughput: Rgb::ONE,
             bounced: limits.from,
             eta2: 1.0,
-            worth_following: 1.0,
+            roulette_reference: 1.0,
             depth: 0,
         }
     }
@@ -168,11 +168,11 @@ impl Walk {
                 return None;
             }
             if depth == 1 {
-                self.worth_following = CERTAIN_SHARE * carried;
+                self.roulette_reference = CERTAIN_FRACTION * carried;
             }
             let share = match vertex.material.survival {
                 Some(survival) if self.bounced.is_some() && depth < OWN_SURVIVAL_BOUNCES => survival,
-                _ => carried / self.worth_following,
+                _ => carried / self.roulette_reference,
             };
             let survival = roulette(share, depth);
             if survival < 1.0 {

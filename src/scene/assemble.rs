@@ -4,15 +4,15 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::analytic::{AnalyticGeometry, AnalyticList};
-use super::dress::Bare;
+use super::bindings::UnboundGeometry;
+use super::cache::MAX_CACHED_TRIANGLES;
 use super::geometry::{Geometry, Part, Triangles};
+use super::instance_transform::InstanceTransform;
 use super::lower::{self, Lowered, MeshUse};
 use super::mesh::{self, MeshObject};
-use super::placement::Placement;
-use super::ready::MOST_READY;
-use super::record::{Facts, ObjectKey, Record, address};
-use super::work::{Work, cost};
-use super::{BuildOptions, dress, frame};
+use super::progress::{BuildProgress, cost};
+use super::record::{BuildFacts, GeometryRecord, ObjectKey, address};
+use super::{BuildOptions, bindings, frame};
 use crate::camera::Camera;
 use crate::desc::{MeshDesc, SceneDesc, ShapeDesc};
 use crate::embree::{self, Device, SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};
@@ -30,12 +30,12 @@ pub(super) struct Assembly {
     pub list: Arc<AnalyticList>,
     pub geometries: Arc<[Geometry]>,
     pub centre: DVec3,
-    pub record: Arc<Record>,
+    pub record: Arc<GeometryRecord>,
 }
 
 impl Assembly {
-    pub(super) fn bare(&self) -> Bare<'_> {
-        Bare {
+    pub(super) fn unbound(&self) -> UnboundGeometry<'_> {
+        UnboundGeometry {
             geometries: &self.geometries,
             list: &self.list,
             list_surfaces: &self.record.list_surfaces,
@@ -50,34 +50,35 @@ pub(super) fn assemble(
     options: &BuildOptions,
     is_dynamic: bool,
     device: &Device,
-    old: Option<&Record>,
-    work: &Work,
+    old: Option<&GeometryRecord>,
+    progress: &BuildProgress,
 ) -> Result<Assembly> {
-    work.expect(first_guess(desc, old));
+    progress.expect(first_guess(desc, old));
     // Everything in the world frame, in double precision.
-    let mut mesh_bounds = old.map(Record::mesh_bounds).unwrap_or_default();
-    let lowered =
-        lower::lower(desc, is_dynamic, work.cancel, |mesh: &Arc<MeshDesc>| match mesh_bounds.get(&address(mesh)) {
+    let mut mesh_bounds = old.map(GeometryRecord::mesh_bounds).unwrap_or_default();
+    let lowered = lower::lower(desc, is_dynamic, progress.cancel, |mesh: &Arc<MeshDesc>| {
+        match mesh_bounds.get(&address(mesh)) {
             Some(bounds) => Ok(*bounds),
             None => {
-                let bounds = mesh::bounds(mesh, work)?;
+                let bounds = mesh::bounds(mesh, progress)?;
                 mesh_bounds.insert(address(mesh), bounds);
                 Ok(bounds)
             }
-        })?;
+        }
+    })?;
 
     // The frame in which single precision is spent where it shows most: around the camera, or the point of the scene
     // nearest to it. A huge ground sphere thus costs no digits of what stands on it.
     let centre = frame::origin(&desc.camera, &lowered.bounds);
     Camera::new(&desc.camera, desc.render.resolution, centre)?;
 
-    let embree = SceneBuilder::cancellable(device, SceneOptions::default(), work.cancel)?;
+    let embree = SceneBuilder::cancellable(device, SceneOptions::default(), progress.cancel)?;
     let copied = lowered.copied.first().map(|&first| (lowered.copied.len(), desc.surfaces[first].path.clone()));
-    let facts = Facts { bounds: lowered.bounds, copied, ..Facts::default() };
+    let facts = BuildFacts { bounds: lowered.bounds, copied, ..BuildFacts::default() };
     let known = old.map_or_else(HashMap::new, |old| old.objects.clone());
     let mut assembler =
-        Assembler { desc, device, work, centre, embree, known, mesh_bounds, geometries: Vec::new(), facts };
-    work.settle(assembler.exact_cost(&lowered));
+        Assembler { desc, device, progress, centre, embree, known, mesh_bounds, geometries: Vec::new(), facts };
+    progress.settle(assembler.exact_cost(&lowered));
     assembler.loose_triangles(&lowered)?;
     for mesh_use in &lowered.meshes {
         assembler.flat_mesh(mesh_use)?;
@@ -88,7 +89,7 @@ pub(super) fn assemble(
 }
 
 /// Units of work before anything is known but the sizes of meshes.
-fn first_guess(desc: &SceneDesc, old: Option<&Record>) -> f64 {
+fn first_guess(desc: &SceneDesc, old: Option<&GeometryRecord>) -> f64 {
     let mut seen = HashSet::new();
     let mut units = 0.0;
     for surface in &desc.surfaces {
@@ -108,14 +109,14 @@ fn first_guess(desc: &SceneDesc, old: Option<&Record>) -> f64 {
 struct Assembler<'a> {
     desc: &'a SceneDesc,
     device: &'a Device,
-    work: &'a Work<'a>,
+    progress: &'a BuildProgress<'a>,
     centre: DVec3,
     embree: SceneBuilder,
     /// Meshes that have a hierarchy already; grows.
     known: HashMap<ObjectKey, Arc<MeshObject>>,
     mesh_bounds: HashMap<usize, Bounds>,
     geometries: Vec<Geometry>,
-    facts: Facts,
+    facts: BuildFacts,
 }
 
 impl Assembler<'_> {
@@ -131,13 +132,13 @@ impl Assembler<'_> {
     fn exact_cost(&self, lowered: &Lowered) -> f64 {
         let loose = lowered.triangles.len();
         let mut units = (cost::TEST + cost::HIERARCHY) * lowered.shapes.len() as f64;
-        units += (cost::TEST + cost::HIERARCHY) * loose as f64 + dress::triangles_cost(loose);
+        units += (cost::TEST + cost::HIERARCHY) * loose as f64 + bindings::triangles_cost(loose);
         for mesh_use in &lowered.meshes {
             let mesh = self.mesh(mesh_use);
             let triangles = mesh.triangle_count();
             units += mesh::place_cost(mesh, mesh_use.smooth) + cost::HIERARCHY * triangles as f64;
             if self.desc.surfaces[mesh_use.surface].emission.is_some() {
-                units += dress::triangles_cost(triangles);
+                units += bindings::triangles_cost(triangles);
             }
         }
         let mut seen = HashSet::new();
@@ -158,7 +159,7 @@ impl Assembler<'_> {
         let mut parts: Vec<Part> = Vec::with_capacity(count);
         let mut dropped: HashMap<u32, usize> = HashMap::new();
         let centre = self.centre;
-        self.work.each(count, cost::TEST, |i| {
+        self.progress.each(count, cost::TEST, |i| {
             let (corners, part) = &lowered.triangles[i];
             let corners = corners.map(|corner| (corner - centre).as_vec3a());
             if Triangle::new(corners).is_some() {
@@ -175,16 +176,16 @@ impl Assembler<'_> {
             return Ok(());
         }
         let mut indices = Vec::with_capacity(parts.len());
-        self.work.each(parts.len(), 0.0, |i| {
+        self.progress.each(parts.len(), 0.0, |i| {
             let i = i as u32;
             indices.push([3 * i, 3 * i + 1, 3 * i + 2]);
         })?;
-        let vertices = VertexBuffer::from_vec(vertices, self.work.cancel)?;
-        let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), self.work.cancel)?;
+        let vertices = VertexBuffer::from_vec(vertices, self.progress.cancel)?;
+        let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), self.progress.cancel)?;
         let (normals, original) = (None, None);
         let triangles = Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: charge };
         self.add_triangles(&triangles)?;
-        self.geometries.push(Geometry::Loose { triangles, parts, ready: None });
+        self.geometries.push(Geometry::Loose { triangles, parts, cache: None });
         Ok(())
     }
 
@@ -200,12 +201,12 @@ impl Assembler<'_> {
         let surface = &self.desc.surfaces[mesh_use.surface];
         let to_scene = DAffine3::from_translation(-self.centre) * surface.to_world();
         let mesh = self.mesh(mesh_use);
-        let made = mesh::placed(mesh, mesh_use.smooth, &to_scene, self.device, self.work)?;
+        let made = mesh::placed(mesh, mesh_use.smooth, &to_scene, self.device, self.progress)?;
         self.note_dropped(made.dropped, mesh_use);
         let Some(triangles) = made.triangles else { return Ok(()) };
         self.facts.smooth_meshes += usize::from(mesh_use.smooth);
         self.add_triangles(&triangles)?;
-        self.geometries.push(Geometry::Flat { triangles, surface: mesh_use.surface as u32, ready: None });
+        self.geometries.push(Geometry::Flat { triangles, surface: mesh_use.surface as u32, cache: None });
         Ok(())
     }
 
@@ -220,14 +221,14 @@ impl Assembler<'_> {
     fn instances(&mut self, uses: &[MeshUse]) -> Result<()> {
         let mut counted = HashSet::new();
         for mesh_use in uses {
-            self.work.cancel.check()?;
+            self.progress.cancel.check()?;
             let key = self.key(mesh_use);
             let object = match self.known.get(&key) {
                 Some(object) => Arc::clone(object),
                 None => {
                     let mesh = self.mesh(mesh_use);
                     let bounds = self.mesh_bounds.get(&key.0).copied().unwrap_or_default();
-                    let object = Arc::new(mesh::object(mesh, bounds, mesh_use.smooth, self.device, self.work)?);
+                    let object = Arc::new(mesh::object(mesh, bounds, mesh_use.smooth, self.device, self.progress)?);
                     self.known.insert(key, Arc::clone(&object));
                     object
                 }
@@ -255,7 +256,7 @@ impl Assembler<'_> {
             self.geometries.push(Geometry::Instance {
                 triangles: triangles.clone(),
                 surface: mesh_use.surface as u32,
-                placement: Box::new(Placement::new(to_scene)),
+                instance_transform: Box::new(InstanceTransform::new(to_scene)),
             });
         }
         Ok(())
@@ -264,7 +265,8 @@ impl Assembler<'_> {
     /// Analytic shapes: a list in front of Embree while they are few, user geometry when they are many.
     fn shapes(&mut self, lowered: &Lowered, limit: usize) -> Result<(AnalyticList, Vec<u32>)> {
         let mut shapes = Vec::with_capacity(lowered.shapes.len());
-        self.work.each(lowered.shapes.len(), cost::TEST, |i| shapes.push(lowered.shapes[i].0.in_scene(self.centre)))?;
+        self.progress
+            .each(lowered.shapes.len(), cost::TEST, |i| shapes.push(lowered.shapes[i].0.in_scene(self.centre)))?;
         let surfaces: Vec<u32> = lowered.shapes.iter().map(|(_, surface)| *surface as u32).collect();
         if shapes.len() <= limit {
             self.facts.listed_shapes = shapes.len();
@@ -287,14 +289,14 @@ impl Assembler<'_> {
         } else {
             let units = cost::HIERARCHY * (self.facts.triangles + self.facts.embree_shapes) as f64;
             let embree = self.embree;
-            let embree = self.work.share(units, |report| embree.commit(Some(report)))?;
+            let embree = self.progress.share(units, |report| embree.commit(Some(report)))?;
             self.facts.embree_bytes += embree.hierarchy_bytes();
             Some(embree)
         };
         // Last of all, so that it takes no memory that the rest needs.
-        let mut room = MOST_READY;
+        let mut room = MAX_CACHED_TRIANGLES;
         for geometry in &mut self.geometries {
-            self.facts.geometry_bytes += geometry.prepare(&mut room, self.device);
+            self.facts.geometry_bytes += geometry.cache_triangles(&mut room, self.device);
         }
         // Of the meshes with hierarchies those stay that a surface names, be it hidden.
         let named = |surface: &crate::desc::SurfaceDesc| match surface.shape {
@@ -303,7 +305,8 @@ impl Assembler<'_> {
         };
         let named: HashSet<ObjectKey> = self.desc.surfaces.iter().filter_map(named).collect();
         self.known.retain(|key, _| named.contains(key));
-        let record = Record::new(self.desc, &self.mesh_bounds, self.known, list_surfaces, self.facts, is_dynamic);
+        let record =
+            GeometryRecord::new(self.desc, &self.mesh_bounds, self.known, list_surfaces, self.facts, is_dynamic);
         Ok(Assembly {
             embree,
             list: Arc::new(list),

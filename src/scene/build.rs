@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::assemble::{Assembly, assemble};
-use super::dress::{Dress, dress, redress};
-use super::record::Look;
-use super::work::Work;
+use super::bindings::{SurfaceBindings, bindings, rebind_materials};
+use super::progress::BuildProgress;
+use super::record::AppearanceKey;
 use super::{Material, Scene, SceneInfo, frame, lower};
 use crate::Cancel;
 use crate::bsdf::Bsdf;
@@ -82,24 +82,24 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
             Device::new(&DeviceOptions { threads, ..DeviceOptions::default() })?
         }
     };
-    let work = Work::new(options);
-    let assembly = assemble(desc, options, options.dynamic, &device, None, &work)?;
-    let dress = dress(desc, assembly.bare(), &work)?;
-    work.finish();
-    Ok(complete(desc, device, assembly, dress, Look::new(desc), start))
+    let progress = BuildProgress::new(options);
+    let assembly = assemble(desc, options, options.dynamic, &device, None, &progress)?;
+    let bindings = bindings(desc, assembly.unbound(), &progress)?;
+    progress.finish();
+    Ok(complete(desc, device, assembly, bindings, AppearanceKey::new(desc), start))
 }
 
 fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
     let start = Instant::now();
     options.cancel.check()?;
     check_materials(desc)?;
-    let work = Work::new(options);
+    let progress = BuildProgress::new(options);
     let device = old.device.clone();
-    let look = Look::new(desc);
+    let appearance = AppearanceKey::new(desc);
     let same_geometry = old.record.is_geometry_of(desc);
     let same_frame = same_geometry && (old.camera == desc.camera || frame::still_serves(old, &desc.camera));
 
-    let (assembly, dress) = if same_frame {
+    let (assembly, bindings) = if same_frame {
         Camera::new(&desc.camera, desc.render.resolution, old.centre)?;
         check_emission(desc)?;
         let assembly = Assembly {
@@ -109,22 +109,22 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
             centre: old.centre,
             record: Arc::clone(&old.record),
         };
-        let dress = if !look.shines_like(&old.look) {
-            dress(desc, assembly.bare(), &work)?
-        } else if look.materials != old.look.materials {
-            redress(&old.dress, &look)
+        let bindings = if !appearance.has_same_emitters(&old.appearance) {
+            bindings(desc, assembly.unbound(), &progress)?
+        } else if appearance.materials != old.appearance.materials {
+            rebind_materials(&old.bindings, &appearance)
         } else {
-            old.dress.clone()
+            old.bindings.clone()
         };
-        (assembly, dress)
+        (assembly, bindings)
     } else {
         let is_dynamic = old.record.is_dynamic || options.dynamic || !same_geometry;
-        let assembly = assemble(desc, options, is_dynamic, &device, Some(&old.record), &work)?;
-        let dress = dress(desc, assembly.bare(), &work)?;
-        (assembly, dress)
+        let assembly = assemble(desc, options, is_dynamic, &device, Some(&old.record), &progress)?;
+        let bindings = bindings(desc, assembly.unbound(), &progress)?;
+        (assembly, bindings)
     };
-    work.finish();
-    Ok(complete(desc, device, assembly, dress, look, start))
+    progress.finish();
+    Ok(complete(desc, device, assembly, bindings, appearance, start))
 }
 
 /// Every surface has a material.
@@ -152,21 +152,28 @@ fn check_emission(desc: &SceneDesc) -> Result<()> {
     Ok(())
 }
 
-fn complete(desc: &SceneDesc, device: Device, assembly: Assembly, dress: Dress, look: Look, start: Instant) -> Scene {
+fn complete(
+    desc: &SceneDesc,
+    device: Device,
+    assembly: Assembly,
+    bindings: SurfaceBindings,
+    appearance: AppearanceKey,
+    start: Instant,
+) -> Scene {
     let materials = desc
         .materials
         .iter()
         .map(|material| Material { bsdf: Bsdf::new(&material.bsdf), survival: material.survival })
         .collect();
-    let mut info = SceneInfo::new(desc, &assembly.record, &dress.emitters, assembly.embree.is_some());
-    let warnings = super::info::warnings(desc, &assembly.record.facts, &dress.emitters, look.dark_lights());
+    let mut info = SceneInfo::new(desc, &assembly.record, &bindings.emitters, assembly.embree.is_some());
+    let warnings = super::info::warnings(desc, &assembly.record.facts, &bindings.emitters, appearance.dark_lights());
     info.build_time = start.elapsed();
     Scene {
         embree: assembly.embree,
         list: assembly.list,
         is_large: super::geometry::are_large(&assembly.geometries),
         geometries: assembly.geometries,
-        dress,
+        bindings,
         materials,
         camera: desc.camera,
         centre: assembly.centre,
@@ -174,6 +181,6 @@ fn complete(desc: &SceneDesc, device: Device, assembly: Assembly, dress: Dress, 
         warnings: warnings.into(),
         device,
         record: assembly.record,
-        look: Arc::new(look),
+        appearance: Arc::new(appearance),
     }
 }

@@ -71,7 +71,7 @@ impl Scene {
 
     /// Visits all faces in the order of their numbers, until `visit` fails.
     pub(crate) fn each_face<E>(&self, mut visit: impl FnMut(Face) -> Result<(), E>) -> Result<(), E> {
-        for (number, (geometry, owners)) in self.geometries.iter().zip(&*self.dress.owners).enumerate() {
+        for (number, (geometry, owners)) in self.geometries.iter().zip(&*self.bindings.owners).enumerate() {
             for primitive in 0..count(geometry) as u32 {
                 let facet = Facet::triangle(number as u32, primitive);
                 let body = match geometry {
@@ -79,15 +79,15 @@ impl Scene {
                     Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
                         self.triangle(&facet, triangles.corners(primitive), triangles.normals.is_some())
                     }
-                    Geometry::Instance { triangles, placement, .. } => {
-                        let place = |corner| placement.to_scene.transform_point3(corner);
+                    Geometry::Instance { triangles, instance_transform, .. } => {
+                        let place = |corner| instance_transform.to_scene.transform_point3(corner);
                         self.triangle(&facet, triangles.corners(primitive).map(place), triangles.normals.is_some())
                     }
                 };
                 visit(self.face(body, owners.of(primitive)))?;
             }
         }
-        for (shape, owner) in self.list.shapes().iter().zip(&*self.dress.list_owners) {
+        for (shape, owner) in self.list.shapes().iter().zip(&*self.bindings.list_owners) {
             visit(self.face(Body::Shape(shape.clone()), *owner))?;
         }
         Ok(())
@@ -142,7 +142,7 @@ impl Scene {
             }
             first += count(geometry) as u32;
         }
-        let listed = self.dress.list_owners.iter().position(|owner| owner.surface == surface)?;
+        let listed = self.bindings.list_owners.iter().position(|owner| owner.surface == surface)?;
         Some((first + listed as u32, false))
     }
 }

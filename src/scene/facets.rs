@@ -77,8 +77,8 @@ impl Scene {
                 &Geometry::Flat { ref triangles, surface, .. } => {
                     meshes.push(self.mesh(geometry_number, surface, triangles, |p| p, |n| n, watch)?);
                 }
-                Geometry::Instance { triangles, surface, placement } => {
-                    let to_scene = placement.to_scene;
+                Geometry::Instance { triangles, surface, instance_transform } => {
+                    let to_scene = instance_transform.to_scene;
                     let normals = to_scene.matrix3.inverse().transpose();
                     let place = |p: DVec3| to_scene.transform_point3(p);
                     let turn = |n: Vec3| (normals * n.as_dvec3()).as_vec3a();
@@ -93,7 +93,7 @@ impl Scene {
             }
         }
         for (primitive, shape) in self.list.shapes().iter().enumerate() {
-            let surface = self.dress.list_owners[primitive].surface;
+            let surface = self.bindings.list_owners[primitive].surface;
             meshes.push(self.curved(IN_LIST, primitive as u32, surface, shape));
         }
         meshes.sort_by_key(|mesh| mesh.surface);

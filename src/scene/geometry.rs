@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use super::analytic::AnalyticGeometry;
-use super::placement::Placement;
-use super::ready::{MOST_READY, Ready};
+use super::cache::{MAX_CACHED_TRIANGLES, TriangleCache};
+use super::instance_transform::InstanceTransform;
 use crate::buffer::Buffer;
 use crate::embree::{Charge, Device, TriangleMesh};
 use crate::math::{DVec3, HitPoint, ROUNDING, Vec3};
@@ -193,22 +193,22 @@ pub(super) struct Part {
 #[derive(Debug)]
 pub(super) enum Geometry {
     /// Triangles and quads of all surfaces, in the scene frame.
-    Loose { triangles: Triangles, parts: Vec<Part>, ready: Option<Ready> },
+    Loose { triangles: Triangles, parts: Vec<Part>, cache: Option<TriangleCache> },
     /// A mesh in the scene frame.
-    Flat { triangles: Triangles, surface: u32, ready: Option<Ready> },
+    Flat { triangles: Triangles, surface: u32, cache: Option<TriangleCache> },
     /// A mesh in its own frame, somewhere.
-    Instance { triangles: Triangles, surface: u32, placement: Box<Placement> },
+    Instance { triangles: Triangles, surface: u32, instance_transform: Box<InstanceTransform> },
     /// Analytic shapes as user geometry, with the surface of each.
     Analytic { shapes: Arc<AnalyticGeometry>, surfaces: Vec<u32> },
 }
 
 impl Geometry {
-    /// Keeps ready what hits of its triangles are made of ([`Ready::new`]). Returns how many bytes that took.
-    pub(super) fn prepare(&mut self, room: &mut usize, device: &Device) -> usize {
+    /// Keeps ready what hits of its triangles are made of ([`TriangleCache::new`]). Returns how many bytes that took.
+    pub(super) fn cache_triangles(&mut self, room: &mut usize, device: &Device) -> usize {
         match self {
-            Self::Loose { triangles, ready, .. } | Self::Flat { triangles, ready, .. } => {
-                *ready = Ready::new(triangles, room, device);
-                ready.as_ref().map_or(0, Ready::memory_bytes)
+            Self::Loose { triangles, cache, .. } | Self::Flat { triangles, cache, .. } => {
+                *cache = TriangleCache::new(triangles, room, device);
+                cache.as_ref().map_or(0, TriangleCache::memory_bytes)
             }
             Self::Instance { .. } | Self::Analytic { .. } => 0,
         }
@@ -216,9 +216,9 @@ impl Geometry {
 
     /// What of its triangles is kept ready, if it is.
     #[inline]
-    pub(super) fn ready(&self) -> Option<&Ready> {
+    pub(super) fn cache(&self) -> Option<&TriangleCache> {
         match self {
-            Self::Loose { ready, .. } | Self::Flat { ready, .. } => ready.as_ref(),
+            Self::Loose { cache, .. } | Self::Flat { cache, .. } => cache.as_ref(),
             Self::Instance { .. } | Self::Analytic { .. } => None,
         }
     }
@@ -227,7 +227,7 @@ impl Geometry {
     #[inline]
     pub(super) fn far_triangles(&self) -> Option<&Triangles> {
         match self {
-            Self::Loose { ready: Some(_), .. } | Self::Flat { ready: Some(_), .. } | Self::Analytic { .. } => None,
+            Self::Loose { cache: Some(_), .. } | Self::Flat { cache: Some(_), .. } | Self::Analytic { .. } => None,
             Self::Loose { triangles, .. } | Self::Flat { triangles, .. } | Self::Instance { triangles, .. } => {
                 Some(triangles)
             }
@@ -238,7 +238,7 @@ impl Geometry {
 /// Whether the arrays that are looked up may be too large for the processor's caches.
 pub(super) fn are_large(geometries: &[Geometry]) -> bool {
     let far = geometries.iter().filter_map(Geometry::far_triangles);
-    far.map(|triangles| triangles.mesh.indices().len()).sum::<usize>() > MOST_READY
+    far.map(|triangles| triangles.mesh.indices().len()).sum::<usize>() > MAX_CACHED_TRIANGLES
 }
 
 /// The point `hit` by a ray, given everything the tables say.
@@ -276,21 +276,21 @@ pub(super) fn on_triangle(
 pub(super) fn on_instance(
     triangles: &Triangles,
     owners: &Owners,
-    placement: &Placement,
+    instance_transform: &InstanceTransform,
     primitive: u32,
     u: f32,
     v: f32,
 ) -> SurfaceInteraction {
     let point = triangles.point(primitive, u, v);
-    let exact = placement.to_scene.transform_point3(point.p);
+    let exact = instance_transform.to_scene.transform_point3(point.p);
     let p = exact.as_vec3a();
-    let normal = placement.normals * point.ng;
+    let normal = instance_transform.normals * point.ng;
     let length = normal.length();
     let ng = (normal / length).as_vec3a();
-    let ns = point.ns.map(|ns| (placement.normals * ns.as_dvec3()).as_vec3a());
+    let ns = point.ns.map(|ns| (instance_transform.normals * ns.as_dvec3()).as_vec3a());
     // Along the object's normal, which becomes as much shorter or longer on its way to the scene as the error does.
-    let kernel_error =
-        f64::from(point.normal_and_error().1) * point.ng.length() + placement.error(exact, point.ng, point.sides);
+    let kernel_error = f64::from(point.normal_and_error().1) * point.ng.length()
+        + instance_transform.error(exact, point.ng, point.sides);
     let error = HitPoint::rounding_error(p, ng) + (kernel_error / length) as f32;
     interaction(p, error, ng, ns, owners.of(primitive))
 }

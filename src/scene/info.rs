@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use super::record::{Facts, Record};
+use super::record::{BuildFacts, GeometryRecord};
 use crate::desc::{BsdfDesc, IntegratorDesc, SceneDesc, SurfaceDesc};
 use crate::emitter::EmitterSet;
 use crate::math::Bounds;
@@ -54,7 +54,7 @@ pub struct SceneInfo {
 }
 
 impl SceneInfo {
-    pub(super) fn new(desc: &SceneDesc, record: &Record, emitters: &EmitterSet, has_kernel: bool) -> Self {
+    pub(super) fn new(desc: &SceneDesc, record: &GeometryRecord, emitters: &EmitterSet, has_kernel: bool) -> Self {
         let facts = &record.facts;
         let mut decisions = facts.decisions.clone();
         if facts.listed_shapes > 0 {
@@ -105,7 +105,7 @@ impl SceneInfo {
 }
 
 /// What was left out or is worth a word.
-pub(super) fn warnings(desc: &SceneDesc, facts: &Facts, emitters: &EmitterSet, dark_lights: usize) -> Vec<String> {
+pub(super) fn warnings(desc: &SceneDesc, facts: &BuildFacts, emitters: &EmitterSet, dark_lights: usize) -> Vec<String> {
     let mut warnings = Vec::new();
     if !facts.dropped.is_empty() {
         let mut dropped: Vec<_> = facts.dropped.iter().collect();
@@ -175,7 +175,7 @@ fn is_specular(bsdf: &BsdfDesc) -> bool {
 /// What radiosity makes of surfaces that are not Lambert's.
 fn not_diffuse(desc: &SceneDesc) -> Vec<String> {
     let taken = |(count, names), as_what: &str| format!("radiosity takes {count} surfaces as {as_what}: {names}");
-    let is_rough = |bsdf: &BsdfDesc| matches!(bsdf, BsdfDesc::OrenNayar { .. } | BsdfDesc::Fujii { .. });
+    let is_rough = |bsdf: &BsdfDesc| matches!(bsdf, BsdfDesc::OrenNayarQualitative { .. } | BsdfDesc::OrenNayar { .. });
     let specular = named(desc, |_, bsdf| is_specular(bsdf)).map(|it| taken(it, "black, being mirrors or glass"));
     let rough =
         named(desc, |_, bsdf| is_rough(bsdf)).map(|it| taken(it, "Lambert's of the same mean albedo, being rough"));
@@ -186,9 +186,9 @@ fn not_diffuse(desc: &SceneDesc) -> Vec<String> {
 fn not_in_radiosity(desc: &SceneDesc) -> Option<String> {
     let is_black = |bsdf: &BsdfDesc| match bsdf {
         BsdfDesc::Black => true,
-        BsdfDesc::Lambert { albedo } | BsdfDesc::OrenNayar { albedo, .. } | BsdfDesc::Fujii { albedo, .. } => {
-            *albedo == Rgb::ZERO
-        }
+        BsdfDesc::Lambert { albedo }
+        | BsdfDesc::OrenNayarQualitative { albedo, .. }
+        | BsdfDesc::OrenNayar { albedo, .. } => *albedo == Rgb::ZERO,
         BsdfDesc::Mirror { .. } | BsdfDesc::Dielectric { .. } => false,
     };
     let (count, names) =

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::geometry::Part;
-use super::placement::inverts_well;
+use super::instance_transform::inverts_well;
 use crate::Cancel;
 use crate::desc::{self, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
 use crate::error::{Error, ErrorKind, Result};

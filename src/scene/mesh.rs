@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::geometry::Triangles;
 use super::lower;
-use super::work::{Work, cost};
+use super::progress::{BuildProgress, cost};
 use crate::buffer::Buffer;
 use crate::desc::{HostMesh, MeshDesc};
 use crate::embree::{self, Device, MAX_COORDINATE, SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};
@@ -13,7 +13,7 @@ use crate::math::{Bounds, DAffine3, DMat3, DVec3, Vec3};
 use crate::shape::Triangle;
 
 /// Triangles, and how many had no area and were left out.
-pub(super) struct Made {
+pub(super) struct BuiltMesh {
     /// `None` where nothing was left.
     pub triangles: Option<Triangles>,
     pub dropped: usize,
@@ -32,7 +32,7 @@ pub(super) struct MeshObject {
 ///
 /// # Errors
 /// A coordinate that is not finite; arrays that do not go together; indices past the end.
-pub(super) fn bounds(mesh: &MeshDesc, work: &Work) -> Result<Bounds> {
+pub(super) fn bounds(mesh: &MeshDesc, progress: &BuildProgress) -> Result<Bounds> {
     let invalid = |message: String| Err(Error::invalid(&mesh.path, message));
     let (vertices, triangles) = (mesh.vertex_count(), mesh.triangle_count());
     let (normals, uvs) = match &mesh.host {
@@ -48,7 +48,7 @@ pub(super) fn bounds(mesh: &MeshDesc, work: &Work) -> Result<Bounds> {
     let limit = if mesh.host.is_some() { f64::from(MAX_COORDINATE) } else { f64::MAX };
     let mut bounds = Bounds::EMPTY;
     let mut bad = None;
-    work.each(vertices, cost::BOUND, |vertex| {
+    progress.each(vertices, cost::BOUND, |vertex| {
         let position = mesh.position(vertex);
         if !position.is_finite() || position.abs().max_element() >= limit {
             bad.get_or_insert(vertex);
@@ -60,7 +60,7 @@ pub(super) fn bounds(mesh: &MeshDesc, work: &Work) -> Result<Bounds> {
         return invalid(format!("vertex {vertex} is {position}: coordinates must be finite and below {limit:e}"));
     }
     let mut bad = None;
-    work.each(triangles, cost::BOUND, |triangle| {
+    progress.each(triangles, cost::BOUND, |triangle| {
         if mesh.triangle(triangle).into_iter().any(|corner| corner as usize >= vertices) {
             bad.get_or_insert(triangle);
         }
@@ -90,20 +90,20 @@ pub(super) fn placed(
     smooth: bool,
     transform: &DAffine3,
     device: &Device,
-    work: &Work,
-) -> Result<Made> {
+    progress: &BuildProgress,
+) -> Result<BuiltMesh> {
     let (vertex_count, triangle_count) = (mesh.vertex_count(), mesh.triangle_count());
     let normal_count = if smooth { vertex_count } else { 0 };
     let charge = device.charge(12 * (vertex_count + 1 + triangle_count + normal_count))?;
     // One more: the padding.
     let mut vertices: Vec<[f32; 3]> = Vec::with_capacity(vertex_count + 1);
-    work.each(vertex_count, cost::PLACE, |i| {
+    progress.each(vertex_count, cost::PLACE, |i| {
         vertices.push(transform.transform_point3(mesh.position(i)).as_vec3a().to_array());
     })?;
     let swapped = lower::is_mirrored(transform);
     let mut kept = Kept::new(triangle_count);
     let mut indices = Vec::with_capacity(triangle_count);
-    work.each(triangle_count, cost::TEST, |i| {
+    progress.each(triangle_count, cost::TEST, |i| {
         let [a, b, c] = mesh.triangle(i);
         let corners = if swapped { [a, c, b] } else { [a, b, c] };
         if kept.test(i, corners.map(|corner| Vec3::from(vertices[corner as usize]))) {
@@ -112,29 +112,36 @@ pub(super) fn placed(
     })?;
     let (original, dropped) = kept.finish();
     if indices.is_empty() {
-        return Ok(Made { triangles: None, dropped });
+        return Ok(BuiltMesh { triangles: None, dropped });
     }
-    let normals = if smooth { Some(unit_normals(mesh, transform.matrix3.inverse().transpose(), work)?) } else { None };
-    let vertices = VertexBuffer::from_vec(vertices, work.cancel).map_err(|error| error.at(&mesh.path))?;
-    let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), work.cancel)?;
+    let normals =
+        if smooth { Some(unit_normals(mesh, transform.matrix3.inverse().transpose(), progress)?) } else { None };
+    let vertices = VertexBuffer::from_vec(vertices, progress.cancel).map_err(|error| error.at(&mesh.path))?;
+    let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), progress.cancel)?;
     let charge = charge.map(Arc::new);
-    Ok(Made {
+    Ok(BuiltMesh {
         triangles: Some(Triangles { mesh, normals, any_length: false, original, swapped, _charge: charge }),
         dropped,
     })
 }
 
 /// A host's mesh where it is. Copied are at most its indices, if some triangles have no area and must go.
-fn in_place(mesh: &MeshDesc, host: &HostMesh, smooth: bool, device: &Device, work: &Work) -> Result<Made> {
-    let vertices = VertexBuffer::from_buffer(host.positions.clone(), work.cancel).map_err(|e| e.at(&mesh.path))?;
+fn in_place(
+    mesh: &MeshDesc,
+    host: &HostMesh,
+    smooth: bool,
+    device: &Device,
+    progress: &BuildProgress,
+) -> Result<BuiltMesh> {
+    let vertices = VertexBuffer::from_buffer(host.positions.clone(), progress.cancel).map_err(|e| e.at(&mesh.path))?;
     let count = host.triangles.len();
     let mut kept = Kept::new(count);
-    work.each(count, cost::TEST, |i| {
+    progress.each(count, cost::TEST, |i| {
         kept.test(i, host.triangles.get(i).map(|corner| Vec3::from(vertices.get(corner as usize))));
     })?;
     let (original, dropped) = kept.finish();
     if dropped == count {
-        return Ok(Made { triangles: None, dropped });
+        return Ok(BuiltMesh { triangles: None, dropped });
     }
     let made_normals = smooth && host.normals.is_none();
     let normal_count = if made_normals { host.positions.len() } else { 0 };
@@ -144,19 +151,20 @@ fn in_place(mesh: &MeshDesc, host: &HostMesh, smooth: bool, device: &Device, wor
         None => host.triangles.clone(),
         Some(original) => {
             let mut indices = Vec::with_capacity(original.len());
-            work.each(original.len(), 0.0, |i| indices.push(host.triangles.get(original[i] as usize)))?;
+            progress.each(original.len(), 0.0, |i| indices.push(host.triangles.get(original[i] as usize)))?;
             indices.into()
         }
     };
     let normals = match &host.normals {
         _ if !smooth => None,
         Some(normals) => Some(normals.clone()),
-        None => Some(unit_normals(mesh, DMat3::IDENTITY, work)?),
+        None => Some(unit_normals(mesh, DMat3::IDENTITY, progress)?),
     };
     let any_length = normals.is_some() && !made_normals;
-    let triangles = TriangleMesh::checked(Arc::new(vertices), indices, work.cancel).map_err(|e| e.at(&mesh.path))?;
+    let triangles =
+        TriangleMesh::checked(Arc::new(vertices), indices, progress.cancel).map_err(|e| e.at(&mesh.path))?;
     let triangles = Triangles { mesh: triangles, normals, any_length, original, swapped: false, _charge: charge };
-    Ok(Made { triangles: Some(triangles), dropped })
+    Ok(BuiltMesh { triangles: Some(triangles), dropped })
 }
 
 /// A mesh in a scene of its own: around its own middle, or a host's as it is.
@@ -165,22 +173,22 @@ pub(super) fn object(
     bounds: Bounds,
     smooth: bool,
     device: &Device,
-    work: &Work,
+    progress: &BuildProgress,
 ) -> Result<MeshObject> {
     let (middle, made) = match &mesh.host {
-        Some(host) => (DVec3::ZERO, in_place(mesh, host, smooth, device, work)?),
+        Some(host) => (DVec3::ZERO, in_place(mesh, host, smooth, device, progress)?),
         None => {
             let middle = bounds.centre();
-            (middle, placed(mesh, smooth, &DAffine3::from_translation(-middle), device, work)?)
+            (middle, placed(mesh, smooth, &DAffine3::from_translation(-middle), device, progress)?)
         }
     };
     let content = match made.triangles {
         None => None,
         Some(triangles) => {
-            let mut object = SceneBuilder::cancellable(device, SceneOptions::default(), work.cancel)?;
+            let mut object = SceneBuilder::cancellable(device, SceneOptions::default(), progress.cancel)?;
             object.add_triangles(triangles.mesh.clone())?;
             let units = cost::HIERARCHY * triangles.mesh.indices().len() as f64;
-            let object = work.share(units, |report| object.commit(Some(report)))?;
+            let object = progress.share(units, |report| object.commit(Some(report)))?;
             Some((object, triangles))
         }
     };
@@ -224,10 +232,10 @@ impl Kept {
 }
 
 /// A unit normal for each vertex, or zero where there is none, after `matrix`.
-fn unit_normals(mesh: &MeshDesc, matrix: DMat3, work: &Work) -> Result<Buffer<[f32; 3]>> {
-    let sums = if mesh.has_normals() { None } else { Some(face_means(mesh, work)?) };
+fn unit_normals(mesh: &MeshDesc, matrix: DMat3, progress: &BuildProgress) -> Result<Buffer<[f32; 3]>> {
+    let sums = if mesh.has_normals() { None } else { Some(face_means(mesh, progress)?) };
     let mut normals = Vec::with_capacity(mesh.vertex_count());
-    work.each(mesh.vertex_count(), cost::PLACE, |vertex| {
+    progress.each(mesh.vertex_count(), cost::PLACE, |vertex| {
         let normal = match &sums {
             Some(sums) => sums[vertex],
             None => mesh.normal(vertex).map_or(DVec3::ZERO, |normal| Vec3::from(normal).as_dvec3()),
@@ -240,9 +248,9 @@ fn unit_normals(mesh: &MeshDesc, matrix: DMat3, work: &Work) -> Result<Buffer<[f
 /// The angle-weighted mean of the faces around each vertex, mesh frame.
 ///
 /// Source: Thürmer and Wüthrich 1998, "Computing Vertex Normals from Polygonal Facets".
-fn face_means(mesh: &MeshDesc, work: &Work) -> Result<Vec<DVec3>> {
+fn face_means(mesh: &MeshDesc, progress: &BuildProgress) -> Result<Vec<DVec3>> {
     let mut normals = vec![DVec3::ZERO; mesh.vertex_count()];
-    work.each(mesh.triangle_count(), cost::NORMAL, |i| {
+    progress.each(mesh.triangle_count(), cost::NORMAL, |i| {
         let triangle = mesh.triangle(i);
         let corners = triangle.map(|corner| mesh.position(corner as usize));
         let Some(normal) = (corners[1] - corners[0]).cross(corners[2] - corners[0]).try_normalize() else { return };

@@ -9,21 +9,21 @@
 
 mod analytic;
 mod assemble;
+mod bindings;
 mod build;
+mod cache;
 mod describe;
-mod dress;
 mod faces;
 mod facets;
 mod frame;
 mod geometry;
 mod info;
+mod instance_transform;
 mod lower;
 mod mesh;
-mod placement;
-mod ready;
+mod progress;
 mod record;
 mod specular;
-mod work;
 
 pub use build::BuildOptions;
 pub use describe::HitDescription;
@@ -42,9 +42,9 @@ use crate::emitter::EmitterSet;
 use crate::math::{DVec3, Ray, Vec3};
 use crate::shape::Analytic;
 use analytic::AnalyticList;
-use dress::Dress;
+use bindings::SurfaceBindings;
 use geometry::Geometry;
-use record::{Look, Record};
+use record::{AppearanceKey, GeometryRecord};
 
 /// A material as shading wants it.
 #[derive(Clone, Copy, Debug)]
@@ -87,7 +87,7 @@ pub struct Scene {
     geometries: Arc<[Geometry]>,
     /// What [`geometry::are_large`] says of them.
     is_large: bool,
-    dress: Dress,
+    bindings: SurfaceBindings,
     materials: Arc<[Material]>,
     camera: CameraDesc,
     centre: DVec3,
@@ -95,8 +95,8 @@ pub struct Scene {
     warnings: Arc<[String]>,
     device: Device,
     /// What geometry was made of, and the rest: for [`Scene::rebuild`].
-    record: Arc<Record>,
-    look: Arc<Look>,
+    record: Arc<GeometryRecord>,
+    appearance: Arc<AppearanceKey>,
 }
 
 impl std::fmt::Debug for Scene {
@@ -209,9 +209,9 @@ impl Scene {
     /// The same for any place of a primitive; `on_shape`: near which point of an analytic one.
     #[inline(always)]
     fn point_of(&self, hit: &Hit, on_shape: impl FnOnce(&Analytic) -> DVec3) -> SurfaceInteraction {
-        if let Some(ready) = self.geometries.get(hit.geometry as usize).and_then(Geometry::ready) {
-            let owners = &self.dress.owners[hit.geometry as usize];
-            return ready.point_of(owners, hit.primitive, hit.u, hit.v);
+        if let Some(cache) = self.geometries.get(hit.geometry as usize).and_then(Geometry::cache) {
+            let owners = &self.bindings.owners[hit.geometry as usize];
+            return cache.point_of(owners, hit.primitive, hit.u, hit.v);
         }
         self.point_elsewhere(hit, on_shape)
     }
@@ -221,15 +221,15 @@ impl Scene {
         if hit.geometry == IN_LIST {
             let index = hit.primitive as usize;
             let shape = &self.list.shapes()[index];
-            return geometry::on_analytic(shape, self.dress.list_owners[index], on_shape(shape));
+            return geometry::on_analytic(shape, self.bindings.list_owners[index], on_shape(shape));
         }
-        let owners = &self.dress.owners[hit.geometry as usize];
+        let owners = &self.bindings.owners[hit.geometry as usize];
         match &self.geometries[hit.geometry as usize] {
             Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
                 geometry::on_triangle(triangles, owners, hit.primitive, hit.u, hit.v)
             }
-            Geometry::Instance { triangles, placement, .. } => {
-                geometry::on_instance(triangles, owners, placement, hit.primitive, hit.u, hit.v)
+            Geometry::Instance { triangles, instance_transform, .. } => {
+                geometry::on_instance(triangles, owners, instance_transform, hit.primitive, hit.u, hit.v)
             }
             Geometry::Analytic { shapes, .. } => {
                 let shape = &shapes.0[hit.primitive as usize];
@@ -252,7 +252,7 @@ impl Scene {
     /// All emitters.
     #[inline]
     pub fn emitters(&self) -> &EmitterSet {
-        &self.dress.emitters
+        &self.bindings.emitters
     }
 
     /// The camera as described.

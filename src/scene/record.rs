@@ -17,20 +17,20 @@ pub(super) fn address(mesh: &Arc<MeshDesc>) -> usize {
 }
 
 /// What the geometry of a scene was made of. Stays the same object for as long as the geometry does.
-pub(super) struct Record {
-    surfaces: Vec<Placed>,
+pub(super) struct GeometryRecord {
+    surfaces: Vec<SurfaceKey>,
     meshes: Vec<KnownMesh>,
     /// Meshes with hierarchies of their own: those in use, and those of hidden surfaces that were in use once.
     pub objects: HashMap<ObjectKey, Arc<MeshObject>>,
     /// The surface of each shape in the list.
     pub list_surfaces: Vec<u32>,
-    pub facts: Facts,
+    pub facts: BuildFacts,
     pub is_dynamic: bool,
 }
 
 /// The figures of the geometry; see [`super::SceneInfo`].
 #[derive(Clone, Debug, Default)]
-pub(super) struct Facts {
+pub(super) struct BuildFacts {
     pub triangles: usize,
     pub instances: usize,
     pub host_instances: usize,
@@ -49,7 +49,7 @@ pub(super) struct Facts {
 }
 
 /// As much of a surface as geometry depends on.
-struct Placed {
+struct SurfaceKey {
     shape: ShapeDesc,
     local: DAffine3,
     transform: DAffine3,
@@ -65,16 +65,16 @@ struct KnownMesh {
     with_uvs: Option<Arc<MeshDesc>>,
 }
 
-impl Record {
+impl GeometryRecord {
     pub(super) fn new(
         desc: &SceneDesc,
         bounds: &HashMap<usize, Bounds>,
         objects: HashMap<ObjectKey, Arc<MeshObject>>,
         list_surfaces: Vec<u32>,
-        facts: Facts,
+        facts: BuildFacts,
         is_dynamic: bool,
     ) -> Self {
-        let surfaces = desc.surfaces.iter().map(Placed::new).collect();
+        let surfaces = desc.surfaces.iter().map(SurfaceKey::new).collect();
         let meshes = desc
             .meshes
             .iter()
@@ -93,7 +93,7 @@ impl Record {
             && self.surfaces.iter().zip(&desc.surfaces).all(|(old, new)| self.is_same(old, new, desc))
     }
 
-    fn is_same(&self, old: &Placed, new: &SurfaceDesc, desc: &SceneDesc) -> bool {
+    fn is_same(&self, old: &SurfaceKey, new: &SurfaceDesc, desc: &SceneDesc) -> bool {
         if old.hidden && new.hidden {
             return true;
         }
@@ -136,7 +136,7 @@ impl Record {
     }
 }
 
-impl Placed {
+impl SurfaceKey {
     fn new(surface: &SurfaceDesc) -> Self {
         Self {
             shape: surface.shape,
@@ -150,14 +150,14 @@ impl Placed {
 
 /// What the tables of owners and emitters were made of, beside the geometry.
 #[derive(Debug)]
-pub(super) struct Look {
+pub(super) struct AppearanceKey {
     /// Material of each surface.
     pub materials: Vec<u32>,
     emissions: Vec<Option<Rgb>>,
     lights: Vec<(DVec3, Rgb)>,
 }
 
-impl Look {
+impl AppearanceKey {
     pub(super) fn new(desc: &SceneDesc) -> Self {
         Self {
             materials: desc.surfaces.iter().map(|surface| surface.material as u32).collect(),
@@ -167,7 +167,7 @@ impl Look {
     }
 
     /// Whether the same things shine in the same way.
-    pub(super) fn shines_like(&self, other: &Self) -> bool {
+    pub(super) fn has_same_emitters(&self, other: &Self) -> bool {
         self.emissions == other.emissions && self.lights == other.lights
     }
 

@@ -56,8 +56,8 @@ impl Scene {
             kinds.specular |= bsdf.is_delta();
             kinds.diffuse |= !bsdf.is_delta() && !bsdf.is_black();
         };
-        self.dress.list_owners.iter().for_each(|owner| add(*owner));
-        for owners in &*self.dress.owners {
+        self.bindings.list_owners.iter().for_each(|owner| add(*owner));
+        for owners in &*self.bindings.owners {
             match owners {
                 Owners::One(owner) => add(*owner),
                 Owners::Each(owners) => owners.iter().for_each(|owner| add(*owner)),
@@ -137,12 +137,12 @@ impl Scene {
             Piece { bounds: shape.bounds(), exact }
         };
         let mut pieces = Vec::new();
-        for (shape, owner) in self.list.shapes().iter().zip(&*self.dress.list_owners) {
+        for (shape, owner) in self.list.shapes().iter().zip(&*self.bindings.list_owners) {
             if is_specular(*owner) {
                 pieces.push(analytic(shape));
             }
         }
-        for (geometry, owners) in self.geometries.iter().zip(&*self.dress.owners) {
+        for (geometry, owners) in self.geometries.iter().zip(&*self.bindings.owners) {
             match geometry {
                 Geometry::Loose { triangles, .. } => {
                     for primitive in 0..triangles.mesh.indices().len() as u32 {
@@ -160,7 +160,9 @@ impl Scene {
                     let vertex = |i: usize| DVec3::from(vertices.get(i).map(f64::from));
                     let bounds = Bounds::around((0..vertices.len()).map(vertex));
                     let bounds = match geometry {
-                        Geometry::Instance { placement, .. } => bounds.transformed(&placement.to_scene),
+                        Geometry::Instance { instance_transform, .. } => {
+                            bounds.transformed(&instance_transform.to_scene)
+                        }
                         _ => bounds,
                     };
                     pieces.push(Piece { bounds, exact: None });

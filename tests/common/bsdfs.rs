@@ -17,24 +17,24 @@ pub fn lambert(albedo: f32) -> Bsdf {
     Bsdf::new(&BsdfDesc::Lambert { albedo: Rgb::splat(albedo) })
 }
 
-pub fn oren_nayar(sigma: f32) -> Bsdf {
-    Bsdf::new(&BsdfDesc::OrenNayar { albedo: Rgb::ONE, sigma })
+pub fn oren_nayar_qualitative(sigma: f32) -> Bsdf {
+    Bsdf::new(&BsdfDesc::OrenNayarQualitative { albedo: Rgb::ONE, sigma })
 }
 
-pub fn fujii(roughness: f32) -> Bsdf {
-    Bsdf::new(&BsdfDesc::Fujii { albedo: Rgb::ONE, roughness })
+pub fn oren_nayar(roughness: f32) -> Bsdf {
+    Bsdf::new(&BsdfDesc::OrenNayar { albedo: Rgb::ONE, roughness })
 }
 
 /// Every diffuse model, with its name.
 pub fn diffuse_models() -> Vec<(&'static str, Bsdf)> {
     vec![
         ("Lambert", lambert(0.8)),
-        ("qualitative 0.1", oren_nayar(0.1)),
-        ("qualitative 0.5", oren_nayar(0.5)),
-        ("qualitative 1", oren_nayar(1.0)),
-        ("Fujii 0.1", fujii(0.1)),
-        ("Fujii 0.5", fujii(0.5)),
-        ("Fujii 1", fujii(1.0)),
+        ("qualitative 0.1", oren_nayar_qualitative(0.1)),
+        ("qualitative 0.5", oren_nayar_qualitative(0.5)),
+        ("qualitative 1", oren_nayar_qualitative(1.0)),
+        ("Fujii 0.1", oren_nayar(0.1)),
+        ("Fujii 0.5", oren_nayar(0.5)),
+        ("Fujii 1", oren_nayar(1.0)),
     ]
 }
 

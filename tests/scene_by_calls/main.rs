@@ -327,7 +327,7 @@ fn names_and_paths_are_found_until_their_thing_is_removed() {
 #[test]
 fn what_is_set_is_what_is_there() {
     let mut desc = base();
-    let blue = BsdfDesc::OrenNayar { albedo: Vec3::Z, sigma: std::f32::consts::FRAC_PI_2 };
+    let blue = BsdfDesc::OrenNayarQualitative { albedo: Vec3::Z, sigma: std::f32::consts::FRAC_PI_2 };
     desc.set_material(0, blue, Some(0.5)).unwrap();
     assert_eq!((desc.materials[0].bsdf, desc.materials[0].survival), (blue, Some(0.5)));
     assert_eq!(desc.materials[0].name, "white");

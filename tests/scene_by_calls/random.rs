@@ -25,7 +25,7 @@ fn edit(desc: &mut SceneDesc, kind: u8, n: [f64; 10], which: [usize; 3]) -> Resu
         0 => BsdfDesc::Lambert { albedo: light },
         1 => BsdfDesc::Mirror { reflectance: light },
         2 => BsdfDesc::Dielectric { ior: d as f32, exterior_ior: 1.0 },
-        3 => BsdfDesc::OrenNayar { albedo: light, sigma: j as f32 },
+        3 => BsdfDesc::OrenNayarQualitative { albedo: light, sigma: j as f32 },
         _ => BsdfDesc::Black,
     };
     let transform = match which[2] % 3 {

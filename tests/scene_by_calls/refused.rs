@@ -43,8 +43,8 @@ fn bad_materials() -> Vec<(&'static str, &'static str, Call)> {
     let (over, under) = (Vec3::new(0.5, 1.5, 0.5), Vec3::new(0.5, 0.5, -0.25));
     let lambert = move |albedo| BsdfDesc::Lambert { albedo };
     let glass = |ior, exterior_ior| BsdfDesc::Dielectric { ior, exterior_ior };
-    let rough = move |sigma| BsdfDesc::OrenNayar { albedo: grey, sigma };
-    let fujii = move |roughness| BsdfDesc::Fujii { albedo: grey, roughness };
+    let rough = move |sigma| BsdfDesc::OrenNayarQualitative { albedo: grey, sigma };
+    let oren_nayar = move |roughness| BsdfDesc::OrenNayar { albedo: grey, roughness };
     let add = |path, why, bsdf, survival| bad(path, why, move |desc| desc.add_material("new", bsdf, survival));
     vec![
         bad("materials[3].name", "'white' is given twice", move |desc| {
@@ -52,15 +52,15 @@ fn bad_materials() -> Vec<(&'static str, &'static str, Call)> {
         }),
         add("materials[3].color[1]", "a reflectance of 1.5 breaks", lambert(over), None),
         add("materials[3].color[2]", "a reflectance of -0.25 breaks", BsdfDesc::Mirror { reflectance: under }, None),
-        add("materials[3].color[0]", "NaN", BsdfDesc::OrenNayar { albedo: Vec3::NAN, sigma: 0.1 }, None),
-        add("materials[3].color[1]", "1.5", BsdfDesc::Fujii { albedo: over, roughness: 0.1 }, None),
+        add("materials[3].color[0]", "NaN", BsdfDesc::OrenNayarQualitative { albedo: Vec3::NAN, sigma: 0.1 }, None),
+        add("materials[3].color[1]", "1.5", BsdfDesc::OrenNayar { albedo: over, roughness: 0.1 }, None),
         add("materials[3].sigmaDeg", "is out of range, expected a number in [0, 90]", rough(1.571), None),
         add("materials[3].sigmaDeg", "is out of range", rough(-0.1), None),
-        add("materials[3].roughness", "1.5 is out of range", fujii(1.5), None),
+        add("materials[3].roughness", "1.5 is out of range", oren_nayar(1.5), None),
         add("materials[3].refractionIndex", "0 is not above 0", glass(0.0, 1.0), None),
         add("materials[3].exteriorIndex", "inf is beyond", glass(1.5, f32::INFINITY), None),
         add("materials[3].reflectionRate", "0 is not above 0", lambert(grey), Some(0.0)),
-        add("materials[3].reflectionRate", "1.5 is out of range", fujii(0.5), Some(1.5)),
+        add("materials[3].reflectionRate", "1.5 is out of range", oren_nayar(0.5), Some(1.5)),
         add("materials[3].reflectionRate", "only a diffuse material", glass(1.5, 1.0), Some(0.5)),
         bad("materials[0].color[1]", "1.5", move |desc| desc.set_material(0, lambert(over), None)),
         bad("materials[0].reflectionRate", "NaN", move |desc| desc.set_material(0, lambert(grey), Some(f32::NAN))),

@@ -51,7 +51,9 @@ pub(super) fn seen(scene: &Scene, camera: &Camera, [x, y]: [f32; 2], tracer: &mu
             }
         };
         match &vertex.material.bsdf {
-            Bsdf::Lambert(_) | Bsdf::OrenNayar(_) | Bsdf::Fujii(_) if !vertex.material.bsdf.is_black() => {
+            Bsdf::Lambert(_) | Bsdf::OrenNayarQualitative(_) | Bsdf::OrenNayar(_)
+                if !vertex.material.bsdf.is_black() =>
+            {
                 let facing = vertex.facing();
                 let (point, n) = (vertex.surface.point, vertex.facing_shading());
                 let origin = point.offset(facing);

@@ -3,7 +3,7 @@
 //! The kernel lies on a disk in the tangent plane, of the radius of the estimate; photons on another side of the surface
 //! or too far off the plane belong to other surfaces and do not count. Kernels are normalised so that they integrate to 1
 //! over the disk: the area is that of a whole disk, so estimates are asked for only where it is whole (see
-//! [`super::Whole`]) or cut it down.
+//! [`super::DiskCoverage`]) or cut it down.
 //!
 //! Sources: Jensen 2001, *Realistic Image Synthesis Using Photon Mapping*, Sec. 7.2; Silverman 1986, *Density Estimation
 //! for Statistics and Data Analysis*.
@@ -66,7 +66,7 @@ impl Kernel {
 
 /// How a map is asked.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked {
+pub struct MapQuery {
     /// How photons weigh by their distance.
     pub kernel: Kernel,
     /// The radius, or the largest one; above 0 and such that single precision holds its square.
@@ -106,20 +106,20 @@ impl Estimate {
 pub(super) fn radiance(
     map: &PhotonMap,
     vertex: &Vertex,
-    asked: Asked,
+    query: MapQuery,
     cut: impl Fn(Vec3) -> bool,
     nearest: &mut Nearest,
 ) -> Estimate {
-    Gathered::of_vertex(vertex, asked).gather(map, asked, cut, nearest)
+    Gathered::of_vertex(vertex, query).gather(map, query, cut, nearest)
 }
 
 /// Irradiance [W m^-2] that photons bring to a flat surface at `p`, on the side of the unit normal `normal`; scene frame.
 ///
 /// The kernel lies on a whole disk: along an edge half of one is empty, in a corner three quarters. `nearest` keeps its
-/// memory between calls. With `asked.neighbours` k the estimate has no bias but the kernel's, and a relative standard
+/// memory between calls. With `query.neighbours` k the estimate has no bias but the kernel's, and a relative standard
 /// deviation of 1 / sqrt(k - 2) (flat kernel), so none for k = 2.
-pub fn irradiance(map: &PhotonMap, p: Vec3, normal: Vec3, asked: Asked, nearest: &mut Nearest) -> Rgb {
-    Gathered::new(p, normal, asked).gather(map, asked, |_| true, nearest).radiance
+pub fn irradiance(map: &PhotonMap, p: Vec3, normal: Vec3, query: MapQuery, nearest: &mut Nearest) -> Rgb {
+    Gathered::new(p, normal, query).gather(map, query, |_| true, nearest).radiance
 }
 
 /// Sums over photons.
@@ -146,11 +146,11 @@ struct Gathered<'v, 's> {
 impl<'v, 's> Gathered<'v, 's> {
     /// Sums of powers.
     #[inline]
-    fn new(p: Vec3, normal: Vec3, asked: Asked) -> Self {
-        let radius = asked.radius;
+    fn new(p: Vec3, normal: Vec3, query: MapQuery) -> Self {
+        let radius = query.radius;
         Self {
             p,
-            kernel: asked.kernel,
+            kernel: query.kernel,
             radius,
             narrow_radius2: 0.5 * radius * radius,
             height: THICKNESS * radius,
@@ -167,30 +167,36 @@ impl<'v, 's> Gathered<'v, 's> {
 
     /// Sums of what a vertex sends back along the path.
     #[inline]
-    fn of_vertex(vertex: &'v Vertex<'s>, asked: Asked) -> Self {
+    fn of_vertex(vertex: &'v Vertex<'s>, query: MapQuery) -> Self {
         let is_flat = vertex.surface.ng == vertex.surface.ns;
         let (scatters, factor) = match &vertex.material.bsdf {
             Bsdf::Lambert(lambert) if is_flat => (None, lambert.f()),
             _ => (Some(vertex), Rgb::ONE),
         };
-        Self { scatters, factor, ..Self::new(vertex.surface.point.p, vertex.facing(), asked) }
+        Self { scatters, factor, ..Self::new(vertex.surface.point.p, vertex.facing(), query) }
     }
 
     #[inline]
-    fn gather(mut self, map: &PhotonMap, asked: Asked, cut: impl Fn(Vec3) -> bool, nearest: &mut Nearest) -> Estimate {
+    fn gather(
+        mut self,
+        map: &PhotonMap,
+        query: MapQuery,
+        cut: impl Fn(Vec3) -> bool,
+        nearest: &mut Nearest,
+    ) -> Estimate {
         let p = self.p;
         let all = |gathered: &mut Self| {
-            map.within(p, asked.radius, |photon, distance2| {
+            map.within(p, query.radius, |photon, distance2| {
                 if cut(photon.position()) {
                     gathered.add(photon, distance2);
                 }
             });
         };
-        let Some(count) = asked.neighbours else {
+        let Some(count) = query.neighbours else {
             all(&mut self);
             return self.finish();
         };
-        map.nearest(p, count as usize, asked.radius, nearest);
+        map.nearest(p, count as usize, query.radius, nearest);
         let found = nearest.found();
         // The radius is the distance of the last one, which therefore does not count: with it the density would be too
         // large by k / (k - 1).
@@ -271,10 +277,10 @@ fn scattered(vertex: &Vertex, photon: &Photon) -> Rgb {
 
 /// The report's estimate of direct light: `None` where a shadow photon is within the radius or fewer than `least` others.
 #[inline]
-pub(super) fn direct(map: &PhotonMap, vertex: &Vertex, asked: Asked, least: u32) -> Option<Rgb> {
-    let mut gathered = Gathered::of_vertex(vertex, asked);
+pub(super) fn direct(map: &PhotonMap, vertex: &Vertex, query: MapQuery, least: u32) -> Option<Rgb> {
+    let mut gathered = Gathered::of_vertex(vertex, query);
     let mut in_shadow = false;
-    map.within(vertex.surface.point.p, asked.radius, |photon, distance2| {
+    map.within(vertex.surface.point.p, query.radius, |photon, distance2| {
         let before = gathered.count;
         gathered.add(photon, distance2);
         in_shadow |= gathered.count > before && photon.is_shadow();

@@ -8,19 +8,19 @@
 //! - the map of indirect light ends a path at its first diffuse hit, and direct light comes from shadow rays (progressive
 //!   methods); the global map ends it one diffuse bounce later (final gathering).
 //!
-//! Where a map's disk is not whole (see [`super::whole`]), the path goes on as path tracing does.
+//! Where a map's disk is not whole (see [`super::coverage`]), the path goes on as path tracing does.
 
 use std::cell::RefCell;
 use std::sync::Arc;
 
 use super::super::irradiance_cache::IrradianceCache;
 use super::super::light::Vertex;
-use super::super::path::{CERTAIN_SHARE, OWN_SURVIVAL_BOUNCES, roulette};
+use super::super::path::{CERTAIN_FRACTION, OWN_SURVIVAL_BOUNCES, roulette};
 use super::super::{FirstHit, Integrator, Tracer};
 use super::aim::Aims;
-use super::cut::Cut;
-use super::estimate::{Asked, Estimate, direct, radiance};
-use super::whole::Whole;
+use super::coverage::DiskCoverage;
+use super::cut_disk::CutDisk;
+use super::estimate::{Estimate, MapQuery, direct, radiance};
 use super::{Nearest, PhotonMap};
 use crate::emitter::Receiver;
 use crate::film::{Gathering, ShrinkingRadius};
@@ -31,16 +31,16 @@ use crate::spectrum::Rgb;
 
 /// A map and how it is asked.
 #[derive(Clone, Debug)]
-pub(super) struct Layer {
+pub(super) struct MapLayer {
     pub map: Arc<PhotonMap>,
-    pub asked: Asked,
+    pub query: MapQuery,
     /// The radius that pixels with radii of their own begin with at most.
     pub widest: f32,
 }
 
 /// What ends a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Ends {
+pub(super) enum PathEnd {
     /// Nothing but chance.
     Never,
     /// The map of indirect light, at the first diffuse hit.
@@ -68,17 +68,17 @@ pub(super) enum Shrinking {
 /// Path tracing with photon maps.
 #[derive(Clone, Debug)]
 pub struct Gather {
-    pub(super) direct: Option<Layer>,
-    pub(super) caustic: Option<Layer>,
+    pub(super) direct: Option<MapLayer>,
+    pub(super) caustic: Option<MapLayer>,
     /// Of indirect light, or of all of it, by `ends`.
-    pub(super) diffuse: Option<Layer>,
+    pub(super) diffuse: Option<MapLayer>,
     pub(super) cache: Option<Arc<IrradianceCache>>,
     /// Caustics beyond the first diffuse hit: fewer photons over a wider radius. Nobody sees how sharp they are there, and
     /// a bright caustic may hold half of all photons.
-    pub(super) later_caustic: Option<Layer>,
+    pub(super) later_caustic: Option<MapLayer>,
     /// Where disks are whole.
-    pub(super) whole: Whole,
-    pub(super) ends: Ends,
+    pub(super) coverage: DiskCoverage,
+    pub(super) ends: PathEnd,
     pub(super) shrinking: Shrinking,
     /// Number of the pass that the maps are of.
     pub(super) pass: u32,
@@ -96,52 +96,52 @@ thread_local! {
 
 /// A path on its way.
 #[derive(Clone, Copy)]
-struct State {
+struct EyePath {
     ray: Ray,
     throughput: Rgb,
     /// Undoes the radiance scaling of refraction for the roulette.
     eta2: f32,
     /// The last bounce's receiver and density, where a light sample could have made it as well.
     bounced: Option<(Receiver, f32)>,
-    worth_following: f32,
+    roulette_reference: f32,
     depth: u32,
     /// Diffuse hits so far.
     diffuse: u32,
     /// Length of the way since the last diffuse hit.
-    way: f32,
+    since_diffuse: f32,
     /// Whether light found by mirrors and glass only counts from here on.
-    sees_caustics: bool,
+    counts_caustics: bool,
 }
 
-impl State {
+impl EyePath {
     fn new(ray: Ray) -> Self {
         Self {
             ray,
             throughput: Rgb::ONE,
             eta2: 1.0,
             bounced: None,
-            worth_following: 1.0,
+            roulette_reference: 1.0,
             depth: 1,
             diffuse: 0,
-            way: 0.0,
-            sees_caustics: true,
+            since_diffuse: 0.0,
+            counts_caustics: true,
         }
     }
 
     /// One of so many paths that go on together.
     fn share(&mut self, paths: u32) {
         self.throughput /= paths as f32;
-        self.worth_following /= paths as f32;
+        self.roulette_reference /= paths as f32;
     }
 }
 
 /// Notes how far the first ray went.
-struct Watched<'a, T> {
+struct FirstHitDistance<'a, T> {
     tracer: &'a mut T,
     first: &'a mut f32,
 }
 
-impl<T: Tracer> Tracer for Watched<'_, T> {
+impl<T: Tracer> Tracer for FirstHitDistance<'_, T> {
     #[inline]
     fn intersect(&mut self, ray: &Ray) -> Option<Hit> {
         let hit = self.tracer.intersect(ray);
@@ -180,18 +180,18 @@ impl Integrator for Gather {
         first: &mut impl FnMut(FirstHit),
         gathering: Option<&mut Gathering>,
     ) -> Rgb {
-        let start = State::new(ray);
-        let mut told = Told { gathering, bias: Rgb::ZERO };
-        let radiance = self.follow(scene, start, sampler, tracer, first, &mut told);
-        if let Some(gathering) = told.gathering {
-            gathering.add_bias(self.pass, told.bias);
+        let start = EyePath::new(ray);
+        let mut feedback = PixelFeedback { gathering, bias: Rgb::ZERO };
+        let radiance = self.follow(scene, start, sampler, tracer, first, &mut feedback);
+        if let Some(gathering) = feedback.gathering {
+            gathering.add_bias(self.pass, feedback.bias);
         }
         radiance
     }
 }
 
 /// What estimates tell the pixel.
-struct Told<'g> {
+struct PixelFeedback<'g> {
     gathering: Option<&'g mut Gathering>,
     bias: Rgb,
 }
@@ -210,11 +210,11 @@ impl Gather {
         tracer: &mut T,
     ) -> (Rgb, f32) {
         let mut distance = f32::INFINITY;
-        let mut state = State::new(ray);
-        (state.depth, state.diffuse, state.sees_caustics) = (2, 1, false);
-        let mut tracer = Watched { tracer, first: &mut distance };
-        let mut told = Told { gathering: None, bias: Rgb::ZERO };
-        let radiance = self.follow(scene, state, sampler, &mut tracer, &mut |_| {}, &mut told);
+        let mut path = EyePath::new(ray);
+        (path.depth, path.diffuse, path.counts_caustics) = (2, 1, false);
+        let mut tracer = FirstHitDistance { tracer, first: &mut distance };
+        let mut feedback = PixelFeedback { gathering: None, bias: Rgb::ZERO };
+        let radiance = self.follow(scene, path, sampler, &mut tracer, &mut |_| {}, &mut feedback);
         (radiance, distance)
     }
 
@@ -222,78 +222,78 @@ impl Gather {
     /// but for caustics.
     #[must_use]
     pub fn unaided(&self) -> Self {
-        Self { cache: None, diffuse: None, ends: Ends::Never, ..self.clone() }
+        Self { cache: None, diffuse: None, ends: PathEnd::Never, ..self.clone() }
     }
 
     /// The same whose paths end where the cache answers.
     #[must_use]
     pub fn ending_at(&self, cache: Arc<IrradianceCache>) -> Self {
-        Self { cache: Some(cache), diffuse: None, ends: Ends::AtCache, ..self.clone() }
+        Self { cache: Some(cache), diffuse: None, ends: PathEnd::AtCache, ..self.clone() }
     }
 
     fn follow<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
-        mut state: State,
+        mut path: EyePath,
         sampler: &mut S,
         tracer: &mut T,
         first: &mut impl FnMut(FirstHit),
-        told: &mut Told,
+        feedback: &mut PixelFeedback,
     ) -> Rgb {
         let mut radiance = Rgb::ZERO;
         loop {
-            let Some(hit) = tracer.intersect(&state.ray) else { return radiance };
-            state.way += hit.t;
-            let vertex = Vertex::new(scene, &state.ray, &hit);
-            if state.depth == 1 {
+            let Some(hit) = tracer.intersect(&path.ray) else { return radiance };
+            path.since_diffuse += hit.t;
+            let vertex = Vertex::new(scene, &path.ray, &hit);
+            if path.depth == 1 {
                 first(vertex.first_hit());
             }
             // Light that the surface itself sends; what came by mirrors and glass to a diffuse surface is in a map.
-            if state.sees_caustics || state.bounced.is_some() {
-                radiance += state.throughput * vertex.emitted(scene, state.bounced, self.shadow_rays);
+            if path.counts_caustics || path.bounced.is_some() {
+                radiance += path.throughput * vertex.emitted(scene, path.bounced, self.shadow_rays);
             }
             let bsdf = &vertex.material.bsdf;
-            if state.depth > self.max_depth || bsdf.is_black() {
+            if path.depth > self.max_depth || bsdf.is_black() {
                 return radiance;
             }
             let mut rays = 1;
             if !bsdf.is_delta() {
-                state.diffuse += 1;
-                state.sees_caustics = false;
-                let (sent_back, is_over) = self.diffuse(scene, &vertex, &state, sampler, tracer, told);
-                radiance += state.throughput * sent_back;
+                path.diffuse += 1;
+                path.counts_caustics = false;
+                let (sent_back, is_over) = self.diffuse(scene, &vertex, &path, sampler, tracer, feedback);
+                radiance += path.throughput * sent_back;
                 if let Some(aims) = &self.aims {
-                    radiance += self.reflected(scene, aims, &vertex, state, sampler, tracer);
+                    radiance += self.aimed_caustic(scene, aims, &vertex, path, sampler, tracer);
                 }
                 if is_over {
                     return radiance;
                 }
-                if state.diffuse == 1 && self.ends == Ends::AfterGather {
+                if path.diffuse == 1 && self.ends == PathEnd::AfterGather {
                     rays = self.gather_rays;
                 }
-                state.way = 0.0;
+                path.since_diffuse = 0.0;
             }
             for _ in 1..rays {
-                let mut branch = state;
+                let mut branch = path;
                 branch.share(rays);
                 if self.bounce(&vertex, &mut branch, sampler) {
-                    radiance += self.follow(scene, branch, sampler, tracer, first, told);
+                    radiance += self.follow(scene, branch, sampler, tracer, first, feedback);
                 }
             }
-            state.share(rays);
-            if !self.bounce(&vertex, &mut state, sampler) {
+            path.share(rays);
+            if !self.bounce(&vertex, &mut path, sampler) {
                 return radiance;
             }
         }
     }
 
     /// One sample of the light that comes to a surface by mirrors and glass only and is sent back along the path.
-    fn reflected<S: Sampler, T: Tracer>(
+    fn aimed_caustic<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
         aims: &Aims,
         vertex: &Vertex,
-        mut state: State,
+        mut path: EyePath,
         sampler: &mut S,
         tracer: &mut T,
     ) -> Rgb {
@@ -302,20 +302,20 @@ impl Gather {
             return Rgb::ZERO;
         };
         let Some((ray, f_cos)) = vertex.leave_towards(wi) else { return Rgb::ZERO };
-        state.throughput *= f_cos / pdf;
-        (state.ray, state.bounced) = (ray, None);
-        state.worth_following = CERTAIN_SHARE * state.throughput.max_element() * state.eta2;
-        state.depth = state.depth.saturating_add(1);
+        path.throughput *= f_cos / pdf;
+        (path.ray, path.bounced) = (ray, None);
+        path.roulette_reference = CERTAIN_FRACTION * path.throughput.max_element() * path.eta2;
+        path.depth = path.depth.saturating_add(1);
         let mut radiance = Rgb::ZERO;
-        for way in 0.. {
-            let Some(hit) = tracer.intersect(&state.ray) else { break };
-            let vertex = Vertex::new(scene, &state.ray, &hit);
-            if way > 0 {
-                radiance += state.throughput * vertex.emitted(scene, None, 1);
+        for since_diffuse in 0.. {
+            let Some(hit) = tracer.intersect(&path.ray) else { break };
+            let vertex = Vertex::new(scene, &path.ray, &hit);
+            if since_diffuse > 0 {
+                radiance += path.throughput * vertex.emitted(scene, None, 1);
             }
-            if state.depth > self.max_depth
+            if path.depth > self.max_depth
                 || !vertex.material.bsdf.is_delta()
-                || !self.bounce(&vertex, &mut state, sampler)
+                || !self.bounce(&vertex, &mut path, sampler)
             {
                 break;
             }
@@ -325,40 +325,40 @@ impl Gather {
 
     /// The next direction; false where the path ends.
     #[inline]
-    fn bounce<S: Sampler>(&self, vertex: &Vertex, state: &mut State, sampler: &mut S) -> bool {
+    fn bounce<S: Sampler>(&self, vertex: &Vertex, path: &mut EyePath, sampler: &mut S) -> bool {
         let u = sampler.next_4d();
         let Some(bounce) = vertex.sample_bounce(u) else { return false };
-        let is_last = state.depth == self.max_depth;
+        let is_last = path.depth == self.max_depth;
         if is_last && bounce.pdf.is_none() {
             return false;
         }
-        state.throughput *= bounce.weight;
-        state.eta2 *= bounce.eta * bounce.eta;
+        path.throughput *= bounce.weight;
+        path.eta2 *= bounce.eta * bounce.eta;
         // Where the report's map stands for light samples, no bounce may find a light.
         let counts = self.direct.is_none();
-        state.bounced = bounce.pdf.filter(|_| counts).map(|pdf| (vertex.receiver(), pdf));
-        state.ray = bounce.ray;
+        path.bounced = bounce.pdf.filter(|_| counts).map(|pdf| (vertex.receiver(), pdf));
+        path.ray = bounce.ray;
         if !is_last {
-            let carried = state.throughput.max_element() * state.eta2;
+            let carried = path.throughput.max_element() * path.eta2;
             if carried <= 0.0 {
                 return false;
             }
-            if state.depth == 1 {
-                state.worth_following = CERTAIN_SHARE * carried;
+            if path.depth == 1 {
+                path.roulette_reference = CERTAIN_FRACTION * carried;
             }
             let share = match vertex.material.survival {
-                Some(survival) if bounce.pdf.is_some() && state.depth < OWN_SURVIVAL_BOUNCES => survival,
-                _ => carried / state.worth_following,
+                Some(survival) if bounce.pdf.is_some() && path.depth < OWN_SURVIVAL_BOUNCES => survival,
+                _ => carried / path.roulette_reference,
             };
-            let survival = roulette(share, state.depth);
+            let survival = roulette(share, path.depth);
             if survival < 1.0 {
                 if u[3] >= survival {
                     return false;
                 }
-                state.throughput /= survival;
+                path.throughput /= survival;
             }
         }
-        state.depth += 1;
+        path.depth += 1;
         true
     }
 
@@ -368,28 +368,29 @@ impl Gather {
         &self,
         scene: &Scene,
         vertex: &Vertex,
-        state: &State,
+        path: &EyePath,
         sampler: &mut S,
         tracer: &mut T,
-        told: &mut Told,
+        feedback: &mut PixelFeedback,
     ) -> (Rgb, bool) {
         let p = vertex.surface.point.p;
         let facing = vertex.facing();
-        let is_whole = |layer: &&Layer| self.whole.is_whole(p, facing, layer.asked.radius);
-        let is_first = state.diffuse == 1;
+        let is_covered = |layer: &&MapLayer| self.coverage.is_covered(p, facing, layer.query.radius);
+        let is_first = path.diffuse == 1;
         // All light from one map.
-        if self.ends == Ends::AfterGather
+        if self.ends == PathEnd::AfterGather
             && !is_first
-            && let Some(layer) = self.diffuse.as_ref().filter(|layer| state.way > layer.asked.radius).filter(is_whole)
+            && let Some(layer) =
+                self.diffuse.as_ref().filter(|layer| path.since_diffuse > layer.query.radius).filter(is_covered)
         {
-            return (ask(layer, layer.asked, vertex, None).radiance, true);
+            return (query_map(layer, layer.query, vertex, None).radiance, true);
         }
         let ending = match self.ends {
-            Ends::AtOnce => self.diffuse.as_ref(),
+            PathEnd::AtOnce => self.diffuse.as_ref(),
             _ => None,
         };
-        let ending = ending.map(|layer| (layer, self.asked(layer, is_first, true, told, vertex)));
-        let ending = ending.filter(|(_, asked)| self.whole.is_whole(p, facing, asked.radius));
+        let ending = ending.map(|layer| (layer, self.query(layer, is_first, true, feedback, vertex)));
+        let ending = ending.filter(|(_, query)| self.coverage.is_covered(p, facing, query.radius));
         let cached = self.cache.as_ref().and_then(|cache| {
             let f = vertex.material.bsdf.mean_f(vertex.wo)?;
             Some(f * cache.irradiance(p, vertex.facing_shading())?)
@@ -398,62 +399,69 @@ impl Gather {
         let mut sum = cached.unwrap_or(Rgb::ZERO);
         // Straight from the emitters.
         let from_map = self.direct.as_ref().and_then(|layer| {
-            is_whole(&layer).then(|| direct(&layer.map, vertex, layer.asked, self.min_photons)).flatten()
+            is_covered(&layer).then(|| direct(&layer.map, vertex, layer.query, self.min_photons)).flatten()
         });
         match from_map {
             Some(light) => sum += light,
             None if scene.emitters().is_dark() => {}
             None => {
                 // A path that ends here, or whose bounces may not find lights, leaves all of it to the light samples.
-                let is_alone = ends || self.direct.is_some();
+                let only_light_samples = ends || self.direct.is_some();
                 for _ in 0..self.shadow_rays {
                     let u = sampler.next_4d();
-                    sum += vertex.sample_light_as(scene, u, self.shadow_rays, is_alone, tracer);
+                    sum += vertex.sample_light_as(scene, u, self.shadow_rays, only_light_samples, tracer);
                 }
             }
         }
         // By mirrors and glass.
         if is_first && let Some(layer) = &self.caustic {
-            let asked = self.asked(layer, is_first, false, told, vertex);
-            let estimate = self.ask_cut(layer, asked, vertex, tracer);
+            let query = self.query(layer, is_first, false, feedback, vertex);
+            let estimate = self.query_clipped(layer, query, vertex, tracer);
             sum += estimate.radiance;
-            self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.caustic);
+            self.record_estimate(&estimate, path, is_first, feedback, |gathering| &mut gathering.caustic);
         }
         if !is_first && let Some(layer) = &self.later_caustic {
             // A narrow disk where the wide one would reach over an edge or through a wall.
-            let estimate = if self.whole.is_whole(p, facing, layer.widest) {
-                ask(layer, Asked { radius: layer.widest, ..layer.asked }, vertex, None)
+            let estimate = if self.coverage.is_covered(p, facing, layer.widest) {
+                query_map(layer, MapQuery { radius: layer.widest, ..layer.query }, vertex, None)
             } else {
-                self.ask_cut(layer, layer.asked, vertex, tracer)
+                self.query_clipped(layer, layer.query, vertex, tracer)
             };
             sum += estimate.radiance;
         }
         // Scattered before.
-        if let Some((layer, asked)) = ending {
-            let estimate = ask(layer, asked, vertex, None);
+        if let Some((layer, query)) = ending {
+            let estimate = query_map(layer, query, vertex, None);
             sum += estimate.radiance;
-            self.tell(&estimate, state, is_first, told, |gathering| &mut gathering.indirect);
+            self.record_estimate(&estimate, path, is_first, feedback, |gathering| &mut gathering.indirect);
         }
         (sum, ends)
     }
 
     /// Asks on as much of the disk as there is; whether it is whole is looked at only where there are photons.
     #[inline]
-    fn ask_cut<T: Tracer>(&self, layer: &Layer, asked: Asked, vertex: &Vertex, tracer: &mut T) -> Estimate {
-        let estimate = ask(layer, asked, vertex, None);
-        if estimate.count == 0 || self.whole.is_whole(vertex.surface.point.p, vertex.facing(), asked.radius) {
+    fn query_clipped<T: Tracer>(&self, layer: &MapLayer, query: MapQuery, vertex: &Vertex, tracer: &mut T) -> Estimate {
+        let estimate = query_map(layer, query, vertex, None);
+        if estimate.count == 0 || self.coverage.is_covered(vertex.surface.point.p, vertex.facing(), query.radius) {
             return estimate;
         }
-        ask(layer, asked, vertex, Some(&Cut::new(tracer, vertex, estimate.radius)))
+        query_map(layer, query, vertex, Some(&CutDisk::new(tracer, vertex, estimate.radius)))
     }
 
     /// With which radius a map is asked: the pixel's own at the first diffuse hit, where it has one.
     #[inline]
-    fn asked(&self, layer: &Layer, is_first: bool, is_indirect: bool, told: &mut Told, vertex: &Vertex) -> Asked {
+    fn query(
+        &self,
+        layer: &MapLayer,
+        is_first: bool,
+        is_indirect: bool,
+        feedback: &mut PixelFeedback,
+        vertex: &Vertex,
+    ) -> MapQuery {
         let (Shrinking::ByPixel { alpha, first }, true, Some(gathering)) =
-            (self.shrinking, is_first, told.gathering.as_deref_mut())
+            (self.shrinking, is_first, feedback.gathering.as_deref_mut())
         else {
-            return layer.asked;
+            return layer.query;
         };
         let radius = if is_indirect { &mut gathering.indirect } else { &mut gathering.caustic };
         let radius = radius.begin(self.pass, alpha, || {
@@ -471,20 +479,20 @@ impl Gather {
                 }
             })
         });
-        Asked { radius, neighbours: None, ..layer.asked }
+        MapQuery { radius, neighbours: None, ..layer.query }
     }
 
     #[inline]
-    fn tell(
+    fn record_estimate(
         &self,
         estimate: &Estimate,
-        state: &State,
+        path: &EyePath,
         is_first: bool,
-        told: &mut Told,
+        feedback: &mut PixelFeedback,
         radius: impl Fn(&mut Gathering) -> &mut ShrinkingRadius,
     ) {
-        let Some(gathering) = told.gathering.as_deref_mut() else { return };
-        told.bias += state.throughput * estimate.bias();
+        let Some(gathering) = feedback.gathering.as_deref_mut() else { return };
+        feedback.bias += path.throughput * estimate.bias();
         if is_first && self.shrinking != Shrinking::Together {
             radius(gathering).note(estimate.count);
         }
@@ -492,16 +500,16 @@ impl Gather {
 }
 
 #[inline]
-fn ask(layer: &Layer, asked: Asked, vertex: &Vertex, cut: Option<&Cut>) -> Estimate {
+fn query_map(layer: &MapLayer, query: MapQuery, vertex: &Vertex, cut: Option<&CutDisk>) -> Estimate {
     let estimate = |nearest: &mut Nearest| match cut {
-        None => radiance(&layer.map, vertex, asked, |_| true, nearest),
+        None => radiance(&layer.map, vertex, query, |_| true, nearest),
         Some(cut) => {
-            let mut estimate = radiance(&layer.map, vertex, asked, |p| cut.holds(p), nearest);
-            let share = cut.share(asked.kernel, estimate.radius);
+            let mut estimate = radiance(&layer.map, vertex, query, |p| cut.holds(p), nearest);
+            let share = cut.share(query.kernel, estimate.radius);
             estimate.radiance /= share;
-            estimate.narrow /= cut.share(asked.kernel, estimate.radius * std::f32::consts::FRAC_1_SQRT_2);
+            estimate.narrow /= cut.share(query.kernel, estimate.radius * std::f32::consts::FRAC_1_SQRT_2);
             estimate
         }
     };
-    if asked.neighbours.is_some() { NEAREST.with_borrow_mut(estimate) } else { estimate(&mut Nearest::default()) }
+    if query.neighbours.is_some() { NEAREST.with_borrow_mut(estimate) } else { estimate(&mut Nearest::default()) }
 }

@@ -1,7 +1,7 @@
 //! Photon mapping: light paths from the emitters, maps of what they leave, and eye paths that read them.
 //!
 //! `emit` begins light paths, `trace` follows them and keeps photons, `map` puts them in order; `gather` follows eye paths,
-//! `estimate` asks maps, `whole` and `cut` know where a disk is whole and what is left of one that is not; `plan` says which
+//! `estimate` asks maps, `coverage` and `cut` know where a disk is whole and what is left of one that is not; `plan` says which
 //! maps a method wants and when; `choose` which method a scene.
 //!
 //! Right where light reaches diffuse surfaces by mirrors and glass from small lights, and where it is smooth; wrong in the
@@ -17,7 +17,8 @@
 
 mod aim;
 mod choose;
-mod cut;
+mod coverage;
+mod cut_disk;
 mod draw;
 mod emit;
 mod estimate;
@@ -27,14 +28,13 @@ mod order;
 mod plan;
 mod record;
 mod trace;
-mod whole;
 
 pub use choose::{Choice, choose};
 pub use draw::{DrawSettings, colour, draw};
 pub(in crate::integrator) use emit::{Aim, Emission};
-pub use estimate::{Asked, Kernel, irradiance};
+pub use estimate::{Kernel, MapQuery, irradiance};
 pub use gather::Gather;
 pub use map::{Nearest, PhotonMap};
 pub use plan::{Plan, shrunk};
 pub use record::{Octahedral, Photon};
-pub use trace::{Job, MapKind, Shot, Tally, shoot};
+pub use trace::{MapKind, PhotonBatch, PhotonJob, Tally, shoot};

@@ -7,11 +7,11 @@ use super::super::light::Vertex;
 use super::super::{SceneTracer, Tracer as _};
 use super::aim::Aims;
 use super::choose::aimed_paths_find_caustics;
-use super::estimate::{Asked, Kernel};
-use super::gather::{Ends, Gather, Layer, Shrinking};
+use super::coverage::DiskCoverage;
+use super::estimate::{Kernel, MapQuery};
+use super::gather::{Gather, MapLayer, PathEnd, Shrinking};
 use super::trace::PHOTONS_A_PATH;
-use super::whole::Whole;
-use super::{Job, MapKind, Nearest, Photon, PhotonMap, Tally, shoot};
+use super::{MapKind, Nearest, Photon, PhotonJob, PhotonMap, Tally, shoot};
 use crate::camera::Camera;
 use crate::control::{Cancel, Parallel};
 use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, RenderDesc, check_cache, check_photons};
@@ -68,8 +68,8 @@ pub struct Plan {
     /// First radii.
     caustic_radius: f32,
     radius: f32,
-    whole: Whole,
-    /// Maps that were gathered from, of whose photons `whole` may know from now on.
+    coverage: DiskCoverage,
+    /// Maps that were gathered from, of whose photons `coverage` may know from now on.
     unlearnt: Vec<Arc<PhotonMap>>,
     made: Option<(u32, Gather)>,
     notes: Vec<String>,
@@ -110,7 +110,7 @@ impl Plan {
             method,
             caustic_radius: caustic,
             radius: wide,
-            whole: Whole::default(),
+            coverage: DiskCoverage::default(),
             unlearnt: Vec::new(),
             made: None,
             notes: Vec::new(),
@@ -182,43 +182,43 @@ impl Plan {
         let kinds = self.scene.kinds();
 
         // Changed when all is done: a pass that is stopped is made again, from what was known before.
-        let mut whole = self.whole.clone();
+        let mut coverage = self.coverage.clone();
         let is_once = !self.is_progressive();
         for map in &self.unlearnt {
-            self.rays += whole.learn(&self.scene, map.photons(), radius.min(caustic_radius), is_once, parallel)?;
+            self.rays += coverage.learn(&self.scene, map.photons(), radius.min(caustic_radius), is_once, parallel)?;
         }
 
         // What is shot, how much of it, and how it is asked.
         let mut wanted = Vec::new();
-        let asked = |kernel, radius, neighbours| Asked { kernel, radius, neighbours };
+        let query = |kernel, radius, neighbours| MapQuery { kernel, radius, neighbours };
         let caustics =
-            |kernel, neighbours| (MapKind::Caustic, caustic_count, asked(kernel, caustic_radius, neighbours));
+            |kernel, neighbours| (MapKind::Caustic, caustic_count, query(kernel, caustic_radius, neighbours));
         let ends = match self.method {
             IntegratorDesc::PhotonDirect => {
-                wanted.push((MapKind::Direct, count, asked(cone, radius, None)));
+                wanted.push((MapKind::Direct, count, query(cone, radius, None)));
                 wanted.push(caustics(cone, None));
-                Ends::Never
+                PathEnd::Never
             }
             IntegratorDesc::Photon => {
                 wanted.push(caustics(epanechnikov, neighbours));
-                wanted.push((MapKind::Global, count, asked(epanechnikov, radius, neighbours)));
-                Ends::AfterGather
+                wanted.push((MapKind::Global, count, query(epanechnikov, radius, neighbours)));
+                PathEnd::AfterGather
             }
             IntegratorDesc::Ppm | IntegratorDesc::Sppm => {
                 wanted.push(caustics(epanechnikov, neighbours));
-                wanted.push((MapKind::Indirect, count, asked(epanechnikov, radius, neighbours)));
-                Ends::AtOnce
+                wanted.push((MapKind::Indirect, count, query(epanechnikov, radius, neighbours)));
+                PathEnd::AtOnce
             }
             IntegratorDesc::IrradianceCache => {
                 wanted.push(caustics(epanechnikov, neighbours));
                 if self.desc.cache.source == CacheSource::Photons {
-                    wanted.push((MapKind::Global, count, asked(epanechnikov, radius, neighbours)));
+                    wanted.push((MapKind::Global, count, query(epanechnikov, radius, neighbours)));
                 }
-                Ends::Never
+                PathEnd::Never
             }
             _ => {
                 wanted.push(caustics(epanechnikov, neighbours));
-                Ends::Never
+                PathEnd::Never
             }
         };
         // Mirrors and glass are not there to be met, nor surfaces to be lit by them.
@@ -236,10 +236,10 @@ impl Plan {
             None
         };
         let budget = (photons.memory as usize).saturating_mul(1 << 20) / BYTES_A_PHOTON;
-        let mut shots: Vec<(MapKind, Asked, Vec<Photon>)> = Vec::new();
+        let mut shots: Vec<(MapKind, MapQuery, Vec<Photon>)> = Vec::new();
         let (mut told, mut shot_as, mut notes) = (Vec::new(), Vec::new(), Vec::new());
         let maps = wanted.len();
-        for (kind, paths, asked) in wanted {
+        for (kind, paths, query) in wanted {
             let used: usize = shots.iter().map(|(_, _, photons)| photons.len()).sum();
             // What is left, the second map's share apart.
             let most = (budget - used.min(budget)) / (maps - shots.len());
@@ -247,7 +247,7 @@ impl Plan {
                 let message = format!("{} MiB hold no photon map", photons.memory);
                 return Err(Error::new(ErrorKind::OutOfMemory, message));
             }
-            let shot = shoot(&self.scene, &self.desc, Job { kind, paths, pass, most }, parallel)?;
+            let shot = shoot(&self.scene, &self.desc, PhotonJob { kind, paths, pass, most }, parallel)?;
             self.rays += shot.tally.rays;
             if let Some(planned) = shot.cut_from
                 && pass == 0
@@ -261,10 +261,10 @@ impl Plan {
             }
             told.push(shot.tally);
             shot_as.push((paths, most));
-            shots.push((kind, asked, shot.photons));
+            shots.push((kind, query, shot.photons));
         }
         let (kinds, shots): (Vec<_>, Vec<_>) =
-            shots.into_iter().map(|(kind, asked, photons)| ((kind, asked), std::sync::Mutex::new(photons))).unzip();
+            shots.into_iter().map(|(kind, query, photons)| ((kind, query), std::sync::Mutex::new(photons))).unzip();
         // Side by side, each on one thread.
         let token = parallel.token();
         let built = parallel.map(shots.len(), move |index| {
@@ -272,36 +272,36 @@ impl Plan {
             PhotonMap::build(photons, &token)
         })?;
         let mut layers = Vec::new();
-        for ((kind, asked), map) in kinds.into_iter().zip(built) {
-            let widest = asked.radius / shrunk;
-            layers.push((kind, Layer { map: Arc::new(map?), asked, widest }));
+        for ((kind, query), map) in kinds.into_iter().zip(built) {
+            let widest = query.radius / shrunk;
+            layers.push((kind, MapLayer { map: Arc::new(map?), query, widest }));
         }
         let is_diffuse = |kind: MapKind| matches!(kind, MapKind::Indirect | MapKind::Global);
         if pass == 0 && photons.radius.is_none() && neighbours.is_none() {
             for (_, layer) in layers.iter_mut().filter(|(kind, layer)| is_diffuse(*kind) && !layer.map.is_empty()) {
                 self.radius = middle_radius(&layer.map, self.radius);
-                (layer.asked.radius, layer.widest) = (self.radius, self.radius);
+                (layer.query.radius, layer.widest) = (self.radius, self.radius);
             }
         }
         if pass == 0 {
             let widest = layers.iter().map(|(_, layer)| layer.widest).fold(f32::MIN_POSITIVE, f32::max);
-            whole = Whole::new(widest);
+            coverage = DiskCoverage::new(widest);
         }
         for ((kind, layer), (paths, most)) in layers.iter().zip(shot_as) {
-            let radius = layer.asked.radius;
+            let radius = layer.query.radius;
             if *kind == MapKind::Caustic {
                 // Its estimates are made anywhere, on whole disks or cut ones.
-                self.rays += whole.learn(&self.scene, layer.map.photons(), radius, is_once, parallel)?;
+                self.rays += coverage.learn(&self.scene, layer.map.photons(), radius, is_once, parallel)?;
             } else if pass == 0 {
                 // Photons of no pass, as no others are known yet.
-                let job = Job { kind: *kind, paths: paths.div_ceil(SCOUTS), pass: u32::MAX, most };
+                let job = PhotonJob { kind: *kind, paths: paths.div_ceil(SCOUTS), pass: u32::MAX, most };
                 let scouts = shoot(&self.scene, &self.desc, job, parallel)?;
                 self.rays += scouts.tally.rays;
-                self.rays += whole.learn(&self.scene, &scouts.photons, radius, is_once, parallel)?;
+                self.rays += coverage.learn(&self.scene, &scouts.photons, radius, is_once, parallel)?;
             }
         }
         if pass == 0 {
-            let one = |((kind, layer), tally): (&(MapKind, Layer), &Tally)| note(*kind, layer, tally, by_pixel);
+            let one = |((kind, layer), tally): (&(MapKind, MapLayer), &Tally)| note(*kind, layer, tally, by_pixel);
             notes.extend(layers.iter().zip(&told).map(one));
         }
         // What is gathered from now teaches nothing before the next pass.
@@ -327,7 +327,7 @@ impl Plan {
             diffuse: take(&[MapKind::Indirect, MapKind::Global]),
             direct,
             later_caustic: later,
-            whole: whole.clone(),
+            coverage: coverage.clone(),
             ends,
             shrinking,
             pass,
@@ -339,14 +339,14 @@ impl Plan {
         };
         if self.method == IntegratorDesc::IrradianceCache {
             // Gather rays have bounced once when they begin, so the global map may end them at once.
-            let ends = if gather.diffuse.is_some() { Ends::AfterGather } else { Ends::Never };
+            let ends = if gather.diffuse.is_some() { PathEnd::AfterGather } else { PathEnd::Never };
             let source = Gather { ends, ..gather.clone() };
             let (cache, report) = IrradianceCache::fill(&self.scene, &self.camera, &self.desc, &source, parallel)?;
             self.rays += report.rays;
             notes.extend(report.notes);
-            (gather.cache, gather.diffuse, gather.ends) = (Some(Arc::new(cache)), None, Ends::AtCache);
+            (gather.cache, gather.diffuse, gather.ends) = (Some(Arc::new(cache)), None, PathEnd::AtCache);
         }
-        (self.whole, self.unlearnt) = (whole, unlearnt);
+        (self.coverage, self.unlearnt) = (coverage, unlearnt);
         self.notes.extend(notes);
         Ok(gather)
     }
@@ -365,7 +365,7 @@ impl MapKind {
 }
 
 /// What a user should know about a map.
-fn note(kind: MapKind, layer: &Layer, tally: &Tally, by_pixel: bool) -> String {
+fn note(kind: MapKind, layer: &MapLayer, tally: &Tally, by_pixel: bool) -> String {
     let photons = layer.map.len();
     let shadows = if tally.shadows > 0 { format!(" and {} shadow photons", tally.shadows) } else { String::new() };
     let radius = if by_pixel && kind != MapKind::Direct { "radius, at most," } else { "radius" };
@@ -382,7 +382,7 @@ fn note(kind: MapKind, layer: &Layer, tally: &Tally, by_pixel: bool) -> String {
         tally.paths,
         layer.map.bytes() as f64 / 1_048_576.0,
         layer.map.bytes() as f64 / photons.max(1) as f64,
-        layer.asked.radius
+        layer.query.radius
     )
 }
 
@@ -399,7 +399,7 @@ pub fn shrunk(passes: u32, alpha: f64) -> f32 {
 }
 
 /// As much light in fewer photons, for a wider radius: every so many'th of the map's order, which keeps them well spread.
-fn thinned(layer: &Layer, cancel: &Cancel) -> Result<Layer> {
+fn thinned(layer: &MapLayer, cancel: &Cancel) -> Result<MapLayer> {
     let stride = layer.map.len().div_ceil(LATER_PHOTONS).max(1);
     let mut photons: Vec<Photon> = layer.map.photons().iter().skip(stride / 2).step_by(stride).copied().collect();
     let factor = layer.map.len() as f32 / photons.len().max(1) as f32;
@@ -407,8 +407,8 @@ fn thinned(layer: &Layer, cancel: &Cancel) -> Result<Layer> {
         photon.power = photon.power.map(|power| power * factor);
     }
     let map = Arc::new(PhotonMap::build(photons, cancel)?);
-    let asked = Asked { neighbours: None, ..layer.asked };
-    Ok(Layer { map, asked, widest: LATER_WIDTH * layer.asked.radius })
+    let query = MapQuery { neighbours: None, ..layer.query };
+    Ok(MapLayer { map, query, widest: LATER_WIDTH * layer.query.radius })
 }
 
 /// The middle one of the radii that hold [`INDIRECT_PHOTONS`] around photons of a map; `otherwise` where it has too few.

@@ -77,7 +77,7 @@ impl Tally {
 
 /// Photons, and what became of all light.
 #[derive(Clone, Debug, Default)]
-pub struct Shot {
+pub struct PhotonBatch {
     /// In the order of their paths; the power of all paths together is what the emitters send.
     pub photons: Vec<Photon>,
     /// See [`Tally`].
@@ -97,7 +97,7 @@ pub(super) const PHOTONS_A_PATH: usize = 64;
 
 /// How many light paths, of which kind, from which random numbers.
 #[derive(Clone, Copy, Debug)]
-pub struct Job {
+pub struct PhotonJob {
     /// What is stored.
     pub kind: MapKind,
     /// Light paths.
@@ -112,14 +112,14 @@ pub struct Job {
 ///
 /// # Errors
 /// [`crate::ErrorKind::Cancelled`]; `InvalidScene` for points that share photons by area.
-pub fn shoot(scene: &Scene, desc: &RenderDesc, job: Job, parallel: &mut impl Parallel) -> Result<Shot> {
+pub fn shoot(scene: &Scene, desc: &RenderDesc, job: PhotonJob, parallel: &mut impl Parallel) -> Result<PhotonBatch> {
     let aims = match job.kind {
         MapKind::Caustic if desc.photons.guided => Aim::AtSpecular,
         _ => Aim::Everywhere,
     };
-    let Some(emission) = Emission::new(scene, desc.photons.sharing, aims)? else { return Ok(Shot::default()) };
+    let Some(emission) = Emission::new(scene, desc.photons.sharing, aims)? else { return Ok(PhotonBatch::default()) };
     let kind = job.kind as u64;
-    let shooter = Arc::new(Shooter {
+    let shooter = Arc::new(PhotonTracer {
         scene: scene.clone(),
         emission,
         kind: job.kind,
@@ -132,7 +132,7 @@ pub fn shoot(scene: &Scene, desc: &RenderDesc, job: Job, parallel: &mut impl Par
     // Where hardly any photons are kept, a block's must not be too many by themselves.
     let size = BLOCK.min((job.most / PHOTONS_A_PATH).max(1) as u32);
     let blocks = job.paths.div_ceil(size) as usize;
-    let mut shot = Shot::default();
+    let mut shot = PhotonBatch::default();
     let (mut start, mut count) = (0, 1);
     while start < blocks {
         let shooter = Arc::clone(&shooter);
@@ -165,7 +165,7 @@ pub fn shoot(scene: &Scene, desc: &RenderDesc, job: Job, parallel: &mut impl Par
 }
 
 /// What all blocks share.
-struct Shooter {
+struct PhotonTracer {
     scene: Scene,
     emission: Emission,
     kind: MapKind,
@@ -175,11 +175,11 @@ struct Shooter {
     max_depth: u32,
 }
 
-impl Shooter {
-    fn block(&self, from: u32, to: u32) -> Shot {
+impl PhotonTracer {
+    fn block(&self, from: u32, to: u32) -> PhotonBatch {
         let mut sampler = self.sampler.clone();
         let mut tracer = SceneTracer::new(&self.scene);
-        let mut shot = Shot::default();
+        let mut shot = PhotonBatch::default();
         for path in from..to {
             sampler.start(self.pass, path);
             shot.tally.paths += 1;
@@ -199,7 +199,7 @@ impl Shooter {
         mut power: Rgb,
         sampler: &mut SobolSampler,
         tracer: &mut SceneTracer,
-        shot: &mut Shot,
+        shot: &mut PhotonBatch,
     ) {
         let mut was_diffuse = false;
         let mut was_specular = false;
@@ -259,7 +259,7 @@ impl Shooter {
 
     /// Marks what lies behind the first surface that light met, straight on, as being in its shadow: the first hit of each
     /// body behind it, not the inside of a body that the light is already in.
-    fn shadows(&self, ray: &Ray, first: &Vertex, tracer: &mut SceneTracer, shot: &mut Shot) {
+    fn shadows(&self, ray: &Ray, first: &Vertex, tracer: &mut SceneTracer, shot: &mut PhotonBatch) {
         let mut inside = Vec::new();
         let mut from = first.through(ray.direction);
         let mut entered = first.enters(ray.direction).then_some(first.surface.surface);

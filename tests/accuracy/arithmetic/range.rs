@@ -42,7 +42,7 @@ fn everything() -> SceneDesc {
         vec![
             (
                 ShapeDesc::Mesh { mesh: 0, smooth: false },
-                BsdfDesc::OrenNayar { albedo: Vec3::new(0.7, 0.5, 0.3), sigma: 0.4 },
+                BsdfDesc::OrenNayarQualitative { albedo: Vec3::new(0.7, 0.5, 0.3), sigma: 0.4 },
                 None,
             ),
             (ball(0.3, 0.5, 0.1), grey(0.0), Some(Vec3::new(3.0, 2.0, 1.0))),

@@ -6,7 +6,7 @@ mod glass;
 mod samplers;
 mod values;
 
-use crate::common::bsdfs::{diffuse_models, direction, fujii, lambert, oren_nayar, uniform_3d};
+use crate::common::bsdfs::{diffuse_models, direction, lambert, oren_nayar, oren_nayar_qualitative, uniform_3d};
 use crate::record::{Case, Entry, Within};
 
 pub fn cases() -> Vec<Entry> {

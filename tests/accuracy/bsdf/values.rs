@@ -8,7 +8,7 @@ use etendue::math::Vec3;
 use etendue::sampling::{Rng, warps};
 use etendue::spectrum::Rgb;
 
-use super::{Worst, diffuse_models, direction, fujii, lambert, oren_nayar, uniform_3d};
+use super::{Worst, diffuse_models, direction, lambert, oren_nayar, oren_nayar_qualitative, uniform_3d};
 use crate::record::{Case, Entry, Within};
 
 pub fn cases() -> Vec<Entry> {
@@ -54,7 +54,9 @@ const FUJII: [(f32, [f64; 5]); 4] = [
 ];
 
 fn rough_values(case: &mut Case) {
-    for (name, table, model) in [("qualitative", QUALITATIVE, oren_nayar as fn(f32) -> Bsdf), ("Fujii", FUJII, fujii)] {
+    for (name, table, model) in
+        [("qualitative", QUALITATIVE, oren_nayar_qualitative as fn(f32) -> Bsdf), ("Fujii", FUJII, oren_nayar)]
+    {
         for (roughness, values) in table {
             let (mut upright, mut grazing) = (Worst::default(), Worst::default());
             for ((theta_i, theta_o, dphi), value) in ANGLES.into_iter().zip(values) {
@@ -74,7 +76,7 @@ fn rough_values(case: &mut Case) {
     let poles = [Vec3::Z, Vec3::new(1e-38, 0.0, 1.0), Vec3::new(0.0, -1e-45, 1.0)];
     for wo in poles {
         for wi in poles {
-            let tops = [oren_nayar(0.5).f(wo, wi).x, fujii(0.5).f(wo, wi).x].map(f64::from);
+            let tops = [oren_nayar_qualitative(0.5).f(wo, wi).x, oren_nayar(0.5).f(wo, wi).x].map(f64::from);
             // Facing it there is no shadow term: A / pi and A.
             let exact = [(1.0 - 0.25 / (2.0 * 0.58)) / PI, 1.0 / (PI + 0.5 * (FRAC_PI_2 - 2.0 / 3.0))];
             bad += tops.into_iter().zip(exact).filter(|(got, exact)| (got / exact - 1.0).abs() > 2e-7).count() as u64;
@@ -88,9 +90,9 @@ fn limits(case: &mut Case) {
     let albedo = Rgb::new(0.123, 0.456, 0.789);
     let lambert = Bsdf::new(&BsdfDesc::Lambert { albedo });
     for (name, smooth) in [
-        ("qualitative 0", BsdfDesc::OrenNayar { albedo, sigma: 0.0 }),
-        ("qualitative -0", BsdfDesc::OrenNayar { albedo, sigma: -0.0 }),
-        ("Fujii 0", BsdfDesc::Fujii { albedo, roughness: 0.0 }),
+        ("qualitative 0", BsdfDesc::OrenNayarQualitative { albedo, sigma: 0.0 }),
+        ("qualitative -0", BsdfDesc::OrenNayarQualitative { albedo, sigma: -0.0 }),
+        ("Fujii 0", BsdfDesc::OrenNayar { albedo, roughness: 0.0 }),
     ] {
         let smooth = Bsdf::new(&smooth);
         let mut rng = Rng::new(30, 0);
@@ -101,7 +103,7 @@ fn limits(case: &mut Case) {
         });
         case.never(format!("{name}: any bit unlike Lambert"), different.count() as u64, tries);
     }
-    for (name, rough) in [("qualitative 1e-4", oren_nayar(1e-4)), ("Fujii 1e-4", fujii(1e-4))] {
+    for (name, rough) in [("qualitative 1e-4", oren_nayar_qualitative(1e-4)), ("Fujii 1e-4", oren_nayar(1e-4))] {
         let mut rng = Rng::new(30, 1);
         let mut worst = Worst::default();
         for _ in 0..tries {
@@ -186,11 +188,11 @@ fn reciprocity(case: &mut Case) {
 fn bound(bsdf: &Bsdf, name: &str) -> f64 {
     let roughness: f64 = name.rsplit(' ').next().and_then(|number| number.parse().ok()).unwrap_or(0.0);
     match bsdf {
-        Bsdf::OrenNayar(_) => {
+        Bsdf::OrenNayarQualitative(_) => {
             let s2 = roughness * roughness;
             1.0 - s2 / (2.0 * (s2 + 0.33)) + 0.45 * s2 / (s2 + 0.09)
         }
-        Bsdf::Fujii(_) => (1.0 + roughness) * PI / (PI + (FRAC_PI_2 - 2.0 / 3.0) * roughness),
+        Bsdf::OrenNayar(_) => (1.0 + roughness) * PI / (PI + (FRAC_PI_2 - 2.0 / 3.0) * roughness),
         _ => 0.8,
     }
 }

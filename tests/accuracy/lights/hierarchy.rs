@@ -270,8 +270,8 @@ fn surfaces(case: &mut Case) {
         })
         .collect();
     for (what, bsdf) in [
-        ("Oren-Nayar", BsdfDesc::OrenNayar { albedo: Vec3::splat(0.8), sigma: 0.6 }),
-        ("Fujii", BsdfDesc::Fujii { albedo: Vec3::splat(0.8), roughness: 1.0 }),
+        ("Oren-Nayar", BsdfDesc::OrenNayarQualitative { albedo: Vec3::splat(0.8), sigma: 0.6 }),
+        ("Fujii", BsdfDesc::OrenNayar { albedo: Vec3::splat(0.8), roughness: 1.0 }),
     ] {
         let ball = |smooth| ShapeDesc::Mesh { mesh: 0, smooth };
         let mut desc = scene(camera(DVec3::new(0.5, 0.7, 4.0), DVec3::ZERO, 30.0), vec![(ball(true), bsdf, None)]);

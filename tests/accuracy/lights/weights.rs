@@ -39,8 +39,8 @@ fn plates(case: &mut Case) {
         let scene = Scene::build(&desc, &BuildOptions::default()).expect("a scene of the test");
         for (name, bsdf) in [
             ("Lambert", BsdfDesc::Lambert { albedo: Vec3::ONE }),
-            ("qualitative 0.5", BsdfDesc::OrenNayar { albedo: Vec3::ONE, sigma: 0.5 }),
-            ("Fujii 1", BsdfDesc::Fujii { albedo: Vec3::ONE, roughness: 1.0 }),
+            ("qualitative 0.5", BsdfDesc::OrenNayarQualitative { albedo: Vec3::ONE, sigma: 0.5 }),
+            ("Fujii 1", BsdfDesc::OrenNayar { albedo: Vec3::ONE, roughness: 1.0 }),
         ] {
             let bsdf = Bsdf::new(&bsdf);
             let estimate = |light: Weight, scattering: Weight, size: u64| {

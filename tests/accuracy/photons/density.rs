@@ -10,7 +10,7 @@ use crate::stats;
 use crate::transport::{ball, grey, parallelogram, pick};
 use etendue::Cancel;
 use etendue::desc::{BsdfDesc, KernelDesc, ShapeDesc};
-use etendue::integrator::photon::{Asked, Kernel, MapKind, Photon, PhotonMap};
+use etendue::integrator::photon::{Kernel, MapKind, MapQuery, Photon, PhotonMap};
 use etendue::math::{DVec3, Vec3};
 use etendue::sampling::Rng;
 use etendue::spectrum::Rgb;
@@ -86,16 +86,16 @@ const SQUARE: u32 = 20_000;
 fn nearest(case: &mut Case) {
     let maps = case.count(32, 1024);
     let grid = |i: u32| Vec3::new((i % 8) as f32 / 8.0 + 0.0625, 0.0, (i / 8) as f32 / 8.0 + 0.0625);
-    let queries: Vec<(String, Asked, Option<u32>)> = KERNELS
+    let queries: Vec<(String, MapQuery, Option<u32>)> = KERNELS
         .iter()
         .filter(|(name, ..)| !name.ends_with("1.1"))
         .flat_map(|&(name, desc, _)| {
             let kernel = Kernel::new(desc);
             let nearest =
-                |k| (format!("{name}, {k} nearest"), Asked { kernel, radius: 10.0, neighbours: Some(k) }, Some(k));
+                |k| (format!("{name}, {k} nearest"), MapQuery { kernel, radius: 10.0, neighbours: Some(k) }, Some(k));
             // As many as the radius holds on the average, so that either may be the limit.
-            let limited = Asked { kernel, radius: 0.0282, neighbours: Some(50) };
-            let fixed = Asked { kernel, radius: 0.05, neighbours: None };
+            let limited = MapQuery { kernel, radius: 0.0282, neighbours: Some(50) };
+            let fixed = MapQuery { kernel, radius: 0.05, neighbours: None };
             let mut all: Vec<_> = [10, 50, 200].map(nearest).into();
             all.push((format!("{name}, 50 nearest within the radius of 50"), limited, None));
             all.push((format!("{name}, fixed radius"), fixed, None));
@@ -254,7 +254,7 @@ fn lamps(case: &mut Case) {
     desc.lights.push(point_light(DVec3::Y * 2.0, 1.0));
     let scene = build(&desc);
     let map = map(shot(&scene, &seeded(1), MapKind::Direct, 1 << 21));
-    let query = Asked { kernel: Kernel::new(KernelDesc::Flat), radius: 1.0, neighbours: Some(200) };
+    let query = MapQuery { kernel: Kernel::new(KernelDesc::Flat), radius: 1.0, neighbours: Some(200) };
     let ratios: Vec<f64> = (0..64)
         .map(|i| {
             let p = DVec3::new(f64::from(i % 8) / 3.5 - 1.0, 0.0, f64::from(i / 8) / 3.5 - 1.0);

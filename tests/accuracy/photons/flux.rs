@@ -8,7 +8,7 @@ use crate::record::{Case, Entry, Within};
 use crate::transport::{ball, glass, grey, mirror, parallelogram, pick};
 use etendue::Alone;
 use etendue::desc::{BsdfDesc, PhotonDesc, PhotonSharing, RenderDesc, ShapeDesc};
-use etendue::integrator::photon::{Job, MapKind, Photon, Shot, shoot};
+use etendue::integrator::photon::{MapKind, Photon, PhotonBatch, PhotonJob, shoot};
 use etendue::math::{DVec3, Vec3};
 use etendue::scene::Scene;
 
@@ -189,7 +189,7 @@ fn shares(case: &mut Case) {
         case.exact(format!("1 : {ratio}: sent out"), shot.tally.emitted.x, emitted, Within::Relative(1e-6));
     }
     // The dim one's own light, by photons that come from its side: it is a hundredth of the other's, not lost.
-    let dim = |scene: &Scene, shot: &Shot| -> f64 {
+    let dim = |scene: &Scene, shot: &PhotonBatch| -> f64 {
         let from = scene.to_scene(DVec3::NEG_X);
         let of_dim = |photon: &&Photon| (photon.position() - from).normalize().dot(photon.wi.get()) < -1.0 + 1e-6;
         shot.photons.iter().filter(of_dim).map(|photon| f64::from(photon.power[0])).sum()
@@ -270,7 +270,7 @@ fn memory(case: &mut Case) {
     let found: Vec<f64> = (1..=u64::from(RUNS / 2))
         .map(|seed| {
             // Room for half of it at most.
-            let job = Job { kind: MapKind::Global, paths, pass: 0, most: paths as usize };
+            let job = PhotonJob { kind: MapKind::Global, paths, pass: 0, most: paths as usize };
             let shot = shoot(&scene, &seeded(seed), job, &mut Alone::default()).expect("nothing stops it");
             cut += u64::from(shot.cut_from == Some(u64::from(paths)) && shot.photons.len() <= job.most);
             stored(&shot)

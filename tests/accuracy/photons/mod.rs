@@ -22,7 +22,9 @@ use etendue::Alone;
 use etendue::Cancel;
 use etendue::desc::{BsdfDesc, IntegratorDesc, KernelDesc, PhotonDesc, RenderDesc, SceneDesc, ShapeDesc};
 use etendue::film::Image;
-use etendue::integrator::photon::{Asked, Job, Kernel, MapKind, Nearest, PhotonMap, Shot, irradiance, shoot};
+use etendue::integrator::photon::{
+    Kernel, MapKind, MapQuery, Nearest, PhotonBatch, PhotonJob, PhotonMap, irradiance, shoot,
+};
 use etendue::math::{DVec3, Vec3};
 use etendue::scene::{BuildOptions, Scene};
 
@@ -66,8 +68,8 @@ fn load(name: &str) -> SceneDesc {
 }
 
 /// Light paths of a kind, on the calling thread.
-fn shot(scene: &Scene, desc: &RenderDesc, kind: MapKind, paths: u32) -> Shot {
-    let job = Job { kind, paths, pass: 0, most: usize::MAX };
+fn shot(scene: &Scene, desc: &RenderDesc, kind: MapKind, paths: u32) -> PhotonBatch {
+    let job = PhotonJob { kind, paths, pass: 0, most: usize::MAX };
     shoot(scene, desc, job, &mut Alone::default()).expect("nothing stops it")
 }
 
@@ -76,7 +78,7 @@ fn seeded(seed: u64) -> RenderDesc {
 }
 
 /// Power of a shot's photons, red.
-fn stored(shot: &Shot) -> f64 {
+fn stored(shot: &PhotonBatch) -> f64 {
     shot.photons.iter().map(|photon| f64::from(photon.power[0])).sum()
 }
 
@@ -98,16 +100,16 @@ fn many_runs<const N: usize>(one: impl Fn(u64) -> [f64; N] + Sync) -> [(f64, f64
     std::array::from_fn(|i| stats::mean_and_error(&values.iter().map(|value| value[i]).collect::<Vec<_>>()))
 }
 
-fn map(shot: Shot) -> PhotonMap {
+fn map(shot: PhotonBatch) -> PhotonMap {
     PhotonMap::build(shot.photons, &Cancel::new()).expect("nothing stops it")
 }
 
 /// Irradiance by all photons within a radius, red.
 fn fixed(map: &PhotonMap, p: Vec3, normal: Vec3, kernel: KernelDesc, radius: f32) -> f64 {
-    asked(map, p, normal, Asked { kernel: Kernel::new(kernel), radius, neighbours: None })
+    asked(map, p, normal, MapQuery { kernel: Kernel::new(kernel), radius, neighbours: None })
 }
 
-fn asked(map: &PhotonMap, p: Vec3, normal: Vec3, asked: Asked) -> f64 {
+fn asked(map: &PhotonMap, p: Vec3, normal: Vec3, asked: MapQuery) -> f64 {
     f64::from(irradiance(map, p, normal, asked, &mut Nearest::default()).x)
 }
 

@@ -7,7 +7,7 @@ use crate::common::scenes::{camera, mean_and_error, point_light, scene};
 use crate::record::{Case, Entry, Within};
 use crate::transport::{ball, glass, grey, parallelogram};
 use etendue::desc::{BsdfDesc, IntegratorDesc, KernelDesc, PhotonDesc, RenderDesc};
-use etendue::integrator::photon::{Asked, Kernel, Photon, PhotonMap};
+use etendue::integrator::photon::{Kernel, MapQuery, Photon, PhotonMap};
 use etendue::math::{DVec3, Vec3};
 use etendue::render::{Render, RenderSettings};
 use etendue::spectrum::Rgb;
@@ -32,7 +32,7 @@ fn maps(case: &mut Case) {
     let coplanar = build_map(1_000_000, |i| Vec3::new((i % 1000) as f32, 0.0, (i / 1000) as f32));
     let p = Vec3::new(500.3, 0.0, 499.8);
     case.exact("10^6 in a plane", fixed(&coplanar, p, Vec3::Y, KernelDesc::Flat, 50.0), 1.0, Within::Relative(5e-3));
-    let query = Asked { kernel: flat, radius: 1e6, neighbours: Some(1000) };
+    let query = MapQuery { kernel: flat, radius: 1e6, neighbours: Some(1000) };
     case.exact("10^6 in a plane, 1000 nearest", asked(&coplanar, p, Vec3::Y, query), 1.0, Within::Relative(1e-2));
     // Ten thousand in one point.
     let same = build_map(10_000, |_| Vec3::ONE);
@@ -43,7 +43,7 @@ fn maps(case: &mut Case) {
         case.exact(format!("10^4 in one point, {what}"), got, exact, Within::Relative(2e-5));
     }
     // A point has no density: asked for the nearest in it, all within the widest disk count.
-    let query = Asked { kernel: flat, radius: 0.5, neighbours: Some(50) };
+    let query = MapQuery { kernel: flat, radius: 0.5, neighbours: Some(50) };
     case.exact("10^4 in one point, 50 nearest", asked(&same, Vec3::ONE, Vec3::Y, query), exact, Within::Relative(2e-5));
     // And beside it, where all are as far as the farthest, there is none of them within.
     case.exact("50 nearest beside it", asked(&same, beside, Vec3::Y, query), 0.0, Within::Absolute(0.0));
@@ -53,14 +53,14 @@ fn maps(case: &mut Case) {
     case.exact("10^6 within a disk", got, 1e6 / (PI * 0.09), Within::Relative(2e-5));
     let one = build_map(1, |_| Vec3::ZERO);
     for neighbours in [None, Some(2), Some(50)] {
-        let query = Asked { kernel: flat, radius: 2.0, neighbours };
+        let query = MapQuery { kernel: flat, radius: 2.0, neighbours };
         let got = asked(&one, Vec3::X, Vec3::Y, query);
         let how = neighbours.map_or("all".to_owned(), |k| format!("{k} nearest"));
         case.exact(format!("one photon, {how}"), got, 1.0 / (4.0 * PI), Within::Relative(1e-6));
     }
     let none = build_map(0, |_| Vec3::ZERO);
     for neighbours in [None, Some(50)] {
-        let query = Asked { kernel: flat, radius: 2.0, neighbours };
+        let query = MapQuery { kernel: flat, radius: 2.0, neighbours };
         let how = neighbours.map_or("all".to_owned(), |k| format!("{k} nearest"));
         case.exact(format!("no photon, {how}"), asked(&none, Vec3::X, Vec3::Y, query), 0.0, Within::Absolute(0.0));
     }

@@ -106,12 +106,12 @@ fn diffuse_surfaces(case: &mut Case) {
     // Under uniform light a surface shows its directional albedo, here by quadrature (sigma 0.5 in both models), for a
     // viewer at 0, 30, 60 and 80 degrees. Black walls: light is scattered once, so every integrator must agree.
     let tolerance = pick(case, 1.5e-3, 5e-4);
-    let qualitative = BsdfDesc::OrenNayar { albedo: Vec3::ONE, sigma: 0.5 };
-    let fujii = BsdfDesc::Fujii { albedo: Vec3::ONE, roughness: 0.5 };
+    let qualitative = BsdfDesc::OrenNayarQualitative { albedo: Vec3::ONE, sigma: 0.5 };
+    let oren_nayar = BsdfDesc::OrenNayar { albedo: Vec3::ONE, roughness: 0.5 };
     let models = [
         ("Lambert", grey(1.0), [1.0; 4]),
         ("Oren-Nayar", qualitative, [0.784_482_758_621, 0.824_724_690_960, 0.883_128_419_881, 0.929_444_593_430]),
-        ("Fujii", fujii, [0.874_204_808_855, 0.880_987_224_927, 0.924_188_697_546, 0.974_355_540_020]),
+        ("Fujii", oren_nayar, [0.874_204_808_855, 0.880_987_224_927, 0.924_188_697_546, 0.974_355_540_020]),
     ];
     for (what, bsdf, albedos) in models {
         for (degrees, albedo) in [0.0_f64, 30.0, 60.0, 80.0].into_iter().zip(albedos) {

@@ -103,8 +103,8 @@ fn reciprocity(case: &mut Case) {
     let looking_glass = (parallelogram(DVec3::new(-0.6, 0.9, -0.8), DVec3::X * 1.2, DVec3::Z * 1.6), mirror(0.9));
     let lens = (ball(DVec3::new(-0.15, 0.1, 0.35), 0.4), glass(1.5, 1.0));
     let hollow = (ball(DVec3::new(-0.15, 0.1, 0.35), 0.3), glass(1.0, 1.5));
-    let fujii = BsdfDesc::Fujii { albedo: Vec3::splat(0.7), roughness: 0.8 };
-    let oren_nayar = BsdfDesc::OrenNayar { albedo: Vec3::splat(0.7), sigma: 0.6 };
+    let oren_nayar = BsdfDesc::OrenNayar { albedo: Vec3::splat(0.7), roughness: 0.8 };
+    let oren_nayar_qualitative = BsdfDesc::OrenNayarQualitative { albedo: Vec3::splat(0.7), sigma: 0.6 };
     let black = BsdfDesc::Black;
     let cases: [(&str, Things); 7] = [
         ("nothing between", vec![room(black)]),
@@ -112,8 +112,8 @@ fn reciprocity(case: &mut Case) {
         ("mirror behind a screen", vec![room(grey(0.2)), screen, looking_glass]),
         ("glass ball in the dark", vec![room(black), lens]),
         ("glass shell, mirror, grey room", vec![room(grey(0.4)), lens, hollow, looking_glass]),
-        ("Fujii room and a screen", vec![room(fujii), screen]),
-        ("Oren-Nayar room and a screen", vec![room(oren_nayar), screen]),
+        ("Fujii room and a screen", vec![room(oren_nayar), screen]),
+        ("Oren-Nayar room and a screen", vec![room(oren_nayar_qualitative), screen]),
     ];
     let transfer = |things: &Things, from: Patch, to: Patch, samples: u64| {
         let mut surfaces: Vec<_> = things.iter().map(|&(shape, bsdf)| (shape, bsdf, None)).collect();

@@ -7,25 +7,25 @@ use crate::math::{DVec3, HitPoint, Vec3};
 use super::geometry::{Owners, SurfaceInteraction, Triangles, at, interaction};
 
 /// Up to this many triangles of a scene are kept ready, 64 bytes each: about as much as stays in a processor's second cache.
-pub(super) const MOST_READY: usize = 4096;
+pub(super) const MAX_CACHED_TRIANGLES: usize = 4096;
 
 /// What hits of a geometry's triangles are made of.
 #[derive(Debug)]
-pub(super) struct Ready {
-    triangles: Vec<ReadyTriangle>,
+pub(super) struct TriangleCache {
+    triangles: Vec<CachedTriangle>,
     _charge: Option<Charge>,
 }
 
 /// What a hit of a flat triangle is made of, in one line of the cache.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-struct ReadyTriangle {
+struct CachedTriangle {
     corners: [[f32; 3]; 3],
     ng: [f32; 3],
     kernel_error: f32,
 }
 
-impl Ready {
+impl TriangleCache {
     /// All of the triangles, which are taken from `room`; none where they are more, have normals of their own, or the device's
     /// allowance has nothing left for them.
     pub(super) fn new(triangles: &Triangles, room: &mut usize, device: &Device) -> Option<Self> {
@@ -33,13 +33,13 @@ impl Ready {
         if triangles.normals.is_some() || count > *room {
             return None;
         }
-        let charge = device.charge(count * size_of::<ReadyTriangle>()).ok()?;
+        let charge = device.charge(count * size_of::<CachedTriangle>()).ok()?;
         *room -= count;
-        let ready = |primitive: usize| {
+        let cache = |primitive: usize| {
             let (ng, kernel_error) = triangles.point(primitive as u32, 0.0, 0.0).normal_and_error();
-            ReadyTriangle { corners: triangles.mesh.corners(primitive), ng: ng.to_array(), kernel_error }
+            CachedTriangle { corners: triangles.mesh.corners(primitive), ng: ng.to_array(), kernel_error }
         };
-        Some(Self { triangles: (0..count).map(ready).collect(), _charge: charge })
+        Some(Self { triangles: (0..count).map(cache).collect(), _charge: charge })
     }
 
     /// Bytes behind it.
@@ -50,7 +50,7 @@ impl Ready {
     /// What [`on_triangle`](super::geometry::on_triangle) would find, to the last bit.
     #[inline(always)]
     pub(super) fn point_of(&self, owners: &Owners, primitive: u32, u: f32, v: f32) -> SurfaceInteraction {
-        let ReadyTriangle { corners, ng, kernel_error } = &self.triangles[primitive as usize];
+        let CachedTriangle { corners, ng, kernel_error } = &self.triangles[primitive as usize];
         let [v0, v1, v2] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
         let (p, ng) = (at(v0, [v1 - v0, v2 - v0], u, v).as_vec3a(), Vec3::from(*ng));
         interaction(p, HitPoint::rounding_error(p, ng) + kernel_error, ng, None, owners.of(primitive))
@@ -82,7 +82,7 @@ mod tests {
         let (normals, original) = (None, None);
         let triangles = Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: None };
         let device = Device::new(&DeviceOptions::default()).unwrap();
-        let ready = Ready::new(&triangles, &mut 1000, &device).unwrap();
+        let cache = TriangleCache::new(&triangles, &mut 1000, &device).unwrap();
         let owners = Owners::One(Owner { surface: 1, material: 2, emitter: NO_EMITTER });
         let bits = |on: SurfaceInteraction| {
             let SurfaceInteraction { point: HitPoint { p, error }, ng, ns, .. } = on;
@@ -94,7 +94,7 @@ mod tests {
             let found = on_triangle(&triangles, &owners, primitive, u, v);
             // Those without any area are in no scene.
             if found.ng.is_finite() {
-                assert_eq!(bits(ready.point_of(&owners, primitive, u, v)), bits(found), "{primitive}");
+                assert_eq!(bits(cache.point_of(&owners, primitive, u, v)), bits(found), "{primitive}");
                 compared += 1;
             }
         }
@@ -107,7 +107,7 @@ mod tests {
         let normals = smooth.then(|| vec![corner; 3].into());
         let (any_length, swapped) = (false, false);
         let triangles = Triangles { mesh, normals, any_length, original: None, swapped, _charge: None };
-        Geometry::Flat { triangles, surface: 0, ready: None }
+        Geometry::Flat { triangles, surface: 0, cache: None }
     }
 
     #[test]
@@ -119,17 +119,17 @@ mod tests {
         // Too many for the room, smooth, ready, too many for what is left, ready, too many for the allowance.
         let counts = [(2001, false), (1, true), (1000, false), (1001, false), (400, false), (200, false)];
         let mut geometries = counts.map(|(count, smooth)| one_triangle(count, smooth));
-        let bytes = geometries.each_mut().map(|geometry| geometry.prepare(&mut room, &device));
+        let bytes = geometries.each_mut().map(|geometry| geometry.cache_triangles(&mut room, &device));
         assert_eq!((bytes, room), ([0, 0, 64_000, 0, 25_600, 0], 600));
         assert_eq!(budget.used() - before, 89_600);
-        assert_eq!(geometries.each_ref().map(|g| g.ready().is_some()), bytes.map(|bytes| bytes > 0));
+        assert_eq!(geometries.each_ref().map(|g| g.cache().is_some()), bytes.map(|bytes| bytes > 0));
         drop(geometries);
         assert_eq!(budget.used(), before);
     }
 
     #[test]
     fn few_triangles_that_are_looked_up_are_not_large() {
-        assert!(!are_large(&[one_triangle(MOST_READY - 1, false), one_triangle(1, true)]));
-        assert!(are_large(&[one_triangle(MOST_READY, false), one_triangle(1, true)]));
+        assert!(!are_large(&[one_triangle(MAX_CACHED_TRIANGLES - 1, false), one_triangle(1, true)]));
+        assert!(are_large(&[one_triangle(MAX_CACHED_TRIANGLES, false), one_triangle(1, true)]));
     }
 }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::analytic::AnalyticList;
 use super::geometry::{self, Geometry, NO_EMITTER, Owner, Owners, Triangles};
-use super::record::Look;
-use super::work::{Work, cost};
+use super::progress::{BuildProgress, cost};
+use super::record::AppearanceKey;
 use crate::desc::SceneDesc;
 use crate::emitter::{Emitter, EmitterSet, SphereEmitter, TriangleEmitter};
 use crate::error::{Error, Result};
@@ -15,7 +15,7 @@ use crate::spectrum::Rgb;
 
 /// Tables of owners, in the order of the geometries, and the emitters that they name.
 #[derive(Clone)]
-pub(super) struct Dress {
+pub(super) struct SurfaceBindings {
     pub owners: Arc<[Owners]>,
     pub list_owners: Arc<[Owner]>,
     pub emitters: Arc<EmitterSet>,
@@ -23,7 +23,7 @@ pub(super) struct Dress {
 
 /// Geometry to be dressed.
 #[derive(Clone, Copy)]
-pub(super) struct Bare<'a> {
+pub(super) struct UnboundGeometry<'a> {
     pub geometries: &'a [Geometry],
     pub list: &'a AnalyticList,
     pub list_surfaces: &'a [u32],
@@ -36,36 +36,40 @@ pub(super) fn triangles_cost(count: usize) -> f64 {
 }
 
 /// Owners and emitters from the start.
-pub(super) fn dress(desc: &SceneDesc, bare: Bare, work: &Work) -> Result<Dress> {
-    let mut dresser = Dresser { desc, work, emitters: Vec::new() };
-    dresser.point_lights(bare.centre)?;
-    let owners = bare.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
-    let list_owners = dresser.analytic(bare.list.shapes(), bare.list_surfaces);
-    let emitters = EmitterSet::cancellable(dresser.emitters, work.cancel)?;
-    Ok(Dress { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
+pub(super) fn bindings(
+    desc: &SceneDesc,
+    unbound: UnboundGeometry,
+    progress: &BuildProgress,
+) -> Result<SurfaceBindings> {
+    let mut dresser = BindingBuilder { desc, progress, emitters: Vec::new() };
+    dresser.point_lights(unbound.centre)?;
+    let owners = unbound.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
+    let list_owners = dresser.analytic(unbound.list.shapes(), unbound.list_surfaces);
+    let emitters = EmitterSet::cancellable(dresser.emitters, progress.cancel)?;
+    Ok(SurfaceBindings { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
 }
 
 /// The same emitters, other materials.
-pub(super) fn redress(old: &Dress, look: &Look) -> Dress {
-    let owner = |owner: &Owner| Owner { material: look.materials[owner.surface as usize], ..*owner };
+pub(super) fn rebind_materials(old: &SurfaceBindings, appearance: &AppearanceKey) -> SurfaceBindings {
+    let owner = |owner: &Owner| Owner { material: appearance.materials[owner.surface as usize], ..*owner };
     let owners = old.owners.iter().map(|owners| match owners {
         Owners::One(one) => Owners::One(owner(one)),
         Owners::Each(each) => Owners::Each(each.iter().map(owner).collect()),
     });
-    Dress {
+    SurfaceBindings {
         owners: owners.collect(),
         list_owners: old.list_owners.iter().map(owner).collect(),
         emitters: Arc::clone(&old.emitters),
     }
 }
 
-struct Dresser<'a> {
+struct BindingBuilder<'a> {
     desc: &'a SceneDesc,
-    work: &'a Work<'a>,
+    progress: &'a BuildProgress<'a>,
     emitters: Vec<Emitter>,
 }
 
-impl Dresser<'_> {
+impl BindingBuilder<'_> {
     fn owner(&self, surface: u32, emitter: u32) -> Owner {
         Owner { surface, material: self.desc.surfaces[surface as usize].material as u32, emitter }
     }
@@ -89,11 +93,11 @@ impl Dresser<'_> {
     }
 
     fn geometry(&mut self, geometry: &Geometry) -> Result<Owners> {
-        let work = self.work;
+        let progress = self.progress;
         match geometry {
             Geometry::Loose { triangles, parts, .. } => {
                 let mut owners = Vec::with_capacity(parts.len());
-                work.each(parts.len(), cost::EMITTER, |i| {
+                progress.each(parts.len(), cost::EMITTER, |i| {
                     let surface = parts[i].surface;
                     let emitter = self.emission(surface).and_then(|radiance| self.emit(triangles, i, radiance));
                     owners.push(self.owner(surface, emitter.unwrap_or(NO_EMITTER)));
@@ -104,7 +108,7 @@ impl Dresser<'_> {
                 let mut first = NO_EMITTER;
                 if let Some(radiance) = self.emission(surface) {
                     first = self.emitters.len() as u32;
-                    work.each(triangles.mesh.indices().len(), cost::EMITTER, |i| {
+                    progress.each(triangles.mesh.indices().len(), cost::EMITTER, |i| {
                         self.emit(triangles, i, radiance);
                     })?;
                 }

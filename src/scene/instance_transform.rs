@@ -19,7 +19,7 @@ const CANCELLED: f64 = 16.0;
 /// move the ray in the object's frame by an error that need not be along the normal, nor small in the scene: where the
 /// transform stretches, the same step in the object's frame is many lengths in the scene's.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placement {
+pub(super) struct InstanceTransform {
     pub to_scene: DAffine3,
     /// Inverse transpose, for normals.
     pub normals: DMat3,
@@ -62,7 +62,7 @@ fn magnitudes(m: &DMat3) -> DMat3 {
     DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
 }
 
-impl Placement {
+impl InstanceTransform {
     /// The transform as the kernel is given it: rounded to single precision.
     pub(super) fn new(to_scene: DAffine3) -> Self {
         let to_scene = DAffine3::from_cols_array(&to_scene.to_cols_array().map(|x| f64::from(x as f32)));

@@ -52,7 +52,7 @@ const RESOLUTION: f32 = 64.0 * f32::EPSILON;
 
 /// Cells and whether disks in them are whole, for a few radii.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Whole {
+pub(super) struct DiskCoverage {
     /// From the largest radius down, each half of the one before.
     levels: Vec<Arc<Level>>,
 }
@@ -84,7 +84,7 @@ impl Hasher for Mixed {
     }
 }
 
-impl Whole {
+impl DiskCoverage {
     /// Nothing is known yet, of disks up to `radius` and smaller ones.
     pub fn new(radius: f32) -> Self {
         let level = |k| Arc::new(Level { radius: radius * 2.0_f32.powi(k), cells: HashMap::default() });
@@ -93,7 +93,7 @@ impl Whole {
 
     /// Whether the disk of this radius around `p` on the side `normal` is known to be whole.
     #[inline]
-    pub fn is_whole(&self, p: Vec3, normal: Vec3, radius: f32) -> bool {
+    pub fn is_covered(&self, p: Vec3, normal: Vec3, radius: f32) -> bool {
         if !is_resolved(p, radius) {
             return false;
         }
@@ -153,7 +153,7 @@ impl Whole {
         let radius = level.radius;
         let mut fresh = Vec::new();
         // Cells are not known before they are judged, or a stop in between would leave them so.
-        let mut asked = HashSet::<u64, BuildHasherDefault<Mixed>>::default();
+        let mut query = HashSet::<u64, BuildHasherDefault<Mixed>>::default();
         for (number, photon) in photons.iter().enumerate() {
             if number % LOOK_UP == 0 {
                 parallel.check()?;
@@ -167,12 +167,13 @@ impl Whole {
             }
             let mut above = coarser.iter().rev();
             // Nothing is left to be known where a coarser disk is whole, or not known itself.
-            if above.any(|coarser| coarser.cells.get(&key(p, normal, coarser.radius)).is_none_or(|is_whole| *is_whole))
+            if above
+                .any(|coarser| coarser.cells.get(&key(p, normal, coarser.radius)).is_none_or(|is_covered| *is_covered))
             {
                 continue;
             }
             let key = key(p, normal, radius);
-            if !level.cells.contains_key(&key) && asked.insert(key) {
+            if !level.cells.contains_key(&key) && query.insert(key) {
                 fresh.push((key, p, normal));
             }
         }
@@ -180,12 +181,12 @@ impl Whole {
         let (verdicts, mut rays) = judge(scene, fresh, radius, parallel)?;
         // Around cells that are whole, those as well where no photon was met.
         let mut around = Vec::new();
-        for ((_, p, normal), _) in verdicts.iter().filter(|(_, is_whole)| *is_whole) {
+        for ((_, p, normal), _) in verdicts.iter().filter(|(_, is_covered)| *is_covered) {
             let frame = Frame::from_normal(*normal);
             for (i, j) in (-1_i8..=1).flat_map(|i| (-1_i8..=1).map(move |j| (i, j))) {
                 let p = *p + (frame.s * f32::from(i) + frame.t * f32::from(j)) * (radius / FINENESS);
                 let key = key(p, *normal, radius);
-                if !level.cells.contains_key(&key) && asked.insert(key) {
+                if !level.cells.contains_key(&key) && query.insert(key) {
                     around.push((key, p, *normal));
                 }
             }
@@ -193,8 +194,8 @@ impl Whole {
         let (others, spent) = judge(scene, around, radius, parallel)?;
         rays += spent;
         // A place beside the surface tells nothing of it, where it is found not to be whole.
-        let whole = others.into_iter().filter(|(_, is_whole)| *is_whole);
-        level.cells.extend(verdicts.into_iter().chain(whole).map(|((key, ..), is_whole)| (key, is_whole)));
+        let coverage = others.into_iter().filter(|(_, is_covered)| *is_covered);
+        level.cells.extend(verdicts.into_iter().chain(coverage).map(|((key, ..), is_covered)| (key, is_covered)));
         Ok((judged, rays))
     }
 }
@@ -215,7 +216,7 @@ fn judge(
     let blocks = parallel.map(count, move |block| {
         let mut tracer = SceneTracer::new(&scene);
         let end = (BLOCK * (block + 1)).min(judged.len());
-        let judge = |cell: &Cell| (*cell, is_whole(&mut tracer, cell.1, cell.2, radius));
+        let judge = |cell: &Cell| (*cell, is_covered(&mut tracer, cell.1, cell.2, radius));
         (judged[BLOCK * block..end].iter().map(judge).collect::<Vec<_>>(), tracer.rays)
     })?;
     let rays = blocks.iter().map(|(_, rays)| rays).sum();
@@ -247,7 +248,7 @@ fn key(p: Vec3, normal: Vec3, radius: f32) -> u64 {
 }
 
 /// Whether every disk of this radius around a point of the cell that `p` lies in is whole.
-fn is_whole(tracer: &mut SceneTracer, p: Vec3, normal: Vec3, radius: f32) -> bool {
+fn is_covered(tracer: &mut SceneTracer, p: Vec3, normal: Vec3, radius: f32) -> bool {
     let reach = radius * (1.0 + 1.5 / FINENESS);
     let height = THICKNESS * radius;
     let frame = Frame::from_normal(normal);

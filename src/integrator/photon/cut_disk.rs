@@ -14,14 +14,14 @@ const SECTORS: usize = 8;
 const STEPS: usize = 8;
 
 /// How far the surface goes from a point, in each direction.
-pub(super) struct Cut {
+pub(super) struct CutDisk {
     p: Vec3,
     frame: Frame,
     /// In lengths, no more than the disk's radius.
     reach: [f32; SECTORS],
 }
 
-impl Cut {
+impl CutDisk {
     /// Feels its way from a vertex, as far as `radius`.
     pub fn new<T: Tracer>(tracer: &mut T, vertex: &Vertex, radius: f32) -> Self {
         let normal = vertex.facing();

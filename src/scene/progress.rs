@@ -29,7 +29,7 @@ pub(super) mod cost {
 }
 
 /// A build under way: its token and its progress.
-pub(super) struct Work<'a> {
+pub(super) struct BuildProgress<'a> {
     pub cancel: &'a Cancel,
     report: Option<&'a (dyn Fn(f64) + Send + Sync)>,
     state: Mutex<State>,
@@ -42,7 +42,7 @@ struct State {
     told: f64,
 }
 
-impl<'a> Work<'a> {
+impl<'a> BuildProgress<'a> {
     pub(super) fn new(options: &'a BuildOptions) -> Self {
         Self { cancel: &options.cancel, report: options.progress.as_deref(), state: Mutex::default() }
     }
