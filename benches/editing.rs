@@ -13,6 +13,7 @@ use etendue::desc::{BsdfDesc, CameraDesc, FovAxis, MaterialDesc, MeshDesc, Scene
 use etendue::embree::{Device, DeviceOptions};
 use etendue::math::{DAffine3, DVec3, Ray, Vec3};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 const ROUNDS: usize = 7;
 
@@ -36,7 +37,7 @@ fn sheet(n: usize) -> MeshDesc {
     }
 }
 
-fn surface(shape: ShapeDesc, transform: DAffine3, emission: Option<Vec3>) -> SurfaceDesc {
+fn surface(shape: ShapeDesc, transform: DAffine3, emission: Option<Rgb>) -> SurfaceDesc {
     let path = String::new();
     SurfaceDesc { path, shape, local: DAffine3::IDENTITY, transform, material: 0, emission, hidden: false }
 }
@@ -46,7 +47,7 @@ fn scene(mesh: MeshDesc) -> SceneDesc {
     let material = |name: &str| MaterialDesc {
         name: name.to_owned(),
         path: String::new(),
-        bsdf: BsdfDesc::Lambert { albedo: Vec3::splat(0.5) },
+        bsdf: BsdfDesc::Lambert { albedo: Rgb::splat(0.5) },
         survival: None,
     };
     SceneDesc {
@@ -62,7 +63,7 @@ fn scene(mesh: MeshDesc) -> SceneDesc {
         surfaces: vec![
             surface(ShapeDesc::Mesh { mesh: 0, smooth: false }, DAffine3::IDENTITY, None),
             surface(ShapeDesc::Quad(quad(-1.0)), DAffine3::IDENTITY, None),
-            surface(ShapeDesc::Quad(quad(3.0)), DAffine3::IDENTITY, Some(Vec3::ONE)),
+            surface(ShapeDesc::Quad(quad(3.0)), DAffine3::IDENTITY, Some(Rgb::ONE)),
         ],
         ..SceneDesc::default()
     }
@@ -87,7 +88,7 @@ fn edits(original: &SceneDesc, device: &Device) -> etendue::Result<()> {
     let changes: [(&str, bool, Change); 6] = [
         ("material", false, |desc| desc.materials[0].bsdf = BsdfDesc::Black),
         ("material index", false, |desc| desc.surfaces[0].material = 1),
-        ("emission", false, |desc| desc.surfaces[2].emission = Some(Vec3::new(2.0, 1.0, 1.0))),
+        ("emission", false, |desc| desc.surfaces[2].emission = Some(Rgb::new(2.0, 1.0, 1.0))),
         ("camera", false, |desc| {
             if let CameraDesc::Perspective { eye, .. } = &mut desc.camera {
                 *eye = DVec3::new(-4.0, 1.0, 0.5);

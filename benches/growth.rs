@@ -22,10 +22,11 @@ use etendue::desc::{
 };
 use etendue::embree;
 use etendue::integrator::SceneTracer;
-use etendue::math::{DAffine3, DVec3, Vec3};
+use etendue::math::{DAffine3, DVec3};
 use etendue::render::{Render, RenderSettings};
 use etendue::sampling::Rng;
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 use recorded::{ROUNDS, Rays, record, render_in_waves, rows, time};
 use replay::{keep_best, replay, replay_in_packets};
 
@@ -82,7 +83,7 @@ fn room(triangles: usize) -> SceneDesc {
     desc.materials.push(MaterialDesc {
         name: "wall".into(),
         path: "materials.wall".into(),
-        bsdf: BsdfDesc::Lambert { albedo: Vec3::splat(0.6) },
+        bsdf: BsdfDesc::Lambert { albedo: Rgb::splat(0.6) },
         survival: None,
     });
     desc.meshes.push(landscape(triangles).into());
@@ -111,7 +112,7 @@ fn room(triangles: usize) -> SceneDesc {
     }
     let (s, y) = (0.15, 1.9);
     let lamp = [corner(-s, y, -s), corner(s, y, -s), corner(s, y, s), corner(-s, y, s)];
-    add(ShapeDesc::Quad(lamp), Some(Vec3::splat(40.0)));
+    add(ShapeDesc::Quad(lamp), Some(Rgb::splat(40.0)));
     desc
 }
 

@@ -14,11 +14,12 @@ use std::ops::ControlFlow;
 
 use etendue::desc::{BsdfDesc, CameraDesc, FovAxis, MaterialDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceDesc};
 use etendue::film::Image;
-use etendue::math::{DAffine3, DVec3, Vec3};
+use etendue::math::{DAffine3, DVec3};
 use etendue::output;
 use etendue::render::{Render, RenderSettings};
 use etendue::sampling::{Rng, warps};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 use rustix::time::{ClockId, clock_gettime};
 
 const COUNTS: [u32; 5] = [1, 10, 100, 1000, 10_000];
@@ -35,7 +36,7 @@ const EXTENT2: f64 = 0.36;
 /// Of the walls and of all that stands between them.
 const ALBEDOS: [[f32; 3]; 2] = [[0.8, 0.8, 0.78], [0.62, 0.6, 0.58]];
 
-fn add(desc: &mut SceneDesc, shape: ShapeDesc, material: usize, emission: Option<Vec3>) {
+fn add(desc: &mut SceneDesc, shape: ShapeDesc, material: usize, emission: Option<Rgb>) {
     desc.surfaces.push(SurfaceDesc {
         path: format!("surfaces[{}]", desc.surfaces.len()),
         shape,
@@ -67,7 +68,7 @@ fn hall(lights: u32) -> SceneDesc {
         desc.materials.push(MaterialDesc {
             name: name.into(),
             path: format!("materials.{name}"),
-            bsdf: BsdfDesc::Lambert { albedo: Vec3::from(albedo) },
+            bsdf: BsdfDesc::Lambert { albedo: Rgb::from(albedo) },
             survival: None,
         });
     }
@@ -108,7 +109,7 @@ fn hall(lights: u32) -> SceneDesc {
             (ShapeDesc::Triangle([middle, middle + extent * a, middle + extent * b]), 0.5 * extent * extent)
         };
         let radiance = (power / (std::f64::consts::PI * area)) as f32;
-        add(&mut desc, shape, 2, Some(Vec3::splat(radiance)));
+        add(&mut desc, shape, 2, Some(Rgb::splat(radiance)));
     }
     desc
 }

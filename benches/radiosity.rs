@@ -17,10 +17,11 @@ use etendue::desc::{
     SurfaceDesc,
 };
 use etendue::integrator::radiosity::{Radiosity, RadiositySummary};
-use etendue::math::{DAffine3, DVec3, Vec3};
+use etendue::math::{DAffine3, DVec3};
 use etendue::output;
 use etendue::render::{Render, RenderSettings, Workers};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 use etendue::{Alone, Result};
 
 /// Images of this side.
@@ -31,12 +32,12 @@ fn cornell() -> Result<SceneDesc> {
     etendue::desc::load("scenes/cornell.json".as_ref(), None)
 }
 
-fn add(desc: &mut SceneDesc, shape: ShapeDesc, albedo: f32, emission: Option<Vec3>, transform: DAffine3) {
+fn add(desc: &mut SceneDesc, shape: ShapeDesc, albedo: f32, emission: Option<Rgb>, transform: DAffine3) {
     let material = desc.materials.len();
     desc.materials.push(MaterialDesc {
         name: String::new(),
         path: String::new(),
-        bsdf: BsdfDesc::Lambert { albedo: Vec3::splat(albedo) },
+        bsdf: BsdfDesc::Lambert { albedo: Rgb::splat(albedo) },
         survival: None,
     });
     let local = DAffine3::IDENTITY;
@@ -76,7 +77,7 @@ fn balls(triangles: f64) -> SceneDesc {
         add(&mut desc, ShapeDesc::Quad(wall.map(corner)), 0.6, None, DAffine3::IDENTITY);
     }
     let lamp = [[-0.3, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.3, 0.3]].map(|[x, z]| DVec3::new(x, 0.99, z));
-    add(&mut desc, ShapeDesc::Quad(lamp), 0.0, Some(Vec3::splat(5.0)), DAffine3::IDENTITY);
+    add(&mut desc, ShapeDesc::Quad(lamp), 0.0, Some(Rgb::splat(5.0)), DAffine3::IDENTITY);
     desc
 }
 

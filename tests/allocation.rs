@@ -9,9 +9,10 @@ use common::scenes::{box_inside, camera, scene};
 use etendue::camera::Camera;
 use etendue::desc::{BsdfDesc, SceneDesc, ShapeDesc};
 use etendue::integrator::{Direct, Integrator, Path, Sample, SceneTracer, Wave, Whitted};
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::sampling::{Pattern, PatternSampler, Sampler, SobolSampler};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 /// Counts what the current thread allocates.
 struct Counting;
@@ -46,10 +47,10 @@ fn room() -> SceneDesc {
         vec![
             (
                 ShapeDesc::Mesh { mesh: 0, smooth: true },
-                BsdfDesc::OrenNayar { albedo: Vec3::splat(0.7), roughness: 0.3 },
-                Some(Vec3::ONE),
+                BsdfDesc::OrenNayar { albedo: Rgb::splat(0.7), roughness: 0.3 },
+                Some(Rgb::ONE),
             ),
-            (sphere(-0.4), BsdfDesc::Mirror { reflectance: Vec3::splat(0.9) }, None),
+            (sphere(-0.4), BsdfDesc::Mirror { reflectance: Rgb::splat(0.9) }, None),
             (sphere(0.4), BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 }, None),
         ],
     );
@@ -61,7 +62,7 @@ fn count<I: Integrator, S: Sampler>(scene: &Scene, integrator: &I, sampler: &mut
     let camera = Camera::new(scene.camera(), [64, 64], scene.centre()).unwrap();
     let mut tracer = SceneTracer::new(scene);
     let before = ALLOCATIONS.get();
-    let mut sum = Vec3::ZERO;
+    let mut sum = Rgb::ZERO;
     for pixel in 0..64 * 64 {
         for sample in 0..4 {
             sampler.start(pixel, sample);
@@ -79,7 +80,7 @@ fn count_in_waves<I: Integrator, S: Sampler + Clone>(scene: &Scene, integrator: 
     let camera = Camera::new(scene.camera(), [64, 64], scene.centre()).unwrap();
     let mut tracer = SceneTracer::new(scene);
     let (mut wave, mut samples) = (Wave::default(), vec![Sample::new(sampler.clone()); 64]);
-    let (mut before, mut sum) = (0, Vec3::ZERO);
+    let (mut before, mut sum) = (0, Rgb::ZERO);
     for row in 0..64 {
         for (x, sample) in (0..).zip(&mut samples) {
             sample.sampler.start(64 * row + x, 0);
@@ -87,7 +88,7 @@ fn count_in_waves<I: Integrator, S: Sampler + Clone>(scene: &Scene, integrator: 
             sample.ray = camera.ray(x as f32 + dx, row as f32 + dy);
         }
         integrator.radiance_of_many(scene, &mut samples, &mut wave, &mut tracer);
-        sum += samples.iter().map(|sample| sample.radiance).sum::<Vec3>();
+        sum += samples.iter().map(|sample| sample.radiance).sum::<Rgb>();
         if row == 0 {
             before = ALLOCATIONS.get();
         }

@@ -128,7 +128,7 @@ fn refraction_obeys_snell_and_carries_the_radiance_factor() {
             if reflectance < 1.0_f32.next_down() {
                 assert_eq!((refraction.wi, refraction.eta), (wi, eta));
                 let factor = f64::from(n_o / n_i).powi(2);
-                assert!((f64::from(refraction.weight.x) / factor - 1.0).abs() < 1e-6);
+                assert!((f64::from(refraction.weight.r()) / factor - 1.0).abs() < 1e-6);
             }
         }
     }

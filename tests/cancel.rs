@@ -8,10 +8,11 @@ use std::time::{Duration, Instant};
 use common::scenes::{box_inside, camera, point_light, scene};
 use etendue::Cancel;
 use etendue::desc::{BsdfDesc, IntegratorDesc, RenderDesc, ShapeDesc};
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::render::{Ended, Render, RenderSettings, Workers};
 use etendue::sampling::Rng;
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 /// Tries of cancelling.
 const TRIES: usize = 200;
@@ -19,8 +20,8 @@ const TRIES: usize = 200;
 /// A furnace with glass in it: the brighter its walls, the longer the paths, and Whitted's branch.
 fn furnace(albedo: f32) -> Scene {
     let glass = BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 };
-    let walls = BsdfDesc::Lambert { albedo: Vec3::splat(albedo) };
-    let mut parts = vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, walls, Some(Vec3::splat(0.1)))];
+    let walls = BsdfDesc::Lambert { albedo: Rgb::splat(albedo) };
+    let mut parts = vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, walls, Some(Rgb::splat(0.1)))];
     for i in 0..6 {
         let centre = DVec3::new(-0.5 + 0.2 * f64::from(i), 0.0, -0.5);
         parts.push((ShapeDesc::Sphere { centre, radius: 0.15 }, glass, None));

@@ -9,8 +9,9 @@ use etendue::desc::{
     BsdfDesc, CameraDesc, FovAxis, HostMesh, MaterialDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc,
 };
 use etendue::embree::{Device, DeviceOptions};
-use etendue::math::{DAffine3, DVec3, Vec3};
+use etendue::math::{DAffine3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 use etendue::{Cancel, ErrorKind};
 
 /// A wavy sheet of 2 n^2 triangles.
@@ -51,7 +52,7 @@ fn hosted(mesh: &MeshDesc) -> MeshDesc {
     MeshDesc { host: Some(host), ..MeshDesc::default() }
 }
 
-fn scene(mesh: MeshDesc, smooth: bool, emission: Option<Vec3>) -> SceneDesc {
+fn scene(mesh: MeshDesc, smooth: bool, emission: Option<Rgb>) -> SceneDesc {
     SceneDesc {
         camera: CameraDesc::Perspective {
             eye: DVec3::new(0.0, 0.0, 4.0),
@@ -84,7 +85,7 @@ fn scene(mesh: MeshDesc, smooth: bool, emission: Option<Vec3>) -> SceneDesc {
 fn flavours(n: usize) -> Vec<(&'static str, SceneDesc, bool)> {
     vec![
         ("flat", scene(sheet(n), false, None), false),
-        ("smooth, emitting", scene(sheet(n), true, Some(Vec3::ONE)), false),
+        ("smooth, emitting", scene(sheet(n), true, Some(Rgb::ONE)), false),
         ("own hierarchy", scene(sheet(n), false, None), true),
         ("host's, smooth", scene(hosted(&sheet(n)), true, None), false),
     ]

@@ -12,9 +12,10 @@ use common::scenes::{box_inside, camera, scene};
 use etendue::Cancel;
 use etendue::desc::{BsdfDesc, CameraDesc, RenderDesc, SceneDesc, ShapeDesc};
 use etendue::film::Image;
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::render::{Ended, Progress, Render, RenderSettings, Workers};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 fn room() -> SceneDesc {
     let glass = BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 };
@@ -23,8 +24,8 @@ fn room() -> SceneDesc {
         vec![
             (
                 ShapeDesc::Mesh { mesh: 0, smooth: false },
-                BsdfDesc::Lambert { albedo: Vec3::new(0.7, 0.5, 0.3) },
-                Some(Vec3::splat(0.1)),
+                BsdfDesc::Lambert { albedo: Rgb::new(0.7, 0.5, 0.3) },
+                Some(Rgb::splat(0.1)),
             ),
             (ShapeDesc::Sphere { centre: DVec3::new(0.25, 0.125, -0.75), radius: 0.3 }, glass, None),
         ],

@@ -11,9 +11,10 @@ use common::stats::{SIGNIFICANCE, mean_and_error, sidak, z_test};
 use common::stops::run_with_stops;
 use etendue::desc::{BsdfDesc, IntegratorDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc};
 use etendue::film::{ErrorMeasure, Image};
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::render::{Ended, MOST_SAMPLES, Render, RenderSettings, Summary, Workers};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 /// Student's t for 7 degrees of freedom leaves out 5 % beyond.
 const T95: f64 = 2.364_624;
@@ -41,7 +42,7 @@ fn walls(bsdf: BsdfDesc) -> SceneDesc {
 }
 
 fn lambert(r: f32, g: f32, b: f32) -> BsdfDesc {
-    BsdfDesc::Lambert { albedo: Vec3::new(r, g, b) }
+    BsdfDesc::Lambert { albedo: Rgb::new(r, g, b) }
 }
 
 fn sphere(x: f64, y: f64, z: f64, radius: f64) -> ShapeDesc {
@@ -51,7 +52,7 @@ fn sphere(x: f64, y: f64, z: f64, radius: f64) -> ShapeDesc {
 /// A spherical lamp at this height.
 fn lamp(desc: &mut SceneDesc, y: f64, radius: f64, radiance: f32) {
     let number = desc.surfaces.len();
-    add(desc, number, sphere(-0.4, y, -0.3, radius), BsdfDesc::Black, Some(Vec3::splat(radiance)));
+    add(desc, number, sphere(-0.4, y, -0.3, radius), BsdfDesc::Black, Some(Rgb::splat(radiance)));
 }
 
 fn ball(desc: &mut SceneDesc, bsdf: BsdfDesc) {
@@ -77,11 +78,11 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     let mut penumbra = walls(lambert(0.1, 0.1, 0.1));
     ball(&mut penumbra, lambert(0.5, 0.5, 0.5));
     lamp(&mut penumbra, 0.4, 0.3, 4.0);
-    let mut mirrors = walls(BsdfDesc::OrenNayarQualitative { albedo: Vec3::splat(0.6), sigma: 0.35 });
-    ball(&mut mirrors, BsdfDesc::Mirror { reflectance: Vec3::splat(0.9) });
+    let mut mirrors = walls(BsdfDesc::OrenNayarQualitative { albedo: Rgb::splat(0.6), sigma: 0.35 });
+    ball(&mut mirrors, BsdfDesc::Mirror { reflectance: Rgb::splat(0.9) });
     mirrors.lights.push(point_light(DVec3::new(0.2, 0.2, 0.2), 0.5));
     let mut glow = walls(lambert(0.8, 0.8, 0.8));
-    glow.surfaces[0].emission = Some(Vec3::new(0.1, 0.05, 0.02));
+    glow.surfaces[0].emission = Some(Rgb::new(0.1, 0.05, 0.02));
     ball(&mut glow, lambert(0.1, 0.2, 0.3));
     [
         ("point", point(0.2, lambert(0.6, 0.6, 0.6))),

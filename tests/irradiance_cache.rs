@@ -71,11 +71,11 @@ fn check_gradients(what: &str, ray: impl Fn(DVec3) -> (f64, f64), exact: impl Fn
     };
     type Value = fn(&Estimate) -> f64;
     let values: [(&str, Value, f64); 5] = [
-        ("irradiance", |e| e.irradiance.x.into(), exact(DVec3::ZERO, DVec3::Z)),
-        ("d/dx", |e| e.translation[0].x.into(), moved(DVec3::X)),
-        ("d/dy", |e| e.translation[1].x.into(), moved(DVec3::Y)),
-        ("about x", |e| e.rotation[0].x.into(), turned(DVec3::NEG_Y)),
-        ("about y", |e| e.rotation[1].x.into(), turned(DVec3::X)),
+        ("irradiance", |e| e.irradiance.r().into(), exact(DVec3::ZERO, DVec3::Z)),
+        ("d/dx", |e| e.translation[0].r().into(), moved(DVec3::X)),
+        ("d/dy", |e| e.translation[1].r().into(), moved(DVec3::Y)),
+        ("about x", |e| e.rotation[0].r().into(), turned(DVec3::NEG_Y)),
+        ("about y", |e| e.rotation[1].r().into(), turned(DVec3::X)),
     ];
     for (i, (name, value, exact)) in values.into_iter().enumerate() {
         let largest = match i {
@@ -135,7 +135,7 @@ fn light_painted_on_a_ceiling_moves_with_it() {
         }
         0.5 * PI * sum
     };
-    let strata_value = |e: &Estimate| f64::from(e.translation[0].x);
+    let strata_value = |e: &Estimate| f64::from(e.translation[0].r());
     let ray = |d: DVec3| (1.0 + 0.5 * (k * d.x / d.z).sin(), 1.0 / d.z);
     let (mean, error) = estimates(ray, strata_value);
     let exact = amplitude * k;
@@ -148,7 +148,7 @@ fn light_painted_on_a_ceiling_moves_with_it() {
 // Caches.
 
 fn lambert(albedo: f32) -> BsdfDesc {
-    BsdfDesc::Lambert { albedo: Vec3::splat(albedo) }
+    BsdfDesc::Lambert { albedo: Rgb::splat(albedo) }
 }
 
 fn built(desc: &SceneDesc) -> Scene {
@@ -163,7 +163,7 @@ fn settings(resolution: [u32; 2], samples: u32) -> RenderDesc {
 fn furnace(albedo: f32) -> SceneDesc {
     let mut desc = scene(
         camera(DVec3::new(0.3, -0.2, 0.4), DVec3::new(1.0, 0.4, -0.3), 90.0),
-        vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, lambert(albedo), Some(Vec3::ONE))],
+        vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, lambert(albedo), Some(Rgb::ONE))],
     );
     desc.meshes.push(box_inside(DVec3::new(-1.0, -1.5, -2.0), DVec3::new(1.0, 1.5, 2.0)).into());
     desc
@@ -223,8 +223,8 @@ fn records_of_a_furnace_are_exact_everywhere() {
         let p = p - scene.centre().as_vec3a();
         let Some(irradiance) = cache.irradiance(p, Vec3::NEG_X) else { continue };
         count += 1;
-        sum += f64::from(irradiance.y);
-        worst = worst.max((f64::from(irradiance.y) / exact - 1.0).abs());
+        sum += f64::from(irradiance.g());
+        worst = worst.max((f64::from(irradiance.g()) / exact - 1.0).abs());
         assert!(cache.irradiance(p, Vec3::X).is_none(), "an answer on the outside");
         assert!(cache.irradiance(p - 0.2 * Vec3::X, Vec3::NEG_X).is_none(), "an answer off the wall");
     }
@@ -377,7 +377,7 @@ fn a_thin_wall_does_not_leak() {
         // Mostly close to the wall.
         let x = 0.0006 + 0.45 * u * u * u;
         let at = |x: f32| Vec3::new(x, 0.0, 0.9 * v - 0.45) - centre;
-        lit += i32::from(cache.irradiance(at(-x), Vec3::Y).is_some_and(|irradiance| irradiance.y > 0.0));
+        lit += i32::from(cache.irradiance(at(-x), Vec3::Y).is_some_and(|irradiance| irradiance.g() > 0.0));
         if let Some(irradiance) = cache.irradiance(at(x), Vec3::Y) {
             assert_eq!(irradiance, Rgb::ZERO, "{x} behind the wall");
             dark += 1;

@@ -8,9 +8,10 @@ use std::time::Duration;
 use common::scenes::{box_inside, camera, point_light, scene};
 use etendue::desc::{BsdfDesc, RenderDesc, SceneDesc, ShapeDesc};
 use etendue::film::Image;
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::render::{Ended, MOST_SAMPLES, Render, RenderSettings, Summary, Workers};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 use etendue::{Cancel, ErrorKind};
 use proptest::prelude::*;
 
@@ -21,8 +22,8 @@ fn room(ball: BsdfDesc) -> Scene {
         vec![
             (
                 ShapeDesc::Mesh { mesh: 0, smooth: false },
-                BsdfDesc::Lambert { albedo: Vec3::new(0.7, 0.5, 0.3) },
-                Some(Vec3::splat(0.02)),
+                BsdfDesc::Lambert { albedo: Rgb::new(0.7, 0.5, 0.3) },
+                Some(Rgb::splat(0.02)),
             ),
             (ShapeDesc::Sphere { centre: DVec3::new(0.3, -0.4, -0.3), radius: 0.4 }, ball, None),
         ],
@@ -33,7 +34,7 @@ fn room(ball: BsdfDesc) -> Scene {
 }
 
 fn diffuse() -> Scene {
-    room(BsdfDesc::Lambert { albedo: Vec3::splat(0.6) })
+    room(BsdfDesc::Lambert { albedo: Rgb::splat(0.6) })
 }
 
 fn run(scene: &Scene, settings: RenderSettings) -> (Image, Summary) {

@@ -6,9 +6,10 @@ use std::ops::ControlFlow;
 
 use common::scenes::{Job, box_inside, camera, point_light, scene};
 use etendue::desc::{BsdfDesc, IntegratorDesc, SceneDesc, ShapeDesc};
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::render::{Render, RenderSettings, Summary};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 /// A dim room with a quad in it that shines so brightly that twice its radiance is beyond single precision.
 fn room(quad: BsdfDesc) -> SceneDesc {
@@ -17,7 +18,7 @@ fn room(quad: BsdfDesc) -> SceneDesc {
     let walls = ShapeDesc::Mesh { mesh: 0, smooth: false };
     let mut desc = scene(
         camera(DVec3::new(0.0, 0.0, 0.9), DVec3::NEG_Z, 80.0),
-        vec![(walls, BsdfDesc::Lambert { albedo: Vec3::splat(0.9) }, None), (shape, quad, Some(Vec3::splat(3.4e38)))],
+        vec![(walls, BsdfDesc::Lambert { albedo: Rgb::splat(0.9) }, None), (shape, quad, Some(Rgb::splat(3.4e38)))],
     );
     desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE).into());
     desc
@@ -35,8 +36,8 @@ fn run(desc: &SceneDesc, integrator: IntegratorDesc, threads: usize) -> (Render,
 fn what_is_not_finite_is_named_and_never_written() {
     // Radiance of the quad and what comes back from the walls: too much together for some samples. Those who follow no
     // diffuse bounce see the walls in the quad, or the quad lit by a lamp.
-    let diffuse = room(BsdfDesc::Lambert { albedo: Vec3::splat(0.9) });
-    let mirror = room(BsdfDesc::Mirror { reflectance: Vec3::ONE });
+    let diffuse = room(BsdfDesc::Lambert { albedo: Rgb::splat(0.9) });
+    let mirror = room(BsdfDesc::Mirror { reflectance: Rgb::ONE });
     let mut lit = diffuse.clone();
     lit.lights.push(point_light(DVec3::ZERO, 3e38));
     for (desc, integrator) in

@@ -11,6 +11,7 @@ use etendue::desc::{IntegratorDesc, PhotonDesc, RenderDesc};
 use etendue::film::{Image, LayerKind};
 use etendue::render::{Render, RenderSettings};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 const SIZE: u32 = 24;
 
@@ -88,7 +89,7 @@ fn estimated_errors_cover_the_true_ones() {
 fn auto_looks_for_lamps_that_paths_do_not_find() {
     use etendue::desc::{BsdfDesc, ShapeDesc};
     use etendue::integrator::photon::choose;
-    use etendue::math::{DVec3, Vec3};
+    use etendue::math::DVec3;
 
     let chosen = |name: &str| {
         let desc = etendue::desc::load(format!("scenes/{name}.json").as_ref(), None).unwrap();
@@ -106,7 +107,7 @@ fn auto_looks_for_lamps_that_paths_do_not_find() {
     }
     // A tiny lamp in a bulb of glass: the way to what it lights counts, not that to the glass. A large dim panel beside it makes
     // it no easier to find.
-    let grey = BsdfDesc::Lambert { albedo: Vec3::splat(0.5) };
+    let grey = BsdfDesc::Lambert { albedo: Rgb::splat(0.5) };
     let glass = BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 };
     let at = DVec3::new(0.0, 0.5, 0.0);
     let ball = |radius: f64| ShapeDesc::sphere(at, radius).unwrap();
@@ -116,7 +117,7 @@ fn auto_looks_for_lamps_that_paths_do_not_find() {
         [(ball(0.01), BsdfDesc::Black, 1e4), (ball(0.05), glass, 0.0), (room(2.0), grey, 0.0)]
     {
         let material = scene.add_material(&format!("m{}", scene.materials.len()), bsdf, None).unwrap();
-        let emission = (emission > 0.0).then(|| Vec3::splat(emission));
+        let emission = (emission > 0.0).then(|| Rgb::splat(emission));
         let look = etendue::desc::SurfaceLook { material: Some(material), emission, ..Default::default() };
         scene.add_surface(shape, local, look).unwrap();
     }

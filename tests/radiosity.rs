@@ -13,10 +13,11 @@ use etendue::desc::{
 };
 use etendue::integrator::radiosity::Radiosity;
 use etendue::integrator::radiosity::form_factor::{point_to_polygon, polygon_to_polygon};
-use etendue::math::{DVec3, Ray, Vec3};
+use etendue::math::{DVec3, Ray};
 use etendue::render::{Render, RenderSettings};
 use etendue::sampling::Rng;
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 use etendue::{Alone, Cancel, ErrorKind};
 
 fn build(desc: &SceneDesc) -> Scene {
@@ -30,14 +31,14 @@ fn solve(desc: &SceneDesc, radiosity: &RadiosityDesc) -> Radiosity {
 }
 
 fn lambert(albedo: f32) -> BsdfDesc {
-    BsdfDesc::Lambert { albedo: Vec3::splat(albedo) }
+    BsdfDesc::Lambert { albedo: Rgb::splat(albedo) }
 }
 
 /// A mesh of one material that emits, alone.
 fn furnace(mesh: MeshDesc, albedo: f32, emission: Option<f32>) -> SceneDesc {
     let mut desc = SceneDesc { camera: camera(DVec3::ZERO, DVec3::X, 60.0), ..SceneDesc::default() };
     desc.meshes.push(Arc::new(mesh));
-    add(&mut desc, 0, ShapeDesc::Mesh { mesh: 0, smooth: false }, lambert(albedo), emission.map(Vec3::splat));
+    add(&mut desc, 0, ShapeDesc::Mesh { mesh: 0, smooth: false }, lambert(albedo), emission.map(Rgb::splat));
     desc
 }
 
@@ -46,7 +47,7 @@ fn range(solution: &Radiosity, surface: u32, expected: f64) -> (f64, f64) {
     let mesh = solution.mesh(Some(surface), true);
     assert!(!mesh.irradiance.is_empty());
     mesh.irradiance.iter().fold((f64::INFINITY, 0.0), |(low, high), e| {
-        let e = f64::from(e.x) / expected;
+        let e = f64::from(e.r()) / expected;
         (low.min(e), high.max(e))
     })
 }
@@ -220,7 +221,7 @@ fn furnaces() {
             let (low, high) = range(&solution, 0, PI / (1.0 - f64::from(albedo)));
             println!("{name}, albedo {albedo}: {low:.6} to {high:.6}");
             let summary = solution.summary();
-            let balance = f64::from(summary.absorbed.x / summary.emitted.x);
+            let balance = f64::from(summary.absorbed.r() / summary.emitted.r());
             println!("{name} balance {balance}");
             wrong |= !(low > 0.999 && high < 1.001 && (balance - 1.0).abs() < 1e-3);
         }
@@ -236,7 +237,7 @@ fn power_in_an_empty_room() {
         desc.lights.push(point_light(DVec3::new(0.3, 0.2, 0.4), 2.0));
         let solution = solve(&desc, &RadiosityDesc { error: 0.3, ..RadiosityDesc::default() });
         let summary = solution.summary();
-        let balance = f64::from(summary.absorbed.x / summary.emitted.x);
+        let balance = f64::from(summary.absorbed.r() / summary.emitted.r());
         println!("albedo {albedo}: absorbed {balance}");
         assert!((balance - 1.0).abs() < tolerance, "{albedo}: {balance}");
     }
@@ -259,7 +260,7 @@ fn integrating_sphere() {
             let ray = Ray::new(scene.to_scene(DVec3::ZERO), p.normalize().as_vec3a());
             let hit = scene.intersect(&ray).unwrap();
             let at = scene.interaction(&ray, &hit);
-            let e = f64::from(solution.irradiance(&hit, at.point.p, true).x);
+            let e = f64::from(solution.irradiance(&hit, at.point.p, true).r());
             let to_light = light - p;
             let direct = intensity * to_light.dot(-p).abs() / (radius * to_light.length().powi(3));
             let expected = direct + albedo * 4.0 * PI * intensity / (4.0 * PI * radius * radius * (1.0 - albedo));
@@ -286,10 +287,10 @@ fn plates() {
         }
         ShapeDesc::Quad(corners)
     };
-    add(&mut desc, 0, plate(0.0, 1.0), lambert(0.5), Some(Vec3::splat((1.0 / PI) as f32)));
+    add(&mut desc, 0, plate(0.0, 1.0), lambert(0.5), Some(Rgb::splat((1.0 / PI) as f32)));
     add(&mut desc, 1, plate(1.0, -1.0), lambert(0.8), None);
     let solution = solve(&desc, &RadiosityDesc { tolerance: 1e-5, ..RadiosityDesc::default() });
-    let at = |surface: u32| f64::from(solution.irradiance_on(surface, 0, [0.3, 0.4], DVec3::ZERO, true).unwrap().x);
+    let at = |surface: u32| f64::from(solution.irradiance_on(surface, 0, [0.3, 0.4], DVec3::ZERO, true).unwrap().r());
     let (floor, ceiling) = (1.0 + 0.5 * at(0), 0.8 * at(1));
     assert!((floor - 5.0 / 3.0).abs() < 3e-3 && (ceiling - 4.0 / 3.0).abs() < 3e-3, "{floor} {ceiling}");
 }
@@ -303,7 +304,7 @@ fn direct_light() {
     let floor = quad([-4.0, 0.0, -4.0], [0.0, 0.0, 8.0], [8.0, 0.0, 0.0]);
     let lamp = quad([-0.5, 2.0, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);
     add(&mut desc, 0, ShapeDesc::Quad(floor), lambert(0.5), None);
-    add(&mut desc, 1, ShapeDesc::Quad(lamp), BsdfDesc::Black, Some(Vec3::splat(3.0)));
+    add(&mut desc, 1, ShapeDesc::Quad(lamp), BsdfDesc::Black, Some(Rgb::splat(3.0)));
     let position = DVec3::new(-2.0, 1.0, 1.0);
     desc.lights.push(point_light(position, 2.0));
     let solution = solve(&desc, &RadiosityDesc { error: 0.5, element_size: Some(0.1), ..RadiosityDesc::default() });
@@ -317,9 +318,9 @@ fn direct_light() {
             let e = solution.irradiance_on(0, half, b.map(|b| b as f32), DVec3::ZERO, true).unwrap();
             let way = position - p;
             let expected = 3.0 * PI * point_to_polygon(p, DVec3::Y, &lamp) + 2.0 * way.y / way.length().powi(3);
-            squares += (f64::from(e.x) - expected).powi(2);
+            squares += (f64::from(e.r()) - expected).powi(2);
             all += expected.powi(2);
-            assert_eq!(solution.irradiance_on(0, half, b.map(|b| b as f32), DVec3::ZERO, false), Some(Vec3::ZERO));
+            assert_eq!(solution.irradiance_on(0, half, b.map(|b| b as f32), DVec3::ZERO, false), Some(Rgb::ZERO));
         }
     }
     let error = (squares / all).sqrt();
@@ -335,11 +336,11 @@ fn emitters_have_a_dark_side() {
         let corners = quad([-1.0, y, -1.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0]);
         ShapeDesc::Quad(if up { corners } else { [corners[0], corners[3], corners[2], corners[1]] })
     };
-    add(&mut desc, 0, square(0.0, true), lambert(0.0), Some(Vec3::ONE));
+    add(&mut desc, 0, square(0.0, true), lambert(0.0), Some(Rgb::ONE));
     add(&mut desc, 1, square(-1.0, true), lambert(0.5), None);
     add(&mut desc, 2, square(1.0, false), lambert(0.5), None);
     let solution = solve(&desc, &RadiosityDesc::default());
-    let at = |surface, front| solution.irradiance_on(surface, 0, [0.3, 0.3], DVec3::ZERO, front).unwrap().x;
+    let at = |surface, front| solution.irradiance_on(surface, 0, [0.3, 0.3], DVec3::ZERO, front).unwrap().r();
     assert_eq!([at(1, true), at(1, false)], [0.0; 2]);
     assert!(at(2, true) > 0.5 && at(2, false) == 0.0);
 }
@@ -352,9 +353,9 @@ fn ball_lamp() {
     add(&mut desc, 0, ShapeDesc::Quad(floor), lambert(0.0), None);
     desc.materials[0].bsdf = lambert(1e-3);
     let ball = ShapeDesc::Sphere { centre: DVec3::new(0.0, 1.5, 0.0), radius: 0.5 };
-    add(&mut desc, 1, ball, BsdfDesc::Black, Some(Vec3::ONE));
+    add(&mut desc, 1, ball, BsdfDesc::Black, Some(Rgb::ONE));
     let solution = solve(&desc, &RadiosityDesc { error: 0.1, element_size: Some(0.05), ..RadiosityDesc::default() });
-    let e = solution.irradiance_on(0, 0, [0.0, 0.5], DVec3::ZERO, true).unwrap().x;
+    let e = solution.irradiance_on(0, 0, [0.0, 0.5], DVec3::ZERO, true).unwrap().r();
     let expected = PI / 9.0;
     assert!((f64::from(e) / expected - 1.0).abs() < 0.01, "{e} and not {expected}");
 }
@@ -365,7 +366,7 @@ fn ball_lamp() {
 fn room_with_balls(rings: u32, balls: u32) -> SceneDesc {
     let mut desc = furnace(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)), 0.6, None);
     let lamp = quad([-0.3, 0.99, -0.3], [0.6, 0.0, 0.0], [0.0, 0.0, 0.6]);
-    add(&mut desc, 1, ShapeDesc::Quad(lamp), BsdfDesc::Black, Some(Vec3::splat(5.0)));
+    add(&mut desc, 1, ShapeDesc::Quad(lamp), BsdfDesc::Black, Some(Rgb::splat(5.0)));
     let mut ball = sphere_inside(rings, 1.0);
     ball.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
     desc.meshes.push(Arc::new(ball));
@@ -417,14 +418,14 @@ fn bright_and_dark_light() {
         let mesh = box_inside(DVec3::splat(-1.0), DVec3::splat(1.0));
         let mut desc = furnace(mesh, 0.5, None);
         let lamp = quad([-0.2, 0.8, -0.2], [0.4, 0.0, 0.0], [0.0, 0.0, 0.4]);
-        add(&mut desc, 1, ShapeDesc::Quad(lamp), BsdfDesc::Black, Some(Vec3::splat(radiance)));
+        add(&mut desc, 1, ShapeDesc::Quad(lamp), BsdfDesc::Black, Some(Rgb::splat(radiance)));
         solve(&desc, &RadiosityDesc { error: 5.0, ..RadiosityDesc::default() }).mesh(Some(0), true).irradiance
     };
     let usual = room(1.0);
-    assert!(usual.len() > 50 && usual.iter().any(|e| e.x > 0.05));
+    assert!(usual.len() > 50 && usual.iter().any(|e| e.r() > 0.05));
     for power in [-80, 80] {
         let factor = 2.0_f32.powi(power);
-        let other: Vec<Vec3> = room(factor).into_iter().map(|e| e / factor).collect();
+        let other: Vec<Rgb> = room(factor).into_iter().map(|e| e / factor).collect();
         assert_eq!(other, usual, "times 2^{power}");
     }
 }
@@ -442,7 +443,7 @@ fn many_triangles() {
     let error = rel_mse(&picture(&scene, radiosity, 2), &reference);
     println!("relMSE {error:.2e}");
     let summary = *solve(&desc, &fine).summary();
-    let balance = f64::from(summary.absorbed.x / summary.emitted.x);
+    let balance = f64::from(summary.absorbed.r() / summary.emitted.r());
     println!("absorbed {balance}");
     assert!(error < 2e-3, "{error}");
     assert!((balance - 1.0).abs() < 0.006, "{balance}");
@@ -495,7 +496,7 @@ fn solvers_agree() {
         let settings = RadiosityDesc { solver, iterations, ambient, tolerance: 1e-6, ..RadiosityDesc::default() };
         let solution = solve(&desc, &settings);
         let e = solution.irradiance_on(0, 0, [0.3, 0.3], DVec3::ZERO, true).unwrap();
-        (f64::from(e.x) / PI, *solution.summary())
+        (f64::from(e.r()) / PI, *solution.summary())
     };
     for bounces in [0, 1, 2, 4] {
         let (e, summary) = with(RadiositySolver::Gather, Some(bounces), false);
@@ -521,12 +522,12 @@ fn solvers_agree() {
 fn nothing_to_solve() {
     let dark = furnace(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)), 0.5, None);
     let solution = solve(&dark, &RadiosityDesc::default());
-    assert!(solution.mesh(None, true).irradiance.iter().all(|e| *e == Vec3::ZERO));
+    assert!(solution.mesh(None, true).irradiance.iter().all(|e| *e == Rgb::ZERO));
     assert_eq!(solution.irradiance_on(0, 99, [0.0; 2], DVec3::ZERO, true), None);
     assert_eq!(solution.irradiance_on(7, 0, [0.0; 2], DVec3::ZERO, true), None);
 
     let mut mirrors = furnace(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)), 0.5, None);
-    mirrors.materials[0].bsdf = BsdfDesc::Mirror { reflectance: Vec3::ONE };
+    mirrors.materials[0].bsdf = BsdfDesc::Mirror { reflectance: Rgb::ONE };
     mirrors.lights.push(point_light(DVec3::ZERO, 1.0));
     mirrors.render.integrator = IntegratorDesc::Radiosity;
     let solution = solve(&mirrors, &RadiosityDesc::default());

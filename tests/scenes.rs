@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use common::scenes::render_scene;
 use etendue::desc::{self, BsdfDesc, RenderDesc, SceneDesc};
-use etendue::math::Vec3;
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
@@ -87,7 +87,7 @@ fn the_reports_file_is_as_bright_as_its_own_renderer_repaired() {
     let mut desc = desc::load(&file, None).expect("the report's scene");
     for material in &mut desc.materials {
         if let BsdfDesc::Mirror { reflectance } = &mut material.bsdf {
-            *reflectance = Vec3::splat(0.9);
+            *reflectance = Rgb::splat(0.9);
         }
     }
     check("the report's scene", &desc, [0.359_15, 0.340_43, 0.268_02]);

@@ -7,10 +7,11 @@ use std::ops::ControlFlow;
 
 use common::scenes::{box_inside, camera, scene};
 use etendue::desc::{BsdfDesc, RenderDesc, ShapeDesc};
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::output::{self, WriteOptions};
 use etendue::render::{Render, RenderSettings, Workers};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 /// Makes the workers of a render, and their threads with them.
 type Make = fn() -> Option<Workers>;
@@ -22,10 +23,10 @@ fn threads() -> usize {
 
 #[test]
 fn threads_are_those_asked_for_and_end() {
-    let wall = BsdfDesc::Lambert { albedo: Vec3::splat(0.5) };
+    let wall = BsdfDesc::Lambert { albedo: Rgb::splat(0.5) };
     let mut desc = scene(
         camera(DVec3::ZERO, DVec3::NEG_Z, 90.0),
-        vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, wall, Some(Vec3::ONE))],
+        vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, wall, Some(Rgb::ONE))],
     );
     desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE).into());
     let scene = Scene::build(&desc, &BuildOptions { threads: 1, ..BuildOptions::default() }).unwrap();

@@ -1,7 +1,6 @@
 //! The light map itself: texels of an atlas, filled.
 
 use super::{Atlas, Baked};
-use crate::math::Vec3;
 use crate::spectrum::Rgb;
 
 /// Irradiance in the texels of an [`Atlas`], seams padded.
@@ -32,7 +31,7 @@ impl LightMap {
             (low, (low + 1).min(most), x - low as f32)
         };
         let ((left, right, s), (below, above, t)) = (split(u), split(v));
-        let texel = |x: u32, y: u32| Vec3::from(self.irradiance[(y * self.side + x) as usize]);
+        let texel = |x: u32, y: u32| Rgb::from(self.irradiance[(y * self.side + x) as usize]);
         let row = |y: u32| texel(left, y) * (1.0 - s) + texel(right, y) * s;
         row(below) * (1.0 - t) + row(above) * t
     }

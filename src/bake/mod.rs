@@ -58,7 +58,6 @@ use crate::Cancel;
 use crate::error::Result;
 use crate::film::LayerKind;
 use crate::integrator::Sites;
-use crate::math::Vec3;
 use crate::render::{Progress, Render, RenderSettings, Summary};
 use crate::scene::{Facet, Scene};
 use crate::spectrum::Rgb;
@@ -126,6 +125,6 @@ fn reflection(scene: &Scene, facet: &Facet) -> (Rgb, Rgb) {
     let at = scene.facet_point(facet, 1.0 / 3.0, 1.0 / 3.0);
     let bsdf = &scene.material(at.material).bsdf;
     let reflectance = if bsdf.is_delta() { Rgb::ZERO } else { bsdf.albedo() };
-    let emitted = at.emitter.map_or(Vec3::ZERO, |emitter| scene.emitters().le(emitter, at.ng, at.ng));
+    let emitted = at.emitter.map_or(Rgb::ZERO, |emitter| scene.emitters().le(emitter, at.ng, at.ng));
     (reflectance, std::f32::consts::PI * emitted)
 }

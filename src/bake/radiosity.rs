@@ -10,9 +10,9 @@ use crate::desc::{RADII, RadiosityDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::integrator::Sites;
 use crate::integrator::radiosity::Radiosity;
-use crate::math::Vec3;
 use crate::render::{RenderSettings, with_crew};
 use crate::scene::Scene;
+use crate::spectrum::Rgb;
 
 /// Points of a site whose mean is its irradiance: those of a (0, 2)-net.
 const POINTS: u32 = 16;
@@ -71,7 +71,7 @@ pub fn by_radiosity(
 }
 
 fn mean(scene: &Scene, solution: &Radiosity, sites: &Sites, site: usize, front: bool) -> [f32; 3] {
-    let mut sum = Vec3::ZERO;
+    let mut sum = Rgb::ZERO;
     for i in 0..POINTS {
         let u = [(i as f32 + 0.5) / POINTS as f32, (i.reverse_bits() >> 8) as f32 / 16_777_216.0 + 0.5 / POINTS as f32];
         let (facet, [b1, b2]) = sites.point(site, u);

@@ -246,10 +246,10 @@ mod tests {
                 for i in 0..N * N {
                     // Distributed by the cosine, so that f / N^2 sums up to the mean of f times pi over pi.
                     let wi = warps::cosine_hemisphere([at(i / N), at(i % N)]);
-                    sum += bsdf.f(wo, wi).as_dvec3();
+                    sum += bsdf.f(wo, wi).to_f64();
                 }
                 let expected = sum / f64::from(N * N);
-                let mean = bsdf.mean_f(wo).unwrap().as_dvec3();
+                let mean = bsdf.mean_f(wo).unwrap().to_f64();
                 let error = ((mean - expected) / expected).abs().max_element();
                 assert!(error < 1e-3, "{desc:?} at {degrees} degrees: {mean} and not {expected}");
             }

@@ -86,7 +86,7 @@ impl SceneDesc {
     /// [`crate::ErrorKind::InvalidScene`] at `lights[..].origin[..]` or `lights[..].color[..]`.
     pub fn add_point_light(&mut self, position: DVec3, intensity: Rgb) -> Result<usize> {
         let path = format!("lights[{}]", self.lights.len());
-        self.lights.push(validate::point_light(&path, position, intensity.as_dvec3(), 1.0)?);
+        self.lights.push(validate::point_light(&path, position, intensity.to_f64(), 1.0)?);
         Ok(self.lights.len() - 1)
     }
 
@@ -99,7 +99,7 @@ impl SceneDesc {
         let Some(known) = self.lights.get_mut(light) else {
             return Err(none_such(&format!("lights[{light}]"), "point light", light, count));
         };
-        *known = validate::point_light(&known.path, position, intensity.as_dvec3(), 1.0)?;
+        *known = validate::point_light(&known.path, position, intensity.to_f64(), 1.0)?;
         Ok(())
     }
 
@@ -403,7 +403,7 @@ impl SceneDesc {
 /// Radiance in range; no light at all is no emission.
 fn check_emission(path: &str, emission: Option<Rgb>) -> Result<Option<Rgb>> {
     let Some(radiance) = emission else { return Ok(None) };
-    validate::emission(&join(path, "emission"), radiance.as_dvec3(), 1.0)?;
+    validate::emission(&join(path, "emission"), radiance.to_f64(), 1.0)?;
     Ok((radiance != Rgb::ZERO).then_some(radiance))
 }
 

@@ -116,7 +116,7 @@ pub(super) fn reflectance(path: &str, value: impl Into<DVec3>) -> Result<Rgb> {
             format!("a reflectance of {bad} breaks conservation of energy, expected a number in [0, 1] per channel");
         return Err(Error::invalid(format!("{path}[{i}]"), message));
     }
-    Ok(DVec3::from_array(value).as_vec3a())
+    Ok(Rgb::from_f64(DVec3::from_array(value)))
 }
 
 /// Radiance or radiant intensity: zero or more per channel, times `factor`.
@@ -130,7 +130,7 @@ pub(super) fn emission(path: &str, value: impl Into<DVec3>, factor: f64) -> Resu
         }
         number(&path, channel * factor)?;
     }
-    Ok((factor * value).as_vec3a())
+    Ok(Rgb::from_f64(factor * value))
 }
 
 /// A factor on light: zero or more.
@@ -209,7 +209,7 @@ pub(super) fn material(path: &str, bsdf: &BsdfDesc, survival: Option<f32>) -> Re
         | BsdfDesc::OrenNayarQualitative { albedo: color, .. }
         | BsdfDesc::OrenNayar { albedo: color, .. }
         | BsdfDesc::Mirror { reflectance: color } => {
-            reflectance(&at("color"), color.as_dvec3())?;
+            reflectance(&at("color"), color.to_f64())?;
         }
         BsdfDesc::Dielectric { ior, exterior_ior } => {
             positive(&at("refractionIndex"), ior.into())?;

@@ -56,9 +56,9 @@ impl Emitter {
     /// product of a radiance and an area that it holds each.
     pub fn power(&self) -> DVec3 {
         match self {
-            Self::Point { intensity, .. } => 4.0 * PI * intensity.as_dvec3(),
-            Self::Triangle(emitter) => PI * f64::from(emitter.triangle.area) * emitter.radiance.as_dvec3(),
-            Self::Sphere(emitter) => PI * emitter.sphere.area() * emitter.radiance.as_dvec3(),
+            Self::Point { intensity, .. } => 4.0 * PI * intensity.to_f64(),
+            Self::Triangle(emitter) => PI * f64::from(emitter.triangle.area) * emitter.radiance.to_f64(),
+            Self::Sphere(emitter) => PI * emitter.sphere.area() * emitter.radiance.to_f64(),
         }
     }
 
@@ -171,7 +171,7 @@ impl EmitterSet {
     /// [`crate::ErrorKind::Cancelled`].
     pub fn cancellable(emitters: Vec<Emitter>, cancel: &Cancel) -> Result<Self> {
         let mut powers = Vec::with_capacity(emitters.len());
-        let weights = LUMINANCE_WEIGHTS.as_dvec3();
+        let weights = LUMINANCE_WEIGHTS.to_f64();
         for block in emitters.chunks(1 << 14) {
             cancel.check()?;
             powers.extend(block.iter().map(|emitter| emitter.power().dot(weights)));

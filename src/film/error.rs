@@ -235,7 +235,7 @@ fn display_error2(mean: f32, squared: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::film::{FilmOptions, REPLICATES, TILE};
-    use crate::math::Vec3;
+    use crate::spectrum::Rgb;
 
     /// A film of 2 x 2 pixels whose replicates are `mean + off` and `mean - off` in turn.
     fn film(pixels: [(f32, f32); 4], samples: u32) -> Film {
@@ -246,7 +246,7 @@ mod tests {
             let index = i % 2 + i / 2 * TILE as usize;
             for sample in 0..samples {
                 let sign = if sample % 2 == 0 { 1.0 } else { -1.0 };
-                tile.pixels[index].add(Vec3::splat(mean + sign * off), 1.0, 1);
+                tile.pixels[index].add(Rgb::splat(mean + sign * off), 1.0, 1);
             }
         }
         drop(tile);
@@ -278,7 +278,7 @@ mod tests {
             let value = if sample == 3 { 8000.0 } else { 0.0 };
             tile.pixels[TILE as usize + 1] =
                 if sample == 0 { Default::default() } else { tile.pixels[TILE as usize + 1] };
-            tile.pixels[TILE as usize + 1].add(Vec3::splat(value), 1.0, 1);
+            tile.pixels[TILE as usize + 1].add(Rgb::splat(value), 1.0, 1);
         }
         drop(tile);
         let mean = 1003.0 / 4.0;

@@ -366,6 +366,7 @@ fn lock(tile: &Mutex<Tile>) -> MutexGuard<'_, Tile> {
 mod tests {
     use super::*;
     use crate::math::Vec3;
+    use crate::spectrum::Rgb;
 
     fn film(auxiliary: bool) -> Film {
         Film::new(FilmOptions { resolution: [19, 17], auxiliary, share: 1, weighted: false, gathering: false }).unwrap()
@@ -380,9 +381,9 @@ mod tests {
             for index in 0..PER_TILE {
                 let value = (left as usize + index % 16 + 100 * (top as usize + index / 16)) as f32;
                 for _ in 0..4 {
-                    tile.pixels[index].add(Vec3::splat(value), 1.0, 1);
-                    tile.pixels[index].add(Vec3::splat(3.0 * value), 1.0, 1);
-                    tile.auxiliary[index].add(Vec3::splat(0.5), Vec3::Z, value);
+                    tile.pixels[index].add(Rgb::splat(value), 1.0, 1);
+                    tile.pixels[index].add(Rgb::splat(3.0 * value), 1.0, 1);
+                    tile.auxiliary[index].add(Rgb::splat(0.5), Vec3::Z, value);
                 }
             }
         }

@@ -8,6 +8,7 @@ use etendue::integrator::Sites;
 use etendue::math::{DVec3, Vec3};
 use etendue::render::Ended;
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 use super::*;
 use crate::stats::{SIGNIFICANCE, sidak, t_test};
@@ -51,12 +52,12 @@ fn mean_over(scene: &Scene, sites: &Sites, site: usize, n: usize, f: &impl Fn(DV
     sum
 }
 
-const GREY: BsdfDesc = BsdfDesc::Lambert { albedo: Vec3::splat(0.5) };
+const GREY: BsdfDesc = BsdfDesc::Lambert { albedo: Rgb::splat(0.5) };
 
 #[test]
 fn furnace() {
     let room = scenes::box_inside(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.0, 1.0, 2.0));
-    let scene = build(&one_mesh(room, Some(Vec3::splat(2.0))));
+    let scene = build(&one_mesh(room, Some(Rgb::splat(2.0))));
     let atlas = atlas(&scene, 48);
     let (baked, _) = bake(&scene, atlas.sites(), settings(256, None));
     let exact = PI * 2.0 / (1.0 - 0.5);
@@ -116,7 +117,7 @@ fn a_lamp_over_a_square() {
     let lamp = [(-0.5, -0.3), (0.4, -0.3), (0.4, 0.5), (-0.5, 0.5)].map(|(x, z)| DVec3::new(x, 0.7, z));
     let black = BsdfDesc::Black;
     // In that order its normal points downwards.
-    let surfaces = vec![(square(0.0, true), GREY, None), (ShapeDesc::Quad(lamp), black, Some(Vec3::splat(5.0)))];
+    let surfaces = vec![(square(0.0, true), GREY, None), (ShapeDesc::Quad(lamp), black, Some(Rgb::splat(5.0)))];
     let scene = build(&scenes::scene(scenes::camera(DVec3::Y * 0.5, DVec3::ZERO, 60.0), surfaces));
     let atlas = atlas(&scene, 36);
     let (baked, _) = bake(&scene, atlas.sites(), settings(256, None));
@@ -129,7 +130,7 @@ fn a_lamp_over_a_square() {
 #[test]
 fn furnace_by_radiosity() {
     let room = scenes::box_inside(DVec3::new(-1.0, -2.0, -3.0), DVec3::new(1.0, 1.0, 2.0));
-    let scene = build(&one_mesh(room, Some(Vec3::splat(2.0))));
+    let scene = build(&one_mesh(room, Some(Rgb::splat(2.0))));
     let atlas = atlas(&scene, 48);
     let by = |settings: &RenderSettings, front| {
         by_radiosity(&scene, atlas.sites(), settings, Some(0.5), front, &mut |_| ControlFlow::Continue(()))
@@ -204,7 +205,7 @@ fn round_things_in_a_bright_room() {
     let black = BsdfDesc::Black;
     let room_shape = ShapeDesc::Mesh { mesh: 0, smooth: false };
     let surfaces = vec![
-        (room_shape, black, Some(Vec3::ONE)),
+        (room_shape, black, Some(Rgb::ONE)),
         (sphere, black, None),
         (disk, black, None),
         (cylinder, black, None),
@@ -246,7 +247,7 @@ fn a_sphere_in_a_bright_room() {
         let room = scenes::box_inside(DVec3::splat(-4.0), DVec3::splat(4.0));
         let black = BsdfDesc::Black;
         let surfaces =
-            vec![(shape.0, black, None), (ShapeDesc::Mesh { mesh: 0, smooth: false }, black, Some(Vec3::splat(1.5)))];
+            vec![(shape.0, black, None), (ShapeDesc::Mesh { mesh: 0, smooth: false }, black, Some(Rgb::splat(1.5)))];
         let mut desc = scenes::scene(scenes::camera(DVec3::splat(3.0), DVec3::ZERO, 60.0), surfaces);
         desc.meshes = vec![Arc::new(room)];
         desc.surfaces[0].local = shape.1;
@@ -265,9 +266,9 @@ fn room() -> SceneDesc {
     let inside = scenes::box_inside(DVec3::new(-1.5, 0.0, -1.5), DVec3::new(1.5, 2.0, 1.5));
     let sphere = ShapeDesc::Sphere { centre: DVec3::new(0.6, 0.4, 0.5), radius: 0.4 };
     let surfaces = vec![
-        (ShapeDesc::Mesh { mesh: 0, smooth: false }, BsdfDesc::Lambert { albedo: Vec3::new(0.7, 0.5, 0.3) }, None),
-        (ShapeDesc::Quad(lamp), BsdfDesc::Black, Some(Vec3::new(6.0, 5.0, 4.0))),
-        (sphere, BsdfDesc::Lambert { albedo: Vec3::splat(0.6) }, None),
+        (ShapeDesc::Mesh { mesh: 0, smooth: false }, BsdfDesc::Lambert { albedo: Rgb::new(0.7, 0.5, 0.3) }, None),
+        (ShapeDesc::Quad(lamp), BsdfDesc::Black, Some(Rgb::new(6.0, 5.0, 4.0))),
+        (sphere, BsdfDesc::Lambert { albedo: Rgb::splat(0.6) }, None),
     ];
     let mut desc =
         scenes::scene(scenes::camera(DVec3::new(-1.0, 1.0, -1.2), DVec3::new(0.4, 0.4, 0.6), 70.0), surfaces);
@@ -291,7 +292,7 @@ fn a_picture_by_the_light_map_is_the_path_traced_one() {
     let (mut seen, mut looked_up, mut error2, mut count) = (0.0, 0.0, 0.0, 0);
     for pixel in 0..24 * 24_u32 {
         // Many points of each pixel; pixels that show anything else than walls are left out.
-        let mut mean = Some(Vec3::ZERO);
+        let mut mean = Some(Rgb::ZERO);
         for i in 0..64_u32 {
             let [dx, dy] = [i % 8, i / 8].map(|k| (k as f32 + 0.5) / 8.0);
             let ray = camera.ray((pixel % 24) as f32 + dx, (pixel / 24) as f32 + dy);
@@ -307,7 +308,7 @@ fn a_picture_by_the_light_map_is_the_path_traced_one() {
             };
         }
         let Some(irradiance) = mean else { continue };
-        let radiance = Vec3::new(0.7, 0.5, 0.3) * irradiance / std::f32::consts::PI;
+        let radiance = Rgb::new(0.7, 0.5, 0.3) * irradiance / std::f32::consts::PI;
         seen += f64::from(Vec3::from(image.pixel(pixel % 24, pixel / 24)).element_sum());
         looked_up += f64::from(radiance.element_sum());
         let errors = &variance[3 * pixel as usize..3 * pixel as usize + 3];

@@ -20,6 +20,7 @@ use etendue::integrator::Sites;
 use etendue::math::{DVec3, Vec3};
 use etendue::render::{RenderSettings, Summary};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 fn build(desc: &SceneDesc) -> Scene {
     Scene::build(desc, &BuildOptions::default()).expect("a scene of the test")
@@ -44,9 +45,9 @@ fn bake(scene: &Scene, sites: &Arc<Sites>, settings: RenderSettings) -> (Baked, 
 }
 
 /// A scene of one mesh, flat and grey.
-fn one_mesh(mesh: MeshDesc, emission: Option<Vec3>) -> SceneDesc {
+fn one_mesh(mesh: MeshDesc, emission: Option<Rgb>) -> SceneDesc {
     let shape = ShapeDesc::Mesh { mesh: 0, smooth: false };
-    let grey = BsdfDesc::Lambert { albedo: Vec3::splat(0.5) };
+    let grey = BsdfDesc::Lambert { albedo: Rgb::splat(0.5) };
     let mut desc = scenes::scene(scenes::camera(DVec3::Z, DVec3::ZERO, 60.0), vec![(shape, grey, emission)]);
     desc.meshes = vec![Arc::new(mesh)];
     desc

@@ -5,6 +5,7 @@ use etendue::bake::{VertexOptions, Vertices, by_radiosity};
 use etendue::desc::{IntegratorDesc, RadiositySolver};
 use etendue::embree::{Device, DeviceOptions, MemoryBudget};
 use etendue::render::Render;
+use etendue::spectrum::Rgb;
 
 use super::*;
 
@@ -27,9 +28,9 @@ fn sheet(n: usize) -> SceneDesc {
         ..MeshDesc::default()
     };
     let mut desc = one_mesh(mesh, None);
-    let grey = BsdfDesc::Lambert { albedo: Vec3::splat(0.5) };
+    let grey = BsdfDesc::Lambert { albedo: Rgb::splat(0.5) };
     let room = ShapeDesc::Mesh { mesh: 1, smooth: false };
-    scenes::add(&mut desc, 1, room, grey, Some(Vec3::ONE));
+    scenes::add(&mut desc, 1, room, grey, Some(Rgb::ONE));
     desc.meshes.push(Arc::new(scenes::box_inside(DVec3::splat(-2.0), DVec3::splat(2.0))));
     scenes::add(&mut desc, 2, ShapeDesc::Sphere { centre: DVec3::Y, radius: 0.3 }, grey, None);
     desc

@@ -1,6 +1,7 @@
 //! Irradiance at vertices.
 
 use etendue::bake::{VertexOptions, Vertices};
+use etendue::spectrum::Rgb;
 
 use super::*;
 
@@ -18,7 +19,7 @@ fn solid_angle([x0, x1]: [f64; 2], [z0, z1]: [f64; 2], h: f64) -> f64 {
 #[test]
 fn flux_is_kept() {
     let place = DVec3::new(0.3, 0.8, -0.4);
-    let surfaces = vec![(square(0.0, true), BsdfDesc::Lambert { albedo: Vec3::splat(0.5) }, None)];
+    let surfaces = vec![(square(0.0, true), BsdfDesc::Lambert { albedo: Rgb::splat(0.5) }, None)];
     let mut desc = scenes::scene(scenes::camera(DVec3::Y, DVec3::ZERO, 60.0), surfaces);
     desc.lights = vec![scenes::point_light(place, 3.0)];
     let scene = build(&desc);
@@ -46,8 +47,8 @@ fn vertices_are_those_of_the_description() {
     // One that nothing uses.
     mesh.positions.insert(0, DVec3::splat(9.0));
     mesh.triangles.iter_mut().flatten().for_each(|corner| *corner += 1);
-    let mut desc = one_mesh(mesh, Some(Vec3::ONE));
-    scenes::add(&mut desc, 1, square(3.0, false), BsdfDesc::Lambert { albedo: Vec3::splat(0.25) }, None);
+    let mut desc = one_mesh(mesh, Some(Rgb::ONE));
+    scenes::add(&mut desc, 1, square(3.0, false), BsdfDesc::Lambert { albedo: Rgb::splat(0.25) }, None);
     let scene = build(&desc);
     let vertices = vertices(&scene, None);
     assert_eq!((vertices.of_surface(0), vertices.of_surface(1), vertices.of_surface(2)), (0..9, 9..13, 0..0));

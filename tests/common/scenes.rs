@@ -7,12 +7,13 @@ use etendue::desc::{
     ShapeDesc, SurfaceDesc,
 };
 use etendue::film::Image;
-use etendue::math::{DAffine3, DVec3, Vec3};
+use etendue::math::{DAffine3, DVec3};
 use etendue::render::{Render, RenderSettings, Summary};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 /// A scene of surfaces with a material each.
-pub fn scene(camera: CameraDesc, surfaces: Vec<(ShapeDesc, BsdfDesc, Option<Vec3>)>) -> SceneDesc {
+pub fn scene(camera: CameraDesc, surfaces: Vec<(ShapeDesc, BsdfDesc, Option<Rgb>)>) -> SceneDesc {
     let mut desc = SceneDesc { camera, ..SceneDesc::default() };
     for (number, (shape, bsdf, emission)) in surfaces.into_iter().enumerate() {
         add(&mut desc, number, shape, bsdf, emission);
@@ -21,7 +22,7 @@ pub fn scene(camera: CameraDesc, surfaces: Vec<(ShapeDesc, BsdfDesc, Option<Vec3
 }
 
 /// Adds a surface with a material of its own.
-pub fn add(desc: &mut SceneDesc, number: usize, shape: ShapeDesc, bsdf: BsdfDesc, emission: Option<Vec3>) {
+pub fn add(desc: &mut SceneDesc, number: usize, shape: ShapeDesc, bsdf: BsdfDesc, emission: Option<Rgb>) {
     desc.materials.push(MaterialDesc {
         name: format!("material {number}"),
         path: format!("materials[{number}]"),
@@ -67,7 +68,7 @@ pub fn camera(eye: DVec3, look_at: DVec3, fov_deg: f64) -> CameraDesc {
 
 /// A point light.
 pub fn point_light(position: DVec3, intensity: f32) -> PointLightDesc {
-    PointLightDesc { path: "lights[0]".into(), position, intensity: Vec3::splat(intensity) }
+    PointLightDesc { path: "lights[0]".into(), position, intensity: Rgb::splat(intensity) }
 }
 
 /// How a test wants its image.

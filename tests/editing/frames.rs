@@ -1,8 +1,9 @@
 //! When a camera that moves takes the scene frame with it.
 
 use etendue::desc::{CameraDesc, SceneDesc, ShapeDesc};
-use etendue::math::{DAffine3, DVec3, Vec3};
+use etendue::math::{DAffine3, DVec3};
 use etendue::scene::Scene;
+use etendue::spectrum::Rgb;
 
 use crate::scenes::{Random, sheet, studio, surface};
 use crate::{compare, options};
@@ -51,7 +52,7 @@ fn far_along_a_wide_ground_the_frame_follows() {
     let mut desc = studio(&mut Random(1));
     let ground = [[-1e6, 0.0, -1e6], [-1e6, 0.0, 1e6], [1e6, 0.0, 1e6], [1e6, 0.0, -1e6]].map(DVec3::from_array);
     desc.surfaces.clear();
-    let ground = surface(&desc, ShapeDesc::Quad(ground), DAffine3::IDENTITY, Some(Vec3::ONE));
+    let ground = surface(&desc, ShapeDesc::Quad(ground), DAffine3::IDENTITY, Some(Rgb::ONE));
     desc.surfaces.push(ground);
     let start = DVec3::new(0.3, 1.7, 0.1);
     look(&mut desc, start, start + DVec3::new(1.0, -0.1, 0.0));

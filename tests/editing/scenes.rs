@@ -9,7 +9,8 @@ use etendue::desc::{
     self, BsdfDesc, CameraDesc, FovAxis, HostMesh, MaterialDesc, MeshDesc, PointLightDesc, SceneDesc, ShapeDesc,
     SurfaceDesc,
 };
-use etendue::math::{DAffine3, DQuat, DVec3, Vec3};
+use etendue::math::{DAffine3, DQuat, DVec3};
+use etendue::spectrum::Rgb;
 
 /// SplitMix64.
 pub struct Random(pub u64);
@@ -36,8 +37,8 @@ impl Random {
         DVec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
     }
 
-    pub fn colour(&mut self) -> Vec3 {
-        Vec3::new(self.unit() as f32, self.unit() as f32, self.unit() as f32)
+    pub fn colour(&mut self) -> Rgb {
+        Rgb::new(self.unit() as f32, self.unit() as f32, self.unit() as f32)
     }
 
     /// A turn, a stretch, perhaps a reflection, and a shift.
@@ -104,7 +105,7 @@ pub fn hosted(mesh: &MeshDesc, with_normals: bool) -> (MeshDesc, Arc<HostMemory>
     (MeshDesc { name: "host's".into(), path: "host".into(), host: Some(host), ..MeshDesc::default() }, memory)
 }
 
-pub fn surface(desc: &SceneDesc, shape: ShapeDesc, transform: DAffine3, emission: Option<Vec3>) -> SurfaceDesc {
+pub fn surface(desc: &SceneDesc, shape: ShapeDesc, transform: DAffine3, emission: Option<Rgb>) -> SurfaceDesc {
     let number = desc.surfaces.len();
     SurfaceDesc {
         path: format!("surfaces[{number}]"),
@@ -136,11 +137,11 @@ pub fn studio(random: &mut Random) -> SceneDesc {
     for number in 0..4 {
         desc.materials.push(material(number, BsdfDesc::Lambert { albedo: 0.8 * random.colour() }));
     }
-    desc.materials.push(material(4, BsdfDesc::Mirror { reflectance: Vec3::splat(0.9) }));
+    desc.materials.push(material(4, BsdfDesc::Mirror { reflectance: Rgb::splat(0.9) }));
     let position = DVec3::new(1.0, 5.0, 2.0);
-    desc.lights.push(PointLightDesc { path: "lights[0]".into(), position, intensity: Vec3::splat(9.0) });
+    desc.lights.push(PointLightDesc { path: "lights[0]".into(), position, intensity: Rgb::splat(9.0) });
     let lamp = [[-1.0, 4.0, -1.0], [1.0, 4.0, -1.0], [1.0, 4.0, 1.0], [-1.0, 4.0, 1.0]].map(DVec3::from_array);
-    let lamp = surface(&desc, ShapeDesc::Quad(lamp), DAffine3::IDENTITY, Some(Vec3::splat(4.0)));
+    let lamp = surface(&desc, ShapeDesc::Quad(lamp), DAffine3::IDENTITY, Some(Rgb::splat(4.0)));
     desc.surfaces.push(lamp);
     let leaf = [[-3.0, -3.0, -4.0], [3.0, -3.0, -4.0], [0.0, 3.0, -4.5]].map(DVec3::from_array);
     let leaf = surface(&desc, ShapeDesc::Triangle(leaf), DAffine3::IDENTITY, None);

@@ -120,7 +120,7 @@ fn host_meshes_that_make_no_sense_are_refused() {
     let mut torn = sheet(10, 0.0, false);
     torn.triangles[33][2] = 121;
     for (mesh, expected) in [(broken, "vertex 17"), (torn, "triangle 33")] {
-        for emission in [None, Some(etendue::math::Vec3::ONE)] {
+        for emission in [None, Some(etendue::spectrum::Rgb::ONE)] {
             let mut desc = studio(&mut Random(1));
             desc.meshes.push(hosted(&mesh, false).0.into());
             let mesh = surface(&desc, ShapeDesc::Mesh { mesh: 0, smooth: false }, DAffine3::IDENTITY, emission);

@@ -14,8 +14,9 @@ use etendue::desc::{
     self, BsdfDesc, CacheDesc, FilterDesc, HostMesh, KernelDesc, MAX_NEIGHBOURS, MAX_PHOTONS, MeshDesc, PhotonDesc,
     RenderDesc, SceneDesc, SceneIndex, ShapeDesc, SurfaceLook,
 };
-use etendue::math::{Bounds, DAffine3, DVec3, Vec3};
+use etendue::math::{Bounds, DAffine3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 /// All of a description but paths and what is kept for looking up.
 fn content(desc: &SceneDesc) -> String {
@@ -180,15 +181,15 @@ fn hosted() -> MeshDesc {
 /// 3 a disk, 4 a lamp with a material. Mesh 1 was removed, mesh 2 is the host's.
 fn base() -> SceneDesc {
     let mut desc = SceneDesc::default();
-    desc.add_material("white", BsdfDesc::Lambert { albedo: Vec3::splat(0.5) }, None).unwrap();
+    desc.add_material("white", BsdfDesc::Lambert { albedo: Rgb::splat(0.5) }, None).unwrap();
     desc.add_material("glass", BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 }, None).unwrap();
-    desc.add_point_light(A, Vec3::ONE).unwrap();
+    desc.add_point_light(A, Rgb::ONE).unwrap();
     desc.add_mesh(MeshDesc { name: "corner".into(), ..corner() }).unwrap();
     desc.add_mesh(MeshDesc { name: "gone".into(), ..corner() }).unwrap();
     desc.add_mesh(hosted()).unwrap();
     let (sphere, local) = ShapeDesc::sphere(B, 0.5).unwrap();
     let (disk, _) = ShapeDesc::disk(A, B, 0.5).unwrap();
-    let light = SurfaceLook { emission: Some(Vec3::ONE), ..SurfaceLook::default() };
+    let light = SurfaceLook { emission: Some(Rgb::ONE), ..SurfaceLook::default() };
     desc.add_surface(ShapeDesc::Mesh { mesh: 0, smooth: true }, local, lit(0)).unwrap();
     desc.add_surface(sphere, local, light).unwrap();
     desc.add_surface(sphere, local, lit(0)).unwrap();
@@ -327,22 +328,22 @@ fn names_and_paths_are_found_until_their_thing_is_removed() {
 #[test]
 fn what_is_set_is_what_is_there() {
     let mut desc = base();
-    let blue = BsdfDesc::OrenNayarQualitative { albedo: Vec3::Z, sigma: std::f32::consts::FRAC_PI_2 };
+    let blue = BsdfDesc::OrenNayarQualitative { albedo: Rgb::new(0.0, 0.0, 1.0), sigma: std::f32::consts::FRAC_PI_2 };
     desc.set_material(0, blue, Some(0.5)).unwrap();
     assert_eq!((desc.materials[0].bsdf, desc.materials[0].survival), (blue, Some(0.5)));
     assert_eq!(desc.materials[0].name, "white");
-    desc.set_point_light(0, B, Vec3::ZERO).unwrap();
-    assert_eq!((desc.lights[0].position, desc.lights[0].intensity), (B, Vec3::ZERO));
+    desc.set_point_light(0, B, Rgb::ZERO).unwrap();
+    assert_eq!((desc.lights[0].position, desc.lights[0].intensity), (B, Rgb::ZERO));
     let turned = DAffine3::from_rotation_y(0.5);
     desc.set_transform(4, turned).unwrap();
     assert_eq!(desc.surfaces[4].to_world(), turned);
     // All lamps without a material share one, and a lamp that is switched off stays as black as it was.
     desc.set_surface_material(4, None).unwrap();
     assert_eq!((desc.surfaces[4].material, desc.surfaces[1].material), (2, 2));
-    desc.set_emission(1, Some(Vec3::ZERO)).unwrap();
+    desc.set_emission(1, Some(Rgb::ZERO)).unwrap();
     assert_eq!((desc.surfaces[1].emission, desc.surfaces[1].material), (None, 2));
-    desc.set_emission(0, Some(Vec3::ONE)).unwrap();
-    assert_eq!(desc.surfaces[0].emission, Some(Vec3::ONE));
+    desc.set_emission(0, Some(Rgb::ONE)).unwrap();
+    assert_eq!(desc.surfaces[0].emission, Some(Rgb::ONE));
     // A mesh that is not replaced stays the same, one that is becomes another, with its own name and extent.
     let before = desc.meshes.clone();
     desc.set_mesh(0, MeshDesc { name: "other".into(), ..hosted() }).unwrap();
@@ -383,10 +384,10 @@ fn populated(count: usize) -> Duration {
     let mut desc = SceneDesc::default();
     let shared = desc.add_mesh(corner()).unwrap();
     for i in 0..count {
-        let material = desc.add_material(&format!("m{i}"), BsdfDesc::Lambert { albedo: Vec3::ONE }, None).unwrap();
+        let material = desc.add_material(&format!("m{i}"), BsdfDesc::Lambert { albedo: Rgb::ONE }, None).unwrap();
         let own = desc.add_mesh(MeshDesc { name: format!("mesh {i}"), ..corner() }).unwrap();
         let (sphere, local) = ShapeDesc::sphere(DVec3::X * i as f64, 0.5).unwrap();
-        let lamp = SurfaceLook { emission: Some(Vec3::ONE), ..SurfaceLook::default() };
+        let lamp = SurfaceLook { emission: Some(Rgb::ONE), ..SurfaceLook::default() };
         desc.add_surface(sphere, local, lamp).unwrap();
         for mesh in [shared, own] {
             let surface = desc.add_surface(ShapeDesc::Mesh { mesh, smooth: false }, local, lit(material)).unwrap();

@@ -1,8 +1,9 @@
 //! Random calls: none panics, none that fails changes anything, and what is left builds or says why not.
 
 use etendue::desc::{BsdfDesc, CameraDesc, FovAxis, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook};
-use etendue::math::{Bounds, DAffine3, DMat3, DVec3, Vec3};
+use etendue::math::{Bounds, DAffine3, DMat3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 use etendue::{ErrorKind, Result};
 use proptest::prelude::*;
 
@@ -18,7 +19,7 @@ fn number() -> impl Strategy<Value = f64> {
 fn edit(desc: &mut SceneDesc, kind: u8, n: [f64; 10], which: [usize; 3]) -> Result<()> {
     let [a, b, c, d, e, f, g, h, i, j] = n;
     let (p, q, r) = (DVec3::new(a, b, c), DVec3::new(d, e, f), DVec3::new(g, h, i));
-    let light = 0.5 * Vec3::new(a as f32, b as f32, c as f32).abs();
+    let light = 0.5 * Rgb::new(a as f32, b as f32, c as f32).abs();
     let mesh =
         MeshDesc { positions: vec![p, q, r], triangles: vec![[0, 1, which[2] as u32 % 4]], ..MeshDesc::default() };
     let bsdf = match which[1] % 5 {

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use etendue::buffer::Buffer;
 use etendue::desc::{BsdfDesc, CameraDesc, FovAxis, MeshDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceLook};
-use etendue::math::{Bounds, DAffine3, DMat3, DVec3, Vec3};
+use etendue::math::{Bounds, DAffine3, DMat3, DVec3};
+use etendue::spectrum::Rgb;
 use etendue::{Error, ErrorKind, Result};
 
 use super::{A, B, base, corner, file, hosted, lit, parse};
@@ -39,8 +40,8 @@ fn bad_cameras() -> Vec<(&'static str, &'static str, Call)> {
 }
 
 fn bad_materials() -> Vec<(&'static str, &'static str, Call)> {
-    let grey = Vec3::splat(0.5);
-    let (over, under) = (Vec3::new(0.5, 1.5, 0.5), Vec3::new(0.5, 0.5, -0.25));
+    let grey = Rgb::splat(0.5);
+    let (over, under) = (Rgb::new(0.5, 1.5, 0.5), Rgb::new(0.5, 0.5, -0.25));
     let lambert = move |albedo| BsdfDesc::Lambert { albedo };
     let glass = |ior, exterior_ior| BsdfDesc::Dielectric { ior, exterior_ior };
     let rough = move |sigma| BsdfDesc::OrenNayarQualitative { albedo: grey, sigma };
@@ -52,7 +53,7 @@ fn bad_materials() -> Vec<(&'static str, &'static str, Call)> {
         }),
         add("materials[3].color[1]", "a reflectance of 1.5 breaks", lambert(over), None),
         add("materials[3].color[2]", "a reflectance of -0.25 breaks", BsdfDesc::Mirror { reflectance: under }, None),
-        add("materials[3].color[0]", "NaN", BsdfDesc::OrenNayarQualitative { albedo: Vec3::NAN, sigma: 0.1 }, None),
+        add("materials[3].color[0]", "NaN", BsdfDesc::OrenNayarQualitative { albedo: Rgb::NAN, sigma: 0.1 }, None),
         add("materials[3].color[1]", "1.5", BsdfDesc::OrenNayar { albedo: over, roughness: 0.1 }, None),
         add("materials[3].sigmaDeg", "is out of range, expected a number in [0, 90]", rough(1.571), None),
         add("materials[3].sigmaDeg", "is out of range", rough(-0.1), None),
@@ -72,15 +73,15 @@ fn bad_materials() -> Vec<(&'static str, &'static str, Call)> {
 }
 
 fn bad_lights() -> Vec<(&'static str, &'static str, Call)> {
-    let dark = Vec3::new(1.0, -1.0, 1.0);
+    let dark = Rgb::new(1.0, -1.0, 1.0);
     vec![
-        bad("lights[1].origin[0]", "inf", |desc| desc.add_point_light(DVec3::INFINITY, Vec3::ONE)),
+        bad("lights[1].origin[0]", "inf", |desc| desc.add_point_light(DVec3::INFINITY, Rgb::ONE)),
         bad("lights[1].color[1]", "-1 is negative", move |desc| desc.add_point_light(A, dark)),
         bad("lights[0].origin[0]", "1e300 is beyond", |desc| {
-            desc.set_point_light(0, DVec3::new(1e300, 0.0, 0.0), Vec3::ONE)
+            desc.set_point_light(0, DVec3::new(1e300, 0.0, 0.0), Rgb::ONE)
         }),
-        bad("lights[0].color[0]", "NaN", |desc| desc.set_point_light(0, A, Vec3::NAN)),
-        bad("lights[1]", "there is no point light 1", |desc| desc.set_point_light(1, A, Vec3::ONE)),
+        bad("lights[0].color[0]", "NaN", |desc| desc.set_point_light(0, A, Rgb::NAN)),
+        bad("lights[1]", "there is no point light 1", |desc| desc.set_point_light(1, A, Rgb::ONE)),
     ]
 }
 
@@ -207,7 +208,7 @@ fn bad_surfaces() -> Vec<(&'static str, &'static str, Call)> {
     let nan = DAffine3::from_translation(DVec3::NAN);
     let far = DAffine3::from_translation(DVec3::X * 1e39);
     let long = DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.0));
-    let light = SurfaceLook { emission: Some(Vec3::ONE), ..SurfaceLook::default() };
+    let light = SurfaceLook { emission: Some(Rgb::ONE), ..SurfaceLook::default() };
     let add = |path, why, shape, local, look| bad(path, why, move |desc| desc.add_surface(shape, local, look));
     let gone = "surface 2 was removed";
     vec![
@@ -218,9 +219,9 @@ fn bad_surfaces() -> Vec<(&'static str, &'static str, Call)> {
             "-1 is negative",
             shape,
             identity,
-            SurfaceLook { emission: Some(-Vec3::ONE), ..lit(0) },
+            SurfaceLook { emission: Some(-Rgb::ONE), ..lit(0) },
         ),
-        add("surfaces[5].emission[0]", "NaN", shape, identity, SurfaceLook { emission: Some(Vec3::NAN), ..lit(0) }),
+        add("surfaces[5].emission[0]", "NaN", shape, identity, SurfaceLook { emission: Some(Rgb::NAN), ..lit(0) }),
         add("surfaces[5].emission", "quadrics and disks cannot emit", disk, identity, light),
         add("surfaces[5].emission", "stretches it", shape, identity, SurfaceLook { transform: long, ..light }),
         add("surfaces[5].emission", "stretches it", shape, long, light),
@@ -239,8 +240,8 @@ fn bad_surfaces() -> Vec<(&'static str, &'static str, Call)> {
         bad("surfaces[0]", "missing key `material`", |desc| desc.set_surface_material(0, None)),
         bad("surfaces[2]", gone, |desc| desc.set_surface_material(2, Some(0))),
         bad("surfaces[5]", "there is no surface 5", |desc| desc.set_surface_material(5, Some(0))),
-        bad("surfaces[0].emission[0]", "inf", |desc| desc.set_emission(0, Some(Vec3::INFINITY))),
-        bad("surfaces[3].emission", "cannot emit", |desc| desc.set_emission(3, Some(Vec3::ONE))),
+        bad("surfaces[0].emission[0]", "inf", |desc| desc.set_emission(0, Some(Rgb::INFINITY))),
+        bad("surfaces[3].emission", "cannot emit", |desc| desc.set_emission(3, Some(Rgb::ONE))),
         bad("surfaces[2]", gone, |desc| desc.set_emission(2, None)),
         bad("surfaces[5]", "there is no surface 5", |desc| desc.set_emission(5, None)),
         bad("surfaces[2]", gone, |desc| desc.remove_surface(2)),
@@ -308,7 +309,7 @@ fn a_call_is_refused_in_the_words_of_the_format() {
     let sphere = ShapeDesc::sphere(DVec3::ZERO, 1.0).unwrap();
     let round = r#""geometry": "sphere", "origin": [0, 0, 0], "radius": 1"#;
     let mut fresh = SceneDesc::default();
-    fresh.add_material("white", BsdfDesc::Lambert { albedo: Vec3::ONE }, None).unwrap();
+    fresh.add_material("white", BsdfDesc::Lambert { albedo: Rgb::ONE }, None).unwrap();
     let cases: [(Error, Error); 10] = [
         (
             one("", r#""geometry": "sphere", "origin": [0, 0, 0], "radius": -2.5"#),
@@ -331,7 +332,7 @@ fn a_call_is_refused_in_the_words_of_the_format() {
         (
             one("", &format!(r#"{round}, "emission": [1, -0.5, 1]"#)),
             fresh
-                .add_surface(sphere.0, sphere.1, SurfaceLook { emission: Some(Vec3::new(1.0, -0.5, 1.0)), ..lit(0) })
+                .add_surface(sphere.0, sphere.1, SurfaceLook { emission: Some(Rgb::new(1.0, -0.5, 1.0)), ..lit(0) })
                 .unwrap_err(),
         ),
         (
@@ -341,7 +342,7 @@ fn a_call_is_refused_in_the_words_of_the_format() {
                     sphere.0,
                     sphere.1,
                     SurfaceLook {
-                        emission: Some(Vec3::ONE),
+                        emission: Some(Rgb::ONE),
                         transform: DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.0)),
                         ..lit(0)
                     },
@@ -357,7 +358,7 @@ fn a_call_is_refused_in_the_words_of_the_format() {
                 .add_surface(
                     ShapeDesc::disk(DVec3::ZERO, DVec3::Y, 1.0).unwrap().0,
                     sphere.1,
-                    SurfaceLook { emission: Some(Vec3::ONE), ..lit(0) },
+                    SurfaceLook { emission: Some(Rgb::ONE), ..lit(0) },
                 )
                 .unwrap_err(),
         ),
@@ -408,7 +409,7 @@ fn a_call_is_refused_in_the_words_of_the_format() {
         ),
         (
             one(r#""lights": [{"type": "point", "origin": [0, 1, 0], "color": [1, 1, -2]}],"#, round),
-            fresh.add_point_light(DVec3::Y, Vec3::new(1.0, 1.0, -2.0)).unwrap_err(),
+            fresh.add_point_light(DVec3::Y, Rgb::new(1.0, 1.0, -2.0)).unwrap_err(),
         ),
         (
             one(r#""render": {"shadowRays": 2000},"#, round),

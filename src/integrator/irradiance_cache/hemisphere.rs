@@ -84,7 +84,7 @@ impl Strata {
         let nearest = if mean_distance.is_finite() { NEAREST * mean_distance } else { 0.0 };
         let at = |j: usize, k: usize| {
             let ray = &rays[j * sectors + k];
-            (ray.radiance.as_dvec3(), f64::from(ray.distance).max(nearest))
+            (ray.radiance.to_f64(), f64::from(ray.distance).max(nearest))
         };
         // Of the border below ring j; and the mean of the tangent in ring j, its integral over sin^2 in closed form.
         let sin_below = |j: usize| (j as f64 / m).sqrt();
@@ -125,9 +125,9 @@ impl Strata {
             add(&mut translation, border + FRAC_PI_2, around);
         }
         Estimate {
-            irradiance: (PI / (m * n) * sum).as_vec3a(),
-            rotation: rotation.map(|v| v.as_vec3a()),
-            translation: translation.map(|v| v.as_vec3a()),
+            irradiance: Rgb::from_f64(PI / (m * n) * sum),
+            rotation: rotation.map(Rgb::from_f64),
+            translation: translation.map(Rgb::from_f64),
             mean_distance: mean_distance as f32,
         }
     }

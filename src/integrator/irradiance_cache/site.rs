@@ -10,6 +10,7 @@ use crate::camera::Camera;
 use crate::math::{Frame, Ray, Vec3};
 use crate::sampling::{Sampler as _, SobolSampler};
 use crate::scene::Scene;
+use crate::spectrum::Rgb;
 
 /// Share of a pixel's light below which a branch at glass is not followed.
 const LEAST_SHARE: f32 = 0.05;
@@ -101,11 +102,11 @@ impl Site {
             let wi = frame.to_world(strata.direction(stratum, sampler.pixel_2d())).normalize();
             // A direction through the face, which an interpolated normal may have, brings nothing.
             if wi.dot(self.facing) <= 0.0 {
-                return Incident { radiance: Vec3::ZERO, distance: f32::INFINITY };
+                return Incident { radiance: Rgb::ZERO, distance: f32::INFINITY };
             }
             let (radiance, distance) = source.incident(scene, Ray::new(self.origin, wi), sampler, tracer);
             // As in an image: what is not finite counts as black.
-            Incident { radiance: if radiance.is_finite() { radiance } else { Vec3::ZERO }, distance }
+            Incident { radiance: if radiance.is_finite() { radiance } else { Rgb::ZERO }, distance }
         };
         (0..strata.count()).map(one).collect()
     }

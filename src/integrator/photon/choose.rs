@@ -170,7 +170,7 @@ fn look(scene: &Scene) -> Result<Seen> {
 fn areas(emitters: &[Emitter]) -> Vec<f64> {
     let radiance = |emitter: &Emitter| match emitter {
         Emitter::Point { .. } => f64::INFINITY,
-        _ => emitter.power().dot(LUMINANCE_WEIGHTS.as_dvec3()) / emitter.area(),
+        _ => emitter.power().dot(LUMINANCE_WEIGHTS.to_f64()) / emitter.area(),
     };
     let mut order: Vec<(f64, usize)> = emitters.iter().map(radiance).zip(0..).collect();
     order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));

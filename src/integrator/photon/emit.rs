@@ -48,7 +48,7 @@ impl Emission {
         }
         let weights: Vec<f64> = match sharing {
             PhotonSharing::Power => {
-                let power = |emitter: &Emitter| emitter.power().dot(LUMINANCE_WEIGHTS.as_dvec3());
+                let power = |emitter: &Emitter| emitter.power().dot(LUMINANCE_WEIGHTS.to_f64());
                 let seen: Vec<f64> =
                     emitters.iter().map(|emitter| power(emitter) * share_aimed(emitter, &balls)).collect();
                 let (all, aimed) = (emitters.iter().map(power).sum::<f64>(), seen.iter().sum::<f64>());
@@ -96,7 +96,7 @@ impl Emission {
         }
         let origin = departure.normal.map_or(p, |normal| departure.point.offset(normal));
         let power = emitter.power() * (ratio * share / f64::from(probability));
-        Some((Ray::new(origin, direction.normalize()), power.as_vec3a()))
+        Some((Ray::new(origin, direction.normalize()), Rgb::from_f64(power)))
     }
 
     /// The number of the emitter from which [`Emission::begin`] begins with these numbers.

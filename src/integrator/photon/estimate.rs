@@ -246,8 +246,8 @@ impl<'v, 's> Gathered<'v, 's> {
             self.narrow += power * self.kernel.density(distance2, self.radius * (1.0 / SQRT_2));
         }
         if self.count & 0xff == 0 {
-            self.sums[0] += std::mem::take(&mut self.sum).as_dvec3();
-            self.sums[1] += std::mem::take(&mut self.narrow).as_dvec3();
+            self.sums[0] += std::mem::take(&mut self.sum).to_f64();
+            self.sums[1] += std::mem::take(&mut self.narrow).to_f64();
         }
     }
 
@@ -255,7 +255,7 @@ impl<'v, 's> Gathered<'v, 's> {
     fn finish(self) -> Estimate {
         let f = self.factor;
         let [sum, narrow] = [(self.sums[0], self.sum), (self.sums[1], self.narrow)]
-            .map(|(before, last)| (before + last.as_dvec3()).as_vec3a());
+            .map(|(before, last)| Rgb::from_f64(before + last.to_f64()));
         Estimate { radiance: f * sum, narrow: f * narrow, count: self.count, radius: self.radius }
     }
 }

@@ -185,7 +185,7 @@ impl PhotonTracer {
             shot.tally.paths += 1;
             let (u, d) = (sampler.next_4d(), sampler.next_4d());
             if let Some((ray, power)) = self.emission.begin(&self.scene, u, d, self.share) {
-                shot.tally.emitted += power.as_dvec3();
+                shot.tally.emitted += power.to_f64();
                 self.path(ray, power, &mut sampler, &mut tracer, &mut shot);
             }
         }
@@ -205,7 +205,7 @@ impl PhotonTracer {
         let mut was_specular = false;
         for depth in 1_u32.. {
             let Some(hit) = tracer.intersect(&ray) else {
-                shot.tally.escaped += power.as_dvec3();
+                shot.tally.escaped += power.to_f64();
                 return;
             };
             let vertex = Vertex::new(&self.scene, &ray, &hit);
@@ -235,23 +235,23 @@ impl PhotonTracer {
                 MapKind::Indirect | MapKind::Global => false,
             };
             if is_over || depth >= self.max_depth {
-                shot.tally.left += power.as_dvec3();
+                shot.tally.left += power.to_f64();
                 return;
             }
             let u = sampler.next_4d();
             let Some(bounce) = vertex.sample_bounce(u) else {
-                shot.tally.absorbed += power.as_dvec3();
+                shot.tally.absorbed += power.to_f64();
                 return;
             };
             let scattered = power * bounce.weight * (bounce.eta * bounce.eta * vertex.adjoint(bounce.ray.direction));
             // Scattered power may exceed what came where the model is unfair to one direction; then nothing is gambled.
             let survival = roulette(scattered.max_element() / power.max_element(), depth);
             if survival.is_nan() || u[3] >= survival {
-                shot.tally.absorbed += power.as_dvec3();
+                shot.tally.absorbed += power.to_f64();
                 return;
             }
             let next = if survival < 1.0 { scattered / survival } else { scattered };
-            shot.tally.absorbed += power.as_dvec3() - next.as_dvec3();
+            shot.tally.absorbed += power.to_f64() - next.to_f64();
             power = next;
             ray = bounce.ray;
         }

@@ -133,7 +133,7 @@ impl Elements {
         let mut roots = Vec::new();
         scene.each_face(|face| {
             let albedo = albedos[face.material as usize];
-            let emitted = std::f64::consts::PI * face.emission.as_dvec3();
+            let emitted = std::f64::consts::PI * face.emission.to_f64();
             let (triangles, outer, error, shape, is_smooth) = match face.body {
                 Body::Triangle { corners, normal, error, is_smooth } => {
                     (vec![corners], Some(normal.as_dvec3()), error, NONE, is_smooth)
@@ -556,14 +556,14 @@ pub(super) fn mean_albedo(bsdf: &Bsdf) -> DVec3 {
         return DVec3::ZERO;
     }
     if let Bsdf::Lambert(lambert) = bsdf {
-        return lambert.albedo().as_dvec3();
+        return lambert.albedo().to_f64();
     }
     // Mean of the directional albedo by the cosine, by the rule of the middle in its square.
     const STEPS: u32 = 4096;
     let at = |i: u32| {
         let cos2 = (f64::from(i) + 0.5) / f64::from(STEPS);
         let wo = DVec3::new((1.0 - cos2).sqrt(), 0.0, cos2.sqrt()).as_vec3a();
-        bsdf.mean_f(wo).map_or(DVec3::ZERO, |f| f.as_dvec3() * std::f64::consts::PI)
+        bsdf.mean_f(wo).map_or(DVec3::ZERO, |f| f.to_f64() * std::f64::consts::PI)
     };
     (0..STEPS).map(at).sum::<DVec3>() / f64::from(STEPS)
 }

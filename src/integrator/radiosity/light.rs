@@ -142,7 +142,7 @@ impl Sent {
                     _ => (1.0 / 6.0, 0.5),
                 };
                 let share = (nodes[child].area / node.area) as f32;
-                sum += share * (weight * (self.b[child] - mean).as_vec3a() + side * self.tilt[child][corner]);
+                sum += share * (weight * Rgb::from_f64(self.b[child] - mean) + side * self.tilt[child][corner]);
             }
             sum
         })

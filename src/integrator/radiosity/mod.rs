@@ -217,7 +217,7 @@ impl Radiosity {
             irradiance.fill(Rgb::ZERO);
         }
         if desc.ambient {
-            let ambient = ambient.as_vec3a();
+            let ambient = Rgb::from_f64(ambient);
             irradiance.iter_mut().for_each(|e| *e += ambient);
         }
         let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
@@ -239,7 +239,7 @@ impl Radiosity {
             summary.elements += 1;
         }
         let emitted = scene.emitters().emitters().iter().map(crate::emitter::Emitter::power).sum::<DVec3>();
-        (summary.emitted, summary.absorbed) = (emitted.as_vec3a(), absorbed.as_vec3a());
+        (summary.emitted, summary.absorbed) = (Rgb::from_f64(emitted), Rgb::from_f64(absorbed));
         summary.elapsed = start.elapsed();
         let is_bounded = solve::largest_albedo(&elements) < 1.0;
         let bound = if summary.error_bound.is_finite() {
@@ -321,7 +321,7 @@ impl Radiosity {
                     let irradiance = self.irradiance[vertex as usize];
                     mesh.positions.push(elements.vertices[vertex as usize] + self.scene.centre());
                     mesh.irradiance.push(irradiance);
-                    mesh.radiosity.push(patch.emitted.as_vec3a() + patch.albedo.as_vec3a() * irradiance);
+                    mesh.radiosity.push(Rgb::from_f64(patch.emitted) + Rgb::from_f64(patch.albedo) * irradiance);
                     mesh.positions.len() as u32 - 1
                 })
             });
@@ -392,7 +392,7 @@ fn cut(shared: &Shared, parallel: &mut impl Parallel) -> Result<()> {
     let threshold = network.judge.threshold;
     for (leaf, within) in found {
         let node = &mut network.judge.elements.nodes[leaf as usize];
-        let corners = node.corners.map(|vertex| at_vertices[vertex as usize].as_dvec3());
+        let corners = node.corners.map(|vertex| at_vertices[vertex as usize].to_f64());
         let mean = (corners[0] + corners[1] + corners[2]) / 3.0;
         if (mean - within).abs().max_element() * node.area.sqrt() > BETWEEN * threshold {
             node.is_cut = true;
@@ -429,7 +429,7 @@ fn first_norm(network: &Network) -> Result<f64> {
                 let shadow = Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: 1.0 };
                 let cosine = f64::from(normal.dot(light.wi).max(0.0) / light.pdf);
                 let seen = if cosine > 0.0 && scene.unoccluded(&shadow) { cosine } else { 0.0 };
-                sum += seen * (power.as_dvec3() * light.radiance.as_dvec3()).max_element();
+                sum += seen * (power.to_f64() * light.radiance.to_f64()).max_element();
             }
         }
     }

@@ -24,7 +24,7 @@ pub(crate) struct RadiosityPicture {
 
 impl RadiosityPicture {
     pub fn new(scene: &Scene, solution: Arc<Radiosity>, final_gather: bool, shadow_rays: u32) -> Self {
-        let one = |i: usize| mean_albedo(&scene.material(i as u32).bsdf).as_vec3a() * FRAC_1_PI;
+        let one = |i: usize| Rgb::from_f64(mean_albedo(&scene.material(i as u32).bsdf)) * FRAC_1_PI;
         let reflected = (0..scene.info().materials).map(one).collect();
         Self { solution, reflected, final_gather, shadow_rays }
     }

@@ -47,7 +47,7 @@ impl Network {
     pub fn new(scene: &Scene, elements: Elements) -> Self {
         let light = |emitter: &Emitter| match emitter {
             Emitter::Point { position, intensity } => {
-                Some(PointLight { position: position.as_dvec3(), intensity: intensity.as_dvec3() })
+                Some(PointLight { position: position.as_dvec3(), intensity: intensity.to_f64() })
             }
             _ => None,
         };
@@ -101,7 +101,7 @@ impl Network {
     }
 
     pub fn scale_of(&self, leaf: u32) -> DVec3 {
-        self.scale.get(leaf as usize).map_or(DVec3::ONE, |scale| scale.as_dvec3())
+        self.scale.get(leaf as usize).map_or(DVec3::ONE, |scale| scale.to_f64())
     }
 
     pub fn links_of(&self, node: u32) -> &[Link] {

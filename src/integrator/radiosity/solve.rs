@@ -243,7 +243,7 @@ pub(super) fn balance(shared: &Shared, looks: bool, parallel: &mut impl Parallel
             let better = irradiance_of_leaf(&network, leaf, &received, about);
             let scale = network.scale_of(leaf) * better / irradiance;
             let bounded = |scale: f64| if scale.is_finite() { scale.clamp(SCALES[0], SCALES[1]) } else { 1.0 };
-            (leaf, DVec3::from(scale.to_array().map(bounded)).as_vec3a())
+            (leaf, Rgb::from_f64(DVec3::from(scale.to_array().map(bounded))))
         };
         leaves[block * BLOCK..].iter().take(BLOCK).map(scale).collect::<Vec<_>>()
     })?;

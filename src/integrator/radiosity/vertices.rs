@@ -68,7 +68,7 @@ pub(super) fn vertices(shared: &Shared, parallel: &mut impl Parallel) -> Result<
     let mut irradiance: Vec<DVec3> =
         sums.into_iter().map(|(sum, total)| if total > 0.0 { sum / total } else { DVec3::ZERO }).collect();
     hang(elements, &hanging(elements), &mut irradiance, |a, b| 0.5 * (a + b));
-    Ok(irradiance.into_iter().map(|e| e.as_vec3a()).collect())
+    Ok(irradiance.into_iter().map(Rgb::from_f64).collect())
 }
 
 /// Moves vertices towards where the means over elements, interpolated, are those of `leaves`: light's peaks are rounder between
@@ -81,7 +81,7 @@ pub(super) fn conserve(elements: &Elements, irradiance: &mut [Rgb], leaves: &[(u
         let mut lacks = vec![(DVec3::ZERO, 0.0); irradiance.len()];
         for &(leaf, mean) in leaves {
             let node = &elements.nodes[leaf as usize];
-            let corners = node.corners.map(|vertex| irradiance[vertex as usize].as_dvec3());
+            let corners = node.corners.map(|vertex| irradiance[vertex as usize].to_f64());
             let lack = mean - (corners[0] + corners[1] + corners[2]) / 3.0;
             let known = KNOWN * mean;
             let lack = lack - lack.clamp(-known, known);
@@ -102,7 +102,7 @@ pub(super) fn conserve(elements: &Elements, irradiance: &mut [Rgb], leaves: &[(u
         }
         for (irradiance, (sum, area)) in irradiance.iter_mut().zip(lacks) {
             if area > 0.0 {
-                *irradiance = (*irradiance + (sum / area).as_vec3a()).max(Rgb::ZERO);
+                *irradiance = (*irradiance + Rgb::from_f64(sum / area)).max(Rgb::ZERO);
             }
         }
         hang(elements, &hanging, irradiance, |a, b| 0.5 * (a + b));
@@ -280,7 +280,7 @@ fn seen_from(p: DVec3, n: DVec3, corners: &[DVec3; 3], facing: DVec3, judge: &Ju
     let total = kernel[0] + kernel[1] + kernel[2];
     let b = judge.sent.b[source as usize];
     if total > 0.0 {
-        let [first, second] = judge.sent.tilt[source as usize].map(|tilt| tilt.as_dvec3());
+        let [first, second] = judge.sent.tilt[source as usize].map(|tilt| tilt.to_f64());
         let more = first * (kernel[0] - kernel[2]) + second * (kernel[1] - kernel[2]);
         (b + 3.0 / total * more).max(DVec3::ZERO)
     } else {

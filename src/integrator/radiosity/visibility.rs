@@ -134,7 +134,7 @@ impl Judge {
             return self.sent.b[leaf as usize].element_sum();
         }
         let patch = &self.elements.patches[node.patch as usize];
-        let [a, b, c] = node.corners.map(|vertex| self.at_vertices[vertex as usize].as_dvec3());
+        let [a, b, c] = node.corners.map(|vertex| self.at_vertices[vertex as usize].to_f64());
         (patch.emitted + patch.albedo * (a * (1.0 - s - t) + b * s + c * t)).element_sum()
     }
 

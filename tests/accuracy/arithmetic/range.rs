@@ -7,9 +7,10 @@ use etendue::desc::{
     BsdfDesc, CameraDesc, FilterDesc, IntegratorDesc, MeshDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc,
 };
 use etendue::film::{Image, LayerKind};
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::render::{Render, RenderSettings};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 use super::repeat::load;
 use crate::common::scenes::{box_inside, camera, mean_and_error, point_light, render_scene, scene};
@@ -31,7 +32,7 @@ fn build(desc: &SceneDesc) -> Scene {
 }
 
 fn grey(albedo: f32) -> BsdfDesc {
-    BsdfDesc::Lambert { albedo: Vec3::splat(albedo) }
+    BsdfDesc::Lambert { albedo: Rgb::splat(albedo) }
 }
 
 /// A closed box with a point light, a shining ball, a shining triangle, glass and a mirror.
@@ -42,13 +43,13 @@ fn everything() -> SceneDesc {
         vec![
             (
                 ShapeDesc::Mesh { mesh: 0, smooth: false },
-                BsdfDesc::OrenNayarQualitative { albedo: Vec3::new(0.7, 0.5, 0.3), sigma: 0.4 },
+                BsdfDesc::OrenNayarQualitative { albedo: Rgb::new(0.7, 0.5, 0.3), sigma: 0.4 },
                 None,
             ),
-            (ball(0.3, 0.5, 0.1), grey(0.0), Some(Vec3::new(3.0, 2.0, 1.0))),
+            (ball(0.3, 0.5, 0.1), grey(0.0), Some(Rgb::new(3.0, 2.0, 1.0))),
             (ball(-0.4, -0.4, 0.3), BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 }, None),
-            (ball(0.5, -0.5, 0.25), BsdfDesc::Mirror { reflectance: Vec3::splat(0.9) }, None),
-            (ShapeDesc::Mesh { mesh: 1, smooth: false }, grey(0.2), Some(Vec3::new(0.5, 1.0, 2.0))),
+            (ball(0.5, -0.5, 0.25), BsdfDesc::Mirror { reflectance: Rgb::splat(0.9) }, None),
+            (ShapeDesc::Mesh { mesh: 1, smooth: false }, grey(0.2), Some(Rgb::new(0.5, 1.0, 2.0))),
         ],
     );
     desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE).into());
@@ -232,7 +233,7 @@ fn dark_surfaces(case: &mut Case) {
     }
     // In a closed box that shines everywhere, of albedo 10^-30 and 10^-45: 1 / (1 - albedo) is 1.
     for albedo in [1e-30_f32, f32::from_bits(1)] {
-        let walls = (ShapeDesc::Mesh { mesh: 0, smooth: false }, grey(albedo), Some(Vec3::ONE));
+        let walls = (ShapeDesc::Mesh { mesh: 0, smooth: false }, grey(albedo), Some(Rgb::ONE));
         let mut desc = scene(camera(DVec3::ZERO, DVec3::NEG_Z, 90.0), vec![walls]);
         desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE).into());
         let image = render_scene(&build(&desc), render.clone()).0;

@@ -4,6 +4,7 @@ use etendue::bsdf::Dielectric;
 use etendue::desc::{BsdfDesc, IntegratorDesc, SceneDesc, ShapeDesc};
 use etendue::math::{DVec3, Vec3};
 use etendue::sampling::{Rng, warps};
+use etendue::spectrum::Rgb;
 
 use crate::common::scenes::{Job, box_inside, camera, mean_and_error, render, scene};
 use crate::record::{Case, Entry, Within};
@@ -58,7 +59,7 @@ fn half_space(case: &mut Case) {
             let eye = DVec3::new(0.0, 0.0, -1.0);
             let mut desc = scene(
                 camera(eye, eye + DVec3::new(sin, 0.0, cos), 0.01),
-                vec![(surface, bsdf, None), (facing_down(1e5, 1.0), BsdfDesc::Black, Some(Vec3::ONE))],
+                vec![(surface, bsdf, None), (facing_down(1e5, 1.0), BsdfDesc::Black, Some(Rgb::ONE))],
             );
             for (integrator, whose) in [(IntegratorDesc::Path, "path"), (IntegratorDesc::Whitted, "Whitted")] {
                 // Whitted's tree follows both branches: what is left is noise of the footprint.
@@ -86,7 +87,7 @@ fn half_space(case: &mut Case) {
             let there = dielectric.sample(warps::uniform_sphere(rng.next_2d()), 1.0_f32.next_down());
             let back = dielectric.sample(there.wi, 1.0_f32.next_down());
             if there.eta != 1.0 && back.eta != 1.0 {
-                worst = worst.max((f64::from(there.weight.x) * f64::from(back.weight.x) - 1.0).abs());
+                worst = worst.max((f64::from(there.weight.r()) * f64::from(back.weight.r()) - 1.0).abs());
             }
         }
     }
@@ -95,7 +96,7 @@ fn half_space(case: &mut Case) {
 
 /// Balls of glass inside one another in a bright room.
 fn onion(eye: DVec3, layers: &[(f64, f32, f32)]) -> SceneDesc {
-    let mut surfaces = vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, BsdfDesc::Black, Some(Vec3::ONE))];
+    let mut surfaces = vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, BsdfDesc::Black, Some(Rgb::ONE))];
     surfaces.extend(layers.iter().map(|&(radius, ior, exterior_ior)| {
         let ball = ShapeDesc::Sphere { centre: DVec3::ZERO, radius };
         (ball, BsdfDesc::Dielectric { ior, exterior_ior }, None)

@@ -27,7 +27,7 @@ fn lambert_values(case: &mut Case) {
         let bsdf = lambert(albedo);
         let (wo, wi) = (direction(20.0, 0.0), direction(70.0, 50.0));
         let exact = f64::from(albedo) / PI;
-        case.exact(format!("f, albedo {albedo}"), f64::from(bsdf.f(wo, wi).x), exact, Within::Ulps(1.0));
+        case.exact(format!("f, albedo {albedo}"), f64::from(bsdf.f(wo, wi).r()), exact, Within::Ulps(1.0));
         let mut rng = Rng::new(27, 0);
         let other = (0..tries).filter(|_| {
             let wo = warps::uniform_sphere(rng.next_2d());
@@ -64,7 +64,7 @@ fn rough_values(case: &mut Case) {
                 for phi in [0.0, 77.0, 200.0] {
                     let f = model(roughness).f(direction(theta_o, phi + dphi), direction(theta_i, phi));
                     let worst = if theta_i == 89.0 { &mut grazing } else { &mut upright };
-                    worst.add(f64::from(f.x), value);
+                    worst.add(f64::from(f.r()), value);
                 }
             }
             upright.row(case, format!("{name} {roughness}, worst of 4 pairs up to 80°"), 2e-6);
@@ -76,7 +76,7 @@ fn rough_values(case: &mut Case) {
     let poles = [Vec3::Z, Vec3::new(1e-38, 0.0, 1.0), Vec3::new(0.0, -1e-45, 1.0)];
     for wo in poles {
         for wi in poles {
-            let tops = [oren_nayar_qualitative(0.5).f(wo, wi).x, oren_nayar(0.5).f(wo, wi).x].map(f64::from);
+            let tops = [oren_nayar_qualitative(0.5).f(wo, wi).r(), oren_nayar(0.5).f(wo, wi).r()].map(f64::from);
             // Facing it there is no shadow term: A / pi and A.
             let exact = [(1.0 - 0.25 / (2.0 * 0.58)) / PI, 1.0 / (PI + 0.5 * (FRAC_PI_2 - 2.0 / 3.0))];
             bad += tops.into_iter().zip(exact).filter(|(got, exact)| (got / exact - 1.0).abs() > 2e-7).count() as u64;
@@ -110,7 +110,7 @@ fn limits(case: &mut Case) {
             let (wo, wi) = (warps::cosine_hemisphere(rng.next_2d()), warps::cosine_hemisphere(rng.next_2d()));
             // Where a direction grazes, any roughness matters.
             if wo.z.max(wi.z) > 0.2 {
-                worst.add(f64::from(rough.f(wo, wi).x), 1.0 / PI);
+                worst.add(f64::from(rough.f(wo, wi).r()), 1.0 / PI);
             }
         }
         worst.row(case, format!("{name} against Lambert, cosine above 0.2"), 1e-3);
@@ -155,7 +155,7 @@ fn reciprocity(case: &mut Case) {
         let (mut worst, mut through) = (0.0_f64, 0);
         for _ in 0..tries {
             let (a, b) = (warps::uniform_sphere(rng.next_2d()), warps::uniform_sphere(rng.next_2d()));
-            let (ab, ba) = (f64::from(bsdf.f(a, b).x), f64::from(bsdf.f(b, a).x));
+            let (ab, ba) = (f64::from(bsdf.f(a, b).r()), f64::from(bsdf.f(b, a).r()));
             if ab != ba {
                 worst = worst.max((ab - ba).abs() / ab.max(ba));
             }
@@ -216,11 +216,11 @@ fn grazing(case: &mut Case) {
                 let (f, pdf) = bsdf.f_pdf(wo, wi);
                 let larger = f64::from(wo.z.abs().max(wi.z.abs()));
                 let fine = f.is_finite()
-                    && f.x >= 0.0
-                    && PI * f64::from(f.x) * larger <= bound
+                    && f.r() >= 0.0
+                    && PI * f64::from(f.r()) * larger <= bound
                     && pdf.is_finite()
                     && pdf >= 0.0
-                    && (f.x == 0.0 || pdf > 0.0);
+                    && (f.r() == 0.0 || pdf > 0.0);
                 values += 1;
                 bad_values += u64::from(!fine);
             }
@@ -235,7 +235,7 @@ fn grazing(case: &mut Case) {
                         sample.weight.is_finite()
                             && sample.pdf > 0.0
                             && sample.wi.z > 0.0
-                            && f64::from(sample.weight.x) * larger <= bound
+                            && f64::from(sample.weight.r()) * larger <= bound
                     }
                     None => cos == 0.0,
                 };

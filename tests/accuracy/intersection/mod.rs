@@ -13,9 +13,10 @@ use std::f64::consts::{PI, TAU};
 
 use etendue::desc::{BsdfDesc, CameraDesc, MeshDesc, SceneDesc, ShapeDesc};
 use etendue::embree::{self, Device, DeviceOptions, SceneBuilder, SceneOptions, TriangleMesh};
-use etendue::math::{Bounds, DVec3, Ray, Vec3};
+use etendue::math::{Bounds, DVec3, Ray};
 use etendue::sampling::Rng;
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 use crate::common::scenes;
 use crate::record::Entry;
@@ -34,7 +35,7 @@ pub fn cases() -> Vec<Entry> {
     topics.into_iter().flatten().collect()
 }
 
-const GREY: BsdfDesc = BsdfDesc::Lambert { albedo: Vec3::splat(0.5) };
+const GREY: BsdfDesc = BsdfDesc::Lambert { albedo: Rgb::splat(0.5) };
 
 /// How analytic shapes are found: tested in a list, or in the kernel's tree.
 const PLACES: [(usize, &str); 2] = [(16, "list"), (0, "tree")];

@@ -1,9 +1,10 @@
 //! Scenes far from the origin, and of every size.
 
 use etendue::desc::{BsdfDesc, SceneDesc, ShapeDesc};
-use etendue::math::{DAffine3, DQuat, DVec3, Ray, Vec3};
+use etendue::math::{DAffine3, DQuat, DVec3, Ray};
 use etendue::sampling::Rng;
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 use super::{
     BALL, EVERYWHERE, GREY, PLACES, ball, below, build, camera, in_cube, mesh_scene, on_sphere, range, shapes, tally,
@@ -26,8 +27,8 @@ fn room(shift: DVec3) -> SceneDesc {
     let mut desc = scene(
         camera(shift + DVec3::new(0.0, 0.0, 0.875), shift + DVec3::NEG_Z),
         vec![
-            (ShapeDesc::Mesh { mesh: 0, smooth: false }, BsdfDesc::Lambert { albedo: Vec3::new(0.7, 0.5, 0.3) }, None),
-            (lamp, GREY, Some(Vec3::splat(3.0))),
+            (ShapeDesc::Mesh { mesh: 0, smooth: false }, BsdfDesc::Lambert { albedo: Rgb::new(0.7, 0.5, 0.3) }, None),
+            (lamp, GREY, Some(Rgb::splat(3.0))),
             (ShapeDesc::Sphere { centre: shift + DVec3::new(0.5, -0.5, 0.0), radius: 0.25 }, GREY, None),
             (ShapeDesc::Quadric { coefficients: BALL, clip: EVERYWHERE }, GREY, None),
             (ShapeDesc::Mesh { mesh: 1, smooth: true }, BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 }, None),

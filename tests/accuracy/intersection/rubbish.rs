@@ -7,6 +7,7 @@ use etendue::desc::{BsdfDesc, HostMesh, MeshDesc, SceneDesc, ShapeDesc};
 use etendue::embree::SceneOptions;
 use etendue::math::{DVec3, Ray, Vec3};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 use super::{GREY, ball, build, camera, in_cube, kernel, mesh_scene, on_sphere, range, shapes, tally, unit};
 use crate::common::scenes::{Job, box_inside, render, scene};
@@ -32,8 +33,8 @@ fn lit_box() -> SceneDesc {
     let mut desc = scene(
         camera(DVec3::new(0.0, 0.0, 0.9), DVec3::NEG_Z),
         vec![
-            (ShapeDesc::Mesh { mesh: 0, smooth: false }, BsdfDesc::Lambert { albedo: Vec3::new(0.7, 0.5, 0.3) }, None),
-            (ShapeDesc::Quad(LAMP), GREY, Some(Vec3::splat(10.0))),
+            (ShapeDesc::Mesh { mesh: 0, smooth: false }, BsdfDesc::Lambert { albedo: Rgb::new(0.7, 0.5, 0.3) }, None),
+            (ShapeDesc::Quad(LAMP), GREY, Some(Rgb::splat(10.0))),
         ],
     );
     desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE).into());
@@ -66,7 +67,7 @@ fn rubbish(case: &mut Case) {
         mesh.triangles.insert(0, [first, first + 1, first + 2]);
     }
     mesh.triangles.extend([[0, 0, 0], [1, 1, 5], [3, 2, 3]]);
-    let loose = |emission: Option<Vec3>| {
+    let loose = |emission: Option<Rgb>| {
         let mut desc = clean.clone();
         for corners in FLAT {
             let mut surface = desc.surfaces[0].clone();
@@ -75,10 +76,10 @@ fn rubbish(case: &mut Case) {
         }
         desc
     };
-    let mut emitting_mesh = loose(Some(Vec3::splat(1e6)));
+    let mut emitting_mesh = loose(Some(Rgb::splat(1e6)));
     emitting_mesh.surfaces[0].emission = None;
     for (name, desc) in
-        [("in a mesh", in_mesh), ("by themselves", loose(None)), ("that should emit", loose(Some(Vec3::splat(1e6))))]
+        [("in a mesh", in_mesh), ("by themselves", loose(None)), ("that should emit", loose(Some(Rgb::splat(1e6))))]
     {
         let image = bits(&desc);
         let different = image.iter().zip(&reference).filter(|(a, b)| a != b).count();
@@ -195,8 +196,8 @@ fn duplicates(case: &mut Case) {
         ShapeDesc::Quad([corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)])
     };
     let lit = |copies: usize| {
-        let mut surfaces = vec![(ShapeDesc::Quad(LAMP), GREY, Some(Vec3::splat(10.0)))];
-        surfaces.extend((0..copies).map(|_| (floor(0.0), BsdfDesc::Lambert { albedo: Vec3::ONE }, None)));
+        let mut surfaces = vec![(ShapeDesc::Quad(LAMP), GREY, Some(Rgb::splat(10.0)))];
+        surfaces.extend((0..copies).map(|_| (floor(0.0), BsdfDesc::Lambert { albedo: Rgb::ONE }, None)));
         bits(&scene(camera(DVec3::new(0.0, 0.5, 2.0), DVec3::ZERO), surfaces))
     };
     let one = lit(1);

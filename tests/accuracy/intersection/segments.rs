@@ -5,6 +5,7 @@ use etendue::integrator::{Direct, Integrator as _, Tracer};
 use etendue::math::{DAffine3, DVec3, Ray, Vec3};
 use etendue::sampling::{Pattern, PatternSampler, Rng, Sampler as _};
 use etendue::scene::{Hit, Scene};
+use etendue::spectrum::Rgb;
 
 use super::{GREY, PLACES, build, in_cube, tally};
 use crate::common::scenes::{point_light, scene};
@@ -48,11 +49,11 @@ fn hall(lamp: Lamp, distance: f64, blocker: Option<f64>, eye: DVec3) -> SceneDes
     };
     let mut surfaces = Vec::new();
     match lamp {
-        Lamp::Quad => surfaces.push((sheet(1.0, 0.05), GREY, Some(Vec3::ONE))),
+        Lamp::Quad => surfaces.push((sheet(1.0, 0.05), GREY, Some(Rgb::ONE))),
         // Its nearest point at D.
         Lamp::Sphere => {
             let centre = DVec3::Z * 1.05 * distance;
-            surfaces.push((ShapeDesc::Sphere { centre, radius: 0.05 * distance }, GREY, Some(Vec3::ONE)));
+            surfaces.push((ShapeDesc::Sphere { centre, radius: 0.05 * distance }, GREY, Some(Rgb::ONE)));
         }
         Lamp::Point => {}
     }

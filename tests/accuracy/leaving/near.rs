@@ -4,6 +4,7 @@ use etendue::desc::{BsdfDesc, SceneDesc, ShapeDesc};
 use etendue::math::{DAffine3, DVec3, Ray, Vec3};
 use etendue::sampling::Rng;
 use etendue::scene::Scene;
+use etendue::spectrum::Rgb;
 
 use super::instances::ball_mesh;
 use super::spawn::{GREY, LIST, TREE, Tally, away, build, met, random_direction, shoot, signed, walk};
@@ -106,7 +107,7 @@ fn cube_on_plane(scale: f64, is_mesh: bool, light: DVec3) -> SceneDesc {
         desc.meshes.push(mesh.into());
         plane = ShapeDesc::Mesh { mesh: 1, smooth: false };
     }
-    add(&mut desc, 0, plane, BsdfDesc::Lambert { albedo: Vec3::ONE }, None);
+    add(&mut desc, 0, plane, BsdfDesc::Lambert { albedo: Rgb::ONE }, None);
     add(&mut desc, 1, ShapeDesc::Mesh { mesh: 0, smooth: false }, BsdfDesc::Black, None);
     desc.lights.push(point_light(scale * light, (scale * scale) as f32));
     desc.camera = camera(scale * DVec3::new(1.0, 2.0, 3.0), DVec3::ZERO, 60.0);
@@ -264,7 +265,7 @@ fn corners(case: &mut Case) {
     // A closed room with a lamp outside: every pixel is black.
     let mut desc = scene(
         camera(DVec3::splat(0.5), DVec3::ZERO, 100.0),
-        vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, BsdfDesc::Lambert { albedo: Vec3::splat(0.9) }, None)],
+        vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, BsdfDesc::Lambert { albedo: Rgb::splat(0.9) }, None)],
     );
     desc.meshes.push(box_inside(DVec3::ZERO, DVec3::ONE).into());
     desc.lights.push(point_light(DVec3::new(-0.2, -0.3, -0.1), 1.0));

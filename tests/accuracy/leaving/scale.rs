@@ -1,7 +1,8 @@
 //! One picture at every scale.
 
 use etendue::desc::{BsdfDesc, SceneDesc, ShapeDesc};
-use etendue::math::{DAffine3, DVec3, Vec3};
+use etendue::math::{DAffine3, DVec3};
+use etendue::spectrum::Rgb;
 
 use super::instances::ball_mesh;
 use super::spawn::{GREY, LIST, TREE, build};
@@ -46,7 +47,7 @@ fn tilted(body: Body, is_area: bool, scale: f64) -> SceneDesc {
     if is_area {
         let at = |x: f64, y: f64| scale * DVec3::new(x, y, 1.4);
         let lamp = ShapeDesc::Quad([at(-0.5, -0.5), at(-0.5, 0.5), at(0.5, 0.5), at(0.5, -0.5)]);
-        surfaces.push((lamp, BsdfDesc::Black, Some(Vec3::ONE)));
+        surfaces.push((lamp, BsdfDesc::Black, Some(Rgb::ONE)));
     }
     let mut desc = scene(camera(scale * DVec3::new(0.2, 0.1, 3.0), DVec3::ZERO, 40.0), surfaces);
     if let Body::Meshes(uses) = body {

@@ -8,6 +8,7 @@ use etendue::desc::{BsdfDesc, IntegratorDesc, SceneDesc, ShapeDesc};
 use etendue::math::{DAffine3, DQuat, DVec3, EulerRot, Ray, Vec3};
 use etendue::sampling::Rng;
 use etendue::scene::{Scene, SurfaceInteraction};
+use etendue::spectrum::Rgb;
 
 use super::instances::ball_mesh;
 use super::spawn::{LIST, away, build, random_direction, signed};
@@ -23,7 +24,7 @@ pub fn cases() -> Vec<Entry> {
     ]
 }
 
-const WHITE: BsdfDesc = BsdfDesc::Lambert { albedo: Vec3::ONE };
+const WHITE: BsdfDesc = BsdfDesc::Lambert { albedo: Rgb::ONE };
 
 fn terminator(case: &mut Case) {
     let light = DVec3::new(0.0, 3.0, 0.0);
@@ -132,7 +133,7 @@ fn oblique_light(case: &mut Case) {
                 ShapeDesc::Quad([-u - v, v - u, u + v, u - v])
             };
             let strength = (distance / half).powi(2);
-            let surfaces = vec![(wall, WHITE, None), (light, BsdfDesc::Black, Some(Vec3::splat(strength as f32)))];
+            let surfaces = vec![(wall, WHITE, None), (light, BsdfDesc::Black, Some(Rgb::splat(strength as f32)))];
             let eye = DVec3::new(0.0, 3.0 * half, 0.0);
             let look_at = DVec3::new(0.0, 0.0, -distance);
             let [eye, look_at] = [eye, look_at].map(|p| turn.transform_point3(p));
@@ -248,7 +249,7 @@ fn glass(case: &mut Case) {
         desc.meshes.push(box_inside(DVec3::splat(-1.3), DVec3::splat(1.3)).into());
         desc.surfaces[1].shape = ShapeDesc::Mesh { mesh: 1, smooth: false };
         desc.materials[1].bsdf = BsdfDesc::Black;
-        desc.surfaces[1].emission = Some(Vec3::ONE);
+        desc.surfaces[1].emission = Some(Rgb::ONE);
         let job = Job { resolution: [64; 2], samples: case.count(128, 256) as u32, ..Job::default() };
         let (image, _) = render(&desc, &job);
         let dark = image.rgb.iter().filter(|&&value| f64::from((value - 1.0).abs()) > 0.5).count() as u64;

@@ -4,10 +4,11 @@ use etendue::desc::{BsdfDesc, SceneDesc, ShapeDesc};
 use etendue::math::{DAffine3, DVec3, Frame, HitPoint, Ray, Vec3};
 use etendue::sampling::{Rng, warps};
 use etendue::scene::{BuildOptions, Scene, SurfaceInteraction};
+use etendue::spectrum::Rgb;
 
 use crate::common::scenes::{camera, scene};
 
-pub const GREY: BsdfDesc = BsdfDesc::Lambert { albedo: Vec3::splat(0.5) };
+pub const GREY: BsdfDesc = BsdfDesc::Lambert { albedo: Rgb::splat(0.5) };
 
 /// Shapes tested in a list before Embree is asked, or all in Embree's tree.
 pub const LIST: usize = 16;

@@ -104,12 +104,12 @@ fn probabilities(case: &mut Case) {
                     nothing += 1;
                     continue;
                 };
-                let ratio = sample.radiance.y / sample.radiance.x;
+                let ratio = sample.radiance.g() / sample.radiance.r();
                 let found = (0..points).min_by(|&a, &b| {
                     let off = |i: u32| {
                         let Emitter::Point { position, intensity } = set.emitters()[i as usize] else { return 2.0 };
                         let way = (position - receiver.p).normalize();
-                        (intensity.y / intensity.x / ratio - 1.0).abs() + way.distance(sample.wi)
+                        (intensity.g() / intensity.r() / ratio - 1.0).abs() + way.distance(sample.wi)
                     };
                     f32::total_cmp(&off(a), &off(b))
                 });
@@ -196,12 +196,12 @@ fn exact(set: &EmitterSet, p: DVec3, n: DVec3) -> f64 {
                 let corners = emitter.triangle.vertices.map(Vec3::as_dvec3);
                 let shines = emitter.triangle.height_by_twice_area(p.as_vec3a()) > 0.0;
                 let factor = if shines { polygon_factor(p, n, &corners) } else { 0.0 };
-                f64::from(emitter.radiance.x) * factor
+                f64::from(emitter.radiance.r()) * factor
             }
             Emitter::Sphere(emitter) => {
                 let way = emitter.sphere.centre - p;
                 let distance = way.length();
-                f64::from(emitter.radiance.x)
+                f64::from(emitter.radiance.r())
                     * sphere_factor(emitter.sphere.radius / distance, (way.dot(n) / distance).acos())
             }
             Emitter::Point { .. } => 0.0,
@@ -238,7 +238,7 @@ fn ten_thousand(case: &mut Case) {
                 sampler.start(0, i);
                 let Some(sample) = set.sample(receiver, sampler.next_4d()) else { return 0.0 };
                 let cos = n.dot(sample.wi.as_dvec3()).max(0.0);
-                f64::from(sample.radiance.x) * cos / f64::from(sample.pdf) / std::f64::consts::PI
+                f64::from(sample.radiance.r()) * cos / f64::from(sample.pdf) / std::f64::consts::PI
             };
             let replicate = |r: u32| (r * size..(r + 1) * size).map(&mut value).sum::<f64>() / f64::from(size);
             let values: Vec<f64> = (0..REPLICATES).map(replicate).collect();
@@ -270,8 +270,8 @@ fn surfaces(case: &mut Case) {
         })
         .collect();
     for (what, bsdf) in [
-        ("Oren-Nayar", BsdfDesc::OrenNayarQualitative { albedo: Vec3::splat(0.8), sigma: 0.6 }),
-        ("Fujii", BsdfDesc::OrenNayar { albedo: Vec3::splat(0.8), roughness: 1.0 }),
+        ("Oren-Nayar", BsdfDesc::OrenNayarQualitative { albedo: Rgb::splat(0.8), sigma: 0.6 }),
+        ("Fujii", BsdfDesc::OrenNayar { albedo: Rgb::splat(0.8), roughness: 1.0 }),
     ] {
         let ball = |smooth| ShapeDesc::Mesh { mesh: 0, smooth };
         let mut desc = scene(camera(DVec3::new(0.5, 0.7, 4.0), DVec3::ZERO, 30.0), vec![(ball(true), bsdf, None)]);
@@ -303,7 +303,7 @@ fn surfaces(case: &mut Case) {
                     sampler.start(0, i);
                     let Some(sample) = set.sample(receiver, sampler.next_4d()) else { return 0.0 };
                     let wi = frame.to_local(sample.wi);
-                    f64::from(bsdf.f(wo, wi).x * sample.radiance.x * wi.z.abs()) / f64::from(sample.pdf)
+                    f64::from(bsdf.f(wo, wi).r() * sample.radiance.r() * wi.z.abs()) / f64::from(sample.pdf)
                 };
                 let replicate = |r: u32| (r * size..(r + 1) * size).map(&mut value).sum::<f64>() / f64::from(size);
                 stats::mean_and_error(&(0..REPLICATES).map(replicate).collect::<Vec<_>>())

@@ -62,7 +62,7 @@ fn uneven(case: &mut Case) {
                 Emitter::Triangle(emitter) => {
                     let [a, b, c] = emitter.triangle.vertices;
                     let polygon = [a, b, c].map(Vec3::as_dvec3);
-                    f64::from(emitter.radiance.x) * super::polygon_factor(DVec3::ZERO, DVec3::Z, &polygon)
+                    f64::from(emitter.radiance.r()) * super::polygon_factor(DVec3::ZERO, DVec3::Z, &polygon)
                 }
                 _ => 0.0,
             })

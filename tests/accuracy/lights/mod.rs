@@ -113,7 +113,7 @@ fn replicates(set: &EmitterSet, p: Vec3, n: DVec3, size: u32, seed: u64) -> Vec<
         let Some(sample) = set.sample(p, sampler.next_4d()) else { return 0.0 };
         // Never below 0, and a NaN is kept to be found.
         let cos = n.dot(sample.wi.as_dvec3());
-        let value = f64::from(sample.radiance.x) * cos / f64::from(sample.pdf) / PI;
+        let value = f64::from(sample.radiance.r()) * cos / f64::from(sample.pdf) / PI;
         if cos <= 0.0 { 0.0 } else { value }
     };
     (0..REPLICATES).map(|r| (r * size..(r + 1) * size).map(&mut value).sum::<f64>() / f64::from(size)).collect()
@@ -139,7 +139,7 @@ fn convergence(case: &mut Case, what: &str, set: &EmitterSet, p: Vec3, n: DVec3,
 
 // ---- renders ----
 
-const WHITE: BsdfDesc = BsdfDesc::Lambert { albedo: Vec3::ONE };
+const WHITE: BsdfDesc = BsdfDesc::Lambert { albedo: Rgb::ONE };
 
 fn point([x, y, z]: [f64; 3]) -> DVec3 {
     DVec3::new(x, y, z)
@@ -159,7 +159,7 @@ fn ceiling(x: [f64; 2], y: [f64; 2], z: f64) -> ShapeDesc {
 fn lit(eye: f64, size: f64, lights: Vec<ShapeDesc>) -> SceneDesc {
     let receiver = quad([[-size, -size, 0.0], [size, -size, 0.0], [size, size, 0.0], [-size, size, 0.0]]);
     let mut surfaces = vec![(receiver, WHITE, None)];
-    surfaces.extend(lights.into_iter().map(|light| (light, BsdfDesc::Black, Some(Vec3::ONE))));
+    surfaces.extend(lights.into_iter().map(|light| (light, BsdfDesc::Black, Some(Rgb::ONE))));
     scene(camera(DVec3::new(0.0, 0.0, eye), DVec3::ZERO, 0.02), surfaces)
 }
 

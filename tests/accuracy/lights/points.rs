@@ -57,7 +57,7 @@ fn points(case: &mut Case) {
 /// One light alone in the scene, with a white receiver below it where there is one.
 fn alone(shape: ShapeDesc, mesh: Option<MeshDesc>, eye: DVec3, look_at: DVec3) -> SceneDesc {
     let mut desc =
-        crate::common::scenes::scene(camera(eye, look_at, 40.0), vec![(shape, BsdfDesc::Black, Some(Vec3::ONE))]);
+        crate::common::scenes::scene(camera(eye, look_at, 40.0), vec![(shape, BsdfDesc::Black, Some(Rgb::ONE))]);
     desc.meshes.extend(mesh.map(Arc::new));
     desc
 }

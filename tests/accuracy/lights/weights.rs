@@ -5,6 +5,7 @@ use etendue::desc::{BsdfDesc, RenderDesc, ShapeDesc};
 use etendue::math::{DVec3, Frame, Ray, Vec3};
 use etendue::sampling::{Sampler, SobolSampler, mis};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 use super::{INTEGRATORS, ceiling, lit, sphere_factor};
 use crate::common::scenes::{camera, mean_and_error, render_scene, scene};
@@ -34,13 +35,13 @@ fn plates(case: &mut Case) {
         let radiance = (0.01 / (radius * radius)) as f32;
         let desc = scene(
             camera(DVec3::ZERO, DVec3::Z, 10.0),
-            vec![(ShapeDesc::Sphere { centre, radius }, BsdfDesc::Black, Some(Vec3::splat(radiance)))],
+            vec![(ShapeDesc::Sphere { centre, radius }, BsdfDesc::Black, Some(Rgb::splat(radiance)))],
         );
         let scene = Scene::build(&desc, &BuildOptions::default()).expect("a scene of the test");
         for (name, bsdf) in [
-            ("Lambert", BsdfDesc::Lambert { albedo: Vec3::ONE }),
-            ("qualitative 0.5", BsdfDesc::OrenNayarQualitative { albedo: Vec3::ONE, sigma: 0.5 }),
-            ("Fujii 1", BsdfDesc::OrenNayar { albedo: Vec3::ONE, roughness: 1.0 }),
+            ("Lambert", BsdfDesc::Lambert { albedo: Rgb::ONE }),
+            ("qualitative 0.5", BsdfDesc::OrenNayarQualitative { albedo: Rgb::ONE, sigma: 0.5 }),
+            ("Fujii 1", BsdfDesc::OrenNayar { albedo: Rgb::ONE, roughness: 1.0 }),
         ] {
             let bsdf = Bsdf::new(&bsdf);
             let estimate = |light: Weight, scattering: Weight, size: u64| {
@@ -85,7 +86,7 @@ fn direct(scene: &Scene, bsdf: &Bsdf, light: Weight, scattering: Weight, size: u
             let wi = frame.to_local(sample.wi);
             let (f, pdf) = bsdf.f_pdf(wo, wi);
             let weight = light(sample.pdf, pdf);
-            radiance += f64::from(f.x * sample.radiance.x * wi.z.abs() * weight / sample.pdf);
+            radiance += f64::from(f.r() * sample.radiance.r() * wi.z.abs() * weight / sample.pdf);
         }
         let [a, b, c, _] = sampler.next_4d();
         if let Some(sample) = bsdf.sample(wo, [a, b, c]) {
@@ -95,7 +96,7 @@ fn direct(scene: &Scene, bsdf: &Bsdf, light: Weight, scattering: Weight, size: u
                 let emitter = surface.emitter.expect("the only surface shines");
                 let le = scene.emitters().le(emitter, surface.ng, -ray.direction);
                 let pdf = scene.emitters().pdf(emitter, p, surface.point.p);
-                radiance += f64::from(sample.weight.x * le.x * scattering(sample.pdf, pdf));
+                radiance += f64::from(sample.weight.r() * le.r() * scattering(sample.pdf, pdf));
             }
         }
         radiance
@@ -161,7 +162,7 @@ fn shadow_rays(case: &mut Case) {
 
 fn specular(case: &mut Case) {
     // No light sample could have made what a mirror or glass shows: it counts in full, without noise.
-    let mirror = BsdfDesc::Mirror { reflectance: Vec3::splat(0.75) };
+    let mirror = BsdfDesc::Mirror { reflectance: Rgb::splat(0.75) };
     let glass = BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.5 };
     let receiver = super::quad([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]);
     let eye = DVec3::new(0.0, -0.5, 0.5);
@@ -172,7 +173,7 @@ fn specular(case: &mut Case) {
             let light = if z > 0.0 { ceiling(x, y, z) } else { ceiling([x[1], x[0]], y, z) };
             let desc = scene(
                 camera(eye, DVec3::ZERO, 0.1),
-                vec![(receiver, bsdf, None), (light, BsdfDesc::Black, Some(Vec3::ONE))],
+                vec![(receiver, bsdf, None), (light, BsdfDesc::Black, Some(Rgb::ONE))],
             );
             let scene = Scene::build(&desc, &BuildOptions::default()).expect("a scene of the test");
             for (name, integrator) in INTEGRATORS {

@@ -217,11 +217,11 @@ fn lamps(case: &mut Case) {
         match name {
             "point light" => desc.lights.push(point_light(DVec3::Y * 2.0, 1.0)),
             "triangle" => {
-                crate::common::scenes::add(&mut desc, 1, ShapeDesc::Triangle(corners), BsdfDesc::Black, Some(Vec3::ONE))
+                crate::common::scenes::add(&mut desc, 1, ShapeDesc::Triangle(corners), BsdfDesc::Black, Some(Rgb::ONE))
             }
             _ => {
                 let shape = ball(centre, radius);
-                crate::common::scenes::add(&mut desc, 1, shape, BsdfDesc::Black, Some(Vec3::ONE));
+                crate::common::scenes::add(&mut desc, 1, shape, BsdfDesc::Black, Some(Rgb::ONE));
             }
         }
         let scene = build(&desc);

@@ -6,7 +6,8 @@ use crate::record::{Case, Entry};
 use crate::transport::{ball, grey, mirror, parallelogram, pick};
 use etendue::desc::{BsdfDesc, IntegratorDesc, SceneDesc, ShapeDesc};
 use etendue::film::Image;
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -24,7 +25,7 @@ const TARGET: DVec3 = DVec3::new(-1.0, -0.8, -1.5);
 fn furnace(albedo: f32) -> SceneDesc {
     let object = (ball(DVec3::new(0.6, 0.5, -1.0), 0.3), mirror(1.0), None);
     let mut desc = scene(camera(EYE, TARGET, 70.0), vec![object]);
-    add_mesh(&mut desc, box_inside(MIN, MAX), grey(albedo), Some(Vec3::ONE));
+    add_mesh(&mut desc, box_inside(MIN, MAX), grey(albedo), Some(Rgb::ONE));
     desc
 }
 
@@ -101,7 +102,7 @@ fn halves(gap: f64, open: bool) -> SceneDesc {
     }
     let lamp = parallelogram(DVec3::new(0.3, 0.98, -0.3), DVec3::X * 0.6, DVec3::Z * 0.6);
     let number = desc.surfaces.len();
-    add(&mut desc, number, lamp, BsdfDesc::Black, Some(Vec3::splat(5.0)));
+    add(&mut desc, number, lamp, BsdfDesc::Black, Some(Rgb::splat(5.0)));
     // Something to make caustics, against the wall.
     let ball: ShapeDesc = ball(DVec3::new(0.3, -0.6, 0.0), 0.25);
     add(&mut desc, number + 1, ball, mirror(0.9), None);

@@ -9,8 +9,9 @@ use crate::transport::{ball, glass, grey, mirror, parallelogram, pick};
 use etendue::Alone;
 use etendue::desc::{BsdfDesc, PhotonDesc, PhotonSharing, RenderDesc, ShapeDesc};
 use etendue::integrator::photon::{MapKind, Photon, PhotonBatch, PhotonJob, shoot};
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::scene::Scene;
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -32,13 +33,13 @@ fn off(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 fn floor() -> Surface {
     let shape = parallelogram(DVec3::new(-3.0, -1.0, 3.0), DVec3::X * 6.0, DVec3::Z * -6.0);
-    (shape, BsdfDesc::Lambert { albedo: Vec3::new(0.8, 0.5, 0.2) }, None)
+    (shape, BsdfDesc::Lambert { albedo: Rgb::new(0.8, 0.5, 0.2) }, None)
 }
 
 fn balance(case: &mut Case) {
     let paths = case.count(1 << 14, 1 << 18) as u32;
-    let colour = Vec3::new(3.0, 0.5, 1e-3);
-    let powers = |factor: f64| colour.as_dvec3().to_array().map(|channel| factor * channel);
+    let colour = Rgb::new(3.0, 0.5, 1e-3);
+    let powers = |factor: f64| colour.to_f64().to_array().map(|channel| factor * channel);
     let triangle = ShapeDesc::Triangle([DVec3::ZERO, DVec3::X * 2.0, DVec3::Z * 0.5]);
     let lights: [(&str, Option<ShapeDesc>, f64); 3] = [
         ("point, 4 π I", None, 4.0 * PI),
@@ -79,8 +80,8 @@ fn balance(case: &mut Case) {
 fn room(albedo: f32, objects: Vec<(ShapeDesc, BsdfDesc)>) -> Scene {
     let radius = 0.05;
     let radiance = 1.0 / (PI * 4.0 * PI * radius * radius);
-    let lamp = (ball(DVec3::new(0.2, 0.3, -0.1), radius), BsdfDesc::Lambert { albedo: Vec3::splat(albedo) });
-    let mut surfaces = vec![(lamp.0, lamp.1, Some(Vec3::splat(radiance as f32)))];
+    let lamp = (ball(DVec3::new(0.2, 0.3, -0.1), radius), BsdfDesc::Lambert { albedo: Rgb::splat(albedo) });
+    let mut surfaces = vec![(lamp.0, lamp.1, Some(Rgb::splat(radiance as f32)))];
     surfaces.extend(objects.into_iter().map(|(shape, bsdf)| (shape, bsdf, None)));
     let mut desc = unseen(surfaces);
     add_mesh(&mut desc, box_inside(DVec3::new(-1.0, -0.8, -1.5), DVec3::new(1.2, 1.0, 0.9)), grey(albedo), None);
@@ -209,8 +210,8 @@ fn shares(case: &mut Case) {
     // By area: a large dim lamp and a small bright one.
     let lamp = |x: f64, side: f64| parallelogram(DVec3::new(x, 1.0, 0.0), DVec3::X * side, DVec3::Z * side);
     let lamps = [
-        (lamp(-1.0, 1.0), BsdfDesc::Black, Some(Vec3::splat(1.0))),
-        (lamp(1.0, 0.1), BsdfDesc::Black, Some(Vec3::splat(1e4))),
+        (lamp(-1.0, 1.0), BsdfDesc::Black, Some(Rgb::splat(1.0))),
+        (lamp(1.0, 0.1), BsdfDesc::Black, Some(Rgb::splat(1e4))),
     ];
     let mut surfaces = vec![floor()];
     surfaces.extend(lamps);
@@ -233,8 +234,8 @@ fn guided(case: &mut Case) {
     let lamps = || {
         vec![
             floor(),
-            (lamp, BsdfDesc::Black, Some(Vec3::splat(4.0))),
-            (side_lamp, BsdfDesc::Black, Some(Vec3::splat(1.0))),
+            (lamp, BsdfDesc::Black, Some(Rgb::splat(4.0))),
+            (side_lamp, BsdfDesc::Black, Some(Rgb::splat(1.0))),
         ]
     };
     let near_lamp = ball(DVec3::new(0.0, 0.75, 0.0), 0.2);
@@ -242,7 +243,7 @@ fn guided(case: &mut Case) {
         ("a glass ball", vec![clear(0.0)]),
         ("two balls in line", vec![clear(0.0), clear(1.1), (sheet, mirror(0.9), None)]),
         ("a mirror sheet", vec![(sheet, mirror(0.9), None)]),
-        ("a lamp within a group's ball", vec![clear(-0.6), clear(0.6), (near_lamp, BsdfDesc::Black, Some(Vec3::ONE))]),
+        ("a lamp within a group's ball", vec![clear(-0.6), clear(0.6), (near_lamp, BsdfDesc::Black, Some(Rgb::ONE))]),
     ];
     for (name, things) in scenes {
         let scene = build(&unseen(lamps().into_iter().chain(things).collect()));

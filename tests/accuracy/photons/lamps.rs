@@ -11,6 +11,7 @@ use etendue::desc::{BsdfDesc, KernelDesc, SceneDesc, ShapeDesc};
 use etendue::integrator::photon::MapKind;
 use etendue::math::{DVec3, Vec3};
 use etendue::scene::Scene;
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -24,7 +25,7 @@ pub fn cases() -> Vec<Entry> {
 fn receiver(half: f64, lamps: Vec<ShapeDesc>) -> SceneDesc {
     let shape = parallelogram(DVec3::new(-half, 0.0, half), DVec3::X * (2.0 * half), DVec3::Z * (-2.0 * half));
     let mut surfaces = vec![(shape, grey(1.0), None)];
-    surfaces.extend(lamps.into_iter().map(|lamp| (lamp, BsdfDesc::Black, Some(Vec3::ONE))));
+    surfaces.extend(lamps.into_iter().map(|lamp| (lamp, BsdfDesc::Black, Some(Rgb::ONE))));
     unseen(surfaces)
 }
 
@@ -110,7 +111,7 @@ fn sides(case: &mut Case) {
         if !is_ball {
             desc.meshes.push(block().into());
         }
-        add(&mut desc, 1, shape, grey(0.5), Some(Vec3::ONE));
+        add(&mut desc, 1, shape, grey(0.5), Some(Rgb::ONE));
         let scene = build(&desc);
         let tally = shot(&scene, &seeded(1), MapKind::Global, paths).tally;
         case.never(format!("{name}: photons inside it"), tally.stored, tally.paths);
@@ -141,7 +142,7 @@ fn many(case: &mut Case) {
     }
     // One of a thousand is a million times as bright: all light of it, and none of it twice.
     let mut desc = pieces(32);
-    desc.surfaces[500].emission = Some(Vec3::splat(1e6));
+    desc.surfaces[500].emission = Some(Rgb::splat(1e6));
     let ShapeDesc::Quad(bright) = desc.surfaces[500].shape else { unreachable!("all are quads") };
     let strong = PI * 1e6 * polygon_factor(DVec3::ZERO, DVec3::Y, &bright);
     let rest = exact - PI * polygon_factor(DVec3::ZERO, DVec3::Y, &bright);

@@ -27,6 +27,7 @@ use etendue::integrator::photon::{
 };
 use etendue::math::{DVec3, Vec3};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     let topics = [
@@ -56,7 +57,7 @@ const METHODS: [IntegratorDesc; 5] = [
 const RUNS: u32 = 32;
 
 /// A shape with its material, and what it emits.
-type Surface = (ShapeDesc, BsdfDesc, Option<Vec3>);
+type Surface = (ShapeDesc, BsdfDesc, Option<Rgb>);
 
 fn build(desc: &SceneDesc) -> Scene {
     Scene::build(desc, &BuildOptions::default()).expect("a scene of the test")
@@ -110,7 +111,7 @@ fn fixed(map: &PhotonMap, p: Vec3, normal: Vec3, kernel: KernelDesc, radius: f32
 }
 
 fn asked(map: &PhotonMap, p: Vec3, normal: Vec3, asked: MapQuery) -> f64 {
-    f64::from(irradiance(map, p, normal, asked, &mut Nearest::default()).x)
+    f64::from(irradiance(map, p, normal, asked, &mut Nearest::default()).r())
 }
 
 /// Images with seeds of their own, one after the other on two threads each.
@@ -158,7 +159,7 @@ fn unseen(surfaces: Vec<Surface>) -> SceneDesc {
 }
 
 /// Adds a mesh with a material.
-fn add_mesh(desc: &mut SceneDesc, mesh: etendue::desc::MeshDesc, bsdf: BsdfDesc, emission: Option<Vec3>) {
+fn add_mesh(desc: &mut SceneDesc, mesh: etendue::desc::MeshDesc, bsdf: BsdfDesc, emission: Option<Rgb>) {
     let number = desc.surfaces.len();
     add(desc, number, ShapeDesc::Mesh { mesh: desc.meshes.len(), smooth: false }, bsdf, emission);
     desc.meshes.push(Arc::new(mesh));

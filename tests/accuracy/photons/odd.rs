@@ -115,7 +115,7 @@ fn dark(case: &mut Case) {
     let above = camera(DVec3::new(0.1, 2.0, 0.2), DVec3::ZERO, 40.0);
     let nothing = scene(above, vec![floor(), (ball(DVec3::Y * 0.5, 0.2), glass(1.5, 1.0), None)]);
     let lamp = parallelogram(DVec3::new(5.0, 1.0, 0.2), DVec3::X * 0.4, DVec3::Z * -0.4);
-    let away = scene(above, vec![floor(), (lamp, BsdfDesc::Black, Some(Vec3::ONE))]);
+    let away = scene(above, vec![floor(), (lamp, BsdfDesc::Black, Some(Rgb::ONE))]);
     let mut black = scene(above, vec![(ball(DVec3::ZERO, 0.5), BsdfDesc::Black, None)]);
     black.lights.push(point_light(DVec3::Y, 1.0));
     let empty = unseen(Vec::new());

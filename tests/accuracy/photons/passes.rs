@@ -11,7 +11,7 @@ use crate::stats;
 use crate::transport::{ball, glass, grey, mirror, parallelogram, pick, plane};
 use etendue::desc::{BsdfDesc, IntegratorDesc, RenderDesc, SceneDesc};
 use etendue::film::Image;
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::scene::Scene;
 
 pub fn cases() -> Vec<Entry> {
@@ -24,7 +24,7 @@ const PROGRESSIVE: [IntegratorDesc; 3] = [IntegratorDesc::Caustic, IntegratorDes
 /// A glass ball and a mirror over a floor, a lamp of this size, and a looking glass in which the caustic is seen.
 fn caustics(lamp: f64, seen_in_mirror: bool) -> SceneDesc {
     let shape = parallelogram(DVec3::new(-0.5 * lamp - 0.8, 2.5, -0.5 * lamp), DVec3::X * lamp, DVec3::Z * lamp);
-    let light = Vec3::splat((4.0 / (lamp * lamp)) as f32);
+    let light = etendue::spectrum::Rgb::splat((4.0 / (lamp * lamp)) as f32);
     let mut surfaces = vec![
         (plane(DVec3::ZERO, DVec3::Y, 3.0), grey(0.6), None),
         (ball(DVec3::new(0.0, 0.7, 0.0), 0.5), glass(1.5, 1.0), None),

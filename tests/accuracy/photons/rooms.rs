@@ -11,7 +11,8 @@ use crate::transport::rooms::{FLOOR_IRRADIANCE, floor_and_ceiling};
 use crate::transport::{ball, glass, grey, mirror, pick};
 use etendue::desc::{BsdfDesc, IntegratorDesc, RenderDesc, SceneDesc};
 use etendue::film::Image;
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -31,7 +32,7 @@ fn room(wall: BsdfDesc, object: Option<BsdfDesc>) -> SceneDesc {
     let objects = object.map(|bsdf| (ball(CENTRE, 0.4), bsdf, None));
     let mut desc = scene(camera(EYE, CENTRE, 29.0), objects.into_iter().collect());
     let walls = box_inside(DVec3::new(-1.0, -0.8, -1.5), DVec3::new(1.2, 1.0, 0.9));
-    add_mesh(&mut desc, walls, wall, Some(Vec3::ONE));
+    add_mesh(&mut desc, walls, wall, Some(Rgb::ONE));
     desc
 }
 

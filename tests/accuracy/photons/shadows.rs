@@ -11,8 +11,9 @@ use crate::transport::{ball, glass, grey, mesh, parallelogram, pick};
 use etendue::desc::{BsdfDesc, IntegratorDesc, KernelDesc, MeshDesc, RenderDesc, SceneDesc, ShapeDesc};
 use etendue::film::Image;
 use etendue::integrator::photon::{MapKind, Photon, shrunk};
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::scene::Scene;
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -40,7 +41,7 @@ fn eclipse() -> SceneDesc {
     let floor = parallelogram(DVec3::new(-8.0, 0.0, 8.0), DVec3::X * 16.0, DVec3::Z * -16.0);
     let disc = ShapeDesc::Disk { centre: DVec3::Y * 2.0, normal: DVec3::Y, radius: 1.5 };
     let mut desc = unseen(vec![(floor, grey(0.5), None), (disc, grey(0.5), None)]);
-    add_mesh(&mut desc, lamp(1.0, 4.0), BsdfDesc::Black, Some(Vec3::ONE));
+    add_mesh(&mut desc, lamp(1.0, 4.0), BsdfDesc::Black, Some(Rgb::ONE));
     desc.camera = camera(DVec3::new(7.5, 6.0, 0.0), DVec3::new(2.5, 0.0, 0.0), 50.0);
     desc
 }
@@ -99,7 +100,7 @@ fn disc(case: &mut Case) {
 fn bodies(case: &mut Case) {
     // A lamp straight above a pile: which surfaces get photons, and of which sort.
     let paths = case.count(1 << 14, 1 << 20) as u32;
-    let small = |desc: &mut SceneDesc| add_mesh(desc, lamp(0.01, 4.0), BsdfDesc::Black, Some(Vec3::splat(1e3)));
+    let small = |desc: &mut SceneDesc| add_mesh(desc, lamp(0.01, 4.0), BsdfDesc::Black, Some(Rgb::splat(1e3)));
     let block = |y: f64| {
         let outwards = box_inside(DVec3::new(-0.5, y, -0.5), DVec3::new(0.5, y + 0.4, 0.5));
         let triangles = outwards.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();

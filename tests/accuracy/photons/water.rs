@@ -9,7 +9,8 @@ use crate::transport::{ball, glass, grey, parallelogram, pick, plane};
 use etendue::bsdf::fresnel_dielectric;
 use etendue::desc::{BsdfDesc, IntegratorDesc, RenderDesc};
 use etendue::integrator::photon::MapKind;
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -94,11 +95,8 @@ fn water(case: &mut Case) {
         let lamp = parallelogram(DVec3::new(-1.0, 1.5, -1.0), DVec3::X * 2.0, DVec3::Z * 2.0);
         let surface = plane(DVec3::ZERO, DVec3::Y, 4.0);
         let floor = plane(DVec3::Y * -1.0, DVec3::Y, 4.0);
-        let surfaces = vec![
-            (floor, grey(0.6), None),
-            (surface, glass(1.333, 1.0), None),
-            (lamp, BsdfDesc::Black, Some(Vec3::ONE)),
-        ];
+        let surfaces =
+            vec![(floor, grey(0.6), None), (surface, glass(1.333, 1.0), None), (lamp, BsdfDesc::Black, Some(Rgb::ONE))];
         scene(camera(eye, DVec3::new(0.3, -1.0, 0.1), 20.0), surfaces)
     };
     for (what, eye) in [("from above", DVec3::new(1.8, 1.0, 0.4)), ("from within", DVec3::new(0.9, -0.2, 0.4))] {

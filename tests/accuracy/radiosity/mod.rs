@@ -12,6 +12,7 @@ use etendue::integrator::radiosity::Radiosity;
 use etendue::integrator::radiosity::form_factor::polygon_to_polygon;
 use etendue::math::{DVec3, Ray, Vec3};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -35,7 +36,7 @@ fn solve(scene: &Scene, desc: &RadiosityDesc) -> Radiosity {
 /// A room of one mesh.
 fn room(mesh: MeshDesc, albedo: f32, emission: Option<f32>) -> SceneDesc {
     let view = camera(DVec3::ZERO, DVec3::X, 60.0);
-    let mut desc = scene(view, vec![(MESH, grey(albedo), emission.map(Vec3::splat))]);
+    let mut desc = scene(view, vec![(MESH, grey(albedo), emission.map(Rgb::splat))]);
     desc.meshes.push(Arc::new(mesh));
     desc
 }
@@ -52,12 +53,12 @@ fn furnaces(case: &mut Case) {
         for albedo in [0.5_f32, 0.9] {
             let solution = solve(&build(&room(mesh.clone(), albedo, Some(1.0))), &RadiosityDesc::default());
             let expected = 1.0 / (1.0 - f64::from(albedo));
-            let radiance = solution.mesh(None, true).radiosity.into_iter().map(|b| f64::from(b.x) / PI);
+            let radiance = solution.mesh(None, true).radiosity.into_iter().map(|b| f64::from(b.r()) / PI);
             let farthest = radiance
                 .fold(expected, |worst, b| if (b - expected).abs() > (worst - expected).abs() { b } else { worst });
             case.exact(format!("{name}, albedo {albedo}, worst vertex"), farthest, expected, Within::Relative(1e-3));
             let summary = solution.summary();
-            let balance = f64::from(summary.absorbed.x / summary.emitted.x);
+            let balance = f64::from(summary.absorbed.r() / summary.emitted.r());
             case.exact(format!("{name}, albedo {albedo}, absorbed"), balance, 1.0, Within::Absolute(1e-3));
         }
     }
@@ -78,7 +79,7 @@ fn sphere(case: &mut Case) {
         let ray = Ray::new(scene.to_scene(DVec3::ZERO), (p + DVec3::splat(1e-3)).normalize().as_vec3a());
         let hit = scene.intersect(&ray).expect("it looks at a surface");
         let at = scene.interaction(&ray, &hit);
-        let radiance = albedo / PI * f64::from(solution.irradiance(&hit, at.point.p, true).x);
+        let radiance = albedo / PI * f64::from(solution.irradiance(&hit, at.point.p, true).r());
         case.exact(format!("5040 triangles, radiance at {p}"), radiance, expected, Within::Relative(0.01));
     }
 }
@@ -114,11 +115,11 @@ fn plates(case: &mut Case) {
     let half = 500.0;
     let floor = parallelogram(DVec3::new(-half, 0.0, -half), DVec3::Z * 2.0 * half, DVec3::X * 2.0 * half);
     let ceiling = parallelogram(DVec3::new(-half, 1.0, -half), DVec3::X * 2.0 * half, DVec3::Z * 2.0 * half);
-    let surfaces = vec![(floor, grey(0.5), Some(Vec3::splat((1.0 / PI) as f32))), (ceiling, grey(0.8), None)];
+    let surfaces = vec![(floor, grey(0.5), Some(Rgb::splat((1.0 / PI) as f32))), (ceiling, grey(0.8), None)];
     let desc = scene(camera(DVec3::Y * 0.5, DVec3::ZERO, 60.0), surfaces);
     let solution = solve(&build(&desc), &RadiosityDesc { tolerance: 1e-5, ..RadiosityDesc::default() });
     let at = |surface| {
-        solution.irradiance_on(surface, 0, [0.3, 0.4], DVec3::ZERO, true).map_or(f64::NAN, |e| f64::from(e.x))
+        solution.irradiance_on(surface, 0, [0.3, 0.4], DVec3::ZERO, true).map_or(f64::NAN, |e| f64::from(e.r()))
     };
     case.exact("radiosity of the one that emits", 1.0 + 0.5 * at(0), 5.0 / 3.0, Within::Absolute(3e-3));
     case.exact("radiosity of the other", 0.8 * at(1), 4.0 / 3.0, Within::Absolute(3e-3));
@@ -149,7 +150,7 @@ fn plates_with_a_point(case: &mut Case) {
             let ray = Ray::new(scene.to_scene(p), -Vec3::Y);
             let hit = scene.intersect(&ray).expect("it looks at a surface");
             let at = scene.interaction(&ray, &hit);
-            let e = f64::from(solution.irradiance(&hit, at.point.p, true).x);
+            let e = f64::from(solution.irradiance(&hit, at.point.p, true).r());
             case.exact(format!("point light, albedo {albedo}, at {r}"), e, expected, Within::Relative(0.03 * error));
         }
     }
@@ -162,7 +163,7 @@ fn cornell(case: &mut Case) {
     desc.materials.push(etendue::desc::MaterialDesc {
         name: "front".into(),
         path: "materials.front".into(),
-        bsdf: BsdfDesc::Lambert { albedo: Vec3::splat(albedo) },
+        bsdf: BsdfDesc::Lambert { albedo: Rgb::splat(albedo) },
         survival: None,
     });
     let mut front = desc.surfaces[0].clone();
@@ -186,14 +187,14 @@ fn sides(case: &mut Case) {
         if up { parallelogram(corner, u, v) } else { parallelogram(corner, v, u) }
     };
     let surfaces = vec![
-        (square(0.0, true), BsdfDesc::Black, Some(Vec3::ONE)),
+        (square(0.0, true), BsdfDesc::Black, Some(Rgb::ONE)),
         (square(-1.0, true), grey(0.5), None),
         (square(1.0, false), grey(0.5), None),
     ];
     let desc = scene(camera(DVec3::Y * 5.0, DVec3::ZERO, 60.0), surfaces);
     let solution = solve(&build(&desc), &RadiosityDesc::default());
     let at = |surface, front| {
-        solution.irradiance_on(surface, 0, [0.3, 0.3], DVec3::ZERO, front).map_or(f64::NAN, |e| f64::from(e.x))
+        solution.irradiance_on(surface, 0, [0.3, 0.3], DVec3::ZERO, front).map_or(f64::NAN, |e| f64::from(e.r()))
     };
     case.exact("behind it", at(1, true), 0.0, Within::Absolute(0.0));
     case.exact("behind it, the other side", at(1, false), 0.0, Within::Absolute(0.0));

@@ -4,9 +4,10 @@ use std::f64::consts::FRAC_PI_4;
 
 use etendue::desc::{BsdfDesc, FilterDesc, MeshDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc};
 use etendue::film::{Image, REPLICATES};
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::sampling::SobolSampler;
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::numbers;
@@ -82,12 +83,12 @@ fn replicates(case: &mut Case) {
 
 /// A closed grey box with a lamp under its ceiling, seen so that the lamp is out of sight.
 fn room() -> Scene {
-    let grey = |albedo| BsdfDesc::Lambert { albedo: Vec3::splat(albedo) };
+    let grey = |albedo| BsdfDesc::Lambert { albedo: Rgb::splat(albedo) };
     let mut desc: SceneDesc = scene(
         camera(DVec3::new(0.0, -0.2, 0.9), DVec3::new(0.0, -0.6, -1.0), 50.0),
         vec![
             (ShapeDesc::Mesh { mesh: 0, smooth: false }, grey(0.6), None),
-            (ShapeDesc::Mesh { mesh: 1, smooth: false }, grey(0.0), Some(Vec3::splat(4.0))),
+            (ShapeDesc::Mesh { mesh: 1, smooth: false }, grey(0.0), Some(Rgb::splat(4.0))),
         ],
     );
     desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::ONE).into());

@@ -5,9 +5,10 @@ use etendue::desc::{
     BsdfDesc, CameraDesc, FilterDesc, FovAxis, MeshDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc,
 };
 use etendue::film::Image;
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::sampling::{Filter, Rng};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 use crate::common::scenes::{box_inside, render_scene, scene};
 use crate::record::{Case, Entry, Within};
@@ -129,8 +130,8 @@ fn light(columns: [f64; 2], rows: [f64; 2]) -> SceneDesc {
         fov_deg: 90.0,
         fov_axis: FovAxis::Horizontal,
     };
-    let black = BsdfDesc::Lambert { albedo: Vec3::ZERO };
-    let mut desc = scene(camera, vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, black, Some(Vec3::ONE))]);
+    let black = BsdfDesc::Lambert { albedo: Rgb::ZERO };
+    let mut desc = scene(camera, vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, black, Some(Rgb::ONE))]);
     let triangles = vec![[0, 1, 2], [0, 2, 3]];
     let mesh = MeshDesc { name: "light".into(), path: "meshes[0]".into(), positions, triangles, ..MeshDesc::default() };
     desc.meshes.push(mesh.into());
@@ -150,11 +151,11 @@ fn film(desc: &SceneDesc, filter: FilterDesc, samples: u64, seed: u64) -> Image 
 }
 
 fn constant(case: &mut Case) {
-    let black = BsdfDesc::Lambert { albedo: Vec3::ZERO };
+    let black = BsdfDesc::Lambert { albedo: Rgb::ZERO };
     let mut desc = light([0.0; 2], [0.0; 2]);
     desc.meshes = vec![box_inside(DVec3::splat(-1.0), DVec3::ONE).into()];
     desc.materials[0].bsdf = black;
-    desc.surfaces[0].emission = Some(Vec3::new(1.0, 0.7, 1e-3));
+    desc.surfaces[0].emission = Some(Rgb::new(1.0, 0.7, 1e-3));
     let built = Scene::build(&desc, &BuildOptions::default()).expect("a scene of the test");
     let samples = case.count(5, 100) as u32;
     let patterns = [SamplerDesc::Random, SamplerDesc::Jittered, SamplerDesc::Grid, SamplerDesc::Gaussian];

@@ -6,7 +6,8 @@ use super::{Known, ball, converges, grey, measure, mesh, parallelogram, pick};
 use crate::common::scenes::{Job, camera, scene};
 use crate::record::{Case, Entry};
 use etendue::desc::{BsdfDesc, CameraDesc, IntegratorDesc, MeshDesc, SceneDesc, ShapeDesc};
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -31,7 +32,7 @@ fn above(x: f64, y: f64, height: f64) -> CameraDesc {
 }
 
 fn lit(camera: CameraDesc, receiver: ShapeDesc, emitter: ShapeDesc) -> SceneDesc {
-    scene(camera, vec![(receiver, grey(ALBEDO), None), (emitter, BsdfDesc::Black, Some(Vec3::splat(2.0)))])
+    scene(camera, vec![(receiver, grey(ALBEDO), None), (emitter, BsdfDesc::Black, Some(Rgb::splat(2.0)))])
 }
 
 /// What the image's mean has to be.
@@ -88,7 +89,7 @@ fn rectangles(case: &mut Case) {
         (DVec3::Z, DVec3::Y, DVec3::X),
     ];
     let mut surfaces = vec![(rectangle(1.0, 1.0), grey(ALBEDO), None)];
-    surfaces.extend(walls.map(|(corner, u, v)| (parallelogram(corner, u, v), BsdfDesc::Black, Some(Vec3::splat(2.0)))));
+    surfaces.extend(walls.map(|(corner, u, v)| (parallelogram(corner, u, v), BsdfDesc::Black, Some(Rgb::splat(2.0)))));
     let desc = scene(above(1.0, 1.0, 0.4), surfaces);
     let job = Job { resolution: [16, 16], samples: case.count(192, 2048) as u32, ..Job::default() };
     case.mean("all walls of a cube", measure(&desc, &job), expected(1.0), tolerance);

@@ -7,8 +7,9 @@ use super::{Known, MESH, ball, ball_mesh, converges, glass, grey, measure, mesh,
 use crate::common::scenes::{Job, box_inside, camera, mean_and_error, render, scene};
 use crate::record::{Case, Entry, Within};
 use etendue::desc::{BsdfDesc, IntegratorDesc, MeshDesc, SceneDesc, ShapeDesc};
-use etendue::math::{Bounds, DVec3, Vec3};
+use etendue::math::{Bounds, DVec3};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -33,7 +34,7 @@ fn walls() -> MeshDesc {
 
 /// An emitting room with things in it.
 fn room(shape: MeshDesc, wall: BsdfDesc, le: f32, objects: Vec<(ShapeDesc, BsdfDesc)>) -> SceneDesc {
-    let mut surfaces = vec![(MESH, wall, Some(Vec3::splat(le)))];
+    let mut surfaces = vec![(MESH, wall, Some(Rgb::splat(le)))];
     surfaces.extend(objects.into_iter().map(|(shape, bsdf)| (shape, bsdf, None)));
     let mut desc = scene(camera(EYE, DVec3::new(-0.4, 0.1, -1.0), 100.0), surfaces);
     desc.meshes.push(shape.into());
@@ -106,8 +107,8 @@ fn diffuse_surfaces(case: &mut Case) {
     // Under uniform light a surface shows its directional albedo, here by quadrature (sigma 0.5 in both models), for a
     // viewer at 0, 30, 60 and 80 degrees. Black walls: light is scattered once, so every integrator must agree.
     let tolerance = pick(case, 1.5e-3, 5e-4);
-    let qualitative = BsdfDesc::OrenNayarQualitative { albedo: Vec3::ONE, sigma: 0.5 };
-    let oren_nayar = BsdfDesc::OrenNayar { albedo: Vec3::ONE, roughness: 0.5 };
+    let qualitative = BsdfDesc::OrenNayarQualitative { albedo: Rgb::ONE, sigma: 0.5 };
+    let oren_nayar = BsdfDesc::OrenNayar { albedo: Rgb::ONE, roughness: 0.5 };
     let models = [
         ("Lambert", grey(1.0), [1.0; 4]),
         ("Oren-Nayar", qualitative, [0.784_482_758_621, 0.824_724_690_960, 0.883_128_419_881, 0.929_444_593_430]),

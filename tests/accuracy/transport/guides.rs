@@ -10,6 +10,7 @@ use etendue::integrator::{Integrator, SceneTracer, Whitted};
 use etendue::math::{DAffine3, DQuat, DVec3, EulerRot, Ray, Vec3};
 use etendue::sampling::{Rng, warps};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -66,7 +67,7 @@ fn guide(case: &mut Case) {
         let sky = plane(DVec3::Z * (length + 1.0), DVec3::NEG_Z, 100.0);
         let mut desc = scene(
             camera(eye, DVec3::Z * 9.0, 40.0),
-            vec![(MESH, glass(1.5, 1.0), None), (sky, BsdfDesc::Black, Some(Vec3::ONE))],
+            vec![(MESH, glass(1.5, 1.0), None), (sky, BsdfDesc::Black, Some(Rgb::ONE))],
         );
         desc.meshes.push(bar(&SQUARE, length, pieces).into());
         let scene = build(&desc);
@@ -93,7 +94,7 @@ fn guide(case: &mut Case) {
         let mut tracer = SceneTracer::new(&scene);
         let ray = Ray::new(scene.to_scene(eye), direction.as_vec3a());
         let got = PATH.radiance(&scene, ray, &mut Choices::new(&[REFRACT]), &mut tracer, &mut |_| {});
-        case.exact(format!("{name}: radiance inside, n² L"), f64::from(got.x), 2.25, Within::Relative(1e-6));
+        case.exact(format!("{name}: radiance inside, n² L"), f64::from(got.r()), 2.25, Within::Relative(1e-6));
     }
     // Guides of other sections, randomly lit from within: what total reflection holds stays inside.
     let hexagon: Vec<(f64, f64)> =
@@ -131,7 +132,7 @@ fn transmission(case: &mut Case) {
     let eye = target - 0.1 * DVec3::new(0.8 * sin, 0.6 * sin, cos);
     let sky = plane(DVec3::Z * 1011.0, DVec3::NEG_Z, 500.0);
     let mut desc =
-        scene(camera(eye, target, 0.1), vec![(MESH, glass(1.5, 1.0), None), (sky, BsdfDesc::Black, Some(Vec3::ONE))]);
+        scene(camera(eye, target, 0.1), vec![(MESH, glass(1.5, 1.0), None), (sky, BsdfDesc::Black, Some(Rgb::ONE))]);
     desc.meshes.push(bar(&SQUARE, 1010.0, 1010).into());
     let (samples, side) = (case.count(1, 12) as u32, pick(case, 16, 32));
     let job = Job { resolution: [side, side], samples: 4 * samples, ..Job::default() };
@@ -183,7 +184,7 @@ fn hall(reflectance: f32) -> SceneDesc {
         vec![
             (plane(DVec3::new(0.0, 0.5, 0.0), DVec3::X, 2.0), mirror(reflectance), None),
             (plane(DVec3::new(1.0, 0.5, 0.0), DVec3::NEG_X, 2.0), mirror(reflectance), None),
-            (lamp, BsdfDesc::Black, Some(Vec3::ONE)),
+            (lamp, BsdfDesc::Black, Some(Rgb::ONE)),
         ],
     )
 }
@@ -205,7 +206,7 @@ fn facing(case: &mut Case) {
         let whitted = Whitted { max_depth: None, shadow_rays: 1 };
         let got = whitted.radiance(&scene, ray, &mut Choices::new(&[0.0]), &mut tracer, &mut |_| {});
         let exact = f64::from(reflectance).powi(reflections as i32);
-        case.exact(format!("image {reflections}: brightness"), f64::from(got.x), exact, Within::Relative(1e-5));
+        case.exact(format!("image {reflections}: brightness"), f64::from(got.r()), exact, Within::Relative(1e-5));
         let (origin, last) = line(&scene, &tracer.rays[tracer.rays.len() - 1]);
         let there = origin + (1.0 - origin.y) / last.y * last;
         let off = (there - DVec3::new(0.25, 1.0, 0.0)).length() / direction.length();
@@ -220,7 +221,7 @@ fn facing(case: &mut Case) {
         let values: Vec<f64> = (0..tries)
             .map(|_| {
                 let mut tracer = SceneTracer::new(&scene);
-                f64::from(PATH.radiance(&scene, ray, &mut random, &mut tracer, &mut |_| {}).x)
+                f64::from(PATH.radiance(&scene, ray, &mut random, &mut tracer, &mut |_| {}).r())
             })
             .collect();
         let got = crate::stats::mean_and_error(&values);

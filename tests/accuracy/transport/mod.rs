@@ -11,8 +11,9 @@ mod whole;
 use crate::common::scenes::{Job, mean_and_error, render, render_scene};
 use crate::record::{Case, Effort, Entry};
 use etendue::desc::{BsdfDesc, MeshDesc, SceneDesc, ShapeDesc};
-use etendue::math::{DVec3, Vec3};
+use etendue::math::DVec3;
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     [furnace::cases(), rooms::cases(), form_factors::cases(), refraction::cases(), guides::cases(), whole::cases()]
@@ -69,11 +70,11 @@ pub fn pick<T>(case: &Case, quick: T, full: T) -> T {
 }
 
 pub fn grey(albedo: f32) -> BsdfDesc {
-    BsdfDesc::Lambert { albedo: Vec3::splat(albedo) }
+    BsdfDesc::Lambert { albedo: Rgb::splat(albedo) }
 }
 
 pub fn mirror(reflectance: f32) -> BsdfDesc {
-    BsdfDesc::Mirror { reflectance: Vec3::splat(reflectance) }
+    BsdfDesc::Mirror { reflectance: Rgb::splat(reflectance) }
 }
 
 pub fn glass(ior: f32, exterior_ior: f32) -> BsdfDesc {

@@ -9,9 +9,10 @@ use crate::record::{Case, Entry, Within};
 use etendue::bsdf::fresnel_dielectric;
 use etendue::desc::{BsdfDesc, IntegratorDesc, SceneDesc, ShapeDesc};
 use etendue::integrator::{Integrator, SceneTracer, Whitted};
-use etendue::math::{DVec3, Ray, Vec3};
+use etendue::math::{DVec3, Ray};
 use etendue::sampling::Rng;
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -34,7 +35,7 @@ fn fresnel(degrees: f64, eta: f64) -> f64 {
 }
 
 /// A slab between z = 0 and `thickness`, so many times as wide.
-fn slab_surfaces(thickness: f64, aspect: f64) -> Vec<(ShapeDesc, BsdfDesc, Option<Vec3>)> {
+fn slab_surfaces(thickness: f64, aspect: f64) -> Vec<(ShapeDesc, BsdfDesc, Option<Rgb>)> {
     let half = 0.5 * aspect * thickness;
     vec![
         (plane(DVec3::ZERO, DVec3::NEG_Z, half), glass(1.5, 1.0), None),
@@ -45,7 +46,7 @@ fn slab_surfaces(thickness: f64, aspect: f64) -> Vec<(ShapeDesc, BsdfDesc, Optio
 /// An eye before a slab that looks at it under this angle; behind the slab everything shines.
 pub fn lit_slab(degrees: f64) -> SceneDesc {
     let mut surfaces = slab_surfaces(1.0, 2000.0);
-    surfaces.push((plane(DVec3::Z * 3.0, DVec3::NEG_Z, 1e3), BsdfDesc::Black, Some(Vec3::ONE)));
+    surfaces.push((plane(DVec3::Z * 3.0, DVec3::NEG_Z, 1e3), BsdfDesc::Black, Some(Rgb::ONE)));
     let (sin, cos) = degrees.to_radians().sin_cos();
     scene(camera(DVec3::new(0.0, 0.0, -2.0), DVec3::new(2.0 * sin, 0.0, 2.0 * cos - 2.0), 0.01), surfaces)
 }
@@ -155,7 +156,7 @@ fn glass_ball(ior: f32, shape: ShapeDesc) -> Scene {
     let sky = ShapeDesc::Mesh { mesh: 0, smooth: false };
     let mut desc = scene(
         camera(eye, DVec3::ZERO, 40.0),
-        vec![(shape, glass(ior, 1.0), None), (sky, BsdfDesc::Black, Some(Vec3::ONE))],
+        vec![(shape, glass(ior, 1.0), None), (sky, BsdfDesc::Black, Some(Rgb::ONE))],
     );
     desc.meshes.push(box_inside(DVec3::splat(-9.0), DVec3::splat(9.0)).into());
     build(&desc)
@@ -211,7 +212,7 @@ fn tree(scene: &Scene, (origin, direction): (DVec3, DVec3), max_depth: u32) -> f
     let ray = Ray::new(scene.to_scene(origin), direction.as_vec3a());
     let whitted = Whitted { max_depth: Some(max_depth), shadow_rays: 1 };
     let mut tracer = SceneTracer::new(scene);
-    f64::from(whitted.radiance(scene, ray, &mut Choices::new(&[0.5]), &mut tracer, &mut |_| {}).x)
+    f64::from(whitted.radiance(scene, ray, &mut Choices::new(&[0.5]), &mut tracer, &mut |_| {}).r())
 }
 
 fn ball_shares(case: &mut Case) {
@@ -279,7 +280,7 @@ fn from_within(case: &mut Case) {
     let desc = |degrees: f64| {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let face = (plane(DVec3::ZERO, DVec3::Y, 1e3), glass(1.5, 1.0), None);
-        let sky = (plane(DVec3::Y, DVec3::NEG_Y, 1e3), BsdfDesc::Black, Some(Vec3::ONE));
+        let sky = (plane(DVec3::Y, DVec3::NEG_Y, 1e3), BsdfDesc::Black, Some(Rgb::ONE));
         scene(camera(-DVec3::new(sin, cos, 0.0), DVec3::ZERO, 0.001), vec![face, sky])
     };
     for degrees in [0.0, 30.0, 41.0] {

@@ -7,8 +7,9 @@ use super::{Known, ball, converges, grey, measure, parallelogram, pick, plane};
 use crate::common::scenes::{Job, camera, point_light, scene};
 use crate::record::{Case, Entry};
 use etendue::desc::{BsdfDesc, IntegratorDesc, SamplerDesc, SceneDesc, ShapeDesc};
-use etendue::math::{Bounds, DVec3, Vec3};
+use etendue::math::{Bounds, DVec3};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -85,7 +86,7 @@ fn cavity(case: &mut Case) {
         let half = 1.01 * (1.0 - top * top).sqrt();
         let sky = parallelogram(DVec3::new(-half, -half, top), DVec3::Y * (2.0 * half), DVec3::X * (2.0 * half));
         let camera = camera(DVec3::new(0.2, 0.1, 0.0), DVec3::new(0.3, -0.5, -0.81), POINT);
-        let desc = scene(camera, vec![(wall, grey(albedo), None), (sky, BsdfDesc::Black, Some(Vec3::ONE))]);
+        let desc = scene(camera, vec![(wall, grey(albedo), None), (sky, BsdfDesc::Black, Some(Rgb::ONE))]);
         let rho = f64::from(albedo);
         let exact = rho * share / (1.0 - rho * (1.0 - share));
         assert!((exact / stated - 1.0).abs() < 1e-6, "{exact}");
@@ -96,7 +97,7 @@ fn cavity(case: &mut Case) {
 }
 
 /// Two square sheets so large that they have no end, at y = 0 and 1.
-fn sheets(rho: [f32; 2], emission: Option<Vec3>) -> Vec<(ShapeDesc, BsdfDesc, Option<Vec3>)> {
+fn sheets(rho: [f32; 2], emission: Option<Rgb>) -> Vec<(ShapeDesc, BsdfDesc, Option<Rgb>)> {
     let floor = plane(DVec3::ZERO, DVec3::Y, 500.0);
     let ceiling = plane(DVec3::Y, DVec3::NEG_Y, 500.0);
     vec![(floor, grey(rho[0]), emission), (ceiling, grey(rho[1]), None)]
@@ -133,7 +134,7 @@ fn planes(case: &mut Case) {
 
 fn plates(case: &mut Case) {
     // Radiosities 1 + 0.5 B2 and 0.8 B1, the first of an exitance of 1.
-    let (rho, emission) = ([0.5, 0.8], Some(Vec3::splat(std::f32::consts::FRAC_1_PI)));
+    let (rho, emission) = ([0.5, 0.8], Some(Rgb::splat(std::f32::consts::FRAC_1_PI)));
     let tolerance = pick(case, 4e-3, 3e-4);
     for (what, target, exact) in [("shining plate", 0.0, 5.0 / 3.0), ("the other plate", 1.0, 4.0 / 3.0)] {
         let desc = scene(camera(DVec3::Y * 0.5, DVec3::new(0.3, target, 0.1), POINT), sheets(rho, emission));

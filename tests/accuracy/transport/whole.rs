@@ -13,6 +13,7 @@ use etendue::integrator::{Integrator, SceneTracer};
 use etendue::math::{DVec3, Frame, Ray, Vec3};
 use etendue::sampling::{Sampler, SobolSampler, warps};
 use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -30,7 +31,7 @@ fn build(desc: &SceneDesc) -> Scene {
 const BATCHES: u32 = 32;
 
 /// Mean of an estimate and its standard error, each channel, by batches of a power of two on two threads.
-fn estimate(samples: u64, one: impl Fn(&mut SobolSampler) -> Vec3 + Sync) -> [(f64, f64); 3] {
+fn estimate(samples: u64, one: impl Fn(&mut SobolSampler) -> Rgb + Sync) -> [(f64, f64); 3] {
     let size = (samples as u32 / BATCHES).next_power_of_two();
     let batch = |number: u32| {
         let mut sampler = SobolSampler::new(11, size);
@@ -103,8 +104,8 @@ fn reciprocity(case: &mut Case) {
     let looking_glass = (parallelogram(DVec3::new(-0.6, 0.9, -0.8), DVec3::X * 1.2, DVec3::Z * 1.6), mirror(0.9));
     let lens = (ball(DVec3::new(-0.15, 0.1, 0.35), 0.4), glass(1.5, 1.0));
     let hollow = (ball(DVec3::new(-0.15, 0.1, 0.35), 0.3), glass(1.0, 1.5));
-    let oren_nayar = BsdfDesc::OrenNayar { albedo: Vec3::splat(0.7), roughness: 0.8 };
-    let oren_nayar_qualitative = BsdfDesc::OrenNayarQualitative { albedo: Vec3::splat(0.7), sigma: 0.6 };
+    let oren_nayar = BsdfDesc::OrenNayar { albedo: Rgb::splat(0.7), roughness: 0.8 };
+    let oren_nayar_qualitative = BsdfDesc::OrenNayarQualitative { albedo: Rgb::splat(0.7), sigma: 0.6 };
     let black = BsdfDesc::Black;
     let cases: [(&str, Things); 7] = [
         ("nothing between", vec![room(black)]),
@@ -117,7 +118,7 @@ fn reciprocity(case: &mut Case) {
     ];
     let transfer = |things: &Things, from: Patch, to: Patch, samples: u64| {
         let mut surfaces: Vec<_> = things.iter().map(|&(shape, bsdf)| (shape, bsdf, None)).collect();
-        surfaces.push((from.shape(), grey(GLIMMER), Some(Vec3::ONE)));
+        surfaces.push((from.shape(), grey(GLIMMER), Some(Rgb::ONE)));
         surfaces.push((to.shape(), grey(GLIMMER), None));
         let mut desc = scene(CameraDesc::default(), surfaces);
         desc.meshes.push(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)).into());
@@ -141,7 +142,7 @@ fn reciprocity(case: &mut Case) {
             vec![
                 (block(0), grey(0.5), None),
                 (block(1), glass(1.5, 1.0), None),
-                (from.shape(), grey(GLIMMER), Some(Vec3::ONE)),
+                (from.shape(), grey(GLIMMER), Some(Rgb::ONE)),
                 (to.shape(), grey(GLIMMER), None),
             ],
         );
@@ -256,7 +257,7 @@ fn power(case: &mut Case) {
         let point = a + s * (b - a) + t * (c - a);
         let ray = Ray::new(scene.to_scene(point + 1e-2 * normal), -normal.as_vec3a());
         let shown = PATH.radiance(&scene, ray, sampler, &mut SceneTracer::new(&scene), &mut |_| {});
-        2.0 * std::f32::consts::PI * total as f32 * shown * (Vec3::ONE - albedo) / albedo
+        2.0 * std::f32::consts::PI * total as f32 * shown * (Rgb::ONE - albedo) / albedo
     });
     // The lamp is black: it keeps what falls on it.
     let lamp = Patch { corner: DVec3::new(213.0, 548.8, 227.0), u: DVec3::X * 130.0, v: DVec3::Z * 105.0 };

@@ -1,9 +1,8 @@
 //! Scene-linear colour: three channels with Rec. 709 primaries, and their luminance.
 
-use crate::math::Vec3;
+mod rgb;
 
-/// A scene-linear colour or a radiometric quantity per channel (unit by context), Rec. 709 primaries.
-pub type Rgb = Vec3;
+pub use rgb::Rgb;
 
 /// Weights of the Rec. 709 channels in the CIE luminance (IEC 61966-2-1).
 pub const LUMINANCE_WEIGHTS: Rgb = Rgb::new(0.2126, 0.7152, 0.0722);
