@@ -28,8 +28,8 @@ test:
 	@scripts/setup.sh test
 	@scripts/test.sh
 
-# Every hard case with large numbers of rays and samples, and the arithmetic of other builds: prints the table of
-# docs/accuracy.md (ETENDUE_WRITE=1 writes it there). About a quarter of an hour.
+# Every hard case with large numbers of rays and samples, and the arithmetic of other builds: prints the tables of
+# docs/accuracy-tables.md (ETENDUE_WRITE=1 writes them there). About a quarter of an hour.
 accuracy: setup
 	ETENDUE_ACCURACY=full $(CARGO) test --locked --release --test accuracy
 	scripts/arithmetic.sh

@@ -47,7 +47,7 @@ mkdir -p target/doxygen
 doxygen
 
 step "links in the documents"
-for document in *.md docs/*.md peers/*.md; do
+for document in *.md docs/*.md docs/design/*.md docs/history/*.md peers/*.md; do
     grep -o '](\([^)#: ]*\))' "$document" | sed 's/^](//; s/)$//' | while read -r link; do
         [ -e "$(dirname "$document")/$link" ] || { echo "$document: $link does not exist" >&2; exit 1; }
     done

@@ -1,10 +1,16 @@
-//! The table, on the terminal and in `docs/accuracy.md`.
+//! The tables, on the terminal and in `docs/accuracy-tables.md`, and their contents in `docs/accuracy.md`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::record::{Case, Efficiency, Row, Verdict, short};
+
+/// The document of the tables.
+const TABLES: &str = "docs/accuracy-tables.md";
+
+/// The page in front of them, which counts what they hold.
+const FRONT: &str = "docs/accuracy.md";
 
 /// All rows so far, by group and by the place of the case in it.
 #[derive(Default)]
@@ -100,25 +106,24 @@ impl Table {
         text
     }
 
-    /// Compares the document with what was tried: every row must be there. Writes the tables into it where `ETENDUE_WRITE`
-    /// is set and the numbers are large.
+    /// Compares the document with what was tried: every row must be there. Writes the tables into it, and their contents into
+    /// the page in front of them, where `ETENDUE_WRITE` is set and the numbers are large.
     pub fn check_document(&self, is_full: bool) -> Result<(), String> {
-        let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md");
-        let mut text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let mut text = read(TABLES)?;
         if is_full && std::env::var_os("ETENDUE_WRITE").is_some() {
             for (group, _) in super::groups() {
                 text = replaced(&text, group, &self.group_table(group))?;
             }
             text = replaced(&text, "time", &self.efficiency_table())?;
             text = replaced(&text, "summary", &self.summary())?;
-            return std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()));
+            return write(&text);
         }
         // One group alone, with the numbers of this run.
         if let Some(group) =
             std::env::var("ETENDUE_WRITE").ok().filter(|name| super::groups().iter().any(|(group, _)| group == name))
         {
             text = replaced(&text, &group, &self.group_table(&group))?;
-            return std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()));
+            return write(&text);
         }
         let missing: Vec<String> = self
             .rows()
@@ -129,18 +134,110 @@ impl Table {
             return Ok(());
         }
         Err(format!(
-            "docs/accuracy.md lacks {} rows (ETENDUE_WRITE=1 make accuracy writes it):\n{}",
+            "{TABLES} lacks {} rows (ETENDUE_WRITE=1 make accuracy writes it):\n{}",
             missing.len(),
             missing.join("\n")
         ))
     }
 }
 
+/// Whether the page in front of the tables counts what they hold.
+pub fn check_front() -> Result<(), String> {
+    let front = read(FRONT)?;
+    let counted = replaced(&front, "contents", &contents(&read(TABLES)?)?)?;
+    if counted == front { Ok(()) } else { Err(format!("{FRONT} does not count what {TABLES} holds")) }
+}
+
+/// A line for each group of the document of the tables, with its heading and what its table holds.
+fn contents(tables: &str) -> Result<String, String> {
+    let mut text =
+        "| topic | cases | comparisons | passed | known to fail | farthest mean, standard errors (limit 4) |\n\
+                    |---|--:|--:|--:|--:|--:|\n"
+            .to_owned();
+    let mut total = Contents::default();
+    for (group, _) in super::groups() {
+        let (before, table, _) = divided(tables, group)?;
+        let heading = before.lines().rfind(|line| line.starts_with("## ")).map_or(group, |line| &line[3..]);
+        let anchor = heading.to_lowercase().replace(' ', "-");
+        let contents = Contents::of(table);
+        let _ = writeln!(text, "| [{heading}](accuracy-tables.md#{anchor}) | {} |", contents.to_cells());
+        total.cases += contents.cases;
+        total.rows += contents.rows;
+        total.passed += contents.passed;
+        total.known += contents.known;
+        total.farthest = total.farthest.max(contents.farthest);
+    }
+    let _ = writeln!(text, "| all | {} |", total.to_cells());
+    Ok(text)
+}
+
+/// What a table holds.
+#[derive(Default)]
+struct Contents {
+    cases: usize,
+    rows: usize,
+    passed: usize,
+    known: usize,
+    /// Standard errors by which a mean that passed is off, at most, where that is all it may be off by.
+    farthest: f64,
+}
+
+impl Contents {
+    fn of(table: &str) -> Self {
+        let mut contents = Self::default();
+        let mut cases = BTreeSet::new();
+        // Without the names of the columns.
+        for row in table.lines().filter(|line| line.starts_with("| ")).skip(1) {
+            let cells: Vec<&str> = row.trim_matches(['|', ' ']).split(" | ").collect();
+            let &[case, _, _, _, off, tolerance, verdict] = &cells[..] else { continue };
+            cases.insert(case);
+            contents.rows += 1;
+            contents.known += usize::from(verdict == "**fails**");
+            if verdict == "pass" {
+                contents.passed += 1;
+                let errors = off.split_once(" s, ").filter(|_| tolerance.starts_with("4 s, "));
+                contents.farthest = contents.farthest.max(errors.and_then(|(s, _)| s.parse().ok()).unwrap_or(0.0));
+            }
+        }
+        contents.cases = cases.len();
+        contents
+    }
+
+    fn to_cells(&self) -> String {
+        let Self { cases, rows, passed, known, farthest } = *self;
+        let farthest = if farthest == 0.0 { "—".to_owned() } else { short(farthest) };
+        format!("{cases} | {rows} | {passed} | {known} | {farthest}")
+    }
+}
+
+fn path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+fn read(name: &str) -> Result<String, String> {
+    std::fs::read_to_string(path(name)).map_err(|error| format!("{name}: {error}"))
+}
+
+/// Writes the tables, and what they hold into the page in front of them.
+fn write(tables: &str) -> Result<(), String> {
+    let front = replaced(&read(FRONT)?, "contents", &contents(tables)?)?;
+    for (name, text) in [(TABLES, tables), (FRONT, &front)] {
+        std::fs::write(path(name), text).map_err(|error| format!("{name}: {error}"))?;
+    }
+    Ok(())
+}
+
+/// `text` before, between and after the marks of `name`.
+fn divided<'t>(text: &'t str, name: &str) -> Result<(&'t str, &'t str, &'t str), String> {
+    let (start, end) = (format!("<!-- {name} -->\n"), format!("<!-- end {name} -->"));
+    let missing = || format!("a document of the accuracy has no marks for {name}");
+    let (before, rest) = text.split_once(&start).ok_or_else(missing)?;
+    let (between, after) = rest.split_once(&end).ok_or_else(missing)?;
+    Ok((before, between, after))
+}
+
 /// `text` with what stands between the marks of `name` replaced.
 fn replaced(text: &str, name: &str, table: &str) -> Result<String, String> {
-    let (start, end) = (format!("<!-- {name} -->\n"), format!("<!-- end {name} -->"));
-    let missing = || format!("docs/accuracy.md has no marks for {name}");
-    let (before, rest) = text.split_once(&start).ok_or_else(missing)?;
-    let (_, after) = rest.split_once(&end).ok_or_else(missing)?;
-    Ok(format!("{before}{start}\n{table}\n{end}{after}"))
+    let (before, _, after) = divided(text, name)?;
+    Ok(format!("{before}<!-- {name} -->\n\n{table}\n<!-- end {name} -->{after}"))
 }
