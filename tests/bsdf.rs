@@ -10,7 +10,7 @@ mod common {
 
 use common::bsdfs::{diffuse_models, direction, oren_nayar_qualitative, uniform_3d};
 use common::stats::{SIGNIFICANCE, check_directions};
-use etendue::bsdf::{Bsdf, Dielectric};
+use etendue::bsdf::{Bsdf, BsdfSample, Dielectric, Model as _, TransportMode};
 use etendue::desc::BsdfDesc;
 use etendue::math::Vec3;
 use etendue::sampling::{Rng, warps};
@@ -32,8 +32,14 @@ fn nothing_depends_on_which_side_is_lit() {
         for _ in 0..1000 {
             let (wo, wi) = (warps::uniform_hemisphere(rng.next_2d()), warps::uniform_hemisphere(rng.next_2d()));
             let u = uniform_3d(&mut rng);
-            assert_eq!(bsdf.f_pdf(wo, wi), bsdf.f_pdf(flip(wo), flip(wi)));
-            let (up, down) = (bsdf.sample(wo, u).unwrap(), bsdf.sample(flip(wo), u).unwrap());
+            assert_eq!(
+                bsdf.f_pdf(wo, wi, TransportMode::Radiance),
+                bsdf.f_pdf(flip(wo), flip(wi), TransportMode::Radiance)
+            );
+            let (up, down) = (
+                bsdf.sample(wo, u, TransportMode::Radiance).unwrap(),
+                bsdf.sample(flip(wo), u, TransportMode::Radiance).unwrap(),
+            );
             assert_eq!((up.wi, up.weight, up.pdf), (flip(down.wi), down.weight, down.pdf));
         }
     }
@@ -48,7 +54,7 @@ fn the_density_check_finds_wrong_densities() {
         check_directions(
             500_000,
             || {
-                let wi = bsdf.sample(wo, uniform_3d(&mut rng)).unwrap().wi.to_array();
+                let wi = bsdf.sample(wo, uniform_3d(&mut rng), TransportMode::Radiance).unwrap().wi.to_array();
                 (wi, density(wi))
             },
             density,
@@ -71,24 +77,24 @@ fn the_density_check_finds_wrong_densities() {
 fn delta_models_have_neither_value_nor_density() {
     let mut rng = Rng::new(10, 0);
     for bsdf in [mirror(), glass(1.5), glass(1.0)] {
-        assert!(bsdf.is_delta() && !bsdf.is_black());
+        assert!(bsdf.lobes().have_specular() && !bsdf.is_black());
         for _ in 0..1000 {
             let wo = warps::uniform_sphere(rng.next_2d());
-            let sample = bsdf.sample(wo, uniform_3d(&mut rng)).unwrap();
-            assert!(sample.is_delta && sample.pdf == 0.0);
-            assert_eq!(bsdf.f_pdf(wo, sample.wi), (Rgb::ZERO, 0.0));
+            let sample = bsdf.sample(wo, uniform_3d(&mut rng), TransportMode::Radiance).unwrap();
+            assert!(sample.is_specular() && sample.pdf == 0.0);
+            assert_eq!(bsdf.f_pdf(wo, sample.wi, TransportMode::Radiance), (Rgb::ZERO, 0.0));
         }
     }
     let black = Bsdf::new(&BsdfDesc::Black);
-    assert!(!black.is_delta() && black.is_black() && black.albedo() == Rgb::ZERO);
-    assert!(black.sample(Vec3::Z, [0.5; 3]).is_none());
-    assert_eq!(black.f_pdf(Vec3::Z, Vec3::Z), (Rgb::ZERO, 0.0));
+    assert!(black.lobes().is_empty() && black.is_black() && black.albedo() == Rgb::ZERO);
+    assert!(black.sample(Vec3::Z, [0.5; 3], TransportMode::Radiance).is_none());
+    assert_eq!(black.f_pdf(Vec3::Z, Vec3::Z, TransportMode::Radiance), (Rgb::ZERO, 0.0));
 }
 
 #[test]
 fn mirror_reflects_on_both_sides() {
     for wo in [direction(50.0, 20.0), direction(130.0, 20.0)] {
-        let sample = mirror().sample(wo, [0.3; 3]).unwrap();
+        let sample = mirror().sample(wo, [0.3; 3], TransportMode::Radiance).unwrap();
         assert_eq!(sample.wi, Vec3::new(-wo.x, -wo.y, wo.z));
         assert_eq!((sample.weight, sample.eta), (Rgb::new(0.9, 0.8, 0.7), 1.0));
     }
@@ -108,7 +114,8 @@ fn refraction_obeys_snell_and_carries_the_radiance_factor() {
             let Some((wi, eta)) = refracted else {
                 let sin = f64::from(wo.x).hypot(f64::from(wo.y));
                 assert!(reflectance == 1.0 && sin * f64::from(n_o) > f64::from(n_i) * (1.0 - 1e-6));
-                let sample = dielectric.sample(wo, 1.0_f32.next_down());
+                let sample: BsdfSample =
+                    dielectric.sample(wo, [0.0, 0.0, 1.0_f32.next_down()], TransportMode::Radiance).unwrap();
                 assert_eq!((sample.wi, sample.weight, sample.eta), (mirrored, Rgb::ONE, 1.0));
                 continue;
             };
@@ -120,8 +127,9 @@ fn refraction_obeys_snell_and_carries_the_radiance_factor() {
             // In the plane of incidence, onwards.
             assert!(wi.x * wo.x <= 0.0 && wi.y * wo.y <= 0.0);
 
-            let reflection = dielectric.sample(wo, 0.0);
-            let refraction = dielectric.sample(wo, 1.0_f32.next_down());
+            let reflection: BsdfSample = dielectric.sample(wo, [0.0, 0.0, 0.0], TransportMode::Radiance).unwrap();
+            let refraction: BsdfSample =
+                dielectric.sample(wo, [0.0, 0.0, 1.0_f32.next_down()], TransportMode::Radiance).unwrap();
             if reflectance > 0.0 {
                 assert_eq!((reflection.wi, reflection.weight, reflection.eta), (mirrored, Rgb::ONE, 1.0));
             }
@@ -138,8 +146,8 @@ fn refraction_obeys_snell_and_carries_the_radiance_factor() {
 fn directions_that_are_not_numbers_scatter_nothing() {
     let nan = Vec3::splat(f32::NAN);
     for bsdf in diffuse_models().into_iter().map(|(_, bsdf)| bsdf).chain([mirror(), glass(1.5)]) {
-        assert!(bsdf.sample(nan, [0.5; 3]).is_none());
-        assert_eq!(bsdf.f_pdf(nan, Vec3::Z), (Rgb::ZERO, 0.0));
-        assert!(bsdf.sample(Vec3::X, [0.5; 3]).is_none());
+        assert!(bsdf.sample(nan, [0.5; 3], TransportMode::Radiance).is_none());
+        assert_eq!(bsdf.f_pdf(nan, Vec3::Z, TransportMode::Radiance), (Rgb::ZERO, 0.0));
+        assert!(bsdf.sample(Vec3::X, [0.5; 3], TransportMode::Radiance).is_none());
     }
 }

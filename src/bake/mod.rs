@@ -123,8 +123,7 @@ impl Bake {
 /// What the outer side of a facet reflects of irradiance, where it is diffuse, and the radiosity that it emits [W m^-2].
 fn reflection(scene: &Scene, facet: &Facet) -> (Rgb, Rgb) {
     let at = scene.facet_point(facet, 1.0 / 3.0, 1.0 / 3.0);
-    let bsdf = &scene.material(at.material).bsdf;
-    let reflectance = if bsdf.is_delta() { Rgb::ZERO } else { bsdf.albedo() };
+    let reflectance = scene.material(at.material).diffuse_albedo(&at);
     let emitted = at.emitter.map_or(Rgb::ZERO, |emitter| scene.emitters().le(emitter, at.ng, at.ng));
     (reflectance, std::f32::consts::PI * emitted)
 }

@@ -1,8 +1,8 @@
 //! Smooth interface between two dielectrics.
 
-use super::{BsdfSample, fresnel_dielectric, reflect, refracted_cosine};
+use super::{BsdfSample, Lobes, Model, SpecularLobes, TransportMode, fresnel_dielectric, reflect, refracted_cosine};
 use crate::math::Vec3;
-use crate::spectrum::Rgb;
+use crate::spectrum::Spectrum;
 
 /// A smooth, colourless interface: reflects the share that Fresnel's equations give and refracts the rest by Snell's law.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,19 +41,74 @@ impl Dielectric {
         (reflectance, reflect(wo), refract(wo, eta).map(|wi| (wi, eta as f32)))
     }
 
-    /// Chooses one of the two branches with `u` in [0, 1), with probability equal to its share, so that a reflection's
-    /// weight is 1 and a refraction's 1 / eta^2.
+    #[inline(always)]
+    pub(super) fn in_spectrum<C: Spectrum>(&self, _: &C::Wavelengths) -> Self {
+        *self
+    }
+
     #[inline]
-    pub fn sample(&self, wo: Vec3, u: f32) -> BsdfSample {
+    fn reflection<C: Spectrum>(wo: Vec3, weight: C) -> BsdfSample<C> {
+        BsdfSample { wi: reflect(wo), weight, pdf: 0.0, lobe: Lobes::SPECULAR_REFLECTION, eta: 1.0 }
+    }
+
+    #[inline]
+    fn refraction<C: Spectrum>(wi: Vec3, weight: C, eta: f32) -> BsdfSample<C> {
+        BsdfSample { wi, weight, pdf: 0.0, lobe: Lobes::SPECULAR_TRANSMISSION, eta }
+    }
+}
+
+impl<C: Spectrum> Model<C> for Dielectric {
+    #[inline]
+    fn lobes(&self) -> Lobes {
+        Lobes::SPECULAR
+    }
+
+    #[inline]
+    fn albedo(&self) -> C {
+        C::ONE
+    }
+
+    #[inline]
+    fn f(&self, _: Vec3, _: Vec3, _: TransportMode) -> C {
+        C::ZERO
+    }
+
+    #[inline]
+    fn pdf(&self, _: Vec3, _: Vec3) -> f32 {
+        0.0
+    }
+
+    /// Chooses a lobe with `u[2]`, with probability equal to its share, so that a reflection's weight is 1 and a
+    /// refraction's 1, or 1 / eta^2 for radiance.
+    #[inline]
+    fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>> {
         let eta = self.relative_eta(wo);
         let reflectance = fresnel_dielectric(f64::from(wo.z), eta) as f32;
-        if u >= reflectance
+        if u[2] >= reflectance
             && let Some(wi) = refract(wo, eta)
         {
-            let weight = Rgb::splat((1.0 / (eta * eta)) as f32);
-            return BsdfSample { wi, weight, pdf: 0.0, is_delta: true, eta: eta as f32 };
+            let weight = match mode {
+                TransportMode::Radiance => C::splat((1.0 / (eta * eta)) as f32),
+                TransportMode::Importance => C::ONE,
+            };
+            return Some(Self::refraction(wi, weight, eta as f32));
         }
-        BsdfSample { wi: reflect(wo), weight: Rgb::ONE, pdf: 0.0, is_delta: true, eta: 1.0 }
+        Some(Self::reflection(wo, C::ONE))
+    }
+
+    /// The reflectance F, and 1 - F for the refracted direction unless reflection is total; for radiance with another
+    /// factor 1 / eta^2.
+    #[inline]
+    fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {
+        let (reflectance, _, refracted) = self.branches(wo);
+        let refraction = refracted.map(|(wi, eta)| {
+            let transmittance = match mode {
+                TransportMode::Radiance => (1.0 - reflectance) / (eta * eta),
+                TransportMode::Importance => 1.0 - reflectance,
+            };
+            Self::refraction(wi, C::splat(transmittance), eta)
+        });
+        [Some(Self::reflection(wo, C::splat(reflectance))), refraction]
     }
 }
 

@@ -1,30 +1,63 @@
 //! Perfect mirror.
 
-use super::{BsdfSample, reflect};
+use super::{BsdfSample, Lobes, Model, SpecularLobes, TransportMode, reflect};
 use crate::math::Vec3;
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, Spectrum};
 
 /// A perfect mirror with the same reflectance at every angle, on both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mirror {
-    reflectance: Rgb,
+pub struct Mirror<C: Spectrum = Rgb> {
+    reflectance: C,
 }
 
 impl Mirror {
-    /// A mirror. `reflectance`: in [0, 1] per channel.
-    pub fn new(reflectance: Rgb) -> Self {
-        Self { reflectance }
+    #[inline(always)]
+    pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> Mirror<C> {
+        Mirror { reflectance: C::from_reflectance(self.reflectance, wavelengths) }
     }
+}
 
-    /// Share of the incoming power that is reflected.
-    #[inline]
-    pub fn reflectance(&self) -> Rgb {
-        self.reflectance
+impl<C: Spectrum> Mirror<C> {
+    /// A mirror. `reflectance`: in [0, 1] per channel.
+    pub fn new(reflectance: C) -> Self {
+        Self { reflectance }
     }
 
     /// The one direction it reflects into.
     #[inline]
-    pub fn sample(&self, wo: Vec3) -> BsdfSample {
-        BsdfSample { wi: reflect(wo), weight: self.reflectance, pdf: 0.0, is_delta: true, eta: 1.0 }
+    fn reflection(&self, wo: Vec3) -> BsdfSample<C> {
+        BsdfSample { wi: reflect(wo), weight: self.reflectance, pdf: 0.0, lobe: Lobes::SPECULAR_REFLECTION, eta: 1.0 }
+    }
+}
+
+impl<C: Spectrum> Model<C> for Mirror<C> {
+    #[inline]
+    fn lobes(&self) -> Lobes {
+        Lobes::SPECULAR_REFLECTION
+    }
+
+    #[inline]
+    fn albedo(&self) -> C {
+        self.reflectance
+    }
+
+    #[inline]
+    fn f(&self, _: Vec3, _: Vec3, _: TransportMode) -> C {
+        C::ZERO
+    }
+
+    #[inline]
+    fn pdf(&self, _: Vec3, _: Vec3) -> f32 {
+        0.0
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, _: [f32; 3], _: TransportMode) -> Option<BsdfSample<C>> {
+        Some(self.reflection(wo))
+    }
+
+    #[inline]
+    fn specular_lobes(&self, wo: Vec3, _: TransportMode) -> SpecularLobes<C> {
+        [Some(self.reflection(wo)), None]
     }
 }

@@ -5,61 +5,188 @@
 //! surface. `f(wo, wi)` (sr^-1) carries no cosine; `pdf` is per solid angle. Perfectly specular models are delta
 //! distributions: `f` and `pdf` are 0 for them and only `sample` answers.
 //!
-//! The diffuse models are two-sided: they reflect on the side `wo` is on and transmit nothing. A mirror reflects on both
-//! sides. A dielectric tells its side by the sign of `wo.z`.
+//! A Bsdf says by its [`Lobes`] what it scatters and to which side; each model decides for itself which pairs of directions
+//! it connects. The diffuse models are two-sided: they reflect on the side `wo` is on and transmit nothing. A mirror reflects
+//! on both sides. A dielectric tells its side by the sign of `wo.z`. A direction that lies in the surface (`z` exactly 0) is
+//! on no side: nothing is scattered from or into it.
 //!
-//! A direction that lies in the surface (`z` exactly 0) is on no side: nothing is scattered from or into it.
+//! A new model is a file that implements [`Model`], a line in the list of models below, and an arm in [`Bsdf::new`].
 
+mod black;
 mod dielectric;
 mod fresnel;
 mod lambert;
+mod lobes;
 mod mirror;
 mod oren_nayar;
 mod oren_nayar_qualitative;
 
+pub use black::Black;
 pub use dielectric::Dielectric;
 pub use fresnel::{fresnel_dielectric, refracted_cosine};
 pub use lambert::Lambert;
+pub use lobes::{Lobes, TransportMode};
 pub use mirror::Mirror;
 pub use oren_nayar::OrenNayar;
 pub use oren_nayar_qualitative::OrenNayarQualitative;
 
-use std::f32::consts::FRAC_1_PI;
-
 use crate::desc::BsdfDesc;
 use crate::math::Vec3;
 use crate::sampling::warps;
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, Spectrum};
 
 /// A direction drawn from a scattering model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsdfSample {
+pub struct BsdfSample<C: Spectrum = Rgb> {
     /// The direction, unit, local frame.
     pub wi: Vec3,
-    /// f |cos theta_i| / pdf, for the transport of radiance: refraction carries (n_o / n_i)^2, which cancels once the path
-    /// is back in the medium it started in. Transport of power (photons) leaves that factor out.
-    pub weight: Rgb,
+    /// f |cos theta_i| / pdf, for what [`TransportMode`] says. Refraction of radiance carries (n_o / n_i)^2, which cancels once
+    /// the path is back in the medium it started in; refraction of importance does not.
+    pub weight: C,
     /// Density of `wi` (sr^-1); 0 for a delta lobe, which has none.
     pub pdf: f32,
-    /// Whether `wi` came from a delta lobe.
-    pub is_delta: bool,
+    /// The lobe that `wi` was drawn from.
+    pub lobe: Lobes,
     /// Index of refraction on `wi`'s side over that on `wo`'s side: 1 for a reflection.
     pub eta: f32,
 }
 
-/// A scattering model with its constants worked out.
-#[derive(Clone, Copy, Debug)]
-pub enum Bsdf {
+impl<C: Spectrum> BsdfSample<C> {
+    /// Whether `wi` came from a delta lobe, which no light sample can imitate.
+    #[inline(always)]
+    pub fn is_specular(&self) -> bool {
+        self.lobe.have_specular()
+    }
+}
+
+/// The delta lobes of a Bsdf for one direction: reflection, refraction. Each sample's weight is the whole share of its lobe,
+/// as if it alone were always taken.
+pub type SpecularLobes<C> = [Option<BsdfSample<C>>; 2];
+
+/// A scattering model with its constants worked out. Directions are as the module says.
+pub trait Model<C: Spectrum> {
+    /// The lobes that it has.
+    fn lobes(&self) -> Lobes;
+
+    /// Reflectance colour in [0, 1]: of the facets for rough models, 1 for a dielectric. 0 means that nothing is scattered.
+    fn albedo(&self) -> C;
+
+    /// Width of the narrowest lobe, as the width parameter alpha of a microfacet distribution: 0 for a delta lobe, 1 for a
+    /// diffuse one.
+    fn narrowest(&self) -> f32 {
+        if self.lobes().have_specular() { 0.0 } else { 1.0 }
+    }
+
+    /// The scattering function (sr^-1), without a cosine; 0 for delta lobes and between sides that no lobe connects.
+    fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C;
+
+    /// Density with which [`Model::sample`] draws `wi` (sr^-1); 0 for delta lobes.
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32;
+
+    /// Draws a direction. `wo.z` is neither 0 nor NaN; `u` is uniform in [0, 1)^3: the first two choose the direction, the
+    /// third the lobe. `None` where nothing is scattered.
+    fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>>;
+
+    /// f where it is the same for all pairs of directions on one side (sr^-1).
+    fn constant_f(&self) -> Option<C> {
+        None
+    }
+
+    /// The radiance that the diffuse lobes send along `wo` per irradiance (sr^-1) where the same radiance comes from all
+    /// directions; `None` where there are no diffuse lobes.
+    fn mean_f(&self, wo: Vec3) -> Option<C> {
+        let _ = wo;
+        None
+    }
+
+    /// All delta lobes at once.
+    fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {
+        let _ = (wo, mode);
+        [None; 2]
+    }
+}
+
+/// Makes the enumeration of models and hands each question on to the model.
+macro_rules! models {
+    ($($(#[$doc:meta])* $name:ident($model:ty),)*) => {
+        /// A scattering model with its constants worked out, in the channels that a path carries.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum Bsdf<C: Spectrum = Rgb> {
+            $($(#[$doc])* $name($model),)*
+        }
+
+        impl Bsdf<Rgb> {
+            /// The same model in the channels of a path: itself for RGB.
+            #[inline(always)]
+            pub fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> Bsdf<C> {
+                match self {
+                    $(Self::$name(model) => Bsdf::$name(model.in_spectrum::<C>(wavelengths)),)*
+                }
+            }
+        }
+
+        impl<C: Spectrum> Model<C> for Bsdf<C> {
+            #[inline]
+            fn lobes(&self) -> Lobes {
+                match self { $(Self::$name(model) => Model::<C>::lobes(model),)* }
+            }
+
+            #[inline]
+            fn albedo(&self) -> C {
+                match self { $(Self::$name(model) => Model::<C>::albedo(model),)* }
+            }
+
+            fn narrowest(&self) -> f32 {
+                match self { $(Self::$name(model) => Model::<C>::narrowest(model),)* }
+            }
+
+            #[inline]
+            fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
+                match self { $(Self::$name(model) => model.f(wo, wi, mode),)* }
+            }
+
+            #[inline]
+            fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+                match self { $(Self::$name(model) => Model::<C>::pdf(model, wo, wi),)* }
+            }
+
+            #[inline]
+            fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>> {
+                if wo.z == 0.0 || wo.z.is_nan() {
+                    return None;
+                }
+                match self { $(Self::$name(model) => model.sample(wo, u, mode),)* }
+            }
+
+            #[inline]
+            fn constant_f(&self) -> Option<C> {
+                match self { $(Self::$name(model) => Model::<C>::constant_f(model),)* }
+            }
+
+            #[inline]
+            fn mean_f(&self, wo: Vec3) -> Option<C> {
+                match self { $(Self::$name(model) => model.mean_f(wo),)* }
+            }
+
+            #[inline]
+            fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {
+                match self { $(Self::$name(model) => model.specular_lobes(wo, mode),)* }
+            }
+        }
+    };
+}
+
+models! {
     /// Absorbs everything.
-    Black,
+    Black(Black),
     /// Ideal diffuse reflection.
-    Lambert(Lambert),
+    Lambert(Lambert<C>),
+    /// Fujii's improved Oren-Nayar model.
+    OrenNayar(OrenNayar<C>),
     /// Oren and Nayar's qualitative model.
-    OrenNayarQualitative(OrenNayarQualitative),
-    /// Fujii's improved Oren-Nayar.
-    OrenNayar(OrenNayar),
+    OrenNayarQualitative(OrenNayarQualitative<C>),
     /// Perfect mirror.
-    Mirror(Mirror),
+    Mirror(Mirror<C>),
     /// Smooth dielectric interface.
     Dielectric(Dielectric),
 }
@@ -70,7 +197,7 @@ impl Bsdf {
     /// The rough diffuse models with no roughness become [`Lambert`], to the last bit.
     pub fn new(desc: &BsdfDesc) -> Self {
         match *desc {
-            BsdfDesc::Black => Self::Black,
+            BsdfDesc::Black => Self::Black(Black),
             BsdfDesc::Lambert { albedo } => Self::Lambert(Lambert::new(albedo)),
             BsdfDesc::OrenNayarQualitative { albedo, sigma: 0.0 } => Self::Lambert(Lambert::new(albedo)),
             BsdfDesc::OrenNayarQualitative { albedo, sigma } => {
@@ -82,107 +209,35 @@ impl Bsdf {
             BsdfDesc::Dielectric { ior, exterior_ior } => Self::Dielectric(Dielectric::new(ior, exterior_ior)),
         }
     }
+}
 
-    /// Whether all it scatters leaves through delta lobes, so that no light sample can ever contribute.
-    ///
-    /// False for [`Bsdf::Black`], which scatters nothing; see [`Bsdf::is_black`].
-    #[inline]
-    pub fn is_delta(&self) -> bool {
-        matches!(self, Self::Mirror(_) | Self::Dielectric(_))
-    }
-
+impl<C: Spectrum> Bsdf<C> {
     /// Whether it scatters nothing, whatever the directions.
+    #[inline]
     pub fn is_black(&self) -> bool {
-        match self {
-            Self::Black => true,
-            Self::Dielectric(_) => false,
-            _ => self.albedo() == Rgb::ZERO,
-        }
+        self.albedo() == C::ZERO
     }
 
-    /// The radiance that a diffuse surface sends along the unit direction `wo` (local frame) per irradiance (sr^-1) where the same
-    /// radiance comes from all directions; `None` for other surfaces.
+    /// [`Model::f`] and [`Model::pdf`] together.
     #[inline]
-    pub fn mean_f(&self, wo: Vec3) -> Option<Rgb> {
-        match self {
-            Self::Lambert(lambert) => Some(lambert.f()),
-            Self::OrenNayarQualitative(oren_nayar_qualitative) => {
-                Some(oren_nayar_qualitative.directional_albedo(wo) * FRAC_1_PI)
-            }
-            Self::OrenNayar(oren_nayar) => Some(oren_nayar.directional_albedo(wo) * FRAC_1_PI),
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) => None,
-        }
-    }
-
-    /// Reflectance colour, for an albedo image: of the facets for the rough models, 1 for a dielectric.
-    pub fn albedo(&self) -> Rgb {
-        match self {
-            Self::Black => Rgb::ZERO,
-            Self::Lambert(lambert) => lambert.albedo(),
-            Self::OrenNayarQualitative(oren_nayar_qualitative) => oren_nayar_qualitative.albedo(),
-            Self::OrenNayar(oren_nayar) => oren_nayar.albedo(),
-            Self::Mirror(mirror) => mirror.reflectance(),
-            Self::Dielectric(_) => Rgb::ONE,
-        }
-    }
-
-    /// The scattering function (sr^-1), without a cosine; 0 for delta models and for two directions on different sides.
-    #[inline]
-    pub fn f(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        if !same_side(wo, wi) {
-            return Rgb::ZERO;
-        }
-        match self {
-            Self::Lambert(lambert) => lambert.f(),
-            Self::OrenNayarQualitative(oren_nayar_qualitative) => oren_nayar_qualitative.f(wo, wi),
-            Self::OrenNayar(oren_nayar) => oren_nayar.f(wo, wi),
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) => Rgb::ZERO,
-        }
-    }
-
-    /// Density with which [`Bsdf::sample`] draws `wi` (sr^-1); 0 for delta models.
-    #[inline]
-    pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        match self {
-            Self::Lambert(_) | Self::OrenNayarQualitative(_) | Self::OrenNayar(_) if same_side(wo, wi) => {
-                warps::cosine_hemisphere_pdf(wi.z.abs())
-            }
-            _ => 0.0,
-        }
-    }
-
-    /// [`Bsdf::f`] and [`Bsdf::pdf`] together.
-    #[inline]
-    pub fn f_pdf(&self, wo: Vec3, wi: Vec3) -> (Rgb, f32) {
-        (self.f(wo, wi), self.pdf(wo, wi))
-    }
-
-    /// Draws a direction. `u` is uniform in [0, 1)^3: the first two choose the direction, the third between reflection and
-    /// refraction. `None` where nothing is scattered.
-    #[inline]
-    pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
-        if wo.z == 0.0 || wo.z.is_nan() {
-            return None;
-        }
-        match self {
-            Self::Black => None,
-            Self::Lambert(lambert) => Some(sample_diffuse(wo, u, |_| lambert.albedo())),
-            Self::OrenNayarQualitative(oren_nayar_qualitative) => {
-                Some(sample_diffuse(wo, u, |wi| oren_nayar_qualitative.weight(wo, wi)))
-            }
-            Self::OrenNayar(oren_nayar) => Some(sample_diffuse(wo, u, |wi| oren_nayar.weight(wo, wi))),
-            Self::Mirror(mirror) => Some(mirror.sample(wo)),
-            Self::Dielectric(dielectric) => Some(dielectric.sample(wo, u[2])),
-        }
+    pub fn f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
+        (self.f(wo, wi, mode), self.pdf(wo, wi))
     }
 }
 
 /// A cosine-distributed direction on `wo`'s side with the weight pi f that `weight` gives it.
 #[inline]
-fn sample_diffuse(wo: Vec3, u: [f32; 3], weight: impl FnOnce(Vec3) -> Rgb) -> BsdfSample {
+fn sample_diffuse<C: Spectrum>(wo: Vec3, u: [f32; 3], weight: impl FnOnce(Vec3) -> C) -> BsdfSample<C> {
     let up = warps::cosine_hemisphere([u[0], u[1]]);
     let wi = Vec3::new(up.x, up.y, up.z.copysign(wo.z));
-    BsdfSample { wi, weight: weight(wi), pdf: warps::cosine_hemisphere_pdf(up.z), is_delta: false, eta: 1.0 }
+    let pdf = warps::cosine_hemisphere_pdf(up.z);
+    BsdfSample { wi, weight: weight(wi), pdf, lobe: Lobes::DIFFUSE_REFLECTION, eta: 1.0 }
+}
+
+/// Density of [`sample_diffuse`].
+#[inline]
+fn diffuse_pdf(wo: Vec3, wi: Vec3) -> f32 {
+    if same_side(wo, wi) { warps::cosine_hemisphere_pdf(wi.z.abs()) } else { 0.0 }
 }
 
 /// Whether both directions are strictly on one side of the surface. The product of two tiny cosines may underflow, which
@@ -246,7 +301,7 @@ mod tests {
                 for i in 0..N * N {
                     // Distributed by the cosine, so that f / N^2 sums up to the mean of f times pi over pi.
                     let wi = warps::cosine_hemisphere([at(i / N), at(i % N)]);
-                    sum += bsdf.f(wo, wi).to_f64();
+                    sum += bsdf.f(wo, wi, TransportMode::Radiance).to_f64();
                 }
                 let expected = sum / f64::from(N * N);
                 let mean = bsdf.mean_f(wo).unwrap().to_f64();

@@ -3,9 +3,11 @@
 use std::f32::consts::FRAC_1_PI;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::{bright_side, sine, tangential_dot};
+use super::{
+    BsdfSample, Lobes, Model, TransportMode, bright_side, diffuse_pdf, same_side, sample_diffuse, sine, tangential_dot,
+};
 use crate::math::Vec3;
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, Spectrum};
 
 /// Fujii's improved Oren-Nayar model: f = albedo (A + B s / t) with A = 1 / (pi + (pi/2 - 2/3) sigma'), B = sigma' A,
 /// s = wi.wo - (n.wi)(n.wo), and t = max(n.wi, n.wo) where s > 0, else 1.
@@ -16,47 +18,74 @@ use crate::spectrum::Rgb;
 ///
 /// Source: Fujii, "A tiny improvement of Oren-Nayar reflectance model"; albedo: Portsmouth et al. 2024.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OrenNayar {
-    albedo: Rgb,
+pub struct OrenNayar<C: Spectrum = Rgb> {
+    albedo: C,
     /// pi A and pi B, so that both are near 1.
     a: f32,
     b: f32,
 }
 
 impl OrenNayar {
+    #[inline(always)]
+    pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> OrenNayar<C> {
+        OrenNayar { albedo: C::from_reflectance(self.albedo, wavelengths), a: self.a, b: self.b }
+    }
+}
+
+impl<C: Spectrum> OrenNayar<C> {
     /// A rough diffuse surface. `albedo`: of the facets, in [0, 1] per channel. `roughness`: sigma' in [0, 1].
-    pub fn new(albedo: Rgb, roughness: f32) -> Self {
+    pub fn new(albedo: C, roughness: f32) -> Self {
         let sigma = f64::from(roughness);
         let a = PI / (PI + (FRAC_PI_2 - 2.0 / 3.0) * sigma);
         Self { albedo, a: a as f32, b: (sigma * a) as f32 }
     }
 
-    /// Albedo of the facets.
-    #[inline]
-    pub fn albedo(&self) -> Rgb {
-        self.albedo
-    }
-
     /// Share of the power that comes from all directions alike, or of a beam along `w`, that is scattered: the directional
     /// albedo. By the integral of f cos over the hemisphere.
-    pub fn directional_albedo(&self, w: Vec3) -> Rgb {
+    pub fn directional_albedo(&self, w: Vec3) -> C {
         self.albedo * (self.a + self.b * FRAC_1_PI * (bright_side(w) - 2.0 / 3.0 * sine(w)))
-    }
-
-    /// The scattering function for two directions strictly on one side (sr^-1).
-    #[inline]
-    pub fn f(&self, wo: Vec3, wi: Vec3) -> Rgb {
-        self.weight(wo, wi) * FRAC_1_PI
     }
 
     /// pi f: the weight of a cosine-distributed sample.
     #[inline]
-    pub(super) fn weight(&self, wo: Vec3, wi: Vec3) -> Rgb {
+    fn weight(&self, wo: Vec3, wi: Vec3) -> C {
         let s = tangential_dot(wo, wi);
         // t is at most 1: a positive s grows when divided by it, a negative one would fall. The larger of both is s / t by
         // the model's rule, without a branch on a sign that is as good as random.
         let s_over_t = (s / wo.z.abs().max(wi.z.abs())).max(s);
         // At sigma' = 1 and both directions opposite at grazing, a + b s is 0 up to rounding.
         self.albedo * (self.a + self.b * s_over_t).max(0.0)
+    }
+}
+
+impl<C: Spectrum> Model<C> for OrenNayar<C> {
+    #[inline]
+    fn lobes(&self) -> Lobes {
+        Lobes::DIFFUSE_REFLECTION
+    }
+
+    #[inline]
+    fn albedo(&self) -> C {
+        self.albedo
+    }
+
+    #[inline]
+    fn f(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> C {
+        if same_side(wo, wi) { self.weight(wo, wi) * FRAC_1_PI } else { C::ZERO }
+    }
+
+    #[inline]
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        diffuse_pdf(wo, wi)
+    }
+
+    #[inline]
+    fn sample(&self, wo: Vec3, u: [f32; 3], _: TransportMode) -> Option<BsdfSample<C>> {
+        Some(sample_diffuse(wo, u, |wi| self.weight(wo, wi)))
+    }
+
+    #[inline]
+    fn mean_f(&self, wo: Vec3) -> Option<C> {
+        Some(self.directional_albedo(wo) * FRAC_1_PI)
     }
 }

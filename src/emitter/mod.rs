@@ -4,10 +4,12 @@
 //! few mostly in proportion to its power, among many by what the receiver may get from it; then a point on it (or a direction
 //! towards it) is sampled. Every density here is per solid angle at the reference point and includes the choice.
 
+mod environment;
 mod sphere;
 mod tree;
 mod triangle;
 
+pub use environment::EnvironmentEmitter;
 pub use sphere::SphereEmitter;
 pub use triangle::TriangleEmitter;
 
@@ -33,6 +35,8 @@ pub enum Emitter {
     Triangle(TriangleEmitter),
     /// A sphere that shines outwards.
     Sphere(SphereEmitter),
+    /// Light from infinity.
+    Environment(EnvironmentEmitter),
 }
 
 /// A direction towards an emitter.
@@ -59,6 +63,7 @@ impl Emitter {
             Self::Point { intensity, .. } => 4.0 * PI * intensity.to_f64(),
             Self::Triangle(emitter) => PI * f64::from(emitter.triangle.area) * emitter.radiance.to_f64(),
             Self::Sphere(emitter) => PI * emitter.sphere.area() * emitter.radiance.to_f64(),
+            Self::Environment(emitter) => emitter.power(),
         }
     }
 
@@ -68,6 +73,7 @@ impl Emitter {
             Self::Point { .. } => 0.0,
             Self::Triangle(emitter) => f64::from(emitter.triangle.area),
             Self::Sphere(emitter) => emitter.sphere.area(),
+            Self::Environment(emitter) => emitter.area(),
         }
     }
 
@@ -77,7 +83,14 @@ impl Emitter {
             Self::Point { position, .. } => *position,
             Self::Triangle(emitter) => emitter.triangle.at(1.0 / 3.0, 1.0 / 3.0),
             Self::Sphere(emitter) => emitter.sphere.centre.as_vec3a(),
+            Self::Environment(emitter) => emitter.middle(),
         }
+    }
+
+    /// Whether its light comes from infinity, so that rays find it by meeting nothing.
+    #[inline]
+    pub fn is_infinite(&self) -> bool {
+        matches!(self, Self::Environment(_))
     }
 
     /// Samples a place from which light leaves, uniformly by area; `u` uniform in [0, 1)^2.
@@ -87,6 +100,7 @@ impl Emitter {
             Self::Point { position, .. } => Departure { point: HitPoint { p: *position, error: 0.0 }, normal: None },
             Self::Triangle(emitter) => emitter.sample_departure(u),
             Self::Sphere(emitter) => emitter.sample_departure(u),
+            Self::Environment(emitter) => emitter.sample_departure(u),
         }
     }
 }
@@ -120,6 +134,12 @@ impl Receiver {
     pub fn facing(p: Vec3, normal: Vec3) -> Self {
         Self { p, normal }
     }
+
+    /// The unit normal on the side from which light counts; `None` where it counts from all sides.
+    #[inline]
+    pub fn normal(&self) -> Option<Vec3> {
+        (self.normal != Vec3::ZERO).then_some(self.normal)
+    }
 }
 
 /// A place to which light counts from all sides.
@@ -145,7 +165,9 @@ const TOO_MANY: usize = 1 << 29;
 enum Choice {
     /// The same for all receivers.
     ByPower(Distribution1D),
-    ByReceiver(LightTree),
+    /// By what the receiver may get, among those that have a place. Those at infinity together are as likely as each of
+    /// n + 1 equal choices would make n of them.
+    ByReceiver { tree: LightTree, infinite: f32 },
 }
 
 /// All emitters of a scene with their probabilities.
@@ -153,6 +175,8 @@ enum Choice {
 pub struct EmitterSet {
     emitters: Vec<Emitter>,
     point_lights: usize,
+    /// Numbers of those at infinity.
+    infinite: Vec<u32>,
     /// `None` where there is nothing to sample.
     choice: Option<Choice>,
 }
@@ -178,8 +202,16 @@ impl EmitterSet {
         }
         let total: f64 = powers.iter().sum();
         let shining = powers.iter().filter(|&&power| power > 0.0).count();
-        let choice = if total > 0.0 && total.is_finite() && shining > FEW && emitters.len() < TOO_MANY {
-            Some(Choice::ByReceiver(LightTree::new(&emitters, &powers, cancel)?))
+        let is_infinite =
+            |(_, emitter): &(usize, &Emitter)| emitter.is_infinite() && emitter.power().max_element() > 0.0;
+        let infinite: Vec<u32> =
+            emitters.iter().enumerate().filter(is_infinite).map(|(number, _)| number as u32).collect();
+        let choice = if total > 0.0 && total.is_finite() && shining - infinite.len() > FEW && emitters.len() < TOO_MANY
+        {
+            // What is at infinity has no place in the tree.
+            infinite.iter().for_each(|&number| powers[number as usize] = 0.0);
+            let share = infinite.len() as f32 / (infinite.len() as f32 + 1.0);
+            Some(Choice::ByReceiver { tree: LightTree::new(&emitters, &powers, cancel)?, infinite: share })
         } else {
             let even = EVEN_SHARE * total / shining.max(1) as f64;
             // In place: from here on they are weights.
@@ -189,7 +221,7 @@ impl EmitterSet {
             Distribution1D::cancellable(&powers, cancel)?.map(Choice::ByPower)
         };
         let point_lights = emitters.iter().filter(|emitter| matches!(emitter, Emitter::Point { .. })).count();
-        Ok(Self { emitters, point_lights, choice })
+        Ok(Self { emitters, point_lights, infinite, choice })
     }
 
     /// Whether no light can come from it.
@@ -222,7 +254,18 @@ impl EmitterSet {
                 let (index, probability, _) = choice.sample(chooser);
                 (index, probability)
             }
-            Choice::ByReceiver(tree) => tree.sample(&receiver, chooser)?,
+            Choice::ByReceiver { tree, infinite } if *infinite == 0.0 => tree.sample(&receiver, chooser)?,
+            Choice::ByReceiver { tree, infinite } => {
+                let infinite = f64::from(*infinite);
+                if chooser < infinite {
+                    let count = self.infinite.len();
+                    let chosen = ((chooser / infinite * count as f64) as usize).min(count - 1);
+                    (self.infinite[chosen] as usize, infinite as f32 / count as f32)
+                } else {
+                    let (index, probability) = tree.sample(&receiver, (chooser - infinite) / (1.0 - infinite))?;
+                    (index, probability * (1.0 - infinite as f32))
+                }
+            }
         };
         let mut sample = match &self.emitters[index] {
             Emitter::Point { position, intensity } => {
@@ -241,6 +284,7 @@ impl EmitterSet {
             }
             Emitter::Triangle(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Sphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
+            Emitter::Environment(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
         };
         sample.pdf *= probability;
         (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some(sample)
@@ -253,7 +297,17 @@ impl EmitterSet {
         match &self.choice {
             None => 0.0,
             Some(Choice::ByPower(choice)) => choice.pmf(index as usize),
-            Some(Choice::ByReceiver(tree)) => tree.probability(index as usize, &receiver.into()),
+            Some(Choice::ByReceiver { tree, infinite }) if *infinite == 0.0 => {
+                tree.probability(index as usize, &receiver.into())
+            }
+            Some(Choice::ByReceiver { tree, infinite }) => {
+                if self.emitters[index as usize].is_infinite() {
+                    let is_chosen = self.infinite.contains(&index);
+                    if is_chosen { infinite / self.infinite.len() as f32 } else { 0.0 }
+                } else {
+                    (1.0 - infinite) * tree.probability(index as usize, &receiver.into())
+                }
+            }
         }
     }
 
@@ -264,11 +318,41 @@ impl EmitterSet {
         let receiver = receiver.into();
         let p = receiver.p;
         let pdf = match &self.emitters[index as usize] {
-            Emitter::Point { .. } => 0.0,
+            Emitter::Point { .. } | Emitter::Environment(_) => 0.0,
             Emitter::Triangle(emitter) => emitter.pdf(p, hit),
             Emitter::Sphere(emitter) => emitter.pdf(p),
         };
         pdf * self.probability(index, receiver)
+    }
+
+    /// Whether light comes from infinity.
+    #[inline(always)]
+    pub fn has_infinite(&self) -> bool {
+        !self.infinite.is_empty()
+    }
+
+    /// Hands over the radiance that comes from infinity against `direction` (unit, away from the receiver), and the number
+    /// of the emitter that it is of, for each emitter there.
+    #[inline]
+    pub fn each_infinite(&self, direction: Vec3, mut each: impl FnMut(Rgb, u32)) {
+        // One radiance in all directions as yet.
+        let _ = direction;
+        for &number in &self.infinite {
+            if let Emitter::Environment(emitter) = &self.emitters[number as usize] {
+                each(emitter.radiance, number);
+            }
+        }
+    }
+
+    /// Density with which [`EmitterSet::sample`] for this receiver gives this direction (unit) for emitter `index`, which is at
+    /// infinity.
+    #[inline]
+    pub fn pdf_infinite(&self, index: u32, receiver: impl Into<Receiver>, direction: Vec3) -> f32 {
+        let receiver = receiver.into();
+        match &self.emitters[index as usize] {
+            Emitter::Environment(emitter) => emitter.pdf(&receiver, direction) * self.probability(index, receiver),
+            _ => 0.0,
+        }
     }
 
     /// Radiance that emitter `index` sends along `wo` (unit, leaving it) from a point with outward normal `ng`.
@@ -278,7 +362,7 @@ impl EmitterSet {
             return Rgb::ZERO;
         }
         match &self.emitters[index as usize] {
-            Emitter::Point { .. } => Rgb::ZERO,
+            Emitter::Point { .. } | Emitter::Environment(_) => Rgb::ZERO,
             Emitter::Triangle(emitter) => emitter.radiance,
             Emitter::Sphere(emitter) => emitter.radiance,
         }

@@ -5,13 +5,13 @@
 //!
 //! `"integrator": { "type": "direct" }`, with `shadowRays` (1).
 
-use super::path::{Limits, Path, trace};
+use super::walk::{Limits, trace};
 use super::wave::{Sample, Wave};
-use super::{FirstHit, Integrator, Tracer};
+use super::{Context, FirstHit, Tracer, Transport};
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
-use crate::spectrum::Rgb;
+use crate::spectrum::Spectrum;
 
 /// Local illumination.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,32 +22,29 @@ pub struct Direct {
 
 impl Direct {
     fn limits(&self) -> Limits {
-        let path = Path { max_depth: Some(1), shadow_rays: self.shadow_rays };
-        Limits { path, mirrors_see_lights: true, from: None }
+        Limits { max_depth: 1, mirrors_see_lights: true, ..Limits::new(self.shadow_rays) }
     }
 }
 
-impl Integrator for Direct {
+impl<C: Spectrum> Transport<C> for Direct {
     #[inline]
-    fn radiance<S: Sampler, T: Tracer>(
+    fn li<S: Sampler, T: Tracer>(
         &self,
-        scene: &Scene,
         ray: Ray,
-        sampler: &mut S,
-        tracer: &mut T,
+        context: &mut Context<'_, S, T, C>,
         first: &mut impl FnMut(FirstHit),
-    ) -> Rgb {
-        trace(scene, ray, sampler, tracer, first, self.limits())
+    ) -> C {
+        trace(ray, context, first, &self.limits())
     }
 
     const IN_WAVES: bool = true;
 
     #[inline(always)]
-    fn radiance_of_many<S: Sampler, T: Tracer>(
+    fn li_of_many<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
-        samples: &mut [Sample<S>],
-        wave: &mut Wave,
+        samples: &mut [Sample<S, C>],
+        wave: &mut Wave<C>,
         tracer: &mut T,
     ) {
         wave.trace(scene, samples, tracer, &self.limits());

@@ -10,12 +10,12 @@
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use super::Tracer;
-use super::light::Vertex;
-use super::path::{Limits, Path, trace};
+use super::vertex::Vertex;
+use super::walk::{Limits, trace};
+use super::{Context, Path, Tracer};
 use crate::bsdf::{Bsdf, Lambert};
 use crate::sampling::Sampler;
-use crate::scene::{Facet, Material, Scene};
+use crate::scene::{Facet, Scene};
 use crate::spectrum::Rgb;
 
 /// A triangle inside a facet: what a site takes of it.
@@ -103,7 +103,6 @@ pub struct Irradiance {
     sites: Arc<Sites>,
     path: Path,
     front: bool,
-    white: Material,
 }
 
 impl Irradiance {
@@ -111,8 +110,7 @@ impl Irradiance {
     ///
     /// `path.max_depth` counts the site itself as the first hit: 1 is direct light alone.
     pub fn new(sites: Arc<Sites>, path: Path, front: bool) -> Self {
-        let white = Material { bsdf: Bsdf::Lambert(Lambert::new(Rgb::ONE)), survival: None };
-        Self { sites, path, front, white }
+        Self { sites, path, front }
     }
 
     /// One sample of a site's irradiance [W m^-2]. `place`: where in the site, uniform in [0, 1)^2. Numbers past the last site
@@ -128,23 +126,25 @@ impl Irradiance {
     ) -> Rgb {
         let (facet, [b1, b2]) = self.sites.point(site % self.sites.len(), place);
         let surface = scene.facet_point(facet, b1, b2);
-        let vertex = Vertex::seen_along_normal(surface, &self.white, self.front);
+        let white = Bsdf::Lambert(Lambert::new(Rgb::ONE));
+        let vertex = Vertex::seen_along_normal(surface, white, self.front);
         let Path { max_depth, shadow_rays } = self.path;
+        let mut context = Context { scene, sampler, tracer, wavelengths: () };
         let mut radiance = Rgb::ZERO;
         // Light that reaches it straight from an emitter.
         if !scene.emitters().is_dark() {
             for _ in 0..shadow_rays {
-                radiance += vertex.sample_light(scene, sampler.next_4d(), shadow_rays, tracer);
+                radiance += vertex.sample_light(&mut context, shadow_rays, false);
             }
         }
         // What a path brings, emitters among it.
-        if let Some(bounce) = vertex.sample_bounce(sampler.next_4d()) {
+        if let Some(bounce) = vertex.sample_bounce(context.sampler.next_4d()) {
             let limits = Limits {
-                path: Path { max_depth: max_depth.map(|depth| depth.saturating_sub(1)), shadow_rays },
-                mirrors_see_lights: false,
-                from: bounce.pdf.map(|pdf| (vertex.receiver(), pdf)),
+                max_depth: max_depth.map_or(u32::MAX, |depth| depth.saturating_sub(1)),
+                previous: bounce.pdf.map(|pdf| (vertex.receiver(), pdf)),
+                ..Limits::new(shadow_rays)
             };
-            radiance += bounce.weight * trace(scene, bounce.ray, sampler, tracer, &mut |_| {}, limits);
+            radiance += bounce.weight * trace(bounce.ray, &mut context, &mut |_| {}, &limits);
         }
         PI * radiance
     }

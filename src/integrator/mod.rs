@@ -6,10 +6,11 @@
 mod direct;
 mod irradiance;
 pub mod irradiance_cache;
-mod light;
 mod path;
 pub mod photon;
 pub mod radiosity;
+mod vertex;
+mod walk;
 mod wave;
 mod whitted;
 
@@ -23,7 +24,7 @@ use crate::film::Gathering;
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, Spectrum};
 
 /// Answers rays: the scene itself, or something that also counts or records them.
 pub trait Tracer {
@@ -100,11 +101,75 @@ pub struct FirstHit {
     pub p: Vec3,
 }
 
-/// A light transport algorithm.
-pub trait Integrator: Sync {
+/// What an integrator works with while it follows one path.
+#[derive(Debug)]
+pub struct Context<'a, S, T, C: Spectrum = Rgb> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Random numbers of the path, at the first dimensions after those of its ray.
+    pub sampler: &'a mut S,
+    /// What answers rays.
+    pub tracer: &'a mut T,
+    /// The wavelengths that the path carries.
+    pub wavelengths: C::Wavelengths,
+}
+
+/// A light transport algorithm over paths that carry `C`: three channels, or some wavelengths.
+pub trait Transport<C: Spectrum>: Sync {
     /// An estimate of the radiance [W m^-2 sr^-1] that arrives at the ray's origin against its direction (unit length).
     ///
     /// `first` is told the first hit, if there is one. Unbiased unless a depth limit was asked for.
+    fn li<S: Sampler, T: Tracer>(
+        &self,
+        ray: Ray,
+        context: &mut Context<'_, S, T, C>,
+        first: &mut impl FnMut(FirstHit),
+    ) -> C;
+
+    /// The same, for integrators that remember something of each pixel.
+    #[inline(always)]
+    fn li_of_pixel<S: Sampler, T: Tracer>(
+        &self,
+        ray: Ray,
+        context: &mut Context<'_, S, T, C>,
+        first: &mut impl FnMut(FirstHit),
+        _memory: Option<&mut Gathering>,
+    ) -> C {
+        self.li(ray, context, first)
+    }
+
+    /// Whether several samples at once are faster than one after another. Not for what remembers something of each pixel.
+    const IN_WAVES: bool = false;
+
+    /// The radiance of several samples, each as [`Transport::li`] would estimate it.
+    #[inline(always)]
+    fn li_of_many<S: Sampler, T: Tracer>(
+        &self,
+        scene: &Scene,
+        samples: &mut [Sample<S, C>],
+        _wave: &mut Wave<C>,
+        tracer: &mut T,
+    ) {
+        for Sample { ray, sampler, radiance, wavelengths, first } in samples {
+            *first = None;
+            let mut context = Context { scene, sampler, tracer, wavelengths: *wavelengths };
+            *radiance = self.li(*ray, &mut context, &mut |hit| *first = Some(hit));
+        }
+    }
+
+    /// The wavelengths of a path, drawn before it begins. Methods whose maps have wavelengths of their own give those.
+    #[inline(always)]
+    fn wavelengths<S: Sampler>(&self, sampler: &mut S) -> C::Wavelengths {
+        C::sample_wavelengths(|| sampler.next_4d()[0])
+    }
+}
+
+/// A light transport algorithm in RGB, by one call.
+pub trait Integrator: Transport<Rgb> {
+    /// An estimate of the radiance [W m^-2 sr^-1] that arrives at the ray's origin against its direction (unit length).
+    ///
+    /// `first` is told the first hit, if there is one. Unbiased unless a depth limit was asked for.
+    #[inline(always)]
     fn radiance<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
@@ -112,37 +177,21 @@ pub trait Integrator: Sync {
         sampler: &mut S,
         tracer: &mut T,
         first: &mut impl FnMut(FirstHit),
-    ) -> Rgb;
-
-    /// The same, for integrators that remember something of each pixel.
-    #[inline(always)]
-    fn radiance_of_pixel<S: Sampler, T: Tracer>(
-        &self,
-        scene: &Scene,
-        ray: Ray,
-        sampler: &mut S,
-        tracer: &mut T,
-        first: &mut impl FnMut(FirstHit),
-        _gathering: Option<&mut Gathering>,
     ) -> Rgb {
-        self.radiance(scene, ray, sampler, tracer, first)
+        self.li(ray, &mut Context { scene, sampler, tracer, wavelengths: () }, first)
     }
 
-    /// Whether several samples at once are faster than one after another. Not for what remembers something of each pixel.
-    const IN_WAVES: bool = false;
-
-    /// The radiance of several samples, each as [`Integrator::radiance`] would estimate it.
+    /// The same for several samples, as [`Transport::li_of_many`].
     #[inline(always)]
     fn radiance_of_many<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
         samples: &mut [Sample<S>],
-        _wave: &mut Wave,
+        wave: &mut Wave,
         tracer: &mut T,
     ) {
-        for Sample { ray, sampler, radiance, first } in samples {
-            *first = None;
-            *radiance = self.radiance(scene, *ray, sampler, tracer, &mut |hit| *first = Some(hit));
-        }
+        self.li_of_many(scene, samples, wave, tracer);
     }
 }
+
+impl<I: Transport<Rgb>> Integrator for I {}

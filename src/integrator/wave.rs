@@ -5,68 +5,76 @@
 //!
 //! Source: Laine, Karras, Aila 2013, "Megakernels Considered Harmful: Wavefront Path Tracing on GPUs".
 
-use super::light::Vertex;
-use super::path::{Limits, Walk};
+use super::vertex::Vertex;
+use super::walk::{Limits, Walk};
 use super::{FirstHit, Tracer};
 use crate::desc::MAX_SHADOW_RAYS;
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, Spectrum};
 
 /// One of several samples that are taken together.
 #[derive(Clone, Debug)]
-pub struct Sample<S> {
+pub struct Sample<S, C: Spectrum = Rgb> {
     /// From the camera.
     pub ray: Ray,
     /// At the first dimensions after those of the ray.
     pub sampler: S,
     /// What is estimated.
-    pub radiance: Rgb,
+    pub radiance: C,
+    /// The wavelengths that the path carries.
+    pub wavelengths: C::Wavelengths,
     /// What the ray met first, once it is known.
     pub first: Option<FirstHit>,
 }
 
-impl<S> Sample<S> {
+impl<S, C: Spectrum> Sample<S, C> {
     /// Before it is known whose it is.
     pub fn new(sampler: S) -> Self {
-        Self { ray: Ray::new(Vec3::ZERO, Vec3::Z), sampler, radiance: Rgb::ZERO, first: None }
+        Self {
+            ray: Ray::new(Vec3::ZERO, Vec3::Z),
+            sampler,
+            radiance: C::ZERO,
+            wavelengths: C::Wavelengths::default(),
+            first: None,
+        }
     }
 }
 
 /// The paths of a wave, between two hits. Kept from wave to wave, so that none allocates.
 #[derive(Default)]
-pub struct Wave {
-    walks: Vec<Walk>,
+pub struct Wave<C: Spectrum = Rgb> {
+    walks: Vec<Walk<C>>,
     /// The numbers of the paths that go on, and their rays.
     active: Vec<u32>,
     rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
     /// Shadow rays, whose they are, and the light that they bring if nothing is in their way.
     shadows: Vec<Ray>,
-    lights: Vec<(u32, Rgb)>,
+    lights: Vec<(u32, C)>,
     clear: Vec<bool>,
 }
 
-impl std::fmt::Debug for Wave {
+impl<C: Spectrum> std::fmt::Debug for Wave<C> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Wave").field("paths", &self.walks.len()).finish_non_exhaustive()
     }
 }
 
-impl Wave {
+impl<C: Spectrum> Wave<C> {
     /// The paths of all samples.
     #[inline(always)]
     pub(super) fn trace<S: Sampler, T: Tracer>(
         &mut self,
         scene: &Scene,
-        samples: &mut [Sample<S>],
+        samples: &mut [Sample<S, C>],
         tracer: &mut T,
         limits: &Limits,
     ) {
         let Self { walks, active, rays, hits, shadows, lights, clear } = self;
         walks.clear();
-        walks.resize(samples.len(), Walk::new(limits));
+        walks.resize(samples.len(), Walk::new(limits.previous));
         active.clear();
         active.extend(0..samples.len() as u32);
         rays.clear();
@@ -74,7 +82,7 @@ impl Wave {
         samples.iter_mut().for_each(|sample| sample.first = None);
         hits.resize(samples.len().max(hits.len()), None);
         // What vertices send at most, or all that a description may ask for: so no later wave takes more memory.
-        let most_shadows = samples.len() * limits.path.shadow_rays.min(MAX_SHADOW_RAYS) as usize;
+        let most_shadows = samples.len() * limits.shadow_rays.min(MAX_SHADOW_RAYS) as usize;
         shadows.clear();
         shadows.reserve(most_shadows);
         lights.clear();
@@ -89,12 +97,15 @@ impl Wave {
             lights.clear();
             let mut kept = 0;
             for (i, hit) in hits.iter().enumerate() {
-                let Some(hit) = hit else { continue };
                 let number = active[i];
-                let Sample { sampler, first, .. } = &mut samples[number as usize];
+                let Sample { sampler, first, wavelengths, .. } = &mut samples[number as usize];
+                let Some(hit) = hit else {
+                    walks[number as usize].escape(scene, &rays[i], limits, wavelengths);
+                    continue;
+                };
                 let next = walks[number as usize].meet(
                     scene,
-                    &Vertex::new(scene, &rays[i], hit),
+                    &Vertex::new(scene, &rays[i], hit, *wavelengths),
                     sampler,
                     limits,
                     &mut |hit| *first = Some(hit),

@@ -8,14 +8,12 @@
 //!
 //! Source: Whitted 1980, "An Improved Illumination Model for Shaded Display".
 
-use super::light::Vertex;
-use super::path::roulette;
-use super::{FirstHit, Integrator, Tracer};
-use crate::bsdf::Bsdf;
+use super::vertex::{Vertex, escaped};
+use super::walk::{direct_light, roulette};
+use super::{Context, FirstHit, Tracer, Transport};
 use crate::math::Ray;
 use crate::sampling::Sampler;
-use crate::scene::Scene;
-use crate::spectrum::Rgb;
+use crate::spectrum::Spectrum;
 
 /// A branch that would carry less than this is not split off.
 const SMALLEST_BRANCH: f32 = 1.0 / 64.0;
@@ -35,44 +33,44 @@ pub struct Whitted {
 
 /// A ray still to be followed.
 #[derive(Clone, Copy)]
-struct Branch {
+struct Branch<C> {
     ray: Ray,
-    throughput: Rgb,
+    throughput: C,
     /// As in path tracing: undoes the radiance scaling of refraction.
     eta2: f32,
     depth: u32,
 }
 
-impl Integrator for Whitted {
+impl<C: Spectrum> Transport<C> for Whitted {
     #[inline]
-    fn radiance<S: Sampler, T: Tracer>(
+    fn li<S: Sampler, T: Tracer>(
         &self,
-        scene: &Scene,
         ray: Ray,
-        sampler: &mut S,
-        tracer: &mut T,
+        context: &mut Context<'_, S, T, C>,
         first: &mut impl FnMut(FirstHit),
-    ) -> Rgb {
+    ) -> C {
         let max_depth = self.max_depth.unwrap_or(u32::MAX);
-        let start = Branch { ray, throughput: Rgb::ONE, eta2: 1.0, depth: 1 };
+        let start = Branch { ray, throughput: C::ONE, eta2: 1.0, depth: 1 };
         let mut waiting = [start; WAITING];
         let mut count = 1;
-        let mut radiance = Rgb::ZERO;
+        let mut radiance = C::ZERO;
         while count > 0 {
             count -= 1;
             let branch = waiting[count];
-            let Some(hit) = tracer.intersect(&branch.ray) else { continue };
-            let vertex = Vertex::new(scene, &branch.ray, &hit);
+            let Some(hit) = context.tracer.intersect(&branch.ray) else {
+                radiance += branch.throughput * escaped::<C>(context.scene, &branch.ray, None, 0, &context.wavelengths);
+                continue;
+            };
+            let vertex = Vertex::new(context.scene, &branch.ray, &hit, context.wavelengths);
             if branch.depth == 1 {
                 first(vertex.first_hit());
             }
-            radiance += branch.throughput * vertex.emitted(scene, None, 0);
-            let bsdf = &vertex.material.bsdf;
-            if bsdf.is_black() {
+            radiance += branch.throughput * vertex.emitted(context.scene, None, 0);
+            if vertex.bsdf.is_black() {
                 continue;
             }
-            if !bsdf.is_delta() {
-                radiance += branch.throughput * self.direct_light(scene, &vertex, sampler, tracer);
+            if vertex.finds_light_samples() {
+                radiance += branch.throughput * direct_light(&vertex, context, self.shadow_rays);
                 continue;
             }
             if branch.depth >= max_depth {
@@ -80,21 +78,18 @@ impl Integrator for Whitted {
             }
 
             // Both ways through glass, where both carry enough and there is room.
-            if let Bsdf::Dielectric(dielectric) = bsdf
+            if let [Some(reflected), Some(refracted)] = vertex.specular_lobes()
                 && count + 2 <= WAITING
             {
-                let (reflectance, reflected, refracted) = dielectric.branches(vertex.wo);
                 let carried = branch.throughput.max_element() * branch.eta2;
-                if let Some((refracted, eta)) = refracted
-                    && carried * reflectance.min(1.0 - reflectance) >= SMALLEST_BRANCH
-                {
-                    let transmittance = (1.0 - reflectance) / (eta * eta);
-                    for (wi, weight, eta) in [(reflected, reflectance, 1.0), (refracted, transmittance, eta)] {
-                        if let Some(ray) = vertex.leave_local(wi) {
+                let least = [reflected, refracted].map(|lobe| lobe.weight.max_element() * (lobe.eta * lobe.eta));
+                if carried * least[0].min(least[1]) >= SMALLEST_BRANCH {
+                    for lobe in [reflected, refracted] {
+                        if let Some(ray) = vertex.leave_local(lobe.wi) {
                             waiting[count] = Branch {
                                 ray,
-                                throughput: branch.throughput * weight,
-                                eta2: branch.eta2 * eta * eta,
+                                throughput: branch.throughput * lobe.weight,
+                                eta2: branch.eta2 * lobe.eta * lobe.eta,
                                 depth: branch.depth + 1,
                             };
                             count += 1;
@@ -105,7 +100,7 @@ impl Integrator for Whitted {
             }
 
             // One way: a mirror's only one, or one of glass's by chance.
-            let u = sampler.next_4d();
+            let u = context.sampler.next_4d();
             let Some(bounce) = vertex.sample_bounce(u) else { continue };
             let throughput = branch.throughput * bounce.weight;
             let eta2 = branch.eta2 * bounce.eta * bounce.eta;
@@ -116,33 +111,6 @@ impl Integrator for Whitted {
                 waiting[count] = Branch { ray: bounce.ray, throughput, eta2, depth: branch.depth + 1 };
                 count += 1;
             }
-        }
-        radiance
-    }
-}
-
-impl Whitted {
-    /// Light from the emitters, scattered once, by light samples and one Bsdf sample together.
-    #[inline]
-    fn direct_light<S: Sampler, T: Tracer>(
-        &self,
-        scene: &Scene,
-        vertex: &Vertex,
-        sampler: &mut S,
-        tracer: &mut T,
-    ) -> Rgb {
-        if scene.emitters().is_dark() {
-            return Rgb::ZERO;
-        }
-        let mut radiance = Rgb::ZERO;
-        for _ in 0..self.shadow_rays {
-            radiance += vertex.sample_light(scene, sampler.next_4d(), self.shadow_rays, tracer);
-        }
-        if let Some(bounce) = vertex.sample_bounce(sampler.next_4d())
-            && let Some(hit) = tracer.intersect(&bounce.ray)
-        {
-            let from = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
-            radiance += bounce.weight * Vertex::new(scene, &bounce.ray, &hit).emitted(scene, from, self.shadow_rays);
         }
         radiance
     }

@@ -11,7 +11,7 @@ use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{RenderDesc, SamplerDesc};
 use crate::film::{Film, Gathering, REPLICATES, TILE};
-use crate::integrator::{Direct, Integrator, Irradiance, Path, Sample, Tracer, Wave, Whitted};
+use crate::integrator::{Context, Direct, Irradiance, Path, Sample, Tracer, Transport, Wave, Whitted};
 use crate::math::Ray;
 use crate::sampling::{Filter, Pattern, PatternSampler, Sampler, SobolSampler};
 use crate::scene::{Hit, Scene};
@@ -183,7 +183,7 @@ trait Subject: Sync {
 /// Radiance as the camera sees it.
 struct View<'i, I>(&'i I);
 
-impl<I: Integrator> Subject for View<'_, I> {
+impl<I: Transport<Rgb>> Subject for View<'_, I> {
     /// The paths of a wave, or as many as send the shadow rays of one.
     fn together(&self, pass: &Pass) -> usize {
         match (I::IN_WAVES, pass.film.options().gathering) {
@@ -202,13 +202,14 @@ impl<I: Integrator> Subject for View<'_, I> {
             sample.ray = pass.camera.ray(x as f32 + 0.5 + job.offset[0], y as f32 + 0.5 + job.offset[1]);
         }
         if I::IN_WAVES {
-            self.0.radiance_of_many(&pass.scene, samples, wave, tracer);
+            self.0.li_of_many(&pass.scene, samples, wave, tracer);
         } else {
-            for (job, Sample { ray, sampler, radiance, first }) in jobs.iter_mut().zip(samples) {
+            for (job, Sample { ray, sampler, radiance, first, .. }) in jobs.iter_mut().zip(samples) {
                 *first = None;
                 let first = &mut |hit| *first = Some(hit);
                 let gathering = job.gathering.as_mut();
-                *radiance = self.0.radiance_of_pixel(&pass.scene, *ray, sampler, tracer, first, gathering);
+                let mut context = Context { scene: &pass.scene, sampler, tracer, wavelengths: () };
+                *radiance = self.0.li_of_pixel(*ray, &mut context, first, gathering);
             }
         }
     }

@@ -160,11 +160,8 @@ fn complete(
     appearance: AppearanceKey,
     start: Instant,
 ) -> Scene {
-    let materials = desc
-        .materials
-        .iter()
-        .map(|material| Material { bsdf: Bsdf::new(&material.bsdf), survival: material.survival })
-        .collect();
+    let materials =
+        desc.materials.iter().map(|material| Material::uniform(Bsdf::new(&material.bsdf), material.survival)).collect();
     let mut info = SceneInfo::new(desc, &assembly.record, &bindings.emitters, assembly.embree.is_some());
     let warnings = super::info::warnings(desc, &assembly.record.facts, &bindings.emitters, appearance.dark_lights());
     info.build_time = start.elapsed();

@@ -20,6 +20,7 @@ mod geometry;
 mod info;
 mod instance_transform;
 mod lower;
+mod material;
 mod mesh;
 mod progress;
 mod record;
@@ -31,11 +32,11 @@ pub(crate) use faces::{Body, FaceNumbers};
 pub use facets::{Facet, SurfaceMesh};
 pub use geometry::SurfaceInteraction;
 pub use info::SceneInfo;
-pub use specular::{Ball, Kinds, SpecularPart};
+pub use material::Material;
+pub use specular::{Ball, SpecularPart};
 
 use std::sync::Arc;
 
-use crate::bsdf::Bsdf;
 use crate::desc::CameraDesc;
 use crate::embree::{self, Device, PACKET};
 use crate::emitter::EmitterSet;
@@ -45,15 +46,6 @@ use analytic::AnalyticList;
 use bindings::SurfaceBindings;
 use geometry::Geometry;
 use record::{AppearanceKey, GeometryRecord};
-
-/// A material as shading wants it.
-#[derive(Clone, Copy, Debug)]
-pub struct Material {
-    /// How it scatters.
-    pub bsdf: Bsdf,
-    /// Probability with which a path survives a bounce here, where the scene sets one.
-    pub survival: Option<f32>,
-}
 
 /// What a ray met, as little as is needed to find out more with [`Scene::interaction`].
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::geometry::{Geometry, Owner, Owners};
+use crate::bsdf::Lobes;
 use crate::math::{Bounds, DVec3, Vec3};
 use crate::shape::Analytic;
 
@@ -23,15 +24,6 @@ pub enum SpecularPart {
     Triangle([Vec3; 3]),
 }
 
-/// What kinds of surfaces a scene has.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Kinds {
-    /// Some surface is a perfect mirror or a smooth dielectric.
-    pub specular: bool,
-    /// Some surface scatters in all directions.
-    pub diffuse: bool,
-}
-
 /// Larger than a box's ball by rounding to single precision.
 const MARGIN: f64 = 1.0 + 1e-5;
 
@@ -48,14 +40,10 @@ enum Exact {
 }
 
 impl Scene {
-    /// What kinds of surfaces it has.
-    pub fn kinds(&self) -> Kinds {
-        let mut kinds = Kinds::default();
-        let mut add = |owner: Owner| {
-            let bsdf = &self.material(owner.material).bsdf;
-            kinds.specular |= bsdf.is_delta();
-            kinds.diffuse |= !bsdf.is_delta() && !bsdf.is_black();
-        };
+    /// All lobes of all its surfaces.
+    pub fn lobes(&self) -> Lobes {
+        let mut lobes = Lobes::empty();
+        let mut add = |owner: Owner| lobes |= self.material(owner.material).lobes();
         self.bindings.list_owners.iter().for_each(|owner| add(*owner));
         for owners in &*self.bindings.owners {
             match owners {
@@ -63,7 +51,7 @@ impl Scene {
                 Owners::Each(owners) => owners.iter().for_each(|owner| add(*owner)),
             }
         }
-        kinds
+        lobes
     }
 
     /// Parts, no more than `most` (>= 1), that together hold every surface which is perfectly specular: spheres and loose
@@ -128,7 +116,7 @@ impl Scene {
     }
 
     fn specular_pieces(&self) -> Vec<Piece> {
-        let is_specular = |owner: Owner| self.material(owner.material).bsdf.is_delta();
+        let is_specular = |owner: Owner| self.material(owner.material).lobes().have_specular();
         let analytic = |shape: &Analytic| {
             let exact = match shape {
                 Analytic::Sphere(sphere) => Some(Exact::Ball(sphere.centre, sphere.radius)),

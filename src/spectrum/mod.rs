@@ -1,8 +1,10 @@
 //! Scene-linear colour: three channels with Rec. 709 primaries, and their luminance.
 
 mod rgb;
+mod transported;
 
 pub use rgb::Rgb;
+pub use transported::Spectrum;
 
 /// Weights of the Rec. 709 channels in the CIE luminance (IEC 61966-2-1).
 pub const LUMINANCE_WEIGHTS: Rgb = Rgb::new(0.2126, 0.7152, 0.0722);

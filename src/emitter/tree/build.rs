@@ -103,6 +103,8 @@ fn bound(emitter: &Emitter) -> (DVec3, f64, Cone) {
             (centre, radius, Cone::along(emitter.triangle.normal.as_dvec3().normalize()))
         }
         Emitter::Sphere(emitter) => (emitter.sphere.centre, emitter.sphere.radius, Cone::ALL),
+        // What is at infinity is given to no tree.
+        Emitter::Environment(_) => (emitter.middle().as_dvec3(), 0.0, Cone::ALL),
     }
 }
 
@@ -111,6 +113,7 @@ fn bounds(emitter: &Emitter) -> Bounds {
         Emitter::Point { position, .. } => Bounds::around([position.as_dvec3()]),
         Emitter::Triangle(emitter) => Bounds::around(emitter.triangle.vertices.map(Vec3::as_dvec3)),
         Emitter::Sphere(emitter) => emitter.sphere.bounds(),
+        Emitter::Environment(_) => Bounds::around([emitter.middle().as_dvec3()]),
     }
 }
 
@@ -118,7 +121,7 @@ fn bounds(emitter: &Emitter) -> Bounds {
 fn intensity_per_power(emitter: &Emitter) -> f64 {
     let per_pi = match emitter {
         Emitter::Triangle(_) => 1.0,
-        Emitter::Point { .. } | Emitter::Sphere(_) => 0.25,
+        Emitter::Point { .. } | Emitter::Sphere(_) | Emitter::Environment(_) => 0.25,
     };
     per_pi / std::f64::consts::PI
 }

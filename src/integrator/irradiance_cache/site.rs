@@ -1,11 +1,11 @@
 //! Places where indirect light is asked for: the first diffuse hits of camera rays, and the light gathered there.
 
-use super::super::light::Vertex;
 use super::super::photon::Gather;
+use super::super::vertex::Vertex;
 use super::super::{SceneTracer, Tracer as _};
 use super::hemisphere::{Incident, Strata};
 use super::record::WALLS;
-use crate::bsdf::Bsdf;
+use crate::bsdf::Model as _;
 use crate::camera::Camera;
 use crate::math::{Frame, Ray, Vec3};
 use crate::sampling::{Sampler as _, SobolSampler};
@@ -42,36 +42,22 @@ pub(super) fn seen(scene: &Scene, camera: &Camera, [x, y]: [f32; 2], tracer: &mu
     while let Some((ray, share, way, bounces)) = ways.pop() {
         let Some(hit) = tracer.intersect(&ray) else { continue };
         let way = way + hit.t;
-        let vertex = Vertex::new(scene, &ray, &hit);
-        let mut follow = |wi: Vec3, share: f32| {
+        // What part of the light passes is what part of power does, so refraction is that of importance.
+        let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, ());
+        if vertex.bsdf.lobes().have_diffuse() && !vertex.bsdf.is_black() {
+            let facing = vertex.facing();
+            let (point, n) = (vertex.surface.point, vertex.facing_shading());
+            let origin = point.offset(facing);
+            found.push(Site { p: point.p, n, facing, origin, pixel: way * angle, share });
+        }
+        for lobe in vertex.specular_lobes().into_iter().flatten() {
+            let share = share * lobe.weight.max_element();
             if share >= LEAST_SHARE
                 && bounces < MOST_SPECULAR
-                && let Some(ray) = vertex.leave_local(wi)
+                && let Some(ray) = vertex.leave_local(lobe.wi)
             {
                 ways.push((ray, share, way, bounces + 1));
             }
-        };
-        match &vertex.material.bsdf {
-            Bsdf::Lambert(_) | Bsdf::OrenNayarQualitative(_) | Bsdf::OrenNayar(_)
-                if !vertex.material.bsdf.is_black() =>
-            {
-                let facing = vertex.facing();
-                let (point, n) = (vertex.surface.point, vertex.facing_shading());
-                let origin = point.offset(facing);
-                found.push(Site { p: point.p, n, facing, origin, pixel: way * angle, share });
-            }
-            Bsdf::Mirror(mirror) => {
-                let wo = vertex.wo;
-                follow(Vec3::new(-wo.x, -wo.y, wo.z), share * mirror.reflectance().max_element());
-            }
-            Bsdf::Dielectric(dielectric) => {
-                let (reflectance, reflected, refracted) = dielectric.branches(vertex.wo);
-                follow(reflected, share * reflectance);
-                if let Some((refracted, _)) = refracted {
-                    follow(refracted, share * (1.0 - reflectance));
-                }
-            }
-            _ => {}
         }
     }
 }

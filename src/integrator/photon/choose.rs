@@ -2,15 +2,16 @@
 
 use std::f64::consts::PI;
 
-use super::super::light::Vertex;
+use super::super::vertex::Vertex;
 use super::super::{SceneTracer, Tracer as _};
 use super::emit::{Aim, Emission};
+use crate::bsdf::Model as _;
 use crate::desc::{IntegratorDesc, PhotonSharing};
 use crate::emitter::Emitter;
 use crate::error::Result;
 use crate::sampling::Rng;
 use crate::scene::Scene;
-use crate::spectrum::{LUMINANCE_WEIGHTS, luminance};
+use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb, luminance};
 
 /// A choice, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,14 +42,14 @@ const LOOKS: u64 = 1024;
 /// it; in the open most would be lost, and paths gather it instead.
 pub fn choose(scene: &Scene) -> Choice {
     let choice = |integrator, why: String| Choice { integrator, why };
-    let kinds = scene.kinds();
+    let lobes = scene.lobes();
     if scene.emitters().is_dark() {
         return choice(IntegratorDesc::Path, "nothing shines".to_owned());
     }
-    if !kinds.specular {
+    if !lobes.have_specular() {
         return choice(IntegratorDesc::Path, "no mirror and no glass could make caustics".to_owned());
     }
-    if !kinds.diffuse {
+    if !lobes.have_diffuse() {
         return choice(IntegratorDesc::Path, "there is no diffuse surface for caustics to fall on".to_owned());
     }
     let Ok(seen) = look(scene) else {
@@ -120,9 +121,10 @@ fn look(scene: &Scene) -> Result<Seen> {
             for hits in 0..MOST_HITS {
                 let Some(hit) = tracer.intersect(&ray) else { break };
                 way += f64::from(hit.t);
-                let vertex = Vertex::new(scene, &ray, &hit);
-                if !vertex.material.bsdf.is_delta() {
-                    if hits > 0 && !vertex.material.bsdf.is_black() {
+                let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, ());
+                let lobes = vertex.bsdf.lobes();
+                if !lobes.have_specular() {
+                    if hits > 0 && lobes.have_diffuse() && !vertex.bsdf.is_black() {
                         let power = f64::from(luminance(power));
                         // Seen from there, the lamp fills its area over the squared distance, of which a quarter faces it.
                         let area = areas[emission.chosen(u, d)];
@@ -134,7 +136,7 @@ fn look(scene: &Scene) -> Result<Seen> {
                     break;
                 }
                 let Some(bounce) = vertex.sample_bounce(rng.next_4d()) else { break };
-                power *= bounce.weight * (bounce.eta * bounce.eta);
+                power *= bounce.weight;
                 ray = bounce.ray;
             }
         }
@@ -152,9 +154,9 @@ fn look(scene: &Scene) -> Result<Seen> {
                     escaped += 1;
                     break;
                 };
-                let vertex = Vertex::new(scene, &ray, &hit);
+                let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, ());
                 let Some(bounce) = vertex.sample_bounce(rng.next_4d()) else { break };
-                if rng.next_f32() >= (bounce.weight * (bounce.eta * bounce.eta)).max_element().min(1.0) {
+                if rng.next_f32() >= bounce.weight.max_element().min(1.0) {
                     break;
                 }
                 ray = bounce.ray;

@@ -3,9 +3,10 @@
 use std::f32::consts::{PI, TAU};
 
 use super::super::Tracer;
-use super::super::light::Vertex;
+use super::super::vertex::Vertex;
 use super::estimate::{Kernel, THICKNESS};
 use crate::math::{Frame, HitPoint, Ray, Vec3};
+use crate::spectrum::Spectrum;
 
 /// Sectors of the disk.
 const SECTORS: usize = 8;
@@ -23,7 +24,7 @@ pub(super) struct CutDisk {
 
 impl CutDisk {
     /// Feels its way from a vertex, as far as `radius`.
-    pub fn new<T: Tracer>(tracer: &mut T, vertex: &Vertex, radius: f32) -> Self {
+    pub fn new<C: Spectrum, T: Tracer>(tracer: &mut T, vertex: &Vertex<C>, radius: f32) -> Self {
         let normal = vertex.facing();
         let frame = Frame::from_normal(normal);
         let p = vertex.surface.point.p;

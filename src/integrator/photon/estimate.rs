@@ -10,12 +10,12 @@
 
 use std::f32::consts::{FRAC_1_PI, SQRT_2};
 
-use super::super::light::Vertex;
+use super::super::vertex::Vertex;
 use super::{Nearest, Octahedral, Photon, PhotonMap};
-use crate::bsdf::Bsdf;
+use crate::bsdf::Model as _;
 use crate::desc::KernelDesc;
-use crate::math::{DVec3, Vec3};
-use crate::spectrum::Rgb;
+use crate::math::Vec3;
+use crate::spectrum::{Rgb, Spectrum};
 
 /// Half the thickness of the disk, in radii: a surface may bend by so much within it.
 pub(super) const THICKNESS: f32 = 0.25;
@@ -77,25 +77,25 @@ pub struct MapQuery {
 
 /// What the photons around a point come to.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Estimate {
+pub(super) struct Estimate<C: Spectrum> {
     /// Radiance that they make the point send back along the path.
-    pub radiance: Rgb,
+    pub radiance: C,
     /// The same from a kernel of 1 / sqrt(2) the radius: the difference tells the bias.
-    pub narrow: Rgb,
+    pub narrow: C,
     /// Photons that count.
     pub count: u32,
     /// Radius that was used.
     pub radius: f32,
 }
 
-impl Estimate {
+impl<C: Spectrum> Estimate<C> {
     /// How much too large the radiance is because light is not the same all over the disk, to the second order.
     ///
     /// The bias of a kernel is c r^2 (Laplacian of the irradiance times half the kernel's second moment); that of the
     /// narrow one is half of it, so it is twice their difference. Hachisuka, Jarosz, Jensen 2010, "A Progressive Error
     /// Estimation Framework for Photon Density Estimation", Eq. 15, with the Laplacian by a difference of kernels.
-    pub fn bias(&self) -> Rgb {
-        2.0 * (self.radiance - self.narrow)
+    pub fn bias(&self) -> C {
+        (self.radiance - self.narrow) * 2.0
     }
 }
 
@@ -103,13 +103,13 @@ impl Estimate {
 ///
 /// `cut`: the share of the kernel that the surface holds, 1 for a whole disk.
 #[inline]
-pub(super) fn radiance(
-    map: &PhotonMap,
-    vertex: &Vertex,
+pub(super) fn radiance<C: Spectrum>(
+    map: &PhotonMap<C>,
+    vertex: &Vertex<C>,
     query: MapQuery,
     cut: impl Fn(Vec3) -> bool,
     nearest: &mut Nearest,
-) -> Estimate {
+) -> Estimate<C> {
     Gathered::of_vertex(vertex, query).gather(map, query, cut, nearest)
 }
 
@@ -123,7 +123,7 @@ pub fn irradiance(map: &PhotonMap, p: Vec3, normal: Vec3, query: MapQuery, neare
 }
 
 /// Sums over photons.
-struct Gathered<'v, 's> {
+struct Gathered<'v, C: Spectrum> {
     p: Vec3,
     kernel: Kernel,
     radius: f32,
@@ -132,18 +132,18 @@ struct Gathered<'v, 's> {
     normal: Vec3,
     packed_normal: Octahedral,
     /// What makes of each photon's light what it becomes; none where the sum of powers is scattered as one.
-    scatters: Option<&'v Vertex<'s>>,
+    scatters: Option<&'v Vertex<C>>,
     /// Factor of the sum: by Lambert's law, or 1.
-    factor: Rgb,
+    factor: C,
     /// Of the last photons.
-    sum: Rgb,
-    narrow: Rgb,
+    sum: C,
+    narrow: C,
     /// Of those before: hundreds of thousands of small numbers are more than single precision can add.
-    sums: [DVec3; 2],
+    sums: [C::Wide; 2],
     count: u32,
 }
 
-impl<'v, 's> Gathered<'v, 's> {
+impl<'v, C: Spectrum> Gathered<'v, C> {
     /// Sums of powers.
     #[inline]
     fn new(p: Vec3, normal: Vec3, query: MapQuery) -> Self {
@@ -157,21 +157,21 @@ impl<'v, 's> Gathered<'v, 's> {
             normal,
             packed_normal: Octahedral::new(normal),
             scatters: None,
-            factor: Rgb::ONE,
-            sum: Rgb::ZERO,
-            narrow: Rgb::ZERO,
-            sums: [DVec3::ZERO; 2],
+            factor: C::ONE,
+            sum: C::ZERO,
+            narrow: C::ZERO,
+            sums: Default::default(),
             count: 0,
         }
     }
 
     /// Sums of what a vertex sends back along the path.
     #[inline]
-    fn of_vertex(vertex: &'v Vertex<'s>, query: MapQuery) -> Self {
+    fn of_vertex(vertex: &'v Vertex<C>, query: MapQuery) -> Self {
         let is_flat = vertex.surface.ng == vertex.surface.ns;
-        let (scatters, factor) = match &vertex.material.bsdf {
-            Bsdf::Lambert(lambert) if is_flat => (None, lambert.f()),
-            _ => (Some(vertex), Rgb::ONE),
+        let (scatters, factor) = match vertex.bsdf.constant_f() {
+            Some(f) if is_flat => (None, f),
+            _ => (Some(vertex), C::ONE),
         };
         Self { scatters, factor, ..Self::new(vertex.surface.point.p, vertex.facing(), query) }
     }
@@ -179,11 +179,11 @@ impl<'v, 's> Gathered<'v, 's> {
     #[inline]
     fn gather(
         mut self,
-        map: &PhotonMap,
+        map: &PhotonMap<C>,
         query: MapQuery,
         cut: impl Fn(Vec3) -> bool,
         nearest: &mut Nearest,
-    ) -> Estimate {
+    ) -> Estimate<C> {
         let p = self.p;
         let all = |gathered: &mut Self| {
             map.within(p, query.radius, |photon, distance2| {
@@ -229,7 +229,7 @@ impl<'v, 's> Gathered<'v, 's> {
     }
 
     #[inline]
-    fn add(&mut self, photon: &Photon, distance2: f32) {
+    fn add(&mut self, photon: &Photon<C>, distance2: f32) {
         let height = (photon.position() - self.p).dot(self.normal);
         if height.abs() > self.height
             || (photon.normal != self.packed_normal && photon.normal.get().dot(self.normal) < SAME_SIDE)
@@ -246,16 +246,16 @@ impl<'v, 's> Gathered<'v, 's> {
             self.narrow += power * self.kernel.density(distance2, self.radius * (1.0 / SQRT_2));
         }
         if self.count & 0xff == 0 {
-            self.sums[0] += std::mem::take(&mut self.sum).to_f64();
-            self.sums[1] += std::mem::take(&mut self.narrow).to_f64();
+            self.sums[0] += std::mem::take(&mut self.sum).widen();
+            self.sums[1] += std::mem::take(&mut self.narrow).widen();
         }
     }
 
     #[inline]
-    fn finish(self) -> Estimate {
+    fn finish(self) -> Estimate<C> {
         let f = self.factor;
         let [sum, narrow] = [(self.sums[0], self.sum), (self.sums[1], self.narrow)]
-            .map(|(before, last)| Rgb::from_f64(before + last.to_f64()));
+            .map(|(before, last)| C::narrow(before + last.widen()));
         Estimate { radiance: f * sum, narrow: f * narrow, count: self.count, radius: self.radius }
     }
 }
@@ -263,21 +263,21 @@ impl<'v, 's> Gathered<'v, 's> {
 /// The scattering function for a photon's light; with interpolated normals, per power on the face rather than on the shading
 /// normal's: on that which the photon met, as there it came the more rarely the more it grazed. To the vertex's own face a photon
 /// of its neighbour may be edge-on, and would count without bound.
-fn scattered(vertex: &Vertex, photon: &Photon) -> Rgb {
+fn scattered<C: Spectrum>(vertex: &Vertex<C>, photon: &Photon<C>) -> C {
     let wi = photon.wi.get();
     let local = vertex.to_local(wi);
-    let f = vertex.material.bsdf.f(vertex.wo, local);
+    let f = vertex.f(local);
     let (ng, ns) = (vertex.surface.ng, vertex.surface.ns);
     if ng == ns {
         return f;
     }
     let ratio = (local.z / wi.dot(photon.normal.get())).abs();
-    if ratio.is_finite() { f * ratio } else { Rgb::ZERO }
+    if ratio.is_finite() { f * ratio } else { C::ZERO }
 }
 
 /// The report's estimate of direct light: `None` where a shadow photon is within the radius or fewer than `least` others.
 #[inline]
-pub(super) fn direct(map: &PhotonMap, vertex: &Vertex, query: MapQuery, least: u32) -> Option<Rgb> {
+pub(super) fn direct<C: Spectrum>(map: &PhotonMap<C>, vertex: &Vertex<C>, query: MapQuery, least: u32) -> Option<C> {
     let mut gathered = Gathered::of_vertex(vertex, query);
     let mut in_shadow = false;
     map.within(vertex.surface.point.p, query.radius, |photon, distance2| {

@@ -14,25 +14,25 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use super::super::irradiance_cache::IrradianceCache;
-use super::super::light::Vertex;
-use super::super::path::{CERTAIN_FRACTION, OWN_SURVIVAL_BOUNCES, roulette};
-use super::super::{FirstHit, Integrator, Tracer};
+use super::super::vertex::Vertex;
+use super::super::walk::{Limits, Walk};
+use super::super::{Context, FirstHit, Tracer, Transport};
 use super::aim::Aims;
 use super::coverage::DiskCoverage;
 use super::cut_disk::CutDisk;
 use super::estimate::{Estimate, MapQuery, direct, radiance};
 use super::{Nearest, PhotonMap};
-use crate::emitter::Receiver;
+use crate::bsdf::{Lobes, Model as _};
 use crate::film::{Gathering, ShrinkingRadius};
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, Spectrum};
 
 /// A map and how it is asked.
 #[derive(Clone, Debug)]
-pub(super) struct MapLayer {
-    pub map: Arc<PhotonMap>,
+pub(super) struct MapLayer<C: Spectrum = Rgb> {
+    pub map: Arc<PhotonMap<C>>,
     pub query: MapQuery,
     /// The radius that pixels with radii of their own begin with at most.
     pub widest: f32,
@@ -67,21 +67,23 @@ pub(super) enum Shrinking {
 
 /// Path tracing with photon maps.
 #[derive(Clone, Debug)]
-pub struct Gather {
-    pub(super) direct: Option<MapLayer>,
-    pub(super) caustic: Option<MapLayer>,
+pub struct Gather<C: Spectrum = Rgb> {
+    pub(super) direct: Option<MapLayer<C>>,
+    pub(super) caustic: Option<MapLayer<C>>,
     /// Of indirect light, or of all of it, by `ends`.
-    pub(super) diffuse: Option<MapLayer>,
+    pub(super) diffuse: Option<MapLayer<C>>,
     pub(super) cache: Option<Arc<IrradianceCache>>,
     /// Caustics beyond the first diffuse hit: fewer photons over a wider radius. Nobody sees how sharp they are there, and
     /// a bright caustic may hold half of all photons.
-    pub(super) later_caustic: Option<MapLayer>,
+    pub(super) later_caustic: Option<MapLayer<C>>,
     /// Where disks are whole.
     pub(super) coverage: DiskCoverage,
     pub(super) ends: PathEnd,
     pub(super) shrinking: Shrinking,
     /// Number of the pass that the maps are of.
     pub(super) pass: u32,
+    /// The wavelengths of that pass, of its photons and of the paths that query them.
+    pub(super) wavelengths: C::Wavelengths,
     pub(super) max_depth: u32,
     pub(super) shadow_rays: u32,
     pub(super) min_photons: u32,
@@ -94,44 +96,22 @@ thread_local! {
     static NEAREST: RefCell<Nearest> = RefCell::default();
 }
 
-/// A path on its way.
+/// An eye path on its way.
 #[derive(Clone, Copy)]
-struct EyePath {
+struct EyePath<C: Spectrum> {
+    walk: Walk<C>,
     ray: Ray,
-    throughput: Rgb,
-    /// Undoes the radiance scaling of refraction for the roulette.
-    eta2: f32,
-    /// The last bounce's receiver and density, where a light sample could have made it as well.
-    bounced: Option<(Receiver, f32)>,
-    roulette_reference: f32,
-    depth: u32,
     /// Diffuse hits so far.
     diffuse: u32,
-    /// Length of the way since the last diffuse hit.
+    /// Length of the path since the last diffuse hit.
     since_diffuse: f32,
-    /// Whether light found by mirrors and glass only counts from here on.
+    /// Whether light found by mirrors and glass only counts from here on: no map has given it yet.
     counts_caustics: bool,
 }
 
-impl EyePath {
+impl<C: Spectrum> EyePath<C> {
     fn new(ray: Ray) -> Self {
-        Self {
-            ray,
-            throughput: Rgb::ONE,
-            eta2: 1.0,
-            bounced: None,
-            roulette_reference: 1.0,
-            depth: 1,
-            diffuse: 0,
-            since_diffuse: 0.0,
-            counts_caustics: true,
-        }
-    }
-
-    /// One of so many paths that go on together.
-    fn share(&mut self, paths: u32) {
-        self.throughput /= paths as f32;
-        self.roulette_reference /= paths as f32;
+        Self { walk: Walk::new(None), ray, diffuse: 0, since_diffuse: 0.0, counts_caustics: true }
     }
 }
 
@@ -159,41 +139,40 @@ impl<T: Tracer> Tracer for FirstHitDistance<'_, T> {
     }
 }
 
-impl Integrator for Gather {
-    fn radiance<S: Sampler, T: Tracer>(
+impl<C: Spectrum> Transport<C> for Gather<C> {
+    fn li<S: Sampler, T: Tracer>(
         &self,
-        scene: &Scene,
         ray: Ray,
-        sampler: &mut S,
-        tracer: &mut T,
+        context: &mut Context<'_, S, T, C>,
         first: &mut impl FnMut(FirstHit),
-    ) -> Rgb {
-        self.radiance_of_pixel(scene, ray, sampler, tracer, first, None)
+    ) -> C {
+        self.li_of_pixel(ray, context, first, None)
     }
 
-    fn radiance_of_pixel<S: Sampler, T: Tracer>(
+    fn li_of_pixel<S: Sampler, T: Tracer>(
         &self,
-        scene: &Scene,
         ray: Ray,
-        sampler: &mut S,
-        tracer: &mut T,
+        context: &mut Context<'_, S, T, C>,
         first: &mut impl FnMut(FirstHit),
         gathering: Option<&mut Gathering>,
-    ) -> Rgb {
-        let start = EyePath::new(ray);
-        let mut feedback = PixelFeedback { gathering, bias: Rgb::ZERO };
-        let radiance = self.follow(scene, start, sampler, tracer, first, &mut feedback);
+    ) -> C {
+        let mut feedback = PixelFeedback { gathering, bias: C::ZERO };
+        let radiance = self.follow(EyePath::new(ray), context, first, &mut feedback);
         if let Some(gathering) = feedback.gathering {
-            gathering.add_bias(self.pass, feedback.bias);
+            gathering.add_bias(self.pass, feedback.bias.to_rgb(&self.wavelengths));
         }
         radiance
+    }
+
+    fn wavelengths<S: Sampler>(&self, _: &mut S) -> C::Wavelengths {
+        self.wavelengths
     }
 }
 
 /// What estimates tell the pixel.
-struct PixelFeedback<'g> {
+struct PixelFeedback<'g, C> {
     gathering: Option<&'g mut Gathering>,
-    bias: Rgb,
+    bias: C,
 }
 
 impl Gather {
@@ -211,10 +190,11 @@ impl Gather {
     ) -> (Rgb, f32) {
         let mut distance = f32::INFINITY;
         let mut path = EyePath::new(ray);
-        (path.depth, path.diffuse, path.counts_caustics) = (2, 1, false);
-        let mut tracer = FirstHitDistance { tracer, first: &mut distance };
+        (path.walk.depth, path.diffuse, path.counts_caustics) = (1, 1, false);
+        let tracer = &mut FirstHitDistance { tracer, first: &mut distance };
         let mut feedback = PixelFeedback { gathering: None, bias: Rgb::ZERO };
-        let radiance = self.follow(scene, path, sampler, &mut tracer, &mut |_| {}, &mut feedback);
+        let mut context = Context { scene, sampler, tracer, wavelengths: () };
+        let radiance = self.follow(path, &mut context, &mut |_| {}, &mut feedback);
         (radiance, distance)
     }
 
@@ -230,59 +210,82 @@ impl Gather {
     pub fn ending_at(&self, cache: Arc<IrradianceCache>) -> Self {
         Self { cache: Some(cache), diffuse: None, ends: PathEnd::AtCache, ..self.clone() }
     }
+}
+
+impl<C: Spectrum> Gather<C> {
+    fn limits(&self) -> Limits {
+        Limits { max_depth: self.max_depth, ..Limits::new(self.shadow_rays) }
+    }
 
     fn follow<S: Sampler, T: Tracer>(
         &self,
-        scene: &Scene,
-        mut path: EyePath,
-        sampler: &mut S,
-        tracer: &mut T,
+        mut path: EyePath<C>,
+        context: &mut Context<'_, S, T, C>,
         first: &mut impl FnMut(FirstHit),
-        feedback: &mut PixelFeedback,
-    ) -> Rgb {
-        let mut radiance = Rgb::ZERO;
+        feedback: &mut PixelFeedback<'_, C>,
+    ) -> C {
+        let limits = self.limits();
         loop {
-            let Some(hit) = tracer.intersect(&path.ray) else { return radiance };
+            // What came from a light by mirrors and glass to a diffuse surface is in a map.
+            let sees_lights = path.counts_caustics || path.walk.previous.is_some();
+            let Some(hit) = context.tracer.intersect(&path.ray) else {
+                if sees_lights {
+                    path.walk.escape(context.scene, &path.ray, &limits, &context.wavelengths);
+                }
+                return path.walk.radiance;
+            };
             path.since_diffuse += hit.t;
-            let vertex = Vertex::new(scene, &path.ray, &hit);
-            if path.depth == 1 {
+            path.walk.depth += 1;
+            let vertex = Vertex::new(context.scene, &path.ray, &hit, context.wavelengths);
+            if path.walk.depth == 1 {
                 first(vertex.first_hit());
             }
-            // Light that the surface itself sends; what came by mirrors and glass to a diffuse surface is in a map.
-            if path.counts_caustics || path.bounced.is_some() {
-                radiance += path.throughput * vertex.emitted(scene, path.bounced, self.shadow_rays);
+            // Light that the surface itself sends.
+            if sees_lights {
+                let emitted = vertex.emitted(context.scene, path.walk.previous, self.shadow_rays);
+                path.walk.radiance += path.walk.throughput * emitted;
             }
-            let bsdf = &vertex.material.bsdf;
-            if path.depth > self.max_depth || bsdf.is_black() {
-                return radiance;
+            if path.walk.depth > self.max_depth || vertex.bsdf.is_black() {
+                return path.walk.radiance;
             }
+            let lobes = vertex.bsdf.lobes();
             let mut rays = 1;
-            if !bsdf.is_delta() {
+            let counted_caustics = path.counts_caustics;
+            if lobes.have_diffuse() {
                 path.diffuse += 1;
                 path.counts_caustics = false;
-                let (sent_back, is_over) = self.diffuse(scene, &vertex, &path, sampler, tracer, feedback);
-                radiance += path.throughput * sent_back;
+                let (sent_back, is_over) = self.diffuse(&vertex, &path, context, feedback);
+                path.walk.radiance += path.walk.throughput * sent_back;
                 if let Some(aims) = &self.aims {
-                    radiance += self.aimed_caustic(scene, aims, &vertex, path, sampler, tracer);
+                    path.walk.radiance += self.aimed_caustic(aims, &vertex, &path, context);
                 }
                 if is_over {
-                    return radiance;
+                    return path.walk.radiance;
                 }
                 if path.diffuse == 1 && self.ends == PathEnd::AfterGather {
                     rays = self.gather_rays;
                 }
                 path.since_diffuse = 0.0;
-            }
-            for _ in 1..rays {
-                let mut branch = path;
-                branch.share(rays);
-                if self.bounce(&vertex, &mut branch, sampler) {
-                    radiance += self.follow(scene, branch, sampler, tracer, first, feedback);
+            } else if lobes.intersects(Lobes::GLOSSY) {
+                // No map holds what comes to a glossy surface: light samples and the bounce find all of it.
+                path.counts_caustics = true;
+                if !context.scene.emitters().is_dark() {
+                    for _ in 0..self.shadow_rays {
+                        let light = vertex.sample_light(context, self.shadow_rays, false);
+                        path.walk.radiance += path.walk.throughput * light;
+                    }
                 }
             }
-            path.share(rays);
-            if !self.bounce(&vertex, &mut path, sampler) {
-                return radiance;
+            let one = if rays > 1 { path.walk.split(rays) } else { path.walk };
+            for _ in 1..rays {
+                let mut branch = EyePath { walk: one, ..path };
+                if self.bounce(&vertex, &mut branch, counted_caustics, context.sampler, &limits) {
+                    path.walk.radiance += self.follow(branch, context, first, feedback);
+                }
+            }
+            path.walk = one.having_brought(path.walk.radiance);
+            if !self.bounce(&vertex, &mut path, counted_caustics, context.sampler, &limits) {
+                return path.walk.radiance;
             }
         }
     }
@@ -290,75 +293,60 @@ impl Gather {
     /// One sample of the light that comes to a surface by mirrors and glass only and is sent back along the path.
     fn aimed_caustic<S: Sampler, T: Tracer>(
         &self,
-        scene: &Scene,
         aims: &Aims,
-        vertex: &Vertex,
-        mut path: EyePath,
-        sampler: &mut S,
-        tracer: &mut T,
-    ) -> Rgb {
-        let [choice, u, v, _] = sampler.next_4d();
+        vertex: &Vertex<C>,
+        path: &EyePath<C>,
+        context: &mut Context<'_, S, T, C>,
+    ) -> C {
+        let [choice, u, v, _] = context.sampler.next_4d();
         let Some((wi, pdf)) = aims.sample(vertex.surface.point.p, vertex.facing(), choice, [u, v]) else {
-            return Rgb::ZERO;
+            return C::ZERO;
         };
-        let Some((ray, f_cos)) = vertex.leave_towards(wi) else { return Rgb::ZERO };
-        path.throughput *= f_cos / pdf;
-        (path.ray, path.bounced) = (ray, None);
-        path.roulette_reference = CERTAIN_FRACTION * path.throughput.max_element() * path.eta2;
-        path.depth = path.depth.saturating_add(1);
-        let mut radiance = Rgb::ZERO;
-        for since_diffuse in 0.. {
-            let Some(hit) = tracer.intersect(&path.ray) else { break };
-            let vertex = Vertex::new(scene, &path.ray, &hit);
-            if since_diffuse > 0 {
-                radiance += path.throughput * vertex.emitted(scene, None, 1);
+        let Some((ray, f_cos)) = vertex.leave_towards(wi) else { return C::ZERO };
+        let mut branch = EyePath { walk: path.walk.branch(f_cos / pdf), ray, ..*path };
+        let limits = self.limits();
+        for way in 0.. {
+            let Some(hit) = context.tracer.intersect(&branch.ray) else {
+                if way > 0 {
+                    branch.walk.escape(context.scene, &branch.ray, &limits, &context.wavelengths);
+                }
+                break;
+            };
+            branch.walk.depth = branch.walk.depth.saturating_add(1);
+            let vertex = Vertex::new(context.scene, &branch.ray, &hit, context.wavelengths);
+            if way > 0 {
+                let emitted = vertex.emitted(context.scene, None, 1);
+                branch.walk.radiance += branch.walk.throughput * emitted;
             }
-            if path.depth > self.max_depth
-                || !vertex.material.bsdf.is_delta()
-                || !self.bounce(&vertex, &mut path, sampler)
+            if branch.walk.depth > self.max_depth
+                || !vertex.bsdf.lobes().have_specular()
+                || !self.bounce(&vertex, &mut branch, true, context.sampler, &limits)
             {
                 break;
             }
         }
-        radiance
+        branch.walk.radiance
     }
 
-    /// The next direction; false where the path ends.
+    /// The next direction; false where the path ends. `counted_caustics`: whether the path counted them before this vertex, which
+    /// holds on through its delta lobes, whose light is in no map of this vertex.
     #[inline]
-    fn bounce<S: Sampler>(&self, vertex: &Vertex, path: &mut EyePath, sampler: &mut S) -> bool {
-        let u = sampler.next_4d();
-        let Some(bounce) = vertex.sample_bounce(u) else { return false };
-        let is_last = path.depth == self.max_depth;
-        if is_last && bounce.pdf.is_none() {
-            return false;
-        }
-        path.throughput *= bounce.weight;
-        path.eta2 *= bounce.eta * bounce.eta;
-        // Where the report's map stands for light samples, no bounce may find a light.
-        let counts = self.direct.is_none();
-        path.bounced = bounce.pdf.filter(|_| counts).map(|pdf| (vertex.receiver(), pdf));
+    fn bounce<S: Sampler>(
+        &self,
+        vertex: &Vertex<C>,
+        path: &mut EyePath<C>,
+        counted_caustics: bool,
+        sampler: &mut S,
+        limits: &Limits,
+    ) -> bool {
+        let Some(bounce) = path.walk.bounce(vertex, sampler, limits) else { return false };
         path.ray = bounce.ray;
-        if !is_last {
-            let carried = path.throughput.max_element() * path.eta2;
-            if carried <= 0.0 {
-                return false;
-            }
-            if path.depth == 1 {
-                path.roulette_reference = CERTAIN_FRACTION * carried;
-            }
-            let share = match vertex.material.survival {
-                Some(survival) if bounce.pdf.is_some() && path.depth < OWN_SURVIVAL_BOUNCES => survival,
-                _ => carried / path.roulette_reference,
-            };
-            let survival = roulette(share, path.depth);
-            if survival < 1.0 {
-                if u[3] >= survival {
-                    return false;
-                }
-                path.throughput /= survival;
-            }
+        if bounce.pdf.is_none() {
+            path.counts_caustics = counted_caustics;
+        } else if self.direct.is_some() && vertex.bsdf.lobes().have_diffuse() {
+            // Where the report's map stands for light samples, no bounce may find a light.
+            path.walk.previous = None;
         }
-        path.depth += 1;
         true
     }
 
@@ -366,16 +354,14 @@ impl Gather {
     #[inline]
     fn diffuse<S: Sampler, T: Tracer>(
         &self,
-        scene: &Scene,
-        vertex: &Vertex,
-        path: &EyePath,
-        sampler: &mut S,
-        tracer: &mut T,
-        feedback: &mut PixelFeedback,
-    ) -> (Rgb, bool) {
+        vertex: &Vertex<C>,
+        path: &EyePath<C>,
+        context: &mut Context<'_, S, T, C>,
+        feedback: &mut PixelFeedback<'_, C>,
+    ) -> (C, bool) {
         let p = vertex.surface.point.p;
         let facing = vertex.facing();
-        let is_covered = |layer: &&MapLayer| self.coverage.is_covered(p, facing, layer.query.radius);
+        let is_covered = |layer: &&MapLayer<C>| self.coverage.is_covered(p, facing, layer.query.radius);
         let is_first = path.diffuse == 1;
         // All light from one map.
         if self.ends == PathEnd::AfterGather
@@ -392,31 +378,31 @@ impl Gather {
         let ending = ending.map(|layer| (layer, self.query(layer, is_first, true, feedback, vertex)));
         let ending = ending.filter(|(_, query)| self.coverage.is_covered(p, facing, query.radius));
         let cached = self.cache.as_ref().and_then(|cache| {
-            let f = vertex.material.bsdf.mean_f(vertex.wo)?;
-            Some(f * cache.irradiance(p, vertex.facing_shading())?)
+            let f = vertex.bsdf.mean_f(vertex.wo)?;
+            let irradiance = cache.irradiance(p, vertex.facing_shading())?;
+            Some(f * C::from_emission(irradiance, &context.wavelengths))
         });
         let ends = ending.is_some() || cached.is_some();
-        let mut sum = cached.unwrap_or(Rgb::ZERO);
+        let mut sum = cached.unwrap_or(C::ZERO);
         // Straight from the emitters.
         let from_map = self.direct.as_ref().and_then(|layer| {
             is_covered(&layer).then(|| direct(&layer.map, vertex, layer.query, self.min_photons)).flatten()
         });
         match from_map {
             Some(light) => sum += light,
-            None if scene.emitters().is_dark() => {}
+            None if context.scene.emitters().is_dark() => {}
             None => {
                 // A path that ends here, or whose bounces may not find lights, leaves all of it to the light samples.
                 let only_light_samples = ends || self.direct.is_some();
                 for _ in 0..self.shadow_rays {
-                    let u = sampler.next_4d();
-                    sum += vertex.sample_light_as(scene, u, self.shadow_rays, only_light_samples, tracer);
+                    sum += vertex.sample_light(context, self.shadow_rays, only_light_samples);
                 }
             }
         }
         // By mirrors and glass.
         if is_first && let Some(layer) = &self.caustic {
             let query = self.query(layer, is_first, false, feedback, vertex);
-            let estimate = self.query_clipped(layer, query, vertex, tracer);
+            let estimate = self.query_clipped(layer, query, vertex, context.tracer);
             sum += estimate.radiance;
             self.record_estimate(&estimate, path, is_first, feedback, |gathering| &mut gathering.caustic);
         }
@@ -425,7 +411,7 @@ impl Gather {
             let estimate = if self.coverage.is_covered(p, facing, layer.widest) {
                 query_map(layer, MapQuery { radius: layer.widest, ..layer.query }, vertex, None)
             } else {
-                self.query_clipped(layer, layer.query, vertex, tracer)
+                self.query_clipped(layer, layer.query, vertex, context.tracer)
             };
             sum += estimate.radiance;
         }
@@ -440,7 +426,13 @@ impl Gather {
 
     /// Asks on as much of the disk as there is; whether it is whole is looked at only where there are photons.
     #[inline]
-    fn query_clipped<T: Tracer>(&self, layer: &MapLayer, query: MapQuery, vertex: &Vertex, tracer: &mut T) -> Estimate {
+    fn query_clipped<T: Tracer>(
+        &self,
+        layer: &MapLayer<C>,
+        query: MapQuery,
+        vertex: &Vertex<C>,
+        tracer: &mut T,
+    ) -> Estimate<C> {
         let estimate = query_map(layer, query, vertex, None);
         if estimate.count == 0 || self.coverage.is_covered(vertex.surface.point.p, vertex.facing(), query.radius) {
             return estimate;
@@ -452,11 +444,11 @@ impl Gather {
     #[inline]
     fn query(
         &self,
-        layer: &MapLayer,
+        layer: &MapLayer<C>,
         is_first: bool,
         is_indirect: bool,
-        feedback: &mut PixelFeedback,
-        vertex: &Vertex,
+        feedback: &mut PixelFeedback<'_, C>,
+        vertex: &Vertex<C>,
     ) -> MapQuery {
         let (Shrinking::ByPixel { alpha, first }, true, Some(gathering)) =
             (self.shrinking, is_first, feedback.gathering.as_deref_mut())
@@ -485,14 +477,14 @@ impl Gather {
     #[inline]
     fn record_estimate(
         &self,
-        estimate: &Estimate,
-        path: &EyePath,
+        estimate: &Estimate<C>,
+        path: &EyePath<C>,
         is_first: bool,
-        feedback: &mut PixelFeedback,
+        feedback: &mut PixelFeedback<'_, C>,
         radius: impl Fn(&mut Gathering) -> &mut ShrinkingRadius,
     ) {
         let Some(gathering) = feedback.gathering.as_deref_mut() else { return };
-        feedback.bias += path.throughput * estimate.bias();
+        feedback.bias += path.walk.throughput * estimate.bias();
         if is_first && self.shrinking != Shrinking::Together {
             radius(gathering).note(estimate.count);
         }
@@ -500,7 +492,12 @@ impl Gather {
 }
 
 #[inline]
-fn query_map(layer: &MapLayer, query: MapQuery, vertex: &Vertex, cut: Option<&CutDisk>) -> Estimate {
+fn query_map<C: Spectrum>(
+    layer: &MapLayer<C>,
+    query: MapQuery,
+    vertex: &Vertex<C>,
+    cut: Option<&CutDisk>,
+) -> Estimate<C> {
     let estimate = |nearest: &mut Nearest| match cut {
         None => radiance(&layer.map, vertex, query, |_| true, nearest),
         Some(cut) => {

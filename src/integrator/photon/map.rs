@@ -15,6 +15,7 @@ use std::collections::BinaryHeap;
 use super::Photon;
 use super::order::order;
 use crate::math::{Vec3, Vec4};
+use crate::spectrum::{Rgb, Spectrum};
 use crate::{Cancel, Result};
 
 /// Photons in a block.
@@ -125,8 +126,8 @@ impl Query {
 
 /// Photons that can be asked for by place. Any number of them, 0 too, and anywhere: all in one plane, all in one point.
 #[derive(Debug, Default)]
-pub struct PhotonMap {
-    photons: Vec<Photon>,
+pub struct PhotonMap<C: Spectrum = Rgb> {
+    photons: Vec<Photon<C>>,
     /// Their places once more, block by block, coordinates side by side: most photons that are looked at are too far away, and so
     /// the distances of a block are one calculation.
     places: Vec<Places>,
@@ -159,14 +160,14 @@ impl Nearest {
     }
 }
 
-impl PhotonMap {
+impl<C: Spectrum> PhotonMap<C> {
     /// Puts photons in order. The order, and so every sum over them, depends on nothing but the photons and their order.
     ///
     /// All are kept; those whose position is not a number are never found. Needs 2.4 times their bytes while it works.
     ///
     /// # Errors
     /// [`crate::ErrorKind::Cancelled`]; [`crate::ErrorKind::Unsupported`] for 2^32 photons or more.
-    pub fn build(photons: Vec<Photon>, cancel: &Cancel) -> Result<Self> {
+    pub fn build(photons: Vec<Photon<C>>, cancel: &Cancel) -> Result<Self> {
         cancel.check()?;
         let order = order(&photons, BLOCK, cancel)?;
         let blocks = photons.len().div_ceil(BLOCK);
@@ -217,7 +218,7 @@ impl PhotonMap {
     }
 
     /// All photons, in the map's order.
-    pub fn photons(&self) -> &[Photon] {
+    pub fn photons(&self) -> &[Photon<C>] {
         &self.photons
     }
 
@@ -233,7 +234,7 @@ impl PhotonMap {
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
-        self.photons.capacity() * size_of::<Photon>()
+        self.photons.capacity() * size_of::<Photon<C>>()
             + self.places.capacity() * size_of::<Places>()
             + self.nodes.capacity() * size_of::<Boxes>()
     }
@@ -256,7 +257,7 @@ impl PhotonMap {
     /// The square is computed in single precision: it is 0 for distances below 1e-23 and infinite for those above 1e19, but
     /// which photons are visited does not suffer from that.
     #[inline]
-    pub fn within(&self, p: Vec3, radius: f32, mut visit: impl FnMut(&Photon, f32)) {
+    pub fn within(&self, p: Vec3, radius: f32, mut visit: impl FnMut(&Photon<C>, f32)) {
         // How far away the photons are matters for radii that are large only.
         let reach = if radius < 1e15 { f32::INFINITY } else { self.reach(p) };
         let Some(query) = Query::new(p, radius, reach) else { return };

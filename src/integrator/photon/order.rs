@@ -1,6 +1,7 @@
 //! Photons along a curve that fills space, so that neighbours on it are neighbours in space.
 
 use super::Photon;
+use crate::spectrum::Spectrum;
 use crate::{Cancel, Error, ErrorKind, Result};
 
 /// Items between two looks at the token.
@@ -18,7 +19,7 @@ const FEW: usize = 1 << 11;
 ///
 /// # Errors
 /// [`ErrorKind::Cancelled`]; [`ErrorKind::Unsupported`] for 2^32 photons or more.
-pub(super) fn order(photons: &[Photon], few: usize, cancel: &Cancel) -> Result<Vec<u64>> {
+pub(super) fn order<C: Spectrum>(photons: &[Photon<C>], few: usize, cancel: &Cancel) -> Result<Vec<u64>> {
     if u32::try_from(photons.len()).is_err() {
         return Err(Error::new(ErrorKind::Unsupported, "a photon map holds fewer than 2^32 photons"));
     }
@@ -104,7 +105,7 @@ struct Cells {
 
 impl Cells {
     /// Around these photons; none if they are all in one place.
-    fn new(items: &[u64], photons: &[Photon], cancel: &Cancel) -> Result<Option<Self>> {
+    fn new<C: Spectrum>(items: &[u64], photons: &[Photon<C>], cancel: &Cancel) -> Result<Option<Self>> {
         let (mut min, mut max) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for items in items.chunks(CHUNK) {
             cancel.check()?;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::super::irradiance_cache::IrradianceCache;
-use super::super::light::Vertex;
+use super::super::vertex::Vertex;
 use super::super::{SceneTracer, Tracer as _};
 use super::aim::Aims;
 use super::choose::aimed_paths_find_caustics;
@@ -12,11 +12,13 @@ use super::estimate::{Kernel, MapQuery};
 use super::gather::{Gather, MapLayer, PathEnd, Shrinking};
 use super::trace::PHOTONS_A_PATH;
 use super::{MapKind, Nearest, Photon, PhotonJob, PhotonMap, Tally, shoot};
+use crate::bsdf::Model as _;
 use crate::camera::Camera;
 use crate::control::{Cancel, Parallel};
 use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, RenderDesc, check_cache, check_photons};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
+use crate::spectrum::Rgb;
 
 /// Light paths of a map that is made once.
 const ONCE: u32 = 1_000_000;
@@ -179,7 +181,7 @@ impl Plan {
         let caustic_count = photons.caustic_count.unwrap_or(default_count);
         // 0 is the same as none, but where each pixel would have a radius of its own.
         let neighbours = photons.neighbours.filter(|count| *count > 0);
-        let kinds = self.scene.kinds();
+        let lobes = self.scene.lobes();
 
         // Changed when all is done: a pass that is stopped is made again, from what was known before.
         let mut coverage = self.coverage.clone();
@@ -222,11 +224,11 @@ impl Plan {
             }
         };
         // Mirrors and glass are not there to be met, nor surfaces to be lit by them.
-        wanted.retain(|(kind, ..)| kinds.diffuse && (*kind != MapKind::Caustic || kinds.specular));
+        wanted.retain(|(kind, ..)| lobes.have_diffuse() && (*kind != MapKind::Caustic || lobes.have_specular()));
         // Of large lamps they are found by rays, with no bias and no mottle.
         let is_asked_for = photons.caustic_count.is_some() || photons.caustic_radius.is_some();
         let aims = if self.method == IntegratorDesc::IrradianceCache
-            && kinds.specular
+            && lobes.have_specular()
             && !is_asked_for
             && aimed_paths_find_caustics(&self.scene)?
         {
@@ -331,6 +333,7 @@ impl Plan {
             ends,
             shrinking,
             pass,
+            wavelengths: (),
             max_depth: self.desc.max_depth.unwrap_or(u32::MAX),
             shadow_rays: self.desc.shadow_rays,
             min_photons: photons.min_photons,
@@ -453,14 +456,14 @@ fn pixel_size(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -> f32 {
         for _ in 0..MOST_SPECULAR {
             let Some(hit) = tracer.intersect(&ray) else { break };
             way += hit.t;
-            let vertex = Vertex::new(scene, &ray, &hit);
-            if vertex.material.bsdf.is_delta() {
+            let vertex = Vertex::<Rgb>::new(scene, &ray, &hit, ());
+            if vertex.bsdf.lobes().have_specular() {
                 // Glass is seen through.
                 let Some(bounce) = vertex.sample_bounce([0.5, 0.5, 0.999, 0.0]) else { break };
                 ray = bounce.ray;
                 continue;
             }
-            if !vertex.material.bsdf.is_black() {
+            if vertex.bsdf.lobes().have_diffuse() && !vertex.bsdf.is_black() {
                 sizes.push(way * angle);
             }
             break;

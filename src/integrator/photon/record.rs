@@ -1,7 +1,7 @@
 //! A photon as it is stored.
 
 use crate::math::Vec3;
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, Spectrum};
 
 /// A direction in 32 bits: the octahedron's faces folded into a square, 16 bits each way. Off by 5e-5 radians at most.
 ///
@@ -34,24 +34,24 @@ impl Octahedral {
     }
 }
 
-/// Light that came to a surface: 32 bytes.
+/// Light that came to a surface: 32 bytes where it has three channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Photon {
+pub struct Photon<C: Spectrum = Rgb> {
     /// Where, scene frame.
     pub p: [f32; 3],
     /// Geometric normal on the side it came from.
     pub normal: Octahedral,
     /// Its share of the light's power (W); 0 for a shadow photon, which marks where something keeps the light away.
-    pub power: [f32; 3],
+    pub power: C::Packed,
     /// Towards where it came from.
     pub wi: Octahedral,
 }
 
-impl Photon {
+impl<C: Spectrum> Photon<C> {
     /// A photon of this power that came to `p` along `-wi`, on the side of the unit normal `normal`.
     #[inline]
-    pub fn new(p: Vec3, normal: Vec3, wi: Vec3, power: Rgb) -> Self {
-        Self { p: p.to_array(), normal: Octahedral::new(normal), power: power.to_array(), wi: Octahedral::new(wi) }
+    pub fn new(p: Vec3, normal: Vec3, wi: Vec3, power: C) -> Self {
+        Self { p: p.to_array(), normal: Octahedral::new(normal), power: power.pack(), wi: Octahedral::new(wi) }
     }
 
     /// Its place.
@@ -62,14 +62,14 @@ impl Photon {
 
     /// Its power (W).
     #[inline]
-    pub fn power(&self) -> Rgb {
-        Rgb::from_array(self.power)
+    pub fn power(&self) -> C {
+        C::unpack(self.power)
     }
 
     /// Whether it only marks a shadow.
     #[inline]
     pub fn is_shadow(&self) -> bool {
-        self.power == [0.0; 3]
+        self.power() == C::ZERO
     }
 }
 

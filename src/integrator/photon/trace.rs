@@ -9,18 +9,19 @@
 
 use std::sync::Arc;
 
-use super::super::light::Vertex;
-use super::super::path::roulette;
+use super::super::vertex::Vertex;
+use super::super::walk::roulette;
 use super::super::{SceneTracer, Tracer as _};
 use super::Photon;
 use super::emit::{Aim, Emission};
+use crate::bsdf::Model as _;
 use crate::control::Parallel;
 use crate::desc::RenderDesc;
 use crate::error::Result;
 use crate::math::{DVec3, Ray, Vec3};
 use crate::sampling::{Sampler as _, SobolSampler};
 use crate::scene::Scene;
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, Spectrum};
 
 /// Which photons a map holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -77,9 +78,9 @@ impl Tally {
 
 /// Photons, and what became of all light.
 #[derive(Clone, Debug, Default)]
-pub struct PhotonBatch {
+pub struct PhotonBatch<C: Spectrum = Rgb> {
     /// In the order of their paths; the power of all paths together is what the emitters send.
-    pub photons: Vec<Photon>,
+    pub photons: Vec<Photon<C>>,
     /// See [`Tally`].
     pub tally: Tally,
     /// Paths that were asked for, where memory ended them earlier.
@@ -113,13 +114,28 @@ pub struct PhotonJob {
 /// # Errors
 /// [`crate::ErrorKind::Cancelled`]; `InvalidScene` for points that share photons by area.
 pub fn shoot(scene: &Scene, desc: &RenderDesc, job: PhotonJob, parallel: &mut impl Parallel) -> Result<PhotonBatch> {
+    shoot_in(scene, desc, job, (), parallel)
+}
+
+/// The same for photons of these wavelengths.
+///
+/// # Errors
+/// As [`shoot`].
+pub fn shoot_in<C: Spectrum>(
+    scene: &Scene,
+    desc: &RenderDesc,
+    job: PhotonJob,
+    wavelengths: C::Wavelengths,
+    parallel: &mut impl Parallel,
+) -> Result<PhotonBatch<C>> {
     let aims = match job.kind {
         MapKind::Caustic if desc.photons.guided => Aim::AtSpecular,
         _ => Aim::Everywhere,
     };
     let Some(emission) = Emission::new(scene, desc.photons.sharing, aims)? else { return Ok(PhotonBatch::default()) };
     let kind = job.kind as u64;
-    let shooter = Arc::new(PhotonTracer {
+    let photon_tracer = Arc::new(PhotonTracer::<C> {
+        wavelengths,
         scene: scene.clone(),
         emission,
         kind: job.kind,
@@ -135,10 +151,10 @@ pub fn shoot(scene: &Scene, desc: &RenderDesc, job: PhotonJob, parallel: &mut im
     let mut shot = PhotonBatch::default();
     let (mut start, mut count) = (0, 1);
     while start < blocks {
-        let shooter = Arc::clone(&shooter);
+        let photon_tracer = Arc::clone(&photon_tracer);
         let shots = parallel.map(count, move |block| {
             let first = (start + block) as u32 * size;
-            shooter.block(first, first.saturating_add(size).min(job.paths))
+            photon_tracer.block(first, first.saturating_add(size).min(job.paths))
         })?;
         start += count;
         for block in shots {
@@ -157,7 +173,7 @@ pub fn shoot(scene: &Scene, desc: &RenderDesc, job: PhotonJob, parallel: &mut im
     if shot.cut_from.is_some() {
         let factor = f64::from(job.paths) / shot.tally.paths.max(1) as f64;
         for photon in &mut shot.photons {
-            photon.power = photon.power.map(|power| (f64::from(power) * factor) as f32);
+            photon.power = photon.power().scaled(factor).pack();
         }
         shot.tally.scale(factor);
     }
@@ -165,7 +181,8 @@ pub fn shoot(scene: &Scene, desc: &RenderDesc, job: PhotonJob, parallel: &mut im
 }
 
 /// What all blocks share.
-struct PhotonTracer {
+struct PhotonTracer<C: Spectrum> {
+    wavelengths: C::Wavelengths,
     scene: Scene,
     emission: Emission,
     kind: MapKind,
@@ -175,8 +192,8 @@ struct PhotonTracer {
     max_depth: u32,
 }
 
-impl PhotonTracer {
-    fn block(&self, from: u32, to: u32) -> PhotonBatch {
+impl<C: Spectrum> PhotonTracer<C> {
+    fn block(&self, from: u32, to: u32) -> PhotonBatch<C> {
         let mut sampler = self.sampler.clone();
         let mut tracer = SceneTracer::new(&self.scene);
         let mut shot = PhotonBatch::default();
@@ -185,7 +202,8 @@ impl PhotonTracer {
             shot.tally.paths += 1;
             let (u, d) = (sampler.next_4d(), sampler.next_4d());
             if let Some((ray, power)) = self.emission.begin(&self.scene, u, d, self.share) {
-                shot.tally.emitted += power.to_f64();
+                let power = C::from_emission(power, &self.wavelengths);
+                shot.tally.emitted += self.tallied(power);
                 self.path(ray, power, &mut sampler, &mut tracer, &mut shot);
             }
         }
@@ -193,27 +211,32 @@ impl PhotonTracer {
         shot
     }
 
+    /// A power as it is tallied: a colour.
+    fn tallied(&self, power: C) -> DVec3 {
+        power.to_rgb(&self.wavelengths).to_f64()
+    }
+
     fn path(
         &self,
         mut ray: Ray,
-        mut power: Rgb,
+        mut power: C,
         sampler: &mut SobolSampler,
         tracer: &mut SceneTracer,
-        shot: &mut PhotonBatch,
+        shot: &mut PhotonBatch<C>,
     ) {
         let mut was_diffuse = false;
         let mut was_specular = false;
         for depth in 1_u32.. {
             let Some(hit) = tracer.intersect(&ray) else {
-                shot.tally.escaped += power.to_f64();
+                shot.tally.escaped += self.tallied(power);
                 return;
             };
-            let vertex = Vertex::new(&self.scene, &ray, &hit);
-            let bsdf = &vertex.material.bsdf;
+            let vertex = Vertex::of_light_path(&self.scene, &ray, &hit, self.wavelengths);
+            let lobes = vertex.bsdf.lobes();
             if depth == 1 && self.kind == MapKind::Direct {
                 self.shadows(&ray, &vertex, tracer, shot);
             }
-            if !bsdf.is_delta() && !bsdf.is_black() {
+            if lobes.have_diffuse() && !vertex.bsdf.is_black() {
                 let is_wanted = match self.kind {
                     MapKind::Direct => !was_diffuse && !was_specular,
                     MapKind::Caustic => !was_diffuse && was_specular,
@@ -224,34 +247,34 @@ impl PhotonTracer {
                     shot.photons.push(vertex.photon(power));
                     shot.tally.stored += 1;
                 }
-                was_diffuse = true;
-            } else {
-                was_specular |= bsdf.is_delta();
             }
             // Beyond the first diffuse hit nothing more of these kinds can come; and of direct light, beyond any hit.
             let is_over = match self.kind {
                 MapKind::Direct => true,
-                MapKind::Caustic => was_diffuse,
+                MapKind::Caustic => was_diffuse || (!vertex.bsdf.is_black() && !lobes.have_specular()),
                 MapKind::Indirect | MapKind::Global => false,
             };
             if is_over || depth >= self.max_depth {
-                shot.tally.left += power.to_f64();
+                shot.tally.left += self.tallied(power);
                 return;
             }
             let u = sampler.next_4d();
             let Some(bounce) = vertex.sample_bounce(u) else {
-                shot.tally.absorbed += power.to_f64();
+                shot.tally.absorbed += self.tallied(power);
                 return;
             };
-            let scattered = power * bounce.weight * (bounce.eta * bounce.eta * vertex.adjoint(bounce.ray.direction));
+            let is_specular = bounce.pdf.is_none();
+            was_specular |= is_specular;
+            was_diffuse |= !is_specular;
+            let scattered = power * bounce.weight * vertex.shading_adjoint(bounce.ray.direction);
             // Scattered power may exceed what came where the model is unfair to one direction; then nothing is gambled.
             let survival = roulette(scattered.max_element() / power.max_element(), depth);
             if survival.is_nan() || u[3] >= survival {
-                shot.tally.absorbed += power.to_f64();
+                shot.tally.absorbed += self.tallied(power);
                 return;
             }
             let next = if survival < 1.0 { scattered / survival } else { scattered };
-            shot.tally.absorbed += power.to_f64() - next.to_f64();
+            shot.tally.absorbed += self.tallied(power) - self.tallied(next);
             power = next;
             ray = bounce.ray;
         }
@@ -259,7 +282,7 @@ impl PhotonTracer {
 
     /// Marks what lies behind the first surface that light met, straight on, as being in its shadow: the first hit of each
     /// body behind it, not the inside of a body that the light is already in.
-    fn shadows(&self, ray: &Ray, first: &Vertex, tracer: &mut SceneTracer, shot: &mut PhotonBatch) {
+    fn shadows(&self, ray: &Ray, first: &Vertex<C>, tracer: &mut SceneTracer, shot: &mut PhotonBatch<C>) {
         let mut inside = Vec::new();
         let mut from = first.through(ray.direction);
         let mut entered = first.enters(ray.direction).then_some(first.surface.surface);
@@ -267,8 +290,7 @@ impl PhotonTracer {
             inside.extend(entered.take());
             let ray = Ray::new(from, ray.direction);
             let Some(hit) = tracer.intersect(&ray) else { return };
-            let vertex = Vertex::new(&self.scene, &ray, &hit);
-            let bsdf = &vertex.material.bsdf;
+            let vertex = Vertex::of_light_path(&self.scene, &ray, &hit, self.wavelengths);
             let surface = vertex.surface.surface;
             if vertex.enters(ray.direction) {
                 entered = Some(surface);
@@ -280,8 +302,8 @@ impl PhotonTracer {
                 }
                 _ => false,
             };
-            if !exits && !bsdf.is_delta() && !bsdf.is_black() {
-                shot.photons.push(vertex.photon(Rgb::ZERO));
+            if !exits && vertex.bsdf.lobes().have_diffuse() && !vertex.bsdf.is_black() {
+                shot.photons.push(vertex.photon(C::ZERO));
                 shot.tally.shadows += 1;
             }
             from = vertex.through(ray.direction);
@@ -292,23 +314,11 @@ impl PhotonTracer {
 /// Surfaces behind one another that shadow photons are stored on.
 const MOST_SHADOWS: usize = 64;
 
-impl Vertex<'_> {
+impl<C: Spectrum> Vertex<C> {
     /// Light of this power that came here.
     #[inline]
-    pub(super) fn photon(&self, power: Rgb) -> Photon {
+    pub(super) fn photon(&self, power: C) -> Photon<C> {
         Photon::new(self.surface.point.p, self.facing(), self.wo_scene(), power)
-    }
-
-    /// The geometric normal on the side that the ray came from.
-    #[inline]
-    pub(in super::super) fn facing(&self) -> Vec3 {
-        if self.surface.ng.dot(self.wo_scene()) < 0.0 { -self.surface.ng } else { self.surface.ng }
-    }
-
-    /// The shading normal on the side that the ray came from.
-    #[inline]
-    pub(in super::super) fn facing_shading(&self) -> Vec3 {
-        if self.wo.z < 0.0 { -self.surface.ns } else { self.surface.ns }
     }
 
     /// Whether a ray that came along `direction` goes from a surface's outer side to its inner.
@@ -320,18 +330,5 @@ impl Vertex<'_> {
     fn through(&self, direction: Vec3) -> Vec3 {
         let side = if self.enters(direction) { -self.surface.ng } else { self.surface.ng };
         self.surface.point.offset(side)
-    }
-
-    /// What the weight of a bounce into `wi` (scene frame) is to be multiplied with where power travels and not radiance:
-    /// 1 but where shading normals are interpolated. Veach 1997, Eq. 5.19.
-    #[inline]
-    fn adjoint(&self, wi: Vec3) -> f32 {
-        let (ng, ns) = (self.surface.ng, self.surface.ns);
-        if ng == ns {
-            return 1.0;
-        }
-        let wo = self.wo_scene();
-        let ratio = (wo.dot(ns) * wi.dot(ng) / (wo.dot(ng) * wi.dot(ns))).abs();
-        if ratio.is_finite() { ratio } else { 0.0 }
     }
 }

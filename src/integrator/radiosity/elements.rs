@@ -12,7 +12,7 @@ use std::collections::HashMap;
 
 use super::form_factor::{self, quarters};
 use super::tessellate::tessellate;
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, Model as _};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, HitPoint, Vec3};
 use crate::scene::{Body, Scene};
@@ -128,7 +128,7 @@ impl Elements {
         let mut elements = Self { least2: least * least, limit, top: NONE, ..Self::default() };
         elements.check(2 * scene.face_count() * BYTES_A_PATCH)?;
         let albedos: Vec<DVec3> =
-            (0..scene.info().materials).map(|i| mean_albedo(&scene.material(i as u32).bsdf)).collect();
+            (0..scene.info().materials).map(|i| mean_albedo(scene.material(i as u32).mean())).collect();
         let mut welds = Welds::new();
         let mut roots = Vec::new();
         scene.each_face(|face| {
@@ -552,11 +552,11 @@ fn curved_area(shape: &Analytic, triangle: &[DVec3; 3]) -> f64 {
 /// The share of a diffuse surface's irradiance that it sends back, where the same radiance comes from all directions; 0 for
 /// mirrors and glass.
 pub(super) fn mean_albedo(bsdf: &Bsdf) -> DVec3 {
-    if bsdf.is_delta() || bsdf.is_black() {
+    if !bsdf.lobes().have_diffuse() || bsdf.is_black() {
         return DVec3::ZERO;
     }
-    if let Bsdf::Lambert(lambert) = bsdf {
-        return lambert.albedo().to_f64();
+    if bsdf.constant_f().is_some() {
+        return bsdf.albedo().to_f64();
     }
     // Mean of the directional albedo by the cosine, by the rule of the middle in its square.
     const STEPS: u32 = 4096;

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use super::Radiosity;
 use super::elements::mean_albedo;
-use crate::integrator::light::Vertex;
-use crate::integrator::{FirstHit, Integrator, Tracer};
+use crate::bsdf::Model as _;
+use crate::integrator::vertex::{Vertex, escaped};
+use crate::integrator::{Context, FirstHit, Tracer, Transport};
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene, SurfaceInteraction};
@@ -24,7 +25,7 @@ pub(crate) struct RadiosityPicture {
 
 impl RadiosityPicture {
     pub fn new(scene: &Scene, solution: Arc<Radiosity>, final_gather: bool, shadow_rays: u32) -> Self {
-        let one = |i: usize| Rgb::from_f64(mean_albedo(&scene.material(i as u32).bsdf)) * FRAC_1_PI;
+        let one = |i: usize| Rgb::from_f64(mean_albedo(scene.material(i as u32).mean())) * FRAC_1_PI;
         let reflected = (0..scene.info().materials).map(one).collect();
         Self { solution, reflected, final_gather, shadow_rays }
     }
@@ -40,37 +41,38 @@ impl RadiosityPicture {
     }
 }
 
-impl Integrator for RadiosityPicture {
-    fn radiance<S: Sampler, T: Tracer>(
+impl Transport<Rgb> for RadiosityPicture {
+    fn li<S: Sampler, T: Tracer>(
         &self,
-        scene: &Scene,
         ray: Ray,
-        sampler: &mut S,
-        tracer: &mut T,
+        context: &mut Context<'_, S, T>,
         first: &mut impl FnMut(FirstHit),
     ) -> Rgb {
-        let Some(hit) = tracer.intersect(&ray) else { return Rgb::ZERO };
-        let vertex = Vertex::new(scene, &ray, &hit);
+        let scene = context.scene;
+        let Some(hit) = context.tracer.intersect(&ray) else { return escaped(scene, &ray, None, 1, &()) };
+        let vertex = Vertex::new(scene, &ray, &hit, ());
         first(vertex.first_hit());
-        let mut radiance = vertex.emitted(scene, None, 1);
+        let mut radiance: Rgb = vertex.emitted(scene, None, 1);
         if !self.final_gather {
             return radiance + self.reflected(&ray, &hit, &vertex.surface);
         }
-        if vertex.material.bsdf.is_delta() || vertex.material.bsdf.is_black() {
+        if !vertex.bsdf.lobes().have_diffuse() || vertex.bsdf.is_black() {
             return radiance;
         }
         // Light straight from emitters, by light samples and the ray that follows.
         if !scene.emitters().is_dark() {
             for _ in 0..self.shadow_rays {
-                radiance += vertex.sample_light(scene, sampler.next_4d(), self.shadow_rays, tracer);
+                radiance += vertex.sample_light(context, self.shadow_rays, false);
             }
         }
         // All other light, by a ray to where the solution is asked for what is reflected.
-        let Some(bounce) = vertex.sample_bounce(sampler.next_4d()) else { return radiance };
-        let Some(hit) = tracer.intersect(&bounce.ray) else { return radiance };
-        let from = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
-        let next = Vertex::new(scene, &bounce.ray, &hit);
-        let seen = next.emitted(scene, from, self.shadow_rays) + self.reflected(&bounce.ray, &hit, &next.surface);
+        let Some(bounce) = vertex.sample_bounce(context.sampler.next_4d()) else { return radiance };
+        let previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
+        let Some(hit) = context.tracer.intersect(&bounce.ray) else {
+            return radiance + bounce.weight * escaped::<Rgb>(scene, &bounce.ray, previous, self.shadow_rays, &());
+        };
+        let next = Vertex::<Rgb>::new(scene, &bounce.ray, &hit, ());
+        let seen = next.emitted(scene, previous, self.shadow_rays) + self.reflected(&bounce.ray, &hit, &next.surface);
         radiance + bounce.weight * seen
     }
 }

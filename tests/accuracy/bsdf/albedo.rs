@@ -1,6 +1,6 @@
 //! Energy of the rough diffuse models: directional and mean albedos.
 
-use etendue::bsdf::Bsdf;
+use etendue::bsdf::{Bsdf, Model as _, TransportMode};
 use etendue::math::Vec3;
 use etendue::sampling::{Rng, Sampler, SobolSampler, warps};
 
@@ -60,7 +60,8 @@ fn albedo(case: &mut Case) {
         let weights: Vec<f64> = (0..case.count(300_000, 4_000_000))
             .map(|_| {
                 let wo = warps::cosine_hemisphere(rng.next_2d());
-                bsdf.sample(wo, uniform_3d(&mut rng)).map_or(0.0, |sample| f64::from(sample.weight.r()))
+                bsdf.sample(wo, uniform_3d(&mut rng), TransportMode::Radiance)
+                    .map_or(0.0, |sample| f64::from(sample.weight.r()))
             })
             .collect();
         case.mean(format!("Fujii {roughness}: mean over all directions"), mean_and_error(&weights), exact, 1e-3);
@@ -75,7 +76,7 @@ fn sampled_albedo(case: &Case, bsdf: &Bsdf, wo: Vec3, pixel: u32) -> (f64, f64) 
     let mut weight = |i| {
         sampler.start(pixel, i);
         let [a, b, c, _] = sampler.next_4d();
-        bsdf.sample(wo, [a, b, c]).map_or(0.0, |sample| f64::from(sample.weight.r()))
+        bsdf.sample(wo, [a, b, c], TransportMode::Radiance).map_or(0.0, |sample| f64::from(sample.weight.r()))
     };
     let mut replicate = |r: u32| (r * size..(r + 1) * size).map(&mut weight).sum::<f64>() / f64::from(size);
     mean_and_error(&(0..REPLICATES).map(&mut replicate).collect::<Vec<_>>())
@@ -93,7 +94,7 @@ fn integrated_albedo(case: &Case, bsdf: &Bsdf, wo: Vec3) -> f64 {
         for j in 0..n {
             let (s, c) = (std::f64::consts::TAU * (j as f64 + 0.5) / n as f64).sin_cos();
             let wi = Vec3::new((sin * c) as f32, (sin * s) as f32, cos as f32);
-            sum += f64::from(bsdf.f(wo, wi).r()) * cos * jacobian;
+            sum += f64::from(bsdf.f(wo, wi, TransportMode::Radiance).r()) * cos * jacobian;
         }
     }
     sum * std::f64::consts::TAU / (n * n) as f64

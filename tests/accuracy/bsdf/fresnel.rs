@@ -1,6 +1,6 @@
 //! Fresnel's law for a smooth dielectric, and the choice that follows it.
 
-use etendue::bsdf::{Bsdf, Dielectric, fresnel_dielectric, refracted_cosine};
+use etendue::bsdf::{Bsdf, Dielectric, Model as _, TransportMode, fresnel_dielectric, refracted_cosine};
 use etendue::desc::BsdfDesc;
 use etendue::math::Vec3;
 use etendue::sampling::{Rng, warps};
@@ -139,7 +139,8 @@ fn extreme_indices(case: &mut Case) {
 
 /// The share of the numbers in [0, 1) with which a sample is reflected, by bisection over single precision.
 fn reflected_share(bsdf: &Bsdf, wo: Vec3) -> f64 {
-    let is_reflected = |u: f32| bsdf.sample(wo, [0.5, 0.5, u]).is_some_and(|sample| sample.wi.z * wo.z > 0.0);
+    let is_reflected =
+        |u: f32| bsdf.sample(wo, [0.5, 0.5, u], TransportMode::Radiance).is_some_and(|sample| sample.wi.z * wo.z > 0.0);
     if is_reflected(1.0_f32.next_down()) {
         return 1.0;
     }
@@ -284,7 +285,9 @@ fn hemispherical(case: &mut Case) {
             let mut rng = Rng::new(34, n.to_bits() + u64::from(up > 0.0));
             let reflected = (0..draws).filter(|_| {
                 let wo = up * warps::cosine_hemisphere(rng.next_2d());
-                glass.sample(wo, uniform_3d(&mut rng)).is_some_and(|sample| sample.wi.z * wo.z > 0.0)
+                glass
+                    .sample(wo, uniform_3d(&mut rng), TransportMode::Radiance)
+                    .is_some_and(|sample| sample.wi.z * wo.z > 0.0)
             });
             let share = reflected.count() as f64 / draws as f64;
             let error = (exact * (1.0 - exact) / draws as f64).sqrt();

@@ -1,6 +1,6 @@
 //! Radiance scaling at refraction: what an eye under water or in glass sees.
 
-use etendue::bsdf::Dielectric;
+use etendue::bsdf::{BsdfSample, Dielectric, Model as _, TransportMode};
 use etendue::desc::{BsdfDesc, IntegratorDesc, SceneDesc, ShapeDesc};
 use etendue::math::{DVec3, Vec3};
 use etendue::sampling::{Rng, warps};
@@ -84,8 +84,11 @@ fn half_space(case: &mut Case) {
     for (ior, exterior) in [(1.5_f32, 1.0_f32), (1.333, 1.0), (2.417, 1.0), (1.0, 1.333), (1.333, 1.5), (1000.0, 1.0)] {
         let dielectric = Dielectric::new(ior, exterior);
         for _ in 0..tries / 6 {
-            let there = dielectric.sample(warps::uniform_sphere(rng.next_2d()), 1.0_f32.next_down());
-            let back = dielectric.sample(there.wi, 1.0_f32.next_down());
+            let there: BsdfSample = dielectric
+                .sample(warps::uniform_sphere(rng.next_2d()), [0.0, 0.0, 1.0_f32.next_down()], TransportMode::Radiance)
+                .unwrap();
+            let back: BsdfSample =
+                dielectric.sample(there.wi, [0.0, 0.0, 1.0_f32.next_down()], TransportMode::Radiance).unwrap();
             if there.eta != 1.0 && back.eta != 1.0 {
                 worst = worst.max((f64::from(there.weight.r()) * f64::from(back.weight.r()) - 1.0).abs());
             }

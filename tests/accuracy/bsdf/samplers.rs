@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use etendue::bsdf::{Model as _, TransportMode};
 use etendue::math::Vec3;
 use etendue::sampling::{Rng, warps};
 
@@ -50,8 +51,11 @@ fn models(case: &mut Case) {
             .map(|(j, wo)| {
                 let mut rng = Rng::new(38, (i * 100 + j) as u64);
                 let draw = || {
-                    let Some(sample) = bsdf.sample(wo, uniform_3d(&mut rng)) else { return ([f32::NAN; 3], 0.0) };
-                    let (f, weight) = (f64::from(bsdf.f(wo, sample.wi).r()), f64::from(sample.weight.r()));
+                    let Some(sample) = bsdf.sample(wo, uniform_3d(&mut rng), TransportMode::Radiance) else {
+                        return ([f32::NAN; 3], 0.0);
+                    };
+                    let (f, weight) =
+                        (f64::from(bsdf.f(wo, sample.wi, TransportMode::Radiance).r()), f64::from(sample.weight.r()));
                     let found = f * f64::from(sample.wi.z.abs()) / f64::from(sample.pdf);
                     worst_weight = worst_weight.max((weight - found).abs() / weight);
                     (sample.wi.to_array(), sample.pdf)

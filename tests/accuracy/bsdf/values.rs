@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use etendue::bsdf::{Bsdf, Dielectric};
+use etendue::bsdf::{Bsdf, Dielectric, Model as _, TransportMode};
 use etendue::desc::BsdfDesc;
 use etendue::math::Vec3;
 use etendue::sampling::{Rng, warps};
@@ -27,11 +27,17 @@ fn lambert_values(case: &mut Case) {
         let bsdf = lambert(albedo);
         let (wo, wi) = (direction(20.0, 0.0), direction(70.0, 50.0));
         let exact = f64::from(albedo) / PI;
-        case.exact(format!("f, albedo {albedo}"), f64::from(bsdf.f(wo, wi).r()), exact, Within::Ulps(1.0));
+        case.exact(
+            format!("f, albedo {albedo}"),
+            f64::from(bsdf.f(wo, wi, TransportMode::Radiance).r()),
+            exact,
+            Within::Ulps(1.0),
+        );
         let mut rng = Rng::new(27, 0);
         let other = (0..tries).filter(|_| {
             let wo = warps::uniform_sphere(rng.next_2d());
-            bsdf.sample(wo, uniform_3d(&mut rng)).is_none_or(|sample| sample.weight != Rgb::splat(albedo))
+            bsdf.sample(wo, uniform_3d(&mut rng), TransportMode::Radiance)
+                .is_none_or(|sample| sample.weight != Rgb::splat(albedo))
         });
         case.never(format!("a weight other than {albedo}"), other.count() as u64, tries);
     }
@@ -62,7 +68,11 @@ fn rough_values(case: &mut Case) {
             for ((theta_i, theta_o, dphi), value) in ANGLES.into_iter().zip(values) {
                 // The azimuth itself must not matter.
                 for phi in [0.0, 77.0, 200.0] {
-                    let f = model(roughness).f(direction(theta_o, phi + dphi), direction(theta_i, phi));
+                    let f = model(roughness).f(
+                        direction(theta_o, phi + dphi),
+                        direction(theta_i, phi),
+                        TransportMode::Radiance,
+                    );
                     let worst = if theta_i == 89.0 { &mut grazing } else { &mut upright };
                     worst.add(f64::from(f.r()), value);
                 }
@@ -76,7 +86,11 @@ fn rough_values(case: &mut Case) {
     let poles = [Vec3::Z, Vec3::new(1e-38, 0.0, 1.0), Vec3::new(0.0, -1e-45, 1.0)];
     for wo in poles {
         for wi in poles {
-            let tops = [oren_nayar_qualitative(0.5).f(wo, wi).r(), oren_nayar(0.5).f(wo, wi).r()].map(f64::from);
+            let tops = [
+                oren_nayar_qualitative(0.5).f(wo, wi, TransportMode::Radiance).r(),
+                oren_nayar(0.5).f(wo, wi, TransportMode::Radiance).r(),
+            ]
+            .map(f64::from);
             // Facing it there is no shadow term: A / pi and A.
             let exact = [(1.0 - 0.25 / (2.0 * 0.58)) / PI, 1.0 / (PI + 0.5 * (FRAC_PI_2 - 2.0 / 3.0))];
             bad += tops.into_iter().zip(exact).filter(|(got, exact)| (got / exact - 1.0).abs() > 2e-7).count() as u64;
@@ -99,7 +113,8 @@ fn limits(case: &mut Case) {
         let different = (0..tries).filter(|_| {
             let (wo, wi) = (warps::uniform_sphere(rng.next_2d()), warps::uniform_sphere(rng.next_2d()));
             let u = uniform_3d(&mut rng);
-            smooth.f_pdf(wo, wi) != lambert.f_pdf(wo, wi) || smooth.sample(wo, u) != lambert.sample(wo, u)
+            smooth.f_pdf(wo, wi, TransportMode::Radiance) != lambert.f_pdf(wo, wi, TransportMode::Radiance)
+                || smooth.sample(wo, u, TransportMode::Radiance) != lambert.sample(wo, u, TransportMode::Radiance)
         });
         case.never(format!("{name}: any bit unlike Lambert"), different.count() as u64, tries);
     }
@@ -110,7 +125,7 @@ fn limits(case: &mut Case) {
             let (wo, wi) = (warps::cosine_hemisphere(rng.next_2d()), warps::cosine_hemisphere(rng.next_2d()));
             // Where a direction grazes, any roughness matters.
             if wo.z.max(wi.z) > 0.2 {
-                worst.add(f64::from(rough.f(wo, wi).r()), 1.0 / PI);
+                worst.add(f64::from(rough.f(wo, wi, TransportMode::Radiance).r()), 1.0 / PI);
             }
         }
         worst.row(case, format!("{name} against Lambert, cosine above 0.2"), 1e-3);
@@ -124,7 +139,7 @@ fn limits(case: &mut Case) {
         for _ in 0..tries {
             let wo = warps::uniform_sphere(rng.next_2d());
             let is_straight = bsdf
-                .sample(wo, uniform_3d(&mut rng))
+                .sample(wo, uniform_3d(&mut rng), TransportMode::Radiance)
                 .is_some_and(|sample| (sample.wi, sample.weight, sample.eta) == (-wo, Rgb::ONE, 1.0));
             bad += u64::from(!is_straight);
         }
@@ -155,7 +170,10 @@ fn reciprocity(case: &mut Case) {
         let (mut worst, mut through) = (0.0_f64, 0);
         for _ in 0..tries {
             let (a, b) = (warps::uniform_sphere(rng.next_2d()), warps::uniform_sphere(rng.next_2d()));
-            let (ab, ba) = (f64::from(bsdf.f(a, b).r()), f64::from(bsdf.f(b, a).r()));
+            let (ab, ba) = (
+                f64::from(bsdf.f(a, b, TransportMode::Radiance).r()),
+                f64::from(bsdf.f(b, a, TransportMode::Radiance).r()),
+            );
             if ab != ba {
                 worst = worst.max((ab - ba).abs() / ab.max(ba));
             }
@@ -213,7 +231,7 @@ fn grazing(case: &mut Case) {
             wis.extend(COSINES.map(|z| Vec3::new(0.0, (1.0 - z * z).sqrt(), z)));
             wis.extend((0..tries).map(|_| warps::uniform_sphere(rng.next_2d())));
             for wi in wis {
-                let (f, pdf) = bsdf.f_pdf(wo, wi);
+                let (f, pdf) = bsdf.f_pdf(wo, wi, TransportMode::Radiance);
                 let larger = f64::from(wo.z.abs().max(wi.z.abs()));
                 let fine = f.is_finite()
                     && f.r() >= 0.0
@@ -229,7 +247,7 @@ fn grazing(case: &mut Case) {
             let corners = ends.into_iter().flat_map(|u| ends.map(|v| [u, v, v]));
             let numbers: Vec<_> = corners.chain((0..tries).map(|_| uniform_3d(&mut rng))).collect();
             for u in numbers {
-                let fine = match bsdf.sample(wo, u) {
+                let fine = match bsdf.sample(wo, u, TransportMode::Radiance) {
                     Some(sample) => {
                         let larger = f64::from(cos.max(sample.wi.z));
                         sample.weight.is_finite()

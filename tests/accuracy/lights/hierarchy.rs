@@ -1,6 +1,6 @@
 //! The choice among many lights by what a receiver may get from each: probabilities, densities, and no light forgotten.
 
-use etendue::bsdf::Bsdf;
+use etendue::bsdf::{Bsdf, Model as _, TransportMode};
 use etendue::desc::{BsdfDesc, ShapeDesc};
 use etendue::emitter::{Emitter, EmitterSet, Receiver, SphereEmitter};
 use etendue::math::{DVec3, Frame, Vec3};
@@ -204,7 +204,7 @@ fn exact(set: &EmitterSet, p: DVec3, n: DVec3) -> f64 {
                 f64::from(emitter.radiance.r())
                     * sphere_factor(emitter.sphere.radius / distance, (way.dot(n) / distance).acos())
             }
-            Emitter::Point { .. } => 0.0,
+            Emitter::Point { .. } | Emitter::Environment(_) => 0.0,
         })
         .sum()
 }
@@ -303,7 +303,8 @@ fn surfaces(case: &mut Case) {
                     sampler.start(0, i);
                     let Some(sample) = set.sample(receiver, sampler.next_4d()) else { return 0.0 };
                     let wi = frame.to_local(sample.wi);
-                    f64::from(bsdf.f(wo, wi).r() * sample.radiance.r() * wi.z.abs()) / f64::from(sample.pdf)
+                    f64::from(bsdf.f(wo, wi, TransportMode::Radiance).r() * sample.radiance.r() * wi.z.abs())
+                        / f64::from(sample.pdf)
                 };
                 let replicate = |r: u32| (r * size..(r + 1) * size).map(&mut value).sum::<f64>() / f64::from(size);
                 stats::mean_and_error(&(0..REPLICATES).map(replicate).collect::<Vec<_>>())

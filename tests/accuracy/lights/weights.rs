@@ -1,6 +1,6 @@
 //! Light samples and Bsdf samples, alone and combined, must agree.
 
-use etendue::bsdf::Bsdf;
+use etendue::bsdf::{Bsdf, Model as _, TransportMode};
 use etendue::desc::{BsdfDesc, RenderDesc, ShapeDesc};
 use etendue::math::{DVec3, Frame, Ray, Vec3};
 use etendue::sampling::{Sampler, SobolSampler, mis};
@@ -84,12 +84,12 @@ fn direct(scene: &Scene, bsdf: &Bsdf, light: Weight, scattering: Weight, size: u
         let mut radiance = 0.0;
         if let Some(sample) = scene.emitters().sample(p, sampler.next_4d()) {
             let wi = frame.to_local(sample.wi);
-            let (f, pdf) = bsdf.f_pdf(wo, wi);
+            let (f, pdf) = bsdf.f_pdf(wo, wi, TransportMode::Radiance);
             let weight = light(sample.pdf, pdf);
             radiance += f64::from(f.r() * sample.radiance.r() * wi.z.abs() * weight / sample.pdf);
         }
         let [a, b, c, _] = sampler.next_4d();
-        if let Some(sample) = bsdf.sample(wo, [a, b, c]) {
+        if let Some(sample) = bsdf.sample(wo, [a, b, c], TransportMode::Radiance) {
             let ray = Ray::new(p, frame.to_world(sample.wi));
             if let Some(hit) = scene.intersect(&ray) {
                 let surface = scene.interaction(&ray, &hit);

@@ -1,0 +1,313 @@
+//! A vertex of a path: what its surface emits, what light reaches it directly, and where the path goes on.
+
+use super::{Context, FirstHit, Tracer};
+use crate::bsdf::{Bsdf, Model, SpecularLobes, TransportMode};
+use crate::emitter::Receiver;
+use crate::math::{Frame, Ray, Vec3};
+use crate::sampling::Sampler;
+use crate::sampling::mis::power_heuristic;
+use crate::scene::{Hit, Scene, SurfaceInteraction};
+use crate::spectrum::{Rgb, Spectrum};
+
+/// A point of a path, ready for shading. Its channels are those of the path.
+pub(super) struct Vertex<C: Spectrum = Rgb> {
+    pub surface: SurfaceInteraction,
+    /// How the surface scatters here.
+    pub bsdf: Bsdf<C>,
+    /// Probability with which a path survives a bounce here, where the scene sets one.
+    pub survival: Option<f32>,
+    mode: TransportMode,
+    wavelengths: C::Wavelengths,
+    frame: Frame,
+    /// Back along the path, local frame.
+    pub wo: Vec3,
+    /// Back along the path, scene frame.
+    wo_scene: Vec3,
+}
+
+/// A bounce out of a vertex.
+pub(super) struct Bounce<C: Spectrum = Rgb> {
+    pub ray: Ray,
+    /// f |cos| / pdf.
+    pub weight: C,
+    /// `None` after a delta lobe, which no light sample can imitate.
+    pub pdf: Option<f32>,
+    /// Index of refraction entered over the one left.
+    pub eta: f32,
+}
+
+/// The receiver that a ray leaves and the density [sr^-1] of its direction, where a light sample could have made it as well.
+pub(super) type PreviousBounce = Option<(Receiver, f32)>;
+
+/// Radiance that comes from infinity along a ray that meets nothing, with the weight of having been found by chance rather than
+/// by a light sample. Arguments as of [`Vertex::emitted`].
+///
+/// Every ray of every integrator that misses the scene comes here.
+#[inline(always)]
+pub(super) fn escaped<C: Spectrum>(
+    scene: &Scene,
+    ray: &Ray,
+    previous: PreviousBounce,
+    light_samples: u32,
+    wavelengths: &C::Wavelengths,
+) -> C {
+    if !scene.emitters().has_infinite() {
+        return C::ZERO;
+    }
+    let mut radiance = C::ZERO;
+    scene.emitters().each_infinite(ray.direction, |le, emitter| {
+        let weight = match previous {
+            Some((receiver, pdf)) => {
+                let light_pdf = scene.emitters().pdf_infinite(emitter, receiver, ray.direction);
+                power_heuristic(pdf, light_samples as f32 * light_pdf)
+            }
+            None => 1.0,
+        };
+        radiance += C::from_emission(le, wavelengths) * weight;
+    });
+    radiance
+}
+
+impl<C: Spectrum> Vertex<C> {
+    /// What a ray from the camera met.
+    #[inline(always)]
+    pub fn new(scene: &Scene, ray: &Ray, hit: &Hit, wavelengths: C::Wavelengths) -> Self {
+        Self::of_path(scene, ray, hit, wavelengths, TransportMode::Radiance)
+    }
+
+    /// What a ray from a light met.
+    #[inline(always)]
+    pub fn of_light_path(scene: &Scene, ray: &Ray, hit: &Hit, wavelengths: C::Wavelengths) -> Self {
+        Self::of_path(scene, ray, hit, wavelengths, TransportMode::Importance)
+    }
+
+    #[inline(always)]
+    fn of_path(scene: &Scene, ray: &Ray, hit: &Hit, wavelengths: C::Wavelengths, mode: TransportMode) -> Self {
+        // Field by field: a copy as a whole would be read in larger pieces than it was just written in, for which the processor
+        // waits.
+        let SurfaceInteraction { point, ng, mut ns, surface, material, emitter } = scene.interaction(ray, hit);
+        let wo_scene = -ray.direction;
+        // An interpolated normal may look away from a viewer who does see the face: shade flat there.
+        if ns.dot(wo_scene) * ng.dot(wo_scene) <= 0.0 {
+            ns = ng;
+        }
+        let frame = Frame::from_normal(ns);
+        let wo = frame.to_local(wo_scene);
+        let surface = SurfaceInteraction { point, ng, ns, surface, material, emitter };
+        let material = scene.material(material);
+        let bsdf = material.at::<C>(&surface, &wavelengths);
+        Self { bsdf, survival: material.survival, mode, wavelengths, frame, wo, wo_scene, surface }
+    }
+
+    /// A point of a surface as if it scattered like this, looked at along its shading normal from the side of it (`front`) or
+    /// the other.
+    #[inline]
+    pub fn seen_along_normal(surface: SurfaceInteraction, bsdf: Bsdf<C>, front: bool) -> Self {
+        let side = if front { 1.0 } else { -1.0 };
+        Self {
+            bsdf,
+            survival: None,
+            mode: TransportMode::Radiance,
+            wavelengths: C::Wavelengths::default(),
+            frame: Frame::from_normal(surface.ns),
+            wo: Vec3::new(0.0, 0.0, side),
+            wo_scene: side * surface.ns,
+            surface,
+        }
+    }
+
+    /// Back along the path, scene frame.
+    #[inline]
+    pub fn wo_scene(&self) -> Vec3 {
+        self.wo_scene
+    }
+
+    /// A direction of the scene in the local frame.
+    #[inline]
+    pub fn to_local(&self, v: Vec3) -> Vec3 {
+        self.frame.to_local(v)
+    }
+
+    /// As lights see it: light counts on the side from which the surface is looked at, and on both sides where a lobe with a
+    /// density transmits.
+    #[inline]
+    pub fn receiver(&self) -> Receiver {
+        let p = self.surface.point.p;
+        if self.bsdf.lobes().have_smooth_transmission() { p.into() } else { Receiver::facing(p, self.facing_shading()) }
+    }
+
+    /// The geometric normal on the side that the ray came from.
+    #[inline]
+    pub fn facing(&self) -> Vec3 {
+        if self.surface.ng.dot(self.wo_scene) < 0.0 { -self.surface.ng } else { self.surface.ng }
+    }
+
+    /// The shading normal on the side that the ray came from.
+    #[inline]
+    pub fn facing_shading(&self) -> Vec3 {
+        if self.wo.z < 0.0 { -self.surface.ns } else { self.surface.ns }
+    }
+
+    /// What the weight of a bounce into `wi` (scene frame) is to be multiplied with where power travels and not radiance:
+    /// 1 but where shading normals are interpolated. Veach 1997, Eq. 5.19.
+    #[inline]
+    pub fn shading_adjoint(&self, wi: Vec3) -> f32 {
+        let (ng, ns) = (self.surface.ng, self.surface.ns);
+        if ng == ns {
+            return 1.0;
+        }
+        let wo = self.wo_scene;
+        let ratio = (wo.dot(ns) * wi.dot(ng) / (wo.dot(ng) * wi.dot(ns))).abs();
+        if ratio.is_finite() { ratio } else { 0.0 }
+    }
+
+    /// What the auxiliary layers want to know.
+    pub fn first_hit(&self) -> FirstHit {
+        let normal = if self.wo.z < 0.0 { -self.surface.ns } else { self.surface.ns };
+        FirstHit { albedo: self.bsdf.albedo().to_rgb(&self.wavelengths), normal, p: self.surface.point.p }
+    }
+
+    /// Radiance emitted back along the path, with the weight of having come here by chance rather than by a light sample.
+    ///
+    /// `previous`: the receiver and density [sr^-1] of the bounce that led here, `None` when no light sample could have.
+    /// `light_samples`: how many were taken there.
+    #[inline]
+    pub fn emitted(&self, scene: &Scene, previous: PreviousBounce, light_samples: u32) -> C {
+        let Some(emitter) = self.surface.emitter else { return C::ZERO };
+        let le = scene.emitters().le(emitter, self.surface.ng, self.wo_scene);
+        let le = C::from_emission(le, &self.wavelengths);
+        match previous {
+            Some((receiver, pdf)) if le != C::ZERO => {
+                let light_pdf = scene.emitters().pdf(emitter, receiver, self.surface.point.p);
+                le * power_heuristic(pdf, light_samples as f32 * light_pdf)
+            }
+            _ => le,
+        }
+    }
+
+    /// One sample of the light that comes straight from an emitter and is scattered back along the path.
+    ///
+    /// One of `light_samples`, as [`Vertex::light_sample`] says. `only_light_samples`: no Bsdf sample will look for lights, so
+    /// that this sample has all the weight.
+    #[inline(always)]
+    pub fn sample_light<S: Sampler, T: Tracer>(
+        &self,
+        context: &mut Context<'_, S, T, C>,
+        light_samples: u32,
+        only_light_samples: bool,
+    ) -> C {
+        let u = context.sampler.next_4d();
+        match self.light_sample(context.scene, u, light_samples, only_light_samples) {
+            Some((shadow, light)) if context.tracer.unoccluded(&shadow) => light,
+            _ => C::ZERO,
+        }
+    }
+
+    /// A shadow ray towards an emitter, and what is scattered back along the path if nothing is in its way; `None` where that
+    /// is nothing.
+    ///
+    /// Weighted against a Bsdf sample in the same direction by the power heuristic (Veach 1997, Sec. 9.2.4), this being
+    /// one of `light_samples`. Glass blocks: light through it comes as a path that is refracted, and never twice.
+    #[inline(always)]
+    pub fn light_sample(
+        &self,
+        scene: &Scene,
+        u: [f32; 4],
+        light_samples: u32,
+        only_light_samples: bool,
+    ) -> Option<(Ray, C)> {
+        let point = &self.surface.point;
+        let light = scene.emitters().sample(self.receiver(), u)?;
+        let wi = self.frame.to_local(light.wi);
+        if !self.is_consistent(light.wi, wi) {
+            return None;
+        }
+        let (f, bsdf_pdf) = self.bsdf.f_pdf(self.wo, wi, self.mode);
+        if f == C::ZERO {
+            return None;
+        }
+        let weight = if light.is_delta || only_light_samples {
+            1.0
+        } else {
+            power_heuristic(light_samples as f32 * light.pdf, bsdf_pdf)
+        };
+        let origin = point.offset(self.side(light.wi));
+        // The target is off the light, by more the farther it is: the light is no obstacle itself.
+        let shadow = Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: 1.0 };
+        Some((
+            shadow,
+            f * C::from_emission(light.radiance, &self.wavelengths)
+                * (wi.z.abs() * weight / (light.pdf * light_samples as f32)),
+        ))
+    }
+
+    /// Samples the next direction of the path; `None` when it ends in absorption.
+    #[inline(always)]
+    pub fn sample_bounce(&self, u: [f32; 4]) -> Option<Bounce<C>> {
+        let sample = self.bsdf.sample(self.wo, [u[0], u[1], u[2]], self.mode)?;
+        let wi = self.frame.to_world(sample.wi);
+        if !self.is_consistent(wi, sample.wi) {
+            return None;
+        }
+        let is_specular = sample.is_specular();
+        let pdf = (!is_specular).then_some(sample.pdf);
+        // Along a specular path the error of the frames would be multiplied; a diffuse direction is fresh.
+        let wi = if is_specular { wi.normalize() } else { wi };
+        Some(Bounce { ray: self.leave(wi), weight: sample.weight, pdf, eta: sample.eta })
+    }
+
+    /// The ray that leaves into the local direction `wi`, unless an interpolated normal sends it through the face.
+    #[inline]
+    pub fn leave_local(&self, wi: Vec3) -> Option<Ray> {
+        let scene_wi = self.frame.to_world(wi);
+        self.is_consistent(scene_wi, wi).then(|| self.leave(scene_wi.normalize()))
+    }
+
+    /// Whether light samples can find light that is scattered here.
+    #[inline(always)]
+    pub fn finds_light_samples(&self) -> bool {
+        self.bsdf.lobes().are_sampled_by_lights()
+    }
+
+    /// The scattering function for light from the local direction `wi` (sr^-1).
+    #[inline]
+    pub fn f(&self, wi: Vec3) -> C {
+        self.bsdf.f(self.wo, wi, self.mode)
+    }
+
+    /// The delta lobes for what travels along this path.
+    #[inline]
+    pub fn specular_lobes(&self) -> SpecularLobes<C> {
+        self.bsdf.specular_lobes(self.wo, self.mode)
+    }
+
+    /// The ray that leaves into the unit direction `wi` of the scene, and f |cos| along the path for light from there; `None`
+    /// where no light from there is sent back.
+    #[inline]
+    pub fn leave_towards(&self, wi: Vec3) -> Option<(Ray, C)> {
+        let local = self.frame.to_local(wi);
+        if !self.is_consistent(wi, local) {
+            return None;
+        }
+        let f = self.bsdf.f(self.wo, local, self.mode);
+        (f != C::ZERO).then(|| (self.leave(wi.normalize()), f * local.z.abs()))
+    }
+
+    #[inline]
+    fn leave(&self, wi: Vec3) -> Ray {
+        Ray::new(self.surface.point.offset(self.side(wi)), wi)
+    }
+
+    /// The geometric normal on the side that `wi` leaves to.
+    #[inline]
+    fn side(&self, wi: Vec3) -> Vec3 {
+        if wi.dot(self.surface.ng) < 0.0 { -self.surface.ng } else { self.surface.ng }
+    }
+
+    /// Whether a direction is on the same side of the face as of the shading normal: light must not leak through a face
+    /// whose normals are interpolated (Veach 1997, Sec. 5.3.2).
+    #[inline]
+    fn is_consistent(&self, wi: Vec3, local: Vec3) -> bool {
+        wi.dot(self.surface.ng) * local.z > 0.0
+    }
+}

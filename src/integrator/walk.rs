@@ -1,0 +1,253 @@
+//! The path loop: vertex by vertex, with light samples, Bsdf samples and Russian roulette.
+//!
+//! Path tracing, local illumination, light maps and the eye paths of all photon methods take their steps here.
+//!
+//! Source: Arvo and Kirk 1990, "Particle Transport and Image Synthesis" (roulette).
+
+use super::vertex::{Bounce, PreviousBounce, Vertex, escaped};
+use super::{Context, FirstHit, Tracer};
+use crate::math::Ray;
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+use crate::spectrum::Spectrum;
+
+/// From this bounce on no path survives with certainty, so that it ends even among perfect mirrors. Light guides and mirrors
+/// that face each other show a thousand reflections without noise.
+const CERTAIN_BOUNCES: u32 = 1024;
+
+/// From this bounce on a scene's own survival probabilities give way to what the path carries.
+const OWN_SURVIVAL_BOUNCES: u32 = 64;
+
+/// A path that still carries this share of what it had after its first hit survives with certainty. Time to equal error in
+/// the report's room is the same with 1/2 and with 1.
+const CERTAIN_FRACTION: f32 = 0.5;
+
+/// Where a path ends, and how many light samples it takes.
+#[derive(Clone, Copy)]
+pub(super) struct Limits {
+    /// Greatest number of hits.
+    pub max_depth: u32,
+    /// Light samples at a hit, >= 1.
+    pub shadow_rays: u32,
+    /// Whether a specular surface at the last allowed hit still shows the lights it reflects or refracts.
+    pub mirrors_see_lights: bool,
+    /// The bounce that the first ray comes from.
+    pub previous: PreviousBounce,
+}
+
+impl Limits {
+    /// Chance alone ends paths.
+    #[inline(always)]
+    pub fn new(shadow_rays: u32) -> Self {
+        Self { max_depth: u32::MAX, shadow_rays, mirrors_see_lights: false, previous: None }
+    }
+}
+
+/// A path on its way.
+#[derive(Clone, Copy)]
+pub(super) struct Walk<C: Spectrum> {
+    /// What it has brought so far.
+    pub radiance: C,
+    pub throughput: C,
+    /// The last bounce, where a light sample could have made it as well.
+    pub previous: PreviousBounce,
+    /// Undoes the radiance scaling of refraction for the roulette: a path inside glass is not worth less.
+    eta2: f32,
+    /// What a path has to carry to survive with certainty: a fraction of what was left after the first hit, so that indirect
+    /// light on a dark wall is as clean, against its own brightness, as on a white one.
+    roulette_reference: f32,
+    /// Hits so far, the one under way included.
+    pub depth: u32,
+}
+
+impl<C: Spectrum> Walk<C> {
+    /// Before the first hit.
+    #[inline]
+    pub fn new(previous: PreviousBounce) -> Self {
+        Self { radiance: C::ZERO, throughput: C::ONE, previous, eta2: 1.0, roulette_reference: 1.0, depth: 0 }
+    }
+
+    /// One of so many paths that go on from here together, which has brought nothing yet.
+    #[inline]
+    pub fn split(&self, paths: u32) -> Self {
+        let mut walk = *self;
+        walk.radiance = C::ZERO;
+        walk.throughput /= paths as f32;
+        walk.roulette_reference /= paths as f32;
+        walk
+    }
+
+    /// The same path with this radiance.
+    #[inline]
+    pub fn having_brought(self, radiance: C) -> Self {
+        Self { radiance, ..self }
+    }
+
+    /// A path beside this one that goes on with this weight into a direction which no light sample could have chosen.
+    #[inline]
+    pub fn branch(&self, weight: C) -> Self {
+        let mut walk = Self { radiance: C::ZERO, throughput: self.throughput * weight, previous: None, ..*self };
+        walk.roulette_reference = CERTAIN_FRACTION * walk.carried();
+        walk
+    }
+
+    /// What the path carries, without the radiance scaling of refraction.
+    #[inline(always)]
+    fn carried(&self) -> f32 {
+        self.throughput.max_element() * self.eta2
+    }
+
+    /// The ray of this path meets nothing.
+    #[inline(always)]
+    pub fn escape(&mut self, scene: &Scene, ray: &Ray, limits: &Limits, wavelengths: &C::Wavelengths) {
+        if scene.emitters().has_infinite() {
+            self.radiance += self.throughput * escaped::<C>(scene, ray, self.previous, limits.shadow_rays, wavelengths);
+        }
+    }
+
+    /// What happens at the path's next vertex: the ray that it goes on with, if it does.
+    ///
+    /// `light` is given shadow rays, each with the radiance that it adds if nothing is in its way, to be added to the path's in
+    /// this order and before the next hit.
+    #[inline(always)]
+    pub fn meet<S: Sampler>(
+        &mut self,
+        scene: &Scene,
+        vertex: &Vertex<C>,
+        sampler: &mut S,
+        limits: &Limits,
+        first: &mut impl FnMut(FirstHit),
+        mut light: impl FnMut(&mut C, Ray, C),
+    ) -> Option<Ray> {
+        self.depth += 1;
+        if self.depth == 1 {
+            first(vertex.first_hit());
+        }
+
+        // Light that the surface itself sends.
+        let shadow_rays = limits.shadow_rays;
+        self.radiance += self.throughput * vertex.emitted(scene, self.previous, shadow_rays);
+        if self.depth > limits.max_depth || vertex.bsdf.is_black() {
+            return None;
+        }
+
+        // Light that reaches it straight from an emitter.
+        if vertex.finds_light_samples() && !scene.emitters().is_dark() {
+            for _ in 0..shadow_rays {
+                if let Some((shadow, sent)) = vertex.light_sample(scene, sampler.next_4d(), shadow_rays, false) {
+                    light(&mut self.radiance, shadow, self.throughput * sent);
+                }
+            }
+        }
+        self.bounce(vertex, sampler, limits).map(|bounce| bounce.ray)
+    }
+
+    /// Chooses the next direction, and by Russian roulette whether the path goes on; `None` where it ends.
+    #[inline(always)]
+    pub fn bounce<S: Sampler>(&mut self, vertex: &Vertex<C>, sampler: &mut S, limits: &Limits) -> Option<Bounce<C>> {
+        let u = sampler.next_4d();
+        let bounce = vertex.sample_bounce(u)?;
+        let depth = self.depth;
+        if depth == limits.max_depth && bounce.pdf.is_none() && !limits.mirrors_see_lights {
+            return None;
+        }
+        self.throughput *= bounce.weight;
+        self.eta2 *= bounce.eta * bounce.eta;
+        self.previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
+
+        // Roulette: by the scene's own probability at the surface, or by what the path still carries. The ray after the
+        // last allowed hit only looks for a light.
+        if depth < limits.max_depth {
+            let carried = self.carried();
+            if carried <= 0.0 {
+                return None;
+            }
+            if depth == 1 {
+                self.roulette_reference = CERTAIN_FRACTION * carried;
+            }
+            let fraction = match vertex.survival {
+                Some(survival) if bounce.pdf.is_some() && depth < OWN_SURVIVAL_BOUNCES => survival,
+                _ => carried / self.roulette_reference,
+            };
+            let survival = roulette(fraction, depth);
+            if survival < 1.0 {
+                if u[3] >= survival {
+                    return None;
+                }
+                self.throughput /= survival;
+            }
+        }
+        Some(bounce)
+    }
+}
+
+/// One path, from the first ray to the end.
+#[inline]
+pub(super) fn trace<C: Spectrum, S: Sampler, T: Tracer>(
+    ray: Ray,
+    context: &mut Context<'_, S, T, C>,
+    first: &mut impl FnMut(FirstHit),
+    limits: &Limits,
+) -> C {
+    let mut walk = Walk::new(limits.previous);
+    let mut next = Some(ray);
+    while let Some(ray) = next {
+        let Some(hit) = context.tracer.intersect(&ray) else {
+            walk.escape(context.scene, &ray, limits, &context.wavelengths);
+            break;
+        };
+        let vertex = Vertex::new(context.scene, &ray, &hit, context.wavelengths);
+        next = step(&mut walk, &vertex, context, first, limits);
+    }
+    walk.radiance
+}
+
+/// Light from the emitters that is scattered once at a vertex, by light samples and one Bsdf sample together: a path of one
+/// bounce, without what the vertex itself emits.
+#[inline]
+pub(super) fn direct_light<C: Spectrum, S: Sampler, T: Tracer>(
+    vertex: &Vertex<C>,
+    context: &mut Context<'_, S, T, C>,
+    shadow_rays: u32,
+) -> C {
+    if context.scene.emitters().is_dark() {
+        return C::ZERO;
+    }
+    let mut radiance = C::ZERO;
+    for _ in 0..shadow_rays {
+        radiance += vertex.sample_light(context, shadow_rays, false);
+    }
+    if let Some(bounce) = vertex.sample_bounce(context.sampler.next_4d()) {
+        let previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
+        let limits = Limits { max_depth: 0, previous, ..Limits::new(shadow_rays) };
+        radiance += bounce.weight * trace(bounce.ray, context, &mut |_| {}, &limits);
+    }
+    radiance
+}
+
+#[inline(always)]
+fn step<C: Spectrum, S: Sampler, T: Tracer>(
+    walk: &mut Walk<C>,
+    vertex: &Vertex<C>,
+    context: &mut Context<'_, S, T, C>,
+    first: &mut impl FnMut(FirstHit),
+    limits: &Limits,
+) -> Option<Ray> {
+    let Context { scene, sampler, tracer, .. } = context;
+    walk.meet(scene, vertex, *sampler, limits, first, |radiance, shadow, sent| {
+        if tracer.unoccluded(&shadow) {
+            *radiance += sent;
+        }
+    })
+}
+
+/// Survival probability of a path that carries this fraction of its reference, after `depth` hits.
+///
+/// What loses nothing reaches hit n with probability (N / n)^2 beyond N = [`CERTAIN_BOUNCES`], so that it ends after 2 N hits
+/// on the average. A constant probability q instead would make weights grow faster than an albedo above sqrt(q) makes
+/// paths fade, and the variance infinite: at an albedo of 0.999, with any q below 0.998.
+#[inline]
+pub(super) fn roulette(fraction: f32, depth: u32) -> f32 {
+    let most = if depth < CERTAIN_BOUNCES { 1.0 } else { 1.0 - 2.0 / depth as f32 };
+    fraction.min(most)
+}

@@ -1,0 +1,149 @@
+//! What light transport carries along a path.
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Sub};
+
+use super::Rgb;
+use crate::math::DVec3;
+
+/// A radiance, a path weight or a photon's power in a fixed number of channels.
+///
+/// Integrators are written once over this trait. For [`Rgb`] all conversions are the identity and cost nothing. A type of
+/// four sampled wavelengths says with [`Spectrum::Wavelengths`] which ones a path carries and with which densities they were
+/// drawn; all channels of a path share its random decisions.
+pub trait Spectrum:
+    Copy
+    + Debug
+    + Default
+    + PartialEq
+    + Send
+    + Sync
+    + Add<Output = Self>
+    + AddAssign
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + MulAssign
+    + Mul<f32, Output = Self>
+    + MulAssign<f32>
+    + Div<f32, Output = Self>
+    + DivAssign<f32>
+    + 'static
+{
+    /// What the channels of one path stand for: nothing for RGB, wavelengths and their densities for a sampled spectrum.
+    type Wavelengths: Copy + Debug + Default + Send + Sync + 'static;
+
+    /// A value as photons store it, without alignment.
+    type Packed: Copy + Debug + Default + PartialEq + Send + Sync + 'static;
+
+    /// A value in double precision, for sums of many.
+    type Wide: Copy + Debug + Default + Add<Output = Self::Wide> + AddAssign + Send + Sync + 'static;
+
+    /// 0 in every channel.
+    const ZERO: Self;
+    /// 1 in every channel.
+    const ONE: Self;
+
+    /// The same value in every channel.
+    fn splat(value: f32) -> Self;
+
+    /// The largest channel.
+    fn max_element(self) -> f32;
+
+    /// Whether no channel is infinite or NaN.
+    fn is_finite(self) -> bool;
+
+    /// Chooses the wavelengths of a path. `u` gives a number uniform in [0, 1); RGB does not ask for one.
+    fn sample_wavelengths(u: impl FnOnce() -> f32) -> Self::Wavelengths;
+
+    /// A reflectance in [0, 1] that has this colour.
+    fn from_reflectance(color: Rgb, wavelengths: &Self::Wavelengths) -> Self;
+
+    /// An emitted quantity of this colour: a radiance, an intensity or a power.
+    fn from_emission(color: Rgb, wavelengths: &Self::Wavelengths) -> Self;
+
+    /// An estimate of the colour that a sensor gets, which divides by the densities of the wavelengths.
+    fn to_rgb(self, wavelengths: &Self::Wavelengths) -> Rgb;
+
+    /// As photons store it.
+    fn pack(self) -> Self::Packed;
+
+    /// What [`Spectrum::pack`] stored.
+    fn unpack(packed: Self::Packed) -> Self;
+
+    /// In double precision.
+    fn widen(self) -> Self::Wide;
+
+    /// Rounded from double precision.
+    fn narrow(wide: Self::Wide) -> Self;
+
+    /// Times a factor in double precision.
+    #[must_use]
+    fn scaled(self, factor: f64) -> Self;
+}
+
+impl Spectrum for Rgb {
+    type Wavelengths = ();
+    type Packed = [f32; 3];
+    type Wide = DVec3;
+
+    const ZERO: Self = Self::ZERO;
+    const ONE: Self = Self::ONE;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self::splat(value)
+    }
+
+    #[inline(always)]
+    fn max_element(self) -> f32 {
+        self.max_element()
+    }
+
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        self.is_finite()
+    }
+
+    #[inline(always)]
+    fn sample_wavelengths(_u: impl FnOnce() -> f32) {}
+
+    #[inline(always)]
+    fn from_reflectance(color: Rgb, (): &()) -> Self {
+        color
+    }
+
+    #[inline(always)]
+    fn from_emission(color: Rgb, (): &()) -> Self {
+        color
+    }
+
+    #[inline(always)]
+    fn to_rgb(self, (): &()) -> Rgb {
+        self
+    }
+
+    #[inline(always)]
+    fn pack(self) -> [f32; 3] {
+        self.to_array()
+    }
+
+    #[inline(always)]
+    fn unpack(packed: [f32; 3]) -> Self {
+        Self::from_array(packed)
+    }
+
+    #[inline(always)]
+    fn widen(self) -> DVec3 {
+        self.to_f64()
+    }
+
+    #[inline(always)]
+    fn narrow(wide: DVec3) -> Self {
+        Self::from_f64(wide)
+    }
+
+    #[inline(always)]
+    fn scaled(self, factor: f64) -> Self {
+        Self::from_f64(self.to_f64() * factor)
+    }
+}
