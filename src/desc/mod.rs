@@ -64,7 +64,6 @@ pub use photon::{
     CacheDesc, CacheSource, KernelDesc, MAX_GATHER_RAYS, MAX_NEIGHBOURS, MAX_PHOTON_MEMORY, MAX_PHOTONS, PhotonDesc,
     PhotonSharing, RADII,
 };
-pub(crate) use photon_keys::{check_cache, check_photons};
 pub(crate) use radiosity::check_radiosity;
 pub use radiosity::{MAX_RADIOSITY_ITERATIONS, MAX_RADIOSITY_MEMORY, RadiosityDesc, RadiositySolver};
 pub use read::{apply_params, apply_render, load, load_params, parse};

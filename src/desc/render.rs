@@ -231,17 +231,26 @@ impl RenderDesc {
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] at `render.resolution`, `render.samples`, `render.filter.sigma` and so on.
     pub fn check(&self) -> Result<()> {
+        self.check_at("render")
+    }
+
+    /// The same; `path` is where the settings stand, for errors.
+    ///
+    /// This is the one check of a whole `RenderDesc`: [`crate::render::Render::new`], photon plans and the C interface call
+    /// it. The reader of files calls the functions that it is made of, key by key.
+    pub(crate) fn check_at(&self, path: &str) -> Result<()> {
+        let at = |key: &str| join(path, key);
         let whole = |value: u32| Whole(u64::from(value));
-        validate::resolution("render.resolution", self.resolution.map(whole))?;
-        validate::whole("render.samples", whole(self.samples), 1, SAMPLE_LIMIT)?;
-        filter::check("render.filter", self.filter)?;
+        validate::resolution(&at("resolution"), self.resolution.map(whole))?;
+        validate::whole(&at("samples"), whole(self.samples), 1, SAMPLE_LIMIT)?;
+        filter::check(&at("filter"), self.filter)?;
         if let Some(depth) = self.max_depth {
-            max_depth("render.maxDepth", whole(depth))?;
+            max_depth(&at("maxDepth"), whole(depth))?;
         }
-        shadow_rays("render.shadowRays", whole(self.shadow_rays))?;
-        photon_keys::check_photons("render", &self.photons)?;
-        photon_keys::check_cache("render", &self.cache)?;
-        radiosity::check_radiosity("render", &self.radiosity)
+        shadow_rays(&at("shadowRays"), whole(self.shadow_rays))?;
+        photon_keys::check_photons(path, &self.photons)?;
+        photon_keys::check_cache(path, &self.cache)?;
+        radiosity::check_radiosity(path, &self.radiosity)
     }
 }
 

@@ -27,7 +27,7 @@ use std::time::{Duration, Instant};
 
 use crate::Cancel;
 use crate::camera::Camera;
-use crate::desc::{FilterDesc, IntegratorDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc};
+use crate::desc::{FilterDesc, IntegratorDesc, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, SampleCounts, TILE};
 use crate::integrator::photon::{Choice, Gather, Plan, choose};
@@ -220,26 +220,12 @@ impl Render {
 
     fn with_method(scene: &Scene, settings: RenderSettings, method: Option<Method>) -> Result<Self> {
         let desc = &settings.desc;
-        let [width, height] = desc.resolution;
-        let pixels = u64::from(width) * u64::from(height);
-        if pixels == 0 || pixels > MAX_PIXELS {
-            return Err(Error::invalid(
-                "render.resolution",
-                format!("{width} x {height} pixels; an image has between 1 and {MAX_PIXELS}"),
-            ));
-        }
-        if desc.samples == 0 || desc.max_depth == Some(0) {
-            return Err(Error::invalid("render", "samples and maxDepth must be at least 1"));
-        }
-        if !(1..=MAX_SHADOW_RAYS).contains(&desc.shadow_rays) {
-            let message = format!("{} light samples per hit; expected 1 to {MAX_SHADOW_RAYS}", desc.shadow_rays);
-            return Err(Error::invalid("render.shadowRays", message));
-        }
+        // A host may have set numbers that no file could.
+        desc.check()?;
         if settings.target_error.is_some_and(|target| !(target > 0.0 && target.is_finite())) {
             let message = format!("{:?}; expected a finite number above 0", settings.target_error.unwrap_or_default());
             return Err(Error::invalid("targetError", message));
         }
-        check_filter(&desc.filter)?;
         // Irradiance is nothing that a camera sees, and its film no image.
         let seen = if method.is_some() { [1, 1] } else { desc.resolution };
         let camera = Camera::new(scene.camera(), seen, scene.centre())?;
@@ -267,6 +253,7 @@ impl Render {
             weighted: matches!(filter_desc, FilterDesc::Mitchell { .. }),
             gathering: plan.as_ref().is_some_and(Plan::remembers),
         })?;
+        let pixels = desc.resolution.map(u64::from).into_iter().product::<u64>();
         let adaptive = match (settings.adaptive.unwrap_or(settings.target_error.is_some()), desc.sampler) {
             (false, _) => Ok(false),
             (true, _) if pass_samples.is_some() => Err("the photon maps of a pass are for all pixels"),
@@ -563,16 +550,4 @@ pub(crate) fn with_crew<R>(
     let deadline = settings.time_limit.and_then(|limit| Instant::now().checked_add(limit));
     let mut look_up = |share| look_up(share).is_break();
     work(&mut Crew::new(&workers, &settings.cancel, deadline, &mut look_up))
-}
-
-/// Parameters within which a filter is one.
-fn check_filter(filter: &FilterDesc) -> Result<()> {
-    let (ok, expected) = match *filter {
-        FilterDesc::Gaussian { sigma } => (sigma > 0.0 && sigma <= 16.0, "a sigma above 0 and up to 16 pixels"),
-        FilterDesc::Mitchell { b, c } => {
-            ((0.0..=1.0).contains(&b) && (0.0..=1.0).contains(&c), "b and c between 0 and 1")
-        }
-        FilterDesc::Box | FilterDesc::Tent | FilterDesc::BlackmanHarris => (true, ""),
-    };
-    if ok { Ok(()) } else { Err(Error::invalid("render.filter", format!("{filter:?}; expected {expected}"))) }
 }

@@ -14,7 +14,7 @@ use super::trace::PHOTONS_A_PATH;
 use super::{MapKind, Nearest, Photon, PhotonJob, PhotonMap, Tally, shoot};
 use crate::camera::Camera;
 use crate::control::{Cancel, Parallel};
-use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, RenderDesc, check_cache, check_photons};
+use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, RenderDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
@@ -85,31 +85,22 @@ impl Plan {
     pub fn new(scene: &Scene, camera: &Camera, desc: &Arc<RenderDesc>, method: IntegratorDesc) -> Result<Self> {
         let photons = &desc.photons;
         // A host may have set numbers that no file could.
-        check_photons("render", photons)?;
-        check_cache("render", &desc.cache)?;
+        desc.check()?;
         let pixel = pixel_size(scene, camera, desc.resolution);
-        let radius = |path: &str, given: Option<f64>, otherwise: f32| match given {
-            None => Ok(otherwise),
-            Some(radius) if (radius as f32) >= f32::MIN_POSITIVE.sqrt() && (radius as f32) < f32::MAX.sqrt() => {
-                Ok(radius as f32)
-            }
-            Some(radius) => {
-                Err(Error::invalid(path, format!("{radius} is not a radius whose square single precision holds")))
-            }
-        };
         let otherwise = match method {
             IntegratorDesc::PhotonDirect => REPORT_RADIUS,
             _ => INDIRECT_PIXELS * pixel,
         };
-        let wide = radius("render.photonRadius", photons.radius, otherwise)?;
-        let caustic = radius("render.causticRadius", photons.caustic_radius, CAUSTIC_PIXELS * pixel)?;
+        // Squares of radii fit single precision, by the limits of `desc::RADII`.
+        let radius = |given: Option<f64>, otherwise: f32| given.map_or(otherwise, |radius| radius as f32);
+        let caustic_radius = radius(photons.caustic_radius, CAUSTIC_PIXELS * pixel);
         Ok(Self {
             scene: scene.clone(),
             camera: *camera,
             desc: Arc::clone(desc),
             method,
-            caustic_radius: caustic,
-            radius: wide,
+            caustic_radius,
+            radius: radius(photons.radius, otherwise),
             coverage: DiskCoverage::default(),
             unlearnt: Vec::new(),
             made: None,
