@@ -167,19 +167,9 @@ pub(super) fn render(it: &etd_render_options, resolution: [u32; 2]) -> Result<Re
             4 => FilterDesc::Mitchell { b: a, c: b },
             other => return unknown("options.filter", other, 4),
         },
-        integrator: match it.integrator {
-            0 => IntegratorDesc::Path,
-            1 => IntegratorDesc::Whitted,
-            2 => IntegratorDesc::Direct,
-            3 => IntegratorDesc::PhotonDirect,
-            4 => IntegratorDesc::Caustic,
-            5 => IntegratorDesc::Photon,
-            6 => IntegratorDesc::IrradianceCache,
-            7 => IntegratorDesc::Ppm,
-            8 => IntegratorDesc::Sppm,
-            9 => IntegratorDesc::Auto,
-            10 => IntegratorDesc::Radiosity,
-            other => return unknown("options.integrator", other, 10),
+        integrator: match IntegratorDesc::from_c_value(it.integrator) {
+            Some(integrator) => integrator,
+            None => return unknown("options.integrator", it.integrator, IntegratorDesc::ALL.len() as u32 - 1),
         },
         max_depth: (it.max_depth != 0).then_some(it.max_depth),
         shadow_rays: it.shadow_rays.max(1),
@@ -333,19 +323,7 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
     };
     etd_render_options {
         struct_size: size_of::<etd_render_options>(),
-        integrator: match desc.integrator {
-            IntegratorDesc::Path => 0,
-            IntegratorDesc::Whitted => 1,
-            IntegratorDesc::Direct => 2,
-            IntegratorDesc::PhotonDirect => 3,
-            IntegratorDesc::Caustic => 4,
-            IntegratorDesc::Photon => 5,
-            IntegratorDesc::IrradianceCache => 6,
-            IntegratorDesc::Ppm => 7,
-            IntegratorDesc::Sppm => 8,
-            IntegratorDesc::Auto => 9,
-            IntegratorDesc::Radiosity => 10,
-        },
+        integrator: desc.integrator.c_value(),
         sampler: match desc.sampler {
             SamplerDesc::Sobol => 0,
             SamplerDesc::Random => 1,

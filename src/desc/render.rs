@@ -139,7 +139,14 @@ enum Sampler {
 #[cfg(feature = "schema")]
 #[expect(dead_code, reason = "only the schema of these types is used")]
 mod schema {
-    #[derive(schemars::JsonSchema)]
+    use std::borrow::Cow;
+
+    use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+    use serde_json::json;
+
+    use crate::desc::IntegratorDesc;
+
+    #[derive(JsonSchema)]
     #[schemars(untagged)]
     pub enum Integrator {
         /// Its name.
@@ -148,38 +155,28 @@ mod schema {
         Block(IntegratorBlock),
     }
 
-    #[derive(schemars::JsonSchema)]
+    #[derive(JsonSchema)]
     #[schemars(deny_unknown_fields)]
     pub struct IntegratorBlock {
         /// Its name.
         r#type: IntegratorName,
     }
 
-    #[derive(schemars::JsonSchema)]
-    #[schemars(rename_all = "snake_case")]
-    pub enum IntegratorName {
-        /// Path tracing: everything.
-        Path,
-        /// Direct light, perfect mirrors and glass.
-        Whitted,
-        /// Emission and light scattered once.
-        Direct,
-        /// The report's photon map: direct light from photons, where no shadow photon is among them.
-        PhotonDirect,
-        /// Path tracing, with caustics from a photon map.
-        Caustic,
-        /// A global and a caustic photon map, with final gathering.
-        Photon,
-        /// Indirect diffuse light interpolated between final gathers.
-        IrradianceCache,
-        /// The diffuse scene solved as a whole, for every view of it.
-        Radiosity,
-        /// Progressive photon mapping: a new map every pass, with one shrinking radius.
-        Ppm,
-        /// Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel.
-        Sppm,
-        /// `path`, `caustic` or `sppm`, by what the scene holds.
-        Auto,
+    /// One of the names in the table of integrators.
+    pub struct IntegratorName;
+
+    impl JsonSchema for IntegratorName {
+        fn schema_name() -> Cow<'static, str> {
+            "IntegratorName".into()
+        }
+
+        fn json_schema(_: &mut SchemaGenerator) -> Schema {
+            let names = IntegratorDesc::ALL.map(|integrator| {
+                let info = integrator.info();
+                json!({"description": info.description, "type": "string", "const": info.name})
+            });
+            json_schema!({"oneOf": names})
+        }
     }
 }
 
@@ -270,5 +267,5 @@ fn integrator(raw: &RawValue, path: &str) -> Result<IntegratorDesc> {
     if block {
         json::object::<Plain>(raw, path)?;
     }
-    Ok(IntegratorDesc::ALL.into_iter().find(|integrator| integrator.name() == name).unwrap_or_default())
+    Ok(IntegratorDesc::from_name(&name).unwrap_or_default())
 }
