@@ -476,11 +476,11 @@ enum etd_integrator
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * Path tracing: everything.
+     * Path tracing: all light, by paths from the camera.
      */
     ETD_INTEGRATOR_PATH = 0,
     /**
-     * Whitted's: direct light, mirrors and glass.
+     * Direct light, perfect mirrors and glass; no diffuse interreflection.
      */
     ETD_INTEGRATOR_WHITTED = 1,
     /**
@@ -500,7 +500,7 @@ enum etd_integrator
      */
     ETD_INTEGRATOR_PHOTON = 5,
     /**
-     * Indirect diffuse light interpolated between final gathers.
+     * All light, with indirect diffuse light interpolated between final gathers.
      */
     ETD_INTEGRATOR_IRRADIANCE_CACHE = 6,
     /**
@@ -516,7 +516,7 @@ enum etd_integrator
      */
     ETD_INTEGRATOR_AUTO = 9,
     /**
-     * Radiosity: the diffuse scene solved as a whole, for every view of it.
+     * The diffuse scene solved as a whole, for every view of it.
      */
     ETD_INTEGRATOR_RADIOSITY = 10,
 };

@@ -1,8 +1,10 @@
 //! The command line's grammar.
 
 use std::path::PathBuf;
+use std::sync::LazyLock;
 use std::time::Duration;
 
+use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use etendue::bake::{MAX_GUTTER, MAX_SIDE};
 use etendue::desc::{
@@ -390,31 +392,20 @@ pub struct BenchArgs {
     pub quiet: bool,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-#[value(rename_all = "snake_case")]
-pub enum Integrator {
-    /// Emission and light scattered once.
-    Direct,
-    /// Direct light, perfect mirrors and glass.
-    Whitted,
-    /// Everything.
-    Path,
-    /// The report's photon map for direct light.
-    PhotonDirect,
-    /// Paths, with caustics from a photon map.
-    Caustic,
-    /// Global and caustic photon map, with final gathering.
-    Photon,
-    /// Indirect light interpolated between final gathers.
-    IrradianceCache,
-    /// The diffuse scene solved as a whole, for every view of it.
-    Radiosity,
-    /// Progressive photon mapping.
-    Ppm,
-    /// Stochastic progressive photon mapping.
-    Sppm,
-    /// Path, caustic or sppm, by what the scene holds.
-    Auto,
+/// An integrator, by the name and with the description that it has in the table of integrators.
+#[derive(Clone, Copy, Debug)]
+pub struct Integrator(pub IntegratorDesc);
+
+impl ValueEnum for Integrator {
+    fn value_variants<'a>() -> &'a [Self] {
+        static ALL: LazyLock<Vec<Integrator>> = LazyLock::new(|| IntegratorDesc::ALL.map(Integrator).to_vec());
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let info = self.0.info();
+        Some(PossibleValue::new(info.name).help(info.description.trim_end_matches('.')))
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -498,19 +489,7 @@ impl RenderArgs {
                 Sampler::Gaussian => SamplerDesc::Gaussian,
             }),
             filter: self.filter.unwrap_or(scene.filter),
-            integrator: self.integrator.map_or(scene.integrator, |integrator| match integrator {
-                Integrator::Direct => IntegratorDesc::Direct,
-                Integrator::Whitted => IntegratorDesc::Whitted,
-                Integrator::Path => IntegratorDesc::Path,
-                Integrator::PhotonDirect => IntegratorDesc::PhotonDirect,
-                Integrator::Caustic => IntegratorDesc::Caustic,
-                Integrator::Photon => IntegratorDesc::Photon,
-                Integrator::IrradianceCache => IntegratorDesc::IrradianceCache,
-                Integrator::Radiosity => IntegratorDesc::Radiosity,
-                Integrator::Ppm => IntegratorDesc::Ppm,
-                Integrator::Sppm => IntegratorDesc::Sppm,
-                Integrator::Auto => IntegratorDesc::Auto,
-            }),
+            integrator: self.integrator.map_or(scene.integrator, |Integrator(integrator)| integrator),
             max_depth: self.max_depth.map_or(scene.max_depth, |depth| depth.0),
             shadow_rays: self.shadow_rays.unwrap_or(scene.shadow_rays),
             photons: PhotonDesc {

@@ -10,6 +10,7 @@ use std::ptr::{null, null_mut};
 
 use arbitrary::Arbitrary;
 use etendue::capi::*;
+use etendue::desc::IntegratorDesc;
 use libfuzzer_sys::fuzz_target;
 
 #[derive(Arbitrary, Debug)]
@@ -67,6 +68,21 @@ fn sized<T>() -> T {
         let mut value: T = std::mem::zeroed();
         (&raw mut value).cast::<usize>().write(size_of::<T>());
         value
+    }
+}
+
+/// How many integrators there are; their values in C have no gap.
+const INTEGRATORS: u32 = IntegratorDesc::ALL.len() as u32;
+
+/// Options with which no integrator takes long to prepare.
+fn quick() -> etd_render_options {
+    etd_render_options {
+        photon_count: 1 << 10,
+        caustic_count: 1 << 10,
+        cache_rays: 16,
+        radiosity_error: 1000.0,
+        radiosity_memory: 1,
+        ..sized()
     }
 }
 
@@ -295,25 +311,25 @@ impl World {
                 }
                 Call::Render { integrator, sampler, filter, parameters, samples, depth, film } => {
                     let options = etd_render_options {
-                        integrator: u32::from(integrator % 4),
+                        integrator: u32::from(integrator) % (INTEGRATORS + 1),
                         sampler: u32::from(sampler % 6),
                         filter: u32::from(filter % 6),
                         filter_parameters: parameters,
                         samples: u32::from(samples % 4),
                         max_depth: u32::from(depth % 16) + 1,
-                        ..sized()
+                        ..quick()
                     };
                     let film = if film { self.film } else { null_mut() };
                     fine(etd_render(scene, film, &raw const options));
                 }
                 Call::Start { integrator, samples, time, error } => {
                     let options = etd_render_options {
-                        integrator: u32::from(integrator % 3),
+                        integrator: u32::from(integrator) % INTEGRATORS,
                         samples,
                         max_depth: 8,
                         time_limit: if time.is_finite() { time.clamp(-1.0, 0.01) } else { time },
                         target_error: error,
-                        ..sized()
+                        ..quick()
                     };
                     let mut task = null_mut();
                     if fine(etd_render_start(scene, self.film, &raw const options, &raw mut task)) == ETD_OK {

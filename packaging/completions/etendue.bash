@@ -184,7 +184,7 @@ _etendue() {
                     return 0
                     ;;
                 --integrators)
-                    COMPREPLY=($(compgen -W "direct whitted path photon_direct caustic photon irradiance_cache radiosity ppm sppm auto" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "path whitted direct photon_direct caustic photon irradiance_cache radiosity ppm sppm auto" -- "${cur}"))
                     return 0
                     ;;
                 --samplers)
@@ -496,7 +496,7 @@ _etendue() {
                     return 0
                     ;;
                 --integrator)
-                    COMPREPLY=($(compgen -W "direct whitted path photon_direct caustic photon irradiance_cache radiosity ppm sppm auto" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "path whitted direct photon_direct caustic photon irradiance_cache radiosity ppm sppm auto" -- "${cur}"))
                     return 0
                     ;;
                 --filter)

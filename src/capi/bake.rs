@@ -525,7 +525,8 @@ impl<'a> Job<'a> {
             unsafe { read_sized(out_summary.cast_const(), "out_summary") }?;
         }
         let reporter = Reporter::new(options.progress, UserData(options.user_data));
-        settings_of(&options, [1, 1], &scene.device, reporter.cancel())?.desc.check()?;
+        // Options that no bake could have are refused here.
+        settings_of(&options, [1, 1], &scene.device, reporter.cancel())?;
         Ok(Self { scene, options, reporter })
     }
 

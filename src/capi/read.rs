@@ -5,9 +5,8 @@ use super::status::{Failure, Result};
 use super::types::*;
 use crate::Error;
 use crate::desc::{
-    BsdfDesc, CacheDesc, CacheSource, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, KernelDesc, MAX_SHADOW_RAYS,
-    PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, SamplerDesc, check_cache, check_photons,
-    check_radiosity,
+    BsdfDesc, CacheDesc, CacheSource, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, KernelDesc, PhotonDesc,
+    PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, SamplerDesc,
 };
 use crate::film::ErrorMeasure;
 use crate::math::{DAffine3, DMat3, DVec3};
@@ -73,13 +72,7 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc,
         0 => BsdfDesc::Black,
         1 => BsdfDesc::Lambert { albedo: color },
         2 => BsdfDesc::OrenNayar { albedo: color, roughness: it.roughness },
-        3 => {
-            if !(0.0..=90.0).contains(&it.sigma_deg) {
-                let message = format!("material.sigma_deg is {}, expected a number in [0, 90]", it.sigma_deg);
-                return Err(Failure::argument(message));
-            }
-            BsdfDesc::OrenNayarQualitative { albedo: color, sigma: it.sigma_deg.to_radians() }
-        }
+        3 => BsdfDesc::OrenNayarQualitative { albedo: color, sigma: it.sigma_deg.to_radians() },
         4 => BsdfDesc::Mirror { reflectance: color },
         5 => {
             let exterior_ior = if it.exterior_ior == 0.0 { 1.0 } else { it.exterior_ior };
@@ -149,17 +142,13 @@ pub(super) fn render(it: &etd_render_options, resolution: [u32; 2]) -> Result<Re
     if it.samples == 0 && !is_limited {
         return Err(Failure::argument("options.samples is 0, and neither time_limit nor target_error ends the render"));
     }
-    if it.shadow_rays > MAX_SHADOW_RAYS {
-        let message = format!("options.shadow_rays is {}, expected at most {MAX_SHADOW_RAYS}", it.shadow_rays);
-        return Err(Failure::argument(message));
-    }
     for (name, limit) in [("time_limit", it.time_limit), ("target_error", it.target_error)] {
         if !(limit >= 0.0 && limit.is_finite()) {
             let message = format!("options.{name} is {limit}, expected 0 or a finite number above it");
             return Err(Failure::argument(message));
         }
     }
-    Ok(RenderDesc {
+    let desc = RenderDesc {
         resolution,
         samples: if it.samples == 0 { MOST_SAMPLES } else { it.samples },
         sampler: match it.sampler {
@@ -178,19 +167,9 @@ pub(super) fn render(it: &etd_render_options, resolution: [u32; 2]) -> Result<Re
             4 => FilterDesc::Mitchell { b: a, c: b },
             other => return unknown("options.filter", other, 4),
         },
-        integrator: match it.integrator {
-            0 => IntegratorDesc::Path,
-            1 => IntegratorDesc::Whitted,
-            2 => IntegratorDesc::Direct,
-            3 => IntegratorDesc::PhotonDirect,
-            4 => IntegratorDesc::Caustic,
-            5 => IntegratorDesc::Photon,
-            6 => IntegratorDesc::IrradianceCache,
-            7 => IntegratorDesc::Ppm,
-            8 => IntegratorDesc::Sppm,
-            9 => IntegratorDesc::Auto,
-            10 => IntegratorDesc::Radiosity,
-            other => return unknown("options.integrator", other, 10),
+        integrator: match IntegratorDesc::from_c_value(it.integrator) {
+            Some(integrator) => integrator,
+            None => return unknown("options.integrator", it.integrator, IntegratorDesc::ALL.len() as u32 - 1),
         },
         max_depth: (it.max_depth != 0).then_some(it.max_depth),
         shadow_rays: it.shadow_rays.max(1),
@@ -198,7 +177,9 @@ pub(super) fn render(it: &etd_render_options, resolution: [u32; 2]) -> Result<Re
         cache: cache(it)?,
         radiosity: radiosity(it)?,
         seed: it.seed,
-    })
+    };
+    desc.check_at("").map_err(in_options)?;
+    Ok(desc)
 }
 
 /// What 0 leaves to the library.
@@ -256,7 +237,7 @@ fn photons(it: &etd_render_options) -> Result<PhotonDesc> {
     if it.reserved != 0 || it.reserved_2 != 0 {
         return Err(Failure::argument("options.reserved is not 0"));
     }
-    let photons = PhotonDesc {
+    Ok(PhotonDesc {
         count: given(it.photon_count),
         radius: given(it.photon_radius),
         min_photons: given(it.min_photons).unwrap_or(default.min_photons),
@@ -283,15 +264,13 @@ fn photons(it: &etd_render_options) -> Result<PhotonDesc> {
         progressive: switch("options.photons_progressive", it.photons_progressive, default.progressive)?,
         gather_rays: given(it.gather_rays).unwrap_or(default.gather_rays),
         memory: given(it.photon_memory).unwrap_or(default.memory),
-    };
-    check_photons("", &photons).map_err(in_options)?;
-    Ok(photons)
+    })
 }
 
 /// Settings of the irradiance cache.
 fn cache(it: &etd_render_options) -> Result<CacheDesc> {
     let default = CacheDesc::default();
-    let cache = CacheDesc {
+    Ok(CacheDesc {
         error: given(it.cache_error).unwrap_or(default.error),
         rays: given(it.cache_rays).unwrap_or(default.rays),
         min_spacing: given(it.cache_min_spacing).unwrap_or(default.min_spacing),
@@ -301,15 +280,13 @@ fn cache(it: &etd_render_options) -> Result<CacheDesc> {
             1 => CacheSource::Photons,
             other => return unknown("options.cache_source", other, 1),
         },
-    };
-    check_cache("", &cache).map_err(in_options)?;
-    Ok(cache)
+    })
 }
 
 /// Settings of radiosity.
 fn radiosity(it: &etd_render_options) -> Result<RadiosityDesc> {
     let default = RadiosityDesc::default();
-    let radiosity = RadiosityDesc {
+    Ok(RadiosityDesc {
         element_size: given(it.radiosity_element_size),
         error: given(it.radiosity_error).unwrap_or(default.error),
         iterations: match it.radiosity_iterations {
@@ -325,9 +302,7 @@ fn radiosity(it: &etd_render_options) -> Result<RadiosityDesc> {
         ambient: switch("options.radiosity_ambient", it.radiosity_ambient, default.ambient)?,
         final_gather: switch("options.radiosity_final_gather", it.radiosity_final_gather, default.final_gather)?,
         memory: given(it.radiosity_memory).unwrap_or(default.memory),
-    };
-    check_radiosity("", &radiosity).map_err(in_options)?;
-    Ok(radiosity)
+    })
 }
 
 /// The other way round.
@@ -348,19 +323,7 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
     };
     etd_render_options {
         struct_size: size_of::<etd_render_options>(),
-        integrator: match desc.integrator {
-            IntegratorDesc::Path => 0,
-            IntegratorDesc::Whitted => 1,
-            IntegratorDesc::Direct => 2,
-            IntegratorDesc::PhotonDirect => 3,
-            IntegratorDesc::Caustic => 4,
-            IntegratorDesc::Photon => 5,
-            IntegratorDesc::IrradianceCache => 6,
-            IntegratorDesc::Ppm => 7,
-            IntegratorDesc::Sppm => 8,
-            IntegratorDesc::Auto => 9,
-            IntegratorDesc::Radiosity => 10,
-        },
+        integrator: desc.integrator.c_value(),
         sampler: match desc.sampler {
             SamplerDesc::Sobol => 0,
             SamplerDesc::Random => 1,

@@ -106,7 +106,8 @@ impl Work {
             ended: Condvar::new(),
             render: Mutex::new(None),
         };
-        work.settings(&cancel)?.desc.check()?;
+        // Options that no render could have are refused here.
+        work.settings(&cancel)?;
         work.film.begin()?;
         Ok(Arc::new(work))
     }

@@ -40,6 +40,7 @@ mod builder;
 mod edit;
 mod filter;
 mod index;
+mod integrator;
 mod json;
 mod mcrt;
 mod native;
@@ -60,11 +61,13 @@ mod validate;
 
 pub use edit::SurfaceLook;
 pub use index::SceneIndex;
+pub use integrator::{
+    Bias, IntegratorDesc, IntegratorInfo, LobeSupport, LobeUse, MapRenewal, PhotonMethod, Preparation, SampleOrder,
+};
 pub use photon::{
     CacheDesc, CacheSource, KernelDesc, MAX_GATHER_RAYS, MAX_NEIGHBOURS, MAX_PHOTON_MEMORY, MAX_PHOTONS, PhotonDesc,
     PhotonSharing, RADII,
 };
-pub(crate) use photon_keys::{check_cache, check_photons};
 pub(crate) use radiosity::check_radiosity;
 pub use radiosity::{MAX_RADIOSITY_ITERATIONS, MAX_RADIOSITY_MEMORY, RadiosityDesc, RadiositySolver};
 pub use read::{apply_params, apply_render, load, load_params, parse};
@@ -483,66 +486,4 @@ pub enum FilterDesc {
         /// C.
         c: f32,
     },
-}
-
-/// A light transport algorithm.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum IntegratorDesc {
-    /// Local illumination: emission and light scattered once.
-    Direct,
-    /// Whitted's: direct light, perfect mirrors and glass; no diffuse interreflection.
-    Whitted,
-    /// Path tracing: everything.
-    #[default]
-    Path,
-    /// The report's photon map: direct light from photons, where no shadow photon is among them.
-    PhotonDirect,
-    /// Path tracing, with caustics from a photon map.
-    Caustic,
-    /// A global and a caustic photon map, with final gathering.
-    Photon,
-    /// Indirect diffuse light interpolated between final gathers.
-    IrradianceCache,
-    /// Radiosity: the diffuse scene solved as a whole, for every view of it.
-    Radiosity,
-    /// Progressive photon mapping: a new map every pass, with one shrinking radius.
-    Ppm,
-    /// Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel.
-    Sppm,
-    /// Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
-    Auto,
-}
-
-impl IntegratorDesc {
-    /// All of them.
-    pub const ALL: [Self; 11] = [
-        Self::Path,
-        Self::Whitted,
-        Self::Direct,
-        Self::PhotonDirect,
-        Self::Caustic,
-        Self::Photon,
-        Self::IrradianceCache,
-        Self::Radiosity,
-        Self::Ppm,
-        Self::Sppm,
-        Self::Auto,
-    ];
-
-    /// Its name in files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Direct => "direct",
-            Self::Whitted => "whitted",
-            Self::Path => "path",
-            Self::PhotonDirect => "photon_direct",
-            Self::Caustic => "caustic",
-            Self::Photon => "photon",
-            Self::IrradianceCache => "irradiance_cache",
-            Self::Radiosity => "radiosity",
-            Self::Ppm => "ppm",
-            Self::Sppm => "sppm",
-            Self::Auto => "auto",
-        }
-    }
 }

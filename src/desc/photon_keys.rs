@@ -138,7 +138,7 @@ pub(super) fn cache(block: &Render<'_>, path: &str, base: &CacheDesc) -> Result<
 }
 
 /// Whether the format could have given these numbers, `path` being the block.
-pub(crate) fn check_photons(path: &str, photons: &PhotonDesc) -> Result<()> {
+pub(super) fn check_photons(path: &str, photons: &PhotonDesc) -> Result<()> {
     let at = |key: &str| join(path, key);
     let number = |key: &str, value: u32, limits| whole(&at(key), Whole(value.into()), limits).map(|_| ());
     let optional = |key: &str, value: Option<u32>, limits| value.map_or(Ok(()), |value| number(key, value, limits));
@@ -163,7 +163,7 @@ pub(crate) fn check_photons(path: &str, photons: &PhotonDesc) -> Result<()> {
 }
 
 /// Whether the format could have given these numbers, `path` being the block.
-pub(crate) fn check_cache(path: &str, cache: &CacheDesc) -> Result<()> {
+pub(super) fn check_cache(path: &str, cache: &CacheDesc) -> Result<()> {
     let at = |key: &str| join(path, key);
     validate::up_to(&at("cacheError"), cache.error, 10.0)?;
     whole(&at("cacheRays"), Whole(cache.rays.into()), CACHE_RAYS)?;

@@ -139,7 +139,14 @@ enum Sampler {
 #[cfg(feature = "schema")]
 #[expect(dead_code, reason = "only the schema of these types is used")]
 mod schema {
-    #[derive(schemars::JsonSchema)]
+    use std::borrow::Cow;
+
+    use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+    use serde_json::json;
+
+    use crate::desc::IntegratorDesc;
+
+    #[derive(JsonSchema)]
     #[schemars(untagged)]
     pub enum Integrator {
         /// Its name.
@@ -148,38 +155,28 @@ mod schema {
         Block(IntegratorBlock),
     }
 
-    #[derive(schemars::JsonSchema)]
+    #[derive(JsonSchema)]
     #[schemars(deny_unknown_fields)]
     pub struct IntegratorBlock {
         /// Its name.
         r#type: IntegratorName,
     }
 
-    #[derive(schemars::JsonSchema)]
-    #[schemars(rename_all = "snake_case")]
-    pub enum IntegratorName {
-        /// Path tracing: everything.
-        Path,
-        /// Direct light, perfect mirrors and glass.
-        Whitted,
-        /// Emission and light scattered once.
-        Direct,
-        /// The report's photon map: direct light from photons, where no shadow photon is among them.
-        PhotonDirect,
-        /// Path tracing, with caustics from a photon map.
-        Caustic,
-        /// A global and a caustic photon map, with final gathering.
-        Photon,
-        /// Indirect diffuse light interpolated between final gathers.
-        IrradianceCache,
-        /// The diffuse scene solved as a whole, for every view of it.
-        Radiosity,
-        /// Progressive photon mapping: a new map every pass, with one shrinking radius.
-        Ppm,
-        /// Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel.
-        Sppm,
-        /// `path`, `caustic` or `sppm`, by what the scene holds.
-        Auto,
+    /// One of the names in the table of integrators.
+    pub struct IntegratorName;
+
+    impl JsonSchema for IntegratorName {
+        fn schema_name() -> Cow<'static, str> {
+            "IntegratorName".into()
+        }
+
+        fn json_schema(_: &mut SchemaGenerator) -> Schema {
+            let names = IntegratorDesc::ALL.map(|integrator| {
+                let info = integrator.info();
+                json!({"description": info.description, "type": "string", "const": info.name})
+            });
+            json_schema!({"oneOf": names})
+        }
     }
 }
 
@@ -231,17 +228,26 @@ impl RenderDesc {
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] at `render.resolution`, `render.samples`, `render.filter.sigma` and so on.
     pub fn check(&self) -> Result<()> {
+        self.check_at("render")
+    }
+
+    /// The same; `path` is where the settings stand, for errors.
+    ///
+    /// This is the one check of a whole `RenderDesc`: [`crate::render::Render::new`], photon plans and the C interface call
+    /// it. The reader of files calls the functions that it is made of, key by key.
+    pub(crate) fn check_at(&self, path: &str) -> Result<()> {
+        let at = |key: &str| join(path, key);
         let whole = |value: u32| Whole(u64::from(value));
-        validate::resolution("render.resolution", self.resolution.map(whole))?;
-        validate::whole("render.samples", whole(self.samples), 1, SAMPLE_LIMIT)?;
-        filter::check("render.filter", self.filter)?;
+        validate::resolution(&at("resolution"), self.resolution.map(whole))?;
+        validate::whole(&at("samples"), whole(self.samples), 1, SAMPLE_LIMIT)?;
+        filter::check(&at("filter"), self.filter)?;
         if let Some(depth) = self.max_depth {
-            max_depth("render.maxDepth", whole(depth))?;
+            max_depth(&at("maxDepth"), whole(depth))?;
         }
-        shadow_rays("render.shadowRays", whole(self.shadow_rays))?;
-        photon_keys::check_photons("render", &self.photons)?;
-        photon_keys::check_cache("render", &self.cache)?;
-        radiosity::check_radiosity("render", &self.radiosity)
+        shadow_rays(&at("shadowRays"), whole(self.shadow_rays))?;
+        photon_keys::check_photons(path, &self.photons)?;
+        photon_keys::check_cache(path, &self.cache)?;
+        radiosity::check_radiosity(path, &self.radiosity)
     }
 }
 
@@ -261,5 +267,5 @@ fn integrator(raw: &RawValue, path: &str) -> Result<IntegratorDesc> {
     if block {
         json::object::<Plain>(raw, path)?;
     }
-    Ok(IntegratorDesc::ALL.into_iter().find(|integrator| integrator.name() == name).unwrap_or_default())
+    Ok(IntegratorDesc::from_name(&name).unwrap_or_default())
 }

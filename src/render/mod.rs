@@ -15,6 +15,7 @@
 
 mod adaptive;
 mod crew;
+mod method;
 mod non_finite;
 mod pass;
 mod schedule;
@@ -27,16 +28,17 @@ use std::time::{Duration, Instant};
 
 use crate::Cancel;
 use crate::camera::Camera;
-use crate::desc::{FilterDesc, IntegratorDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc};
+use crate::desc::{Bias, FilterDesc, IntegratorDesc, Preparation, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, SampleCounts, TILE};
-use crate::integrator::photon::{Choice, Gather, Plan, choose};
+use crate::integrator::photon::{Choice, Plan, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
 use crate::integrator::{Irradiance, Path, Sites};
 use crate::sampling::Filter;
 use crate::scene::Scene;
 use adaptive::{LEAST_PIXELS, PILOT, Stage};
 use crew::Crew;
+use method::Method;
 use pass::Pass;
 use schedule::Schedule;
 
@@ -139,17 +141,6 @@ pub struct Summary {
     pub notes: Vec<String>,
 }
 
-/// Light transport, ready to be asked.
-#[derive(Clone)]
-enum Method {
-    Path,
-    Whitted,
-    Direct,
-    Gather(Box<Gather>),
-    Irradiance(Irradiance),
-    Radiosity(RadiosityPicture),
-}
-
 /// A render of a scene: its film, and those who fill it.
 pub struct Render {
     scene: Scene,
@@ -220,44 +211,26 @@ impl Render {
 
     fn with_method(scene: &Scene, settings: RenderSettings, method: Option<Method>) -> Result<Self> {
         let desc = &settings.desc;
-        let [width, height] = desc.resolution;
-        let pixels = u64::from(width) * u64::from(height);
-        if pixels == 0 || pixels > MAX_PIXELS {
-            return Err(Error::invalid(
-                "render.resolution",
-                format!("{width} x {height} pixels; an image has between 1 and {MAX_PIXELS}"),
-            ));
-        }
-        if desc.samples == 0 || desc.max_depth == Some(0) {
-            return Err(Error::invalid("render", "samples and maxDepth must be at least 1"));
-        }
-        if !(1..=MAX_SHADOW_RAYS).contains(&desc.shadow_rays) {
-            let message = format!("{} light samples per hit; expected 1 to {MAX_SHADOW_RAYS}", desc.shadow_rays);
-            return Err(Error::invalid("render.shadowRays", message));
-        }
+        // A host may have set numbers that no file could.
+        desc.check()?;
         if settings.target_error.is_some_and(|target| !(target > 0.0 && target.is_finite())) {
             let message = format!("{:?}; expected a finite number above 0", settings.target_error.unwrap_or_default());
             return Err(Error::invalid("targetError", message));
         }
-        check_filter(&desc.filter)?;
         // Irradiance is nothing that a camera sees, and its film no image.
         let seen = if method.is_some() { [1, 1] } else { desc.resolution };
         let camera = Camera::new(scene.camera(), seen, scene.centre())?;
         // The normally distributed pattern is a pixel filter by itself.
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
-        let choice = (desc.integrator == IntegratorDesc::Auto).then(|| choose(scene));
+        let choice = (desc.integrator.info().preparation == Preparation::Choice).then(|| choose(scene));
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
-        let method = method.unwrap_or(match integrator {
-            IntegratorDesc::Whitted => Method::Whitted,
-            IntegratorDesc::Direct => Method::Direct,
-            _ => Method::Path,
-        });
+        let method = method.unwrap_or_else(|| Method::new(integrator));
         let filter = Filter::new(&filter_desc);
         let scene = scene.clone();
         let shared = Arc::new(desc.clone());
-        let plan = match integrator {
-            IntegratorDesc::Path | IntegratorDesc::Whitted | IntegratorDesc::Direct | IntegratorDesc::Radiosity => None,
-            method => Some(Plan::new(&scene, &camera, &shared, method)?),
+        let plan = match integrator.info().preparation {
+            Preparation::PhotonMaps(..) => Some(Plan::new(&scene, &camera, &shared, integrator)?),
+            Preparation::Nothing | Preparation::RadiositySolution | Preparation::Choice => None,
         };
         let pass_samples = plan.as_ref().and_then(Plan::samples_a_pass);
         let film = Film::new(FilmOptions {
@@ -267,6 +240,7 @@ impl Render {
             weighted: matches!(filter_desc, FilterDesc::Mitchell { .. }),
             gathering: plan.as_ref().is_some_and(Plan::remembers),
         })?;
+        let pixels = desc.resolution.map(u64::from).into_iter().product::<u64>();
         let adaptive = match (settings.adaptive.unwrap_or(settings.target_error.is_some()), desc.sampler) {
             (false, _) => Ok(false),
             (true, _) if pass_samples.is_some() => Err("the photon maps of a pass are for all pixels"),
@@ -397,7 +371,7 @@ impl Render {
 
     /// Whether there is a radiosity solution to be found first.
     fn wants_solution(&self) -> bool {
-        self.desc.integrator == IntegratorDesc::Radiosity && self.radiosity.is_none()
+        self.integrator().info().preparation == Preparation::RadiositySolution && self.radiosity.is_none()
     }
 
     /// Makes the maps that the next samples want; what ended the render meanwhile, if anything did.
@@ -486,15 +460,16 @@ impl Render {
         Ok(Some(if is_cancelled { Ended::Cancelled } else { Ended::Time }))
     }
 
-    /// What makes the image wrong without making it noisy, if anything does.
+    /// The integrator, chosen or asked for.
+    fn integrator(&self) -> IntegratorDesc {
+        self.choice.as_ref().map_or(self.desc.integrator, |choice| choice.integrator)
+    }
+
+    /// The bias that error estimates do not know, if there is any.
     fn unknown_bias(&self) -> Option<&'static str> {
-        match self.choice.as_ref().map_or(self.desc.integrator, |choice| choice.integrator) {
-            IntegratorDesc::Whitted | IntegratorDesc::Direct => Some("of light that is scattered more often"),
-            IntegratorDesc::PhotonDirect | IntegratorDesc::Photon => Some("of photon maps that are made once"),
-            IntegratorDesc::IrradianceCache => Some("of the irradiance cache"),
-            IntegratorDesc::Radiosity => Some("of the radiosity solution"),
-            _ if self.desc.max_depth.is_some() => Some("of paths that are cut"),
-            _ => None,
+        match self.integrator().info().bias {
+            Bias::Biased(what) => Some(what),
+            Bias::Unbiased | Bias::Consistent(_) | Bias::OfChoice => self.desc.max_depth.map(|_| "paths that are cut"),
         }
     }
 
@@ -505,14 +480,14 @@ impl Render {
         }
         notes.extend(self.plan.iter().flat_map(|plan| plan.notes().iter().cloned()));
         notes.extend(self.radiosity.iter().flat_map(|solution| solution.notes().iter().cloned()));
-        if let Some(depth) = self.settings.desc.max_depth.filter(|_| self.radiosity.is_none()) {
+        if let Some(depth) = self.settings.desc.max_depth.filter(|_| self.integrator().info().cut_by_max_depth) {
             notes.push(format!("paths were cut after {depth} hits (maxDepth): the image is too dark"));
         }
         if self.settings.desc.sampler == SamplerDesc::Gaussian && self.settings.desc.filter != FilterDesc::Box {
             notes.push("the gaussian pattern is a pixel filter by itself: the filter was not used".to_owned());
         }
         if let Some(bias) = self.unknown_bias().filter(|_| self.settings.target_error.is_some()) {
-            notes.push(format!("the error that ended or judged the render does not know the bias {bias}"));
+            notes.push(format!("the error that ended or judged the render does not know the bias of {bias}"));
         }
         if let Err(why) = self.adaptive {
             notes.push(format!("all pixels had the same number of samples: {why}"));
@@ -563,16 +538,4 @@ pub(crate) fn with_crew<R>(
     let deadline = settings.time_limit.and_then(|limit| Instant::now().checked_add(limit));
     let mut look_up = |share| look_up(share).is_break();
     work(&mut Crew::new(&workers, &settings.cancel, deadline, &mut look_up))
-}
-
-/// Parameters within which a filter is one.
-fn check_filter(filter: &FilterDesc) -> Result<()> {
-    let (ok, expected) = match *filter {
-        FilterDesc::Gaussian { sigma } => (sigma > 0.0 && sigma <= 16.0, "a sigma above 0 and up to 16 pixels"),
-        FilterDesc::Mitchell { b, c } => {
-            ((0.0..=1.0).contains(&b) && (0.0..=1.0).contains(&c), "b and c between 0 and 1")
-        }
-        FilterDesc::Box | FilterDesc::Tent | FilterDesc::BlackmanHarris => (true, ""),
-    };
-    if ok { Ok(()) } else { Err(Error::invalid("render.filter", format!("{filter:?}; expected {expected}"))) }
 }

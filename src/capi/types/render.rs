@@ -48,9 +48,9 @@ pub enum etd_filter {
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_integrator {
-    /// Path tracing: everything.
+    /// Path tracing: all light, by paths from the camera.
     ETD_INTEGRATOR_PATH = 0,
-    /// Whitted's: direct light, mirrors and glass.
+    /// Direct light, perfect mirrors and glass; no diffuse interreflection.
     ETD_INTEGRATOR_WHITTED = 1,
     /// Emission and light scattered once.
     ETD_INTEGRATOR_DIRECT = 2,
@@ -60,7 +60,7 @@ pub enum etd_integrator {
     ETD_INTEGRATOR_CAUSTIC = 4,
     /// A global and a caustic photon map, with final gathering.
     ETD_INTEGRATOR_PHOTON = 5,
-    /// Indirect diffuse light interpolated between final gathers.
+    /// All light, with indirect diffuse light interpolated between final gathers.
     ETD_INTEGRATOR_IRRADIANCE_CACHE = 6,
     /// Progressive photon mapping: a new map every pass, with one shrinking radius.
     ETD_INTEGRATOR_PPM = 7,
@@ -68,7 +68,7 @@ pub enum etd_integrator {
     ETD_INTEGRATOR_SPPM = 8,
     /// Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
     ETD_INTEGRATOR_AUTO = 9,
-    /// Radiosity: the diffuse scene solved as a whole, for every view of it.
+    /// The diffuse scene solved as a whole, for every view of it.
     ETD_INTEGRATOR_RADIOSITY = 10,
 }
 

@@ -23,6 +23,7 @@ use crate::error::Result;
 use crate::math::{Frame, HitPoint, Ray, Vec3};
 use crate::sampling::{hash, mix};
 use crate::scene::Scene;
+use crate::spectrum::Spectrum;
 
 /// Cells to a radius.
 const FINENESS: f32 = 2.0;
@@ -109,10 +110,10 @@ impl DiskCoverage {
 
     /// Judges the cells of photons that were not met before, down to disks of this radius (> 0); returns the rays it took.
     /// All of them, or those of a few, so that a first picture is not long in coming.
-    pub fn learn(
+    pub fn learn<C: Spectrum>(
         &mut self,
         scene: &Scene,
-        photons: &[Photon],
+        photons: &[Photon<C>],
         radius: f32,
         is_all: bool,
         parallel: &mut impl Parallel,
@@ -140,10 +141,10 @@ impl DiskCoverage {
     }
 
     /// How many cells with photons it judged, and the rays it took.
-    fn learn_level(
+    fn learn_level<C: Spectrum>(
         &mut self,
         scene: &Scene,
-        photons: &[Photon],
+        photons: &[Photon<C>],
         place: usize,
         parallel: &mut impl Parallel,
     ) -> Result<(usize, u64)> {

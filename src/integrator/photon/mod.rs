@@ -2,7 +2,7 @@
 //!
 //! `emit` begins light paths, `trace` follows them and keeps photons, `map` puts them in order; `gather` follows eye paths,
 //! `estimate` asks maps, `coverage` and `cut` know where a disk is whole and what is left of one that is not; `plan` says which
-//! maps a method wants and when; `choose` which method a scene.
+//! maps a method wants and when, `radius` how wide estimates are; `choose` which method a scene.
 //!
 //! Right where light reaches diffuse surfaces by mirrors and glass from small lights, and where it is smooth; wrong in the
 //! open, where most photons leave the scene, and for glossy surfaces (none yet). All estimates have a bias, which shrinks
@@ -26,6 +26,7 @@ mod gather;
 mod map;
 mod order;
 mod plan;
+mod radius;
 mod record;
 mod trace;
 
@@ -35,6 +36,7 @@ pub(in crate::integrator) use emit::{Aim, Emission};
 pub use estimate::{Kernel, MapQuery, irradiance};
 pub use gather::Gather;
 pub use map::{Nearest, PhotonMap};
-pub use plan::{Plan, shrunk};
+pub use plan::Plan;
+pub use radius::shrunk;
 pub use record::{Octahedral, Photon};
-pub use trace::{MapKind, PhotonBatch, PhotonJob, Tally, shoot};
+pub use trace::{MapKind, PhotonBatch, PhotonJob, Tally, shoot, shoot_in};

@@ -1,24 +1,23 @@
 //! Which maps a method wants, with which radii, and when they are made.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::super::irradiance_cache::IrradianceCache;
-use super::super::vertex::Vertex;
-use super::super::{SceneTracer, Tracer as _};
 use super::aim::Aims;
 use super::choose::aimed_paths_find_caustics;
 use super::coverage::DiskCoverage;
 use super::estimate::{Kernel, MapQuery};
 use super::gather::{Gather, MapLayer, PathEnd, Shrinking};
+use super::radius::{middle_radius, pixel_size, shrunk};
 use super::trace::PHOTONS_A_PATH;
-use super::{MapKind, Nearest, Photon, PhotonJob, PhotonMap, Tally, shoot};
-use crate::bsdf::Model as _;
+use super::{MapKind, Photon, PhotonBatch, PhotonJob, PhotonMap, Tally, shoot_in};
 use crate::camera::Camera;
 use crate::control::{Cancel, Parallel};
-use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, RenderDesc, check_cache, check_photons};
+use crate::desc::{CacheSource, IntegratorDesc, KernelDesc, MapRenewal, PhotonMethod, Preparation, RenderDesc};
 use crate::error::{Error, ErrorKind, Result};
+use crate::sampling::Rng;
 use crate::scene::Scene;
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, Spectrum};
 
 /// Light paths of a map that is made once.
 const ONCE: u32 = 1_000_000;
@@ -39,12 +38,6 @@ const INDIRECT_PIXELS: f32 = 8.0;
 /// Photons that the first radius of a pixel of its own holds.
 const FIRST_PHOTONS: u32 = 32;
 
-/// Photons that the first radius of a map of indirect light holds in the middle, where none is given.
-const INDIRECT_PHOTONS: usize = 150;
-
-/// Photons at which that is measured.
-const MEASURED: usize = 257;
-
 /// The same in a map that is made once.
 const ONLY_PHOTONS: u32 = 100;
 
@@ -62,56 +55,95 @@ fn samples_a_pass(pixels: u64) -> u32 {
 
 /// What a method needs to know of photons, and has made of them so far.
 #[derive(Debug)]
-pub struct Plan {
+pub struct Plan<C: Spectrum = Rgb> {
     scene: Scene,
     camera: Camera,
     desc: Arc<RenderDesc>,
-    method: IntegratorDesc,
+    method: PhotonMethod,
+    renewal: MapRenewal,
     /// First radii.
     caustic_radius: f32,
     radius: f32,
     coverage: DiskCoverage,
     /// Maps that were gathered from, of whose photons `coverage` may know from now on.
-    unlearnt: Vec<Arc<PhotonMap>>,
-    made: Option<(u32, Gather)>,
+    unlearnt: Vec<Arc<PhotonMap<C>>>,
+    made: Option<(u32, Gather<C>)>,
     notes: Vec<String>,
     /// Rays that went into maps.
     pub rays: u64,
 }
 
 impl Plan {
-    /// Prepares a method: checks it against the scene, finds radii where none are given.
+    /// Prepares the maps of an integrator: checks the settings, finds radii where none are given.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidScene`] for settings that a file could not have given.
-    pub fn new(scene: &Scene, camera: &Camera, desc: &Arc<RenderDesc>, method: IntegratorDesc) -> Result<Self> {
+    /// [`ErrorKind::InvalidScene`] for settings that a file could not have given, and for an integrator without photon maps.
+    pub fn new(scene: &Scene, camera: &Camera, desc: &Arc<RenderDesc>, integrator: IntegratorDesc) -> Result<Self> {
+        Self::in_spectrum(scene, camera, desc, integrator)
+    }
+
+    /// The integrator for the samples from `sample` on, with maps that are made now unless they are there.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Cancelled`]; `OutOfMemory` where not even a small map fits; `InvalidScene` for settings that do not fit
+    /// the scene.
+    pub fn gather(&mut self, sample: u32, parallel: &mut impl Parallel) -> Result<Gather> {
+        self.gather_with(sample, parallel, |plan, gather, notes, parallel| match plan.method {
+            PhotonMethod::IrradianceCache => plan.fill_cache(gather, notes, parallel),
+            _ => Ok(()),
+        })
+    }
+
+    /// Fills the irradiance cache, from which the gatherer's paths end; the global map serves the filling alone.
+    fn fill_cache(&mut self, gather: &mut Gather, notes: &mut Vec<String>, parallel: &mut impl Parallel) -> Result<()> {
+        // Gather rays have bounced once when they begin, so the global map may end them at once.
+        let ends = if gather.diffuse.is_some() { PathEnd::AfterGather } else { PathEnd::Never };
+        let source = Gather { ends, ..gather.clone() };
+        let (cache, report) = IrradianceCache::fill(&self.scene, &self.camera, &self.desc, &source, parallel)?;
+        self.rays += report.rays;
+        notes.extend(report.notes);
+        (gather.cache, gather.diffuse, gather.ends) = (Some(Arc::new(cache)), None, PathEnd::AtCache);
+        Ok(())
+    }
+}
+
+impl<C: Spectrum> Plan<C> {
+    /// [`Plan::new`] for photons and eye paths that carry `C`.
+    ///
+    /// # Errors
+    /// As [`Plan::new`].
+    pub fn in_spectrum(
+        scene: &Scene,
+        camera: &Camera,
+        desc: &Arc<RenderDesc>,
+        integrator: IntegratorDesc,
+    ) -> Result<Self> {
+        let Preparation::PhotonMaps(method, renewal) = integrator.info().preparation else {
+            return Err(Error::invalid("render.integrator", format!("{} reads no photon maps", integrator.name())));
+        };
         let photons = &desc.photons;
         // A host may have set numbers that no file could.
-        check_photons("render", photons)?;
-        check_cache("render", &desc.cache)?;
+        desc.check()?;
         let pixel = pixel_size(scene, camera, desc.resolution);
-        let radius = |path: &str, given: Option<f64>, otherwise: f32| match given {
-            None => Ok(otherwise),
-            Some(radius) if (radius as f32) >= f32::MIN_POSITIVE.sqrt() && (radius as f32) < f32::MAX.sqrt() => {
-                Ok(radius as f32)
-            }
-            Some(radius) => {
-                Err(Error::invalid(path, format!("{radius} is not a radius whose square single precision holds")))
-            }
-        };
         let otherwise = match method {
-            IntegratorDesc::PhotonDirect => REPORT_RADIUS,
-            _ => INDIRECT_PIXELS * pixel,
+            PhotonMethod::Direct => REPORT_RADIUS,
+            PhotonMethod::Caustic
+            | PhotonMethod::FinalGather
+            | PhotonMethod::IrradianceCache
+            | PhotonMethod::CommonRadius
+            | PhotonMethod::PixelRadii => INDIRECT_PIXELS * pixel,
         };
-        let wide = radius("render.photonRadius", photons.radius, otherwise)?;
-        let caustic = radius("render.causticRadius", photons.caustic_radius, CAUSTIC_PIXELS * pixel)?;
+        // Squares of radii fit single precision, by the limits of `desc::RADII`.
+        let radius = |given: Option<f64>, otherwise: f32| given.map_or(otherwise, |radius| radius as f32);
+        let caustic_radius = radius(photons.caustic_radius, CAUSTIC_PIXELS * pixel);
         Ok(Self {
             scene: scene.clone(),
             camera: *camera,
             desc: Arc::clone(desc),
             method,
-            caustic_radius: caustic,
-            radius: wide,
+            renewal,
+            caustic_radius,
+            radius: radius(photons.radius, otherwise),
             coverage: DiskCoverage::default(),
             unlearnt: Vec::new(),
             made: None,
@@ -134,14 +166,14 @@ impl Plan {
     /// Whether each pixel has radii of its own: unless the user says how many photons make an estimate, or the method has
     /// one radius by its nature.
     pub fn is_by_pixel(&self) -> bool {
-        self.method != IntegratorDesc::Ppm && self.desc.photons.neighbours.is_none()
+        self.method != PhotonMethod::CommonRadius && self.desc.photons.neighbours.is_none()
     }
 
     fn is_progressive(&self) -> bool {
-        match self.method {
-            IntegratorDesc::Ppm | IntegratorDesc::Sppm => true,
-            IntegratorDesc::Caustic => self.desc.photons.progressive,
-            _ => false,
+        match self.renewal {
+            MapRenewal::EachPass => true,
+            MapRenewal::EachPassByDefault => self.desc.photons.progressive,
+            MapRenewal::Once => false,
         }
     }
 
@@ -150,12 +182,24 @@ impl Plan {
         &self.notes
     }
 
-    /// The integrator for the samples from `sample` on, with maps that are made now unless they are there.
+    /// [`Plan::gather`] for photons and eye paths that carry `C`.
     ///
     /// # Errors
-    /// [`ErrorKind::Cancelled`]; `OutOfMemory` where not even a small map fits; `InvalidScene` for settings that do not fit
-    /// the scene.
-    pub fn gather(&mut self, sample: u32, parallel: &mut impl Parallel) -> Result<Gather> {
+    /// As [`Plan::gather`]; `Unsupported` for the irradiance cache, which holds colours alone.
+    pub fn gather_in_spectrum(&mut self, sample: u32, parallel: &mut impl Parallel) -> Result<Gather<C>> {
+        if self.method == PhotonMethod::IrradianceCache {
+            let message = "the irradiance cache holds three channels, expected another integrator for wavelengths";
+            return Err(Error::new(ErrorKind::Unsupported, message));
+        }
+        self.gather_with(sample, parallel, |_, _, _, _| Ok(()))
+    }
+
+    fn gather_with<P: Parallel>(
+        &mut self,
+        sample: u32,
+        parallel: &mut P,
+        complete: impl FnOnce(&mut Self, &mut Gather<C>, &mut Vec<String>, &mut P) -> Result<()>,
+    ) -> Result<Gather<C>> {
         let pass = self.samples_a_pass().map_or(0, |samples| sample / samples);
         if let Some((made, gather)) = &self.made
             && *made == pass
@@ -163,196 +207,294 @@ impl Plan {
             return Ok(gather.clone());
         }
         self.made = None;
-        let gather = self.make(pass, parallel)?;
+        let gather = self.make(pass, parallel, complete)?;
         self.made = Some((pass, gather.clone()));
         Ok(gather)
     }
 
-    fn make(&mut self, pass: u32, parallel: &mut impl Parallel) -> Result<Gather> {
+    /// The wavelengths of a pass, which its photons and the eye paths that query them share: spread evenly over passes.
+    fn wavelengths(&self, pass: u32) -> C::Wavelengths {
+        /// Fraction of the golden ratio, whose multiples are spread evenly over [0, 1).
+        const STEP: f64 = 0.618_033_988_749_894_9;
+        C::sample_wavelengths(|| {
+            let first = f64::from(Rng::new(self.desc.seed, 0).next_f32());
+            ((first + f64::from(pass) * STEP).fract() as f32).min(1.0_f32.next_down())
+        })
+    }
+
+    /// Makes the maps of a pass, and what gathers from them.
+    fn make<P: Parallel>(
+        &mut self,
+        pass: u32,
+        parallel: &mut P,
+        complete: impl FnOnce(&mut Self, &mut Gather<C>, &mut Vec<String>, &mut P) -> Result<()>,
+    ) -> Result<Gather<C>> {
+        let shrunk = if self.is_progressive() { shrunk(pass, self.desc.photons.alpha) } else { 1.0 };
+        // Changed when all is done: a pass that is stopped is made again, from what was known before.
+        let mut coverage = self.coverage_so_far(shrunk, parallel)?;
+        let aims = self.aims()?;
+        let wanted = self.wanted_maps(shrunk, aims.is_some());
+        let mut notes = Vec::new();
+        let shot = self.shoot_maps(wanted, pass, &mut notes, parallel)?;
+        let mut maps = build_maps(shot, shrunk, parallel)?;
+        if pass == 0 {
+            self.measure_radius(&mut maps);
+            let widest = maps.iter().map(|map| map.layer.widest).fold(f32::MIN_POSITIVE, f32::max);
+            coverage = DiskCoverage::new(widest);
+        }
+        self.learn_coverage(&mut coverage, &maps, pass, parallel)?;
+        if pass == 0 {
+            notes.extend(maps.iter().map(|map| map.note(self.is_by_pixel())));
+        }
+        // What is gathered from now teaches nothing before the next pass.
+        let teaches = |map: &&BuiltMap<C>| self.is_progressive() && map.kind != MapKind::Caustic;
+        let unlearnt = maps.iter().filter(teaches).map(|map| Arc::clone(&map.layer.map)).collect();
+        let mut gather = self.gatherer(maps, aims, coverage.clone(), pass, &parallel.token())?;
+        complete(self, &mut gather, &mut notes, parallel)?;
+        (self.coverage, self.unlearnt) = (coverage, unlearnt);
+        self.notes.extend(notes);
+        Ok(gather)
+    }
+
+    /// What is known of where disks are whole, with what the photons of the last pass tell.
+    fn coverage_so_far(&mut self, shrunk: f32, parallel: &mut impl Parallel) -> Result<DiskCoverage> {
+        let mut coverage = self.coverage.clone();
+        let radius = (self.radius * shrunk).min(self.caustic_radius * shrunk);
+        let is_once = !self.is_progressive();
+        for map in &self.unlearnt {
+            self.rays += coverage.learn(&self.scene, map.photons(), radius, is_once, parallel)?;
+        }
+        Ok(coverage)
+    }
+
+    /// Where rays find the caustics of large lamps, with no bias and no mottle, so that no map of them is wanted.
+    fn aims(&self) -> Result<Option<Aims>> {
         let photons = &self.desc.photons;
-        let shrunk = if self.is_progressive() { shrunk(pass, photons.alpha) } else { 1.0 };
-        let by_pixel = self.is_by_pixel();
-        // Where each pixel has a radius of its own, the others keep within the common one.
-        let (radius, caustic_radius) = (self.radius * shrunk, self.caustic_radius * shrunk);
+        let is_asked_for = photons.caustic_count.is_some() || photons.caustic_radius.is_some();
+        let finds_caustics = self.method == PhotonMethod::IrradianceCache
+            && self.scene.lobes().have_specular()
+            && !is_asked_for
+            && aimed_paths_find_caustics(&self.scene)?;
+        Ok(finds_caustics.then(|| Aims::new(&self.scene)))
+    }
+
+    /// The photons that an estimate takes, where the user says how many: 0 is the same as none, but where each pixel would
+    /// have a radius of its own.
+    fn neighbours(&self) -> Option<u32> {
+        self.desc.photons.neighbours.filter(|count| *count > 0)
+    }
+
+    /// Which maps are shot, with how many light paths, and how they are queried.
+    fn wanted_maps(&self, shrunk: f32, is_aimed: bool) -> Vec<WantedMap> {
+        let photons = &self.desc.photons;
         let kernel = |otherwise| Kernel::new(photons.kernel.unwrap_or(otherwise));
         let (epanechnikov, cone) = (kernel(KernelDesc::Epanechnikov), kernel(KernelDesc::Cone { k: 1.0 }));
         let default_count = if self.is_progressive() { EACH_PASS } else { ONCE };
-        let count = photons.count.unwrap_or(default_count);
-        let caustic_count = photons.caustic_count.unwrap_or(default_count);
-        // 0 is the same as none, but where each pixel would have a radius of its own.
-        let neighbours = photons.neighbours.filter(|count| *count > 0);
+        let neighbours = self.neighbours();
+        // Where each pixel has a radius of its own, the others keep within the common one.
+        let wanted = |kind, kernel, neighbours| {
+            let (count, radius) = match kind {
+                MapKind::Caustic => (photons.caustic_count, self.caustic_radius),
+                MapKind::Direct | MapKind::Indirect | MapKind::Global => (photons.count, self.radius),
+            };
+            let query = MapQuery { kernel, radius: radius * shrunk, neighbours };
+            WantedMap { kind, paths: count.unwrap_or(default_count), query }
+        };
+        let caustic = wanted(MapKind::Caustic, epanechnikov, neighbours);
+        let mut maps = match self.method {
+            PhotonMethod::Direct => {
+                vec![wanted(MapKind::Direct, cone, None), wanted(MapKind::Caustic, cone, None)]
+            }
+            PhotonMethod::FinalGather => vec![caustic, wanted(MapKind::Global, epanechnikov, neighbours)],
+            PhotonMethod::CommonRadius | PhotonMethod::PixelRadii => {
+                vec![caustic, wanted(MapKind::Indirect, epanechnikov, neighbours)]
+            }
+            PhotonMethod::IrradianceCache => match self.desc.cache.source {
+                CacheSource::Photons => vec![caustic, wanted(MapKind::Global, epanechnikov, neighbours)],
+                CacheSource::Paths => vec![caustic],
+            },
+            PhotonMethod::Caustic => vec![caustic],
+        };
+        // Without diffuse surfaces there is nothing to store photons on; without mirrors and glass there are no caustics.
         let lobes = self.scene.lobes();
+        maps.retain(|map| {
+            lobes.have_diffuse() && (map.kind != MapKind::Caustic || (lobes.have_specular() && !is_aimed))
+        });
+        maps
+    }
 
-        // Changed when all is done: a pass that is stopped is made again, from what was known before.
-        let mut coverage = self.coverage.clone();
-        let is_once = !self.is_progressive();
-        for map in &self.unlearnt {
-            self.rays += coverage.learn(&self.scene, map.photons(), radius.min(caustic_radius), is_once, parallel)?;
-        }
-
-        // What is shot, how much of it, and how it is asked.
-        let mut wanted = Vec::new();
-        let query = |kernel, radius, neighbours| MapQuery { kernel, radius, neighbours };
-        let caustics =
-            |kernel, neighbours| (MapKind::Caustic, caustic_count, query(kernel, caustic_radius, neighbours));
-        let ends = match self.method {
-            IntegratorDesc::PhotonDirect => {
-                wanted.push((MapKind::Direct, count, query(cone, radius, None)));
-                wanted.push(caustics(cone, None));
-                PathEnd::Never
-            }
-            IntegratorDesc::Photon => {
-                wanted.push(caustics(epanechnikov, neighbours));
-                wanted.push((MapKind::Global, count, query(epanechnikov, radius, neighbours)));
-                PathEnd::AfterGather
-            }
-            IntegratorDesc::Ppm | IntegratorDesc::Sppm => {
-                wanted.push(caustics(epanechnikov, neighbours));
-                wanted.push((MapKind::Indirect, count, query(epanechnikov, radius, neighbours)));
-                PathEnd::AtOnce
-            }
-            IntegratorDesc::IrradianceCache => {
-                wanted.push(caustics(epanechnikov, neighbours));
-                if self.desc.cache.source == CacheSource::Photons {
-                    wanted.push((MapKind::Global, count, query(epanechnikov, radius, neighbours)));
-                }
-                PathEnd::Never
-            }
-            _ => {
-                wanted.push(caustics(epanechnikov, neighbours));
-                PathEnd::Never
-            }
-        };
-        // Mirrors and glass are not there to be met, nor surfaces to be lit by them.
-        wanted.retain(|(kind, ..)| lobes.have_diffuse() && (*kind != MapKind::Caustic || lobes.have_specular()));
-        // Of large lamps they are found by rays, with no bias and no mottle.
-        let is_asked_for = photons.caustic_count.is_some() || photons.caustic_radius.is_some();
-        let aims = if self.method == IntegratorDesc::IrradianceCache
-            && lobes.have_specular()
-            && !is_asked_for
-            && aimed_paths_find_caustics(&self.scene)?
-        {
-            wanted.retain(|(kind, ..)| *kind != MapKind::Caustic);
-            Some(Aims::new(&self.scene))
-        } else {
-            None
-        };
-        let budget = (photons.memory as usize).saturating_mul(1 << 20) / BYTES_A_PHOTON;
-        let mut shots: Vec<(MapKind, MapQuery, Vec<Photon>)> = Vec::new();
-        let (mut told, mut shot_as, mut notes) = (Vec::new(), Vec::new(), Vec::new());
+    /// Shoots the photons of all maps of a pass within `photonMemory`; maps that it cuts are noted in the first pass.
+    fn shoot_maps(
+        &mut self,
+        wanted: Vec<WantedMap>,
+        pass: u32,
+        notes: &mut Vec<String>,
+        parallel: &mut impl Parallel,
+    ) -> Result<Vec<ShotMap<C>>> {
+        let memory = self.desc.photons.memory;
+        let budget = (memory as usize).saturating_mul(1 << 20) / BYTES_A_PHOTON;
+        let mut shot: Vec<ShotMap<C>> = Vec::new();
         let maps = wanted.len();
-        for (kind, paths, query) in wanted {
-            let used: usize = shots.iter().map(|(_, _, photons)| photons.len()).sum();
+        for wanted in wanted {
+            let used: usize = shot.iter().map(|map| map.batch.photons.len()).sum();
             // What is left, the second map's share apart.
-            let most = (budget - used.min(budget)) / (maps - shots.len());
+            let most = (budget - used.min(budget)) / (maps - shot.len());
             if most < PHOTONS_A_PATH {
-                let message = format!("{} MiB hold no photon map", photons.memory);
-                return Err(Error::new(ErrorKind::OutOfMemory, message));
+                return Err(Error::new(ErrorKind::OutOfMemory, format!("{memory} MiB hold no photon map")));
             }
-            let shot = shoot(&self.scene, &self.desc, PhotonJob { kind, paths, pass, most }, parallel)?;
-            self.rays += shot.tally.rays;
-            if let Some(planned) = shot.cut_from
+            let WantedMap { kind, paths, .. } = wanted;
+            let job = PhotonJob { kind, paths, pass, most };
+            let batch = shoot_in::<C>(&self.scene, &self.desc, job, self.wavelengths(pass), parallel)?;
+            self.rays += batch.tally.rays;
+            if let Some(planned) = batch.cut_from
                 && pass == 0
             {
                 notes.push(format!(
-                    "the {} photon map was ended after {} of {planned} light paths: photonMemory allows {} MiB",
+                    "the {} photon map was ended after {} of {planned} light paths: photonMemory allows {memory} MiB",
                     kind.name(),
-                    shot.tally.paths,
-                    photons.memory
+                    batch.tally.paths,
                 ));
             }
-            told.push(shot.tally);
-            shot_as.push((paths, most));
-            shots.push((kind, query, shot.photons));
+            shot.push(ShotMap { wanted, most, batch });
         }
-        let (kinds, shots): (Vec<_>, Vec<_>) =
-            shots.into_iter().map(|(kind, query, photons)| ((kind, query), std::sync::Mutex::new(photons))).unzip();
-        // Side by side, each on one thread.
-        let token = parallel.token();
-        let built = parallel.map(shots.len(), move |index| {
-            let photons = std::mem::take(&mut *shots[index].lock().unwrap_or_else(std::sync::PoisonError::into_inner));
-            PhotonMap::build(photons, &token)
-        })?;
-        let mut layers = Vec::new();
-        for ((kind, query), map) in kinds.into_iter().zip(built) {
-            let widest = query.radius / shrunk;
-            layers.push((kind, MapLayer { map: Arc::new(map?), query, widest }));
+        Ok(shot)
+    }
+
+    /// Takes the radius of maps of indirect light from the density of their photons, where none is given.
+    fn measure_radius(&mut self, maps: &mut [BuiltMap<C>]) {
+        if self.desc.photons.radius.is_some() || self.neighbours().is_some() {
+            return;
         }
-        let is_diffuse = |kind: MapKind| matches!(kind, MapKind::Indirect | MapKind::Global);
-        if pass == 0 && photons.radius.is_none() && neighbours.is_none() {
-            for (_, layer) in layers.iter_mut().filter(|(kind, layer)| is_diffuse(*kind) && !layer.map.is_empty()) {
+        for BuiltMap { layer, .. } in maps.iter_mut().filter(|map| map.is_of_indirect_light()) {
+            if !layer.map.is_empty() {
                 self.radius = middle_radius(&layer.map, self.radius);
                 (layer.query.radius, layer.widest) = (self.radius, self.radius);
             }
         }
-        if pass == 0 {
-            let widest = layers.iter().map(|(_, layer)| layer.widest).fold(f32::MIN_POSITIVE, f32::max);
-            coverage = DiskCoverage::new(widest);
-        }
-        for ((kind, layer), (paths, most)) in layers.iter().zip(shot_as) {
+    }
+
+    /// Learns where disks are whole: at the photons of the caustic map, and for the first pass at photons shot for nothing
+    /// else.
+    fn learn_coverage(
+        &mut self,
+        coverage: &mut DiskCoverage,
+        maps: &[BuiltMap<C>],
+        pass: u32,
+        parallel: &mut impl Parallel,
+    ) -> Result<()> {
+        let is_once = !self.is_progressive();
+        for &BuiltMap { kind, paths, most, ref layer, .. } in maps {
             let radius = layer.query.radius;
-            if *kind == MapKind::Caustic {
+            if kind == MapKind::Caustic {
                 // Its estimates are made anywhere, on whole disks or cut ones.
                 self.rays += coverage.learn(&self.scene, layer.map.photons(), radius, is_once, parallel)?;
             } else if pass == 0 {
                 // Photons of no pass, as no others are known yet.
-                let job = PhotonJob { kind: *kind, paths: paths.div_ceil(SCOUTS), pass: u32::MAX, most };
-                let scouts = shoot(&self.scene, &self.desc, job, parallel)?;
+                let job = PhotonJob { kind, paths: paths.div_ceil(SCOUTS), pass: u32::MAX, most };
+                let scouts = shoot_in::<C>(&self.scene, &self.desc, job, self.wavelengths(pass), parallel)?;
                 self.rays += scouts.tally.rays;
                 self.rays += coverage.learn(&self.scene, &scouts.photons, radius, is_once, parallel)?;
             }
         }
-        if pass == 0 {
-            let one = |((kind, layer), tally): (&(MapKind, MapLayer), &Tally)| note(*kind, layer, tally, by_pixel);
-            notes.extend(layers.iter().zip(&told).map(one));
-        }
-        // What is gathered from now teaches nothing before the next pass.
-        let unlearnt = layers.iter().filter(|(kind, _)| !is_once && *kind != MapKind::Caustic);
-        let unlearnt: Vec<_> = unlearnt.map(|(_, layer)| Arc::clone(&layer.map)).collect();
+        Ok(())
+    }
+
+    /// The integrator that gathers from these maps.
+    fn gatherer(
+        &self,
+        mut maps: Vec<BuiltMap<C>>,
+        aims: Option<Aims>,
+        coverage: DiskCoverage,
+        pass: u32,
+        cancel: &Cancel,
+    ) -> Result<Gather<C>> {
+        let photons = &self.desc.photons;
         let mut take = |wanted: &[MapKind]| {
-            let place = layers.iter().position(|(kind, layer)| wanted.contains(kind) && !layer.map.is_empty())?;
-            Some(layers.swap_remove(place).1)
+            let place = maps.iter().position(|map| wanted.contains(&map.kind) && !map.layer.map.is_empty())?;
+            Some(maps.swap_remove(place).layer)
         };
-        let shrinking = if by_pixel {
-            let (alpha, first) =
-                if self.is_progressive() { (photons.alpha as f32, FIRST_PHOTONS) } else { (1.0, ONLY_PHOTONS) };
-            Shrinking::ByPixel { alpha, first }
-        } else {
-            Shrinking::Together
+        let (direct, caustic) = (take(&[MapKind::Direct]), take(&[MapKind::Caustic]));
+        let diffuse = take(&[MapKind::Indirect, MapKind::Global]);
+        let shrinking = match (self.is_by_pixel(), self.is_progressive()) {
+            (true, true) => Shrinking::ByPixel { alpha: photons.alpha as f32, first: FIRST_PHOTONS },
+            (true, false) => Shrinking::ByPixel { alpha: 1.0, first: ONLY_PHOTONS },
+            (false, _) => Shrinking::Together,
         };
-        let direct = take(&[MapKind::Direct]);
-        let caustic = take(&[MapKind::Caustic]);
-        let later = caustic.as_ref().map(|layer| thinned(layer, &parallel.token())).transpose()?;
-        let mut gather = Gather {
+        let ends = match self.method {
+            PhotonMethod::CommonRadius | PhotonMethod::PixelRadii => PathEnd::AtOnce,
+            PhotonMethod::FinalGather => PathEnd::AfterGather,
+            PhotonMethod::Direct | PhotonMethod::Caustic | PhotonMethod::IrradianceCache => PathEnd::Never,
+        };
+        Ok(Gather {
             cache: None,
+            later_caustic: caustic.as_ref().map(|layer| thinned(layer, cancel)).transpose()?,
             caustic,
-            diffuse: take(&[MapKind::Indirect, MapKind::Global]),
+            diffuse,
             direct,
-            later_caustic: later,
-            coverage: coverage.clone(),
+            coverage,
             ends,
             shrinking,
             pass,
-            wavelengths: (),
+            wavelengths: self.wavelengths(pass),
             max_depth: self.desc.max_depth.unwrap_or(u32::MAX),
             shadow_rays: self.desc.shadow_rays,
             min_photons: photons.min_photons,
             gather_rays: photons.gather_rays,
             aims,
-        };
-        if self.method == IntegratorDesc::IrradianceCache {
-            // Gather rays have bounced once when they begin, so the global map may end them at once.
-            let ends = if gather.diffuse.is_some() { PathEnd::AfterGather } else { PathEnd::Never };
-            let source = Gather { ends, ..gather.clone() };
-            let (cache, report) = IrradianceCache::fill(&self.scene, &self.camera, &self.desc, &source, parallel)?;
-            self.rays += report.rays;
-            notes.extend(report.notes);
-            (gather.cache, gather.diffuse, gather.ends) = (Some(Arc::new(cache)), None, PathEnd::AtCache);
-        }
-        (self.coverage, self.unlearnt) = (coverage, unlearnt);
-        self.notes.extend(notes);
-        Ok(gather)
+        })
     }
+}
+
+/// A map that is to be shot, and how it is queried.
+struct WantedMap {
+    kind: MapKind,
+    /// Light paths.
+    paths: u32,
+    query: MapQuery,
+}
+
+/// The photons of a map, not yet in order.
+struct ShotMap<C: Spectrum> {
+    wanted: WantedMap,
+    /// Photons that memory allowed.
+    most: usize,
+    batch: PhotonBatch<C>,
+}
+
+/// A map that can be queried, and what it was made of.
+struct BuiltMap<C: Spectrum> {
+    kind: MapKind,
+    /// Light paths that were wanted.
+    paths: u32,
+    /// Photons that memory allowed.
+    most: usize,
+    tally: Tally,
+    layer: MapLayer<C>,
+}
+
+/// Puts the photons of each map in order, side by side, each map on one thread.
+fn build_maps<C: Spectrum>(
+    shot: Vec<ShotMap<C>>,
+    shrunk: f32,
+    parallel: &mut impl Parallel,
+) -> Result<Vec<BuiltMap<C>>> {
+    let mut photons = Vec::new();
+    let mut made_of = Vec::new();
+    for ShotMap { wanted, most, batch } in shot {
+        photons.push(Mutex::new(batch.photons));
+        made_of.push((wanted, most, batch.tally));
+    }
+    let token = parallel.token();
+    let built = parallel.map(photons.len(), move |index| {
+        let photons = std::mem::take(&mut *photons[index].lock().unwrap_or_else(PoisonError::into_inner));
+        PhotonMap::build(photons, &token)
+    })?;
+    let mut maps = Vec::new();
+    for ((WantedMap { kind, paths, query }, most, tally), map) in made_of.into_iter().zip(built) {
+        let layer = MapLayer { map: Arc::new(map?), query, widest: query.radius / shrunk };
+        maps.push(BuiltMap { kind, paths, most, tally, layer });
+    }
+    Ok(maps)
 }
 
 impl MapKind {
@@ -367,113 +509,44 @@ impl MapKind {
     }
 }
 
-/// What a user should know about a map.
-fn note(kind: MapKind, layer: &MapLayer, tally: &Tally, by_pixel: bool) -> String {
-    let photons = layer.map.len();
-    let shadows = if tally.shadows > 0 { format!(" and {} shadow photons", tally.shadows) } else { String::new() };
-    let radius = if by_pixel && kind != MapKind::Direct { "radius, at most," } else { "radius" };
-    let lost = if tally.emitted.max_element() > 0.0 {
-        100.0 * tally.escaped.max_element() / tally.emitted.max_element()
-    } else {
-        0.0
-    };
-    format!(
-        "{} photon map: {} photons{shadows} of {} light paths, {lost:.0} % of their light left the scene; {:.1} MiB, {:.0} bytes \
-         a photon; {radius} {:.3e}",
-        kind.name(),
-        tally.stored,
-        tally.paths,
-        layer.map.bytes() as f64 / 1_048_576.0,
-        layer.map.bytes() as f64 / photons.max(1) as f64,
-        layer.query.radius
-    )
-}
+impl<C: Spectrum> BuiltMap<C> {
+    fn is_of_indirect_light(&self) -> bool {
+        matches!(self.kind, MapKind::Indirect | MapKind::Global)
+    }
 
-/// By what a radius has shrunk after so many passes: the root of the product of (i + alpha) / (i + 1).
-///
-/// Source: Knaus and Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach", Eq. 18 to 20.
-pub fn shrunk(passes: u32, alpha: f64) -> f32 {
-    // Where many, the product falls as n^(alpha - 1).
-    let few = passes.min(4096);
-    let product: f64 = (1..=few).map(|i| (f64::from(i) + alpha) / (f64::from(i) + 1.0)).product();
-    let (n, m) = (f64::from(passes) + 1.0, f64::from(few) + 1.0);
-    let rest = if passes > few { (n / m).powf(alpha - 1.0) } else { 1.0 };
-    (product * rest).sqrt() as f32
+    /// What a user should know about the map; `by_pixel`: each pixel has radii of its own.
+    fn note(&self, by_pixel: bool) -> String {
+        let Self { kind, tally, layer, .. } = self;
+        let photons = layer.map.len();
+        let shadows = if tally.shadows > 0 { format!(" and {} shadow photons", tally.shadows) } else { String::new() };
+        let radius = if by_pixel && *kind != MapKind::Direct { "radius, at most," } else { "radius" };
+        let lost = if tally.emitted.max_element() > 0.0 {
+            100.0 * tally.escaped.max_element() / tally.emitted.max_element()
+        } else {
+            0.0
+        };
+        format!(
+            "{} photon map: {} photons{shadows} of {} light paths, {lost:.0} % of their light left the scene; {:.1} MiB, {:.0} \
+             bytes a photon; {radius} {:.3e}",
+            kind.name(),
+            tally.stored,
+            tally.paths,
+            layer.map.bytes() as f64 / 1_048_576.0,
+            layer.map.bytes() as f64 / photons.max(1) as f64,
+            layer.query.radius
+        )
+    }
 }
 
 /// As much light in fewer photons, for a wider radius: every so many'th of the map's order, which keeps them well spread.
-fn thinned(layer: &MapLayer, cancel: &Cancel) -> Result<MapLayer> {
+fn thinned<C: Spectrum>(layer: &MapLayer<C>, cancel: &Cancel) -> Result<MapLayer<C>> {
     let stride = layer.map.len().div_ceil(LATER_PHOTONS).max(1);
-    let mut photons: Vec<Photon> = layer.map.photons().iter().skip(stride / 2).step_by(stride).copied().collect();
+    let mut photons: Vec<Photon<C>> = layer.map.photons().iter().skip(stride / 2).step_by(stride).copied().collect();
     let factor = layer.map.len() as f32 / photons.len().max(1) as f32;
     for photon in &mut photons {
-        photon.power = photon.power.map(|power| power * factor);
+        photon.power = (photon.power() * factor).pack();
     }
     let map = Arc::new(PhotonMap::build(photons, cancel)?);
     let query = MapQuery { neighbours: None, ..layer.query };
     Ok(MapLayer { map, query, widest: LATER_WIDTH * layer.query.radius })
-}
-
-/// The middle one of the radii that hold [`INDIRECT_PHOTONS`] around photons of a map; `otherwise` where it has too few.
-fn middle_radius(map: &PhotonMap, otherwise: f32) -> f32 {
-    let mut nearest = Nearest::default();
-    let stride = map.len().div_ceil(MEASURED).max(1);
-    let mut radii = Vec::new();
-    for photon in map.photons().iter().step_by(stride) {
-        map.nearest(photon.position(), INDIRECT_PHOTONS, f32::INFINITY, &mut nearest);
-        match nearest.found() {
-            [.., (distance2, _)] if nearest.found().len() == INDIRECT_PHOTONS && *distance2 > 0.0 => {
-                radii.push(distance2.sqrt());
-            }
-            _ => {}
-        }
-    }
-    if radii.is_empty() {
-        return otherwise;
-    }
-    let middle = radii.len() / 2;
-    *radii.select_nth_unstable_by(middle, f32::total_cmp).1
-}
-
-/// Lines and columns of the grid of pixels that are looked at for their size.
-const LOOKS: u32 = 32;
-
-/// Mirrors and glass in a row through which a pixel is followed.
-const MOST_SPECULAR: u32 = 16;
-
-/// What the middle one of many pixels sees of a diffuse surface: its distance times the angle of a pixel. Where none is
-/// seen, a thousandth of the scene.
-fn pixel_size(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -> f32 {
-    let [width, height] = resolution.map(|n| n as f32);
-    let mut tracer = SceneTracer::new(scene);
-    let mut sizes = Vec::new();
-    for i in 0..LOOKS * LOOKS {
-        let at = |k: u32, size: f32| (k as f32 + 0.5) / LOOKS as f32 * size;
-        let (x, y) = (at(i % LOOKS, width), at(i / LOOKS, height));
-        let angle = camera.ray(x, y).direction.distance(camera.ray(x + 1.0, y).direction);
-        let mut ray = camera.ray(x, y);
-        let mut way = 0.0;
-        for _ in 0..MOST_SPECULAR {
-            let Some(hit) = tracer.intersect(&ray) else { break };
-            way += hit.t;
-            let vertex = Vertex::<Rgb>::new(scene, &ray, &hit, ());
-            if vertex.bsdf.lobes().have_specular() {
-                // Glass is seen through.
-                let Some(bounce) = vertex.sample_bounce([0.5, 0.5, 0.999, 0.0]) else { break };
-                ray = bounce.ray;
-                continue;
-            }
-            if vertex.bsdf.lobes().have_diffuse() && !vertex.bsdf.is_black() {
-                sizes.push(way * angle);
-            }
-            break;
-        }
-    }
-    let middle = sizes.len() / 2;
-    if sizes.is_empty() {
-        let bounds = &scene.info().bounds;
-        let extent = if bounds.is_empty() { 1.0 } else { (bounds.max - bounds.min).length() };
-        return (1e-3 * extent) as f32;
-    }
-    *sizes.select_nth_unstable_by(middle, f32::total_cmp).1
 }

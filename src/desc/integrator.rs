@@ -1,0 +1,341 @@
+//! The table of integrators: everything that is said of one without running it.
+//!
+//! Readers of files, the command line, the C interface, the schema, notes of a render and `docs/integrators.md` take names and
+//! properties from here. A new integrator is its own file in [`crate::integrator`] and a row below; the compiler then asks
+//! for it where it must be made (`render/method.rs`), and tests ask for its value in `etd_integrator` and its rows in the
+//! documents.
+
+/// What is known of an integrator before it runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IntegratorInfo {
+    /// Its name in files and on the command line.
+    pub name: &'static str,
+    /// Its value in C, of `etd_integrator`.
+    pub c_value: u32,
+    /// What it computes, in one sentence.
+    pub description: &'static str,
+    /// How far its expected image is from the true one.
+    pub bias: Bias,
+    /// How the samples of pixels are taken.
+    pub order: SampleOrder,
+    /// What is made before samples are taken.
+    pub preparation: Preparation,
+    /// Whether `maxDepth` cuts its paths.
+    pub cut_by_max_depth: bool,
+    /// What becomes of each kind of scattering; `None` where another integrator is chosen, whose answer counts.
+    pub lobes: Option<LobeSupport>,
+}
+
+/// How far the expected image of an integrator is from the solution of the rendering equation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bias {
+    /// The expected image is the true one for any number of samples, unless paths are cut (`maxDepth`).
+    Unbiased,
+    /// The expected image has an error of this kind, which vanishes as samples grow, and which error estimates count.
+    Consistent(&'static str),
+    /// The expected image has an error of this kind, which stays, and which error estimates do not know.
+    Biased(&'static str),
+    /// That of the integrator that is chosen.
+    OfChoice,
+}
+
+/// How the samples of pixels are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SampleOrder {
+    /// Many paths at a time, vertex by vertex, so that rays are traced in packets.
+    InWaves,
+    /// One path after another.
+    OneByOne,
+    /// One path after another; each pixel remembers what its density estimates found, between samples.
+    WithPixelMemory,
+    /// As the integrator that is chosen does.
+    OfChoice,
+}
+
+/// What is made of a scene before samples are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preparation {
+    /// Nothing.
+    Nothing,
+    /// Photon maps.
+    PhotonMaps(PhotonMethod, MapRenewal),
+    /// A radiosity solution.
+    RadiositySolution,
+    /// Another integrator is chosen, with its preparation.
+    Choice,
+}
+
+/// A method that reads photon maps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PhotonMethod {
+    /// A map of direct light with shadow photons, and a caustic map.
+    Direct,
+    /// A caustic map.
+    Caustic,
+    /// A caustic map, and a global map behind a final gather.
+    FinalGather,
+    /// A caustic map, and records of irradiance.
+    IrradianceCache,
+    /// A caustic map and a map of indirect light at the first diffuse hit, with one radius for all pixels.
+    CommonRadius,
+    /// The same, with radii of each pixel's own.
+    PixelRadii,
+}
+
+/// When the photon maps of a method are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapRenewal {
+    /// Once.
+    Once,
+    /// For every pass, with radii that shrink.
+    EachPass,
+    /// For every pass unless `photonsProgressive` is false.
+    EachPassByDefault,
+}
+
+/// What an integrator does with light that a surface scatters in one kind of lobe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LobeUse {
+    /// Paths scatter by the lobe, and go on.
+    Followed,
+    /// Light samples and the emitters that the lobe sees give direct light; no path goes on.
+    DirectLight,
+    /// What was stored elsewhere is gathered there; nothing is stored.
+    Gathered,
+    /// Light is stored there (photons, records or irradiance of elements) and gathered; what is not stored, paths find.
+    StoredAndGathered,
+    /// The surface counts as black, and a warning says so.
+    Ignored,
+    /// An error names the surface.
+    Refused,
+}
+
+/// What becomes of each kind of lobe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LobeSupport {
+    /// Lambert's, Oren and Nayar's: wide in every direction.
+    pub diffuse: LobeUse,
+    /// Around a direction, with a density.
+    pub glossy: LobeUse,
+    /// Single directions: perfect mirrors, smooth dielectrics.
+    pub specular: LobeUse,
+}
+
+/// Makes the enumeration, the list of its values and the table out of rows. The comment above a row is its description.
+macro_rules! integrators {
+    ($(
+        #[doc = $description:literal]
+        $(#[$default:ident])?
+        $variant:ident {
+            name: $name:literal,
+            c_value: $c_value:literal,
+            bias: $bias:expr,
+            order: $order:expr,
+            preparation: $preparation:expr,
+            cut_by_max_depth: $cut_by_max_depth:literal,
+            lobes: $lobes:expr,
+        }
+    )*) => {
+        /// A light transport algorithm.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub enum IntegratorDesc {
+            $(#[doc = $description] $(#[$default])? $variant,)*
+        }
+
+        impl IntegratorDesc {
+            /// All of them.
+            pub const ALL: [Self; [$($c_value),*].len()] = [$(Self::$variant),*];
+
+            /// Its row of the table of integrators.
+            pub const fn info(self) -> &'static IntegratorInfo {
+                match self {
+                    $(Self::$variant => {
+                        const INFO: IntegratorInfo = IntegratorInfo {
+                            name: $name,
+                            c_value: $c_value,
+                            description: $description.trim_ascii(),
+                            bias: $bias,
+                            order: $order,
+                            preparation: $preparation,
+                            cut_by_max_depth: $cut_by_max_depth,
+                            lobes: $lobes,
+                        };
+                        &INFO
+                    })*
+                }
+            }
+        }
+    };
+}
+
+/// Paths follow every kind of scattering.
+const FOLLOWED: LobeSupport =
+    LobeSupport { diffuse: LobeUse::Followed, glossy: LobeUse::Followed, specular: LobeUse::Followed };
+
+/// Photons are stored on diffuse surfaces; light paths and eye paths follow everything else.
+const STORED: LobeSupport = LobeSupport { diffuse: LobeUse::StoredAndGathered, ..FOLLOWED };
+
+integrators! {
+    /// Path tracing: all light, by paths from the camera.
+    #[default]
+    Path {
+        name: "path",
+        c_value: 0,
+        bias: Bias::Unbiased,
+        order: SampleOrder::InWaves,
+        preparation: Preparation::Nothing,
+        cut_by_max_depth: true,
+        lobes: Some(FOLLOWED),
+    }
+    /// Direct light, perfect mirrors and glass; no diffuse interreflection.
+    Whitted {
+        name: "whitted",
+        c_value: 1,
+        bias: Bias::Biased("light that is scattered more often"),
+        order: SampleOrder::OneByOne,
+        preparation: Preparation::Nothing,
+        cut_by_max_depth: true,
+        lobes: Some(LobeSupport {
+            diffuse: LobeUse::DirectLight,
+            glossy: LobeUse::DirectLight,
+            specular: LobeUse::Followed,
+        }),
+    }
+    /// Emission and light scattered once.
+    Direct {
+        name: "direct",
+        c_value: 2,
+        bias: Bias::Biased("light that is scattered more often"),
+        order: SampleOrder::InWaves,
+        preparation: Preparation::Nothing,
+        cut_by_max_depth: false,
+        lobes: Some(LobeSupport {
+            diffuse: LobeUse::DirectLight,
+            glossy: LobeUse::DirectLight,
+            specular: LobeUse::DirectLight,
+        }),
+    }
+    /// The report's photon map: direct light from photons, where no shadow photon is among them.
+    PhotonDirect {
+        name: "photon_direct",
+        c_value: 3,
+        bias: Bias::Biased("photon maps that are made once"),
+        order: SampleOrder::WithPixelMemory,
+        preparation: Preparation::PhotonMaps(PhotonMethod::Direct, MapRenewal::Once),
+        cut_by_max_depth: true,
+        lobes: Some(STORED),
+    }
+    /// Path tracing, with caustics from a photon map.
+    Caustic {
+        name: "caustic",
+        c_value: 4,
+        bias: Bias::Consistent("blurred caustics"),
+        order: SampleOrder::WithPixelMemory,
+        preparation: Preparation::PhotonMaps(PhotonMethod::Caustic, MapRenewal::EachPassByDefault),
+        cut_by_max_depth: true,
+        lobes: Some(STORED),
+    }
+    /// A global and a caustic photon map, with final gathering.
+    Photon {
+        name: "photon",
+        c_value: 5,
+        bias: Bias::Biased("photon maps that are made once"),
+        order: SampleOrder::WithPixelMemory,
+        preparation: Preparation::PhotonMaps(PhotonMethod::FinalGather, MapRenewal::Once),
+        cut_by_max_depth: true,
+        lobes: Some(STORED),
+    }
+    /// All light, with indirect diffuse light interpolated between final gathers.
+    IrradianceCache {
+        name: "irradiance_cache",
+        c_value: 6,
+        bias: Bias::Biased("the irradiance cache"),
+        order: SampleOrder::WithPixelMemory,
+        preparation: Preparation::PhotonMaps(PhotonMethod::IrradianceCache, MapRenewal::Once),
+        cut_by_max_depth: true,
+        lobes: Some(STORED),
+    }
+    /// The diffuse scene solved as a whole, for every view of it.
+    Radiosity {
+        name: "radiosity",
+        c_value: 10,
+        bias: Bias::Biased("the radiosity solution"),
+        order: SampleOrder::OneByOne,
+        preparation: Preparation::RadiositySolution,
+        cut_by_max_depth: false,
+        lobes: Some(LobeSupport {
+            diffuse: LobeUse::StoredAndGathered,
+            glossy: LobeUse::Refused,
+            specular: LobeUse::Ignored,
+        }),
+    }
+    /// Progressive photon mapping: a new map every pass, with one shrinking radius.
+    Ppm {
+        name: "ppm",
+        c_value: 7,
+        bias: Bias::Consistent("blurred caustics and indirect light"),
+        order: SampleOrder::WithPixelMemory,
+        preparation: Preparation::PhotonMaps(PhotonMethod::CommonRadius, MapRenewal::EachPass),
+        cut_by_max_depth: true,
+        lobes: Some(STORED),
+    }
+    /// Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel.
+    Sppm {
+        name: "sppm",
+        c_value: 8,
+        bias: Bias::Consistent("blurred caustics and indirect light"),
+        order: SampleOrder::WithPixelMemory,
+        preparation: Preparation::PhotonMaps(PhotonMethod::PixelRadii, MapRenewal::EachPass),
+        cut_by_max_depth: true,
+        lobes: Some(STORED),
+    }
+    /// Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
+    Auto {
+        name: "auto",
+        c_value: 9,
+        bias: Bias::OfChoice,
+        order: SampleOrder::OfChoice,
+        preparation: Preparation::Choice,
+        cut_by_max_depth: true,
+        lobes: None,
+    }
+}
+
+impl IntegratorDesc {
+    /// Its name in files and on the command line.
+    pub const fn name(self) -> &'static str {
+        self.info().name
+    }
+
+    /// The integrator of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|integrator| integrator.name() == name)
+    }
+
+    /// Its value in C, of `etd_integrator`.
+    pub const fn c_value(self) -> u32 {
+        self.info().c_value
+    }
+
+    /// The integrator of this value in C.
+    pub fn from_c_value(value: u32) -> Option<Self> {
+        Self::ALL.into_iter().find(|integrator| integrator.c_value() == value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_and_values_stand_for_one_integrator_each() {
+        for integrator in IntegratorDesc::ALL {
+            assert_eq!(IntegratorDesc::from_name(integrator.name()), Some(integrator));
+            assert_eq!(IntegratorDesc::from_c_value(integrator.c_value()), Some(integrator));
+            // Values have no gap, so that a host may go through them.
+            assert!((integrator.c_value() as usize) < IntegratorDesc::ALL.len(), "{integrator:?}");
+        }
+        assert_eq!(IntegratorDesc::from_c_value(IntegratorDesc::ALL.len() as u32), None);
+        assert_eq!(IntegratorDesc::from_name("bdpt"), None);
+    }
+}

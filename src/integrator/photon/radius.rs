@@ -1,0 +1,91 @@
+//! Radii of density estimates: where they begin, and how they shrink.
+
+use super::super::vertex::Vertex;
+use super::super::{SceneTracer, Tracer as _};
+use super::{Nearest, PhotonMap};
+use crate::bsdf::Model as _;
+use crate::camera::Camera;
+use crate::scene::Scene;
+use crate::spectrum::{Rgb, Spectrum};
+
+/// Photons that the first radius of a map of indirect light holds in the middle, where none is given.
+const INDIRECT_PHOTONS: usize = 150;
+
+/// Photons at which that is measured.
+const MEASURED: usize = 257;
+
+/// By what a radius has shrunk after so many passes: the root of the product of (i + alpha) / (i + 1).
+///
+/// Source: Knaus and Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach", Eq. 18 to 20.
+pub fn shrunk(passes: u32, alpha: f64) -> f32 {
+    // Where many, the product falls as n^(alpha - 1).
+    let few = passes.min(4096);
+    let product: f64 = (1..=few).map(|i| (f64::from(i) + alpha) / (f64::from(i) + 1.0)).product();
+    let (n, m) = (f64::from(passes) + 1.0, f64::from(few) + 1.0);
+    let rest = if passes > few { (n / m).powf(alpha - 1.0) } else { 1.0 };
+    (product * rest).sqrt() as f32
+}
+
+/// The middle one of the radii that hold [`INDIRECT_PHOTONS`] around photons of a map; `otherwise` where it has too few.
+pub(super) fn middle_radius<C: Spectrum>(map: &PhotonMap<C>, otherwise: f32) -> f32 {
+    let mut nearest = Nearest::default();
+    let stride = map.len().div_ceil(MEASURED).max(1);
+    let mut radii = Vec::new();
+    for photon in map.photons().iter().step_by(stride) {
+        map.nearest(photon.position(), INDIRECT_PHOTONS, f32::INFINITY, &mut nearest);
+        match nearest.found() {
+            [.., (distance2, _)] if nearest.found().len() == INDIRECT_PHOTONS && *distance2 > 0.0 => {
+                radii.push(distance2.sqrt());
+            }
+            _ => {}
+        }
+    }
+    if radii.is_empty() {
+        return otherwise;
+    }
+    let middle = radii.len() / 2;
+    *radii.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
+/// Lines and columns of the grid of pixels that are looked at for their size.
+const LOOKS: u32 = 32;
+
+/// Mirrors and glass in a row through which a pixel is followed.
+const MOST_SPECULAR: u32 = 16;
+
+/// What the middle one of many pixels sees of a diffuse surface: its distance times the angle of a pixel. Where none is
+/// seen, a thousandth of the scene.
+pub(super) fn pixel_size(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -> f32 {
+    let [width, height] = resolution.map(|n| n as f32);
+    let mut tracer = SceneTracer::new(scene);
+    let mut sizes = Vec::new();
+    for i in 0..LOOKS * LOOKS {
+        let at = |k: u32, size: f32| (k as f32 + 0.5) / LOOKS as f32 * size;
+        let (x, y) = (at(i % LOOKS, width), at(i / LOOKS, height));
+        let angle = camera.ray(x, y).direction.distance(camera.ray(x + 1.0, y).direction);
+        let mut ray = camera.ray(x, y);
+        let mut way = 0.0;
+        for _ in 0..MOST_SPECULAR {
+            let Some(hit) = tracer.intersect(&ray) else { break };
+            way += hit.t;
+            let vertex = Vertex::<Rgb>::new(scene, &ray, &hit, ());
+            if vertex.bsdf.lobes().have_specular() {
+                // Glass is seen through.
+                let Some(bounce) = vertex.sample_bounce([0.5, 0.5, 0.999, 0.0]) else { break };
+                ray = bounce.ray;
+                continue;
+            }
+            if vertex.bsdf.lobes().have_diffuse() && !vertex.bsdf.is_black() {
+                sizes.push(way * angle);
+            }
+            break;
+        }
+    }
+    let middle = sizes.len() / 2;
+    if sizes.is_empty() {
+        let bounds = &scene.info().bounds;
+        let extent = if bounds.is_empty() { 1.0 } else { (bounds.max - bounds.min).length() };
+        return (1e-3 * extent) as f32;
+    }
+    *sizes.select_nth_unstable_by(middle, f32::total_cmp).1
+}
