@@ -21,7 +21,7 @@ use crate::spectrum::Rgb;
 /// that face each other show a thousand reflections without noise.
 const CERTAIN_BOUNCES: u32 = 1024;
 
-/// From this bounce on a scene's own survival probabilities give way to what the path carries.
+/// From this bounce on the survival probabilities that materials state give way to the library's own.
 pub(super) const OWN_SURVIVAL_BOUNCES: u32 = 64;
 
 /// A path that still carries this share of what it had after its first hit survives with certainty. Time to equal error in
@@ -160,8 +160,8 @@ impl Walk {
         self.eta2 *= bounce.eta * bounce.eta;
         self.bounced = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
 
-        // Roulette: by the scene's own probability at the surface, or by what the path still carries. The ray after the
-        // last allowed hit only looks for a light.
+        // Russian roulette: by the throughput that the path still carries, or by the material's probability where the render
+        // uses those that the scene states. The ray after the last allowed hit only looks for a light.
         if depth < max_depth {
             let carried = self.throughput.max_element() * self.eta2;
             if carried <= 0.0 {

@@ -253,7 +253,7 @@ impl Render {
             _ => Method::Path,
         });
         let filter = Filter::new(&filter_desc);
-        let scene = scene.clone();
+        let scene = scene.with_roulette(desc.roulette);
         let shared = Arc::new(desc.clone());
         let plan = match integrator {
             IntegratorDesc::Path | IntegratorDesc::Whitted | IntegratorDesc::Direct | IntegratorDesc::Radiosity => None,

@@ -23,6 +23,7 @@ mod lower;
 mod mesh;
 mod progress;
 mod record;
+mod roulette;
 mod specular;
 
 pub use build::BuildOptions;
@@ -51,7 +52,7 @@ use record::{AppearanceKey, GeometryRecord};
 pub struct Material {
     /// How it scatters.
     pub bsdf: Bsdf,
-    /// Probability with which a path survives a bounce here, where the scene sets one.
+    /// Probability with which a path survives a bounce here, where Russian roulette uses the one that the scene states.
     pub survival: Option<f32>,
 }
 
@@ -97,6 +98,8 @@ pub struct Scene {
     /// What geometry was made of, and the rest: for [`Scene::rebuild`].
     record: Arc<GeometryRecord>,
     appearance: Arc<AppearanceKey>,
+    /// The survival probability that the description states for each material; `None` where it states none at all.
+    stated_survival: Option<Arc<[Option<f32>]>>,
 }
 
 impl std::fmt::Debug for Scene {
