@@ -3,9 +3,9 @@
  * Generated from the library's sources; changes made here are lost.
  *
  * Objects. A device has threads and a memory limit; a scene is described, then built; a film holds the image; a task is a
- * render that was started; an atlas lays out a light map. Each is held by a pointer with one reference, which its etd_..._release gives back; what an
- * object needs of another it keeps alive itself, so they may be released in any order. Handles that were released must
- * not be used any more: it is reported where it can be noticed, which is not always.
+ * render that was started; an atlas lays out a light map. Each is held by a pointer with one reference, which its
+ * etd_..._release gives back; what an object needs of another it keeps alive itself, so they may be released in any order.
+ * A handle must not be used after the release of its last reference: its memory is freed, and calls cannot tell.
  *
  * Results. Every call that can fail returns an etd_status, changes nothing when it fails, and writes its outputs only on
  * success. Why it failed is kept for the thread (etd_last_error_message) and for the object (etd_scene_status and its
@@ -88,7 +88,9 @@ enum etd_status
      */
     ETD_INVALID_ARGUMENT = 100,
     /**
-     * The pointer is no handle of the kind that was expected, or one that was released.
+     * The pointer is a handle of another kind than was expected, or points to readable memory that is no handle. A handle whose
+     * last reference was given back is not recognised: passing it is undefined behaviour, as for any freed memory. Only a task
+     * whose last reference is being given back, and whose memory is thus still there, is refused with this in its callbacks.
      */
     ETD_INVALID_HANDLE = 101,
     /**
@@ -662,6 +664,31 @@ enum etd_switch
 typedef enum etd_switch etd_switch;
 #else
 typedef uint32_t etd_switch;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * Which survival probability Russian roulette ends paths by. The choice changes noise and time, never the expected image.
+ */
+enum etd_roulette
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * The library's own: a path survives in proportion to the throughput that it still carries.
+     */
+    ETD_ROULETTE_OWN = 0,
+    /**
+     * The one that the scene states for the material (`reflectionRate` in files, `etd_material.survival`), where it does.
+     */
+    ETD_ROULETTE_FILE = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_roulette etd_roulette;
+#else
+typedef uint32_t etd_roulette;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -1357,9 +1384,9 @@ typedef struct etd_render_options {
      */
     uint32_t radiosity_memory;
     /**
-     * Must be 0.
+     * Of every integrator that follows paths: an `etd_roulette`.
      */
-    uint32_t reserved_2;
+    etd_roulette roulette;
 } etd_render_options;
 
 /**
@@ -1429,8 +1456,8 @@ typedef struct etd_material {
      */
     float exterior_ior;
     /**
-     * Survival probability of Russian roulette at this material, in (0, 1]; 0: the library chooses. It changes noise and
-     * time, never the image.
+     * Survival probability of Russian roulette at this material, in (0, 1], for renders with `ETD_ROULETTE_FILE`; 0: the
+     * library chooses in these too. It changes noise and time, never the image.
      */
     float survival;
     /**

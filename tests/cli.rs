@@ -132,6 +132,7 @@ fn bad_usage_has_exit_code_2() {
         with("--filter", "sinc"),
         with("--sampler", "halton"),
         with("--shadow-rays", "0"),
+        with("--roulette", "mine"),
         with("--photons", "0"),
         with("--photons", "536870913"),
         with("--photon-radius", "0"),

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use etendue::ErrorKind;
 use etendue::desc::{
     self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, Dialect, FilterDesc, FovAxis, IntegratorDesc, KernelDesc,
-    PhotonDesc, PhotonSharing, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc,
+    PhotonDesc, PhotonSharing, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc,
 };
 use etendue::math::{DAffine3, DVec3};
 use etendue::spectrum::Rgb;
@@ -82,7 +82,7 @@ fn render_blocks_are_read_with_every_key() {
     let all = render(
         r#""resolution": [640, 480.0], "samples": 256, "sampler": "jittered", "filter": {"type": "gaussian",
           "sigma": 0.25},
-           "maxDepth": 9, "shadowRays": 2, "integrator": {"type": "whitted"}, "seed": 18446744073709551615"#,
+           "maxDepth": 9, "shadowRays": 2, "roulette": "file", "integrator": {"type": "whitted"}, "seed": 18446744073709551615"#,
     );
     let expected = RenderDesc {
         resolution: [640, 480],
@@ -92,6 +92,7 @@ fn render_blocks_are_read_with_every_key() {
         integrator: IntegratorDesc::Whitted,
         max_depth: Some(9),
         shadow_rays: 2,
+        roulette: RouletteDesc::File,
         seed: u64::MAX,
         ..RenderDesc::default()
     };
@@ -446,7 +447,7 @@ fn parameter_files_override_the_render_block() {
     let mut scene = native(r#""render": {"seed": 5, "samples": 3, "sampler": "sobol", "maxDepth": 4}"#);
     desc::apply_params("{}", None, &mut scene).unwrap();
     assert_eq!((scene.render.samples, scene.render.max_depth, scene.warnings.len()), (3, Some(4), 0), "nothing given");
-    let text = r#"{"resolution": [512, 256], "supersamples": [7, "grid"], "maxRayDepth": 9, "shadowRays": 3,
+    let text = r#"{"resolution": [512, 256], "supersamples": [7, "grid"], "maxRayDepth": 9, "shadowRays": 3, "roulette": "file",
         "scalingFactor": [2, 2], "interpolation": "nearest", "recordStatistics": 1, "nonsense": {"a": []}}"#;
     desc::apply_params(text, None, &mut scene).unwrap();
     let expected = RenderDesc {
@@ -455,6 +456,7 @@ fn parameter_files_override_the_render_block() {
         sampler: SamplerDesc::Grid,
         max_depth: Some(9),
         shadow_rays: 3,
+        roulette: RouletteDesc::File,
         seed: 5,
         ..RenderDesc::default()
     };
@@ -478,6 +480,8 @@ fn parameter_files_override_the_render_block() {
         ("{\"supersamples\": [7, \"grid\", 1]}", "line 1: supersamples: too many elements"),
         ("{\"maxRayDepth\": 0}", "line 1: maxRayDepth: 0 is out of range"),
         ("{\"shadowRays\": -1}", "line 1: shadowRays: invalid value: integer `-1`"),
+        ("{\n\"roulette\": \"mine\"}", "line 2: roulette: unknown name `mine`"),
+        ("{\"roulette\": 1}", "line 1: roulette: invalid type: integer `1`"),
         ("{\"photonMap\": true}", "line 1: photonMap: invalid type: boolean `true`, expected a number"),
         (
             "{\n\"photonAmount\": 0}",

@@ -1,6 +1,7 @@
 //! Light transport is written once over what a path carries: four grey wavelengths bring the image of three grey channels.
 
 #[path = "common/scenes.rs"]
+#[allow(dead_code, reason = "shared by several tests")]
 mod scenes;
 
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Sub, SubAssign};

@@ -9,7 +9,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use etendue::bake::{MAX_GUTTER, MAX_SIDE};
 use etendue::desc::{
     FilterDesc, IntegratorDesc, MAX_PHOTONS, MAX_RADIOSITY_ITERATIONS, MAX_SHADOW_RAYS, PhotonDesc, RADII,
-    RadiosityDesc, RadiositySolver, RenderDesc, SamplerDesc,
+    RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
 };
 use etendue::film::ErrorMeasure;
 use etendue::math::DVec3;
@@ -92,6 +92,9 @@ pub struct RenderArgs {
     /// Light samples per hit, in place of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS)))]
     pub shadow_rays: Option<u32>,
+    /// Which survival probability Russian roulette ends paths by, in place of the scene's.
+    #[arg(long, value_enum)]
+    pub roulette: Option<Roulette>,
     /// Light paths of a photon map (of each pass, where maps are made anew), in place of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PHOTONS)))]
     pub photons: Option<u32>,
@@ -429,6 +432,23 @@ pub enum Sampler {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Roulette {
+    /// The library's own, by the throughput that a path still carries.
+    Own,
+    /// The reflectionRate of the scene's materials.
+    File,
+}
+
+impl From<Roulette> for RouletteDesc {
+    fn from(roulette: Roulette) -> Self {
+        match roulette {
+            Roulette::Own => Self::Own,
+            Roulette::File => Self::File,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Solver {
     /// Every element gathers from all others, again and again.
     Gather,
@@ -492,6 +512,7 @@ impl RenderArgs {
             integrator: self.integrator.map_or(scene.integrator, |Integrator(integrator)| integrator),
             max_depth: self.max_depth.map_or(scene.max_depth, |depth| depth.0),
             shadow_rays: self.shadow_rays.unwrap_or(scene.shadow_rays),
+            roulette: self.roulette.map_or(scene.roulette, RouletteDesc::from),
             photons: PhotonDesc {
                 count: self.photons.or(scene.photons.count),
                 radius: self.photon_radius.or(scene.photons.radius),

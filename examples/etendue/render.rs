@@ -5,8 +5,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use etendue::desc::IntegratorDesc;
-use etendue::desc::{self, RenderDesc, SceneDesc};
+use etendue::desc::{self, IntegratorDesc, RenderDesc, RouletteDesc, SceneDesc};
 use etendue::film::Image;
 use etendue::integrator::photon::{Choice, choose};
 use etendue::output::{self, Attribute, Format, WriteOptions};
@@ -158,9 +157,10 @@ fn write_all(
 /// How an image came about, for the file that holds it.
 fn comments(scene: &Path, desc: &RenderDesc, samples: u32) -> String {
     let depth = desc.max_depth.map_or("none".to_owned(), |depth| depth.to_string());
+    let roulette = if desc.roulette == RouletteDesc::File { "; roulette file" } else { "" };
     format!(
         "scene {}; integrator {:?}; samples per pixel {samples}; sampler {:?}; filter {:?}; maximum depth {depth}; \
-         shadow rays {}; seed {}",
+         shadow rays {}; seed {}{roulette}",
         scene.display(),
         desc.integrator,
         desc.sampler,

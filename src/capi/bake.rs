@@ -88,11 +88,10 @@ unsafe fn atlas_options(options: *const etd_atlas_options) -> Result<(AtlasOptio
     // SAFETY: passed on.
     let it = unsafe { read_sized(options, "options") }?;
     let default = AtlasOptions::default();
-    let layout = match it.layout {
-        0 => Layout::Auto,
-        1 => Layout::Charts,
-        2 => Layout::Own,
-        other => return read::unknown("options.layout", other, 2),
+    let layout = match read::enumeration("options.layout", it.layout)? {
+        ETD_ATLAS_LAYOUT_AUTO => Layout::Auto,
+        ETD_ATLAS_LAYOUT_CHARTS => Layout::Charts,
+        ETD_ATLAS_LAYOUT_OWN => Layout::Own,
     };
     if it.reserved != 0 {
         return Err(Failure::argument("options.reserved is not 0"));
@@ -462,10 +461,9 @@ impl Target {
                 format!("target.size is {}: {rows} rows of {row} bytes, {row_stride} apart, do not fit", it.size);
             return Err(Failure::argument(message));
         }
-        let front = match it.side {
-            0 => true,
-            1 => false,
-            other => return read::unknown("target.side", other, 1),
+        let front = match read::enumeration("target.side", it.side)? {
+            ETD_SIDE_FRONT => true,
+            ETD_SIDE_BACK => false,
         };
         Ok(Self {
             irradiance: it.irradiance.cast(),

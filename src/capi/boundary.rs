@@ -89,7 +89,8 @@ impl Callbacks {
 /// What every object begins with.
 #[derive(Debug)]
 pub(super) struct Header {
-    /// Says that the object is alive and of which kind; gone once it is released.
+    /// Says of which kind the object is. Cleared when the object is dropped, which helps a debugger and promises nothing: by
+    /// then the memory is freed.
     tag: AtomicU32,
     poisoned: AtomicBool,
     sticky: Mutex<Option<Failure>>,
@@ -162,26 +163,26 @@ pub(super) fn give<T: Object>(object: Arc<T>, out: *mut *mut T) {
     unsafe { out.write(Arc::into_raw(object).cast_mut()) }
 }
 
-/// Whether `pointer` is a living object of this kind, as far as that can be told.
+/// The object of this kind at `pointer`; an error for NULL and for an object of another kind.
 ///
 /// # Safety
-/// `pointer` must be NULL, or an object of this library, released or not; of a released one memory is read that may have
-/// been given back.
+/// `pointer` must be NULL, a living object of this library, or point to readable memory as large as one that holds none. An
+/// object whose last reference was given back is none of these: its memory is freed, and reading it is undefined behaviour.
 pub(super) unsafe fn peek<'a, T: Object>(pointer: *const T) -> Result<&'a T> {
     if pointer.is_null() {
         return Err(Failure::argument(format!("the {} is NULL", T::NAME)));
     }
     let tag = if pointer.is_aligned() {
-        // SAFETY: an object of this kind has its tag there; whatever else the host passes is the host's to answer for.
+        // SAFETY: readable by the caller's contract; an object of this kind has its tag there.
         unsafe { ptr::read_volatile(pointer.byte_add(T::TAG_AT).cast::<u32>()) }
     } else {
         0
     };
     if tag != T::TAG {
-        let message = format!("the pointer is no {}, or one that was released", T::NAME);
+        let message = format!("the pointer is no {}", T::NAME);
         return Err(Failure::new(ETD_INVALID_HANDLE, message));
     }
-    // SAFETY: alive and of this kind.
+    // SAFETY: of this kind, and alive by the caller's contract.
     Ok(unsafe { &*pointer })
 }
 
@@ -228,7 +229,7 @@ pub(super) unsafe fn retain<T: Object>(pointer: *const T) -> etd_status {
     })
 }
 
-/// One reference less. NULL and what is no living object are left alone.
+/// One reference less. NULL and what is no object of this kind are left alone.
 ///
 /// # Safety
 /// As for [`peek`].

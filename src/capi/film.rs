@@ -406,15 +406,14 @@ pub unsafe extern "C" fn etd_film_copy(
             let (data, channels) = film.layer(&frame, layer)?;
             let is_color = layer == ETD_LAYER_COLOR as u32;
             let [width, height] = film.resolution.map(|n| n as usize);
-            let (values, value_size) = match it.format {
-                0 => (channels, 4),
-                1..=3 if !is_color => {
+            let (values, value_size) = match read::enumeration("options.format", it.format)? {
+                ETD_FORMAT_FLOAT => (channels, 4),
+                _ if !is_color => {
                     return Err(Failure::argument("options.format: layers other than the colour are copied as floats"));
                 }
-                1 => (3, 4),
-                2 => (3, 1),
-                3 => (4, 1),
-                other => return read::unknown("options.format", other, 3),
+                ETD_FORMAT_RGB_FLOAT => (3, 4),
+                ETD_FORMAT_RGB8 => (3, 1),
+                ETD_FORMAT_RGBA8 => (4, 1),
             };
             let row = width * values * value_size;
             let stride = if row_stride == 0 { row } else { row_stride };

@@ -8,10 +8,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::boundary::{UserData, need, on, optional_text, read_sized, text};
 use super::describe::find;
-use super::read::unknown;
+use super::read::enumeration;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
-use super::types::{etd_mesh, etd_release_fn};
+use super::types::{ETD_COPY, ETD_POSITION_DOUBLE3, ETD_POSITION_FLOAT3, ETD_SHARE, etd_mesh, etd_release_fn};
 use crate::buffer::{Buffer, Element};
 use crate::desc::{HostMesh, MeshDesc};
 use crate::math::DVec3;
@@ -130,15 +130,13 @@ unsafe fn with_mesh<R>(pointer: *const etd_mesh, take: impl FnOnce(MeshDesc) -> 
             return Err(Failure::argument(format!("mesh.{what} is {count}, expected 1 to 2^32 - 2")));
         }
     }
-    let is_double = match it.position_format {
-        0 => false,
-        1 => true,
-        other => return unknown("mesh.position_format", other, 1),
+    let is_double = match enumeration("mesh.position_format", it.position_format)? {
+        ETD_POSITION_FLOAT3 => false,
+        ETD_POSITION_DOUBLE3 => true,
     };
-    let is_shared = match it.sharing {
-        0 => false,
-        1 => true,
-        other => return unknown("mesh.sharing", other, 1),
+    let is_shared = match enumeration("mesh.sharing", it.sharing)? {
+        ETD_COPY => false,
+        ETD_SHARE => true,
     };
     if is_shared && is_double {
         return Err(Failure::argument("mesh.positions of double cannot be shared, only copied"));

@@ -1,4 +1,4 @@
-//! From plain numbers of the host to the description's types: enumerations checked, structures read.
+//! From plain numbers of the host to the description's types: enumerations checked, structures read; and the other way round.
 
 use super::boundary::read_sized;
 use super::status::{Failure, Result};
@@ -6,7 +6,7 @@ use super::types::*;
 use crate::Error;
 use crate::desc::{
     BsdfDesc, CacheDesc, CacheSource, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, KernelDesc, PhotonDesc,
-    PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, SamplerDesc,
+    PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
 };
 use crate::film::ErrorMeasure;
 use crate::math::{DAffine3, DMat3, DVec3};
@@ -14,9 +14,13 @@ use crate::output::ToneMap;
 use crate::render::MOST_SAMPLES;
 use crate::spectrum::Rgb;
 
-/// A number that stands for no value of its enumeration.
-pub(super) fn unknown<T>(name: &str, value: u32, last: u32) -> Result<T> {
-    Err(Failure::argument(format!("{name} is {value}, expected 0 to {last}")))
+/// The value of an enumeration that a number of the host stands for; `name` is the field's or the argument's.
+pub(super) fn enumeration<T: Enumeration>(name: &str, number: u32) -> Result<T> {
+    let value = T::ALL.iter().copied().find(|value| value.number() == number);
+    value.ok_or_else(|| {
+        let last = T::ALL.last().map_or(0, |last| last.number());
+        Failure::argument(format!("{name} is {number}, expected 0 to {last}"))
+    })
 }
 
 /// # Safety
@@ -25,33 +29,39 @@ pub(super) unsafe fn camera(pointer: *const etd_camera) -> Result<CameraDesc> {
     // SAFETY: passed on.
     let it = unsafe { read_sized(pointer, "camera") }?;
     let [origin, look_at, up] = [it.origin, it.look_at, it.up].map(DVec3::from_array);
-    let fov_axis = match it.fov_axis {
-        0 => FovAxis::Horizontal,
-        1 => FovAxis::Vertical,
-        other => return unknown("camera.fov_axis", other, 1),
+    let fov_axis = match enumeration("camera.fov_axis", it.fov_axis)? {
+        ETD_FOV_HORIZONTAL => FovAxis::Horizontal,
+        ETD_FOV_VERTICAL => FovAxis::Vertical,
     };
-    match it.projection {
-        0 => Ok(CameraDesc::Perspective { eye: origin, look_at, up, fov_deg: it.fov_deg, fov_axis }),
-        1 if fov_axis == FovAxis::Vertical => {
+    match enumeration("camera.projection", it.projection)? {
+        ETD_CAMERA_PERSPECTIVE => {
+            Ok(CameraDesc::Perspective { eye: origin, look_at, up, fov_deg: it.fov_deg, fov_axis })
+        }
+        ETD_CAMERA_VIEW_PLANE if fov_axis == FovAxis::Vertical => {
             Err(Failure::argument("camera.fov_axis: a view-plane camera's field of view is horizontal"))
         }
-        1 => Ok(CameraDesc::ViewPlane { centre: origin, look_at, up, fov_deg: it.fov_deg }),
-        other => unknown("camera.projection", other, 1),
+        ETD_CAMERA_VIEW_PLANE => Ok(CameraDesc::ViewPlane { centre: origin, look_at, up, fov_deg: it.fov_deg }),
     }
 }
 
 /// The other way round.
 pub(super) fn camera_out(camera: &CameraDesc) -> etd_camera {
     let (projection, origin, look_at, up, fov_deg, axis) = match *camera {
-        CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis } => (0, eye, look_at, up, fov_deg, fov_axis),
-        CameraDesc::ViewPlane { centre, look_at, up, fov_deg } => {
-            (1, centre, look_at, up, fov_deg, FovAxis::Horizontal)
+        CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis } => {
+            (ETD_CAMERA_PERSPECTIVE, eye, look_at, up, fov_deg, fov_axis)
         }
+        CameraDesc::ViewPlane { centre, look_at, up, fov_deg } => {
+            (ETD_CAMERA_VIEW_PLANE, centre, look_at, up, fov_deg, FovAxis::Horizontal)
+        }
+    };
+    let fov_axis = match axis {
+        FovAxis::Horizontal => ETD_FOV_HORIZONTAL,
+        FovAxis::Vertical => ETD_FOV_VERTICAL,
     };
     etd_camera {
         struct_size: size_of::<etd_camera>(),
-        projection,
-        fov_axis: u32::from(axis == FovAxis::Vertical),
+        projection: projection.number(),
+        fov_axis: fov_axis.number(),
         origin: origin.to_array(),
         look_at: look_at.to_array(),
         up: up.to_array(),
@@ -68,17 +78,18 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc,
         return Err(Failure::argument("material.reserved is not 0"));
     }
     let color = Rgb::from_array(it.color);
-    let bsdf = match it.bsdf {
-        0 => BsdfDesc::Black,
-        1 => BsdfDesc::Lambert { albedo: color },
-        2 => BsdfDesc::OrenNayar { albedo: color, roughness: it.roughness },
-        3 => BsdfDesc::OrenNayarQualitative { albedo: color, sigma: it.sigma_deg.to_radians() },
-        4 => BsdfDesc::Mirror { reflectance: color },
-        5 => {
+    let bsdf = match enumeration("material.bsdf", it.bsdf)? {
+        ETD_BSDF_BLACK => BsdfDesc::Black,
+        ETD_BSDF_LAMBERT => BsdfDesc::Lambert { albedo: color },
+        ETD_BSDF_OREN_NAYAR => BsdfDesc::OrenNayar { albedo: color, roughness: it.roughness },
+        ETD_BSDF_OREN_NAYAR_QUALITATIVE => {
+            BsdfDesc::OrenNayarQualitative { albedo: color, sigma: it.sigma_deg.to_radians() }
+        }
+        ETD_BSDF_MIRROR => BsdfDesc::Mirror { reflectance: color },
+        ETD_BSDF_DIELECTRIC => {
             let exterior_ior = if it.exterior_ior == 0.0 { 1.0 } else { it.exterior_ior };
             BsdfDesc::Dielectric { ior: it.ior, exterior_ior }
         }
-        other => return unknown("material.bsdf", other, 5),
     };
     Ok((bsdf, (it.survival != 0.0).then_some(it.survival)))
 }
@@ -87,7 +98,7 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc,
 pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>) -> etd_material {
     let mut it = etd_material {
         struct_size: size_of::<etd_material>(),
-        bsdf: 0,
+        bsdf: ETD_BSDF_BLACK.number(),
         color: [0.0; 3],
         roughness: 0.0,
         sigma_deg: 0.0,
@@ -96,20 +107,30 @@ pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>) -> etd_materi
         survival: survival.unwrap_or(0.0),
         reserved: 0,
     };
-    match *bsdf {
-        BsdfDesc::Black => {}
-        BsdfDesc::Lambert { albedo } => (it.bsdf, it.color) = (1, albedo.to_array()),
+    let model = match *bsdf {
+        BsdfDesc::Black => ETD_BSDF_BLACK,
+        BsdfDesc::Lambert { albedo } => {
+            it.color = albedo.to_array();
+            ETD_BSDF_LAMBERT
+        }
         BsdfDesc::OrenNayar { albedo, roughness } => {
-            (it.bsdf, it.color, it.roughness) = (2, albedo.to_array(), roughness);
+            (it.color, it.roughness) = (albedo.to_array(), roughness);
+            ETD_BSDF_OREN_NAYAR
         }
         BsdfDesc::OrenNayarQualitative { albedo, sigma } => {
-            (it.bsdf, it.color, it.sigma_deg) = (3, albedo.to_array(), sigma.to_degrees());
+            (it.color, it.sigma_deg) = (albedo.to_array(), sigma.to_degrees());
+            ETD_BSDF_OREN_NAYAR_QUALITATIVE
         }
-        BsdfDesc::Mirror { reflectance } => (it.bsdf, it.color) = (4, reflectance.to_array()),
+        BsdfDesc::Mirror { reflectance } => {
+            it.color = reflectance.to_array();
+            ETD_BSDF_MIRROR
+        }
         BsdfDesc::Dielectric { ior, exterior_ior } => {
-            (it.bsdf, it.ior, it.exterior_ior) = (5, ior, exterior_ior);
+            (it.ior, it.exterior_ior) = (ior, exterior_ior);
+            ETD_BSDF_DIELECTRIC
         }
-    }
+    };
+    it.bsdf = model.number();
     it
 }
 
@@ -151,28 +172,34 @@ pub(super) fn render(it: &etd_render_options, resolution: [u32; 2]) -> Result<Re
     let desc = RenderDesc {
         resolution,
         samples: if it.samples == 0 { MOST_SAMPLES } else { it.samples },
-        sampler: match it.sampler {
-            0 => SamplerDesc::Sobol,
-            1 => SamplerDesc::Random,
-            2 => SamplerDesc::Jittered,
-            3 => SamplerDesc::Grid,
-            4 => SamplerDesc::Gaussian,
-            other => return unknown("options.sampler", other, 4),
+        sampler: match enumeration("options.sampler", it.sampler)? {
+            ETD_SAMPLER_SOBOL => SamplerDesc::Sobol,
+            ETD_SAMPLER_RANDOM => SamplerDesc::Random,
+            ETD_SAMPLER_JITTERED => SamplerDesc::Jittered,
+            ETD_SAMPLER_GRID => SamplerDesc::Grid,
+            ETD_SAMPLER_GAUSSIAN => SamplerDesc::Gaussian,
         },
-        filter: match it.filter {
-            0 => FilterDesc::Box,
-            1 => FilterDesc::Tent,
-            2 => FilterDesc::Gaussian { sigma: if a == 0.0 { 0.5 } else { a } },
-            3 => FilterDesc::BlackmanHarris,
-            4 => FilterDesc::Mitchell { b: a, c: b },
-            other => return unknown("options.filter", other, 4),
+        filter: match enumeration("options.filter", it.filter)? {
+            ETD_FILTER_BOX => FilterDesc::Box,
+            ETD_FILTER_TENT => FilterDesc::Tent,
+            ETD_FILTER_GAUSSIAN => FilterDesc::Gaussian { sigma: if a == 0.0 { 0.5 } else { a } },
+            ETD_FILTER_BLACKMAN_HARRIS => FilterDesc::BlackmanHarris,
+            ETD_FILTER_MITCHELL => FilterDesc::Mitchell { b: a, c: b },
         },
         integrator: match IntegratorDesc::from_c_value(it.integrator) {
             Some(integrator) => integrator,
-            None => return unknown("options.integrator", it.integrator, IntegratorDesc::ALL.len() as u32 - 1),
+            None => {
+                let last = IntegratorDesc::ALL.iter().map(|integrator| integrator.c_value()).max().unwrap_or(0);
+                let message = format!("options.integrator is {}, expected 0 to {last}", it.integrator);
+                return Err(Failure::argument(message));
+            }
         },
         max_depth: (it.max_depth != 0).then_some(it.max_depth),
         shadow_rays: it.shadow_rays.max(1),
+        roulette: match enumeration("options.roulette", it.roulette)? {
+            ETD_ROULETTE_OWN => RouletteDesc::Own,
+            ETD_ROULETTE_FILE => RouletteDesc::File,
+        },
         photons: photons(it)?,
         cache: cache(it)?,
         radiosity: radiosity(it)?,
@@ -187,35 +214,31 @@ fn given<T: PartialEq + Default>(value: T) -> Option<T> {
     (value != T::default()).then_some(value)
 }
 
-/// An `etd_switch`.
-fn switch(name: &str, value: u32, default: bool) -> Result<bool> {
-    match value {
-        0 => Ok(default),
-        1 => Ok(true),
-        2 => Ok(false),
-        other => unknown(name, other, 2),
-    }
-}
-
-/// What is said of adaptive sampling, if anything is.
-pub(super) fn adaptive(it: &etd_render_options) -> Result<Option<bool>> {
-    match it.adaptive {
-        0 => Ok(None),
-        value => switch("options.adaptive", value, false).map(Some),
-    }
-}
-
-pub(super) fn error_measure(it: &etd_render_options) -> Result<ErrorMeasure> {
-    match it.error_measure {
-        0 => Ok(ErrorMeasure::RelMse),
-        1 => Ok(ErrorMeasure::Display),
-        other => unknown("options.error_measure", other, 1),
-    }
+/// What an `etd_switch` says, where it does not leave the choice to the field's default.
+fn switch(name: &str, number: u32) -> Result<Option<bool>> {
+    Ok(match enumeration(name, number)? {
+        ETD_SWITCH_DEFAULT => None,
+        ETD_SWITCH_ON => Some(true),
+        ETD_SWITCH_OFF => Some(false),
+    })
 }
 
 /// The other way round.
 fn switch_out(on: bool) -> u32 {
-    if on { 1 } else { 2 }
+    let switch = if on { ETD_SWITCH_ON } else { ETD_SWITCH_OFF };
+    switch.number()
+}
+
+/// What is said of adaptive sampling, if anything is.
+pub(super) fn adaptive(it: &etd_render_options) -> Result<Option<bool>> {
+    switch("options.adaptive", it.adaptive)
+}
+
+pub(super) fn error_measure(it: &etd_render_options) -> Result<ErrorMeasure> {
+    Ok(match enumeration("options.error_measure", it.error_measure)? {
+        ETD_ERROR_RELMSE => ErrorMeasure::RelMse,
+        ETD_ERROR_DISPLAY => ErrorMeasure::Display,
+    })
 }
 
 /// A field's complaint in the words of the interface: what a file calls `photonKernel.k` is `photon_kernel_k` here.
@@ -234,7 +257,7 @@ fn in_options(error: Error) -> Failure {
 /// Settings of photon maps.
 fn photons(it: &etd_render_options) -> Result<PhotonDesc> {
     let default = PhotonDesc::default();
-    if it.reserved != 0 || it.reserved_2 != 0 {
+    if it.reserved != 0 {
         return Err(Failure::argument("options.reserved is not 0"));
     }
     Ok(PhotonDesc {
@@ -247,21 +270,19 @@ fn photons(it: &etd_render_options) -> Result<PhotonDesc> {
             u32::MAX => Some(0),
             given_count => given(given_count),
         },
-        kernel: match it.photon_kernel {
-            0 => None,
-            1 => Some(KernelDesc::Flat),
-            2 => Some(KernelDesc::Cone { k: given(it.photon_kernel_k).unwrap_or(1.0) }),
-            3 => Some(KernelDesc::Epanechnikov),
-            other => return unknown("options.photon_kernel", other, 3),
+        kernel: match enumeration("options.photon_kernel", it.photon_kernel)? {
+            ETD_PHOTON_KERNEL_DEFAULT => None,
+            ETD_PHOTON_KERNEL_FLAT => Some(KernelDesc::Flat),
+            ETD_PHOTON_KERNEL_CONE => Some(KernelDesc::Cone { k: given(it.photon_kernel_k).unwrap_or(1.0) }),
+            ETD_PHOTON_KERNEL_EPANECHNIKOV => Some(KernelDesc::Epanechnikov),
         },
         alpha: given(it.photon_alpha).unwrap_or(default.alpha),
-        sharing: match it.photon_sharing {
-            0 => PhotonSharing::Power,
-            1 => PhotonSharing::Area,
-            other => return unknown("options.photon_sharing", other, 1),
+        sharing: match enumeration("options.photon_sharing", it.photon_sharing)? {
+            ETD_PHOTON_SHARING_POWER => PhotonSharing::Power,
+            ETD_PHOTON_SHARING_AREA => PhotonSharing::Area,
         },
-        guided: switch("options.photons_guided", it.photons_guided, default.guided)?,
-        progressive: switch("options.photons_progressive", it.photons_progressive, default.progressive)?,
+        guided: switch("options.photons_guided", it.photons_guided)?.unwrap_or(default.guided),
+        progressive: switch("options.photons_progressive", it.photons_progressive)?.unwrap_or(default.progressive),
         gather_rays: given(it.gather_rays).unwrap_or(default.gather_rays),
         memory: given(it.photon_memory).unwrap_or(default.memory),
     })
@@ -275,10 +296,9 @@ fn cache(it: &etd_render_options) -> Result<CacheDesc> {
         rays: given(it.cache_rays).unwrap_or(default.rays),
         min_spacing: given(it.cache_min_spacing).unwrap_or(default.min_spacing),
         max_spacing: given(it.cache_max_spacing).unwrap_or(default.max_spacing),
-        source: match it.cache_source {
-            0 => CacheSource::Paths,
-            1 => CacheSource::Photons,
-            other => return unknown("options.cache_source", other, 1),
+        source: match enumeration("options.cache_source", it.cache_source)? {
+            ETD_CACHE_SOURCE_PATHS => CacheSource::Paths,
+            ETD_CACHE_SOURCE_PHOTONS => CacheSource::Photons,
         },
     })
 }
@@ -294,13 +314,13 @@ fn radiosity(it: &etd_render_options) -> Result<RadiosityDesc> {
             count => given(count),
         },
         tolerance: given(it.radiosity_tolerance).unwrap_or(default.tolerance),
-        solver: match it.radiosity_solver {
-            0 => RadiositySolver::Gather,
-            1 => RadiositySolver::Shoot,
-            other => return unknown("options.radiosity_solver", other, 1),
+        solver: match enumeration("options.radiosity_solver", it.radiosity_solver)? {
+            ETD_RADIOSITY_SOLVER_GATHER => RadiositySolver::Gather,
+            ETD_RADIOSITY_SOLVER_SHOOT => RadiositySolver::Shoot,
         },
-        ambient: switch("options.radiosity_ambient", it.radiosity_ambient, default.ambient)?,
-        final_gather: switch("options.radiosity_final_gather", it.radiosity_final_gather, default.final_gather)?,
+        ambient: switch("options.radiosity_ambient", it.radiosity_ambient)?.unwrap_or(default.ambient),
+        final_gather: switch("options.radiosity_final_gather", it.radiosity_final_gather)?
+            .unwrap_or(default.final_gather),
         memory: given(it.radiosity_memory).unwrap_or(default.memory),
     })
 }
@@ -308,30 +328,31 @@ fn radiosity(it: &etd_render_options) -> Result<RadiosityDesc> {
 /// The other way round.
 pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
     let (filter, filter_parameters) = match desc.filter {
-        FilterDesc::Box => (0, [0.0; 2]),
-        FilterDesc::Tent => (1, [0.0; 2]),
-        FilterDesc::Gaussian { sigma } => (2, [sigma, 0.0]),
-        FilterDesc::BlackmanHarris => (3, [0.0; 2]),
-        FilterDesc::Mitchell { b, c } => (4, [b, c]),
+        FilterDesc::Box => (ETD_FILTER_BOX, [0.0; 2]),
+        FilterDesc::Tent => (ETD_FILTER_TENT, [0.0; 2]),
+        FilterDesc::Gaussian { sigma } => (ETD_FILTER_GAUSSIAN, [sigma, 0.0]),
+        FilterDesc::BlackmanHarris => (ETD_FILTER_BLACKMAN_HARRIS, [0.0; 2]),
+        FilterDesc::Mitchell { b, c } => (ETD_FILTER_MITCHELL, [b, c]),
     };
     let (photons, cache, radiosity) = (&desc.photons, &desc.cache, &desc.radiosity);
     let (photon_kernel, photon_kernel_k) = match photons.kernel {
-        None => (0, 0.0),
-        Some(KernelDesc::Flat) => (1, 0.0),
-        Some(KernelDesc::Cone { k }) => (2, k),
-        Some(KernelDesc::Epanechnikov) => (3, 0.0),
+        None => (ETD_PHOTON_KERNEL_DEFAULT, 0.0),
+        Some(KernelDesc::Flat) => (ETD_PHOTON_KERNEL_FLAT, 0.0),
+        Some(KernelDesc::Cone { k }) => (ETD_PHOTON_KERNEL_CONE, k),
+        Some(KernelDesc::Epanechnikov) => (ETD_PHOTON_KERNEL_EPANECHNIKOV, 0.0),
     };
     etd_render_options {
         struct_size: size_of::<etd_render_options>(),
         integrator: desc.integrator.c_value(),
         sampler: match desc.sampler {
-            SamplerDesc::Sobol => 0,
-            SamplerDesc::Random => 1,
-            SamplerDesc::Jittered => 2,
-            SamplerDesc::Grid => 3,
-            SamplerDesc::Gaussian => 4,
-        },
-        filter,
+            SamplerDesc::Sobol => ETD_SAMPLER_SOBOL,
+            SamplerDesc::Random => ETD_SAMPLER_RANDOM,
+            SamplerDesc::Jittered => ETD_SAMPLER_JITTERED,
+            SamplerDesc::Grid => ETD_SAMPLER_GRID,
+            SamplerDesc::Gaussian => ETD_SAMPLER_GAUSSIAN,
+        }
+        .number(),
+        filter: filter.number(),
         filter_parameters,
         samples: desc.samples,
         max_depth: desc.max_depth.unwrap_or(0),
@@ -355,24 +376,26 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
             Some(0) => u32::MAX,
             count => count.unwrap_or(0),
         },
-        photon_kernel,
+        photon_kernel: photon_kernel.number(),
         photon_kernel_k,
         photon_sharing: match photons.sharing {
-            PhotonSharing::Power => 0,
-            PhotonSharing::Area => 1,
-        },
+            PhotonSharing::Power => ETD_PHOTON_SHARING_POWER,
+            PhotonSharing::Area => ETD_PHOTON_SHARING_AREA,
+        }
+        .number(),
         photons_guided: switch_out(photons.guided),
         photons_progressive: switch_out(photons.progressive),
         gather_rays: photons.gather_rays,
         photon_memory: photons.memory,
         cache_rays: cache.rays,
         cache_source: match cache.source {
-            CacheSource::Paths => 0,
-            CacheSource::Photons => 1,
-        },
+            CacheSource::Paths => ETD_CACHE_SOURCE_PATHS,
+            CacheSource::Photons => ETD_CACHE_SOURCE_PHOTONS,
+        }
+        .number(),
         reserved: 0,
-        error_measure: 0,
-        adaptive: 0,
+        error_measure: ETD_ERROR_RELMSE.number(),
+        adaptive: ETD_SWITCH_DEFAULT.number(),
         radiosity_element_size: radiosity.element_size.unwrap_or(0.0),
         radiosity_error: radiosity.error,
         radiosity_tolerance: radiosity.tolerance,
@@ -381,25 +404,29 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
             count => count.unwrap_or(0),
         },
         radiosity_solver: match radiosity.solver {
-            RadiositySolver::Gather => 0,
-            RadiositySolver::Shoot => 1,
-        },
+            RadiositySolver::Gather => ETD_RADIOSITY_SOLVER_GATHER,
+            RadiositySolver::Shoot => ETD_RADIOSITY_SOLVER_SHOOT,
+        }
+        .number(),
         radiosity_ambient: switch_out(radiosity.ambient),
         radiosity_final_gather: switch_out(radiosity.final_gather),
         radiosity_memory: radiosity.memory,
-        reserved_2: 0,
+        roulette: match desc.roulette {
+            RouletteDesc::Own => ETD_ROULETTE_OWN,
+            RouletteDesc::File => ETD_ROULETTE_FILE,
+        }
+        .number(),
     }
 }
 
 /// A tone map.
-pub(super) fn tone_map(value: u32) -> Result<ToneMap> {
-    match value {
-        0 => Ok(ToneMap::Clamp),
-        1 => Ok(ToneMap::Maximum),
-        2 => Ok(ToneMap::Reinhard),
-        3 => Ok(ToneMap::Aces),
-        other => unknown("options.tone_map", other, 3),
-    }
+pub(super) fn tone_map(number: u32) -> Result<ToneMap> {
+    Ok(match enumeration("options.tone_map", number)? {
+        ETD_TONE_MAP_CLAMP => ToneMap::Clamp,
+        ETD_TONE_MAP_MAXIMUM => ToneMap::Maximum,
+        ETD_TONE_MAP_REINHARD => ToneMap::Reinhard,
+        ETD_TONE_MAP_ACES => ToneMap::Aces,
+    })
 }
 
 #[cfg(test)]
@@ -448,6 +475,7 @@ mod tests {
             memory: 7,
         };
         let mut all_kinds = vec![RenderDesc { photons: all, cache: cached, radiosity: solved, ..bare.clone() }];
+        all_kinds.push(RenderDesc { roulette: RouletteDesc::File, ..bare.clone() });
         let iterations = RadiosityDesc { iterations: Some(3), ..RadiosityDesc::default() };
         all_kinds.push(RenderDesc { radiosity: iterations, ..bare.clone() });
         for integrator in IntegratorDesc::ALL {
@@ -473,8 +501,19 @@ mod tests {
         (it.radiosity_ambient, it.radiosity_final_gather) = (0, 0);
         let resolution = RenderDesc::default().resolution;
         assert_eq!(render(&it, resolution).ok(), Some(RenderDesc::default()));
-        (it.photon_kernel, it.photon_kernel_k) = (2, 0.0);
+        (it.photon_kernel, it.photon_kernel_k) = (ETD_PHOTON_KERNEL_CONE.number(), 0.0);
         let kernel = render(&it, resolution).ok().and_then(|desc| desc.photons.kernel);
         assert_eq!(kernel, Some(KernelDesc::Cone { k: 1.0 }));
+    }
+
+    #[test]
+    fn numbers_without_a_value_are_refused_by_name() {
+        for bsdf in etd_bsdf::ALL {
+            assert_eq!(enumeration::<etd_bsdf>("material.bsdf", bsdf.number()).ok(), Some(*bsdf));
+        }
+        let refused = enumeration::<etd_bsdf>("material.bsdf", 6).unwrap_err();
+        assert_eq!(refused.message, "material.bsdf is 6, expected 0 to 5");
+        let refused = render(&etd_render_options { roulette: 2, ..options() }, [1, 1]).unwrap_err();
+        assert_eq!(refused.message, "options.roulette is 2, expected 0 to 1");
     }
 }

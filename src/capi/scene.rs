@@ -16,7 +16,8 @@ use super::progress::Reporter;
 use super::read;
 use super::status::{ETD_INVALID_SCENE, Failure, Result, etd_status};
 use super::types::{
-    ETD_LOG_INFO, ETD_LOG_WARNING, EtdText, etd_progress_fn, etd_render_options, etd_scene_info, etd_scene_options,
+    ETD_LOG_INFO, ETD_LOG_WARNING, ETD_TEXT_INFO, ETD_TEXT_WARNINGS, ETD_USAGE_DYNAMIC, ETD_USAGE_STATIC, EtdText,
+    etd_progress_fn, etd_render_options, etd_scene_info, etd_scene_options,
 };
 use crate::Cancel;
 use crate::desc::{self, SceneDesc};
@@ -184,10 +185,9 @@ unsafe fn read_options<'a>(options: *const etd_scene_options) -> Result<(bool, &
     if it.reserved != 0 {
         return Err(Failure::argument("options.reserved is not 0"));
     }
-    let dynamic = match it.usage {
-        0 => false,
-        1 => true,
-        other => return read::unknown("options.usage", other, 1),
+    let dynamic = match read::enumeration("options.usage", it.usage)? {
+        ETD_USAGE_STATIC => false,
+        ETD_USAGE_DYNAMIC => true,
     };
     let base_dir = if base_dir.is_empty() { "." } else { base_dir };
     Ok((dynamic, Path::new(base_dir), (!params.is_empty()).then(|| PathBuf::from(params))))
@@ -405,16 +405,15 @@ pub unsafe extern "C" fn etd_scene_copy_text(
     // SAFETY: passed on.
     unsafe {
         on(scene, |scene| {
-            let text = match which {
-                0 => scene.with_built(|built| built.info().to_string())?,
-                1 => {
+            let text = match read::enumeration("which", which)? {
+                ETD_TEXT_INFO => scene.with_built(|built| built.info().to_string())?,
+                ETD_TEXT_WARNINGS => {
                     let mut lines = scene.desc().warnings.clone();
                     if let Some(built) = &*scene.built.load() {
                         lines.extend(built.warnings().iter().cloned());
                     }
                     lines.join("\n")
                 }
-                other => return read::unknown("which", other, 1),
             };
             copy_text(&text, buffer, capacity, out_needed)
         })

@@ -18,7 +18,9 @@ pub enum etd_status {
 
     /// An argument is NULL, out of its range, not finite, or an index of nothing. The call changed nothing.
     ETD_INVALID_ARGUMENT = 100,
-    /// The pointer is no handle of the kind that was expected, or one that was released.
+    /// The pointer is a handle of another kind than was expected, or points to readable memory that is no handle. A handle whose
+    /// last reference was given back is not recognised: passing it is undefined behaviour, as for any freed memory. Only a task
+    /// whose last reference is being given back, and whose memory is thus still there, is refused with this in its callbacks.
     ETD_INVALID_HANDLE = 101,
     /// The call does not fit the state of the object: a film that is being rendered to, a scene that was not built, a
     /// callback that waits for the very work that called it.

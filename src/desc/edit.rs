@@ -45,8 +45,8 @@ impl SceneDesc {
 
     /// Adds a material and gives its number. An empty `name` is none: it is not looked up and may come again.
     ///
-    /// `survival` is Russian roulette's survival probability in (0, 1], of diffuse models only; `None` leaves it to the
-    /// integrator.
+    /// `survival` is Russian roulette's survival probability in (0, 1], of diffuse models only, for renders with
+    /// [`RouletteDesc::File`](super::RouletteDesc::File); `None` leaves it to the library in these too.
     ///
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] at `materials[..]`: `.name` if it is taken, `.color`, `.roughness`,

@@ -2,8 +2,8 @@
 //!
 //! Albedo and mirror reflectance are `color`; glass is clear; an area light is a triangle of radiance color * intensity
 //! on the side of (v2 - v1) x (v3 - v1) that reflects nothing; a point light has radiant intensity color * intensity;
-//! `reflectionRate` is a survival probability and does not change the image; meshes are flat. Keys that mean nothing
-//! are skipped with a warning, where `mcrt` skips them in silence.
+//! `reflectionRate` is a survival probability, which only renders with the file's roulette use and which does not change
+//! the image; meshes are flat. Keys that mean nothing are skipped with a warning, where `mcrt` skips them in silence.
 
 use std::path::Path;
 

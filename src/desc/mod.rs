@@ -194,8 +194,8 @@ pub struct MaterialDesc {
     pub path: String,
     /// How it scatters.
     pub bsdf: BsdfDesc,
-    /// Russian roulette's survival probability at this material in (0, 1], where the scene sets it
-    /// (the report's `reflectionRate`). It changes noise and time, never the image.
+    /// Russian roulette's survival probability at this material in (0, 1], where the scene states one (the report's
+    /// `reflectionRate`). Paths use it only with [`RouletteDesc::File`]. It changes noise and time, never the image.
     pub survival: Option<f32>,
 }
 
@@ -419,6 +419,8 @@ pub struct RenderDesc {
     pub max_depth: Option<u32>,
     /// Light samples per hit, from 1 to [`MAX_SHADOW_RAYS`].
     pub shadow_rays: u32,
+    /// Which survival probability Russian roulette ends paths by.
+    pub roulette: RouletteDesc,
     /// Photon maps.
     pub photons: PhotonDesc,
     /// Irradiance cache.
@@ -439,6 +441,7 @@ impl Default for RenderDesc {
             integrator: IntegratorDesc::Path,
             max_depth: None,
             shadow_rays: 1,
+            roulette: RouletteDesc::Own,
             photons: PhotonDesc::default(),
             cache: CacheDesc::default(),
             radiosity: RadiosityDesc::default(),
@@ -486,4 +489,28 @@ pub enum FilterDesc {
         /// C.
         c: f32,
     },
+}
+
+/// Which survival probability Russian roulette ends paths by. The choice changes noise and time, never the expected image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RouletteDesc {
+    /// The library's own: a path survives in proportion to the throughput that it still carries.
+    #[default]
+    Own,
+    /// The one that the material states ([`MaterialDesc::survival`]), for the first 64 hits of a path; the library's own at
+    /// materials that state none. A probability below the albedo makes the noise of bright closed scenes grow without bound.
+    File,
+}
+
+impl RouletteDesc {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Own, Self::File];
+
+    /// Its name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Own => "own",
+            Self::File => "file",
+        }
+    }
 }

@@ -165,7 +165,8 @@ pub(super) struct Diffuse {
     roughness: Option<f64>,
     /// For `oren-nayar-qualitative`: standard deviation of the facets' slope angle, degrees, in [0, 90].
     sigma_deg: Option<f64>,
-    /// Russian roulette's survival probability, above 0 and up to 1. Changes noise and time, never the image.
+    /// Russian roulette's survival probability, above 0 and up to 1, for renders with `"roulette": "file"`. Changes noise and
+    /// time, never the image.
     reflection_rate: Option<f64>,
 }
 

@@ -31,6 +31,9 @@ struct Params<'a> {
     photon_map_visualize: Option<f64>,
     photon_amount: Option<Whole>,
     photon_estimation_radius: Option<f64>,
+    /// A key of this library alone, for scenes of `mcrt`, which have no `render` block.
+    #[serde(default, deserialize_with = "json::name")]
+    roulette: Option<render::Roulette>,
 }
 
 /// What `mcrt` shoots and how far it looks for photons, where the file does not say.
@@ -56,6 +59,9 @@ pub(super) fn apply(json: &str, points: bool, render: &mut RenderDesc, warnings:
     }
     if let Some(count) = params.shadow_rays {
         render.shadow_rays = render::shadow_rays("shadowRays", count)?;
+    }
+    if let Some(roulette) = params.roulette {
+        render.roulette = roulette.into();
     }
     let amount = params.photon_amount.map(|count| photon_keys::count("photonAmount", count)).transpose()?;
     let radius = params.photon_estimation_radius;

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::json::{self, Plain, Whole, join};
-use super::{IntegratorDesc, RenderDesc, SamplerDesc, filter, photon_keys, radiosity, validate};
+use super::{IntegratorDesc, RenderDesc, RouletteDesc, SamplerDesc, filter, photon_keys, radiosity, validate};
 use crate::Result;
 
 /// Most samples per pixel, 2^31.
@@ -32,6 +32,9 @@ pub(super) struct Render<'a> {
     max_depth: Option<Option<Whole>>,
     /// Light samples per hit, from 1. Default 1.
     shadow_rays: Option<Whole>,
+    /// Which survival probability Russian roulette ends paths by. Default `own`.
+    #[serde(default, deserialize_with = "json::name")]
+    roulette: Option<Roulette>,
     /// Light transport. Default `path`.
     #[serde(borrow)]
     #[cfg_attr(feature = "schema", schemars(with = "Option<schema::Integrator>"))]
@@ -135,6 +138,26 @@ enum Sampler {
     Gaussian,
 }
 
+/// Which survival probability Russian roulette ends paths by. Changes noise and time, never the expected image.
+#[derive(Clone, Copy, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Roulette {
+    /// The library's own: a path survives in proportion to the throughput that it still carries.
+    Own,
+    /// The `reflectionRate` of the material that the path met, where that has one.
+    File,
+}
+
+impl From<Roulette> for RouletteDesc {
+    fn from(roulette: Roulette) -> Self {
+        match roulette {
+            Roulette::Own => Self::Own,
+            Roulette::File => Self::File,
+        }
+    }
+}
+
 /// What `integrator` accepts, for the schema.
 #[cfg(feature = "schema")]
 #[expect(dead_code, reason = "only the schema of these types is used")]
@@ -208,6 +231,9 @@ pub(super) fn read(raw: &RawValue, path: &str, base: &RenderDesc) -> Result<Rend
     }
     if let Some(count) = block.shadow_rays {
         render.shadow_rays = shadow_rays(&at("shadowRays"), count)?;
+    }
+    if let Some(roulette) = block.roulette {
+        render.roulette = roulette.into();
     }
     if let Some(raw) = block.integrator {
         render.integrator = integrator(raw, &at("integrator"))?;

@@ -15,7 +15,7 @@ use crate::spectrum::Spectrum;
 /// that face each other show a thousand reflections without noise.
 const CERTAIN_BOUNCES: u32 = 1024;
 
-/// From this bounce on a scene's own survival probabilities give way to what the path carries.
+/// From this bounce on the survival probabilities that materials state give way to the library's own.
 const OWN_SURVIVAL_BOUNCES: u32 = 64;
 
 /// A path that still carries this share of what it had after its first hit survives with certainty. Time to equal error in

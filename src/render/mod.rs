@@ -226,7 +226,7 @@ impl Render {
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
         let method = method.unwrap_or_else(|| Method::new(integrator));
         let filter = Filter::new(&filter_desc);
-        let scene = scene.clone();
+        let scene = scene.with_roulette(desc.roulette);
         let shared = Arc::new(desc.clone());
         let plan = match integrator.info().preparation {
             Preparation::PhotonMaps(..) => Some(Plan::new(&scene, &camera, &shared, integrator)?),

@@ -7,7 +7,7 @@ use super::assemble::{Assembly, assemble};
 use super::bindings::{SurfaceBindings, bindings, rebind_materials};
 use super::progress::BuildProgress;
 use super::record::AppearanceKey;
-use super::{Material, Scene, SceneInfo, frame, lower};
+use super::{Material, Scene, SceneInfo, frame, lower, roulette};
 use crate::Cancel;
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
@@ -160,8 +160,7 @@ fn complete(
     appearance: AppearanceKey,
     start: Instant,
 ) -> Scene {
-    let materials =
-        desc.materials.iter().map(|material| Material::uniform(Bsdf::new(&material.bsdf), material.survival)).collect();
+    let materials = desc.materials.iter().map(|material| Material::uniform(Bsdf::new(&material.bsdf))).collect();
     let mut info = SceneInfo::new(desc, &assembly.record, &bindings.emitters, assembly.embree.is_some());
     let warnings = super::info::warnings(desc, &assembly.record.facts, &bindings.emitters, appearance.dark_lights());
     info.build_time = start.elapsed();
@@ -179,5 +178,7 @@ fn complete(
         device,
         record: assembly.record,
         appearance: Arc::new(appearance),
+        stated_survival: roulette::stated_survival(desc),
     }
+    .with_roulette(desc.render.roulette)
 }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use super::record::{BuildFacts, GeometryRecord};
-use crate::desc::{BsdfDesc, IntegratorDesc, SceneDesc, SurfaceDesc};
+use crate::desc::{BsdfDesc, IntegratorDesc, RouletteDesc, SceneDesc, SurfaceDesc};
 use crate::emitter::EmitterSet;
 use crate::math::Bounds;
 use crate::spectrum::Rgb;
@@ -72,6 +72,15 @@ impl SceneInfo {
         }
         if hosted > 0 {
             decisions.push(format!("{hosted} uses of meshes in the host's memory are instances, read in place"));
+        }
+        let stated = desc.materials.iter().filter(|material| material.survival.is_some()).count();
+        if stated > 0 {
+            decisions.push(match desc.render.roulette {
+                RouletteDesc::Own => {
+                    format!("the survival probabilities of {stated} materials are not used: Russian roulette is the library's own")
+                }
+                RouletteDesc::File => format!("Russian roulette uses the survival probabilities of {stated} materials"),
+            });
         }
         let off = [
             (facts.listed_shapes == 0, "analytic shape list"),

@@ -9,15 +9,15 @@ use crate::spectrum::{Rgb, Spectrum};
 /// One that is the same all over its surfaces holds its [`Bsdf`] from the build of the scene on, and an answer is a copy of it.
 #[derive(Clone, Copy, Debug)]
 pub struct Material {
-    bsdf: Bsdf,
-    /// Probability with which a path survives a bounce here, where the scene sets one.
+    pub(super) bsdf: Bsdf,
+    /// Probability with which a path survives a bounce here, where Russian roulette uses the one that the scene states.
     pub survival: Option<f32>,
 }
 
 impl Material {
-    /// A material that is the same everywhere.
-    pub fn uniform(bsdf: Bsdf, survival: Option<f32>) -> Self {
-        Self { bsdf, survival }
+    /// A material that is the same everywhere, where paths end by the library's own roulette.
+    pub fn uniform(bsdf: Bsdf) -> Self {
+        Self { bsdf, survival: None }
     }
 
     /// How a surface of this material scatters at a hit, in the channels of a path.

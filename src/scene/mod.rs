@@ -24,6 +24,7 @@ mod material;
 mod mesh;
 mod progress;
 mod record;
+mod roulette;
 mod specular;
 
 pub use build::BuildOptions;
@@ -89,6 +90,8 @@ pub struct Scene {
     /// What geometry was made of, and the rest: for [`Scene::rebuild`].
     record: Arc<GeometryRecord>,
     appearance: Arc<AppearanceKey>,
+    /// The survival probability that the description states for each material; `None` where it states none at all.
+    stated_survival: Option<Arc<[Option<f32>]>>,
 }
 
 impl std::fmt::Debug for Scene {

@@ -120,6 +120,9 @@ static void enumerations(void) {
     VALUE(ETD_SWITCH_DEFAULT);
     VALUE(ETD_SWITCH_ON);
     VALUE(ETD_SWITCH_OFF);
+    ENUM(etd_roulette);
+    VALUE(ETD_ROULETTE_OWN);
+    VALUE(ETD_ROULETTE_FILE);
     ENUM(etd_error_measure);
     VALUE(ETD_ERROR_RELMSE);
     VALUE(ETD_ERROR_DISPLAY);
@@ -248,7 +251,7 @@ static void structures(void) {
     FIELD(etd_render_options, radiosity_ambient);
     FIELD(etd_render_options, radiosity_final_gather);
     FIELD(etd_render_options, radiosity_memory);
-    FIELD(etd_render_options, reserved_2);
+    FIELD(etd_render_options, roulette);
     STRUCT(etd_camera);
     FIELD(etd_camera, struct_size);
     FIELD(etd_camera, projection);

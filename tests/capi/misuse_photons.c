@@ -144,9 +144,11 @@ static void pass_whole_numbers(void) {
         CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
         CHECK(strstr(etd_last_error_message(), "options.reserved") != NULL);
         options.reserved = 0;
-        options.reserved_2 = 1;
+        options.roulette = ETD_ROULETTE_FILE;
+        CHECK_OK(etd_render(scene, film, &options));
+        options.roulette = 2;
         CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
-        CHECK(strstr(etd_last_error_message(), "options.reserved") != NULL);
+        CHECK(strstr(etd_last_error_message(), "options.roulette is 2, expected 0 to 1") != NULL);
     }
 }
 

@@ -247,6 +247,8 @@ fn renders(l: &mut List) {
         ("depth 0", "@\"maxDepth\": 0", "maxDepth: 0 is out of range"),
         ("depth huge", "@\"maxDepth\": 1e10", "maxDepth: 10000000000 is out of range"),
         ("no shadow rays", "@\"shadowRays\": 0", "shadowRays: 0 is out of range"),
+        ("unknown roulette", "@\"roulette\": \"files\"", "roulette: unknown name `files`"),
+        ("roulette object", "@\"roulette\": {\"type\": \"own\"}", "roulette: "),
         ("unknown integrator", "@\"integrator\": \"bdpt\"", "integrator: unknown name 'bdpt'"),
         (
             "unknown integrator type",

@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use etendue::desc::{IntegratorDesc, RenderDesc};
+use etendue::desc::{IntegratorDesc, RenderDesc, RouletteDesc};
 use etendue::film::Image;
 use etendue::integrator::photon::choose;
 use etendue::render::{MOST_SAMPLES, Progress, Render, RenderSettings};
@@ -217,6 +217,7 @@ impl Measure<'_> {
     fn series(&self, job: &Job, case: &Case, points: Vec<Point>, pictures: Pictures) -> Series {
         let desc = &case.desc;
         let depth = desc.max_depth.map_or("none".to_owned(), |depth| depth.to_string());
+        let roulette = if desc.roulette == RouletteDesc::File { ", roulette file" } else { "" };
         Series {
             renderer: machine::renderer(),
             group: Some(self.suite.groups[job.group].name.clone()),
@@ -224,7 +225,7 @@ impl Measure<'_> {
             name: case.name.clone(),
             integrator: desc.integrator.name().to_owned(),
             settings: format!(
-                "sampler {:?}, filter {:?}, maximum depth {depth}, shadow rays {}",
+                "sampler {:?}, filter {:?}, maximum depth {depth}, shadow rays {}{roulette}",
                 desc.sampler, desc.filter, desc.shadow_rays
             ),
             threads: Some(case.threads),

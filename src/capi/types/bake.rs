@@ -136,6 +136,11 @@ pub struct etd_bake_target {
     pub reserved: u32,
 }
 
+enumerations! {
+    etd_atlas_layout: ETD_ATLAS_LAYOUT_AUTO, ETD_ATLAS_LAYOUT_CHARTS, ETD_ATLAS_LAYOUT_OWN;
+    etd_side: ETD_SIDE_FRONT, ETD_SIDE_BACK;
+}
+
 versioned! {
     etd_atlas_options, reserved;
     etd_atlas_info, texels_per_unit;

@@ -112,6 +112,11 @@ pub struct etd_image_options {
     pub comments: *const c_char,
 }
 
+enumerations! {
+    etd_format: ETD_FORMAT_FLOAT, ETD_FORMAT_RGB_FLOAT, ETD_FORMAT_RGB8, ETD_FORMAT_RGBA8;
+    etd_tone_map: ETD_TONE_MAP_CLAMP, ETD_TONE_MAP_MAXIMUM, ETD_TONE_MAP_REINHARD, ETD_TONE_MAP_ACES;
+}
+
 versioned! {
     etd_film_options, reserved;
     etd_map, id;

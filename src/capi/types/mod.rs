@@ -18,6 +18,30 @@ macro_rules! versioned {
     )*};
 }
 
+/// An enumeration that comes in from C as a number.
+pub(in crate::capi) trait Enumeration: Copy + 'static {
+    /// All its values, in the order of their numbers, which count from 0.
+    const ALL: &'static [Self];
+
+    /// The number that stands for this value in C.
+    fn number(self) -> u32;
+}
+
+/// Makes enumerations of this module an [`Enumeration`]; a value that is left out does not compile.
+macro_rules! enumerations {
+    ($($type:ident: $($value:ident),+;)*) => {$(
+        impl $crate::capi::types::Enumeration for $type {
+            const ALL: &'static [Self] = &[$($type::$value),+];
+
+            fn number(self) -> u32 {
+                match self {
+                    $($type::$value => $type::$value as u32),+
+                }
+            }
+        }
+    )*};
+}
+
 mod bake;
 mod device;
 mod film;
@@ -62,6 +86,8 @@ mod numbers {
     pub type EtdSwitch = u32;
     /// The enumeration of this name, as a number.
     pub type EtdRadiositySolver = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdRoulette = u32;
     /// The enumeration of this name, as a number.
     pub type EtdErrorMeasure = u32;
     /// The enumeration of this name, as a number.

@@ -86,6 +86,10 @@ pub enum etd_text {
     ETD_TEXT_WARNINGS = 1,
 }
 
+enumerations! {
+    etd_text: ETD_TEXT_INFO, ETD_TEXT_WARNINGS;
+}
+
 versioned! {
     etd_scene_info, build_time;
 }

@@ -5,11 +5,12 @@ use std::ffi::c_void;
 use super::device::{etd_finished_fn, etd_progress_fn};
 use super::numbers::{
     EtdCacheSource, EtdErrorMeasure, EtdFilter, EtdIntegrator, EtdPhotonKernel, EtdPhotonSharing, EtdRadiositySolver,
-    EtdSampler, EtdSwitch,
+    EtdRoulette, EtdSampler, EtdSwitch,
 };
 pub use {
     etd_cache_source::*, etd_ended::*, etd_error_measure::*, etd_filter::*, etd_integrator::*, etd_phase::*,
-    etd_photon_kernel::*, etd_photon_sharing::*, etd_radiosity_solver::*, etd_sampler::*, etd_switch::*,
+    etd_photon_kernel::*, etd_photon_sharing::*, etd_radiosity_solver::*, etd_roulette::*, etd_sampler::*,
+    etd_switch::*,
 };
 
 /// How samples of a pixel are placed.
@@ -126,6 +127,16 @@ pub enum etd_switch {
     ETD_SWITCH_ON = 1,
     /// It is not done.
     ETD_SWITCH_OFF = 2,
+}
+
+/// Which survival probability Russian roulette ends paths by. The choice changes noise and time, never the expected image.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_roulette {
+    /// The library's own: a path survives in proportion to the throughput that it still carries.
+    ETD_ROULETTE_OWN = 0,
+    /// The one that the scene states for the material (`reflectionRate` in files, `etd_material.survival`), where it does.
+    ETD_ROULETTE_FILE = 1,
 }
 
 /// What the error of an image is measured by.
@@ -248,8 +259,8 @@ pub struct etd_render_options {
     pub radiosity_final_gather: EtdSwitch,
     /// Most memory of elements and links, MiB, 2^20 at most; 0 means 1024.
     pub radiosity_memory: u32,
-    /// Must be 0.
-    pub reserved_2: u32,
+    /// Of every integrator that follows paths: an `etd_roulette`.
+    pub roulette: EtdRoulette,
 }
 
 /// What work is at.
@@ -334,6 +345,19 @@ pub struct etd_summary {
     pub ended: etd_ended,
     /// 0.
     pub reserved: u32,
+}
+
+enumerations! {
+    etd_sampler: ETD_SAMPLER_SOBOL, ETD_SAMPLER_RANDOM, ETD_SAMPLER_JITTERED, ETD_SAMPLER_GRID, ETD_SAMPLER_GAUSSIAN;
+    etd_filter: ETD_FILTER_BOX, ETD_FILTER_TENT, ETD_FILTER_GAUSSIAN, ETD_FILTER_BLACKMAN_HARRIS, ETD_FILTER_MITCHELL;
+    etd_photon_kernel:
+        ETD_PHOTON_KERNEL_DEFAULT, ETD_PHOTON_KERNEL_FLAT, ETD_PHOTON_KERNEL_CONE, ETD_PHOTON_KERNEL_EPANECHNIKOV;
+    etd_photon_sharing: ETD_PHOTON_SHARING_POWER, ETD_PHOTON_SHARING_AREA;
+    etd_cache_source: ETD_CACHE_SOURCE_PATHS, ETD_CACHE_SOURCE_PHOTONS;
+    etd_radiosity_solver: ETD_RADIOSITY_SOLVER_GATHER, ETD_RADIOSITY_SOLVER_SHOOT;
+    etd_switch: ETD_SWITCH_DEFAULT, ETD_SWITCH_ON, ETD_SWITCH_OFF;
+    etd_roulette: ETD_ROULETTE_OWN, ETD_ROULETTE_FILE;
+    etd_error_measure: ETD_ERROR_RELMSE, ETD_ERROR_DISPLAY;
 }
 
 versioned! {

@@ -110,8 +110,8 @@ pub struct etd_material {
     pub ior: f32,
     /// Index of refraction on the normal's side, > 0; 0 means 1.
     pub exterior_ior: f32,
-    /// Survival probability of Russian roulette at this material, in (0, 1]; 0: the library chooses. It changes noise and
-    /// time, never the image.
+    /// Survival probability of Russian roulette at this material, in (0, 1], for renders with `ETD_ROULETTE_FILE`; 0: the
+    /// library chooses in these too. It changes noise and time, never the image.
     pub survival: f32,
     /// Must be 0.
     pub reserved: u32,
@@ -190,6 +190,17 @@ pub struct etd_surface {
     pub emission: [f32; 3],
     /// Object to world, three rows of four (the last column translates); all zero: none.
     pub transform: [f64; 12],
+}
+
+enumerations! {
+    etd_usage: ETD_USAGE_STATIC, ETD_USAGE_DYNAMIC;
+    etd_camera_type: ETD_CAMERA_PERSPECTIVE, ETD_CAMERA_VIEW_PLANE;
+    etd_fov_axis: ETD_FOV_HORIZONTAL, ETD_FOV_VERTICAL;
+    etd_bsdf:
+        ETD_BSDF_BLACK, ETD_BSDF_LAMBERT, ETD_BSDF_OREN_NAYAR, ETD_BSDF_OREN_NAYAR_QUALITATIVE, ETD_BSDF_MIRROR,
+        ETD_BSDF_DIELECTRIC;
+    etd_position_format: ETD_POSITION_FLOAT3, ETD_POSITION_DOUBLE3;
+    etd_sharing: ETD_COPY, ETD_SHARE;
 }
 
 versioned! {

@@ -4,9 +4,9 @@
 
 use super::rays::escapes;
 use super::{Known, MESH, ball, ball_mesh, converges, glass, grey, measure, mesh, mirror, pick, turned};
-use crate::common::scenes::{Job, box_inside, camera, mean_and_error, render, scene};
+use crate::common::scenes::{Job, box_inside, camera, mean_and_error, render, render_scene, scene};
 use crate::record::{Case, Entry, Within};
-use etendue::desc::{BsdfDesc, IntegratorDesc, MeshDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{BsdfDesc, IntegratorDesc, MeshDesc, RenderDesc, RouletteDesc, SceneDesc, ShapeDesc};
 use etendue::math::{Bounds, DVec3};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
@@ -290,6 +290,8 @@ fn survival(case: &mut Case) {
         desc.materials[0].survival = Some(survival);
         let job = Job { resolution: [16, 16], samples: case.count(quick, full) as u32, ..Job::default() };
         let tolerance = pick(case, 5e-3, 5e-4);
-        case.mean(format!("albedo 0.5, survival {survival}"), measure(&desc, &job), 2.0, tolerance);
+        let scene = Scene::build(&desc, &BuildOptions::default()).expect("a scene of the test");
+        let (image, _) = render_scene(&scene, RenderDesc { roulette: RouletteDesc::File, ..job.desc() });
+        case.mean(format!("albedo 0.5, survival {survival}"), mean_and_error(&image), 2.0, tolerance);
     }
 }

@@ -1,0 +1,38 @@
+//! Which survival probability Russian roulette uses at the materials of a scene.
+//!
+//! The choice is made once for a render, not for each ray: integrators use [`Material::survival`] wherever there is one, and
+//! a scene whose paths are to end by the library's own roulette has none.
+
+use std::sync::Arc;
+
+use super::{Material, Scene};
+use crate::desc::{RouletteDesc, SceneDesc};
+
+/// The survival probabilities that a description's materials state, if any of them states one.
+pub(super) fn stated_survival(desc: &SceneDesc) -> Option<Arc<[Option<f32>]>> {
+    let states_one = desc.materials.iter().any(|material| material.survival.is_some());
+    states_one.then(|| desc.materials.iter().map(|material| material.survival).collect())
+}
+
+impl Scene {
+    /// The same scene, whose paths end by this roulette. Geometry and emitters are shared; a scene whose materials state no
+    /// survival probability is shared whole.
+    ///
+    /// [`Scene::build`] and [`Scene::rebuild`] take the roulette of the description's render settings;
+    /// [`crate::render::Render`] takes that of its own settings.
+    #[must_use]
+    pub fn with_roulette(&self, roulette: RouletteDesc) -> Self {
+        let mut scene = self.clone();
+        if let Some(stated) = &self.stated_survival {
+            let with = |(material, stated): (&Material, &Option<f32>)| {
+                let survival = match roulette {
+                    RouletteDesc::Own => None,
+                    RouletteDesc::File => *stated,
+                };
+                Material { survival, ..*material }
+            };
+            scene.materials = self.materials.iter().zip(stated.iter()).map(with).collect();
+        }
+        scene
+    }
+}
