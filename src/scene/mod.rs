@@ -21,16 +21,17 @@ mod info;
 mod instance_transform;
 mod lower;
 mod mesh;
+mod options;
 mod progress;
 mod record;
 mod specular;
 
-pub use build::BuildOptions;
 pub use describe::HitDescription;
 pub(crate) use faces::{Body, FaceNumbers};
 pub use facets::{Facet, SurfaceMesh};
 pub use geometry::SurfaceInteraction;
 pub use info::SceneInfo;
+pub use options::BuildOptions;
 pub use specular::{Ball, Kinds, SpecularPart};
 
 use std::sync::Arc;
