@@ -38,6 +38,7 @@
 
 mod builder;
 mod edit;
+mod file;
 mod filter;
 mod index;
 mod json;
@@ -57,6 +58,7 @@ mod shape;
 mod surface;
 mod transform;
 mod validate;
+mod warnings;
 
 pub use edit::SurfaceLook;
 pub use index::SceneIndex;
