@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::device::DeviceInner;
 use super::mesh::TriangleMesh;
-use super::packet::Width;
 use super::ray::{Hit, from_embree, is_traceable, no_hit, to_embree};
 use super::user::ErasedUser;
+use super::width::PacketWidth;
 use super::{Device, sys};
 use crate::math::{Bounds, DVec3, Ray};
 use crate::{Error, ErrorKind, Result};
@@ -70,7 +70,7 @@ pub(super) struct SceneInner {
     pub(super) features: Features,
     pub(super) mask: sys::RTCFeatureFlags,
     /// User geometry is asked about one ray at a time, and so are Embree's spheres.
-    pub(super) width: Width,
+    pub(super) width: PacketWidth,
     pub(super) bvh_bytes: usize,
     pub(super) device: Arc<DeviceInner>,
 }
