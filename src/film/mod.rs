@@ -8,13 +8,13 @@
 
 mod error;
 mod gathering;
-mod image;
 mod pixel;
 
 pub use error::{ErrorEstimate, ErrorMeasure, SampleCounts};
 pub use gathering::{Gathering, ShrinkingRadius};
-pub use image::{Image, Layer};
 pub use pixel::{Auxiliary, Pixel, REPLICATES};
+
+pub use crate::image::{Image, Layer};
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
