@@ -20,7 +20,7 @@ mod replay;
 mod report;
 mod schedule;
 mod settings;
-mod worker_group;
+mod worker_pool;
 mod workers;
 
 use std::ops::ControlFlow;
@@ -42,7 +42,7 @@ use adaptive::{LEAST_PIXELS, PILOT, Stage};
 use method::Method;
 use pass::{Pass, PassInput};
 use schedule::Schedule;
-use worker_group::WorkerGroup;
+use worker_pool::WorkerPool;
 
 pub use replay::NonFiniteSample;
 pub use report::{Ended, Progress, Summary};
@@ -327,15 +327,15 @@ impl Render {
             progress(&report).is_break()
         };
         let deadline = limit.and_then(|limit| start.checked_add(limit));
-        let mut group = WorkerGroup::new(&self.workers, &self.settings.cancel, deadline, &mut look_up);
+        let mut pool = WorkerPool::new(&self.workers, &self.settings.cancel, deadline, &mut look_up);
         let made = match &mut self.plan {
             Some(plan) => {
                 let before = plan.rays;
-                let gather = plan.gather(samples, &mut group);
+                let gather = plan.gather(samples, &mut pool);
                 self.rays += plan.rays - before;
                 gather.map(|gather| Method::Gather(Box::new(gather)))
             }
-            None => Radiosity::solve(&self.scene, &self.desc.radiosity, &mut group).map(|solution| {
+            None => Radiosity::solve(&self.scene, &self.desc.radiosity, &mut pool).map(|solution| {
                 let solution = Arc::new(solution);
                 self.radiosity = Some(Arc::clone(&solution));
                 schedule.prepared.set(1.0);
@@ -343,7 +343,7 @@ impl Render {
                 Method::Radiosity(RadiosityPicture::new(&self.scene, solution, is_gather, shadow_rays))
             }),
         };
-        let is_cancelled = group.is_broken_off || self.settings.cancel.is_cancelled();
+        let is_cancelled = pool.is_broken_off || self.settings.cancel.is_cancelled();
         match made {
             Ok(method) => {
                 self.method = method;
@@ -475,7 +475,7 @@ impl Render {
 pub(crate) fn with_workers<R>(
     settings: &RenderSettings,
     look_up: &mut dyn FnMut(f64) -> ControlFlow<()>,
-    work: impl FnOnce(&mut WorkerGroup) -> Result<R>,
+    work: impl FnOnce(&mut WorkerPool) -> Result<R>,
 ) -> Result<R> {
     let workers = match &settings.workers {
         Some(workers) => workers.clone(),
@@ -483,7 +483,7 @@ pub(crate) fn with_workers<R>(
     };
     let deadline = settings.time_limit.and_then(|limit| Instant::now().checked_add(limit));
     let mut look_up = |share| look_up(share).is_break();
-    work(&mut WorkerGroup::new(&workers, &settings.cancel, deadline, &mut look_up))
+    work(&mut WorkerPool::new(&workers, &settings.cancel, deadline, &mut look_up))
 }
 
 /// Parameters within which a filter is one.

@@ -6,11 +6,11 @@ use std::time::Instant;
 use super::assemble::{Assembly, assemble};
 use super::bindings::{SurfaceBindings, bindings, rebind_materials};
 use super::options::BuildOptions;
-use super::progress::BuildProgress;
 use super::record::AppearanceKey;
 use super::{Material, Scene, SceneInfo, frame, lower};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
+use crate::control::WorkProgress;
 use crate::desc::{SceneDesc, ShapeDesc};
 use crate::embree::{Device, DeviceOptions};
 use crate::error::{Error, Result};
@@ -63,7 +63,7 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
             Device::new(&DeviceOptions { threads, ..DeviceOptions::default() })?
         }
     };
-    let progress = BuildProgress::new(options);
+    let progress = WorkProgress::by_steps(&options.cancel, options.progress.as_deref());
     let assembly = assemble(desc, options, options.dynamic, &device, None, &progress)?;
     let bindings = bindings(desc, assembly.unbound(), &progress)?;
     progress.finish();
@@ -74,7 +74,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
     let start = Instant::now();
     options.cancel.check()?;
     check_materials(desc)?;
-    let progress = BuildProgress::new(options);
+    let progress = WorkProgress::by_steps(&options.cancel, options.progress.as_deref());
     let device = old.device.clone();
     let appearance = AppearanceKey::new(desc);
     let same_geometry = old.record.is_geometry_of(desc);

@@ -12,6 +12,7 @@ mod assemble;
 mod bindings;
 mod build;
 mod cache;
+mod cost;
 mod describe;
 mod faces;
 mod facets;
@@ -22,7 +23,6 @@ mod instance_transform;
 mod lower;
 mod mesh;
 mod options;
-mod progress;
 mod record;
 mod specular;
 

@@ -9,7 +9,7 @@ use crate::control::{Cancel, LOOK_UP, Parallel};
 use crate::error::{Error, ErrorKind, Result};
 
 /// The workers of a render at one piece of work, until it is stopped: by a cancel, by its deadline, or by who is told of its progress.
-pub(crate) struct WorkerGroup<'a> {
+pub(crate) struct WorkerPool<'a> {
     pub workers: &'a Workers,
     pub cancel: &'a Cancel,
     /// When time is up.
@@ -30,7 +30,7 @@ pub(crate) struct WorkerGroup<'a> {
 /// `look_up` is called at once when the share has grown by this much.
 const NEWS: f64 = 1.0 / 64.0;
 
-impl<'a> WorkerGroup<'a> {
+impl<'a> WorkerPool<'a> {
     pub fn new(
         workers: &'a Workers,
         cancel: &'a Cancel,
@@ -56,7 +56,7 @@ impl<'a> WorkerGroup<'a> {
     }
 }
 
-impl Parallel for WorkerGroup<'_> {
+impl Parallel for WorkerPool<'_> {
     fn check(&mut self) -> Result<()> {
         self.cancel.check()?;
         if self.last.elapsed() >= LOOK_UP {
