@@ -397,6 +397,10 @@ mod tests {
         Film::new(FilmOptions { resolution: [19, 17], auxiliary, share: 1, weighted: false, gathering: false }).unwrap()
     }
 
+    fn sample(value: f32, first: Option<(Rgb, Vec3, f32)>) -> PixelSample {
+        PixelSample { radiance: Rgb::splat(value), weight: 1.0, gathering: None, first }
+    }
+
     #[test]
     fn readers_agree_with_the_developed_image() {
         let film = film(true);
@@ -406,9 +410,9 @@ mod tests {
             for index in 0..PER_TILE {
                 let value = (left as usize + index % 16 + 100 * (top as usize + index / 16)) as f32;
                 for _ in 0..4 {
-                    tile.pixels[index].add(Rgb::splat(value), 1.0, 1);
-                    tile.pixels[index].add(Rgb::splat(3.0 * value), 1.0, 1);
-                    tile.auxiliary[index].add(Rgb::splat(0.5), Vec3::Z, value);
+                    let first = Some((Rgb::splat(0.5), Vec3::Z, value));
+                    tile.add_sample(index, sample(value, first), 1);
+                    tile.add_sample(index, sample(3.0 * value, None), 1);
                 }
             }
         }
