@@ -1,10 +1,9 @@
 //! How work is stopped from outside, and shared by threads.
 
-use std::cell::{Cell, RefCell};
 use std::cmp::Ordering as Order;
 use std::ops::{ControlFlow, Range};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::{Error, ErrorKind, Result};
@@ -37,92 +36,187 @@ impl Cancel {
     }
 }
 
-/// How often whoever works looks up.
+/// How often work looks up: tells how far it is, and asks whether to go on.
 pub(crate) const LOOK_UP: Duration = Duration::from_millis(100);
 
-/// Items of a loop between two looks at the clock.
+/// Items of a loop between two looks at the token or the clock: at most some hundred microseconds of any loop.
 const BLOCK: usize = 1 << 12;
 
 /// Most items that are sorted without a look at the clock.
 const MOST_SORTED: usize = 1 << 18;
 
-/// Asked whether to go on, and told what share of the work is done.
-pub(crate) type LookUp<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
+/// Growth of the share at which a report by steps is made, so that reports cost nothing.
+const STEP: f64 = 1.0 / 512.0;
 
-/// Work of one thread: whether it is still wanted, and how far it is.
+/// Told the share of the work that is done; `Break` stops the work.
+pub(crate) type LookUp<'a> = &'a mut (dyn FnMut(f64) -> ControlFlow<()> + Send);
+
+/// Work that one thread does: the token that stops it, and how far it is.
 ///
-/// It is a row of stages. Each is a share of the whole, and so many units of work.
-pub(crate) struct Watch<'a> {
-    cancel: Cancel,
-    look_up: Option<RefCell<LookUp<'a>>>,
-    last: Cell<Instant>,
-    /// Where the stage begins and ends, as shares of the whole.
-    stage: Cell<[f64; 2]>,
-    /// Units of the stage, and how many of them are done.
-    units: Cell<[f64; 2]>,
+/// The work is a row of stages. Each stage is a share of the whole, and has a number of units of work.
+pub(crate) struct WorkProgress<'a> {
+    /// Stops the work.
+    pub cancel: Cancel,
+    /// Whether [`WorkProgress::check`] has to look at the clock.
+    is_timed: bool,
+    /// Whether there is anybody to report to.
+    is_told: bool,
+    state: Mutex<State<'a>>,
 }
 
-impl<'a> Watch<'a> {
-    /// Of work that this stops, and that nobody is told of.
+/// Whom work tells how far it is.
+enum Report<'a> {
+    /// Called every [`LOOK_UP`] and where a stage begins.
+    ByTime(LookUp<'a>),
+    /// Called when the share has grown by [`STEP`].
+    BySteps(&'a (dyn Fn(f64) + Send + Sync)),
+}
+
+struct State<'a> {
+    report: Option<Report<'a>>,
+    /// Where the stage begins and ends, as shares of the whole.
+    stage: [f64; 2],
+    /// Units of the stage that are done.
+    done: f64,
+    /// All units of the stage.
+    total: f64,
+    /// The largest share that was reported by steps.
+    told: f64,
+    /// When it was reported by time.
+    last: Instant,
+}
+
+impl State<'_> {
+    /// Share of the whole that is done. A stage never counts for more than it has.
+    fn share(&self) -> f64 {
+        let [from, to] = self.stage;
+        let part = if self.total > 0.0 { (self.done / self.total).min(1.0) } else { 0.0 };
+        from + (to - from) * part
+    }
+
+    fn report_steps(&mut self) {
+        if let Some(Report::BySteps(report)) = self.report {
+            let share = self.share();
+            if share >= self.told + STEP || (share == 1.0 && self.told < 1.0) {
+                self.told = share;
+                report(share);
+            }
+        }
+    }
+}
+
+impl<'a> WorkProgress<'a> {
+    /// Of work that `cancel` stops and that reports to nobody.
     pub fn new(cancel: &Cancel) -> Self {
-        Self::with(cancel.clone(), None)
+        Self::with(cancel.clone(), None, [0.0; 2])
     }
 
-    /// Of work that `look_up` stops; asked about ten times a second and where a stage begins.
-    pub fn telling(look_up: LookUp<'a>) -> Self {
-        Self::with(Cancel::new(), Some(RefCell::new(look_up)))
+    /// Of work that `look_up` stops; called about ten times a second and where a stage begins.
+    pub fn by_time(look_up: LookUp<'a>) -> Self {
+        Self::with(Cancel::new(), Some(Report::ByTime(look_up)), [0.0; 2])
     }
 
-    fn with(cancel: Cancel, look_up: Option<RefCell<LookUp<'a>>>) -> Self {
-        Self {
-            cancel,
-            look_up,
-            last: Cell::new(Instant::now()),
-            stage: Cell::new([0.0; 2]),
-            units: Cell::new([0.0, 1.0]),
+    /// Of work that `cancel` stops; `report` is called from one thread at a time when the share has grown. The work has one
+    /// stage, whose units are told by [`WorkProgress::expect`].
+    pub fn by_steps(cancel: &Cancel, report: Option<&'a (dyn Fn(f64) + Send + Sync)>) -> Self {
+        Self::with(cancel.clone(), report.map(Report::BySteps), [0.0, 1.0])
+    }
+
+    fn with(cancel: Cancel, report: Option<Report<'a>>, stage: [f64; 2]) -> Self {
+        let (is_timed, is_told) = (matches!(report, Some(Report::ByTime(_))), report.is_some());
+        let state = State { report, stage, done: 0.0, total: 0.0, told: 0.0, last: Instant::now() };
+        Self { cancel, is_timed, is_told, state: Mutex::new(state) }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State<'a>> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Changes the state, then reports where that is a step. Under the lock: from one thread at a time.
+    fn change(&self, change: impl FnOnce(&mut State)) {
+        if self.is_told {
+            let mut state = self.state();
+            change(&mut state);
+            state.report_steps();
         }
     }
 
     /// Begins the stage that follows: all up to `end` of the whole, in so many units.
     pub fn stage(&self, end: f64, units: usize) -> Result<()> {
-        self.stage.set([self.stage.get()[1], end]);
-        self.units.set([0.0, units.max(1) as f64]);
+        self.change(|state| {
+            state.stage = [state.stage[1], end];
+            (state.done, state.total) = (0.0, units.max(1) as f64);
+        });
         self.look()
     }
 
-    /// Counts units of the stage as done. Nobody is told of more than it has.
-    #[inline]
-    pub fn spend(&self, units: usize) {
-        let [done, all] = self.units.get();
-        self.units.set([(done + units as f64).min(all), all]);
+    /// Announces units of the stage before any of them is done.
+    pub fn expect(&self, units: f64) {
+        self.change(|state| state.total += units);
     }
 
-    /// [`ErrorKind::Cancelled`] once it is not wanted any more.
+    /// Corrects what is left of the stage, now that it is known better.
+    pub fn settle(&self, units: f64) {
+        self.change(|state| state.total = state.done + units);
+    }
+
+    /// Counts units of the stage as done.
+    pub fn spend(&self, units: usize) {
+        self.change(|state| state.done += units as f64);
+    }
+
+    /// All is done.
+    pub fn finish(&self) {
+        self.change(|state| (state.done, state.total) = (1.0, 1.0));
+    }
+
+    /// [`ErrorKind::Cancelled`] once the work is not wanted any more.
     #[inline]
     pub fn check(&self) -> Result<()> {
-        if self.look_up.is_some() && self.last.get().elapsed() >= LOOK_UP { self.look() } else { self.cancel.check() }
+        if self.is_timed { self.check_time() } else { self.cancel.check() }
     }
 
+    fn check_time(&self) -> Result<()> {
+        let is_due = self.state().last.elapsed() >= LOOK_UP;
+        if is_due { self.look() } else { self.cancel.check() }
+    }
+
+    /// Reports by time, and asks whether to go on.
     fn look(&self) -> Result<()> {
-        if let Some(look_up) = &self.look_up {
-            let ([from, to], [done, all]) = (self.stage.get(), self.units.get());
-            if (look_up.borrow_mut())(from + (to - from) * done / all).is_break() {
+        if self.is_timed {
+            let mut state = self.state();
+            let share = state.share();
+            if let Some(Report::ByTime(look_up)) = &mut state.report
+                && look_up(share).is_break()
+            {
                 self.cancel.cancel();
             }
-            self.last.set(Instant::now());
+            state.last = Instant::now();
         }
         self.cancel.check()
     }
 
-    /// Runs `item` for every number below `count`, a unit each.
-    pub fn each(&self, count: usize, mut item: impl FnMut(usize)) -> Result<()> {
+    /// Runs `item` for every number below `count`, each for `cost` units, and checks in between.
+    pub fn each(&self, count: usize, cost: f64, mut item: impl FnMut(usize)) -> Result<()> {
         for start in (0..count).step_by(BLOCK) {
             self.check()?;
             let end = count.min(start + BLOCK);
             (start..end).for_each(&mut item);
-            self.spend(end - start);
+            self.change(|state| state.done += cost * (end - start) as f64);
         }
-        Ok(())
+        self.cancel.check()
+    }
+
+    /// Runs `build` with a function that takes the fraction of it that is done, from any thread, and returns whether to go on.
+    /// All of it counts for so many units.
+    pub fn within<R>(&self, units: f64, build: impl FnOnce(&(dyn Fn(f64) -> bool + Sync)) -> Result<R>) -> Result<R> {
+        let before = self.state().done;
+        let result = build(&|fraction| {
+            self.change(|state| state.done = state.done.max(before + fraction * units));
+            !self.cancel.is_cancelled()
+        })?;
+        self.change(|state| state.done = before + units);
+        Ok(result)
     }
 
     /// Sorts items of which no two are alike in this order, or are so in all else too.
@@ -239,16 +333,38 @@ mod tests {
             told.push(share);
             if told.len() < 3 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         };
-        let watch = Watch::telling(&mut look_up);
-        watch.stage(0.5, 10).unwrap();
-        watch.each(10, |_| {}).unwrap();
-        watch.stage(0.75, 4).unwrap();
-        watch.spend(1);
-        watch.last.set(Instant::now().checked_sub(LOOK_UP).unwrap());
-        assert_eq!(watch.check().unwrap_err().kind(), ErrorKind::Cancelled);
-        assert_eq!(watch.each(1, |_| panic!("nobody wants it")).unwrap_err().kind(), ErrorKind::Cancelled);
-        drop(watch);
+        let progress = WorkProgress::by_time(&mut look_up);
+        progress.stage(0.5, 10).unwrap();
+        progress.each(10, 1.0, |_| {}).unwrap();
+        progress.stage(0.75, 4).unwrap();
+        progress.spend(1);
+        progress.state().last = Instant::now().checked_sub(LOOK_UP).unwrap();
+        assert_eq!(progress.check().unwrap_err().kind(), ErrorKind::Cancelled);
+        assert_eq!(progress.each(1, 1.0, |_| panic!("nobody wants it")).unwrap_err().kind(), ErrorKind::Cancelled);
+        drop(progress);
         assert_eq!(told, [0.0, 0.5, 0.5625]);
+    }
+
+    #[test]
+    fn steps_only_grow_and_end_with_all() {
+        let told = Mutex::new(Vec::new());
+        let report = |share| told.lock().unwrap().push(share);
+        let cancel = Cancel::new();
+        let progress = WorkProgress::by_steps(&cancel, Some(&report));
+        progress.expect(100.0);
+        progress.each(25, 1.0, |_| {}).unwrap();
+        // More than was expected: the share falls, which is not told.
+        progress.settle(275.0);
+        let built = progress.within(200.0, |tell| {
+            assert!(tell(0.5) && tell(0.25), "it goes on");
+            cancel.cancel();
+            assert!(!tell(1.0));
+            Ok(7)
+        });
+        assert_eq!(built.unwrap(), 7);
+        assert_eq!(progress.each(1, 1.0, |_| panic!("nobody wants it")).unwrap_err().kind(), ErrorKind::Cancelled);
+        progress.finish();
+        assert_eq!(*told.lock().unwrap(), [0.25, 125.0 / 300.0, 0.75, 1.0]);
     }
 
     #[test]
@@ -256,10 +372,10 @@ mod tests {
         let mut items: Vec<u32> = (0..3 * MOST_SORTED as u32).map(|i| i.wrapping_mul(0x9e37_79b9) >> 12).collect();
         let mut sorted = items.clone();
         sorted.sort_unstable();
-        Watch::new(&Cancel::new()).sort(&mut items, &u32::cmp).unwrap();
+        WorkProgress::new(&Cancel::new()).sort(&mut items, &u32::cmp).unwrap();
         assert!(items == sorted);
         let cancelled = Cancel::new();
         cancelled.cancel();
-        assert!(Watch::new(&cancelled).sort(&mut items, &u32::cmp).is_err());
+        assert!(WorkProgress::new(&cancelled).sort(&mut items, &u32::cmp).is_err());
     }
 }

@@ -39,6 +39,7 @@ pub mod embree;
 pub mod emitter;
 mod error;
 pub mod film;
+mod image;
 pub mod integrator;
 pub mod math;
 pub mod output;

@@ -50,15 +50,15 @@ pub fn photons(args: &PhotonsArgs) -> Result<u8, Failure> {
     }
 
     interrupt::begin();
-    let mut crew = Crew(match args.threads {
+    let mut threads = ScopedThreads(match args.threads {
         0 => thread::available_parallelism().map_or(1, usize::from),
         threads => threads,
     });
     let settings = DrawSettings { coloured: args.color };
-    let made = photon::shoot(&scene, &desc, job, &mut crew).and_then(|shot| {
+    let made = photon::shoot(&scene, &desc, job, &mut threads).and_then(|shot| {
         let draw = || photon::draw(&scene, &camera, desc.resolution, &shot.photons, settings);
         let image = is_drawn.then(draw).transpose()?;
-        crew.check().map(|()| (shot, image))
+        threads.check().map(|()| (shot, image))
     });
     let (shot, image) = match made {
         Err(error) if error.kind() == ErrorKind::Cancelled => {
@@ -141,9 +141,9 @@ fn report(shot: &PhotonBatch, job: &PhotonJob, quiet: bool) {
 }
 
 /// So many threads, for one piece of work after the other.
-struct Crew(usize);
+struct ScopedThreads(usize);
 
-impl Parallel for Crew {
+impl Parallel for ScopedThreads {
     fn check(&mut self) -> etendue::Result<()> {
         if interrupt::requested() { Err(Error::new(ErrorKind::Cancelled, "interrupted")) } else { Ok(()) }
     }

@@ -9,7 +9,7 @@ use super::own;
 use super::own::doubled_area;
 use super::placement::Placement;
 use super::raster;
-use crate::control::{Cancel, Watch};
+use crate::control::{Cancel, WorkProgress};
 use crate::embree::Charge;
 use crate::error::{Error, ErrorKind, Result};
 use crate::integrator::{Piece, Sites};
@@ -156,7 +156,7 @@ impl Atlas {
     /// coordinates that are no layout if [`Layout::Own`] asks for them; `OutOfMemory` past `memory` or the device's limit;
     /// `Cancelled`.
     pub fn new(scene: &Scene, options: &AtlasOptions, cancel: &Cancel) -> Result<Self> {
-        Self::make(scene, options, &Watch::new(cancel))
+        Self::make(scene, options, &WorkProgress::new(cancel))
     }
 
     /// The same, stopped by `look_up`: called on this thread about ten times a second, at the beginning too, with the share of
@@ -167,12 +167,12 @@ impl Atlas {
     pub fn watched(
         scene: &Scene,
         options: &AtlasOptions,
-        look_up: &mut dyn FnMut(f64) -> ControlFlow<()>,
+        look_up: &mut (dyn FnMut(f64) -> ControlFlow<()> + Send),
     ) -> Result<Self> {
-        Self::make(scene, options, &Watch::telling(look_up))
+        Self::make(scene, options, &WorkProgress::by_time(look_up))
     }
 
-    fn make(scene: &Scene, options: &AtlasOptions, watch: &Watch) -> Result<Self> {
+    fn make(scene: &Scene, options: &AtlasOptions, progress: &WorkProgress) -> Result<Self> {
         check(options)?;
         let limit = u64::from(options.memory) << 20;
         let mut bytes = scene.surface_mesh_bytes() as u64;
@@ -188,17 +188,17 @@ impl Atlas {
         bytes = bytes.saturating_mul(5);
         fits(bytes, "a light map of all triangles")?;
         let meshes_charge = scene.device().charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
-        watch.stage(stage::MESHES, scene.surface_mesh_items())?;
-        let meshes = scene.watched_surface_meshes(watch)?;
+        progress.stage(stage::MESHES, scene.surface_mesh_items())?;
+        let meshes = scene.watched_surface_meshes(progress)?;
         if meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
             return Err(Error::new(ErrorKind::InvalidScene, "the scene has no surface to make a light map for"));
         }
         let mut warnings = Vec::new();
         let triangles = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
-        watch.stage(stage::CHARTS, triangles)?;
-        let charts = charts(&meshes, options, &mut warnings, watch)?;
-        watch.stage(stage::PLACEMENT, TRIES.saturating_mul(charts.len()))?;
-        let placement = Placement::find(&charts, options, watch)?;
+        progress.stage(stage::CHARTS, triangles)?;
+        let charts = charts(&meshes, options, &mut warnings, progress)?;
+        progress.stage(stage::PLACEMENT, TRIES.saturating_mul(charts.len()))?;
+        let placement = Placement::find(&charts, options, progress)?;
 
         let texels = u64::from(placement.side) * u64::from(placement.side);
         // What it takes at least is known at once, and what it takes after going over all texels.
@@ -206,8 +206,8 @@ impl Atlas {
         let what = format!("a light map of {0} x {0} texels", placement.side);
         fits(bytes.saturating_add(least), &what)?;
         drop(scene.device().charge(usize::try_from(least).unwrap_or(usize::MAX))?);
-        watch.stage(stage::COUNT, triangles)?;
-        let (pieces, sites_at_most) = count_pieces(&charts, &placement, watch)?;
+        progress.stage(stage::COUNT, triangles)?;
+        let (pieces, sites_at_most) = count_pieces(&charts, &placement, progress)?;
         let wanted = pieces
             .saturating_mul((size_of::<Piece>() + size_of::<Cut>()) as u64)
             .saturating_add(sites_at_most.saturating_mul(BYTES_PER_SITE))
@@ -231,12 +231,12 @@ impl Atlas {
             warnings,
             _charge: charge.map(Arc::new),
         };
-        watch.stage(stage::TRIANGLES, triangles)?;
-        atlas.add_triangles(&meshes, &charts, &placement, watch)?;
-        watch.stage(stage::CUTS, pieces as usize)?;
-        let cuts = cuts(&meshes, &charts, &placement, pieces as usize, watch)?;
-        watch.stage(stage::SITES, pieces as usize)?;
-        atlas.join(&meshes, cuts, watch)?;
+        progress.stage(stage::TRIANGLES, triangles)?;
+        atlas.add_triangles(&meshes, &charts, &placement, progress)?;
+        progress.stage(stage::CUTS, pieces as usize)?;
+        let cuts = cuts(&meshes, &charts, &placement, pieces as usize, progress)?;
+        progress.stage(stage::SITES, pieces as usize)?;
+        atlas.join(&meshes, cuts, progress)?;
         drop(meshes_charge);
         Ok(atlas)
     }
@@ -319,12 +319,12 @@ impl Atlas {
         meshes: &[SurfaceMesh],
         charts: &[Chart],
         placement: &Placement,
-        watch: &Watch,
+        progress: &WorkProgress,
     ) -> Result<()> {
         let side = f64::from(placement.side);
         let mut first_chart = 0;
         for (number, mesh) in meshes.iter().enumerate() {
-            watch.check()?;
+            progress.check()?;
             let own_charts = charts[first_chart..].iter().take_while(|chart| chart.mesh == number).count();
             let range = first_chart..first_chart + own_charts;
             first_chart = range.end;
@@ -341,7 +341,7 @@ impl Atlas {
             let (first_vertex, first_triangle) = (self.vertices.len() as u32, self.triangles.len() as u32);
             let mut known: HashMap<(u32, u32), u32> = HashMap::with_capacity(mesh.positions.len());
             let mut normals: Vec<DVec3> = Vec::new();
-            watch.each(mesh.triangles.len(), |i| {
+            progress.each(mesh.triangles.len(), 1.0, |i| {
                 let triangle = mesh.triangles[i];
                 let (chart, at) = places[i];
                 let flat = placement.in_texels(chart, &charts[chart], at);
@@ -386,12 +386,12 @@ impl Atlas {
     }
 
     /// What each texel covers of the surfaces.
-    fn join(&mut self, meshes: &[SurfaceMesh], mut cuts: Vec<Cut>, watch: &Watch) -> Result<()> {
-        watch.sort(&mut cuts, &|a, b| (a.key, a.facet, a.order).cmp(&(b.key, b.facet, b.order)))?;
+    fn join(&mut self, meshes: &[SurfaceMesh], mut cuts: Vec<Cut>, progress: &WorkProgress) -> Result<()> {
+        progress.sort(&mut cuts, &|a, b| (a.key, a.facet, a.order).cmp(&(b.key, b.facet, b.order)))?;
         let mut pieces = Vec::with_capacity(cuts.len());
         let mut starts = vec![0];
         for same in cuts.chunk_by(|a, b| a.texel == b.texel) {
-            watch.check()?;
+            progress.check()?;
             let whole: f64 = same.iter().map(|cut| cut.area).sum();
             let mut sum = 0.0;
             for cut in same {
@@ -404,7 +404,7 @@ impl Atlas {
             starts.push(pieces.len() as u32);
             self.texels.push(same[0].texel);
             self.coverage.push(same.iter().map(|cut| cut.texels).sum::<f64>().min(1.0) as f32);
-            watch.spend(same.len());
+            progress.spend(same.len());
         }
         // Facets are numbered as triangles are.
         let facets = meshes.iter().flat_map(|mesh| mesh.facets.iter().copied()).collect();
@@ -433,7 +433,7 @@ fn cuts(
     charts: &[Chart],
     placement: &Placement,
     count: usize,
-    watch: &Watch,
+    progress: &WorkProgress,
 ) -> Result<Vec<Cut>> {
     let mut cuts = Vec::with_capacity(count);
     let mut first = 0;
@@ -447,13 +447,13 @@ fn cuts(
             let corners = mesh.triangles[triangle as usize].map(|corner| mesh.positions[corner as usize]);
             let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
             let stretch = area / doubled_area(&flat).abs();
-            raster::for_each_texel(&flat, watch, |[x, y], part| {
+            raster::for_each_texel(&flat, progress, |[x, y], part| {
                 for (order, (fan, texels)) in part.fan().enumerate() {
                     let corners = fan.map(|p| raster::weights(&flat, p));
                     let (texel, order) = (y * placement.side + x, order as u8);
                     let (key, area) = (along_curve([x, y]), texels * stretch);
                     cuts.push(Cut { key, texel, order, facet, corners, texels, area });
-                    watch.spend(1);
+                    progress.spend(1);
                 }
             })?;
         }
@@ -499,7 +499,7 @@ fn charts(
     meshes: &[SurfaceMesh],
     options: &AtlasOptions,
     warnings: &mut Vec<String>,
-    watch: &Watch,
+    progress: &WorkProgress,
 ) -> Result<Vec<Chart>> {
     let cos_angle = options.max_angle_deg.to_radians().cos();
     let mut charts = Vec::new();
@@ -508,7 +508,7 @@ fn charts(
             continue;
         }
         if mesh.uvs.is_some() && options.layout != Layout::Charts || options.layout == Layout::Own && mesh.is_mesh {
-            match own::layout(number, mesh, watch)? {
+            match own::layout(number, mesh, progress)? {
                 Ok(chart) => {
                     charts.push(chart);
                     continue;
@@ -522,21 +522,21 @@ fn charts(
                 )),
             }
         }
-        chart::grow(number, mesh, cos_angle, watch, &mut charts)?;
+        chart::grow(number, mesh, cos_angle, progress, &mut charts)?;
     }
     Ok(charts)
 }
 
 /// How many pieces there will be, and no fewer than there will be sites.
-fn count_pieces(charts: &[Chart], placement: &Placement, watch: &Watch) -> Result<(u64, u64)> {
+fn count_pieces(charts: &[Chart], placement: &Placement, progress: &WorkProgress) -> Result<(u64, u64)> {
     let (mut pieces, mut sites) = (0_u64, 0_u64);
     for (number, chart) in charts.iter().enumerate() {
         for at in 0..chart.triangles.len() {
-            raster::for_each_texel(&placement.drawn(number, chart, at), watch, |_, part| {
+            raster::for_each_texel(&placement.drawn(number, chart, at), progress, |_, part| {
                 sites += 1;
                 pieces += part.fan().count() as u64;
             })?;
-            watch.spend(1);
+            progress.spend(1);
         }
     }
     if pieces > u64::from(u32::MAX) {

@@ -4,7 +4,7 @@ use std::collections::{HashMap, VecDeque};
 
 use super::overlap::{Cover, Flat};
 use crate::Result;
-use crate::control::Watch;
+use crate::control::WorkProgress;
 use crate::math::DVec3;
 use crate::scene::SurfaceMesh;
 
@@ -51,14 +51,14 @@ pub(super) fn grow(
     number: usize,
     mesh: &SurfaceMesh,
     cos_angle: f64,
-    watch: &Watch,
+    progress: &WorkProgress,
     charts: &mut Vec<Chart>,
 ) -> Result<()> {
     let count = mesh.triangles.len();
     let faces: Vec<Face> = mesh.triangles.iter().map(|&triangle| Face::new(mesh, triangle)).collect();
-    let neighbours = neighbours(mesh, watch)?;
+    let neighbours = neighbours(mesh, progress)?;
     let mut order: Vec<u32> = (0..count as u32).collect();
-    watch.sort(&mut order, &|&a, &b| faces[b as usize].area.total_cmp(&faces[a as usize].area).then(a.cmp(&b)))?;
+    progress.sort(&mut order, &|&a, &b| faces[b as usize].area.total_cmp(&faces[a as usize].area).then(a.cmp(&b)))?;
     let mean_length = faces.iter().map(|face| face.area.sqrt()).sum::<f64>() / count.max(1) as f64;
     let mut is_taken = vec![false; count];
     for seed in order {
@@ -76,7 +76,7 @@ pub(super) fn grow(
             Chart { mesh: number, triangles: Vec::new(), flat: Vec::new(), size: [0.0; 2], unit: 1.0, is_own: false };
         let mut waiting = VecDeque::from([seed]);
         while let Some(next) = waiting.pop_front() {
-            watch.check()?;
+            progress.check()?;
             let face = &faces[next as usize];
             if is_taken[next as usize] || face.normal.dot(axis) < cos_angle {
                 continue;
@@ -86,7 +86,7 @@ pub(super) fn grow(
             if next != seed && cover.overlapped(&flat).is_some() {
                 continue;
             }
-            watch.spend(1);
+            progress.spend(1);
             is_taken[next as usize] = true;
             cover.add(flat, next);
             chart.triangles.push(next);
@@ -99,7 +99,7 @@ pub(super) fn grow(
             chart.triangles.push(seed);
             chart.flat.push(project(&faces[seed as usize]));
         }
-        lay(&mut chart, watch)?;
+        lay(&mut chart, progress)?;
         charts.push(chart);
     }
     Ok(())
@@ -111,11 +111,11 @@ fn extent(flat: &Flat) -> f64 {
 
 /// The triangle beyond each side of each triangle, or `u32::MAX`: sides that exactly two triangles share, wound alike. Vertices
 /// at one place are one.
-fn neighbours(mesh: &SurfaceMesh, watch: &Watch) -> Result<Vec<[u32; 3]>> {
+fn neighbours(mesh: &SurfaceMesh, progress: &WorkProgress) -> Result<Vec<[u32; 3]>> {
     let mut welded: HashMap<[u64; 3], u32> = HashMap::with_capacity(mesh.positions.len());
     let mut place: Vec<u32> = Vec::with_capacity(mesh.positions.len());
     for p in &mesh.positions {
-        watch.check()?;
+        progress.check()?;
         let next = welded.len() as u32;
         // Both zeros are one.
         place.push(*welded.entry(p.to_array().map(|x| (x + 0.0).to_bits())).or_insert(next));
@@ -128,7 +128,7 @@ fn neighbours(mesh: &SurfaceMesh, watch: &Watch) -> Result<Vec<[u32; 3]>> {
             sides.push(([a.min(b), a.max(b)], a < b, number as u32, side as u8));
         }
     }
-    watch.sort(&mut sides, &Ord::cmp)?;
+    progress.sort(&mut sides, &Ord::cmp)?;
     let mut neighbours = vec![[u32::MAX; 3]; mesh.triangles.len()];
     for same in sides.chunk_by(|a, b| a.0 == b.0) {
         if let &[(_, forwards, a, a_side), (_, other_forwards, b, b_side)] = same
@@ -143,8 +143,8 @@ fn neighbours(mesh: &SurfaceMesh, watch: &Watch) -> Result<Vec<[u32; 3]>> {
 }
 
 /// Turns a chart so that the box around it is small, and moves it to the origin; no higher than it is wide.
-fn lay(chart: &mut Chart, watch: &Watch) -> Result<()> {
-    let hull = hull(chart.flat.iter().flatten().copied().collect(), watch)?;
+fn lay(chart: &mut Chart, progress: &WorkProgress) -> Result<()> {
+    let hull = hull(chart.flat.iter().flatten().copied().collect(), progress)?;
     let mut best: Option<(f64, [f64; 2])> = None;
     for (i, a) in hull.iter().enumerate() {
         let b = hull[(i + 1) % hull.len()];
@@ -192,8 +192,8 @@ pub(super) fn bounds(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
 }
 
 /// The convex hull, counter-clockwise. Source: Andrew 1979, "Another Efficient Algorithm for Convex Hulls in Two Dimensions".
-fn hull(mut points: Vec<[f64; 2]>, watch: &Watch) -> Result<Vec<[f64; 2]>> {
-    watch.sort(&mut points, &|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])))?;
+fn hull(mut points: Vec<[f64; 2]>, progress: &WorkProgress) -> Result<Vec<[f64; 2]>> {
+    progress.sort(&mut points, &|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])))?;
     points.dedup();
     if points.len() < 3 {
         return Ok(points);

@@ -3,7 +3,7 @@
 use super::chart::{Chart, bounds};
 use super::overlap::{Cover, Flat};
 use crate::Result;
-use crate::control::Watch;
+use crate::control::WorkProgress;
 use crate::scene::SurfaceMesh;
 
 /// Overlaps no deeper than this share of the layout's size are none, nor is what is so little beside the square: exporters round,
@@ -18,7 +18,11 @@ const LEAST_SHARE: f64 = 1e-6;
 ///
 /// # Errors
 /// [`crate::ErrorKind::Cancelled`].
-pub(super) fn layout(number: usize, mesh: &SurfaceMesh, watch: &Watch) -> Result<std::result::Result<Chart, String>> {
+pub(super) fn layout(
+    number: usize,
+    mesh: &SurfaceMesh,
+    progress: &WorkProgress,
+) -> Result<std::result::Result<Chart, String>> {
     let Some(uvs) = &mesh.uvs else { return Ok(Err("the mesh has no texture coordinates".to_owned())) };
     let mut chart = Chart {
         mesh: number,
@@ -30,7 +34,7 @@ pub(super) fn layout(number: usize, mesh: &SurfaceMesh, watch: &Watch) -> Result
     };
     let (mut area, mut flat_area, mut flat_length) = (0.0, 0.0, 0.0);
     for (i, triangle) in mesh.triangles.iter().enumerate() {
-        watch.check()?;
+        progress.check()?;
         let original = mesh.primitives[i];
         for &corner in triangle {
             let [u, v] = uvs[corner as usize];
@@ -56,13 +60,13 @@ pub(super) fn layout(number: usize, mesh: &SurfaceMesh, watch: &Watch) -> Result
     let size = (max[0] - min[0]).max(max[1] - min[1]);
     let mut cover = Cover::new(2.0 * flat_length / chart.flat.len().max(1) as f64, TOLERANCE * size);
     for (i, flat) in chart.flat.iter().enumerate() {
-        watch.check()?;
+        progress.check()?;
         let original = mesh.primitives[i];
         if let Some(other) = cover.overlapped(flat) {
             return Ok(Err(format!("triangles {other} and {original} overlap in texture coordinates")));
         }
         cover.add(*flat, original);
-        watch.spend(1);
+        progress.spend(1);
     }
     if flat_area < LEAST_SHARE {
         return Ok(Err(format!("its triangles cover no more than {flat_area:.0e} of the square")));

@@ -1,14 +1,14 @@
 //! Rectangles packed into a square.
 
 use crate::Result;
-use crate::control::Watch;
+use crate::control::WorkProgress;
 
 /// Where rectangles of these sizes go in a square of side `side`, or `None` where they do not fit. The same for the same
 /// sizes. A unit of work is a rectangle.
 ///
 /// The highest first, each as low as it can be, and then as far to the left. Source: Jylänki 2010, "A Thousand Ways to Pack
 /// the Bin", skyline bottom-left.
-pub(super) fn pack(sizes: &[[u32; 2]], side: u32, watch: &Watch) -> Result<Option<Vec<[u32; 2]>>> {
+pub(super) fn pack(sizes: &[[u32; 2]], side: u32, progress: &WorkProgress) -> Result<Option<Vec<[u32; 2]>>> {
     let mut order: Vec<u32> = (0..sizes.len() as u32).collect();
     order.sort_by_key(|&i| {
         let [width, height] = sizes[i as usize];
@@ -17,8 +17,8 @@ pub(super) fn pack(sizes: &[[u32; 2]], side: u32, watch: &Watch) -> Result<Optio
     let mut skyline = Skyline { side, steps: vec![Step { x: 0, y: 0, width: side }] };
     let mut places = vec![[0, 0]; sizes.len()];
     for i in order {
-        watch.check()?;
-        watch.spend(1);
+        progress.check()?;
+        progress.spend(1);
         match skyline.place(sizes[i as usize]) {
             Some(place) => places[i as usize] = place,
             None => return Ok(None),
@@ -112,7 +112,7 @@ mod tests {
             let least = f64::from(area).sqrt();
             let mut side = least as u32;
             let places = loop {
-                if let Some(places) = pack(&sizes, side, &Watch::new(&Cancel::new())).unwrap() {
+                if let Some(places) = pack(&sizes, side, &WorkProgress::new(&Cancel::new())).unwrap() {
                     break places;
                 }
                 side += 1;
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn exact_fits_and_no_fit() {
-        let pack = |sizes: &[[u32; 2]], side| pack(sizes, side, &Watch::new(&Cancel::new())).unwrap();
+        let pack = |sizes: &[[u32; 2]], side| pack(sizes, side, &WorkProgress::new(&Cancel::new())).unwrap();
         let four = [[8, 8]; 4];
         are_apart(&four, &pack(&four, 16).unwrap(), 16);
         assert!(pack(&four, 15).is_none());

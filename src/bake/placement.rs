@@ -4,7 +4,7 @@ use super::atlas::{AtlasOptions, ChartPlace, DEFAULT_SIDE, MAX_SIDE};
 use super::chart::Chart;
 use super::overlap::Flat;
 use super::{pack, raster};
-use crate::control::Watch;
+use crate::control::WorkProgress;
 use crate::error::{Error, Result};
 
 /// Where charts lie in the square.
@@ -21,7 +21,7 @@ const WHOLE: f64 = 1e-6;
 
 impl Placement {
     /// Finds resolution and density as far as they are not given.
-    pub(super) fn find(charts: &[Chart], options: &AtlasOptions, watch: &Watch) -> Result<Self> {
+    pub(super) fn find(charts: &[Chart], options: &AtlasOptions, progress: &WorkProgress) -> Result<Self> {
         // One mesh that is laid out already: the map is its own.
         if let [chart] = charts
             && chart.is_own
@@ -40,7 +40,7 @@ impl Placement {
         let gutter = options.gutter;
         let at = |side: u32, density: f64| {
             let Some(sizes) = sizes(charts, density, gutter, side) else { return Ok(None) };
-            let places = pack::pack(&sizes, side, watch)?;
+            let places = pack::pack(&sizes, side, progress)?;
             Ok::<_, Error>(places.map(|places| {
                 let place = |(origin, size)| ChartPlace { origin, size };
                 let places = places.into_iter().zip(sizes).map(place).collect();

@@ -10,7 +10,7 @@ use crate::desc::{RADII, RadiosityDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::integrator::Sites;
 use crate::integrator::radiosity::Radiosity;
-use crate::render::{RenderSettings, with_crew};
+use crate::render::{RenderSettings, with_workers};
 use crate::scene::Scene;
 use crate::spectrum::Rgb;
 
@@ -55,11 +55,11 @@ pub fn by_radiosity(
         let sites = done.load(Ordering::Relaxed) as f64 / count as f64;
         look_up(SOLUTION_SHARE * solved + (1.0 - SOLUTION_SHARE) * sites)
     };
-    with_crew(settings, look_up, |crew| {
-        let solution = Arc::new(Radiosity::solve(scene, &desc, crew)?);
-        crew.progress(1.0);
+    with_workers(settings, look_up, |workers| {
+        let solution = Arc::new(Radiosity::solve(scene, &desc, workers)?);
+        workers.progress(1.0);
         let (scene, shared, read) = (scene.clone(), Arc::clone(sites), Arc::clone(&solution));
-        let pieces = crew.map(count, move |piece| {
+        let pieces = workers.map(count, move |piece| {
             let range = piece * PIECE..((piece + 1) * PIECE).min(shared.len());
             let irradiance = range.map(|site| mean(&scene, &read, &shared, site, front)).collect::<Vec<_>>();
             looked_up.fetch_add(1, Ordering::Relaxed);

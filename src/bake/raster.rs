@@ -4,7 +4,7 @@ use super::chart::bounds;
 use super::overlap::Flat;
 use super::own::doubled_area;
 use crate::Result;
-use crate::control::Watch;
+use crate::control::WorkProgress;
 
 /// What a triangle covers of a texel may have so many corners.
 const MOST_CORNERS: usize = 8;
@@ -96,11 +96,15 @@ impl Polygon {
 ///
 /// # Errors
 /// [`crate::ErrorKind::Cancelled`].
-pub(super) fn for_each_texel(triangle: &Flat, watch: &Watch, mut visit: impl FnMut([u32; 2], &Polygon)) -> Result<()> {
+pub(super) fn for_each_texel(
+    triangle: &Flat,
+    progress: &WorkProgress,
+    mut visit: impl FnMut([u32; 2], &Polygon),
+) -> Result<()> {
     let whole = Polygon::new(triangle);
     let [[_, low], [_, high]] = bounds(triangle.iter().copied());
     for row in low as u32..=high as u32 {
-        watch.check()?;
+        progress.check()?;
         let strip = whole.clipped(1, f64::from(row), 1.0).clipped(1, f64::from(row) + 1.0, -1.0);
         if strip.count < 3 {
             continue;
@@ -141,7 +145,7 @@ mod tests {
                 let mut corner = || [0.0; 2].map(|_| f64::from(rng.next_f32()) * size + 1.0);
                 let triangle = [corner(), corner(), corner()];
                 let mut sum = 0.0;
-                for_each_texel(&triangle, &Watch::new(&Cancel::new()), |[x, y], part| {
+                for_each_texel(&triangle, &WorkProgress::new(&Cancel::new()), |[x, y], part| {
                     for (fan, area) in part.fan() {
                         sum += area;
                         for p in fan {
@@ -169,7 +173,7 @@ mod tests {
     fn texels_beside_a_side_are_not_covered() {
         let mut found = Vec::new();
         let triangle = [[1.0, 1.0], [3.0, 1.0], [1.0, 3.0]];
-        for_each_texel(&triangle, &Watch::new(&Cancel::new()), |texel, _| found.push(texel)).unwrap();
+        for_each_texel(&triangle, &WorkProgress::new(&Cancel::new()), |texel, _| found.push(texel)).unwrap();
         assert_eq!(found, [[1, 1], [2, 1], [1, 2]]);
     }
 }

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::reflection;
-use crate::control::{Cancel, Watch};
+use crate::control::{Cancel, WorkProgress};
 use crate::embree::Charge;
 use crate::error::{Error, ErrorKind, Result};
 use crate::integrator::{Piece, Sites};
@@ -86,7 +86,7 @@ impl Vertices {
     /// # Errors
     /// As for [`Vertices::new`]; `InvalidScene` too where there is no such surface.
     pub fn of_surfaces(scene: &Scene, options: &VertexOptions, only: Option<u32>, cancel: &Cancel) -> Result<Self> {
-        Self::make(scene, options, only, &Watch::new(cancel))
+        Self::make(scene, options, only, &WorkProgress::new(cancel))
     }
 
     /// The same, stopped by `look_up` as in [`super::Atlas::watched`].
@@ -97,12 +97,12 @@ impl Vertices {
         scene: &Scene,
         options: &VertexOptions,
         only: Option<u32>,
-        look_up: &mut dyn FnMut(f64) -> ControlFlow<()>,
+        look_up: &mut (dyn FnMut(f64) -> ControlFlow<()> + Send),
     ) -> Result<Self> {
-        Self::make(scene, options, only, &Watch::telling(look_up))
+        Self::make(scene, options, only, &WorkProgress::by_time(look_up))
     }
 
-    fn make(scene: &Scene, options: &VertexOptions, only: Option<u32>, watch: &Watch) -> Result<Self> {
+    fn make(scene: &Scene, options: &VertexOptions, only: Option<u32>, progress: &WorkProgress) -> Result<Self> {
         if let Some(spacing) = options.spacing
             && !(spacing > 0.0 && spacing.is_finite())
         {
@@ -118,8 +118,8 @@ impl Vertices {
             return Err(past(bytes));
         }
         let meshes_charge = scene.device().charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
-        watch.stage(MESHES_END, scene.surface_mesh_items())?;
-        let mut meshes = scene.watched_surface_meshes(watch)?;
+        progress.stage(MESHES_END, scene.surface_mesh_items())?;
+        let mut meshes = scene.watched_surface_meshes(progress)?;
         meshes.retain(|mesh| only.is_none_or(|only| mesh.surface == only));
         let cuts: Vec<u64> = meshes.iter().map(|mesh| cuts(mesh, options.spacing)).collect();
         for (mesh, &n) in meshes.iter().zip(&cuts) {
@@ -133,7 +133,7 @@ impl Vertices {
             return Err(past(bytes));
         }
         let charge = scene.device().charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
-        watch.stage(CUTS_END, meshes.iter().map(|mesh| mesh.triangles.len()).sum())?;
+        progress.stage(CUTS_END, meshes.iter().map(|mesh| mesh.triangles.len()).sum())?;
         let mut maker = Maker::default();
         let mut made = Self {
             vertices: Vec::new(),
@@ -146,14 +146,14 @@ impl Vertices {
             _charge: charge.map(Arc::new),
         };
         for (mesh, n) in meshes.iter().zip(cuts) {
-            made.add(scene, mesh, n as u32, &mut maker, watch)?;
+            made.add(scene, mesh, n as u32, &mut maker, progress)?;
         }
         drop(meshes_charge);
         if made.triangles.is_empty() {
             return Err(Error::new(ErrorKind::InvalidScene, "the scene has no surface whose vertices could be lit"));
         }
-        watch.stage(1.0, maker.cells.len())?;
-        made.finish(&meshes, maker, watch)?;
+        progress.stage(1.0, maker.cells.len())?;
+        made.finish(&meshes, maker, progress)?;
         Ok(made)
     }
 
@@ -211,7 +211,14 @@ impl Vertices {
     }
 
     /// Vertices and triangles of a surface, each triangle cut into n x n.
-    fn add(&mut self, scene: &Scene, mesh: &SurfaceMesh, n: u32, maker: &mut Maker, watch: &Watch) -> Result<()> {
+    fn add(
+        &mut self,
+        scene: &Scene,
+        mesh: &SurfaceMesh,
+        n: u32,
+        maker: &mut Maker,
+        progress: &WorkProgress,
+    ) -> Result<()> {
         let first = self.vertices.len() as u32;
         self.firsts.push((mesh.surface, first));
         let vertex = |position| LitVertex { position, normal: Vec3::ZERO, surface: mesh.surface };
@@ -220,8 +227,8 @@ impl Vertices {
         maker.normals.extend((0..mesh.positions.len()).map(|i| (smooth(i).as_dvec3(), DVec3::ZERO)));
         let mut on_sides: HashMap<(u32, u32, u32), u32> = HashMap::new();
         for (i, triangle) in mesh.triangles.iter().enumerate() {
-            watch.check()?;
-            watch.spend(1);
+            progress.check()?;
+            progress.spend(1);
             let facet = mesh.facets[i];
             let facet_number = maker.facet_count;
             maker.facet_count += 1;
@@ -281,17 +288,17 @@ impl Vertices {
         Ok(())
     }
 
-    fn finish(&mut self, meshes: &[SurfaceMesh], mut maker: Maker, watch: &Watch) -> Result<()> {
+    fn finish(&mut self, meshes: &[SurfaceMesh], mut maker: Maker, progress: &WorkProgress) -> Result<()> {
         for (vertex, (smooth, mean)) in self.vertices.iter_mut().zip(maker.normals) {
             let normal = if smooth != DVec3::ZERO { smooth } else { mean };
             vertex.normal = normal.normalize_or_zero().as_vec3a();
         }
-        watch.sort(&mut maker.cells, &|a, b| (a.vertex, a.number).cmp(&(b.vertex, b.number)))?;
+        progress.sort(&mut maker.cells, &|a, b| (a.vertex, a.number).cmp(&(b.vertex, b.number)))?;
         let mut pieces = Vec::with_capacity(maker.cells.len());
         let mut starts = vec![0];
         for cells in maker.cells.chunk_by(|a, b| a.vertex == b.vertex) {
-            watch.check()?;
-            watch.spend(cells.len());
+            progress.check()?;
+            progress.spend(cells.len());
             let whole: f64 = cells.iter().map(|cell| cell.area).sum();
             let mut sum = 0.0;
             for cell in cells {

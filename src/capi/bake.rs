@@ -9,7 +9,7 @@ use super::boundary::{
     Header, Object, UserData, give, need, object, on, read_sized, release, retain, take_status, write_sized,
 };
 use super::device::etd_device;
-use super::progress::{BUILD_SHARE, Reporter, none_yet};
+use super::progress::{BUILD_SHARE, HostProgress, none_yet};
 use super::read;
 use super::scene::etd_scene;
 use super::status::{ETD_CANCELLED, Failure, Result, etd_status};
@@ -56,12 +56,12 @@ pub unsafe extern "C" fn etd_atlas_new(
     unsafe {
         on(scene, |scene| {
             need(out_atlas, "out_atlas")?;
-            let (options, reporter) = if options.is_null() {
-                (AtlasOptions::default(), Reporter::new(None, UserData(ptr::null_mut())))
+            let (options, progress) = if options.is_null() {
+                (AtlasOptions::default(), HostProgress::new(None, UserData(ptr::null_mut())))
             } else {
                 atlas_options(options)?
             };
-            let (built, layout) = build(scene, &reporter)?;
+            let (built, layout) = build(scene, &progress)?;
             let mut look_up = |fraction| layout.tell(fraction, none_yet(ETD_PHASE_BUILD));
             let atlas = Atlas::watched(&built, &options, &mut look_up)?;
             let header = Header::new::<etd_atlas>(scene.device.callbacks());
@@ -76,15 +76,15 @@ pub unsafe extern "C" fn etd_atlas_new(
 }
 
 /// The scene as it is described now, and who tells of what follows.
-fn build(scene: &etd_scene, reporter: &Reporter) -> Result<(Scene, Reporter)> {
-    let (built, time) = scene.build(reporter.cancel(), reporter.part(0.0, BUILD_SHARE).build())?;
+fn build(scene: &etd_scene, progress: &HostProgress) -> Result<(Scene, HostProgress)> {
+    let (built, time) = scene.build(progress.cancel(), progress.part(0.0, BUILD_SHARE).build())?;
     let share = if time.is_zero() { 0.0 } else { BUILD_SHARE };
-    Ok((built, reporter.part(share, 1.0)))
+    Ok((built, progress.part(share, 1.0)))
 }
 
 /// # Safety
 /// As for [`read_sized`].
-unsafe fn atlas_options(options: *const etd_atlas_options) -> Result<(AtlasOptions, Reporter)> {
+unsafe fn atlas_options(options: *const etd_atlas_options) -> Result<(AtlasOptions, HostProgress)> {
     // SAFETY: passed on.
     let it = unsafe { read_sized(options, "options") }?;
     let default = AtlasOptions::default();
@@ -108,7 +108,7 @@ unsafe fn atlas_options(options: *const etd_atlas_options) -> Result<(AtlasOptio
         max_angle_deg: if it.max_angle_deg == 0.0 { default.max_angle_deg } else { it.max_angle_deg },
         memory: if it.memory == 0 { default.memory } else { it.memory },
     };
-    Ok((made, Reporter::new(it.progress, UserData(it.user_data))))
+    Ok((made, HostProgress::new(it.progress, UserData(it.user_data))))
 }
 
 /// One more reference to an atlas. Thread-safe.
@@ -395,7 +395,7 @@ pub unsafe extern "C" fn etd_scene_bake_vertices(
             let job = Job::new(scene, options, out_summary)?;
             // What is wrong with the target is known before anything is built.
             Target::new(target, [1, 1])?;
-            let (built, rest) = build(scene, &job.reporter)?;
+            let (built, rest) = build(scene, &job.progress)?;
             let (making, baking) = (rest.part(0.0, VERTICES_SHARE), rest.part(VERTICES_SHARE, 1.0));
             let mut look_up = |fraction| making.tell(fraction, none_yet(ETD_PHASE_BUILD));
             let vertices = Vertices::watched(&built, &VertexOptions::default(), Some(surface), &mut look_up);
@@ -406,7 +406,7 @@ pub unsafe extern "C" fn etd_scene_bake_vertices(
                 vertices => vertices?,
             };
             let target = Target::new(target, [vertices.vertices().len(), 1])?;
-            let job = Job { reporter: baking, ..job };
+            let job = Job { progress: baking, ..job };
             let (baked, summary) = job.run(&built, vertices.sites(), None, target.front)?;
             target.write(&vertices.spread(&baked.irradiance), &vertices.spread(&baked.standard_error));
             job.finish(&summary, out_summary)
@@ -501,7 +501,7 @@ impl Target {
 struct Job<'a> {
     scene: &'a Arc<etd_scene>,
     options: etd_render_options,
-    reporter: Reporter,
+    progress: HostProgress,
 }
 
 impl<'a> Job<'a> {
@@ -522,23 +522,23 @@ impl<'a> Job<'a> {
             // SAFETY: passed on.
             unsafe { read_sized(out_summary.cast_const(), "out_summary") }?;
         }
-        let reporter = Reporter::new(options.progress, UserData(options.user_data));
+        let progress = HostProgress::new(options.progress, UserData(options.user_data));
         // Options that no bake could have are refused here.
-        settings_of(&options, [1, 1], &scene.device, reporter.cancel())?;
-        Ok(Self { scene, options, reporter })
+        settings_of(&options, [1, 1], &scene.device, progress.cancel())?;
+        Ok(Self { scene, options, progress })
     }
 
     /// `texel`: the length of one, where there are any.
     fn run(&self, built: &Scene, sites: &Arc<Sites>, texel: Option<f64>, front: bool) -> Result<(Baked, Summary)> {
         let start = Instant::now();
-        let settings = settings_of(&self.options, [1, 1], &self.scene.device, self.reporter.cancel())?;
+        let settings = settings_of(&self.options, [1, 1], &self.scene.device, self.progress.cancel())?;
         if settings.desc.integrator == IntegratorDesc::Radiosity {
             // Of the scene's own integrator they were told with the scene.
             let is_own = self.scene.desc().render.integrator == IntegratorDesc::Radiosity;
             let warnings = built.info().not_diffuse.iter().filter(|_| !is_own);
             let callbacks = self.scene.device.callbacks();
             warnings.chain(&built.info().not_in_radiosity).for_each(|it| callbacks.log(ETD_LOG_WARNING, it));
-            let mut look_up = |fraction| self.reporter.tell(fraction, none_yet(ETD_PHASE_RENDER));
+            let mut look_up = |fraction| self.progress.tell(fraction, none_yet(ETD_PHASE_RENDER));
             let (baked, solution) = by_radiosity(built, sites, &settings, texel, front, &mut look_up)?;
             let notes = solution.notes().to_vec();
             let summary = Summary { elapsed: start.elapsed(), notes, ..Summary::default() };
@@ -553,7 +553,7 @@ impl<'a> Job<'a> {
                 samples_total: progress.samples_total,
                 ..none_yet(ETD_PHASE_RENDER)
             };
-            self.reporter.tell(progress.fraction, report)
+            self.progress.tell(progress.fraction, report)
         })?;
         self.log(&summary);
         Ok((bake.irradiance(), summary))

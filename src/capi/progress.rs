@@ -1,17 +1,18 @@
-//! What a host is told of work that has no object of its own.
+//! Progress callbacks of calls that return when their work is done.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use super::boundary::UserData;
-use super::scene::Progress;
 use super::types::{ETD_PHASE_BUILD, etd_phase, etd_progress, etd_progress_fn};
 use crate::Cancel;
 
 /// Share of the progress that building a scene takes.
 pub(super) const BUILD_SHARE: f64 = 0.1;
+
+/// What the build of a scene is given to tell its finished share to.
+pub(super) type BuildReport = Option<Arc<dyn Fn(f64) + Send + Sync>>;
 
 /// Nothing is done yet.
 pub(super) fn none_yet(phase: etd_phase) -> etd_progress {
@@ -27,25 +28,22 @@ pub(super) fn none_yet(phase: etd_phase) -> etd_progress {
     }
 }
 
-/// Tells a host how far a piece of work is, and stops the work where the host says so. Clones are of the same work.
+/// A progress callback of the host, and the token that it cancels by its answer. Clones are of the same work.
 #[derive(Clone)]
-pub(super) struct Reporter {
+pub(super) struct HostProgress {
     function: etd_progress_fn,
     user_data: UserData,
     start: Instant,
     cancel: Cancel,
-    /// Bits of the largest share told, which is not negative: they are in the order of the numbers.
-    told: Arc<AtomicU64>,
     /// What this part of the work is of the whole.
     from: f64,
     to: f64,
 }
 
-impl Reporter {
+impl HostProgress {
     /// Of work that begins now. `user_data`: what the function is to be given.
     pub fn new(function: etd_progress_fn, user_data: UserData) -> Self {
-        let (cancel, told) = (Cancel::new(), Arc::new(AtomicU64::new(0)));
-        Self { function, user_data, start: Instant::now(), cancel, told, from: 0.0, to: 1.0 }
+        Self { function, user_data, start: Instant::now(), cancel: Cancel::new(), from: 0.0, to: 1.0 }
     }
 
     /// What stops the work once the host has said so.
@@ -62,12 +60,10 @@ impl Reporter {
         (self.from + (self.to - self.from) * fraction).clamp(0.0, 1.0)
     }
 
-    /// Tells that so much of this part is done; whether to go on.
+    /// Tells that so much of this part is done, which must only grow; returns whether to go on.
     pub fn tell(&self, fraction: f64, report: etd_progress) -> ControlFlow<()> {
         let Some(function) = self.function else { return ControlFlow::Continue(()) };
         let fraction = self.at(fraction);
-        let before = self.told.fetch_max(fraction.to_bits(), Ordering::Relaxed);
-        let fraction = fraction.max(f64::from_bits(before));
         let report = etd_progress { fraction, elapsed: self.start.elapsed().as_secs_f64(), ..report };
         // SAFETY: the host gave the function for this; the report lives during the call.
         if unsafe { function(self.user_data.0, &raw const report) } == 0 {
@@ -78,7 +74,7 @@ impl Reporter {
     }
 
     /// What a build of a scene tells as this part of the work.
-    pub fn build(&self) -> Progress {
+    pub fn build(&self) -> BuildReport {
         self.function?;
         let own = self.clone();
         Some(Arc::new(move |fraction| {

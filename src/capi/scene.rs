@@ -12,7 +12,7 @@ use super::boundary::{
     optional_text, read_sized, release, retain, share, take_status, text, write_sized,
 };
 use super::device::etd_device;
-use super::progress::Reporter;
+use super::progress::{BuildReport, HostProgress};
 use super::read;
 use super::status::{ETD_INVALID_SCENE, Failure, Result, etd_status};
 use super::types::{
@@ -107,7 +107,7 @@ impl etd_scene {
     }
 
     /// The scene as it is described now, built if need be, and the time that took.
-    pub(super) fn build(&self, cancel: &Cancel, progress: Progress) -> Result<(Scene, Duration)> {
+    pub(super) fn build(&self, cancel: &Cancel, progress: BuildReport) -> Result<(Scene, Duration)> {
         let own = std::ptr::from_ref(self).addr();
         if is_inside(own) {
             return Err(Failure::operation("a function that a build of this scene calls cannot wait for the build"));
@@ -167,9 +167,6 @@ impl etd_scene {
         Ok((scene, time))
     }
 }
-
-/// What is told the finished share of a build.
-pub(super) type Progress = Option<Arc<dyn Fn(f64) + Send + Sync>>;
 
 /// # Safety
 /// As for [`read_sized`]; the strings in it as for [`optional_text`].
@@ -344,8 +341,8 @@ pub unsafe extern "C" fn etd_scene_commit(
     // SAFETY: passed on.
     unsafe {
         on(scene, |scene| {
-            let reporter = Reporter::new(progress, UserData(user_data));
-            scene.build(reporter.cancel(), reporter.build())?;
+            let progress = HostProgress::new(progress, UserData(user_data));
+            scene.build(progress.cancel(), progress.build())?;
             Ok(())
         })
     }

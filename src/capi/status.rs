@@ -4,7 +4,6 @@ use std::cell::RefCell;
 use std::ffi::{CString, c_char};
 use std::path::Path;
 
-use super::boundary::{boundary, write_sized};
 use crate::{Error, ErrorKind};
 
 /// What a call came to. Values are grouped by who can mend it, never change and are never used again for something else.
@@ -147,6 +146,28 @@ pub(super) fn remember(failure: &Failure) {
     let _ = LAST.try_with(|slot| *slot.borrow_mut() = Some(last));
 }
 
+/// The last failure of this thread; of status `ETD_OK` if there was none.
+pub(super) fn last_error() -> etd_error {
+    let mut error = etd_error {
+        struct_size: size_of::<etd_error>(),
+        status: ETD_OK,
+        line: 0,
+        message: c"".as_ptr(),
+        file: c"".as_ptr(),
+        json_path: c"".as_ptr(),
+    };
+    let _ = LAST.try_with(|slot| {
+        if let Some(last) = slot.borrow().as_ref() {
+            error.status = last.status;
+            error.line = last.line;
+            error.message = last.message.as_ptr();
+            error.file = last.file.as_ptr();
+            error.json_path = last.json_path.as_ptr();
+        }
+    });
+    error
+}
+
 /// The message of the last call that failed on this thread, with file, line and JSON path where there are any.
 ///
 /// UTF-8, never NULL, empty if no call has failed yet. Valid until the next failing call on this thread. Calls that
@@ -155,58 +176,4 @@ pub(super) fn remember(failure: &Failure) {
 pub extern "C" fn etd_last_error_message() -> *const c_char {
     LAST.try_with(|slot| slot.borrow().as_ref().map_or(c"".as_ptr(), |last| last.message.as_ptr()))
         .unwrap_or(c"".as_ptr())
-}
-
-/// The parts of the last failure of this thread.
-///
-/// Fills `*out_error`, whose `struct_size` must be set, and returns `ETD_OK`; `out_error->status` is `ETD_OK` if no call
-/// has failed yet. The strings are valid until the next failing call on this thread. Thread-safe.
-///
-/// # Safety
-/// `out_error` must be NULL or point to a structure of the size it says.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn etd_last_error(out_error: *mut etd_error) -> etd_status {
-    boundary(None, || {
-        let mut error = etd_error {
-            struct_size: size_of::<etd_error>(),
-            status: ETD_OK,
-            line: 0,
-            message: c"".as_ptr(),
-            file: c"".as_ptr(),
-            json_path: c"".as_ptr(),
-        };
-        let _ = LAST.try_with(|slot| {
-            if let Some(last) = slot.borrow().as_ref() {
-                error.status = last.status;
-                error.line = last.line;
-                error.message = last.message.as_ptr();
-                error.file = last.file.as_ptr();
-                error.json_path = last.json_path.as_ptr();
-            }
-        });
-        // SAFETY: by the contract of this function.
-        unsafe { write_sized(out_error, "out_error", error) }
-    })
-}
-
-/// The name of a status, such as "ETD_INVALID_SCENE"; "unknown status" for any other number. Static. Thread-safe.
-#[unsafe(no_mangle)]
-pub extern "C" fn etd_status_name(status: u32) -> *const c_char {
-    let name = match status {
-        0 => c"ETD_OK",
-        1 => c"ETD_RUNNING",
-        100 => c"ETD_INVALID_ARGUMENT",
-        101 => c"ETD_INVALID_HANDLE",
-        102 => c"ETD_INVALID_OPERATION",
-        200 => c"ETD_INVALID_SCENE",
-        201 => c"ETD_UNSUPPORTED",
-        202 => c"ETD_IO",
-        300 => c"ETD_DEVICE",
-        301 => c"ETD_OUT_OF_MEMORY",
-        400 => c"ETD_CANCELLED",
-        500 => c"ETD_INTERNAL",
-        501 => c"ETD_PANIC",
-        _ => c"unknown status",
-    };
-    name.as_ptr()
 }

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 use super::boundary::{Inside, Object, UserData, catch, is_inside, lock, read_sized, share};
 use super::device::etd_device;
 use super::film::etd_film;
-use super::progress::{BUILD_SHARE, none_yet};
+use super::progress::{BUILD_SHARE, BuildReport, none_yet};
 use super::read;
-use super::scene::{Progress, etd_scene};
+use super::scene::etd_scene;
 use super::status::{ETD_CANCELLED, ETD_DEVICE, ETD_OK, Failure, Result};
 use super::types::{
     ETD_ENDED_CANCELLED, ETD_ENDED_ERROR, ETD_ENDED_SAMPLES, ETD_ENDED_TIME, ETD_LOG_WARNING, ETD_PHASE_BUILD,
@@ -167,7 +167,7 @@ impl Work {
         if !resumes || slot.is_none() {
             let work = Arc::downgrade(self);
             let told_cancel = cancel.clone();
-            let told: Progress = Some(Arc::new(move |fraction: f64| {
+            let told: BuildReport = Some(Arc::new(move |fraction: f64| {
                 if let Some(work) = work.upgrade() {
                     work.report(&told_cancel, |progress| {
                         progress.phase = ETD_PHASE_BUILD;

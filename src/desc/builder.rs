@@ -3,21 +3,10 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use super::warnings::warn;
 use super::{Dialect, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook, json, obj, validate};
 use crate::math::DVec3;
 use crate::{Error, Result};
-
-/// Most warnings that are kept.
-const WARNING_LIMIT: usize = 1000;
-
-/// Keeps a warning, unless there are very many already.
-pub(super) fn warn(warnings: &mut Vec<String>, message: String) {
-    if warnings.len() < WARNING_LIMIT {
-        warnings.push(message);
-    } else if warnings.len() == WARNING_LIMIT {
-        warnings.push("more warnings are left out".to_owned());
-    }
-}
 
 pub(super) struct Builder<'a> {
     pub scene: SceneDesc,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};
 
-use super::{MeshDesc, ShapeDesc, SurfaceDesc};
+use super::object::{MeshDesc, ShapeDesc, SurfaceDesc};
 use crate::math::Bounds;
 
 /// Names, extents of meshes and who uses them, kept beside the lists of a [`super::SceneDesc`] by the readers and the

@@ -7,8 +7,9 @@
 use std::io::{self, BufRead, Read};
 use std::path::Path;
 
-use super::builder::warn;
-use super::{MeshDesc, read};
+use super::MeshDesc;
+use super::file::open;
+use super::warnings::warn;
 use crate::math::DVec3;
 use crate::{Error, Result};
 
@@ -33,7 +34,7 @@ pub(super) fn check_name(json_path: &str, file: &Path) -> Result<()> {
 
 /// Reads the file at `path`; `json_path` says where the scene names it.
 pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<MeshDesc> {
-    let file = read::open(path, SIZE_LIMIT).map_err(|error| error.at(json_path))?;
+    let file = open(path, SIZE_LIMIT).map_err(|error| error.at(json_path))?;
     // One byte more than allowed, so that a file that grows meanwhile is told from one that ends here.
     let mut lines = Lines::new(io::BufReader::with_capacity(1 << 16, file.take(SIZE_LIMIT + 1)));
     let fail = |line: usize, message: String| Error::invalid(json_path, message).in_file(Some(path), line);

@@ -3,8 +3,8 @@
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
-use super::builder::warn;
 use super::json::{self, Whole, did_you_mean};
+use super::warnings::warn;
 use super::{
     IntegratorDesc, KernelDesc, PhotonDesc, PhotonSharing, RenderDesc, SamplerDesc, photon_keys, render, validate,
 };

@@ -1,18 +1,14 @@
-//! From a path to text: regular files of bounded size only, UTF-8, and the choice between the two dialects.
+//! From text to a description: the choice between the two dialects, and where in a text an error is.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
-use super::json::{self, line_at, line_of};
+use super::file::read_text;
+use super::json::{self, line_of};
 use super::{RenderDesc, SceneDesc, mcrt, native, params, render};
 use crate::{Error, ErrorKind, Result};
-
-/// Largest scene or parameter file that is read, 512 MiB. Large meshes belong into OBJ files.
-const SIZE_LIMIT: u64 = 512 << 20;
 
 /// Reads a scene file, and the parameter file if there is one.
 ///
@@ -128,48 +124,4 @@ fn located(error: Error, json: &str, file: Option<&Path>) -> Error {
     };
     let path = json::elided(&error.location().json_path);
     error.in_file(file, line).at(path)
-}
-
-/// Opens a regular file of at most `limit` bytes. Pipes, devices and folders are refused before they can block.
-pub(super) fn open(path: &Path, limit: u64) -> Result<File> {
-    let fail = |error| Error::io(path, "cannot open the file", error);
-    let refuse = |message: String| Error::new(ErrorKind::Io, message).in_file(Some(path), 0);
-    let check = |metadata: std::fs::Metadata| {
-        if !metadata.is_file() {
-            let what = if metadata.is_dir() { "a folder" } else { "not a regular file" };
-            return Err(refuse(format!("cannot open the file: it is {what}")));
-        }
-        if metadata.len() > limit {
-            let size = metadata.len();
-            return Err(refuse(format!("the file is too large: {size} bytes, expected {limit} at most")));
-        }
-        Ok(())
-    };
-    check(std::fs::metadata(path).map_err(fail)?)?;
-    let file = File::open(path).map_err(fail)?;
-    // It may have been replaced in between.
-    check(file.metadata().map_err(fail)?)?;
-    Ok(file)
-}
-
-fn read_text(path: &Path) -> Result<String> {
-    let mut bytes = Vec::new();
-    open(path, SIZE_LIMIT)?
-        .take(SIZE_LIMIT + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|error| Error::io(path, "cannot read the file", error))?;
-    if bytes.len() as u64 > SIZE_LIMIT {
-        let message = format!("the file is too large, expected {SIZE_LIMIT} bytes at most");
-        return Err(Error::new(ErrorKind::Io, message).in_file(Some(path), 0));
-    }
-    if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
-        let message = "the file is UTF-16, expected UTF-8";
-        return Err(Error::new(ErrorKind::InvalidScene, message).in_file(Some(path), 1));
-    }
-    String::from_utf8(bytes).map_err(|error| {
-        let valid = error.utf8_error().valid_up_to();
-        let message = format!("byte {} is not UTF-8; save the file as UTF-8", valid + 1);
-        let line = line_at(error.as_bytes(), valid);
-        Error::new(ErrorKind::InvalidScene, message).in_file(Some(path), line).because(error)
-    })
 }

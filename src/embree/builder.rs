@@ -6,9 +6,9 @@ use std::sync::Arc;
 use super::commit::commit;
 use super::device::Device;
 use super::mesh::{MAX_COORDINATE, TriangleMesh, in_range};
-use super::packet::Width;
 use super::scene::{Features, Kept, Scene, SceneInner};
 use super::user::{self, UserGeometry, UserState};
+use super::width::PacketWidth;
 use super::{ray, sys};
 use crate::math::DAffine3;
 use crate::{Cancel, Error, ErrorKind, Result};
@@ -116,7 +116,7 @@ impl SceneBuilder {
             kept: Vec::new(),
             features: Features::default(),
             mask: sys::RTC_FEATURE_FLAG_NONE,
-            width: Width::One,
+            width: PacketWidth::One,
             bvh_bytes: 0,
             device: Arc::clone(&device.inner),
         };

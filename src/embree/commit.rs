@@ -8,10 +8,10 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use super::device::{Building, lock};
-use super::packet::Width;
 use super::scene::{Kept, Scene, SceneInner};
 use super::sys;
 use super::user::panic_text;
+use super::width::PacketWidth;
 use crate::{Cancel, Error, ErrorKind, Result};
 
 /// From so many primitives on, the beginning of a build, in which Embree asks nobody whether to go on, may take longer
@@ -111,7 +111,7 @@ fn build(mut inner: SceneInner, watch: &Arc<Watch>) -> Result<Scene> {
     inner.bvh_bytes = grown;
     inner.mask = inner.features.mask();
     if !inner.features.user && !inner.features.spheres {
-        inner.width = Width::of(device.raw);
+        inner.width = PacketWidth::of(device.raw);
     }
     inner.kept.shrink_to_fit();
     Ok(Scene { inner: Arc::new(inner) })

@@ -100,6 +100,7 @@ mod scene;
 #[allow(clippy::undocumented_unsafe_blocks)]
 mod sys;
 mod user;
+mod width;
 
 pub use budget::{Charge, MemoryBudget};
 pub use builder::{BuildQuality, GeometryId, SceneBuilder, SceneOptions};

@@ -8,6 +8,7 @@
 use super::ray::{Hit, INVALID};
 use super::scene::Scene;
 use super::sys;
+use super::width::PacketWidth;
 use crate::math::{Ray, Vec3, Vec4};
 
 /// The most rays that go into one packet.
@@ -15,31 +16,6 @@ pub const PACKET: usize = 16;
 
 /// Packets that fill less than one in so many of their lanes are asked one by one.
 const LEAST_FILLED: usize = 4;
-
-/// How many rays a scene takes at once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Width {
-    One,
-    Eight,
-    Sixteen,
-}
-
-impl Width {
-    /// The widest packets that the device answers natively.
-    pub(super) fn of(device: sys::RTCDevice) -> Self {
-        let has = |property| {
-            // SAFETY: `device` is alive.
-            unsafe { sys::rtcGetDeviceProperty(device, property) != 0 }
-        };
-        if has(sys::RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) {
-            Self::Sixteen
-        } else if has(sys::RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) {
-            Self::Eight
-        } else {
-            Self::One
-        }
-    }
-}
 
 #[inline(always)]
 fn transposed([a, b, c, d]: [Vec4; 4]) -> [[f32; 4]; 4] {
@@ -162,16 +138,16 @@ impl Scene {
     #[inline]
     pub fn intersect_many(&self, rays: &[Ray], tfar: impl Fn(usize) -> f32, mut meet: impl FnMut(usize, Hit)) {
         self.in_packets(rays, |begin, rays, width| match width {
-            Width::One => rays.iter().enumerate().for_each(|(lane, ray)| {
+            PacketWidth::One => rays.iter().enumerate().for_each(|(lane, ray)| {
                 let ray = Ray { tfar: tfar(begin + lane), ..*ray };
                 if let Some(hit) = self.intersect(&ray) {
                     meet(begin + lane, hit);
                 }
             }),
-            Width::Eight => {
+            PacketWidth::Eight => {
                 eight::intersect(self, rays, &|lane| tfar(begin + lane), &mut |lane, hit| meet(begin + lane, hit))
             }
-            Width::Sixteen => {
+            PacketWidth::Sixteen => {
                 sixteen::intersect(self, rays, &|lane| tfar(begin + lane), &mut |lane, hit| meet(begin + lane, hit))
             }
         });
@@ -182,25 +158,25 @@ impl Scene {
     #[inline]
     pub fn occluded_many(&self, rays: &[Ray], mut blocked: impl FnMut(usize)) {
         self.in_packets(rays, |begin, rays, width| match width {
-            Width::One => rays.iter().enumerate().for_each(|(lane, ray)| {
+            PacketWidth::One => rays.iter().enumerate().for_each(|(lane, ray)| {
                 if self.occluded(ray) {
                     blocked(begin + lane);
                 }
             }),
-            Width::Eight => eight::occluded(self, rays, &mut |lane| blocked(begin + lane)),
-            Width::Sixteen => sixteen::occluded(self, rays, &mut |lane| blocked(begin + lane)),
+            PacketWidth::Eight => eight::occluded(self, rays, &mut |lane| blocked(begin + lane)),
+            PacketWidth::Sixteen => sixteen::occluded(self, rays, &mut |lane| blocked(begin + lane)),
         });
     }
 
     /// Divides rays into packets: the number of the first in each, and how they are to be asked.
     #[inline(always)]
-    fn in_packets(&self, rays: &[Ray], mut ask: impl FnMut(usize, &[Ray], Width)) {
+    fn in_packets(&self, rays: &[Ray], mut ask: impl FnMut(usize, &[Ray], PacketWidth)) {
         let lanes = match self.inner.width {
-            Width::Eight => 8,
-            Width::One | Width::Sixteen => PACKET,
+            PacketWidth::Eight => 8,
+            PacketWidth::One | PacketWidth::Sixteen => PACKET,
         };
         for (number, packet) in rays.chunks(lanes).enumerate() {
-            let width = if packet.len() * LEAST_FILLED < lanes { Width::One } else { self.inner.width };
+            let width = if packet.len() * LEAST_FILLED < lanes { PacketWidth::One } else { self.inner.width };
             ask(number * lanes, packet, width);
         }
     }
@@ -291,12 +267,12 @@ mod tests {
             with(false, true, BuildQuality::Low),
         ] {
             let mut scene = triangles(&mut rng, options);
-            if scene.inner.width == Width::One {
+            if scene.inner.width == PacketWidth::One {
                 eprintln!("SKIPPED: this Embree has no packets of rays");
                 return;
             }
             let widest = scene.inner.width;
-            for width in [Width::One, Width::Eight, widest] {
+            for width in [PacketWidth::One, PacketWidth::Eight, widest] {
                 Arc::get_mut(&mut scene.inner).unwrap().width = width;
                 let mut met = 0;
                 for count in (0..40).chain([4000]) {
@@ -338,11 +314,11 @@ mod tests {
         let mut rng = Rng::new(12, 0);
         let device = Device::new(&DeviceOptions::default()).unwrap();
         // Packets are used where they can be, unless this Embree was built without.
-        assert_eq!(triangles(&mut rng, SceneOptions::default()).inner.width, Width::of(device.inner.raw));
+        assert_eq!(triangles(&mut rng, SceneOptions::default()).inner.width, PacketWidth::of(device.inner.raw));
         let mut builder = SceneBuilder::new(&device, SceneOptions::default()).unwrap();
         builder.add_user(Arc::new(Square)).unwrap();
         let scene = builder.commit(None).unwrap();
-        assert_eq!(scene.inner.width, Width::One);
+        assert_eq!(scene.inner.width, PacketWidth::One);
         let rays = rays(&mut rng, 100);
         let mut met = Vec::new();
         scene.intersect_many(&rays, |number| rays[number].tfar, |number, _| met.push(number));

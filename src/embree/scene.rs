@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::device::DeviceInner;
 use super::mesh::TriangleMesh;
-use super::packet::Width;
 use super::ray::{Hit, from_embree, is_traceable, no_hit, to_embree};
 use super::user::ErasedUser;
+use super::width::PacketWidth;
 use super::{Device, sys};
 use crate::math::{Bounds, DVec3, Ray};
 use crate::{Error, ErrorKind, Result};
@@ -70,7 +70,7 @@ pub(super) struct SceneInner {
     pub(super) features: Features,
     pub(super) mask: sys::RTCFeatureFlags,
     /// User geometry is asked about one ray at a time, and so are Embree's spheres.
-    pub(super) width: Width,
+    pub(super) width: PacketWidth,
     pub(super) bvh_bytes: usize,
     pub(super) device: Arc<DeviceInner>,
 }
@@ -103,21 +103,10 @@ impl Scene {
     /// direction as a whole should be far longer; near unit length is best.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        self.intersect_as::<{ sys::RTC_RAY_QUERY_FLAG_INCOHERENT }>(ray)
-    }
-
-    /// The same for rays that follow others much alike, such as those of neighbouring pixels. Only speed may differ.
-    #[inline]
-    pub fn intersect_coherent(&self, ray: &Ray) -> Option<Hit> {
-        self.intersect_as::<{ sys::RTC_RAY_QUERY_FLAG_COHERENT }>(ray)
-    }
-
-    #[inline(always)]
-    fn intersect_as<const FLAGS: sys::RTCRayQueryFlags>(&self, ray: &Ray) -> Option<Hit> {
         if !is_traceable(ray) {
             return None;
         }
-        let hit = self.query::<FLAGS>(ray)?;
+        let hit = self.query(ray)?;
         Some(self.complete(ray, hit))
     }
 
@@ -158,15 +147,15 @@ impl Scene {
         if !is_traceable(&longer) {
             return None;
         }
-        let again = self.query::<{ sys::RTC_RAY_QUERY_FLAG_INCOHERENT }>(&longer)?;
+        let again = self.query(&longer)?;
         ([again.prim, again.geom, again.inst] == [prim, geom, inst]).then_some([again.u, again.v])
     }
 
     /// What Embree says of a ray that is traceable.
     #[inline(always)]
-    fn query<const FLAGS: sys::RTCRayQueryFlags>(&self, ray: &Ray) -> Option<Hit> {
+    fn query(&self, ray: &Ray) -> Option<Hit> {
         let mut found = sys::RTCRayHit { ray: to_embree(ray), hit: no_hit() };
-        let mut arguments = self.intersect_arguments(FLAGS);
+        let mut arguments = self.intersect_arguments(sys::RTC_RAY_QUERY_FLAG_INCOHERENT);
         // SAFETY: the scene is committed (a `Scene` is made by `SceneBuilder::commit` alone); both structures are
         // local, of the layout the build script checked, and aligned by their types.
         unsafe { sys::rtcIntersect1(self.inner.raw, &raw mut found, &raw mut arguments) };
@@ -204,7 +193,7 @@ impl Scene {
         }
         let mut segment = to_embree(ray);
         let mut arguments = self.occluded_arguments();
-        // SAFETY: as in `intersect_as`.
+        // SAFETY: as in `query`.
         unsafe { sys::rtcOccluded1(self.inner.raw, &raw mut segment, &raw mut arguments) };
         segment.tfar == f32::NEG_INFINITY
     }
@@ -314,7 +303,7 @@ mod tests {
             let mut query = Fenced { before: [CANARY; 8], inside, after: [CANARY; 32] };
             let arguments = scene.intersect_arguments(sys::RTC_RAY_QUERY_FLAG_INCOHERENT);
             let mut arguments = Fenced { before: [CANARY; 8], inside: arguments, after: [CANARY; 32] };
-            // SAFETY: as in `intersect_as`.
+            // SAFETY: as in `query`.
             unsafe { sys::rtcIntersect1(scene.inner.raw, &raw mut query.inside, &raw mut arguments.inside) };
             assert_eq!((query.before, query.after), ([CANARY; 8], [CANARY; 32]));
             assert_eq!((arguments.before, arguments.after), ([CANARY; 8], [CANARY; 32]));

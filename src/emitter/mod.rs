@@ -5,11 +5,15 @@
 //! towards it) is sampled. Every density here is per solid angle at the reference point and includes the choice.
 
 mod environment;
+mod receiver;
+mod sample;
 mod sphere;
 mod tree;
 mod triangle;
 
 pub use environment::EnvironmentEmitter;
+pub use receiver::Receiver;
+pub use sample::{Departure, EmitterSample};
 pub use sphere::SphereEmitter;
 pub use triangle::TriangleEmitter;
 
@@ -37,22 +41,6 @@ pub enum Emitter {
     Sphere(SphereEmitter),
     /// Light from infinity.
     Environment(EnvironmentEmitter),
-}
-
-/// A direction towards an emitter.
-#[derive(Clone, Copy, Debug)]
-pub struct EmitterSample {
-    /// Unit direction from the reference point.
-    pub wi: Vec3,
-    /// Where a shadow ray ends: on the emitter, moved off it to its outer side by what the kernel may be off there.
-    pub target: Vec3,
-    /// Radiance that arrives when nothing is in between [W m^-2 sr^-1]; for a point light, irradiance on a surface that
-    /// faces it [W m^-2].
-    pub radiance: Rgb,
-    /// Density of `wi` per solid angle times the probability of the emitter; for a point light that probability alone.
-    pub pdf: f32,
-    /// Whether the emitter is a point, which no Bsdf sample can hit.
-    pub is_delta: bool,
 }
 
 impl Emitter {
@@ -105,50 +93,9 @@ impl Emitter {
     }
 }
 
-/// Where light leaves an emitter.
-#[derive(Clone, Copy, Debug)]
-pub struct Departure {
-    /// The place.
-    pub point: HitPoint,
-    /// Unit normal on the side that shines; `None` for a point, which shines all around.
-    pub normal: Option<Vec3>,
-}
-
 /// A shadow ray to a point light ends this share of its way before it, so that a surface which the light is exactly on does not
 /// block it by chance. 16 units of f32.
 const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
-
-/// What light is sampled for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Receiver {
-    /// Where it is.
-    pub p: Vec3,
-    /// Unit normal on the side from which light counts; 0 where it counts from all sides.
-    normal: Vec3,
-}
-
-impl Receiver {
-    /// A surface at `p` to which light counts only where its direction has a positive cosine with the unit `normal`. No more
-    /// than a hint for the choice: samples from behind may still come.
-    #[inline]
-    pub fn facing(p: Vec3, normal: Vec3) -> Self {
-        Self { p, normal }
-    }
-
-    /// The unit normal on the side from which light counts; `None` where it counts from all sides.
-    #[inline]
-    pub fn normal(&self) -> Option<Vec3> {
-        (self.normal != Vec3::ZERO).then_some(self.normal)
-    }
-}
-
-/// A place to which light counts from all sides.
-impl From<Vec3> for Receiver {
-    #[inline]
-    fn from(p: Vec3) -> Self {
-        Self { p, normal: Vec3::ZERO }
-    }
-}
 
 /// Share of the choices by power that does not go by power.
 const EVEN_SHARE: f64 = 0.1;

@@ -8,19 +8,21 @@
 
 mod error;
 mod gathering;
-mod image;
 mod pixel;
 
 pub use error::{ErrorEstimate, ErrorMeasure, SampleCounts};
 pub use gathering::{Gathering, ShrinkingRadius};
-pub use image::{Image, Layer};
 pub use pixel::{Auxiliary, Pixel, REPLICATES};
+
+pub use crate::image::{Image, Layer};
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::Cancel;
 use crate::desc::MAX_PIXELS;
 use crate::error::{Error, ErrorKind, Result};
+use crate::math::Vec3;
+use crate::spectrum::Rgb;
 
 /// Side of the square tiles that a film is divided into.
 pub const TILE: u32 = 16;
@@ -66,6 +68,31 @@ impl Tile {
     pub(crate) fn counts(&self) -> [u32; PER_TILE] {
         std::array::from_fn(|index| self.pixels[index].count())
     }
+
+    /// Adds a sample to the pixel with this number in the tile, and to the layers that the film keeps. `share`: see
+    /// [`FilmOptions::share`].
+    #[inline]
+    pub(crate) fn add_sample(&mut self, index: usize, sample: PixelSample, share: u32) {
+        self.pixels[index].add(sample.radiance, sample.weight, share);
+        if let (Some(kept), Some(gathering)) = (self.gathering.get_mut(index), sample.gathering) {
+            *kept = gathering;
+        }
+        if let (Some(auxiliary), Some((albedo, normal, depth))) = (self.auxiliary.get_mut(index), sample.first) {
+            auxiliary.add(albedo, normal, depth);
+        }
+    }
+}
+
+/// A sample of a pixel, as a tile takes it.
+pub(crate) struct PixelSample {
+    /// Radiance, or irradiance; counts as black if it is not finite.
+    pub radiance: Rgb,
+    /// The weight that the pixel's filter gives it.
+    pub weight: f32,
+    /// What the pixel remembers after it, where pixels remember photons.
+    pub gathering: Option<Gathering>,
+    /// Albedo, shading normal and depth of the first hit, where there is one and the film keeps them.
+    pub first: Option<(Rgb, Vec3, f32)>,
 }
 
 /// What is kept of a pixel beside its sums.
@@ -365,11 +392,13 @@ fn lock(tile: &Mutex<Tile>) -> MutexGuard<'_, Tile> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec3;
-    use crate::spectrum::Rgb;
 
     fn film(auxiliary: bool) -> Film {
         Film::new(FilmOptions { resolution: [19, 17], auxiliary, share: 1, weighted: false, gathering: false }).unwrap()
+    }
+
+    fn sample(value: f32, first: Option<(Rgb, Vec3, f32)>) -> PixelSample {
+        PixelSample { radiance: Rgb::splat(value), weight: 1.0, gathering: None, first }
     }
 
     #[test]
@@ -381,9 +410,9 @@ mod tests {
             for index in 0..PER_TILE {
                 let value = (left as usize + index % 16 + 100 * (top as usize + index / 16)) as f32;
                 for _ in 0..4 {
-                    tile.pixels[index].add(Rgb::splat(value), 1.0, 1);
-                    tile.pixels[index].add(Rgb::splat(3.0 * value), 1.0, 1);
-                    tile.auxiliary[index].add(Rgb::splat(0.5), Vec3::Z, value);
+                    let first = Some((Rgb::splat(0.5), Vec3::Z, value));
+                    tile.add_sample(index, sample(value, first), 1);
+                    tile.add_sample(index, sample(3.0 * value, None), 1);
                 }
             }
         }

@@ -1,15 +1,7 @@
 //! What a render came to, for the header of its image.
 
+use crate::image::Attribute;
 use crate::render::{Ended, Summary};
-
-/// A value of an image's header.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Attribute {
-    /// An EXR `double`.
-    Number(f64),
-    /// An EXR `string`, UTF-8.
-    Text(String),
-}
 
 /// What a render came to: `relMSE`, `relMSEStandardError` and `displayError` where they are known (see
 /// [`Film::rel_mse`](crate::film::Film::rel_mse)), `samplesPerPixel` (the mean), `rays`, and `ended`: `samples`, `time`, `error`

@@ -14,11 +14,13 @@
 //! ```
 
 mod adaptive;
-mod crew;
 mod method;
-mod non_finite;
 mod pass;
+mod replay;
+mod report;
 mod schedule;
+mod settings;
+mod worker_pool;
 mod workers;
 
 use std::ops::ControlFlow;
@@ -30,20 +32,22 @@ use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{Bias, FilterDesc, IntegratorDesc, Preparation, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, SampleCounts, TILE};
+use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, TILE};
 use crate::integrator::photon::{Choice, Plan, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
 use crate::integrator::{Irradiance, Path, Sites};
 use crate::sampling::Filter;
 use crate::scene::Scene;
 use adaptive::{LEAST_PIXELS, PILOT, Stage};
-use crew::Crew;
 use method::Method;
-use pass::Pass;
+use pass::{Pass, PassInput};
 use schedule::Schedule;
+use worker_pool::WorkerPool;
 
-pub use non_finite::NonFiniteSample;
+pub use replay::NonFiniteSample;
+pub use report::{Ended, Progress, Summary};
 pub use schedule::MOST_SAMPLES;
+pub use settings::RenderSettings;
 pub use workers::{MAX_THREADS, Workers};
 
 /// What share of a render a radiosity solution counts as. What it will take is not known before, nor what a sample does.
@@ -51,95 +55,6 @@ const SOLUTION_SHARE: f64 = 0.5;
 
 /// Pixels to a row of a film of irradiance: as many as a tile has.
 pub const IRRADIANCE_WIDTH: u32 = TILE;
-
-/// What to render, and with how much effort.
-#[derive(Clone, Debug, Default)]
-pub struct RenderSettings {
-    /// Resolution, samples, sampler, filter, integrator, seed.
-    pub desc: RenderDesc,
-    /// Worker threads, of a pool of its own; 0 means one per core. The image does not depend on it. Not looked at where
-    /// `workers` are given.
-    pub threads: usize,
-    /// Who does the work, where it is not a pool of its own.
-    pub workers: Option<Workers>,
-    /// Ends after this time, when the samples that are being taken are done, even if others are left. For time alone
-    /// to count, ask for [`MOST_SAMPLES`].
-    pub time_limit: Option<Duration>,
-    /// Ends when the estimated error is no larger than this, by a margin of a quarter of the estimate's standard error: not
-    /// before 32 samples, and not while few pixels have most of the error. Decided between passes.
-    pub target_error: Option<f64>,
-    /// What `target_error` is of: relMSE if nothing is said. Adaptive samples go where it is largest.
-    pub error_measure: ErrorMeasure,
-    /// Whether pixels with more error get more samples; `samples` of `desc` is the mean over pixels then. `None`: where an
-    /// error is aimed at. Patterns that are planned for their number of samples (all samplers but `Sobol` and `Random`)
-    /// and photon maps that are made anew for each pass need the same number for each pixel, and have it; a note says so.
-    pub adaptive: Option<bool>,
-    /// Stops the render soon, from any thread.
-    pub cancel: Cancel,
-    /// Keeps albedo, normal and depth of the first hit.
-    pub auxiliary: bool,
-}
-
-/// How far a render has come.
-pub struct Progress<'a> {
-    /// Share of the work or of the time limit that is done, in [0, 1]; only grows. Where an error is aimed at, of the samples
-    /// that it is expected to take, once there is an estimate.
-    pub fraction: f64,
-    /// Samples per pixel that are complete.
-    pub samples_done: u32,
-    /// Samples per pixel to reach.
-    pub samples_total: u32,
-    /// Rays so far.
-    pub rays: u64,
-    /// Time since [`Render::run`] began.
-    pub elapsed: Duration,
-    /// The image as it is after a pass; `None` in the middle of one.
-    pub image: Option<&'a dyn Fn() -> Image>,
-}
-
-/// What ended a render.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Ended {
-    /// Every pixel has its samples.
-    #[default]
-    Samples,
-    /// The time limit.
-    Time,
-    /// The error is as small as was asked for.
-    Error,
-    /// The caller: [`Cancel`], or a report that was answered with `Break`.
-    Cancelled,
-}
-
-/// What a render came to.
-#[derive(Clone, Debug, Default)]
-pub struct Summary {
-    /// Time that [`Render::run`] took.
-    pub elapsed: Duration,
-    /// Complete samples per pixel; the mean over pixels where they differ.
-    pub samples: u32,
-    /// Samples of pixels as they are, those of an unfinished pass too; `None` after a cancel.
-    pub sample_counts: Option<SampleCounts>,
-    /// Whether pixels with more error got more samples.
-    pub adaptive: bool,
-    /// Rays traced, closest-hit and shadow rays together.
-    pub rays: u64,
-    /// Estimated relMSE (see [`Film::rel_mse`]), where there are enough samples to tell and nobody who cancelled is kept
-    /// waiting for it.
-    pub rel_mse: Option<ErrorEstimate>,
-    /// Estimated error of what a screen shows (see [`Film::display_error`]), likewise.
-    pub display_error: Option<ErrorEstimate>,
-    /// What ended it.
-    pub ended: Ended,
-    /// Whether the caller stopped it before the end.
-    pub stopped: bool,
-    /// Samples that were NaN or infinite and were left out.
-    pub non_finite: u64,
-    /// The first few of them, and where they became so.
-    pub non_finite_samples: Vec<NonFiniteSample>,
-    /// What a user should know: a bias that was asked for, samples left out.
-    pub notes: Vec<String>,
-}
 
 /// A render of a scene: its film, and those who fill it.
 pub struct Render {
@@ -395,15 +310,15 @@ impl Render {
             progress(&report).is_break()
         };
         let deadline = limit.and_then(|limit| start.checked_add(limit));
-        let mut crew = Crew::new(&self.workers, &self.settings.cancel, deadline, &mut look_up);
+        let mut pool = WorkerPool::new(&self.workers, &self.settings.cancel, deadline, &mut look_up);
         let made = match &mut self.plan {
             Some(plan) => {
                 let before = plan.rays;
-                let gather = plan.gather(samples, &mut crew);
+                let gather = plan.gather(samples, &mut pool);
                 self.rays += plan.rays - before;
                 gather.map(|gather| Method::Gather(Box::new(gather)))
             }
-            None => Radiosity::solve(&self.scene, &self.desc.radiosity, &mut crew).map(|solution| {
+            None => Radiosity::solve(&self.scene, &self.desc.radiosity, &mut pool).map(|solution| {
                 let solution = Arc::new(solution);
                 self.radiosity = Some(Arc::clone(&solution));
                 schedule.prepared.set(1.0);
@@ -411,7 +326,7 @@ impl Render {
                 Method::Radiosity(RadiosityPicture::new(&self.scene, solution, is_gather, shadow_rays))
             }),
         };
-        let is_cancelled = crew.is_broken_off || self.settings.cancel.is_cancelled();
+        let is_cancelled = pool.is_broken_off || self.settings.cancel.is_cancelled();
         match made {
             Ok(method) => {
                 self.method = method;
@@ -421,6 +336,18 @@ impl Render {
                 Ok(Some(if is_cancelled { Ended::Cancelled } else { Ended::Time }))
             }
             Err(error) => Err(error),
+        }
+    }
+
+    /// What the next pass is made of.
+    fn pass_input(&self) -> PassInput {
+        PassInput {
+            scene: self.scene.clone(),
+            camera: self.camera,
+            filter: self.filter.clone(),
+            desc: Arc::clone(&self.desc),
+            method: self.method.clone(),
+            film: Arc::clone(&self.film),
         }
     }
 
@@ -435,7 +362,8 @@ impl Render {
         // One sample everywhere is the least that makes an image.
         let limit = self.settings.time_limit.filter(|_| self.samples > 0);
         let deadline = limit.and_then(|limit| start.checked_add(limit));
-        let mut pass = Pass::new(self, self.samples + count, deadline);
+        let input = self.pass_input();
+        let mut pass = Pass::new(input.clone(), self.samples + count, deadline, self.settings.cancel.clone());
         pass.goals = self.stage.as_ref().map(|stage| stage.goals(self.samples + count));
         let (samples, rays_before) = (self.samples, self.rays);
         let mut is_broken_off = false;
@@ -451,7 +379,9 @@ impl Render {
         self.rays += pass.rays.load(Ordering::Relaxed);
         let suspects = std::mem::take(&mut *pass.non_finite.lock().unwrap_or_else(PoisonError::into_inner));
         self.non_finite += suspects.count;
-        let explained = suspects.explain(self);
+        let explained = suspects.explain(&self.scene, self.non_finite_samples.len(), |pixel, sample, limit| {
+            Pass::replay(input.clone(), pixel, sample, limit)
+        });
         self.non_finite_samples.extend(explained);
         if pass.is_complete() {
             return Ok(None);
@@ -521,15 +451,15 @@ impl Render {
     }
 }
 
-/// Has work of equal pieces done by those who would do a render of these settings, until it is done, or `look_up`, asked now and then
-/// on the calling thread and told what share of the work is done, answers with `Break`.
+/// Does work with the workers that a render of these settings would have. `look_up` is called now and then on the calling thread
+/// with the share of the work that is done; `Break` stops the work.
 ///
 /// # Errors
 /// Those of the work; [`ErrorKind::Cancelled`] if it was stopped, by the time limit too.
-pub(crate) fn with_crew<R>(
+pub(crate) fn with_workers<R>(
     settings: &RenderSettings,
     look_up: &mut dyn FnMut(f64) -> ControlFlow<()>,
-    work: impl FnOnce(&mut Crew) -> Result<R>,
+    work: impl FnOnce(&mut WorkerPool) -> Result<R>,
 ) -> Result<R> {
     let workers = match &settings.workers {
         Some(workers) => workers.clone(),
@@ -537,5 +467,5 @@ pub(crate) fn with_crew<R>(
     };
     let deadline = settings.time_limit.and_then(|limit| Instant::now().checked_add(limit));
     let mut look_up = |share| look_up(share).is_break();
-    work(&mut Crew::new(&workers, &settings.cancel, deadline, &mut look_up))
+    work(&mut WorkerPool::new(&workers, &settings.cancel, deadline, &mut look_up))
 }

@@ -4,13 +4,13 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use super::non_finite::Suspects;
-use super::workers::Work;
-use super::{Method, Render};
+use super::method::Method;
+use super::replay::{Replay, Replayed, Suspects};
+use super::workers::SharedWork;
 use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{RenderDesc, SamplerDesc};
-use crate::film::{Film, Gathering, REPLICATES, TILE};
+use crate::film::{Film, Gathering, PixelSample, REPLICATES, TILE};
 use crate::integrator::{Context, Direct, Irradiance, Path, Sample, Tracer, Transport, Wave, Whitted};
 use crate::math::Ray;
 use crate::sampling::{Filter, Pattern, PatternSampler, Sampler, SobolSampler};
@@ -23,19 +23,25 @@ const WAVE: usize = 128;
 /// Samples of those that are taken one after another between two looks at the clock and two additions to the film.
 const IN_A_ROW: usize = 16;
 
+/// What all passes of a render are made of.
+#[derive(Clone)]
+pub(super) struct PassInput {
+    pub scene: Scene,
+    pub camera: Camera,
+    pub filter: Filter,
+    pub desc: Arc<RenderDesc>,
+    pub method: Method,
+    pub film: Arc<Film>,
+}
+
 /// Everything the workers of a pass share.
 pub(super) struct Pass {
-    scene: Scene,
-    camera: Camera,
-    filter: Filter,
-    desc: Arc<RenderDesc>,
-    method: Method,
+    input: PassInput,
     /// Samples that each pixel is to have afterwards. It goes on from those it has, so that a render that was stopped in
     /// the middle of a pass can be resumed.
     samples: u32,
     /// The same of each pixel, row by row, where they differ.
     pub goals: Option<Vec<u32>>,
-    film: Arc<Film>,
     deadline: Option<Instant>,
     cancel: Cancel,
     pub stop: AtomicBool,
@@ -45,26 +51,8 @@ pub(super) struct Pass {
     /// The tile that is taken next.
     next: AtomicUsize,
     tiles_done: AtomicUsize,
-    /// A sample to take once more instead.
-    again: Option<Again>,
-}
-
-/// A sample that is taken once more.
-struct Again {
-    pixel: [u32; 2],
-    sample: u32,
-    limit: u64,
-    replayed: Mutex<Replayed>,
-}
-
-/// What taking a sample once more showed.
-#[derive(Default)]
-pub(super) struct Replayed {
-    pub radiance: Rgb,
-    /// Rays that it asked for.
-    pub rays: u64,
-    /// The last ray and what it met, if it was not a shadow ray.
-    pub last: Option<(Ray, Hit)>,
+    /// The one sample that is taken instead, where the pass is a replay.
+    replay: Option<Replay>,
 }
 
 /// Traces, counts, and once the pass is stopped finds nothing more, so that the longest path soon ends.
@@ -78,22 +66,20 @@ struct PassTracer<'p> {
 
 impl<'p> PassTracer<'p> {
     fn new(pass: &'p Pass) -> Self {
-        let limit = pass.again.as_ref().map_or(u64::MAX, |again| again.limit);
-        Self { scene: &pass.scene, pass, rays: 0, limit }
+        let limit = pass.replay.as_ref().map_or(u64::MAX, |replay| replay.limit);
+        Self { scene: &pass.input.scene, pass, rays: 0, limit }
     }
 }
 
-/// What the last ray of a replay meets, and none after it, nor any of a pass that is stopped.
+/// The hit of a ray of a replay, up to the last ray that is answered; none of a pass that is stopped.
 ///
 /// Takes copies: if it was given the tracer or the ray where they are, both would be kept in memory for its sake, which
 /// costs 5 % of all rays a second.
 #[cold]
 #[inline(never)]
 fn intersect_at_end(pass: &Pass, ray: Ray, number: u64) -> Option<Hit> {
-    let again = pass.again.as_ref().filter(|again| number <= again.limit && !pass.is_stopped())?;
-    let hit = pass.scene.intersect(&ray)?;
-    again.replayed.lock().unwrap_or_else(PoisonError::into_inner).last = Some((ray, hit));
-    Some(hit)
+    let replay = pass.replay.as_ref().filter(|_| !pass.is_stopped())?;
+    replay.intersect(&pass.input.scene, ray, number)
 }
 
 impl Tracer for PassTracer<'_> {
@@ -137,7 +123,7 @@ impl Tracer for PassTracer<'_> {
 }
 
 /// A sample of a pixel that is being taken.
-struct Job {
+struct SampleJob {
     pixel: [u32; 2],
     /// Its number in the tile.
     index: usize,
@@ -151,7 +137,7 @@ struct Job {
 
 /// What a worker takes at once.
 struct Batch<S> {
-    jobs: Vec<Job>,
+    jobs: Vec<SampleJob>,
     /// One for each job, and perhaps more.
     samples: Vec<Sample<S>>,
     wave: Wave,
@@ -186,8 +172,8 @@ struct View<'i, I>(&'i I);
 impl<I: Transport<Rgb>> Subject for View<'_, I> {
     /// The paths of a wave, or as many as send the shadow rays of one.
     fn together(&self, pass: &Pass) -> usize {
-        match (I::IN_WAVES, pass.film.options().gathering) {
-            (true, _) => (WAVE / pass.desc.shadow_rays.max(1) as usize).max(1),
+        match (I::IN_WAVES, pass.input.film.options().gathering) {
+            (true, _) => (WAVE / pass.input.desc.shadow_rays.max(1) as usize).max(1),
             (false, true) => 1,
             (false, false) => IN_A_ROW,
         }
@@ -199,16 +185,16 @@ impl<I: Transport<Rgb>> Subject for View<'_, I> {
         let samples = &mut samples[..jobs.len()];
         for (job, sample) in jobs.iter().zip(samples.iter_mut()) {
             let [x, y] = job.pixel;
-            sample.ray = pass.camera.ray(x as f32 + 0.5 + job.offset[0], y as f32 + 0.5 + job.offset[1]);
+            sample.ray = pass.input.camera.ray(x as f32 + 0.5 + job.offset[0], y as f32 + 0.5 + job.offset[1]);
         }
         if I::IN_WAVES {
-            self.0.li_of_many(&pass.scene, samples, wave, tracer);
+            self.0.li_of_many(&pass.input.scene, samples, wave, tracer);
         } else {
             for (job, Sample { ray, sampler, radiance, first, .. }) in jobs.iter_mut().zip(samples) {
                 *first = None;
                 let first = &mut |hit| *first = Some(hit);
                 let gathering = job.gathering.as_mut();
-                let mut context = Context { scene: &pass.scene, sampler, tracer, wavelengths: () };
+                let mut context = Context { scene: &pass.input.scene, sampler, tracer, wavelengths: () };
                 *radiance = self.0.li_of_pixel(*ray, &mut context, first, gathering);
             }
         }
@@ -225,19 +211,19 @@ impl Subject for Irradiance {
     fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S>, tracer: &mut T) {
         for (job, sample) in batch.jobs.iter().zip(&mut batch.samples) {
             let [x, y] = job.pixel;
-            let site = (y * pass.film.options().resolution[0] + x) as usize;
+            let site = (y * pass.input.film.options().resolution[0] + x) as usize;
             let place = job.offset.map(|offset| offset + 0.5);
-            sample.radiance = self.estimate(&pass.scene, site, place, &mut sample.sampler, tracer);
+            sample.radiance = self.estimate(&pass.input.scene, site, place, &mut sample.sampler, tracer);
         }
     }
 }
 
-impl Work for Pass {
+impl SharedWork for Pass {
     /// Chooses integrator and sampler once; from here on nothing is dispatched.
     fn take(&self, pause: &mut dyn FnMut() -> bool) -> bool {
-        let shadow_rays = self.desc.shadow_rays;
-        let max_depth = self.desc.max_depth;
-        match &self.method {
+        let shadow_rays = self.input.desc.shadow_rays;
+        let max_depth = self.input.desc.max_depth;
+        match &self.input.method {
             Method::Path => self.with_subject(&View(&Path { max_depth, shadow_rays }), pause),
             Method::Whitted => self.with_subject(&View(&Whitted { max_depth, shadow_rays }), pause),
             Method::Direct => self.with_subject(&View(&Direct { shadow_rays }), pause),
@@ -256,41 +242,36 @@ impl Work for Pass {
     }
 
     fn shares(&self) -> usize {
-        self.film.tile_count()
+        self.input.film.tile_count()
     }
 }
 
 impl Pass {
-    /// A pass of `render` up to so many samples of each pixel, cut short at `deadline`.
-    pub(super) fn new(render: &Render, samples: u32, deadline: Option<Instant>) -> Self {
+    /// A pass up to so many samples of each pixel, cut short at `deadline` and by `cancel`.
+    pub(super) fn new(input: PassInput, samples: u32, deadline: Option<Instant>, cancel: Cancel) -> Self {
         Self {
-            goals: None,
-            scene: render.scene.clone(),
-            camera: render.camera,
-            filter: render.filter.clone(),
-            desc: Arc::clone(&render.desc),
-            method: render.method.clone(),
+            input,
             samples,
-            film: Arc::clone(&render.film),
+            goals: None,
             deadline,
-            cancel: render.settings.cancel.clone(),
+            cancel,
             stop: AtomicBool::new(false),
             rays: AtomicU64::new(0),
             non_finite: Mutex::default(),
             next: AtomicUsize::new(0),
             tiles_done: AtomicUsize::new(0),
-            again: None,
+            replay: None,
         }
     }
 
     /// Whether every pixel has its samples.
     pub(super) fn is_complete(&self) -> bool {
-        self.tiles_done.load(Ordering::Acquire) == self.film.tile_count()
+        self.tiles_done.load(Ordering::Acquire) == self.input.film.tile_count()
     }
 
     /// Share of the tiles that are done.
     pub(super) fn share(&self) -> f64 {
-        self.tiles_done.load(Ordering::Relaxed) as f64 / self.film.tile_count().max(1) as f64
+        self.tiles_done.load(Ordering::Relaxed) as f64 / self.input.film.tile_count().max(1) as f64
     }
 
     #[inline]
@@ -298,28 +279,27 @@ impl Pass {
         self.stop.load(Ordering::Relaxed) || self.cancel.is_cancelled()
     }
 
-    /// Takes one sample once more, its first rays only, instead of what a pass takes.
+    /// Takes one sample once more, up to its ray number `limit`.
     ///
     /// A pass does it, since one more place that light transport is called from would be one more copy of it, and neither
     /// would be inlined as well.
-    pub(super) fn replay(render: &Render, pixel: [u32; 2], sample: u32, limit: u64) -> Replayed {
-        let columns = render.film.options().resolution[0].div_ceil(TILE);
+    pub(super) fn replay(input: PassInput, pixel: [u32; 2], sample: u32, limit: u64) -> Replayed {
+        let columns = input.film.options().resolution[0].div_ceil(TILE);
         let tile = pixel[1] / TILE * columns + pixel[0] / TILE;
         let pass = Self {
-            again: Some(Again { pixel, sample, limit, replayed: Mutex::default() }),
+            replay: Some(Replay::new(pixel, sample, limit)),
             next: AtomicUsize::new(tile as usize),
-            cancel: Cancel::new(),
-            ..Self::new(render, 0, None)
+            ..Self::new(input, 0, None, Cancel::new())
         };
         pass.take(&mut || false);
-        pass.again.and_then(|again| again.replayed.into_inner().ok()).unwrap_or_default()
+        pass.replay.map(Replay::into_replayed).unwrap_or_default()
     }
 
     fn with_subject<I: Subject>(&self, subject: &I, pause: &mut dyn FnMut() -> bool) -> bool {
-        let seed = self.desc.seed;
-        let pattern = match self.desc.sampler {
+        let seed = self.input.desc.seed;
+        let pattern = match self.input.desc.sampler {
             SamplerDesc::Sobol => {
-                let sampler = SobolSampler::new(seed, self.film.options().share).in_turn(REPLICATES as u32);
+                let sampler = SobolSampler::new(seed, self.input.film.options().share).in_turn(REPLICATES as u32);
                 return self.all_tiles(subject, &sampler, pause);
             }
             SamplerDesc::Random => Pattern::Random,
@@ -327,7 +307,7 @@ impl Pass {
             SamplerDesc::Grid => Pattern::Grid,
             SamplerDesc::Gaussian => Pattern::Gaussian,
         };
-        self.all_tiles(subject, &PatternSampler::new(pattern, seed, self.desc.samples), pause)
+        self.all_tiles(subject, &PatternSampler::new(pattern, seed, self.input.desc.samples), pause)
     }
 
     /// Takes tiles until there are none; false if it paused before that.
@@ -347,7 +327,7 @@ impl Pass {
                 return false;
             }
             let number = self.next.fetch_add(1, Ordering::Relaxed);
-            if number >= self.film.tile_count() {
+            if number >= self.input.film.tile_count() {
                 return true;
             }
             let mut tracer = PassTracer::new(self);
@@ -356,7 +336,7 @@ impl Pass {
             if is_complete {
                 self.tiles_done.fetch_add(1, Ordering::Release);
             }
-            if self.again.is_some() {
+            if self.replay.is_some() {
                 return true;
             }
         }
@@ -372,19 +352,19 @@ impl Pass {
         tracer: &mut PassTracer,
         pause: &mut dyn FnMut() -> bool,
     ) -> bool {
-        let [width, height] = self.film.options().resolution;
-        let [left, top] = self.film.tile_origin(number);
-        let (rows, columns) = match &self.again {
+        let [width, height] = self.input.film.options().resolution;
+        let [left, top] = self.input.film.tile_origin(number);
+        let (rows, columns) = match &self.replay {
             None => (top..(top + TILE).min(height), left..(left + TILE).min(width)),
-            Some(Again { pixel: [x, y], .. }) => (*y..y + 1, *x..x + 1),
+            Some(Replay { pixel: [x, y], .. }) => (*y..y + 1, *x..x + 1),
         };
         let index = |[x, y]: [u32; 2]| ((y - top) * TILE + (x - left)) as usize;
-        let counts = self.film.tile(number).counts();
+        let counts = self.input.film.tile(number).counts();
         let samples = |pixel: [u32; 2]| {
-            let samples = match (&self.again, &self.goals) {
+            let samples = match (&self.replay, &self.goals) {
                 (None, None) => counts[index(pixel)]..self.samples,
                 (None, Some(goals)) => counts[index(pixel)]..goals[(pixel[1] * width + pixel[0]) as usize],
-                (Some(again), _) => again.sample..again.sample.saturating_add(1),
+                (Some(replay), _) => replay.sample..replay.sample.saturating_add(1),
             };
             samples.map(move |sample| (pixel, sample))
         };
@@ -399,11 +379,12 @@ impl Pass {
             for (pixel, sample) in wanted.by_ref().take(batch.most) {
                 let sampler = &mut batch.samples[batch.jobs.len()].sampler;
                 sampler.start(pixel[1] * width + pixel[0], sample);
-                let (offset, weight) = self.filter.sample(sampler.pixel_2d());
+                let (offset, weight) = self.input.filter.sample(sampler.pixel_2d());
                 let index = index(pixel);
-                let remembers = self.film.options().gathering;
-                let gathering = if remembers { self.film.tile(number).gathering.get(index).copied() } else { None };
-                batch.jobs.push(Job { pixel, index, sample, offset, weight, gathering });
+                let remembers = self.input.film.options().gathering;
+                let gathering =
+                    if remembers { self.input.film.tile(number).gathering.get(index).copied() } else { None };
+                batch.jobs.push(SampleJob { pixel, index, sample, offset, weight, gathering });
             }
             if batch.jobs.is_empty() {
                 return true;
@@ -417,43 +398,34 @@ impl Pass {
             if self.is_stopped() {
                 return false;
             }
-            self.keep(batch, number, tracer.rays);
+            self.add(batch, number, tracer.rays);
             batch.most = (2 * batch.most).min(batch.samples.len());
         }
     }
 
-    /// Adds samples to their pixels.
-    fn keep<S>(&self, batch: &Batch<S>, tile: usize, rays: u64) {
-        let share = self.film.options().share;
-        let mut tile = self.film.tile(tile);
-        let tile = &mut *tile;
+    /// Adds samples to their pixels, or notes what a replay asked for.
+    fn add<S>(&self, batch: &Batch<S>, tile: usize, rays: u64) {
+        let options = self.input.film.options();
+        let mut tile = self.input.film.tile(tile);
         for (job, Sample { radiance, first, .. }) in batch.jobs.iter().zip(&batch.samples) {
-            if !radiance.is_finite() || self.again.is_some() {
-                self.note(job.pixel, job.sample, *radiance, rays);
-            }
-            if self.again.is_some() {
+            if let Some(replay) = &self.replay {
+                replay.note(*radiance, rays);
                 continue;
             }
-            tile.pixels[job.index].add(*radiance, job.weight, share);
-            if let (Some(kept), Some(gathering)) = (tile.gathering.get_mut(job.index), job.gathering) {
-                *kept = gathering;
+            if !radiance.is_finite() {
+                self.note(job.pixel, job.sample);
             }
-            if let (Some(auxiliary), Some(hit)) = (tile.auxiliary.get_mut(job.index), first) {
-                auxiliary.add(hit.albedo, hit.normal, self.camera.depth(hit.p));
-            }
+            let first = first.as_ref().filter(|_| options.auxiliary);
+            let first = first.map(|hit| (hit.albedo, hit.normal, self.input.camera.depth(hit.p)));
+            let (radiance, weight, gathering) = (*radiance, job.weight, job.gathering);
+            tile.add_sample(job.index, PixelSample { radiance, weight, gathering, first }, options.share);
         }
     }
 
-    /// Notes a sample that is not finite, or what was asked for.
+    /// Notes a sample that is not finite.
     #[cold]
     #[inline(never)]
-    fn note(&self, pixel: [u32; 2], sample: u32, radiance: Rgb, rays: u64) {
-        match &self.again {
-            None => self.non_finite.lock().unwrap_or_else(PoisonError::into_inner).add(pixel, sample),
-            Some(again) => {
-                let mut replayed = again.replayed.lock().unwrap_or_else(PoisonError::into_inner);
-                (replayed.radiance, replayed.rays) = (radiance, rays);
-            }
-        }
+    fn note(&self, pixel: [u32; 2], sample: u32) {
+        self.non_finite.lock().unwrap_or_else(PoisonError::into_inner).add(pixel, sample);
     }
 }

@@ -4,7 +4,8 @@ use std::cell::Cell;
 use std::time::Duration;
 
 use super::adaptive::PILOT;
-use super::{Ended, Progress, RenderSettings};
+use super::report::{Ended, Progress};
+use super::settings::RenderSettings;
 use crate::desc::SamplerDesc;
 use crate::film::{ErrorEstimate, ErrorMeasure, Image, REPLICATES};
 use crate::sampling::square_side;

@@ -21,9 +21,9 @@ type HostJob = Box<dyn FnOnce() + Send + 'static>;
 
 /// Threads that render; cheap to clone, and shared by any number of renders. No image depends on them.
 #[derive(Clone)]
-pub struct Workers(Arc<Kind>);
+pub struct Workers(Arc<WorkerKind>);
 
-enum Kind {
+enum WorkerKind {
     Pool(Pool),
     Calling,
     Host { threads: usize, submit: Box<dyn Fn(HostJob) + Send + Sync> },
@@ -32,9 +32,9 @@ enum Kind {
 impl fmt::Debug for Workers {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kind = match &*self.0 {
-            Kind::Pool(_) => "pool",
-            Kind::Calling => "calling thread",
-            Kind::Host { .. } => "host",
+            WorkerKind::Pool(_) => "pool",
+            WorkerKind::Calling => "calling thread",
+            WorkerKind::Host { .. } => "host",
         };
         write!(f, "Workers({kind}, {})", self.threads())
     }
@@ -83,12 +83,12 @@ impl Workers {
             .build()
             .map_err(|error| Error::new(ErrorKind::Device, "the worker threads could not be started").because(error))?;
         let threads = pool.current_num_threads();
-        Ok(Self(Arc::new(Kind::Pool(Pool { pool: Some(pool), threads, handles }))))
+        Ok(Self(Arc::new(WorkerKind::Pool(Pool { pool: Some(pool), threads, handles }))))
     }
 
     /// The thread that renders, and no other.
     pub fn calling_thread() -> Self {
-        Self(Arc::new(Kind::Calling))
+        Self(Arc::new(WorkerKind::Calling))
     }
 
     /// Threads of somebody else: `submit` is given jobs to run once each, on whichever thread and whenever it likes.
@@ -96,15 +96,15 @@ impl Workers {
     /// The thread that renders works too and submits `threads - 1` helpers for each pass. A job that is run late finds
     /// nothing left to do, and one that is never run is missed by nobody.
     pub fn host(threads: usize, submit: impl Fn(Box<dyn FnOnce() + Send + 'static>) + Send + Sync + 'static) -> Self {
-        Self(Arc::new(Kind::Host { threads: threads.clamp(1, MAX_THREADS), submit: Box::new(submit) }))
+        Self(Arc::new(WorkerKind::Host { threads: threads.clamp(1, MAX_THREADS), submit: Box::new(submit) }))
     }
 
     /// How many threads work at once, at most.
     pub fn threads(&self) -> usize {
         match &*self.0 {
-            Kind::Pool(pool) => pool.threads,
-            Kind::Calling => 1,
-            Kind::Host { threads, .. } => *threads,
+            WorkerKind::Pool(pool) => pool.threads,
+            WorkerKind::Calling => 1,
+            WorkerKind::Host { threads, .. } => *threads,
         }
     }
 
@@ -113,13 +113,13 @@ impl Workers {
     ///
     /// # Errors
     /// [`ErrorKind::Internal`] if the work panicked.
-    pub(super) fn run<W: Work>(&self, work: W, look_up: &mut dyn FnMut(&W)) -> Result<Arc<W>> {
+    pub(super) fn run<W: SharedWork>(&self, work: W, look_up: &mut dyn FnMut(&W)) -> Result<Arc<W>> {
         let work = Arc::new(work);
-        let job = Arc::new(Job::new(&work));
+        let job = Arc::new(RunningJob::new(&work));
         // Whatever happens in `look_up`, no helper may begin after this function is left.
-        let closing = Closing(&job);
+        let closing = CloseOnDrop(&job);
         match &*self.0 {
-            Kind::Pool(pool) => {
+            WorkerKind::Pool(pool) => {
                 if let Some(pool) = &pool.pool {
                     for _ in 0..work.shares().min(pool.current_num_threads()) {
                         let job = Arc::clone(&job);
@@ -127,8 +127,8 @@ impl Workers {
                     }
                 }
             }
-            Kind::Calling => job.do_share(&work, look_up),
-            Kind::Host { threads, submit } => {
+            WorkerKind::Calling => job.do_share(&work, look_up),
+            WorkerKind::Host { threads, submit } => {
                 for _ in 1..work.shares().min(*threads) {
                     let job = Arc::clone(&job);
                     submit(Box::new(move || {
@@ -140,13 +140,13 @@ impl Workers {
         }
         job.wait(&work, look_up);
         drop(closing);
-        let has_panicked = lock(&job.presence).has_panicked;
+        let has_panicked = lock(&job.state).has_panicked;
         if has_panicked { Err(Error::new(ErrorKind::Internal, "a worker thread panicked")) } else { Ok(work) }
     }
 }
 
-/// Work that several threads share.
-pub(super) trait Work: Send + Sync + 'static {
+/// SharedWork that several threads share.
+pub(super) trait SharedWork: Send + Sync + 'static {
     /// Takes pieces of the work until none is left, or until `pause`, asked between them, says so. Returns whether none
     /// is left to be taken.
     fn take(&self, pause: &mut dyn FnMut() -> bool) -> bool;
@@ -161,33 +161,33 @@ pub(super) trait Work: Send + Sync + 'static {
     fn shares(&self) -> usize;
 }
 
-/// Who is at a piece of work.
-struct Job<W> {
-    presence: Mutex<Presence<W>>,
+/// A piece of work under way, and the threads that work on it.
+struct RunningJob<W> {
+    state: Mutex<JobState<W>>,
     changed: Condvar,
 }
 
-struct Presence<W> {
-    /// The work, until it is closed: then nobody may begin any more, and a helper that comes late, or never, keeps nothing
-    /// alive.
+struct JobState<W> {
+    /// The work until the job is closed. After that no helper may begin, and a helper that comes late, or never, keeps
+    /// nothing alive.
     work: Option<Arc<W>>,
     /// Helpers that have begun and not ended.
     helpers: usize,
     has_panicked: bool,
 }
 
-impl<W: Work> Job<W> {
+impl<W: SharedWork> RunningJob<W> {
     fn new(work: &Arc<W>) -> Self {
-        let presence = Presence { work: Some(Arc::clone(work)), helpers: 0, has_panicked: false };
-        Self { presence: Mutex::new(presence), changed: Condvar::new() }
+        let state = JobState { work: Some(Arc::clone(work)), helpers: 0, has_panicked: false };
+        Self { state: Mutex::new(state), changed: Condvar::new() }
     }
 
-    /// What a helper does: works unless it comes too late. `turn`: for how long. Returns whether there is more to do.
+    /// Works as a helper, for at most `turn`, unless the job is closed. Returns whether there is more to do.
     fn help(&self, turn: Option<Duration>) -> bool {
         let work = {
-            let mut presence = lock(&self.presence);
-            let Some(work) = presence.work.clone() else { return false };
-            presence.helpers += 1;
+            let mut state = lock(&self.state);
+            let Some(work) = state.work.clone() else { return false };
+            state.helpers += 1;
             work
         };
         let start = Instant::now();
@@ -198,9 +198,9 @@ impl<W: Work> Job<W> {
         }
         // Whoever waits for the helpers may rely on them to hold nothing any more.
         drop(work);
-        let mut presence = lock(&self.presence);
-        presence.helpers -= 1;
-        presence.has_panicked |= outcome.is_err();
+        let mut state = lock(&self.state);
+        state.helpers -= 1;
+        state.has_panicked |= outcome.is_err();
         self.changed.notify_all();
         matches!(outcome, Ok(false))
     }
@@ -219,39 +219,39 @@ impl<W: Work> Job<W> {
         }));
         if outcome.is_err() {
             work.abandon();
-            lock(&self.presence).has_panicked = true;
+            lock(&self.state).has_panicked = true;
         }
     }
 
-    /// Until all is done and nobody is at it.
+    /// Waits until all is done and no helper is at it.
     fn wait(&self, work: &W, look_up: &mut dyn FnMut(&W)) {
-        let mut presence = lock(&self.presence);
+        let mut state = lock(&self.state);
         let mut last = Instant::now();
-        while presence.helpers > 0 || !work.is_done() {
-            presence = self.changed.wait_timeout(presence, LOOK_UP).unwrap_or_else(PoisonError::into_inner).0;
+        while state.helpers > 0 || !work.is_done() {
+            state = self.changed.wait_timeout(state, LOOK_UP).unwrap_or_else(PoisonError::into_inner).0;
             if last.elapsed() >= LOOK_UP && !work.is_done() {
-                drop(presence);
+                drop(state);
                 look_up(work);
                 last = Instant::now();
-                presence = lock(&self.presence);
+                state = lock(&self.state);
             }
         }
     }
 }
 
-/// Lets nobody begin once it is dropped, and waits for those who have.
-struct Closing<'j, W: Work>(&'j Job<W>);
+/// Closes a job when it is dropped: no helper may begin any more, and those that have begun are waited for.
+struct CloseOnDrop<'j, W: SharedWork>(&'j RunningJob<W>);
 
-impl<W: Work> Drop for Closing<'_, W> {
+impl<W: SharedWork> Drop for CloseOnDrop<'_, W> {
     fn drop(&mut self) {
-        let mut presence = lock(&self.0.presence);
-        if let Some(work) = presence.work.take()
-            && presence.helpers > 0
+        let mut state = lock(&self.0.state);
+        if let Some(work) = state.work.take()
+            && state.helpers > 0
         {
             work.abandon();
         }
-        while presence.helpers > 0 {
-            presence = self.0.changed.wait(presence).unwrap_or_else(PoisonError::into_inner);
+        while state.helpers > 0 {
+            state = self.0.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
     }
 }
@@ -266,7 +266,7 @@ thread_local! {
 /// A thread of a pool prefers its own queue to what comes from outside, so a job that only queued up again would keep
 /// later ones waiting. Instead it lets the thread run another job on top of it, and that one, if it wants a second turn,
 /// queues up.
-fn take_turns<W: Work>(job: Arc<Job<W>>) {
+fn take_turns<W: SharedWork>(job: Arc<RunningJob<W>>) {
     if HAS_GIVEN_WAY.get() {
         if job.help(Some(TURN)) {
             // Inside a pool this is the thread's own queue.

@@ -52,21 +52,6 @@ pub fn uniform_disk_pdf() -> f32 {
     FRAC_1_PI
 }
 
-/// The point of the unit square that [`uniform_disk`] maps to `p`.
-pub fn uniform_disk_inverse(p: [f32; 2]) -> [f32; 2] {
-    let radius = p[0].hypot(p[1]);
-    let (x, y) = if p[0].abs() > p[1].abs() {
-        let x = radius.copysign(p[0]);
-        (x, (p[1] / p[0]).atan() / FRAC_PI_4 * x)
-    } else if p[1] != 0.0 {
-        let y = radius.copysign(p[1]);
-        ((p[0] / p[1]).atan() / FRAC_PI_4 * y, y)
-    } else {
-        (0.0, 0.0)
-    };
-    [0.5 * x + 0.5, 0.5 * y + 0.5]
-}
-
 /// Direction in the upper hemisphere, density cos(theta) / pi: the disc lifted onto the hemisphere. z is above 0.
 ///
 /// Source: Malley's method; Pharr, Jakob, Humphreys, *Physically Based Rendering* 4e, Sec. A.5.3.
@@ -83,28 +68,12 @@ pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
     cos_theta.max(0.0) * FRAC_1_PI
 }
 
-/// The point of the unit square that [`cosine_hemisphere`] maps to `w`.
-pub fn cosine_hemisphere_inverse(w: Vec3) -> [f32; 2] {
-    uniform_disk_inverse([w.x, w.y])
-}
-
 /// A direction from 1 - cos(theta) in [0, 2], which keeps narrow cones exact, and an angle around z in turns.
 #[inline]
 fn from_one_minus_cos(one_minus_cos: f32, turn: f32) -> Vec3 {
     let sin_theta = (one_minus_cos * (2.0 - one_minus_cos)).max(0.0).sqrt();
     let (sin, cos) = (TAU * turn).sin_cos();
     Vec3::new(sin_theta * cos, sin_theta * sin, 1.0 - one_minus_cos)
-}
-
-/// Angle around z in turns, in [0, 1).
-fn turn(w: Vec3) -> f32 {
-    let turn = w.y.atan2(w.x) / TAU;
-    (if turn < 0.0 { turn + 1.0 } else { turn }).min(1.0_f32.next_down())
-}
-
-/// 1 - cos(theta) of a unit vector, without cancellation around the axis.
-fn one_minus_cos(w: Vec3) -> f32 {
-    if w.z > 0.0 { (w.x * w.x + w.y * w.y) / (1.0 + w.z) } else { 1.0 - w.z }
 }
 
 /// Uniform direction in the upper hemisphere; z is above 0.
@@ -119,11 +88,6 @@ pub fn uniform_hemisphere_pdf() -> f32 {
     1.0 / TAU
 }
 
-/// The point of the unit square that [`uniform_hemisphere`] maps to `w`.
-pub fn uniform_hemisphere_inverse(w: Vec3) -> [f32; 2] {
-    [one_minus_cos(w), turn(w)]
-}
-
 /// Uniform direction on the sphere.
 #[inline]
 pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
@@ -134,11 +98,6 @@ pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
 #[inline]
 pub fn uniform_sphere_pdf() -> f32 {
     1.0 / (2.0 * TAU)
-}
-
-/// The point of the unit square that [`uniform_sphere`] maps to `w`.
-pub fn uniform_sphere_inverse(w: Vec3) -> [f32; 2] {
-    [0.5 * one_minus_cos(w), turn(w)]
 }
 
 /// 1 - cos(theta) for sin^2(theta) in [0, 1] and theta up to a right angle: sin^2 / (1 + cos), exact for small angles.
@@ -161,11 +120,6 @@ pub fn uniform_cone_pdf(one_minus_cos_max: f32) -> f32 {
     1.0 / (TAU * one_minus_cos_max)
 }
 
-/// The point of the unit square that [`uniform_cone`] maps to `w`.
-pub fn uniform_cone_inverse(w: Vec3, one_minus_cos_max: f32) -> [f32; 2] {
-    [one_minus_cos(w) / one_minus_cos_max, turn(w)]
-}
-
 /// Barycentric coordinates of a uniform point in a triangle, for its three vertices in order; each >= 0, sum 1. The density
 /// per unit area is one over the triangle's area.
 ///
@@ -175,9 +129,4 @@ pub fn uniform_triangle(u: [f32; 2]) -> [f32; 3] {
     let half = 0.5 * u[0].min(u[1]);
     let (b0, b1) = (u[0] - half, u[1] - half);
     [b0, b1, (1.0 - b0 - b1).max(0.0)]
-}
-
-/// The point of the unit square that [`uniform_triangle`] maps to barycentric coordinates `b`.
-pub fn uniform_triangle_inverse(b: [f32; 3]) -> [f32; 2] {
-    if b[0] < b[1] { [2.0 * b[0], b[0] + b[1]] } else { [b[0] + b[1], 2.0 * b[1]] }
 }

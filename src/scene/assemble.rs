@@ -6,14 +6,15 @@ use std::sync::Arc;
 use super::analytic::{AnalyticGeometry, AnalyticList};
 use super::bindings::UnboundGeometry;
 use super::cache::MAX_CACHED_TRIANGLES;
+use super::cost;
 use super::geometry::{Geometry, Part, Triangles};
 use super::instance_transform::InstanceTransform;
 use super::lower::{self, Lowered, MeshUse};
 use super::mesh::{self, MeshObject};
-use super::progress::{BuildProgress, cost};
 use super::record::{BuildFacts, GeometryRecord, ObjectKey, address};
 use super::{BuildOptions, bindings, frame};
 use crate::camera::Camera;
+use crate::control::WorkProgress;
 use crate::desc::{MeshDesc, SceneDesc, ShapeDesc};
 use crate::embree::{self, Device, SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};
 use crate::error::Result;
@@ -51,12 +52,12 @@ pub(super) fn assemble(
     is_dynamic: bool,
     device: &Device,
     old: Option<&GeometryRecord>,
-    progress: &BuildProgress,
+    progress: &WorkProgress,
 ) -> Result<Assembly> {
     progress.expect(first_guess(desc, old));
     // Everything in the world frame, in double precision.
     let mut mesh_bounds = old.map(GeometryRecord::mesh_bounds).unwrap_or_default();
-    let lowered = lower::lower(desc, is_dynamic, progress.cancel, |mesh: &Arc<MeshDesc>| {
+    let lowered = lower::lower(desc, is_dynamic, &progress.cancel, |mesh: &Arc<MeshDesc>| {
         match mesh_bounds.get(&address(mesh)) {
             Some(bounds) => Ok(*bounds),
             None => {
@@ -72,7 +73,7 @@ pub(super) fn assemble(
     let centre = frame::origin(&desc.camera, &lowered.bounds);
     Camera::new(&desc.camera, desc.render.resolution, centre)?;
 
-    let embree = SceneBuilder::cancellable(device, SceneOptions::default(), progress.cancel)?;
+    let embree = SceneBuilder::cancellable(device, SceneOptions::default(), &progress.cancel)?;
     let copied = lowered.copied.first().map(|&first| (lowered.copied.len(), desc.surfaces[first].path.clone()));
     let facts = BuildFacts { bounds: lowered.bounds, copied, ..BuildFacts::default() };
     let known = old.map_or_else(HashMap::new, |old| old.objects.clone());
@@ -106,10 +107,10 @@ fn first_guess(desc: &SceneDesc, old: Option<&GeometryRecord>) -> f64 {
     units
 }
 
-struct Assembler<'a> {
+struct Assembler<'a, 'p> {
     desc: &'a SceneDesc,
     device: &'a Device,
-    progress: &'a BuildProgress<'a>,
+    progress: &'a WorkProgress<'p>,
     centre: DVec3,
     embree: SceneBuilder,
     /// Meshes that have a hierarchy already; grows.
@@ -119,7 +120,7 @@ struct Assembler<'a> {
     facts: BuildFacts,
 }
 
-impl Assembler<'_> {
+impl Assembler<'_, '_> {
     fn mesh(&self, mesh_use: &MeshUse) -> &Arc<MeshDesc> {
         &self.desc.meshes[mesh_use.mesh]
     }
@@ -180,8 +181,8 @@ impl Assembler<'_> {
             let i = i as u32;
             indices.push([3 * i, 3 * i + 1, 3 * i + 2]);
         })?;
-        let vertices = VertexBuffer::from_vec(vertices, self.progress.cancel)?;
-        let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), self.progress.cancel)?;
+        let vertices = VertexBuffer::from_vec(vertices, &self.progress.cancel)?;
+        let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), &self.progress.cancel)?;
         let (normals, original) = (None, None);
         let triangles = Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: charge };
         self.add_triangles(&triangles)?;
@@ -289,7 +290,7 @@ impl Assembler<'_> {
         } else {
             let units = cost::HIERARCHY * (self.facts.triangles + self.facts.embree_shapes) as f64;
             let embree = self.embree;
-            let embree = self.progress.share(units, |report| embree.commit(Some(report)))?;
+            let embree = self.progress.within(units, |report| embree.commit(Some(report)))?;
             self.facts.embree_bytes += embree.hierarchy_bytes();
             Some(embree)
         };

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use super::analytic::AnalyticList;
+use super::cost;
 use super::geometry::{self, Geometry, NO_EMITTER, Owner, Owners, Triangles};
-use super::progress::{BuildProgress, cost};
 use super::record::AppearanceKey;
+use crate::control::WorkProgress;
 use crate::desc::SceneDesc;
 use crate::emitter::{Emitter, EmitterSet, SphereEmitter, TriangleEmitter};
 use crate::error::{Error, Result};
@@ -36,16 +37,12 @@ pub(super) fn triangles_cost(count: usize) -> f64 {
 }
 
 /// Owners and emitters from the start.
-pub(super) fn bindings(
-    desc: &SceneDesc,
-    unbound: UnboundGeometry,
-    progress: &BuildProgress,
-) -> Result<SurfaceBindings> {
+pub(super) fn bindings(desc: &SceneDesc, unbound: UnboundGeometry, progress: &WorkProgress) -> Result<SurfaceBindings> {
     let mut dresser = BindingBuilder { desc, progress, emitters: Vec::new() };
     dresser.point_lights(unbound.centre)?;
     let owners = unbound.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
     let list_owners = dresser.analytic(unbound.list.shapes(), unbound.list_surfaces);
-    let emitters = EmitterSet::cancellable(dresser.emitters, progress.cancel)?;
+    let emitters = EmitterSet::cancellable(dresser.emitters, &progress.cancel)?;
     Ok(SurfaceBindings { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
 }
 
@@ -63,13 +60,13 @@ pub(super) fn rebind_materials(old: &SurfaceBindings, appearance: &AppearanceKey
     }
 }
 
-struct BindingBuilder<'a> {
+struct BindingBuilder<'a, 'p> {
     desc: &'a SceneDesc,
-    progress: &'a BuildProgress<'a>,
+    progress: &'a WorkProgress<'p>,
     emitters: Vec<Emitter>,
 }
 
-impl BindingBuilder<'_> {
+impl BindingBuilder<'_, '_> {
     fn owner(&self, surface: u32, emitter: u32) -> Owner {
         Owner { surface, material: self.desc.surfaces[surface as usize].material as u32, emitter }
     }

@@ -5,34 +5,15 @@ use std::time::Instant;
 
 use super::assemble::{Assembly, assemble};
 use super::bindings::{SurfaceBindings, bindings, rebind_materials};
-use super::progress::BuildProgress;
+use super::options::BuildOptions;
 use super::record::AppearanceKey;
 use super::{Material, Scene, SceneInfo, frame, lower, roulette};
-use crate::Cancel;
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
+use crate::control::WorkProgress;
 use crate::desc::{SceneDesc, ShapeDesc};
 use crate::embree::{Device, DeviceOptions};
 use crate::error::{Error, Result};
-
-/// How to build a scene; nothing here changes an image, but for rounding.
-#[derive(Clone, Default)]
-pub struct BuildOptions {
-    /// Threads for Embree's builds; 0 means one per core. Not used where a device is given.
-    pub threads: usize,
-    /// Embree's device; `None` opens one for the scene. [`Scene::rebuild`] stays with the one that the scene has.
-    pub device: Option<Device>,
-    /// Whether geometry will be changed, added or removed later: larger meshes then get hierarchies of their own, so that
-    /// [`Scene::rebuild`] touches only what changed, at some cost for each ray.
-    pub dynamic: bool,
-    /// Stops the build with [`crate::ErrorKind::Cancelled`].
-    pub cancel: Cancel,
-    /// Told the finished fraction, which only grows, from one thread at a time; must not use the device.
-    pub progress: Option<Arc<dyn Fn(f64) + Send + Sync>>,
-    /// Fixes how many analytic shapes may be tested in a list before Embree; more become user geometry. `None` lets the
-    /// library choose. For measurements.
-    pub listed_shapes: Option<usize>,
-}
 
 impl Scene {
     /// Builds the scene of a description.
@@ -82,7 +63,7 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
             Device::new(&DeviceOptions { threads, ..DeviceOptions::default() })?
         }
     };
-    let progress = BuildProgress::new(options);
+    let progress = WorkProgress::by_steps(&options.cancel, options.progress.as_deref());
     let assembly = assemble(desc, options, options.dynamic, &device, None, &progress)?;
     let bindings = bindings(desc, assembly.unbound(), &progress)?;
     progress.finish();
@@ -93,7 +74,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
     let start = Instant::now();
     options.cancel.check()?;
     check_materials(desc)?;
-    let progress = BuildProgress::new(options);
+    let progress = WorkProgress::by_steps(&options.cancel, options.progress.as_deref());
     let device = old.device.clone();
     let appearance = AppearanceKey::new(desc);
     let same_geometry = old.record.is_geometry_of(desc);

@@ -5,7 +5,7 @@
 
 use super::geometry::{Geometry, Triangles};
 use super::{Hit, IN_LIST, Scene, SurfaceInteraction};
-use crate::control::{Cancel, Watch};
+use crate::control::{Cancel, WorkProgress};
 use crate::error::Result;
 use crate::math::{DVec3, Vec3};
 use crate::shape::Analytic;
@@ -47,21 +47,21 @@ impl Scene {
     /// # Errors
     /// [`crate::ErrorKind::Cancelled`].
     pub fn surface_meshes(&self, cancel: &Cancel) -> Result<Vec<SurfaceMesh>> {
-        self.watched_surface_meshes(&Watch::new(cancel))
+        self.watched_surface_meshes(&WorkProgress::new(cancel))
     }
 
     /// The same; a unit of work is a vertex or a triangle of a mesh, of which there are [`Scene::surface_mesh_items`].
-    pub(crate) fn watched_surface_meshes(&self, watch: &Watch) -> Result<Vec<SurfaceMesh>> {
+    pub(crate) fn watched_surface_meshes(&self, progress: &WorkProgress) -> Result<Vec<SurfaceMesh>> {
         let mut meshes = Vec::new();
         for (number, geometry) in self.geometries.iter().enumerate() {
-            watch.check()?;
+            progress.check()?;
             let geometry_number = number as u32;
             match geometry {
                 Geometry::Loose { triangles, parts, .. } => {
                     // Halves of a quad follow each other.
                     let mut begin = 0;
                     for group in parts.chunk_by(|a, b| a.surface == b.surface) {
-                        watch.check()?;
+                        progress.check()?;
                         let range = begin..begin + group.len();
                         begin = range.end;
                         let mut mesh = SurfaceMesh { surface: group[0].surface, ..SurfaceMesh::default() };
@@ -75,18 +75,18 @@ impl Scene {
                     }
                 }
                 &Geometry::Flat { ref triangles, surface, .. } => {
-                    meshes.push(self.mesh(geometry_number, surface, triangles, |p| p, |n| n, watch)?);
+                    meshes.push(self.mesh(geometry_number, surface, triangles, |p| p, |n| n, progress)?);
                 }
                 Geometry::Instance { triangles, surface, instance_transform } => {
                     let to_scene = instance_transform.to_scene;
                     let normals = to_scene.matrix3.inverse().transpose();
                     let place = |p: DVec3| to_scene.transform_point3(p);
                     let turn = |n: Vec3| (normals * n.as_dvec3()).as_vec3a();
-                    meshes.push(self.mesh(geometry_number, *surface, triangles, place, turn, watch)?);
+                    meshes.push(self.mesh(geometry_number, *surface, triangles, place, turn, progress)?);
                 }
                 Geometry::Analytic { shapes, surfaces } => {
                     for (primitive, (shape, surface)) in shapes.0.iter().zip(surfaces).enumerate() {
-                        watch.check()?;
+                        progress.check()?;
                         meshes.push(self.curved(geometry_number, primitive as u32, *surface, shape));
                     }
                 }
@@ -134,7 +134,7 @@ impl Scene {
         triangles: &Triangles,
         place: impl Fn(DVec3) -> DVec3,
         turn: impl Fn(Vec3) -> Vec3,
-        watch: &Watch,
+        progress: &WorkProgress,
     ) -> Result<SurfaceMesh> {
         let (vertices, indices) = (triangles.mesh.vertices(), triangles.mesh.indices());
         let mut mesh = SurfaceMesh { surface, is_mesh: true, ..SurfaceMesh::default() };
@@ -142,7 +142,7 @@ impl Scene {
         mesh.positions.reserve_exact(vertices.len());
         mesh.normals = triangles.normals.as_ref().map(|_| Vec::with_capacity(vertices.len()));
         mesh.uvs = described.map(|_| Vec::with_capacity(vertices.len()));
-        watch.each(vertices.len(), |vertex| {
+        progress.each(vertices.len(), 1.0, |vertex| {
             let p = DVec3::from(vertices.get(vertex).map(f64::from));
             mesh.positions.push(place(p) + self.centre);
             if let (Some(normals), Some(given)) = (&mut mesh.normals, &triangles.normals) {
@@ -152,7 +152,7 @@ impl Scene {
                 uvs.push(described.uv(vertex).unwrap_or_default());
             }
         })?;
-        watch.each(indices.len(), |primitive| {
+        progress.each(indices.len(), 1.0, |primitive| {
             mesh.triangles.push(indices.get(primitive));
             let original = triangles.original.as_ref().map_or(primitive as u32, |original| original[primitive]);
             mesh.primitives.push(original);

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use super::cost;
 use super::geometry::Triangles;
 use super::lower;
-use super::progress::{BuildProgress, cost};
 use crate::buffer::Buffer;
+use crate::control::WorkProgress;
 use crate::desc::{HostMesh, MeshDesc};
 use crate::embree::{self, Device, MAX_COORDINATE, SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};
 use crate::error::{Error, Result};
@@ -32,7 +33,7 @@ pub(super) struct MeshObject {
 ///
 /// # Errors
 /// A coordinate that is not finite; arrays that do not go together; indices past the end.
-pub(super) fn bounds(mesh: &MeshDesc, progress: &BuildProgress) -> Result<Bounds> {
+pub(super) fn bounds(mesh: &MeshDesc, progress: &WorkProgress) -> Result<Bounds> {
     let invalid = |message: String| Err(Error::invalid(&mesh.path, message));
     let (vertices, triangles) = (mesh.vertex_count(), mesh.triangle_count());
     let (normals, uvs) = match &mesh.host {
@@ -90,7 +91,7 @@ pub(super) fn placed(
     smooth: bool,
     transform: &DAffine3,
     device: &Device,
-    progress: &BuildProgress,
+    progress: &WorkProgress,
 ) -> Result<BuiltMesh> {
     let (vertex_count, triangle_count) = (mesh.vertex_count(), mesh.triangle_count());
     let normal_count = if smooth { vertex_count } else { 0 };
@@ -116,8 +117,8 @@ pub(super) fn placed(
     }
     let normals =
         if smooth { Some(unit_normals(mesh, transform.matrix3.inverse().transpose(), progress)?) } else { None };
-    let vertices = VertexBuffer::from_vec(vertices, progress.cancel).map_err(|error| error.at(&mesh.path))?;
-    let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), progress.cancel)?;
+    let vertices = VertexBuffer::from_vec(vertices, &progress.cancel).map_err(|error| error.at(&mesh.path))?;
+    let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), &progress.cancel)?;
     let charge = charge.map(Arc::new);
     Ok(BuiltMesh {
         triangles: Some(Triangles { mesh, normals, any_length: false, original, swapped, _charge: charge }),
@@ -131,9 +132,9 @@ fn in_place(
     host: &HostMesh,
     smooth: bool,
     device: &Device,
-    progress: &BuildProgress,
+    progress: &WorkProgress,
 ) -> Result<BuiltMesh> {
-    let vertices = VertexBuffer::from_buffer(host.positions.clone(), progress.cancel).map_err(|e| e.at(&mesh.path))?;
+    let vertices = VertexBuffer::from_buffer(host.positions.clone(), &progress.cancel).map_err(|e| e.at(&mesh.path))?;
     let count = host.triangles.len();
     let mut kept = Kept::new(count);
     progress.each(count, cost::TEST, |i| {
@@ -162,7 +163,7 @@ fn in_place(
     };
     let any_length = normals.is_some() && !made_normals;
     let triangles =
-        TriangleMesh::checked(Arc::new(vertices), indices, progress.cancel).map_err(|e| e.at(&mesh.path))?;
+        TriangleMesh::checked(Arc::new(vertices), indices, &progress.cancel).map_err(|e| e.at(&mesh.path))?;
     let triangles = Triangles { mesh: triangles, normals, any_length, original, swapped: false, _charge: charge };
     Ok(BuiltMesh { triangles: Some(triangles), dropped })
 }
@@ -173,7 +174,7 @@ pub(super) fn object(
     bounds: Bounds,
     smooth: bool,
     device: &Device,
-    progress: &BuildProgress,
+    progress: &WorkProgress,
 ) -> Result<MeshObject> {
     let (middle, made) = match &mesh.host {
         Some(host) => (DVec3::ZERO, in_place(mesh, host, smooth, device, progress)?),
@@ -185,10 +186,10 @@ pub(super) fn object(
     let content = match made.triangles {
         None => None,
         Some(triangles) => {
-            let mut object = SceneBuilder::cancellable(device, SceneOptions::default(), progress.cancel)?;
+            let mut object = SceneBuilder::cancellable(device, SceneOptions::default(), &progress.cancel)?;
             object.add_triangles(triangles.mesh.clone())?;
             let units = cost::HIERARCHY * triangles.mesh.indices().len() as f64;
-            let object = progress.share(units, |report| object.commit(Some(report)))?;
+            let object = progress.within(units, |report| object.commit(Some(report)))?;
             Some((object, triangles))
         }
     };
@@ -232,7 +233,7 @@ impl Kept {
 }
 
 /// A unit normal for each vertex, or zero where there is none, after `matrix`.
-fn unit_normals(mesh: &MeshDesc, matrix: DMat3, progress: &BuildProgress) -> Result<Buffer<[f32; 3]>> {
+fn unit_normals(mesh: &MeshDesc, matrix: DMat3, progress: &WorkProgress) -> Result<Buffer<[f32; 3]>> {
     let sums = if mesh.has_normals() { None } else { Some(face_means(mesh, progress)?) };
     let mut normals = Vec::with_capacity(mesh.vertex_count());
     progress.each(mesh.vertex_count(), cost::PLACE, |vertex| {
@@ -248,7 +249,7 @@ fn unit_normals(mesh: &MeshDesc, matrix: DMat3, progress: &BuildProgress) -> Res
 /// The angle-weighted mean of the faces around each vertex, mesh frame.
 ///
 /// Source: Thürmer and Wüthrich 1998, "Computing Vertex Normals from Polygonal Facets".
-fn face_means(mesh: &MeshDesc, progress: &BuildProgress) -> Result<Vec<DVec3>> {
+fn face_means(mesh: &MeshDesc, progress: &WorkProgress) -> Result<Vec<DVec3>> {
     let mut normals = vec![DVec3::ZERO; mesh.vertex_count()];
     progress.each(mesh.triangle_count(), cost::NORMAL, |i| {
         let triangle = mesh.triangle(i);

@@ -12,6 +12,7 @@ mod assemble;
 mod bindings;
 mod build;
 mod cache;
+mod cost;
 mod describe;
 mod faces;
 mod facets;
@@ -22,18 +23,18 @@ mod instance_transform;
 mod lower;
 mod material;
 mod mesh;
-mod progress;
+mod options;
 mod record;
 mod roulette;
 mod specular;
 
-pub use build::BuildOptions;
 pub use describe::HitDescription;
 pub(crate) use faces::{Body, FaceNumbers};
 pub use facets::{Facet, SurfaceMesh};
 pub use geometry::SurfaceInteraction;
 pub use info::SceneInfo;
 pub use material::Material;
+pub use options::BuildOptions;
 pub use specular::{Ball, SpecularPart};
 
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! Flat disks, and what affine transforms make of them.
 
-use super::DRay;
+use super::ray::DRay;
 use crate::math::{Bounds, DAffine3, DVec3, Frame};
 
 /// The unit disk x^2 + y^2 <= 1, z = 0 of a frame of its own.

@@ -5,6 +5,7 @@
 
 mod disk;
 mod quadric;
+mod ray;
 mod roots;
 mod sphere;
 mod tessellate;
@@ -12,35 +13,11 @@ mod triangle;
 
 pub use disk::Disk;
 pub use quadric::Quadric;
+pub use ray::DRay;
 pub use sphere::Sphere;
 pub use triangle::Triangle;
 
 use crate::math::{Bounds, DVec3, Ray};
-
-/// A ray in double precision, as the analytic shapes want it.
-#[derive(Clone, Copy, Debug)]
-pub struct DRay {
-    /// Origin.
-    pub origin: DVec3,
-    /// Direction, any length but zero.
-    pub direction: DVec3,
-    /// Start of the segment; a hit lies beyond it.
-    pub tnear: f64,
-    /// End of the segment; a hit lies before it.
-    pub tfar: f64,
-}
-
-impl From<&Ray> for DRay {
-    #[inline]
-    fn from(ray: &Ray) -> Self {
-        Self {
-            origin: ray.origin.as_dvec3(),
-            direction: ray.direction.as_dvec3(),
-            tnear: f64::from(ray.tnear),
-            tfar: f64::from(ray.tfar),
-        }
-    }
-}
 
 /// Farther than so many times a shape's size, a t in single precision is too coarse for its normals: half a unit in its last
 /// place moves the point by 2^-20 of the size.

@@ -1,6 +1,6 @@
 //! Quadrics, clipped to a box in their own frame.
 
-use super::DRay;
+use super::ray::DRay;
 use super::roots::quadratic;
 use crate::math::{Bounds, DAffine3, DMat3, DVec3};
 

@@ -1,6 +1,6 @@
 //! Real roots of a quadratic without cancellation.
 
-use super::DRay;
+use super::ray::DRay;
 
 /// The real roots of a t^2 + 2 b t + c = 0 in ascending order, or `None` where there is none.
 ///

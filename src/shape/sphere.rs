@@ -1,6 +1,6 @@
 //! Spheres.
 
-use super::DRay;
+use super::ray::DRay;
 use super::roots::first_between;
 use crate::math::{Bounds, DVec3};
 

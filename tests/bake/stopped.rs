@@ -39,7 +39,7 @@ fn sheet(n: usize) -> SceneDesc {
 /// Does `work` to its end, then stopped at each of its reports; all of what was told in the whole one.
 fn stopped_everywhere<R>(
     what: &str,
-    work: impl Fn(&mut dyn FnMut(f64) -> ControlFlow<()>) -> etendue::Result<R>,
+    work: impl Fn(&mut (dyn FnMut(f64) -> ControlFlow<()> + Send)) -> etendue::Result<R>,
 ) -> Vec<f64> {
     let mut told = Vec::new();
     work(&mut |share| {
@@ -86,7 +86,9 @@ fn layouts() {
 
     let options = VertexOptions { spacing: Some(0.1), ..VertexOptions::default() };
     for only in [None, Some(1)] {
-        let work = |look_up: &mut dyn FnMut(f64) -> ControlFlow<()>| Vertices::watched(&scene, &options, only, look_up);
+        let work = |look_up: &mut (dyn FnMut(f64) -> ControlFlow<()> + Send)| {
+            Vertices::watched(&scene, &options, only, look_up)
+        };
         let mut shares = Vec::new();
         let vertices = work(&mut |share| {
             shares.push(share);

@@ -2,8 +2,8 @@
 
 use std::ffi::c_void;
 
-use super::device::etd_progress_fn;
 use super::numbers::{EtdAtlasLayout, EtdSide};
+use super::render::etd_progress_fn;
 pub use {etd_atlas_layout::*, etd_side::*};
 
 /// Where the layout of a mesh in a light map comes from.

@@ -2,7 +2,6 @@
 
 use std::ffi::{c_char, c_void};
 
-use super::render::etd_progress;
 use crate::capi::status::etd_status;
 pub use etd_log_level::*;
 
@@ -41,17 +40,6 @@ pub type etd_submit_fn = Option<unsafe extern "C" fn(user_data: *mut c_void, wor
 /// Called when memory that was shared with a mesh is no longer read. Exactly once, on any thread, perhaps in the middle of
 /// another call; it may make no calls of this library.
 pub type etd_release_fn = Option<unsafe extern "C" fn(user_data: *mut c_void)>;
-
-/// Told how far work has come; return 0 to go on and anything else to cancel.
-///
-/// Called about ten times a second and after each pass, never twice at once for one piece of work: on the calling thread
-/// by `etd_render` and by what makes and bakes light maps, on the task's own thread by `etd_render_start`, on one of the
-/// building threads while a scene is built.
-/// It must not unwind; it may map and copy the film, and must not wait for the work that called it.
-pub type etd_progress_fn = Option<unsafe extern "C" fn(user_data: *mut c_void, progress: *const etd_progress) -> i32>;
-
-/// Told once that a task has ended, and how, on the task's thread, before `etd_task_wait` returns. As `etd_progress_fn`.
-pub type etd_finished_fn = Option<unsafe extern "C" fn(user_data: *mut c_void, status: etd_status)>;
 
 /// How a device works.
 #[repr(C)]

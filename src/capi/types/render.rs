@@ -2,11 +2,11 @@
 
 use std::ffi::c_void;
 
-use super::device::{etd_finished_fn, etd_progress_fn};
 use super::numbers::{
     EtdCacheSource, EtdErrorMeasure, EtdFilter, EtdIntegrator, EtdPhotonKernel, EtdPhotonSharing, EtdRadiositySolver,
     EtdRoulette, EtdSampler, EtdSwitch,
 };
+use crate::capi::status::etd_status;
 pub use {
     etd_cache_source::*, etd_ended::*, etd_error_measure::*, etd_filter::*, etd_integrator::*, etd_phase::*,
     etd_photon_kernel::*, etd_photon_sharing::*, etd_radiosity_solver::*, etd_roulette::*, etd_sampler::*,
@@ -274,6 +274,17 @@ pub enum etd_phase {
     /// It has ended.
     ETD_PHASE_END = 2,
 }
+
+/// Told how far work has come; return 0 to go on and anything else to cancel.
+///
+/// Called about ten times a second and after each pass, never twice at once for one piece of work: on the calling thread
+/// by `etd_render` and by what makes and bakes light maps, on the task's own thread by `etd_render_start`, on one of the
+/// building threads while a scene is built.
+/// It must not unwind; it may map and copy the film, and must not wait for the work that called it.
+pub type etd_progress_fn = Option<unsafe extern "C" fn(user_data: *mut c_void, progress: *const etd_progress) -> i32>;
+
+/// Told once that a task has ended, and how, on the task's thread, before `etd_task_wait` returns. As `etd_progress_fn`.
+pub type etd_finished_fn = Option<unsafe extern "C" fn(user_data: *mut c_void, status: etd_status)>;
 
 /// How far work has come.
 #[repr(C)]

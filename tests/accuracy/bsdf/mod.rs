@@ -3,6 +3,7 @@
 mod albedo;
 mod fresnel;
 mod glass;
+pub mod inverses;
 mod samplers;
 mod values;
 

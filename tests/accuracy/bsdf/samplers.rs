@@ -6,7 +6,7 @@ use etendue::bsdf::{Model as _, TransportMode};
 use etendue::math::Vec3;
 use etendue::sampling::{Rng, warps};
 
-use super::{diffuse_models, direction, uniform_3d};
+use super::{diffuse_models, direction, inverses, uniform_3d};
 use crate::record::{Case, Entry, Within};
 use crate::stats::{DensityCheck, check_density, check_directions};
 
@@ -78,7 +78,7 @@ fn direction_warps() -> Vec<DirectionWarp> {
             name,
             Box::new(move |u| warps::uniform_cone(u, omc)),
             Box::new(move |w| if 1.0 - w.z <= omc { warps::uniform_cone_pdf(omc) } else { 0.0 }),
-            Box::new(move |w| warps::uniform_cone_inverse(w, omc)),
+            Box::new(move |w| inverses::uniform_cone_inverse(w, omc)),
         )
     };
     vec![
@@ -86,19 +86,19 @@ fn direction_warps() -> Vec<DirectionWarp> {
             "cosine hemisphere",
             Box::new(warps::cosine_hemisphere),
             Box::new(|w| warps::cosine_hemisphere_pdf(w.z)),
-            Box::new(warps::cosine_hemisphere_inverse),
+            Box::new(inverses::cosine_hemisphere_inverse),
         ),
         (
             "hemisphere",
             Box::new(warps::uniform_hemisphere),
             Box::new(|w| if w.z >= 0.0 { warps::uniform_hemisphere_pdf() } else { 0.0 }),
-            Box::new(warps::uniform_hemisphere_inverse),
+            Box::new(inverses::uniform_hemisphere_inverse),
         ),
         (
             "sphere",
             Box::new(warps::uniform_sphere),
             Box::new(|_| warps::uniform_sphere_pdf()),
-            Box::new(warps::uniform_sphere_inverse),
+            Box::new(inverses::uniform_sphere_inverse),
         ),
         cone("cone of 37°", 0.2),
         cone("cone of 73°", 0.7),
@@ -169,7 +169,7 @@ fn warps_follow_their_densities(case: &mut Case) {
             && b.iter().all(|x| (0.0..=1.0).contains(x))
             && (b.iter().sum::<f32>() - 1.0).abs() < 2e-7;
         bad += u64::from(!fine);
-        for found in [warps::uniform_disk_inverse(p), warps::uniform_triangle_inverse(b)] {
+        for found in [inverses::uniform_disk_inverse(p), inverses::uniform_triangle_inverse(b)] {
             back = back.max((found[0] - u[0]).abs()).max((found[1] - u[1]).abs());
         }
     }
@@ -187,7 +187,7 @@ fn warps_follow_their_densities(case: &mut Case) {
         let u = rng.next_2d();
         let w = warps::uniform_cone(u, omc);
         let sin2 = f64::from(w.x).powi(2) + f64::from(w.y).powi(2);
-        let back = f64::from(warps::uniform_cone_inverse(w, omc)[0] - u[0]).abs();
+        let back = f64::from(inverses::uniform_cone_inverse(w, omc)[0] - u[0]).abs();
         worst = worst.max((sin2 / 1e-10 - f64::from(u[0])).abs()).max(back);
     }
     case.at_most("cone of sine 1e-5: sin² against the number drawn", worst, 1e-5);

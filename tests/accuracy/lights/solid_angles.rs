@@ -7,6 +7,7 @@ use etendue::math::{DVec3, Vec3};
 use etendue::sampling::{Rng, SphericalTriangle, triangle_solid_angle, warps};
 
 use super::sphere_light;
+use crate::bsdf::inverses;
 use crate::record::{Case, Entry, Within};
 use crate::stats::{check_density, check_directions};
 
@@ -121,7 +122,7 @@ fn uniform(case: &mut Case) {
             0.5 * normal.dot(p).abs() / (p.length().powi(3) * solid_angle)
         };
         let draw = || {
-            let [x, y] = warps::uniform_triangle_inverse(triangle.sample_barycentric(rng.next_2d()).1);
+            let [x, y] = inverses::uniform_triangle_inverse(triangle.sample_barycentric(rng.next_2d()).1);
             (f64::from(x), f64::from(y), 1.0)
         };
         if solid_angle < 2.0 {

@@ -1,24 +1,21 @@
 //! PNG: 8-bit sRGB out; 8- or 16-bit sRGB in.
 
-use std::io::{BufRead, Seek};
+use std::io::{BufRead, Seek, Write};
 
-use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
-use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
+use ::image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
+use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
 
-use super::replace::Target;
-use super::tone::{ToneMap, to_srgb8};
-use super::{MAX_PIXELS, check_size, damaged};
-use crate::film::Image;
+use super::check::{MAX_PIXELS, check_size, damaged};
+use super::pixels::Image;
 use crate::spectrum::srgb_decode;
 use crate::{Error, ErrorKind, Result};
 
-/// Tone maps and writes three channels.
-pub(super) fn encode(image: &Image, tone_map: ToneMap, exposure: f32, file: &mut Target) -> Result<()> {
-    let pixels = to_srgb8(image, tone_map, exposure)?;
+/// Writes `[height][width][3]` sRGB bytes.
+pub(crate) fn encode(pixels: &[u8], [width, height]: [u32; 2], file: &mut impl Write) -> Result<()> {
     // Most of a picture of few samples is noise, which nothing makes smaller: of many, a hundredth would be won, in five times as
     // long.
     PngEncoder::new_with_quality(file, CompressionType::Fast, FilterType::Adaptive)
-        .write_image(&pixels, image.width, image.height, ExtendedColorType::Rgb8)
+        .write_image(pixels, width, height, ExtendedColorType::Rgb8)
         .map_err(|error| Error::new(ErrorKind::Io, format!("cannot write the image: {error}")).because(error))
 }
 

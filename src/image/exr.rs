@@ -1,7 +1,8 @@
 //! OpenEXR. Writing: one part, all layers. Reading: what other programs write as well, within bounds.
 
 use std::collections::BTreeMap;
-use std::io::{self, BufRead as _, BufReader, Read, Seek, SeekFrom, Write as _};
+use std::fs::File;
+use std::io::{self, BufRead as _, BufReader, BufWriter, Read, Seek, SeekFrom, Write as _};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::thread;
 
@@ -20,9 +21,8 @@ use ::exr::meta::attribute::{AttributeValue, Chromaticities, LineOrder, Text};
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::prelude::Vec2;
 
-use super::replace::Target;
-use super::{Attribute, MAX_PIXELS, WriteOptions, check_size, damaged};
-use crate::film::{Image, Layer};
+use super::check::{MAX_PIXELS, check_size, damaged};
+use super::pixels::{Image, Layer};
 use crate::{Error, ErrorKind, Result};
 
 /// Values of all channels of all parts of a file together, 4 GiB of them.
@@ -41,8 +41,24 @@ fn suffixes(layer: &Layer) -> &'static [&'static str] {
     }
 }
 
-/// Writes all channels as 32-bit floats. `image` has been checked.
-pub(super) fn encode(image: &Image, options: &WriteOptions, threads: usize, file: &mut Target) -> Result<()> {
+/// A value of an image's header.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Attribute {
+    /// An EXR `double`.
+    Number(f64),
+    /// An EXR `string`, UTF-8.
+    Text(String),
+}
+
+/// Writes all channels as 32-bit floats, compressed by so many threads. `image` has been checked. `comments` and `attributes` go
+/// into the header; attributes that are not finite are left out.
+pub(crate) fn encode(
+    image: &Image,
+    comments: &str,
+    attributes: &[(String, Attribute)],
+    threads: usize,
+    file: &mut BufWriter<&mut File>,
+) -> Result<()> {
     let plane = |data: &[f32], channels: usize, channel: usize| {
         FlatSamples::F32(data.iter().skip(channel).step_by(channels).copied().collect())
     };
@@ -59,8 +75,8 @@ pub(super) fn encode(image: &Image, options: &WriteOptions, threads: usize, file
 
     let attributes = LayerAttributes {
         software_name: Some(text(concat!("etendue ", env!("CARGO_PKG_VERSION")))),
-        comments: Some(options.comments.as_str()).filter(|comments| !comments.is_empty()).map(text),
-        other: options.attributes.iter().filter_map(attribute).collect(),
+        comments: Some(comments).filter(|comments| !comments.is_empty()).map(text),
+        other: attributes.iter().filter_map(attribute).collect(),
         ..LayerAttributes::default()
     };
     let size = Vec2(image.width as usize, image.height as usize);
@@ -102,7 +118,7 @@ pub(super) fn encode(image: &Image, options: &WriteOptions, threads: usize, file
 
 /// Puts the attributes of the header in the order of their names. The crate writes them in the order of a hash map, which is
 /// another one every time; the same image is to be the same file.
-fn sort_attributes(file: &mut Target) -> io::Result<()> {
+fn sort_attributes(file: &mut BufWriter<&mut File>) -> io::Result<()> {
     /// Magic number and version.
     const BEFORE: u64 = 8;
     file.flush()?;

@@ -1,4 +1,4 @@
-//! A developed image: plain floats, no files.
+//! An image as plain floats.
 
 /// Scene-linear pixels and the layers that go with them. Row 0 is on top.
 #[derive(Clone, Debug, Default, PartialEq)]

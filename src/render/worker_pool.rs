@@ -1,36 +1,36 @@
-//! Work of equal pieces, done by whoever renders.
+//! Work of equal pieces, done by the workers of a render.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use super::workers::{Work, Workers};
+use super::workers::{SharedWork, Workers};
 use crate::control::{Cancel, LOOK_UP, Parallel};
 use crate::error::{Error, ErrorKind, Result};
 
-/// The workers of a render, until somebody stops them.
-pub(crate) struct Crew<'a> {
+/// The workers of a render at one piece of work, until it is stopped: by a cancel, by its deadline, or by who is told of its progress.
+pub(crate) struct WorkerPool<'a> {
     pub workers: &'a Workers,
     pub cancel: &'a Cancel,
     /// When time is up.
     pub deadline: Option<Instant>,
-    /// Asked now and then on the calling thread, and told what share of the work is done: whether to stop.
+    /// Called now and then on the calling thread with the share of the work that is done; returns whether to stop.
     pub look_up: &'a mut dyn FnMut(f64) -> bool,
-    /// Whether it was answered so.
+    /// Whether `look_up` returned that the work is to stop.
     pub is_broken_off: bool,
-    /// For pieces that take long: cancelled with the first of all these.
+    /// For pieces that take long: cancelled as soon as the work is to stop for any of these reasons.
     pub token: Cancel,
-    /// What share of the work is done, and what it was when that was told.
+    /// What share of the work is done, and what it was when `look_up` was called last.
     share: f64,
     told: f64,
-    /// When it was last asked.
+    /// When `look_up` was called last.
     last: Instant,
 }
 
-/// News of this much is told at once.
+/// `look_up` is called at once when the share has grown by this much.
 const NEWS: f64 = 1.0 / 64.0;
 
-impl<'a> Crew<'a> {
+impl<'a> WorkerPool<'a> {
     pub fn new(
         workers: &'a Workers,
         cancel: &'a Cancel,
@@ -42,7 +42,7 @@ impl<'a> Crew<'a> {
     }
 
     fn look(&mut self) {
-        // Who said no is not asked again.
+        // It is not called again once it has stopped the work.
         if self.is_broken_off {
             return;
         }
@@ -56,7 +56,7 @@ impl<'a> Crew<'a> {
     }
 }
 
-impl Parallel for Crew<'_> {
+impl Parallel for WorkerPool<'_> {
     fn check(&mut self) -> Result<()> {
         self.cancel.check()?;
         if self.last.elapsed() >= LOOK_UP {
@@ -125,7 +125,7 @@ impl<R, F> Pieces<R, F> {
     }
 }
 
-impl<R, F> Work for Pieces<R, F>
+impl<R, F> SharedWork for Pieces<R, F>
 where
     R: Send + 'static,
     F: Fn(usize) -> R + Send + Sync + 'static,

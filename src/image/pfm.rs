@@ -2,16 +2,15 @@
 
 use std::io::{BufRead, Read, Write};
 
-use super::replace::Target;
-use super::{check_size, damaged};
-use crate::film::Image;
+use super::check::{check_size, damaged};
+use super::pixels::Image;
 use crate::{Error, ErrorKind, Result};
 
 /// Longest token of a header that is believed: a float in full decimal notation fits.
 const MAX_TOKEN: usize = 64;
 
 /// Colour, little-endian (that is what the sign of the scale says).
-pub(super) fn encode(image: &Image, file: &mut Target) -> Result<()> {
+pub(crate) fn encode(image: &Image, file: &mut impl Write) -> Result<()> {
     let failed =
         |error: std::io::Error| Error::new(ErrorKind::Io, format!("cannot write the image: {error}")).because(error);
     write!(file, "PF\n{} {}\n-1.0\n", image.width, image.height).map_err(failed)?;
