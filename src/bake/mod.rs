@@ -36,8 +36,8 @@
 mod atlas;
 mod chart;
 mod map;
+mod mesh_uvs;
 mod overlap;
-mod own;
 mod pack;
 mod placement;
 mod radiosity;
@@ -45,7 +45,7 @@ mod raster;
 mod vertices;
 
 pub use atlas::{
-    Atlas, AtlasOptions, AtlasSurface, AtlasVertex, ChartPlace, DEFAULT_SIDE, Layout, MAX_GUTTER, MAX_SIDE,
+    Atlas, AtlasOptions, AtlasSurface, AtlasVertex, ChartRect, DEFAULT_SIDE, Layout, MAX_GUTTER, MAX_SIDE,
 };
 pub use map::LightMap;
 pub use radiosity::by_radiosity;
@@ -68,7 +68,7 @@ pub struct Bake {
     count: usize,
 }
 
-/// What is known of each site.
+/// Irradiance of each site and its standard error.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Baked {
     /// Irradiance [W m^-2].
@@ -78,11 +78,12 @@ pub struct Baked {
 }
 
 impl Bake {
-    /// Prepares to find the irradiance of each of these sites, on the outer side of the surface (`front`) or the other.
+    /// Prepares to find the irradiance of each of these sites, on the outer side of the surface (`front`) or the inner
+    /// one.
     ///
-    /// Of the settings resolution, integrator, filter and auxiliary layers are not looked at. `max_depth` counts the site itself as
-    /// the first hit: 1 is direct light alone. Results depend on scene, sites, `desc.samples`, seed and sampler alone, not on
-    /// threads.
+    /// Resolution, integrator, filter and auxiliary layers of the settings are not used. `max_depth` counts the site
+    /// itself as the first hit: 1 is direct light alone. Results depend on scene, sites, `desc.samples`, seed and
+    /// sampler alone, not on threads.
     ///
     /// # Errors
     /// As for [`Render::irradiance`].
@@ -91,7 +92,8 @@ impl Bake {
         Ok(Self { render, count: sites.len() })
     }
 
-    /// Works until samples, time or the caller's patience are used up; see [`Render::run`]. "Pixels" are sites here.
+    /// Renders until samples or time are used up, or the callback stops it; see [`Render::run`]. "Pixels" are sites
+    /// here.
     ///
     /// # Errors
     /// As for [`Render::run`].
@@ -104,7 +106,7 @@ impl Bake {
         self.render.set_cancel(cancel);
     }
 
-    /// What is known so far, in the order of the sites; zero where there is no sample yet.
+    /// The present results, in the order of the sites; zero where there is no sample yet.
     pub fn irradiance(&self) -> Baked {
         let film = self.render.film();
         let [width, height] = film.options().resolution.map(|n| n as usize);
@@ -120,7 +122,7 @@ impl Bake {
     }
 }
 
-/// What the outer side of a facet reflects of irradiance, where it is diffuse, and the radiosity that it emits [W m^-2].
+/// Reflectance of a facet's outer side, where it is diffuse, and the radiosity that it emits [W m^-2].
 fn reflection(scene: &Scene, facet: &Facet) -> (Rgb, Rgb) {
     let at = scene.facet_point(facet, 1.0 / 3.0, 1.0 / 3.0);
     let bsdf = &scene.material(at.material).bsdf;

@@ -93,8 +93,8 @@ pub(super) fn faces(cluster: &Node, d: DVec3) -> bool {
 
 /// Radiant intensity of a cluster in the unit direction `d`.
 #[inline]
-pub(super) fn intensity(cluster: &Node, sent: &NodeRadiosity, d: DVec3) -> DVec3 {
-    let moments = &sent.intensity[cluster.corners[2] as usize];
+pub(super) fn intensity(cluster: &Node, radiosity: &NodeRadiosity, d: DVec3) -> DVec3 {
+    let moments = &radiosity.intensity[cluster.corners[2] as usize];
     if faces(cluster, d) { moments.at_facing(d) } else { moments.at(d) }
 }
 

@@ -39,7 +39,7 @@ pub(super) enum PairDecision {
 pub(super) struct RefinementOracle {
     pub scene: Scene,
     pub elements: Elements,
-    pub sent: NodeRadiosity,
+    pub radiosity: NodeRadiosity,
     pub lights: Vec<PointLight>,
     /// Allowed error of a link: irradiance times the root of the receiver's area.
     pub threshold: f64,
@@ -104,9 +104,9 @@ impl RefinementOracle {
         }
         let node = self.node(source);
         if node.is_cluster() {
-            intensity(node, &self.sent, d).max_element()
+            intensity(node, &self.radiosity, d).max_element()
         } else {
-            self.sent.b[source as usize].max_element()
+            self.radiosity.b[source as usize].max_element()
         }
     }
 
@@ -127,7 +127,8 @@ impl RefinementOracle {
             return true;
         }
         if link.kind == LinkKind::Negligible {
-            return f64::from(self.sent.largest[link.source as usize]) * f64::from(link.error) * root > self.threshold;
+            return f64::from(self.radiosity.largest[link.source as usize]) * f64::from(link.error) * root
+                > self.threshold;
         }
         let strength = if link.source >= POINT {
             self.strength(link.source, DVec3::ZERO)
@@ -151,7 +152,7 @@ impl RefinementOracle {
 
     /// Largest difference of a radiosity below a source's quarters from the radiosity of its quarter.
     fn spread(&self, source: u32, quarter_weights: QuarterWeights) -> f64 {
-        let spread = |number: usize| f64::from(self.sent.spread[number]);
+        let spread = |number: usize| f64::from(self.radiosity.spread[number]);
         let node = self.node(source);
         if quarter_weights == QuarterWeights::EVEN || node.children != 4 {
             return spread(source as usize);
@@ -183,7 +184,8 @@ impl RefinementOracle {
         if is_flat {
             return PairDecision::NoTransport;
         }
-        let is_bright = f64::from(self.sent.largest[number as usize]) * node.area.sqrt() > NEGLIGIBLE * self.threshold;
+        let is_bright =
+            f64::from(self.radiosity.largest[number as usize]) * node.area.sqrt() > NEGLIGIBLE * self.threshold;
         if is_bright && (node.is_cluster() || self.elements.is_divisible(number)) {
             return PairDecision::SubdivideBoth;
         }
@@ -207,7 +209,7 @@ impl RefinementOracle {
     }
 
     /// Subdivides the node with the larger radius, or the one that can be subdivided.
-    fn divide(&self, receiver: u32, source: u32) -> Option<PairDecision> {
+    fn subdivide_wider(&self, receiver: u32, source: u32) -> Option<PairDecision> {
         let clusters = (self.node(receiver).is_cluster(), self.node(source).is_cluster());
         let is_few = self.elements.patches.len() <= FEW_PATCHES && clusters.0 != clusters.1;
         let can_receiver = if is_few { clusters.0 } else { self.elements.is_divisible(receiver) };
@@ -282,7 +284,7 @@ impl RefinementOracle {
             return PairDecision::NoTransport;
         }
         let root = r.area.sqrt();
-        let strength = self.sent.b[source as usize].max_element();
+        let strength = self.radiosity.b[source as usize].max_element();
         let allowed = self.threshold / root;
         if error * strength > allowed && self.elements.is_divisible(receiver) {
             return PairDecision::SubdivideReceiver;
@@ -304,7 +306,7 @@ impl RefinementOracle {
         let mut partly_visible = 2.0 * seen * (1.0 - seen);
         let mut error = error;
         if all * partly_visible > SHADOW_ERROR * allowed {
-            if let Some(decision) = self.divide(receiver, source) {
+            if let Some(decision) = self.subdivide_wider(receiver, source) {
                 return decision;
             }
             (error, partly_visible) = (0.0, 0.0);
@@ -314,11 +316,11 @@ impl RefinementOracle {
         if hidden > HIDDEN_SPREAD * allowed && !s.is_leaf() {
             return PairDecision::SubdivideSource;
         }
-        let much = all > DISCONTINUOUS_ERROR * allowed;
-        if much && r.is_discontinuous && self.elements.is_divisible(receiver) {
+        let is_strong = all > DISCONTINUOUS_ERROR * allowed;
+        if is_strong && r.is_discontinuous && self.elements.is_divisible(receiver) {
             return PairDecision::SubdivideReceiver;
         }
-        if much && s.is_discontinuous && self.elements.is_divisible(source) {
+        if is_strong && s.is_discontinuous && self.elements.is_divisible(source) {
             return PairDecision::SubdivideSource;
         }
         let error = error * seen + factor * (partly_visible + UNSEEN_ERROR);
@@ -369,8 +371,8 @@ impl RefinementOracle {
         let allowed = self.threshold / r.area.sqrt();
         let gap = distance - r.radius - s.radius;
         if gap < 0.3 * r.radius.max(s.radius) {
-            if f64::from(self.sent.largest[source as usize]) > NEGLIGIBLE * allowed
-                && let Some(decision) = self.divide(receiver, source)
+            if f64::from(self.radiosity.largest[source as usize]) > NEGLIGIBLE * allowed
+                && let Some(decision) = self.subdivide_wider(receiver, source)
             {
                 return decision;
             }
@@ -397,11 +399,11 @@ impl RefinementOracle {
         let own = factor + grazing;
         let strength = self.strength(source, -d);
         let is_divided = if self.elements.patches.len() <= FEW_PATCHES {
-            f64::from(self.sent.largest[source as usize]) > 0.0
+            f64::from(self.radiosity.largest[source as usize]) > 0.0
         } else {
             error > CLUSTER_ERROR * own && error * strength > NEGLIGIBLE * self.threshold / r.area.sqrt()
         };
-        if is_divided && let Some(decision) = self.divide(receiver, source) {
+        if is_divided && let Some(decision) = self.subdivide_wider(receiver, source) {
             return decision;
         }
         self.decide_by_visibility(receiver, source, [factor, error], kind, -d)
@@ -429,7 +431,7 @@ impl RefinementOracle {
     ) -> PairDecision {
         let allowed = self.threshold / self.node(receiver).area.sqrt();
         let strength = self.strength(source, d);
-        let divide = || if source >= POINT { None } else { self.divide(receiver, source) };
+        let divide = || if source >= POINT { None } else { self.subdivide_wider(receiver, source) };
         let divide = || match divide() {
             None if self.elements.is_divisible(receiver) => Some(PairDecision::SubdivideReceiver),
             decision => decision,

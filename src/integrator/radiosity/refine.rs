@@ -56,7 +56,7 @@ impl LinkHierarchy {
         let oracle = RefinementOracle {
             scene: scene.clone(),
             elements,
-            sent: NodeRadiosity::default(),
+            radiosity: NodeRadiosity::default(),
             lights,
             threshold: 0.0,
             at_vertices: Vec::new(),
@@ -68,12 +68,12 @@ impl LinkHierarchy {
 
     /// Sets each element's radiosity to its emission.
     pub fn emit(&mut self) {
-        let RefinementOracle { elements, sent, .. } = &mut self.oracle;
+        let RefinementOracle { elements, radiosity, .. } = &mut self.oracle;
         let emitted = |node: &super::elements::Node| {
             if node.is_cluster() { DVec3::ZERO } else { elements.patches[node.patch as usize].emitted }
         };
-        sent.b = elements.nodes.iter().map(emitted).collect();
-        sent.pull(elements);
+        radiosity.b = elements.nodes.iter().map(emitted).collect();
+        radiosity.pull(elements);
     }
 
     /// Memory of the hierarchy, bytes.
@@ -118,13 +118,13 @@ impl LinkHierarchy {
                 self.oracle.elements.nodes[part as usize].is_discontinuous = self.oracle.has_contact(part);
             }
         }
-        let RefinementOracle { elements, sent, .. } = &mut self.oracle;
-        if sent.b.len() < elements.nodes.len() {
-            let b = sent.b[number as usize];
-            sent.b.resize(elements.nodes.len(), b);
-            sent.largest.resize(elements.nodes.len(), b.max_element() as f32);
-            sent.spread.resize(elements.nodes.len(), 0.0);
-            sent.tilt.resize(elements.nodes.len(), Default::default());
+        let RefinementOracle { elements, radiosity, .. } = &mut self.oracle;
+        if radiosity.b.len() < elements.nodes.len() {
+            let b = radiosity.b[number as usize];
+            radiosity.b.resize(elements.nodes.len(), b);
+            radiosity.largest.resize(elements.nodes.len(), b.max_element() as f32);
+            radiosity.spread.resize(elements.nodes.len(), 0.0);
+            radiosity.tilt.resize(elements.nodes.len(), Default::default());
         }
         parts
     }

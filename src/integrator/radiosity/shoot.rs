@@ -75,7 +75,7 @@ pub(super) fn shoot(
     let ambient = unshot_light.ambient();
     let UnshotLight { b, unshot, .. } = unshot_light;
     let sent = b.into_iter().zip(unshot).map(|(b, unshot)| b - unshot).collect();
-    let RefinementOracle { elements, sent: now, .. } = &mut hierarchy.oracle;
+    let RefinementOracle { elements, radiosity: now, .. } = &mut hierarchy.oracle;
     now.b = sent;
     now.pull(elements);
     Ok((convergence, ambient))
@@ -83,7 +83,7 @@ pub(super) fn shoot(
 
 impl<'n> UnshotLight<'n> {
     fn new(hierarchy: &'n LinkHierarchy) -> Self {
-        let RefinementOracle { elements, lights, sent, .. } = &hierarchy.oracle;
+        let RefinementOracle { elements, lights, radiosity, .. } = &hierarchy.oracle;
         let nodes = elements.nodes.len();
         let slot = |link: &Link| match link.source {
             point @ POINT.. => nodes + (point - POINT) as usize,
@@ -99,7 +99,7 @@ impl<'n> UnshotLight<'n> {
             first[i] += first[i - 1];
         }
         let leaf = |(i, b): (usize, &DVec3)| if elements.nodes[i].is_leaf() { *b } else { DVec3::ZERO };
-        let b: Vec<DVec3> = sent.b.iter().enumerate().map(leaf).collect();
+        let b: Vec<DVec3> = radiosity.b.iter().enumerate().map(leaf).collect();
         let patch =
             |patch: &super::elements::Patch| elements.nodes[patch.node as usize].area * patch.emitted.element_sum();
         let mut power: Vec<f64> = elements.patches.iter().map(patch).collect();

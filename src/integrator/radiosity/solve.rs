@@ -49,16 +49,16 @@ pub(super) struct Convergence {
 
 /// Strength of a link's source: radiosity, or radiant intensity towards the receiver.
 #[inline]
-fn strength(oracle: &RefinementOracle, sent: &NodeRadiosity, link: &Link) -> DVec3 {
+fn strength(oracle: &RefinementOracle, radiosity: &NodeRadiosity, link: &Link) -> DVec3 {
     if link.source >= POINT {
         return oracle.lights[(link.source - POINT) as usize].intensity;
     }
     let source = &oracle.elements.nodes[link.source as usize];
     if source.is_cluster() {
         let d = oracle.elements.nodes[link.receiver as usize].centre - source.centre;
-        intensity(source, sent, d.normalize_or_zero())
+        intensity(source, radiosity, d.normalize_or_zero())
     } else {
-        link.quarter_weights.mean(source, &sent.b, sent.b[link.source as usize])
+        link.quarter_weights.mean(source, &radiosity.b, radiosity.b[link.source as usize])
     }
 }
 
@@ -68,7 +68,7 @@ pub(super) fn gathered(hierarchy: &LinkHierarchy, node: u32) -> DVec3 {
     let oracle = &hierarchy.oracle;
     let one = |link: &Link| match link.kind {
         LinkKind::Negligible => DVec3::ZERO,
-        _ => f64::from(link.factor) * f64::from(link.visible) * strength(oracle, &oracle.sent, link),
+        _ => f64::from(link.factor) * f64::from(link.visible) * strength(oracle, &oracle.radiosity, link),
     };
     hierarchy.links_of(node).iter().map(one).sum()
 }
@@ -108,7 +108,7 @@ fn gathered_by_cluster(hierarchy: &LinkHierarchy, node: u32) -> DirectionalPolyn
             point @ POINT.. => oracle.lights[(point - POINT) as usize].position,
             source => oracle.elements.nodes[source as usize].centre,
         };
-        let weight = f64::from(link.factor) * f64::from(link.visible) * strength(oracle, &oracle.sent, link);
+        let weight = f64::from(link.factor) * f64::from(link.visible) * strength(oracle, &oracle.radiosity, link);
         let d = (from - centre).normalize_or_zero();
         if link.kind == LinkKind::Facing { moments.add_linear(d, weight) } else { moments.add_lobe(d, weight) }
     }
@@ -186,12 +186,12 @@ fn leaf_irradiances_with(
 pub(super) fn jacobi_iteration(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<f64> {
     let found = leaf_irradiances(shared, parallel)?;
     let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
-    let RefinementOracle { elements, sent, .. } = &mut hierarchy.oracle;
+    let RefinementOracle { elements, radiosity, .. } = &mut hierarchy.oracle;
     let mut changes = [0.0; 2];
     for (leaf, irradiance) in found {
-        set_leaf_radiosity(elements, sent, leaf, irradiance, &mut changes);
+        set_leaf_radiosity(elements, radiosity, leaf, irradiance, &mut changes);
     }
-    sent.pull(elements);
+    radiosity.pull(elements);
     Ok(relative_change(changes))
 }
 
@@ -202,7 +202,7 @@ fn relative_change([changed, sum]: [f64; 2]) -> f64 {
 /// Sets a leaf's radiosity from its irradiance, and adds up the change and the total.
 fn set_leaf_radiosity(
     elements: &Elements,
-    sent: &mut NodeRadiosity,
+    radiosity: &mut NodeRadiosity,
     leaf: u32,
     irradiance: DVec3,
     changes: &mut [f64; 2],
@@ -210,7 +210,7 @@ fn set_leaf_radiosity(
     let node = &elements.nodes[leaf as usize];
     let patch = &elements.patches[node.patch as usize];
     let b = patch.emitted + patch.albedo * irradiance;
-    let old = std::mem::replace(&mut sent.b[leaf as usize], b);
+    let old = std::mem::replace(&mut radiosity.b[leaf as usize], b);
     changes[0] += node.area * (b - old).abs().element_sum();
     changes[1] += node.area * b.element_sum();
 }
@@ -227,14 +227,14 @@ pub(super) fn gauss_seidel_iteration(shared: &SharedHierarchy, parallel: &mut im
             parallel.check()?;
         }
         push_patch(&hierarchy, patch, &received, &mut |leaf, irradiance| found.push((leaf, irradiance)));
-        let RefinementOracle { elements, sent, .. } = &mut hierarchy.oracle;
+        let RefinementOracle { elements, radiosity, .. } = &mut hierarchy.oracle;
         for (leaf, irradiance) in found.drain(..) {
-            set_leaf_radiosity(elements, sent, leaf, irradiance, &mut changes);
+            set_leaf_radiosity(elements, radiosity, leaf, irradiance, &mut changes);
         }
-        pull_patch(elements, sent, elements.patches[patch as usize].node);
+        pull_patch(elements, radiosity, elements.patches[patch as usize].node);
     }
-    let RefinementOracle { elements, sent, .. } = &mut hierarchy.oracle;
-    sent.pull(elements);
+    let RefinementOracle { elements, radiosity, .. } = &mut hierarchy.oracle;
+    radiosity.pull(elements);
     Ok(relative_change(changes))
 }
 
@@ -301,7 +301,7 @@ fn irradiance_of_leaf(
     sums.iter().zip(weights).map(|(sum, weight)| weight * sum).sum::<DVec3>() + from_clusters
 }
 
-fn pull_patch(elements: &Elements, sent: &mut NodeRadiosity, number: u32) {
+fn pull_patch(elements: &Elements, radiosity: &mut NodeRadiosity, number: u32) {
     let node = &elements.nodes[number as usize];
     if node.is_leaf() {
         return;
@@ -309,11 +309,11 @@ fn pull_patch(elements: &Elements, sent: &mut NodeRadiosity, number: u32) {
     let mut sum = DVec3::ZERO;
     let mut area = 0.0;
     for child in node.range() {
-        pull_patch(elements, sent, child as u32);
-        sum += elements.nodes[child].area * sent.b[child];
+        pull_patch(elements, radiosity, child as u32);
+        sum += elements.nodes[child].area * radiosity.b[child];
         area += elements.nodes[child].area;
     }
-    sent.b[number as usize] = sum / area;
+    radiosity.b[number as usize] = sum / area;
 }
 
 /// Largest albedo of any patch.
@@ -434,7 +434,7 @@ mod tests {
             let check = |shared: &SharedHierarchy, how: &str, tolerance: f64| {
                 let hierarchy = shared.read().unwrap();
                 for (face, expected) in [0, 1, 2, 3, 4, 5].into_iter().zip([0, 1, 2, 2, 2, 2].map(|i| expected[i])) {
-                    let b = hierarchy.oracle.sent.b[face].x;
+                    let b = hierarchy.oracle.radiosity.b[face].x;
                     assert!((b - expected).abs() < tolerance, "{how}, albedo {albedo}, face {face}: {b} {expected}");
                 }
             };
@@ -459,7 +459,7 @@ mod tests {
     fn bounds_hold() {
         let exact = cube(0.8);
         gather(&exact, None, 0, 1e-12, &mut Alone::default()).unwrap();
-        let sum = |shared: &SharedHierarchy| shared.read().unwrap().oracle.sent.b.iter().map(|b| b.x).sum::<f64>();
+        let sum = |shared: &SharedHierarchy| shared.read().unwrap().oracle.radiosity.b.iter().map(|b| b.x).sum::<f64>();
         for iterations in [1, 2, 5, 20] {
             let shared = cube(0.8);
             let convergence = gather(&shared, Some(iterations), 0, 0.5, &mut Alone::default()).unwrap();

@@ -231,12 +231,12 @@ fn gather_at(
     if source.is_cluster() {
         for (k, p) in places.iter().enumerate() {
             let way = source.centre - *p;
-            let intensity = intensity(source, &oracle.sent, -way.normalize_or_zero());
+            let intensity = intensity(source, &oracle.radiosity, -way.normalize_or_zero());
             add(k, point_factor(way, leaf.normal), intensity);
         }
         return;
     }
-    if oracle.sent.largest[link.source as usize] == 0.0 {
+    if oracle.radiosity.largest[link.source as usize] == 0.0 {
         return;
     }
     for (k, &p) in places.iter().enumerate() {
@@ -253,8 +253,8 @@ fn from_element(oracle: &RefinementOracle, p: DVec3, n: DVec3, number: u32) -> (
     let source = &oracle.elements.nodes[number as usize];
     let way = source.centre - p;
     let distance2 = way.length_squared();
-    let b = oracle.sent.b[number as usize];
-    let is_uneven = f64::from(oracle.sent.spread[number as usize]) > UNEVEN * b.max_element();
+    let b = oracle.radiosity.b[number as usize];
+    let is_uneven = f64::from(oracle.radiosity.spread[number as usize]) > UNEVEN * b.max_element();
     if is_uneven && distance2 < (NEAR * source.radius).powi(2) {
         let parts = source.range().map(|part| from_element(oracle, p, n, part as u32));
         return parts.fold((0.0, DVec3::ZERO), |sum, part| (sum.0 + part.0, sum.1 + part.1));
@@ -286,9 +286,9 @@ fn radiosity_seen_from(
         cosines / way.length_squared().powi(2)
     });
     let total = kernel[0] + kernel[1] + kernel[2];
-    let b = oracle.sent.b[source as usize];
+    let b = oracle.radiosity.b[source as usize];
     if total > 0.0 {
-        let [first, second] = oracle.sent.tilt[source as usize].map(|tilt| tilt.to_f64());
+        let [first, second] = oracle.radiosity.tilt[source as usize].map(|tilt| tilt.to_f64());
         let more = first * (kernel[0] - kernel[2]) + second * (kernel[1] - kernel[2]);
         (b + 3.0 / total * more).max(DVec3::ZERO)
     } else {

@@ -140,7 +140,7 @@ impl RefinementOracle {
     fn radiosity_at(&self, leaf: u32, [s, t]: [f64; 2]) -> f64 {
         let node = self.node(leaf);
         if self.at_vertices.is_empty() {
-            return self.sent.b[leaf as usize].element_sum();
+            return self.radiosity.b[leaf as usize].element_sum();
         }
         let patch = &self.elements.patches[node.patch as usize];
         let [a, b, c] = node.corners.map(|vertex| self.at_vertices[vertex as usize].to_f64());
