@@ -207,8 +207,8 @@ impl Vertices {
     pub fn radiosity(&self, irradiance: &[[f32; 3]], front: bool) -> Vec<[f32; 3]> {
         let of = |(vertex, irradiance): (&LitVertex, &[f32; 3])| {
             let (reflectance, emitted) = self.reflections.get(&vertex.surface).copied().unwrap_or_default();
-            let emitted = if front { emitted } else { Vec3::ZERO };
-            (reflectance * Vec3::from(*irradiance) + emitted).to_array()
+            let emitted = if front { emitted } else { Rgb::ZERO };
+            (reflectance * Rgb::from(*irradiance) + emitted).to_array()
         };
         self.vertices.iter().zip(irradiance).map(of).collect()
     }
