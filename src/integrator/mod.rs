@@ -19,7 +19,7 @@ pub use path::Path;
 pub use wave::{Sample, Wave};
 pub use whitted::Whitted;
 
-use crate::film::Gathering;
+use crate::film::PixelPhotonState;
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
@@ -123,7 +123,7 @@ pub trait Integrator: Sync {
         sampler: &mut S,
         tracer: &mut T,
         first: &mut impl FnMut(FirstHit),
-        _gathering: Option<&mut Gathering>,
+        _gathering: Option<&mut PixelPhotonState>,
     ) -> Rgb {
         self.radiance(scene, ray, sampler, tracer, first)
     }

@@ -10,7 +10,7 @@ use super::{Method, Render};
 use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{RenderDesc, SamplerDesc};
-use crate::film::{Film, Gathering, REPLICATES, TILE};
+use crate::film::{Film, PixelPhotonState, REPLICATES, TILE};
 use crate::integrator::{Direct, Integrator, Irradiance, Path, Sample, Tracer, Wave, Whitted};
 use crate::math::Ray;
 use crate::sampling::{Filter, Pattern, PatternSampler, Sampler, SobolSampler};
@@ -146,7 +146,7 @@ struct Job {
     offset: [f32; 2],
     weight: f32,
     /// What the pixel remembers: a copy, as the sample may be stopped in the middle. Such samples are taken one at a time.
-    gathering: Option<Gathering>,
+    gathering: Option<PixelPhotonState>,
 }
 
 /// What a worker takes at once.

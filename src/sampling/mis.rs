@@ -6,7 +6,7 @@
 //!
 //! Source: Veach 1997, *Robust Monte Carlo Methods for Light Transport Simulation*, Sec. 9.2.
 
-/// The other density over this one, with the doubtful quotients settled; `None` where this one is 0.
+/// The other density over this one, with a defined value for indeterminate quotients; `None` where this one is 0.
 #[inline]
 fn ratio(pdf: f32, other_pdf: f32) -> Option<f32> {
     if pdf > 0.0 {

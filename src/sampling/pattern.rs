@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 use super::Sampler;
 use super::rng::{Rng, hash};
 
-/// How positions lie in a pixel.
+/// Distribution of positions in a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pattern {
     /// Independent and uniform.

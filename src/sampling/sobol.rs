@@ -31,9 +31,9 @@ use super::rng::{hash, stream, unit_f32};
 pub struct SobolSampler {
     table: &'static Table,
     seed: u64,
-    /// How many consecutive samples belong to one replicate.
+    /// Number of consecutive samples that belong to one replicate.
     share: u32,
-    /// How many replicates take turns: 2^`turns`.
+    /// Binary logarithm of the number of replicates that take turns.
     turns: u32,
     /// Index of the point, before and after it is put in random order; bits reversed.
     index_rev: u32,
@@ -47,10 +47,10 @@ pub struct SobolSampler {
 impl SobolSampler {
     /// A sampler of the family `seed`.
     ///
-    /// `share`: how many consecutive samples of a pixel are of one point set, or replicate (0 counts as 1): sample s is
-    /// point s mod `share` of replicate s / `share`. `u32::MAX` makes one replicate of all samples. Replicates are
-    /// independent and unbiased, so their scatter tells the error of their mean; the more samples they have, the smaller
-    /// that error. Powers of two are best: only they are complete nets.
+    /// `share`: number of consecutive samples of a pixel that belong to one point set, or replicate (0 counts as 1):
+    /// sample s is point s mod `share` of replicate s / `share`. `u32::MAX` makes one replicate of all samples.
+    /// Replicates are independent and unbiased, so their scatter gives the error of their mean. The more samples a
+    /// replicate has, the smaller that error is. Powers of two are best, because only they are complete nets.
     pub fn new(seed: u64, share: u32) -> Self {
         let table = &*TABLE;
         Self {
@@ -67,8 +67,9 @@ impl SobolSampler {
         }
     }
 
-    /// The same with so many replicates that take turns, instead of ever new ones: after the last, the first goes on where it
-    /// was. So each grows for as long as samples are taken. `replicates` is rounded up to a power of two, 2^31 at most.
+    /// The same with a fixed number of replicates that take turns, instead of a new one each time: after the last, the
+    /// first continues with its next points. Each replicate therefore grows as long as samples are taken. `replicates`
+    /// is rounded up to a power of two, 2^31 at most.
     #[must_use]
     pub fn in_turn(self, replicates: u32) -> Self {
         Self { turns: replicates.clamp(1, 1 << 31).next_power_of_two().trailing_zeros(), ..self }
@@ -77,12 +78,12 @@ impl SobolSampler {
     #[inline]
     fn point(&self, set: u32) -> [f32; 4] {
         let (lap, set) = (set / NUM_DIMENSION_SETS_4D, set % NUM_DIMENSION_SETS_4D);
-        if lap == 0 { self.scrambled(set, self.shuffled_rev, self.key) } else { self.later_lap(lap, set) }
+        if lap == 0 { self.scrambled(set, self.shuffled_rev, self.key) } else { self.beyond_last_set(lap, set) }
     }
 
     /// Dimensions beyond the last: the same sets again, in a new order.
     #[cold]
-    fn later_lap(&self, lap: u32, set: u32) -> [f32; 4] {
+    fn beyond_last_set(&self, lap: u32, set: u32) -> [f32; 4] {
         let key = hash(self.key, u64::from(lap));
         self.scrambled(set, shuffle(self.index_rev, key), key)
     }

@@ -21,9 +21,9 @@ pub(crate) fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
 
 /// A triangle seen from a point, to be sampled uniformly by solid angle.
 ///
-/// Arvo's construction: a first number cuts off a subtriangle of that share of the solid angle, a second one picks a point
-/// on the cut. The cut is found from tangents of half sides, of which no difference of angles is taken, so that it works
-/// from triangles of 1e-12 sr up to almost a hemisphere.
+/// Arvo's construction: a first number cuts off a subtriangle with that fraction of the solid angle, and a second one
+/// picks a point on the cut. The cut follows from tangents of half sides, without any difference of angles, so that the
+/// construction works from triangles of 1e-12 sr up to almost a hemisphere.
 ///
 /// Source: Arvo 1995, "Stratified Sampling of Spherical Triangles"; half-angle form of the area: Todhunter 1886,
 /// *Spherical Trigonometry*, Ch. VIII.
@@ -43,7 +43,7 @@ pub struct SphericalTriangle {
     solid_angle: f64,
 }
 
-/// Below this, sampling by area is as good and safer.
+/// Below this solid angle, sampling by area is as good and numerically safer.
 const SMALLEST_SOLID_ANGLE: f64 = 1e-12;
 
 /// Just below a hemisphere, which a triangle fills for a point inside it.
@@ -59,7 +59,7 @@ impl SphericalTriangle {
         Self::around_origin(v.map(Vec3::as_dvec3))
     }
 
-    /// As [`SphericalTriangle::new`], of vertices in the frame that `p` is given in. The differences are exact: rounded to
+    /// As [`SphericalTriangle::new`], for vertices in the same frame as `p`. The differences are exact: rounded to
     /// single precision, those to the far vertices of a large triangle would move it against a point close to it.
     pub fn seen_from(p: Vec3, vertices: [Vec3; 3]) -> Option<Self> {
         let p = p.as_dvec3();
@@ -116,7 +116,7 @@ impl SphericalTriangle {
     pub fn sample_barycentric(&self, u: [f32; 2]) -> (Vec3, [f32; 3]) {
         let w = self.direction(u);
         let [v0, v1, v2] = self.v;
-        // Shares of the volume that w spans with each side; the common sign is that of the triangle's winding.
+        // Fractions of the volume that w spans with each side; the common sign is that of the triangle's winding.
         let side = |p: DVec3, q: DVec3| w.dot(p.cross(q - p));
         let sign = 1.0_f64.copysign(v0.dot((v1 - v0).cross(v2 - v0)));
         let volumes = [side(v1, v2), side(v2, v0), side(v0, v1)].map(|x| (sign * x).max(0.0));

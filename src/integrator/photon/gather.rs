@@ -23,7 +23,7 @@ use super::cut_disk::CutDisk;
 use super::estimate::{Estimate, MapQuery, direct, radiance};
 use super::{Nearest, PhotonMap};
 use crate::emitter::Receiver;
-use crate::film::{Gathering, ShrinkingRadius};
+use crate::film::{PixelPhotonState, ShrinkingRadius};
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
@@ -178,7 +178,7 @@ impl Integrator for Gather {
         sampler: &mut S,
         tracer: &mut T,
         first: &mut impl FnMut(FirstHit),
-        gathering: Option<&mut Gathering>,
+        gathering: Option<&mut PixelPhotonState>,
     ) -> Rgb {
         let start = EyePath::new(ray);
         let mut feedback = PixelFeedback { gathering, bias: Rgb::ZERO };
@@ -192,7 +192,7 @@ impl Integrator for Gather {
 
 /// What estimates tell the pixel.
 struct PixelFeedback<'g> {
-    gathering: Option<&'g mut Gathering>,
+    gathering: Option<&'g mut PixelPhotonState>,
     bias: Rgb,
 }
 
@@ -489,12 +489,12 @@ impl Gather {
         path: &EyePath,
         is_first: bool,
         feedback: &mut PixelFeedback,
-        radius: impl Fn(&mut Gathering) -> &mut ShrinkingRadius,
+        radius: impl Fn(&mut PixelPhotonState) -> &mut ShrinkingRadius,
     ) {
         let Some(gathering) = feedback.gathering.as_deref_mut() else { return };
         feedback.bias += path.throughput * estimate.bias();
         if is_first && self.shrinking != Shrinking::Together {
-            radius(gathering).note(estimate.count);
+            radius(gathering).add_estimate(estimate.count);
         }
     }
 }
