@@ -39,7 +39,7 @@ pub struct Buffer<T> {
     items: PhantomData<T>,
 }
 
-// SAFETY: the memory is never written to while a `Buffer` exists (a vector that nobody else has, or the promise of
+// SAFETY: the memory is never written to while a `Buffer` exists (a vector without other owners, or the guarantee of
 // `Buffer::foreign`), and its owner is `Send` and `Sync`.
 unsafe impl<T: Element> Send for Buffer<T> {}
 // SAFETY: as for `Send`.
@@ -97,8 +97,8 @@ impl<T: Element> Buffer<T> {
     #[inline]
     pub fn get(&self, index: usize) -> T {
         assert!(index < self.len, "item {index} of {}", self.len);
-        // SAFETY: the item lies inside the memory, by the check above and the promise behind `start`, `len` and `stride`;
-        // it is aligned because the start and the stride are.
+        // SAFETY: the item lies inside the memory, by the check above and the promise behind `start`, `len` and
+        // `stride`; it is aligned because the start and the stride are.
         unsafe { self.start.add(index * self.stride).cast::<T>().read() }
     }
 

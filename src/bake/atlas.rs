@@ -78,7 +78,8 @@ impl Default for AtlasOptions {
 pub struct AtlasVertex {
     /// World frame.
     pub position: DVec3,
-    /// Unit normal: the shading normal of a smooth surface, else the mean normal of the chart's triangles at the vertex.
+    /// Unit normal: the shading normal of a smooth surface, else the mean normal of the chart's triangles at the
+    /// vertex.
     pub normal: Vec3,
     /// Position in the light map, in [0, 1]^2: (0, 0) is the outer corner of the first texel of row 0, (1, 1) that of
     /// the last texel of the last row.

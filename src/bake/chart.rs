@@ -199,7 +199,8 @@ pub(super) fn bounds(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
     })
 }
 
-/// The convex hull, counter-clockwise. Source: Andrew 1979, "Another Efficient Algorithm for Convex Hulls in Two Dimensions".
+/// The convex hull, counter-clockwise. Source: Andrew 1979, "Another Efficient Algorithm for Convex Hulls in Two
+/// Dimensions".
 fn hull(mut points: Vec<[f64; 2]>, watch: &Watch) -> Result<Vec<[f64; 2]>> {
     watch.sort(&mut points, &|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])))?;
     points.dedup();

@@ -1,12 +1,13 @@
 //! Light maps: irradiance of all surfaces of a scene, for programs that draw them themselves.
 //!
-//! An [`Atlas`] gives every point of every surface a place of its own in a square of texels; [`Vertices`] take the vertices
-//! instead. A [`Bake`] finds the irradiance [W m^-2] of each by path tracing, so that scenes with mirrors and glass can be baked as
-//! well, with the errors, budgets and threads of any other render; [`by_radiosity`] takes it from a radiosity solution instead. A Lambert surface of albedo a is seen with the radiance
-//! a / pi times that, and what it emits.
+//! An [`Atlas`] gives every point of every surface a distinct place in a square of texels; [`Vertices`] use the vertices
+//! instead. A [`Bake`] computes the irradiance [W m^-2] of each texel or vertex by path tracing, with the errors, budgets
+//! and threads of any other render, so that scenes with mirrors and glass can be baked as well. [`by_radiosity`] takes
+//! the irradiance from a radiosity solution instead. The radiance of a Lambertian surface of albedo a is a / pi times
+//! the irradiance, plus the emitted radiance.
 //!
-//! A poor choice for what is looked at once: an image costs less. And for surfaces that are not diffuse, of which irradiance
-//! tells little.
+//! Baking is a poor choice for a scene that is viewed only once, because an image costs less. It is also a poor choice
+//! for surfaces that are not diffuse, since their radiance does not follow from irradiance.
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -30,8 +31,9 @@
 //! # Ok::<(), etendue::Error>(())
 //! ```
 //!
-//! Sources: Lévy, Petitjean, Ray, Maillot 2002, "Least Squares Conformal Maps for Automatic Texture Atlas Generation" (the
-//! frame of it: charts, then packing; charts are planar projections here); Jylänki 2010, "A Thousand Ways to Pack the Bin".
+//! Sources: Lévy, Petitjean, Ray, Maillot 2002, "Least Squares Conformal Maps for Automatic Texture Atlas Generation"
+//! (the frame of it: charts, then packing; charts are planar projections here); Jylänki 2010, "A Thousand Ways to Pack
+//! the Bin".
 
 mod atlas;
 mod chart;

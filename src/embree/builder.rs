@@ -132,10 +132,10 @@ impl SceneBuilder {
         let (vertex_stride, index_stride) = (mesh.vertices().stride(), mesh.indices().stride());
         let (vertex_count, index_count) = (mesh.vertices().len(), mesh.indices().len());
         let fill = |geometry| {
-            // SAFETY: both buffers hold as many items as said, of the format and at the distance said; they are immutable
-            // and stay where they are for as long as their owners, behind an `Arc` each that `data` holds until after
-            // the scene is released. Indices are below the vertex count (`TriangleMesh`), and 16 bytes can be read from
-            // the last vertex (`VertexBuffer`).
+            // SAFETY: both buffers hold as many items as said, of the format and at the distance said; they are
+            // immutable and stay where they are for as long as their owners, behind an `Arc` each that `data` holds
+            // until after the scene is released. Indices are below the vertex count (`TriangleMesh`), and 16 bytes can
+            // be read from the last vertex (`VertexBuffer`).
             unsafe {
                 sys::rtcSetSharedGeometryBuffer(
                     geometry,
@@ -206,13 +206,13 @@ impl SceneBuilder {
     /// [`ErrorKind::InvalidScene`] for no primitive or a box that is not finite and ordered; [`ErrorKind::Device`] or
     /// [`ErrorKind::OutOfMemory`].
     pub fn add_user<G: UserGeometry>(&mut self, geometry: Arc<G>) -> Result<GeometryId> {
-        let state = Arc::new(UserGeometryData::new(geometry, &self.cancel)?);
-        let pointer = user::user_pointer(&state);
-        let data: Arc<dyn user::ErasedUserData> = state;
+        let data = Arc::new(UserGeometryData::new(geometry, &self.cancel)?);
+        let pointer = user::user_pointer(&data);
+        let data: Arc<dyn user::ErasedUserData> = data;
         let count = data.len();
         let fill = |geometry| {
-            // SAFETY: `pointer` is the `UserGeometryData<G>` that `data` holds until after the scene is released, and the
-            // three functions are those for the same `G`. `count` fits in 32 bits (`UserGeometryData::new`).
+            // SAFETY: `pointer` is the `UserGeometryData<G>` that `data` holds until after the scene is released, and
+            // the three functions are those for the same `G`. `count` fits in 32 bits (`UserGeometryData::new`).
             unsafe {
                 sys::rtcSetGeometryUserPrimitiveCount(geometry, count as u32);
                 sys::rtcSetGeometryUserData(geometry, pointer);

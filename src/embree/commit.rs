@@ -29,7 +29,8 @@ type ProgressCallback<'a> = &'a (dyn Fn(f64) -> bool + Sync);
 
 /// Builds the hierarchy of a scene that is complete.
 pub(super) fn commit(inner: SceneInner, cancel: &Cancel, progress: Option<ProgressCallback>) -> Result<Scene> {
-    // SAFETY: only the lifetime changes; `BuildMonitor::close` below takes the reference away before this function is left.
+    // SAFETY: only the lifetime changes; `BuildMonitor::close` below takes the reference away before this function is
+    // left.
     let callback = progress
         .map(|callback| unsafe { std::mem::transmute::<ProgressCallback, ProgressCallback<'static>>(callback) });
     let monitor = Arc::new(BuildMonitor {
@@ -99,8 +100,8 @@ fn build(mut inner: SceneInner, monitor: &Arc<BuildMonitor>) -> Result<Scene> {
     device.guarded(&monitor.cancel, || {
         let before = device.memory_bytes();
         // SAFETY: the scene is alive and no other thread has it. `monitor` lives to the end of this function, and the
-        // callback is removed before that. Joining is what makes Embree build within the device's own number of threads.
-        // Nobody else ever joins: two who do and a build that fails would both release its exception.
+        // callback is removed before that. Joining is what makes Embree build within the device's own number of
+        // threads. No other thread ever joins: if two threads joined and the build failed, both would release its exception.
         unsafe {
             let data = Arc::as_ptr(monitor).cast_mut().cast();
             sys::rtcSetSceneProgressMonitorFunction(raw, Some(on_progress), data);

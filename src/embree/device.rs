@@ -86,7 +86,7 @@ impl Device {
         // SAFETY: the string ends with a NUL and is read during the call only.
         let raw = unsafe { sys::rtcNewDevice(config.as_ptr().cast()) };
         if raw.is_null() {
-            // SAFETY: a null device asks for the error of this thread's failed device creation.
+            // SAFETY: with a null device, Embree returns the error of this thread's failed device creation.
             let code = unsafe { sys::rtcGetDeviceError(raw) };
             return Err(Error::new(ErrorKind::Device, format!("Embree does not start: {}", describe(code))));
         }

@@ -111,8 +111,8 @@ macro_rules! packets {
                 found.hit.geomID = [INVALID; LANES];
                 found.hit.instID[0] = [INVALID; LANES];
                 let mut arguments = scene.intersect_arguments(sys::RTC_RAY_QUERY_FLAG_INCOHERENT);
-                // SAFETY: the scene is committed and holds no user geometry (its `width` says so); all structures are local,
-                // of the layout that the build script checked, and aligned by their types.
+                // SAFETY: the scene is committed and holds no user geometry (its `width` says so); all structures are
+                // local, of the layout that the build script checked, and aligned by their types.
                 unsafe {
                     sys::$intersect(valid.0.as_ptr(), scene.inner.raw, &raw mut found, &raw mut arguments);
                 }

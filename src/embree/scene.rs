@@ -174,7 +174,8 @@ impl Scene {
         from_embree(&found)
     }
 
-    // Made for each query and not kept in the scene: it is five words, and Embree takes it by a pointer it may write to.
+    // Made for each query and not kept in the scene: it is five words, and Embree takes it by a pointer it may write
+    // to.
     #[inline(always)]
     pub(super) fn intersect_arguments(&self, flags: sys::RTCRayQueryFlags) -> sys::RTCIntersectArguments {
         sys::RTCIntersectArguments {

@@ -120,7 +120,7 @@ impl<G: UserGeometry> UserGeometryData<G> {
     }
 
     /// Runs a test of the geometry; a panic ends here and counts as `missed`.
-    fn contain<R>(&self, missed: R, test: impl FnOnce(&G) -> R) -> R {
+    fn catch_panic<R>(&self, missed: R, test: impl FnOnce(&G) -> R) -> R {
         match catch_unwind(AssertUnwindSafe(|| test(&self.geometry))) {
             Ok(result) => result,
             Err(payload) => {
@@ -144,12 +144,12 @@ pub(super) fn panic_text(payload: &(dyn Any + Send)) -> String {
 /// # Safety
 /// To be called by Embree for a geometry whose user pointer is a live `UserGeometryData<G>`.
 pub(super) unsafe extern "C" fn on_bounds<G: UserGeometry>(args: *const sys::RTCBoundsFunctionArguments) {
-    // SAFETY: Embree passes a valid structure; the user pointer was set in `SceneBuilder::add_user` to a `UserGeometryData<G>`
-    // of this very `G`, kept alive by the scene; `bounds_o` is Embree's to be written.
+    // SAFETY: Embree passes a valid structure; the user pointer was set in `SceneBuilder::add_user` to a
+    // `UserGeometryData<G>` of this very `G`, kept alive by the scene; `bounds_o` is Embree's to be written.
     unsafe {
         let args = &*args;
-        let state = &*args.geometryUserPtr.cast_const().cast::<UserGeometryData<G>>();
-        if let Some(bounds) = state.bounds.get(args.primID as usize) {
+        let data = &*args.geometryUserPtr.cast_const().cast::<UserGeometryData<G>>();
+        if let Some(bounds) = data.bounds.get(args.primID as usize) {
             args.bounds_o.write(*bounds);
         }
     }
@@ -215,10 +215,12 @@ pub(super) unsafe extern "C" fn on_intersect<G: UserGeometry>(args: *const sys::
             return;
         }
         *args.valid = 0;
-        let state = &*args.geometryUserPtr.cast_const().cast::<UserGeometryData<G>>();
+        let data = &*args.geometryUserPtr.cast_const().cast::<UserGeometryData<G>>();
         let packet = args.rayhit.cast::<f32>();
         let ray = read_ray(packet);
-        let Some(hit) = state.contain(None, |geometry| geometry.intersect(args.primID as usize, &ray)) else { return };
+        let Some(hit) = data.catch_panic(None, |geometry| geometry.intersect(args.primID as usize, &ray)) else {
+            return;
+        };
         if !(ray.tnear <= hit.t && hit.t <= ray.tfar) {
             return;
         }
@@ -248,10 +250,10 @@ pub(super) unsafe extern "C" fn on_occluded<G: UserGeometry>(args: *const sys::R
             return;
         }
         *args.valid = 0;
-        let state = &*args.geometryUserPtr.cast_const().cast::<UserGeometryData<G>>();
+        let data = &*args.geometryUserPtr.cast_const().cast::<UserGeometryData<G>>();
         let packet = args.ray.cast::<f32>();
         let ray = read_ray(packet);
-        if state.contain(false, |geometry| geometry.occluded(args.primID as usize, &ray)) {
+        if data.catch_panic(false, |geometry| geometry.occluded(args.primID as usize, &ray)) {
             packet.add(field::TFAR).write(f32::NEG_INFINITY);
             *args.valid = -1;
         }
@@ -259,6 +261,6 @@ pub(super) unsafe extern "C" fn on_occluded<G: UserGeometry>(args: *const sys::R
 }
 
 /// The pointer Embree is given for a user geometry.
-pub(super) fn user_pointer<G>(state: &Arc<UserGeometryData<G>>) -> *mut c_void {
-    Arc::as_ptr(state).cast_mut().cast()
+pub(super) fn user_pointer<G>(data: &Arc<UserGeometryData<G>>) -> *mut c_void {
+    Arc::as_ptr(data).cast_mut().cast()
 }

@@ -53,11 +53,11 @@ pub use tone::{ToneMap, to_srgb8};
 
 /// Greatest number of pixels that [`read`] accepts: 2^28, which is 16384 x 16384.
 ///
-/// A header is a promise of a few bytes about memory of gigabytes; this bounds what is believed.
+/// A header of a few bytes can claim gigabytes of pixels; larger claims are refused.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// Most threads that write one image.
-const MOST_THREADS: usize = 64;
+const MAX_THREADS: usize = 64;
 
 /// A kind of image file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -109,7 +109,7 @@ pub struct WriteOptions {
 
 /// Writes `image` to `path` in the format of its extension; an existing file is replaced in one step.
 ///
-/// A PNG never holds what is not a number: NaN becomes black and positive infinity white.
+/// A PNG has no value for non-finite numbers: NaN becomes black and positive infinity white.
 ///
 /// Errors: [`ErrorKind::Unsupported`] for an unknown extension or an empty image, [`ErrorKind::InvalidScene`] for an
 /// exposure out of its domain, [`ErrorKind::Internal`] for an image whose slices do not fit its size, [`ErrorKind::Io`]
@@ -122,7 +122,7 @@ pub fn write(image: &Image, path: &Path, options: &WriteOptions) -> Result<()> {
         0 => thread::available_parallelism().map_or(1, usize::from),
         threads => threads,
     }
-    .min(MOST_THREADS);
+    .min(MAX_THREADS);
     replace::replace(path, "the image", |file| match format {
         Format::Exr => exr::encode(image, options, threads, file),
         Format::Pfm => pfm::encode(image, file),

@@ -7,7 +7,7 @@ use super::{check_size, damaged};
 use crate::film::Image;
 use crate::{Error, ErrorKind, Result};
 
-/// Longest token of a header that is believed: a float in full decimal notation fits.
+/// Longest accepted token of a header: a float in full decimal notation fits.
 const MAX_TOKEN: usize = 64;
 
 /// Colour, little-endian (that is what the sign of the scale says).
@@ -24,7 +24,7 @@ pub(super) fn encode(image: &Image, file: &mut Target) -> Result<()> {
     Ok(())
 }
 
-/// Grey or colour, either byte order. Memory grows with what the file holds, not with what its header promises.
+/// Grey or colour, either byte order. Memory grows with the file's contents, not with the size in its header.
 pub(super) fn decode(mut reader: impl BufRead) -> Result<Image> {
     let channels = match token(&mut reader)?.as_str() {
         "PF" => 3,

@@ -8,11 +8,11 @@ const ITEMS_PER_CHECK: usize = 1 << 14;
 /// A discrete distribution over indices, sampled in constant expected time.
 ///
 /// The cumulative distribution is kept in double precision. A guide table with one entry per index says where in it to
-/// start looking, so that a search takes less than two steps on average. Source: Chen and Asau 1974, "On Generating Random
-/// Variates from an Empirical Distribution".
+/// start looking, so that a search takes less than two steps on average. Source: Chen and Asau 1974, "On Generating
+/// Random Variates from an Empirical Distribution".
 ///
-/// A single-precision number in [0, 1) has 24 bits: indices of probability below 2^-24 are drawn with a granular probability
-/// unless the number is given with more bits.
+/// A single-precision number in [0, 1) has 24 bits: indices of probability below 2^-24 are drawn with a granular
+/// probability unless the number is given with more bits.
 #[derive(Clone, Debug)]
 pub struct Distribution1D {
     /// cdf[i] is the probability of an index below i; one entry more than indices.

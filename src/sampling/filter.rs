@@ -179,10 +179,10 @@ impl Table {
         let u = u.clamp(0.0, 1.0 - f64::EPSILON);
         // The piece that u falls into; the first cdf entry is 0 and the last 1, so both neighbours exist.
         let i = self.cdf.partition_point(|&c| c <= u).clamp(1, self.cdf.len() - 1) - 1;
-        let share = (u - self.cdf[i]) / (self.cdf[i + 1] - self.cdf[i]);
+        let fraction = (u - self.cdf[i]) / (self.cdf[i + 1] - self.cdf[i]);
         let (f0, f1) = (self.f[i].abs(), self.f[i + 1].abs());
         // Solves f0 t + (f1 - f0) t^2 / 2 = share (f0 + f1) / 2 for t in [0, 1], in the form that does not cancel.
-        let mass = share * (f0 + f1);
+        let mass = fraction * (f0 + f1);
         let denominator = f0 + (f0 * f0 + (f1 - f0) * mass).max(0.0).sqrt();
         let t = if denominator > 0.0 { mass / denominator } else { 0.0 };
         let x = self.x[i] + (self.x[i + 1] - self.x[i]) * t.clamp(0.0, 1.0);

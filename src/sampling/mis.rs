@@ -23,8 +23,8 @@ pub fn balance_heuristic(pdf: f32, other_pdf: f32) -> f32 {
     ratio(pdf, other_pdf).map_or(0.0, |r| 1.0 / (1.0 + r))
 }
 
-/// Power heuristic with exponent 2: pdf^2 / (pdf^2 + other_pdf^2), in [0, 1]. Squares the ratio, not the densities, which
-/// would overflow for small lights.
+/// Power heuristic with exponent 2: pdf^2 / (pdf^2 + other_pdf^2), in [0, 1]. Squares the ratio, not the densities,
+/// which would overflow for small lights.
 #[inline]
 pub fn power_heuristic(pdf: f32, other_pdf: f32) -> f32 {
     ratio(pdf, other_pdf).map_or(0.0, |r| 1.0 / (1.0 + r * r))

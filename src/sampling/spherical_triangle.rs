@@ -3,7 +3,8 @@
 use crate::math::{DVec3, Vec3};
 
 /// Solid angle (sr) of a triangle given by its vertices relative to the point it is seen from, in any order; 0 for a
-/// degenerate triangle or one seen edge-on, NaN for vertices that are not numbers. 2 pi for a triangle the point lies in.
+/// degenerate triangle or one seen edge-on, NaN for vertices that are not numbers. 2 pi for a triangle the point lies
+/// in.
 ///
 /// The triple product is formed from differences of vertices, so that small and far triangles keep their digits.
 /// Source: Van Oosterom and Strackee 1983, "The Solid Angle of a Plane Triangle".
@@ -52,9 +53,9 @@ const LARGEST_SOLID_ANGLE: f64 = std::f64::consts::TAU - 1e-9;
 impl SphericalTriangle {
     /// A triangle given by its vertices relative to the point it is seen from, in any order.
     ///
-    /// `None` where sampling by solid angle makes no sense or would lose its digits: degenerate triangles, triangles seen
-    /// edge-on or from within their own plane, and solid angles below 1e-12 sr. Sample those by area; their density
-    /// is then distance^2 / (area cos(theta)).
+    /// `None` where sampling by solid angle makes no sense or would lose its digits: degenerate triangles, triangles
+    /// seen edge-on or from within their own plane, and solid angles below 1e-12 sr. Sample those by area; their
+    /// density is then distance^2 / (area cos(theta)).
     pub fn new(v: [Vec3; 3]) -> Option<Self> {
         Self::around_origin(v.map(Vec3::as_dvec3))
     }
@@ -110,8 +111,8 @@ impl SphericalTriangle {
         self.direction(u).as_vec3a()
     }
 
-    /// As [`SphericalTriangle::sample`], with the barycentric coordinates of the triangle's point in that direction: each
-    /// >= 0, sum 1, for the vertices in order.
+    /// As [`SphericalTriangle::sample`], with the barycentric coordinates of the triangle's point in that direction:
+    /// each >= 0, sum 1, for the vertices in order.
     #[inline]
     pub fn sample_barycentric(&self, u: [f32; 2]) -> (Vec3, [f32; 3]) {
         let w = self.direction(u);
@@ -144,8 +145,8 @@ impl SphericalTriangle {
         self.b * (1.0 - 2.0 * sin2_half) + across * (sin / length)
     }
 
-    /// The point of the unit square that [`SphericalTriangle::sample`] maps to the unit direction `w`, which must lie in
-    /// the triangle; clamped to [0, 1].
+    /// The point of the unit square that [`SphericalTriangle::sample`] maps to the unit direction `w`, which must lie
+    /// in the triangle; clamped to [0, 1].
     pub fn inverse(&self, w: Vec3) -> [f32; 2] {
         let w = w.as_dvec3().normalize();
         // The cut is where the plane through b and w meets the one through a and c, on w's side of b.
@@ -162,7 +163,7 @@ impl SphericalTriangle {
         let p = self.tan_half_ab * sin / (1.0 + cos);
         let area = 2.0 * (p * self.sin_a).atan2(1.0 + p * self.cos_a);
         let cut = self.a * cos + self.tangent * sin;
-        let share = (w - self.b).length_squared() / (cut - self.b).length_squared();
-        [(area / self.solid_angle).clamp(0.0, 1.0) as f32, share.clamp(0.0, 1.0) as f32]
+        let fraction = (w - self.b).length_squared() / (cut - self.b).length_squared();
+        [(area / self.solid_angle).clamp(0.0, 1.0) as f32, fraction.clamp(0.0, 1.0) as f32]
     }
 }

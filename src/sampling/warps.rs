@@ -166,8 +166,8 @@ pub fn uniform_cone_inverse(w: Vec3, one_minus_cos_max: f32) -> [f32; 2] {
     [one_minus_cos(w) / one_minus_cos_max, turn(w)]
 }
 
-/// Barycentric coordinates of a uniform point in a triangle, for its three vertices in order; each >= 0, sum 1. The density
-/// per unit area is one over the triangle's area.
+/// Barycentric coordinates of a uniform point in a triangle, for its three vertices in order; each >= 0, sum 1. The
+/// density per unit area is one over the triangle's area.
 ///
 /// Source: Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
 #[inline]

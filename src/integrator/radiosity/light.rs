@@ -142,8 +142,8 @@ impl NodeRadiosity {
                     quarter if quarter == corner => (2.0 / 3.0, 0.5),
                     _ => (1.0 / 6.0, 0.5),
                 };
-                let share = (nodes[child].area / node.area) as f32;
-                sum += share * (weight * Rgb::from_f64(self.b[child] - mean) + side * self.tilt[child][corner]);
+                let fraction = (nodes[child].area / node.area) as f32;
+                sum += fraction * (weight * Rgb::from_f64(self.b[child] - mean) + side * self.tilt[child][corner]);
             }
             sum
         })

@@ -341,7 +341,8 @@ fn balance_leaves(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Res
         }
         let mut change = solve::gauss_seidel_iteration(shared, parallel)?;
         is_settled = change < SETTLED_CHANGE;
-        // An iteration is far cheaper than a balance, and a balance is better the closer radiosities are to the solution.
+        // An iteration is far cheaper than a balance, and a balance is better the closer radiosities are to the
+        // solution.
         for _ in 1..ITERATIONS_PER_BALANCE {
             if change < SETTLED_CHANGE || !change.is_finite() {
                 break;

@@ -245,8 +245,8 @@ pub(super) fn gauss_seidel_iteration(shared: &SharedHierarchy, parallel: &mut im
 /// therefore scaled to what the leaf would gather if all links of the elements above it were evaluated at the leaf
 /// itself. In a closed room, the rows of the system sum to one in this way.
 ///
-/// `traces_visibility`: each leaf traces its own visibility to sources that are partly visible from elements above it; otherwise it
-/// uses the visibility of those elements.
+/// `traces_visibility`: each leaf traces its own visibility to sources that are partly visible from elements above it;
+/// otherwise it uses the visibility of those elements.
 pub(super) fn balance(shared: &SharedHierarchy, traces_visibility: bool, parallel: &mut impl Parallel) -> Result<()> {
     let received = Arc::new(received(shared, parallel)?);
     let leaves = Arc::new(leaf_irradiances_with(shared, &received, parallel)?);
