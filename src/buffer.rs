@@ -1,7 +1,8 @@
-//! Arrays that are shared, and perhaps not ours: the host's own memory, read in place.
+//! Shared immutable arrays, which may be the host's own memory, read in place.
 //!
-//! A [`Buffer`] is what geometry is kept in. It is made of a vector, or of memory of the program that links this library,
-//! which stays where it is and is read with its own stride. Cloning one shares it. Nothing here writes.
+//! Geometry is stored in [`Buffer`]s. A buffer is made of a vector, or of memory of the program that links this
+//! library; the host's memory is not moved and is read with its own stride. Cloning a buffer shares it. Nothing here
+//! writes to the memory.
 #![allow(unsafe_code)]
 
 use std::any::Any;
@@ -11,7 +12,7 @@ use std::sync::Arc;
 
 use crate::{Error, ErrorKind, Result};
 
-/// What a [`Buffer`] may hold: plain numbers of four or eight bytes, for which every pattern of bits is a value.
+/// Types that a [`Buffer`] may hold: plain numbers of four or eight bytes, for which every bit pattern is a value.
 pub trait Element: Copy + Send + Sync + sealed::Plain + 'static {}
 
 mod sealed {
@@ -33,27 +34,28 @@ pub struct Buffer<T> {
     len: usize,
     stride: usize,
     is_foreign: bool,
-    /// Keeps the memory; dropped with the last clone.
+    /// Keeps the memory alive; dropped with the last clone.
     _owner: Arc<dyn Any + Send + Sync>,
     items: PhantomData<T>,
 }
 
-// SAFETY: the memory is never written to while a `Buffer` exists (a vector that nobody else has, or the promise of
+// SAFETY: the memory is never written to while a `Buffer` exists (a vector without other owners, or the guarantee of
 // `Buffer::foreign`), and its owner is `Send` and `Sync`.
 unsafe impl<T: Element> Send for Buffer<T> {}
 // SAFETY: as for `Send`.
 unsafe impl<T: Element> Sync for Buffer<T> {}
 
 impl<T: Element> Buffer<T> {
-    /// Items in memory of somebody else, `stride` bytes from one to the next; read in place, never written.
+    /// Items in the host's memory, `stride` bytes from one to the next; read in place, never written.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidScene`] for a null pointer, an address or stride that does not suit the items' alignment, a
     /// stride smaller than an item, or a size that no address space holds.
     ///
     /// # Safety
-    /// From now until `owner` is dropped, `len` items must be readable at `start`, and nobody may write to them. Where the
-    /// items are vertices of a mesh, sixteen bytes must be readable from the last one on: the ray kernel reads as many.
+    /// From now until `owner` is dropped, `len` items must be readable at `start`, and nothing may write to them. Where
+    /// the items are vertices of a mesh, sixteen bytes must be readable from the last one on, because the ray kernel
+    /// reads as many.
     pub unsafe fn foreign(
         start: *const T,
         len: usize,
@@ -95,13 +97,13 @@ impl<T: Element> Buffer<T> {
     #[inline]
     pub fn get(&self, index: usize) -> T {
         assert!(index < self.len, "item {index} of {}", self.len);
-        // SAFETY: the item lies inside the memory, by the check above and the promise behind `start`, `len` and `stride`;
-        // it is aligned because the start and the stride are.
+        // SAFETY: the item lies inside the memory, by the check above and the promise behind `start`, `len` and
+        // `stride`; it is aligned because the start and the stride are.
         unsafe { self.start.add(index * self.stride).cast::<T>().read() }
     }
 
-    /// Has the processor fetch the beginning of the item `index` while other things are done; nothing where there is none, or on
-    /// processors for which this is not known how to say.
+    /// Prefetches the beginning of the item `index` into the processor's cache. Does nothing where there is no such
+    /// item, or on processors other than x86-64.
     #[inline]
     pub(crate) fn prefetch(&self, index: usize) {
         #[cfg(target_arch = "x86_64")]
@@ -119,7 +121,7 @@ impl<T: Element> Buffer<T> {
         (0..self.len).map(|index| self.get(index))
     }
 
-    /// Whether the memory belongs to somebody else.
+    /// Whether the memory belongs to the host.
     pub fn is_foreign(&self) -> bool {
         self.is_foreign
     }
@@ -166,9 +168,9 @@ mod tests {
 
     use super::*;
 
-    struct Told(Arc<AtomicUsize>);
+    struct CountDrops(Arc<AtomicUsize>);
 
-    impl Drop for Told {
+    impl Drop for CountDrops {
         fn drop(&mut self) {
             self.0.fetch_add(1, Ordering::Relaxed);
         }
@@ -177,17 +179,17 @@ mod tests {
     #[test]
     fn foreign_items_are_read_in_place_until_the_last_clone_is_gone() {
         let memory: Vec<f32> = (0..40).map(|i| i as f32).collect();
-        let told = Arc::new(AtomicUsize::new(0));
-        let owner = Arc::new(Told(Arc::clone(&told)));
+        let drops = Arc::new(AtomicUsize::new(0));
+        let owner = Arc::new(CountDrops(Arc::clone(&drops)));
         // SAFETY: `memory` outlives the buffer and is not written to.
         let buffer = unsafe { Buffer::<[f32; 3]>::foreign(memory.as_ptr().cast(), 10, 16, owner) }.unwrap();
         assert_eq!((buffer.get(0), buffer.get(9)), ([0.0, 1.0, 2.0], [36.0, 37.0, 38.0]));
         assert_eq!((buffer.as_ptr().cast(), buffer.is_foreign(), buffer.memory_bytes()), (memory.as_ptr(), true, 0));
         let clone = buffer.clone();
         drop(buffer);
-        assert_eq!((told.load(Ordering::Relaxed), clone.iter().len()), (0, 10));
+        assert_eq!((drops.load(Ordering::Relaxed), clone.iter().len()), (0, 10));
         drop(clone);
-        assert_eq!(told.load(Ordering::Relaxed), 1);
+        assert_eq!(drops.load(Ordering::Relaxed), 1);
     }
 
     #[test]

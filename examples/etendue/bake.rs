@@ -23,14 +23,14 @@ use crate::console::{self, Bar};
 use crate::render::place;
 use crate::{Failure, interrupt, render};
 
-/// Bakes and writes; [`interrupt::EXIT_CODE`] after a run that was stopped.
+/// Bakes and writes; returns [`interrupt::EXIT_CODE`] after a run that was stopped.
 pub fn bake(args: &BakeArgs) -> Result<u8, Failure> {
     let files = Files::new(args)?;
     interrupt::install()?;
     let (description, scene) = render::load(&args.scene, args.params.as_deref(), args.threads)?;
     files.spare(&description.files)?;
     if args.method == BakeMethod::Radiosity {
-        // Of the scene's own integrator they were told with the scene.
+        // Warnings about the scene's own integrator were printed with those of the scene.
         let own = description.render.integrator == IntegratorDesc::Radiosity;
         let not_diffuse = scene.info().not_diffuse.iter().filter(|_| !own);
         not_diffuse.chain(&scene.info().not_in_radiosity).for_each(console::warn);
@@ -49,12 +49,12 @@ pub fn bake(args: &BakeArgs) -> Result<u8, Failure> {
         target_error: args.target_error,
         ..RenderSettings::default()
     };
-    let baker = Baker { args, scene: &scene, settings };
-    let (mut map, mut vertices) = (Made::NotAsked, Made::NotAsked);
+    let baker = BakeRun { args, scene: &scene, settings };
+    let (mut map, mut vertices) = (BakeOutcome::NotAsked, BakeOutcome::NotAsked);
     if args.only != Some(BakeTarget::Vertices) {
         map = baker.map(&files)?;
     }
-    // One Ctrl-C stops all.
+    // One Ctrl-C stops all bakes.
     if args.only != Some(BakeTarget::Map) && !map.is_stopped() {
         vertices = baker.vertices(&files)?;
     }
@@ -74,11 +74,11 @@ struct Files {
 }
 
 impl Files {
-    /// Names them, and checks what will be written.
+    /// Chooses the names, and checks the files that will be written.
     fn new(args: &BakeArgs) -> Result<Self, Failure> {
         let stem = args.scene.file_stem().unwrap_or_else(|| "light-map".as_ref());
         let prefix = if args.output.is_dir() { args.output.join(stem) } else { args.output.clone() };
-        // "new/" is a folder that is not there, and "-" would be standard output, which cannot hold four files.
+        // "new/" is a folder that does not exist, and "-" would be standard output, which cannot hold four files.
         let ends_in_folder =
             args.output.as_os_str().as_encoded_bytes().last().is_some_and(|&end| is_separator(end.into()));
         if prefix.file_name().is_none_or(|name| name == "-") || ends_in_folder && !args.output.is_dir() {
@@ -113,7 +113,7 @@ impl Files {
         Ok(files)
     }
 
-    /// Those of what is baked.
+    /// The files of the requested bakes.
     fn wanted(&self) -> Vec<&Path> {
         let mut wanted = vec![self.summary.as_path()];
         if self.only != Some(BakeTarget::Vertices) {
@@ -125,7 +125,7 @@ impl Files {
         wanted
     }
 
-    /// Refuses to write over what is read.
+    /// Refuses to write over a file that is read.
     fn spare(&self, inputs: &[PathBuf]) -> Result<(), Failure> {
         let inputs: HashSet<PathBuf> = inputs.iter().map(|path| place(path)).collect();
         match self.wanted().into_iter().find(|path| inputs.contains(&place(path))) {
@@ -138,19 +138,19 @@ impl Files {
     }
 }
 
-/// What one of the bakes came to.
-enum Made {
+/// Outcome of one of the bakes.
+enum BakeOutcome {
     NotAsked,
     /// Stopped by Ctrl-C before there was anything to write.
     Nothing,
-    /// Written, with what is said of it.
+    /// Written, with its entry in the summary.
     Written {
         json: Value,
         stopped: bool,
     },
 }
 
-impl Made {
+impl BakeOutcome {
     fn json(&self) -> Option<&Value> {
         if let Self::Written { json, .. } = self { Some(json) } else { None }
     }
@@ -160,22 +160,22 @@ impl Made {
     }
 }
 
-/// What was found at sites.
-struct Found {
+/// Irradiance of sites.
+struct BakedSites {
     baked: Baked,
     summary: Summary,
     solution: Option<Arc<Radiosity>>,
 }
 
-struct Baker<'a> {
+struct BakeRun<'a> {
     args: &'a BakeArgs,
     scene: &'a Scene,
     settings: RenderSettings,
 }
 
-impl Baker<'_> {
+impl BakeRun<'_> {
     /// The light map and its coordinates.
-    fn map(&self, files: &Files) -> Result<Made, Failure> {
+    fn map(&self, files: &Files) -> Result<BakeOutcome, Failure> {
         let began = Instant::now();
         let options = AtlasOptions {
             resolution: self.args.resolution,
@@ -198,7 +198,7 @@ impl Baker<'_> {
         let laid_out = began.elapsed();
         atlas.warnings().iter().for_each(console::warn);
         let found = self.run(atlas.sites(), Some(1.0 / atlas.texels_per_unit()), "texels")?;
-        let Some(Found { baked, summary, solution }) = found else { return Ok(nothing("light map")) };
+        let Some(BakedSites { baked, summary, solution }) = found else { return Ok(nothing("light map")) };
         let map = atlas.light_map(&baked);
         let mut attributes = output::summary_attributes(&summary);
         attributes.push(("texelsPerUnit".to_owned(), output::Attribute::Number(atlas.texels_per_unit())));
@@ -232,11 +232,11 @@ impl Baker<'_> {
                 })
             })
             .collect();
-        Ok(Made::Written { json, stopped: summary.stopped })
+        Ok(BakeOutcome::Written { json, stopped: summary.stopped })
     }
 
     /// Irradiance and radiosity at vertices.
-    fn vertices(&self, files: &Files) -> Result<Made, Failure> {
+    fn vertices(&self, files: &Files) -> Result<BakeOutcome, Failure> {
         let options = VertexOptions { spacing: self.args.spacing, memory: self.args.memory };
         let bar = Bar::new(self.args.quiet);
         let vertices = Vertices::watched(self.scene, &options, None, &mut |fraction| {
@@ -245,7 +245,7 @@ impl Baker<'_> {
         })?;
         drop(bar);
         let found = self.run(vertices.sites(), self.args.spacing, "vertices")?;
-        let Some(Found { baked, summary, solution }) = found else { return Ok(nothing("vertices")) };
+        let Some(BakedSites { baked, summary, solution }) = found else { return Ok(nothing("vertices")) };
         let irradiance = vertices.spread(&baked.irradiance);
         let values = VertexValues {
             radiosity: &vertices.radiosity(&irradiance, !self.args.back),
@@ -258,11 +258,11 @@ impl Baker<'_> {
         let mut json = facts(&summary, solution.as_deref());
         json["vertices"] = json!(points);
         json["triangles"] = json!(triangles);
-        Ok(Made::Written { json, stopped: summary.stopped })
+        Ok(BakeOutcome::Written { json, stopped: summary.stopped })
     }
 
-    /// `spacing`: how far apart sites are, about. `None` if it was stopped before there was anything.
-    fn run(&self, sites: &Arc<Sites>, spacing: Option<f64>, what: &str) -> Result<Option<Found>, Failure> {
+    /// Bakes sites at a distance of about `spacing`. `None` if it was stopped before there was any result.
+    fn run(&self, sites: &Arc<Sites>, spacing: Option<f64>, what: &str) -> Result<Option<BakedSites>, Failure> {
         if self.args.method == BakeMethod::Radiosity {
             return self.solve(sites, spacing, what);
         }
@@ -277,12 +277,12 @@ impl Baker<'_> {
                 if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })
             .map_err(Failure::running)?;
-        // Zeros are nothing to put in the place of older files.
+        // Zeros must not replace older files.
         let is_nothing = summary.stopped && summary.rays == 0;
-        Ok((!is_nothing).then(|| Found { baked: bake.irradiance(), summary, solution: None }))
+        Ok((!is_nothing).then(|| BakedSites { baked: bake.irradiance(), summary, solution: None }))
     }
 
-    fn solve(&self, sites: &Arc<Sites>, spacing: Option<f64>, what: &str) -> Result<Option<Found>, Failure> {
+    fn solve(&self, sites: &Arc<Sites>, spacing: Option<f64>, what: &str) -> Result<Option<BakedSites>, Failure> {
         let began = Instant::now();
         interrupt::begin();
         let bar = Bar::new(self.args.quiet);
@@ -301,7 +301,7 @@ impl Baker<'_> {
             made => made.map_err(Failure::running)?,
         };
         let summary = Summary { elapsed: began.elapsed(), notes: solution.notes().to_vec(), ..Summary::default() };
-        Ok(Some(Found { baked, summary, solution: Some(solution) }))
+        Ok(Some(BakedSites { baked, summary, solution: Some(solution) }))
     }
 
     fn report(&self, summary: &Summary, what: &str) {
@@ -325,13 +325,13 @@ impl Baker<'_> {
     }
 }
 
-/// What is said and done of a part that was stopped before there was anything.
-fn nothing(what: &str) -> Made {
+/// The outcome and message of a bake that was stopped before there was any result.
+fn nothing(what: &str) -> BakeOutcome {
     console::warn(format!("stopped before there was anything to write: no {what}"));
-    Made::Nothing
+    BakeOutcome::Nothing
 }
 
-/// What a bake came to; numbers that are not known are null.
+/// Results of a bake; unknown numbers are null.
 fn facts(summary: &Summary, solution: Option<&Radiosity>) -> Value {
     let number = |of: fn(ErrorEstimate) -> f64| summary.rel_mse.map(of);
     let mut facts = json!({
@@ -363,8 +363,8 @@ fn write_summary(
     files: &Files,
     args: &BakeArgs,
     description: &SceneDesc,
-    map: &Made,
-    vertices: &Made,
+    map: &BakeOutcome,
+    vertices: &BakeOutcome,
 ) -> Result<(), Failure> {
     let names: Vec<&str> = description.surfaces.iter().map(|surface| surface.path.as_str()).collect();
     let summary = json!({

@@ -11,7 +11,7 @@ use crate::{Failure, console};
 /// larger images are not given to it.
 const MAX_FLIP_PIXELS: u64 = 1 << 24;
 
-/// All that is measured.
+/// All differences that are measured.
 #[derive(Serialize)]
 struct Report {
     #[serde(flatten)]
@@ -51,7 +51,7 @@ fn mean_flip(a: &Image, b: &Image, exposure: f32) -> Result<f64, Failure> {
     Ok(map.iter().map(|&error| f64::from(error)).sum::<f64>() / map.len() as f64)
 }
 
-/// A table for people.
+/// A table in readable form.
 fn describe(report: &Report) -> String {
     let metrics = &report.metrics;
     let rgb = |[r, g, b]: [f64; 3]| format!("{r:.6} {g:.6} {b:.6}");

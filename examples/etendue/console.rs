@@ -1,4 +1,4 @@
-//! What the user sees on standard output and standard error.
+//! Output for the user on standard output and standard error.
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::Failure;
 
-/// A line on standard error. A closed standard error is nothing to fail for.
+/// Writes a line on standard error. A closed standard error is not a failure.
 pub fn say(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }
@@ -18,7 +18,7 @@ pub fn warn(message: impl Display) {
     say(&format!("warning: {message}"));
 }
 
-/// Text on standard output. A reader that has seen enough (`| head`) is no failure.
+/// Writes text on standard output. A reader that stops reading (`| head`) is not a failure.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
@@ -48,7 +48,7 @@ impl Bar {
         Self(bar)
     }
 
-    /// Shows `fraction` in [0, 1] of the work as done.
+    /// Shows that the fraction `fraction` in [0, 1] of the work is done.
     pub fn show(&self, fraction: f64, message: String) {
         if !self.0.is_hidden() {
             self.0.set_position((fraction.clamp(0.0, 1.0) * Self::STEPS as f64) as u64);
@@ -58,19 +58,19 @@ impl Bar {
 }
 
 impl Drop for Bar {
-    /// Clears the line for whatever is said next.
+    /// Clears the line for the next message.
     fn drop(&mut self) {
         self.0.finish_and_clear();
     }
 }
 
-/// What is left at an even pace, for the progress bar; empty where nothing can be said yet.
+/// Remaining time at a constant pace, for the progress bar; empty where it is not known yet.
 pub fn time_left(fraction: f64, elapsed: Duration) -> String {
     let left = elapsed.as_secs_f64() * (1.0 - fraction) / fraction;
     if fraction > 0.0 && left.is_finite() && left >= 0.0 { format!(", {} left", duration(left)) } else { String::new() }
 }
 
-/// Seconds for people: `0.52 s`, `12.3 s`, `3 min 05 s`, `2 h 07 min`.
+/// Seconds in readable form: `0.52 s`, `12.3 s`, `3 min 05 s`, `2 h 07 min`.
 pub fn duration(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     match seconds {
@@ -87,7 +87,7 @@ pub fn ray_rate(rays: u64, elapsed: Duration) -> String {
     if rate.is_finite() { format!("{rate:.2} Mrays/s") } else { "- Mrays/s".to_owned() }
 }
 
-/// The largest amount of memory this process has held so far [bytes], where the system says so (Linux).
+/// Peak memory of this process so far [bytes], where the system reports it (Linux).
 pub fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -1,4 +1,4 @@
-//! Ctrl-C and its kin (SIGINT, SIGTERM, SIGHUP): the first asks to stop, the second ends the program.
+//! Handling of SIGINT (Ctrl-C), SIGTERM and SIGHUP: the first signal requests a stop, the second ends the program.
 
 use std::process;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,13 +8,13 @@ use crate::Failure;
 /// Exit code of a run that was interrupted: 128 + SIGINT, as shells have it.
 pub const EXIT_CODE: u8 = 130;
 
-/// There is something worth writing, so that the first signal only asks.
+/// Whether there are results to write, so that the first signal only requests a stop.
 static RENDERING: AtomicBool = AtomicBool::new(false);
 
-/// A signal has come while rendering.
+/// Whether a signal has arrived while rendering.
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 
-/// Takes over the signals. Until [`begin`], one of them ends the program at once.
+/// Installs the signal handlers. Until [`begin`], a signal ends the program at once.
 pub fn install() -> Result<(), Failure> {
     ctrlc::set_handler(|| {
         if !RENDERING.load(Ordering::SeqCst) || REQUESTED.swap(true, Ordering::SeqCst) {
@@ -24,12 +24,12 @@ pub fn install() -> Result<(), Failure> {
     .map_err(|error| Failure::running(format!("cannot handle signals: {error}")))
 }
 
-/// From here on the first signal is only noted.
+/// From here on the first signal is only recorded.
 pub fn begin() {
     RENDERING.store(true, Ordering::SeqCst);
 }
 
-/// Whether a signal has asked to stop.
+/// Whether a signal has requested a stop.
 pub fn requested() -> bool {
     REQUESTED.load(Ordering::SeqCst)
 }

@@ -1,8 +1,8 @@
-//! The command line: renders a scene file to image files, says what a scene holds, writes and draws photons, bakes light maps,
-//! compares images, measures time and error.
+//! The command line: renders a scene file to image files, prints properties of a scene, writes and draws photons, bakes
+//! light maps, compares images, measures time and error.
 //!
-//! `cargo run --release --example etendue -- render scenes/cornell.json -o cornell.exr`; docs/cli.md is the manual.
-//! It uses nothing of the library that another host could not use.
+//! `cargo run --release --example etendue -- render scenes/cornell.json -o cornell.exr`; docs/cli.md is the manual. The
+//! program uses only what any other host could use.
 
 mod args;
 mod bake;
@@ -22,7 +22,7 @@ use etendue::{Error, ErrorKind};
 
 use crate::args::{Cli, Command};
 
-/// Why the program ends early: what to say, and the exit code.
+/// Reason for an early end of the program: message and exit code.
 #[derive(Debug)]
 pub struct Failure {
     code: u8,
@@ -30,19 +30,19 @@ pub struct Failure {
 }
 
 impl Failure {
-    /// Work had begun and failed: exit code 1.
+    /// Work began and failed: exit code 1.
     pub fn running(reason: impl Display) -> Self {
         Self { code: 1, message: reason.to_string() }
     }
 
-    /// The command as given cannot be carried out: exit code 2.
+    /// The command cannot be carried out as given: exit code 2.
     pub fn usage(reason: impl Display) -> Self {
         Self { code: 2, message: reason.to_string() }
     }
 }
 
 impl From<Error> for Failure {
-    /// For errors before the work begins: what the caller gave is at fault, unless the machine is.
+    /// For errors before the work begins: the input is at fault, unless the machine is.
     fn from(error: Error) -> Self {
         match error.kind() {
             ErrorKind::Device | ErrorKind::OutOfMemory | ErrorKind::Internal => Self::running(error),

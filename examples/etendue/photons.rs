@@ -16,10 +16,11 @@ use etendue::{Error, ErrorKind, Parallel};
 use crate::args::{Map, PhotonsArgs};
 use crate::{Failure, console, interrupt, render};
 
-/// Light paths where nobody says how many: as many dots as a picture can show.
+/// Default number of light paths: as many dots as a picture can show.
 const PATHS: u32 = 100_000;
 
-/// Shoots photons and writes them; [`interrupt::EXIT_CODE`], and nothing written, after a run that was stopped.
+/// Shoots photons and writes them; returns [`interrupt::EXIT_CODE`], without writing anything, after a run that was
+/// stopped.
 pub fn photons(args: &PhotonsArgs) -> Result<u8, Failure> {
     check_outputs(&args.output)?;
     interrupt::install()?;
@@ -43,7 +44,7 @@ pub fn photons(args: &PhotonsArgs) -> Result<u8, Failure> {
         pass: 0,
         most: (desc.photons.memory as usize).saturating_mul(1 << 20) / size,
     };
-    // Whatever is wrong with the camera is known before the work begins.
+    // Errors of the camera are reported before the work begins.
     let is_drawn = args.output.iter().any(|path| PhotonFormat::from_path(path).is_none());
     if is_drawn {
         etendue::camera::Camera::new(&camera, desc.resolution, scene.centre())?;
@@ -74,7 +75,7 @@ pub fn photons(args: &PhotonsArgs) -> Result<u8, Failure> {
     Ok(0)
 }
 
-/// Whether all files can be written where they are wanted.
+/// Checks that all files can be written.
 fn check_outputs(paths: &[PathBuf]) -> Result<(), Failure> {
     let mut seen = HashSet::new();
     for path in paths {
@@ -97,7 +98,7 @@ fn check_outputs(paths: &[PathBuf]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The scene's camera with what the command line says in its place.
+/// The scene's camera with the changes of the command line.
 fn camera(args: &PhotonsArgs, camera: CameraDesc) -> CameraDesc {
     let mut camera = camera;
     let (CameraDesc::Perspective { eye: origin, look_at, up, fov_deg, .. }
@@ -140,7 +141,7 @@ fn report(shot: &PhotonBatch, job: &PhotonJob, quiet: bool) {
     }
 }
 
-/// So many threads, for one piece of work after the other.
+/// A number of threads that process tasks one after the other.
 struct ScopedThreads(usize);
 
 impl Parallel for ScopedThreads {
@@ -167,7 +168,7 @@ impl Parallel for ScopedThreads {
         };
         thread::scope(|scope| {
             for _ in 1..self.0.min(count) {
-                // Threads that cannot be had leave their work to the others.
+                // Tasks of threads that could not be started are done by the others.
                 let _ = thread::Builder::new().spawn_scoped(scope, work);
             }
             work();

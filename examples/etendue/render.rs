@@ -1,4 +1,4 @@
-//! `render SCENE` and `info SCENE`: all of the program that touches scenes and rendering.
+//! `render SCENE` and `info SCENE`: the commands that load and render scenes.
 
 use std::collections::HashSet;
 use std::ops::ControlFlow;
@@ -17,7 +17,7 @@ use crate::console::{self, Bar};
 use crate::stats::Stats;
 use crate::{Failure, interrupt};
 
-/// Prints what the scene became.
+/// Prints properties of the built scene.
 pub fn info(args: &InfoArgs) -> Result<u8, Failure> {
     let (description, scene) = load(&args.scene, args.params.as_deref(), args.threads)?;
     let asked = description.render.integrator;
@@ -30,9 +30,9 @@ pub fn info(args: &InfoArgs) -> Result<u8, Failure> {
     Ok(0)
 }
 
-/// Renders and writes; [`interrupt::EXIT_CODE`] after a run that was stopped.
+/// Renders and writes; returns [`interrupt::EXIT_CODE`] after a run that was stopped.
 pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
-    // An hour of rendering must not end at a typing error: everything that can be known now is asked now.
+    // An hour of rendering must not end at a typing error: everything that can be checked in advance is checked now.
     let layers = check_outputs(args)?;
     interrupt::install()?;
     let began = Instant::now();
@@ -51,7 +51,7 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
         ..RenderSettings::default()
     };
     let mut render = Render::new(&scene, settings)?;
-    // Of the scene's own integrator they were told with the scene.
+    // Warnings about the scene's own integrator were printed with those of the scene.
     if desc.integrator == IntegratorDesc::Radiosity && description.render.integrator != IntegratorDesc::Radiosity {
         scene.info().not_diffuse.iter().for_each(console::warn);
     }
@@ -80,7 +80,7 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
     if let Some(failure) = failure {
         return Err(failure);
     }
-    // A run stopped before its first ray has nothing to put in the place of an older image.
+    // A run that was stopped before its first ray must not replace an older image.
     if summary.stopped && summary.rays == 0 {
         console::warn("stopped before the first ray: no image is written");
     } else {
@@ -94,7 +94,7 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
     Ok(if summary.stopped && interrupt::requested() { interrupt::EXIT_CODE } else { 0 })
 }
 
-/// Reads and builds, passing on every warning.
+/// Reads and builds the scene, and prints every warning.
 pub fn load(scene: &Path, params: Option<&Path>, threads: usize) -> Result<(SceneDesc, Scene), Failure> {
     let description = desc::load(scene, params)?;
     description.warnings.iter().for_each(console::warn);
@@ -103,8 +103,8 @@ pub fn load(scene: &Path, params: Option<&Path>, threads: usize) -> Result<(Scen
     Ok((description, scene))
 }
 
-/// Whether everything can be written where it is wanted, over nothing that is read or written besides; and whether one of the
-/// images holds layers.
+/// Checks that every output can be written, and that none is an input or another output. Returns whether one of the
+/// images has layers.
 fn check_outputs(args: &RenderArgs) -> Result<bool, Failure> {
     let inputs: Vec<PathBuf> = std::iter::once(&args.scene).chain(&args.params).map(|path| place(path)).collect();
     let mut seen = HashSet::new();
@@ -130,14 +130,14 @@ fn check_outputs(args: &RenderArgs) -> Result<bool, Failure> {
     Ok(layers)
 }
 
-/// The same for all ways to spell it: links followed, the folder without `.` and `..`.
+/// The same path for all spellings of it: links are resolved, and the folder has no `.` and `..`.
 pub fn place(path: &Path) -> PathBuf {
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let in_folder = || Some(parent.canonicalize().ok()?.join(path.file_name()?));
     path.canonicalize().ok().or_else(in_folder).unwrap_or_else(|| path.to_path_buf())
 }
 
-/// Writes every image that was asked for.
+/// Writes all requested images.
 fn write_all(
     args: &RenderArgs,
     image: &Image,
@@ -154,7 +154,7 @@ fn write_all(
     args.output.iter().try_for_each(|path| output::write(image, path, &options)).map_err(Failure::running)
 }
 
-/// How an image came about, for the file that holds it.
+/// Description of the render, for the image file.
 fn comments(scene: &Path, desc: &RenderDesc, samples: u32) -> String {
     let depth = desc.max_depth.map_or("none".to_owned(), |depth| depth.to_string());
     let roulette = if desc.roulette == RouletteDesc::File { "; roulette file" } else { "" };
@@ -170,7 +170,7 @@ fn comments(scene: &Path, desc: &RenderDesc, samples: u32) -> String {
     )
 }
 
-/// The words beside the progress bar.
+/// The text beside the progress bar.
 fn status(progress: &Progress) -> String {
     if interrupt::requested() {
         return "stopping; Ctrl-C again to abort".to_owned();
@@ -184,7 +184,7 @@ fn status(progress: &Progress) -> String {
     )
 }
 
-/// The last words on standard error.
+/// The final message on standard error.
 fn report(summary: &Summary, scene: &SceneDesc, quiet: bool) {
     if quiet {
         return;
@@ -200,7 +200,7 @@ fn report(summary: &Summary, scene: &SceneDesc, quiet: bool) {
         if summary.stopped { "stopped after" } else { "done in" },
         console::duration(summary.elapsed.as_secs_f64()),
         summary.samples,
-        // Where they differ by more than what a pass that was cut short leaves.
+        // The sample counts differ by more than an interrupted pass explains.
         summary
             .sample_counts
             .filter(|_| summary.adaptive)
@@ -219,7 +219,7 @@ fn report(summary: &Summary, scene: &SceneDesc, quiet: bool) {
     console::say(&line);
 }
 
-/// What the scene file calls the surface and the material that a sample met.
+/// The names of the surface and the material that a sample hit, as in the scene file.
 fn names(sample: &NonFiniteSample, scene: &SceneDesc) -> String {
     let Some(hit) = sample.hit else { return String::new() };
     let surface = scene.surfaces.get(hit.surface as usize).map_or("", |surface| &surface.path);

@@ -1,4 +1,4 @@
-//! What a render came to, for programs: `render --stats FILE.json`.
+//! Results of a render in machine-readable form: `render --stats FILE.json`.
 
 use std::path::Path;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::args::RenderArgs;
 use crate::console;
 
-/// The object. Numbers that are not known, or not finite, are null.
+/// The JSON object. Numbers that are unknown or not finite are null.
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Stats {
@@ -45,7 +45,7 @@ struct Settings {
     integrator: &'static str,
     sampler: String,
     filter: String,
-    /// As asked for; null where only time and error end the render.
+    /// The requested number; null where only time and error end the render.
     spp: Option<u32>,
     max_depth: Option<u32>,
     shadow_rays: u32,
@@ -64,7 +64,7 @@ struct Samples {
 
 #[derive(Serialize)]
 struct Seconds {
-    /// Reading and building the scene.
+    /// Time for reading and building the scene.
     build: f64,
     render: f64,
 }
@@ -129,9 +129,9 @@ impl Stats {
         }
     }
 
-    /// Writes it whole or not at all.
+    /// Writes the file in one step.
     pub fn write(&self, path: &Path) -> Result<()> {
-        // No number here fails to serialise: what is not finite becomes null.
+        // No number here fails to serialise: values that are not finite become null.
         let text = serde_json::to_string_pretty(self).unwrap_or_default();
         output::write_text(&(text + "\n"), path)
     }

@@ -1,13 +1,14 @@
-//! Light-map coordinates for all surfaces of a scene: one square of texels in which every point has a place of its own.
+//! Light-map coordinates for all surfaces of a scene: a square of texels in which every point of the surfaces has its
+//! own place.
 
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::chart::{self, Chart};
-use super::own;
-use super::own::doubled_area;
-use super::placement::Placement;
+use super::mesh_uvs;
+use super::mesh_uvs::doubled_area;
+use super::placement::ChartPlacement;
 use super::raster;
 use crate::control::{Cancel, WorkProgress};
 use crate::embree::Charge;
@@ -19,39 +20,41 @@ use crate::scene::{Scene, SurfaceMesh};
 /// Most texels along a side of a light map.
 pub const MAX_SIDE: u32 = 1 << 13;
 
-/// Texels along a side where nobody says how many, nor how dense.
+/// Texels along a side where neither resolution nor density is given.
 pub const DEFAULT_SIDE: u32 = 512;
 
-/// Most texels around a chart that are its own.
+/// Largest gutter: texels around a chart that belong to the chart alone.
 pub const MAX_GUTTER: u32 = 64;
 
-/// Where the layout of a mesh comes from.
+/// The source of a mesh's layout.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Layout {
-    /// The mesh's own texture coordinates where they are fit for it, with a warning where a mesh has some that are not; else
-    /// charts.
+    /// The mesh's own texture coordinates where they are suitable, else charts. Where a mesh has unsuitable
+    /// coordinates, a warning says so.
     #[default]
     Auto,
-    /// Charts, whatever coordinates a mesh has.
+    /// Charts, whether or not a mesh has texture coordinates.
     Charts,
-    /// The mesh's own texture coordinates; an error where they are not fit for it. Surfaces that are no meshes have charts.
+    /// The mesh's own texture coordinates; an error where they are unsuitable. Surfaces that are not meshes have
+    /// charts.
     Own,
 }
 
-/// How a light map is laid out.
+/// Options of a light map's layout.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AtlasOptions {
-    /// Texels along the sides of the square, up to [`MAX_SIDE`]. `None`: as many as `texels_per_unit` needs; where that is
-    /// not given either, [`DEFAULT_SIDE`].
+    /// Texels along the sides of the square, up to [`MAX_SIDE`]. `None`: as many as `texels_per_unit` needs, or
+    /// [`DEFAULT_SIDE`] where that is not given either.
     pub resolution: Option<u32>,
     /// Texels for a unit of length, > 0. `None`: as many as fit.
     pub texels_per_unit: Option<f64>,
-    /// Texels around each chart that are its own, up to [`MAX_GUTTER`]. One is what bilinear lookups need, more are for smaller
-    /// levels of a map.
+    /// Texels around each chart that belong to the chart alone, up to [`MAX_GUTTER`]. Bilinear lookups need one;
+    /// smaller levels of a map need more.
     pub gutter: u32,
-    /// Where layouts come from.
+    /// The source of layouts.
     pub layout: Layout,
-    /// How far the normals of a chart's triangles may be from the first one's, degrees, above 0 and below 90.
+    /// Greatest angle between the normals of a chart's triangles and that of its first triangle, degrees, above 0 and
+    /// below 90.
     pub max_angle_deg: f64,
     /// Most memory that atlas and bake may take together, MiB.
     pub memory: u32,
@@ -75,12 +78,14 @@ impl Default for AtlasOptions {
 pub struct AtlasVertex {
     /// World frame.
     pub position: DVec3,
-    /// Unit normal: the shading normal of a smooth surface, else the mean of the chart's triangles there.
+    /// Unit normal: the shading normal of a smooth surface, else the mean normal of the chart's triangles at the
+    /// vertex.
     pub normal: Vec3,
-    /// Its place in the light map, in [0, 1]^2: (0, 0) is the outer corner of the first texel of row 0, (1, 1) that of the last
-    /// texel of the last row.
+    /// Position in the light map, in [0, 1]^2: (0, 0) is the outer corner of the first texel of row 0, (1, 1) that of
+    /// the last texel of the last row.
     pub uv: [f32; 2],
-    /// Its number in the mesh as it was given; of a triangle or a quad that of the corner; of an analytic shape running.
+    /// Index of the vertex in the mesh as it was given; of a triangle or quad, index of the corner; of an analytic
+    /// shape, a running number.
     pub source: u32,
 }
 
@@ -89,21 +94,21 @@ pub struct AtlasVertex {
 pub struct AtlasSurface {
     /// Index in [`crate::desc::SceneDesc::surfaces`].
     pub surface: u32,
-    /// Its vertices among [`Atlas::vertices`].
+    /// Range of its vertices in [`Atlas::vertices`].
     pub vertices: std::ops::Range<u32>,
-    /// Its triangles among [`Atlas::triangles`].
+    /// Range of its triangles in [`Atlas::triangles`].
     pub triangles: std::ops::Range<u32>,
-    /// Where the mesh's own texture coordinates are the layout: (u, v) times the first two, plus the others, is its place in
-    /// the light map.
+    /// Where the mesh's own texture coordinates are the layout: (u, v) times the first two values, plus the others, is
+    /// the position in the light map.
     pub scale_offset: Option<[f32; 4]>,
 }
 
-/// A chart's place: a rectangle of texels that is its own, gutter included.
+/// The rectangle of texels that belongs to a chart, including its gutter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ChartPlace {
-    /// Column and row of its first texel.
+pub struct ChartRect {
+    /// Column and row of the first texel.
     pub origin: [u32; 2],
-    /// Columns and rows.
+    /// Numbers of columns and rows.
     pub size: [u32; 2],
 }
 
@@ -118,7 +123,7 @@ pub struct Atlas {
     triangles: Vec<[u32; 3]>,
     primitives: Vec<u32>,
     chart_numbers: Vec<u32>,
-    charts: Vec<ChartPlace>,
+    charts: Vec<ChartRect>,
     sites: Arc<Sites>,
     texels: Vec<u32>,
     coverage: Vec<f32>,
@@ -126,41 +131,41 @@ pub struct Atlas {
     _charge: Option<Arc<Charge>>,
 }
 
-/// Bytes that a texel takes while it is baked, beside its pieces: the film's sums, results, and their copies.
+/// Bytes for a texel while it is baked, besides its pieces: sums of the film, results, and their copies.
 const BYTES_PER_SITE: u64 = 320;
 
 /// Bytes for each texel of the square, covered or not.
 const BYTES_PER_TEXEL: u64 = 40;
 
-/// How often charts are packed until their density is found, about.
-const TRIES: usize = 12;
+/// Approximate number of packings until the density of the charts is found.
+const PACKING_ATTEMPTS: usize = 12;
 
-/// What part of all work is done when a stage of it ends, about.
+/// Approximate fraction of all work that is done when each stage ends.
 mod stage {
     pub const MESHES: f64 = 0.05;
     pub const CHARTS: f64 = 0.5;
     pub const PLACEMENT: f64 = 0.6;
     pub const COUNT: f64 = 0.7;
     pub const TRIANGLES: f64 = 0.75;
-    pub const CUTS: f64 = 0.9;
+    pub const FRAGMENTS: f64 = 0.9;
     pub const SITES: f64 = 1.0;
 }
 
 impl Atlas {
     /// Lays out all surfaces of a scene.
     ///
-    /// The same for the same scene and options.
+    /// The same scene and options give the same atlas.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidScene`] for options out of their range, a scene without a surface, charts that do not fit, and texture
-    /// coordinates that are no layout if [`Layout::Own`] asks for them; `OutOfMemory` past `memory` or the device's limit;
-    /// `Cancelled`.
+    /// [`ErrorKind::InvalidScene`] for options out of their range, a scene without a surface, charts that do not fit,
+    /// and unsuitable texture coordinates if [`Layout::Own`] requires them; `OutOfMemory` past `memory` or the device's
+    /// limit; `Cancelled`.
     pub fn new(scene: &Scene, options: &AtlasOptions, cancel: &Cancel) -> Result<Self> {
         Self::make(scene, options, &WorkProgress::new(cancel))
     }
 
-    /// The same, stopped by `look_up`: called on this thread about ten times a second, at the beginning too, with the share of
-    /// the work that is done, which only grows. `Break` stops the work.
+    /// Lays out all surfaces of a scene, with a callback. `look_up` is called on this thread about ten times a second,
+    /// and once at the beginning, with the fraction of the work that is done, which only grows. `Break` stops the work.
     ///
     /// # Errors
     /// As for [`Atlas::new`].
@@ -184,7 +189,7 @@ impl Atlas {
                 format!("{what} takes {} MiB, past the limit of {} (memory)", bytes.div_ceil(1 << 20), options.memory);
             Err(Error::new(ErrorKind::OutOfMemory, message))
         };
-        // Charts and the atlas's own vertices take several times what the meshes do.
+        // Charts and the atlas's own vertices take several times the memory of the meshes.
         bytes = bytes.saturating_mul(5);
         fits(bytes, "a light map of all triangles")?;
         let meshes_charge = scene.device().charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
@@ -197,11 +202,11 @@ impl Atlas {
         let triangles = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
         progress.stage(stage::CHARTS, triangles)?;
         let charts = charts(&meshes, options, &mut warnings, progress)?;
-        progress.stage(stage::PLACEMENT, TRIES.saturating_mul(charts.len()))?;
-        let placement = Placement::find(&charts, options, progress)?;
+        progress.stage(stage::PLACEMENT, PACKING_ATTEMPTS.saturating_mul(charts.len()))?;
+        let placement = ChartPlacement::find(&charts, options, progress)?;
 
         let texels = u64::from(placement.side) * u64::from(placement.side);
-        // What it takes at least is known at once, and what it takes after going over all texels.
+        // The least memory is known at once; the rest is known after a pass over all texels.
         let least = texels.saturating_mul(BYTES_PER_TEXEL);
         let what = format!("a light map of {0} x {0} texels", placement.side);
         fits(bytes.saturating_add(least), &what)?;
@@ -209,7 +214,7 @@ impl Atlas {
         progress.stage(stage::COUNT, triangles)?;
         let (pieces, sites_at_most) = count_pieces(&charts, &placement, progress)?;
         let wanted = pieces
-            .saturating_mul((size_of::<Piece>() + size_of::<Cut>()) as u64)
+            .saturating_mul((size_of::<Piece>() + size_of::<TexelFragment>()) as u64)
             .saturating_add(sites_at_most.saturating_mul(BYTES_PER_SITE))
             .saturating_add(least);
         fits(bytes.saturating_add(wanted), &what)?;
@@ -224,7 +229,7 @@ impl Atlas {
             triangles: Vec::new(),
             primitives: Vec::new(),
             chart_numbers: Vec::new(),
-            charts: placement.places.clone(),
+            charts: placement.rects.clone(),
             sites: Arc::default(),
             texels: Vec::new(),
             coverage: Vec::new(),
@@ -233,10 +238,10 @@ impl Atlas {
         };
         progress.stage(stage::TRIANGLES, triangles)?;
         atlas.add_triangles(&meshes, &charts, &placement, progress)?;
-        progress.stage(stage::CUTS, pieces as usize)?;
-        let cuts = cuts(&meshes, &charts, &placement, pieces as usize, progress)?;
+        progress.stage(stage::FRAGMENTS, pieces as usize)?;
+        let fragments = texel_fragments(&meshes, &charts, &placement, pieces as usize, progress)?;
         progress.stage(stage::SITES, pieces as usize)?;
-        atlas.join(&meshes, cuts, progress)?;
+        atlas.build_sites(&meshes, fragments, progress)?;
         drop(meshes_charge);
         Ok(atlas)
     }
@@ -246,48 +251,49 @@ impl Atlas {
         self.side
     }
 
-    /// Texels for a unit of length, along the plane of a chart; for meshes with their own layout, on the mean.
+    /// Texels for a unit of length, along the plane of a chart; the mean for meshes with their own layout.
     pub fn texels_per_unit(&self) -> f64 {
         self.texels_per_unit
     }
 
-    /// Surfaces in the order of the description; those without an area are missing.
+    /// Surfaces in the order of the description, except those without area.
     pub fn surfaces(&self) -> &[AtlasSurface] {
         &self.surfaces
     }
 
-    /// Vertices, those of a surface together. One that lies on the seam of two charts is there for each.
+    /// Vertices, grouped by surface. A vertex on the seam of two charts occurs once for each.
     pub fn vertices(&self) -> &[AtlasVertex] {
         &self.vertices
     }
 
-    /// Three vertex numbers for each triangle, counter-clockwise seen from outside, those of a surface together and in the order in
-    /// which they were given. Triangles without an area are left out.
+    /// Three vertex indices for each triangle, counter-clockwise seen from outside, grouped by surface and in the order
+    /// in which they were given. Triangles without area are left out.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// The number of each triangle in its mesh as it was given; 0 or 1 for the half of a quad; running for analytic shapes.
+    /// Index of each triangle in its mesh as it was given; 0 or 1 for the half of a quad; a running number for analytic
+    /// shapes.
     pub fn primitives(&self) -> &[u32] {
         &self.primitives
     }
 
-    /// The chart of each triangle.
+    /// Index of each triangle's chart.
     pub fn chart_numbers(&self) -> &[u32] {
         &self.chart_numbers
     }
 
-    /// The charts' places; no two have a texel in common.
-    pub fn charts(&self) -> &[ChartPlace] {
+    /// The rectangles of the charts; no two have a texel in common.
+    pub fn charts(&self) -> &[ChartRect] {
         &self.charts
     }
 
-    /// How far texels beside covered ones are given their values: the gutter, one at least.
+    /// Distance in texels over which covered texels are copied to uncovered ones: the gutter, at least one.
     pub fn padding(&self) -> u32 {
         self.padding
     }
 
-    /// What each covered texel covers of the surfaces. Its facets are numbered as [`Atlas::triangles`] are.
+    /// The part of the surfaces that each covered texel covers. Facets have the indices of [`Atlas::triangles`].
     pub fn sites(&self) -> &Arc<Sites> {
         &self.sites
     }
@@ -297,28 +303,28 @@ impl Atlas {
         &self.texels
     }
 
-    /// How much of each site's texel triangles cover, in (0, 1].
+    /// Fraction of each site's texel that triangles cover, in (0, 1].
     pub fn coverage(&self) -> &[f32] {
         &self.coverage
     }
 
-    /// What is worth a word: texture coordinates that were not used, and why.
+    /// Warnings: texture coordinates that were not used, and the reason.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
-    /// The place in the light map of a point of a triangle, by the weights of its second and third corner.
+    /// The position in the light map of a point of a triangle, by the weights of its second and third corner.
     pub fn uv(&self, triangle: usize, [b1, b2]: [f32; 2]) -> [f32; 2] {
         let [a, b, c] = self.triangles[triangle].map(|corner| self.vertices[corner as usize].uv);
         [0, 1].map(|i| a[i] + b1 * (b[i] - a[i]) + b2 * (c[i] - a[i]))
     }
 
-    /// Vertices and triangles, surface by surface.
+    /// Adds vertices and triangles, surface by surface.
     fn add_triangles(
         &mut self,
         meshes: &[SurfaceMesh],
         charts: &[Chart],
-        placement: &Placement,
+        placement: &ChartPlacement,
         progress: &WorkProgress,
     ) -> Result<()> {
         let side = f64::from(placement.side);
@@ -331,7 +337,7 @@ impl Atlas {
             if mesh.triangles.is_empty() {
                 continue;
             }
-            // The chart of each triangle, and its place in it.
+            // The chart of each triangle, and the triangle's index in the chart.
             let mut places = vec![(0, 0); mesh.triangles.len()];
             for number in range.clone() {
                 for (at, &triangle) in charts[number].triangles.iter().enumerate() {
@@ -371,7 +377,7 @@ impl Atlas {
                 let is_given = shading != Vec3::ZERO;
                 vertex.normal = if is_given { shading } else { mean.normalize_or_zero().as_vec3a() };
             }
-            let scale_offset = charts[range.start].is_own.then(|| {
+            let scale_offset = charts[range.start].uses_mesh_uvs.then(|| {
                 let (scale, [x, y]) = (placement.scale(&charts[range.start]), placement.corner(range.start));
                 [scale / side, scale / side, x / side, y / side].map(|x| x as f32)
             });
@@ -385,37 +391,42 @@ impl Atlas {
         Ok(())
     }
 
-    /// What each texel covers of the surfaces.
-    fn join(&mut self, meshes: &[SurfaceMesh], mut cuts: Vec<Cut>, progress: &WorkProgress) -> Result<()> {
-        progress.sort(&mut cuts, &|a, b| (a.key, a.facet, a.order).cmp(&(b.key, b.facet, b.order)))?;
-        let mut pieces = Vec::with_capacity(cuts.len());
+    /// Builds the sites: the part of the surfaces that each texel covers.
+    fn build_sites(
+        &mut self,
+        meshes: &[SurfaceMesh],
+        mut fragments: Vec<TexelFragment>,
+        progress: &WorkProgress,
+    ) -> Result<()> {
+        progress.sort(&mut fragments, &|a, b| (a.key, a.facet, a.order).cmp(&(b.key, b.facet, b.order)))?;
+        let mut pieces = Vec::with_capacity(fragments.len());
         let mut starts = vec![0];
-        for same in cuts.chunk_by(|a, b| a.texel == b.texel) {
+        for same in fragments.chunk_by(|a, b| a.texel == b.texel) {
             progress.check()?;
-            let whole: f64 = same.iter().map(|cut| cut.area).sum();
+            let whole: f64 = same.iter().map(|fragment| fragment.area).sum();
             let mut sum = 0.0;
-            for cut in same {
-                sum += cut.area;
-                pieces.push(Piece { facet: cut.facet, corners: cut.corners, until: (sum / whole) as f32 });
+            for fragment in same {
+                sum += fragment.area;
+                pieces.push(Piece { facet: fragment.facet, corners: fragment.corners, until: (sum / whole) as f32 });
             }
             if let Some(last) = pieces.last_mut() {
                 last.until = 1.0;
             }
             starts.push(pieces.len() as u32);
             self.texels.push(same[0].texel);
-            self.coverage.push(same.iter().map(|cut| cut.texels).sum::<f64>().min(1.0) as f32);
+            self.coverage.push(same.iter().map(|fragment| fragment.texels).sum::<f64>().min(1.0) as f32);
             progress.spend(same.len());
         }
-        // Facets are numbered as triangles are.
+        // Facets have the same indices as triangles.
         let facets = meshes.iter().flat_map(|mesh| mesh.facets.iter().copied()).collect();
         self.sites = Arc::new(Sites::new(facets, pieces, starts));
         Ok(())
     }
 }
 
-/// A part of a texel.
-struct Cut {
-    /// Of the texel, along a curve that keeps neighbours together.
+/// The part of a triangle inside one texel.
+struct TexelFragment {
+    /// Morton code of the texel, by which neighbours stay together.
     key: u32,
     texel: u32,
     facet: u32,
@@ -427,23 +438,23 @@ struct Cut {
     area: f64,
 }
 
-/// The triangles of all charts, cut into `count` parts of texels; a unit of work is one of them.
-fn cuts(
+/// The triangles of all charts, clipped to texels, in `count` fragments; a unit of work is one fragment.
+fn texel_fragments(
     meshes: &[SurfaceMesh],
     charts: &[Chart],
-    placement: &Placement,
+    placement: &ChartPlacement,
     count: usize,
     progress: &WorkProgress,
-) -> Result<Vec<Cut>> {
-    let mut cuts = Vec::with_capacity(count);
+) -> Result<Vec<TexelFragment>> {
+    let mut fragments = Vec::with_capacity(count);
     let mut first = 0;
     let firsts: Vec<u32> = meshes.iter().map(|mesh| (first, first += mesh.facets.len() as u32).0).collect();
     for (number, chart) in charts.iter().enumerate() {
         let mesh = &meshes[chart.mesh];
         for (at, &triangle) in chart.triangles.iter().enumerate() {
             let facet = firsts[chart.mesh] + triangle;
-            let flat = placement.drawn(number, chart, at);
-            // A site's points are uniform on the surface, not in the map.
+            let flat = placement.rasterizable(number, chart, at);
+            // Points of a site are uniform on the surface, not in the map.
             let corners = mesh.triangles[triangle as usize].map(|corner| mesh.positions[corner as usize]);
             let area = (corners[1] - corners[0]).cross(corners[2] - corners[0]).length();
             let stretch = area / doubled_area(&flat).abs();
@@ -451,18 +462,18 @@ fn cuts(
                 for (order, (fan, texels)) in part.fan().enumerate() {
                     let corners = fan.map(|p| raster::weights(&flat, p));
                     let (texel, order) = (y * placement.side + x, order as u8);
-                    let (key, area) = (along_curve([x, y]), texels * stretch);
-                    cuts.push(Cut { key, texel, order, facet, corners, texels, area });
+                    let (key, area) = (morton_code([x, y]), texels * stretch);
+                    fragments.push(TexelFragment { key, texel, order, facet, corners, texels, area });
                     progress.spend(1);
                 }
             })?;
         }
     }
-    Ok(cuts)
+    Ok(fragments)
 }
 
-/// A texel's place on Morton's curve.
-fn along_curve([x, y]: [u32; 2]) -> u32 {
+/// Morton code of a texel.
+fn morton_code([x, y]: [u32; 2]) -> u32 {
     let spread = |x: u32| {
         let x = (x | x << 8) & 0x00ff_00ff;
         let x = (x | x << 4) & 0x0f0f_0f0f;
@@ -508,7 +519,7 @@ fn charts(
             continue;
         }
         if mesh.uvs.is_some() && options.layout != Layout::Charts || options.layout == Layout::Own && mesh.is_mesh {
-            match own::layout(number, mesh, progress)? {
+            match mesh_uvs::layout(number, mesh, progress)? {
                 Ok(chart) => {
                     charts.push(chart);
                     continue;
@@ -527,12 +538,12 @@ fn charts(
     Ok(charts)
 }
 
-/// How many pieces there will be, and no fewer than there will be sites.
-fn count_pieces(charts: &[Chart], placement: &Placement, progress: &WorkProgress) -> Result<(u64, u64)> {
+/// The number of pieces, and an upper bound on the number of sites.
+fn count_pieces(charts: &[Chart], placement: &ChartPlacement, progress: &WorkProgress) -> Result<(u64, u64)> {
     let (mut pieces, mut sites) = (0_u64, 0_u64);
     for (number, chart) in charts.iter().enumerate() {
         for at in 0..chart.triangles.len() {
-            raster::for_each_texel(&placement.drawn(number, chart, at), progress, |_, part| {
+            raster::for_each_texel(&placement.rasterizable(number, chart, at), progress, |_, part| {
                 sites += 1;
                 pieces += part.fan().count() as u64;
             })?;

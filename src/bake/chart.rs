@@ -1,34 +1,34 @@
-//! Charts: parts of surfaces laid flat without overlaps.
+//! Charts: parts of surfaces that are projected to a plane without overlaps.
 
 use std::collections::{HashMap, VecDeque};
 
-use super::overlap::{Cover, Flat};
+use super::overlap::{OverlapGrid, PlanarTriangle};
 use crate::Result;
 use crate::control::WorkProgress;
 use crate::math::DVec3;
 use crate::scene::SurfaceMesh;
 
-/// A part of a surface, laid flat.
+/// A part of a surface, projected to a plane.
 #[derive(Debug)]
 pub(super) struct Chart {
-    /// Number of the surface's mesh among those that were given.
+    /// Index of the surface's mesh among the given meshes.
     pub mesh: usize,
-    /// Numbers of its triangles in that mesh.
+    /// Indices of its triangles in that mesh.
     pub triangles: Vec<u32>,
-    /// The corners of each in the plane, in units of `unit`, from (0, 0) up to `size`.
-    pub flat: Vec<Flat>,
+    /// The corners of each triangle in the plane, in units of `unit`, from (0, 0) up to `size`.
+    pub flat: Vec<PlanarTriangle>,
     /// Width and height in the plane.
     pub size: [f64; 2],
     /// Length in the scene of one unit of the plane.
     pub unit: f64,
     /// Whether the plane is that of the mesh's own texture coordinates.
-    pub is_own: bool,
+    pub uses_mesh_uvs: bool,
 }
 
-/// How deep an overlap is none, in units of a chart's largest triangle.
+/// An overlap that is less deep than this does not count, in units of a chart's largest triangle.
 const TOLERANCE: f64 = 1e-9;
 
-/// A triangle's place and direction.
+/// Corners, normal and area of a triangle.
 struct Face {
     corners: [DVec3; 3],
     normal: DVec3,
@@ -43,8 +43,9 @@ impl Face {
     }
 }
 
-/// Cuts a mesh into charts: triangles that hang together by their sides, whose normals are within an angle of the first one's
-/// (the largest that is left), projected along that normal. A triangle that would cover another is left for another chart.
+/// Divides a mesh into charts. A chart's triangles are connected by their sides, and their normals are within an angle
+/// of that of the first triangle, which is the largest one left. They are projected along that normal. A triangle that
+/// would overlap another one is left for another chart.
 ///
 /// `cos_angle`: cosine of the angle, above 0. A unit of work is a triangle.
 pub(super) fn grow(
@@ -70,10 +71,17 @@ pub(super) fn grow(
         let origin = faces[seed as usize].corners[0];
         let project = |face: &Face| face.corners.map(|p| [(p - origin).dot(right), (p - origin).dot(above)]);
         let tolerance = TOLERANCE * extent(&project(&faces[seed as usize]));
-        // The seed is the largest that is left: fine detail must not be in one cell because of what is coarse elsewhere.
-        let mut cover = Cover::new(2.0 * mean_length.min(faces[seed as usize].area.sqrt()), tolerance);
-        let mut chart =
-            Chart { mesh: number, triangles: Vec::new(), flat: Vec::new(), size: [0.0; 2], unit: 1.0, is_own: false };
+        // The seed is the largest triangle left. Its size limits the cells, so that fine detail is not in one cell
+        // because of coarse triangles elsewhere.
+        let mut cover = OverlapGrid::new(2.0 * mean_length.min(faces[seed as usize].area.sqrt()), tolerance);
+        let mut chart = Chart {
+            mesh: number,
+            triangles: Vec::new(),
+            flat: Vec::new(),
+            size: [0.0; 2],
+            unit: 1.0,
+            uses_mesh_uvs: false,
+        };
         let mut waiting = VecDeque::from([seed]);
         while let Some(next) = waiting.pop_front() {
             progress.check()?;
@@ -82,8 +90,8 @@ pub(super) fn grow(
                 continue;
             }
             let flat = project(face);
-            // The first is where it may, whatever its normal is by rounding.
-            if next != seed && cover.overlapped(&flat).is_some() {
+            // The first triangle is accepted even if its normal fails the test by rounding.
+            if next != seed && cover.find_overlap(&flat).is_some() {
                 continue;
             }
             progress.spend(1);
@@ -93,31 +101,31 @@ pub(super) fn grow(
             chart.flat.push(flat);
             waiting.extend(neighbours[next as usize].iter().copied().filter(|&other| other != u32::MAX));
         }
-        // A normal that is no unit vector to the last digit must not keep the first triangle out of its own chart.
+        // A normal whose length is not exactly 1 must not keep the first triangle out of its own chart.
         if chart.triangles.is_empty() {
             is_taken[seed as usize] = true;
             chart.triangles.push(seed);
             chart.flat.push(project(&faces[seed as usize]));
         }
-        lay(&mut chart, progress)?;
+        align(&mut chart, progress)?;
         charts.push(chart);
     }
     Ok(())
 }
 
-fn extent(flat: &Flat) -> f64 {
+fn extent(flat: &PlanarTriangle) -> f64 {
     flat.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()))
 }
 
-/// The triangle beyond each side of each triangle, or `u32::MAX`: sides that exactly two triangles share, wound alike. Vertices
-/// at one place are one.
+/// The triangle beyond each side of each triangle, or `u32::MAX`, for sides that exactly two triangles with the same
+/// winding share. Vertices at the same position count as one.
 fn neighbours(mesh: &SurfaceMesh, progress: &WorkProgress) -> Result<Vec<[u32; 3]>> {
     let mut welded: HashMap<[u64; 3], u32> = HashMap::with_capacity(mesh.positions.len());
     let mut place: Vec<u32> = Vec::with_capacity(mesh.positions.len());
     for p in &mesh.positions {
         progress.check()?;
         let next = welded.len() as u32;
-        // Both zeros are one.
+        // Negative and positive zero are the same.
         place.push(*welded.entry(p.to_array().map(|x| (x + 0.0).to_bits())).or_insert(next));
     }
     drop(welded);
@@ -142,8 +150,8 @@ fn neighbours(mesh: &SurfaceMesh, progress: &WorkProgress) -> Result<Vec<[u32; 3
     Ok(neighbours)
 }
 
-/// Turns a chart so that the box around it is small, and moves it to the origin; no higher than it is wide.
-fn lay(chart: &mut Chart, progress: &WorkProgress) -> Result<()> {
+/// Rotates a chart so that its bounding box is small and not higher than wide, and moves it to the origin.
+fn align(chart: &mut Chart, progress: &WorkProgress) -> Result<()> {
     let hull = hull(chart.flat.iter().flatten().copied().collect(), progress)?;
     let mut best: Option<(f64, [f64; 2])> = None;
     for (i, a) in hull.iter().enumerate() {
@@ -156,11 +164,11 @@ fn lay(chart: &mut Chart, progress: &WorkProgress) -> Result<()> {
         let direction = [dx / length, dy / length];
         let [min, max] = bounds(hull.iter().map(|p| turned(direction, *p)));
         let area = (max[0] - min[0]) * (max[1] - min[1]);
-        // Clearly smaller: ties must not be decided by rounding.
+        // The area must be clearly smaller, so that rounding does not decide between equal ones.
         if best.is_none_or(|(least, _)| area < least * (1.0 - 1e-9)) {
             best = Some((area, direction));
         }
-        // Of an outline of very many corners a part will do.
+        // For an outline with very many corners, a part of them is enough.
         if hull.len() > 512 && i > 64 {
             break;
         }
@@ -191,7 +199,8 @@ pub(super) fn bounds(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
     })
 }
 
-/// The convex hull, counter-clockwise. Source: Andrew 1979, "Another Efficient Algorithm for Convex Hulls in Two Dimensions".
+/// The convex hull, counter-clockwise. Source: Andrew 1979, "Another Efficient Algorithm for Convex Hulls in Two
+/// Dimensions".
 fn hull(mut points: Vec<[f64; 2]>, progress: &WorkProgress) -> Result<Vec<[f64; 2]>> {
     progress.sort(&mut points, &|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])))?;
     points.dedup();

@@ -1,27 +1,28 @@
-//! The light map itself: texels of an atlas, filled.
+//! The light map: texels of an atlas with their values.
 
 use super::{Atlas, Baked};
 use crate::spectrum::Rgb;
 
-/// Irradiance in the texels of an [`Atlas`], seams padded.
+/// Irradiance in the texels of an [`Atlas`], with padded seams.
 ///
-/// `[side][side]`, row by row: row 0 is the one at v = 0, as graphics interfaces take textures. Texels that no triangle covers have
-/// the values of the nearest covered texel of their chart, as far as [`Atlas::padding`] goes, and are zero elsewhere.
+/// `[side][side]`, row by row: row 0 is at v = 0, as graphics interfaces expect textures. Texels that no triangle
+/// covers have the values of the nearest covered texel of their chart, up to the distance [`Atlas::padding`], and are
+/// zero elsewhere.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightMap {
     /// Texels along a side.
     pub side: u32,
     /// Irradiance [W m^-2].
     pub irradiance: Vec<[f32; 3]>,
-    /// Standard error of the irradiance [W m^-2], as far as known; NaN where there are too few samples to tell.
+    /// Standard error of the irradiance [W m^-2] where it is known; NaN where there are too few samples.
     pub standard_error: Vec<[f32; 3]>,
-    /// The share of a texel that triangles cover; 0 for what was padded, and for what belongs to no chart.
+    /// Fraction of a texel that triangles cover; 0 for padded texels and for texels outside of charts.
     pub coverage: Vec<f32>,
 }
 
 impl LightMap {
-    /// Irradiance [W m^-2] at a place of [0, 1]^2, interpolated between the middles of texels as graphics hardware does it, with
-    /// the outermost texels going on at the edge.
+    /// Irradiance [W m^-2] at a position in [0, 1]^2, interpolated between the centres of texels as graphics hardware
+    /// does it, with the outermost texels repeated at the edge.
     pub fn at(&self, [u, v]: [f32; 2]) -> Rgb {
         let side = self.side as f32;
         let most = self.side.saturating_sub(1);
@@ -38,7 +39,7 @@ impl LightMap {
 }
 
 impl Atlas {
-    /// The light map of what was baked of [`Atlas::sites`]; sites that are missing count as black.
+    /// The light map of baked [`Atlas::sites`]; sites without a value are black.
     pub fn light_map(&self, baked: &Baked) -> LightMap {
         let side = self.side();
         let count = side as usize * side as usize;
@@ -58,7 +59,7 @@ impl Atlas {
         map
     }
 
-    /// Gives texels that nothing covers the values of the nearest covered one of their chart.
+    /// Copies the values of the nearest covered texel of a chart to its uncovered texels.
     fn pad(&self, map: &mut LightMap) {
         let (side, reach) = (self.side() as usize, self.padding() as usize);
         for chart in self.charts() {

@@ -1,12 +1,13 @@
 //! Light maps: irradiance of all surfaces of a scene, for programs that draw them themselves.
 //!
-//! An [`Atlas`] gives every point of every surface a place of its own in a square of texels; [`Vertices`] take the vertices
-//! instead. A [`Bake`] finds the irradiance [W m^-2] of each by path tracing, so that scenes with mirrors and glass can be baked as
-//! well, with the errors, budgets and threads of any other render; [`by_radiosity`] takes it from a radiosity solution instead. A Lambert surface of albedo a is seen with the radiance
-//! a / pi times that, and what it emits.
+//! An [`Atlas`] gives every point of every surface a distinct place in a square of texels; [`Vertices`] use the vertices
+//! instead. A [`Bake`] computes the irradiance [W m^-2] of each texel or vertex by path tracing, with the errors, budgets
+//! and threads of any other render, so that scenes with mirrors and glass can be baked as well. [`by_radiosity`] takes
+//! the irradiance from a radiosity solution instead. The radiance of a Lambertian surface of albedo a is a / pi times
+//! the irradiance, plus the emitted radiance.
 //!
-//! A poor choice for what is looked at once: an image costs less. And for surfaces that are not diffuse, of which irradiance
-//! tells little.
+//! Baking is a poor choice for a scene that is viewed only once, because an image costs less. It is also a poor choice
+//! for surfaces that are not diffuse, since their radiance does not follow from irradiance.
 //!
 //! ```
 //! use std::ops::ControlFlow;
@@ -30,14 +31,15 @@
 //! # Ok::<(), etendue::Error>(())
 //! ```
 //!
-//! Sources: Lévy, Petitjean, Ray, Maillot 2002, "Least Squares Conformal Maps for Automatic Texture Atlas Generation" (the
-//! frame of it: charts, then packing; charts are planar projections here); Jylänki 2010, "A Thousand Ways to Pack the Bin".
+//! Sources: Lévy, Petitjean, Ray, Maillot 2002, "Least Squares Conformal Maps for Automatic Texture Atlas Generation"
+//! (the frame of it: charts, then packing; charts are planar projections here); Jylänki 2010, "A Thousand Ways to Pack
+//! the Bin".
 
 mod atlas;
 mod chart;
 mod map;
+mod mesh_uvs;
 mod overlap;
-mod own;
 mod pack;
 mod placement;
 mod radiosity;
@@ -45,7 +47,7 @@ mod raster;
 mod vertices;
 
 pub use atlas::{
-    Atlas, AtlasOptions, AtlasSurface, AtlasVertex, ChartPlace, DEFAULT_SIDE, Layout, MAX_GUTTER, MAX_SIDE,
+    Atlas, AtlasOptions, AtlasSurface, AtlasVertex, ChartRect, DEFAULT_SIDE, Layout, MAX_GUTTER, MAX_SIDE,
 };
 pub use map::LightMap;
 pub use radiosity::by_radiosity;
@@ -68,7 +70,7 @@ pub struct Bake {
     count: usize,
 }
 
-/// What is known of each site.
+/// Irradiance of each site and its standard error.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Baked {
     /// Irradiance [W m^-2].
@@ -78,11 +80,12 @@ pub struct Baked {
 }
 
 impl Bake {
-    /// Prepares to find the irradiance of each of these sites, on the outer side of the surface (`front`) or the other.
+    /// Prepares to find the irradiance of each of these sites, on the outer side of the surface (`front`) or the inner
+    /// one.
     ///
-    /// Of the settings resolution, integrator, filter and auxiliary layers are not looked at. `max_depth` counts the site itself as
-    /// the first hit: 1 is direct light alone. Results depend on scene, sites, `desc.samples`, seed and sampler alone, not on
-    /// threads.
+    /// Resolution, integrator, filter and auxiliary layers of the settings are not used. `max_depth` counts the site
+    /// itself as the first hit: 1 is direct light alone. Results depend on scene, sites, `desc.samples`, seed and
+    /// sampler alone, not on threads.
     ///
     /// # Errors
     /// As for [`Render::irradiance`].
@@ -91,7 +94,8 @@ impl Bake {
         Ok(Self { render, count: sites.len() })
     }
 
-    /// Works until samples, time or the caller's patience are used up; see [`Render::run`]. "Pixels" are sites here.
+    /// Renders until samples or time are used up, or the callback stops it; see [`Render::run`]. "Pixels" are sites
+    /// here.
     ///
     /// # Errors
     /// As for [`Render::run`].
@@ -104,7 +108,7 @@ impl Bake {
         self.render.set_cancel(cancel);
     }
 
-    /// What is known so far, in the order of the sites; zero where there is no sample yet.
+    /// The present results, in the order of the sites; zero where there is no sample yet.
     pub fn irradiance(&self) -> Baked {
         let film = self.render.film();
         let [width, height] = film.options().resolution.map(|n| n as usize);
@@ -120,7 +124,7 @@ impl Bake {
     }
 }
 
-/// What the outer side of a facet reflects of irradiance, where it is diffuse, and the radiosity that it emits [W m^-2].
+/// Reflectance of a facet's outer side, where it is diffuse, and the radiosity that it emits [W m^-2].
 fn reflection(scene: &Scene, facet: &Facet) -> (Rgb, Rgb) {
     let at = scene.facet_point(facet, 1.0 / 3.0, 1.0 / 3.0);
     let reflectance = scene.material(at.material).diffuse_albedo(&at);

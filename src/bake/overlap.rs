@@ -1,32 +1,32 @@
-//! Triangles of the plane that are not to overlap.
+//! Overlap tests between triangles of a plane.
 
 use std::collections::HashMap;
 
-/// A triangle of the plane.
-pub(super) type Flat = [[f64; 2]; 3];
+/// A triangle of a plane.
+pub(super) type PlanarTriangle = [[f64; 2]; 3];
 
-/// A triangle that would lie in more cells than this is asked about every time instead.
-const MOST_CELLS: i64 = 1024;
+/// A triangle that would lie in more cells than this is tested against every time instead.
+const MAX_CELLS: i64 = 1024;
 
-/// Triangles so far, in a grid of cells.
-pub(super) struct Cover {
+/// Triangles in a grid of cells, in which overlaps are found.
+pub(super) struct OverlapGrid {
     cell: f64,
-    /// Overlaps no deeper than this are none: neighbours touch, and what they touch by is rounded.
+    /// Overlaps no deeper than this do not count, because neighbours touch and their corners are rounded.
     tolerance: f64,
-    triangles: Vec<(Flat, u32)>,
+    triangles: Vec<(PlanarTriangle, u32)>,
     cells: HashMap<[i64; 2], Vec<u32>>,
     large: Vec<u32>,
 }
 
-impl Cover {
-    /// Without triangles yet. `cell`: about the size of most of them.
+impl OverlapGrid {
+    /// A grid without triangles. `cell`: about the size of most triangles.
     pub(super) fn new(cell: f64, tolerance: f64) -> Self {
         let cell = if cell > 0.0 && cell.is_finite() { cell } else { 1.0 };
         Self { cell, tolerance, triangles: Vec::new(), cells: HashMap::new(), large: Vec::new() }
     }
 
-    /// The number of a triangle that this one overlaps, if there is one.
-    pub(super) fn overlapped(&self, triangle: &Flat) -> Option<u32> {
+    /// The number of a triangle that overlaps the given one, if there is one.
+    pub(super) fn find_overlap(&self, triangle: &PlanarTriangle) -> Option<u32> {
         let overlaps = |&i: &u32| overlap(&self.triangles[i as usize].0, triangle, self.tolerance);
         let found = match self.cells_of(triangle) {
             Some(cells) => {
@@ -38,8 +38,8 @@ impl Cover {
         found.map(|i| self.triangles[i as usize].1)
     }
 
-    /// Adds a triangle by this number.
-    pub(super) fn add(&mut self, triangle: Flat, number: u32) {
+    /// Adds a triangle with this number.
+    pub(super) fn add(&mut self, triangle: PlanarTriangle, number: u32) {
         let index = self.triangles.len() as u32;
         match self.cells_of(&triangle) {
             Some(cells) => {
@@ -52,8 +52,8 @@ impl Cover {
         self.triangles.push((triangle, number));
     }
 
-    /// The cells around a triangle, unless they are many.
-    fn cells_of(&self, triangle: &Flat) -> Option<impl Iterator<Item = [i64; 2]> + use<>> {
+    /// The cells around a triangle, unless there are too many.
+    fn cells_of(&self, triangle: &PlanarTriangle) -> Option<impl Iterator<Item = [i64; 2]> + use<>> {
         let range = |axis: usize| {
             let values = triangle.map(|corner| (corner[axis] / self.cell).floor());
             let [low, high] = [
@@ -65,23 +65,23 @@ impl Cover {
         let ((left, right), (bottom, top)) = (range(0), range(1));
         let count =
             right.saturating_sub(left).saturating_add(1).saturating_mul(top.saturating_sub(bottom).saturating_add(1));
-        (count <= MOST_CELLS).then(|| (bottom..=top).flat_map(move |y| (left..=right).map(move |x| [x, y])))
+        (count <= MAX_CELLS).then(|| (bottom..=top).flat_map(move |y| (left..=right).map(move |x| [x, y])))
     }
 }
 
-/// Whether two triangles overlap by more than `tolerance` in every direction: no side of either parts them.
-fn overlap(a: &Flat, b: &Flat, tolerance: f64) -> bool {
-    !parts(a, b, tolerance) && !parts(b, a, tolerance)
+/// Whether two triangles overlap by more than `tolerance` in every direction: no side of either separates them.
+fn overlap(a: &PlanarTriangle, b: &PlanarTriangle, tolerance: f64) -> bool {
+    !separates(a, b, tolerance) && !separates(b, a, tolerance)
 }
 
-/// Whether a line along a side of `a` has all of `a` on one side and all of `b` on the other, but for `tolerance`.
-fn parts(a: &Flat, b: &Flat, tolerance: f64) -> bool {
+/// Whether a line along a side of `a` has all of `a` on one side and all of `b` on the other, up to `tolerance`.
+fn separates(a: &PlanarTriangle, b: &PlanarTriangle, tolerance: f64) -> bool {
     (0..3).any(|i| {
         let ([x0, y0], [x1, y1], [x2, y2]) = (a[i], a[(i + 1) % 3], a[(i + 2) % 3]);
         let (dx, dy) = (x1 - x0, y1 - y0);
         let length = dx.hypot(dy);
         let distance = |x: f64, y: f64| (dx * (y - y0) - dy * (x - x0)) / length;
-        // Inside is where the third corner is.
+        // The third corner is on the inner side.
         let inside = distance(x2, y2).signum();
         b.iter().all(|[x, y]| inside * distance(*x, *y) <= tolerance)
     })
@@ -93,11 +93,11 @@ mod tests {
 
     #[test]
     fn touching_is_no_overlap() {
-        let triangle: Flat = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        let beside: Flat = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
-        let across: Flat = [[0.2, 0.2], [1.0, 1.0], [-3.0, 1.0]];
-        let tip: Flat = [[0.0, 1.0], [1.0, 2.0], [-1.0, 2.0]];
-        let inside: Flat = [[0.1, 0.1], [0.2, 0.1], [0.1, 0.2]];
+        let triangle: PlanarTriangle = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        let beside: PlanarTriangle = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let across: PlanarTriangle = [[0.2, 0.2], [1.0, 1.0], [-3.0, 1.0]];
+        let tip: PlanarTriangle = [[0.0, 1.0], [1.0, 2.0], [-1.0, 2.0]];
+        let inside: PlanarTriangle = [[0.1, 0.1], [0.2, 0.1], [0.1, 0.2]];
         for (other, expected) in [(beside, false), (across, true), (tip, false), (inside, true), (triangle, true)] {
             for turned in [false, true] {
                 let mut other = other;
@@ -106,9 +106,9 @@ mod tests {
                 }
                 assert_eq!(overlap(&triangle, &other, 1e-9), expected, "{other:?}");
                 for cell in [0.05, 0.7, 100.0] {
-                    let mut cover = Cover::new(cell, 1e-9);
+                    let mut cover = OverlapGrid::new(cell, 1e-9);
                     cover.add(triangle, 7);
-                    assert_eq!(cover.overlapped(&other), expected.then_some(7), "{other:?} {cell}");
+                    assert_eq!(cover.find_overlap(&other), expected.then_some(7), "{other:?} {cell}");
                 }
             }
         }

@@ -1,13 +1,13 @@
-//! Rectangles packed into a square.
+//! Packing of rectangles into a square.
 
 use crate::Result;
 use crate::control::WorkProgress;
 
-/// Where rectangles of these sizes go in a square of side `side`, or `None` where they do not fit. The same for the same
-/// sizes. A unit of work is a rectangle.
+/// Positions of rectangles of these sizes in a square of side `side`, or `None` where they do not fit. The same sizes
+/// give the same positions. A unit of work is a rectangle.
 ///
-/// The highest first, each as low as it can be, and then as far to the left. Source: Jylänki 2010, "A Thousand Ways to Pack
-/// the Bin", skyline bottom-left.
+/// The highest rectangle comes first. Each is placed as low as possible, and then as far to the left. Source: Jylänki
+/// 2010, "A Thousand Ways to Pack the Bin", skyline bottom-left.
 pub(super) fn pack(sizes: &[[u32; 2]], side: u32, progress: &WorkProgress) -> Result<Option<Vec<[u32; 2]>>> {
     let mut order: Vec<u32> = (0..sizes.len() as u32).collect();
     order.sort_by_key(|&i| {
@@ -27,10 +27,10 @@ pub(super) fn pack(sizes: &[[u32; 2]], side: u32, progress: &WorkProgress) -> Re
     Ok(Some(places))
 }
 
-/// The upper edge of what is taken.
+/// The upper edge of the occupied area.
 struct Skyline {
     side: u32,
-    /// From left to right, over the whole side.
+    /// Steps from left to right, over the whole side.
     steps: Vec<Step>,
 }
 
@@ -64,14 +64,14 @@ impl Skyline {
         let (y, first) = best?;
         let x = self.steps[first].x;
         let (end, top) = (x + width, y + height);
-        // What is beneath the rectangle is no edge any more.
+        // Steps beneath the rectangle disappear.
         let covered = self.steps[first..].iter().take_while(|step| step.x + step.width <= end).count();
         if let Some(cut) = self.steps.get_mut(first + covered).filter(|step| step.x < end) {
             cut.width -= end - cut.x;
             cut.x = end;
         }
         self.steps.splice(first..first + covered, [Step { x, y: top, width }]);
-        // Neighbours of one height are one.
+        // Neighbouring steps of the same height are merged.
         for i in [first + 1, first] {
             if i > 0 && i < self.steps.len() && self.steps[i - 1].y == self.steps[i].y {
                 self.steps[i - 1].width += self.steps[i].width;

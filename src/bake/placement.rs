@@ -1,32 +1,32 @@
-//! Where charts lie in the square, and how large they are there.
+//! The position and scale of charts in the square.
 
-use super::atlas::{AtlasOptions, ChartPlace, DEFAULT_SIDE, MAX_SIDE};
+use super::atlas::{AtlasOptions, ChartRect, DEFAULT_SIDE, MAX_SIDE};
 use super::chart::Chart;
-use super::overlap::Flat;
+use super::overlap::PlanarTriangle;
 use super::{pack, raster};
 use crate::control::WorkProgress;
 use crate::error::{Error, Result};
 
-/// Where charts lie in the square.
-pub(super) struct Placement {
+/// The position and scale of charts in the square.
+pub(super) struct ChartPlacement {
     pub side: u32,
     /// Texels for a unit of length.
     pub density: f64,
     gutter: u32,
-    pub places: Vec<ChartPlace>,
+    pub rects: Vec<ChartRect>,
 }
 
-/// Lengths that are whole numbers of texels but for rounding are taken as such.
-const WHOLE: f64 = 1e-6;
+/// Lengths that are whole numbers of texels except for this rounding count as whole.
+const ROUNDING_TEXELS: f64 = 1e-6;
 
-impl Placement {
-    /// Finds resolution and density as far as they are not given.
+impl ChartPlacement {
+    /// Finds the resolution and the density where they are not given.
     pub(super) fn find(charts: &[Chart], options: &AtlasOptions, progress: &WorkProgress) -> Result<Self> {
-        // One mesh that is laid out already: the map is its own.
+        // A single mesh with its own layout: the map has that layout.
         if let [chart] = charts
-            && chart.is_own
+            && chart.uses_mesh_uvs
         {
-            let needed = options.texels_per_unit.map(|density| (density * chart.unit - WHOLE).ceil());
+            let needed = options.texels_per_unit.map(|density| (density * chart.unit - ROUNDING_TEXELS).ceil());
             let side = match (options.resolution, needed) {
                 (Some(side), Some(needed)) if needed > f64::from(side) => return Err(too_dense(options, side)),
                 (Some(side), _) => side,
@@ -34,17 +34,17 @@ impl Placement {
                 (None, Some(needed)) => (needed as u32).max(1),
                 (None, None) => DEFAULT_SIDE,
             };
-            let place = ChartPlace { origin: [0, 0], size: [side, side] };
-            return Ok(Self { side, density: f64::from(side) / chart.unit, gutter: 0, places: vec![place] });
+            let place = ChartRect { origin: [0, 0], size: [side, side] };
+            return Ok(Self { side, density: f64::from(side) / chart.unit, gutter: 0, rects: vec![place] });
         }
         let gutter = options.gutter;
         let at = |side: u32, density: f64| {
             let Some(sizes) = sizes(charts, density, gutter, side) else { return Ok(None) };
             let places = pack::pack(&sizes, side, progress)?;
             Ok::<_, Error>(places.map(|places| {
-                let place = |(origin, size)| ChartPlace { origin, size };
+                let place = |(origin, size)| ChartRect { origin, size };
                 let places = places.into_iter().zip(sizes).map(place).collect();
-                Self { side, density, gutter, places }
+                Self { side, density, gutter, rects: places }
             }))
         };
         match (options.resolution, options.texels_per_unit) {
@@ -59,7 +59,7 @@ impl Placement {
                     if side > f64::from(MAX_SIDE) {
                         return Err(too_large(options, side));
                     }
-                    // Multiples of four, which block compression likes.
+                    // Multiples of four suit block compression.
                     let whole = (side as u32).next_multiple_of(4).min(MAX_SIDE);
                     if let Some(placement) = at(whole, density)? {
                         return Ok(placement);
@@ -71,7 +71,7 @@ impl Placement {
         }
     }
 
-    /// The densest that fits, to 1 %.
+    /// The largest density that fits, to 1 %.
     fn densest(
         charts: &[Chart],
         side: u32,
@@ -113,34 +113,34 @@ impl Placement {
         self.density * chart.unit
     }
 
-    /// Where the origin of a chart's plane lies, in texels.
+    /// Origin of a chart's plane, in texels.
     pub(super) fn corner(&self, number: usize) -> [f64; 2] {
-        self.places[number].origin.map(|x| f64::from(x + self.gutter))
+        self.rects[number].origin.map(|x| f64::from(x + self.gutter))
     }
 
-    /// What is cut into texels in the place of a chart's triangle.
-    pub(super) fn drawn(&self, number: usize, chart: &Chart, at: usize) -> Flat {
-        let ChartPlace { origin, size } = self.places[number];
+    /// The triangle that is rasterized for a chart's triangle.
+    pub(super) fn rasterizable(&self, number: usize, chart: &Chart, at: usize) -> PlanarTriangle {
+        let ChartRect { origin, size } = self.rects[number];
         let end = [0, 1].map(|axis| f64::from(origin[axis] + size[axis] - self.gutter));
-        raster::drawn(self.in_texels(number, chart, at), end)
+        raster::rasterizable(self.in_texels(number, chart, at), end)
     }
 
     /// A chart's triangle in texels.
-    pub(super) fn in_texels(&self, number: usize, chart: &Chart, at: usize) -> Flat {
+    pub(super) fn in_texels(&self, number: usize, chart: &Chart, at: usize) -> PlanarTriangle {
         let (scale, [x, y]) = (self.scale(chart), self.corner(number));
-        // Not beyond its own texels by rounding.
-        let most = self.places[number].size.map(|size| f64::from(size - 2 * self.gutter));
+        // Rounding must not move a corner beyond the chart's own texels.
+        let most = self.rects[number].size.map(|size| f64::from(size - 2 * self.gutter));
         chart.flat[at].map(|[u, v]| [x + (u * scale).min(most[0]), y + (v * scale).min(most[1])])
     }
 }
 
-/// Texels that charts take with their gutters; `None` where one is larger than `side`.
+/// Numbers of texels that charts take with their gutters; `None` where one is larger than `side`.
 fn sizes(charts: &[Chart], density: f64, gutter: u32, side: u32) -> Option<Vec<[u32; 2]>> {
     charts
         .iter()
         .map(|chart| {
             let length = |length: f64| {
-                let texels = (length * chart.unit * density - WHOLE).ceil().max(1.0) + f64::from(2 * gutter);
+                let texels = (length * chart.unit * density - ROUNDING_TEXELS).ceil().max(1.0) + f64::from(2 * gutter);
                 (texels <= f64::from(side)).then_some(texels as u32)
             };
             Some([length(chart.size[0])?, length(chart.size[1])?])

@@ -14,25 +14,27 @@ use crate::render::{RenderSettings, with_workers};
 use crate::scene::Scene;
 use crate::spectrum::Rgb;
 
-/// Points of a site whose mean is its irradiance: those of a (0, 2)-net.
+/// Quadrature points of a site, whose mean is its irradiance: those of a (0, 2)-net.
 const POINTS: u32 = 16;
 
-/// What share of a bake the solution counts as; the rest is reading it at the sites.
-const SOLUTION_SHARE: f64 = 0.9;
+/// Fraction of a bake's progress that the solution counts as; the rest is its evaluation at the sites.
+const SOLUTION_FRACTION: f64 = 0.9;
 
-/// Sites that are one piece of work.
-const PIECE: usize = 1 << 12;
+/// Sites that one task of the thread pool evaluates.
+const SITES_PER_TASK: usize = 1 << 12;
 
-/// The irradiance [W m^-2] of each of these sites, on the outer side of the surface (`front`) or the other, from a radiosity
-/// solution of the scene, which comes with it; the same for any number of threads. Its standard error is not known: NaN.
+/// The irradiance [W m^-2] of each of these sites, on the outer side of the surface (`front`) or the inner one, from a
+/// radiosity solution of the scene, which is returned too. The result is the same for any number of threads. Its
+/// standard error is not known: NaN.
 ///
-/// `element_size`: what takes the place of the description's, where that has none: the length of a texel, say. Of the settings only
-/// `desc.radiosity`, workers, time limit and cancel are looked at. `look_up` is called about ten times a second and after
-/// each step on the calling thread, with the share of the work that is done, which only grows; `Break` stops the work. Surfaces that reflect nothing diffusely and do not emit have no irradiance here.
+/// `element_size`: replaces the description's where that is not given, for example by the length of a texel. Of the
+/// settings only `desc.radiosity`, workers, time limit and cancel are used. `look_up` is called about ten times a
+/// second and after each step on the calling thread, with the fraction of the work that is done, which only grows;
+/// `Break` stops the work. Surfaces that neither reflect diffusely nor emit have irradiance 0.
 ///
 /// # Errors
-/// As for [`Radiosity::solve`]; [`ErrorKind::InvalidScene`] where there is no site; `Cancelled` if it was stopped, by the time limit
-/// too: half a solution is none.
+/// As for [`Radiosity::solve`]; [`ErrorKind::InvalidScene`] where there is no site; `Cancelled` if it was stopped, also
+/// by the time limit, because half a solution is useless.
 pub fn by_radiosity(
     scene: &Scene,
     sites: &Arc<Sites>,
@@ -45,22 +47,22 @@ pub fn by_radiosity(
         return Err(Error::new(ErrorKind::InvalidScene, "there is no surface whose irradiance could be asked for"));
     }
     let own = &settings.desc.radiosity;
-    // Nobody asked for it: it must not be refused as if somebody had.
+    // The value was not requested by the user, so it must not be refused as one that was.
     let element_size = element_size.map(|size| size.clamp(RADII[0], RADII[1]));
     let desc = RadiosityDesc { element_size: own.element_size.or(element_size), ..own.clone() };
-    let count = sites.len().div_ceil(PIECE);
+    let count = sites.len().div_ceil(SITES_PER_TASK);
     let looked_up = Arc::new(AtomicUsize::new(0));
     let done = Arc::clone(&looked_up);
     let look_up = &mut |solved: f64| {
         let sites = done.load(Ordering::Relaxed) as f64 / count as f64;
-        look_up(SOLUTION_SHARE * solved + (1.0 - SOLUTION_SHARE) * sites)
+        look_up(SOLUTION_FRACTION * solved + (1.0 - SOLUTION_FRACTION) * sites)
     };
     with_workers(settings, look_up, |workers| {
         let solution = Arc::new(Radiosity::solve(scene, &desc, workers)?);
         workers.progress(1.0);
         let (scene, shared, read) = (scene.clone(), Arc::clone(sites), Arc::clone(&solution));
         let pieces = workers.map(count, move |piece| {
-            let range = piece * PIECE..((piece + 1) * PIECE).min(shared.len());
+            let range = piece * SITES_PER_TASK..((piece + 1) * SITES_PER_TASK).min(shared.len());
             let irradiance = range.map(|site| mean(&scene, &read, &shared, site, front)).collect::<Vec<_>>();
             looked_up.fetch_add(1, Ordering::Relaxed);
             irradiance

@@ -1,28 +1,29 @@
-//! Which texels a triangle covers, and by what.
+//! Texels that a triangle covers, and the covered part of each.
 
 use super::chart::bounds;
-use super::overlap::Flat;
-use super::own::doubled_area;
+use super::mesh_uvs::doubled_area;
+use super::overlap::PlanarTriangle;
 use crate::Result;
 use crate::control::WorkProgress;
 
-/// What a triangle covers of a texel may have so many corners.
-const MOST_CORNERS: usize = 8;
+/// Most corners of a triangle clipped to a texel.
+const MAX_CORNERS: usize = 8;
 
-/// Parts of a texel smaller than this are none: rounding, where a side goes along a row of texels. Of triangles smaller than a
-/// texel, this share of them.
-const LEAST_AREA: f64 = 1e-9;
+/// Covered parts smaller than this do not count: they are rounding errors where a side runs along a row of texels. For
+/// triangles smaller than a texel, this is a fraction of the triangle's area.
+const MIN_AREA: f64 = 1e-9;
 
-/// Triangles of less area in the map are drawn as one of these legs: in doubles there is no shape left to cut.
+/// A triangle with less area in the map is rasterized as a right triangle with legs of this length, because double
+/// precision cannot clip its shape.
 const SPECK_AREA: f64 = 1e-15;
 const SPECK_LEG: f64 = 1e-6;
 
-/// What is cut into texels in the place of a triangle, so that even the smallest has a texel to be looked up in: itself, unless
-/// it is a speck. That becomes a triangle that can be cut, in the texel of its first corner.
+/// The triangle that is rasterized in place of a given one, so that even the smallest has a texel. It is the given
+/// triangle, unless that is a speck; a speck becomes a triangle that can be clipped, in the texel of its first corner.
 ///
-/// `triangle`: in texels. `end`: its coordinates are not beyond, whole numbers of texels.
-pub(super) fn drawn(triangle: Flat, end: [f64; 2]) -> Flat {
-    // Written so that NaN is a speck.
+/// `triangle`: in texels. `end`: upper limits of its coordinates, whole numbers of texels.
+pub(super) fn rasterizable(triangle: PlanarTriangle, end: [f64; 2]) -> PlanarTriangle {
+    // The comparison is written so that a triangle with NaN is a speck.
     if 0.5 * doubled_area(&triangle).abs() >= SPECK_AREA {
         return triangle;
     }
@@ -36,30 +37,30 @@ pub(super) fn drawn(triangle: Flat, end: [f64; 2]) -> Flat {
 /// A convex polygon.
 #[derive(Clone, Copy)]
 pub(super) struct Polygon {
-    corners: [[f64; 2]; MOST_CORNERS],
+    corners: [[f64; 2]; MAX_CORNERS],
     count: usize,
-    /// Smaller parts of it are none.
+    /// Area below which parts do not count.
     least: f64,
 }
 
 impl Polygon {
-    fn new(triangle: &Flat) -> Self {
-        let mut corners = [[0.0; 2]; MOST_CORNERS];
+    fn new(triangle: &PlanarTriangle) -> Self {
+        let mut corners = [[0.0; 2]; MAX_CORNERS];
         corners[..3].copy_from_slice(triangle);
-        Self { corners, count: 3, least: LEAST_AREA * (0.5 * doubled_area(triangle).abs()).min(1.0) }
+        Self { corners, count: 3, least: MIN_AREA * (0.5 * doubled_area(triangle).abs()).min(1.0) }
     }
 
     pub(super) fn corners(&self) -> &[[f64; 2]] {
         &self.corners[..self.count]
     }
 
-    /// What of it is above (`sign` 1) or below (-1) a value of a coordinate.
+    /// The part of the polygon above (`sign` 1) or below (-1) a value of a coordinate.
     ///
     /// Source: Sutherland and Hodgman 1974, "Reentrant Polygon Clipping".
     fn clipped(&self, axis: usize, value: f64, sign: f64) -> Self {
-        let mut clipped = Self { corners: [[0.0; 2]; MOST_CORNERS], count: 0, least: self.least };
+        let mut clipped = Self { corners: [[0.0; 2]; MAX_CORNERS], count: 0, least: self.least };
         let mut add = |corner: [f64; 2]| {
-            if clipped.count < MOST_CORNERS {
+            if clipped.count < MAX_CORNERS {
                 clipped.corners[clipped.count] = corner;
                 clipped.count += 1;
             }
@@ -80,8 +81,8 @@ impl Polygon {
         clipped
     }
 
-    /// Its parts as a fan of triangles, with the area of each (> 0) [texels].
-    pub(super) fn fan(&self) -> impl Iterator<Item = (Flat, f64)> + '_ {
+    /// The polygon as a fan of triangles, with the area of each (> 0) [texels].
+    pub(super) fn fan(&self) -> impl Iterator<Item = (PlanarTriangle, f64)> + '_ {
         (2..self.count).filter_map(|i| {
             let part = [self.corners[0], self.corners[i - 1], self.corners[i]];
             let area = 0.5 * doubled_area(&part).abs();
@@ -90,14 +91,15 @@ impl Polygon {
     }
 }
 
-/// Calls `visit` with each texel (column, row) that a triangle covers part of, and that part; rows in order, and columns in each.
+/// Calls `visit` with each texel (column, row) that a triangle covers partly, and the covered part; rows in order, and
+/// columns in order in each row.
 ///
 /// `triangle`: in texels, at coordinates >= 0 and below 2^31.
 ///
 /// # Errors
 /// [`crate::ErrorKind::Cancelled`].
 pub(super) fn for_each_texel(
-    triangle: &Flat,
+    triangle: &PlanarTriangle,
     progress: &WorkProgress,
     mut visit: impl FnMut([u32; 2], &Polygon),
 ) -> Result<()> {
@@ -120,8 +122,8 @@ pub(super) fn for_each_texel(
     Ok(())
 }
 
-/// Weights of a triangle's second and third corner at a point of it.
-pub(super) fn weights(triangle: &Flat, p: [f64; 2]) -> [f32; 2] {
+/// Barycentric weights of a triangle's second and third corner at a point of it.
+pub(super) fn weights(triangle: &PlanarTriangle, p: [f64; 2]) -> [f32; 2] {
     let [a, b, c] = triangle;
     let whole = doubled_area(triangle);
     let b1 = doubled_area(&[*a, p, *c]) / whole;
@@ -151,7 +153,7 @@ mod tests {
                         for p in fan {
                             assert!((f64::from(x)..=f64::from(x) + 1.0).contains(&p[0]), "{p:?} is not in {x}");
                             assert!((f64::from(y)..=f64::from(y) + 1.0).contains(&p[1]), "{p:?} is not in {y}");
-                            // The weights give the point back.
+                            // The weights reproduce the point.
                             let [b1, b2] = weights(&triangle, p).map(f64::from);
                             let again = [0, 1].map(|i| {
                                 let [a, b, c] = triangle.map(|corner| corner[i]);

@@ -13,11 +13,11 @@ use crate::math::{DVec3, Vec3};
 use crate::scene::{Scene, SurfaceMesh};
 use crate::spectrum::Rgb;
 
-/// How vertices are chosen.
+/// Options for the choice of vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VertexOptions {
-    /// Greatest length of a side in scene units, > 0: triangles are cut until they fulfil it, those of a surface alike. `None`:
-    /// the vertices as they were given.
+    /// Greatest length of a side in scene units, > 0: triangles are subdivided until they satisfy it, all triangles of
+    /// a surface alike. `None`: the vertices as they were given.
     pub spacing: Option<f64>,
     /// Most memory that vertices and bake may take together, MiB.
     pub memory: u32,
@@ -29,27 +29,29 @@ impl Default for VertexOptions {
     }
 }
 
-/// A vertex to be lit.
+/// A vertex whose irradiance is baked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LitVertex {
     /// World frame.
     pub position: DVec3,
-    /// Unit normal: the shading normal of a smooth surface, else the mean of the triangles there; zero where there are none.
+    /// Unit normal: the shading normal of a smooth surface, else the mean normal of the triangles at the vertex; zero
+    /// where there are none.
     pub normal: Vec3,
     /// Index in [`crate::desc::SceneDesc::surfaces`].
     pub surface: u32,
 }
 
-/// All surfaces of a scene as triangles whose vertices are to be lit.
+/// All surfaces of a scene as triangles whose vertices are baked.
 ///
-/// A vertex stands for the part of the surface that is nearest to it: of each triangle around it the quadrilateral between the
-/// vertex, the middles of the two sides and the triangle's centre. Its irradiance is the mean over that part, so that areas times
-/// irradiances add up to the light that the surface receives, and nothing is asked for in the very corner of a room.
+/// A vertex represents the part of the surface that is nearest to it: in each triangle around it, the quadrilateral
+/// between the vertex, the middles of the two sides and the triangle's centre. Its irradiance is the mean over that
+/// part. The sum of area times irradiance is therefore the light that the surface receives, and no irradiance is
+/// evaluated in the very corner of a room.
 #[derive(Clone, Debug)]
 pub struct Vertices {
     vertices: Vec<LitVertex>,
     triangles: Vec<[u32; 3]>,
-    /// First vertex of each surface that has any, by the number of the surface.
+    /// First vertex of each surface that has any, by the index of the surface.
     firsts: Vec<(u32, u32)>,
     sites: Arc<Sites>,
     /// The vertex of each site.
@@ -57,39 +59,39 @@ pub struct Vertices {
     /// Area of each site.
     areas: Vec<f64>,
     /// Reflectance and emitted radiosity of each surface that has vertices.
-    looks: HashMap<u32, (Rgb, Rgb)>,
+    reflections: HashMap<u32, (Rgb, Rgb)>,
     _charge: Option<Arc<Charge>>,
 }
 
-/// What part of all work is done when the meshes are there, and when they are cut, about.
+/// Approximate fraction of all work that is done when the meshes are there, and when they are subdivided.
 const MESHES_END: f64 = 0.2;
-const CUTS_END: f64 = 0.7;
+const SUBDIVISION_END: f64 = 0.7;
 
-/// Bytes for each vertex, its sums and results among them.
+/// Bytes for each vertex, including its sums and results.
 const BYTES_PER_VERTEX: u64 = 400;
 
-/// Bytes for each triangle, its pieces among them.
+/// Bytes for each triangle, including its pieces.
 const BYTES_PER_TRIANGLE: u64 = 6 * (size_of::<Piece>() as u64 + 24) + 64;
 
 impl Vertices {
-    /// Of all surfaces, in the order of the description.
+    /// The vertices of all surfaces, in the order of the description.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidScene`] for a spacing that is none and a scene without a surface; `OutOfMemory` past `memory` or the
-    /// device's limit; `Cancelled`.
+    /// [`ErrorKind::InvalidScene`] for an invalid spacing and a scene without a surface; `OutOfMemory` past `memory` or
+    /// the device's limit; `Cancelled`.
     pub fn new(scene: &Scene, options: &VertexOptions, cancel: &Cancel) -> Result<Self> {
         Self::of_surfaces(scene, options, None, cancel)
     }
 
-    /// The same; `only`: of one surface alone, by its index in [`crate::desc::SceneDesc::surfaces`].
+    /// The vertices of all surfaces, or of the surface with index `only` in [`crate::desc::SceneDesc::surfaces`].
     ///
     /// # Errors
-    /// As for [`Vertices::new`]; `InvalidScene` too where there is no such surface.
+    /// As for [`Vertices::new`]; also `InvalidScene` where there is no such surface.
     pub fn of_surfaces(scene: &Scene, options: &VertexOptions, only: Option<u32>, cancel: &Cancel) -> Result<Self> {
         Self::make(scene, options, only, &WorkProgress::new(cancel))
     }
 
-    /// The same, stopped by `look_up` as in [`super::Atlas::watched`].
+    /// The same with a callback `look_up`, as in [`super::Atlas::watched`].
     ///
     /// # Errors
     /// As for [`Vertices::of_surfaces`].
@@ -121,10 +123,10 @@ impl Vertices {
         progress.stage(MESHES_END, scene.surface_mesh_items())?;
         let mut meshes = scene.watched_surface_meshes(progress)?;
         meshes.retain(|mesh| only.is_none_or(|only| mesh.surface == only));
-        let cuts: Vec<u64> = meshes.iter().map(|mesh| cuts(mesh, options.spacing)).collect();
-        for (mesh, &n) in meshes.iter().zip(&cuts) {
+        let subdivisions: Vec<u64> = meshes.iter().map(|mesh| subdivisions(mesh, options.spacing)).collect();
+        for (mesh, &n) in meshes.iter().zip(&subdivisions) {
             let triangles = (mesh.triangles.len() as u64).saturating_mul(n.saturating_mul(n));
-            // Of a triangle cut n times, at most as many new vertices as triangles.
+            // A triangle divided into n x n has at most as many new vertices as triangles.
             let vertices = if n > 1 { triangles.saturating_mul(2) } else { 0 } + mesh.positions.len() as u64;
             bytes = bytes.saturating_add(triangles.saturating_mul(BYTES_PER_TRIANGLE));
             bytes = bytes.saturating_add(vertices.saturating_mul(BYTES_PER_VERTEX));
@@ -133,37 +135,37 @@ impl Vertices {
             return Err(past(bytes));
         }
         let charge = scene.device().charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
-        progress.stage(CUTS_END, meshes.iter().map(|mesh| mesh.triangles.len()).sum())?;
-        let mut maker = Maker::default();
-        let mut made = Self {
+        progress.stage(SUBDIVISION_END, meshes.iter().map(|mesh| mesh.triangles.len()).sum())?;
+        let mut builder = VertexBuilder::default();
+        let mut vertices = Self {
             vertices: Vec::new(),
             triangles: Vec::new(),
             firsts: Vec::new(),
             sites: Arc::default(),
             numbers: Vec::new(),
             areas: Vec::new(),
-            looks: HashMap::new(),
+            reflections: HashMap::new(),
             _charge: charge.map(Arc::new),
         };
-        for (mesh, n) in meshes.iter().zip(cuts) {
-            made.add(scene, mesh, n as u32, &mut maker, progress)?;
+        for (mesh, n) in meshes.iter().zip(subdivisions) {
+            vertices.add(scene, mesh, n as u32, &mut builder, progress)?;
         }
         drop(meshes_charge);
-        if made.triangles.is_empty() {
+        if vertices.triangles.is_empty() {
             return Err(Error::new(ErrorKind::InvalidScene, "the scene has no surface whose vertices could be lit"));
         }
-        progress.stage(1.0, maker.cells.len())?;
-        made.finish(&meshes, maker, progress)?;
-        Ok(made)
+        progress.stage(1.0, builder.cells.len())?;
+        vertices.finish(&meshes, builder, progress)?;
+        Ok(vertices)
     }
 
-    /// Vertices, those of a surface together: of a mesh all as they were given, in that order; of a triangle or a quad its corners;
-    /// of an analytic shape points of it; then those that cutting made.
+    /// Vertices, grouped by surface: of a mesh all as they were given, in that order; of a triangle or quad its
+    /// corners; of an analytic shape points of it; then the vertices that subdivision added.
     pub fn vertices(&self) -> &[LitVertex] {
         &self.vertices
     }
 
-    /// Three vertex numbers for each triangle, counter-clockwise seen from outside.
+    /// Three vertex indices for each triangle, counter-clockwise seen from outside.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
@@ -175,7 +177,7 @@ impl Vertices {
         self.firsts[at].1 as usize..end
     }
 
-    /// The parts of surfaces that vertices stand for; vertices of no triangle have none.
+    /// The parts of surfaces that vertices represent; a vertex that belongs to no triangle has none.
     pub fn sites(&self) -> &Arc<Sites> {
         &self.sites
     }
@@ -190,7 +192,7 @@ impl Vertices {
         &self.areas
     }
 
-    /// Values of sites as values of vertices, zero for vertices of no triangle.
+    /// Distributes values of sites to their vertices; zero for vertices that belong to no triangle.
     pub fn spread(&self, values: &[[f32; 3]]) -> Vec<[f32; 3]> {
         let mut spread = vec![[0.0; 3]; self.vertices.len()];
         for (&vertex, value) in self.numbers.iter().zip(values) {
@@ -199,24 +201,25 @@ impl Vertices {
         spread
     }
 
-    /// Radiosity [W m^-2] on the outer side (`front`) or the other of each vertex, by its irradiance there: what a diffuse surface
-    /// reflects of it, and what it emits, on the outer side alone. Mirrors and glass reflect nothing here.
+    /// Radiosity [W m^-2] on the outer side (`front`) or the inner one of each vertex, from its irradiance on that
+    /// side: the light that a diffuse surface reflects, plus its emission, on the outer side alone. Mirrors and glass
+    /// reflect nothing here.
     pub fn radiosity(&self, irradiance: &[[f32; 3]], front: bool) -> Vec<[f32; 3]> {
         let of = |(vertex, irradiance): (&LitVertex, &[f32; 3])| {
-            let (reflectance, emitted) = self.looks.get(&vertex.surface).copied().unwrap_or_default();
+            let (reflectance, emitted) = self.reflections.get(&vertex.surface).copied().unwrap_or_default();
             let emitted = if front { emitted } else { Rgb::ZERO };
             (reflectance * Rgb::from(*irradiance) + emitted).to_array()
         };
         self.vertices.iter().zip(irradiance).map(of).collect()
     }
 
-    /// Vertices and triangles of a surface, each triangle cut into n x n.
+    /// Adds vertices and triangles of a surface, each triangle divided into n x n.
     fn add(
         &mut self,
         scene: &Scene,
         mesh: &SurfaceMesh,
         n: u32,
-        maker: &mut Maker,
+        builder: &mut VertexBuilder,
         progress: &WorkProgress,
     ) -> Result<()> {
         let first = self.vertices.len() as u32;
@@ -224,42 +227,42 @@ impl Vertices {
         let vertex = |position| LitVertex { position, normal: Vec3::ZERO, surface: mesh.surface };
         self.vertices.extend(mesh.positions.iter().map(|&position| vertex(position)));
         let smooth = |number: usize| mesh.normals.as_ref().map_or(Vec3::ZERO, |normals| normals[number]);
-        maker.normals.extend((0..mesh.positions.len()).map(|i| (smooth(i).as_dvec3(), DVec3::ZERO)));
-        let mut on_sides: HashMap<(u32, u32, u32), u32> = HashMap::new();
+        builder.normals.extend((0..mesh.positions.len()).map(|i| (smooth(i).as_dvec3(), DVec3::ZERO)));
+        let mut edge_vertices: HashMap<(u32, u32, u32), u32> = HashMap::new();
         for (i, triangle) in mesh.triangles.iter().enumerate() {
             progress.check()?;
             progress.spend(1);
             let facet = mesh.facets[i];
-            let facet_number = maker.facet_count;
-            maker.facet_count += 1;
+            let facet_number = builder.facet_count;
+            builder.facet_count += 1;
             let corners = triangle.map(|corner| mesh.positions[corner as usize]);
             let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-            let share = |k: u32| k as f32 / n as f32;
-            // Weights of the second and third corner, in n-ths.
+            let fraction = |k: u32| k as f32 / n as f32;
+            // Weights of the second and third corner, in units of 1/n.
             let mut number = |j: u32, k: u32| {
                 let weights = [n - j - k, j, k];
                 if let Some(corner) = weights.iter().position(|&weight| weight == n) {
                     return first + triangle[corner];
                 }
                 let mut make = || {
-                    let point = scene.facet_point(&facet, share(j), share(k));
+                    let point = scene.facet_point(&facet, fraction(j), fraction(k));
                     self.vertices.push(vertex(point.point.p.as_dvec3() + scene.centre()));
                     let ns = if mesh.normals.is_some() { point.ns.as_dvec3() } else { DVec3::ZERO };
-                    maker.normals.push((ns, DVec3::ZERO));
+                    builder.normals.push((ns, DVec3::ZERO));
                     self.vertices.len() as u32 - 1
                 };
-                // On a side, it is the neighbour's too.
+                // A vertex on a side belongs to the neighbour too.
                 match weights.iter().position(|&weight| weight == 0) {
                     Some(zero) => {
                         let (a, b) = ((zero + 1) % 3, (zero + 2) % 3);
                         let (from, to, at) =
                             if triangle[a] < triangle[b] { (a, b, weights[b]) } else { (b, a, weights[a]) };
-                        *on_sides.entry((triangle[from], triangle[to], at)).or_insert_with(make)
+                        *edge_vertices.entry((triangle[from], triangle[to], at)).or_insert_with(make)
                     }
                     None => make(),
                 }
             };
-            // Row by row; inner vertices belong to several of the parts.
+            // Row by row, because inner vertices belong to several of the small triangles.
             let mut rows: Vec<Vec<u32>> = Vec::with_capacity(n as usize + 1);
             for k in 0..=n {
                 rows.push((0..=n - k).map(|j| number(j, k)).collect());
@@ -268,9 +271,9 @@ impl Vertices {
             let mut part = |at: [[u32; 2]; 3]| {
                 let numbers = at.map(|[j, k]| rows[k as usize][j as usize]);
                 for number in numbers {
-                    maker.normals[number as usize].1 += cross;
+                    builder.normals[number as usize].1 += cross;
                 }
-                maker.cells(facet_number, at.map(|[j, k]| [share(j), share(k)]), numbers, area);
+                builder.cells(facet_number, at.map(|[j, k]| [fraction(j), fraction(k)]), numbers, area);
                 self.triangles.push(numbers);
             };
             for k in 0..n {
@@ -283,20 +286,20 @@ impl Vertices {
             }
         }
         if let Some(facet) = mesh.facets.first() {
-            self.looks.insert(mesh.surface, reflection(scene, facet));
+            self.reflections.insert(mesh.surface, reflection(scene, facet));
         }
         Ok(())
     }
 
-    fn finish(&mut self, meshes: &[SurfaceMesh], mut maker: Maker, progress: &WorkProgress) -> Result<()> {
-        for (vertex, (smooth, mean)) in self.vertices.iter_mut().zip(maker.normals) {
+    fn finish(&mut self, meshes: &[SurfaceMesh], mut builder: VertexBuilder, progress: &WorkProgress) -> Result<()> {
+        for (vertex, (smooth, mean)) in self.vertices.iter_mut().zip(builder.normals) {
             let normal = if smooth != DVec3::ZERO { smooth } else { mean };
             vertex.normal = normal.normalize_or_zero().as_vec3a();
         }
-        progress.sort(&mut maker.cells, &|a, b| (a.vertex, a.number).cmp(&(b.vertex, b.number)))?;
-        let mut pieces = Vec::with_capacity(maker.cells.len());
+        progress.sort(&mut builder.cells, &|a, b| (a.vertex, a.number).cmp(&(b.vertex, b.number)))?;
+        let mut pieces = Vec::with_capacity(builder.cells.len());
         let mut starts = vec![0];
-        for cells in maker.cells.chunk_by(|a, b| a.vertex == b.vertex) {
+        for cells in builder.cells.chunk_by(|a, b| a.vertex == b.vertex) {
             progress.check()?;
             progress.spend(cells.len());
             let whole: f64 = cells.iter().map(|cell| cell.area).sum();
@@ -320,27 +323,27 @@ impl Vertices {
     }
 }
 
-/// What is needed until the vertices are made.
+/// Data that is needed only while vertices are built.
 #[derive(Default)]
-struct Maker {
-    cells: Vec<Cell>,
-    /// Of each vertex, the shading normal and the sum of its triangles' normals.
+struct VertexBuilder {
+    cells: Vec<VertexCell>,
+    /// For each vertex, the shading normal and the sum of its triangles' normals.
     normals: Vec<(DVec3, DVec3)>,
     facet_count: u32,
 }
 
-/// A part of what a vertex stands for.
-struct Cell {
+/// A part of the area that a vertex represents.
+struct VertexCell {
     vertex: u32,
-    /// In the order in which they were made.
+    /// Order of creation.
     number: u32,
     facet: u32,
     corners: [[f32; 2]; 3],
     area: f64,
 }
 
-impl Maker {
-    /// The two parts of a triangle that each of its corners has.
+impl VertexBuilder {
+    /// Adds the two parts of a triangle that belong to each of its corners.
     fn cells(&mut self, facet: u32, corners: [[f32; 2]; 3], numbers: [u32; 3], area: f64) {
         let mean = |a: [f32; 2], b: [f32; 2]| [0, 1].map(|i| 0.5 * (a[i] + b[i]));
         let centre = [0, 1].map(|i| (corners[0][i] + corners[1][i] + corners[2][i]) / 3.0);
@@ -348,14 +351,14 @@ impl Maker {
             let [own, next, last] = [corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]];
             for corners in [[own, mean(own, next), centre], [own, centre, mean(own, last)]] {
                 let number = self.cells.len() as u32;
-                self.cells.push(Cell { vertex: numbers[i], number, facet, corners, area: area / 6.0 });
+                self.cells.push(VertexCell { vertex: numbers[i], number, facet, corners, area: area / 6.0 });
             }
         }
     }
 }
 
-/// Into how many parts the sides of a mesh's triangles are cut.
-fn cuts(mesh: &SurfaceMesh, spacing: Option<f64>) -> u64 {
+/// Number of parts into which the sides of a mesh's triangles are divided.
+fn subdivisions(mesh: &SurfaceMesh, spacing: Option<f64>) -> u64 {
     let Some(spacing) = spacing else { return 1 };
     let longest = mesh
         .triangles
@@ -365,6 +368,6 @@ fn cuts(mesh: &SurfaceMesh, spacing: Option<f64>) -> u64 {
             a.distance(b).max(b.distance(c)).max(c.distance(a))
         })
         .fold(0.0, f64::max);
-    // Whole but for rounding is whole.
+    // A ratio that is whole except for rounding counts as whole.
     ((longest / spacing - 1e-6).ceil().max(1.0) as u64).min(1 << 20)
 }

@@ -10,11 +10,11 @@ use crate::math::{DVec3, Ray, Vec3};
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
     origin: Vec3,
-    /// From the eye to the film's top left corner, at any scale.
+    /// Vector from the eye to the film's top left corner, at any scale.
     corner: Vec3,
     /// One pixel to the right.
     dx: Vec3,
-    /// One pixel down.
+    /// Step of one pixel down.
     dy: Vec3,
     /// Rays start on the film plane instead of in the eye.
     starts_on_plane: bool,
@@ -42,7 +42,7 @@ impl Camera {
         })?;
         let right = forward.cross(up);
         let parallel = || Error::invalid("camera.up", "is zero or parallel to the view direction");
-        // Parallel but for rounding counts as parallel: what is left of the cross product is noise.
+        // Vectors that are parallel except for rounding count as parallel: the rest of their cross product is noise.
         if right.length() <= 1e-12 * up.length() || !right.is_finite() {
             return Err(parallel());
         }
@@ -90,8 +90,8 @@ impl Camera {
         Ray::new(origin, to_film.normalize())
     }
 
-    /// The film position at which a scene-frame point would be seen, in pixels as [`Camera::ray`] takes them, perhaps beyond
-    /// the film's edges; `None` for what is behind the eye, or before the near plane where there is one.
+    /// The film position of a scene-frame point, in pixels as [`Camera::ray`] takes them, possibly beyond the film's
+    /// edges; `None` for a point behind the eye, or before the near plane where there is one.
     pub fn film_position(&self, p: Vec3) -> Option<[f32; 2]> {
         let [corner, dx, dy] = [self.corner, self.dx, self.dy].map(|v| v.as_dvec3());
         let v = (p - self.origin).as_dvec3();

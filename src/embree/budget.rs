@@ -1,18 +1,18 @@
-//! Memory that several devices, and others, take from one allowance.
+//! A memory allowance that several devices and other users share.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::{Error, ErrorKind, Result};
 
-/// An allowance of bytes that is shared: by the devices that were given it ([`super::DeviceOptions::budget`]), by the
-/// geometry of the scenes built with them, and by whoever else charges it. Clones are one and the same. Free to be used
-/// from any thread.
+/// A shared allowance of bytes, for the devices that were created with it ([`super::DeviceOptions::budget`]), for the
+/// geometry of the scenes built with them, and for anything else that charges it. Clones are the same allowance. It may
+/// be used from any thread.
 #[derive(Clone, Debug)]
-pub struct MemoryBudget(Arc<Counter>);
+pub struct MemoryBudget(Arc<BudgetCounter>);
 
 #[derive(Debug)]
-struct Counter {
+struct BudgetCounter {
     limit: usize,
     used: AtomicUsize,
     peak: AtomicUsize,
@@ -21,7 +21,7 @@ struct Counter {
 impl MemoryBudget {
     /// An allowance of `limit` bytes, none of them used; `usize::MAX` only counts.
     pub fn new(limit: usize) -> Self {
-        Self(Arc::new(Counter { limit, used: AtomicUsize::new(0), peak: AtomicUsize::new(0) }))
+        Self(Arc::new(BudgetCounter { limit, used: AtomicUsize::new(0), peak: AtomicUsize::new(0) }))
     }
 
     /// The allowance, in bytes.
@@ -29,12 +29,13 @@ impl MemoryBudget {
         self.0.limit
     }
 
-    /// Bytes in use now. May pass the limit for a moment, by what Embree reports only after it took it.
+    /// Bytes in use now. They may exceed the limit for a moment, because Embree reports some memory only after it was
+    /// allocated.
     pub fn used(&self) -> usize {
         self.0.used.load(Ordering::Relaxed)
     }
 
-    /// The most bytes that were ever in use at once.
+    /// The most bytes that were ever in use at the same time.
     pub fn peak(&self) -> usize {
         self.0.peak.load(Ordering::Relaxed)
     }
@@ -44,15 +45,15 @@ impl MemoryBudget {
     /// # Errors
     /// [`ErrorKind::OutOfMemory`] if fewer are left; nothing is taken then.
     pub fn try_charge(&self, bytes: usize) -> Result<Charge> {
-        if self.take(bytes) {
+        if self.try_take(bytes) {
             return Ok(Charge { budget: self.clone(), bytes });
         }
         let message = format!("{bytes} bytes more are past the limit of {}: {} are in use", self.limit(), self.used());
         Err(Error::new(ErrorKind::OutOfMemory, message))
     }
 
-    /// Takes `bytes` if they are left.
-    pub(super) fn take(&self, bytes: usize) -> bool {
+    /// Takes `bytes` if that many are left.
+    pub(super) fn try_take(&self, bytes: usize) -> bool {
         let within = |used: usize| used.checked_add(bytes).filter(|&sum| sum <= self.0.limit);
         let taken = self.0.used.fetch_update(Ordering::Relaxed, Ordering::Relaxed, within);
         match taken {
@@ -64,20 +65,20 @@ impl MemoryBudget {
         }
     }
 
-    /// Takes `bytes` that are in use already, whatever the limit; whether it still holds.
-    pub(super) fn take_anyway(&self, bytes: usize) -> bool {
+    /// Takes `bytes` that are already in use, whatever the limit is; returns whether the limit still holds.
+    pub(super) fn force_take(&self, bytes: usize) -> bool {
         let now = self.0.used.fetch_add(bytes, Ordering::Relaxed).saturating_add(bytes);
         self.0.peak.fetch_max(now, Ordering::Relaxed);
         now <= self.0.limit
     }
 
-    pub(super) fn give_back(&self, bytes: usize) {
+    pub(super) fn release(&self, bytes: usize) {
         self.0.used.fetch_sub(bytes, Ordering::Relaxed);
     }
 }
 
 impl PartialEq for MemoryBudget {
-    /// Whether both are the same allowance, not whether they are alike.
+    /// Whether both are the same allowance, not whether their values are equal.
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
@@ -93,7 +94,7 @@ pub struct Charge {
 }
 
 impl Charge {
-    /// How many.
+    /// Number of bytes.
     pub fn bytes(&self) -> usize {
         self.bytes
     }
@@ -101,7 +102,7 @@ impl Charge {
 
 impl Drop for Charge {
     fn drop(&mut self) {
-        self.budget.give_back(self.bytes);
+        self.budget.release(self.bytes);
     }
 }
 
@@ -121,8 +122,8 @@ mod tests {
         assert_eq!((budget.used(), budget.peak()), (40, 100));
         drop(second);
         assert_eq!(budget.used(), 0);
-        assert!(!budget.take_anyway(101));
-        budget.give_back(101);
+        assert!(!budget.force_take(101));
+        budget.release(101);
         assert_eq!((budget.used(), budget.peak()), (0, 101));
     }
 

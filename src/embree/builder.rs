@@ -6,14 +6,14 @@ use std::sync::Arc;
 use super::commit::commit;
 use super::device::Device;
 use super::mesh::{MAX_COORDINATE, TriangleMesh, in_range};
-use super::scene::{Features, Kept, Scene, SceneInner};
-use super::user::{self, UserGeometry, UserState};
+use super::scene::{Features, GeometryData, Scene, SceneInner};
+use super::user::{self, UserGeometry, UserGeometryData};
 use super::width::PacketWidth;
 use super::{ray, sys};
 use crate::math::DAffine3;
 use crate::{Cancel, Error, ErrorKind, Result};
 
-/// How much work goes into the hierarchy.
+/// Effort that is spent on the hierarchy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BuildQuality {
     /// Fastest to build, slowest to trace: for scenes that change often.
@@ -28,12 +28,12 @@ pub enum BuildQuality {
 /// How a scene is built and traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SceneOptions {
-    /// Rays cannot slip through between triangles that share an edge, and box tests never lose a hit. A little slower.
+    /// Rays cannot pass between triangles that share an edge, and box tests never lose a hit. A little slower.
     ///
-    /// What remains is a point: of rays aimed at the very vertices of a fine mesh about 1 in 100 slips through
+    /// What remains are points: of rays aimed exactly at the vertices of a fine mesh about 1 in 100 passes through
     /// (measured on a sphere of 100 by 200), and none a millionth beside them. Random rays do not find these points.
     pub robust: bool,
-    /// How much work goes into the hierarchy.
+    /// Effort that is spent on the hierarchy.
     pub quality: BuildQuality,
     /// Less memory, a little slower.
     pub compact: bool,
@@ -45,20 +45,20 @@ impl Default for SceneOptions {
     }
 }
 
-/// Which geometry of a scene; counts from 0 in the order of adding.
+/// Identifier of a geometry in a scene; counts from 0 in the order of adding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct GeometryId(
-    /// As it appears in [`super::Hit::geom`], or in [`super::Hit::inst`] for an instance.
+    /// The same value as in [`super::Hit::geom`], or in [`super::Hit::inst`] for an instance.
     pub u32,
 );
 
-/// A scene that takes geometry and answers no queries yet.
+/// A scene to which geometry is added; it cannot be queried yet.
 pub struct SceneBuilder {
     inner: SceneInner,
     cancel: Cancel,
 }
 
-/// One reference to an Embree geometry, given back when dropped.
+/// A reference to an Embree geometry, released when dropped.
 struct Geometry(sys::RTCGeometry);
 
 impl Drop for Geometry {
@@ -79,7 +79,7 @@ impl SceneBuilder {
         Self::cancellable(device, options, &Cancel::new())
     }
 
-    /// An empty scene whose builder gives up, with [`ErrorKind::Cancelled`], once `cancel` was cancelled: while it builds,
+    /// An empty scene whose builder stops with [`ErrorKind::Cancelled`] once `cancel` was cancelled: while it builds,
     /// and while it waits for another build on the same device.
     ///
     /// # Errors
@@ -113,7 +113,7 @@ impl SceneBuilder {
         }
         let inner = SceneInner {
             raw,
-            kept: Vec::new(),
+            data: Vec::new(),
             features: Features::default(),
             mask: sys::RTC_FEATURE_FLAG_NONE,
             width: PacketWidth::One,
@@ -132,10 +132,10 @@ impl SceneBuilder {
         let (vertex_stride, index_stride) = (mesh.vertices().stride(), mesh.indices().stride());
         let (vertex_count, index_count) = (mesh.vertices().len(), mesh.indices().len());
         let fill = |geometry| {
-            // SAFETY: both buffers hold as many items as said, of the format and at the distance said; they are immutable
-            // and stay where they are for as long as their owners, behind an `Arc` each that `kept` holds until after
-            // the scene is released. Indices are below the vertex count (`TriangleMesh`), and 16 bytes can be read from
-            // the last vertex (`VertexBuffer`).
+            // SAFETY: both buffers hold as many items as said, of the format and at the distance said; they are
+            // immutable and stay where they are for as long as their owners, behind an `Arc` each that `data` holds
+            // until after the scene is released. Indices are below the vertex count (`TriangleMesh`), and 16 bytes can
+            // be read from the last vertex (`VertexBuffer`).
             unsafe {
                 sys::rtcSetSharedGeometryBuffer(
                     geometry,
@@ -160,17 +160,17 @@ impl SceneBuilder {
             }
         };
         let features = Features { triangles: true, ..Features::default() };
-        self.attach(sys::RTC_GEOMETRY_TYPE_TRIANGLE, features, Kept::Triangles(mesh), fill)
+        self.attach(sys::RTC_GEOMETRY_TYPE_TRIANGLE, features, GeometryData::Triangles(mesh), fill)
     }
 
-    /// Adds Embree's own spheres: x, y, z and radius each. Their test is in single precision.
+    /// Adds Embree's own spheres, each as x, y, z and radius. Embree intersects them in single precision.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidScene`] for no sphere, or one that is not finite, reaches past [`MAX_COORDINATE`], or whose
     /// radius is not positive; [`ErrorKind::Device`] or [`ErrorKind::OutOfMemory`].
     pub fn add_spheres(&mut self, spheres: Vec<[f32; 4]>) -> Result<GeometryId> {
-        let good = |s: &[f32; 4]| s[3] > 0.0 && s[..3].iter().all(|&x| in_range(x.abs() + s[3]));
-        if let Some((index, sphere)) = spheres.iter().enumerate().find(|(_, s)| !good(s)) {
+        let is_valid = |s: &[f32; 4]| s[3] > 0.0 && s[..3].iter().all(|&x| in_range(x.abs() + s[3]));
+        if let Some((index, sphere)) = spheres.iter().enumerate().find(|(_, s)| !is_valid(s)) {
             let message =
                 format!("sphere {index} is {sphere:?}: needs a positive radius and to lie below {MAX_COORDINATE:e}");
             return Err(Error::new(ErrorKind::InvalidScene, message));
@@ -182,7 +182,7 @@ impl SceneBuilder {
         let (data, count) = (spheres.as_ptr(), spheres.len());
         let fill = |geometry| {
             // SAFETY: the buffer holds `count` items of four floats (the last is readable as 16 bytes), is never
-            // changed, and stays where it is on the heap: moving the vector into `kept` does not move it.
+            // changed, and stays where it is on the heap: moving the vector into `data` does not move it.
             unsafe {
                 sys::rtcSetSharedGeometryBuffer(
                     geometry,
@@ -197,7 +197,7 @@ impl SceneBuilder {
             }
         };
         let features = Features { spheres: true, ..Features::default() };
-        self.attach(sys::RTC_GEOMETRY_TYPE_SPHERE_POINT, features, Kept::Spheres(spheres), fill)
+        self.attach(sys::RTC_GEOMETRY_TYPE_SPHERE_POINT, features, GeometryData::Spheres(spheres), fill)
     }
 
     /// Adds primitives with an intersection test of their own.
@@ -206,13 +206,13 @@ impl SceneBuilder {
     /// [`ErrorKind::InvalidScene`] for no primitive or a box that is not finite and ordered; [`ErrorKind::Device`] or
     /// [`ErrorKind::OutOfMemory`].
     pub fn add_user<G: UserGeometry>(&mut self, geometry: Arc<G>) -> Result<GeometryId> {
-        let state = Arc::new(UserState::new(geometry, &self.cancel)?);
-        let pointer = user::user_pointer(&state);
-        let kept: Arc<dyn user::ErasedUser> = state;
-        let count = kept.len();
+        let data = Arc::new(UserGeometryData::new(geometry, &self.cancel)?);
+        let pointer = user::user_pointer(&data);
+        let data: Arc<dyn user::ErasedUserData> = data;
+        let count = data.len();
         let fill = |geometry| {
-            // SAFETY: `pointer` is the `UserState<G>` that `kept` holds until after the scene is released, and the
-            // three functions are those for the same `G`. `count` fits in 32 bits (`UserState::new`).
+            // SAFETY: `pointer` is the `UserGeometryData<G>` that `data` holds until after the scene is released, and
+            // the three functions are those for the same `G`. `count` fits in 32 bits (`UserGeometryData::new`).
             unsafe {
                 sys::rtcSetGeometryUserPrimitiveCount(geometry, count as u32);
                 sys::rtcSetGeometryUserData(geometry, pointer);
@@ -222,7 +222,7 @@ impl SceneBuilder {
             }
         };
         let features = Features { user: true, ..Features::default() };
-        self.attach(sys::RTC_GEOMETRY_TYPE_USER, features, Kept::User(kept), fill)
+        self.attach(sys::RTC_GEOMETRY_TYPE_USER, features, GeometryData::User(data), fill)
     }
 
     /// Adds another scene, moved by `transform` (its frame to this scene's), which is rounded to single precision.
@@ -260,7 +260,7 @@ impl SceneBuilder {
         }
         let instanced = scene.inner.raw;
         let fill = |geometry| {
-            // SAFETY: the instanced scene is committed, of the same device, and kept alive by `kept`; the format is
+            // SAFETY: the instanced scene is committed, of the same device, and kept alive by `data`; the format is
             // that of twelve floats, column by column, which are read during the call.
             unsafe {
                 sys::rtcSetGeometryInstancedScene(geometry, instanced);
@@ -270,15 +270,16 @@ impl SceneBuilder {
             }
         };
         let features = Features { instances: true, ..scene.features() };
-        self.attach(sys::RTC_GEOMETRY_TYPE_INSTANCE, features, Kept::Instance(scene.clone()), fill)
+        self.attach(sys::RTC_GEOMETRY_TYPE_INSTANCE, features, GeometryData::Instance(scene.clone()), fill)
     }
 
-    /// Makes a geometry, has `fill` set its data, and attaches it; `kept` is what the data points into.
+    /// Creates a geometry, sets its data by `fill`, and attaches it. `data` owns the memory to which the geometry
+    /// points.
     fn attach(
         &mut self,
         kind: sys::RTCGeometryType,
         features: Features,
-        kept: Kept,
+        data: GeometryData,
         fill: impl FnOnce(sys::RTCGeometry),
     ) -> Result<GeometryId> {
         let device = &self.inner.device;
@@ -289,8 +290,8 @@ impl SceneBuilder {
             // SAFETY: the geometry is alive and no other thread has it.
             unsafe { sys::rtcCommitGeometry(geometry.0) }
         })?;
-        // From here on the scene may refer to the data, so it is kept whatever happens next, and the scene may have it.
-        self.inner.kept.push(kept);
+        // From here on the scene may refer to the data, so the data is stored whatever happens next.
+        self.inner.data.push(data);
         self.inner.features = self.inner.features.union(features);
         // SAFETY: scene and geometry are of the same device, and `self` alone has the scene.
         let id = device.guarded(&self.cancel, || unsafe { sys::rtcAttachGeometry(self.inner.raw, geometry.0) })?;
@@ -302,13 +303,14 @@ impl SceneBuilder {
 
     /// Builds the hierarchy.
     ///
-    /// `progress` is told the finished fraction, which never falls and ends with 1, and answers whether to go on. It is
-    /// called from the threads that build, by one at a time, and must not use the device.
+    /// `progress` receives the finished fraction, which never falls and ends with 1, and returns whether to continue.
+    /// It is called from the threads that build, by one at a time, and must not use the device.
     ///
     /// # Errors
-    /// [`ErrorKind::Cancelled`] if `progress` said so, [`ErrorKind::OutOfMemory`], [`ErrorKind::Device`], and
-    /// [`ErrorKind::Internal`] if `progress` panicked. A large build that is cancelled may go on for a moment on a thread
-    /// of its own, since Embree is deaf at its beginning; see [`super::Device::wait_idle`].
+    /// [`ErrorKind::Cancelled`] if `progress` returned false, [`ErrorKind::OutOfMemory`], [`ErrorKind::Device`], and
+    /// [`ErrorKind::Internal`] if `progress` panicked. A large build that is cancelled may continue for a moment on a
+    /// thread of its own, since Embree does not check for cancellation at its beginning; see
+    /// [`super::Device::wait_idle`].
     pub fn commit(self, progress: Option<&(dyn Fn(f64) -> bool + Sync)>) -> Result<Scene> {
         commit(self.inner, &self.cancel, progress)
     }

@@ -1,4 +1,4 @@
-//! Building a hierarchy, so that whoever waits for it can be told to stop.
+//! Builds a hierarchy in such a way that a caller who waits for it can be cancelled.
 
 use std::any::Any;
 use std::ffi::c_void;
@@ -7,48 +7,51 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use super::device::{Building, lock};
-use super::scene::{Kept, Scene, SceneInner};
+use super::device::{DetachedBuild, lock};
+use super::scene::{GeometryData, Scene, SceneInner};
 use super::sys;
 use super::user::panic_text;
 use super::width::PacketWidth;
 use crate::{Cancel, Error, ErrorKind, Result};
 
-/// From so many primitives on, the beginning of a build, in which Embree asks nobody whether to go on, may take longer
-/// than a cancelled caller should wait: 30 to 50 ms for a million triangles on two threads.
+/// Builds with at least this many primitives run on another thread. Embree does not call the progress monitor at the
+/// beginning of a build, which may take longer than a cancelled caller should wait: 30 to 50 ms for a million triangles
+/// on two threads.
 const LONG_BUILD: usize = 100_000;
 
-/// How long a cancelled build is given to notice before its caller leaves it to itself.
-const PATIENCE: Duration = Duration::from_millis(4);
+/// Time that a cancelled build has to stop before its caller returns without it.
+const CANCEL_GRACE: Duration = Duration::from_millis(4);
 
-/// How often the caller of a long build looks whether it was cancelled.
-const LOOK: Duration = Duration::from_millis(1);
+/// Interval at which the caller of a long build checks for cancellation.
+const POLL_INTERVAL: Duration = Duration::from_millis(1);
 
-type Report<'a> = &'a (dyn Fn(f64) -> bool + Sync);
+type ProgressCallback<'a> = &'a (dyn Fn(f64) -> bool + Sync);
 
 /// Builds the hierarchy of a scene that is complete.
-pub(super) fn commit(inner: SceneInner, cancel: &Cancel, progress: Option<Report>) -> Result<Scene> {
-    // SAFETY: only the lifetime changes; `Watch::close` below takes the reference away before this function is left.
-    let report = progress.map(|report| unsafe { std::mem::transmute::<Report, Report<'static>>(report) });
-    let watch = Arc::new(Watch {
+pub(super) fn commit(inner: SceneInner, cancel: &Cancel, progress: Option<ProgressCallback>) -> Result<Scene> {
+    // SAFETY: only the lifetime changes; `BuildMonitor::close` below takes the reference away before this function is
+    // left.
+    let callback = progress
+        .map(|callback| unsafe { std::mem::transmute::<ProgressCallback, ProgressCallback<'static>>(callback) });
+    let monitor = Arc::new(BuildMonitor {
         cancel: cancel.clone(),
-        state: Mutex::new(State { report, last: None, stop: false, panic: None }),
+        progress_state: Mutex::new(ProgressState { callback, last: None, stop: false, panic: None }),
     });
-    let closing = Closing(&watch);
-    let primitives: usize = inner.kept.iter().map(Kept::primitives).sum();
-    // A device of one thread has none to spare.
+    let detach = DetachCallback(&monitor);
+    let primitives: usize = inner.data.iter().map(GeometryData::primitives).sum();
+    // A device with one thread has no other thread for the build.
     let outcome = if primitives < LONG_BUILD || inner.device.threads() < 2 {
-        build(inner, &watch)
+        build(inner, &monitor)
     } else {
-        build_aside(inner, &watch)
+        build_on_thread(inner, &monitor)
     };
-    drop(closing);
-    // What the callback did is told rather than what Embree made of it.
-    let state = lock(&watch.state);
-    if let Some(message) = &state.panic {
+    drop(detach);
+    // Errors of the callback take precedence over the error that Embree reports because of them.
+    let progress_state = lock(&monitor.progress_state);
+    if let Some(message) = &progress_state.panic {
         return Err(Error::new(ErrorKind::Internal, format!("the progress callback panicked: {message}")));
     }
-    if state.stop {
+    if progress_state.stop {
         return Err(cancelled());
     }
     outcome
@@ -58,29 +61,29 @@ fn cancelled() -> Error {
     Error::new(ErrorKind::Cancelled, "the build was cancelled")
 }
 
-/// Builds on another thread, which is left to itself if it does not hear.
-fn build_aside(inner: SceneInner, watch: &Arc<Watch>) -> Result<Scene> {
-    let building = Building::new(&inner.device);
+/// Builds on another thread, which is detached if it does not stop in time after a cancellation.
+fn build_on_thread(inner: SceneInner, monitor: &Arc<BuildMonitor>) -> Result<Scene> {
+    let running = DetachedBuild::new(&inner.device);
     let (sender, receiver) = mpsc::channel();
-    let own = Arc::clone(watch);
+    let own = Arc::clone(monitor);
     std::thread::Builder::new()
         .name("etendue-build".to_owned())
         .spawn(move || {
-            // Nobody may be waiting any more; then all of it is given back here.
+            // If the caller has already returned, the scene is released here.
             let _ = sender.send(build(inner, &own));
-            drop(building);
+            drop(running);
         })
         .map_err(|error| Error::new(ErrorKind::Device, "no thread could be started for a build").because(error))?;
-    let mut deaf_since = None;
+    let mut cancelled_since = None;
     loop {
-        match receiver.recv_timeout(LOOK) {
+        match receiver.recv_timeout(POLL_INTERVAL) {
             Ok(outcome) => return outcome,
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(Error::new(ErrorKind::Internal, "the building thread panicked"));
             }
-            Err(RecvTimeoutError::Timeout) if watch.is_stopped() => {
-                let since = *deaf_since.get_or_insert_with(Instant::now);
-                if since.elapsed() >= PATIENCE {
+            Err(RecvTimeoutError::Timeout) if monitor.is_stopped() => {
+                let since = *cancelled_since.get_or_insert_with(Instant::now);
+                if since.elapsed() >= CANCEL_GRACE {
                     return Err(cancelled());
                 }
             }
@@ -89,74 +92,74 @@ fn build_aside(inner: SceneInner, watch: &Arc<Watch>) -> Result<Scene> {
     }
 }
 
-/// Has Embree build.
-fn build(mut inner: SceneInner, watch: &Arc<Watch>) -> Result<Scene> {
+/// Runs Embree's build.
+fn build(mut inner: SceneInner, monitor: &Arc<BuildMonitor>) -> Result<Scene> {
     let device = Arc::clone(&inner.device);
     let raw = inner.raw;
-    let mut grown = 0;
-    device.guarded(&watch.cancel, || {
+    let mut bvh_bytes = 0;
+    device.guarded(&monitor.cancel, || {
         let before = device.memory_bytes();
-        // SAFETY: the scene is alive and no other thread has it. `watch` lives to the end of this function, and the
-        // callback is removed before that. Joining is what makes Embree build within the device's own number of threads.
-        // Nobody else ever joins: two who do and a build that fails would both release its exception.
+        // SAFETY: the scene is alive and no other thread has it. `monitor` lives to the end of this function, and the
+        // callback is removed before that. Joining is what makes Embree build within the device's own number of
+        // threads. No other thread ever joins: if two threads joined and the build failed, both would release its exception.
         unsafe {
-            let data = Arc::as_ptr(watch).cast_mut().cast();
+            let data = Arc::as_ptr(monitor).cast_mut().cast();
             sys::rtcSetSceneProgressMonitorFunction(raw, Some(on_progress), data);
             sys::rtcJoinCommitScene(raw);
             sys::rtcSetSceneProgressMonitorFunction(raw, None, std::ptr::null_mut());
         }
-        grown = device.memory_bytes().saturating_sub(before);
+        bvh_bytes = device.memory_bytes().saturating_sub(before);
     })?;
-    watch.advance(1.0);
-    inner.bvh_bytes = grown;
+    monitor.advance(1.0);
+    inner.bvh_bytes = bvh_bytes;
     inner.mask = inner.features.mask();
     if !inner.features.user && !inner.features.spheres {
         inner.width = PacketWidth::of(device.raw);
     }
-    inner.kept.shrink_to_fit();
+    inner.data.shrink_to_fit();
     Ok(Scene { inner: Arc::new(inner) })
 }
 
-/// Who is told how far a build is, and what came of it.
-struct Watch {
+/// Cancellation and progress callback of a build, and their outcome.
+struct BuildMonitor {
     cancel: Cancel,
-    state: Mutex<State>,
+    progress_state: Mutex<ProgressState>,
 }
 
-struct State {
-    /// The caller's function, for as long as the caller is there.
-    report: Option<Report<'static>>,
+struct ProgressState {
+    /// The caller's callback, which is present as long as the caller waits.
+    callback: Option<ProgressCallback<'static>>,
     last: Option<f64>,
     stop: bool,
     panic: Option<String>,
 }
 
-impl Watch {
+impl BuildMonitor {
     fn is_stopped(&self) -> bool {
-        self.cancel.is_cancelled() || lock(&self.state).stop
+        self.cancel.is_cancelled() || lock(&self.progress_state).stop
     }
 
-    /// Reports `fraction` if it is news; false to stop.
+    /// Reports `fraction` if it is larger than the last one; returns false if the build must stop.
     fn advance(&self, fraction: f64) -> bool {
-        let mut state = lock(&self.state);
-        state.stop |= self.cancel.is_cancelled();
-        if state.stop {
+        let mut progress_state = lock(&self.progress_state);
+        progress_state.stop |= self.cancel.is_cancelled();
+        if progress_state.stop {
             return false;
         }
-        let Some(report) = state.report else { return true };
+        let Some(callback) = progress_state.callback else { return true };
         let fraction = fraction.clamp(0.0, 1.0);
-        if state.last.is_some_and(|last| fraction <= last) {
+        if progress_state.last.is_some_and(|last| fraction <= last) {
             return true;
         }
-        state.last = Some(fraction);
-        match catch_unwind(AssertUnwindSafe(|| report(fraction))) {
-            Ok(go_on) => state.stop = !go_on,
+        progress_state.last = Some(fraction);
+        match catch_unwind(AssertUnwindSafe(|| callback(fraction))) {
+            Ok(go_on) => progress_state.stop = !go_on,
             Err(payload) => {
-                state.panic = Some(message_of(payload));
-                state.stop = true;
+                progress_state.panic = Some(message_of(payload));
+                progress_state.stop = true;
             }
         }
-        !state.stop
+        !progress_state.stop
     }
 }
 
@@ -167,20 +170,20 @@ fn message_of(payload: Box<dyn Any + Send>) -> String {
     text
 }
 
-/// Takes the caller's function away, waiting for a call of it that is under way. A build that goes on is to stop.
-struct Closing<'w>(&'w Watch);
+/// Detaches the caller's callback when dropped, after any call of it has ended, and stops a cancelled build.
+struct DetachCallback<'w>(&'w BuildMonitor);
 
-impl Drop for Closing<'_> {
+impl Drop for DetachCallback<'_> {
     fn drop(&mut self) {
-        let mut state = lock(&self.0.state);
-        state.report = None;
-        state.stop |= self.0.cancel.is_cancelled();
+        let mut progress_state = lock(&self.0.progress_state);
+        progress_state.callback = None;
+        progress_state.stop |= self.0.cancel.is_cancelled();
     }
 }
 
 unsafe extern "C" fn on_progress(data: *mut c_void, fraction: f64) -> bool {
-    // SAFETY: `data` is the `Watch` of the `build` that is under way.
-    let watch = unsafe { &*data.cast_const().cast::<Watch>() };
+    // SAFETY: `data` is the `BuildMonitor` of the `build` that is under way.
+    let monitor = unsafe { &*data.cast_const().cast::<BuildMonitor>() };
     // NaN comes from a scene without primitives.
-    watch.advance(if fraction.is_nan() { 0.0 } else { fraction })
+    monitor.advance(if fraction.is_nan() { 0.0 } else { fraction })
 }

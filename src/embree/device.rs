@@ -1,4 +1,4 @@
-//! The device: threads, memory and errors of everything built with it.
+//! The device: threads, memory and errors of all scenes built with it.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::atomic::{AtomicIsize, Ordering};
@@ -8,13 +8,13 @@ use std::time::Duration;
 use super::{Charge, MemoryBudget, sys};
 use crate::{Cancel, Error, ErrorKind, Result};
 
-/// The oldest Embree that will do, in the form of `RTC_VERSION`.
-const OLDEST: isize = 40300;
+/// The oldest supported Embree, in the form of `RTC_VERSION`.
+const MIN_VERSION: isize = 40300;
 
-/// How long a build that waits for another one sleeps before it looks whether it was cancelled meanwhile.
-const PATIENCE: Duration = Duration::from_millis(2);
+/// Interval at which a build that waits for another one checks for cancellation.
+const POLL_INTERVAL: Duration = Duration::from_millis(2);
 
-/// How a [`Device`] builds scenes.
+/// Options of a [`Device`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DeviceOptions {
     /// Threads that build a scene, the calling one included; 0 means one for each core this process may use.
@@ -22,17 +22,18 @@ pub struct DeviceOptions {
     /// Bytes that Embree may hold for all scenes of the device together; a build that needs more fails with
     /// [`ErrorKind::OutOfMemory`]. Vertex and index buffers belong to the caller and are not counted.
     pub memory_limit: Option<usize>,
-    /// An allowance that the device shares with others; holds beside `memory_limit`. What Embree takes for the device is
-    /// charged to it, and so are vertices, indices and normals of each [`crate::scene::Scene`] built with the device.
+    /// A memory allowance that the device shares with others; it holds in addition to `memory_limit`. Memory that
+    /// Embree takes for the device is charged to it, and so are vertices, indices and normals of each
+    /// [`crate::scene::Scene`] built with the device.
     pub budget: Option<MemoryBudget>,
 }
 
 /// A handle to Embree. Cloning it is cheap and gives the same device; scenes keep their device alive.
 ///
-/// Threads: a build is done by the calling thread (or, if it is large and there are several, one in its place, so that a
-/// cancelled caller need not wait) and by at most `threads - 1` of the process's TBB workers, and the number holds for each
-/// device by itself. (Embree's own setting `threads` is one for the whole process: it limits
-/// everything else that uses TBB, and the largest of all devices wins. It is left alone here.)
+/// Threads: a build runs on the calling thread and on at most `threads - 1` of the process's TBB workers; this number
+/// holds for each device separately. A large build of a device with several threads runs on another thread in place of
+/// the calling one, so that a cancelled caller need not wait. (Embree's own setting `threads` applies to the whole
+/// process: it limits all other users of TBB, and the largest of all devices wins. It is not set here.)
 #[derive(Clone)]
 pub struct Device {
     pub(super) inner: Arc<DeviceInner>,
@@ -41,25 +42,26 @@ pub struct Device {
 pub(super) struct DeviceInner {
     pub(super) raw: sys::RTCDevice,
     threads: usize,
-    monitor: Box<Monitor>,
-    /// Whether somebody creates geometry or builds: one at a time, so that an error can be told to belong to that call.
-    turn: Mutex<bool>,
-    /// Told when a turn ends.
-    turn_ended: Condvar,
-    /// Builds on threads of their own.
-    builds: Mutex<usize>,
-    /// Told when one of these ends.
-    build_ended: Condvar,
+    monitor: Box<DeviceMonitor>,
+    /// Whether a thread creates geometry or builds. Only one does at a time, so that an error can be attributed to its
+    /// call.
+    is_busy: Mutex<bool>,
+    /// Notified when that thread has finished.
+    access_released: Condvar,
+    /// Number of builds on threads of their own.
+    detached_builds: Mutex<usize>,
+    /// Notified when one of these builds ends.
+    detached_build_ended: Condvar,
 }
 
 // SAFETY: Embree's device calls are thread-safe ("Embree is thread-safe except where noted"; the exceptions concern one
-// scene or one geometry, which `SceneBuilder` owns alone). `Monitor` is shared through atomics and a mutex.
+// scene or one geometry, which `SceneBuilder` owns alone). `DeviceMonitor` is shared through atomics and a mutex.
 unsafe impl Send for DeviceInner {}
 // SAFETY: as for `Send`.
 unsafe impl Sync for DeviceInner {}
 
-/// What Embree's callbacks write to.
-struct Monitor {
+/// Data that Embree's callbacks write to.
+struct DeviceMonitor {
     current: AtomicIsize,
     peak: AtomicIsize,
     limit: isize,
@@ -84,12 +86,12 @@ impl Device {
         // SAFETY: the string ends with a NUL and is read during the call only.
         let raw = unsafe { sys::rtcNewDevice(config.as_ptr().cast()) };
         if raw.is_null() {
-            // SAFETY: a null device asks for the error of this thread's failed device creation.
+            // SAFETY: with a null device, Embree returns the error of this thread's failed device creation.
             let code = unsafe { sys::rtcGetDeviceError(raw) };
             return Err(Error::new(ErrorKind::Device, format!("Embree does not start: {}", describe(code))));
         }
         let limit = options.memory_limit.map_or(isize::MAX, |bytes| isize::try_from(bytes).unwrap_or(isize::MAX));
-        let monitor = Box::new(Monitor {
+        let monitor = Box::new(DeviceMonitor {
             current: AtomicIsize::new(0),
             peak: AtomicIsize::new(0),
             limit,
@@ -101,10 +103,10 @@ impl Device {
             raw,
             threads,
             monitor,
-            turn: Mutex::new(false),
-            turn_ended: Condvar::new(),
-            builds: Mutex::new(0),
-            build_ended: Condvar::new(),
+            is_busy: Mutex::new(false),
+            access_released: Condvar::new(),
+            detached_builds: Mutex::new(0),
+            detached_build_ended: Condvar::new(),
         };
         // SAFETY: `raw` is a device.
         let version = unsafe { sys::rtcGetDeviceProperty(raw, sys::RTC_DEVICE_PROPERTY_VERSION) } as isize;
@@ -119,7 +121,7 @@ impl Device {
         Ok(Self { inner: Arc::new(inner) })
     }
 
-    /// Embree's version as the library found at run time says it: major, minor, patch.
+    /// Version of the Embree library found at run time: major, minor, patch.
     pub fn version(&self) -> [u32; 3] {
         // SAFETY: `raw` is a device as long as `inner` is there.
         let version = unsafe { sys::rtcGetDeviceProperty(self.inner.raw, sys::RTC_DEVICE_PROPERTY_VERSION) } as u32;
@@ -131,12 +133,13 @@ impl Device {
         self.inner.threads
     }
 
-    /// Waits until no cancelled build goes on by itself any more: a few tens of milliseconds at most for each million
-    /// primitives. For whoever must know that no thread of the device is left.
+    /// Waits until no cancelled build is running any more: a few tens of milliseconds at most for each million
+    /// primitives. Callers need it where no thread of the device may be left.
     pub fn wait_idle(&self) {
-        let mut builds = lock(&self.inner.builds);
-        while *builds > 0 {
-            builds = self.inner.build_ended.wait(builds).unwrap_or_else(PoisonError::into_inner);
+        let mut detached_builds = lock(&self.inner.detached_builds);
+        while *detached_builds > 0 {
+            detached_builds =
+                self.inner.detached_build_ended.wait(detached_builds).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
@@ -145,36 +148,36 @@ impl Device {
         self.inner.memory_bytes()
     }
 
-    /// The allowance it shares with others, where it was given one.
+    /// The allowance that the device shares with others, if it has one.
     pub fn budget(&self) -> Option<&MemoryBudget> {
         self.inner.monitor.budget.as_ref()
     }
 
-    /// Charges bytes that geometry of a scene takes to the shared allowance.
+    /// Charges bytes of a scene's geometry to the shared allowance.
     pub(crate) fn charge(&self, bytes: usize) -> Result<Option<Charge>> {
         self.budget().map(|budget| budget.try_charge(bytes)).transpose()
     }
 
-    /// The most bytes Embree ever held for this device.
+    /// The most bytes that Embree ever held for this device.
     pub fn peak_memory_bytes(&self) -> usize {
         usize::try_from(self.inner.monitor.peak.load(Ordering::Relaxed)).unwrap_or(0)
     }
 }
 
-/// A build on a thread of its own, counted until it is dropped.
-pub(super) struct Building(Arc<DeviceInner>);
+/// A build on a thread of its own, which is counted until this is dropped.
+pub(super) struct DetachedBuild(Arc<DeviceInner>);
 
-impl Building {
+impl DetachedBuild {
     pub(super) fn new(device: &Arc<DeviceInner>) -> Self {
-        *lock(&device.builds) += 1;
+        *lock(&device.detached_builds) += 1;
         Self(Arc::clone(device))
     }
 }
 
-impl Drop for Building {
+impl Drop for DetachedBuild {
     fn drop(&mut self) {
-        *lock(&self.0.builds) -= 1;
-        self.0.build_ended.notify_all();
+        *lock(&self.0.detached_builds) -= 1;
+        self.0.detached_build_ended.notify_all();
     }
 }
 
@@ -187,28 +190,28 @@ impl DeviceInner {
         usize::try_from(self.monitor.current.load(Ordering::Relaxed)).unwrap_or(0)
     }
 
-    /// Waits for a turn, and no longer once it was cancelled.
-    fn turn(&self, cancel: &Cancel) -> Result<Turn<'_>> {
-        let mut taken = lock(&self.turn);
+    /// Waits for exclusive access to the device; ends with an error if cancelled.
+    fn exclusive_access(&self, cancel: &Cancel) -> Result<ExclusiveAccess<'_>> {
+        let mut taken = lock(&self.is_busy);
         while *taken {
             cancel.check()?;
-            taken = self.turn_ended.wait_timeout(taken, PATIENCE).unwrap_or_else(PoisonError::into_inner).0;
+            taken = self.access_released.wait_timeout(taken, POLL_INTERVAL).unwrap_or_else(PoisonError::into_inner).0;
         }
         *taken = true;
-        Ok(Turn(self))
+        Ok(ExclusiveAccess(self))
     }
 
-    /// Runs calls that may fail inside Embree and turns its error, if there is one, into ours. `cancel` ends the wait for
-    /// others that do the same, with [`ErrorKind::Cancelled`].
+    /// Runs Embree calls that may fail and converts Embree's error, if there is one. `cancel` ends the wait for other
+    /// threads that do the same, with [`ErrorKind::Cancelled`].
     pub(super) fn guarded<R>(&self, cancel: &Cancel, calls: impl FnOnce() -> R) -> Result<R> {
-        let _turn = self.turn(cancel)?;
+        let _access = self.exclusive_access(cancel)?;
         *lock(&self.monitor.error) = None;
         let value = calls();
-        // The callback has the message; this thread's own slot is emptied so that it cannot be read later by mistake.
-        // SAFETY: `raw` is a device for as long as `self` lives.
+        // The callback has stored the message; the thread's own error slot is cleared so that it is not read later by
+        // mistake.
         let code = unsafe { sys::rtcGetDeviceError(self.raw) };
-        let told = lock(&self.monitor.error).take();
-        match told {
+        let error = lock(&self.monitor.error).take();
+        match error {
             Some((code, message)) => Err(to_error(code, &message)),
             None if code != sys::RTC_ERROR_NONE => Err(to_error(code, "")),
             None => Ok(value),
@@ -216,13 +219,13 @@ impl DeviceInner {
     }
 }
 
-/// The right to create geometry or build, until dropped.
-struct Turn<'a>(&'a DeviceInner);
+/// Exclusive access for creating geometry and building, until dropped.
+struct ExclusiveAccess<'a>(&'a DeviceInner);
 
-impl Drop for Turn<'_> {
+impl Drop for ExclusiveAccess<'_> {
     fn drop(&mut self) {
-        *lock(&self.0.turn) = false;
-        self.0.turn_ended.notify_one();
+        *lock(&self.0.is_busy) = false;
+        self.0.access_released.notify_one();
     }
 }
 
@@ -234,9 +237,9 @@ impl Drop for DeviceInner {
             sys::rtcSetDeviceMemoryMonitorFunction(self.raw, None, std::ptr::null_mut());
             sys::rtcReleaseDevice(self.raw);
         }
-        // What Embree keeps to the end of the device it gives back unseen.
+        // Embree releases the rest of its memory without calling the monitor.
         if let Some(budget) = &self.monitor.budget {
-            budget.give_back(self.memory_bytes());
+            budget.release(self.memory_bytes());
         }
     }
 }
@@ -248,15 +251,15 @@ fn processors() -> usize {
     mask.chars().filter_map(|digit| digit.to_digit(16)).map(|bits| bits.count_ones() as usize).sum()
 }
 
-/// A lock that a panic elsewhere does not spoil: what it guards is replaced as a whole.
+/// Locks a mutex even if a thread panicked while it held the lock: the guarded value is only replaced as a whole.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whether the library found at run time goes with the header; both in the form of `RTC_VERSION`.
+/// Whether the library found at run time is compatible with the header; both versions in the form of `RTC_VERSION`.
 fn check_version(library: isize, header: isize) -> Result<()> {
     let show = |version: isize| format!("{}.{}.{}", version / 10_000, version / 100 % 100, version % 100);
-    let fits = library >= OLDEST && library / 10_000 == header / 10_000 && library / 100 >= header / 100;
+    let fits = library >= MIN_VERSION && library / 10_000 == header / 10_000 && library / 100 >= header / 100;
     if fits {
         return Ok(());
     }
@@ -296,8 +299,8 @@ fn to_error(code: sys::RTCError, message: &str) -> Error {
 }
 
 unsafe extern "C" fn on_error(data: *mut c_void, code: sys::RTCError, message: *const c_char) {
-    // SAFETY: `data` is the `Monitor` set in `Device::new`, which outlives the device.
-    let monitor = unsafe { &*data.cast_const().cast::<Monitor>() };
+    // SAFETY: `data` is the `DeviceMonitor` set in `Device::new`, which outlives the device.
+    let monitor = unsafe { &*data.cast_const().cast::<DeviceMonitor>() };
     let text = if message.is_null() {
         String::new()
     } else {
@@ -310,22 +313,22 @@ unsafe extern "C" fn on_error(data: *mut c_void, code: sys::RTCError, message: *
 
 unsafe extern "C" fn on_memory(data: *mut c_void, bytes: isize, post: bool) -> bool {
     // SAFETY: as in `on_error`.
-    let monitor = unsafe { &*data.cast_const().cast::<Monitor>() };
+    let monitor = unsafe { &*data.cast_const().cast::<DeviceMonitor>() };
     let now = monitor.current.fetch_add(bytes, Ordering::Relaxed).saturating_add(bytes);
     let amount = bytes.unsigned_abs();
     let allowed = match &monitor.budget {
-        // Its own limit first: what that refuses is not taken from the others.
+        // The device's own limit is checked first, so that a refused request is not taken from the shared allowance.
         _ if bytes > 0 && now > monitor.limit && !post => false,
         None => bytes <= 0 || now <= monitor.limit,
         Some(budget) if bytes < 0 => {
-            budget.give_back(amount);
+            budget.release(amount);
             true
         }
-        Some(budget) if post => budget.take_anyway(amount) && now <= monitor.limit,
-        Some(budget) => budget.take(amount),
+        Some(budget) if post => budget.force_take(amount) && now <= monitor.limit,
+        Some(budget) => budget.try_take(amount),
     };
     if !allowed {
-        // A refusal beforehand means the memory is never taken, so it is never given back either.
+        // Memory that is refused beforehand is never allocated, so Embree never reports its release either.
         if !post {
             monitor.current.fetch_sub(bytes, Ordering::Relaxed);
         }

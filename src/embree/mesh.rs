@@ -1,46 +1,46 @@
-//! Triangle meshes in the form Embree reads them, checked once on the way in.
+//! Triangle meshes in Embree's form, checked once when they are created.
 
 use std::sync::Arc;
 
 use crate::buffer::Buffer;
 use crate::{Cancel, Error, ErrorKind, Result};
 
-/// Coordinates must be smaller than this in absolute value: Embree silently drops what is not.
+/// Coordinates must be smaller than this in absolute value: Embree silently drops larger ones.
 pub const MAX_COORDINATE: f32 = 1.844e18;
 
-/// Items between two looks at a [`Cancel`]: some ten microseconds of checking.
-const BLOCK: usize = 1 << 14;
+/// Items between two checks of a [`Cancel`], which take some ten microseconds.
+const ITEMS_PER_CHECK: usize = 1 << 14;
 
-/// Whether Embree takes the coordinate. False for NaN.
+/// Whether Embree accepts the coordinate. False for NaN.
 pub(super) fn in_range(x: f32) -> bool {
     x.abs() < MAX_COORDINATE
 }
 
 /// The first of `count` items that is not `good`.
 fn first_bad(count: usize, cancel: &Cancel, good: impl Fn(usize) -> bool) -> Result<Option<usize>> {
-    for start in (0..count).step_by(BLOCK) {
+    for start in (0..count).step_by(ITEMS_PER_CHECK) {
         cancel.check()?;
-        if let Some(bad) = (start..count.min(start + BLOCK)).find(|&index| !good(index)) {
+        if let Some(bad) = (start..count.min(start + ITEMS_PER_CHECK)).find(|&index| !good(index)) {
             return Ok(Some(bad));
         }
     }
     Ok(None)
 }
 
-/// Vertex positions that meshes of several scenes may share; read only from here on.
+/// Immutable vertex positions that meshes of several scenes may share.
 ///
-/// Every coordinate is finite and smaller than [`MAX_COORDINATE`]. At least four more bytes are readable behind the last
-/// vertex, since Embree reads each of them with a load of 16 bytes.
+/// Every coordinate is finite and smaller than [`MAX_COORDINATE`]. At least four more bytes are readable behind the
+/// last vertex, since Embree reads each of them with a load of 16 bytes.
 #[derive(Debug)]
 pub struct VertexBuffer {
-    /// The vertices; where the memory is ours, with one more of padding.
+    /// The vertices, followed by one vertex of padding where this library owns the memory.
     buffer: Buffer<[f32; 3]>,
     /// Number of vertices.
     len: usize,
 }
 
 impl VertexBuffer {
-    /// Takes the vertices over; copies them only if the vector has no room for one more.
+    /// Takes ownership of the vertices; copies them only if the vector has no capacity for one more.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidScene`] for a coordinate that is not finite or too large, and for more than 2^32 - 1
@@ -49,7 +49,7 @@ impl VertexBuffer {
         Self::from_vec(vertices, &Cancel::new())
     }
 
-    /// As [`VertexBuffer::new`], asking `cancel` on the way.
+    /// As [`VertexBuffer::new`], cancellable by `cancel`.
     pub(crate) fn from_vec(mut vertices: Vec<[f32; 3]>, cancel: &Cancel) -> Result<Self> {
         let len = vertices.len();
         vertices.try_reserve_exact(1).map_err(|error| {
@@ -59,8 +59,8 @@ impl VertexBuffer {
         Self { buffer: vertices.into(), len }.checked(cancel)
     }
 
-    /// Vertices that stay where they are. Memory of somebody else is read in place, as [`Buffer::foreign`] was promised
-    /// that it can be; memory of this library, which has no padding, is copied.
+    /// Vertices that are not moved. The host's memory is read in place, as [`Buffer::foreign`] guarantees that it can
+    /// be; memory of this library, which has no padding, is copied.
     ///
     /// # Errors
     /// As [`VertexBuffer::new`]; [`ErrorKind::Cancelled`].
@@ -109,11 +109,11 @@ impl VertexBuffer {
     /// If there is none.
     #[inline]
     pub fn get(&self, index: usize) -> [f32; 3] {
-        // The padding behind vertices of our own is zero, and no index of a mesh leads there.
+        // The padding behind the library's own vertices is zero, and no index of a mesh refers to it.
         self.buffer.get(index)
     }
 
-    /// Has the processor fetch the vertex `index` while other things are done.
+    /// Prefetches the vertex `index` into the processor's cache.
     #[inline]
     pub(crate) fn prefetch(&self, index: usize) {
         self.buffer.prefetch(index);
@@ -135,7 +135,7 @@ impl VertexBuffer {
     }
 }
 
-/// A triangle mesh whose indices are known to be good. Cloning it shares the buffers.
+/// A triangle mesh whose indices are valid. Cloning it shares the buffers.
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
     vertices: Arc<VertexBuffer>,
@@ -151,16 +151,16 @@ impl TriangleMesh {
         Self::shared(Arc::new(VertexBuffer::new(vertices)?), indices)
     }
 
-    /// A mesh over vertices that others use too.
+    /// A mesh whose vertices other meshes may use too.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidScene`] for an index that names no vertex, for no triangle at all, and for more than
-    /// 2^32 - 1 of them.
+    /// [`ErrorKind::InvalidScene`] for an index that is not below the number of vertices, for no triangle at all, and
+    /// for more than 2^32 - 1 triangles.
     pub fn shared(vertices: Arc<VertexBuffer>, indices: impl Into<Buffer<[u32; 3]>>) -> Result<Self> {
         Self::checked(vertices, indices.into(), &Cancel::new())
     }
 
-    /// As [`TriangleMesh::shared`], asking `cancel` on the way.
+    /// As [`TriangleMesh::shared`], cancellable by `cancel`.
     pub(crate) fn checked(vertices: Arc<VertexBuffer>, indices: Buffer<[u32; 3]>, cancel: &Cancel) -> Result<Self> {
         let count = vertices.len();
         if indices.is_empty() {
@@ -180,7 +180,7 @@ impl TriangleMesh {
         Ok(Self { vertices, indices })
     }
 
-    /// The vertices, to be shared.
+    /// The shared vertices.
     #[inline]
     pub fn vertices(&self) -> &Arc<VertexBuffer> {
         &self.vertices
@@ -202,7 +202,7 @@ impl TriangleMesh {
         self.indices.get(triangle).map(|corner| self.vertices.get(corner as usize))
     }
 
-    /// Bytes of both buffers, without those that belong to somebody else.
+    /// Bytes of both buffers, without the host's memory.
     pub fn memory_bytes(&self) -> usize {
         self.vertices.buffer.memory_bytes() + self.indices.memory_bytes()
     }

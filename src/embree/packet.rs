@@ -1,9 +1,9 @@
-//! Several rays at once.
+//! Queries of several rays at once.
 //!
-//! Rays that have nothing in common but that all are asked for at one time are still answered up to twice as fast in packets
-//! as one by one: the call and what it prepares are paid for once. Each ray is then traversed by itself, so answers are the
-//! same bits as those of single rays, whatever else is in the packet. (Packets for coherent rays would be faster for the
-//! camera's, but which of two triangles a ray meets at their common side would depend on its neighbours.)
+//! Rays without any coherence are traced up to twice as fast in packets as one by one, because the call and its
+//! preparation are shared. Embree then traverses each ray by itself, so results have the same bits as those of single
+//! rays, whatever else is in the packet. (Packets for coherent rays would be faster for camera rays, but the choice of
+//! a triangle at a shared edge would depend on the other rays.)
 
 use super::ray::{Hit, INVALID};
 use super::scene::Scene;
@@ -11,11 +11,11 @@ use super::sys;
 use super::width::PacketWidth;
 use crate::math::{Ray, Vec3, Vec4};
 
-/// The most rays that go into one packet.
+/// Most rays in one packet.
 pub const PACKET: usize = 16;
 
-/// Packets that fill less than one in so many of their lanes are asked one by one.
-const LEAST_FILLED: usize = 4;
+/// Packets whose lanes are filled to less than one in this many are traced ray by ray.
+const MIN_FILL: usize = 4;
 
 #[inline(always)]
 fn transposed([a, b, c, d]: [Vec4; 4]) -> [[f32; 4]; 4] {
@@ -33,8 +33,8 @@ macro_rules! packets {
             #[repr(C, align($align))]
             struct Valid([i32; LANES]);
 
-            /// The rays in Embree's form, each up to its `tfar`; lanes without one, or with one that cannot be traced, are not
-            /// valid.
+            /// The rays in Embree's form, each up to its `tfar`; lanes without a ray, or with one that is not
+            /// traceable, are not valid.
             #[inline(always)]
             fn fill(rays: &[Ray], tfar: &impl Fn(usize) -> f32, packet: &mut sys::$Ray) -> Valid {
                 packet.mask = [u32::MAX; LANES];
@@ -87,8 +87,8 @@ macro_rules! packets {
                 found.hit.geomID = [INVALID; LANES];
                 found.hit.instID[0] = [INVALID; LANES];
                 let mut arguments = scene.intersect_arguments(sys::RTC_RAY_QUERY_FLAG_INCOHERENT);
-                // SAFETY: the scene is committed and holds no user geometry (its `width` says so); all structures are local,
-                // of the layout that the build script checked, and aligned by their types.
+                // SAFETY: the scene is committed and holds no user geometry (its `width` says so); all structures are
+                // local, of the layout that the build script checked, and aligned by their types.
                 unsafe {
                     sys::$intersect(valid.0.as_ptr(), scene.inner.raw, &raw mut found, &raw mut arguments);
                 }
@@ -105,7 +105,7 @@ macro_rules! packets {
                         geom: found.hit.geomID[lane],
                         inst: found.hit.instID[0][lane],
                     };
-                    meet(lane, scene.complete(&rays[lane], hit));
+                    meet(lane, scene.complete_hit(&rays[lane], hit));
                 }
             }
 
@@ -133,11 +133,11 @@ packets!(eight, 8, 32, RTCRay8, RTCRayHit8, rtcIntersect8, rtcOccluded8);
 packets!(sixteen, 16, 64, RTCRay16, RTCRayHit16, rtcIntersect16, rtcOccluded16);
 
 impl Scene {
-    /// What each ray meets first: as [`Scene::intersect`] would answer, but faster. Calls `meet` with the number of each ray that
-    /// meets anything. `tfar`: where each ends, in place of its own.
+    /// The first hit of each ray: the same as [`Scene::intersect`], but faster. Calls `meet` with the index of each ray
+    /// that hits a surface. `tfar`: the end of each ray, in place of its own.
     #[inline]
     pub fn intersect_many(&self, rays: &[Ray], tfar: impl Fn(usize) -> f32, mut meet: impl FnMut(usize, Hit)) {
-        self.in_packets(rays, |begin, rays, width| match width {
+        self.for_each_packet(rays, |begin, rays, width| match width {
             PacketWidth::One => rays.iter().enumerate().for_each(|(lane, ray)| {
                 let ray = Ray { tfar: tfar(begin + lane), ..*ray };
                 if let Some(hit) = self.intersect(&ray) {
@@ -153,11 +153,11 @@ impl Scene {
         });
     }
 
-    /// Whether each ray meets anything: as [`Scene::occluded`] would answer, but faster. Calls `blocked` with the number of each
-    /// ray that does.
+    /// Whether each ray hits any surface: the same as [`Scene::occluded`], but faster. Calls `blocked` with the index
+    /// of each ray that does.
     #[inline]
     pub fn occluded_many(&self, rays: &[Ray], mut blocked: impl FnMut(usize)) {
-        self.in_packets(rays, |begin, rays, width| match width {
+        self.for_each_packet(rays, |begin, rays, width| match width {
             PacketWidth::One => rays.iter().enumerate().for_each(|(lane, ray)| {
                 if self.occluded(ray) {
                     blocked(begin + lane);
@@ -168,16 +168,16 @@ impl Scene {
         });
     }
 
-    /// Divides rays into packets: the number of the first in each, and how they are to be asked.
+    /// Divides rays into packets, and calls `trace` with the index of the first ray, the rays, and the packet's width.
     #[inline(always)]
-    fn in_packets(&self, rays: &[Ray], mut ask: impl FnMut(usize, &[Ray], PacketWidth)) {
+    fn for_each_packet(&self, rays: &[Ray], mut trace: impl FnMut(usize, &[Ray], PacketWidth)) {
         let lanes = match self.inner.width {
             PacketWidth::Eight => 8,
             PacketWidth::One | PacketWidth::Sixteen => PACKET,
         };
         for (number, packet) in rays.chunks(lanes).enumerate() {
-            let width = if packet.len() * LEAST_FILLED < lanes { PacketWidth::One } else { self.inner.width };
-            ask(number * lanes, packet, width);
+            let width = if packet.len() * MIN_FILL < lanes { PacketWidth::One } else { self.inner.width };
+            trace(number * lanes, packet, width);
         }
     }
 }

@@ -6,10 +6,10 @@ use crate::math::{Ray, Vec3};
 /// Marks "none" in Embree's identifiers.
 pub(super) const INVALID: u32 = u32::MAX;
 
-/// What a ray met first.
+/// The first hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Where along the ray, in lengths of its direction.
+    /// Distance along the ray, in lengths of its direction.
     pub t: f32,
     /// For a triangle the barycentric weight of its second vertex, which rounding may put outside [0, 1] by 4 ULP of 1;
     /// for user geometry what it reported.
@@ -33,8 +33,9 @@ impl Hit {
     pub const NO_INSTANCE: u32 = INVALID;
 }
 
-/// Whether Embree can be given the ray. It is built without a guard against NaN and infinity, and its answer to them is
-/// arbitrary; here they meet nothing. Multiplying by zero leaves NaN exactly for these, without a branch for each.
+/// Whether a ray can be given to Embree, which is built without a guard against NaN and infinity: its results for them
+/// are arbitrary. Here such rays hit nothing. Multiplication by zero gives NaN exactly for these values, without a
+/// branch for each.
 #[inline]
 pub(super) fn is_traceable(ray: &Ray) -> bool {
     let (o, d) = (ray.origin, ray.direction);
@@ -46,7 +47,7 @@ pub(super) fn is_traceable(ray: &Ray) -> bool {
 /// The ray in Embree's form.
 ///
 /// Embree loads it as three vectors of 16 bytes. Where the fields were stored one by one just before, the processor
-/// cannot forward them to such a load and waits for them to reach the cache; so they are stored as vectors too.
+/// cannot forward them to such a load and waits until they reach the cache. They are therefore stored as vectors too.
 #[cfg(target_arch = "x86_64")]
 #[inline]
 pub(super) fn to_embree(ray: &Ray) -> sys::RTCRay {
@@ -85,7 +86,7 @@ pub(super) fn to_embree(ray: &Ray) -> sys::RTCRay {
     }
 }
 
-/// A hit structure that says "none yet".
+/// A hit structure that stands for "no hit yet".
 #[inline]
 pub(super) fn no_hit() -> sys::RTCHit {
     // SAFETY: `RTCHit` is plain floats and integers, for which all-zero bytes are a value. (Written so because one of

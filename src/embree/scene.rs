@@ -1,17 +1,17 @@
-//! Built scenes, and the queries they answer.
+//! Built scenes and their queries.
 
 use std::sync::Arc;
 
 use super::device::DeviceInner;
 use super::mesh::TriangleMesh;
 use super::ray::{Hit, from_embree, is_traceable, no_hit, to_embree};
-use super::user::ErasedUser;
+use super::user::ErasedUserData;
 use super::width::PacketWidth;
 use super::{Device, sys};
 use crate::math::{Bounds, DVec3, Ray};
 use crate::{Error, ErrorKind, Result};
 
-/// Which kinds of geometry a scene holds, those inside its instances included.
+/// The kinds of geometry in a scene, including those inside its instances.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Features {
     /// Triangle meshes.
@@ -43,16 +43,16 @@ impl Features {
     }
 }
 
-/// What a scene's pointers point into; kept for as long as the scene lives.
-pub(super) enum Kept {
+/// The memory to which a scene's Embree geometry points; it lives as long as the scene.
+pub(super) enum GeometryData {
     Triangles(TriangleMesh),
     Spheres(Vec<[f32; 4]>),
-    User(Arc<dyn ErasedUser>),
+    User(Arc<dyn ErasedUserData>),
     Instance(Scene),
 }
 
-impl Kept {
-    /// What there is to sort into a hierarchy.
+impl GeometryData {
+    /// Number of primitives in the hierarchy.
     pub(super) fn primitives(&self) -> usize {
         match self {
             Self::Triangles(mesh) => mesh.indices().len(),
@@ -63,13 +63,13 @@ impl Kept {
     }
 }
 
-/// An Embree scene with all it refers to. Fields are dropped after `drop` has released the scene.
+/// An Embree scene with all memory to which it refers. Fields are dropped after `drop` has released the scene.
 pub(super) struct SceneInner {
     pub(super) raw: sys::RTCScene,
-    pub(super) kept: Vec<Kept>,
+    pub(super) data: Vec<GeometryData>,
     pub(super) features: Features,
     pub(super) mask: sys::RTCFeatureFlags,
-    /// User geometry is asked about one ray at a time, and so are Embree's spheres.
+    /// User geometry and Embree's spheres are queried with single rays.
     pub(super) width: PacketWidth,
     pub(super) bvh_bytes: usize,
     pub(super) device: Arc<DeviceInner>,
@@ -89,17 +89,17 @@ impl Drop for SceneInner {
     }
 }
 
-/// A built scene: immutable, cheap to clone, free to be queried from any number of threads.
+/// A built scene: immutable, cheap to clone, and safe to query from any number of threads.
 #[derive(Clone)]
 pub struct Scene {
     pub(super) inner: Arc<SceneInner>,
 }
 
 impl Scene {
-    /// What `ray` meets first. A ray that is not traceable (NaN, infinity, no direction, an empty or negative interval)
-    /// meets nothing.
+    /// The first hit of `ray`. A ray that is not traceable (NaN, infinity, no direction, an empty or negative interval)
+    /// hits nothing.
     ///
-    /// A component of the direction below 1e-18 in absolute value counts as that small for the hierarchy, so the
+    /// A component of the direction below 1e-18 in absolute value is treated as that small by the hierarchy, so the
     /// direction as a whole should be far longer; near unit length is best.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
@@ -107,34 +107,34 @@ impl Scene {
             return None;
         }
         let hit = self.query(ray)?;
-        Some(self.complete(ray, hit))
+        Some(self.complete_hit(ray, hit))
     }
 
-    /// Mends what the kernel leaves out in tiny triangles.
+    /// Completes a hit whose barycentric weights the kernel does not compute, as in tiny triangles.
     #[inline(always)]
-    pub(super) fn complete(&self, ray: &Ray, hit: Hit) -> Hit {
+    pub(super) fn complete_hit(&self, ray: &Ray, hit: Hit) -> Hit {
         if hit.u == 0.0 && hit.v == 0.0 {
-            // Not the hit itself: it would be kept in memory for that, written field by field and read as a whole, for which the
-            // processor waits.
-            if let Some([u, v]) = self.weigh_again(ray, hit.t, [hit.prim, hit.geom, hit.inst]) {
+            // The hit itself is not passed on: it would have to be in memory for that, written field by field and read
+            // as a whole, for which the processor waits.
+            if let Some([u, v]) = self.recompute_barycentrics(ray, hit.t, [hit.prim, hit.geom, hit.inst]) {
                 return Hit { u, v, ..hit };
             }
         }
         hit
     }
 
-    /// The true barycentric weights of a hit at `t` whose weights are those of a triangle's first vertex; `None` where these are
-    /// all that can be known.
+    /// The true barycentric weights of a hit at `t` whose weights are those of a triangle's first vertex; `None` where
+    /// these cannot be improved.
     ///
-    /// Embree divides by twice the area of the triangle times the length of the direction, and where that is below 1e-18 it
-    /// leaves the weights at zero. A longer direction brings it back into the range; by a power of two, so that all else
-    /// stays as it was.
+    /// Embree divides by twice the area of the triangle times the length of the direction, and where that is below
+    /// 1e-18 it leaves the weights at zero. A longer direction brings the divisor back into the range; the factor is a
+    /// power of two, so that everything else is unchanged.
     #[cold]
     #[inline(never)]
-    fn weigh_again(&self, ray: &Ray, t: f32, [prim, geom, inst]: [u32; 3]) -> Option<[f32; 2]> {
+    fn recompute_barycentrics(&self, ray: &Ray, t: f32, [prim, geom, inst]: [u32; 3]) -> Option<[f32; 2]> {
         const LONGER: f32 = (1_u64 << 60) as f32;
         let owner = if inst == Hit::NO_INSTANCE { geom } else { inst };
-        if !matches!(self.inner.kept[owner as usize], Kept::Triangles(_) | Kept::Instance(_)) {
+        if !matches!(self.inner.data[owner as usize], GeometryData::Triangles(_) | GeometryData::Instance(_)) {
             return None;
         }
         let t = t / LONGER;
@@ -151,7 +151,7 @@ impl Scene {
         ([again.prim, again.geom, again.inst] == [prim, geom, inst]).then_some([again.u, again.v])
     }
 
-    /// What Embree says of a ray that is traceable.
+    /// Embree's result for a ray that is traceable.
     #[inline(always)]
     fn query(&self, ray: &Ray) -> Option<Hit> {
         let mut found = sys::RTCRayHit { ray: to_embree(ray), hit: no_hit() };
@@ -162,7 +162,8 @@ impl Scene {
         from_embree(&found)
     }
 
-    // Made for each query and not kept in the scene: it is five words, and Embree takes it by a pointer it may write to.
+    // Made for each query and not kept in the scene: it is five words, and Embree takes it by a pointer it may write
+    // to.
     #[inline(always)]
     pub(super) fn intersect_arguments(&self, flags: sys::RTCRayQueryFlags) -> sys::RTCIntersectArguments {
         sys::RTCIntersectArguments {
@@ -185,7 +186,7 @@ impl Scene {
         }
     }
 
-    /// Whether `ray` meets anything. A ray that is not traceable meets nothing.
+    /// Whether `ray` hits anything. A ray that is not traceable hits nothing.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         if !is_traceable(ray) {
@@ -198,7 +199,7 @@ impl Scene {
         segment.tfar == f32::NEG_INFINITY
     }
 
-    /// The box around everything in the scene; empty for an empty scene.
+    /// The bounding box of everything in the scene; empty for an empty scene.
     pub fn bounds(&self) -> Bounds {
         let mut b = sys::RTCBounds {
             lower_x: f32::INFINITY,
@@ -216,50 +217,50 @@ impl Scene {
         Bounds { min: point(b.lower_x, b.lower_y, b.lower_z), max: point(b.upper_x, b.upper_y, b.upper_z) }
     }
 
-    /// Bytes of the hierarchy and of the buffers it refers to, shared ones counted in full; scenes inside instances are
-    /// not counted. The hierarchy's part is what the device's use grew by during the build, and so too small if another
-    /// scene of the device was dropped meanwhile.
+    /// Bytes of the hierarchy and of the buffers to which it refers. Shared buffers count in full, and scenes inside
+    /// instances do not count. The hierarchy's part is the growth of the device's memory during the build, and
+    /// therefore too small if another scene of the device was dropped meanwhile.
     pub fn memory_bytes(&self) -> usize {
-        let buffers = self.inner.kept.iter().map(|kept| match kept {
-            Kept::Triangles(mesh) => mesh.memory_bytes(),
-            Kept::Spheres(spheres) => size_of_val(&spheres[..]),
-            Kept::User(user) => user.memory_bytes(),
-            Kept::Instance(_) => 0,
+        let buffers = self.inner.data.iter().map(|data| match data {
+            GeometryData::Triangles(mesh) => mesh.memory_bytes(),
+            GeometryData::Spheres(spheres) => size_of_val(&spheres[..]),
+            GeometryData::User(user) => user.memory_bytes(),
+            GeometryData::Instance(_) => 0,
         });
         self.inner.bvh_bytes + buffers.sum::<usize>()
     }
 
-    /// Bytes of the hierarchy alone, with the proviso of [`Scene::memory_bytes`].
+    /// Bytes of the hierarchy alone, with the same inaccuracy as [`Scene::memory_bytes`].
     pub fn hierarchy_bytes(&self) -> usize {
         self.inner.bvh_bytes
     }
 
-    /// Which kinds of geometry there are.
+    /// The kinds of geometry in the scene.
     pub fn features(&self) -> Features {
         self.inner.features
     }
 
-    /// The device it was built with.
+    /// The device with which the scene was built.
     pub fn device(&self) -> Device {
         Device { inner: Arc::clone(&self.inner.device) }
     }
 
-    /// Whether all queries so far went well; to be asked after a batch of them.
+    /// Whether all queries so far succeeded; to be called after a batch of them.
     ///
     /// # Errors
     /// [`ErrorKind::Internal`] with the message of the first panic in user geometry, of this scene or of one inside an
-    /// instance. It stays: such a scene has lost hits.
+    /// instance. The error remains: such a scene has lost hits.
     pub fn check(&self) -> Result<()> {
-        for kept in &self.inner.kept {
-            match kept {
-                Kept::User(user) => {
+        for data in &self.inner.data {
+            match data {
+                GeometryData::User(user) => {
                     if let Some(message) = user.panic_message() {
                         let message = format!("user geometry panicked while a ray was traced: {message}");
                         return Err(Error::new(ErrorKind::Internal, message));
                     }
                 }
-                Kept::Instance(scene) => scene.check()?,
-                Kept::Triangles(_) | Kept::Spheres(_) => {}
+                GeometryData::Instance(scene) => scene.check()?,
+                GeometryData::Triangles(_) | GeometryData::Spheres(_) => {}
             }
         }
         Ok(())
@@ -276,9 +277,9 @@ mod tests {
 
     const CANARY: u64 = 0x5afe_c0de_dead_beef;
 
-    /// Embree's structure between words that nobody may touch.
+    /// Embree's structure between words that must not be written.
     #[repr(C, align(64))]
-    struct Fenced<T> {
+    struct Guarded<T> {
         before: [u64; 8],
         inside: T,
         after: [u64; 32],
@@ -300,9 +301,9 @@ mod tests {
         let ray = Ray::new(Vec3::new(0.25, 0.5, 0.0), Vec3::Z);
         for scene in [&child, &parent] {
             let inside = sys::RTCRayHit { ray: to_embree(&ray), hit: no_hit() };
-            let mut query = Fenced { before: [CANARY; 8], inside, after: [CANARY; 32] };
+            let mut query = Guarded { before: [CANARY; 8], inside, after: [CANARY; 32] };
             let arguments = scene.intersect_arguments(sys::RTC_RAY_QUERY_FLAG_INCOHERENT);
-            let mut arguments = Fenced { before: [CANARY; 8], inside: arguments, after: [CANARY; 32] };
+            let mut arguments = Guarded { before: [CANARY; 8], inside: arguments, after: [CANARY; 32] };
             // SAFETY: as in `query`.
             unsafe { sys::rtcIntersect1(scene.inner.raw, &raw mut query.inside, &raw mut arguments.inside) };
             assert_eq!((query.before, query.after), ([CANARY; 8], [CANARY; 32]));
@@ -311,7 +312,7 @@ mod tests {
             assert_eq!(Some(hit), scene.intersect(&ray));
             assert_eq!((hit.t, hit.u, hit.v, hit.prim), (1.0, 0.25, 0.5, 0));
 
-            let mut segment = Fenced { before: [CANARY; 8], inside: to_embree(&ray), after: [CANARY; 32] };
+            let mut segment = Guarded { before: [CANARY; 8], inside: to_embree(&ray), after: [CANARY; 32] };
             // SAFETY: as in `occluded`.
             unsafe { sys::rtcOccluded1(scene.inner.raw, &raw mut segment.inside, std::ptr::null_mut()) };
             assert_eq!((segment.before, segment.after), ([CANARY; 8], [CANARY; 32]));

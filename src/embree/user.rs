@@ -1,4 +1,4 @@
-//! Geometry that intersects rays by itself, and the functions through which Embree calls it.
+//! User geometry with intersection tests of its own, and the functions through which Embree calls them.
 
 use std::any::Any;
 use std::ffi::c_void;
@@ -10,25 +10,26 @@ use super::{ray, sys};
 use crate::math::{Ray, Vec3};
 use crate::{Cancel, Error, ErrorKind, Result};
 
-/// Where a ray meets a primitive of user geometry.
+/// The intersection of a ray with a primitive of user geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UserHit {
-    /// Where along the ray, in lengths of its direction. A value outside the ray's interval, or NaN, counts as a miss.
+    /// Distance along the ray, in lengths of its direction. A value outside the ray's interval, or NaN, counts as a
+    /// miss.
     pub t: f32,
-    /// First surface parameter, passed on as it is.
+    /// First surface parameter, returned in the hit unchanged.
     pub u: f32,
-    /// Second surface parameter, passed on as it is.
+    /// Second surface parameter, returned in the hit unchanged.
     pub v: f32,
-    /// Geometric normal, any length, in the frame of the ray that was given; passed on as it is.
+    /// Geometric normal of any length, in the frame of the given ray; returned in the hit unchanged.
     pub ng: Vec3,
 }
 
-/// Primitives with an intersection test of their own, found through Embree's hierarchy over their boxes.
+/// Primitives with an intersection test of their own, found through Embree's hierarchy over their bounding boxes.
 ///
-/// The tests are called from every thread that traces, at once. A panic in one is caught: the ray misses that
-/// primitive, and [`super::Scene::check`] reports it from then on.
+/// All tracing threads call the tests concurrently. A panic in a test is caught: the ray misses that primitive, and
+/// [`super::Scene::check`] reports the panic from then on.
 pub trait UserGeometry: Send + Sync + 'static {
-    /// Number of primitives, asked once.
+    /// Number of primitives; called once.
     fn len(&self) -> usize;
 
     /// Whether there is no primitive.
@@ -36,37 +37,37 @@ pub trait UserGeometry: Send + Sync + 'static {
         self.len() == 0
     }
 
-    /// Smallest and largest corner of a box around primitive `index`, asked once. It must hold the whole primitive:
-    /// what sticks out is not found.
+    /// Smallest and largest corner of a bounding box of primitive `index`; called once. The box must hold the whole
+    /// primitive: parts outside of it are not found.
     fn bounds(&self, index: usize) -> ([f32; 3], [f32; 3]);
 
-    /// Where `ray` first meets primitive `index` within `[tnear, tfar]`. In an instance, `ray` is in the instance's
-    /// frame with its direction not of unit length, so that `t` is the same in both.
+    /// The first intersection of `ray` with primitive `index` within `[tnear, tfar]`. In an instance, `ray` is in the
+    /// instance's frame and its direction is not of unit length, so that `t` is the same in both frames.
     fn intersect(&self, index: usize, ray: &Ray) -> Option<UserHit>;
 
-    /// Whether `ray` meets primitive `index` at all within `[tnear, tfar]`.
+    /// Whether `ray` intersects primitive `index` at all within `[tnear, tfar]`.
     fn occluded(&self, index: usize, ray: &Ray) -> bool {
         self.intersect(index, ray).is_some_and(|hit| ray.tnear <= hit.t && hit.t <= ray.tfar)
     }
 }
 
-/// What Embree's pointer for a user geometry points to. Everything in it is shared by all threads.
-pub(super) struct UserState<G> {
+/// The data to which Embree's pointer for a user geometry points. All threads share it.
+pub(super) struct UserGeometryData<G> {
     geometry: Arc<G>,
-    /// Asked for once and checked: what a hierarchy is built from must not change between two looks at it.
+    /// Boxes that were computed once and checked: a hierarchy's input must not change during the build.
     bounds: Vec<sys::RTCBounds>,
     /// The message of the first panic.
     panic: OnceLock<String>,
 }
 
-/// A [`UserState`] of any geometry.
-pub(super) trait ErasedUser: Send + Sync {
+/// User geometry data of any type.
+pub(super) trait ErasedUserData: Send + Sync {
     fn panic_message(&self) -> Option<&str>;
     fn len(&self) -> usize;
     fn memory_bytes(&self) -> usize;
 }
 
-impl<G: UserGeometry> ErasedUser for UserState<G> {
+impl<G: UserGeometry> ErasedUserData for UserGeometryData<G> {
     fn panic_message(&self) -> Option<&str> {
         self.panic.get().map(String::as_str)
     }
@@ -80,10 +81,10 @@ impl<G: UserGeometry> ErasedUser for UserState<G> {
     }
 }
 
-impl<G: UserGeometry> UserState<G> {
-    /// Asks the geometry for its boxes.
+impl<G: UserGeometry> UserGeometryData<G> {
+    /// Computes and checks the geometry's boxes.
     ///
-    /// Errors: no primitives, too many, or a box that is inside out or not finite.
+    /// Errors: no primitives, too many, or a box that is inverted or not finite.
     pub(super) fn new(geometry: Arc<G>, cancel: &Cancel) -> Result<Self> {
         let count = geometry.len();
         if count == 0 || u32::try_from(count).is_err() {
@@ -119,7 +120,7 @@ impl<G: UserGeometry> UserState<G> {
     }
 
     /// Runs a test of the geometry; a panic ends here and counts as `missed`.
-    fn contain<R>(&self, missed: R, test: impl FnOnce(&G) -> R) -> R {
+    fn catch_panic<R>(&self, missed: R, test: impl FnOnce(&G) -> R) -> R {
         match catch_unwind(AssertUnwindSafe(|| test(&self.geometry))) {
             Ok(result) => result,
             Err(payload) => {
@@ -132,7 +133,7 @@ impl<G: UserGeometry> UserState<G> {
     }
 }
 
-/// The words of a panic.
+/// The message of a panic.
 pub(super) fn panic_text(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().map(|s| (*s).to_owned());
     text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_owned())
@@ -141,14 +142,14 @@ pub(super) fn panic_text(payload: &(dyn Any + Send)) -> String {
 /// Reads the box of a primitive from the table made when the geometry was added.
 ///
 /// # Safety
-/// To be called by Embree for a geometry whose user pointer is a live `UserState<G>`.
+/// To be called by Embree for a geometry whose user pointer is a live `UserGeometryData<G>`.
 pub(super) unsafe extern "C" fn on_bounds<G: UserGeometry>(args: *const sys::RTCBoundsFunctionArguments) {
-    // SAFETY: Embree passes a valid structure; the user pointer was set in `SceneBuilder::add_user` to a `UserState<G>`
-    // of this very `G`, kept alive by the scene; `bounds_o` is Embree's to be written.
+    // SAFETY: Embree passes a valid structure; the user pointer was set in `SceneBuilder::add_user` to a
+    // `UserGeometryData<G>` of this very `G`, kept alive by the scene; `bounds_o` is Embree's to be written.
     unsafe {
         let args = &*args;
-        let state = &*args.geometryUserPtr.cast_const().cast::<UserState<G>>();
-        if let Some(bounds) = state.bounds.get(args.primID as usize) {
+        let data = &*args.geometryUserPtr.cast_const().cast::<UserGeometryData<G>>();
+        if let Some(bounds) = data.bounds.get(args.primID as usize) {
             args.bounds_o.write(*bounds);
         }
     }
@@ -204,7 +205,7 @@ unsafe fn read_ray(packet: *const f32) -> Ray {
 /// Intersects one ray with one primitive.
 ///
 /// # Safety
-/// To be called by Embree, within `rtcIntersect1`, for a geometry whose user pointer is a live `UserState<G>`.
+/// To be called by Embree, within `rtcIntersect1`, for a geometry whose user pointer is a live `UserGeometryData<G>`.
 pub(super) unsafe extern "C" fn on_intersect<G: UserGeometry>(args: *const sys::RTCIntersectFunctionNArguments) {
     // SAFETY: as in `on_bounds`; with N = 1, `valid` is one integer and `rayhit` has the layout of `RTCRayHit`.
     unsafe {
@@ -214,10 +215,12 @@ pub(super) unsafe extern "C" fn on_intersect<G: UserGeometry>(args: *const sys::
             return;
         }
         *args.valid = 0;
-        let state = &*args.geometryUserPtr.cast_const().cast::<UserState<G>>();
+        let data = &*args.geometryUserPtr.cast_const().cast::<UserGeometryData<G>>();
         let packet = args.rayhit.cast::<f32>();
         let ray = read_ray(packet);
-        let Some(hit) = state.contain(None, |geometry| geometry.intersect(args.primID as usize, &ray)) else { return };
+        let Some(hit) = data.catch_panic(None, |geometry| geometry.intersect(args.primID as usize, &ray)) else {
+            return;
+        };
         if !(ray.tnear <= hit.t && hit.t <= ray.tfar) {
             return;
         }
@@ -235,10 +238,10 @@ pub(super) unsafe extern "C" fn on_intersect<G: UserGeometry>(args: *const sys::
     }
 }
 
-/// Tests one primitive for being in the way of one ray.
+/// Tests whether one primitive blocks one ray.
 ///
 /// # Safety
-/// To be called by Embree, within `rtcOccluded1`, for a geometry whose user pointer is a live `UserState<G>`.
+/// To be called by Embree, within `rtcOccluded1`, for a geometry whose user pointer is a live `UserGeometryData<G>`.
 pub(super) unsafe extern "C" fn on_occluded<G: UserGeometry>(args: *const sys::RTCOccludedFunctionNArguments) {
     // SAFETY: as in `on_intersect`; `ray` has the layout of `RTCRay`.
     unsafe {
@@ -247,10 +250,10 @@ pub(super) unsafe extern "C" fn on_occluded<G: UserGeometry>(args: *const sys::R
             return;
         }
         *args.valid = 0;
-        let state = &*args.geometryUserPtr.cast_const().cast::<UserState<G>>();
+        let data = &*args.geometryUserPtr.cast_const().cast::<UserGeometryData<G>>();
         let packet = args.ray.cast::<f32>();
         let ray = read_ray(packet);
-        if state.contain(false, |geometry| geometry.occluded(args.primID as usize, &ray)) {
+        if data.catch_panic(false, |geometry| geometry.occluded(args.primID as usize, &ray)) {
             packet.add(field::TFAR).write(f32::NEG_INFINITY);
             *args.valid = -1;
         }
@@ -258,6 +261,6 @@ pub(super) unsafe extern "C" fn on_occluded<G: UserGeometry>(args: *const sys::R
 }
 
 /// The pointer Embree is given for a user geometry.
-pub(super) fn user_pointer<G>(state: &Arc<UserState<G>>) -> *mut c_void {
-    Arc::as_ptr(state).cast_mut().cast()
+pub(super) fn user_pointer<G>(data: &Arc<UserGeometryData<G>>) -> *mut c_void {
+    Arc::as_ptr(data).cast_mut().cast()
 }

@@ -37,8 +37,8 @@ impl EnvironmentEmitter {
         PI * self.area() * self.radiance.to_f64()
     }
 
-    /// Middle of the ball.
-    pub(super) fn middle(&self) -> Vec3 {
+    /// Centre of the ball.
+    pub(super) fn centre(&self) -> Vec3 {
         self.centre
     }
 

@@ -1,8 +1,9 @@
-//! Emitters, and the choice among them.
+//! Emitters, and the sampling of one among them.
 //!
-//! Area emitters shine on the side of their normal only, with the same radiance in every direction. One is chosen, among
-//! few mostly in proportion to its power, among many by what the receiver may get from it; then a point on it (or a direction
-//! towards it) is sampled. Every density here is per solid angle at the reference point and includes the choice.
+//! Area emitters emit on the side of their normal only, with the same radiance in every direction. One emitter is
+//! chosen first: among few emitters mostly in proportion to power, among many by a bound of what the receiver may get
+//! from each. Then a point on it (or a direction towards it) is sampled. Every density here is per solid angle at the
+//! reference point and includes the probability of the choice.
 
 mod environment;
 mod receiver;
@@ -37,15 +38,15 @@ pub enum Emitter {
     },
     /// A one-sided triangle.
     Triangle(TriangleEmitter),
-    /// A sphere that shines outwards.
+    /// A sphere that emits outwards.
     Sphere(SphereEmitter),
     /// Light from infinity.
     Environment(EnvironmentEmitter),
 }
 
 impl Emitter {
-    /// Emitted power (W): 4 pi I of a point, pi L A of an area. In double precision, since single precision may not hold the
-    /// product of a radiance and an area that it holds each.
+    /// Emitted power [W]: 4 pi I of a point light, pi L A of an area emitter. The result is in double precision,
+    /// because single precision may overflow for a product of a radiance and an area.
     pub fn power(&self) -> DVec3 {
         match self {
             Self::Point { intensity, .. } => 4.0 * PI * intensity.to_f64(),
@@ -55,7 +56,7 @@ impl Emitter {
         }
     }
 
-    /// Area that shines [length^2]; 0 for a point.
+    /// Emitting area [length^2]; 0 for a point light.
     pub fn area(&self) -> f64 {
         match self {
             Self::Point { .. } => 0.0,
@@ -65,13 +66,13 @@ impl Emitter {
         }
     }
 
-    /// The point in its middle.
-    pub fn middle(&self) -> Vec3 {
+    /// The emitter's centre.
+    pub fn centre(&self) -> Vec3 {
         match self {
             Self::Point { position, .. } => *position,
             Self::Triangle(emitter) => emitter.triangle.at(1.0 / 3.0, 1.0 / 3.0),
             Self::Sphere(emitter) => emitter.sphere.centre.as_vec3a(),
-            Self::Environment(emitter) => emitter.middle(),
+            Self::Environment(emitter) => emitter.centre(),
         }
     }
 
@@ -81,7 +82,7 @@ impl Emitter {
         matches!(self, Self::Environment(_))
     }
 
-    /// Samples a place from which light leaves, uniformly by area; `u` uniform in [0, 1)^2.
+    /// Samples a point from which light leaves, uniformly by area; `u` uniform in [0, 1)^2.
     #[inline]
     pub fn sample_departure(&self, u: [f32; 2]) -> Departure {
         match self {
@@ -93,24 +94,24 @@ impl Emitter {
     }
 }
 
-/// A shadow ray to a point light ends this share of its way before it, so that a surface which the light is exactly on does not
-/// block it by chance. 16 units of f32.
+/// A shadow ray to a point light ends this fraction of its length before the light, so that a surface exactly at the
+/// light does not block it by rounding. 16 units of f32.
 const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
 
-/// Share of the choices by power that does not go by power.
-const EVEN_SHARE: f64 = 0.1;
+/// Fraction of the choices by power that is uniform over the emitters.
+const UNIFORM_FRACTION: f64 = 0.1;
 
-/// Up to this many emitters are chosen by power: the choice by receiver would cost the report's room, with four triangles of
-/// one lamp, a tenth of its instructions.
-const FEW: usize = 4;
+/// Up to this many emitters are chosen by power. The choice by receiver would increase the instructions of the report's
+/// room, where one lamp is four triangles, by a tenth.
+const MAX_CHOSEN_BY_POWER: usize = 4;
 
-/// More than a tree can number.
-const TOO_MANY: usize = 1 << 29;
+/// From this number on, the indices of emitters do not fit the tree.
+const INDEX_LIMIT: usize = 1 << 29;
 
-/// How one is chosen.
+/// How an emitter is chosen.
 #[derive(Debug)]
-enum Choice {
-    /// The same for all receivers.
+enum EmitterChoice {
+    /// With the same probabilities for all receivers.
     ByPower(Distribution1D),
     /// By what the receiver may get, among those that have a place. Those at infinity together are as likely as each of
     /// n + 1 equal choices would make n of them.
@@ -125,18 +126,18 @@ pub struct EmitterSet {
     /// Numbers of those at infinity.
     infinite: Vec<u32>,
     /// `None` where there is nothing to sample.
-    choice: Option<Choice>,
+    choice: Option<EmitterChoice>,
 }
 
 impl EmitterSet {
-    /// A few emitters are chosen by luminous power, with a tenth of the choices spread evenly over them: power says nothing
-    /// about which of them a point sees, and a dim lamp beside a bright one out of sight must not be left to chance. More are
-    /// chosen by what the receiver may get of them.
+    /// A set of emitters. Few emitters are chosen by luminous power, with a tenth of the choices uniform over them:
+    /// power does not say which of them a point sees, and a dim lamp beside a bright hidden one needs samples too. More
+    /// emitters are chosen by a bound of what the receiver may get from each.
     pub fn new(emitters: Vec<Emitter>) -> Self {
         Self::cancellable(emitters, &Cancel::new()).unwrap_or_default()
     }
 
-    /// As [`EmitterSet::new`], asking `cancel` on the way.
+    /// As [`EmitterSet::new`], cancellable by `cancel`.
     ///
     /// # Errors
     /// [`crate::ErrorKind::Cancelled`].
@@ -148,68 +149,72 @@ impl EmitterSet {
             powers.extend(block.iter().map(|emitter| emitter.power().dot(weights)));
         }
         let total: f64 = powers.iter().sum();
-        let shining = powers.iter().filter(|&&power| power > 0.0).count();
+        let emitting = powers.iter().filter(|&&power| power > 0.0).count();
         let is_infinite =
             |(_, emitter): &(usize, &Emitter)| emitter.is_infinite() && emitter.power().max_element() > 0.0;
         let infinite: Vec<u32> =
             emitters.iter().enumerate().filter(is_infinite).map(|(number, _)| number as u32).collect();
-        let choice = if total > 0.0 && total.is_finite() && shining - infinite.len() > FEW && emitters.len() < TOO_MANY
+        let choice = if total > 0.0
+            && total.is_finite()
+            && emitting - infinite.len() > MAX_CHOSEN_BY_POWER
+            && emitters.len() < INDEX_LIMIT
         {
             // What is at infinity has no place in the tree.
             infinite.iter().for_each(|&number| powers[number as usize] = 0.0);
             let share = infinite.len() as f32 / (infinite.len() as f32 + 1.0);
-            Some(Choice::ByReceiver { tree: LightTree::new(&emitters, &powers, cancel)?, infinite: share })
+            Some(EmitterChoice::ByReceiver { tree: LightTree::new(&emitters, &powers, cancel)?, infinite: share })
         } else {
-            let even = EVEN_SHARE * total / shining.max(1) as f64;
-            // In place: from here on they are weights.
+            let uniform = UNIFORM_FRACTION * total / emitting.max(1) as f64;
+            // Powers become weights in place.
             for power in &mut powers {
-                *power = if *power > 0.0 { (1.0 - EVEN_SHARE) * *power + even } else { 0.0 };
+                *power = if *power > 0.0 { (1.0 - UNIFORM_FRACTION) * *power + uniform } else { 0.0 };
             }
-            Distribution1D::cancellable(&powers, cancel)?.map(Choice::ByPower)
+            Distribution1D::cancellable(&powers, cancel)?.map(EmitterChoice::ByPower)
         };
         let point_lights = emitters.iter().filter(|emitter| matches!(emitter, Emitter::Point { .. })).count();
         Ok(Self { emitters, point_lights, infinite, choice })
     }
 
-    /// Whether no light can come from it.
+    /// Whether no emitter emits any light.
     pub fn is_dark(&self) -> bool {
         self.choice.is_none()
     }
 
-    /// The emitters, in the order of their numbers.
+    /// The emitters, in the order of their indices.
     pub fn emitters(&self) -> &[Emitter] {
         &self.emitters
     }
 
-    /// How many of them are points.
+    /// Number of point lights.
     pub fn point_lights(&self) -> usize {
         self.point_lights
     }
 
-    /// Samples a direction from the receiver (or a point: light counts from all sides) towards some emitter; `u` uniform in
-    /// [0, 1)^4. The first number chooses the emitter, the last carries on its digits, so that one among millions is still
-    /// found.
+    /// Samples a direction from the receiver (or a point, which receives light from all sides) towards some emitter;
+    /// `u` uniform in [0, 1)^4. The first number chooses the emitter. The last number supplies further digits of the
+    /// choice, so that each of millions of emitters can be chosen.
     ///
-    /// `None` where the sampled emitter cannot light it: it contributes nothing, and the estimate stays unbiased.
+    /// `None` where the sampled emitter cannot light the receiver: it contributes nothing, and the estimate stays
+    /// unbiased.
     #[inline]
     pub fn sample(&self, receiver: impl Into<Receiver>, u: [f32; 4]) -> Option<EmitterSample> {
         let receiver = receiver.into();
         let p = receiver.p;
-        let chooser = f64::from(u[0]) + f64::from(u[3]) * (-24_f64).exp2();
+        let choice_u = f64::from(u[0]) + f64::from(u[3]) * (-24_f64).exp2();
         let (index, probability) = match self.choice.as_ref()? {
-            Choice::ByPower(choice) => {
-                let (index, probability, _) = choice.sample(chooser);
+            EmitterChoice::ByPower(choice) => {
+                let (index, probability, _) = choice.sample(choice_u);
                 (index, probability)
             }
-            Choice::ByReceiver { tree, infinite } if *infinite == 0.0 => tree.sample(&receiver, chooser)?,
-            Choice::ByReceiver { tree, infinite } => {
+            EmitterChoice::ByReceiver { tree, infinite } if *infinite == 0.0 => tree.sample(&receiver, choice_u)?,
+            EmitterChoice::ByReceiver { tree, infinite } => {
                 let infinite = f64::from(*infinite);
-                if chooser < infinite {
+                if choice_u < infinite {
                     let count = self.infinite.len();
-                    let chosen = ((chooser / infinite * count as f64) as usize).min(count - 1);
+                    let chosen = ((choice_u / infinite * count as f64) as usize).min(count - 1);
                     (self.infinite[chosen] as usize, infinite as f32 / count as f32)
                 } else {
-                    let (index, probability) = tree.sample(&receiver, (chooser - infinite) / (1.0 - infinite))?;
+                    let (index, probability) = tree.sample(&receiver, (choice_u - infinite) / (1.0 - infinite))?;
                     (index, probability * (1.0 - infinite as f32))
                 }
             }
@@ -237,17 +242,17 @@ impl EmitterSet {
         (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some(sample)
     }
 
-    /// Probability with which [`EmitterSet::sample`] tries emitter `index` for this receiver. They sum to 1, less what
-    /// comes to nothing.
+    /// Probability with which [`EmitterSet::sample`] chooses emitter `index` for this receiver. The probabilities sum
+    /// to 1 minus that of choices that give no emitter.
     #[inline]
     pub fn probability(&self, index: u32, receiver: impl Into<Receiver>) -> f32 {
         match &self.choice {
             None => 0.0,
-            Some(Choice::ByPower(choice)) => choice.pmf(index as usize),
-            Some(Choice::ByReceiver { tree, infinite }) if *infinite == 0.0 => {
+            Some(EmitterChoice::ByPower(choice)) => choice.pmf(index as usize),
+            Some(EmitterChoice::ByReceiver { tree, infinite }) if *infinite == 0.0 => {
                 tree.probability(index as usize, &receiver.into())
             }
-            Some(Choice::ByReceiver { tree, infinite }) => {
+            Some(EmitterChoice::ByReceiver { tree, infinite }) => {
                 if self.emitters[index as usize].is_infinite() {
                     let is_chosen = self.infinite.contains(&index);
                     if is_chosen { infinite / self.infinite.len() as f32 } else { 0.0 }
@@ -258,8 +263,8 @@ impl EmitterSet {
         }
     }
 
-    /// Density with which [`EmitterSet::sample`] for this receiver gives the direction towards the point `hit` of emitter
-    /// `index`.
+    /// Density with which [`EmitterSet::sample`] for this receiver returns the direction towards the point `hit` of
+    /// emitter `index`.
     #[inline]
     pub fn pdf(&self, index: u32, receiver: impl Into<Receiver>, hit: Vec3) -> f32 {
         let receiver = receiver.into();

@@ -18,7 +18,7 @@ pub struct SphereEmitter {
 }
 
 /// The cone of directions under which a sphere is seen from outside.
-struct Cone {
+struct VisibleCone {
     /// Centre minus reference point.
     axis: crate::math::DVec3,
     /// 1 - cos of the half angle, without cancellation for small cones.
@@ -28,16 +28,16 @@ struct Cone {
 impl SphereEmitter {
     /// The cone seen from `p`, or `None` inside the sphere, where its outer side cannot be seen.
     #[inline]
-    fn cone(&self, p: Vec3) -> Option<Cone> {
+    fn cone(&self, p: Vec3) -> Option<VisibleCone> {
         let axis = self.sphere.centre - p.as_dvec3();
         let distance = axis.length();
-        // cos^2 = 1 - r^2 / d^2 by factors: exact also right above the surface.
+        // cos^2 = 1 - r^2 / d^2 as a product, which is exact also right above the surface.
         let cos2 = (distance - self.sphere.radius) * (distance + self.sphere.radius) / (distance * distance);
         if cos2 <= 0.0 || cos2.is_nan() {
             return None;
         }
         let sin = self.sphere.radius / distance;
-        Some(Cone { axis, one_minus_cos: sin * sin / (1.0 + cos2.sqrt()) })
+        Some(VisibleCone { axis, one_minus_cos: sin * sin / (1.0 + cos2.sqrt()) })
     }
 
     /// Samples a direction from `p` uniformly in the cone; `None` inside the sphere.
@@ -47,10 +47,10 @@ impl SphereEmitter {
         let distance = cone.axis.length();
         let frame = Frame::from_normal((cone.axis / distance).as_vec3a());
         let wi = frame.to_world(warps::uniform_cone(u, cone.one_minus_cos as f32));
-        // Where that direction meets the sphere; a direction on the cone's rim may miss it by rounding, so the discriminant
-        // is clamped to the tangent point.
-        // Of unit length in double precision too, by one step of Newton's method from what is nearly that: from close to a
-        // large ball a ten-millionth of its radius is a long way.
+        // The intersection of that direction with the sphere. A direction on the cone's rim may miss the sphere by
+        // rounding, so the discriminant is clamped to the tangent point.
+        // One Newton step makes the direction unit length in double precision too: seen from close to a large sphere, a
+        // ten-millionth of its radius is a large distance.
         let direction = wi.as_dvec3();
         let direction = direction * (1.5 - 0.5 * direction.length_squared());
         let along = direction.dot(cone.axis);
@@ -68,7 +68,7 @@ impl SphereEmitter {
         Some(EmitterSample { wi, target, radiance: self.radiance, pdf, is_delta: false })
     }
 
-    /// A place, uniformly by area.
+    /// Samples a point uniformly by area.
     #[inline]
     pub(super) fn sample_departure(&self, u: [f32; 2]) -> Departure {
         let normal = warps::uniform_sphere(u).as_dvec3();

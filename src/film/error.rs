@@ -1,6 +1,6 @@
 //! How far an image is from its expectation, as far as it can tell itself.
 
-use super::{Film, Gathering, Tile, lock};
+use super::{Film, PixelPhotonState, Tile, lock};
 use crate::Cancel;
 use crate::spectrum::{luminance, srgb_encode};
 
@@ -142,7 +142,7 @@ impl Film {
         let floor = 1e-2 * mean * mean;
         let levels = Levels::new(&means, self.options.resolution);
         self.for_each_unless(cancel, |place, pixel, beside| {
-            let biases = beside.gathering.and_then(Gathering::biases).unwrap_or_default();
+            let biases = beside.gathering.and_then(PixelPhotonState::biases).unwrap_or_default();
             let variances = pixel.variance(share);
             let own = pixel.mean(weighted);
             let is_known = || {

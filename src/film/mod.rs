@@ -1,17 +1,17 @@
-//! What light leaves behind: sums per pixel, and the image developed from them. Knows no files.
+//! The film: sums of radiance for each pixel, and the image that is developed from them. It has no access to files.
 //!
-//! A sample belongs to one pixel only: pixel filters are importance sampled instead of splatted, so pixels are independent
-//! of each other and a film is the same to the last bit for any number of threads and any order of tiles. Source: Ernst
-//! et al. 2006, "Filter Importance Sampling".
+//! A sample belongs to one pixel only: pixel filters are importance sampled instead of splatted. Pixels are therefore
+//! independent of each other, and a film is the same to the last bit for any number of threads and any order of tiles.
+//! Source: Ernst et al. 2006, "Filter Importance Sampling".
 //!
 //! Sums are f64: 2^25 samples of 1 have the mean 1, not 2^24 / 2^25.
 
 mod error;
-mod gathering;
+mod photon_state;
 mod pixel;
 
 pub use error::{ErrorEstimate, ErrorMeasure, SampleCounts};
-pub use gathering::{Gathering, ShrinkingRadius};
+pub use photon_state::{PixelPhotonState, ShrinkingRadius};
 pub use pixel::{Auxiliary, Pixel, REPLICATES};
 
 pub use crate::image::{Image, Layer};
@@ -27,45 +27,46 @@ use crate::spectrum::Rgb;
 /// Side of the square tiles that a film is divided into.
 pub const TILE: u32 = 16;
 
-/// How the samples of a film are taken.
+/// Options of a film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilmOptions {
     /// Width and height, pixels.
     pub resolution: [u32; 2],
-    /// Whether albedo, normal and depth of the first hit are kept.
+    /// Whether albedo, normal and depth of the first hit are stored.
     pub auxiliary: bool,
-    /// How many consecutive samples of a pixel have one error, as they read the same photon maps; else 1. They belong to one
-    /// of the [`REPLICATES`], from the spread of whose means the error is estimated.
+    /// Number of consecutive samples of a pixel with correlated errors, because they read the same photon maps; else 1.
+    /// They belong to one of the [`REPLICATES`], from whose scatter the error is estimated.
     pub share: u32,
-    /// Whether the filter's weights vary, so that sums have to be divided by their total.
+    /// Whether the filter's weights vary, so that sums must be divided by the total weight.
     pub weighted: bool,
-    /// Whether pixels remember photons.
+    /// Whether pixels have photon state.
     pub gathering: bool,
 }
 
-/// A film in tiles of [`TILE`] x [`TILE`] pixels, shared by those who fill it and those who look at it.
+/// A film in tiles of [`TILE`] x [`TILE`] pixels, shared by the threads that fill it and those that read it.
 ///
 /// Each tile has a lock, so that any thread may develop the film while others fill it: it sees every pixel as it was
-/// between two additions of samples. A tile takes memory when it is filled for the first time.
+/// between two additions of samples. A tile allocates memory when it is filled for the first time.
 #[derive(Debug)]
 pub struct Film {
     options: FilmOptions,
     tiles: Box<[Mutex<Tile>]>,
 }
 
-/// The pixels of a tile, row by row, [`TILE`] to a row, those outside the image included; empty until the tile is filled.
+/// The pixels of a tile, row by row with [`TILE`] in a row, including those outside the image; empty until the tile is
+/// filled.
 #[derive(Debug, Default)]
 pub(crate) struct Tile {
     pub pixels: Vec<Pixel>,
-    /// As `pixels`, or empty where no auxiliary layer is wanted.
+    /// One for each pixel; empty where the film has no auxiliary layers.
     pub auxiliary: Vec<Auxiliary>,
-    /// As `pixels`, or empty where no photons are to be remembered.
-    pub gathering: Vec<Gathering>,
+    /// One for each pixel; empty where pixels have no photon state.
+    pub gathering: Vec<PixelPhotonState>,
 }
 
 impl Tile {
-    /// Samples of each pixel, once the tile takes memory.
-    pub(crate) fn counts(&self) -> [u32; PER_TILE] {
+    /// Number of samples of each pixel; the tile must have allocated memory.
+    pub(crate) fn counts(&self) -> [u32; PIXELS_PER_TILE] {
         std::array::from_fn(|index| self.pixels[index].count())
     }
 
@@ -90,22 +91,22 @@ pub(crate) struct PixelSample {
     /// The weight that the pixel's filter gives it.
     pub weight: f32,
     /// What the pixel remembers after it, where pixels remember photons.
-    pub gathering: Option<Gathering>,
+    pub gathering: Option<PixelPhotonState>,
     /// Albedo, shading normal and depth of the first hit, where there is one and the film keeps them.
     pub first: Option<(Rgb, Vec3, f32)>,
 }
 
-/// What is kept of a pixel beside its sums.
+/// Optional data of a pixel besides its sums.
 #[derive(Clone, Copy)]
-struct Beside<'a> {
+struct PixelExtras<'a> {
     auxiliary: Option<&'a Auxiliary>,
-    gathering: Option<&'a Gathering>,
+    gathering: Option<&'a PixelPhotonState>,
 }
 
-/// Pixels of a tile.
-const PER_TILE: usize = (TILE * TILE) as usize;
+/// Number of pixels in a tile.
+const PIXELS_PER_TILE: usize = (TILE * TILE) as usize;
 
-/// A layer that a film can develop beside its colour.
+/// A layer that a film can develop besides its colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LayerKind {
     /// Mean albedo of the first hits.
@@ -118,10 +119,10 @@ pub enum LayerKind {
     Samples,
     /// Variance of the pixel's mean; NaN where there are fewer than four replicates.
     Variance,
-    /// Root of the variance.
+    /// Square root of the variance.
     StandardError,
-    /// Estimated bias of the pixel's mean by photon maps: what is there is too large by so much. Of maps that are made once
-    /// only that of caustics; 0 without maps.
+    /// Estimated bias of the pixel's mean by photon maps: the mean is too large by this value. With maps that are shot
+    /// only once, the bias of caustics alone; 0 without maps.
     Bias,
 }
 
@@ -134,7 +135,7 @@ impl LayerKind {
         }
     }
 
-    /// Whether it comes from the first hits, which a film keeps only if it is asked to.
+    /// Whether the layer comes from the first hits, which a film stores only on request.
     fn is_auxiliary(self) -> bool {
         matches!(self, Self::Albedo | Self::Normal | Self::Depth)
     }
@@ -148,22 +149,24 @@ impl Film {
     pub fn new(options: FilmOptions) -> Result<Self> {
         let [width, height] = options.resolution.map(|n| n.div_ceil(TILE) as usize);
         let count = width * height;
-        if (count * PER_TILE) as u64 > 2 * MAX_PIXELS {
+        if (count * PIXELS_PER_TILE) as u64 > 2 * MAX_PIXELS {
             let message =
                 format!("{} x {} pixels in whole tiles are too many", options.resolution[0], options.resolution[1]);
             return Err(Error::new(ErrorKind::OutOfMemory, message));
         }
         let mut tiles = Vec::new();
-        tiles.try_reserve_exact(count).map_err(|error| no_room().because(error))?;
+        tiles.try_reserve_exact(count).map_err(|error| out_of_memory().because(error))?;
         tiles.resize_with(count, Mutex::default);
-        // What the tiles will take is asked for once and given back, so that a film that cannot fit is refused now.
+        // The memory of all tiles is reserved once and released, so that a film that cannot fit is refused now.
         let bytes = size_of::<Pixel>() + if options.auxiliary { size_of::<Auxiliary>() } else { 0 };
-        let bytes = bytes + if options.gathering { size_of::<Gathering>() } else { 0 };
-        Vec::<u8>::new().try_reserve_exact(count * PER_TILE * bytes).map_err(|error| no_room().because(error))?;
+        let bytes = bytes + if options.gathering { size_of::<PixelPhotonState>() } else { 0 };
+        Vec::<u8>::new()
+            .try_reserve_exact(count * PIXELS_PER_TILE * bytes)
+            .map_err(|error| out_of_memory().because(error))?;
         Ok(Self { options, tiles: tiles.into() })
     }
 
-    /// Its options.
+    /// Options of the film.
     pub fn options(&self) -> &FilmOptions {
         &self.options
     }
@@ -180,30 +183,32 @@ impl Film {
         [tile % across * TILE, tile / across * TILE]
     }
 
-    /// A tile to be filled, with room for its pixels. To be held briefly: others may be waiting to look at it.
+    /// Locks a tile for filling and allocates its pixels. The lock must be held briefly, because other threads may wait
+    /// to read the tile.
     pub(crate) fn tile(&self, tile: usize) -> MutexGuard<'_, Tile> {
         let mut tile = lock(&self.tiles[tile]);
         if tile.pixels.is_empty() {
-            tile.pixels = vec![Pixel::default(); PER_TILE];
+            tile.pixels = vec![Pixel::default(); PIXELS_PER_TILE];
             if self.options.auxiliary {
-                tile.auxiliary = vec![Auxiliary::default(); PER_TILE];
+                tile.auxiliary = vec![Auxiliary::default(); PIXELS_PER_TILE];
             }
             if self.options.gathering {
-                tile.gathering = vec![Gathering::default(); PER_TILE];
+                tile.gathering = vec![PixelPhotonState::default(); PIXELS_PER_TILE];
             }
         }
         tile
     }
 
-    /// Calls `visit` for each pixel of the image with its number in rows: tile by tile, or row by row within one.
-    fn for_each(&self, visit: impl FnMut(usize, &Pixel, Beside)) {
+    /// Calls `visit` for each pixel of the image with its index in row order: tile by tile, and row by row within a
+    /// tile.
+    fn for_each(&self, visit: impl FnMut(usize, &Pixel, PixelExtras)) {
         self.for_each_unless(&Cancel::new(), visit);
     }
 
-    /// The same; false if it was cancelled in the middle.
-    fn for_each_unless(&self, cancel: &Cancel, mut visit: impl FnMut(usize, &Pixel, Beside)) -> bool {
+    /// The same; false if it was cancelled before the end.
+    fn for_each_unless(&self, cancel: &Cancel, mut visit: impl FnMut(usize, &Pixel, PixelExtras)) -> bool {
         let [width, height] = self.options.resolution;
-        let none = Pixel::default();
+        let unsampled = Pixel::default();
         for (number, tile) in self.tiles.iter().enumerate() {
             if cancel.is_cancelled() {
                 return false;
@@ -214,19 +219,20 @@ impl Film {
                 for x in left..(left + TILE).min(width) {
                     let index = ((y - top) * TILE + (x - left)) as usize;
                     let place = y as usize * width as usize + x as usize;
-                    let beside = Beside { auxiliary: tile.auxiliary.get(index), gathering: tile.gathering.get(index) };
-                    visit(place, tile.pixels.get(index).unwrap_or(&none), beside);
+                    let extras =
+                        PixelExtras { auxiliary: tile.auxiliary.get(index), gathering: tile.gathering.get(index) };
+                    visit(place, tile.pixels.get(index).unwrap_or(&unsampled), extras);
                 }
             }
         }
         true
     }
 
-    fn write<const N: usize>(&self, out: &mut [f32], value: impl Fn(&Pixel, Beside) -> [f32; N]) {
+    fn write<const N: usize>(&self, out: &mut [f32], value: impl Fn(&Pixel, PixelExtras) -> [f32; N]) {
         let (out, _) = out.as_chunks_mut::<N>();
-        self.for_each(|place, pixel, beside| {
+        self.for_each(|place, pixel, extras| {
             if let Some(out) = out.get_mut(place) {
-                *out = value(pixel, beside);
+                *out = value(pixel, extras);
             }
         });
     }
@@ -235,7 +241,7 @@ impl Film {
         self.options.resolution[0] as usize * self.options.resolution[1] as usize
     }
 
-    /// The image as it stands: means of what was sampled, black where nothing was.
+    /// The current image: means of the samples, black where there are none.
     ///
     /// Layers: `samples`, `variance` (of the pixel's mean; NaN where there are fewer than four replicates), and with
     /// auxiliary data `albedo`, `normal` and `depth`.
@@ -255,32 +261,33 @@ impl Film {
             Layer { name: name.to_owned(), channels, data: room(channels) }
         };
         let (mut rgb, mut layers) = (room(3), kinds.iter().map(empty).collect::<Vec<_>>());
-        self.for_each(|place, pixel, beside| {
+        self.for_each(|place, pixel, extras| {
             if let Some(out) = rgb.get_mut(3 * place..3 * place + 3) {
                 out.copy_from_slice(&pixel.mean(self.options.weighted));
             }
             for ((_, kind), layer) in kinds.iter().zip(&mut layers) {
-                put(*kind, self.options.share, place, pixel, beside, &mut layer.data);
+                write_pixel(*kind, self.options.share, place, pixel, extras, &mut layer.data);
             }
         });
         Image { width, height, rgb, layers }
     }
 
-    /// Writes the image as it stands as `[height][width][4]`, row 0 on top. The fourth value is the share of samples that
-    /// hit a surface if `alpha` asks for it and auxiliary data is kept, else 1.
+    /// Writes the current image as `[height][width][4]`, row 0 on top. The fourth value is the fraction of samples that
+    /// hit a surface if `alpha` is true and auxiliary data is stored, else 1.
     ///
     /// # Errors
     /// [`ErrorKind::Internal`] for a slice of another length.
     pub fn rgba_into(&self, out: &mut [f32], alpha: bool) -> Result<()> {
         self.check_length(out, 4)?;
-        self.write(out, |pixel, beside| self.rgba(pixel, beside.auxiliary, alpha));
+        self.write(out, |pixel, extras| self.rgba(pixel, extras.auxiliary, alpha));
         Ok(())
     }
 
-    /// Writes a layer as it stands as `[height][width][channels]`, row 0 on top.
+    /// Writes the current values of a layer as `[height][width][channels]`, row 0 on top.
     ///
     /// # Errors
-    /// [`ErrorKind::Internal`] for a slice of another length, and for a layer of first hits if the film keeps none.
+    /// [`ErrorKind::Internal`] for a slice of another length, and for a layer of first hits if the film does not store
+    /// them.
     pub fn layer_into(&self, layer: LayerKind, out: &mut [f32]) -> Result<()> {
         self.check_layer(layer, out)?;
         self.write_layer(layer, out);
@@ -288,11 +295,11 @@ impl Film {
     }
 
     fn write_layer(&self, layer: LayerKind, out: &mut [f32]) {
-        self.for_each(|place, pixel, beside| put(layer, self.options.share, place, pixel, beside, out));
+        self.for_each(|place, pixel, extras| write_pixel(layer, self.options.share, place, pixel, extras, out));
     }
 
-    /// What [`Film::rgba_into`] and [`Film::layer_into`] do for several layers, in one walk over the film; false if it was
-    /// cancelled in the middle, and then some of it is older.
+    /// The same as [`Film::rgba_into`] and [`Film::layer_into`] for several layers, in one pass over the film; false if
+    /// it was cancelled before the end, in which case some values are older than others.
     ///
     /// # Errors
     /// As for these two.
@@ -307,12 +314,12 @@ impl Film {
         for (layer, out) in &*layers {
             self.check_layer(*layer, out)?;
         }
-        Ok(self.for_each_unless(cancel, |place, pixel, beside| {
+        Ok(self.for_each_unless(cancel, |place, pixel, extras| {
             if let Some(out) = rgba.get_mut(4 * place..4 * place + 4) {
-                out.copy_from_slice(&self.rgba(pixel, beside.auxiliary, alpha));
+                out.copy_from_slice(&self.rgba(pixel, extras.auxiliary, alpha));
             }
             for (layer, out) in &mut *layers {
-                put(*layer, self.options.share, place, pixel, beside, out);
+                write_pixel(*layer, self.options.share, place, pixel, extras, out);
             }
         }))
     }
@@ -339,7 +346,7 @@ impl Film {
         Err(Error::new(ErrorKind::Internal, format!("room for {} values where there are {expected}", out.len())))
     }
 
-    /// Samples that were NaN or infinite, and were left out.
+    /// Number of samples that were NaN or infinite and therefore left out.
     pub fn non_finite(&self) -> u64 {
         let mut count = 0;
         self.for_each(|_, pixel, _| count += u64::from(pixel.non_finite()));
@@ -347,14 +354,14 @@ impl Film {
     }
 }
 
-/// Writes what a layer has of one pixel.
+/// Writes the value of a layer for one pixel.
 #[inline]
-fn put(
+fn write_pixel(
     layer: LayerKind,
     share: u32,
     place: usize,
     pixel: &Pixel,
-    Beside { auxiliary, gathering }: Beside,
+    PixelExtras { auxiliary, gathering }: PixelExtras,
     out: &mut [f32],
 ) {
     let mean =
@@ -364,7 +371,7 @@ fn put(
         LayerKind::Normal => mean(auxiliary.map(|auxiliary| auxiliary.normal)),
         LayerKind::Variance => pixel.variance(share).map(|variance| variance as f32),
         LayerKind::StandardError => pixel.variance(share).map(|variance| variance.sqrt() as f32),
-        LayerKind::Bias => gathering.and_then(Gathering::bias).unwrap_or_default().map(|bias| bias as f32),
+        LayerKind::Bias => gathering.and_then(PixelPhotonState::bias).unwrap_or_default().map(|bias| bias as f32),
         LayerKind::Depth | LayerKind::Samples => {
             if let Some(out) = out.get_mut(place) {
                 *out = match layer {
@@ -380,11 +387,12 @@ fn put(
     }
 }
 
-fn no_room() -> Error {
+fn out_of_memory() -> Error {
     Error::new(ErrorKind::OutOfMemory, "no room for the film")
 }
 
-/// A tile whose last holder may have panicked: its pixels are whole all the same, as each is changed at once.
+/// Locks a tile, even if a thread panicked while it held the lock: pixels are consistent all the same, as each is
+/// changed at once.
 fn lock(tile: &Mutex<Tile>) -> MutexGuard<'_, Tile> {
     tile.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -407,7 +415,7 @@ mod tests {
         for tile in 0..film.tile_count() {
             let [left, top] = film.tile_origin(tile);
             let mut tile = film.tile(tile);
-            for index in 0..PER_TILE {
+            for index in 0..PIXELS_PER_TILE {
                 let value = (left as usize + index % 16 + 100 * (top as usize + index / 16)) as f32;
                 for _ in 0..4 {
                     let first = Some((Rgb::splat(0.5), Vec3::Z, value));

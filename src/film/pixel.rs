@@ -1,23 +1,25 @@
-//! One pixel: sums of its replicates, and from their scatter its error.
+//! A pixel: sums of its replicates, whose scatter gives its standard error.
 
 use crate::math::Vec3;
 use crate::spectrum::Rgb;
 
-/// Parts of a pixel's samples that are independent of each other, whose scatter tells the error of their mean.
+/// Number of replicates: parts of a pixel's samples that are independent of each other, so that their scatter gives the
+/// error of their mean.
 ///
-/// Samples take turns: of `share` samples that have one error (those that read the same photon maps, else 1), the first go to
-/// replicate 0, the next to replicate 1, and after the last it begins again. So replicates grow alike, however many samples
-/// there will be. What they cost is in docs/performance.md.
+/// Samples are distributed in turns. Let `share` be the number of consecutive samples with correlated errors (those
+/// that read the same photon maps, else 1). The first `share` samples belong to replicate 0, the next to replicate 1,
+/// and after the last replicate the first follows again. Replicates therefore grow equally, whatever the number of
+/// samples. Their cost is in docs/performance.md.
 pub const REPLICATES: usize = 8;
 
-/// Fewer replicates than this are no estimate: of two, one in twenty errors would seem smaller by a factor of 16.
-const LEAST_REPLICATES: usize = 4;
+/// Fewer replicates than this give no estimate: with two, one in twenty errors would seem smaller by a factor of 16.
+const MIN_REPLICATES: usize = 4;
 
-/// Sums of a pixel, 208 bytes. Samples come in order of their index, so the sums do not depend on how they are divided into
-/// passes.
+/// Sums of a pixel, 208 bytes. Samples are added in the order of their index, so that the sums do not depend on the
+/// division into passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pixel {
-    /// Of each replicate, per channel.
+    /// Sums of each replicate and channel.
     sums: [[f64; 3]; REPLICATES],
     weight: f64,
     count: u32,
@@ -25,9 +27,10 @@ pub struct Pixel {
 }
 
 impl Pixel {
-    /// Adds a sample with its filter weight. `share`: how many consecutive samples have one error, and go to one replicate.
+    /// Adds a sample with its filter weight. `share`: number of consecutive samples with correlated errors, which go to
+    /// one replicate.
     ///
-    /// A sample that is not finite counts as black, is counted apart, and leaves no other trace.
+    /// A sample that is not finite counts as black and is counted separately; it has no other effect.
     #[inline]
     pub fn add(&mut self, radiance: Rgb, weight: f32, share: u32) {
         let replicate = (self.count / share.max(1)) as usize % REPLICATES;
@@ -42,12 +45,12 @@ impl Pixel {
         self.count += 1;
     }
 
-    /// Samples so far.
+    /// Number of samples so far.
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// Samples that were not finite.
+    /// Number of samples that were not finite.
     pub fn non_finite(&self) -> u32 {
         self.non_finite
     }
@@ -58,33 +61,33 @@ impl Pixel {
         std::array::from_fn(|channel| self.sums.iter().map(|sum| sum[channel]).sum())
     }
 
-    /// The pixel's value. `weighted`: divide by the sum of weights instead of the number of samples.
+    /// Value of the pixel. `weighted`: divide by the sum of weights instead of the number of samples.
     pub fn mean(&self, weighted: bool) -> [f32; 3] {
         let total = if weighted && self.weight != 0.0 { self.weight } else { f64::from(self.count.max(1)) };
         self.sum().map(|sum| (sum / total) as f32)
     }
 
-    /// Variance of the mean per channel, from the spread of the replicates' means; NaN while fewer than four of them have
-    /// samples. With eight, the error in units of its estimate follows Student's t with 7 degrees of freedom, where it is
-    /// normal at all. `share`: as it was given to [`Pixel::add`].
+    /// Variance of the mean for each channel, from the scatter of the replicates' means; NaN while fewer than four of
+    /// them have samples. With eight replicates, the error in units of its estimate follows Student's t with 7 degrees
+    /// of freedom, where the error is normally distributed at all. `share`: the same value as in [`Pixel::add`].
     ///
-    /// Samples of one replicate depend on each other (they are stratified), so their own spread says nothing about the
-    /// error of their mean; replicates are scrambled independently. With weights of both signs it is that of the sum
-    /// before it is divided by the weights, which is more than the error of the quotient.
+    /// Samples of one replicate are not independent (they are stratified), so their own scatter does not give the error
+    /// of their mean; replicates are scrambled independently. With weights of both signs, the result is the variance of
+    /// the sum before the division by the weights, which is larger than that of the quotient.
     pub fn variance(&self, share: u32) -> [f64; 3] {
-        if (self.count as usize) < LEAST_REPLICATES {
+        if (self.count as usize) < MIN_REPLICATES {
             return [f64::NAN; 3];
         }
         let counts = self.replicate_counts(share);
         let used = counts.iter().filter(|count| **count > 0.0).count();
-        if used < LEAST_REPLICATES {
+        if used < MIN_REPLICATES {
             return [f64::NAN; 3];
         }
         let n = f64::from(self.count);
         let sum = self.sum();
         std::array::from_fn(|channel| {
-            // If a replicate of n_r samples has the variance s^2 / n_r, then the sum over replicates of n_r (m_r - m)^2 has the
-            // expectation (k - 1) s^2, for any n_r.
+            // If a replicate of n_r samples has the variance s^2 / n_r, then the sum over replicates of n_r (m_r - m)^2
+            // has the expectation (k - 1) s^2, for any n_r.
             let mean = sum[channel] / n;
             let scatter: f64 = self
                 .sums
@@ -100,7 +103,7 @@ impl Pixel {
         })
     }
 
-    /// Samples of each replicate.
+    /// Number of samples of each replicate.
     #[inline]
     fn replicate_counts(&self, share: u32) -> [f64; REPLICATES] {
         let share = share.max(1);
@@ -110,7 +113,7 @@ impl Pixel {
     }
 }
 
-/// Sums of what the first hit was.
+/// Sums of the first hits' properties.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Auxiliary {
     /// Sum of albedos.
@@ -135,12 +138,12 @@ impl Auxiliary {
         self.hits += 1;
     }
 
-    /// Share of `samples` that hit anything; 1 before the first.
+    /// Fraction of `samples` that hit a surface; 1 before the first sample.
     pub fn coverage(&self, samples: u32) -> f32 {
         if samples == 0 { 1.0 } else { (f64::from(self.hits) / f64::from(samples)) as f32 }
     }
 
-    /// Mean depth of the samples that hit anything; infinite where none did.
+    /// Mean depth of the samples that hit a surface; infinite where none did.
     pub fn mean_depth(&self) -> f32 {
         if self.hits == 0 { f32::INFINITY } else { (self.depth / f64::from(self.hits)) as f32 }
     }
@@ -165,7 +168,7 @@ mod tests {
         }
     }
 
-    /// Whatever the number of samples, the estimate is right on average for independent ones.
+    /// For any number of samples, the estimate is unbiased for independent samples.
     #[test]
     fn unequal_replicates_are_no_bias() {
         let mut rng = crate::sampling::Rng::new(9, 0);

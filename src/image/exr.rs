@@ -1,4 +1,4 @@
-//! OpenEXR. Writing: one part, all layers. Reading: what other programs write as well, within bounds.
+//! OpenEXR. Files are written with one part and all layers. Files of other programs can be read too, within limits.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -25,13 +25,13 @@ use super::check::{MAX_PIXELS, check_size, damaged};
 use super::pixels::{Image, Layer};
 use crate::{Error, ErrorKind, Result};
 
-/// Values of all channels of all parts of a file together, 4 GiB of them.
+/// Most values of all channels of all parts of a file together: 4 GiB.
 const MAX_VALUES: u64 = 4 * MAX_PIXELS;
 
-/// The order of the layers this library makes; others follow by name.
+/// Order of the layers that this library writes; others follow by name.
 const LAYER_ORDER: [&str; 5] = ["albedo", "normal", "depth", "samples", "variance"];
 
-/// Channel suffixes of a layer, by what readers expect of such a layer.
+/// Channel suffixes of a layer, as readers expect them.
 fn suffixes(layer: &Layer) -> &'static [&'static str] {
     match (layer.name.as_str(), layer.channels) {
         ("normal", 3) => &["X", "Y", "Z"],
@@ -116,8 +116,8 @@ pub(crate) fn encode(
         .map_err(|error| Error::new(ErrorKind::Io, format!("cannot write the image: {error}")).because(error))
 }
 
-/// Puts the attributes of the header in the order of their names. The crate writes them in the order of a hash map, which is
-/// another one every time; the same image is to be the same file.
+/// Sorts the attributes of the header by name. The crate writes them in the order of a hash map, which differs every
+/// time, and the same image must give the same file.
 fn sort_attributes(file: &mut BufWriter<&mut File>) -> io::Result<()> {
     /// Magic number and version.
     const BEFORE: u64 = 8;
@@ -146,7 +146,7 @@ fn sort_attributes(file: &mut BufWriter<&mut File>) -> io::Result<()> {
     file.seek(SeekFrom::End(0)).map(drop)
 }
 
-/// As the format has it; `None` for what is not finite.
+/// The attribute in the format's form; `None` for a number that is not finite.
 fn attribute((name, value): &(String, Attribute)) -> Option<(Text, AttributeValue)> {
     let value = match value {
         Attribute::Number(number) => AttributeValue::F64(Some(*number).filter(|number| number.is_finite())?),
@@ -155,10 +155,11 @@ fn attribute((name, value): &(String, Attribute)) -> Option<(Text, AttributeValu
     Some((text(name), value))
 }
 
-/// Compresses these blocks, each on a thread of its own but the first, which is this thread's; all have ended on return.
+/// Compresses these blocks in parallel: the first on this thread, the others on one thread each. All have ended on
+/// return.
 ///
-/// The crate's own way takes a pool of threads per image that outlive it for a moment, and one panic in them ends the
-/// program.
+/// The crate's own way creates a pool of threads for each image, which outlives it for a moment, and one panic in the
+/// pool ends the program.
 fn in_parallel(
     batch: &[(usize, BlockIndex)],
     compress: &(impl Fn(BlockIndex) -> ::exr::error::Result<Chunk> + Sync),
@@ -173,7 +174,7 @@ fn in_parallel(
         for (&(number, index), helper) in batch.iter().skip(1).zip(helpers) {
             let chunk = match helper {
                 Ok(helper) => helper.join().unwrap_or_else(|payload| resume_unwind(payload)),
-                // No thread to be had.
+                // The thread could not be started.
                 Err(_) => compress(index),
             };
             chunks.push((number, chunk));
@@ -182,12 +183,12 @@ fn in_parallel(
     })
 }
 
-/// EXR strings are bytes; UTF-8 is what other programs put there.
+/// EXR strings are bytes; other programs write UTF-8.
 fn text(string: &str) -> Text {
     Text::from_slice_unchecked(string.as_bytes())
 }
 
-/// Reads the image and its layers. `file_size` in bytes bounds what a header can promise.
+/// Reads the image and its layers. `file_size` in bytes limits the sizes that a header may claim.
 pub(super) fn decode(reader: impl Read + Seek, file_size: u64) -> Result<Image> {
     // The decoder checks what it reads, and still indexes and unwraps in places: a damaged file must not end the
     // program. It runs on this thread for the same reason, since a panic in a thread pool aborts.
@@ -217,7 +218,7 @@ fn unreadable(error: ::exr::error::Error) -> Error {
     }
 }
 
-/// Bounds memory before any is asked for.
+/// Limits memory before any is allocated.
 fn check_headers(headers: &[Header], file_size: u64) -> Result<()> {
     let mut values = 0_u64;
     for header in headers {

@@ -6,7 +6,7 @@ use super::check::{check_size, damaged};
 use super::pixels::Image;
 use crate::{Error, ErrorKind, Result};
 
-/// Longest token of a header that is believed: a float in full decimal notation fits.
+/// Longest accepted token of a header: a float in full decimal notation fits.
 const MAX_TOKEN: usize = 64;
 
 /// Colour, little-endian (that is what the sign of the scale says).
@@ -23,7 +23,7 @@ pub(crate) fn encode(image: &Image, file: &mut impl Write) -> Result<()> {
     Ok(())
 }
 
-/// Grey or colour, either byte order. Memory grows with what the file holds, not with what its header promises.
+/// Grey or colour, either byte order. Memory grows with the file's contents, not with the size in its header.
 pub(super) fn decode(mut reader: impl BufRead) -> Result<Image> {
     let channels = match token(&mut reader)?.as_str() {
         "PF" => 3,

@@ -1,6 +1,6 @@
 //! An image as plain floats.
 
-/// Scene-linear pixels and the layers that go with them. Row 0 is on top.
+/// Scene-linear pixels and further layers. Row 0 is on top.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Image {
     /// Pixels per row.
@@ -16,7 +16,7 @@ pub struct Image {
 /// One auxiliary layer of an [`Image`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// What it holds: `albedo`, `normal`, `depth`, `samples` or `variance`.
+    /// Name of the quantity: `albedo`, `normal`, `depth`, `samples` or `variance`.
     pub name: String,
     /// Values per pixel: 1 or 3.
     pub channels: usize,

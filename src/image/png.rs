@@ -12,8 +12,8 @@ use crate::{Error, ErrorKind, Result};
 
 /// Writes `[height][width][3]` sRGB bytes.
 pub(crate) fn encode(pixels: &[u8], [width, height]: [u32; 2], file: &mut impl Write) -> Result<()> {
-    // Most of a picture of few samples is noise, which nothing makes smaller: of many, a hundredth would be won, in five times as
-    // long.
+    // Most of an image with few samples is noise, which no method compresses. For images with many samples, stronger
+    // compression would gain a hundredth in five times the time.
     PngEncoder::new_with_quality(file, CompressionType::Fast, FilterType::Adaptive)
         .write_image(pixels, width, height, ExtendedColorType::Rgb8)
         .map_err(|error| Error::new(ErrorKind::Io, format!("cannot write the image: {error}")).because(error))
@@ -22,7 +22,7 @@ pub(crate) fn encode(pixels: &[u8], [width, height]: [u32; 2], file: &mut impl W
 /// Reads any PNG as linear colour without alpha.
 pub(super) fn decode(reader: impl BufRead + Seek) -> Result<Image> {
     let mut limits = Limits::no_limits();
-    // The largest image that is read at its widest, 16 bits of four channels, and room for the decoder.
+    // The largest image that is read, with 16 bits of four channels, and memory for the decoder.
     limits.max_alloc = Some(8 * MAX_PIXELS + (1 << 24));
     let decoder = PngDecoder::with_limits(reader, limits).map_err(unreadable)?;
     let (width, height) = decoder.dimensions();

@@ -20,7 +20,7 @@ pub use path::Path;
 pub use wave::{Sample, Wave};
 pub use whitted::Whitted;
 
-use crate::film::Gathering;
+use crate::film::PixelPhotonState;
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
@@ -133,7 +133,7 @@ pub trait Transport<C: Spectrum>: Sync {
         ray: Ray,
         context: &mut Context<'_, S, T, C>,
         first: &mut impl FnMut(FirstHit),
-        _memory: Option<&mut Gathering>,
+        _memory: Option<&mut PixelPhotonState>,
     ) -> C {
         self.li(ray, context, first)
     }

@@ -1,4 +1,4 @@
-//! Rays, and the scale-free way in which they leave a surface.
+//! Rays, and the scale-free offset with which they leave a surface.
 
 use super::Vec3;
 
@@ -45,45 +45,47 @@ pub const ROUNDING: f32 = f32::EPSILON;
 /// Bound on the kernel's error in the distance of a plane from a ray's end, in units of the ray's length.
 const DISTANCE_ERROR: f32 = 4.0 * ROUNDING;
 
-/// A point on a surface together with how far from it a ray has to start not to meet the same surface again.
+/// A point on a surface, with the distance from it at which a ray has to start in order not to hit the same surface
+/// again.
 ///
-/// The point itself was rebuilt in double precision and rounded once, so it is off the surface by half a unit in the last
-/// place of its coordinates. A traversal kernel in single precision adds an error that grows with the distance from the
-/// ray's origin to the primitive's vertices, so `error` also covers the primitive's extent. Both scale with the scene:
-/// there is no absolute epsilon.
+/// The point itself was reconstructed in double precision and rounded once, so it is off the surface by half a unit in
+/// the last place of its coordinates. A traversal kernel in single precision adds an error that grows with the distance
+/// from the ray's origin to the primitive's vertices, so `error` also covers the primitive's extent. Both scale with
+/// the scene: there is no absolute epsilon.
 #[derive(Clone, Copy, Debug)]
 pub struct HitPoint {
     /// The point, scene frame.
     pub p: Vec3,
-    /// Bound on the distance, along the normal, within which the same primitive may be met again.
+    /// Bound on the distance, along the normal, within which a ray may hit the same primitive again.
     pub error: f32,
 }
 
 impl HitPoint {
-    /// Bound on the error of a point that was computed in double precision and rounded once, along the unit normal `n`: twice
-    /// that, since what is added to the point is rounded too.
+    /// Bound on the error of a point that was computed in double precision and rounded once, along the unit normal `n`.
+    /// The bound is twice that error, since an offset added to the point is rounded too.
     #[inline]
     pub fn rounding_error(p: Vec3, n: Vec3) -> f32 {
         ROUNDING * p.abs().dot(n.abs())
     }
 
-    /// The same point as the end of a ray that comes from so far away.
+    /// The same point as the end of a ray of length `distance`.
     ///
-    /// The kernel sees it in coordinates relative to the ray's origin, rounded at that size: the plane of a small triangle
-    /// seems nearer or farther by that along its normal, and so along the ray by any factor when seen at a grazing angle.
+    /// The kernel computes with coordinates relative to the ray's origin, rounded at that size. The plane of a small
+    /// triangle therefore seems nearer or farther by that error along its normal, and by any multiple of it along a ray
+    /// at a grazing angle.
     #[inline]
     #[must_use]
     pub fn seen_from(self, distance: f32) -> Self {
         Self { error: self.error + DISTANCE_ERROR * distance, ..self }
     }
 
-    /// Where a ray into the side `n` points to (unit normal, flipped towards the ray) starts.
+    /// Origin of a ray that leaves towards the side `n` (unit normal, flipped towards the ray).
     ///
-    /// Each coordinate is rounded away from the surface. Source: Pharr, Jakob, Humphreys, *Physically Based
-    /// Rendering* 4e, Sec. 6.8.6, with our own bound.
+    /// Each coordinate is rounded away from the surface. Source: Pharr, Jakob, Humphreys, *Physically Based Rendering*
+    /// 4e, Sec. 6.8.6, with our own bound.
     #[inline]
     pub fn offset(&self, n: Vec3) -> Vec3 {
-        // One unit in the last place, or two, in the direction of `d`; without a branch, which would go either way.
+        // One or two units in the last place, in the direction of `d`, without a branch, which would be unpredictable.
         #[inline]
         fn away(p: f32, d: f32) -> f32 {
             let moved = p + d;

@@ -1,13 +1,13 @@
-//! What a render came to, for the header of its image.
+//! Results of a render, for the header of its image.
 
 use crate::image::Attribute;
 use crate::render::{Ended, Summary};
 
-/// What a render came to: `relMSE`, `relMSEStandardError` and `displayError` where they are known (see
-/// [`Film::rel_mse`](crate::film::Film::rel_mse)), `samplesPerPixel` (the mean), `rays`, and `ended`: `samples`, `time`, `error`
-/// or `cancelled`.
+/// Attributes for the results of a render: `relMSE`, `relMSEStandardError` and `displayError` where they are known (see
+/// [`Film::rel_mse`](crate::film::Film::rel_mse)), `samplesPerPixel` (the mean), `rays`, and `ended`: `samples`,
+/// `time`, `error` or `cancelled`.
 ///
-/// How long it took is not among them: the same render is the same file.
+/// The render time is not among them, so that the same render gives the same file.
 pub fn summary_attributes(summary: &Summary) -> Vec<(String, Attribute)> {
     let numbers = [
         ("relMSE", summary.rel_mse.map(|error| error.value)),
@@ -23,7 +23,7 @@ pub fn summary_attributes(summary: &Summary) -> Vec<(String, Attribute)> {
 }
 
 impl Ended {
-    /// In a word: `samples`, `time`, `error` or `cancelled`.
+    /// The name: `samples`, `time`, `error` or `cancelled`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Samples => "samples",

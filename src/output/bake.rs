@@ -1,4 +1,4 @@
-//! Light maps in files: the map as an image, its coordinates as OBJ, irradiance at vertices as PLY.
+//! Light maps in files: the map as an image, its coordinates as OBJ, and irradiance at vertices as PLY.
 
 use std::io::Write;
 use std::path::Path;
@@ -9,10 +9,11 @@ use crate::film::{Image, Layer};
 use crate::spectrum::srgb_encode;
 use crate::{Error, ErrorKind, Result};
 
-/// The light map as an image: irradiance [W m^-2] as its colour, and the layers `error` (standard error, likewise) and `coverage`
-/// (the share of a texel that triangles cover, 0 for padding).
+/// The light map as an image: irradiance [W m^-2] as its colour, and the layers `error` (standard error of each
+/// channel) and `coverage` (fraction of a texel that triangles cover, 0 for padding).
 ///
-/// In files v points upwards: the image's bottom row is that at v = 0, as programs expect it that read [`write_atlas`]'s OBJ.
+/// In files v points upwards: the image's bottom row is at v = 0, as programs that read the OBJ of [`write_atlas`]
+/// expect.
 pub fn light_map_image(map: &LightMap) -> Image {
     let side = map.side as usize;
     let rows = || (0..side).rev().map(|row| row * side..(row + 1) * side);
@@ -32,11 +33,11 @@ pub fn light_map_image(map: &LightMap) -> Image {
     }
 }
 
-/// Writes all triangles of an atlas with their places in the light map as Wavefront OBJ, an object for each surface
+/// Writes all triangles of an atlas with their positions in the light map as Wavefront OBJ, an object for each surface
 /// (`surface_3`); an existing file is replaced in one step. Positions are those of the world.
 ///
 /// # Errors
-/// [`ErrorKind::Io`] for anything the file system refuses; then the file that was there is still there, whole.
+/// [`ErrorKind::Io`] for any error of the file system; then an existing file is unchanged.
 pub fn write_atlas(atlas: &Atlas, path: &Path) -> Result<()> {
     replace::replace(path, "the atlas", |file| obj(atlas, file).map_err(|error| failed("the atlas", error)))
 }
@@ -67,7 +68,7 @@ fn obj(atlas: &Atlas, file: &mut Target) -> std::io::Result<()> {
     Ok(())
 }
 
-/// What is known of each vertex, in the order of [`Vertices::vertices`]; three slices of one length.
+/// Values of each vertex, in the order of [`Vertices::vertices`]; three slices of one length.
 #[derive(Clone, Copy, Debug)]
 pub struct VertexValues<'a> {
     /// Irradiance [W m^-2].
@@ -80,13 +81,14 @@ pub struct VertexValues<'a> {
 
 /// Writes lit vertices and their triangles as PLY, binary, little-endian; an existing file is replaced in one step.
 ///
-/// Of each vertex: `double x, y, z` (world), `float nx, ny, nz`, `uchar red, green, blue` (sRGB of radiosity / pi, the radiance that a
-/// diffuse surface is seen with, times 2^`exposure`, clamped), `float irradiance_r, _g, _b`, `float radiosity_r, _g, _b`, `float
-/// error_r, _g, _b` (standard error of the irradiance), `int surface`. Of each triangle: `list uchar int vertex_indices`.
+/// Each vertex has `double x, y, z` (world), `float nx, ny, nz`, `uchar red, green, blue` (sRGB of radiosity / pi,
+/// which is the radiance of a diffuse surface, times 2^`exposure`, clamped), `float irradiance_r, _g, _b`,
+/// `float radiosity_r, _g, _b`, `float error_r, _g, _b` (standard error of the irradiance), `int surface`. Each
+/// triangle has `list uchar int vertex_indices`.
 ///
 /// # Errors
-/// [`ErrorKind::Io`] for anything the file system refuses; then the file that was there is still there, whole.
-/// [`ErrorKind::Internal`] for slices of another length than there are vertices.
+/// [`ErrorKind::Io`] for any error of the file system; then an existing file is unchanged. [`ErrorKind::Internal`] for
+/// slices of another length than there are vertices.
 pub fn write_vertices(vertices: &Vertices, values: VertexValues, exposure: f32, path: &Path) -> Result<()> {
     super::tone::check_exposure(exposure)?;
     let count = vertices.vertices().len();

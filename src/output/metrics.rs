@@ -1,4 +1,4 @@
-//! How far one image is from another.
+//! Differences between two images.
 
 use serde::Serialize;
 
@@ -12,7 +12,7 @@ pub const REL_MSE_EPSILON: f64 = 0.01;
 /// Differences between an image a and a reference b, from [`compare`].
 ///
 /// Sums run in double precision over the pixels whose channels are all finite in both images; where there is none, the
-/// means are NaN. Serialised to JSON, what is not finite becomes `null`.
+/// means are NaN. Serialised to JSON, values that are not finite become `null`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Metrics {
     /// Mean of (a - b)^2 over pixels and channels.
@@ -39,7 +39,7 @@ pub struct Metrics {
     pub non_finite: u64,
 }
 
-/// Compares `a` with the reference `b`; layers are left aside.
+/// Compares `a` with the reference `b`; layers are ignored.
 ///
 /// Errors: [`ErrorKind::InvalidScene`] when the sizes differ, [`ErrorKind::Unsupported`] for images without pixels,
 /// [`ErrorKind::Internal`] when an image's slices do not fit its size.
@@ -91,7 +91,7 @@ pub fn compare(a: &Image, b: &Image) -> Result<Metrics> {
     let to_mean: f64 = finite
         .flat_map(|(a, b)| a.iter().zip(b))
         .map(|(&a, &b)| (f64::from(a), f64::from(b)))
-        // Equal where both are black.
+        // The images are equal where both are black.
         .map(|(a, b)| if a == b { 0.0 } else { (a - b) * (a - b) / (b * b + floor) })
         .sum();
     let width = a.width as usize;

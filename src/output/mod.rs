@@ -47,7 +47,7 @@ pub use photons::{PhotonFormat, check_photon_target, write_photons};
 pub use tone::{ToneMap, to_srgb8};
 
 /// Most threads that write one image.
-const MOST_THREADS: usize = 64;
+const MAX_THREADS: usize = 64;
 
 /// How [`write()`] writes. The defaults are an sRGB picture of the plain values, clamped, without comments.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -67,7 +67,7 @@ pub struct WriteOptions {
 
 /// Writes `image` to `path` in the format of its extension; an existing file is replaced in one step.
 ///
-/// A PNG never holds what is not a number: NaN becomes black and positive infinity white.
+/// A PNG has no value for non-finite numbers: NaN becomes black and positive infinity white.
 ///
 /// Errors: [`ErrorKind::Unsupported`] for an unknown extension or an empty image, [`ErrorKind::InvalidScene`] for an
 /// exposure out of its domain, [`ErrorKind::Internal`] for an image whose slices do not fit its size, [`ErrorKind::Io`]
@@ -80,7 +80,7 @@ pub fn write(image: &Image, path: &Path, options: &WriteOptions) -> Result<()> {
         0 => thread::available_parallelism().map_or(1, usize::from),
         threads => threads,
     }
-    .min(MOST_THREADS);
+    .min(MAX_THREADS);
     replace::replace(path, "the image", |file| match format {
         Format::Exr => exr::encode(image, &options.comments, &options.attributes, threads, file),
         Format::Pfm => pfm::encode(image, file),

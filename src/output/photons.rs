@@ -38,12 +38,12 @@ impl PhotonFormat {
 
 /// Writes photons to `path` in the format of its extension; an existing file is replaced in one step.
 ///
-/// `centre` is what [`crate::scene::Scene::centre`] says of the photons' scene: what is written are world coordinates. In a
-/// CSV they have nine digits of the distance from the centre, and more where small distances are.
+/// `centre` is [`crate::scene::Scene::centre`] of the photons' scene, because the file has world coordinates. In a CSV
+/// they have nine digits of the distance from the centre, and more where distances are small.
 ///
 /// # Errors
-/// [`ErrorKind::Unsupported`] for an unknown extension, [`ErrorKind::Io`] for anything the file system refuses; then the
-/// file that was there is still there, whole.
+/// [`ErrorKind::Unsupported`] for an unknown extension, [`ErrorKind::Io`] for any error of the file system; then an
+/// existing file is unchanged.
 pub fn write_photons(photons: &[Photon], centre: DVec3, path: &Path) -> Result<()> {
     let format = format_of(path)?;
     replace::replace(path, WHAT, |file| {
@@ -74,7 +74,7 @@ fn format_of(path: &Path) -> Result<PhotonFormat> {
     })
 }
 
-/// Where a photon is in the world.
+/// Position of a photon in the world.
 fn world(photon: &Photon, centre: DVec3) -> [f64; 3] {
     (photon.position().as_dvec3() + centre).to_array()
 }

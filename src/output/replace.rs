@@ -8,11 +8,11 @@ use tempfile::NamedTempFile;
 
 use crate::{Error, ErrorKind, Result};
 
-/// What an encoder writes to; it may seek.
+/// The file to which an encoder writes; it may seek.
 pub(super) type Target<'a> = BufWriter<&'a mut File>;
 
-/// Runs `encode` on a new file and, only if all of it went well, gives that file the name `path`. `what` it holds is
-/// for messages.
+/// Runs `encode` on a new file and, only if it succeeded, renames that file to `path`. `what` names the contents in
+/// messages.
 pub(super) fn replace(path: &Path, what: &str, encode: impl FnOnce(&mut Target) -> Result<()>) -> Result<()> {
     let failed = |error| Error::io(path, &format!("cannot write {what}"), error);
     let target = resolve(path);
@@ -21,14 +21,14 @@ pub(super) fn replace(path: &Path, what: &str, encode: impl FnOnce(&mut Target) 
     encode(&mut writer).map_err(|error| error.in_file(Some(path), 0))?;
     writer.flush().map_err(failed)?;
     drop(writer);
-    // The rename may reach the disk before the data does: without this a power cut could leave an empty file.
+    // The rename may reach the disk before the data does: without this, a power failure could leave an empty file.
     file.as_file().sync_all().map_err(failed)?;
     file.persist(&target).map_err(|error| failed(error.error))?;
     sync_folder(folder_of(&target));
     Ok(())
 }
 
-/// Whether [`replace`] can be expected to work, found out by creating a file and removing it again.
+/// Whether [`replace`] is likely to succeed, tested by creating a file and removing it again.
 pub(super) fn check(path: &Path, what: &str) -> Result<()> {
     let into_folder = |error| Error::io(path, &format!("cannot write {what} into its folder"), error);
     let refuse = |message: String| Err(Error::new(ErrorKind::Io, message).in_file(Some(path), 0));

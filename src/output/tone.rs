@@ -10,7 +10,7 @@ use crate::{Error, ErrorKind, Result};
 #[non_exhaustive]
 pub enum ToneMap {
     /// Divides by the largest finite channel value of the image, so that nothing is cut off; exposure acts after that.
-    /// What the report does. One bright light darkens all the rest, and two images are not on one scale.
+    /// The report does this. One bright light darkens everything else, and two images are not on the same scale.
     Maximum,
     /// Radiance 1 is white, and so is everything above. Images of one exposure can be compared.
     #[default]

@@ -10,7 +10,7 @@ use super::workers::SharedWork;
 use crate::Cancel;
 use crate::camera::Camera;
 use crate::desc::{RenderDesc, SamplerDesc};
-use crate::film::{Film, Gathering, PixelSample, REPLICATES, TILE};
+use crate::film::{Film, PixelPhotonState, PixelSample, REPLICATES, TILE};
 use crate::integrator::{Context, Direct, Irradiance, Path, Sample, Tracer, Transport, Wave, Whitted};
 use crate::math::Ray;
 use crate::sampling::{Filter, Pattern, PatternSampler, Sampler, SobolSampler};
@@ -132,7 +132,7 @@ struct SampleJob {
     offset: [f32; 2],
     weight: f32,
     /// What the pixel remembers: a copy, as the sample may be stopped in the middle. Such samples are taken one at a time.
-    gathering: Option<Gathering>,
+    gathering: Option<PixelPhotonState>,
 }
 
 /// What a worker takes at once.

@@ -1,18 +1,18 @@
-//! Choice among finitely many things in proportion to weights.
+//! Choice among finitely many indices in proportion to weights.
 
 use crate::{Cancel, Result};
 
-/// Indices between two looks at a [`Cancel`].
-const BLOCK: usize = 1 << 14;
+/// Indices between two checks of a [`Cancel`].
+const ITEMS_PER_CHECK: usize = 1 << 14;
 
 /// A discrete distribution over indices, sampled in constant expected time.
 ///
 /// The cumulative distribution is kept in double precision. A guide table with one entry per index says where in it to
-/// start looking, so that a search takes less than two steps on average. Source: Chen and Asau 1974, "On Generating Random
-/// Variates from an Empirical Distribution".
+/// start looking, so that a search takes less than two steps on average. Source: Chen and Asau 1974, "On Generating
+/// Random Variates from an Empirical Distribution".
 ///
-/// A single-precision number in [0, 1) has 24 bits: indices of probability below 2^-24 are drawn with a granular probability
-/// unless the number is given with more bits.
+/// A single-precision number in [0, 1) has 24 bits: indices of probability below 2^-24 are drawn with a granular
+/// probability unless the number is given with more bits.
 #[derive(Clone, Debug)]
 pub struct Distribution1D {
     /// cdf[i] is the probability of an index below i; one entry more than indices.
@@ -22,8 +22,8 @@ pub struct Distribution1D {
     total: f64,
 }
 
-/// Up to this many indices are counted through.
-const FEW: usize = 8;
+/// Up to this many indices, the search is linear.
+const LINEAR_SEARCH_LIMIT: usize = 8;
 
 impl Distribution1D {
     /// The distribution with probabilities in proportion to `weights` (any unit). `None` for no weight above 0, for a
@@ -32,7 +32,7 @@ impl Distribution1D {
         Self::cancellable(weights, &Cancel::new()).unwrap_or_default()
     }
 
-    /// As [`Distribution1D::new`], asking `cancel` on the way.
+    /// As [`Distribution1D::new`], cancellable by `cancel`.
     ///
     /// # Errors
     /// [`crate::ErrorKind::Cancelled`].
@@ -47,11 +47,11 @@ impl Distribution1D {
         let mut cdf = Vec::with_capacity(weights.len() + 1);
         let mut sum = 0.0;
         cdf.push(0.0);
-        for block in weights.chunks(BLOCK) {
+        for block in weights.chunks(ITEMS_PER_CHECK) {
             cancel.check()?;
             for w in block {
                 sum += w;
-                // Dividing the sum, not adding quotients: the last positive entry ends at 1 exactly.
+                // The sum is divided instead of adding quotients, so that the last positive entry ends at exactly 1.
                 cdf.push(sum / total);
             }
         }
@@ -59,7 +59,7 @@ impl Distribution1D {
         let mut guide = Vec::with_capacity(len);
         let mut index = 0;
         for k in 0..len {
-            if k % BLOCK == 0 {
+            if k % ITEMS_PER_CHECK == 0 {
                 cancel.check()?;
             }
             let u = k as f64 / len as f64;
@@ -95,8 +95,9 @@ impl Distribution1D {
         }
     }
 
-    /// The index that `u` in [0, 1) falls on, its probability, and where in its share `u` lies, again in [0, 1): uniform
-    /// and independent of the index, to be used once more. An index of weight 0 is never returned.
+    /// The index whose interval holds `u` in [0, 1), its probability, and the position of `u` in that interval, again
+    /// in [0, 1): uniform and independent of the index, so that it can be reused. An index of weight 0 is never
+    /// returned.
     // Always inlined: a caller without a use for the remapped number does not pay for its division.
     #[inline(always)]
     pub fn sample(&self, u: impl Into<f64>) -> (usize, f32, f32) {
@@ -107,16 +108,16 @@ impl Distribution1D {
         (index, (high - low) as f32, remapped.clamp(0.0, 1.0_f32.next_down()))
     }
 
-    /// The entry whose share of [0, 1) holds `u`.
+    /// The entry whose interval of [0, 1) holds `u`.
     #[inline]
     fn find(&self, u: f64) -> usize {
         let len = self.guide.len();
-        if len <= FEW {
-            // Counted rather than searched: which entry it will be cannot be predicted.
+        if len <= LINEAR_SEARCH_LIMIT {
+            // A linear count without branches, because the entry cannot be predicted.
             return self.cdf[1..len].iter().map(|&end| usize::from(end <= u)).sum();
         }
         let mut index = self.guide[((u * len as f64) as usize).min(len - 1)] as usize;
-        // Entries of weight 0 have equal ends and are stepped over.
+        // Entries of weight 0 have equal ends and are skipped.
         while self.cdf[index + 1] <= u {
             index += 1;
         }

@@ -1,7 +1,8 @@
-//! Pixel filters and how to draw from them.
+//! Pixel filters and how to sample them.
 //!
-//! A filter is drawn from, not splatted: the camera ray leaves through the pixel's centre plus a drawn offset, and the
-//! pixel's value is the mean of radiance times weight. Pixels then share no samples, so their errors stay independent.
+//! A filter is importance sampled, not splatted: the camera ray leaves through the pixel's centre plus a sampled
+//! offset, and the pixel's value is the mean of radiance times weight. Pixels then share no samples, so their errors
+//! are independent.
 //!
 //! Source: Ernst, Stamminger, Greiner 2006, "Filter Importance Sampling".
 
@@ -16,7 +17,7 @@ pub struct Filter {
     radius: f32,
     /// One over the integral along one axis.
     scale: f64,
-    /// What is not drawn from by a formula.
+    /// The table of a kernel that has no closed-form sampling.
     table: Option<Table>,
 }
 
@@ -92,7 +93,7 @@ impl Filter {
         Self { kernel, radius: kernel.radius() as f32, scale, table }
     }
 
-    /// Half the width of the square outside which it is 0.
+    /// Half the width of the square outside which the filter is 0.
     pub fn radius(&self) -> f32 {
         self.radius
     }
@@ -104,9 +105,9 @@ impl Filter {
 
     /// An offset from the pixel's centre and its weight, for `u` in [0, 1)^2.
     ///
-    /// The weight is exactly 1 where the filter is nowhere negative. Negative lobes are drawn from by their magnitude and
-    /// weigh a negative constant; the mean weight is 1. Box and tent are inverted exactly, the others through a table
-    /// of 1024 linear pieces, whose density is off by about 1e-5 of its greatest value.
+    /// The weight is exactly 1 where the filter is nowhere negative. Negative lobes are sampled by their magnitude and
+    /// have a negative constant weight; the mean weight is 1. Box and tent are inverted exactly, the others through a
+    /// table of 1024 linear pieces, whose density is off by about 1e-5 of its greatest value.
     ///
     /// The box passes a `u` outside the unit square through, so that a position pattern wider than the pixel keeps its
     /// shape; the others clamp it.
@@ -144,14 +145,14 @@ struct Table {
 }
 
 /// Pieces of a table.
-const PIECES: usize = 1024;
+const TABLE_PIECES: usize = 1024;
 
 impl Table {
     fn new(kernel: &Kernel) -> Self {
         let radius = kernel.radius();
-        let (mut x, mut f) = (Vec::with_capacity(PIECES + 8), Vec::with_capacity(PIECES + 8));
-        for i in 0..=PIECES {
-            let node = radius * (2.0 * i as f64 / PIECES as f64 - 1.0);
+        let (mut x, mut f) = (Vec::with_capacity(TABLE_PIECES + 8), Vec::with_capacity(TABLE_PIECES + 8));
+        for i in 0..=TABLE_PIECES {
+            let node = radius * (2.0 * i as f64 / TABLE_PIECES as f64 - 1.0);
             let value = kernel.at(node);
             if let (Some(&last_x), Some(&last_f)) = (x.last(), f.last())
                 && value * last_f < 0.0
@@ -178,10 +179,10 @@ impl Table {
         let u = u.clamp(0.0, 1.0 - f64::EPSILON);
         // The piece that u falls into; the first cdf entry is 0 and the last 1, so both neighbours exist.
         let i = self.cdf.partition_point(|&c| c <= u).clamp(1, self.cdf.len() - 1) - 1;
-        let share = (u - self.cdf[i]) / (self.cdf[i + 1] - self.cdf[i]);
+        let fraction = (u - self.cdf[i]) / (self.cdf[i + 1] - self.cdf[i]);
         let (f0, f1) = (self.f[i].abs(), self.f[i + 1].abs());
         // Solves f0 t + (f1 - f0) t^2 / 2 = share (f0 + f1) / 2 for t in [0, 1], in the form that does not cancel.
-        let mass = share * (f0 + f1);
+        let mass = fraction * (f0 + f1);
         let denominator = f0 + (f0 * f0 + (f1 - f0) * mass).max(0.0).sqrt();
         let t = if denominator > 0.0 { mass / denominator } else { 0.0 };
         let x = self.x[i] + (self.x[i + 1] - self.x[i]) * t.clamp(0.0, 1.0);

@@ -6,7 +6,7 @@
 //!
 //! Source: Veach 1997, *Robust Monte Carlo Methods for Light Transport Simulation*, Sec. 9.2.
 
-/// The other density over this one, with the doubtful quotients settled; `None` where this one is 0.
+/// The other density over this one, with a defined value for indeterminate quotients; `None` where this one is 0.
 #[inline]
 fn ratio(pdf: f32, other_pdf: f32) -> Option<f32> {
     if pdf > 0.0 {
@@ -23,8 +23,8 @@ pub fn balance_heuristic(pdf: f32, other_pdf: f32) -> f32 {
     ratio(pdf, other_pdf).map_or(0.0, |r| 1.0 / (1.0 + r))
 }
 
-/// Power heuristic with exponent 2: pdf^2 / (pdf^2 + other_pdf^2), in [0, 1]. Squares the ratio, not the densities, which
-/// would overflow for small lights.
+/// Power heuristic with exponent 2: pdf^2 / (pdf^2 + other_pdf^2), in [0, 1]. Squares the ratio, not the densities,
+/// which would overflow for small lights.
 #[inline]
 pub fn power_heuristic(pdf: f32, other_pdf: f32) -> f32 {
     ratio(pdf, other_pdf).map_or(0.0, |r| 1.0 / (1.0 + r * r))

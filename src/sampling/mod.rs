@@ -21,14 +21,14 @@ pub use sobol::SobolSampler;
 pub(crate) use spherical_triangle::solid_angle;
 pub use spherical_triangle::{SphericalTriangle, triangle_solid_angle};
 
-/// A source of sample points: one per worker, its state a pure function of (seed, pixel, sample index), so that any
-/// sample can be replayed alone and no result depends on the number of threads.
+/// A source of sample points: one for each worker. Its state is a pure function of (seed, pixel, sample index), so that
+/// any sample can be replayed alone and no result depends on the number of threads.
 pub trait Sampler {
-    /// Goes to sample `sample` of pixel `pixel` (a linear index) and to its first dimensions.
+    /// Starts sample `sample` of pixel `pixel` (a linear index) at its first dimensions.
     fn start(&mut self, pixel: u32, sample: u32);
 
-    /// The position in the pixel, in [0, 1)^2; the normally distributed pattern may leave it. The same each time it is
-    /// asked for within a sample, and apart from what `next_2d` and `next_4d` return.
+    /// The position in the pixel, in [0, 1)^2; the normally distributed pattern may leave the pixel. Repeated calls
+    /// within a sample return the same position, which is independent of the results of `next_2d` and `next_4d`.
     fn pixel_2d(&mut self) -> [f32; 2];
 
     /// The next two dimensions, in [0, 1)^2.

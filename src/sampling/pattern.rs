@@ -5,7 +5,7 @@ use std::f32::consts::TAU;
 use super::Sampler;
 use super::rng::{Rng, hash};
 
-/// How positions lie in a pixel.
+/// Distribution of positions in a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pattern {
     /// Independent and uniform.
@@ -22,8 +22,8 @@ pub enum Pattern {
 /// Samples whose position in the pixel follows a [`Pattern`] and whose other dimensions are independent random numbers.
 ///
 /// Jittered and grid patterns visit their cells in an order that is shuffled for each pixel, so that any number of
-/// first samples covers the pixel without preference. Once all n x n cells have been visited they are visited again, in a
-/// new order and at new positions.
+/// first samples covers the pixel without preference. Once all n x n cells have been visited they are visited again, in
+/// a new order and at new positions.
 #[derive(Clone, Debug)]
 pub struct PatternSampler {
     pattern: Pattern,
@@ -98,7 +98,8 @@ impl Sampler for PatternSampler {
     }
 }
 
-/// Position `u` in [0, 1) of cell `x` out of `side`, below the next cell's first position: rounding must not carry it there.
+/// Position `u` in [0, 1) of cell `x` out of `side`, below the next cell's first position: rounding must not carry it
+/// there.
 #[inline]
 fn within_cell(x: u32, u: f32, side: f32) -> f32 {
     let x = x as f32;

@@ -2,8 +2,8 @@
 
 /// A pseudo-random stream: SplitMix64, a counter put through a mixing function.
 ///
-/// Its whole state is one integer, so a stream is started anywhere for the price of one multiplication. It passes
-/// BigCrush and is no use for cryptography.
+/// Its whole state is one integer, so that starting a stream anywhere costs one multiplication. It passes BigCrush and
+/// is not suitable for cryptography.
 ///
 /// Source: Steele, Lea, Flood 2014, "Fast Splittable Pseudorandom Number Generators", with the mixing constants of
 /// Stafford's variant 13.
@@ -42,7 +42,7 @@ pub(crate) fn unit_f32(bits: u32) -> f32 {
 }
 
 impl Rng {
-    /// The stream number `stream` of the family `seed`.
+    /// The stream with index `stream` of the family `seed`.
     #[inline]
     pub fn new(seed: u64, stream: u64) -> Self {
         Self { state: hash(seed, stream) }

@@ -10,19 +10,19 @@ use super::rng::{hash, stream, unit_f32};
 
 /// Owen-scrambled Sobol' points in 256 dimensions, in sets of four.
 ///
-/// Successive sets are successive dimensions of one Sobol' sequence, so the points are stratified across sets too: it is
-/// this that makes a pixel's mean over (position, light, direction, ...) converge faster than 1/sqrt(N). Padding, in which
-/// each set is shuffled on its own, keeps the first two dimensions of every set a (0,2)-sequence but loses a factor of 2
-/// to 20 in error across sets between 64 and 1024 samples (measured on discs and Gaussians that span sets). The
-/// pixel's position is the first pair, a (0,2)-sequence.
+/// Successive sets are successive dimensions of one Sobol' sequence, so the points are stratified across sets too: it
+/// is this that makes a pixel's mean over (position, light, direction, ...) converge faster than 1/sqrt(N). Padding, in
+/// which each set is shuffled on its own, keeps the first two dimensions of every set a (0,2)-sequence but loses a
+/// factor of 2 to 20 in error across sets between 64 and 1024 samples (measured on discs and Gaussians that span sets).
+/// The pixel's position is the first pair, a (0,2)-sequence.
 ///
-/// Every pixel and every replicate has its own scramble and its own order of points; any 2^k points from a multiple of 2^k on
-/// are stratified, whatever 2^k. Beyond 2^16 points of a replicate, and beyond the last set of dimensions, points go on
-/// with a new scramble and order: independent of what came before, still stratified in themselves.
+/// Every pixel and every replicate has its own scramble and its own order of points; any 2^k points from a multiple of
+/// 2^k on are stratified, whatever 2^k. Beyond 2^16 points of a replicate, and beyond the last set of dimensions,
+/// points go on with a new scramble and order: independent of what came before, still stratified in themselves.
 ///
 /// The direction numbers and the scrambling function are those of `sobol_burley`; points are evaluated here, four index
-/// bits at a time from a table (64 kB for all sets, 1 kB for each set in use) and with one shuffle per sample instead of
-/// one per set, in less than half of that crate's time.
+/// bits at a time from a table (64 kB for all sets, 1 kB for each set in use) and with one shuffle per sample instead
+/// of one per set, in less than half of that crate's time.
 ///
 /// Sources: Owen 1995, "Randomly Permuted (t,m,s)-Nets and (t,s)-Sequences"; Burley 2020, "Practical Hash-based Owen
 /// Scrambling"; Vegdahl 2021, "Building a Better LK Hash"; Joe and Kuo 2008, "Constructing Sobol' Sequences with Better
@@ -31,9 +31,9 @@ use super::rng::{hash, stream, unit_f32};
 pub struct SobolSampler {
     table: &'static Table,
     seed: u64,
-    /// How many consecutive samples belong to one replicate.
-    share: u32,
-    /// How many replicates take turns: 2^`turns`.
+    /// Number of consecutive samples that belong to one replicate.
+    samples_per_replicate: u32,
+    /// Binary logarithm of the number of replicates that take turns.
     turns: u32,
     /// Index of the point, before and after it is put in random order; bits reversed.
     index_rev: u32,
@@ -47,16 +47,16 @@ pub struct SobolSampler {
 impl SobolSampler {
     /// A sampler of the family `seed`.
     ///
-    /// `share`: how many consecutive samples of a pixel are of one point set, or replicate (0 counts as 1): sample s is
-    /// point s mod `share` of replicate s / `share`. `u32::MAX` makes one replicate of all samples. Replicates are
-    /// independent and unbiased, so their scatter tells the error of their mean; the more samples they have, the smaller
-    /// that error. Powers of two are best: only they are complete nets.
-    pub fn new(seed: u64, share: u32) -> Self {
+    /// `samples_per_replicate`: number of consecutive samples of a pixel that belong to one point set, or replicate (0 counts as 1):
+    /// sample s is point s mod `samples_per_replicate` of replicate s / `samples_per_replicate`. `u32::MAX` makes one replicate of all samples.
+    /// Replicates are independent and unbiased, so their scatter gives the error of their mean. The more samples a
+    /// replicate has, the smaller that error is. Powers of two are best, because only they are complete nets.
+    pub fn new(seed: u64, samples_per_replicate: u32) -> Self {
         let table = &*TABLE;
         Self {
             table,
             seed,
-            share: share.max(1),
+            samples_per_replicate: samples_per_replicate.max(1),
             turns: u32::BITS,
             index_rev: 0,
             shuffled_rev: 0,
@@ -67,8 +67,9 @@ impl SobolSampler {
         }
     }
 
-    /// The same with so many replicates that take turns, instead of ever new ones: after the last, the first goes on where it
-    /// was. So each grows for as long as samples are taken. `replicates` is rounded up to a power of two, 2^31 at most.
+    /// The same with a fixed number of replicates that take turns, instead of a new one each time: after the last, the
+    /// first continues with its next points. Each replicate therefore grows as long as samples are taken. `replicates`
+    /// is rounded up to a power of two, 2^31 at most.
     #[must_use]
     pub fn in_turn(self, replicates: u32) -> Self {
         Self { turns: replicates.clamp(1, 1 << 31).next_power_of_two().trailing_zeros(), ..self }
@@ -77,12 +78,12 @@ impl SobolSampler {
     #[inline]
     fn point(&self, set: u32) -> [f32; 4] {
         let (lap, set) = (set / NUM_DIMENSION_SETS_4D, set % NUM_DIMENSION_SETS_4D);
-        if lap == 0 { self.scrambled(set, self.shuffled_rev, self.key) } else { self.later_lap(lap, set) }
+        if lap == 0 { self.scrambled(set, self.shuffled_rev, self.key) } else { self.beyond_last_set(lap, set) }
     }
 
     /// Dimensions beyond the last: the same sets again, in a new order.
     #[cold]
-    fn later_lap(&self, lap: u32, set: u32) -> [f32; 4] {
+    fn beyond_last_set(&self, lap: u32, set: u32) -> [f32; 4] {
         let key = hash(self.key, u64::from(lap));
         self.scrambled(set, shuffle(self.index_rev, key), key)
     }
@@ -98,8 +99,8 @@ impl SobolSampler {
         self.scrambled_by_any(set, index_rev, key)
     }
 
-    /// The same numbers in less time: older processors have neither products of four integers nor a way to put bytes into
-    /// another order.
+    /// The same numbers in less time: older processors have neither products of four integers nor a way to put bytes
+    /// into another order.
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     fn scrambled_by_avx2(&self, set: u32, index_rev: u32, key: u64) -> [f32; 4] {
@@ -126,10 +127,10 @@ fn shuffle(index_rev: u32, key: u64) -> u32 {
 impl Sampler for SobolSampler {
     #[inline]
     fn start(&mut self, pixel: u32, sample: u32) {
-        let (turn, rest) = (u64::from(sample / self.share), sample % self.share);
+        let (turn, rest) = (u64::from(sample / self.samples_per_replicate), sample % self.samples_per_replicate);
         let replicate = turn & ((1 << self.turns) - 1);
         // At most `sample`.
-        let index = (turn >> self.turns) as u32 * self.share + rest;
+        let index = (turn >> self.turns) as u32 * self.samples_per_replicate + rest;
         let block = replicate << 16 | u64::from(index >> 16);
         self.key = hash(hash(self.seed, u64::from(pixel)), block);
         self.index_rev = (index & 0xffff).reverse_bits();
@@ -195,11 +196,14 @@ mod tests {
     #[test]
     fn replicates_in_turn_are_those_that_follow_each_other() {
         let size = 64;
-        for share in [1, 4] {
+        for samples_per_replicate in [1, 4] {
             let mut blocks = SobolSampler::new(5, size);
-            let mut turns = SobolSampler::new(5, share).in_turn(8);
+            let mut turns = SobolSampler::new(5, samples_per_replicate).in_turn(8);
             for sample in 0..8 * size {
-                let (replicate, index) = (sample / share % 8, sample / share / 8 * share + sample % share);
+                let (replicate, index) = (
+                    sample / samples_per_replicate % 8,
+                    sample / samples_per_replicate / 8 * samples_per_replicate + sample % samples_per_replicate,
+                );
                 turns.start(7, sample);
                 blocks.start(7, replicate * size + index);
                 assert_eq!((turns.pixel_2d(), turns.next_4d()), (blocks.pixel_2d(), blocks.next_4d()), "{sample}");

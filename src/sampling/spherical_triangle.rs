@@ -3,7 +3,8 @@
 use crate::math::{DVec3, Vec3};
 
 /// Solid angle (sr) of a triangle given by its vertices relative to the point it is seen from, in any order; 0 for a
-/// degenerate triangle or one seen edge-on, NaN for vertices that are not numbers. 2 pi for a triangle the point lies in.
+/// degenerate triangle or one seen edge-on, NaN for vertices that are not numbers. 2 pi for a triangle the point lies
+/// in.
 ///
 /// The triple product is formed from differences of vertices, so that small and far triangles keep their digits.
 /// Source: Van Oosterom and Strackee 1983, "The Solid Angle of a Plane Triangle".
@@ -21,9 +22,9 @@ pub(crate) fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
 
 /// A triangle seen from a point, to be sampled uniformly by solid angle.
 ///
-/// Arvo's construction: a first number cuts off a subtriangle of that share of the solid angle, a second one picks a point
-/// on the cut. The cut is found from tangents of half sides, of which no difference of angles is taken, so that it works
-/// from triangles of 1e-12 sr up to almost a hemisphere.
+/// Arvo's construction: a first number cuts off a subtriangle with that fraction of the solid angle, and a second one
+/// picks a point on the cut. The cut follows from tangents of half sides, without any difference of angles, so that the
+/// construction works from triangles of 1e-12 sr up to almost a hemisphere.
 ///
 /// Source: Arvo 1995, "Stratified Sampling of Spherical Triangles"; half-angle form of the area: Todhunter 1886,
 /// *Spherical Trigonometry*, Ch. VIII.
@@ -43,7 +44,7 @@ pub struct SphericalTriangle {
     solid_angle: f64,
 }
 
-/// Below this, sampling by area is as good and safer.
+/// Below this solid angle, sampling by area is as good and numerically safer.
 const SMALLEST_SOLID_ANGLE: f64 = 1e-12;
 
 /// Just below a hemisphere, which a triangle fills for a point inside it.
@@ -52,14 +53,14 @@ const LARGEST_SOLID_ANGLE: f64 = std::f64::consts::TAU - 1e-9;
 impl SphericalTriangle {
     /// A triangle given by its vertices relative to the point it is seen from, in any order.
     ///
-    /// `None` where sampling by solid angle makes no sense or would lose its digits: degenerate triangles, triangles seen
-    /// edge-on or from within their own plane, and solid angles below 1e-12 sr. Sample those by area; their density
-    /// is then distance^2 / (area cos(theta)).
+    /// `None` where sampling by solid angle makes no sense or would lose its digits: degenerate triangles, triangles
+    /// seen edge-on or from within their own plane, and solid angles below 1e-12 sr. Sample those by area; their
+    /// density is then distance^2 / (area cos(theta)).
     pub fn new(v: [Vec3; 3]) -> Option<Self> {
         Self::around_origin(v.map(Vec3::as_dvec3))
     }
 
-    /// As [`SphericalTriangle::new`], of vertices in the frame that `p` is given in. The differences are exact: rounded to
+    /// As [`SphericalTriangle::new`], for vertices in the same frame as `p`. The differences are exact: rounded to
     /// single precision, those to the far vertices of a large triangle would move it against a point close to it.
     pub fn seen_from(p: Vec3, vertices: [Vec3; 3]) -> Option<Self> {
         let p = p.as_dvec3();
@@ -110,13 +111,13 @@ impl SphericalTriangle {
         self.direction(u).as_vec3a()
     }
 
-    /// As [`SphericalTriangle::sample`], with the barycentric coordinates of the triangle's point in that direction: each
-    /// >= 0, sum 1, for the vertices in order.
+    /// As [`SphericalTriangle::sample`], with the barycentric coordinates of the triangle's point in that direction:
+    /// each >= 0, sum 1, for the vertices in order.
     #[inline]
     pub fn sample_barycentric(&self, u: [f32; 2]) -> (Vec3, [f32; 3]) {
         let w = self.direction(u);
         let [v0, v1, v2] = self.v;
-        // Shares of the volume that w spans with each side; the common sign is that of the triangle's winding.
+        // Fractions of the volume that w spans with each side; the common sign is that of the triangle's winding.
         let side = |p: DVec3, q: DVec3| w.dot(p.cross(q - p));
         let sign = 1.0_f64.copysign(v0.dot((v1 - v0).cross(v2 - v0)));
         let volumes = [side(v1, v2), side(v2, v0), side(v0, v1)].map(|x| (sign * x).max(0.0));
@@ -144,8 +145,8 @@ impl SphericalTriangle {
         self.b * (1.0 - 2.0 * sin2_half) + across * (sin / length)
     }
 
-    /// The point of the unit square that [`SphericalTriangle::sample`] maps to the unit direction `w`, which must lie in
-    /// the triangle; clamped to [0, 1].
+    /// The point of the unit square that [`SphericalTriangle::sample`] maps to the unit direction `w`, which must lie
+    /// in the triangle; clamped to [0, 1].
     pub fn inverse(&self, w: Vec3) -> [f32; 2] {
         let w = w.as_dvec3().normalize();
         // The cut is where the plane through b and w meets the one through a and c, on w's side of b.
@@ -162,7 +163,7 @@ impl SphericalTriangle {
         let p = self.tan_half_ab * sin / (1.0 + cos);
         let area = 2.0 * (p * self.sin_a).atan2(1.0 + p * self.cos_a);
         let cut = self.a * cos + self.tangent * sin;
-        let share = (w - self.b).length_squared() / (cut - self.b).length_squared();
-        [(area / self.solid_angle).clamp(0.0, 1.0) as f32, share.clamp(0.0, 1.0) as f32]
+        let fraction = (w - self.b).length_squared() / (cut - self.b).length_squared();
+        [(area / self.solid_angle).clamp(0.0, 1.0) as f32, fraction.clamp(0.0, 1.0) as f32]
     }
 }

@@ -8,17 +8,17 @@ use std::hint::select_unpredictable;
 
 use crate::math::Vec3;
 
-/// The concentric map: signed radius in (-1, 1), and cosine and sine of the angle. The radius never reaches 1, so that no
-/// direction made from it lies in the base plane.
+/// The concentric map: signed radius in (-1, 1), and cosine and sine of the angle. The radius never reaches 1, so that
+/// no direction made from it lies in the base plane.
 ///
-/// Without a branch, which would be taken as often as not. Source: Shirley and Chiu 1997, "A Low Distortion Map Between
-/// Disk and Square".
+/// The map has no branch, because a branch would be unpredictable. Source: Shirley and Chiu 1997, "A Low Distortion Map
+/// Between Disk and Square".
 #[inline]
 fn concentric(u: [f32; 2]) -> (f32, f32, f32) {
     let (x, y) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
     let is_wide = x.abs() > y.abs();
     let (radius, other) = select_unpredictable(is_wide, (x, y), (y, x));
-    // In the middle any angle will do.
+    // At the centre any angle is valid.
     let ratio = other / if radius == 0.0 { 1.0 } else { radius };
     let (sin, cos) = sin_cos_eighth(FRAC_PI_4 * ratio);
     // The angle is that of the nearer axis, or a quarter turn minus it.
@@ -120,8 +120,8 @@ pub fn uniform_cone_pdf(one_minus_cos_max: f32) -> f32 {
     1.0 / (TAU * one_minus_cos_max)
 }
 
-/// Barycentric coordinates of a uniform point in a triangle, for its three vertices in order; each >= 0, sum 1. The density
-/// per unit area is one over the triangle's area.
+/// Barycentric coordinates of a uniform point in a triangle, for its three vertices in order; each >= 0, sum 1. The
+/// density per unit area is one over the triangle's area.
 ///
 /// Source: Heitz 2019, "A Low-Distortion Map Between Triangle and Square".
 #[inline]

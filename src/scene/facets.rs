@@ -121,9 +121,9 @@ impl Scene {
         let geometry = |geometry: &Geometry| match geometry {
             Geometry::Loose { triangles, parts, .. } => of(triangles) + parts.len() * size_of::<SurfaceMesh>(),
             Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. } => of(triangles),
-            Geometry::Analytic { shapes, .. } => shapes.0.len() * Analytic::MOST_TRIANGLES * (triangle + vertex),
+            Geometry::Analytic { shapes, .. } => shapes.0.len() * Analytic::MAX_TRIANGLES * (triangle + vertex),
         };
-        let listed = self.list.shapes().len() * Analytic::MOST_TRIANGLES * (triangle + vertex);
+        let listed = self.list.shapes().len() * Analytic::MAX_TRIANGLES * (triangle + vertex);
         self.geometries.iter().map(geometry).sum::<usize>() + listed
     }
 

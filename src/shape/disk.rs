@@ -1,4 +1,4 @@
-//! Flat disks, and what affine transforms make of them.
+//! Flat disks under affine transforms.
 
 use super::ray::DRay;
 use crate::math::{Bounds, DAffine3, DVec3, Frame};
@@ -17,7 +17,7 @@ impl Disk {
     /// The disk of this centre, unit normal and radius > 0 under an invertible transform.
     pub fn new(centre: DVec3, normal: DVec3, radius: f64, transform: &DAffine3) -> Self {
         let frame = Frame::from_normal(normal.as_vec3a());
-        // The frame is single precision: made orthogonal to the normal again, any pair of axes will do.
+        // The frame is single precision: once the axes are orthogonal to the normal again, any pair will do.
         let s = frame.s.as_dvec3();
         let s = (s - s.dot(normal) * normal).normalize();
         let own = DAffine3 {
@@ -38,7 +38,7 @@ impl Disk {
     #[inline]
     pub fn intersect(&self, ray: &DRay) -> Option<f64> {
         let t = (self.centre - ray.origin).dot(self.normal) / ray.direction.dot(self.normal);
-        // Written so that NaN, from a ray in the plane, fails.
+        // The comparison is written so that NaN, from a ray in the plane, fails.
         if !(t > ray.tnear && t < ray.tfar) {
             return None;
         }
@@ -58,8 +58,8 @@ impl Disk {
         (self.centre, angles.map(|angle| self.centre + angle.cos() * a + angle.sin() * b).collect())
     }
 
-    /// Triangles from the middle to its edge, `count` >= 3 of them, as large together as the disk: their outer corners lie a little
-    /// beyond the edge.
+    /// Triangles from the centre to the edge, `count` >= 3 of them, with the total area of the disk: their outer
+    /// corners lie a little beyond the edge.
     pub(crate) fn fan(&self, count: u32) -> Vec<[DVec3; 3]> {
         let step = std::f64::consts::TAU / f64::from(count);
         let reach = (step / step.sin()).sqrt();
@@ -70,7 +70,7 @@ impl Disk {
         (0..count).map(|i| [self.centre, at(i), at(i + 1)]).collect()
     }
 
-    /// A box around it.
+    /// A bounding box.
     pub fn bounds(&self) -> Bounds {
         // The largest coordinate of c + a cos + b sin along an axis is c + sqrt(a^2 + b^2).
         let [a, b] = self.radii;

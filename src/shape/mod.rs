@@ -1,7 +1,8 @@
-//! Analytic shapes, in double precision: exact hits where a triangle mesh would only approximate.
+//! Analytic shapes in double precision, with exact hits where a triangle mesh would only approximate.
 //!
-//! A kernel in single precision loses a sphere whose distance or radius is large against the other (b^2 - ac cancels), so
-//! everything here is computed in f64 from the ray's f32 numbers, and hit points are rebuilt on the surface.
+//! A kernel in single precision loses a sphere whose distance is large against its radius, or the other way round (b^2
+//! - ac cancels). Everything here is therefore computed in f64 from the ray's f32 numbers, and hit points are projected
+//! onto the surface.
 
 mod disk;
 mod quadric;
@@ -19,11 +20,11 @@ pub use triangle::Triangle;
 
 use crate::math::{Bounds, DVec3, Ray};
 
-/// Farther than so many times a shape's size, a t in single precision is too coarse for its normals: half a unit in its last
-/// place moves the point by 2^-20 of the size.
-const COARSE: f64 = 16.0;
+/// Beyond this distance, in sizes of a shape, a t in single precision is too coarse for its normals: half a unit in its
+/// last place moves the point by 2^-20 of the size.
+const SINGLE_PRECISION_RANGE: f64 = 16.0;
 
-/// Any analytic shape of a scene, in the scene frame.
+/// An analytic shape of a scene, in the scene frame.
 #[derive(Clone, Debug)]
 pub enum Analytic {
     /// A sphere.
@@ -35,7 +36,7 @@ pub enum Analytic {
 }
 
 impl Analytic {
-    /// The nearest t in (tnear, tfar) at which the ray meets the surface.
+    /// The nearest t in (tnear, tfar) at which the ray intersects the surface.
     #[inline]
     pub fn intersect(&self, ray: &DRay) -> Option<f64> {
         match self {
@@ -45,24 +46,24 @@ impl Analytic {
         }
     }
 
-    /// The point at which the ray meets the surface, from the t that [`Analytic::intersect`] gave, rounded. What is small
-    /// against its distance is met once more, to have all digits of t.
+    /// The point at which the ray intersects the surface, from the rounded t of [`Analytic::intersect`]. A shape that
+    /// is small against its distance is intersected once more, to get all digits of t.
     #[inline]
     pub fn point(&self, ray: &Ray, t: f32) -> DVec3 {
         let way = f64::from(t) * ray.direction.as_dvec3();
         let size = match self {
             Self::Sphere(sphere) => sphere.radius,
             Self::Quadric(quadric) => quadric.size(),
-            // The point may be off along the plane, not from it, and the normal is the same everywhere.
+            // The point may be off along the plane, but not away from it, and the normal is the same everywhere.
             Self::Disk(_) => f64::INFINITY,
         };
-        if way.length_squared() > COARSE * COARSE * size * size {
+        if way.length_squared() > SINGLE_PRECISION_RANGE * SINGLE_PRECISION_RANGE * size * size {
             return self.exact_point(ray, t);
         }
         ray.origin.as_dvec3() + way
     }
 
-    /// As [`Analytic::point`], out of line: most hits do not need it.
+    /// As [`Analytic::point`], not inlined: most hits do not need it.
     #[cold]
     #[inline(never)]
     fn exact_point(&self, ray: &Ray, t: f32) -> DVec3 {
@@ -70,7 +71,8 @@ impl Analytic {
         near.origin + self.intersect(&near).unwrap_or(t.into()) * near.direction
     }
 
-    /// The point of the surface nearest to `p`, which is on it but for rounding, and the outward unit normal there.
+    /// The point of the surface nearest to `p`, which is on the surface except for rounding, and the outward unit
+    /// normal there.
     #[inline]
     pub fn project(&self, p: DVec3) -> (DVec3, DVec3) {
         match self {
@@ -80,7 +82,7 @@ impl Analytic {
         }
     }
 
-    /// A box around it.
+    /// A bounding box.
     pub fn bounds(&self) -> Bounds {
         match self {
             Self::Sphere(sphere) => sphere.bounds(),

@@ -42,7 +42,7 @@ impl Quadric {
         }
     }
 
-    /// The nearest t in (tnear, tfar) at which the ray meets the clipped surface.
+    /// The nearest t in (tnear, tfar) at which the ray intersects the clipped surface.
     pub fn intersect(&self, ray: &DRay) -> Option<f64> {
         let origin = self.to_own.transform_point3(ray.origin);
         let direction = self.to_own.transform_vector3(ray.direction);
@@ -85,24 +85,24 @@ impl Quadric {
         (self.to_scene.transform_point3(own), normal.unwrap_or_else(|| self.to_scene.matrix3.x_axis.normalize()))
     }
 
-    /// A box around the clipped surface, scene frame; infinite where nothing bounds it.
+    /// Bounding box of the clipped surface, scene frame; infinite where nothing bounds it.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
 
-    /// A length over which it may turn: a quarter of its extent along the axis of its own frame where that is least, half of
-    /// a radius where the box fits.
+    /// A length over which the normal may change: a quarter of the smallest extent along an axis of the quadric's own
+    /// frame, which is half of a radius where the box fits.
     #[inline]
     pub(super) fn size(&self) -> f64 {
         self.size
     }
 
-    /// Triangles inscribed in the clipped surface: of the tetrahedra into which a grid of `cells` along each axis divides its
-    /// box, those that the surface cuts.
+    /// Triangles inscribed in the clipped surface: a grid of `cells` along each axis divides its box into tetrahedra, and
+    /// the surface cuts some of them in triangles.
     ///
     /// Source: Doi and Koide 1991, "An Efficient Method of Triangulating Equi-Valued Surfaces by Using Tetrahedral Cells".
     pub(crate) fn triangles(&self, cells: u32) -> Vec<[DVec3; 3]> {
-        // Six tetrahedra around the diagonal of each cell, by the order in which its axes are walked along.
+        // Six tetrahedra around the diagonal of each cell, by the order in which its axes are traversed.
         const WALKS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
         let bounds = own_bounds(self.a, self.b, self.c, self.clip);
         let step = (bounds.max - bounds.min) / f64::from(cells);
@@ -126,7 +126,8 @@ impl Quadric {
         triangles
     }
 
-    /// The triangles in which the surface cuts a tetrahedron, its own frame; told in the scene's.
+    /// Appends the triangles in which the surface cuts a tetrahedron. The corners are in the quadric's own frame, the
+    /// triangles in the scene frame.
     fn cut(&self, corners: &[DVec3; 4], triangles: &mut Vec<[DVec3; 3]>) {
         let values = corners.map(|p| self.value(p));
         let (mut inside, mut outside) = (Vec::with_capacity(4), Vec::with_capacity(4));

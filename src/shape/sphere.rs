@@ -14,7 +14,7 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// The nearest t in (tnear, tfar) at which the ray meets the surface, from inside or outside.
+    /// The nearest t in (tnear, tfar) at which the ray intersects the surface, from inside or outside.
     ///
     /// The quadratic is set up from the point of the ray nearest to the centre, so that neither a far origin nor a large
     /// radius cancels. Source: Haines, Günther, Akenine-Möller, *Ray Tracing Gems* ch. 7.
@@ -50,7 +50,7 @@ impl Sphere {
         (self.centre + self.radius * normal, normal)
     }
 
-    /// A box around it.
+    /// A bounding box.
     pub fn bounds(&self) -> Bounds {
         Bounds { min: self.centre - self.radius, max: self.centre + self.radius }
     }

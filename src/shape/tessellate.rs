@@ -1,4 +1,5 @@
-//! Analytic shapes as triangles whose corners lie on them, for whoever has to go over a surface instead of asking rays.
+//! Analytic shapes as triangles whose corners lie on them, for algorithms that enumerate surfaces instead of tracing
+//! rays.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -7,47 +8,47 @@ use super::{Analytic, Disk, Quadric, Sphere};
 use crate::math::DVec3;
 
 /// Cells along each edge of the cube around a sphere.
-const CUBE: usize = 12;
+const CUBE_CELLS: usize = 12;
 
 /// Corners of a disk's edge.
-const RIM: usize = 64;
+const DISK_CORNERS: usize = 64;
 
-/// Cells along each edge of a quadric's box; even, so that an axis in the middle is met.
-const CELLS: u32 = 10;
+/// Cells along each edge of a quadric's box; an even number, so that an axis in the middle is sampled.
+const QUADRIC_CELLS: u32 = 10;
 
 impl Analytic {
-    /// No shape is cut into more triangles than this.
-    pub const MOST_TRIANGLES: usize = 64 * (CELLS * CELLS) as usize;
+    /// No shape is divided into more triangles than this.
+    pub const MAX_TRIANGLES: usize = 64 * (QUADRIC_CELLS * QUADRIC_CELLS) as usize;
 
-    /// Points of the shape, and triangles of them, counter-clockwise seen from outside; each has an area. A few hundred for a
-    /// sphere or a quadric, off the surface by no more than a few hundredths of its size; scene frame.
+    /// Points of the shape, and triangles of them, counter-clockwise seen from outside; each has an area. A sphere or a
+    /// quadric has a few hundred, which deviate from the surface by at most a few hundredths of its size; scene frame.
     pub fn tessellate(&self) -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let mut mesh = match self {
-            Self::Sphere(sphere) => of_sphere(sphere),
-            Self::Disk(disk) => of_disk(disk),
-            Self::Quadric(quadric) => of_quadric(quadric),
+            Self::Sphere(sphere) => tessellate_sphere(sphere),
+            Self::Disk(disk) => tessellate_disk(disk),
+            Self::Quadric(quadric) => tessellate_quadric(quadric),
         };
-        // Outside is where the normals point.
+        // The outer side is the one to which the normals point.
         for triangle in &mut mesh.triangles {
             let [a, b, c] = triangle.map(|corner| mesh.points[corner as usize]);
             if (b - a).cross(c - a).dot(self.project((a + b + c) / 3.0).1) < 0.0 {
                 triangle.swap(1, 2);
             }
         }
-        mesh.keep_whole();
+        mesh.remove_degenerate();
         (mesh.points, mesh.triangles)
     }
 }
 
 #[derive(Default)]
-struct Mesh {
+struct TessellatedMesh {
     points: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
 }
 
-impl Mesh {
-    /// Leaves out triangles without an area.
-    fn keep_whole(&mut self) {
+impl TessellatedMesh {
+    /// Removes triangles without area.
+    fn remove_degenerate(&mut self) {
         let points = &self.points;
         self.triangles.retain(|triangle| {
             let [a, b, c] = triangle.map(|corner| points[corner as usize]);
@@ -58,11 +59,12 @@ impl Mesh {
     }
 }
 
-/// A cube's faces in equal angles, moved onto the sphere: corners of faces at the same place are one.
-fn of_sphere(sphere: &Sphere) -> Mesh {
-    let mut mesh = Mesh::default();
+/// A cube's faces, divided by equal angles and projected onto the sphere: corners of faces at the same position are
+/// one.
+fn tessellate_sphere(sphere: &Sphere) -> TessellatedMesh {
+    let mut mesh = TessellatedMesh::default();
     let mut known: HashMap<[i32; 3], u32> = HashMap::new();
-    let half = CUBE as i32;
+    let half = CUBE_CELLS as i32;
     for axis in 0..3 {
         for side in [-half, half] {
             let mut corner = |i: usize, j: usize| {
@@ -78,8 +80,8 @@ fn of_sphere(sphere: &Sphere) -> Mesh {
                     mesh.points.len() as u32 - 1
                 })
             };
-            for i in 0..CUBE {
-                for j in 0..CUBE {
+            for i in 0..CUBE_CELLS {
+                for j in 0..CUBE_CELLS {
                     let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
                     mesh.triangles.extend([[a, b, c], [a, c, d]]);
                 }
@@ -89,17 +91,17 @@ fn of_sphere(sphere: &Sphere) -> Mesh {
     mesh
 }
 
-fn of_disk(disk: &Disk) -> Mesh {
-    let (centre, mut points) = disk.rim((0..RIM).map(|i| TAU * i as f64 / RIM as f64));
+fn tessellate_disk(disk: &Disk) -> TessellatedMesh {
+    let (centre, mut points) = disk.rim((0..DISK_CORNERS).map(|i| TAU * i as f64 / DISK_CORNERS as f64));
     points.push(centre);
-    let n = RIM as u32;
-    Mesh { points, triangles: (0..n).map(|i| [n, i, (i + 1) % n]).collect() }
+    let n = DISK_CORNERS as u32;
+    TessellatedMesh { points, triangles: (0..n).map(|i| [n, i, (i + 1) % n]).collect() }
 }
 
-fn of_quadric(quadric: &Quadric) -> Mesh {
-    let mut mesh = Mesh::default();
+fn tessellate_quadric(quadric: &Quadric) -> TessellatedMesh {
+    let mut mesh = TessellatedMesh::default();
     let mut known: HashMap<[u64; 3], u32> = HashMap::new();
-    for triangle in quadric.triangles(CELLS) {
+    for triangle in quadric.triangles(QUADRIC_CELLS) {
         mesh.triangles.push(triangle.map(|p| {
             *known.entry(p.to_array().map(f64::to_bits)).or_insert_with(|| {
                 mesh.points.push(p);
@@ -141,7 +143,7 @@ mod tests {
             (quadric([1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0], everywhere), 4.0 * PI),
         ] {
             let (points, triangles) = shape.tessellate();
-            assert!(triangles.len() <= Analytic::MOST_TRIANGLES, "{}", triangles.len());
+            assert!(triangles.len() <= Analytic::MAX_TRIANGLES, "{}", triangles.len());
             let found = area(&points, &triangles);
             // Chords are shorter than arcs.
             assert!(found < expected * (1.0 + 1e-9) && found > 0.98 * expected, "{shape:?}: {found} of {expected}");

@@ -1,11 +1,12 @@
-//! Triangles as emitters see them. (Rays meet them in Embree.)
+//! Triangles of emitters. (Embree intersects rays with triangles.)
 
 use crate::math::{DVec3, Vec3};
 
 /// A triangle with its normal and area, scene frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
-    /// Its vertices, as they were given: a side kept instead of one would be rounded, which a point close to it notices.
+    /// The vertices as they were given. Sides stored instead of vertices would be rounded, which matters for a point
+    /// close to the triangle.
     pub vertices: [Vec3; 3],
     /// Unit normal, along (v1 - v0) x (v2 - v0).
     pub normal: Vec3,
@@ -45,8 +46,9 @@ impl Triangle {
 
     /// Twice the area times the height of `p` over the plane, on the normal's side.
     ///
-    /// In double precision: seen nearly edge-on, from far away or from close by, the height is a small part of the distance
-    /// to the vertices, and a normal rounded to single precision tells it only to that part of a ten-millionth.
+    /// The result is in double precision: seen nearly edge-on, from far away or from close by, the height is a small
+    /// fraction of the distance to the vertices, and a normal rounded to single precision gives it only to that
+    /// fraction of a ten-millionth.
     #[inline]
     pub fn height_by_twice_area(&self, p: Vec3) -> f64 {
         (p.as_dvec3() - self.vertices[0].as_dvec3()).dot(self.cross)

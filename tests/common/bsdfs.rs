@@ -1,4 +1,4 @@
-//! Scattering models that several programs try.
+//! Scattering models that several test programs use.
 
 use etendue::bsdf::Bsdf;
 use etendue::desc::BsdfDesc;
@@ -6,7 +6,7 @@ use etendue::math::Vec3;
 use etendue::sampling::Rng;
 use etendue::spectrum::Rgb;
 
-/// The unit direction with these polar angles, degrees.
+/// The unit direction with these polar angles, in degrees.
 pub fn direction(theta_deg: f64, phi_deg: f64) -> Vec3 {
     let (sin, cos) = theta_deg.to_radians().sin_cos();
     let (sin_phi, cos_phi) = phi_deg.to_radians().sin_cos();

@@ -1,9 +1,9 @@
-//! Scene files that must be refused, each with the beginning of what must be said about it.
+//! Scene files that must be refused, each with the beginning of the expected error.
 //!
-//! An entry is (name, text, expected): `expected` is a piece of the error's text with line, JSON path and the beginning
+//! An entry is (name, text, expected): `expected` is a part of the error's text with line, JSON path and the beginning
 //! of the message, as in `7: surfaces[0].radius: -1 is not above 0`.
 
-/// A file in parts; `@` marks the place that must be reported and is taken out.
+/// A file in parts; `@` marks the position that must be reported and is removed.
 struct List(Vec<(String, String, String)>);
 
 impl List {
@@ -14,7 +14,7 @@ impl List {
         self.0.push((name.to_owned(), text.replacen('@', "", 1), format!("{line}: {expected}")));
     }
 
-    /// A native scene with a camera, a material named white, and `more` at its top.
+    /// A native scene with a camera, a material named white, and `more` at the top level.
     fn top(&mut self, name: &str, more: &str, expected: &str) {
         let text = format!(
             "{{\n \"etendue\": 1,\n \"camera\": {{\"origin\": [0, 0, \
@@ -65,7 +65,7 @@ impl List {
         self.text(name, &format!("{{\n \"etendue\": 1,\n \"camera\": {camera}\n}}\n"), expected);
     }
 
-    /// A scene of the report's renderer with `more` at its top.
+    /// A scene of the report's renderer with `more` at the top level.
     fn mcrt(&mut self, name: &str, more: &str, expected: &str) {
         let text = format!(
             "{{\n \"camera\": {{\"origin\": [-1, 0, 0], \"lookAt\": [1, 0, \
@@ -125,7 +125,7 @@ fn texts(l: &mut List) {
     l.top("lights not an array", "@\"lights\": 3", "lights: invalid type: integer `3`, expected an array");
     l.top("meshes not an array", "@\"meshes\": \"m\"", "meshes: invalid type: string \"m\", expected an array");
     l.top("description not a string", "@\"description\": 3", "description: invalid type");
-    // Deeper than any stack would stand, in a place where nothing is read.
+    // The nesting is deeper than any stack allows, in a part of the file that is not used.
     l.top("nested deeply", &format!("@\"deep\": {}{}", "[".repeat(100_000), "]".repeat(100_000)), "deep: unknown key");
     l.top(
         "surfaces nested deeply",

@@ -1,4 +1,4 @@
-//! What several test programs use.
+//! Helpers of several test programs.
 #![allow(dead_code, reason = "no program uses all of it")]
 
 pub mod bsdfs;

@@ -5,7 +5,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 /// The program, built for the same profile as this test. A plain `cargo test` has built it already; a narrower one such
-/// as `cargo test --test cli` has not, or left an old one.
+/// as `cargo test --test cli` has not, or there is an outdated one.
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {
@@ -15,12 +15,12 @@ pub fn program() -> &'static Path {
         let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| env!("CARGO").into()));
         cargo.args(["build", "--quiet", "--example", "etendue", "--manifest-path"]);
         cargo.arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml"));
-        // The folder of the development profile is the one that is not named like its profile.
+        // The folder of the development profile has another name than its profile.
         match profile.file_name().and_then(|name| name.to_str()) {
             Some("debug") | None => {}
             Some(name) => _ = cargo.args(["--profile", name]),
         }
-        // Those of this test, so that what it was built with serves again.
+        // The features are those of this test, so that existing build results are used again.
         for (feature, is_on) in [("capi", cfg!(feature = "capi")), ("schema", cfg!(feature = "schema"))] {
             if is_on {
                 cargo.args(["--features", feature]);

@@ -1,4 +1,4 @@
-//! Small scenes built by hand, and renders of them.
+//! Small scenes built in code, and renders of them.
 
 use std::ops::ControlFlow;
 
@@ -12,7 +12,7 @@ use etendue::render::{Render, RenderSettings, Summary};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
 
-/// A scene of surfaces with a material each.
+/// A scene of surfaces, each with its material.
 pub fn scene(camera: CameraDesc, surfaces: Vec<(ShapeDesc, BsdfDesc, Option<Rgb>)>) -> SceneDesc {
     let mut desc = SceneDesc { camera, ..SceneDesc::default() };
     for (number, (shape, bsdf, emission)) in surfaces.into_iter().enumerate() {
@@ -60,7 +60,7 @@ pub fn box_inside(min: DVec3, max: DVec3) -> MeshDesc {
     MeshDesc { name: "box".into(), path: "meshes[0]".into(), positions, triangles, ..MeshDesc::default() }
 }
 
-/// A camera in `eye` that looks at `look_at` under `fov_deg` degrees.
+/// A camera at `eye` that looks at `look_at`, with the field of view `fov_deg` in degrees.
 pub fn camera(eye: DVec3, look_at: DVec3, fov_deg: f64) -> CameraDesc {
     let up = if (look_at - eye).normalize().y.abs() < 0.9 { DVec3::Y } else { DVec3::X };
     CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Horizontal }
@@ -71,7 +71,7 @@ pub fn point_light(position: DVec3, intensity: f32) -> PointLightDesc {
     PointLightDesc { path: "lights[0]".into(), position, intensity: Rgb::splat(intensity) }
 }
 
-/// How a test wants its image.
+/// Render settings of a test.
 #[derive(Clone, Debug)]
 pub struct Job {
     pub resolution: [u32; 2],

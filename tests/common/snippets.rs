@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// The folder from which the examples' mesh files are found.
+/// The folder that contains the examples' mesh files.
 pub fn data_dir() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data")
 }
@@ -20,7 +20,7 @@ pub fn snippets() -> Vec<(String, String, String)> {
     found
 }
 
-/// A fragment of a kind within the smallest scene that holds it.
+/// A fragment of a kind, within the smallest scene that contains it.
 fn complete(kind: &str, snippet: &str) -> String {
     let white = r#"{"name": "white", "type": "diffuse", "color": [0.5, 0.5, 0.5]}"#;
     match kind {

@@ -1,4 +1,4 @@
-//! Statistical tests: what a measured value has to look like if the code is right.
+//! Statistical tests: conditions that a measured value satisfies if the code is correct.
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
 
@@ -28,8 +28,8 @@ pub fn t_test((mean, standard_error): (f64, f64), exact: f64, runs: u32) -> f64 
     if p.is_nan() { 0.0 } else { p }
 }
 
-/// p-value of Pearson's chi-square test. Cells that expect fewer than five are pooled. A count where nothing is expected
-/// gives 0.
+/// p-value of Pearson's chi-square test. Cells with fewer than five expected counts are pooled. A count where none is
+/// expected gives 0.
 pub fn chi_square(observed: &[u64], expected: &[f64]) -> f64 {
     assert_eq!(observed.len(), expected.len());
     let (mut statistic, mut cells) = (0.0, 0_usize);
@@ -79,14 +79,15 @@ pub fn log_log_slope(points: &[(f64, f64)]) -> f64 {
     xy / xx
 }
 
-/// What a comparison of samples with their density found.
+/// Result of a comparison of samples with their density.
 #[derive(Debug)]
 pub struct DensityCheck {
     /// Integral of the density over the whole domain.
     pub integral: f64,
     /// p-value of the samples given the density.
     pub p_value: f64,
-    /// Largest density found at a sample relative to what the sampler itself reported, minus 1, in magnitude.
+    /// Largest relative difference, in magnitude, between the density at a sample and the density that the sampler
+    /// itself reported.
     pub mismatch: f64,
 }
 
@@ -99,8 +100,8 @@ impl DensityCheck {
 
 /// Compares samples with a density on a rectangle of `nx` x `ny` cells.
 ///
-/// `draw` gives a point and the density it was drawn with; `density` is integrated over each cell by midpoints, more of
-/// them where it varies around the cell.
+/// `draw` returns a point and the density with which it was drawn; `density` is integrated over each cell by the
+/// midpoint rule, with more points where it varies around the cell.
 pub fn check_density(
     (nx, ny): (usize, usize),
     (x_range, y_range): ((f64, f64), (f64, f64)),
@@ -117,7 +118,7 @@ pub fn check_density(
         let j = (((y - y_range.0) / dy) as usize).min(ny - 1);
         observed[i * ny + j] += 1;
         let found = density(x, y);
-        // Rounding may carry a sample across an edge of the support; the counts judge that.
+        // Rounding may carry a sample across an edge of the support; the counts decide about that.
         if found > 0.0 {
             mismatch = mismatch.max((found / reported - 1.0).abs());
         }
@@ -146,7 +147,7 @@ pub fn check_density(
                     (low, high) = (low.min(cell.1), high.max(cell.2));
                 }
             }
-            // Different numbers along both axes, so that no diagonal edge meets midpoints all along.
+            // Different numbers along both axes, so that no diagonal edge meets midpoints along its whole length.
             let mean = if low == 0.0 && high > 0.0 {
                 midpoints(i, j, (64, 65)).0
             } else if high > 1.1 * low {
@@ -161,7 +162,8 @@ pub fn check_density(
     DensityCheck { integral, p_value: chi_square(&observed, &expected), mismatch }
 }
 
-/// [`check_density`] over all directions in (cos theta, phi), where densities per solid angle need no factor. 80 x 160 cells.
+/// [`check_density`] over all directions in (cos theta, phi), where densities per solid angle need no factor. 80 x 160
+/// cells.
 pub fn check_directions(
     draws: usize,
     mut draw: impl FnMut() -> ([f32; 3], f32),

@@ -1,4 +1,4 @@
-//! Renders that are stopped in the middle.
+//! Renders that are stopped before their end.
 
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -6,8 +6,8 @@ use std::time::Duration;
 use etendue::Cancel;
 use etendue::render::{Render, Summary};
 
-/// Runs it to its end, stopped from outside again and again: after `delay`, and later each time, so that it comes to an
-/// end. How often, and what it came to.
+/// Runs a render to its end while it is stopped from outside again and again: after `delay`, and later each time, so
+/// that it reaches its end. Returns the number of stops and the summary.
 pub fn run_with_stops(render: &mut Render, delay: Duration) -> (u32, Summary) {
     for stops in 0.. {
         let cancel = Cancel::new();

@@ -1,20 +1,21 @@
-//! How far images are from a reference, and how much of that is noise.
+//! Errors of images against a reference, and the part of them that is noise.
 
 use etendue::film::Image;
 
 use super::reference::Reference;
 
-/// Mean over pixels and channels of (x - r)^2 / (r^2 + e) against a reference r, e = 1 % of its squared mean: the weights
-/// are kept, since every run is measured by them.
-pub struct Scale {
+/// Mean over pixels and channels of (x - r)^2 / (r^2 + e) against a reference r, e = 1 % of its squared mean. The
+/// weights are stored, since they apply to every run.
+pub struct RelMseScale {
     /// 1 / (r^2 + e) / number of values.
     weights: Vec<f64>,
-    /// The share of the reference's own noise; it is independent of what is measured, so it adds, and is taken off.
+    /// The contribution of the reference's own noise. It is independent of the measured image, so it adds to the error
+    /// and is subtracted.
     pub noise: f64,
 }
 
-impl Scale {
-    /// For this reference.
+impl RelMseScale {
+    /// The weights for this reference.
     pub fn new(reference: &Reference) -> Self {
         let values = &reference.image.rgb;
         let count = values.len() as f64;
@@ -27,12 +28,12 @@ impl Scale {
         Self { weights, noise }
     }
 
-    /// relMSE of an image, the reference's noise taken off.
+    /// relMSE of an image, minus the noise of the reference.
     pub fn rel_mse(&self, image: &Image, reference: &Reference) -> f64 {
         self.errors(image, reference).sum::<f64>() - self.noise
     }
 
-    /// The error of each pixel, such that their mean is relMSE (the reference's noise in it).
+    /// The error of each pixel, whose mean is relMSE including the reference's noise.
     pub fn map(&self, image: &Image, reference: &Reference) -> Vec<f32> {
         let errors: Vec<_> = self.errors(image, reference).collect();
         let pixels = errors.len() / 3;
@@ -47,7 +48,7 @@ impl Scale {
     }
 }
 
-/// What several runs of one case have in common: their mean per value, and how they scatter about it (Welford's sums).
+/// Statistics over several runs of one case: the mean of each value, and the scatter about it (Welford's sums).
 #[derive(Default)]
 pub struct Scatter {
     runs: u32,
@@ -69,15 +70,16 @@ impl Scatter {
         }
     }
 
-    /// relMSE of one run that comes from its noise alone, from the runs' scatter; `None` for a single run.
-    pub fn noise(&self, scale: &Scale) -> Option<f64> {
+    /// The part of one run's relMSE that is noise, from the scatter of the runs; `None` for a single run.
+    pub fn noise(&self, scale: &RelMseScale) -> Option<f64> {
         let sum = self.squares.iter().zip(&scale.weights).map(|(&squares, weight)| f64::from(squares) * weight);
         (self.runs > 1).then(|| sum.sum::<f64>() / f64::from(self.runs - 1))
     }
 
-    /// Below this a squared bias cannot be told from noise: three standard errors of it, as if pixels were normal and
-    /// independent, and a fifth of the noise of the reference, whose size is itself an estimate.
-    pub fn bias_resolution(&self, noise: f64, scale: &Scale) -> f64 {
+    /// Below this value, a squared bias cannot be distinguished from noise: three standard errors of the squared bias,
+    /// as if pixels were normal and independent, and a fifth of the noise of the reference, whose size is itself an
+    /// estimate.
+    pub fn bias_resolution(&self, noise: f64, scale: &RelMseScale) -> f64 {
         let (runs, values) = (f64::from(self.runs), self.mean.len() as f64);
         3.0 * noise * (2.0 / (values * runs * (runs - 1.0).max(1.0))).sqrt() + 0.2 * scale.noise
     }
@@ -94,7 +96,7 @@ mod tests {
     #[test]
     fn noise_and_bias_add_up_to_the_error() {
         let reference = Reference { image: image(vec![1.0; 6]), variance: Some(vec![0.01; 6]), ..Reference::default() };
-        let scale = Scale::new(&reference);
+        let scale = RelMseScale::new(&reference);
         // Weights are 1 / 1.01; two runs 1.3 and 1.1: errors 0.09 and 0.01, noise 0.02, squared bias 0.04 - 0.01.
         let runs = [image(vec![1.3; 6]), image(vec![1.1; 6])];
         let mut scatter = Scatter::default();

@@ -1,4 +1,4 @@
-//! `report.html`: one file with all its data, script, styles and pictures.
+//! `report.html`: one file that contains all data, scripts, styles and pictures.
 
 use std::collections::BTreeMap;
 
@@ -12,11 +12,11 @@ use crate::Failure;
 
 const TEMPLATE: &str = include_str!("report.html");
 const STYLE: &str = include_str!("report.css");
-/// In the order in which the page needs them.
+/// The scripts in the order in which the page needs them.
 const SCRIPTS: [&str; 4] =
     [include_str!("page.js"), include_str!("plot.js"), include_str!("viewer.js"), include_str!("report.js")];
 
-/// What the page's script reads.
+/// Data that the page's script reads.
 #[derive(Serialize)]
 struct Data<'a> {
     results: &'a Results,
@@ -32,11 +32,11 @@ struct Plot<'a> {
     title: &'a str,
     description: &'a str,
     scene: &'a str,
-    /// Number in `results.series`, and what it is called here.
+    /// Index in `results.series`, and the curve's label here.
     series: Vec<(usize, String)>,
 }
 
-/// The page. Its pictures have numbers, not the names of somebody's files.
+/// The page. Its pictures have numbers, so that the page does not show names of files.
 pub fn page(mut results: Results) -> Result<String, Failure> {
     let mut pictures = BTreeMap::new();
     let contents = std::mem::take(&mut results.contents);
@@ -51,7 +51,7 @@ pub fn page(mut results: Results) -> Result<String, Failure> {
     let scripts = SCRIPTS.join("\n");
     let mut page = String::with_capacity(TEMPLATE.len() + STYLE.len() + scripts.len() + json.len());
     let mut rest = TEMPLATE;
-    // Each mark once, in this order: what was put in is never looked at again.
+    // Each placeholder is replaced once, in this order: inserted text is never searched again.
     for (mark, text) in [("{{style}}", STYLE), ("{{data}}", &quiet(&json)), ("{{script}}", &scripts)] {
         let Some((before, after)) = rest.split_once(mark) else {
             return Err(Failure::running(format!("the template of the report has no {mark}")));
@@ -63,7 +63,8 @@ pub fn page(mut results: Results) -> Result<String, Failure> {
     Ok(page + rest)
 }
 
-/// JSON in which nothing can end the element it stands in, or begin another: in JSON these letters occur in strings only.
+/// JSON that cannot end the HTML element that contains it, or begin another one: in JSON these letters occur in strings
+/// only.
 fn quiet(json: &str) -> String {
     json.replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026")
 }

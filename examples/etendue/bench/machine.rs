@@ -1,4 +1,4 @@
-//! What a benchmark ran on.
+//! The machine on which a benchmark ran.
 
 use std::fs;
 use std::thread;
@@ -7,7 +7,7 @@ use etendue::scene::Scene;
 
 use super::results::Machine;
 
-/// The machine as the system describes it; `scene` knows the ray kernel.
+/// The machine as the system describes it; `scene` gives the version of the ray kernel.
 pub fn describe(scene: &Scene) -> Machine {
     let [major, minor, patch] = scene.device().version();
     Machine {
@@ -25,7 +25,8 @@ pub fn renderer() -> String {
     format!("etendue {}", env!("CARGO_PKG_VERSION"))
 }
 
-/// Starts the count of [`crate::console::peak_memory`] anew, where the system can (Linux); whether it could.
+/// Resets the maximum of [`crate::console::peak_memory`] where the system supports that (Linux); returns whether it
+/// did.
 pub fn reset_peak_memory() -> bool {
     fs::write("/proc/self/clear_refs", "5").is_ok()
 }

@@ -1,14 +1,14 @@
-//! `results.md`, and the same tables in a document of somebody else's.
+//! `results.md`, and the same tables in a given document.
 
 use std::fmt::Write;
 
 use super::results::{Group, Point, Results, Series, Spread};
 
-/// What begins the place of a table in a document; ` NAME -->` follows.
+/// Start of the marker at which a table in a document begins; ` NAME -->` follows.
 const OPEN: &str = "<!-- bench ";
-/// What ends it.
+/// The marker at which a table ends.
 const CLOSE: &str = "<!-- /bench -->";
-/// The block that says how it was measured.
+/// Name of the block that describes the machine.
 const MACHINE: &str = "machine";
 
 /// The whole document.
@@ -32,8 +32,8 @@ pub fn document(results: &Results) -> String {
     text
 }
 
-/// The document `text` with the tables between its markers written anew, and the blocks that nothing was measured for:
-/// those stay as they are.
+/// The document `text` with new tables between its markers, and the names of the blocks without measurements, which
+/// stay as they are.
 pub fn fill(text: &str, results: &Results) -> Result<(String, Vec<String>), String> {
     let (mut filled, mut missing, mut rest) = (String::new(), Vec::new(), text);
     for (name, start, end) in blocks(text)? {
@@ -53,7 +53,7 @@ pub fn fill(text: &str, results: &Results) -> Result<(String, Vec<String>), Stri
     Ok((filled + rest, missing))
 }
 
-/// The blocks of a document: name, and where its content begins and ends.
+/// The blocks of a document: name, and the range of its content.
 pub fn blocks(text: &str) -> Result<Vec<(&str, usize, usize)>, String> {
     let mut blocks = Vec::new();
     let mut at = 0;
@@ -71,7 +71,7 @@ pub fn blocks(text: &str) -> Result<Vec<(&str, usize, usize)>, String> {
     Ok(blocks)
 }
 
-/// How it was measured, in a paragraph.
+/// A paragraph that describes the measurement.
 fn machine(results: &Results) -> String {
     let mut text = String::new();
     if let Some(machine) = &results.machine {
@@ -121,7 +121,7 @@ fn tables(results: &Results, group: &Group) -> String {
     text
 }
 
-/// What the curves of a table were measured against.
+/// The references of a table's curves.
 fn against(results: &Results, series: &[&Series]) -> String {
     let is_used = |name: &str| series.iter().any(|one| one.reference.as_deref() == Some(name));
     let used = results.references.iter().filter(|reference| is_used(&reference.name));
@@ -134,7 +134,7 @@ fn against(results: &Results, series: &[&Series]) -> String {
     lines.collect()
 }
 
-/// What a curve is called among its neighbours: what they all share is left out.
+/// The label of a curve among its neighbours, without the words that all of them share.
 pub fn label(one: &Series, series: &[&Series]) -> String {
     let differs = |key: fn(&Series) -> String| series.iter().any(|other| key(other) != key(one));
     let mut words = Vec::new();
@@ -168,7 +168,7 @@ fn row(name: &str, point: &Point) -> String {
     format!("| {} |\n", cells.join(" | "))
 }
 
-/// The squared bias, or what it is less than.
+/// The squared bias, or its upper limit.
 fn bias(point: &Point) -> Option<String> {
     let (bias, resolution) = (point.bias?, point.bias_resolution?);
     Some(if bias > resolution { scientific(bias) } else { format!("< {}", scientific(resolution)) })
@@ -179,7 +179,7 @@ fn spread(spread: &Spread, number: fn(f64) -> String) -> String {
     if min == max { median } else { format!("{median} ({min}–{max})") }
 }
 
-/// Three digits that count, without an exponent where that can be read.
+/// Three significant digits, without an exponent where that is readable.
 fn three_digits(value: f64) -> String {
     if !(1e-3..=1e6).contains(&value.abs()) {
         return scientific(value);
@@ -192,7 +192,7 @@ fn scientific(value: f64) -> String {
     format!("{value:.2e}")
 }
 
-/// Names from files in a table: no markup, no new column, no new line.
+/// Escapes names from files for a table: no markup, no new column, no new line.
 fn escape(text: &str) -> String {
     let mut escaped = String::new();
     for letter in text.chars() {

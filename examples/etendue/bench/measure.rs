@@ -1,4 +1,4 @@
-//! Rendering what was planned, in turns, and measuring it.
+//! Renders the planned cases in turns, and measures them.
 
 use std::cell::Cell;
 use std::ops::ControlFlow;
@@ -10,8 +10,8 @@ use etendue::integrator::photon::choose;
 use etendue::render::{MOST_SAMPLES, Progress, Render, RenderSettings};
 use etendue::scene::{BuildOptions, Scene};
 
-use super::error::{Scale, Scatter};
-use super::plan::{Case, Job};
+use super::error::{RelMseScale, Scatter};
+use super::plan::{BenchJob, Case};
 use super::reference::{self, Reference};
 use super::results::{self, Pictures, Point, Results, Run, Series, Spread};
 use super::suite::{Budget, Suite};
@@ -19,10 +19,10 @@ use super::{machine, pictures};
 use crate::console::{self, Bar};
 use crate::{Failure, interrupt};
 
-/// Letters of a picture's name that a file is called by: file systems end at 255 bytes.
-const LONGEST_NAME: usize = 60;
+/// Letters of a picture's name that its file name contains: file systems limit names to 255 bytes.
+const MAX_NAME: usize = 60;
 
-/// Where things are kept, and how often.
+/// Output folder, progress and settings of the measurement.
 pub struct Measure<'a> {
     pub suite: &'a Suite,
     pub runs: u32,
@@ -32,16 +32,16 @@ pub struct Measure<'a> {
     pub bar: Bar,
     /// Pictures that were written.
     pub pictures: Cell<usize>,
-    /// Renders that are done, of all there will be.
+    /// Number of finished renders, and of all.
     pub done: usize,
     pub total: usize,
 }
 
-/// One budget of one case, over its runs.
-struct Entry {
+/// The runs of one case with one budget.
+struct BudgetRuns {
     case: usize,
     budget: Budget,
-    /// Whether the report shows pictures of it.
+    /// Whether the report shows pictures of these runs.
     is_shown: bool,
     runs: Vec<Run>,
     sums: Vec<f64>,
@@ -49,16 +49,16 @@ struct Entry {
     peak_memory: Option<u64>,
 }
 
-/// A reference, and what it weighs with.
-struct Standard {
+/// A reference and the weights of its error.
+struct MeasuredReference {
     reference: Reference,
-    scale: Scale,
+    scale: RelMseScale,
 }
 
 impl Measure<'_> {
-    /// All cases of a job, in rounds in which each is rendered once: a drift of the machine's speed meets all of them.
-    /// What was measured until Ctrl-C, or until an error, is kept.
-    pub fn job(&mut self, job: &Job, results: &mut Results) -> Result<(), Failure> {
+    /// Measures all cases of a job, in rounds in which each case is rendered once, so that a drift of the machine's
+    /// speed affects all of them. The measurements before a Ctrl-C or an error are stored.
+    pub fn job(&mut self, job: &BenchJob, results: &mut Results) -> Result<(), Failure> {
         let scene = Scene::build(&job.description, &BuildOptions::default())?;
         scene.warnings().iter().for_each(console::warn);
         results.machine.get_or_insert_with(|| machine::describe(&scene));
@@ -86,24 +86,25 @@ impl Measure<'_> {
         ended
     }
 
-    /// The runs of all entries, until Ctrl-C.
+    /// Renders the runs of all entries, until Ctrl-C.
     fn rounds(
         &mut self,
-        job: &Job,
+        job: &BenchJob,
         scene: &Scene,
         cases: &[Case],
-        standards: &[Standard],
-        entries: &mut [Entry],
+        standards: &[MeasuredReference],
+        entries: &mut [BudgetRuns],
         shown: &mut [Pictures],
     ) -> Result<(), Failure> {
         for round in 0..self.runs {
             for turn in 0..entries.len() {
-                // Another order each time, so that nobody always follows the same neighbour.
+                // The order differs each time, so that no case always follows the same neighbour.
                 let number = (turn + round as usize) % entries.len();
                 let entry = &mut entries[number];
                 let case = &cases[entry.case];
                 let name = reference::name(&job.scene, &case.desc);
-                let Some(standard) = standards.iter().find(|standard: &&Standard| standard.reference.name == name)
+                let Some(standard) =
+                    standards.iter().find(|standard: &&MeasuredReference| standard.reference.name == name)
                 else {
                     continue;
                 };
@@ -120,13 +121,14 @@ impl Measure<'_> {
         Ok(())
     }
 
-    /// Where the reference of this case is in the list, read or made where it was not there; `None` after Ctrl-C.
+    /// Index of this case's reference in the list; the reference is read or rendered where it is missing. `None` after
+    /// Ctrl-C.
     fn standard(
         &mut self,
-        job: &Job,
+        job: &BenchJob,
         scene: &Scene,
         case: &RenderDesc,
-        standards: &mut Vec<Standard>,
+        standards: &mut Vec<MeasuredReference>,
     ) -> Result<Option<usize>, Failure> {
         let name = reference::name(&job.scene, case);
         if let Some(known) = standards.iter().position(|standard| standard.reference.name == name) {
@@ -145,15 +147,15 @@ impl Measure<'_> {
                 made
             }
         };
-        let scale = Scale::new(&reference);
-        standards.push(Standard { reference, scale });
+        let scale = RelMseScale::new(&reference);
+        standards.push(MeasuredReference { reference, scale });
         Ok(Some(standards.len() - 1))
     }
 
-    /// Puts a reference that something was measured against into the results, with its pictures. Not before: what an
-    /// earlier benchmark left is to stay as it is until there is something to replace it.
-    fn note(&self, standard: &Standard, results: &mut Results) -> Result<(), Failure> {
-        let Standard { reference, scale } = standard;
+    /// Adds a reference that was used to the results, with its pictures. This happens only after a measurement, so that
+    /// the output of an earlier benchmark stays until there is something to replace it.
+    fn note(&self, standard: &MeasuredReference, results: &mut Results) -> Result<(), Failure> {
+        let MeasuredReference { reference, scale } = standard;
         let name = reference.name.clone();
         if results.references.iter().any(|known| known.name == name) {
             return Ok(());
@@ -173,14 +175,14 @@ impl Measure<'_> {
         Ok(())
     }
 
-    /// One render, noted in its entry; `None` after Ctrl-C.
+    /// Renders once and adds the measurement to the entry; `None` after Ctrl-C.
     fn run(
         &mut self,
         scene: &Scene,
         case: &Case,
-        entry: &mut Entry,
+        entry: &mut BudgetRuns,
         round: u32,
-        standard: &Standard,
+        standard: &MeasuredReference,
         what: &str,
     ) -> Result<Option<Image>, Failure> {
         let (samples, time_limit) = match entry.budget {
@@ -214,7 +216,7 @@ impl Measure<'_> {
         if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
-    fn series(&self, job: &Job, case: &Case, points: Vec<Point>, pictures: Pictures) -> Series {
+    fn series(&self, job: &BenchJob, case: &Case, points: Vec<Point>, pictures: Pictures) -> Series {
         let desc = &case.desc;
         let depth = desc.max_depth.map_or("none".to_owned(), |depth| depth.to_string());
         let roulette = if desc.roulette == RouletteDesc::File { ", roulette file" } else { "" };
@@ -235,7 +237,13 @@ impl Measure<'_> {
         }
     }
 
-    fn pictures(&self, job: &Job, case: &Case, image: &Image, standard: &Standard) -> Result<Pictures, Failure> {
+    fn pictures(
+        &self,
+        job: &BenchJob,
+        case: &Case,
+        image: &Image,
+        standard: &MeasuredReference,
+    ) -> Result<Pictures, Failure> {
         let errors = standard.scale.map(image, &standard.reference);
         let group = &self.suite.groups[job.group].name;
         let name = format!("{group}-{}-{}-{}", job.scene, case.name, case.threads);
@@ -247,16 +255,16 @@ impl Measure<'_> {
         })
     }
 
-    /// Writes a picture into the output folder; its path from there.
+    /// Writes a picture into the output folder and returns its path relative to the folder.
     fn keep(
         &self,
         name: &str,
         kind: &str,
         write: impl FnOnce(&Path) -> etendue::Result<()>,
     ) -> Result<String, Failure> {
-        // The number tells apart what has the same letters, and what is the same as far as it is not cut.
+        // The number distinguishes pictures whose names have the same letters, or differ only beyond the limit.
         let plain = name.chars().map(|letter| if letter.is_ascii_alphanumeric() { letter } else { '-' });
-        let plain: String = plain.take(LONGEST_NAME).collect();
+        let plain: String = plain.take(MAX_NAME).collect();
         self.pictures.set(self.pictures.get() + 1);
         let path = format!("images/{:04}-{plain}{kind}.png", self.pictures.get());
         write(&self.output.join(&path)).map_err(Failure::running)?;
@@ -264,8 +272,8 @@ impl Measure<'_> {
     }
 }
 
-/// The cases with what `auto` chose in its place; what is then there twice is said and left out.
-fn resolve(job: &Job, scene: &Scene, notes: &mut Vec<String>) -> Vec<Case> {
+/// The cases with the integrator that `auto` chose. Cases that are the same after that are removed, with a note.
+fn resolve(job: &BenchJob, scene: &Scene, notes: &mut Vec<String>) -> Vec<Case> {
     let mut cases = Vec::<Case>::new();
     for case in &job.cases {
         let (mut name, mut desc) = (case.name.clone(), case.desc.clone());
@@ -284,9 +292,9 @@ fn resolve(job: &Job, scene: &Scene, notes: &mut Vec<String>) -> Vec<Case> {
     cases
 }
 
-fn entries(index: usize, case: &Case) -> impl Iterator<Item = Entry> {
+fn entries(index: usize, case: &Case) -> impl Iterator<Item = BudgetRuns> {
     let last = case.budgets.len() - 1;
-    case.budgets.iter().enumerate().map(move |(number, &budget)| Entry {
+    case.budgets.iter().enumerate().map(move |(number, &budget)| BudgetRuns {
         case: index,
         budget,
         is_shown: number == last,
@@ -297,9 +305,9 @@ fn entries(index: usize, case: &Case) -> impl Iterator<Item = Entry> {
     })
 }
 
-impl Entry {
-    /// What its runs came to; `None` where there is none.
-    fn point(&self, standard: &Standard) -> Option<Point> {
+impl BudgetRuns {
+    /// The measurements of the runs; `None` where there are none.
+    fn point(&self, standard: &MeasuredReference) -> Option<Point> {
         let all = |value: fn(&Run) -> f64| Spread::of(self.runs.iter().map(value));
         let samples = all(|run| f64::from(run.samples))?.median as u32;
         let rel_mse = all(|run| run.rel_mse)?;

@@ -1,4 +1,4 @@
-//! `bench SCENE...` and `bench --suite FILE`: time and error of many cases, and a report of them.
+//! `bench SCENE...` and `bench --suite FILE`: time and error of many cases, and a report about them.
 
 mod error;
 mod html;
@@ -25,12 +25,13 @@ use crate::args::BenchArgs;
 use crate::console::{self, Bar};
 use crate::{Failure, interrupt};
 
-/// Runs of each case where nothing is said.
+/// Runs of each case by default.
 const RUNS: u32 = 5;
 
-/// Measures, or reads what was measured, and writes the report; [`interrupt::EXIT_CODE`] after a run that was stopped.
+/// Measures, or reads earlier results, and writes the report; returns [`interrupt::EXIT_CODE`] after a run that was
+/// stopped.
 pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
-    // An hour of rendering must not end at a typing error: everything that can be known now is asked now.
+    // An hour of rendering must not end at a typing error: everything that can be checked in advance is checked now.
     let included = args.include.iter().map(|path| Results::load(path)).collect::<Result<Vec<_>, _>>()?;
     if let Some(tables) = &args.tables {
         markdown::blocks(&read(tables)?).map_err(|reason| Failure::usage(format!("{}: {reason}", tables.display())))?;
@@ -75,7 +76,7 @@ pub fn bench(args: &BenchArgs) -> Result<u8, Failure> {
     Ok(if interrupt::requested() { interrupt::EXIT_CODE } else { 0 })
 }
 
-/// Renders and measures all that was asked for, or what could be until Ctrl-C.
+/// Renders and measures all cases, or those before Ctrl-C.
 fn measure(args: &BenchArgs, folder: &Path) -> Result<Results, Failure> {
     let suite = match &args.suite {
         Some(path) => Suite::load(path)?,
@@ -115,7 +116,7 @@ fn measure(args: &BenchArgs, folder: &Path) -> Result<Results, Failure> {
         etendue_bench: 1,
         title: if suite.title.is_empty() { "Étendue benchmark".to_owned() } else { suite.title.clone() },
         description: suite.description.clone(),
-        // Where the program stands is nobody's business.
+        // The program's folder is private, so it is removed from the command.
         command: std::iter::once("etendue".to_owned()).chain(std::env::args().skip(1)).collect(),
         runs,
         groups: suite.groups.iter().map(group).collect(),
@@ -124,7 +125,7 @@ fn measure(args: &BenchArgs, folder: &Path) -> Result<Results, Failure> {
     interrupt::begin();
     for job in &jobs {
         let ended = measure.job(job, &mut results);
-        // What was measured so far is kept, whatever happens next.
+        // The measurements so far are written, whatever happens next.
         if !results.series.is_empty() {
             save(&mut results, folder)?;
         }
@@ -138,7 +139,7 @@ fn measure(args: &BenchArgs, folder: &Path) -> Result<Results, Failure> {
     Ok(results)
 }
 
-/// Writes `results.json` into `folder`; its path.
+/// Writes `results.json` into `folder` and returns its path.
 fn save(results: &mut Results, folder: &Path) -> Result<PathBuf, Failure> {
     results.when = now();
     let path = folder.join("results.json");
@@ -151,7 +152,7 @@ fn now() -> String {
     humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
 }
 
-/// Where the report goes: beside results that are there, if no place was given.
+/// Folder of the report: beside the given results, if no folder was given.
 fn folder(args: &BenchArgs) -> PathBuf {
     args.output.clone().unwrap_or_else(|| match &args.report_only {
         Some(file) => file.parent().map_or_else(PathBuf::new, Path::to_owned),
@@ -159,7 +160,7 @@ fn folder(args: &BenchArgs) -> PathBuf {
     })
 }
 
-/// Makes the folders, and asks whether everything can be written into them.
+/// Creates the folders, and checks that everything can be written into them.
 fn check_targets(folder: &Path, args: &BenchArgs) -> Result<(), Failure> {
     let make = |folder: &Path| fs::create_dir_all(folder).map_err(|error| cannot_write(folder, error));
     if !folder.as_os_str().is_empty() {
@@ -175,7 +176,7 @@ fn check_targets(folder: &Path, args: &BenchArgs) -> Result<(), Failure> {
     output::check_text_target(&folder.join("results.json"))?;
     let images = folder.join("images");
     make(&images)?;
-    // Pictures are numbered: none is called so, but what stands in the way of another is a folder with a picture's name.
+    // Pictures are numbered, so no other file has such a name; only a folder with a picture's name is in the way.
     output::check_target(&images.join("0000.png"))?;
     for entry in fs::read_dir(&images).map_err(|error| cannot_write(&images, error))?.flatten() {
         let path = entry.path();
@@ -186,7 +187,7 @@ fn check_targets(folder: &Path, args: &BenchArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Puts another renderer's results beside ours.
+/// Adds another renderer's results to these.
 fn include(results: &mut Results, mut other: Results) {
     if let Some(machine) = &other.machine {
         let renderer = other.series.first().map_or("another renderer", |series| &series.renderer);

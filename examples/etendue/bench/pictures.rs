@@ -1,4 +1,4 @@
-//! Pictures of a report: as seen, where the error is, and the values themselves.
+//! Pictures of a report: the image, its error map, and the linear values.
 
 use std::fs;
 use std::io::Cursor;
@@ -9,12 +9,12 @@ use etendue::output::{self, WriteOptions};
 use etendue::{Error, ErrorKind, Result};
 use image::{ImageBuffer, Luma, Rgb};
 
-/// What black means in a map of errors; `report.js` has the same numbers.
+/// The error that is black in an error map; `report.js` has the same numbers.
 const LOWEST: f64 = 1e-6;
 /// Decades from black to white.
 const DECADES: f64 = 8.0;
 
-/// Writes values in [0, 1] as sRGB; those above are white.
+/// Writes values in [0, 1] as sRGB; larger values are white.
 pub fn write_picture(image: &Image, path: &Path) -> Result<()> {
     output::write(image, path, &WriteOptions::default())
 }
@@ -36,7 +36,7 @@ pub fn write_linear(image: &Image, path: &Path) -> Result<()> {
     let mut exponents = Vec::with_capacity(image.rgb.len());
     for pixel in image.rgb.chunks_exact(3) {
         let largest = pixel.iter().copied().fold(0.0_f32, f32::max).min(1e30);
-        // The power of two above the largest value: mantissas end below 1.
+        // The power of two above the largest value, so that mantissas are below 1.
         let exponent = if largest > 1e-30 { largest.log2().floor() as i32 + 1 } else { -127 };
         let scale = 256.0 * (-exponent as f32).exp2();
         mantissas.extend(pixel.iter().map(|value| (value * scale) as u8));
@@ -55,7 +55,7 @@ where
     let mut bytes = Cursor::new(Vec::new());
     let encoded = picture.write_to(&mut bytes, image::ImageFormat::Png);
     encoded.map_err(|error| fail(format!("cannot write the picture: {error}")))?;
-    // A report that is read meanwhile finds the old picture or the new one, and no half.
+    // A report that is read at the same time finds the old picture or the new one, never a part of one.
     let beside = path.with_extension("png.tmp");
     let written = fs::write(&beside, bytes.into_inner()).and_then(|()| fs::rename(&beside, path));
     written.map_err(|error| {

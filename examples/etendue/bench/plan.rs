@@ -1,4 +1,4 @@
-//! From a suite to what is rendered: everything that can be wrong is found here, before the first ray.
+//! From a suite to a plan of renders. All errors of the suite are reported here, before the first ray.
 
 use std::collections::{HashMap, HashSet};
 use std::fs;
@@ -13,20 +13,20 @@ use super::suite::{Budget, Suite};
 use crate::args::BenchArgs;
 use crate::{Failure, console};
 
-/// Samples per pixel that a reference has at least, where nothing else is said.
+/// Least samples per pixel of a reference by default.
 const REFERENCE_SAMPLES: u32 = 1024;
 
-/// All cases of a group on one scene, which take turns.
-pub struct Job {
-    /// Number of the group in the suite.
+/// All cases of a group on one scene, which are rendered in turns.
+pub struct BenchJob {
+    /// Index of the group in the suite.
     pub group: usize,
     /// The scene's file without folder and extension.
     pub scene: String,
-    /// What tells its file from the same file after a change.
+    /// Hash of the file, which detects changes.
     pub hash: String,
     /// The scene.
     pub description: Rc<SceneDesc>,
-    /// What is compared.
+    /// The cases that are compared.
     pub cases: Vec<Case>,
 }
 
@@ -34,7 +34,7 @@ pub struct Job {
 pub struct Case {
     /// Its name.
     pub name: String,
-    /// Its settings; samples and seed are those of each run.
+    /// Settings of the case; samples and seed belong to each run.
     pub desc: RenderDesc,
     /// Threads, at least 1.
     pub threads: usize,
@@ -42,25 +42,25 @@ pub struct Case {
     pub budgets: Vec<Budget>,
 }
 
-/// A scene that was read.
-struct Known {
-    /// As it was named first.
+/// A scene that was loaded.
+struct LoadedScene {
+    /// Its name at its first use.
     path: PathBuf,
     hash: String,
     description: Rc<SceneDesc>,
 }
 
-/// Reads every scene, and works out every case.
+/// Reads every scene, and determines every case.
 ///
-/// References and tables have the names of scene files without folder: two files of one name are refused.
-pub fn plan(suite: &Suite, args: &BenchArgs) -> Result<Vec<Job>, Failure> {
-    let mut scenes = HashMap::<PathBuf, Known>::new();
+/// References and tables have the names of scene files without folder, so two files with the same name are refused.
+pub fn plan(suite: &Suite, args: &BenchArgs) -> Result<Vec<BenchJob>, Failure> {
+    let mut scenes = HashMap::<PathBuf, LoadedScene>::new();
     let mut names = HashMap::<String, PathBuf>::new();
     let mut jobs = Vec::new();
     for (number, group) in suite.groups.iter().enumerate() {
         let mut of_group = HashSet::new();
         for path in &group.scenes {
-            // One file may be named in several ways.
+            // One file may have several names.
             let file = fs::canonicalize(path).unwrap_or_else(|_| path.clone());
             if !of_group.insert(file.clone()) {
                 continue;
@@ -80,9 +80,9 @@ pub fn plan(suite: &Suite, args: &BenchArgs) -> Result<Vec<Job>, Failure> {
                 read.warnings.iter().for_each(console::warn);
                 let text = fs::read(path).map_err(|error| Error::io(path, "cannot read the file", error))?;
                 let (path, hash) = (path.clone(), reference::hash(&text));
-                scenes.insert(file.clone(), Known { path, hash, description: Rc::new(read) });
+                scenes.insert(file.clone(), LoadedScene { path, hash, description: Rc::new(read) });
             }
-            let Known { hash, description, .. } = &scenes[&file];
+            let LoadedScene { hash, description, .. } = &scenes[&file];
             let mut cases = Vec::new();
             for (index, case) in group.cases.iter().enumerate() {
                 let mut desc = suite.settings(number, index, &description.render)?;
@@ -93,14 +93,14 @@ pub fn plan(suite: &Suite, args: &BenchArgs) -> Result<Vec<Job>, Failure> {
                 }
             }
             let (hash, description) = (hash.clone(), Rc::clone(description));
-            jobs.push(Job { group: number, scene: name, hash, description, cases });
+            jobs.push(BenchJob { group: number, scene: name, hash, description, cases });
         }
     }
     Ok(jobs)
 }
 
-/// Samples per pixel of references that have to be made.
-pub fn reference_samples(suite: &Suite, jobs: &[Job], args: &BenchArgs) -> u32 {
+/// Samples per pixel of references that have to be rendered.
+pub fn reference_samples(suite: &Suite, jobs: &[BenchJob], args: &BenchArgs) -> u32 {
     let samples = jobs.iter().flat_map(|job| &job.cases).flat_map(|case| &case.budgets).map(|budget| match budget {
         Budget::Samples(samples) => *samples,
         Budget::Time(_) => 0,

@@ -1,4 +1,4 @@
-//! The images that errors are measured against.
+//! Reference images for the measurement of errors.
 
 use std::fs;
 use std::ops::ControlFlow;
@@ -12,15 +12,15 @@ use etendue::scene::Scene;
 use etendue::{Error, ErrorKind, Result};
 use serde::{Deserialize, Serialize};
 
-/// No run that is measured has this seed, or its samples would be those of the reference.
+/// No measured run has this seed, or its samples would be those of the reference.
 const SEED: u64 = 0x7265_6665_7265_6e63;
 
-/// An image as good as the truth, but for noise that is known.
+/// An image that stands for the truth, with known noise.
 #[derive(Default)]
 pub struct Reference {
     /// Its name, `SCENE-WxH`, with the filter where that is not the box.
     pub name: String,
-    /// Where it is kept.
+    /// The file's path.
     pub file: PathBuf,
     /// The image.
     pub image: Image,
@@ -30,16 +30,16 @@ pub struct Reference {
     pub samples: Option<u32>,
 }
 
-/// Settings of the reference for a case: path tracing of the same pixels without any cut.
+/// Settings of the reference for a case: path tracing of the same pixels without approximation.
 fn settings(case: &RenderDesc, samples: u32) -> RenderDesc {
-    // The normally distributed pattern is a filter by itself, and has no other sampler.
+    // The normally distributed pattern is a filter by itself, and is available only with its own sampler.
     let sampler = if case.sampler == SamplerDesc::Gaussian { SamplerDesc::Gaussian } else { SamplerDesc::Sobol };
     let (resolution, filter) = (case.resolution, case.filter);
     let integrator = IntegratorDesc::Path;
     RenderDesc { resolution, filter, sampler, samples, integrator, seed: SEED, ..RenderDesc::default() }
 }
 
-/// What the reference of this case is called.
+/// Name of this case's reference.
 pub fn name(scene: &str, case: &RenderDesc) -> String {
     let [width, height] = case.resolution;
     let filter = match (case.sampler, case.filter) {
@@ -53,18 +53,18 @@ pub fn name(scene: &str, case: &RenderDesc) -> String {
     format!("{scene}-{width}x{height}{filter}")
 }
 
-/// What a reference that was made here was made from, `NAME.json` beside it. Those of others have none.
+/// The origin of a reference that this program rendered, in `NAME.json` beside it. Other references have no such file.
 #[derive(Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
-struct Origin {
+struct ReferenceOrigin {
     /// [`hash`] of the scene file.
     scene_hash: String,
     /// Samples per pixel.
     samples: u32,
 }
 
-impl Origin {
-    /// `None` where there is none.
+impl ReferenceOrigin {
+    /// `None` where there is no such file.
     fn load(path: &Path) -> Result<Option<Self>> {
         if !path.exists() {
             return Ok(None);
@@ -80,23 +80,24 @@ impl Origin {
     }
 }
 
-/// FNV-1a of 64 bits, the same for every version of every program; it is to find changes, not to withstand forgery.
+/// FNV-1a of 64 bits, which is the same in every version of every program. It detects changes and does not prevent
+/// forgery.
 pub fn hash(bytes: &[u8]) -> String {
     let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
     format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, step))
 }
 
-/// Whether there is a reference of this name that need not be made: somebody else's, or one that was made of this very
-/// scene file with at least so many samples.
+/// Whether a reference of this name exists and need not be rendered: one from elsewhere, or one that was rendered from
+/// this very scene file with at least this many samples.
 pub fn is_current(folder: &Path, name: &str, scene_hash: &str, samples: u32) -> Result<bool> {
     if !folder.join(format!("{name}.exr")).exists() {
         return Ok(false);
     }
-    let origin = Origin::load(&folder.join(format!("{name}.json")))?;
+    let origin = ReferenceOrigin::load(&folder.join(format!("{name}.json")))?;
     Ok(origin.is_none_or(|origin| origin.scene_hash == scene_hash && origin.samples >= samples))
 }
 
-/// Whether a reference of this name could be made now, without doing so.
+/// Whether a reference of this name could be written now, without doing so.
 pub fn check_target(folder: &Path, name: &str) -> Result<()> {
     let deviations = folder.join(format!("{name}.se.exr"));
     if deviations.exists() {
@@ -141,7 +142,8 @@ impl Reference {
         Ok(Some(Self { name: name.to_owned(), file, image, variance, samples }))
     }
 
-    /// Path traces it and keeps it in `folder`; `None` where `progress` broke it off, and then nothing is kept.
+    /// Renders it by path tracing and writes it into `folder`; `None` where `progress` stopped it, in which case
+    /// nothing is written.
     pub fn make(
         folder: &Path,
         name: &str,
@@ -158,11 +160,11 @@ impl Reference {
         let comments = format!("reference {name}; path tracing without a cut; {samples} samples per pixel");
         let file = folder.join(format!("{name}.exr"));
         let origin = folder.join(format!("{name}.json"));
-        // An end between the two files leaves one that nothing is the origin of, and it is made anew.
-        Origin { scene_hash: String::new(), samples: 0 }.write(&origin)?;
+        // An interruption between the two files leaves an image without an origin, which is rendered anew.
+        ReferenceOrigin { scene_hash: String::new(), samples: 0 }.write(&origin)?;
         output::write(&render.image(), &file, &WriteOptions { comments, ..WriteOptions::default() })?;
-        Origin { scene_hash: scene_hash.to_owned(), samples }.write(&origin)?;
-        // As any other reference, so that a run that finds it made measures the same.
+        ReferenceOrigin { scene_hash: scene_hash.to_owned(), samples }.write(&origin)?;
+        // It is read back like any other reference, so that later runs measure the same.
         Self::load(folder, name, case.resolution)
     }
 }

@@ -10,57 +10,57 @@ use std::rc::Rc;
 use etendue::{Error, ErrorKind, Result};
 use serde::{Deserialize, Serialize};
 
-/// Bytes of the largest file of results that is read.
-const MOST_RESULTS: u64 = 256 << 20;
-/// Bytes of the largest picture.
-const MOST_PICTURE: u64 = 64 << 20;
-/// What every PNG file begins with.
+/// Size limit of a results file [bytes].
+const MAX_RESULTS_BYTES: u64 = 256 << 20;
+/// Size limit of a picture [bytes].
+const MAX_PICTURE_BYTES: u64 = 64 << 20;
+/// Signature of every PNG file.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// All that a benchmark found.
+/// All results of a benchmark.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Results {
-    /// Version of this form: 1.
+    /// Version of this format: 1.
     pub etendue_bench: u32,
-    /// Over the report.
+    /// Title of the report.
     #[serde(default)]
     pub title: String,
-    /// Below it.
+    /// Text below the title.
     #[serde(default)]
     pub description: String,
-    /// When it ended, RFC 3339 in UTC.
+    /// End of the benchmark, RFC 3339 in UTC.
     #[serde(default)]
     pub when: String,
     /// The command, word by word.
     #[serde(default)]
     pub command: Vec<String>,
-    /// Runs of each case that were asked for.
+    /// Requested runs of each case.
     #[serde(default)]
     pub runs: u32,
-    /// False where it was stopped before its end.
+    /// False where the benchmark was stopped before its end.
     #[serde(default)]
     pub complete: bool,
-    /// What it ran on.
+    /// The machine.
     pub machine: Option<Machine>,
     /// Titles of the groups.
     #[serde(default)]
     pub groups: Vec<Group>,
-    /// What was measured against.
+    /// The references.
     #[serde(default)]
     pub references: Vec<Reference>,
     /// The curves.
     #[serde(default)]
     pub series: Vec<Series>,
-    /// What a reader should know.
+    /// Notes for the reader.
     #[serde(default)]
     pub notes: Vec<String>,
-    /// The files of the pictures, by their names from where the program stands.
+    /// The files of the pictures, by their paths relative to the working directory.
     #[serde(skip)]
     pub contents: BTreeMap<String, Rc<Vec<u8>>>,
 }
 
-/// What a benchmark ran on.
+/// The machine on which a benchmark ran.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Machine {
@@ -84,15 +84,15 @@ pub struct Machine {
 pub struct Group {
     /// Its name, which series refer to.
     pub name: String,
-    /// For people.
+    /// Title for readers.
     #[serde(default)]
     pub title: String,
-    /// A sentence.
+    /// Description in a sentence.
     #[serde(default)]
     pub description: String,
 }
 
-/// An image that errors are measured against.
+/// A reference image.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Reference {
@@ -102,14 +102,14 @@ pub struct Reference {
     pub size: [u32; 2],
     /// Samples per pixel, where they are known.
     pub samples: Option<u32>,
-    /// Its own noise as relMSE, which was taken off; where it is not known, null, and nothing was.
+    /// Its own noise as relMSE, which was subtracted; null where it is unknown and nothing was subtracted.
     pub noise: Option<f64>,
-    /// Pictures, from the folder of the file.
+    /// Pictures, by paths relative to the file's folder.
     #[serde(flatten)]
     pub pictures: Pictures,
 }
 
-/// Pictures beside the file, by their names from its folder.
+/// Pictures, by their names relative to the file's folder.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Pictures {
@@ -127,31 +127,31 @@ pub struct Pictures {
 pub struct Series {
     /// The renderer.
     pub renderer: String,
-    /// Its group; without one it belongs to every group that has the scene.
+    /// The group; a series without one belongs to every group that has the scene.
     pub group: Option<String>,
     /// The scene, by the name of its file without extension.
     pub scene: String,
-    /// What the curve is called.
+    /// The label of the curve.
     #[serde(default)]
     pub name: String,
-    /// Light transport: the one that `auto` chose, where that was asked for.
+    /// Integrator: the one that `auto` chose, where that was requested.
     #[serde(default)]
     pub integrator: String,
-    /// All settings, for people.
+    /// All settings, in readable form.
     #[serde(default)]
     pub settings: String,
-    /// Threads that rendered.
+    /// Number of threads that rendered.
     pub threads: Option<usize>,
-    /// What it was measured against.
+    /// The reference.
     pub reference: Option<String>,
-    /// One for each budget.
+    /// One point for each budget.
     pub points: Vec<Point>,
-    /// Of the last point's first run.
+    /// Pictures of the last point's first run.
     #[serde(flatten)]
     pub pictures: Pictures,
 }
 
-/// What one budget came to.
+/// Measurements for one budget.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Point {
@@ -159,23 +159,23 @@ pub struct Point {
     pub samples: Option<u32>,
     /// The budget, where it was time (s).
     pub budget_seconds: Option<f64>,
-    /// Time that rendering took (s), without reading and building the scene.
+    /// Render time (s), without reading and building the scene.
     pub seconds: Spread,
-    /// Relative mean squared error, the noise of the reference taken off.
+    /// Relative mean squared error, minus the noise of the reference.
     pub rel_mse: Spread,
     /// Rays per second.
     pub rays_per_second: Option<Spread>,
     /// 1 / (relMSE x s).
     pub efficiency: Option<Spread>,
-    /// The share of relMSE that differs from run to run.
+    /// The part of relMSE that differs from run to run.
     pub noise: Option<f64>,
-    /// The share that all runs have in common; below zero by chance where there is none.
+    /// The part that all runs have in common; below zero by chance where there is none.
     pub bias: Option<f64>,
-    /// Below this `bias` cannot be told from none.
+    /// Below this value `bias` is not significant.
     pub bias_resolution: Option<f64>,
-    /// Mean of all values of the image over that of the reference.
+    /// Mean of all values of the image over the mean of the reference.
     pub mean_ratio: Option<f64>,
-    /// The most memory the process held while it rendered (bytes).
+    /// The peak memory of the process while it rendered (bytes).
     pub peak_memory: Option<u64>,
     /// Each run.
     #[serde(default)]
@@ -190,7 +190,7 @@ pub struct Run {
     pub seed: u64,
     /// Samples per pixel.
     pub samples: u32,
-    /// Time it took (s).
+    /// Render time (s).
     pub seconds: f64,
     /// Rays, closest-hit and shadow rays together.
     pub rays: u64,
@@ -198,7 +198,7 @@ pub struct Run {
     pub rel_mse: f64,
 }
 
-/// Median of several runs, and between what they lay. Written as an object; a plain number is read as all three.
+/// Median and range of several runs. It is written as an object; a plain number is read as all three values.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(from = "Form")]
 pub struct Spread {
@@ -227,7 +227,7 @@ impl From<Form> for Spread {
 }
 
 impl Spread {
-    /// Of these values; `None` where there is none, or one is not finite.
+    /// The spread of these values; `None` where there is none, or one is not finite.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut values: Vec<_> = values.into_iter().collect();
         if values.iter().any(|value| !value.is_finite()) {
@@ -242,9 +242,9 @@ impl Spread {
 }
 
 impl Results {
-    /// Reads a file and its pictures, which are then named from where the program stands.
+    /// Reads a file and its pictures, whose paths then are relative to the working directory.
     pub fn load(path: &Path) -> Result<Self> {
-        let bytes = read(path, MOST_RESULTS, "the results")?;
+        let bytes = read(path, MAX_RESULTS_BYTES, "the results")?;
         let text = String::from_utf8(bytes)
             .map_err(|_| Error::invalid("", "the results are not UTF-8 text").in_file(Some(path), 0))?;
         let mut reader = serde_json::Deserializer::from_str(&text);
@@ -280,8 +280,8 @@ impl Results {
         Ok(results)
     }
 
-    /// Reads the pictures, and names them from where the program stands instead of from the folder of `file`. They go
-    /// into a report that may be sent to others: nothing but pictures below that folder is taken.
+    /// Reads the pictures, and makes their paths relative to the working directory instead of the folder of `file`.
+    /// They become part of a report that may be sent to others: only pictures below that folder are accepted.
     pub fn read_pictures(&mut self, file: &Path) -> Result<()> {
         let folder = file.parent().unwrap_or(Path::new(""));
         let mut contents = BTreeMap::new();
@@ -300,7 +300,8 @@ impl Results {
                 }
                 let name = folder.join(&*path).to_string_lossy().into_owned();
                 if !contents.contains_key(&name) {
-                    let bytes = read(Path::new(&name), MOST_PICTURE, "the picture").map_err(|e| fail(e.to_string()))?;
+                    let bytes =
+                        read(Path::new(&name), MAX_PICTURE_BYTES, "the picture").map_err(|e| fail(e.to_string()))?;
                     if !bytes.starts_with(PNG) {
                         return Err(fail(format!("{name}: not a PNG file")));
                     }
@@ -313,7 +314,7 @@ impl Results {
         Ok(())
     }
 
-    /// The name of every picture there is.
+    /// The names of all pictures.
     pub fn pictures_mut(&mut self) -> impl Iterator<Item = &mut String> {
         let of_series = self.series.iter_mut().map(|series| &mut series.pictures);
         let of_references = self.references.iter_mut().map(|reference| &mut reference.pictures);
@@ -321,7 +322,7 @@ impl Results {
         all.flat_map(|it| [&mut it.picture, &mut it.error_map, &mut it.linear]).flatten()
     }
 
-    /// Every (group, scene) that something was measured of, in order; series without a group belong to all of a scene.
+    /// Every (group, scene) that has measurements, in order; series without a group belong to all groups of a scene.
     pub fn plots(&self) -> Vec<(&Group, &str)> {
         let mut plots = Vec::new();
         for group in &self.groups {
@@ -337,7 +338,7 @@ impl Results {
         plots
     }
 
-    /// What stands in no plot: its scene is in no group, or its group is unknown.
+    /// Series that are in no plot: their scene is in no group, or their group is unknown.
     pub fn unseen(&self) -> Vec<&Series> {
         let plots = self.plots();
         let is_of = |one: &Series, (group, scene): &(&Group, &str)| {
@@ -354,7 +355,7 @@ impl Results {
     }
 }
 
-/// All of a regular file of at most so many bytes; a pipe could have no end.
+/// The contents of a regular file with at most `most` bytes; a pipe could be endless.
 fn read(path: &Path, most: u64, what: &str) -> Result<Vec<u8>> {
     let failed = |error| Error::io(path, &format!("cannot read {what}"), error);
     let refuse = |reason: String| Err(Error::new(ErrorKind::Io, reason).in_file(Some(path), 0));

@@ -1,4 +1,4 @@
-//! What to measure: groups of cases, from a suite file or from the command line, which are read alike.
+//! Benchmark suites: groups of cases, from a suite file or from the command line, in one form.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 
 use crate::args::BenchArgs;
 
-/// Samples per pixel to try where nothing is said.
+/// Default samples per pixel.
 const SAMPLES: [u32; 3] = [16, 64, 256];
 
 /// A suite file: `{"etendueSuite": 1, "groups": [...]}`; docs/benchmarks.md describes every key.
@@ -24,22 +24,22 @@ const SAMPLES: [u32; 3] = [16, 64, 256];
 #[serde(deny_unknown_fields, rename_all = "camelCase")]
 pub struct Suite {
     etendue_suite: u32,
-    /// Over the report.
+    /// Title of the report.
     #[serde(default)]
     pub title: String,
-    /// Below it.
+    /// Text below the title.
     #[serde(default)]
     pub description: String,
     /// Runs of each case.
     pub runs: Option<u32>,
-    /// Samples per pixel of references that are made.
+    /// Samples per pixel of references that are rendered.
     pub reference_samples: Option<u32>,
-    /// What belongs into one plot and one table.
+    /// Groups, each of which has a plot and a table.
     pub groups: Vec<Group>,
-    /// The text it was read from, in which the `render` blocks are looked up.
+    /// The text of the file, in which the `render` blocks are looked up.
     #[serde(skip)]
     text: String,
-    /// Its file, for messages.
+    /// Path of the file, for messages.
     #[serde(skip)]
     file: Option<PathBuf>,
 }
@@ -48,28 +48,28 @@ pub struct Suite {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "camelCase")]
 pub struct Group {
-    /// Names its tables and pictures.
+    /// Name of its tables and pictures.
     pub name: String,
-    /// For people; the name where it is empty.
+    /// Title for readers; the name where it is empty.
     #[serde(default)]
     pub title: String,
     /// A sentence below the title.
     #[serde(default)]
     pub description: String,
-    /// Scene files, from the folder of the suite.
+    /// Scene files, relative to the folder of the suite.
     pub scenes: Vec<PathBuf>,
-    /// Over the scene's `render` block, for all cases.
+    /// Settings for all cases, which override the scene's `render` block.
     render: Option<IgnoredAny>,
-    /// Samples per pixel to try; those of the settings where neither these nor seconds are given.
+    /// Samples per pixel of the runs; those of the settings where neither these nor seconds are given.
     #[serde(default)]
     samples: Vec<u32>,
-    /// Seconds to try.
+    /// Times of the runs (s).
     #[serde(default)]
     seconds: Vec<f64>,
-    /// Numbers of threads to try; 0 takes all there are.
+    /// Numbers of threads; 0 stands for all cores.
     #[serde(default)]
     threads: Vec<usize>,
-    /// What is compared.
+    /// The cases that are compared.
     pub cases: Vec<Case>,
 }
 
@@ -77,13 +77,13 @@ pub struct Group {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// Names its curve.
+    /// Name of its curve.
     pub name: String,
-    /// Over the settings of the group.
+    /// Settings that override those of the group.
     render: Option<IgnoredAny>,
 }
 
-/// What ends a run.
+/// The budget that ends a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
     /// Samples per pixel.
@@ -97,7 +97,7 @@ impl Suite {
     pub fn load(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(|error| Error::io(path, "cannot read the suite", error))?;
         let mut suite = Self::parse(text, Some(path))?;
-        // Scenes are named from where the suite stands.
+        // Paths of scenes are relative to the suite.
         let folder = path.parent().unwrap_or(Path::new(""));
         for scene in suite.groups.iter_mut().flat_map(|group| &mut group.scenes) {
             *scene = folder.join(&*scene);
@@ -105,7 +105,7 @@ impl Suite {
         Ok(suite)
     }
 
-    /// The suite that the options of a command mean: every integrator with every sampler.
+    /// The suite for a command's options: every integrator with every sampler.
     pub fn from_args(args: &BenchArgs) -> Result<Self> {
         let integrators = args.integrators.iter().map(|&integrator| ("integrator", name(integrator)));
         let samplers = args.samplers.iter().map(|&sampler| ("sampler", name(sampler)));
@@ -169,7 +169,8 @@ impl Suite {
         Ok(())
     }
 
-    /// The settings of a case on a scene: the scene's, those of the group over them, those of the case over both.
+    /// The settings of a case on a scene: those of the scene, overridden by those of the group, overridden by those of
+    /// the case.
     pub fn settings(&self, group: usize, case: usize, scene: &RenderDesc) -> Result<RenderDesc> {
         let (group, mut settings) = ((group, &self.groups[group]), scene.clone());
         let file = self.file.as_deref();
@@ -194,7 +195,7 @@ impl fmt::Display for Budget {
 }
 
 impl Group {
-    /// What to spend on each case of it, smallest first. The command line counts before the suite.
+    /// Budgets of each case, smallest first. The command line takes precedence over the suite.
     pub fn budgets(&self, args: &BenchArgs, settings: &RenderDesc) -> Vec<Budget> {
         let is_asked = !args.spp.is_empty() || !args.time.is_empty();
         let (mut samples, mut seconds) = if is_asked {
@@ -212,7 +213,7 @@ impl Group {
         samples.into_iter().map(Budget::Samples).chain(seconds.into_iter().map(Budget::Time)).collect()
     }
 
-    /// Numbers of threads to try, each once and none of them 0. The command line counts before the suite.
+    /// Numbers of threads, each once and none of them 0. The command line takes precedence over the suite.
     pub fn threads(&self, args: &BenchArgs) -> Vec<usize> {
         let list = if args.threads.is_empty() { &self.threads } else { &args.threads };
         let all = thread::available_parallelism().map_or(1, usize::from);
@@ -245,7 +246,7 @@ fn unique<'a>(path: &str, names: impl Iterator<Item = &'a String>) -> Result<()>
     if seen.is_empty() { Err(Error::invalid(path, "expected at least one")) } else { Ok(()) }
 }
 
-/// A year of seconds, or as many samples, is more than anybody means.
+/// A year of seconds, or as many samples, is more than any meaningful value.
 fn positive(path: &str, values: impl IntoIterator<Item = f64>) -> Result<()> {
     match values.into_iter().find(|value| !(*value > 0.0 && *value <= 3e7)) {
         Some(value) => Err(Error::invalid(path, format!("{value} is out of range, expected above 0 and up to 3e7"))),

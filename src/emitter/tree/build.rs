@@ -1,7 +1,7 @@
-//! Building the tree: from the top, by the smallest expected cost of either side; then bounds from the bottom.
+//! Building the tree: top-down by the smallest expected cost of the two sides of a split, then bounds bottom-up.
 //!
-//! The cost of a set of emitters is its intensity times the square of its diagonal times a measure of how its normals are spread
-//! (Conty Estevez and Kulla 2018, Sec. 4.4, with a measure that needs no trigonometry).
+//! The cost of a set of emitters is its intensity times the square of its diagonal times a measure of the spread of its
+//! normals (Conty Estevez and Kulla 2018, Sec. 4.4, with a measure that needs no trigonometry).
 
 use super::cone::Cone;
 use super::{IS_EMITTER, LightTree, NONE, Node, WIDTH};
@@ -9,30 +9,30 @@ use crate::emitter::Emitter;
 use crate::math::{Bounds, DVec3, Vec3};
 use crate::{Cancel, Result};
 
-/// Slices in which a split is sought along each axis.
+/// Bins for splits along each axis.
 const BINS: usize = 12;
 
-/// An intensity is at least this share of the sum, so that no product underflows.
-const FAINTEST: f32 = 1e-9;
+/// An intensity is at least this fraction of the sum, so that no product underflows.
+const MIN_INTENSITY: f32 = 1e-9;
 
-/// Single precision, in sizes of the tree: bounding spheres are larger by this.
-const ROUNDED: f64 = 4e-7;
+/// Bounding spheres are enlarged by this, in sizes of the tree, for rounding to single precision.
+const RADIUS_ROUNDING: f64 = 4e-7;
 
-/// Emitters between two looks at the token.
-const BLOCK: usize = 1 << 14;
+/// Emitters between two checks for cancellation.
+const EMITTERS_PER_CHECK: usize = 1 << 14;
 
 /// An emitter while the tree is built; lengths as in the tree.
 #[derive(Clone, Copy)]
-struct Item {
+struct BuildItem {
     min: Vec3,
     max: Vec3,
-    /// Normal times intensity; 0 where light goes everywhere.
+    /// Normal times intensity; 0 where the emitter emits in all directions.
     aim: Vec3,
     intensity: f32,
     emitter: u32,
 }
 
-/// What some items have in common.
+/// The combined bounds and intensity of some items.
 #[derive(Clone, Copy)]
 struct Extent {
     min: Vec3,
@@ -42,11 +42,11 @@ struct Extent {
 }
 
 impl Extent {
-    const NOTHING: Self =
+    const EMPTY: Self =
         Self { min: Vec3::splat(f32::INFINITY), max: Vec3::splat(f32::NEG_INFINITY), aim: Vec3::ZERO, intensity: 0.0 };
 
-    fn of(items: &[Item]) -> Self {
-        items.iter().fold(Self::NOTHING, |all, item| all.with(&item.extent()))
+    fn of(items: &[BuildItem]) -> Self {
+        items.iter().fold(Self::EMPTY, |all, item| all.with(&item.extent()))
     }
 
     #[inline]
@@ -64,35 +64,35 @@ impl Extent {
         if self.intensity == 0.0 {
             return 0.0;
         }
-        // The mean of equal normals has length 1, that of normals all around 0; light from the latter goes to four times
-        // as many directions.
+        // The mean of equal normals has length 1, and that of normals in all directions has length 0. In the latter
+        // case light goes to four times as many directions.
         let spread = 4.0 - 3.0 * (self.aim.length() / self.intensity).min(1.0);
         self.intensity * (self.max - self.min).length_squared() * spread
     }
 }
 
-impl Item {
+impl BuildItem {
     #[inline]
     fn extent(&self) -> Extent {
         Extent { min: self.min, max: self.max, aim: self.aim, intensity: self.intensity }
     }
 
     #[inline]
-    fn middle(&self) -> Vec3 {
+    fn centre(&self) -> Vec3 {
         0.5 * (self.min + self.max)
     }
 }
 
 /// Bounds of a subtree, in double precision until they are stored.
 #[derive(Clone)]
-struct Bound {
+struct SubtreeBounds {
     centre: DVec3,
     radius: f64,
     cone: Cone,
     intensity: f32,
 }
 
-/// Where an emitter is and where it shines to.
+/// Bounding sphere of an emitter and cone of its normals.
 fn bound(emitter: &Emitter) -> (DVec3, f64, Cone) {
     match emitter {
         Emitter::Point { position, .. } => (position.as_dvec3(), 0.0, Cone::ALL),
@@ -104,7 +104,7 @@ fn bound(emitter: &Emitter) -> (DVec3, f64, Cone) {
         }
         Emitter::Sphere(emitter) => (emitter.sphere.centre, emitter.sphere.radius, Cone::ALL),
         // What is at infinity is given to no tree.
-        Emitter::Environment(_) => (emitter.middle().as_dvec3(), 0.0, Cone::ALL),
+        Emitter::Environment(_) => (emitter.centre().as_dvec3(), 0.0, Cone::ALL),
     }
 }
 
@@ -113,11 +113,11 @@ fn bounds(emitter: &Emitter) -> Bounds {
         Emitter::Point { position, .. } => Bounds::around([position.as_dvec3()]),
         Emitter::Triangle(emitter) => Bounds::around(emitter.triangle.vertices.map(Vec3::as_dvec3)),
         Emitter::Sphere(emitter) => emitter.sphere.bounds(),
-        Emitter::Environment(_) => Bounds::around([emitter.middle().as_dvec3()]),
+        Emitter::Environment(_) => Bounds::around([emitter.centre().as_dvec3()]),
     }
 }
 
-/// Radiant intensity in the brightest direction over the power that is emitted.
+/// Radiant intensity in the brightest direction over the emitted power.
 fn intensity_per_power(emitter: &Emitter) -> f64 {
     let per_pi = match emitter {
         Emitter::Triangle(_) => 1.0,
@@ -129,10 +129,10 @@ fn intensity_per_power(emitter: &Emitter) -> f64 {
 impl LightTree {
     /// The tree of those emitters whose power is above 0; `powers` are finite, and one of them is above 0.
     pub(in crate::emitter) fn new(emitters: &[Emitter], powers: &[f64], cancel: &Cancel) -> Result<Self> {
-        let shining: Vec<u32> = (0..emitters.len() as u32).filter(|&i| powers[i as usize] > 0.0).collect();
+        let emitting: Vec<u32> = (0..emitters.len() as u32).filter(|&i| powers[i as usize] > 0.0).collect();
         let mut all = Bounds::EMPTY;
         let mut total = 0.0;
-        for block in shining.chunks(BLOCK) {
+        for block in emitting.chunks(EMITTERS_PER_CHECK) {
             cancel.check()?;
             for &i in block {
                 let emitter = &emitters[i as usize];
@@ -140,42 +140,42 @@ impl LightTree {
                 total += intensity_per_power(emitter) * powers[i as usize];
             }
         }
-        let middle = all.centre().as_vec3a();
+        let centre = all.centre().as_vec3a();
         let size = (0.5 * (all.max - all.min)).max_element().clamp(1e-30, 1e30);
-        let per_size = (1.0 / size) as f32;
-        let frame = Frame { middle: middle.as_dvec3(), per_size: f64::from(per_size) };
-        let mut items = Vec::with_capacity(shining.len());
-        for block in shining.chunks(BLOCK) {
+        let inverse_size = (1.0 / size) as f32;
+        let frame = TreeFrame { centre: centre.as_dvec3(), inverse_size: f64::from(inverse_size) };
+        let mut items = Vec::with_capacity(emitting.len());
+        for block in emitting.chunks(EMITTERS_PER_CHECK) {
             cancel.check()?;
             items.extend(block.iter().map(|&i| {
                 let emitter = &emitters[i as usize];
                 let bounds = bounds(emitter);
                 let intensity = (intensity_per_power(emitter) * powers[i as usize] / total) as f32;
-                let intensity = intensity.max(FAINTEST);
+                let intensity = intensity.max(MIN_INTENSITY);
                 let aim = match emitter {
                     Emitter::Triangle(emitter) => intensity * emitter.triangle.normal,
                     _ => Vec3::ZERO,
                 };
-                let (min, max) = (frame.place(bounds.min).as_vec3a(), frame.place(bounds.max).as_vec3a());
-                Item { min, max, aim, intensity, emitter: i }
+                let (min, max) = (frame.to_tree(bounds.min).as_vec3a(), frame.to_tree(bounds.max).as_vec3a());
+                BuildItem { min, max, aim, intensity, emitter: i }
             }));
         }
-        let mut nodes = divide(&mut items, cancel)?;
-        let mut place = vec![NONE; emitters.len()];
-        bound_all(&mut nodes, &mut place, emitters, &items, &frame, cancel)?;
-        Ok(Self { nodes, place, shining, middle, per_size })
+        let mut nodes = build_nodes(&mut items, cancel)?;
+        let mut slot = vec![NONE; emitters.len()];
+        compute_bounds(&mut nodes, &mut slot, emitters, &items, &frame, cancel)?;
+        Ok(Self { nodes, slot, emitting, centre, inverse_size })
     }
 }
 
-/// From the scene to the tree.
-struct Frame {
-    middle: DVec3,
-    per_size: f64,
+/// The transform from the scene frame to the tree's frame.
+struct TreeFrame {
+    centre: DVec3,
+    inverse_size: f64,
 }
 
-impl Frame {
-    fn place(&self, p: DVec3) -> DVec3 {
-        (p - self.middle) * self.per_size
+impl TreeFrame {
+    fn to_tree(&self, p: DVec3) -> DVec3 {
+        (p - self.centre) * self.inverse_size
     }
 }
 
@@ -190,15 +190,16 @@ const EMPTY: Node = Node {
     parent: NONE,
 };
 
-/// Nodes without bounds, parents before their children; what stands for an emitter is its place among the items.
-fn divide(items: &mut [Item], cancel: &Cancel) -> Result<Vec<Node>> {
+/// Nodes without bounds, parents before their children. A child that is an emitter is stored as its index among the
+/// items.
+fn build_nodes(items: &mut [BuildItem], cancel: &Cancel) -> Result<Vec<Node>> {
     let mut nodes = Vec::with_capacity(items.len() / 2 + 1);
-    let mut work = vec![(0, items.len(), NONE)];
+    let mut pending = vec![(0, items.len(), NONE)];
     let mut until_check = 0;
-    while let Some((start, end, parent)) = work.pop() {
+    while let Some((start, end, parent)) = pending.pop() {
         if until_check < end - start {
             cancel.check()?;
-            until_check = BLOCK;
+            until_check = EMITTERS_PER_CHECK;
         } else {
             until_check -= end - start;
         }
@@ -209,12 +210,12 @@ fn divide(items: &mut [Item], cancel: &Cancel) -> Result<Vec<Node>> {
             above.child[parent as usize % WIDTH] = number;
         }
         let mut parts = [(0, 0); WIDTH];
-        let count = quarter(items, (start, end), &mut parts);
+        let count = split_in_four(items, (start, end), &mut parts);
         for (k, &(start, end)) in parts[..count].iter().enumerate() {
             if end - start == 1 {
                 node.child[k] = IS_EMITTER | start as u32;
             } else {
-                work.push((start, end, number * WIDTH as u32 + k as u32));
+                pending.push((start, end, number * WIDTH as u32 + k as u32));
             }
         }
         nodes.push(node);
@@ -222,8 +223,8 @@ fn divide(items: &mut [Item], cancel: &Cancel) -> Result<Vec<Node>> {
     Ok(nodes)
 }
 
-/// Divides a range of items into up to four, and says how many.
-fn quarter(items: &mut [Item], all: (usize, usize), parts: &mut [(usize, usize); WIDTH]) -> usize {
+/// Divides a range of items into up to four parts, and returns their number.
+fn split_in_four(items: &mut [BuildItem], all: (usize, usize), parts: &mut [(usize, usize); WIDTH]) -> usize {
     parts[0] = all;
     let mut count = 1;
     if all.1 - all.0 <= WIDTH {
@@ -234,29 +235,30 @@ fn quarter(items: &mut [Item], all: (usize, usize), parts: &mut [(usize, usize);
     }
     let mut costs = [0.0; WIDTH];
     while count < WIDTH {
-        // The one that costs most; among equals the one with the most items. There is one with two.
-        let Some(most) = (0..count).filter(|&k| parts[k].1 - parts[k].0 > 1).max_by(|&a, &b| {
+        // The part with the largest cost is split; among equal costs, the one with the most items. A part with at least
+        // two items exists.
+        let Some(costliest) = (0..count).filter(|&k| parts[k].1 - parts[k].0 > 1).max_by(|&a, &b| {
             f32::total_cmp(&costs[a], &costs[b]).then((parts[a].1 - parts[a].0).cmp(&(parts[b].1 - parts[b].0)))
         }) else {
             break;
         };
-        let (start, end) = parts[most];
+        let (start, end) = parts[costliest];
         let middle = start + split(&mut items[start..end]);
-        parts[most] = (start, middle);
+        parts[costliest] = (start, middle);
         parts[count] = (middle, end);
-        costs[most] = Extent::of(&items[start..middle]).cost();
+        costs[costliest] = Extent::of(&items[start..middle]).cost();
         costs[count] = Extent::of(&items[middle..end]).cost();
         count += 1;
     }
     count
 }
 
-/// Orders the items, two or more, into two sides; how many are on the first.
-fn split(items: &mut [Item]) -> usize {
+/// Partitions two or more items into two sides; returns the number of items on the first side.
+fn split(items: &mut [BuildItem]) -> usize {
     let (mut min, mut max) = (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY));
     for item in &*items {
-        let middle = item.middle();
-        (min, max) = (min.min(middle), max.max(middle));
+        let centre = item.centre();
+        (min, max) = (min.min(centre), max.max(centre));
     }
     let extent = max - min;
     let longest = extent.max_position();
@@ -269,8 +271,8 @@ fn split(items: &mut [Item]) -> usize {
         let per_bin = 0.9999 * bins as f32 / extent;
         if per_bin.is_finite() { per_bin } else { 0.0 }
     }));
-    let bin = |item: &Item| (item.middle() - min) * per_bin;
-    let mut slices = [[Extent::NOTHING; BINS]; 3];
+    let bin = |item: &BuildItem| (item.centre() - min) * per_bin;
+    let mut slices = [[Extent::EMPTY; BINS]; 3];
     for item in &*items {
         let bin = bin(item);
         let extent = item.extent();
@@ -282,12 +284,12 @@ fn split(items: &mut [Item]) -> usize {
     let mut best = (f32::INFINITY, longest, 0);
     for (axis, slices) in slices.iter().enumerate() {
         let mut above = [0.0; BINS];
-        let mut side = Extent::NOTHING;
+        let mut side = Extent::EMPTY;
         for k in (1..bins).rev() {
             side = side.with(&slices[k]);
             above[k] = if side.intensity > 0.0 { side.cost() } else { f32::INFINITY };
         }
-        let mut side = Extent::NOTHING;
+        let mut side = Extent::EMPTY;
         for k in 1..bins {
             side = side.with(&slices[k - 1]);
             if side.intensity > 0.0 {
@@ -309,24 +311,25 @@ fn split(items: &mut [Item]) -> usize {
     if count == 0 || count == items.len() { items.len() / 2 } else { count }
 }
 
-/// Bounds from the last node to the first, so that children come before their parents; and where the emitters are.
-fn bound_all(
+/// Computes bounds from the last node to the first, so that children come before their parents, and the position of
+/// each emitter in the tree.
+fn compute_bounds(
     nodes: &mut [Node],
-    place: &mut [u32],
+    slot: &mut [u32],
     emitters: &[Emitter],
-    items: &[Item],
-    frame: &Frame,
+    items: &[BuildItem],
+    frame: &TreeFrame,
     cancel: &Cancel,
 ) -> Result<()> {
-    // Of the children, waiting for their parent.
-    let mut done: Vec<Option<Bound>> = Vec::new();
+    // Bounds of nodes whose parent has not been processed yet.
+    let mut done: Vec<Option<SubtreeBounds>> = Vec::new();
     done.resize_with(nodes.len(), || None);
     for number in (0..nodes.len()).rev() {
-        if number % BLOCK == 0 {
+        if number % EMITTERS_PER_CHECK == 0 {
             cancel.check()?;
         }
         let node = &mut nodes[number];
-        let mut children: [Option<Bound>; WIDTH] = [const { None }; WIDTH];
+        let mut children: [Option<SubtreeBounds>; WIDTH] = [const { None }; WIDTH];
         for (k, child) in children.iter_mut().enumerate() {
             if node.child[k] == NONE {
                 continue;
@@ -336,24 +339,24 @@ fn bound_all(
             } else {
                 let item = &items[(node.child[k] & !IS_EMITTER) as usize];
                 node.child[k] = IS_EMITTER | item.emitter;
-                place[item.emitter as usize] = (number * WIDTH + k) as u32;
+                slot[item.emitter as usize] = (number * WIDTH + k) as u32;
                 let (centre, radius, cone) = bound(&emitters[item.emitter as usize]);
-                let (centre, radius) = (frame.place(centre), radius * frame.per_size);
-                Some(Bound { centre, radius, cone, intensity: item.intensity })
+                let (centre, radius) = (frame.to_tree(centre), radius * frame.inverse_size);
+                Some(SubtreeBounds { centre, radius, cone, intensity: item.intensity })
             };
             if let Some(bound) = child {
                 node.store(k, bound);
             }
         }
-        done[number] = together(children.into_iter().flatten());
+        done[number] = union_of(children.into_iter().flatten());
     }
     Ok(())
 }
 
 impl Node {
-    fn store(&mut self, k: usize, bound: &Bound) {
+    fn store(&mut self, k: usize, bound: &SubtreeBounds) {
         let centre = bound.centre.as_vec3a();
-        let radius = bound.radius * (1.0 + ROUNDED) + ROUNDED;
+        let radius = bound.radius * (1.0 + RADIUS_ROUNDING) + RADIUS_ROUNDING;
         let axis = bound.cone.axis.as_vec3a();
         for i in 0..3 {
             self.centre[i][k] = centre[i];
@@ -370,18 +373,18 @@ impl Node {
     }
 }
 
-/// Bounds of all; `None` of none.
-fn together(bounds: impl Iterator<Item = Bound> + Clone) -> Option<Bound> {
+/// The common bounds of all; `None` where there are none.
+fn union_of(bounds: impl Iterator<Item = SubtreeBounds> + Clone) -> Option<SubtreeBounds> {
     let spheres = bounds.clone();
     let all = spheres.fold(Bounds::EMPTY, |all, bound| {
         all.union(Bounds { min: bound.centre - bound.radius, max: bound.centre + bound.radius })
     });
     let centre = all.centre();
-    bounds.fold(None, |all: Option<Bound>, bound| {
+    bounds.fold(None, |all: Option<SubtreeBounds>, bound| {
         let radius = bound.centre.distance(centre) + bound.radius;
         Some(match all {
-            None => Bound { centre, radius, ..bound },
-            Some(all) => Bound {
+            None => SubtreeBounds { centre, radius, ..bound },
+            Some(all) => SubtreeBounds {
                 centre,
                 radius: all.radius.max(radius),
                 cone: all.cone.union(bound.cone),

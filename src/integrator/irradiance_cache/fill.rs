@@ -1,19 +1,20 @@
-//! Filling: from the camera, coarse to fine.
+//! Filling the cache: the image plane is sampled on grids of pixels, from coarse to fine.
 //!
-//! Grids of pixels, each of half the spacing of the one before, are followed to the first diffuse hit. Where the records so
-//! far do not say enough, light is gathered: in batches, since the places of one batch are gathered side by side by
-//! however many threads there are. Which places make a batch depends on none of them, and what they find is added in their
-//! order, so that the records are the same for any number of threads.
+//! Each grid has half the spacing of the one before it. The camera ray of each grid point is followed to the first
+//! diffuse hit. Where the existing records do not cover that hit, incident light is gathered for a new record.
+//! Gathering happens in batches, and the threads share the sites of one batch. No site's membership in a batch depends
+//! on another site of that batch, and the new records are added in the order of their sites. The records are therefore
+//! the same for any number of threads.
 
 use std::sync::{Arc, PoisonError, RwLock};
 
 use super::super::SceneTracer;
 use super::super::photon::Gather;
 use super::hemisphere::{Estimate, Strata};
-use super::record::{Ball, Record, WALLS};
-use super::site::{Site, seen};
-use super::tree::Growing;
-use super::{Ask, IrradianceCache};
+use super::octree::GrowingOctree;
+use super::record::{IrradianceRecord, MAX_WALLS, RecordSphere};
+use super::site::{Site, first_diffuse_hits};
+use super::{CacheQuery, IrradianceCache};
 use crate::camera::Camera;
 use crate::control::Parallel;
 use crate::desc::{CacheDesc, RenderDesc};
@@ -22,60 +23,61 @@ use crate::math::{Frame, Vec3};
 use crate::sampling::{SobolSampler, hash};
 use crate::scene::Scene;
 
-/// Pixels between the looks of the first grid.
+/// Spacing of the first grid [pixels].
 const FIRST_SPACING: f64 = 16.0;
 
-/// Most looks that are held at a time.
-const BAND: usize = 1 << 16;
+/// Most grid points that are processed at a time.
+const MAX_GRID_POINTS: usize = 1 << 16;
 
-/// Looks of one thread at a time.
-const BLOCK: usize = 1 << 9;
+/// Grid points that one task of the thread pool processes.
+const GRID_POINTS_PER_TASK: usize = 1 << 9;
 
-/// Places that are gathered side by side.
-const BATCH: usize = 128;
+/// Sites whose light is gathered side by side.
+const RECORDS_PER_BATCH: usize = 128;
 
-/// Most records: one for so many pixels, within these limits. Where it takes more, paths do better; a kilobyte each at worst.
-const PIXELS_A_RECORD: usize = 8;
-const MOST_RECORDS: [usize; 2] = [1 << 12, 1 << 18];
+/// The number of records is limited to one for this many pixels, within `RECORD_LIMITS`. A scene that needs more
+/// records is rendered better by plain paths. A record takes a kilobyte at worst.
+const PIXELS_PER_RECORD: usize = 8;
+const RECORD_LIMITS: [usize; 2] = [1 << 12, 1 << 18];
 
-/// Most listings of records in the tree, for each record that is allowed.
-const LISTINGS: usize = 24;
+/// Most entries in the leaves of the octree, for each record that is allowed.
+const LISTINGS_PER_RECORD: usize = 24;
 
-/// The weight that the best record must have where a place is left as it is: so that at the rim of a record there is
-/// always another.
-const ENOUGH: f32 = 0.3;
+/// A site is covered where the best record has at least this weight. The threshold is above 0 so that records overlap:
+/// at the rim of a record there is always another one.
+const COVERED_WEIGHT: f32 = 0.3;
 
-/// Allowed error and spacing of a coarse cache, in those of the fine one.
-const COARSENESS: f64 = 2.0;
+/// Allowed error and spacing of the coarse cache, in those of the fine cache.
+const COARSE_FACTOR: f64 = 2.0;
 
-/// Smallest radius at most, in largest radii.
-const LEAST_RANGE: f32 = 0.25;
+/// The smallest radius of a record is at most this fraction of the largest radius.
+const MIN_RADIUS_FRACTION: f32 = 0.25;
 
-/// The random numbers' family.
-const FAMILY: u64 = 0x0069_7272_6164;
+/// Salt of the seed, which separates these random numbers from those of other stages.
+const SEED_SALT: u64 = 0x0069_7272_6164;
 
-/// A cache that grows.
+/// A cache that is being filled.
 #[derive(Debug)]
-pub(super) struct Grown {
-    pub tree: Growing,
-    pub records: Vec<Record>,
-    /// Of each record: the smallest radius that others may shrink it to.
-    floors: Vec<f32>,
-    pub ask: Ask,
+pub(super) struct GrowingCache {
+    pub octree: GrowingOctree,
+    pub records: Vec<IrradianceRecord>,
+    /// For each record, the smallest radius to which neighbour clamping may shrink it.
+    min_radii: Vec<f32>,
+    pub query: CacheQuery,
 }
 
-/// What one place found.
-struct Found {
+/// A record that was gathered at one site, before it is added.
+struct NewRecord {
     site: Site,
-    record: Record,
+    record: IrradianceRecord,
     radius: f32,
-    floor: f32,
+    min_radius: f32,
     rays: u64,
 }
 
-/// What filling needs to know.
+/// The settings of a fill and the light source of its gather rays.
 #[derive(Clone)]
-pub(super) struct Filling {
+pub(super) struct CacheFiller {
     pub scene: Scene,
     pub camera: Camera,
     pub resolution: [u32; 2],
@@ -86,98 +88,105 @@ pub(super) struct Filling {
     pub extent: f32,
 }
 
-/// What came of it.
+/// Cost and outcome of a fill.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Spent {
+pub(super) struct FillStats {
     pub rays: u64,
-    /// Whether there were more places than records are allowed.
-    pub is_cut: bool,
+    /// Whether filling stopped at the limit of records while sites were still uncovered.
+    pub hit_record_limit: bool,
 }
 
-impl Filling {
+impl CacheFiller {
     pub fn new(scene: &Scene, camera: &Camera, desc: &RenderDesc, source: &Gather, extent: f32) -> Self {
         Self {
             scene: scene.clone(),
             camera: *camera,
             resolution: desc.resolution,
-            seed: desc.seed ^ FAMILY,
+            seed: desc.seed ^ SEED_SALT,
             cache: desc.cache.clone(),
             source: source.clone(),
             extent,
         }
     }
 
-    /// Of a cache of fewer records, each of fewer rays.
+    /// The settings of the coarse cache: fewer records, and fewer rays for each.
     pub fn coarse(&self) -> Self {
         let CacheDesc { error, rays, max_spacing, .. } = self.cache;
         let cache = CacheDesc {
-            error: COARSENESS * error,
+            error: COARSE_FACTOR * error,
             rays: (rays / 4).max(16),
-            max_spacing: (COARSENESS * max_spacing).min(1.0),
+            max_spacing: (COARSE_FACTOR * max_spacing).min(1.0),
             ..self.cache.clone()
         };
         Self { cache, ..self.clone() }
     }
 
-    /// Fills a cache with looks down to every `finest` pixels.
-    pub fn fill(self, min: Vec3, finest: f64, parallel: &mut impl Parallel) -> Result<(IrradianceCache, Spent)> {
-        let ask = Ask::new(self.cache.error as f32);
-        let grown = Grown { tree: Growing::new(min, self.extent), records: Vec::new(), floors: Vec::new(), ask };
-        let grown = Arc::new(RwLock::new(grown));
-        let filling = Arc::new(self);
-        let mut spent = Spent::default();
+    /// Fills a cache from grids down to a spacing of `finest` pixels. `min` is the least corner of the cube around the
+    /// scene.
+    pub fn fill(self, min: Vec3, finest: f64, parallel: &mut impl Parallel) -> Result<(IrradianceCache, FillStats)> {
+        let query = CacheQuery::new(self.cache.error as f32);
+        let growing = GrowingCache {
+            octree: GrowingOctree::new(min, self.extent),
+            records: Vec::new(),
+            min_radii: Vec::new(),
+            query,
+        };
+        let growing = Arc::new(RwLock::new(growing));
+        let filler = Arc::new(self);
+        let mut stats = FillStats::default();
         let mut number = 0;
         let mut spacing = FIRST_SPACING.max(finest);
-        while !spent.is_cut {
-            let [columns, rows] = filling.resolution.map(|n| ((f64::from(n) / spacing).ceil() as usize).max(1));
-            for from in (0..columns * rows).step_by(BAND) {
-                let looks = from..(from + BAND).min(columns * rows);
-                let at =
-                    move |look: usize| [look % columns, look / columns].map(|i| ((i as f64 + 0.5) * spacing) as f32);
-                let sites = filling.bare(&grown, looks, at, &mut spent, parallel)?;
-                filling.gather(&grown, sites, &mut number, &mut spent, parallel)?;
+        while !stats.hit_record_limit {
+            let [columns, rows] = filler.resolution.map(|n| ((f64::from(n) / spacing).ceil() as usize).max(1));
+            for from in (0..columns * rows).step_by(MAX_GRID_POINTS) {
+                let grid_points = from..(from + MAX_GRID_POINTS).min(columns * rows);
+                let at = move |grid_point: usize| {
+                    [grid_point % columns, grid_point / columns].map(|i| ((i as f64 + 0.5) * spacing) as f32)
+                };
+                let sites = filler.uncovered_sites(&growing, grid_points, at, &mut stats, parallel)?;
+                filler.gather(&growing, sites, &mut number, &mut stats, parallel)?;
             }
             if spacing <= finest {
                 break;
             }
             spacing = (0.5 * spacing).max(finest);
         }
-        let grown = grown.read().unwrap_or_else(PoisonError::into_inner);
-        Ok((grown.pack(), spent))
+        let growing = growing.read().unwrap_or_else(PoisonError::into_inner);
+        Ok((growing.pack(), stats))
     }
 
-    /// The places behind some looks that need a record, in random order.
-    fn bare(
+    /// The sites behind some grid points that no record covers yet, in random order.
+    fn uncovered_sites(
         self: &Arc<Self>,
-        grown: &Arc<RwLock<Grown>>,
-        looks: std::ops::Range<usize>,
+        growing: &Arc<RwLock<GrowingCache>>,
+        grid_points: std::ops::Range<usize>,
         at: impl Fn(usize) -> [f32; 2] + Send + Sync + 'static,
-        spent: &mut Spent,
+        stats: &mut FillStats,
         parallel: &mut impl Parallel,
     ) -> Result<Vec<Site>> {
-        let (filling, grown) = (Arc::clone(self), Arc::clone(grown));
-        let (start, end) = (looks.start, looks.end);
-        let found = parallel.map((end - start).div_ceil(BLOCK), move |block| {
-            let from = start + block * BLOCK;
-            let mut tracer = SceneTracer::new(&filling.scene);
-            let (mut sites, mut one) = (Vec::new(), Vec::new());
-            let grown = grown.read().unwrap_or_else(PoisonError::into_inner);
-            for look in from..(from + BLOCK).min(end) {
-                let [x, y] = at(look);
-                let [width, height] = filling.resolution.map(|n| n as f32);
+        let (filler, growing) = (Arc::clone(self), Arc::clone(growing));
+        let (start, end) = (grid_points.start, grid_points.end);
+        let found = parallel.map((end - start).div_ceil(GRID_POINTS_PER_TASK), move |block| {
+            let from = start + block * GRID_POINTS_PER_TASK;
+            let mut tracer = SceneTracer::new(&filler.scene);
+            let (mut sites, mut behind_pixel) = (Vec::new(), Vec::new());
+            let growing = growing.read().unwrap_or_else(PoisonError::into_inner);
+            for grid_point in from..(from + GRID_POINTS_PER_TASK).min(end) {
+                let [x, y] = at(grid_point);
+                let [width, height] = filler.resolution.map(|n| n as f32);
                 if x >= width || y >= height {
                     continue;
                 }
-                seen(&filling.scene, &filling.camera, [x, y], &mut tracer, &mut one);
-                let bare = one.drain(..).enumerate().filter(|(_, site)| !grown.is_enough(site));
-                sites.extend(bare.map(|(way, site)| (hash(look as u64, way as u64), site)));
+                first_diffuse_hits(&filler.scene, &filler.camera, [x, y], &mut tracer, &mut behind_pixel);
+                let uncovered = behind_pixel.drain(..).enumerate().filter(|(_, site)| !growing.is_covered(site));
+                sites.extend(uncovered.map(|(branch, site)| (hash(grid_point as u64, branch as u64), site)));
             }
             (sites, tracer.rays)
         })?;
         let mut sites = Vec::new();
-        for (some, rays) in found {
-            sites.extend(some);
-            spent.rays += rays;
+        for (block_sites, rays) in found {
+            sites.extend(block_sites);
+            stats.rays += rays;
         }
         sites.sort_by_key(|(order, _)| *order);
         Ok(sites.into_iter().map(|(_, site)| site).collect())
@@ -185,10 +194,10 @@ impl Filling {
 
     fn gather(
         self: &Arc<Self>,
-        grown: &Arc<RwLock<Grown>>,
+        growing: &Arc<RwLock<GrowingCache>>,
         sites: Vec<Site>,
         number: &mut u32,
-        spent: &mut Spent,
+        stats: &mut FillStats,
         parallel: &mut impl Parallel,
     ) -> Result<()> {
         let mut waiting = std::collections::VecDeque::from(sites);
@@ -196,71 +205,75 @@ impl Filling {
             let mut batch: Vec<Site> = Vec::new();
             let mut later = Vec::new();
             {
-                let grown = grown.read().unwrap_or_else(PoisonError::into_inner);
-                let room = BATCH.min(self.most_records().saturating_sub(grown.records.len()));
+                let growing = growing.read().unwrap_or_else(PoisonError::into_inner);
+                let room = RECORDS_PER_BATCH.min(self.max_records().saturating_sub(growing.records.len()));
                 if room == 0 {
-                    spent.is_cut = true;
+                    stats.hit_record_limit = true;
                     return Ok(());
                 }
                 while batch.len() < room
                     && let Some(site) = waiting.pop_front()
                 {
-                    if grown.is_enough(&site) {
+                    if growing.is_covered(&site) {
                         continue;
                     }
-                    // Neighbours would find the same; one of them waits until it is known how far the other speaks.
-                    let near = |other: &Site| other.n.dot(site.n) > 0.5 && other.p.distance(site.p) < self.floor(&site);
+                    // Neighbouring sites would produce the same record. One of them waits until the radius of the other
+                    // is known.
+                    let near =
+                        |other: &Site| other.n.dot(site.n) > 0.5 && other.p.distance(site.p) < self.min_radius(&site);
                     if batch.iter().any(near) { later.push(site) } else { batch.push(site) }
                 }
             }
             later.into_iter().rev().for_each(|site| waiting.push_front(site));
-            let (filling, first) = (Arc::clone(self), *number);
-            let most = LISTINGS * self.most_records();
+            let (filler, first) = (Arc::clone(self), *number);
+            let max_listings = LISTINGS_PER_RECORD * self.max_records();
             *number = number.wrapping_add(batch.len() as u32);
             let sites = Arc::new(batch);
             let count = sites.len();
-            let found = parallel.map(count, move |i| filling.found(sites[i], first.wrapping_add(i as u32)))?;
-            let mut grown = grown.write().unwrap_or_else(PoisonError::into_inner);
-            for found in found {
-                spent.rays += found.rays;
-                grown.add(found, most);
+            let records = parallel.map(count, move |i| filler.make_record(sites[i], first.wrapping_add(i as u32)))?;
+            let mut growing = growing.write().unwrap_or_else(PoisonError::into_inner);
+            for new in records {
+                stats.rays += new.rays;
+                growing.add(new, max_listings);
             }
         }
         Ok(())
     }
 
-    /// Most records.
-    pub fn most_records(&self) -> usize {
+    /// Most records of this cache.
+    pub fn max_records(&self) -> usize {
         let [width, height] = self.resolution.map(|n| n as usize);
-        let [least, most] = MOST_RECORDS;
-        (width.saturating_mul(height) / PIXELS_A_RECORD).clamp(least, most)
+        let [least, most] = RECORD_LIMITS;
+        (width.saturating_mul(height) / PIXELS_PER_RECORD).clamp(least, most)
     }
 
-    /// The smallest radius of a record there.
-    fn floor(&self, site: &Site) -> f32 {
-        // In a small image a few pixels may be as large as all that is seen in them.
-        (self.cache.min_spacing as f32 * site.pixel).min(LEAST_RANGE * self.widest())
+    /// The smallest radius that a record at the site may have.
+    fn min_radius(&self, site: &Site) -> f32 {
+        // In a small image a few pixels may be as large as everything that is visible in them.
+        (self.cache.min_spacing as f32 * site.pixel_size).min(MIN_RADIUS_FRACTION * self.max_radius())
     }
 
-    fn widest(&self) -> f32 {
+    fn max_radius(&self) -> f32 {
         self.cache.max_spacing as f32 * self.extent
     }
 
-    fn found(&self, site: Site, number: u32) -> Found {
+    fn make_record(&self, site: Site, number: u32) -> NewRecord {
         let mut tracer = SceneTracer::new(&self.scene);
         let estimate = self.estimate(&site, number, &mut tracer);
         let frame = Frame::from_normal(site.n);
-        let (floor, widest) = (self.floor(&site), self.widest());
-        // Ward's radius: the error over the mean distance, or what the gradient says if that is less.
-        let wanted = self.cache.error as f32 * estimate.mean_distance.min(estimate.doubling_distance());
-        // Dark all around: nothing limits it.
-        let wanted = if wanted.is_nan() { widest } else { wanted };
-        let radius = wanted.max(floor).min(widest);
-        // A record that is used farther than it should be must not extrapolate as far.
-        let fading = (wanted / radius).min(1.0);
+        let (min_radius, max_radius) = (self.min_radius(&site), self.max_radius());
+        // Ward's radius: the allowed error times the harmonic mean distance, or the distance that the gradient gives if
+        // that is less.
+        let error_radius = self.cache.error as f32 * estimate.mean_distance.min(estimate.doubling_distance());
+        // The surroundings are dark, so nothing limits the radius.
+        let error_radius = if error_radius.is_nan() { max_radius } else { error_radius };
+        let radius = error_radius.max(min_radius).min(max_radius);
+        // A record that is used farther away than its error radius must extrapolate less, so its gradient is scaled
+        // down.
+        let gradient_scale = (error_radius / radius).min(1.0);
         let (walls, reach) = site.walls(radius, &mut tracer);
-        let record = Record::new(&estimate, &frame, fading, walls);
-        Found { site, record, radius: reach.max(1e-3 * radius), floor, rays: tracer.rays }
+        let record = IrradianceRecord::new(&estimate, &frame, gradient_scale, walls);
+        NewRecord { site, record, radius: reach.max(1e-3 * radius), min_radius, rays: tracer.rays }
     }
 
     fn estimate(&self, site: &Site, number: u32, tracer: &mut SceneTracer) -> Estimate {
@@ -270,51 +283,52 @@ impl Filling {
     }
 }
 
-impl Grown {
-    /// Whether a place needs no record.
-    fn is_enough(&self, site: &Site) -> bool {
-        self.tree.around(site.p).any(|ball| {
-            ball.weight(site.p, site.n, self.ask.inverse_error) >= ENOUGH
-                && self.records[ball.record as usize].at(ball, site.p, site.n).is_some()
+impl GrowingCache {
+    /// Whether the records cover a site, so that it needs none of its own.
+    fn is_covered(&self, site: &Site) -> bool {
+        self.octree.candidates(site.p).any(|sphere| {
+            sphere.weight(site.p, site.n, self.query.inverse_error) >= COVERED_WEIGHT
+                && self.records[sphere.record as usize].extrapolate(sphere, site.p, site.n).is_some()
         })
     }
 
-    /// Adds a record; `most`: listings in the tree. Distances to surfaces change no faster than places do, and neither may radii: where a neighbour's is
-    /// less than that allows, it has seen something that this record missed, or the other way round.
+    /// Adds a record; `max_listings` limits the entries of the octree. A distance to a surface changes no faster than
+    /// the position does, so radii must not change faster either. Where a neighbour's radius violates that, one of the
+    /// two records missed a surface that the other has seen, and the larger radius is clamped.
     ///
     /// Source: Křivánek et al. 2006, "Making Radiance and Irradiance Caching Practical: Adaptive Caching and Neighbor
     /// Clamping", Sec. 4.
-    fn add(&mut self, found: Found, most: usize) {
-        let Found { site, record, mut radius, floor, .. } = found;
-        let slope = self.ask.error.min(1.0);
-        for number in self.tree.near(site.p, radius) {
+    fn add(&mut self, new: NewRecord, max_listings: usize) {
+        let NewRecord { site, record, mut radius, min_radius, .. } = new;
+        let slope = self.query.error.min(1.0);
+        for number in self.octree.overlapping(site.p, radius) {
             let number = number as usize;
-            let ball = &self.tree.balls()[number];
-            let distance = ball.position().distance(site.p);
-            if ball.normal().dot(site.n) < SAME_SIDE || distance >= radius.max(ball.radius()) {
+            let sphere = &self.octree.spheres()[number];
+            let distance = sphere.position().distance(site.p);
+            if sphere.normal().dot(site.n) < CLAMPING_COSINE || distance >= radius.max(sphere.radius()) {
                 continue;
             }
-            let other = ball.radius();
+            let other = sphere.radius();
             if radius > other + slope * distance {
-                radius = (other + slope * distance).max(floor.min(radius));
+                radius = (other + slope * distance).max(min_radius.min(radius));
             } else if other > radius + slope * distance {
-                let least = self.floors[number].min(other);
-                self.tree.shrink(number, (radius + slope * distance).max(least));
+                let least = self.min_radii[number].min(other);
+                self.octree.shrink(number, (radius + slope * distance).max(least));
             }
         }
         let number = self.records.len() as u32;
-        self.tree.add(Ball::new(site.p, site.n, radius, number), most);
+        self.octree.add(RecordSphere::new(site.p, site.n, radius, number), max_listings);
         self.records.push(record);
-        self.floors.push(floor);
+        self.min_radii.push(min_radius);
     }
 
-    /// The cache as it is.
+    /// The cache in its compact form for queries.
     pub fn pack(&self) -> IrradianceCache {
-        IrradianceCache { tree: self.tree.pack(), records: self.records.clone(), ask: self.ask }
+        IrradianceCache { octree: self.octree.pack(), records: self.records.clone(), query: self.query }
     }
 }
 
-/// Cosine of the normals of records that clamp each other.
-const SAME_SIDE: f32 = 0.5;
+/// Records clamp each other's radius only where the cosine of their normals is at least this.
+const CLAMPING_COSINE: f32 = 0.5;
 
-const _: () = assert!(WALLS == 2, "two walls are a corner's");
+const _: () = assert!(MAX_WALLS == 2, "two walls are a corner's");

@@ -1,9 +1,9 @@
-//! A hemisphere sampled in strata: irradiance, how it changes as the surface turns and moves, and how far away what
-//! lights it is.
+//! Stratified sampling of a hemisphere: irradiance, its rotation and translation gradients, and the mean distance to
+//! the surfaces that light it.
 //!
-//! The directions are those of a cosine: `rings` rings of equal projected solid angle, each cut into `sectors`. Sector k
-//! of ring j holds the polar angles between asin(sqrt(j / M)) and asin(sqrt((j + 1) / M)) and the azimuths between
-//! 2 pi k / N and 2 pi (k + 1) / N.
+//! The directions are distributed by the cosine: `rings` rings of equal projected solid angle, each divided into
+//! `sectors`. Sector k of ring j holds the polar angles between asin(sqrt(j / M)) and asin(sqrt((j + 1) / M)) and the
+//! azimuths between 2 pi k / N and 2 pi (k + 1) / N.
 //!
 //! Source: Ward and Heckbert 1992, "Irradiance Gradients", Eq. 1 to 4.
 
@@ -12,53 +12,53 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use crate::math::{DVec3, Vec3};
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
 
-/// How a hemisphere is cut.
+/// The division of a hemisphere into strata.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Strata {
     rings: u32,
     sectors: u32,
 }
 
-/// What came back along the ray of one stratum.
+/// The light that the ray of one stratum finds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incident {
     /// Radiance [W m^-2 sr^-1].
     pub radiance: Rgb,
-    /// Distance to what the ray met, scene units; infinite for nothing.
+    /// Distance to the surface that the ray met, scene units; infinite where it met none.
     pub distance: f32,
 }
 
-/// What all strata come to, in the frame whose z axis is the normal.
+/// Irradiance and its gradients from all strata, in the frame whose z axis is the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Irradiance [W m^-2].
     pub irradiance: Rgb,
-    /// Its change for a rotation about x and about y by one radian (right-handed).
+    /// Change of irradiance for a rotation about x and about y by one radian (right-handed).
     pub rotation: [Rgb; 2],
-    /// Its change for a step of one scene unit along x and along y.
+    /// Change of irradiance for a step of one scene unit along x and along y.
     pub translation: [Rgb; 2],
-    /// Harmonic mean of the distances; infinite where nothing was met.
+    /// Harmonic mean of the distances; infinite where no ray met a surface.
     pub mean_distance: f32,
 }
 
-/// Distances are no less than this share of their harmonic mean where they divide differences of radiance: in a
-/// corner a single ray would be all the gradient.
-const NEAREST: f64 = 1e-2;
+/// Distances that divide differences of radiance are at least this fraction of their harmonic mean. Otherwise a single
+/// ray in a corner would dominate the gradient.
+const MIN_DISTANCE_RATIO: f64 = 1e-2;
 
 impl Strata {
-    /// About so many strata (at least 4), about as high as they are wide: N = pi M.
+    /// About as many strata as `rays` (at least 4), chosen so that they are about as high as they are wide: N = pi M.
     pub fn new(rays: u32) -> Self {
         let rays = rays.clamp(4, 1 << 24);
         let rings = ((f64::from(rays) / PI).sqrt().round() as u32).max(1);
         Self { rings, sectors: (rays / rings).max(1) }
     }
 
-    /// How many there are; number i is sector i mod N of ring i / N.
+    /// Number of strata; number i is sector i mod N of ring i / N.
     pub fn count(&self) -> u32 {
         self.rings * self.sectors
     }
 
-    /// A direction in stratum `number`, cosine distributed there: unit, z up. `u` in [0, 1)^2.
+    /// A cosine-distributed direction in stratum `number`: unit, z up. `u` in [0, 1)^2.
     #[inline]
     pub fn direction(&self, number: u32, u: [f32; 2]) -> Vec3 {
         let (j, k) = (number / self.sectors, number % self.sectors);
@@ -68,10 +68,11 @@ impl Strata {
         DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos).as_vec3a()
     }
 
-    /// Irradiance and its gradients from one ray a stratum, in the order of their numbers.
+    /// Irradiance and its gradients from one ray for each stratum, in the order of the strata.
     ///
-    /// The translation gradient takes the differences of radiance between neighbouring strata for the light and dark that
-    /// moves across their border as the point moves; the nearer of the two surfaces decides how fast.
+    /// The translation gradient follows from the differences of radiance between neighbouring strata: as the point
+    /// moves, their common border moves over the light and dark behind it. The nearer of the two surfaces decides how
+    /// fast.
     ///
     /// # Panics
     /// If `rays` are not as many as there are strata.
@@ -81,12 +82,13 @@ impl Strata {
         let (m, n) = (f64::from(self.rings), f64::from(self.sectors));
         let inverse: f64 = rays.iter().map(|ray| 1.0 / f64::from(ray.distance)).sum();
         let mean_distance = m * n / inverse;
-        let nearest = if mean_distance.is_finite() { NEAREST * mean_distance } else { 0.0 };
+        let min_distance = if mean_distance.is_finite() { MIN_DISTANCE_RATIO * mean_distance } else { 0.0 };
         let at = |j: usize, k: usize| {
             let ray = &rays[j * sectors + k];
-            (ray.radiance.to_f64(), f64::from(ray.distance).max(nearest))
+            (ray.radiance.to_f64(), f64::from(ray.distance).max(min_distance))
         };
-        // Of the border below ring j; and the mean of the tangent in ring j, its integral over sin^2 in closed form.
+        // `sin_below` is the sine at the border below ring j. `mean_tan` is the mean of the tangent in ring j: its
+        // integral over sin^2 in closed form.
         let sin_below = |j: usize| (j as f64 / m).sqrt();
         let integral = |sin: f64| sin.asin() - sin * (1.0 - sin * sin).sqrt();
         let mean_tan = |j: usize| m * (integral(sin_below(j + 1)) - integral(sin_below(j)));
@@ -134,7 +136,7 @@ impl Strata {
 }
 
 impl Estimate {
-    /// The distance over which the translation gradient, in luminance, is as much as the irradiance itself.
+    /// The distance over which the translation gradient, in luminance, changes the irradiance by its own value.
     pub fn doubling_distance(&self) -> f32 {
         let [x, y] = self.translation.map(|v| v.dot(LUMINANCE_WEIGHTS));
         self.irradiance.dot(LUMINANCE_WEIGHTS) / x.hypot(y)

@@ -1,10 +1,10 @@
-//! Places where indirect light is asked for: the first diffuse hits of camera rays, and the light gathered there.
+//! Sites of records: the first diffuse hits of camera rays, and the light gathered there.
 
 use super::super::photon::Gather;
 use super::super::vertex::Vertex;
 use super::super::{SceneTracer, Tracer as _};
 use super::hemisphere::{Incident, Strata};
-use super::record::WALLS;
+use super::record::MAX_WALLS;
 use crate::bsdf::Model as _;
 use crate::camera::Camera;
 use crate::math::{Frame, Ray, Vec3};
@@ -12,67 +12,75 @@ use crate::sampling::{Sampler as _, SobolSampler};
 use crate::scene::Scene;
 use crate::spectrum::Rgb;
 
-/// Share of a pixel's light below which a branch at glass is not followed.
-const LEAST_SHARE: f32 = 0.05;
+/// Throughput below which a branch at glass is not followed.
+const MIN_THROUGHPUT: f32 = 0.05;
 
-/// Mirrors and glass in a row.
-const MOST_SPECULAR: u32 = 16;
+/// Most mirrors and glass surfaces in a row.
+const MAX_SPECULAR_BOUNCES: u32 = 16;
 
 /// A point on a diffuse surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Site {
     pub p: Vec3,
-    /// Shading normal on the side that it is seen from.
+    /// Shading normal on the side that is seen.
     pub n: Vec3,
     /// Geometric normal on that side.
     facing: Vec3,
-    /// Where rays leave it.
+    /// Origin of rays that leave the surface.
     origin: Vec3,
-    /// Size of a pixel there: the way of the light to the eye times the pixel's angle.
-    pub pixel: f32,
-    /// Share of the pixel's light that comes from here, by what mirrors and glass on the way let pass.
-    pub share: f32,
+    /// Size of a pixel at the site: the length of the path to the camera times the pixel's angle.
+    pub pixel_size: f32,
+    /// Fraction of the pixel's light that comes from here, by what mirrors and glass on the path transmit.
+    pub throughput: f32,
 }
 
-/// Hands over the first diffuse hits behind the film position (x, y), both ways where a surface reflects and refracts.
-pub(super) fn seen(scene: &Scene, camera: &Camera, [x, y]: [f32; 2], tracer: &mut SceneTracer, found: &mut Vec<Site>) {
+/// Appends the first diffuse hits behind the film position (x, y). Where a surface reflects and refracts, both branches
+/// are followed.
+pub(super) fn first_diffuse_hits(
+    scene: &Scene,
+    camera: &Camera,
+    [x, y]: [f32; 2],
+    tracer: &mut SceneTracer,
+    sites: &mut Vec<Site>,
+) {
     let first = camera.ray(x, y);
     let angle = first.direction.distance(camera.ray(x + 1.0, y).direction);
-    let mut ways = vec![(first, 1.0, 0.0, 0)];
-    while let Some((ray, share, way, bounces)) = ways.pop() {
+    let mut branches = vec![(first, 1.0, 0.0, 0)];
+    while let Some((ray, throughput, distance, bounces)) = branches.pop() {
         let Some(hit) = tracer.intersect(&ray) else { continue };
-        let way = way + hit.t;
-        // What part of the light passes is what part of power does, so refraction is that of importance.
+        let distance = distance + hit.t;
+        // The fraction of the light that passes is that of power, so refraction is that of importance.
         let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, ());
         if vertex.bsdf.lobes().have_diffuse() && !vertex.bsdf.is_black() {
             let facing = vertex.facing();
             let (point, n) = (vertex.surface.point, vertex.facing_shading());
             let origin = point.offset(facing);
-            found.push(Site { p: point.p, n, facing, origin, pixel: way * angle, share });
+            sites.push(Site { p: point.p, n, facing, origin, pixel_size: distance * angle, throughput });
         }
         for lobe in vertex.specular_lobes().into_iter().flatten() {
-            let share = share * lobe.weight.max_element();
-            if share >= LEAST_SHARE
-                && bounces < MOST_SPECULAR
+            let throughput = throughput * lobe.weight.max_element();
+            if throughput >= MIN_THROUGHPUT
+                && bounces < MAX_SPECULAR_BOUNCES
                 && let Some(ray) = vertex.leave_local(lobe.wi)
             {
-                ways.push((ray, share, way, bounces + 1));
+                branches.push((ray, throughput, distance, bounces + 1));
             }
         }
     }
 }
 
-/// Directions along the surface in which walls are looked for.
-const DIRECTIONS: usize = 16;
+/// Number of directions along the surface in which walls are searched for.
+const WALL_DIRECTIONS: usize = 16;
 
-/// Height over the surface at which they are, in radii: a surface that bends is not a wall.
-const HEIGHT: f32 = 0.02;
+/// Height over the surface at which walls are searched for, in radii. It is above 0 so that a surface that bends is no
+/// wall.
+const WALL_HEIGHT: f32 = 0.02;
 
-/// What is met with a normal that is nearer to the record's than this is the surface itself, rising.
-const SAME_SURFACE: f32 = 0.7;
+/// A surface whose normal has a larger cosine with the record's is the same surface, rising, and no wall.
+const SAME_SURFACE_COSINE: f32 = 0.7;
 
 impl Site {
-    /// What each ray of the strata brings back; random numbers by the sampler's seed and `number`.
+    /// The light that each ray of the strata finds; its random numbers follow from the sampler's seed and `number`.
     pub fn gather(
         &self,
         source: &Gather,
@@ -86,46 +94,48 @@ impl Site {
         let one = |stratum| {
             sampler.start(number, stratum);
             let wi = frame.to_world(strata.direction(stratum, sampler.pixel_2d())).normalize();
-            // A direction through the face, which an interpolated normal may have, brings nothing.
+            // An interpolated normal may give directions that pass through the face. They contribute nothing.
             if wi.dot(self.facing) <= 0.0 {
                 return Incident { radiance: Rgb::ZERO, distance: f32::INFINITY };
             }
             let (radiance, distance) = source.incident(scene, Ray::new(self.origin, wi), sampler, tracer);
-            // As in an image: what is not finite counts as black.
+            // As in an image, radiance that is not finite counts as black.
             Incident { radiance: if radiance.is_finite() { radiance } else { Rgb::ZERO }, distance }
         };
         (0..strata.count()).map(one).collect()
     }
 
-    /// Walls that stand on the surface within `radius`, as planes: the unit normal towards the site and the distance from it.
-    /// Where there are more than are kept, the radius that stays this side of the others.
-    pub fn walls(&self, radius: f32, tracer: &mut SceneTracer) -> ([([f32; 3], f32); WALLS], f32) {
+    /// Walls that stand on the surface within `radius`, as planes: the unit normal towards the site and the distance
+    /// from it. With them comes the radius that stays on this side of any further walls, beyond the number that a
+    /// record holds.
+    pub fn walls(&self, radius: f32, tracer: &mut SceneTracer) -> ([([f32; 3], f32); MAX_WALLS], f32) {
         let scene = tracer.scene;
         let frame = Frame::from_normal(self.facing);
-        let origin = self.origin + self.facing * (HEIGHT * radius);
+        let origin = self.origin + self.facing * (WALL_HEIGHT * radius);
         let mut met: Vec<(Vec3, Vec3)> = Vec::new();
-        for i in 0..DIRECTIONS {
-            let (sin, cos) = (std::f32::consts::TAU * (i as f32 + 0.5) / DIRECTIONS as f32).sin_cos();
+        for i in 0..WALL_DIRECTIONS {
+            let (sin, cos) = (std::f32::consts::TAU * (i as f32 + 0.5) / WALL_DIRECTIONS as f32).sin_cos();
             let direction = (frame.s * cos + frame.t * sin).normalize();
             let ray = Ray { origin, direction, tnear: 0.0, tfar: radius };
             let Some(hit) = tracer.intersect(&ray) else { continue };
             let surface = scene.interaction(&ray, &hit);
             let normal = if surface.ng.dot(direction) > 0.0 { -surface.ng } else { surface.ng };
-            if normal.dot(self.facing) < SAME_SURFACE {
+            if normal.dot(self.facing) < SAME_SURFACE_COSINE {
                 met.push((surface.point.p - self.p, normal));
             }
         }
         met.sort_by(|a, b| a.0.length_squared().total_cmp(&b.0.length_squared()));
-        let mut walls = [([0.0; 3], 0.0); WALLS];
+        let mut walls = [([0.0; 3], 0.0); MAX_WALLS];
         let (mut kept, mut reach) = (0, radius);
         for (at, normal) in met {
-            // What a wall hides needs no other; what lies in it neither.
+            // A point behind a wall that is already listed needs no wall of its own, and neither does a point in that
+            // wall.
             let slack = 1e-3 * radius;
             let is_hidden = |&(n, distance): &([f32; 3], f32)| at.dot(Vec3::from_array(n)) < slack - distance;
             if walls[..kept].iter().any(is_hidden) {
                 continue;
             }
-            if kept == WALLS {
+            if kept == MAX_WALLS {
                 reach = at.length();
                 break;
             }

@@ -156,7 +156,7 @@ fn share_aimed(emitter: &Emitter, balls: &[Ball]) -> f64 {
     if balls.is_empty() {
         return 1.0;
     }
-    let p = emitter.middle();
+    let p = emitter.centre();
     let one_minus_cos = |ball| Cone::new(p, ball).map_or(1.0, |cone| f64::from(cone.one_minus_cos));
     // A cone around the normal holds sin^2 of a cosine's light, and 2 (1 - cos) is no less.
     balls.iter().map(|ball| 2.0 * one_minus_cos(ball)).sum::<f64>().min(1.0)

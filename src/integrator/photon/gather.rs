@@ -23,7 +23,7 @@ use super::cut_disk::CutDisk;
 use super::estimate::{Estimate, MapQuery, direct, radiance};
 use super::{Nearest, PhotonMap};
 use crate::bsdf::{Lobes, Model as _};
-use crate::film::{Gathering, ShrinkingRadius};
+use crate::film::{PixelPhotonState, ShrinkingRadius};
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
@@ -154,7 +154,7 @@ impl<C: Spectrum> Transport<C> for Gather<C> {
         ray: Ray,
         context: &mut Context<'_, S, T, C>,
         first: &mut impl FnMut(FirstHit),
-        gathering: Option<&mut Gathering>,
+        gathering: Option<&mut PixelPhotonState>,
     ) -> C {
         let mut feedback = PixelFeedback { gathering, bias: C::ZERO };
         let radiance = self.follow(EyePath::new(ray), context, first, &mut feedback);
@@ -171,7 +171,7 @@ impl<C: Spectrum> Transport<C> for Gather<C> {
 
 /// What estimates tell the pixel.
 struct PixelFeedback<'g, C> {
-    gathering: Option<&'g mut Gathering>,
+    gathering: Option<&'g mut PixelPhotonState>,
     bias: C,
 }
 
@@ -481,12 +481,12 @@ impl<C: Spectrum> Gather<C> {
         path: &EyePath<C>,
         is_first: bool,
         feedback: &mut PixelFeedback<'_, C>,
-        radius: impl Fn(&mut Gathering) -> &mut ShrinkingRadius,
+        radius: impl Fn(&mut PixelPhotonState) -> &mut ShrinkingRadius,
     ) {
         let Some(gathering) = feedback.gathering.as_deref_mut() else { return };
         feedback.bias += path.walk.throughput * estimate.bias();
         if is_first && self.shrinking != Shrinking::Together {
-            radius(gathering).note(estimate.count);
+            radius(gathering).add_estimate(estimate.count);
         }
     }
 }

@@ -1,12 +1,13 @@
-//! Elements: what a scene's surfaces are cut into, and the tree above them.
+//! Elements: the subdivision of a scene's surfaces, and the hierarchy of clusters above them.
 //!
-//! A *patch* is one side of a triangle of the scene, or of a triangle inscribed in an analytic shape. Patches are the roots of
-//! trees of *elements*, each of which is four, made by halving the sides of the one above, the new corners put onto the shape
-//! where there is one. Above the patches is a binary tree of *clusters*. Elements and clusters are nodes of one array.
+//! A *patch* is one side of a triangle of the scene, or of a triangle inscribed in an analytic shape. Patches are the
+//! roots of quadtrees of *elements*: halving the sides of an element gives its four children, whose new corners are
+//! projected onto the shape where there is one. Above the patches is a binary tree of *clusters*. Elements and clusters
+//! are nodes of one array.
 //!
-//! Corners are vertices that neighbours of a surface share, in flat neighbours and smooth ones, so that the solution is
-//! continuous over them. A vertex in the middle of a side that only one neighbour has halved hangs: its value is that between the
-//! ends.
+//! Corners are vertices that neighbours on flat and smooth surfaces share, so that the solution is continuous over
+//! them. A hanging vertex lies in the middle of a side that only one neighbour has halved; its value is the mean of the
+//! side's ends.
 
 use std::collections::HashMap;
 
@@ -18,32 +19,32 @@ use crate::math::{Bounds, DVec3, HitPoint, Vec3};
 use crate::scene::{Body, Scene};
 use crate::shape::Analytic;
 
-/// Stands for "none".
+/// Index that stands for "none".
 pub(super) const NONE: u32 = u32::MAX;
 
 /// An element or a cluster.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
     pub centre: DVec3,
-    /// Unit normal; of a cluster the middle of its normals, or zero.
+    /// Unit normal; of a cluster the mean of its normals, or zero.
     pub normal: DVec3,
     pub area: f64,
-    /// Of a ball around `centre` that holds it.
+    /// Radius of a bounding sphere around `centre`.
     pub radius: f64,
     pub parent: u32,
-    /// Children follow each other from here on.
+    /// Index of the first child; children follow each other.
     pub first: u32,
     pub children: u32,
-    /// The patch that it is of; [`NONE`] for a cluster.
+    /// The patch that an element belongs to; [`NONE`] for a cluster.
     pub patch: u32,
-    /// Vertices of an element. Of a cluster its patches, as a range of [`Elements::order`], and its number.
+    /// Vertices of an element. Of a cluster, its patches as a range of [`Elements::order`], and its number.
     pub corners: [u32; 3],
-    /// Largest angle between a normal and `normal`.
+    /// Largest angle between `normal` and the normal of a surface below.
     pub cone: f64,
-    /// Of a convex side: area over that of the flat element.
-    pub swell: f64,
-    /// Whether something stands on it, or its corners do not tell what light is within.
-    pub is_cut: bool,
+    /// Area over the area of the flat element, on convex sides; 1 on others.
+    pub area_ratio: f64,
+    /// Whether another surface touches the element, or its vertices interpolate the irradiance inside badly.
+    pub is_discontinuous: bool,
 }
 
 impl Node {
@@ -65,20 +66,20 @@ impl Node {
 pub(super) struct Patch {
     pub surface: u32,
     pub is_front: bool,
-    /// Share of irradiance that is sent back.
+    /// Reflected fraction of irradiance.
     pub albedo: DVec3,
-    /// Emitted [W m^-2].
+    /// Emitted radiosity [W m^-2].
     pub emitted: DVec3,
-    /// Number of the shape that its corners lie on, or [`NONE`].
+    /// Index of the shape that the corners lie on, or [`NONE`].
     pub shape: u32,
     pub node: u32,
-    /// Bound of [`HitPoint`] for its points; of a shape, each point has its own.
+    /// Error bound of [`HitPoint`] for points of the patch. On a shape, each point has its own bound.
     pub error: f32,
 }
 
-/// Patches of one side of a face.
+/// The patches of one side of a face.
 #[derive(Clone, Copy, Debug, Default)]
-struct Side {
+struct PatchRange {
     first: u32,
     count: u32,
 }
@@ -91,42 +92,43 @@ pub(super) struct Elements {
     /// Patches in the order of the cluster tree.
     pub order: Vec<u32>,
     pub clusters: u32,
-    /// The top; [`NONE`] where there is nothing.
+    /// The root; [`NONE`] where the scene has no patches.
     pub top: u32,
     pub vertices: Vec<DVec3>,
-    /// The ends of the side whose middle a vertex is.
-    pub ends: Vec<[u32; 2]>,
+    /// For each vertex, the ends of the side that it halves.
+    pub side_ends: Vec<[u32; 2]>,
     middles: HashMap<[u32; 2], u32>,
     shapes: Vec<Analytic>,
-    sides: Vec<[Side; 2]>,
-    /// Square of the longest side below which nothing is divided.
-    least2: f64,
-    /// Bytes that may be used.
+    sides: Vec<[PatchRange; 2]>,
+    /// Square of the longest side below which no element is subdivided.
+    min_side2: f64,
+    /// Limit of memory, bytes.
     limit: usize,
 }
 
-/// A vertex of its surface, and the normal of the first patch that it is of.
+/// The vertices at a position on one side of a surface, each with the normal of its first patch.
 type Welds = HashMap<([u64; 3], u32, bool), Vec<(u32, DVec3)>>;
 
-/// Neighbours of a flat surface whose normals differ by less than this cosine share vertices.
-const FLAT: f64 = 0.9999;
-/// The same of a smooth surface: beyond that an edge is an edge.
-const SMOOTH: f64 = 0.2;
+/// Neighbouring patches of a flat surface share vertices where the cosine of their normals is above this.
+const FLAT_WELD_COSINE: f64 = 0.9999;
+/// The same for a smooth surface, where a smaller cosine is a real edge.
+const SMOOTH_WELD_COSINE: f64 = 0.2;
 
-/// Bytes for a patch, with its vertices and its share of clusters.
-const BYTES_A_PATCH: usize = 2 * size_of::<Node>() + size_of::<Patch>() + 200;
+/// Memory of a patch, with its vertices and its part of the clusters.
+const BYTES_PER_PATCH: usize = 2 * size_of::<Node>() + size_of::<Patch>() + 200;
 
-/// Elements have no more generations than this.
-const MOST_GENERATIONS: u32 = 16;
+/// Most levels of subdivision below a patch.
+const MAX_DEPTH: u32 = 16;
 
 impl Elements {
-    /// The patches of a scene and their clusters. `size`: longest side below which no element is divided; `limit`: bytes.
+    /// The patches of a scene and their clusters. `size`: longest side below which no element is subdivided; `limit`:
+    /// bytes.
     pub fn new(scene: &Scene, size: Option<f64>, limit: usize) -> Result<Self> {
         let bounds = &scene.info().bounds;
         let extent = if bounds.is_empty() { 1.0 } else { (bounds.max - bounds.min).length().max(f64::MIN_POSITIVE) };
         let least = size.unwrap_or(extent / 64.0);
-        let mut elements = Self { least2: least * least, limit, top: NONE, ..Self::default() };
-        elements.check(2 * scene.face_count() * BYTES_A_PATCH)?;
+        let mut elements = Self { min_side2: least * least, limit, top: NONE, ..Self::default() };
+        elements.check(2 * scene.face_count() * BYTES_PER_PATCH)?;
         let albedos: Vec<DVec3> =
             (0..scene.info().materials).map(|i| mean_albedo(scene.material(i as u32).mean())).collect();
         let mut welds = Welds::new();
@@ -144,7 +146,7 @@ impl Elements {
                     (triangles, None, 0.0, elements.shapes.len() as u32 - 1, true)
                 }
             };
-            let mut sides = [Side::default(); 2];
+            let mut sides = [PatchRange::default(); 2];
             for (is_front, side) in [true, false].into_iter().zip(&mut sides) {
                 let emitted = if is_front { emitted } else { DVec3::ZERO };
                 if albedo == DVec3::ZERO && emitted == DVec3::ZERO {
@@ -158,7 +160,7 @@ impl Elements {
                         elements.shapes[shape as usize].project(middle).1
                     });
                     let normal = if (flat.dot(outer) < 0.0) == is_front { -flat } else { flat };
-                    let least = if is_smooth { SMOOTH } else { FLAT };
+                    let least = if is_smooth { SMOOTH_WELD_COSINE } else { FLAT_WELD_COSINE };
                     let corners =
                         corners.map(|p| elements.welded(&mut welds, p, (face.surface, is_front), normal, least));
                     let patch = elements.patches.len() as u32;
@@ -176,13 +178,13 @@ impl Elements {
                 }
             }
             elements.sides.push(sides);
-            elements.check(roots.len() * BYTES_A_PATCH)
+            elements.check(roots.len() * BYTES_PER_PATCH)
         })?;
         elements.cluster(roots);
         Ok(elements)
     }
 
-    /// Whether so many bytes may be used.
+    /// Fails where this many bytes exceed the limit.
     pub fn check(&self, bytes: usize) -> Result<()> {
         if bytes <= self.limit {
             return Ok(());
@@ -197,23 +199,23 @@ impl Elements {
         Err(Error::new(ErrorKind::OutOfMemory, message))
     }
 
-    /// Memory that they take, bytes.
+    /// Memory of the elements, bytes.
     pub fn bytes(&self) -> usize {
         size_of::<Node>() * self.nodes.len()
             + size_of::<Patch>() * self.patches.len()
-            // Position, ends and entry of the table of middles.
+            // A vertex takes its position, its ends and its entry in the table of midpoints.
             + (24 + 8 + 24) * self.vertices.len()
-            + size_of::<[Side; 2]>() * self.sides.len()
+            + size_of::<[PatchRange; 2]>() * self.sides.len()
     }
 
     fn vertex(&mut self, p: DVec3, ends: [u32; 2]) -> u32 {
         self.vertices.push(p);
-        self.ends.push(ends);
+        self.side_ends.push(ends);
         self.vertices.len() as u32 - 1
     }
 
     fn welded(&mut self, welds: &mut Welds, p: DVec3, side: (u32, bool), normal: DVec3, least: f64) -> u32 {
-        // Adding zero makes one zero of both.
+        // Adding zero turns negative zero into positive zero.
         let key = ((p + DVec3::ZERO).to_array().map(f64::to_bits), side.0, side.1);
         let here = welds.entry(key).or_default();
         if let Some((vertex, _)) = here.iter().find(|(_, other)| other.dot(normal) > least) {
@@ -232,18 +234,18 @@ impl Elements {
         self.shapes.get(self.patches[patch as usize].shape as usize)
     }
 
-    /// An element with these corners; `area` of it where that is known to be a flat one's.
+    /// An element with these corners. `area` is its area where the area of a flat element is known.
     fn element(&self, corners: [u32; 3], normal: DVec3, patch: u32, parent: u32, area: Option<f64>) -> Node {
         let [a, b, c] = corners.map(|vertex| self.vertices[vertex as usize]);
         let centre = (a + b + c) / 3.0;
         let flat = 0.5 * (b - a).cross(c - a).length();
-        let (mut whole, mut swell) = (area.unwrap_or(flat), 1.0);
+        let (mut whole, mut area_ratio) = (area.unwrap_or(flat), 1.0);
         if let Some(shape) = self.shape(patch) {
             whole = curved_area(shape, &[a, b, c]);
-            // Convex sides are seen from far away, where their area counts. Concave ones surround who sees them, and so do the
-            // flat elements inscribed.
+            // Convex sides are seen from far away, where their area counts. Concave sides surround their receivers, and
+            // so do the inscribed flat elements.
             if (shape.project(centre).0 - centre).dot(normal) > 0.0 && flat > 0.0 {
-                swell = whole / flat;
+                area_ratio = whole / flat;
             }
         }
         let radius = [a, b, c].iter().map(|p| p.distance(centre)).fold(0.0, f64::max);
@@ -258,12 +260,12 @@ impl Elements {
             patch,
             corners,
             cone: 0.0,
-            swell,
-            is_cut: false,
+            area_ratio,
+            is_discontinuous: false,
         }
     }
 
-    /// Whether an element has children, or may get some.
+    /// Whether an element has children, or may be subdivided.
     pub fn is_divisible(&self, number: u32) -> bool {
         let node = &self.nodes[number as usize];
         if !node.is_leaf() {
@@ -271,40 +273,41 @@ impl Elements {
         }
         let [a, b, c] = self.triangle(node);
         let longest2 = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-        // Where halves would be lost in rounding, sides have no middle.
+        // Sides are not halved where rounding would make a half degenerate.
         let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
-        longest2 > self.least2 && longest2 > (1e-11 * reach).powi(2) && self.generation(number) < MOST_GENERATIONS
+        longest2 > self.min_side2 && longest2 > (1e-11 * reach).powi(2) && self.depth(number) < MAX_DEPTH
     }
 
-    fn generation(&self, mut number: u32) -> u32 {
-        let mut generation = 0;
+    fn depth(&self, mut number: u32) -> u32 {
+        let mut depth = 0;
         while self.nodes[number as usize].parent != NONE
             && !self.nodes[self.nodes[number as usize].parent as usize].is_cluster()
         {
             number = self.nodes[number as usize].parent;
-            generation += 1;
+            depth += 1;
         }
-        generation
+        depth
     }
 
-    /// The parts of a node, which gets them now if it has none.
-    pub fn parts(&mut self, number: u32) -> std::ops::Range<u32> {
+    /// The children of a node, which is subdivided now if it has none.
+    pub fn children_of(&mut self, number: u32) -> std::ops::Range<u32> {
         if self.nodes[number as usize].is_leaf() {
-            self.divide(number);
+            self.subdivide(number);
         }
         let node = &self.nodes[number as usize];
         debug_assert_ne!(node.children, 0);
         node.first..node.first + node.children
     }
 
-    /// The node above, where that is an element.
-    pub fn element_above(&self, number: u32) -> Option<u32> {
+    /// The parent of a node, where that is an element.
+    pub fn parent_element(&self, number: u32) -> Option<u32> {
         let parent = self.nodes[number as usize].parent;
         (parent != NONE && !self.nodes[parent as usize].is_cluster()).then_some(parent)
     }
 
-    /// Divides an element that has no children: [corner, corner, corner, middle], each with its corners in the same order.
-    fn divide(&mut self, number: u32) {
+    /// Subdivides an element that has no children into [corner, corner, corner, middle], each with its corners in the
+    /// same order.
+    fn subdivide(&mut self, number: u32) {
         let Node { corners: [a, b, c], normal, patch, area, .. } = self.nodes[number as usize];
         let [ab, bc, ca] = [[a, b], [b, c], [c, a]].map(|ends| self.middle(ends, patch));
         let first = self.nodes.len() as u32;
@@ -323,7 +326,7 @@ impl Elements {
         (node.first, node.children) = (first, 4);
     }
 
-    /// The vertex in the middle of a side.
+    /// The vertex in the middle of a side, which is added where it does not exist.
     fn middle(&mut self, mut ends: [u32; 2], patch: u32) -> u32 {
         ends.sort_unstable();
         if let Some(vertex) = self.middles.get(&ends) {
@@ -339,14 +342,14 @@ impl Elements {
         vertex
     }
 
-    /// The vertex in the middle of a side, where somebody has halved it.
+    /// The vertex in the middle of a side, where an element has halved that side.
     pub fn known_middle(&self, mut ends: [u32; 2]) -> Option<u32> {
         ends.sort_unstable();
         self.middles.get(&ends).copied()
     }
 
-    /// A point of an element by barycentric coordinates, as rays leave it: on the shape where there is one; and the normal
-    /// there on the element's side.
+    /// A point of an element by barycentric coordinates, as the origin of rays, and the normal there on the element's
+    /// side. The point is on the shape where there is one.
     pub fn point(&self, node: &Node, [s, t]: [f64; 2]) -> (HitPoint, Vec3) {
         let [a, b, c] = self.triangle(node);
         let p = a + s * (b - a) + t * (c - a);
@@ -364,8 +367,9 @@ impl Elements {
         }
     }
 
-    /// The leaf of a face's side at a place on it: `weights` of the second and third corner of a triangle, `p` on a shape, in
-    /// the scene frame. And the weights of the leaf's second and third corner.
+    /// The leaf at a point on one side of a face, and the barycentric weights of the leaf's second and third corner.
+    /// The point is given by the `weights` of the second and third corner of a triangle, and on a shape by `p`, scene
+    /// frame.
     pub fn leaf_at(&self, face: u32, is_front: bool, weights: [f32; 2], p: DVec3) -> Option<(u32, [f64; 2])> {
         let side = self.sides.get(face as usize)?[usize::from(!is_front)];
         let patches = &self.patches[side.first as usize..(side.first + side.count) as usize];
@@ -377,7 +381,7 @@ impl Elements {
         Some((number, inside(at)))
     }
 
-    /// The leaf below an element at weights of its second and third corner, and the weights of the leaf's.
+    /// The leaf below an element at weights of its second and third corner, and the weights of the leaf's corners.
     pub fn leaf_below(&self, mut number: u32, [mut s, mut t]: [f64; 2]) -> (u32, [f64; 2]) {
         while let Node { first, children: 4, .. } = self.nodes[number as usize] {
             let child;
@@ -389,7 +393,7 @@ impl Elements {
             } else if t > 0.5 {
                 (2, 2.0 * s, 2.0 * t - 1.0)
             } else {
-                // Its corners are opposite to the first, second and third.
+                // The corners of the middle child are opposite to the first, second and third corner.
                 (3, 1.0 - 2.0 * s, 1.0 - 2.0 * t)
             };
             number = first + child;
@@ -403,7 +407,7 @@ impl Elements {
             for number in numbers {
                 let node = &self.nodes[number as usize];
                 let [s, t] = weights(&self.triangle(node), p);
-                // How far inside, and not on the far side of the shape.
+                // The point should be inside the triangle, and not on the far side of the shape.
                 let height = (p - node.centre).dot(node.normal).abs() / node.radius;
                 let least = s.min(t).min(1.0 - s - t) - 4.0 * (height - 1.0).max(0.0);
                 if least > best.0 {
@@ -420,7 +424,7 @@ impl Elements {
         (number != NONE).then_some((number, inside(at)))
     }
 
-    /// The binary tree above the roots, the two sides of surfaces apart.
+    /// Builds the binary tree above the roots, in which the two sides of surfaces are separate.
     fn cluster(&mut self, roots: Vec<Node>) {
         if roots.is_empty() {
             return;
@@ -468,7 +472,7 @@ impl Elements {
 
     fn finish_cluster(&mut self, slot: u32, parent: u32, first: u32, range: std::ops::Range<u32>) {
         let [a, b] = [0, 1].map(|i| &self.nodes[(first + i) as usize]);
-        // Around the middle by area, where light comes from in the first order.
+        // The centre is the mean by area, where light comes from in first order.
         let area = a.area + b.area;
         let centre = if area > 0.0 { (a.area * a.centre + b.area * b.centre) / area } else { a.centre };
         let reach = |child: &Node| centre.distance(child.centre) + child.radius;
@@ -487,8 +491,8 @@ impl Elements {
             patch: NONE,
             corners: [range.start, range.end, self.clusters],
             cone: cone.min(std::f64::consts::PI),
-            swell: 1.0,
-            is_cut: false,
+            area_ratio: 1.0,
+            is_discontinuous: false,
         };
         self.clusters += 1;
         self.nodes[slot as usize] = cluster;
@@ -507,12 +511,12 @@ pub(super) fn empty() -> Node {
         patch: NONE,
         corners: [0; 3],
         cone: 0.0,
-        swell: 1.0,
-        is_cut: false,
+        area_ratio: 1.0,
+        is_discontinuous: false,
     }
 }
 
-/// Barycentric weights of the second and third corner for the point of a triangle's plane next to `p`.
+/// Barycentric weights of the second and third corner for the projection of `p` to a triangle's plane.
 fn weights(&[a, b, c]: &[DVec3; 3], p: DVec3) -> [f64; 2] {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let n = ab.cross(ac);
@@ -520,21 +524,22 @@ fn weights(&[a, b, c]: &[DVec3; 3], p: DVec3) -> [f64; 2] {
     if n2 > 0.0 { [ap.cross(ac).dot(n) / n2, ab.cross(ap).dot(n) / n2] } else { [0.0; 2] }
 }
 
-/// Weights of a point next to the triangle, moved onto it.
+/// Weights of a point close to the triangle, clamped to the triangle.
 fn inside([s, t]: [f64; 2]) -> [f64; 2] {
     let (s, t) = (s.max(0.0), t.max(0.0));
     let sum = s + t;
     if sum > 1.0 { [s / sum, t / sum] } else { [s, t] }
 }
 
-/// The point of a shape for the middle of a chord.
+/// The point of a shape that replaces the middle of a chord.
 fn on_shape(shape: &Analytic, p: DVec3) -> DVec3 {
     let (p, _) = shape.project(p);
-    // A disk is flat: what is on its edge stays inside.
+    // A disk is flat: the middle of a chord stays inside its edge.
     p
 }
 
-/// Area of the part of a shape that a triangle inscribed in it stands for: of flat triangles of two finer levels, extrapolated.
+/// Area of the part of a shape that an inscribed triangle represents: the areas of flat triangles of two finer levels,
+/// extrapolated.
 fn curved_area(shape: &Analytic, triangle: &[DVec3; 3]) -> f64 {
     let area = |t: &[DVec3; 3]| 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length();
     let divided = |t: &[DVec3; 3]| {
@@ -545,11 +550,11 @@ fn curved_area(shape: &Analytic, triangle: &[DVec3; 3]) -> f64 {
     let once = divided(triangle);
     let coarse: f64 = once.iter().map(area).sum();
     let fine: f64 = once.iter().flat_map(divided).map(|t| area(&t)).sum();
-    // The error falls by four with each level.
+    // The error falls by a factor of four with each level.
     fine + (fine - coarse) / 3.0
 }
 
-/// The share of a diffuse surface's irradiance that it sends back, where the same radiance comes from all directions; 0 for
+/// The fraction of a diffuse surface's irradiance that it reflects where the incident radiance is uniform; 0 for
 /// mirrors and glass.
 pub(super) fn mean_albedo(bsdf: &Bsdf) -> DVec3 {
     if !bsdf.lobes().have_diffuse() || bsdf.is_black() {
@@ -558,7 +563,7 @@ pub(super) fn mean_albedo(bsdf: &Bsdf) -> DVec3 {
     if bsdf.constant_f().is_some() {
         return bsdf.albedo().to_f64();
     }
-    // Mean of the directional albedo by the cosine, by the rule of the middle in its square.
+    // Cosine-weighted mean of the directional albedo, by the midpoint rule in the squared cosine.
     const STEPS: u32 = 4096;
     let at = |i: u32| {
         let cos2 = (f64::from(i) + 0.5) / f64::from(STEPS);
@@ -568,7 +573,7 @@ pub(super) fn mean_albedo(bsdf: &Bsdf) -> DVec3 {
     (0..STEPS).map(at).sum::<DVec3>() / f64::from(STEPS)
 }
 
-/// The middles of a triangle's quarters: a rule of integration that its quarters share.
+/// The centres of a triangle's quarters: a quadrature rule whose points the quarters share.
 pub(super) fn quarter_centres(triangle: &[DVec3; 3]) -> [DVec3; 4] {
     quarters(triangle).map(|[a, b, c]| (a + b + c) / 3.0)
 }

@@ -1,21 +1,23 @@
-//! Form factors of polygons: what share of the light that leaves one reaches the other, nothing being in between.
+//! Form factors of polygons: the fraction of the light leaving one that reaches the other, without occlusion.
 //!
-//! From a point the factor is Lambert's closed form, in double precision, of what of the polygon is above the horizon. Between
-//! two polygons it is the mean of that over one of them, by adaptive quadrature: the inner integral is exact, so that shared
-//! edges, where the kernel 1 / r^2 has a pole, leave no more than a bounded function with a kink.
+//! From a point, the factor is Lambert's closed form in double precision, for the part of the polygon above the
+//! horizon. Between two polygons, the factor is the mean of the point's factor over one of them, by adaptive
+//! quadrature. The inner integral is exact, so that shared edges, where the kernel 1 / r^2 has a pole, only leave a
+//! bounded function with a kink.
 //!
-//! Sources: Lambert 1760, *Photometria*; Baum, Rushmeier, Winget 1989, "Improving Radiosity Solutions Through the Use of
-//! Analytically Determined Form-Factors"; Radon 1948 (the rule of seven points).
+//! Sources: Lambert 1760, *Photometria*; Baum, Rushmeier, Winget 1989, "Improving Radiosity Solutions Through the Use
+//! of Analytically Determined Form-Factors"; Radon 1948 (the rule of seven points).
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use crate::math::DVec3;
 
-/// Share of a hemisphere's cosine-weighted directions at `p` with unit normal `n` that meet a flat convex polygon: the
-/// irradiance by a polygon of radiosity 1, whichever side of it `p` is on. What is below the horizon does not count.
+/// Fraction of a hemisphere's cosine-weighted directions at `p` with unit normal `n` that meet a flat convex polygon:
+/// the irradiance from a polygon of radiosity 1, on whichever side of it `p` is. The part below the horizon does not
+/// count.
 ///
-/// `corners` in order around the edge, of any number from 3. For `p` on the polygon itself or on its edge the value is one
-/// of the limits there.
+/// `corners` in order around the edge, of any number from 3. For `p` on the polygon itself or on its edge the value is
+/// one of the limits there.
 pub fn point_to_polygon(p: DVec3, n: DVec3, corners: &[DVec3]) -> f64 {
     let Some(&last) = corners.last() else { return 0.0 };
     let mut a = last - p;
@@ -41,14 +43,15 @@ pub fn point_to_polygon(p: DVec3, n: DVec3, corners: &[DVec3]) -> f64 {
         }
         (a, height_a) = (b, height_b);
     }
-    // Along the horizon.
+    // The edge along the horizon.
     if let (Some(exit), Some(entry)) = (exit, entry) {
         sum += edge(exit, entry, n);
     }
     (sum.abs() / TAU).min(1.0)
 }
 
-/// One edge's part of the sum: its angle, times the cosine between `n` and the normal of the plane through it and the point.
+/// The term of one edge: its angle, times the cosine between `n` and the normal of the plane through the edge and the
+/// point.
 #[inline]
 fn edge(a: DVec3, b: DVec3, n: DVec3) -> f64 {
     let cross = a.cross(b);
@@ -56,8 +59,9 @@ fn edge(a: DVec3, b: DVec3, n: DVec3) -> f64 {
     if sine > 0.0 { angle(sine, a.dot(b)) * (cross.dot(n) / sine) } else { 0.0 }
 }
 
-/// The angle in [0, pi] whose sine and cosine are in proportion to these, `sine` being no less than 0 and not both 0: as
-/// `sine.atan2(cosine)` but for four times the rounding of one, and faster: that took half of a solution's time.
+/// The angle in [0, pi] whose sine and cosine are proportional to the arguments; `sine` is at least 0 and not both are
+/// 0. It equals `sine.atan2(cosine)` up to four times the rounding error of that function, and it is faster: `atan2`
+/// took half of a solution's time.
 ///
 /// Source: Moshier 1989, *Methods and Programs for Mathematical Functions* (Cephes, `atan.c`).
 #[inline]
@@ -81,20 +85,21 @@ fn angle(sine: f64, cosine: f64) -> f64 {
     if cosine < 0.0 { PI - acute } else { acute }
 }
 
-/// The same for the front of a polygon with unit normal `facing`: 0 for a point behind it.
+/// The factor of [`point_to_polygon`] for the front of a polygon with unit normal `facing`: 0 for a point behind it.
 #[inline]
 pub(super) fn point_to_front(p: DVec3, n: DVec3, corners: &[DVec3], facing: DVec3) -> f64 {
     if (p - corners[0]).dot(facing) > 0.0 { point_to_polygon(p, n, corners) } else { 0.0 }
 }
 
-/// The form factor F12 of two flat convex polygons, on the sides from which their corners run counter-clockwise: the share of
-/// what `from` sends that reaches `to`.
+/// The form factor F12 of two flat convex polygons, on the sides from which their corners run counter-clockwise: the
+/// fraction of the light leaving `from` that reaches `to`.
 ///
-/// `tolerance`: of the result, absolute. At most some ten thousand evaluations of [`point_to_polygon`]; polygons without area
-/// have factor 0.
+/// `tolerance`: absolute error of the result. The function evaluates [`point_to_polygon`] at most about ten thousand
+/// times; polygons without area have factor 0.
 pub fn polygon_to_polygon(from: &[DVec3], to: &[DVec3], tolerance: f64) -> f64 {
     let (Some((n, area)), Some((facing, other))) = (plane(from), plane(to)) else { return 0.0 };
-    // From the smaller one all that is seen of the larger is found, which the other way round might be missed.
+    // The integral over the smaller polygon includes all visible parts of the larger one; the other order might miss
+    // some.
     if area <= other {
         mean_over(from, area, &|p| point_to_front(p, n, to, facing), tolerance)
     } else {
@@ -103,38 +108,39 @@ pub fn polygon_to_polygon(from: &[DVec3], to: &[DVec3], tolerance: f64) -> f64 {
     }
 }
 
-/// Mean of `f` over a polygon of this area.
+/// Mean of `f` over a polygon with this area.
 fn mean_over(polygon: &[DVec3], area: f64, f: &impl Fn(DVec3) -> f64, tolerance: f64) -> f64 {
     let fan = (2..polygon.len()).map(|i| [polygon[0], polygon[i - 1], polygon[i]]);
-    fan.map(|t| triangle_area(&t) / area * mean(f, &t, tolerance, MOST_HALVINGS)).sum()
+    fan.map(|t| triangle_area(&t) / area * mean(f, &t, tolerance, MAX_HALVINGS)).sum()
 }
 
 pub(super) fn triangle_area(t: &[DVec3; 3]) -> f64 {
     0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length()
 }
 
-/// Unit normal of a flat polygon whose corners run counter-clockwise seen from its tip; `None` where it has no area.
+/// Unit normal of a flat polygon, on the side from which its corners run counter-clockwise; `None` where the polygon
+/// has no area.
 pub(super) fn normal(corners: &[DVec3]) -> Option<DVec3> {
     plane(corners).map(|(normal, _)| normal)
 }
 
-/// Normal and area.
+/// Unit normal and area.
 fn plane(corners: &[DVec3]) -> Option<(DVec3, f64)> {
     let first = *corners.first()?;
     let cross: DVec3 = corners.windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum();
     Some((cross.try_normalize()?, 0.5 * cross.length()))
 }
 
-/// So often a triangle's sides are halved at most.
-const MOST_HALVINGS: u32 = 12;
+/// Most levels of the adaptive quadrature.
+const MAX_HALVINGS: u32 = 12;
 
-/// Nodes of Radon's rule of degree five: barycentric coordinates and weight of three points each, besides the middle.
+/// Radon's rule of degree five: barycentric coordinates and weight for two groups of three points, besides the centre.
 const RADON: [(f64, f64, f64); 2] = [
     (0.059_715_871_789_769_82, 0.470_142_064_105_115_1, 0.132_394_152_788_506_16),
     (0.797_426_985_353_087_2, 0.101_286_507_323_456_34, 0.125_939_180_544_827_15),
 ];
 
-/// Mean of `f` over a triangle. `tolerance`: allowed error of it, absolute. `halvings`: how often it may be divided.
+/// Mean of `f` over a triangle. `tolerance`: allowed absolute error. `halvings`: levels of subdivision that are left.
 pub(super) fn mean(f: &impl Fn(DVec3) -> f64, triangle: &[DVec3; 3], tolerance: f64, halvings: u32) -> f64 {
     let whole = rule(f, triangle);
     refine(f, triangle, whole, tolerance, halvings)
@@ -145,7 +151,7 @@ fn rule(f: &impl Fn(DVec3) -> f64, triangle: &[DVec3; 3]) -> f64 {
     places.into_iter().zip(weights).map(|(p, weight)| weight * f(p)).sum()
 }
 
-/// The places of that rule in a triangle, and their weights.
+/// The points of Radon's rule in a triangle, and their weights.
 pub(super) fn places(&[a, b, c]: &[DVec3; 3]) -> ([DVec3; 7], [f64; 7]) {
     let [(o, p, w), (q, r, v)] = RADON;
     let at =
@@ -161,15 +167,16 @@ fn refine(f: &impl Fn(DVec3) -> f64, triangle: &[DVec3; 3], whole: f64, toleranc
     let parts = quarters(triangle);
     let means = parts.each_ref().map(|part| rule(f, part));
     let finer = 0.25 * means.iter().sum::<f64>();
-    // The finer value is far better than the difference says; what remains is where there is a kink.
+    // The finer value is far more accurate than the difference says; larger errors remain only where the function has a
+    // kink.
     if (finer - whole).abs() <= 4.0 * tolerance {
         return finer;
     }
-    // Errors of the parts are independent of each other, or nearly: each may have twice its share.
+    // The errors of the quarters are nearly independent, so each may have twice its part of the tolerance.
     0.25 * (0..4).map(|i| refine(f, &parts[i], means[i], 2.0 * tolerance, halvings - 1)).sum::<f64>()
 }
 
-/// The four triangles that the middles of the sides make: those at the three corners, and the one between.
+/// The four triangles between the corners and the middles of the sides: those at the three corners, and the middle one.
 pub(super) fn quarters(&[a, b, c]: &[DVec3; 3]) -> [[DVec3; 3]; 4] {
     let (ab, bc, ca) = (0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a));
     [[a, ab, ca], [ab, b, bc], [ca, bc, c], [bc, ca, ab]]
@@ -183,7 +190,7 @@ mod tests {
     fn angles_are_those_of_the_standard_library() {
         let mut worst = 0.0_f64;
         for i in 0..200_000 {
-            // All around, and close to both ends.
+            // All angles, and angles close to both ends of the range.
             let exact = PI * f64::from(i) / 200_000.0;
             for turn in [exact, exact * 1e-9, exact.powi(4) / PI.powi(3)] {
                 for (sine, cosine) in [(turn.sin(), turn.cos()), (1e-150 * turn.sin(), -1e-150 * turn.cos())] {

@@ -1,4 +1,4 @@
-//! Light of and at nodes: radiosities, and functions of direction for clusters.
+//! Radiosity of nodes, and functions of direction for clusters.
 
 use std::f64::consts::FRAC_1_PI;
 use std::ops::AddAssign;
@@ -7,18 +7,18 @@ use super::elements::{Elements, NONE, Node};
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 
-/// A smooth function of direction for each colour channel: a polynomial of second degree, which spans the same as spherical
-/// harmonics up to band 2.
+/// A smooth function of direction for each colour channel: a polynomial of second degree, which spans the same space as
+/// spherical harmonics up to band 2.
 ///
-/// 1, x, y, z, xx, yy, zz, xy, yz, zx.
+/// Coefficients of 1, x, y, z, xx, yy, zz, xy, yz, zx.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Moments([DVec3; 10]);
+pub(super) struct DirectionalPolynomial([DVec3; 10]);
 
-impl Moments {
-    /// Adds `weight` max(0, n . d), as function of n or d, as far as band 2 holds it: within 3/32 of `weight`.
+impl DirectionalPolynomial {
+    /// Adds `weight` max(0, n . d) as a function of n or d, projected to band 2: the error is within 3/32 of `weight`.
     ///
-    /// Source: Ramamoorthi and Hanrahan 2001, "An Efficient Representation for Irradiance Environment Maps": 1/4, 1/2 and 5/16 of
-    /// the Legendre polynomials.
+    /// Source: Ramamoorthi and Hanrahan 2001, "An Efficient Representation for Irradiance Environment Maps": 1/4, 1/2
+    /// and 5/16 of the Legendre polynomials.
     #[inline]
     pub fn add_lobe(&mut self, d: DVec3, weight: DVec3) {
         self.0[0] += 3.0 / 32.0 * weight;
@@ -40,7 +40,7 @@ impl Moments {
         self.0[3] += d.z * weight;
     }
 
-    /// The function at the unit vector `n`, no less than 0.
+    /// The value at the unit vector `n`, at least 0.
     #[inline]
     pub fn at(&self, n: DVec3) -> DVec3 {
         let m = &self.0;
@@ -50,8 +50,8 @@ impl Moments {
     }
 }
 
-impl Moments {
-    /// The sum of the lobes at the unit vector `n`, exactly, where it is on the bright side of all of them.
+impl DirectionalPolynomial {
+    /// The sum of the lobes at the unit vector `n`, which is exact where `n` is on the positive side of all lobes.
     #[inline]
     pub fn at_facing(&self, n: DVec3) -> DVec3 {
         let m = &self.0;
@@ -59,7 +59,7 @@ impl Moments {
     }
 }
 
-impl AddAssign<&Self> for Moments {
+impl AddAssign<&Self> for DirectionalPolynomial {
     fn add_assign(&mut self, other: &Self) {
         for (mine, theirs) in self.0.iter_mut().zip(&other.0) {
             *mine += *theirs;
@@ -67,49 +67,49 @@ impl AddAssign<&Self> for Moments {
     }
 }
 
-/// What all nodes send.
+/// Radiosity of all nodes.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sent {
-    /// Radiosity of each node [W m^-2]; of one with children, the mean by area.
+pub(super) struct NodeRadiosity {
+    /// Radiosity of each node [W m^-2]; of a node with children, the mean by area.
     pub b: Vec<DVec3>,
-    /// How far, at most, radiosities below are from that.
+    /// Largest difference of a radiosity below each node from that mean.
     pub spread: Vec<f32>,
-    /// The largest below.
-    pub most: Vec<f32>,
-    /// How it is spread over the node: the integral of what it differs from `b`, times the weight of the first and of the
-    /// second corner, over the area. That of the third is what is missing to 0.
+    /// Largest radiosity below each node.
+    pub largest: Vec<f32>,
+    /// Linear variation over each node: the integral of the difference from `b`, times the barycentric weight of the
+    /// first and of the second corner, over the area. The value of the third corner makes the sum 0.
     pub tilt: Vec<[Rgb; 2]>,
-    /// Of each cluster: radiant intensity [W sr^-1] by direction.
-    pub intensity: Vec<Moments>,
+    /// Radiant intensity of each cluster by direction [W sr^-1].
+    pub intensity: Vec<DirectionalPolynomial>,
 }
 
-impl Sent {
-    /// Fills up from the leaves, whose radiosities are in place.
+impl NodeRadiosity {
+    /// Computes all inner nodes from the radiosities of the leaves.
     pub fn pull(&mut self, elements: &Elements) {
         let nodes = &elements.nodes;
         self.b.resize(nodes.len(), DVec3::ZERO);
         self.spread.resize(nodes.len(), 0.0);
-        self.most.resize(nodes.len(), 0.0);
+        self.largest.resize(nodes.len(), 0.0);
         self.tilt.resize(nodes.len(), [Rgb::ZERO; 2]);
         self.intensity.clear();
-        self.intensity.resize(elements.clusters as usize, Moments::default());
+        self.intensity.resize(elements.clusters as usize, DirectionalPolynomial::default());
         // Children come after their parents.
         for (i, node) in nodes.iter().enumerate().rev() {
             if node.is_leaf() {
-                self.most[i] = self.b[i].max_element() as f32;
+                self.largest[i] = self.b[i].max_element() as f32;
                 self.spread[i] = 0.0;
                 self.tilt[i] = [Rgb::ZERO; 2];
             } else {
-                let (mut sum, mut area, mut most) = (DVec3::ZERO, 0.0, 0.0);
+                let (mut sum, mut area, mut largest) = (DVec3::ZERO, 0.0, 0.0);
                 for child in node.range() {
                     sum += nodes[child].area * self.b[child];
                     area += nodes[child].area;
-                    most = f32::max(most, self.most[child]);
+                    largest = f32::max(largest, self.largest[child]);
                 }
                 let mean = if area > 0.0 { sum / area } else { DVec3::ZERO };
                 let spread = |child: usize| (self.b[child] - mean).abs().max_element() as f32 + self.spread[child];
                 let spread = node.range().map(spread).fold(0.0, f32::max);
-                (self.b[i], self.most[i], self.spread[i]) = (mean, most, spread);
+                (self.b[i], self.largest[i], self.spread[i]) = (mean, largest, spread);
                 if !node.is_cluster() {
                     self.tilt[i] = self.tilt_of(nodes, node, mean);
                 }
@@ -131,7 +131,8 @@ impl Sent {
         }
     }
 
-    /// The tilt of an element by those of its quarters: three at its corners and the one between, which is turned round.
+    /// The linear variation of an element from its quarters: three at its corners and one in the middle, which is
+    /// rotated by 180 degrees.
     fn tilt_of(&self, nodes: &[Node], node: &Node, mean: DVec3) -> [Rgb; 2] {
         [0, 1].map(|corner| {
             let mut sum = Rgb::ZERO;
@@ -141,8 +142,8 @@ impl Sent {
                     quarter if quarter == corner => (2.0 / 3.0, 0.5),
                     _ => (1.0 / 6.0, 0.5),
                 };
-                let share = (nodes[child].area / node.area) as f32;
-                sum += share * (weight * Rgb::from_f64(self.b[child] - mean) + side * self.tilt[child][corner]);
+                let fraction = (nodes[child].area / node.area) as f32;
+                sum += fraction * (weight * Rgb::from_f64(self.b[child] - mean) + side * self.tilt[child][corner]);
             }
             sum
         })

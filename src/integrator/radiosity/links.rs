@@ -1,12 +1,12 @@
-//! Links: which nodes exchange light as wholes, and how much of it.
+//! Links: the pairs of nodes that exchange light as wholes, and how much light.
 
 use std::f64::consts::FRAC_PI_2;
 
 use super::elements::Node;
-use super::light::Sent;
+use super::light::NodeRadiosity;
 use crate::math::DVec3;
 
-/// Numbers from here on are point lights.
+/// Indices from this one on are point lights.
 pub(super) const POINT: u32 = 1 << 31;
 
 /// A point light, scene frame.
@@ -17,36 +17,38 @@ pub(super) struct PointLight {
     pub intensity: DVec3,
 }
 
-/// One node's light at another.
+/// The transport of light from one node to another.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Link {
     pub receiver: u32,
     /// A node, or a point light from [`POINT`] on.
     pub source: u32,
-    /// Irradiance at the receiver (at a cluster: across the way to the source) per strength of the source, nothing being in
-    /// between: per radiosity of an element [1], per radiant intensity of a cluster or point [length^-2].
+    /// Unoccluded irradiance at the receiver for each unit of the source's strength: per radiosity of an element [1],
+    /// per radiant intensity of a cluster or point light [length^-2]. Where the receiver is a cluster, irradiance is
+    /// that of a plane perpendicular to the direction of the source.
     pub factor: f32,
-    /// Share that is not blocked.
+    /// Visible fraction of the source's light.
     pub visible: f32,
-    /// The same by other rays: by these it is decided whether to divide. A share that had to pass that test would be a biased
-    /// one: links seen less than half would be divided, and lost, more often than those seen more.
+    /// The same by other rays, which decide whether to subdivide. A fraction that had to pass that test would be
+    /// biased: links with a measured visibility below one half would be subdivided, and lost, more often than links
+    /// above it.
     pub seen: f32,
-    /// What `factor` times `visible` may be wrong by; 0 where nothing can be done about it.
+    /// Error of `factor` times `visible`; 0 where no subdivision can reduce it.
     pub error: f32,
-    pub shares: Shares,
-    pub kind: Kind,
+    pub quarter_weights: QuarterWeights,
+    pub kind: LinkKind,
 }
 
-/// What share of a link's form factor each quarter of its source has: what is near is bright, usually, so that a mean by area
-/// would lack some.
+/// The fraction of a link's form factor that belongs to each quarter of its source. A quarter that is near usually is
+/// bright as well, so that a mean by area would underestimate the irradiance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Shares([u16; 3]);
+pub(super) struct QuarterWeights([u16; 3]);
 
-impl Shares {
-    /// By area.
+impl QuarterWeights {
+    /// Weights by area.
     pub const EVEN: Self = Self([u16::MAX; 3]);
 
-    /// By form factors of the quarters; by area where they are all 0.
+    /// Weights by form factors of the quarters; by area where these are all 0.
     pub fn new(factors: [f64; 4]) -> Self {
         let sum: f64 = factors.iter().sum();
         if sum > 0.0 {
@@ -56,7 +58,7 @@ impl Shares {
         }
     }
 
-    /// The mean by these of what a node's parts have; `whole`: its mean by area.
+    /// The weighted mean of a quantity over a node's quarters. `whole`: its mean by area.
     #[inline]
     pub fn mean<T>(self, source: &Node, of: &[T], whole: T) -> T
     where
@@ -66,22 +68,22 @@ impl Shares {
             return whole;
         }
         let parts = &of[source.first as usize..source.first as usize + 4];
-        let [a, b, c] = self.0.map(|share| f64::from(share) / f64::from(u16::MAX - 1));
+        let [a, b, c] = self.0.map(|weight| f64::from(weight) / f64::from(u16::MAX - 1));
         parts[0] * a + parts[1] * b + parts[2] * c + parts[3] * (1.0 - a - b - c)
     }
 }
 
-/// How a link's irradiance depends on the receiving surfaces.
+/// How a link's irradiance depends on the orientation of the receiving surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum LinkKind {
     /// The receiver is an element.
     Element,
     /// All surfaces of the receiving cluster face the source.
     Facing,
-    /// Some do not.
+    /// Some surfaces of the receiving cluster do not face the source.
     Mixed,
-    /// Nodes that are in each other's way, of which one is too dark to matter. Its strength is the largest radiosity.
-    Dim,
+    /// The nodes overlap or nearly so, and the source is too dark to matter. The strength is the largest radiosity.
+    Negligible,
 }
 
 /// Whether all surfaces of a cluster face the unit direction `d`.
@@ -91,12 +93,12 @@ pub(super) fn faces(cluster: &Node, d: DVec3) -> bool {
 
 /// Radiant intensity of a cluster in the unit direction `d`.
 #[inline]
-pub(super) fn intensity(cluster: &Node, sent: &Sent, d: DVec3) -> DVec3 {
-    let moments = &sent.intensity[cluster.corners[2] as usize];
+pub(super) fn intensity(cluster: &Node, radiosity: &NodeRadiosity, d: DVec3) -> DVec3 {
+    let moments = &radiosity.intensity[cluster.corners[2] as usize];
     if faces(cluster, d) { moments.at_facing(d) } else { moments.at(d) }
 }
 
-/// Irradiance by a point of intensity 1.
+/// Irradiance by a point light of intensity 1.
 pub(super) fn point_factor(way: DVec3, n: DVec3) -> f64 {
     let distance2 = way.length_squared();
     let cosine = way.dot(n).max(0.0);

@@ -1,39 +1,42 @@
-//! Radiosity: the light of a diffuse scene, solved for all of it at once and for every view.
+//! Radiosity: the light of a diffuse scene, solved once for all surfaces and for every view.
 //!
-//! Surfaces are cut into elements, whose form factors say how much of one's light reaches another. That is a system of linear
-//! equations, and hierarchical: parts of a wall that are far from each other exchange light as wholes, so that its cost grows
-//! about as the number of elements. Pictures of the solution cost one ray a sample.
+//! Surfaces are divided into elements, and form factors say what fraction of the light that leaves one element reaches
+//! another. The result is a system of linear equations. The system is hierarchical: distant parts of a wall exchange
+//! light as wholes, so that its cost grows about in proportion to the number of elements. Images of the solution cost
+//! one ray for each sample.
 //!
-//! # What it does and how
+//! # Method
 //!
-//! - Elements are sides of triangles, divided where light changes ([`form_factor`], `elements`, `links`). Inscribed triangles
-//!   stand for spheres, disks and quadrics, with the areas of these.
-//! - Clusters above them exchange light as points do, by functions of direction, so that scenes of many triangles are no worse
-//!   than others.
-//! - Rays say what share of a pair's light is blocked.
-//! - The solution is irradiance at vertices, and continuous over flat surfaces and smooth ones. Emission is never interpolated.
-//! - With `radiosityFinalGather`, what the camera sees takes direct light from light samples and indirect light from a ray into
-//!   the solution: shadows and contacts are as sharp as a path tracer's.
+//! - Elements are sides of triangles, subdivided where irradiance changes ([`form_factor`], `elements`, `links`).
+//!   Inscribed triangles stand for spheres, disks and quadrics, with the areas of these shapes.
+//! - Above the elements is a hierarchy of clusters, which exchange light as points do, by functions of direction.
+//!   Scenes of many triangles are therefore no worse than others.
+//! - Rays measure what fraction of a pair's light is blocked.
+//! - The solution is irradiance at vertices, and it is continuous over flat surfaces and smooth ones. Emission is never
+//!   interpolated.
+//! - With `radiosityFinalGather`, surfaces that the camera sees take direct light from light samples and indirect light
+//!   from a ray into the solution: shadows and contacts are as sharp as a path tracer's.
 //!
 //! # When it is a poor choice
 //!
-//! Where surfaces are not diffuse: mirrors and glass are black to it, rough diffuse surfaces are Lambert's of the same mean albedo.
-//! Where shadows are fine against elements, unless the final gather draws them.
+//! Where surfaces are not diffuse: mirrors and glass are black in the solution, and rough diffuse surfaces are
+//! Lambertian with the same mean albedo. Where shadows are smaller than elements, unless the final gather draws them.
 //!
 //! ```json
 //! {"integrator": "radiosity", "radiosityError": 1, "radiosityIterations": null, "radiosityTolerance": 0.0001,
 //!  "radiositySolver": "gather", "radiosityAmbient": false, "radiosityFinalGather": false, "radiosityMemory": 1024}
 //! ```
 //!
-//! Sources: Goral et al. 1984, "Modeling the Interaction of Light Between Diffuse Surfaces"; Cohen et al. 1988, "A Progressive
-//! Refinement Approach to Fast Radiosity Image Generation"; Hanrahan, Salzman, Aupperle 1991, "A Rapid Hierarchical Radiosity
-//! Algorithm"; Smits, Arvo, Greenberg 1994, "A Clustering Algorithm for Radiosity in Complex Environments".
+//! Sources: Goral et al. 1984, "Modeling the Interaction of Light Between Diffuse Surfaces"; Cohen et al. 1988, "A
+//! Progressive Refinement Approach to Fast Radiosity Image Generation"; Hanrahan, Salzman, Aupperle 1991, "A Rapid
+//! Hierarchical Radiosity Algorithm"; Smits, Arvo, Greenberg 1994, "A Clustering Algorithm for Radiosity in Complex
+//! Environments".
 
 mod elements;
 pub mod form_factor;
-mod judge;
 mod light;
 mod links;
+mod oracle;
 mod picture;
 mod refine;
 mod shoot;
@@ -44,7 +47,7 @@ mod visibility;
 
 pub(crate) use picture::RadiosityPicture;
 
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 
 use crate::control::{Parallel, Part};
@@ -57,30 +60,30 @@ use crate::sampling::Rng;
 use crate::scene::{FaceNumbers, Hit, Scene};
 use crate::spectrum::Rgb;
 use elements::{Elements, NONE};
-use judge::Judge;
-use refine::{Network, Shared};
-use solve::Course;
+use oracle::RefinementOracle;
+use refine::{LinkHierarchy, SharedHierarchy};
+use solve::Convergence;
 
-/// What a solution came to.
+/// Size, convergence and cost of a solution.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RadiositySummary {
-    /// Elements that are not divided any further, both sides of surfaces counted.
+    /// Number of elements that are not subdivided any further; both sides of surfaces count.
     pub elements: usize,
-    /// Links between elements or clusters.
+    /// Number of links between elements or clusters.
     pub links: usize,
-    /// Iterations of the last solution: bounces gathered, or bodies that shot.
+    /// Iterations of the last solution: bounces gathered, or patches and point lights that shot.
     pub iterations: u32,
-    /// What the last iteration changed, over what there is, both as sums of area times radiosity.
+    /// Change by the last iteration over the total, both as sums of area times radiosity.
     pub residual: f64,
-    /// Bound on what more iterations would change, in the same measure. It knows nothing of what the links are wrong by.
+    /// Bound on the change by further iterations, in the same measure. It does not include the error of the links.
     pub error_bound: f64,
-    /// Light emitted and light absorbed by surfaces (W), per channel.
+    /// Light emitted and light absorbed by surfaces [W], for each channel.
     pub emitted: Rgb,
     /// See `emitted`.
     pub absorbed: Rgb,
-    /// Memory of elements and links while it was solved, bytes.
+    /// Memory of elements and links during the solution, bytes.
     pub memory: usize,
-    /// Time it took.
+    /// Time that the solution took.
     pub elapsed: Duration,
 }
 
@@ -101,56 +104,59 @@ pub struct Radiosity {
 pub struct RadiosityMesh {
     /// Positions, world frame.
     pub positions: Vec<DVec3>,
-    /// Radiosity at each [W m^-2]: what is emitted and what is reflected.
+    /// Radiosity at each vertex [W m^-2]: emitted and reflected.
     pub radiosity: Vec<Rgb>,
-    /// Irradiance at each [W m^-2].
+    /// Irradiance at each vertex [W m^-2].
     pub irradiance: Vec<Rgb>,
-    /// Three indices each, counter-clockwise seen from the side that they are of.
+    /// Three indices for each triangle, counter-clockwise seen from the side that it belongs to.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// By what the allowed error of a link is larger at first: brightness is not known yet.
-const COARSENESS: [f64; 4] = [64.0, 16.0, 4.0, 1.0];
+/// Factors on the allowed error of a link in the first refinements, when radiosities are not known yet.
+const COARSE_FACTORS: [f64; 4] = [64.0, 16.0, 4.0, 1.0];
 
-/// Once it is, links are looked at again so often.
-const REPEATS: usize = 2;
+/// Number of further refinements at the full accuracy.
+const FULL_REFINEMENTS: usize = 2;
 
-/// How often leaves are divided whose corners do not tell what light is within, and by how much that is, in what a link may be
-/// wrong by.
-const DIVISIONS: usize = 2;
-const BETWEEN: f64 = 3.0;
+/// Number of times that discontinuous leaves are subdivided: those whose vertices interpolate the irradiance inside
+/// badly. A leaf counts as discontinuous where the difference exceeds this multiple of a link's allowed error.
+const SUBDIVISIONS: usize = 2;
+const DISCONTINUITY_THRESHOLD: f64 = 3.0;
 
-/// How often leaves are balanced: by what they send, which it changes; they look for themselves the last time.
-const BALANCES: u32 = 6;
+/// Most balances of the leaves. A balance depends on the radiosities, which it changes. In the last balance each leaf
+/// traces its own visibility rays.
+const MAX_BALANCES: u32 = 6;
 
-/// No more than this is changed by a balance that needs no other after it but the one in which leaves look.
-const SETTLED: f64 = 1e-3;
+/// Once an iteration after a balance changes no more than this, only the last balance follows.
+const SETTLED_CHANGE: f64 = 1e-3;
 
-/// Iterations between two balances, at most: before all are balanced, some may gather more than there is, and without bound.
-const SWEEPS_BETWEEN: usize = 8;
+/// Most iterations between two balances. Before all leaves are balanced, some may gather more light than there is, and
+/// the iteration may diverge.
+const ITERATIONS_PER_BALANCE: usize = 8;
 
-/// Of a number of bounces so many are balanced each by itself; later ones are alike enough.
+/// Of a fixed number of bounces, this many are balanced each by itself; later bounces are similar enough to each other.
 const BALANCED_BOUNCES: u32 = 8;
 
 /// Iterations between refinements.
-const SWEEPS: usize = 3;
+const ITERATIONS_PER_REFINEMENT: usize = 3;
 
-/// What share of the work is done after each step of linking, by how many pairs are judged in them in usual scenes.
-const LINKED: [f64; COARSENESS.len() + REPEATS] = [0.05, 0.15, 0.3, 0.45, 0.5, 0.52];
+/// Fraction of the work that is done after each refinement, by the number of pairs that are evaluated in it in typical
+/// scenes.
+const PROGRESS_LINKED: [f64; COARSE_FACTORS.len() + FULL_REFINEMENTS] = [0.05, 0.15, 0.3, 0.45, 0.5, 0.52];
 
-/// After each division of leaves.
-const DIVIDED: [f64; DIVISIONS] = [0.63, 0.75];
+/// The same after each subdivision of discontinuous leaves.
+const PROGRESS_SUBDIVIDED: [f64; SUBDIVISIONS] = [0.63, 0.75];
 
-/// When they are balanced, and when the system of equations is solved.
-const BALANCED: f64 = 0.9;
-const SOLVED: f64 = 0.95;
+/// The same when the leaves are balanced, and when the system of equations is solved.
+const PROGRESS_BALANCED: f64 = 0.9;
+const PROGRESS_SOLVED: f64 = 0.95;
 
 impl Radiosity {
     /// Solves a scene. The result is the same for any number of threads.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] for settings that no file could have given; `OutOfMemory` where elements and links
-    /// take more than `memory` allows; `Cancelled`.
+    /// [`crate::ErrorKind::InvalidScene`] for settings that no file could have given; `OutOfMemory` where elements and
+    /// links take more than `memory` allows; `Cancelled`.
     pub fn solve(scene: &Scene, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> Result<Self> {
         let start = Instant::now();
         check_radiosity("render", desc)?;
@@ -161,119 +167,54 @@ impl Radiosity {
         if elements.patches.is_empty() {
             notes.push("radiosity: no surface is diffuse or emits, the solution is empty".to_owned());
         }
-        let is_dark = scene.emitters().is_dark();
-        let shared: Shared = Arc::new(RwLock::new(Network::new(scene, elements)));
-        let (mut course, mut ambient) = (Course::default(), DVec3::ZERO);
-        // With no bounce at all, nothing is asked for but what surfaces emit.
+        let shared: SharedHierarchy = Arc::new(RwLock::new(LinkHierarchy::new(scene, elements)));
+        // Without bounces, the solution is the surfaces' emission.
         let is_emission = desc.iterations == Some(0) && !desc.ambient;
-        if !is_dark && !is_emission && !read(&shared).judge.elements.patches.is_empty() {
-            link(&shared, desc, parallel)?;
-            let at_vertices = vertices::vertices(&shared, parallel)?;
-            shared.write().unwrap_or_else(PoisonError::into_inner).judge.at_vertices = at_vertices;
-            refine::look_again(&shared, parallel)?;
-            solve::sweep(&shared, parallel)?;
-            let divided = DIVIDED[DIVISIONS - 1];
-            let mut is_settled = false;
-            for count in 1..=BALANCES {
-                let is_last = is_settled || count == BALANCES;
-                solve::balance(&shared, is_last, parallel)?;
-                parallel.progress(divided + (BALANCED - divided) * f64::from(count) / f64::from(BALANCES));
-                if is_last {
-                    break;
-                }
-                let mut change = solve::sweep(&shared, parallel)?;
-                is_settled = change < SETTLED;
-                // Far cheaper than another balance, which is the better the nearer light is to where it ends.
-                for _ in 1..SWEEPS_BETWEEN {
-                    if change < SETTLED || !change.is_finite() {
-                        break;
-                    }
-                    change = solve::sweep(&shared, parallel)?;
-                }
-            }
-            let mut part = Part::new(parallel, BALANCED..SOLVED);
-            (course, ambient) = match desc.solver {
-                // The last of a number of bounces is gathered at the vertices.
-                RadiositySolver::Gather => {
-                    let bounces = desc.iterations.map(|count| count.saturating_sub(1));
-                    let course = solve::gather(&shared, bounces, BALANCED_BOUNCES, desc.tolerance, &mut part)?;
-                    (Course { iterations: desc.iterations.unwrap_or(course.iterations), ..course }, DVec3::ZERO)
-                }
-                RadiositySolver::Shoot => shoot::shoot(&shared, desc.iterations, desc.tolerance, &mut part)?,
-            };
+        let has_transport =
+            !scene.emitters().is_dark() && !is_emission && !read(&shared).oracle.elements.patches.is_empty();
+        let (convergence, ambient) = if has_transport {
+            link_scene(&shared, desc, parallel)?;
+            measure_links(&shared, parallel)?;
+            balance_leaves(&shared, parallel)?;
+            solve_system(&shared, desc, &mut Part::new(parallel, PROGRESS_BALANCED..PROGRESS_SOLVED))?
         } else {
-            let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
-            network.first = vec![0; network.judge.elements.nodes.len() + 1];
-        }
-        parallel.progress(SOLVED);
-        if desc.iterations.is_some_and(|count| count > 0) {
-            solve::balance(&shared, true, parallel)?;
-        }
-        let mut found = solve::irradiances(&shared, parallel)?;
-        let mut irradiance = vertices::vertices(&shared, parallel)?;
-        vertices::conserve(&read(&shared).judge.elements, &mut irradiance, &found);
-        if desc.iterations == Some(0) {
-            found.iter_mut().for_each(|(_, e)| *e = DVec3::ZERO);
-            irradiance.fill(Rgb::ZERO);
-        }
-        if desc.ambient {
-            let ambient = Rgb::from_f64(ambient);
-            irradiance.iter_mut().for_each(|e| *e += ambient);
-        }
-        let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
+            let mut hierarchy = write(&shared);
+            hierarchy.first = vec![0; hierarchy.oracle.elements.nodes.len() + 1];
+            Default::default()
+        };
+        parallel.progress(PROGRESS_SOLVED);
+        let (irradiance, leaves) = final_irradiance(&shared, desc, ambient, parallel)?;
+        let mut hierarchy = write(&shared);
         let mut summary = RadiositySummary {
-            links: network.links.len(),
-            memory: network.bytes(),
-            iterations: course.iterations,
-            residual: course.residual,
-            // Where nothing is left there is nothing to bound, whatever surfaces reflect.
-            error_bound: if course.residual == 0.0 { 0.0 } else { course.bound },
+            links: hierarchy.links.len(),
+            memory: hierarchy.bytes(),
+            iterations: convergence.iterations,
+            residual: convergence.residual,
+            // Where nothing changed any more, nothing is left to bound, whatever the albedos are.
+            error_bound: if convergence.residual == 0.0 { 0.0 } else { convergence.bound },
             ..RadiositySummary::default()
         };
-        let elements = std::mem::take(&mut network.judge.elements);
-        let mut absorbed = DVec3::ZERO;
-        for (leaf, irradiance) in found {
-            let node = &elements.nodes[leaf as usize];
-            let patch = &elements.patches[node.patch as usize];
-            absorbed += node.area * (1.0 - patch.albedo) * irradiance;
-            summary.elements += 1;
-        }
-        let emitted = scene.emitters().emitters().iter().map(crate::emitter::Emitter::power).sum::<DVec3>();
-        (summary.emitted, summary.absorbed) = (Rgb::from_f64(emitted), Rgb::from_f64(absorbed));
+        let elements = std::mem::take(&mut hierarchy.oracle.elements);
+        summary.add_power(scene, &elements, &leaves);
         summary.elapsed = start.elapsed();
-        let is_bounded = solve::largest_albedo(&elements) < 1.0;
-        let bound = if summary.error_bound.is_finite() {
-            format!("bound {:.1e}", summary.error_bound)
-        } else if is_bounded {
-            "no bound after so few".to_owned()
-        } else {
-            "no bound, a surface reflects all of a colour".to_owned()
-        };
-        notes.push(format!(
-            "radiosity: {} elements, {} links, {} iterations, residual {:.1e}, {bound}, {:.1} MiB, {:.1} s",
-            summary.elements,
-            summary.links,
-            summary.iterations,
-            summary.residual,
-            summary.memory as f64 / f64::from(1 << 20),
-            summary.elapsed.as_secs_f64(),
-        ));
+        notes.push(summary.note(solve::largest_albedo(&elements) < 1.0));
         let numbers = scene.face_numbers();
         Ok(Self { elements, numbers, scene: scene.clone(), irradiance, summary, notes })
     }
 
-    /// Irradiance [W m^-2] where a ray of the same scene met a surface, on the outer side (`front`) or the other one. `p`: the
-    /// point, scene frame. 0 on surfaces that reflect nothing diffusely and do not emit.
+    /// Irradiance [W m^-2] at a hit of a ray in the same scene, on the outer side of the surface (`front`) or the inner
+    /// one. `p` is the point, scene frame. The result is 0 on surfaces that neither reflect diffusely nor emit.
     #[inline]
     pub fn irradiance(&self, hit: &Hit, p: Vec3, front: bool) -> Rgb {
         let (face, weights) = self.numbers.of(hit);
         self.at(face, weights, p.as_dvec3(), front).unwrap_or(Rgb::ZERO)
     }
 
-    /// The same for a place of a described surface: of a triangle, quad or mesh the `primitive` and the weights of its second
-    /// and third vertex as in [`crate::scene::HitDescription`]; of other shapes the point `p`, world frame.
+    /// The same for a point of a described surface. Of a triangle, quad or mesh, it is given by the `primitive` and the
+    /// weights of its second and third vertex as in [`crate::scene::HitDescription`]; of other shapes, by the point
+    /// `p`, world frame.
     ///
-    /// `None` where the surface has no such primitive, or nothing on it reflects diffusely or emits.
+    /// `None` where the surface has no such primitive, or no part of it reflects diffusely or emits.
     pub fn irradiance_on(
         &self,
         surface: u32,
@@ -296,12 +237,12 @@ impl Radiosity {
         Some((1.0 - s - t) * a + s * b + t * c)
     }
 
-    /// What the solution came to.
+    /// Size, convergence and cost of the solution.
     pub fn summary(&self) -> &RadiositySummary {
         &self.summary
     }
 
-    /// What a user should know.
+    /// Notes for the user.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -335,21 +276,137 @@ impl Radiosity {
     }
 }
 
-fn read(shared: &Shared) -> std::sync::RwLockReadGuard<'_, Network> {
+impl RadiositySummary {
+    /// Counts the leaves, and adds up the power that emitters emit and that surfaces absorb.
+    fn add_power(&mut self, scene: &Scene, elements: &Elements, leaves: &[(u32, DVec3)]) {
+        let mut absorbed = DVec3::ZERO;
+        for &(leaf, irradiance) in leaves {
+            let node = &elements.nodes[leaf as usize];
+            let patch = &elements.patches[node.patch as usize];
+            absorbed += node.area * (1.0 - patch.albedo) * irradiance;
+            self.elements += 1;
+        }
+        let emitted = scene.emitters().emitters().iter().map(crate::emitter::Emitter::power).sum::<DVec3>();
+        (self.emitted, self.absorbed) = (Rgb::from_f64(emitted), Rgb::from_f64(absorbed));
+    }
+
+    /// The note that tells the user about size and convergence. `is_bounded`: whether all albedos are below 1.
+    fn note(&self, is_bounded: bool) -> String {
+        let bound = if self.error_bound.is_finite() {
+            format!("bound {:.1e}", self.error_bound)
+        } else if is_bounded {
+            "no bound after so few".to_owned()
+        } else {
+            "no bound, a surface reflects all of a colour".to_owned()
+        };
+        format!(
+            "radiosity: {} elements, {} links, {} iterations, residual {:.1e}, {bound}, {:.1} MiB, {:.1} s",
+            self.elements,
+            self.links,
+            self.iterations,
+            self.residual,
+            self.memory as f64 / f64::from(1 << 20),
+            self.elapsed.as_secs_f64(),
+        )
+    }
+}
+
+fn read(shared: &SharedHierarchy) -> RwLockReadGuard<'_, LinkHierarchy> {
     shared.read().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Links everything, coarsely at first, then as brightness becomes known.
-fn link(shared: &Shared, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> Result<()> {
+fn write(shared: &SharedHierarchy) -> RwLockWriteGuard<'_, LinkHierarchy> {
+    shared.write().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Measures the visible fraction of all links by the irradiance at vertices, and updates the radiosities.
+fn measure_links(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<()> {
+    let at_vertices = vertices::vertices(shared, parallel)?;
+    write(shared).oracle.at_vertices = at_vertices;
+    refine::measure_visibility(shared, parallel)?;
+    solve::gauss_seidel_iteration(shared, parallel)?;
+    Ok(())
+}
+
+/// Balances the leaves until the radiosities have settled. In the last balance, leaves trace their own visibility rays.
+fn balance_leaves(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<()> {
+    let start = PROGRESS_SUBDIVIDED[SUBDIVISIONS - 1];
+    let mut is_settled = false;
+    for count in 1..=MAX_BALANCES {
+        let is_last = is_settled || count == MAX_BALANCES;
+        solve::balance(shared, is_last, parallel)?;
+        parallel.progress(start + (PROGRESS_BALANCED - start) * f64::from(count) / f64::from(MAX_BALANCES));
+        if is_last {
+            break;
+        }
+        let mut change = solve::gauss_seidel_iteration(shared, parallel)?;
+        is_settled = change < SETTLED_CHANGE;
+        // An iteration is far cheaper than a balance, and a balance is better the closer radiosities are to the
+        // solution.
+        for _ in 1..ITERATIONS_PER_BALANCE {
+            if change < SETTLED_CHANGE || !change.is_finite() {
+                break;
+            }
+            change = solve::gauss_seidel_iteration(shared, parallel)?;
+        }
+    }
+    Ok(())
+}
+
+/// Solves the system of equations. Returns the ambient irradiance too, which is 0 for gathering.
+fn solve_system(
+    shared: &SharedHierarchy,
+    desc: &RadiosityDesc,
+    parallel: &mut impl Parallel,
+) -> Result<(Convergence, DVec3)> {
+    match desc.solver {
+        // The last bounce of a fixed number is gathered at the vertices.
+        RadiositySolver::Gather => {
+            let bounces = desc.iterations.map(|count| count.saturating_sub(1));
+            let convergence = solve::gather(shared, bounces, BALANCED_BOUNCES, desc.tolerance, parallel)?;
+            let iterations = desc.iterations.unwrap_or(convergence.iterations);
+            Ok((Convergence { iterations, ..convergence }, DVec3::ZERO))
+        }
+        RadiositySolver::Shoot => shoot::shoot(shared, desc.iterations, desc.tolerance, parallel),
+    }
+}
+
+/// Irradiance at vertices, which is the solution, and irradiance of the leaves.
+fn final_irradiance(
+    shared: &SharedHierarchy,
+    desc: &RadiosityDesc,
+    ambient: DVec3,
+    parallel: &mut impl Parallel,
+) -> Result<(Vec<Rgb>, Vec<(u32, DVec3)>)> {
+    if desc.iterations.is_some_and(|count| count > 0) {
+        solve::balance(shared, true, parallel)?;
+    }
+    let mut leaves = solve::leaf_irradiances(shared, parallel)?;
+    let mut irradiance = vertices::vertices(shared, parallel)?;
+    vertices::conserve(&read(shared).oracle.elements, &mut irradiance, &leaves);
+    if desc.iterations == Some(0) {
+        leaves.iter_mut().for_each(|(_, e)| *e = DVec3::ZERO);
+        irradiance.fill(Rgb::ZERO);
+    }
+    if desc.ambient {
+        let ambient = Rgb::from_f64(ambient);
+        irradiance.iter_mut().for_each(|e| *e += ambient);
+    }
+    Ok((irradiance, leaves))
+}
+
+/// Links all elements and clusters, first with a large allowed error, then with smaller ones as radiosities become
+/// known.
+fn link_scene(shared: &SharedHierarchy, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> Result<()> {
     let allowed = 1e-3 * desc.error;
-    let mut norm = first_norm(&read(shared))?;
+    let mut norm = estimate_norm(&read(shared))?;
     let mut pairs = refine::first_pairs(&read(shared));
-    let last = COARSENESS.len() - 1;
-    for step in 0..COARSENESS.len() + REPEATS {
-        let coarseness = COARSENESS[step.min(last)];
-        shared.write().unwrap_or_else(PoisonError::into_inner).judge.threshold = coarseness * allowed * norm;
+    let last = COARSE_FACTORS.len() - 1;
+    for step in 0..COARSE_FACTORS.len() + FULL_REFINEMENTS {
+        let coarse_factor = COARSE_FACTORS[step.min(last)];
+        write(shared).oracle.threshold = coarse_factor * allowed * norm;
         if step > 0 {
-            pairs = refine::stale(shared, parallel)?;
+            pairs = refine::take_inaccurate(shared, parallel)?;
         }
         let count = pairs.len();
         refine::refine(shared, pairs, parallel)?;
@@ -357,70 +414,70 @@ fn link(shared: &Shared, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> 
         if step > last && count == 0 {
             break;
         }
-        for _ in 0..SWEEPS {
-            solve::bounce(shared, parallel)?;
+        for _ in 0..ITERATIONS_PER_REFINEMENT {
+            solve::jacobi_iteration(shared, parallel)?;
         }
-        let found = solve::irradiances(shared, parallel)?;
-        let nodes = &read(shared).judge.elements.nodes;
+        let found = solve::leaf_irradiances(shared, parallel)?;
+        let nodes = &read(shared).oracle.elements.nodes;
         let square = |(leaf, e): &(u32, DVec3)| nodes[*leaf as usize].area * e.max_element().powi(2);
         let total = found.iter().map(square).sum::<f64>().sqrt();
         if total > 0.0 {
             norm = total;
         }
-        parallel.progress(LINKED[step]);
+        parallel.progress(PROGRESS_LINKED[step]);
     }
-    for done in DIVIDED {
-        cut(shared, parallel)?;
-        let pairs = refine::stale(shared, parallel)?;
+    for done in PROGRESS_SUBDIVIDED {
+        mark_discontinuities(shared, parallel)?;
+        let pairs = refine::take_inaccurate(shared, parallel)?;
         if pairs.is_empty() {
             break;
         }
         refine::refine(shared, pairs, parallel)?;
-        for _ in 0..SWEEPS {
-            solve::bounce(shared, parallel)?;
+        for _ in 0..ITERATIONS_PER_REFINEMENT {
+            solve::jacobi_iteration(shared, parallel)?;
         }
         parallel.progress(done);
     }
     Ok(())
 }
 
-/// Marks the leaves whose corners do not tell what light is within: at the edges of shadows.
-fn cut(shared: &Shared, parallel: &mut impl Parallel) -> Result<()> {
+/// Marks the leaves whose vertices interpolate the irradiance inside badly: those at the edges of shadows.
+fn mark_discontinuities(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<()> {
     let at_vertices = vertices::vertices(shared, parallel)?;
-    let found = solve::irradiances(shared, parallel)?;
-    let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
-    let threshold = network.judge.threshold;
+    let found = solve::leaf_irradiances(shared, parallel)?;
+    let mut hierarchy = write(shared);
+    let threshold = hierarchy.oracle.threshold;
     for (leaf, within) in found {
-        let node = &mut network.judge.elements.nodes[leaf as usize];
+        let node = &mut hierarchy.oracle.elements.nodes[leaf as usize];
         let corners = node.corners.map(|vertex| at_vertices[vertex as usize].to_f64());
         let mean = (corners[0] + corners[1] + corners[2]) / 3.0;
-        if (mean - within).abs().max_element() * node.area.sqrt() > BETWEEN * threshold {
-            node.is_cut = true;
+        if (mean - within).abs().max_element() * node.area.sqrt() > DISCONTINUITY_THRESHOLD * threshold {
+            node.is_discontinuous = true;
         }
     }
     Ok(())
 }
 
-/// Photons that give a first idea of how bright it is.
-const PHOTONS: u64 = 1024;
+/// Photons for the first estimate of the scene's irradiance.
+const NORM_PHOTONS: u64 = 1024;
 
-/// The root of the integral of the square of direct irradiance, roughly. The integral is what photons find of irradiance where
-/// they land: what they see of a spot is its share of the light, however small it is.
-fn first_norm(network: &Network) -> Result<f64> {
-    let Judge { scene, elements, .. } = &network.judge;
+/// The root of the integral of squared direct irradiance, estimated roughly. The integral is the mean of the irradiance
+/// where emitted photons land: a small bright spot counts by its fraction of the light, however small the spot is.
+fn estimate_norm(hierarchy: &LinkHierarchy) -> Result<f64> {
+    let RefinementOracle { scene, elements, .. } = &hierarchy.oracle;
     let (emitters, numbers) = (scene.emitters(), scene.face_numbers());
     let mut sum = 0.0;
     if let Some(emission) = Emission::new(scene, PhotonSharing::Power, Aim::Everywhere)? {
-        for photon in 0..PHOTONS {
+        for photon in 0..NORM_PHOTONS {
             let mut rng = Rng::new(0, photon);
             let (u, d) = (rng.next_4d(), rng.next_4d());
-            let Some((ray, power)) = emission.begin(scene, u, d, 1.0 / PHOTONS as f64) else { continue };
+            let Some((ray, power)) = emission.begin(scene, u, d, 1.0 / NORM_PHOTONS as f64) else { continue };
             let Some(hit) = scene.intersect(&ray) else { continue };
             let at = scene.interaction(&ray, &hit);
             let front = at.ng.dot(ray.direction) < 0.0;
             let normal = if front { at.ng } else { -at.ng };
             let (face, weights) = numbers.of(&hit);
-            // Mirrors, glass and what is black have no elements.
+            // Mirrors, glass and black surfaces have no elements.
             if elements.leaf_at(face, front, weights, at.point.p.as_dvec3()).is_none() {
                 continue;
             }
@@ -436,7 +493,7 @@ fn first_norm(network: &Network) -> Result<f64> {
     if sum > 0.0 && sum.is_finite() {
         return Ok(sum.sqrt());
     }
-    // Where no photon landed on what is lit, or one at a light itself: as if all were, evenly.
+    // No photon landed on a lit surface, or one landed at a light itself: all power is spread evenly over all surfaces.
     let power: f64 = emitters.emitters().iter().map(|emitter| emitter.power().max_element()).sum();
     let area: f64 = elements.patches.iter().map(|patch| elements.nodes[patch.node as usize].area).sum();
     Ok((power / area.max(f64::MIN_POSITIVE).sqrt()).max(f64::MIN_POSITIVE))

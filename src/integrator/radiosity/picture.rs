@@ -1,4 +1,4 @@
-//! Pictures of a solution.
+//! Images of a radiosity solution.
 
 use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene, SurfaceInteraction};
 use crate::spectrum::Rgb;
 
-/// Shows a solution to the camera.
+/// An integrator that shows a solution to the camera.
 #[derive(Clone, Debug)]
 pub(crate) struct RadiosityPicture {
     solution: Arc<Radiosity>,
@@ -30,7 +30,7 @@ impl RadiosityPicture {
         Self { solution, reflected, final_gather, shadow_rays }
     }
 
-    /// Light that the surface reflects, as the solution has it.
+    /// Light that the surface reflects, according to the solution.
     fn reflected(&self, ray: &Ray, hit: &Hit, surface: &SurfaceInteraction) -> Rgb {
         let albedo = self.reflected[surface.material as usize];
         if albedo == Rgb::ZERO {
@@ -59,13 +59,13 @@ impl Transport<Rgb> for RadiosityPicture {
         if !vertex.bsdf.lobes().have_diffuse() || vertex.bsdf.is_black() {
             return radiance;
         }
-        // Light straight from emitters, by light samples and the ray that follows.
+        // Direct light, by light samples and by the ray that follows, with multiple importance sampling.
         if !scene.emitters().is_dark() {
             for _ in 0..self.shadow_rays {
                 radiance += vertex.sample_light(context, self.shadow_rays, false);
             }
         }
-        // All other light, by a ray to where the solution is asked for what is reflected.
+        // All other light, by a ray to a surface whose reflected light the solution gives.
         let Some(bounce) = vertex.sample_bounce(context.sampler.next_4d()) else { return radiance };
         let previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
         let Some(hit) = context.tracer.intersect(&bounce.ray) else {

@@ -1,120 +1,123 @@
-//! Shooting: the patch that has most light left distributes it, and so on.
+//! Shooting: in each step, the patch with the most unshot power distributes it.
 //!
-//! Source: Cohen, Chen, Wallace, Greenberg 1988, "A Progressive Refinement Approach to Fast Radiosity Image Generation".
+//! Source: Cohen, Chen, Wallace, Greenberg 1988, "A Progressive Refinement Approach to Fast Radiosity Image
+//! Generation".
 
 use std::f64::consts::{FRAC_1_PI, PI};
 use std::sync::PoisonError;
 
 use super::elements::{Elements, NONE};
-use super::judge::Judge;
-use super::light::Moments;
-use super::links::{Kind, Link, POINT, faces};
-use super::refine::{Network, Shared};
-use super::solve::{Course, largest_albedo};
+use super::light::DirectionalPolynomial;
+use super::links::{Link, LinkKind, POINT, faces};
+use super::oracle::RefinementOracle;
+use super::refine::{LinkHierarchy, SharedHierarchy};
+use super::solve::{Convergence, largest_albedo};
 use crate::control::Parallel;
 use crate::error::Result;
 use crate::math::DVec3;
 
-/// Light that waits to be shot.
-struct Shooting<'n> {
-    network: &'n Network,
-    /// The links of each source: their numbers, and where those of a node begin; those of point lights come last.
+/// Radiosities and the part of them that was not shot yet.
+struct UnshotLight<'n> {
+    hierarchy: &'n LinkHierarchy,
+    /// The links in the order of their sources, and the position where those of each node begin; links of point lights
+    /// come last.
     outgoing: Vec<u32>,
     first: Vec<u32>,
-    /// Of each node: radiosity, of leaves only.
+    /// Radiosity of each leaf; 0 for other nodes.
     b: Vec<DVec3>,
-    /// Part of it that was not shot yet.
+    /// Unshot radiosity of each leaf.
     unshot: Vec<DVec3>,
-    /// The same as power, of each patch, all channels; behind them of each point light.
+    /// Unshot power of each patch, followed by each point light; sum of the channels.
     power: Vec<f64>,
-    /// Of each node: what was taken from it last.
+    /// Radiosity that each node shot last.
     taken: Vec<DVec3>,
 }
 
-/// Shoots so many times, or until no more than `tolerance` is left; leaves behind what was shot as what is sent. And the
-/// irradiance that would light all surfaces evenly if what is left was spread over them.
+/// Shoots `iterations` times, or until the rest is at most `tolerance`; the radiosities that were shot remain in the
+/// hierarchy. Also returns the ambient irradiance, which would light all surfaces evenly if the unshot light was spread
+/// over them.
 pub(super) fn shoot(
-    shared: &Shared,
+    shared: &SharedHierarchy,
     iterations: Option<u32>,
     tolerance: f64,
     parallel: &mut impl Parallel,
-) -> Result<(Course, DVec3)> {
-    let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
-    network.emit();
-    let mut shooting = Shooting::new(&network);
-    let mut course = Course { residual: 1.0, bound: f64::INFINITY, ..Course::default() };
-    let albedo = largest_albedo(&network.judge.elements);
+) -> Result<(Convergence, DVec3)> {
+    let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
+    hierarchy.emit();
+    let mut unshot_light = UnshotLight::new(&hierarchy);
+    let mut convergence = Convergence { residual: 1.0, bound: f64::INFINITY, ..Convergence::default() };
+    let albedo = largest_albedo(&hierarchy.oracle.elements);
     loop {
-        let elements = &network.judge.elements;
-        let left: f64 = shooting.power.iter().sum();
-        let all: f64 = shooting.total(elements) + shooting.power[elements.patches.len()..].iter().sum::<f64>();
-        course.residual = if all > 0.0 { left / all } else { 0.0 };
-        // What is left is sent at least once; what comes of it, and of that, is a geometric series at worst.
-        course.bound = if albedo < 1.0 { course.residual * albedo / (1.0 - albedo) } else { f64::INFINITY };
-        let is_over = iterations.map_or(course.residual < tolerance, |count| course.iterations >= count);
+        let elements = &hierarchy.oracle.elements;
+        let left: f64 = unshot_light.power.iter().sum();
+        let all: f64 = unshot_light.total(elements) + unshot_light.power[elements.patches.len()..].iter().sum::<f64>();
+        convergence.residual = if all > 0.0 { left / all } else { 0.0 };
+        // Unshot light is sent at least once; its later bounces are a geometric series at worst.
+        convergence.bound = if albedo < 1.0 { convergence.residual * albedo / (1.0 - albedo) } else { f64::INFINITY };
+        let is_over = iterations.map_or(convergence.residual < tolerance, |count| convergence.iterations >= count);
         if is_over || left <= 0.0 {
             break;
         }
         parallel.check()?;
         parallel.progress(match iterations {
-            Some(count) => f64::from(course.iterations) / f64::from(count),
-            // What is left shrinks by about the same factor each time.
-            None => course.residual.ln() / tolerance.ln(),
+            Some(count) => f64::from(convergence.iterations) / f64::from(count),
+            // Unshot light shrinks by about the same factor in each step.
+            None => convergence.residual.ln() / tolerance.ln(),
         });
-        let brightest = shooting
+        let brightest = unshot_light
             .power
             .iter()
             .enumerate()
             .fold((0, 0.0), |best, (i, &power)| if power > best.1 { (i, power) } else { best });
-        shooting.shoot(brightest.0);
-        course.iterations += 1;
+        unshot_light.shoot(brightest.0);
+        convergence.iterations += 1;
     }
-    let ambient = shooting.ambient();
-    let Shooting { b, unshot, .. } = shooting;
+    let ambient = unshot_light.ambient();
+    let UnshotLight { b, unshot, .. } = unshot_light;
     let sent = b.into_iter().zip(unshot).map(|(b, unshot)| b - unshot).collect();
-    let Judge { elements, sent: now, .. } = &mut network.judge;
+    let RefinementOracle { elements, radiosity: now, .. } = &mut hierarchy.oracle;
     now.b = sent;
     now.pull(elements);
-    Ok((course, ambient))
+    Ok((convergence, ambient))
 }
 
-impl<'n> Shooting<'n> {
-    fn new(network: &'n Network) -> Self {
-        let Judge { elements, lights, sent, .. } = &network.judge;
+impl<'n> UnshotLight<'n> {
+    fn new(hierarchy: &'n LinkHierarchy) -> Self {
+        let RefinementOracle { elements, lights, radiosity, .. } = &hierarchy.oracle;
         let nodes = elements.nodes.len();
         let slot = |link: &Link| match link.source {
             point @ POINT.. => nodes + (point - POINT) as usize,
             node => node as usize,
         };
-        let mut outgoing: Vec<u32> = (0..network.links.len() as u32).collect();
-        outgoing.sort_by_key(|&link| slot(&network.links[link as usize]));
+        let mut outgoing: Vec<u32> = (0..hierarchy.links.len() as u32).collect();
+        outgoing.sort_by_key(|&link| slot(&hierarchy.links[link as usize]));
         let mut first = vec![0; nodes + lights.len() + 1];
-        for link in &network.links {
+        for link in &hierarchy.links {
             first[slot(link) + 1] += 1;
         }
         for i in 1..first.len() {
             first[i] += first[i - 1];
         }
         let leaf = |(i, b): (usize, &DVec3)| if elements.nodes[i].is_leaf() { *b } else { DVec3::ZERO };
-        let b: Vec<DVec3> = sent.b.iter().enumerate().map(leaf).collect();
+        let b: Vec<DVec3> = radiosity.b.iter().enumerate().map(leaf).collect();
         let patch =
             |patch: &super::elements::Patch| elements.nodes[patch.node as usize].area * patch.emitted.element_sum();
         let mut power: Vec<f64> = elements.patches.iter().map(patch).collect();
         power.extend(lights.iter().map(|light| 4.0 * PI * light.intensity.element_sum()));
-        Self { network, outgoing, first, unshot: b.clone(), taken: vec![DVec3::ZERO; nodes], b, power }
+        Self { hierarchy, outgoing, first, unshot: b.clone(), taken: vec![DVec3::ZERO; nodes], b, power }
     }
 
-    /// Sum of area times radiosity, all channels.
+    /// Sum of area times radiosity over all leaves and channels.
     fn total(&self, elements: &Elements) -> f64 {
         elements.nodes.iter().zip(&self.b).map(|(node, b)| node.area * b.element_sum()).sum()
     }
 
     fn shoot(&mut self, number: usize) {
-        let elements = &self.network.judge.elements;
+        let elements = &self.hierarchy.oracle.elements;
         self.power[number] = 0.0;
         if number >= elements.patches.len() {
             let light = number - elements.patches.len();
-            let intensity = self.network.judge.lights[light].intensity;
+            let intensity = self.hierarchy.oracle.lights[light].intensity;
             self.send(elements.nodes.len() + light, &|_, _| intensity);
             return;
         }
@@ -127,17 +130,18 @@ impl<'n> Shooting<'n> {
         }
         for (number, b) in sent {
             let node = &elements.nodes[number as usize];
-            self.send(number as usize, &|link, _| link.shares.mean(node, &taken, b));
+            self.send(number as usize, &|link, _| link.quarter_weights.mean(node, &taken, b));
         }
         self.taken = taken;
-        // As part of the clusters above.
+        // The patch also shoots as part of the clusters above it.
         let node = &elements.nodes[root as usize];
         let mut above = node.parent;
-        let mut moments = Moments::default();
+        let mut moments = DirectionalPolynomial::default();
         moments.add_lobe(node.normal, FRAC_1_PI * node.area * b);
         while above != NONE {
             let cluster = &elements.nodes[above as usize];
-            // As the cluster's intensity is told, so that all its patches together send what it does.
+            // The choice is that of the cluster's own intensity, so that all patches of a cluster together send what
+            // the cluster does.
             self.send(above as usize, &|_, receiver| {
                 let d = (receiver - cluster.centre).normalize_or_zero();
                 if faces(cluster, d) { moments.at_facing(d) } else { moments.at(d) }
@@ -146,9 +150,9 @@ impl<'n> Shooting<'n> {
         }
     }
 
-    /// Takes what waits below a node; the mean by area of each node on the way.
+    /// Takes the unshot radiosity below a node and returns its mean by area; appends the mean of each node on the way.
     fn take(&mut self, number: u32, sent: &mut Vec<(u32, DVec3)>) -> DVec3 {
-        let nodes = &self.network.judge.elements.nodes;
+        let nodes = &self.hierarchy.oracle.elements.nodes;
         let node = &nodes[number as usize];
         let mean = if node.is_leaf() {
             std::mem::take(&mut self.unshot[number as usize])
@@ -164,13 +168,13 @@ impl<'n> Shooting<'n> {
         mean
     }
 
-    /// Sends over all links of a source; `strength` by the link and where the receiver is.
+    /// Sends light over all links of a source; `strength` is a function of the link and the receiver's centre.
     fn send(&mut self, slot: usize, strength: &dyn Fn(&Link, DVec3) -> DVec3) {
-        let network = self.network;
-        let Judge { elements, lights, .. } = &network.judge;
+        let hierarchy = self.hierarchy;
+        let RefinementOracle { elements, lights, .. } = &hierarchy.oracle;
         for i in self.first[slot]..self.first[slot + 1] {
-            let link = &network.links[self.outgoing[i as usize] as usize];
-            if link.kind == Kind::Dim || link.visible == 0.0 {
+            let link = &hierarchy.links[self.outgoing[i as usize] as usize];
+            if link.kind == LinkKind::Negligible || link.visible == 0.0 {
                 continue;
             }
             let receiver = &elements.nodes[link.receiver as usize];
@@ -184,8 +188,8 @@ impl<'n> Shooting<'n> {
                 None => elements.nodes[slot].centre,
             };
             let d = (from - receiver.centre).normalize_or_zero();
-            let mut moments = Moments::default();
-            if link.kind == Kind::Facing {
+            let mut moments = DirectionalPolynomial::default();
+            if link.kind == LinkKind::Facing {
                 moments.add_linear(d, weight)
             } else {
                 moments.add_lobe(d, weight)
@@ -198,8 +202,8 @@ impl<'n> Shooting<'n> {
         }
     }
 
-    fn receive_from_all_around(&mut self, number: u32, moments: &Moments) {
-        let node = &self.network.judge.elements.nodes[number as usize];
+    fn receive_from_all_around(&mut self, number: u32, moments: &DirectionalPolynomial) {
+        let node = &self.hierarchy.oracle.elements.nodes[number as usize];
         if node.is_leaf() {
             self.receive(number, moments.at(node.normal));
         } else {
@@ -208,22 +212,22 @@ impl<'n> Shooting<'n> {
     }
 
     fn receive(&mut self, number: u32, irradiance: DVec3) {
-        let elements = &self.network.judge.elements;
+        let elements = &self.hierarchy.oracle.elements;
         let node = &elements.nodes[number as usize];
         if !node.is_leaf() {
             node.range().for_each(|child| self.receive(child as u32, irradiance));
             return;
         }
-        let scale = self.network.scale_of(number);
+        let scale = self.hierarchy.scale_of(number);
         let b = scale * elements.patches[node.patch as usize].albedo * irradiance;
         self.b[number as usize] += b;
         self.unshot[number as usize] += b;
         self.power[node.patch as usize] += node.area * b.element_sum();
     }
 
-    /// What is left as irradiance: its mean over the surfaces that light reaches, times all its later bounces.
+    /// Unshot light as irradiance: its mean over the surfaces that light reaches, times all its later bounces.
     fn ambient(&self) -> DVec3 {
-        let elements = &self.network.judge.elements;
+        let elements = &self.hierarchy.oracle.elements;
         let (mut left, mut reflected, mut area) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         for (i, node) in elements.nodes.iter().enumerate() {
             if node.is_leaf() && !node.is_cluster() && self.b[i] != DVec3::ZERO {

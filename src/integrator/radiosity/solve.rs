@@ -1,90 +1,91 @@
-//! Solving: light goes over the links until what is left is small.
+//! Solving: light is transported over the links until the rest is small.
 //!
-//! The system is B = M + rho K B, K being the links: what a node gathers is pushed down to the leaves below it, and what these
-//! send is pulled up. *Gathering* a fixed number of times is Jacobi's iteration, each of which is a bounce of light. Until what is
-//! left is small, it is Gauss and Seidel's from patch to patch. *Shooting* distributes the light of the patch that has most of it
-//! left.
+//! The system is B = M + rho K B, where K are the links. Irradiance that a node gathers is pushed down to the leaves
+//! below it, and radiosities of the leaves are pulled up. *Gathering* a fixed number of times is the Jacobi iteration,
+//! in which each iteration is one bounce of light. Gathering until the rest is small is the Gauss-Seidel iteration from
+//! patch to patch. *Shooting* distributes the light of the patch that has most unshot light.
 
 use std::cell::Cell;
 use std::sync::{Arc, PoisonError};
 
 use super::elements::{Elements, NONE};
 use super::form_factor;
-use super::judge::Judge;
-use super::light::{Moments, Sent};
-use super::links::{Kind, Link, POINT, intensity};
-use super::refine::{Network, Shared};
+use super::light::{DirectionalPolynomial, NodeRadiosity};
+use super::links::{Link, LinkKind, POINT, intensity};
+use super::oracle::RefinementOracle;
+use super::refine::{LinkHierarchy, SharedHierarchy};
 use super::vertices::gather_over;
 use crate::control::Parallel;
 use crate::error::Result;
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 
-/// Patches, clusters or leaves of one thread at a time.
-const BLOCK: usize = 64;
+/// Patches, clusters or leaves that one task of the thread pool processes.
+const ITEMS_PER_TASK: usize = 64;
 
-/// Rays from a leaf to what its parents see in part, in proportion to the share of its light. Of fewer the nearest parts of a
-/// source, which are the strongest and seldom hidden, would not weigh enough.
-const RAYS: f64 = 64.0;
-const FEWEST_RAYS: f64 = 8.0;
-const MOST_RAYS: f64 = 16.0;
+/// Rays from a leaf to a source that is partly visible from the leaf's parents, in proportion to the source's fraction
+/// of the leaf's light. With fewer rays, the nearest parts of a source, which are the strongest and seldom hidden,
+/// would be underestimated.
+const RAYS_PER_FRACTION: f64 = 64.0;
+const MIN_RAYS: f64 = 8.0;
+const MAX_RAYS: f64 = 16.0;
 
-/// Leaves are scaled by no less, since what is scaled to nothing could not be balanced again; and by no more, since what is found
-/// by a glimmer would be too much for the light that comes later.
-const SCALES: [f64; 2] = [1e-3, 8.0];
+/// Limits of a leaf's scale. A leaf that is scaled to nothing could not be balanced again, and a factor that was found
+/// in very weak light would be too large for the light that arrives later.
+const SCALE_LIMITS: [f64; 2] = [1e-3, 8.0];
 
-/// Iterations after which nothing is waited for any more.
-const MOST_SWEEPS: u32 = 100_000;
+/// The iteration ends after this many iterations in any case.
+const MAX_ITERATIONS: u32 = 100_000;
 
-/// How a solution was come to.
+/// Convergence of a solution.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Course {
+pub(super) struct Convergence {
     pub iterations: u32,
-    /// What the last iteration changed, in the sum of area times radiosity, over that sum.
+    /// Change by the last iteration, in the sum of area times radiosity, over that sum.
     pub residual: f64,
     /// Bound on the distance to the solution of the system in the same measure.
     pub bound: f64,
 }
 
-/// Irradiance that one link brings to an element, per light that it takes.
+/// Strength of a link's source: radiosity, or radiant intensity towards the receiver.
 #[inline]
-fn strength(judge: &Judge, sent: &Sent, link: &Link) -> DVec3 {
+fn strength(oracle: &RefinementOracle, radiosity: &NodeRadiosity, link: &Link) -> DVec3 {
     if link.source >= POINT {
-        return judge.lights[(link.source - POINT) as usize].intensity;
+        return oracle.lights[(link.source - POINT) as usize].intensity;
     }
-    let source = &judge.elements.nodes[link.source as usize];
+    let source = &oracle.elements.nodes[link.source as usize];
     if source.is_cluster() {
-        let d = judge.elements.nodes[link.receiver as usize].centre - source.centre;
-        intensity(source, sent, d.normalize_or_zero())
+        let d = oracle.elements.nodes[link.receiver as usize].centre - source.centre;
+        intensity(source, radiosity, d.normalize_or_zero())
     } else {
-        link.shares.mean(source, &sent.b, sent.b[link.source as usize])
+        link.quarter_weights.mean(source, &radiosity.b, radiosity.b[link.source as usize])
     }
 }
 
 /// Irradiance that an element gathers over its own links.
 #[inline]
-pub(super) fn gathered(network: &Network, node: u32) -> DVec3 {
-    let judge = &network.judge;
+pub(super) fn gathered(hierarchy: &LinkHierarchy, node: u32) -> DVec3 {
+    let oracle = &hierarchy.oracle;
     let one = |link: &Link| match link.kind {
-        Kind::Dim => DVec3::ZERO,
-        _ => f64::from(link.factor) * f64::from(link.visible) * strength(judge, &judge.sent, link),
+        LinkKind::Negligible => DVec3::ZERO,
+        _ => f64::from(link.factor) * f64::from(link.visible) * strength(oracle, &oracle.radiosity, link),
     };
-    network.links_of(node).iter().map(one).sum()
+    hierarchy.links_of(node).iter().map(one).sum()
 }
 
-/// What each cluster brings to the surfaces below it, that from above included.
-pub(super) fn received(shared: &Shared, parallel: &mut impl Parallel) -> Result<Vec<Moments>> {
+/// Irradiance that each cluster brings to the surfaces below it, including that of the clusters above.
+pub(super) fn received(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<Vec<DirectionalPolynomial>> {
     let count = shared.read().unwrap_or_else(PoisonError::into_inner).clusters.len();
-    let network = Arc::clone(shared);
-    let own = parallel.map(count.div_ceil(BLOCK), move |block| {
-        let network = network.read().unwrap_or_else(PoisonError::into_inner);
-        let clusters = network.clusters[block * BLOCK..].iter().take(BLOCK);
-        clusters.map(|&node| cluster_gathered(&network, node)).collect::<Vec<_>>()
+    let hierarchy = Arc::clone(shared);
+    let own = parallel.map(count.div_ceil(ITEMS_PER_TASK), move |block| {
+        let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);
+        let clusters = hierarchy.clusters[block * ITEMS_PER_TASK..].iter().take(ITEMS_PER_TASK);
+        clusters.map(|&node| gathered_by_cluster(&hierarchy, node)).collect::<Vec<_>>()
     })?;
-    let network = shared.read().unwrap_or_else(PoisonError::into_inner);
-    let nodes = &network.judge.elements.nodes;
-    let mut received = vec![Moments::default(); count];
-    for (&node, own) in network.clusters.iter().zip(own.into_iter().flatten()) {
+    let hierarchy = shared.read().unwrap_or_else(PoisonError::into_inner);
+    let nodes = &hierarchy.oracle.elements.nodes;
+    let mut received = vec![DirectionalPolynomial::default(); count];
+    for (&node, own) in hierarchy.clusters.iter().zip(own.into_iter().flatten()) {
         let Some(node) = nodes.get(node as usize) else { continue };
         let mut sum = own;
         if node.parent != NONE {
@@ -95,171 +96,192 @@ pub(super) fn received(shared: &Shared, parallel: &mut impl Parallel) -> Result<
     Ok(received)
 }
 
-fn cluster_gathered(network: &Network, node: u32) -> Moments {
-    let judge = &network.judge;
-    let mut moments = Moments::default();
-    let centre = judge.elements.nodes[node as usize].centre;
-    for link in network.links_of(node) {
-        if link.kind == Kind::Dim {
+fn gathered_by_cluster(hierarchy: &LinkHierarchy, node: u32) -> DirectionalPolynomial {
+    let oracle = &hierarchy.oracle;
+    let mut moments = DirectionalPolynomial::default();
+    let centre = oracle.elements.nodes[node as usize].centre;
+    for link in hierarchy.links_of(node) {
+        if link.kind == LinkKind::Negligible {
             continue;
         }
         let from = match link.source {
-            point @ POINT.. => judge.lights[(point - POINT) as usize].position,
-            source => judge.elements.nodes[source as usize].centre,
+            point @ POINT.. => oracle.lights[(point - POINT) as usize].position,
+            source => oracle.elements.nodes[source as usize].centre,
         };
-        let weight = f64::from(link.factor) * f64::from(link.visible) * strength(judge, &judge.sent, link);
+        let weight = f64::from(link.factor) * f64::from(link.visible) * strength(oracle, &oracle.radiosity, link);
         let d = (from - centre).normalize_or_zero();
-        if link.kind == Kind::Facing { moments.add_linear(d, weight) } else { moments.add_lobe(d, weight) }
+        if link.kind == LinkKind::Facing { moments.add_linear(d, weight) } else { moments.add_lobe(d, weight) }
     }
     moments
 }
 
-/// Visits the leaves below an element with the irradiance gathered at it and above, `above` being that from above.
-fn leaves(network: &Network, node: u32, above: DVec3, visit: &mut impl FnMut(u32, DVec3)) {
-    let irradiance = above + gathered(network, node);
-    let element = &network.judge.elements.nodes[node as usize];
+/// Pushes irradiance down: visits the leaves below an element with the irradiance gathered at them and at all elements
+/// above. `above` is what the elements above gathered.
+fn push(hierarchy: &LinkHierarchy, node: u32, above: DVec3, visit: &mut impl FnMut(u32, DVec3)) {
+    let irradiance = above + gathered(hierarchy, node);
+    let element = &hierarchy.oracle.elements.nodes[node as usize];
     if element.is_leaf() {
-        visit(node, network.scale_of(node) * irradiance);
+        visit(node, hierarchy.scale_of(node) * irradiance);
     } else {
         for child in element.range() {
-            leaves(network, child as u32, irradiance, visit);
+            push(hierarchy, child as u32, irradiance, visit);
         }
     }
 }
 
-/// The same for a patch, with what clusters above it received.
-pub(super) fn leaves_of_patch(network: &Network, patch: u32, received: &[Moments], visit: &mut impl FnMut(u32, DVec3)) {
-    let elements = &network.judge.elements;
+/// The same for a patch, with the irradiance that clusters above it received.
+pub(super) fn push_patch(
+    hierarchy: &LinkHierarchy,
+    patch: u32,
+    received: &[DirectionalPolynomial],
+    visit: &mut impl FnMut(u32, DVec3),
+) {
+    let elements = &hierarchy.oracle.elements;
     let root = elements.patches[patch as usize].node;
     let node = &elements.nodes[root as usize];
     let from_clusters = match node.parent {
         NONE => None,
         parent => Some(&received[elements.nodes[parent as usize].corners[2] as usize]),
     };
-    // Flat elements have one normal.
+    // A flat element has one normal, so the clusters' irradiance is the same for all of its leaves.
     match from_clusters {
         Some(moments) if elements.shape(patch).is_some() => {
-            leaves(network, root, DVec3::ZERO, &mut |leaf, irradiance| {
+            push(hierarchy, root, DVec3::ZERO, &mut |leaf, irradiance| {
                 let above = moments.at(elements.nodes[leaf as usize].normal);
-                visit(leaf, irradiance + network.scale_of(leaf) * above);
+                visit(leaf, irradiance + hierarchy.scale_of(leaf) * above);
             })
         }
-        Some(moments) => leaves(network, root, moments.at(node.normal), visit),
-        None => leaves(network, root, DVec3::ZERO, visit),
+        Some(moments) => push(hierarchy, root, moments.at(node.normal), visit),
+        None => push(hierarchy, root, DVec3::ZERO, visit),
     }
 }
 
-/// Irradiance of all leaves by what is sent now, patch by patch.
-pub(super) fn irradiances(shared: &Shared, parallel: &mut impl Parallel) -> Result<Vec<(u32, DVec3)>> {
+/// Irradiance of all leaves by the current radiosities, patch by patch.
+pub(super) fn leaf_irradiances(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<Vec<(u32, DVec3)>> {
     let received = Arc::new(received(shared, parallel)?);
-    irradiances_with(shared, &received, parallel)
+    leaf_irradiances_with(shared, &received, parallel)
 }
 
-/// The same with what clusters received.
-fn irradiances_with(
-    shared: &Shared,
-    received: &Arc<Vec<Moments>>,
+/// The same with the irradiance that clusters received.
+fn leaf_irradiances_with(
+    shared: &SharedHierarchy,
+    received: &Arc<Vec<DirectionalPolynomial>>,
     parallel: &mut impl Parallel,
 ) -> Result<Vec<(u32, DVec3)>> {
     let received = Arc::clone(received);
-    let count = shared.read().unwrap_or_else(PoisonError::into_inner).judge.elements.patches.len();
-    let network = Arc::clone(shared);
-    let found = parallel.map(count.div_ceil(BLOCK), move |block| {
-        let network = network.read().unwrap_or_else(PoisonError::into_inner);
+    let count = shared.read().unwrap_or_else(PoisonError::into_inner).oracle.elements.patches.len();
+    let hierarchy = Arc::clone(shared);
+    let found = parallel.map(count.div_ceil(ITEMS_PER_TASK), move |block| {
+        let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);
         let mut found = Vec::new();
-        for patch in block * BLOCK..((block + 1) * BLOCK).min(count) {
-            leaves_of_patch(&network, patch as u32, &received, &mut |leaf, irradiance| found.push((leaf, irradiance)));
+        for patch in block * ITEMS_PER_TASK..((block + 1) * ITEMS_PER_TASK).min(count) {
+            push_patch(&hierarchy, patch as u32, &received, &mut |leaf, irradiance| found.push((leaf, irradiance)));
         }
         found
     })?;
     Ok(found.into_iter().flatten().collect())
 }
 
-/// One Jacobi iteration: a bounce. What it changed, as [`Course::residual`].
-pub(super) fn bounce(shared: &Shared, parallel: &mut impl Parallel) -> Result<f64> {
-    let found = irradiances(shared, parallel)?;
-    let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
-    let Judge { elements, sent, .. } = &mut network.judge;
+/// One Jacobi iteration, which is one bounce. Returns the change, as [`Convergence::residual`].
+pub(super) fn jacobi_iteration(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<f64> {
+    let found = leaf_irradiances(shared, parallel)?;
+    let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
+    let RefinementOracle { elements, radiosity, .. } = &mut hierarchy.oracle;
     let mut changes = [0.0; 2];
     for (leaf, irradiance) in found {
-        set(elements, sent, leaf, irradiance, &mut changes);
+        set_leaf_radiosity(elements, radiosity, leaf, irradiance, &mut changes);
     }
-    sent.pull(elements);
-    Ok(share(changes))
+    radiosity.pull(elements);
+    Ok(relative_change(changes))
 }
 
-fn share([changed, sum]: [f64; 2]) -> f64 {
+fn relative_change([changed, sum]: [f64; 2]) -> f64 {
     if sum > 0.0 { changed / sum } else { 0.0 }
 }
 
-/// A leaf's new radiosity.
-fn set(elements: &Elements, sent: &mut Sent, leaf: u32, irradiance: DVec3, changes: &mut [f64; 2]) {
+/// Sets a leaf's radiosity from its irradiance, and adds up the change and the total.
+fn set_leaf_radiosity(
+    elements: &Elements,
+    radiosity: &mut NodeRadiosity,
+    leaf: u32,
+    irradiance: DVec3,
+    changes: &mut [f64; 2],
+) {
     let node = &elements.nodes[leaf as usize];
     let patch = &elements.patches[node.patch as usize];
     let b = patch.emitted + patch.albedo * irradiance;
-    let old = std::mem::replace(&mut sent.b[leaf as usize], b);
+    let old = std::mem::replace(&mut radiosity.b[leaf as usize], b);
     changes[0] += node.area * (b - old).abs().element_sum();
     changes[1] += node.area * b.element_sum();
 }
 
-/// One iteration of Gauss and Seidel's from patch to patch; clusters lag behind by one.
-pub(super) fn sweep(shared: &Shared, parallel: &mut impl Parallel) -> Result<f64> {
+/// One Gauss-Seidel iteration from patch to patch, in which clusters use the previous iteration. Returns the change, as
+/// [`Convergence::residual`].
+pub(super) fn gauss_seidel_iteration(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<f64> {
     let received = received(shared, parallel)?;
-    let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
+    let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
     let mut changes = [0.0; 2];
     let mut found = Vec::new();
-    for patch in 0..network.judge.elements.patches.len() as u32 {
+    for patch in 0..hierarchy.oracle.elements.patches.len() as u32 {
         if patch % 256 == 0 {
             parallel.check()?;
         }
-        leaves_of_patch(&network, patch, &received, &mut |leaf, irradiance| found.push((leaf, irradiance)));
-        let Judge { elements, sent, .. } = &mut network.judge;
+        push_patch(&hierarchy, patch, &received, &mut |leaf, irradiance| found.push((leaf, irradiance)));
+        let RefinementOracle { elements, radiosity, .. } = &mut hierarchy.oracle;
         for (leaf, irradiance) in found.drain(..) {
-            set(elements, sent, leaf, irradiance, &mut changes);
+            set_leaf_radiosity(elements, radiosity, leaf, irradiance, &mut changes);
         }
-        pull_patch(elements, sent, elements.patches[patch as usize].node);
+        pull_patch(elements, radiosity, elements.patches[patch as usize].node);
     }
-    let Judge { elements, sent, .. } = &mut network.judge;
-    sent.pull(elements);
-    Ok(share(changes))
+    let RefinementOracle { elements, radiosity, .. } = &mut hierarchy.oracle;
+    radiosity.pull(elements);
+    Ok(relative_change(changes))
 }
 
-/// Finds by what leaves gather too much or too little, by what is sent now.
+/// Computes the factors by which leaves gather too much or too little, from the current radiosities.
 ///
-/// An element that was divided for some of its links has the others as a whole, whose light is in truth spread over it unevenly:
-/// where one part is nearer to the ones, it is farther from the others. What leaves gather is scaled by what they would if all
-/// that came to the elements above them had come to themselves. In a closed room, rows so sum to one.
+/// An element that was subdivided for some of its links keeps other links as a whole, whose light in truth varies over
+/// it: where one child is nearer to the first sources, it is farther from the others. The irradiance of each leaf is
+/// therefore scaled to what the leaf would gather if all links of the elements above it were evaluated at the leaf
+/// itself. In a closed room, the rows of the system sum to one in this way.
 ///
-/// `looks`: each leaf sees for itself what is hidden of sources that elements above it have in part; else it is as for those.
-pub(super) fn balance(shared: &Shared, looks: bool, parallel: &mut impl Parallel) -> Result<()> {
+/// `traces_visibility`: each leaf traces its own visibility to sources that are partly visible from elements above it;
+/// otherwise it uses the visibility of those elements.
+pub(super) fn balance(shared: &SharedHierarchy, traces_visibility: bool, parallel: &mut impl Parallel) -> Result<()> {
     let received = Arc::new(received(shared, parallel)?);
-    let leaves = Arc::new(irradiances_with(shared, &received, parallel)?);
-    let network = Arc::clone(shared);
-    let found = parallel.map(leaves.len().div_ceil(BLOCK), move |block| {
-        let network = network.read().unwrap_or_else(PoisonError::into_inner);
+    let leaves = Arc::new(leaf_irradiances_with(shared, &received, parallel)?);
+    let hierarchy = Arc::clone(shared);
+    let found = parallel.map(leaves.len().div_ceil(ITEMS_PER_TASK), move |block| {
+        let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);
         let scale = |&(leaf, irradiance): &(u32, DVec3)| {
-            // Each channel by itself: light that comes straight and light that was reflected want different scales.
-            let about = looks.then(|| irradiance.max_element());
-            let better = irradiance_of_leaf(&network, leaf, &received, about);
-            let scale = network.scale_of(leaf) * better / irradiance;
-            let bounded = |scale: f64| if scale.is_finite() { scale.clamp(SCALES[0], SCALES[1]) } else { 1.0 };
+            // Each channel has its own scale, because direct light and reflected light need different ones.
+            let about = traces_visibility.then(|| irradiance.max_element());
+            let better = irradiance_of_leaf(&hierarchy, leaf, &received, about);
+            let scale = hierarchy.scale_of(leaf) * better / irradiance;
+            let bounded =
+                |scale: f64| if scale.is_finite() { scale.clamp(SCALE_LIMITS[0], SCALE_LIMITS[1]) } else { 1.0 };
             (leaf, Rgb::from_f64(DVec3::from(scale.to_array().map(bounded))))
         };
-        leaves[block * BLOCK..].iter().take(BLOCK).map(scale).collect::<Vec<_>>()
+        leaves[block * ITEMS_PER_TASK..].iter().take(ITEMS_PER_TASK).map(scale).collect::<Vec<_>>()
     })?;
-    let mut network = shared.write().unwrap_or_else(PoisonError::into_inner);
-    let mut scale = vec![Rgb::ONE; network.judge.elements.nodes.len()];
+    let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
+    let mut scale = vec![Rgb::ONE; hierarchy.oracle.elements.nodes.len()];
     for (leaf, of_leaf) in found.into_iter().flatten() {
         scale[leaf as usize] = of_leaf;
     }
-    network.scale = scale;
+    hierarchy.scale = scale;
     Ok(())
 }
 
-/// By the same places for all links, so that what they miss of one they have of another. `about`: roughly what comes
-/// out, where the leaf looks for itself.
-fn irradiance_of_leaf(network: &Network, leaf: u32, received: &[Moments], about: Option<f64>) -> DVec3 {
-    let elements = &network.judge.elements;
+/// The irradiance of a leaf, integrated over the same points for all links, so that the quadrature errors of two links
+/// cancel. `about`: the approximate result where the leaf traces its own visibility.
+fn irradiance_of_leaf(
+    hierarchy: &LinkHierarchy,
+    leaf: u32,
+    received: &[DirectionalPolynomial],
+    about: Option<f64>,
+) -> DVec3 {
+    let elements = &hierarchy.oracle.elements;
     let node = &elements.nodes[leaf as usize];
     let (places, weights) = form_factor::places(&elements.triangle(node));
     let is_hidden = |link: &Link| link.visible == 0.0;
@@ -269,17 +291,17 @@ fn irradiance_of_leaf(network: &Network, leaf: u32, received: &[Moments], about:
             return f64::from(link.visible);
         };
         if last.get().0 != link.source {
-            let share = f64::from(link.factor) * strength.max_element() / about;
-            let rays = (RAYS * share).clamp(FEWEST_RAYS, MOST_RAYS) as u32;
-            last.set((link.source, network.judge.visible_from(leaf, link.source, rays)));
+            let relative_change = f64::from(link.factor) * strength.max_element() / about;
+            let rays = (RAYS_PER_FRACTION * relative_change).clamp(MIN_RAYS, MAX_RAYS) as u32;
+            last.set((link.source, hierarchy.oracle.leaf_visibility(leaf, link.source, rays)));
         }
         last.get().1
     };
-    let (sums, from_clusters) = gather_over(network, leaf, &places, received, is_hidden, &visible);
+    let (sums, from_clusters) = gather_over(hierarchy, leaf, &places, received, is_hidden, &visible);
     sums.iter().zip(weights).map(|(sum, weight)| weight * sum).sum::<DVec3>() + from_clusters
 }
 
-fn pull_patch(elements: &Elements, sent: &mut Sent, number: u32) {
+fn pull_patch(elements: &Elements, radiosity: &mut NodeRadiosity, number: u32) {
     let node = &elements.nodes[number as usize];
     if node.is_leaf() {
         return;
@@ -287,11 +309,11 @@ fn pull_patch(elements: &Elements, sent: &mut Sent, number: u32) {
     let mut sum = DVec3::ZERO;
     let mut area = 0.0;
     for child in node.range() {
-        pull_patch(elements, sent, child as u32);
-        sum += elements.nodes[child].area * sent.b[child];
+        pull_patch(elements, radiosity, child as u32);
+        sum += elements.nodes[child].area * radiosity.b[child];
         area += elements.nodes[child].area;
     }
-    sent.b[number as usize] = sum / area;
+    radiosity.b[number as usize] = sum / area;
 }
 
 /// Largest albedo of any patch.
@@ -299,46 +321,52 @@ pub(super) fn largest_albedo(elements: &Elements) -> f64 {
     elements.patches.iter().map(|patch| patch.albedo.max_element()).fold(0.0, f64::max)
 }
 
-/// Gathers `iterations` times from what is emitted, or until no more than `tolerance` is left. `balanced`: of a number of iterations,
-/// how many of the first are balanced each by itself.
+/// Gathers `iterations` times from the emission alone, or until the rest is at most `tolerance`. `balanced`: of a fixed
+/// number of iterations, how many of the first are balanced each by itself.
 pub(super) fn gather(
-    shared: &Shared,
+    shared: &SharedHierarchy,
     iterations: Option<u32>,
     balanced: u32,
     tolerance: f64,
     parallel: &mut impl Parallel,
-) -> Result<Course> {
-    let albedo = largest_albedo(&shared.read().unwrap_or_else(PoisonError::into_inner).judge.elements);
-    // No iteration leaves more than this share of what it changed: light that meets a surface is scattered once more.
+) -> Result<Convergence> {
+    let albedo = largest_albedo(&shared.read().unwrap_or_else(PoisonError::into_inner).oracle.elements);
+    // The rest after an iteration is at most this fraction of its change: light that meets a surface is scattered once
+    // more.
     let left = if albedo < 1.0 { albedo / (1.0 - albedo) } else { f64::INFINITY };
-    let mut course = Course { residual: 1.0, bound: f64::INFINITY, ..Course::default() };
+    let mut convergence = Convergence { residual: 1.0, bound: f64::INFINITY, ..Convergence::default() };
     if iterations.is_some() {
         shared.write().unwrap_or_else(PoisonError::into_inner).emit();
     }
     let mut before = f64::INFINITY;
-    while course.iterations < iterations.unwrap_or(MOST_SWEEPS) {
-        if iterations.is_some() && course.iterations < balanced {
+    while convergence.iterations < iterations.unwrap_or(MAX_ITERATIONS) {
+        if iterations.is_some() && convergence.iterations < balanced {
             balance(shared, true, parallel)?;
         }
-        course.residual = if iterations.is_some() { bounce(shared, parallel)? } else { sweep(shared, parallel)? };
-        course.iterations += 1;
+        convergence.residual = if iterations.is_some() {
+            jacobi_iteration(shared, parallel)?
+        } else {
+            gauss_seidel_iteration(shared, parallel)?
+        };
+        convergence.iterations += 1;
         parallel.progress(match iterations {
-            Some(count) => f64::from(course.iterations) / f64::from(count),
-            None => course.residual.ln() / tolerance.ln(),
+            Some(count) => f64::from(convergence.iterations) / f64::from(count),
+            None => convergence.residual.ln() / tolerance.ln(),
         });
-        course.bound = course.residual * left;
-        // What is left if it goes on shrinking as it does, which is less than the bound where light escapes.
-        let shrinking = (course.residual / before).min(1.0);
-        let rest = course.residual * shrinking / (1.0 - shrinking);
-        before = course.residual;
-        // Nothing more is to be had of what is not finite.
-        let is_over = course.residual == 0.0 || !course.residual.is_finite();
-        let is_done = is_over || (course.residual < tolerance && rest.min(course.bound) < tolerance);
+        convergence.bound = convergence.residual * left;
+        // The rest if the change continues to shrink at the present rate. It is less than the bound where light
+        // escapes.
+        let shrinking = (convergence.residual / before).min(1.0);
+        let rest = convergence.residual * shrinking / (1.0 - shrinking);
+        before = convergence.residual;
+        // Further iterations cannot repair values that are not finite.
+        let is_over = convergence.residual == 0.0 || !convergence.residual.is_finite();
+        let is_done = is_over || (convergence.residual < tolerance && rest.min(convergence.bound) < tolerance);
         if iterations.is_none() && is_done {
             break;
         }
     }
-    Ok(course)
+    Ok(convergence)
 }
 
 #[cfg(test)]
@@ -346,15 +374,15 @@ mod tests {
     use std::sync::RwLock;
 
     use super::super::elements::{Node, Patch, empty};
-    use super::super::links::Shares;
+    use super::super::links::QuarterWeights;
     use super::super::shoot::shoot;
     use super::*;
     use crate::control::Alone;
     use crate::desc::SceneDesc;
     use crate::scene::{BuildOptions, Scene};
 
-    /// A unit cube with one patch a face, of which the first emits 1 W m^-2; its exact form factors.
-    fn cube(albedo: f64) -> Shared {
+    /// A unit cube with one patch for each face, of which the first emits 1 W m^-2, and the exact form factors.
+    fn cube(albedo: f64) -> SharedHierarchy {
         const OPPOSITE: f64 = 0.199_824_895_698_387_4;
         const BESIDE: f64 = 0.200_043_776_075_403_2;
         let mut elements = Elements::default();
@@ -372,10 +400,10 @@ mod tests {
             });
         }
         let scene = Scene::build(&SceneDesc::default(), &BuildOptions::default()).unwrap();
-        let mut network = Network::new(&scene, elements);
+        let mut hierarchy = LinkHierarchy::new(&scene, elements);
         for (receiver, source) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
             if receiver != source {
-                // In full precision: a factor of single precision, and what it lacks as a second link.
+                // Full precision: the factor in single precision, and its rounding error as a second link.
                 let exact = if receiver / 2 == source / 2 { OPPOSITE } else { BESIDE };
                 let coarse = exact as f32;
                 for factor in [coarse, (exact - f64::from(coarse)) as f32] {
@@ -386,15 +414,15 @@ mod tests {
                         visible: 1.0,
                         seen: 1.0,
                         error: 0.0,
-                        shares: Shares::EVEN,
-                        kind: Kind::Element,
+                        quarter_weights: QuarterWeights::EVEN,
+                        kind: LinkKind::Element,
                     };
-                    network.links.push(link);
+                    hierarchy.links.push(link);
                 }
             }
         }
-        network.sort();
-        Arc::new(RwLock::new(network))
+        hierarchy.sort();
+        Arc::new(RwLock::new(hierarchy))
     }
 
     #[test]
@@ -403,45 +431,48 @@ mod tests {
             (0.5, [1.090_909_098_11, 0.181_745_826_108, 0.181_836_268_946]),
             (0.8, [1.551_724_153_64, 0.689_551_070_738, 0.689_681_193_904]),
         ] {
-            let check = |shared: &Shared, how: &str, tolerance: f64| {
-                let network = shared.read().unwrap();
+            let check = |shared: &SharedHierarchy, how: &str, tolerance: f64| {
+                let hierarchy = shared.read().unwrap();
                 for (face, expected) in [0, 1, 2, 3, 4, 5].into_iter().zip([0, 1, 2, 2, 2, 2].map(|i| expected[i])) {
-                    let b = network.judge.sent.b[face].x;
+                    let b = hierarchy.oracle.radiosity.b[face].x;
                     assert!((b - expected).abs() < tolerance, "{how}, albedo {albedo}, face {face}: {b} {expected}");
                 }
             };
             let shared = cube(albedo);
-            let course = gather(&shared, None, 0, 1e-9, &mut Alone::default()).unwrap();
+            let convergence = gather(&shared, None, 0, 1e-9, &mut Alone::default()).unwrap();
             check(&shared, "gathered", 1e-8);
-            assert!(course.bound < 1e-8 && course.iterations < 100, "{course:?}");
+            assert!(convergence.bound < 1e-8 && convergence.iterations < 100, "{convergence:?}");
 
             let shared = cube(albedo);
             gather(&shared, Some(150), 0, 0.5, &mut Alone::default()).unwrap();
             check(&shared, "bounces", 1e-8);
 
             let shared = cube(albedo);
-            let (course, _) = shoot(&shared, None, 1e-9, &mut Alone::default()).unwrap();
+            let (convergence, _) = shoot(&shared, None, 1e-9, &mut Alone::default()).unwrap();
             check(&shared, "shot", 1e-8);
-            assert!(course.bound < 1e-8, "{course:?}");
+            assert!(convergence.bound < 1e-8, "{convergence:?}");
         }
     }
 
-    /// After so many bounces the rest is within the bound that was told.
+    /// After each number of bounces the rest is within the reported bound.
     #[test]
     fn bounds_hold() {
         let exact = cube(0.8);
         gather(&exact, None, 0, 1e-12, &mut Alone::default()).unwrap();
-        let sum = |shared: &Shared| shared.read().unwrap().judge.sent.b.iter().map(|b| b.x).sum::<f64>();
+        let sum = |shared: &SharedHierarchy| shared.read().unwrap().oracle.radiosity.b.iter().map(|b| b.x).sum::<f64>();
         for iterations in [1, 2, 5, 20] {
             let shared = cube(0.8);
-            let course = gather(&shared, Some(iterations), 0, 0.5, &mut Alone::default()).unwrap();
+            let convergence = gather(&shared, Some(iterations), 0, 0.5, &mut Alone::default()).unwrap();
             let left = (sum(&exact) - sum(&shared)) / sum(&shared);
-            assert!(left <= course.bound && left > 0.2 * course.bound, "{iterations}: {left} {course:?}");
+            assert!(
+                left <= convergence.bound && left > 0.2 * convergence.bound,
+                "{iterations}: {left} {convergence:?}"
+            );
 
             let shared = cube(0.8);
-            let (course, ambient) = shoot(&shared, Some(iterations), 0.5, &mut Alone::default()).unwrap();
+            let (convergence, ambient) = shoot(&shared, Some(iterations), 0.5, &mut Alone::default()).unwrap();
             let left = sum(&exact) - sum(&shared);
-            assert!(left > 0.0 && ambient.x >= 0.0, "{iterations}: {left} {course:?}");
+            assert!(left > 0.0 && ambient.x >= 0.0, "{iterations}: {left} {convergence:?}");
         }
     }
 }

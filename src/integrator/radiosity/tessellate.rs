@@ -1,9 +1,9 @@
-//! Triangles inscribed in analytic shapes: where elements begin.
+//! Triangles inscribed in analytic shapes: the first elements of these shapes.
 
 use crate::math::DVec3;
 use crate::shape::Analytic;
 
-/// Triangles whose corners lie on the shape and that together stand for all of it. Their winding means nothing.
+/// Triangles whose corners lie on the shape and that together represent all of it. Their winding has no meaning.
 pub(super) fn tessellate(shape: &Analytic) -> Vec<[DVec3; 3]> {
     match shape {
         Analytic::Sphere(sphere) => {
@@ -15,13 +15,13 @@ pub(super) fn tessellate(shape: &Analytic) -> Vec<[DVec3; 3]> {
     }
 }
 
-/// Triangles around the middle of a disk.
+/// Triangles around the centre of a disk.
 const DISK_SECTORS: u32 = 32;
 
-/// Cells along each axis in which a quadric is looked for.
+/// Cells along each axis in which a quadric is searched for.
 const QUADRIC_CELLS: u32 = 8;
 
-/// An icosahedron with its sides halved once, on the unit sphere.
+/// An icosahedron on the unit sphere whose sides were halved once.
 fn ball() -> Vec<[DVec3; 3]> {
     let g = 0.5 * (1.0 + 5.0_f64.sqrt());
     let mut corners = Vec::new();

@@ -62,7 +62,7 @@ fn any_receiver(rng: &mut Rng, set: &EmitterSet, size: f32) -> (Receiver, Option
         0 | 1 => somewhere(rng, size),
         2 => {
             let chosen = (rng.next_f32() * set.emitters().len() as f32) as usize;
-            set.emitters()[chosen].middle() + somewhere(rng, 0.02 * size)
+            set.emitters()[chosen].centre() + somewhere(rng, 0.02 * size)
         }
         _ => somewhere(rng, 1e3 * size),
     };

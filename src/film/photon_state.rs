@@ -1,62 +1,62 @@
-//! What a pixel remembers of photons between passes.
+//! Photon statistics of a pixel that persist between passes.
 
 use crate::spectrum::Rgb;
 
-/// A radius that shrinks as photons are met, and what was met.
+/// A gathering radius that shrinks as photons are found, and the statistics for that.
 ///
 /// Source: Hachisuka and Jensen 2009, "Stochastic Progressive Photon Mapping", Eq. 7 to 10, once for each pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShrinkingRadius {
-    /// As it is; 0 before it was first asked for.
+    /// The current radius; 0 before its first use.
     radius: f32,
-    /// Photons that count as kept.
-    kept: f32,
-    /// Photons met in the pass under way, and estimates in which.
-    met: f32,
+    /// Accumulated photons that are retained.
+    retained: f32,
+    /// Photons found in the current pass, and the number of estimates that found them.
+    found: f32,
     estimates: f32,
     pass: u32,
 }
 
 impl ShrinkingRadius {
-    /// The radius for a pass; `first` says what it begins with. `alpha`: the share of new photons that is kept.
+    /// The radius for a pass; `first` gives the initial radius. `alpha`: the fraction of new photons that is retained.
     #[inline]
     pub fn begin(&mut self, pass: u32, alpha: f32, first: impl FnOnce() -> f32) -> f32 {
         if self.radius == 0.0 {
             self.radius = first();
             self.pass = pass;
         } else if pass != self.pass {
-            let met = self.met / self.estimates.max(1.0);
-            if met > 0.0 {
-                let kept = self.kept + alpha * met;
-                self.radius *= (kept / (self.kept + met)).sqrt();
-                self.kept = kept;
+            let found = self.found / self.estimates.max(1.0);
+            if found > 0.0 {
+                let retained = self.retained + alpha * found;
+                self.radius *= (retained / (self.retained + found)).sqrt();
+                self.retained = retained;
             }
-            (self.met, self.estimates, self.pass) = (0.0, 0.0, pass);
+            (self.found, self.estimates, self.pass) = (0.0, 0.0, pass);
         }
         self.radius
     }
 
-    /// Notes the photons of one estimate.
+    /// Adds the number of photons that one estimate found.
     #[inline]
-    pub fn note(&mut self, count: u32) {
-        self.met += count as f32;
+    pub fn add_estimate(&mut self, count: u32) {
+        self.found += count as f32;
         self.estimates += 1.0;
     }
 }
 
-/// What a pixel remembers between passes.
+/// State of a pixel that persists between passes of photon mapping.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Gathering {
-    /// Of the caustic map.
+pub struct PixelPhotonState {
+    /// Radius for the caustic map.
     pub caustic: ShrinkingRadius,
-    /// Of the map of indirect light.
+    /// Radius for the map of indirect light.
     pub indirect: ShrinkingRadius,
-    /// Sums of estimated biases, of passes with even and odd numbers: two estimates that are independent.
+    /// Sums of estimated biases over passes with even and odd indices, which give two independent estimates.
     bias: [[f64; 3]; 2],
     samples: [u32; 2],
 }
 
-impl Gathering {
+impl PixelPhotonState {
     /// Adds the estimated bias of a sample.
     #[inline]
     pub fn add_bias(&mut self, pass: u32, bias: Rgb) {
@@ -70,14 +70,14 @@ impl Gathering {
         self.samples[half] += 1;
     }
 
-    /// The two independent estimates of the bias of the pixel's mean; `None` before both are there.
+    /// The two independent estimates of the bias of the pixel's mean; `None` until both exist.
     pub fn biases(&self) -> Option<[[f64; 3]; 2]> {
         let [even, odd] = self.samples.map(f64::from);
         let [a, b] = self.bias;
         (even > 0.0 && odd > 0.0).then(|| [a.map(|sum| sum / even), b.map(|sum| sum / odd)])
     }
 
-    /// The estimated bias of the pixel's mean, of all passes together.
+    /// The estimated bias of the pixel's mean over all passes.
     pub fn bias(&self) -> Option<[f64; 3]> {
         let count = f64::from(self.samples[0]) + f64::from(self.samples[1]);
         let [a, b] = self.bias;
