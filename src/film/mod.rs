@@ -11,6 +11,7 @@ mod gathering;
 mod image;
 mod pixel;
 
+pub(crate) use error::FEW_PIXELS;
 pub use error::{ErrorEstimate, ErrorMeasure, SampleCounts};
 pub use gathering::{Gathering, ShrinkingRadius};
 pub use image::{Image, Layer};
