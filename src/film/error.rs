@@ -37,8 +37,20 @@ pub struct SampleCounts {
     pub max: u32,
 }
 
-/// Variance of a pixel's mean over its square up to which it is a fair judge of its own error.
+/// An estimate whose standard error is more than this share of it rests on few pixels, where paths that are rare and bright
+/// have met some.
+pub(crate) const FEW_PIXELS: f64 = 0.35;
+
+/// Variance of a pixel's mean over its square up to which a pixel's error is relative to its own mean alone.
 const KNOWN: f64 = 0.1;
+
+/// Logarithms of likelihood ratios between which a pixel that differs from its surroundings is believed: up to the first
+/// its error is relative to its surroundings, from the second on to its own mean. They are odds of 20 and of 150 to one.
+const EVIDENCE: [f64; 2] = [3.0, 5.0];
+
+/// How far surroundings reach: 5 x 5 pixels but the one in the middle. Where each of 3 x 3 pixels has a bright path by a
+/// chance of one in ten, most such neighbourhoods have met none.
+const REACH: usize = 2;
 
 /// Sums over pixels of what they add to a mean, from which its standard error follows.
 #[derive(Clone, Copy, Default)]
@@ -68,6 +80,13 @@ impl Terms {
 }
 
 impl ErrorEstimate {
+    /// Whether few pixels have most of the estimate: its standard error is more than a third of it. Then pixels that have
+    /// not met their rare bright paths yet may have as much error again, and the estimate may be off by a multiple of
+    /// itself, whatever its standard error says.
+    pub fn is_heavy_tailed(&self) -> bool {
+        self.standard_error > FEW_PIXELS * self.value
+    }
+
     /// Of the root of what this is the estimate of.
     fn root(self) -> Self {
         let value = self.value.sqrt();
@@ -76,7 +95,8 @@ impl ErrorEstimate {
 }
 
 impl Film {
-    /// Estimated relMSE (see [`ErrorMeasure::RelMse`]), from the replicates' variances. Where photon maps are made anew for each
+    /// Estimated relMSE (see [`ErrorMeasure::RelMse`]), from the replicates' variances. A pixel whose own mean is not known
+    /// yet is compared with its surroundings, as far as it may be no brighter than they are (docs/error-estimates.md). Where photon maps are made anew for each
     /// pass, the square of their estimated bias is added: the product of two independent estimates of it, since the square of
     /// one would count its noise as bias.
     ///
@@ -119,8 +139,9 @@ impl Film {
     }
 
     /// Calls `visit` with the number of each pixel in rows, its samples, and its squared error as `measure` weighs it, the mean
-    /// over channels; false if it was cancelled in the middle. `is_tame`: relative to the pixel's own mean instead
-    /// of its surroundings', too small where samples are rare and bright, so that such are not all that counts.
+    /// over channels; false if it was cancelled in the middle. `is_tame`: relative to the pixel's own mean always, never to
+    /// its surroundings'; that is too small where samples are rare and bright, so that such are not all that counts, and
+    /// no pixel's error depends on another pixel's samples but by the mean of the whole image.
     pub(crate) fn for_each_error(
         &self,
         measure: ErrorMeasure,
@@ -130,36 +151,54 @@ impl Film {
     ) -> bool {
         let (weighted, share) = (self.options.weighted, self.options.share);
         let is_relative = measure == ErrorMeasure::RelMse;
-        let mut means = Vec::new();
+        let (mut means, mut variances) = (Vec::new(), Vec::new());
         if is_relative {
             means.resize(self.pixel_count(), [0.0; 3]);
-            if !self.for_each_unless(cancel, |place, pixel, _| means[place] = pixel.mean(weighted)) {
+            variances.resize(if is_tame { 0 } else { self.pixel_count() }, 0.0);
+            let is_whole = self.for_each_unless(cancel, |place, pixel, _| {
+                means[place] = pixel.mean(weighted);
+                if !is_tame {
+                    variances[place] = pixel.variance(share).iter().sum();
+                }
+            });
+            if !is_whole {
                 return false;
             }
         }
         let sum: f64 = means.iter().flatten().copied().map(f64::from).sum();
         let mean = sum / (3 * self.pixel_count()).max(1) as f64;
         let floor = 1e-2 * mean * mean;
-        let levels = Levels::new(&means, self.options.resolution);
+        let Some(doubts) = doubts(&means, &variances, self.options.resolution[0] as usize, floor, cancel) else {
+            return false;
+        };
         self.for_each_unless(cancel, |place, pixel, beside| {
             let biases = beside.gathering.and_then(PixelPhotonState::biases).unwrap_or_default();
             let variances = pixel.variance(share);
             let own = pixel.mean(weighted);
-            let is_known = || {
-                let square = |mean: f32| f64::from(mean) * f64::from(mean);
-                variances.iter().sum::<f64>() <= KNOWN * own.into_iter().map(square).sum::<f64>()
-            };
-            let level = if is_relative && !is_tame && !is_known() { levels.around(place) } else { own };
-            let mut sum = 0.0;
-            for channel in 0..3 {
-                let squared = variances[channel] + biases[0][channel] * biases[1][channel];
-                sum += if is_relative {
-                    squared / (f64::from(level[channel]) * f64::from(level[channel]) + floor)
-                } else {
-                    display_error2(own[channel], squared)
+            let squared: [f64; 3] =
+                std::array::from_fn(|channel| variances[channel] + biases[0][channel] * biases[1][channel]);
+            let error = if is_relative {
+                let relative_to = |mean: [f32; 3]| {
+                    mean_of_channels(|i| squared[i] / (f64::from(mean[i]) * f64::from(mean[i]) + floor))
                 };
-            }
-            visit(place, pixel.count(), sum / 3.0);
+                let by_own = relative_to(own);
+                match doubts.binary_search_by_key(&place, |doubt| doubt.place) {
+                    Err(_) => by_own,
+                    Ok(found) => {
+                        let Doubt { around, weight, .. } = doubts[found];
+                        let by_others = relative_to(around);
+                        // Products of noise in biases may be negative, and have no geometric mean.
+                        if by_own > 0.0 && by_others > 0.0 {
+                            by_own * (by_others / by_own).powf(weight)
+                        } else {
+                            by_others
+                        }
+                    }
+                }
+            } else {
+                mean_of_channels(|i| display_error2(own[i], squared[i]))
+            };
+            visit(place, pixel.count(), error);
         })
     }
 
@@ -179,46 +218,93 @@ impl Film {
     }
 }
 
-/// What pixels are to be compared with.
-struct Levels<'m> {
-    means: &'m [[f32; 3]],
-    luminances: Vec<f32>,
-    size: [usize; 2],
+fn mean_of_channels(value: impl Fn(usize) -> f64) -> f64 {
+    (value(0) + value(1) + value(2)) / 3.0
 }
 
-impl<'m> Levels<'m> {
-    fn new(means: &'m [[f32; 3]], resolution: [u32; 2]) -> Self {
-        let luminances = means.iter().map(|&mean| luminance(mean.into())).collect();
-        Self { means, luminances, size: resolution.map(|n| n as usize) }
-    }
+/// A pixel that does not know its own mean.
+struct Doubt {
+    place: usize,
+    /// What its mean would be if it were no other than that of its surroundings.
+    around: [f32; 3],
+    /// How far its error is relative to that, in [0, 1]: the exponent of a geometric mean.
+    weight: f64,
+}
 
-    /// The mean of the pixel that is the median, by luminance, of a pixel and its eight neighbours: for a pixel that does not
-    /// know its own.
-    ///
-    /// Relative to its own mean, a bright path that one sample has met would be large against itself only, and no pixel
-    /// off by more than its own value; relative to what its other samples say, pixels at the edge of a lamp that few samples
-    /// meet would be off by far too much. A median knows of the one and keeps the edges of the other.
-    fn around(&self, place: usize) -> [f32; 3] {
-        let [width, height] = self.size;
-        let (x, y) = (place % width, place / width);
-        let (mut found, mut count) = ([(0.0_f32, 0); 9], 0);
-        for row in y.saturating_sub(1)..(y + 2).min(height) {
-            for column in x.saturating_sub(1)..(x + 2).min(width) {
-                let place = row * width + column;
-                found[count] = (self.luminances[place], place);
-                count += 1;
-            }
+/// The pixels of an image that do not know their own mean, in their order.
+///
+/// relMSE asks for squared error over the squared *true* mean. Relative to its own mean, a bright path that one sample has
+/// met would be large against itself only, and no pixel off by more than its own value. Relative to its surroundings, a
+/// small bright reflection that is where it is by right would be off by a factor of millions. The number of bright samples
+/// tells one from the other.
+///
+/// A pixel's mean m of variance v is as uncertain as if it rested on n = m^2 / v bright samples. If its true mean were that
+/// of its surroundings, s < m, each of these samples would be less likely by a factor s / m. The first is no evidence, since
+/// bright paths that are rare must be met by some pixel. So the logarithm of the likelihood ratio is (n - 1) ln(m / s).
+///
+/// `variances`: sums over the channels, or nothing: then no pixel is in doubt. `width` of the image in pixels. `floor`: what
+/// relMSE adds to squared means. `None` if it was cancelled in the middle.
+fn doubts(means: &[[f32; 3]], variances: &[f64], width: usize, floor: f64, cancel: &Cancel) -> Option<Vec<Doubt>> {
+    let luminances: Vec<f32> = means.iter().map(|&mean| luminance(mean.into())).collect();
+    let mut doubts = Vec::new();
+    // What bright paths add to surroundings that have met none of them.
+    let mut strays = [0.0_f64; 3];
+    for (place, (own, &variance)) in means.iter().zip(variances).enumerate() {
+        if place % width == 0 && cancel.is_cancelled() {
+            return None;
         }
-        // Of few numbers, put in their order one by one.
-        for i in 1..count {
-            let mut j = i;
-            while j > 0 && found[j - 1].0 > found[j].0 {
-                found.swap(j - 1, j);
-                j -= 1;
-            }
+        let square: f64 = own.iter().map(|&mean| f64::from(mean) * f64::from(mean)).sum();
+        if variance <= KNOWN * square {
+            continue;
         }
-        self.means[found[count / 2].1]
+        let around = around(means, &luminances, width, place);
+        // Below the floor, a mean is as good as another.
+        let ratio = f64::from(luminances[place]) / f64::from(luminance(around.into())).hypot(floor.sqrt());
+        let evidence = (square / variance - 1.0).max(0.0) * ratio.max(1.0).ln();
+        let [least, enough] = EVIDENCE;
+        // Where there is no light at all, or no variance yet, the evidence is not a number.
+        let weight = if evidence.is_nan() { 1.0 } else { ((enough - evidence) / (enough - least)).clamp(0.0, 1.0) };
+        if weight > 0.0 {
+            for (stray, (own, around)) in strays.iter_mut().zip(own.iter().zip(around)) {
+                *stray += weight * f64::from(own - around);
+            }
+            doubts.push(Doubt { place, around, weight });
+        }
     }
+    let others = means.len().saturating_sub(1).max(1) as f64;
+    for Doubt { place, around, weight } in &mut doubts {
+        for ((around, own), stray) in around.iter_mut().zip(means[*place]).zip(strays) {
+            // Not its own: that is what is to be judged.
+            *around += ((stray - *weight * f64::from(own - *around)) / others).max(0.0) as f32;
+        }
+    }
+    Some(doubts)
+}
+
+/// The mean of a pixel's neighbours, the pixel itself left out.
+///
+/// Neighbours that are brighter than the pixel itself count as if they were as bright as it is: a lamp in the neighbourhood
+/// does not make a bright path on the wall beside it small, and the dim edge of a bright reflection is still compared with
+/// the reflection.
+fn around(means: &[[f32; 3]], luminances: &[f32], width: usize, place: usize) -> [f32; 3] {
+    let (x, y, height) = (place % width, place / width, means.len() / width);
+    let own = luminances[place];
+    let (mut sum, mut count) = ([0.0; 3], 0.0_f32);
+    for row in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
+        for column in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
+            let neighbour = row * width + column;
+            if neighbour == place {
+                continue;
+            }
+            // Filters with negative lobes may leave a pixel with no light, or less.
+            let scale = if own > 0.0 && luminances[neighbour] > own { own / luminances[neighbour] } else { 1.0 };
+            for (sum, mean) in sum.iter_mut().zip(means[neighbour]) {
+                *sum += scale * mean;
+            }
+            count += 1.0;
+        }
+    }
+    sum.map(|sum| sum / count.max(1.0))
 }
 
 /// Squared error in levels of 255 of a value with this squared error.
@@ -286,6 +372,105 @@ mod tests {
         let expected = 1e6 / (1.0 + 1e-2 * mean * mean) / 4.0;
         let found = film.rel_mse().unwrap().value;
         assert!((found / expected - 1.0).abs() < 1e-6, "{found}, {expected}");
+    }
+
+    /// A film of 7 x 7 grey pixels of 1, but for some pixels whose replicates are these.
+    fn grey_but(others: &[([usize; 2], [f32; REPLICATES])]) -> Film {
+        let options = FilmOptions { resolution: [7, 7], auxiliary: false, share: 1, weighted: false, gathering: false };
+        let film = Film::new(options).unwrap();
+        let mut tile = film.tile(0);
+        for (y, x) in (0..7).flat_map(|y| (0..7).map(move |x| (y, x))) {
+            let replicates =
+                others.iter().find(|(at, _)| *at == [x, y]).map_or([1.0; REPLICATES], |(_, values)| *values);
+            for value in replicates {
+                tile.pixels[x + y * TILE as usize].add(Rgb::splat(value), 1.0, 1);
+            }
+        }
+        drop(tile);
+        film
+    }
+
+    /// Replicates of which so many have met something of this brightness.
+    fn hits(count: usize, brightness: f32) -> [f32; REPLICATES] {
+        std::array::from_fn(|replicate| if replicate < count { brightness } else { 1.0 })
+    }
+
+    /// What a pixel in the middle of the film is relative to, as a mean.
+    fn level(film: &Film) -> f64 {
+        let (mut errors, mut means, mut variance) = (Vec::new(), 0.0, 0.0);
+        assert!(film.for_each_error(ErrorMeasure::RelMse, false, &Cancel::new(), |_, _, error| errors.push(error)));
+        film.for_each(|place, pixel, _| {
+            means += f64::from(pixel.mean(false)[0]) / 49.0;
+            variance = if place == 24 { pixel.variance(1)[0] } else { variance };
+        });
+        let place = errors.iter().position(|error| *error > 0.0).unwrap();
+        (variance / errors[place] - 1e-2 * means * means).sqrt()
+    }
+
+    #[test]
+    fn one_bright_sample_is_no_evidence_and_two_are() {
+        let mean = |film: &Film| f64::from(film.develop().pixel(3, 3)[0]);
+        // Of one, whatever its brightness, nothing is known but that it is rare.
+        for brightness in [8.0, 100.0, 1e4, 1e6] {
+            let level = level(&grey_but(&[([3, 3], hits(1, brightness))]));
+            assert!((level - 1.0).abs() < 0.01, "{brightness}: {level}");
+        }
+        // A reflection that two of eight have met is where it is by right; little more light than around may be chance.
+        for (count, brightness) in [(2, 1e4), (3, 1e4)] {
+            let film = grey_but(&[([3, 3], hits(count, brightness))]);
+            let (level, own) = (level(&film), mean(&film));
+            assert!((level / own - 1.0).abs() < 0.01, "{count} of {brightness}: {level}, {own}");
+        }
+        let mut dark = [0.0; REPLICATES];
+        dark[..2].fill(10.0);
+        let level = level(&grey_but(&[([3, 3], dark)]));
+        assert!((level - 1.0).abs() < 0.01, "{level}");
+    }
+
+    #[test]
+    fn between_doubt_and_belief_there_is_no_jump() {
+        let mut former = None;
+        // Two hits, ever brighter: a known mean, one in doubt, and one that is believed.
+        for step in 0..400 {
+            let brightness = 2.0 * 1.02_f32.powi(step);
+            let film = grey_but(&[([3, 3], hits(2, brightness))]);
+            let level = level(&film) / f64::from(film.develop().pixel(3, 3)[0]);
+            let change = former.replace(level).map_or(1.0, |former: f64| level / former);
+            assert!((0.8..1.25).contains(&change), "{change} at {brightness}");
+        }
+    }
+
+    #[test]
+    fn the_edge_of_a_reflection_is_compared_with_the_reflection() {
+        let film = grey_but(&[([3, 3], hits(1, 801.0)), ([4, 3], [5000.0; 8]), ([4, 4], [5000.0; 8])]);
+        // Its own mean is 101: two of its 24 neighbours count as much.
+        let expected = (22.0 + 2.0 * 101.0) / 24.0;
+        assert!((level(&film) / expected - 1.0).abs() < 0.01, "{}", level(&film));
+    }
+
+    #[test]
+    fn stray_bright_samples_elsewhere_are_light_that_surroundings_have_not_met() {
+        let film = grey_but(&[([3, 3], hits(1, 801.0)), ([0, 0], hits(1, 801.0)), ([6, 6], hits(1, 801.0))]);
+        // Two others of 100 more than their surroundings, over 48 pixels.
+        let expected = 1.0 + 200.0 / 48.0;
+        let (mut variance, mut errors) = (0.0, Vec::new());
+        film.for_each(|place, pixel, _| variance = if place == 24 { pixel.variance(1)[0] } else { variance });
+        assert!(film.for_each_error(ErrorMeasure::RelMse, false, &Cancel::new(), |_, _, error| errors.push(error)));
+        let floor = 1e-2 * (349.0_f64 / 49.0).powi(2);
+        let level = (variance / errors[24] - floor).sqrt();
+        assert!((level / expected - 1.0).abs() < 0.01, "{level}, {expected}");
+    }
+
+    #[test]
+    fn goals_of_adaptive_samples_know_no_surroundings() {
+        let tame = |film: &Film| {
+            let mut errors = Vec::new();
+            assert!(film.for_each_error(ErrorMeasure::RelMse, true, &Cancel::new(), |_, _, error| errors.push(error)));
+            errors
+        };
+        // The whole image's mean is the same.
+        let [a, b] = [[3, 4], [6, 0]].map(|at| tame(&grey_but(&[([3, 3], hits(1, 801.0)), (at, [9.0; 8])])));
+        assert_eq!(a[24], b[24]);
     }
 
     #[test]

@@ -10,6 +10,7 @@ mod error;
 mod photon_state;
 mod pixel;
 
+pub(crate) use error::FEW_PIXELS;
 pub use error::{ErrorEstimate, ErrorMeasure, SampleCounts};
 pub use photon_state::{PixelPhotonState, ShrinkingRadius};
 pub use pixel::{Auxiliary, Pixel, REPLICATES};

@@ -434,13 +434,20 @@ impl Render {
             notes.push(format!("{non_finite} samples were NaN or infinite and count as black{first}"));
         }
         let cancel = &self.settings.cancel;
+        let rel_mse = self.film.error_unless(ErrorMeasure::RelMse, cancel);
+        if rel_mse.is_some_and(|error| error.is_heavy_tailed()) {
+            notes.push(
+                "the estimated relMSE rests on few pixels, which rare bright paths have met: it may be off by far"
+                    .to_owned(),
+            );
+        }
         Summary {
             elapsed,
             samples: self.samples,
             sample_counts: self.film.counts_unless(cancel),
             adaptive: self.stage.is_some(),
             rays: self.rays,
-            rel_mse: self.film.error_unless(ErrorMeasure::RelMse, cancel),
+            rel_mse,
             display_error: self.film.error_unless(ErrorMeasure::Display, cancel),
             ended,
             stopped: ended == Ended::Cancelled,

@@ -62,6 +62,6 @@ pub struct Summary {
     pub non_finite: u64,
     /// The first few of them, and where they became so.
     pub non_finite_samples: Vec<NonFiniteSample>,
-    /// What a user should know: a bias that was asked for, samples left out.
+    /// What a user should know: a bias that was asked for, samples left out, an error that rests on few pixels.
     pub notes: Vec<String>,
 }

@@ -7,7 +7,7 @@ use super::adaptive::PILOT;
 use super::report::{Ended, Progress};
 use super::settings::RenderSettings;
 use crate::desc::SamplerDesc;
-use crate::film::{ErrorEstimate, ErrorMeasure, Image, REPLICATES};
+use crate::film::{ErrorEstimate, ErrorMeasure, FEW_PIXELS, Image, REPLICATES};
 use crate::sampling::square_side;
 
 /// Samples per pixel that a render may reach, as many as a description may ask for: their indices stay far from wrapping
@@ -24,11 +24,6 @@ const LEAST_FOR_ERROR: u32 = 32;
 /// happens to be low: it is asked again and again, and the first yes counts. With twice as many, renders of which a few pixels
 /// have most of the error would end at four fifths of what was aimed at.
 const MARGIN: f64 = 0.25;
-
-/// An estimate that may be off by more than this share of what is aimed at (one standard error) rests on few pixels, as where paths that
-/// are rare and bright have met some: then others are still to be met, and the render goes on. With less, pixels at the edge of
-/// a lamp would keep a render going for longer than its error asks for.
-const FEW_PIXELS: f64 = 0.35;
 
 /// Samples per pixel of a render that nothing cuts short.
 fn total(settings: &RenderSettings) -> u32 {
@@ -94,7 +89,9 @@ impl Schedule {
             return Some(Ended::Time);
         }
         let (error, (measure, target)) = error.zip(self.target)?;
-        // A root is off by half as much of itself.
+        // An estimate that may be off by a larger share of what is aimed at rests on few pixels, as where rare bright paths have
+        // met some: then others are still to be met, and the render goes on. With less, pixels at the edge of a lamp would keep
+        // a render going for longer than its error asks for. A root is off by half as much of itself.
         let few = if measure == ErrorMeasure::Display { 0.5 * FEW_PIXELS } else { FEW_PIXELS };
         let is_reached = error.value + MARGIN * error.standard_error <= target && error.standard_error <= few * target;
         is_reached.then_some(Ended::Error)
