@@ -8,7 +8,8 @@ use std::sync::Arc;
 use super::chart::{self, Chart};
 use super::mesh_uvs;
 use super::mesh_uvs::doubled_area;
-use super::placement::ChartPlacement;
+use super::options::{AtlasOptions, Layout, MAX_GUTTER, MAX_SIDE};
+use super::placement::{ChartPlacement, ChartRect};
 use super::raster;
 use crate::control::{Cancel, WorkProgress};
 use crate::embree::Charge;
@@ -16,62 +17,6 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::integrator::{Piece, Sites};
 use crate::math::{DVec3, Vec3};
 use crate::scene::{Scene, SurfaceMesh};
-
-/// Most texels along a side of a light map.
-pub const MAX_SIDE: u32 = 1 << 13;
-
-/// Texels along a side where neither resolution nor density is given.
-pub const DEFAULT_SIDE: u32 = 512;
-
-/// Largest gutter: texels around a chart that belong to the chart alone.
-pub const MAX_GUTTER: u32 = 64;
-
-/// The source of a mesh's layout.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Layout {
-    /// The mesh's own texture coordinates where they are suitable, else charts. Where a mesh has unsuitable
-    /// coordinates, a warning says so.
-    #[default]
-    Auto,
-    /// Charts, whether or not a mesh has texture coordinates.
-    Charts,
-    /// The mesh's own texture coordinates; an error where they are unsuitable. Surfaces that are not meshes have
-    /// charts.
-    Own,
-}
-
-/// Options of a light map's layout.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AtlasOptions {
-    /// Texels along the sides of the square, up to [`MAX_SIDE`]. `None`: as many as `texels_per_unit` needs, or
-    /// [`DEFAULT_SIDE`] where that is not given either.
-    pub resolution: Option<u32>,
-    /// Texels for a unit of length, > 0. `None`: as many as fit.
-    pub texels_per_unit: Option<f64>,
-    /// Texels around each chart that belong to the chart alone, up to [`MAX_GUTTER`]. Bilinear lookups need one;
-    /// smaller levels of a map need more.
-    pub gutter: u32,
-    /// The source of layouts.
-    pub layout: Layout,
-    /// Greatest angle between the normals of a chart's triangles and that of its first triangle, degrees, above 0 and
-    /// below 90.
-    pub max_angle_deg: f64,
-    /// Most memory that atlas and bake may take together, MiB.
-    pub memory: u32,
-}
-
-impl Default for AtlasOptions {
-    fn default() -> Self {
-        Self {
-            resolution: None,
-            texels_per_unit: None,
-            gutter: 2,
-            layout: Layout::Auto,
-            max_angle_deg: 45.0,
-            memory: 4096,
-        }
-    }
-}
 
 /// A corner of a light-mapped triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,15 +46,6 @@ pub struct AtlasSurface {
     /// Where the mesh's own texture coordinates are the layout: (u, v) times the first two values, plus the others, is
     /// the position in the light map.
     pub scale_offset: Option<[f32; 4]>,
-}
-
-/// The rectangle of texels that belongs to a chart, including its gutter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ChartRect {
-    /// Column and row of the first texel.
-    pub origin: [u32; 2],
-    /// Numbers of columns and rows.
-    pub size: [u32; 2],
 }
 
 /// Light-map coordinates for all surfaces of a scene.

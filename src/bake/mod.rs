@@ -39,6 +39,7 @@ mod atlas;
 mod chart;
 mod map;
 mod mesh_uvs;
+mod options;
 mod overlap;
 mod pack;
 mod placement;
@@ -46,10 +47,10 @@ mod radiosity;
 mod raster;
 mod vertices;
 
-pub use atlas::{
-    Atlas, AtlasOptions, AtlasSurface, AtlasVertex, ChartRect, DEFAULT_SIDE, Layout, MAX_GUTTER, MAX_SIDE,
-};
+pub use atlas::{Atlas, AtlasSurface, AtlasVertex};
 pub use map::LightMap;
+pub use options::{AtlasOptions, DEFAULT_SIDE, Layout, MAX_GUTTER, MAX_SIDE};
+pub use placement::ChartRect;
 pub use radiosity::by_radiosity;
 pub use vertices::{LitVertex, VertexOptions, Vertices};
 

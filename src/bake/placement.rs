@@ -1,11 +1,20 @@
 //! The position and scale of charts in the square.
 
-use super::atlas::{AtlasOptions, ChartRect, DEFAULT_SIDE, MAX_SIDE};
 use super::chart::Chart;
+use super::options::{AtlasOptions, DEFAULT_SIDE, MAX_SIDE};
 use super::overlap::PlanarTriangle;
 use super::{pack, raster};
 use crate::control::WorkProgress;
 use crate::error::{Error, Result};
+
+/// The rectangle of texels that belongs to a chart, including its gutter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChartRect {
+    /// Column and row of the first texel.
+    pub origin: [u32; 2],
+    /// Numbers of columns and rows.
+    pub size: [u32; 2],
+}
 
 /// The position and scale of charts in the square.
 pub(super) struct ChartPlacement {

@@ -1,7 +1,7 @@
 //! Analytic shapes in double precision, with exact hits where a triangle mesh would only approximate.
 //!
-//! A kernel in single precision loses a sphere whose distance is large against its radius, or the other way round (b^2
-//! - ac cancels). Everything here is therefore computed in f64 from the ray's f32 numbers, and hit points are projected
+//! A kernel in single precision loses a sphere whose distance is large against its radius, or the other way round:
+//! b^2 - ac cancels. Everything here is therefore computed in f64 from the ray's f32 numbers, and hit points are projected
 //! onto the surface.
 
 mod disk;

@@ -77,7 +77,7 @@ pub struct RadiositySummary {
     pub residual: f64,
     /// Bound on the change by further iterations, in the same measure. It does not include the error of the links.
     pub error_bound: f64,
-    /// Light emitted and light absorbed by surfaces [W], for each channel.
+    /// Light emitted and light absorbed by surfaces (W), for each channel.
     pub emitted: Rgb,
     /// See `emitted`.
     pub absorbed: Rgb,
@@ -371,13 +371,16 @@ fn solve_system(
     }
 }
 
-/// Irradiance at vertices, which is the solution, and irradiance of the leaves.
+/// Irradiance at vertices, which is the solution, and irradiance of the leaves by number.
+type FinalIrradiance = (Vec<Rgb>, Vec<(u32, DVec3)>);
+
+/// The irradiance that the solved hierarchy comes to.
 fn final_irradiance(
     shared: &SharedHierarchy,
     desc: &RadiosityDesc,
     ambient: DVec3,
     parallel: &mut impl Parallel,
-) -> Result<(Vec<Rgb>, Vec<(u32, DVec3)>)> {
+) -> Result<FinalIrradiance> {
     if desc.iterations.is_some_and(|count| count > 0) {
         solve::balance(shared, true, parallel)?;
     }
