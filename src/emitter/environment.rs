@@ -71,3 +71,138 @@ impl EnvironmentEmitter {
         Departure { point: HitPoint { p: self.centre + outwards * self.radius, error: 0.0 }, normal: Some(-outwards) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Alone;
+    use crate::bsdf::{Bsdf, Lambert, Model as _, TransportMode};
+    use crate::desc::{BsdfDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceLook};
+    use crate::emitter::{Emitter, EmitterSet, TriangleEmitter};
+    use crate::integrator::photon::{MapKind, PhotonJob, shoot};
+    use crate::integrator::{Integrator, Path, SceneTracer, Whitted};
+    use crate::math::Ray;
+    use crate::sampling::{Rng, Sampler as _, SobolSampler};
+    use crate::scene::{BuildOptions, Scene};
+    use crate::shape::Triangle;
+
+    const RADIANCE: Rgb = Rgb::new(0.5, 1.0, 2.0);
+
+    fn environment(centre: Vec3) -> Emitter {
+        Emitter::Environment(EnvironmentEmitter::new(RADIANCE, centre, 2.0))
+    }
+
+    /// A ball of radius 1 about the origin, alone in a uniform environment.
+    fn ball(bsdf: BsdfDesc) -> Scene {
+        let mut desc = SceneDesc::default();
+        let material = desc.add_material("ball", bsdf, None).unwrap();
+        let (shape, local) = ShapeDesc::sphere(DVec3::ZERO, 1.0).unwrap();
+        let look = SurfaceLook { material: Some(material), ..Default::default() };
+        desc.add_surface(shape, local, look).unwrap();
+        let mut scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
+        let near_ball = scene.to_scene(DVec3::new(0.1, -0.2, 0.3));
+        scene.set_emitters(EmitterSet::new(vec![environment(near_ball)]));
+        scene
+    }
+
+    /// Mean of estimates of the radiance along rays at the ball, and its standard error.
+    fn mean(scene: &Scene, integrator: &impl Integrator) -> (f64, f64) {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        const SAMPLES: u32 = 4096;
+        let mut sampler = SobolSampler::new(7, u32::MAX);
+        let mut tracer = SceneTracer::new(scene);
+        for sample in 0..SAMPLES {
+            sampler.start(sample % 64, sample / 64);
+            let [x, y] = sampler.pixel_2d();
+            let origin = Vec3::new(0.9 * (x - 0.5), 0.9 * (y - 0.5), 3.0) + scene.to_scene(DVec3::ZERO);
+            let radiance =
+                integrator.radiance(scene, Ray::new(origin, -Vec3::Z), &mut sampler, &mut tracer, &mut |_| {});
+            let value = f64::from((radiance / RADIANCE).g());
+            sum += value;
+            squares += value * value;
+        }
+        let mean = sum / f64::from(SAMPLES);
+        let variance = (squares / f64::from(SAMPLES) - mean * mean).max(0.0);
+        (mean, (variance / f64::from(SAMPLES)).sqrt())
+    }
+
+    #[test]
+    fn bodies_in_a_uniform_environment_send_what_they_scatter() {
+        let path = Path { max_depth: None, shadow_rays: 1 };
+        let whitted = Whitted { max_depth: None, shadow_rays: 1 };
+        // Light meets a convex diffuse body once, so it sends its albedo; what absorbs nothing cannot be seen.
+        let albedo = Rgb::splat(0.6);
+        let cases = [
+            (BsdfDesc::Lambert { albedo }, 0.6),
+            (BsdfDesc::Mirror { reflectance: Rgb::splat(0.9) }, 0.9),
+            (BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 }, 1.0),
+            (BsdfDesc::Black, 0.0),
+        ];
+        for (bsdf, exact) in cases {
+            let scene = ball(bsdf);
+            for (name, (mean, error)) in [("path", mean(&scene, &path)), ("whitted", mean(&scene, &whitted))] {
+                let tolerance = 4.0 * error + 1e-5;
+                assert!((mean - exact).abs() < tolerance, "{bsdf:?}, {name}: {mean} ± {error}, not {exact}");
+                assert!(tolerance < 0.02, "{bsdf:?}, {name}: {error} shows nothing of 2 %");
+            }
+        }
+    }
+
+    #[test]
+    fn a_ray_that_meets_nothing_sees_the_environment() {
+        let mut scene = Scene::build(&SceneDesc::default(), &BuildOptions::default()).unwrap();
+        let path = Path { max_depth: Some(1), shadow_rays: 1 };
+        let see = |scene: &Scene| {
+            let (mut sampler, mut tracer) = (SobolSampler::new(1, 1), SceneTracer::new(scene));
+            path.radiance(scene, Ray::new(Vec3::ZERO, Vec3::X), &mut sampler, &mut tracer, &mut |_| {})
+        };
+        assert_eq!(see(&scene), Rgb::ZERO);
+        scene.set_emitters(EmitterSet::new(vec![environment(Vec3::ZERO)]));
+        assert_eq!(see(&scene), RADIANCE);
+    }
+
+    /// Of the power that enters the ball around the scene, a body gets its share of the surface: pi L times its own area.
+    #[test]
+    fn photons_bring_the_light_of_the_environment() {
+        let scene = ball(BsdfDesc::Lambert { albedo: Rgb::splat(0.5) });
+        let job = PhotonJob { kind: MapKind::Global, paths: 1 << 16, pass: 0, most: usize::MAX };
+        let batch = shoot(&scene, &RenderDesc::default(), job, &mut Alone::default()).unwrap();
+        let exact = PI * 4.0 * PI * RADIANCE.to_f64();
+        let stored: DVec3 = batch.photons.iter().map(|photon| photon.power().to_f64()).sum();
+        let ratio = stored / exact;
+        // Of 65536 paths about a quarter meet the ball: a binomial error of 0.7 %.
+        assert!((ratio - 1.0).abs().max_element() < 0.02, "{ratio}");
+        let emitted = batch.tally.emitted / (PI * 16.0 * PI * RADIANCE.to_f64());
+        assert!((emitted - 1.0).abs().max_element() < 1e-5, "{emitted}");
+    }
+
+    /// Among many lamps with a place, too: probabilities of both ways to ask agree, and irradiance is right.
+    #[test]
+    fn environments_are_chosen_beside_a_tree_of_lights() {
+        let lamp = |i: usize| {
+            let corner = Vec3::new(i as f32, 5.0, 0.0);
+            let triangle = Triangle::new([corner, corner + Vec3::X * 0.1, corner + Vec3::Z * 0.1]).unwrap();
+            Emitter::Triangle(TriangleEmitter::new(triangle, Rgb::splat(1e-6), 0.0))
+        };
+        let mut emitters: Vec<Emitter> = (0..10).map(lamp).collect();
+        emitters.insert(3, environment(Vec3::ZERO));
+        let set = EmitterSet::new(emitters);
+        let receiver = Receiver::facing(Vec3::ZERO, Vec3::Y);
+        let total: f32 = (0..11).map(|index| set.probability(index, receiver)).sum();
+        assert!((total - 1.0).abs() < 1e-5, "{total}");
+        let mut rng = Rng::new(3, 1);
+        let bsdf: Bsdf = Bsdf::Lambert(Lambert::new(Rgb::ONE));
+        let (mut sum, count) = (0.0, 1 << 14);
+        for _ in 0..count {
+            let Some(sample) = set.sample(receiver, rng.next_4d()) else { continue };
+            if sample.radiance == RADIANCE {
+                let pdf = set.pdf_infinite(3, receiver, sample.wi);
+                assert!((pdf / sample.pdf - 1.0).abs() < 1e-4, "{pdf} and {}", sample.pdf);
+            }
+            let f = bsdf.f(Vec3::Z, Vec3::Z, TransportMode::Radiance).g();
+            sum += f64::from(f * sample.radiance.g() * sample.wi.y.max(0.0) / sample.pdf);
+        }
+        let mean = sum / f64::from(count);
+        assert!((mean - 1.0).abs() < 0.03, "{mean}");
+    }
+}

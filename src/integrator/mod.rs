@@ -9,6 +9,7 @@ pub mod irradiance_cache;
 mod path;
 pub mod photon;
 pub mod radiosity;
+mod support;
 mod vertex;
 mod walk;
 mod wave;
@@ -17,6 +18,7 @@ mod whitted;
 pub use direct::Direct;
 pub use irradiance::{Irradiance, Piece, Sites};
 pub use path::Path;
+pub use support::check_lobes;
 pub use wave::{Sample, Wave};
 pub use whitted::Whitted;
 

@@ -35,7 +35,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, TILE};
 use crate::integrator::photon::{Choice, Plan, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
-use crate::integrator::{Irradiance, Path, Sites};
+use crate::integrator::{Irradiance, Path, Sites, check_lobes};
 use crate::sampling::Filter;
 use crate::scene::Scene;
 use adaptive::{LEAST_PIXELS, PILOT, Stage};
@@ -139,6 +139,9 @@ impl Render {
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
         let choice = (desc.integrator.info().preparation == Preparation::Choice).then(|| choose(scene));
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
+        if method.is_none() {
+            check_lobes(scene, integrator)?;
+        }
         let method = method.unwrap_or_else(|| Method::new(integrator));
         let filter = Filter::new(&filter_desc);
         let scene = scene.with_roulette(desc.roulette);

@@ -245,6 +245,12 @@ impl Scene {
         &self.materials[index as usize]
     }
 
+    /// The same surfaces in the light of other emitters.
+    #[cfg(test)]
+    pub(crate) fn set_emitters(&mut self, emitters: EmitterSet) {
+        self.bindings.emitters = Arc::new(emitters);
+    }
+
     /// All emitters.
     #[inline]
     pub fn emitters(&self) -> &EmitterSet {

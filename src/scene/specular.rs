@@ -54,6 +54,16 @@ impl Scene {
         lobes
     }
 
+    /// The number of the first surface that has one of these lobes.
+    pub fn surface_with(&self, lobes: Lobes) -> Option<u32> {
+        let of = |owner: &Owner| self.material(owner.material).lobes().intersects(lobes).then_some(owner.surface);
+        let in_embree = self.bindings.owners.iter().flat_map(|owners| match owners {
+            Owners::One(owner) => std::slice::from_ref(owner),
+            Owners::Each(owners) => owners,
+        });
+        self.bindings.list_owners.iter().chain(in_embree).filter_map(of).min()
+    }
+
     /// Parts, no more than `most` (>= 1), that together hold every surface which is perfectly specular: spheres and loose
     /// triangles as they are if there are few pieces, else balls around several.
     pub fn specular_parts(&self, most: usize) -> Vec<SpecularPart> {

@@ -51,9 +51,10 @@ use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 
 use crate::control::{Parallel, Part};
-use crate::desc::{PhotonSharing, RadiosityDesc, RadiositySolver, check_radiosity};
+use crate::desc::{IntegratorDesc, PhotonSharing, RadiosityDesc, RadiositySolver, check_radiosity};
 use crate::emitter::Receiver;
 use crate::error::Result;
+use crate::integrator::check_lobes;
 use crate::integrator::photon::{Aim, Emission};
 use crate::math::{DVec3, Ray, Vec3};
 use crate::sampling::Rng;
@@ -155,9 +156,11 @@ impl Radiosity {
     /// Solves a scene. The result is the same for any number of threads.
     ///
     /// # Errors
+    /// [`crate::ErrorKind::Unsupported`] for surfaces that elements cannot hold (see [`check_lobes`]);
     /// [`crate::ErrorKind::InvalidScene`] for settings that no file could have given; `OutOfMemory` where elements and
     /// links take more than `memory` allows; `Cancelled`.
     pub fn solve(scene: &Scene, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> Result<Self> {
+        check_lobes(scene, IntegratorDesc::Radiosity)?;
         let start = Instant::now();
         check_radiosity("render", desc)?;
         parallel.check()?;

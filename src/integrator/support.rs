@@ -1,0 +1,59 @@
+//! Which scenes an integrator takes, by the lobes of their surfaces.
+
+use crate::bsdf::Lobes;
+use crate::desc::{IntegratorDesc, LobeSupport, LobeUse};
+use crate::error::{Error, ErrorKind, Result};
+use crate::scene::Scene;
+
+/// Refuses a scene with a surface that the integrator cannot scatter light at, as the table of integrators says.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`], which names the surface and the integrator.
+pub fn check_lobes(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
+    let Some(support) = integrator.info().lobes else { return Ok(()) };
+    let Some((lobes, kind)) = refused(scene.lobes(), support) else { return Ok(()) };
+    let surface = scene.surface_with(lobes).map_or_else(String::new, |surface| format!("surfaces[{surface}]: "));
+    let message = format!(
+        "{surface}{} takes no {kind} surfaces; expected an integrator that does, such as path",
+        integrator.name()
+    );
+    Err(Error::new(ErrorKind::Unsupported, message))
+}
+
+/// The lobes among these that are refused, and what they are called.
+fn refused(lobes: Lobes, support: LobeSupport) -> Option<(Lobes, &'static str)> {
+    let kinds = [
+        (Lobes::DIFFUSE, support.diffuse, "diffuse"),
+        (Lobes::GLOSSY, support.glossy, "glossy"),
+        (Lobes::SPECULAR, support.specular, "specular"),
+    ];
+    let refused = |(kind, use_of, _): &(Lobes, LobeUse, &str)| *use_of == LobeUse::Refused && lobes.intersects(*kind);
+    kinds.into_iter().find(refused).map(|(kind, _, name)| (kind, name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_table_refuses_is_refused_by_name() {
+        for integrator in IntegratorDesc::ALL {
+            let Some(support) = integrator.info().lobes else { continue };
+            let kinds = [
+                (support.diffuse, [Lobes::DIFFUSE_REFLECTION, Lobes::DIFFUSE_TRANSMISSION], "diffuse"),
+                (support.glossy, [Lobes::GLOSSY_REFLECTION, Lobes::GLOSSY_TRANSMISSION], "glossy"),
+                (support.specular, [Lobes::SPECULAR_REFLECTION, Lobes::SPECULAR_TRANSMISSION], "specular"),
+            ];
+            for (use_of, lobes, name) in kinds {
+                for lobe in lobes {
+                    let found = refused(lobe, support).map(|(_, name)| name);
+                    assert_eq!(found, (use_of == LobeUse::Refused).then_some(name), "{}", integrator.name());
+                }
+            }
+            assert_eq!(refused(Lobes::empty(), support), None);
+        }
+        let radiosity = IntegratorDesc::Radiosity.info().lobes.unwrap();
+        let mixed = Lobes::DIFFUSE_REFLECTION | Lobes::GLOSSY_REFLECTION;
+        assert_eq!(refused(mixed, radiosity), Some((Lobes::GLOSSY, "glossy")));
+    }
+}
