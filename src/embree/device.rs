@@ -209,6 +209,7 @@ impl DeviceInner {
         let value = calls();
         // The callback has stored the message; the thread's own error slot is cleared so that it is not read later by
         // mistake.
+        // SAFETY: `raw` is a device for as long as `self` lives.
         let code = unsafe { sys::rtcGetDeviceError(self.raw) };
         let error = lock(&self.monitor.error).take();
         match error {

@@ -1,8 +1,8 @@
 //! Analytic shapes in double precision, with exact hits where a triangle mesh would only approximate.
 //!
-//! A kernel in single precision loses a sphere whose distance is large against its radius, or the other way round (b^2
-//! - ac cancels). Everything here is therefore computed in f64 from the ray's f32 numbers, and hit points are projected
-//! onto the surface.
+//! A kernel in single precision loses a sphere whose distance is large against its radius, or the other way round
+//! (b^2 - ac cancels). Everything here is therefore computed in f64 from the ray's f32 numbers, and hit points are
+//! projected onto the surface.
 
 mod disk;
 mod quadric;

@@ -371,13 +371,16 @@ fn solve_system(
     }
 }
 
-/// Irradiance at vertices, which is the solution, and irradiance of the leaves.
+/// Irradiance at vertices, which is the solution, and irradiance of each leaf with its index.
+type FinalIrradiance = (Vec<Rgb>, Vec<(u32, DVec3)>);
+
+/// Gathers the final irradiance at vertices and over leaves, plus the ambient irradiance where it is requested.
 fn final_irradiance(
     shared: &SharedHierarchy,
     desc: &RadiosityDesc,
     ambient: DVec3,
     parallel: &mut impl Parallel,
-) -> Result<(Vec<Rgb>, Vec<(u32, DVec3)>)> {
+) -> Result<FinalIrradiance> {
     if desc.iterations.is_some_and(|count| count > 0) {
         solve::balance(shared, true, parallel)?;
     }
