@@ -23,16 +23,17 @@
 //!
 //! ```
 //! use etendue::desc::{BsdfDesc, CameraDesc, SceneDesc, ShapeDesc, SurfaceLook};
-//! use etendue::math::{DAffine3, DVec3, Vec3};
+//! use etendue::math::{DAffine3, DVec3};
+//! use etendue::spectrum::Rgb;
 //!
 //! let mut scene = SceneDesc::default();
-//! let white = scene.add_material("white", BsdfDesc::Lambert { albedo: Vec3::splat(0.8) }, None)?;
-//! scene.add_point_light(DVec3::new(0.0, 4.0, 0.0), Vec3::splat(50.0))?;
+//! let white = scene.add_material("white", BsdfDesc::Lambert { albedo: Rgb::splat(0.8) }, None)?;
+//! scene.add_point_light(DVec3::new(0.0, 4.0, 0.0), Rgb::splat(50.0))?;
 //! let (shape, local) = ShapeDesc::cylinder(DVec3::NEG_Z * 5.0, DVec3::Y, 0.5, 2.0)?;
 //! let look = SurfaceLook { material: Some(white), ..SurfaceLook::default() };
 //! let tube = scene.add_surface(shape, local, look)?;
 //! scene.set_transform(tube, DAffine3::from_scale(DVec3::splat(2.0)))?;
-//! assert!(scene.set_emission(tube, Some(Vec3::ONE)).is_err());
+//! assert!(scene.set_emission(tube, Some(Rgb::ONE)).is_err());
 //! # Ok::<(), etendue::Error>(())
 //! ```
 

@@ -4,10 +4,10 @@ use std::fmt;
 use std::time::Duration;
 
 use super::record::{BuildFacts, GeometryRecord};
+use crate::bsdf::{Bsdf, Model as _};
 use crate::desc::{BsdfDesc, IntegratorDesc, RouletteDesc, SceneDesc, SurfaceDesc};
 use crate::emitter::EmitterSet;
 use crate::math::Bounds;
-use crate::spectrum::Rgb;
 
 /// Extents of a scene for which products of three lengths, and the kernel's tests with them, stay in range.
 const SAFE_SIZES: std::ops::RangeInclusive<f64> = 1e-8..=1e9;
@@ -178,13 +178,16 @@ fn named(desc: &SceneDesc, is_such: impl Fn(&SurfaceDesc, &BsdfDesc) -> bool) ->
 }
 
 fn is_specular(bsdf: &BsdfDesc) -> bool {
-    matches!(bsdf, BsdfDesc::Mirror { .. } | BsdfDesc::Dielectric { .. })
+    Bsdf::new(bsdf).lobes().have_specular()
 }
 
 /// What radiosity makes of surfaces that are not Lambert's.
 fn not_diffuse(desc: &SceneDesc) -> Vec<String> {
     let taken = |(count, names), as_what: &str| format!("radiosity takes {count} surfaces as {as_what}: {names}");
-    let is_rough = |bsdf: &BsdfDesc| matches!(bsdf, BsdfDesc::OrenNayarQualitative { .. } | BsdfDesc::OrenNayar { .. });
+    let is_rough = |bsdf: &BsdfDesc| {
+        let bsdf = Bsdf::new(bsdf);
+        bsdf.lobes().have_diffuse() && bsdf.constant_f().is_none()
+    };
     let specular = named(desc, |_, bsdf| is_specular(bsdf)).map(|it| taken(it, "black, being mirrors or glass"));
     let rough =
         named(desc, |_, bsdf| is_rough(bsdf)).map(|it| taken(it, "Lambert's of the same mean albedo, being rough"));
@@ -193,13 +196,7 @@ fn not_diffuse(desc: &SceneDesc) -> Vec<String> {
 
 /// What radiosity has no elements for.
 fn not_in_radiosity(desc: &SceneDesc) -> Option<String> {
-    let is_black = |bsdf: &BsdfDesc| match bsdf {
-        BsdfDesc::Black => true,
-        BsdfDesc::Lambert { albedo }
-        | BsdfDesc::OrenNayarQualitative { albedo, .. }
-        | BsdfDesc::OrenNayar { albedo, .. } => *albedo == Rgb::ZERO,
-        BsdfDesc::Mirror { .. } | BsdfDesc::Dielectric { .. } => false,
-    };
+    let is_black = |bsdf: &BsdfDesc| Bsdf::new(bsdf).is_black();
     let (count, names) =
         named(desc, |surface, bsdf| surface.emission.is_none() && (is_specular(bsdf) || is_black(bsdf)))?;
     Some(format!("radiosity finds no irradiance for {count} surfaces, which reflect nothing diffusely: {names}"))
