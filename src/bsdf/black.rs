@@ -1,6 +1,7 @@
 //! A surface that absorbs everything.
 
-use super::{BsdfSample, Lobes, Model, TransportMode};
+use super::lobes::{Lobes, TransportMode};
+use super::model::{BsdfSample, Model};
 use crate::math::Vec3;
 use crate::spectrum::Spectrum;
 
@@ -23,16 +24,6 @@ impl<C: Spectrum> Model<C> for Black {
     #[inline]
     fn albedo(&self) -> C {
         C::ZERO
-    }
-
-    #[inline]
-    fn f(&self, _: Vec3, _: Vec3, _: TransportMode) -> C {
-        C::ZERO
-    }
-
-    #[inline]
-    fn pdf(&self, _: Vec3, _: Vec3) -> f32 {
-        0.0
     }
 
     #[inline]

@@ -1,6 +1,9 @@
 //! Smooth interface between two dielectrics.
 
-use super::{BsdfSample, Lobes, Model, SpecularLobes, TransportMode, fresnel_dielectric, reflect, refracted_cosine};
+use super::fresnel::{fresnel_dielectric, refracted_cosine};
+use super::lobes::{Lobes, TransportMode};
+use super::local::reflect;
+use super::model::{BsdfSample, Model, SpecularLobes};
 use crate::math::Vec3;
 use crate::spectrum::Spectrum;
 
@@ -66,16 +69,6 @@ impl<C: Spectrum> Model<C> for Dielectric {
     #[inline]
     fn albedo(&self) -> C {
         C::ONE
-    }
-
-    #[inline]
-    fn f(&self, _: Vec3, _: Vec3, _: TransportMode) -> C {
-        C::ZERO
-    }
-
-    #[inline]
-    fn pdf(&self, _: Vec3, _: Vec3) -> f32 {
-        0.0
     }
 
     /// Chooses a lobe with `u[2]`, with probability equal to its share, so that a reflection's weight is 1 and a

@@ -2,7 +2,9 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use super::{BsdfSample, Lobes, Model, TransportMode, diffuse_pdf, same_side, sample_diffuse};
+use super::lobes::{Lobes, TransportMode};
+use super::local::{diffuse_pdf, same_side, sample_diffuse};
+use super::model::{BsdfSample, Model};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 

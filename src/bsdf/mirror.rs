@@ -1,6 +1,8 @@
 //! Perfect mirror.
 
-use super::{BsdfSample, Lobes, Model, SpecularLobes, TransportMode, reflect};
+use super::lobes::{Lobes, TransportMode};
+use super::local::reflect;
+use super::model::{BsdfSample, Model, SpecularLobes};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -39,16 +41,6 @@ impl<C: Spectrum> Model<C> for Mirror<C> {
     #[inline]
     fn albedo(&self) -> C {
         self.reflectance
-    }
-
-    #[inline]
-    fn f(&self, _: Vec3, _: Vec3, _: TransportMode) -> C {
-        C::ZERO
-    }
-
-    #[inline]
-    fn pdf(&self, _: Vec3, _: Vec3) -> f32 {
-        0.0
     }
 
     #[inline]

@@ -2,9 +2,9 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use super::{
-    BsdfSample, Lobes, Model, TransportMode, bright_side, diffuse_pdf, same_side, sample_diffuse, tangential_dot,
-};
+use super::lobes::{Lobes, TransportMode};
+use super::local::{bright_side, diffuse_pdf, same_side, sample_diffuse, tangential_dot};
+use super::model::{BsdfSample, Model};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 

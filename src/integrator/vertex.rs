@@ -1,6 +1,6 @@
 //! A vertex of a path: what its surface emits, what light reaches it directly, and where the path goes on.
 
-use super::{Context, FirstHit, Tracer};
+use super::tracer::{Context, FirstHit, Tracer};
 use crate::bsdf::{Bsdf, Model, SpecularLobes, TransportMode};
 use crate::emitter::Receiver;
 use crate::math::{Frame, Ray, Vec3};

@@ -4,8 +4,8 @@
 //!
 //! Source: Arvo and Kirk 1990, "Particle Transport and Image Synthesis" (roulette).
 
+use super::tracer::{Context, FirstHit, Tracer};
 use super::vertex::{Bounce, PreviousBounce, Vertex, escaped};
-use super::{Context, FirstHit, Tracer};
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::Scene;

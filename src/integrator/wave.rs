@@ -5,9 +5,9 @@
 //!
 //! Source: Laine, Karras, Aila 2013, "Megakernels Considered Harmful: Wavefront Path Tracing on GPUs".
 
+use super::tracer::{FirstHit, Tracer};
 use super::vertex::Vertex;
 use super::walk::{Limits, Walk};
-use super::{FirstHit, Tracer};
 use crate::desc::MAX_SHADOW_RAYS;
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;

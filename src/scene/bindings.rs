@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use super::analytic::AnalyticList;
 use super::cost;
-use super::geometry::{self, Geometry, NO_EMITTER, Owner, Owners, Triangles};
+use super::geometry::Geometry;
+use super::interaction;
+use super::interaction::{NO_EMITTER, Owner, Owners, Triangles};
 use super::record::AppearanceKey;
 use crate::control::WorkProgress;
 use crate::desc::SceneDesc;
@@ -121,7 +123,7 @@ impl BindingBuilder<'_, '_> {
         let corners = triangles.mesh.indices().get(index);
         let vertices = triangles.mesh.vertices();
         let triangle = Triangle::new(corners.map(|corner| Vec3::from(vertices.get(corner as usize))))?;
-        let error = geometry::triangle_error(&triangle);
+        let error = interaction::triangle_error(&triangle);
         self.emitters.push(Emitter::Triangle(TriangleEmitter::new(triangle, radiance, error)));
         Some((self.emitters.len() - 1) as u32)
     }

@@ -4,7 +4,7 @@
 use crate::embree::{Charge, Device};
 use crate::math::{DVec3, HitPoint, Vec3};
 
-use super::geometry::{Owners, SurfaceInteraction, Triangles, at, interaction};
+use super::interaction::{Owners, SurfaceInteraction, Triangles, at, interaction};
 
 /// Up to this many triangles of a scene are kept ready, 64 bytes each: about as much as stays in a processor's second cache.
 pub(super) const MAX_CACHED_TRIANGLES: usize = 4096;
@@ -47,7 +47,7 @@ impl TriangleCache {
         size_of_val(&self.triangles[..])
     }
 
-    /// What [`on_triangle`](super::geometry::on_triangle) would find, to the last bit.
+    /// What [`on_triangle`](super::interaction::on_triangle) would find, to the last bit.
     #[inline(always)]
     pub(super) fn point_of(&self, owners: &Owners, primitive: u32, u: f32, v: f32) -> SurfaceInteraction {
         let CachedTriangle { corners, ng, kernel_error } = &self.triangles[primitive as usize];
@@ -62,7 +62,8 @@ mod tests {
     use super::*;
     use crate::embree::{DeviceOptions, MemoryBudget, TriangleMesh};
     use crate::sampling::Rng;
-    use crate::scene::geometry::{Geometry, NO_EMITTER, Owner, are_large, on_triangle};
+    use crate::scene::geometry::{Geometry, are_large};
+    use crate::scene::interaction::{NO_EMITTER, Owner, on_triangle};
 
     /// Triangles of all sizes and shapes, far from the origin and near it.
     #[test]

@@ -1,6 +1,7 @@
 //! Hits as a host asks about them: in the numbers of what it described.
 
-use super::geometry::{Geometry, Triangles};
+use super::geometry::Geometry;
+use super::interaction::Triangles;
 use super::{Hit, IN_LIST, Scene};
 use crate::math::{Ray, Vec3};
 

@@ -2,7 +2,8 @@
 //!
 //! A face is a triangle without neighbours, or a whole analytic shape. `facets` has surfaces as meshes instead.
 
-use super::geometry::{Geometry, NO_EMITTER, Owner};
+use super::geometry::Geometry;
+use super::interaction::{NO_EMITTER, Owner};
 use super::{Facet, Hit, IN_LIST, Scene};
 use crate::emitter::Emitter;
 use crate::math::{DVec3, Vec3};

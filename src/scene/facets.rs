@@ -3,7 +3,8 @@
 //! As they were described: a mesh for each surface, with its own vertices and their numbers, and curved shapes cut as finely as they
 //! are flat. `faces` has what rays meet instead, one by one.
 
-use super::geometry::{Geometry, Triangles};
+use super::geometry::Geometry;
+use super::interaction::Triangles;
 use super::{Hit, IN_LIST, Scene, SurfaceInteraction};
 use crate::control::{Cancel, WorkProgress};
 use crate::error::Result;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::cost;
-use super::geometry::Triangles;
+use super::interaction::Triangles;
 use super::lower;
 use crate::buffer::Buffer;
 use crate::control::WorkProgress;

@@ -20,6 +20,7 @@ mod frame;
 mod geometry;
 mod info;
 mod instance_transform;
+mod interaction;
 mod lower;
 mod material;
 mod mesh;
@@ -31,8 +32,8 @@ mod specular;
 pub use describe::HitDescription;
 pub(crate) use faces::{Body, FaceNumbers};
 pub use facets::{Facet, SurfaceMesh};
-pub use geometry::SurfaceInteraction;
 pub use info::SceneInfo;
+pub use interaction::SurfaceInteraction;
 pub use material::Material;
 pub use options::BuildOptions;
 pub use specular::{Ball, SpecularPart};
@@ -217,19 +218,19 @@ impl Scene {
         if hit.geometry == IN_LIST {
             let index = hit.primitive as usize;
             let shape = &self.list.shapes()[index];
-            return geometry::on_analytic(shape, self.bindings.list_owners[index], on_shape(shape));
+            return interaction::on_analytic(shape, self.bindings.list_owners[index], on_shape(shape));
         }
         let owners = &self.bindings.owners[hit.geometry as usize];
         match &self.geometries[hit.geometry as usize] {
             Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
-                geometry::on_triangle(triangles, owners, hit.primitive, hit.u, hit.v)
+                interaction::on_triangle(triangles, owners, hit.primitive, hit.u, hit.v)
             }
             Geometry::Instance { triangles, instance_transform, .. } => {
-                geometry::on_instance(triangles, owners, instance_transform, hit.primitive, hit.u, hit.v)
+                interaction::on_instance(triangles, owners, instance_transform, hit.primitive, hit.u, hit.v)
             }
             Geometry::Analytic { shapes, .. } => {
                 let shape = &shapes.0[hit.primitive as usize];
-                geometry::on_analytic(shape, owners.of(hit.primitive), on_shape(shape))
+                interaction::on_analytic(shape, owners.of(hit.primitive), on_shape(shape))
             }
         }
     }

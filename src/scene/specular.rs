@@ -1,7 +1,8 @@
 //! Which surfaces are perfectly specular, and where: photons for caustics are aimed at them.
 
 use super::Scene;
-use super::geometry::{Geometry, Owner, Owners};
+use super::geometry::Geometry;
+use super::interaction::{Owner, Owners};
 use crate::bsdf::Lobes;
 use crate::math::{Bounds, DVec3, Vec3};
 use crate::shape::Analytic;
