@@ -1,7 +1,7 @@
-//! Local illumination: emission, and light scattered once (the report's Figure 1a).
+//! Local illumination: emission and light that is scattered exactly once (the report's Figure 1a).
 //!
-//! Light sampling and Bsdf sampling are combined, so large lights and mirrors are as clean as they can be; perfect mirrors
-//! and glass show the light sources and nothing else.
+//! Light sampling and Bsdf sampling are combined by multiple importance sampling, so that large lights and mirrors have as
+//! little noise as possible. Perfect mirrors and glass show the light sources and nothing else.
 //!
 //! `"integrator": { "type": "direct" }`, with `shadowRays` (1).
 

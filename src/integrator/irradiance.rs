@@ -1,11 +1,12 @@
-//! Irradiance of small parts of surfaces: texels of a light map, surroundings of a vertex.
+//! Irradiance of small parts of surfaces, such as the texels of a light map or the surroundings of a vertex.
 //!
-//! The irradiance [W m^-2] of a surface does not depend on how the surface itself scatters. A sample is pi times the radiance
-//! that a white Lambert surface at the same place would send along its normal, estimated as [`Path`] does it: by light
-//! samples and a cosine-distributed path, combined by multiple importance sampling. Without bias, for scenes of any kind.
+//! The irradiance [W m^-2] of a surface does not depend on how the surface itself scatters. A sample is pi times the
+//! radiance that a white Lambert surface at the same place would send along its normal. This radiance is estimated as in
+//! [`Path`]: by light samples and a cosine-distributed path, combined by multiple importance sampling. The estimate is
+//! unbiased for every scene.
 //!
-//! The cosine is that of the shading normal, as in images, and light does not pass through the face. So a Lambert surface of
-//! albedo a sends albedo / pi times what is estimated here.
+//! The cosine is measured from the shading normal, as in images, and light does not pass through the face. A Lambert surface
+//! of albedo a therefore sends albedo / pi times the irradiance that is estimated here.
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -18,19 +19,19 @@ use crate::sampling::Sampler;
 use crate::scene::{Facet, Scene};
 use crate::spectrum::Rgb;
 
-/// A triangle inside a facet: what a site takes of it.
+/// A triangle inside a facet: the part of the facet that belongs to a site.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
-    /// Its number among the facets.
+    /// The facet's index.
     pub facet: u32,
     /// Its corners, each as the weights of the facet's second and third corner.
     pub corners: [[f32; 2]; 3],
-    /// Which share of its site's area it and those before it are; 1 for the last one.
+    /// Cumulative share of the site's area, up to and including this piece; 1 for the last piece.
     pub until: f32,
 }
 
 impl Piece {
-    /// A point, as weights of the facet's second and third corner: uniform by area for `u` uniform in [0, 1)^2.
+    /// A point of the piece as weights of the facet's second and third corner, uniform by area for `u` uniform in [0, 1)^2.
     #[inline]
     pub fn point(&self, u: [f32; 2]) -> [f32; 2] {
         let root = u[0].sqrt();
@@ -38,7 +39,7 @@ impl Piece {
         let [a, b, c] = self.corners;
         let mix = |i: usize| weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i];
         let [b1, b2] = [mix(0).max(0.0), mix(1).max(0.0)];
-        // Rounding must not lead out of the facet.
+        // The point must stay in the facet in spite of rounding.
         let sum = b1 + b2;
         if sum > 1.0 { [b1 / sum, b2 / sum] } else { [b1, b2] }
     }
@@ -49,25 +50,25 @@ impl Piece {
 pub struct Sites {
     facets: Vec<Facet>,
     pieces: Vec<Piece>,
-    /// Where the pieces of each site begin, and the end of the last.
+    /// Index of the first piece of each site, and at the end the number of pieces.
     starts: Vec<u32>,
 }
 
 impl Sites {
-    /// Sites of these pieces. `starts`: where those of each site begin, and how many pieces there are; each site has one at
-    /// least.
+    /// Creates sites of these pieces. `starts` holds the index of the first piece of each site, and at the end the number of
+    /// pieces; each site has at least one piece.
     pub fn new(facets: Vec<Facet>, pieces: Vec<Piece>, starts: Vec<u32>) -> Self {
         debug_assert!(starts.last().is_some_and(|&end| end as usize == pieces.len()));
         debug_assert!(starts.is_sorted_by(|a, b| a < b));
         Self { facets, pieces, starts }
     }
 
-    /// How many there are.
+    /// Number of sites.
     pub fn len(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
 
-    /// Whether there are none.
+    /// Whether there are no sites.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -77,12 +78,13 @@ impl Sites {
         &self.pieces[self.starts[site] as usize..self.starts[site + 1] as usize]
     }
 
-    /// The facets that the pieces are of.
+    /// The facets that the pieces belong to.
     pub fn facets(&self) -> &[Facet] {
         &self.facets
     }
 
-    /// A point of a site, uniform by area for `u` uniform in [0, 1)^2: a facet and the weights of its second and third corner.
+    /// A point of a site, uniform by area for `u` uniform in [0, 1)^2, as a facet and the weights of the facet's second and
+    /// third corner.
     #[inline]
     pub fn point(&self, site: usize, u: [f32; 2]) -> (&Facet, [f32; 2]) {
         let pieces = self.pieces(site);
@@ -106,15 +108,15 @@ pub struct Irradiance {
 }
 
 impl Irradiance {
-    /// Of these sites (one at least), on the outer side (`front`) or the other.
+    /// Creates an estimator for these sites (at least one), on the outer side (`front`) or on the inner side.
     ///
-    /// `path.max_depth` counts the site itself as the first hit: 1 is direct light alone.
+    /// `path.max_depth` counts the site itself as the first hit, so 1 gives direct light alone.
     pub fn new(sites: Arc<Sites>, path: Path, front: bool) -> Self {
         Self { sites, path, front }
     }
 
-    /// One sample of a site's irradiance [W m^-2]. `place`: where in the site, uniform in [0, 1)^2. Numbers past the last site
-    /// begin again with the first.
+    /// One sample of a site's irradiance [W m^-2]. `place` chooses the point in the site, uniform in [0, 1)^2. Site numbers
+    /// past the last site wrap around to the first.
     #[inline]
     pub fn estimate<S: Sampler, T: Tracer>(
         &self,
@@ -131,13 +133,13 @@ impl Irradiance {
         let Path { max_depth, shadow_rays } = self.path;
         let mut context = Context { scene, sampler, tracer, wavelengths: () };
         let mut radiance = Rgb::ZERO;
-        // Light that reaches it straight from an emitter.
+        // Direct light from the emitters, by light samples.
         if !scene.emitters().is_dark() {
             for _ in 0..shadow_rays {
                 radiance += vertex.sample_light(&mut context, shadow_rays, false);
             }
         }
-        // What a path brings, emitters among it.
+        // Light that a path finds, which includes emission at the path's hits.
         if let Some(bounce) = vertex.sample_bounce(context.sampler.next_4d()) {
             let limits = Limits {
                 max_depth: max_depth.map_or(u32::MAX, |depth| depth.saturating_sub(1)),

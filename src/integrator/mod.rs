@@ -1,7 +1,7 @@
 //! Light transport: from a ray to the radiance that arrives along it.
 //!
-//! An [`Integrator`] is compiled once per kind of sampler and tracer, so that nothing is dispatched per ray. It sees no
-//! film, no file and no thread.
+//! An [`Integrator`] is compiled once for each kind of sampler and tracer, so that rays need no dynamic dispatch.
+//! Integrators know no film, no file and no thread.
 
 mod direct;
 mod irradiance;
@@ -30,11 +30,11 @@ use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::spectrum::{Rgb, Spectrum};
 
-/// A light transport algorithm over paths that carry `C`: three channels, or some wavelengths.
+/// A light transport algorithm over paths that carry `C`: three channels, or several wavelengths.
 pub trait Transport<C: Spectrum>: Sync {
     /// An estimate of the radiance [W m^-2 sr^-1] that arrives at the ray's origin against its direction (unit length).
     ///
-    /// `first` is told the first hit, if there is one. Unbiased unless a depth limit was asked for.
+    /// `first` receives the first hit, if there is one. The estimate is unbiased unless a depth limit was asked for.
     fn li<S: Sampler, T: Tracer>(
         &self,
         ray: Ray,
@@ -42,7 +42,7 @@ pub trait Transport<C: Spectrum>: Sync {
         first: &mut impl FnMut(FirstHit),
     ) -> C;
 
-    /// The same, for integrators that remember something of each pixel.
+    /// As [`Transport::li`], for integrators that keep state for each pixel.
     #[inline(always)]
     fn li_of_pixel<S: Sampler, T: Tracer>(
         &self,
@@ -54,10 +54,11 @@ pub trait Transport<C: Spectrum>: Sync {
         self.li(ray, context, first)
     }
 
-    /// Whether several samples at once are faster than one after another. Not for what remembers something of each pixel.
+    /// Whether estimating several samples at once is faster than one after another. Integrators that keep state for each
+    /// pixel must leave this `false`.
     const IN_WAVES: bool = false;
 
-    /// The radiance of several samples, each as [`Transport::li`] would estimate it.
+    /// Estimates the radiance of several samples, each as by [`Transport::li`].
     #[inline(always)]
     fn li_of_many<S: Sampler, T: Tracer>(
         &self,
@@ -73,18 +74,19 @@ pub trait Transport<C: Spectrum>: Sync {
         }
     }
 
-    /// The wavelengths of a path, drawn before it begins. Methods whose maps have wavelengths of their own give those.
+    /// The wavelengths of a path, drawn before the path begins. Methods whose photon maps have fixed wavelengths return
+    /// those.
     #[inline(always)]
     fn wavelengths<S: Sampler>(&self, sampler: &mut S) -> C::Wavelengths {
         C::sample_wavelengths(|| sampler.next_4d()[0])
     }
 }
 
-/// A light transport algorithm in RGB, by one call.
+/// A light transport algorithm in RGB, called without a [`Context`].
 pub trait Integrator: Transport<Rgb> {
     /// An estimate of the radiance [W m^-2 sr^-1] that arrives at the ray's origin against its direction (unit length).
     ///
-    /// `first` is told the first hit, if there is one. Unbiased unless a depth limit was asked for.
+    /// `first` receives the first hit, if there is one. The estimate is unbiased unless a depth limit was asked for.
     #[inline(always)]
     fn radiance<S: Sampler, T: Tracer>(
         &self,
@@ -97,7 +99,7 @@ pub trait Integrator: Transport<Rgb> {
         self.li(ray, &mut Context { scene, sampler, tracer, wavelengths: () }, first)
     }
 
-    /// The same for several samples, as [`Transport::li_of_many`].
+    /// Estimates the radiance of several samples, as [`Transport::li_of_many`].
     #[inline(always)]
     fn radiance_of_many<S: Sampler, T: Tracer>(
         &self,

@@ -1,7 +1,8 @@
-//! Path tracing: everything, by following light backwards.
+//! Path tracing: global illumination by paths that start at the camera.
 //!
-//! Unbiased: next-event estimation with multiple importance sampling at every surface that is not perfectly specular,
-//! Russian roulette instead of a depth limit. A poor choice for caustics of small lights, which only chance finds.
+//! The estimate is unbiased: it takes next-event estimation with multiple importance sampling at every surface that is not
+//! perfectly specular, and Russian roulette instead of a depth limit. Path tracing is a poor choice for caustics of small
+//! lights, since paths hit such lights only by chance.
 //!
 //! `"integrator": { "type": "path" }`, with `shadowRays` (1) light samples per hit and `maxDepth` (none).
 //!
@@ -19,8 +20,8 @@ use crate::spectrum::Spectrum;
 /// Path tracing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Path {
-    /// Greatest number of surface hits, counting the first visible one; light sources that a diffuse hit sees directly do
-    /// not count. `None` cuts nothing; a limit is a bias.
+    /// Greatest number of surface hits, counting the first visible one. Light sources that a diffuse hit sees directly do
+    /// not count. `None` sets no limit; a limit makes the estimate biased.
     pub max_depth: Option<u32>,
     /// Light samples per hit, >= 1.
     pub shadow_rays: u32,

@@ -1,14 +1,14 @@
-//! Which scenes an integrator takes, by the lobes of their surfaces.
+//! Which scenes an integrator supports, by the lobes of their surfaces.
 
 use crate::bsdf::Lobes;
 use crate::desc::{IntegratorDesc, LobeSupport, LobeUse};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
-/// Refuses a scene with a surface that the integrator cannot scatter light at, as the table of integrators says.
+/// Refuses a scene with a surface whose lobes the integrator does not support, according to the table of integrators.
 ///
 /// # Errors
-/// [`ErrorKind::Unsupported`], which names the surface and the integrator.
+/// [`ErrorKind::Unsupported`], whose message names the surface and the integrator.
 pub fn check_lobes(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
     let Some(support) = integrator.info().lobes else { return Ok(()) };
     let Some((lobes, kind)) = refused(scene.lobes(), support) else { return Ok(()) };
@@ -20,7 +20,7 @@ pub fn check_lobes(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
     Err(Error::new(ErrorKind::Unsupported, message))
 }
 
-/// The lobes among these that are refused, and what they are called.
+/// The lobes among these that the integrator refuses, and their name in messages.
 fn refused(lobes: Lobes, support: LobeSupport) -> Option<(Lobes, &'static str)> {
     let kinds = [
         (Lobes::DIFFUSE, support.diffuse, "diffuse"),

@@ -1,42 +1,42 @@
-//! What an integrator asks while it follows a path: rays, random numbers, the scene.
+//! What an integrator uses while it follows a path: ray queries, random numbers and the scene.
 
 use crate::math::{Ray, Vec3};
 use crate::scene::{Hit, Scene};
 use crate::spectrum::{Rgb, Spectrum};
 
-/// Answers rays: the scene itself, or something that also counts or records them.
+/// Answers ray queries: the scene itself, or a wrapper that also counts or records rays.
 pub trait Tracer {
     /// The nearest surface along the ray.
     fn intersect(&mut self, ray: &Ray) -> Option<Hit>;
 
-    /// Whether nothing lies in the ray's segment.
+    /// Whether no surface lies in the ray's segment.
     fn unoccluded(&mut self, ray: &Ray) -> bool;
 
-    /// The nearest surface along each of the rays; what [`Tracer::intersect`] would answer. `hits` has the length of `rays`, and
-    /// all of it is written.
+    /// The nearest surface along each of the rays, as [`Tracer::intersect`] would find it. `hits` has the length of `rays`,
+    /// and every element is written.
     #[inline]
     fn intersect_many(&mut self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         rays.iter().zip(hits).for_each(|(ray, hit)| *hit = self.intersect(ray));
     }
 
-    /// Whether nothing lies in the segment of each of the rays; what [`Tracer::unoccluded`] would answer. `clear` has the length
-    /// of `rays`, and all of it is written.
+    /// Whether no surface lies in the segment of each of the rays, as [`Tracer::unoccluded`] would answer. `clear` has the
+    /// length of `rays`, and every element is written.
     #[inline]
     fn unoccluded_many(&mut self, rays: &[Ray], clear: &mut [bool]) {
         rays.iter().zip(clear).for_each(|(ray, clear)| *clear = self.unoccluded(ray));
     }
 }
 
-/// Traces in a scene and counts the rays.
+/// Traces rays in a scene and counts them.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneTracer<'s> {
     pub(crate) scene: &'s Scene,
-    /// Rays so far.
+    /// Number of rays traced so far.
     pub rays: u64,
 }
 
 impl<'s> SceneTracer<'s> {
-    /// A tracer that has counted nothing yet.
+    /// Creates a tracer whose count is 0.
     pub fn new(scene: &'s Scene) -> Self {
         Self { scene, rays: 0 }
     }
@@ -68,14 +68,14 @@ impl Tracer for SceneTracer<'_> {
     }
 }
 
-/// What a camera ray met first, for the auxiliary layers.
+/// The first hit of a camera ray, for the auxiliary layers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstHit {
-    /// Albedo there.
+    /// Albedo at the hit.
     pub albedo: Rgb,
     /// Shading normal, facing the camera.
     pub normal: Vec3,
-    /// The point, scene frame.
+    /// Position of the hit, scene frame.
     pub p: Vec3,
 }
 
@@ -86,7 +86,7 @@ pub struct Context<'a, S, T, C: Spectrum = Rgb> {
     pub scene: &'a Scene,
     /// Random numbers of the path, at the first dimensions after those of its ray.
     pub sampler: &'a mut S,
-    /// What answers rays.
+    /// Answers the path's ray queries.
     pub tracer: &'a mut T,
     /// The wavelengths that the path carries.
     pub wavelengths: C::Wavelengths,

@@ -1,4 +1,4 @@
-//! A vertex of a path: what its surface emits, what light reaches it directly, and where the path goes on.
+//! A vertex of a path: the light that its surface emits, the direct light that reaches it, and the path's next direction.
 
 use super::tracer::{Context, FirstHit, Tracer};
 use crate::bsdf::{Bsdf, Model, SpecularLobes, TransportMode};
@@ -9,40 +9,41 @@ use crate::sampling::mis::power_heuristic;
 use crate::scene::{Hit, Scene, SurfaceInteraction};
 use crate::spectrum::{Rgb, Spectrum};
 
-/// A point of a path, ready for shading. Its channels are those of the path.
+/// A vertex of a path, ready for shading. Spectra have the channels of the path.
 pub(super) struct Vertex<C: Spectrum = Rgb> {
     pub surface: SurfaceInteraction,
     /// How the surface scatters here.
     pub bsdf: Bsdf<C>,
-    /// Probability with which a path survives a bounce here, where the scene sets one.
+    /// Probability with which a path survives a bounce at this vertex, where the scene sets one.
     pub survival: Option<f32>,
     mode: TransportMode,
     wavelengths: C::Wavelengths,
     frame: Frame,
-    /// Back along the path, local frame.
+    /// Direction back along the path, local frame.
     pub wo: Vec3,
-    /// Back along the path, scene frame.
+    /// Direction back along the path, scene frame.
     wo_scene: Vec3,
 }
 
-/// A bounce out of a vertex.
+/// A scattered ray that leaves a vertex.
 pub(super) struct Bounce<C: Spectrum = Rgb> {
     pub ray: Ray,
     /// f |cos| / pdf.
     pub weight: C,
-    /// `None` after a delta lobe, which no light sample can imitate.
+    /// Density of the direction [sr^-1]; `None` after a delta lobe, which light samples cannot sample.
     pub pdf: Option<f32>,
-    /// Index of refraction entered over the one left.
+    /// Index of refraction of the medium entered over that of the medium left.
     pub eta: f32,
 }
 
-/// The receiver that a ray leaves and the density [sr^-1] of its direction, where a light sample could have made it as well.
+/// The receiver that a ray leaves and the density [sr^-1] of the ray's direction; `None` where a light sample could not have
+/// sampled the direction as well.
 pub(super) type PreviousBounce = Option<(Receiver, f32)>;
 
-/// Radiance that comes from infinity along a ray that meets nothing, with the weight of having been found by chance rather than
-/// by a light sample. Arguments as of [`Vertex::emitted`].
+/// Radiance from infinity along a ray that misses the scene, with the multiple importance sampling weight of Bsdf sampling
+/// against light sampling. The arguments are those of [`Vertex::emitted`].
 ///
-/// Every ray of every integrator that misses the scene comes here.
+/// All integrators call this function for every ray that misses the scene.
 #[inline(always)]
 pub(super) fn escaped<C: Spectrum>(
     scene: &Scene,
@@ -69,13 +70,13 @@ pub(super) fn escaped<C: Spectrum>(
 }
 
 impl<C: Spectrum> Vertex<C> {
-    /// What a ray from the camera met.
+    /// The vertex at the hit of a ray of a camera path.
     #[inline(always)]
     pub fn new(scene: &Scene, ray: &Ray, hit: &Hit, wavelengths: C::Wavelengths) -> Self {
         Self::of_path(scene, ray, hit, wavelengths, TransportMode::Radiance)
     }
 
-    /// What a ray from a light met.
+    /// The vertex at the hit of a ray of a light path.
     #[inline(always)]
     pub fn of_light_path(scene: &Scene, ray: &Ray, hit: &Hit, wavelengths: C::Wavelengths) -> Self {
         Self::of_path(scene, ray, hit, wavelengths, TransportMode::Importance)
@@ -83,11 +84,11 @@ impl<C: Spectrum> Vertex<C> {
 
     #[inline(always)]
     fn of_path(scene: &Scene, ray: &Ray, hit: &Hit, wavelengths: C::Wavelengths, mode: TransportMode) -> Self {
-        // Field by field: a copy as a whole would be read in larger pieces than it was just written in, for which the processor
-        // waits.
+        // The fields are copied one by one: a copy of the whole would read them in larger pieces than they were just written
+        // in, and the processor would stall.
         let SurfaceInteraction { point, ng, mut ns, surface, material, emitter } = scene.interaction(ray, hit);
         let wo_scene = -ray.direction;
-        // An interpolated normal may look away from a viewer who does see the face: shade flat there.
+        // An interpolated normal may face away from a viewer who does see the face; the face's own normal is used then.
         if ns.dot(wo_scene) * ng.dot(wo_scene) <= 0.0 {
             ns = ng;
         }
@@ -99,8 +100,8 @@ impl<C: Spectrum> Vertex<C> {
         Self { bsdf, survival: material.survival, mode, wavelengths, frame, wo, wo_scene, surface }
     }
 
-    /// A point of a surface as if it scattered like this, looked at along its shading normal from the side of it (`front`) or
-    /// the other.
+    /// A vertex at a point of a surface with the given Bsdf, seen along its shading normal from the outer side (`front`) or
+    /// from the inner side.
     #[inline]
     pub fn seen_along_normal(surface: SurfaceInteraction, bsdf: Bsdf<C>, front: bool) -> Self {
         let side = if front { 1.0 } else { -1.0 };
@@ -116,20 +117,20 @@ impl<C: Spectrum> Vertex<C> {
         }
     }
 
-    /// Back along the path, scene frame.
+    /// Direction back along the path, scene frame.
     #[inline]
     pub fn wo_scene(&self) -> Vec3 {
         self.wo_scene
     }
 
-    /// A direction of the scene in the local frame.
+    /// Transforms a direction from the scene frame to the local frame.
     #[inline]
     pub fn to_local(&self, v: Vec3) -> Vec3 {
         self.frame.to_local(v)
     }
 
-    /// As lights see it: light counts on the side from which the surface is looked at, and on both sides where a lobe with a
-    /// density transmits.
+    /// The vertex as a receiver of light: light counts on the side from which the surface is seen, and on both sides where a
+    /// lobe with a density transmits.
     #[inline]
     pub fn receiver(&self) -> Receiver {
         let p = self.surface.point.p;
@@ -148,8 +149,8 @@ impl<C: Spectrum> Vertex<C> {
         if self.wo.z < 0.0 { -self.surface.ns } else { self.surface.ns }
     }
 
-    /// What the weight of a bounce into `wi` (scene frame) is to be multiplied with where power travels and not radiance:
-    /// 1 but where shading normals are interpolated. Veach 1997, Eq. 5.19.
+    /// The factor that multiplies the weight of a bounce into `wi` (scene frame) where the path carries power instead of
+    /// radiance: 1 except where shading normals are interpolated. Veach 1997, Eq. 5.19.
     #[inline]
     pub fn shading_adjoint(&self, wi: Vec3) -> f32 {
         let (ng, ns) = (self.surface.ng, self.surface.ns);
@@ -161,16 +162,17 @@ impl<C: Spectrum> Vertex<C> {
         if ratio.is_finite() { ratio } else { 0.0 }
     }
 
-    /// What the auxiliary layers want to know.
+    /// The albedo, normal and position for the auxiliary layers.
     pub fn first_hit(&self) -> FirstHit {
         let normal = if self.wo.z < 0.0 { -self.surface.ns } else { self.surface.ns };
         FirstHit { albedo: self.bsdf.albedo().to_rgb(&self.wavelengths), normal, p: self.surface.point.p }
     }
 
-    /// Radiance emitted back along the path, with the weight of having come here by chance rather than by a light sample.
+    /// Radiance emitted back along the path, with the multiple importance sampling weight of Bsdf sampling against light
+    /// sampling.
     ///
-    /// `previous`: the receiver and density [sr^-1] of the bounce that led here, `None` when no light sample could have.
-    /// `light_samples`: how many were taken there.
+    /// `previous` holds the receiver and density [sr^-1] of the bounce that led here, or `None` when no light sample could
+    /// have led here. `light_samples` is the number of light samples taken at that bounce.
     #[inline]
     pub fn emitted(&self, scene: &Scene, previous: PreviousBounce, light_samples: u32) -> C {
         let Some(emitter) = self.surface.emitter else { return C::ZERO };
@@ -185,10 +187,10 @@ impl<C: Spectrum> Vertex<C> {
         }
     }
 
-    /// One sample of the light that comes straight from an emitter and is scattered back along the path.
+    /// One sample of the direct light from an emitter that is scattered back along the path.
     ///
-    /// One of `light_samples`, as [`Vertex::light_sample`] says. `only_light_samples`: no Bsdf sample will look for lights, so
-    /// that this sample has all the weight.
+    /// The sample is one of `light_samples`, as in [`Vertex::light_sample`]. `only_light_samples` says that no Bsdf sample
+    /// will look for lights, so that the light sample has weight 1.
     #[inline(always)]
     pub fn sample_light<S: Sampler, T: Tracer>(
         &self,
@@ -203,11 +205,12 @@ impl<C: Spectrum> Vertex<C> {
         }
     }
 
-    /// A shadow ray towards an emitter, and what is scattered back along the path if nothing is in its way; `None` where that
-    /// is nothing.
+    /// A shadow ray towards an emitter, and the radiance that is scattered back along the path if the ray is unoccluded;
+    /// `None` where this radiance is 0.
     ///
-    /// Weighted against a Bsdf sample in the same direction by the power heuristic (Veach 1997, Sec. 9.2.4), this being
-    /// one of `light_samples`. Glass blocks: light through it comes as a path that is refracted, and never twice.
+    /// The sample is weighted against a Bsdf sample in the same direction by the power heuristic (Veach 1997, Sec. 9.2.4),
+    /// as one of `light_samples`. Glass occludes shadow rays: light through glass is found by refracted paths only, and so
+    /// is counted once.
     #[inline(always)]
     pub fn light_sample(
         &self,
@@ -232,7 +235,7 @@ impl<C: Spectrum> Vertex<C> {
             power_heuristic(light_samples as f32 * light.pdf, bsdf_pdf)
         };
         let origin = point.offset(self.side(light.wi));
-        // The target is off the light, by more the farther it is: the light is no obstacle itself.
+        // The target is offset from the light, by more the farther away it is, so that the light does not occlude itself.
         let shadow = Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: 1.0 };
         Some((
             shadow,
@@ -241,7 +244,7 @@ impl<C: Spectrum> Vertex<C> {
         ))
     }
 
-    /// Samples the next direction of the path; `None` when it ends in absorption.
+    /// Samples the next direction of the path; `None` when the path ends in absorption.
     #[inline(always)]
     pub fn sample_bounce(&self, u: [f32; 4]) -> Option<Bounce<C>> {
         let sample = self.bsdf.sample(self.wo, [u[0], u[1], u[2]], self.mode)?;
@@ -251,19 +254,20 @@ impl<C: Spectrum> Vertex<C> {
         }
         let is_specular = sample.is_specular();
         let pdf = (!is_specular).then_some(sample.pdf);
-        // Along a specular path the error of the frames would be multiplied; a diffuse direction is fresh.
+        // Errors of the frames would accumulate along a specular path, whereas a diffuse direction is sampled anew.
         let wi = if is_specular { wi.normalize() } else { wi };
         Some(Bounce { ray: self.leave(wi), weight: sample.weight, pdf, eta: sample.eta })
     }
 
-    /// The ray that leaves into the local direction `wi`, unless an interpolated normal sends it through the face.
+    /// The ray that leaves into the local direction `wi`; `None` where an interpolated normal would send the ray through the
+    /// face.
     #[inline]
     pub fn leave_local(&self, wi: Vec3) -> Option<Ray> {
         let scene_wi = self.frame.to_world(wi);
         self.is_consistent(scene_wi, wi).then(|| self.leave(scene_wi.normalize()))
     }
 
-    /// Whether light samples can find light that is scattered here.
+    /// Whether light samples can contribute at this vertex: whether the Bsdf has lobes that are not delta lobes.
     #[inline(always)]
     pub fn finds_light_samples(&self) -> bool {
         self.bsdf.lobes().are_sampled_by_lights()
@@ -275,14 +279,14 @@ impl<C: Spectrum> Vertex<C> {
         self.bsdf.f(self.wo, wi, self.mode)
     }
 
-    /// The delta lobes for what travels along this path.
+    /// The delta lobes for the quantity that the path carries.
     #[inline]
     pub fn specular_lobes(&self) -> SpecularLobes<C> {
         self.bsdf.specular_lobes(self.wo, self.mode)
     }
 
-    /// The ray that leaves into the unit direction `wi` of the scene, and f |cos| along the path for light from there; `None`
-    /// where no light from there is sent back.
+    /// The ray that leaves into the unit direction `wi` of the scene, and f |cos| along the path for light from that
+    /// direction; `None` where no light from that direction is scattered back.
     #[inline]
     pub fn leave_towards(&self, wi: Vec3) -> Option<(Ray, C)> {
         let local = self.frame.to_local(wi);
@@ -298,14 +302,14 @@ impl<C: Spectrum> Vertex<C> {
         Ray::new(self.surface.point.offset(self.side(wi)), wi)
     }
 
-    /// The geometric normal on the side that `wi` leaves to.
+    /// The geometric normal on the side into which `wi` leaves.
     #[inline]
     fn side(&self, wi: Vec3) -> Vec3 {
         if wi.dot(self.surface.ng) < 0.0 { -self.surface.ng } else { self.surface.ng }
     }
 
-    /// Whether a direction is on the same side of the face as of the shading normal: light must not leak through a face
-    /// whose normals are interpolated (Veach 1997, Sec. 5.3.2).
+    /// Whether a direction is on the same side of the face and of the shading normal. Otherwise light would leak through
+    /// faces with interpolated normals (Veach 1997, Sec. 5.3.2).
     #[inline]
     fn is_consistent(&self, wi: Vec3, local: Vec3) -> bool {
         wi.dot(self.surface.ng) * local.z > 0.0

@@ -1,6 +1,6 @@
-//! The path loop: vertex by vertex, with light samples, Bsdf samples and Russian roulette.
+//! The path loop: it advances a path vertex by vertex, with light samples, Bsdf samples and Russian roulette.
 //!
-//! Path tracing, local illumination, light maps and the eye paths of all photon methods take their steps here.
+//! Path tracing, local illumination, light maps and the eye paths of all photon methods share this loop.
 //!
 //! Source: Arvo and Kirk 1990, "Particle Transport and Image Synthesis" (roulette).
 
@@ -11,18 +11,18 @@ use crate::sampling::Sampler;
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 
-/// From this bounce on no path survives with certainty, so that it ends even among perfect mirrors. Light guides and mirrors
-/// that face each other show a thousand reflections without noise.
+/// From this bounce on no path survives with certainty, so that every path ends, even among perfect mirrors. Light guides
+/// and mirrors that face each other show a thousand reflections without noise.
 const CERTAIN_BOUNCES: u32 = 1024;
 
-/// From this bounce on the survival probabilities that materials state give way to the library's own.
+/// From this bounce on the survival probabilities that materials state are replaced by the library's own.
 const OWN_SURVIVAL_BOUNCES: u32 = 64;
 
-/// A path that still carries this share of what it had after its first hit survives with certainty. Time to equal error in
-/// the report's room is the same with 1/2 and with 1.
+/// A path that still carries this fraction of its throughput after the first hit survives with certainty. Time to equal
+/// error in the report's room is the same with 1/2 and with 1.
 const CERTAIN_FRACTION: f32 = 0.5;
 
-/// Where a path ends, and how many light samples it takes.
+/// Where paths end, and how many light samples are taken at each hit.
 #[derive(Clone, Copy)]
 pub(super) struct Limits {
     /// Greatest number of hits.
@@ -36,38 +36,39 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    /// Chance alone ends paths.
+    /// Limits for paths that only absorption and Russian roulette end.
     #[inline(always)]
     pub fn new(shadow_rays: u32) -> Self {
         Self { max_depth: u32::MAX, shadow_rays, mirrors_see_lights: false, previous: None }
     }
 }
 
-/// A path on its way.
+/// The state of a path between two hits.
 #[derive(Clone, Copy)]
 pub(super) struct Walk<C: Spectrum> {
-    /// What it has brought so far.
+    /// Radiance found so far.
     pub radiance: C,
     pub throughput: C,
-    /// The last bounce, where a light sample could have made it as well.
+    /// The last bounce; `None` where a light sample could not have sampled its direction.
     pub previous: PreviousBounce,
-    /// Undoes the radiance scaling of refraction for the roulette: a path inside glass is not worth less.
+    /// Compensates the radiance scaling of refraction in Russian roulette, so that paths inside glass are not ended more
+    /// often.
     eta2: f32,
-    /// What a path has to carry to survive with certainty: a fraction of what was left after the first hit, so that indirect
-    /// light on a dark wall is as clean, against its own brightness, as on a white one.
+    /// Throughput at which a path survives with certainty: a fraction of the throughput after the first hit, so that
+    /// indirect light on a dark wall has the same relative noise as on a white one.
     roulette_reference: f32,
-    /// Hits so far, the one under way included.
+    /// Number of hits so far, including the current one.
     pub depth: u32,
 }
 
 impl<C: Spectrum> Walk<C> {
-    /// Before the first hit.
+    /// The state before the first hit.
     #[inline]
     pub fn new(previous: PreviousBounce) -> Self {
         Self { radiance: C::ZERO, throughput: C::ONE, previous, eta2: 1.0, roulette_reference: 1.0, depth: 0 }
     }
 
-    /// One of so many paths that go on from here together, which has brought nothing yet.
+    /// One of `paths` paths into which this path is split, with no radiance yet.
     #[inline]
     pub fn split(&self, paths: u32) -> Self {
         let mut walk = *self;
@@ -77,13 +78,13 @@ impl<C: Spectrum> Walk<C> {
         walk
     }
 
-    /// The same path with this radiance.
+    /// The same path with this radiance instead of its own.
     #[inline]
     pub fn having_brought(self, radiance: C) -> Self {
         Self { radiance, ..self }
     }
 
-    /// A path beside this one that goes on with this weight into a direction which no light sample could have chosen.
+    /// A second path that continues from here with this weight, into a direction that no light sample could have chosen.
     #[inline]
     pub fn branch(&self, weight: C) -> Self {
         let mut walk = Self { radiance: C::ZERO, throughput: self.throughput * weight, previous: None, ..*self };
@@ -91,13 +92,13 @@ impl<C: Spectrum> Walk<C> {
         walk
     }
 
-    /// What the path carries, without the radiance scaling of refraction.
+    /// Throughput of the path without the radiance scaling of refraction.
     #[inline(always)]
     fn carried(&self) -> f32 {
         self.throughput.max_element() * self.eta2
     }
 
-    /// The ray of this path meets nothing.
+    /// Adds the radiance from infinity after the path's ray missed the scene.
     #[inline(always)]
     pub fn escape(&mut self, scene: &Scene, ray: &Ray, limits: &Limits, wavelengths: &C::Wavelengths) {
         if scene.emitters().has_infinite() {
@@ -105,10 +106,10 @@ impl<C: Spectrum> Walk<C> {
         }
     }
 
-    /// What happens at the path's next vertex: the ray that it goes on with, if it does.
+    /// Advances the path at its next vertex; returns the next ray, or `None` where the path ends.
     ///
-    /// `light` is given shadow rays, each with the radiance that it adds if nothing is in its way, to be added to the path's in
-    /// this order and before the next hit.
+    /// `light` receives each shadow ray with the radiance that the ray contributes if it is unoccluded. These contributions
+    /// are to be added to the path's radiance in this order and before the next hit.
     #[inline(always)]
     pub fn meet<S: Sampler>(
         &mut self,
@@ -124,14 +125,14 @@ impl<C: Spectrum> Walk<C> {
             first(vertex.first_hit());
         }
 
-        // Light that the surface itself sends.
+        // Emission of the surface itself.
         let shadow_rays = limits.shadow_rays;
         self.radiance += self.throughput * vertex.emitted(scene, self.previous, shadow_rays);
         if self.depth > limits.max_depth || vertex.bsdf.is_black() {
             return None;
         }
 
-        // Light that reaches it straight from an emitter.
+        // Direct light from the emitters.
         if vertex.finds_light_samples() && !scene.emitters().is_dark() {
             for _ in 0..shadow_rays {
                 if let Some((shadow, sent)) = vertex.light_sample(scene, sampler.next_4d(), shadow_rays, false) {
@@ -142,7 +143,7 @@ impl<C: Spectrum> Walk<C> {
         self.bounce(vertex, sampler, limits).map(|bounce| bounce.ray)
     }
 
-    /// Chooses the next direction, and by Russian roulette whether the path goes on; `None` where it ends.
+    /// Samples the next direction and plays Russian roulette; `None` where the path ends.
     #[inline(always)]
     pub fn bounce<S: Sampler>(&mut self, vertex: &Vertex<C>, sampler: &mut S, limits: &Limits) -> Option<Bounce<C>> {
         let u = sampler.next_4d();
@@ -155,8 +156,8 @@ impl<C: Spectrum> Walk<C> {
         self.eta2 *= bounce.eta * bounce.eta;
         self.previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
 
-        // Roulette: by the scene's own probability at the surface, or by what the path still carries. The ray after the
-        // last allowed hit only looks for a light.
+        // Russian roulette takes the survival probability that the scene sets for the surface, or else the throughput. The
+        // ray after the last allowed hit only looks for a light, so it needs no roulette.
         if depth < limits.max_depth {
             let carried = self.carried();
             if carried <= 0.0 {
@@ -181,7 +182,7 @@ impl<C: Spectrum> Walk<C> {
     }
 }
 
-/// One path, from the first ray to the end.
+/// Traces one path from its first ray to its end.
 #[inline]
 pub(super) fn trace<C: Spectrum, S: Sampler, T: Tracer>(
     ray: Ray,
@@ -202,8 +203,8 @@ pub(super) fn trace<C: Spectrum, S: Sampler, T: Tracer>(
     walk.radiance
 }
 
-/// Light from the emitters that is scattered once at a vertex, by light samples and one Bsdf sample together: a path of one
-/// bounce, without what the vertex itself emits.
+/// Light from the emitters that is scattered once at a vertex, by light samples combined with one Bsdf sample. The emission
+/// of the vertex itself is not included.
 #[inline]
 pub(super) fn direct_light<C: Spectrum, S: Sampler, T: Tracer>(
     vertex: &Vertex<C>,
@@ -243,9 +244,10 @@ fn step<C: Spectrum, S: Sampler, T: Tracer>(
 
 /// Survival probability of a path that carries this fraction of its reference, after `depth` hits.
 ///
-/// What loses nothing reaches hit n with probability (N / n)^2 beyond N = [`CERTAIN_BOUNCES`], so that it ends after 2 N hits
-/// on the average. A constant probability q instead would make weights grow faster than an albedo above sqrt(q) makes
-/// paths fade, and the variance infinite: at an albedo of 0.999, with any q below 0.998.
+/// A path without losses reaches hit n with probability (N / n)^2 beyond N = [`CERTAIN_BOUNCES`], so that it ends after 2 N
+/// hits on the average. A constant survival probability q would make the variance infinite where the albedo exceeds sqrt(q),
+/// because weights would then grow faster than the throughput falls: at an albedo of 0.999, this happens for any q below
+/// 0.998.
 #[inline]
 pub(super) fn roulette(fraction: f32, depth: u32) -> f32 {
     let most = if depth < CERTAIN_BOUNCES { 1.0 } else { 1.0 - 2.0 / depth as f32 };

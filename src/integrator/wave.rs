@@ -1,7 +1,7 @@
-//! Many paths side by side, hit by hit.
+//! Many paths traced side by side, hit by hit.
 //!
-//! Paths that have nothing to do with each other are worth taking together, since Embree answers their rays in packets in less
-//! time than one by one (`docs/performance.md`). Each path is what it would be alone, to the last bit.
+//! Independent paths are traced together, since Embree answers their rays in packets in less time than one by one
+//! (`docs/performance.md`). Each path gives the same result as if it were traced alone, to the last bit.
 //!
 //! Source: Laine, Karras, Aila 2013, "Megakernels Considered Harmful: Wavefront Path Tracing on GPUs".
 
@@ -14,23 +14,23 @@ use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
 use crate::spectrum::{Rgb, Spectrum};
 
-/// One of several samples that are taken together.
+/// One of several samples that are estimated together.
 #[derive(Clone, Debug)]
 pub struct Sample<S, C: Spectrum = Rgb> {
-    /// From the camera.
+    /// The camera ray.
     pub ray: Ray,
-    /// At the first dimensions after those of the ray.
+    /// Random numbers of the path, at the first dimensions after those of the ray.
     pub sampler: S,
-    /// What is estimated.
+    /// The estimated radiance.
     pub radiance: C,
     /// The wavelengths that the path carries.
     pub wavelengths: C::Wavelengths,
-    /// What the ray met first, once it is known.
+    /// The first hit of the ray, once it is known.
     pub first: Option<FirstHit>,
 }
 
 impl<S, C: Spectrum> Sample<S, C> {
-    /// Before it is known whose it is.
+    /// Creates a sample whose ray is still to be set.
     pub fn new(sampler: S) -> Self {
         Self {
             ray: Ray::new(Vec3::ZERO, Vec3::Z),
@@ -42,15 +42,15 @@ impl<S, C: Spectrum> Sample<S, C> {
     }
 }
 
-/// The paths of a wave, between two hits. Kept from wave to wave, so that none allocates.
+/// The paths of a wave between two hits. The memory is kept from wave to wave, so that later waves do not allocate.
 #[derive(Default)]
 pub struct Wave<C: Spectrum = Rgb> {
     walks: Vec<Walk<C>>,
-    /// The numbers of the paths that go on, and their rays.
+    /// Indices of the active paths, and their rays.
     active: Vec<u32>,
     rays: Vec<Ray>,
     hits: Vec<Option<Hit>>,
-    /// Shadow rays, whose they are, and the light that they bring if nothing is in their way.
+    /// Shadow rays, and for each the index of its path and the radiance that it contributes if it is unoccluded.
     shadows: Vec<Ray>,
     lights: Vec<(u32, C)>,
     clear: Vec<bool>,
@@ -63,7 +63,7 @@ impl<C: Spectrum> std::fmt::Debug for Wave<C> {
 }
 
 impl<C: Spectrum> Wave<C> {
-    /// The paths of all samples.
+    /// Traces the paths of all samples to their ends.
     #[inline(always)]
     pub(super) fn trace<S: Sampler, T: Tracer>(
         &mut self,
@@ -81,7 +81,8 @@ impl<C: Spectrum> Wave<C> {
         rays.extend(samples.iter().map(|sample| sample.ray));
         samples.iter_mut().for_each(|sample| sample.first = None);
         hits.resize(samples.len().max(hits.len()), None);
-        // What vertices send at most, or all that a description may ask for: so no later wave takes more memory.
+        // The largest number of shadow rays that the vertices can send, up to the largest number that a description may ask
+        // for, is reserved here, so that no later wave allocates.
         let most_shadows = samples.len() * limits.shadow_rays.min(MAX_SHADOW_RAYS) as usize;
         shadows.clear();
         shadows.reserve(most_shadows);
@@ -145,7 +146,7 @@ mod tests {
     use crate::sampling::{Pattern, PatternSampler, SobolSampler};
     use crate::scene::BuildOptions;
 
-    /// Waves of all sizes against paths one by one: the same radiance, the same first hits, the same number of rays.
+    /// Compares waves of all sizes with paths traced one by one: radiance, first hits and number of rays must agree.
     fn compare<I: Integrator, S: Sampler + Clone>(scene: &Scene, integrator: &I, sampler: &S) {
         const SIDE: u32 = 24;
         let camera = Camera::new(scene.camera(), [SIDE; 2], scene.centre()).unwrap();
@@ -185,7 +186,7 @@ mod tests {
             compare(&scene, &Path { max_depth: None, shadow_rays: 1 }, &sobol);
             compare(&scene, &Path { max_depth: Some(4), shadow_rays: 3 }, &pattern);
             compare(&scene, &Direct { shadow_rays: 2 }, &sobol);
-            // Shapes in Embree's tree are user geometry.
+            // Shapes are user geometry in Embree's tree.
             let all = BuildOptions { listed_shapes: Some(0), ..BuildOptions::default() };
             compare(&Scene::build(&desc, &all).unwrap(), &Path { max_depth: None, shadow_rays: 1 }, &sobol);
             // Larger meshes are instances.

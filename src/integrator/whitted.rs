@@ -1,8 +1,8 @@
 //! Whitted's ray tracing: direct light, perfect mirrors and glass (Section 1.4 of the report).
 //!
-//! Glass is followed both ways as long as both ways carry enough; a branch that carries little is chosen by chance instead,
-//! with the weight that keeps the mean, so no weight threshold cuts any light. Diffuse surfaces scatter light once:
-//! indirect diffuse light and caustics are missing by design.
+//! Both the reflected and the refracted ray of glass are followed as long as both carry enough throughput. Otherwise one of
+//! them is chosen at random, with the weight that keeps the mean, so that no threshold on the throughput loses light.
+//! Diffuse surfaces scatter light once: indirect diffuse light and caustics are missing by design.
 //!
 //! `"integrator": { "type": "whitted" }`, with `shadowRays` (1) and `maxDepth` (none).
 //!
@@ -15,28 +15,28 @@ use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::spectrum::Spectrum;
 
-/// A branch that would carry less than this is not split off.
+/// Least throughput of a branch that is split off.
 const SMALLEST_BRANCH: f32 = 1.0 / 64.0;
 
-/// Branches that can wait at a time. Each split leaves at least [`SMALLEST_BRANCH`] to both sides, and the stronger one
-/// is followed first.
+/// Greatest number of branches that wait at a time. Each split leaves at least [`SMALLEST_BRANCH`] to both branches, and the
+/// stronger one is followed first.
 const WAITING: usize = 64;
 
 /// Whitted's ray tracing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Whitted {
-    /// Greatest number of surface hits on a path, counting the first visible one. `None` cuts nothing.
+    /// Greatest number of surface hits on a path, counting the first visible one. `None` sets no limit.
     pub max_depth: Option<u32>,
     /// Light samples per hit, >= 1.
     pub shadow_rays: u32,
 }
 
-/// A ray still to be followed.
+/// A ray that is still to be followed.
 #[derive(Clone, Copy)]
 struct Branch<C> {
     ray: Ray,
     throughput: C,
-    /// As in path tracing: undoes the radiance scaling of refraction.
+    /// Compensates the radiance scaling of refraction, as in path tracing.
     eta2: f32,
     depth: u32,
 }
@@ -77,7 +77,7 @@ impl<C: Spectrum> Transport<C> for Whitted {
                 continue;
             }
 
-            // Both ways through glass, where both carry enough and there is room.
+            // Both the reflected and the refracted ray are followed where both carry enough throughput and both can wait.
             if let [Some(reflected), Some(refracted)] = vertex.specular_lobes()
                 && count + 2 <= WAITING
             {
@@ -99,12 +99,13 @@ impl<C: Spectrum> Transport<C> for Whitted {
                 }
             }
 
-            // One way: a mirror's only one, or one of glass's by chance.
+            // Otherwise a single ray is followed: a mirror's only one, or one of glass's two, chosen at random.
             let u = context.sampler.next_4d();
             let Some(bounce) = vertex.sample_bounce(u) else { continue };
             let throughput = branch.throughput * bounce.weight;
             let eta2 = branch.eta2 * bounce.eta * bounce.eta;
-            // Branches that were split off carry little from the start; only what is lost from there on is gambled with.
+            // Branches that were split off have a low throughput from the start; the roulette depends only on what they lose
+            // after it.
             let survival = roulette(throughput.max_element() * eta2 / SMALLEST_BRANCH, branch.depth);
             if u[3] < survival {
                 let throughput = if survival < 1.0 { throughput / survival } else { throughput };

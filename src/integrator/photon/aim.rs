@@ -1,7 +1,7 @@
 //! Directions from a surface towards mirrors and glass.
 //!
-//! A large lamp is found in them by rays that are aimed at them: what is specular is sampled by solid angle, as a lamp would
-//! be.
+//! Rays aimed at mirrors and glass find large lamps that are seen in them: specular surfaces are sampled by solid angle, as
+//! lamps are.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use crate::math::{Frame, Vec3};
 use crate::sampling::{SphericalTriangle, triangle_solid_angle, warps};
 use crate::scene::{Ball, Scene, SpecularPart};
 
-/// A ball as seen from a place: the axis and 1 - cos of the half angle.
+/// The cone of directions in which a ball is seen from a point: its axis and 1 - cos of its half angle.
 #[derive(Clone, Copy)]
 pub(super) struct Cone {
     pub axis: Vec3,
@@ -18,7 +18,7 @@ pub(super) struct Cone {
 }
 
 impl Cone {
-    /// The ball seen from `p`; `None` from within it.
+    /// The cone of the ball as seen from `p`; `None` where `p` lies inside the ball.
     #[inline]
     pub fn new(p: Vec3, ball: &Ball) -> Option<Self> {
         let axis = ball.centre - p;
@@ -31,52 +31,52 @@ impl Cone {
         Some(Self { axis: axis / distance, one_minus_cos })
     }
 
-    /// A direction in it, uniform.
+    /// A direction in the cone, uniform by solid angle.
     #[inline]
     pub fn sample(&self, u: [f32; 2]) -> Vec3 {
         Frame::from_normal(self.axis).to_world(warps::uniform_cone(u, self.one_minus_cos))
     }
 
-    /// Whether a unit direction is in it.
+    /// Whether a unit direction lies in the cone.
     #[inline]
     pub fn holds(&self, direction: Vec3) -> bool {
         direction.distance_squared(self.axis) <= 2.0 * self.one_minus_cos
     }
 }
 
-/// Most parts that are aimed at one by one: each costs every aimed ray a test.
+/// Most parts that are sampled separately, since the density of every aimed ray evaluates all of them.
 const MOST_PARTS: usize = 16;
 
-/// What a direction counts at least where the middle of a part is under the horizon but not all of it.
+/// Least cosine in the weight of a part whose middle is below the horizon while another portion of it is above.
 const LEAST_COSINE: f32 = 0.05;
 
-/// Everything in a scene that is specular.
+/// All specular surfaces of a scene, as parts that rays are aimed at.
 #[derive(Clone, Debug)]
 pub(super) struct Aims(Arc<[SpecularPart]>);
 
-/// A part as seen from a place.
+/// A part as it is seen from a point.
 #[derive(Clone, Copy)]
 enum Seen {
-    /// Not at all: under the horizon.
+    /// The part is below the horizon.
     Nothing,
     Cone(Cone),
-    /// Ways to the corners, and its solid angle.
+    /// Vectors to the corners, and the solid angle.
     Triangle([Vec3; 3], f32),
-    /// All around: the place is in its ball.
+    /// The point lies inside the part's ball, so that the part may be seen in every direction.
     Around,
 }
 
 impl Aims {
-    /// What to aim at in a scene.
+    /// Collects the specular parts of a scene.
     pub fn new(scene: &Scene) -> Self {
         Self(scene.specular_parts(MOST_PARTS).into())
     }
 
-    /// A unit direction from `p`, on the side of the unit normal `n`, towards some part, and its density (sr^-1). `None`
-    /// where no part is above the horizon.
+    /// A unit direction from `p`, on the side of the unit normal `n`, towards one of the parts, and its density (sr^-1).
+    /// `None` where no part is above the horizon.
     ///
-    /// `choice` and `u` uniform in [0, 1) and [0, 1)^2. The density is positive for every direction above the horizon in which
-    /// a specular surface lies.
+    /// `choice` and `u` are uniform in [0, 1) and [0, 1)^2. The density is positive for every direction above the horizon in
+    /// which a specular surface lies.
     #[inline]
     pub fn sample(&self, p: Vec3, n: Vec3, choice: f32, u: [f32; 2]) -> Option<(Vec3, f32)> {
         let mut seen = [(Seen::Nothing, 0.0); MOST_PARTS];
@@ -111,7 +111,7 @@ impl Aims {
 }
 
 impl Seen {
-    /// How a part is seen, and what it counts in the choice: about its projected solid angle.
+    /// How a part is seen, and its weight in the choice of a part: approximately its projected solid angle.
     #[inline]
     fn new(part: &SpecularPart, p: Vec3, n: Vec3) -> (Self, f32) {
         match part {
@@ -134,7 +134,7 @@ impl Seen {
                 let middle = corners[0] + corners[1] + corners[2];
                 let cosine = (middle.dot(n) / middle.length()).max(LEAST_COSINE);
                 let weight = solid_angle * cosine;
-                // Nearly in its plane, or so far away that it is next to nothing.
+                // The point is almost in the triangle's plane, or so far away that the solid angle vanishes.
                 if SphericalTriangle::new(corners).is_none() {
                     return if solid_angle > 1.0 { (Self::Around, PI) } else { (Self::Nothing, 0.0) };
                 }
@@ -169,7 +169,7 @@ impl Seen {
             Self::Triangle([a, b, c], solid_angle) => {
                 let sides = [a.cross(*b), b.cross(*c), c.cross(*a)].map(|side| side.dot(direction));
                 let inside = sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0);
-                // In front, not behind.
+                // The triangle must lie in front of the point, not behind.
                 if inside && (*a + *b + *c).dot(direction) > 0.0 { 1.0 / solid_angle } else { 0.0 }
             }
             Self::Around => warps::cosine_hemisphere_pdf(direction.dot(n)),
@@ -182,12 +182,13 @@ mod tests {
     use super::*;
     use crate::sampling::Rng;
 
-    /// Estimates of the projected solid angle of the union of parts, by aimed directions and by all of the hemisphere's.
+    /// Compares two estimates of the projected solid angle of the union of parts: by aimed directions and by
+    /// cosine-distributed directions of the whole hemisphere.
     #[test]
     fn every_direction_that_meets_a_part_counts_once() {
         let balls = [
             Ball { centre: Vec3::new(0.0, 0.5, 2.0), radius: 0.8 },
-            // Half under the horizon; and one around the place.
+            // The first ball is half below the horizon; the second one contains the point.
             Ball { centre: Vec3::new(2.0, 0.0, 0.1), radius: 0.5 },
             Ball { centre: Vec3::new(0.0, 0.0, -0.2), radius: 0.3 },
         ];

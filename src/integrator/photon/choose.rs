@@ -1,4 +1,4 @@
-//! Which of the methods suits a scene.
+//! Chooses the photon method or path tracing that suits a scene.
 
 use std::f64::consts::PI;
 
@@ -13,7 +13,7 @@ use crate::sampling::Rng;
 use crate::scene::Scene;
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb, luminance};
 
-/// A choice, and why.
+/// The chosen integrator and the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Choice {
     /// One of path, caustic and sppm.
@@ -22,24 +22,24 @@ pub struct Choice {
     pub why: String,
 }
 
-/// Lamps that take up at least this share of what a diffuse point sees are found by chance often enough: paths that reach
-/// them by way of glass are then not much noisier than others.
+/// Least share of the sphere of directions that a lamp fills, as seen from a diffuse point, for paths to find the lamp often
+/// enough by chance: paths that reach it through glass are then not much noisier than others.
 const LARGE: f64 = 1e-3;
 
-/// Share of the caustics' power that smaller lamps make from which on it counts.
+/// Least share of the caustics' power that has to come from smaller lamps for photons to be worth their time.
 const WORTH: f64 = 0.02;
 
-/// Share of the light that may leave a scene which counts as closed.
+/// Greatest share of the light that may leave a scene which counts as closed.
 const OPEN: f64 = 0.25;
 
-/// Light paths that are looked at.
+/// Number of light paths that are traced for the choice.
 const LOOKS: u64 = 1024;
 
 /// Chooses among path tracing, path tracing with a caustic map, and stochastic progressive photon mapping.
 ///
-/// Photons are worth their while where light reaches diffuse surfaces by mirrors and glass from lights so small that paths
-/// hardly ever find them that way. Then indirect light comes from photons too, if the scene is closed, so that they stay in
-/// it; in the open most would be lost, and paths gather it instead.
+/// Photons are worth their time where light reaches diffuse surfaces by mirrors and glass from lights so small that paths
+/// hardly ever find them that way. Indirect light then comes from photons too if the scene is closed, so that photons stay
+/// in it. In an open scene most photons would be lost, and paths gather the indirect light instead.
 pub fn choose(scene: &Scene) -> Choice {
     let choice = |integrator, why: String| Choice { integrator, why };
     let lobes = scene.lobes();
@@ -79,10 +79,12 @@ pub fn choose(scene: &Scene) -> Choice {
     choice(IntegratorDesc::Sppm, format!("{small}: paths hardly find them; photons stay in the scene"))
 }
 
-/// Share of the caustics' power that smaller lamps may make where paths are aimed at mirrors and glass, which find more.
+/// Greatest share of the caustics' power that smaller lamps may make where paths are aimed at mirrors and glass, since aimed
+/// paths find smaller lamps than other paths do.
 const WORTH_AIMED: f64 = 0.1;
 
-/// Whether lamps are so large that paths which are aimed at mirrors and glass find them there. Nobody finds a point.
+/// Whether lamps are so large that paths aimed at mirrors and glass find them there. Paths cannot hit point lights by
+/// chance.
 pub(super) fn aimed_paths_find_caustics(scene: &Scene) -> Result<bool> {
     if scene.emitters().point_lights() > 0 {
         return Ok(false);
@@ -91,19 +93,20 @@ pub(super) fn aimed_paths_find_caustics(scene: &Scene) -> Result<bool> {
     Ok(seen.hidden <= WORTH_AIMED * seen.caustic)
 }
 
-/// What light paths show.
+/// Statistics of the light paths.
 struct Seen {
     /// Power that came to diffuse surfaces by mirrors and glass only, in any unit.
     caustic: f64,
-    /// The part of it that comes from lamps too small to be found by chance.
+    /// The part of this power that comes from lamps too small to be found by chance.
     hidden: f64,
-    /// Share of the sphere of directions that lamps fill where their caustics fall; in the mean by power.
+    /// Share of the sphere of directions that lamps fill, as seen from where their caustics fall: the mean weighted by
+    /// power.
     share: f64,
-    /// Share of light paths that left the scene sooner or later.
+    /// Share of the light paths that left the scene.
     escaped: f64,
 }
 
-/// Mirrors and glass in a row that light is followed through.
+/// Greatest number of successive mirrors and glass surfaces through which light is followed.
 const MOST_HITS: u32 = 16;
 
 fn look(scene: &Scene) -> Result<Seen> {
@@ -111,7 +114,7 @@ fn look(scene: &Scene) -> Result<Seen> {
     let areas = areas(scene.emitters().emitters());
     let mut tracer = SceneTracer::new(scene);
     let begin = |emission: &Emission, rng: &mut Rng| emission.begin(scene, rng.next_4d(), rng.next_4d(), 1.0);
-    // Aimed at what is specular, so that small glass is not missed.
+    // The light paths are aimed at specular surfaces, so that small glass is not missed.
     if let Some(emission) = Emission::new(scene, PhotonSharing::Power, Aim::AtSpecular)? {
         for path in 0..LOOKS {
             let mut rng = Rng::new(0x6c6f_6f6b, path);
@@ -126,7 +129,8 @@ fn look(scene: &Scene) -> Result<Seen> {
                 if !lobes.have_specular() {
                     if hits > 0 && lobes.have_diffuse() && !vertex.bsdf.is_black() {
                         let power = f64::from(luminance(power));
-                        // Seen from there, the lamp fills its area over the squared distance, of which a quarter faces it.
+                        // From the diffuse point, the lamp fills its area over the squared path length, of which a quarter
+                        // faces the point.
                         let area = areas[emission.chosen(u, d)];
                         let share = (0.25 * area / (4.0 * PI * way * way)).min(1.0);
                         seen.caustic += power;
@@ -167,8 +171,9 @@ fn look(scene: &Scene) -> Result<Seen> {
     Ok(seen)
 }
 
-/// For each emitter the area of all that are at least half as bright, points apart: a lamp of many triangles is one lamp to
-/// paths, and so are many lamps of a kind; but a large dim panel does not make a small bright lamp any easier to find.
+/// For each emitter, the area of all emitters that are at least half as bright, except points. A lamp of many triangles acts
+/// as one lamp for paths, and so do many lamps of a kind; but a large dim panel does not make a small bright lamp any easier
+/// to find.
 fn areas(emitters: &[Emitter]) -> Vec<f64> {
     let radiance = |emitter: &Emitter| match emitter {
         Emitter::Point { .. } => f64::INFINITY,
@@ -182,7 +187,7 @@ fn areas(emitters: &[Emitter]) -> Vec<f64> {
         while let Some(&(other, place)) = order.get(next)
             && other >= 0.5 * brightness
         {
-            // Nobody finds a point.
+            // Points add no area, since paths cannot hit point lights by chance.
             sum += emitters[place].area();
             next += 1;
         }

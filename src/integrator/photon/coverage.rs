@@ -1,14 +1,15 @@
-//! Where on the surfaces a disk of the estimate's radius is whole.
+//! Where the surface covers the whole disk of an estimate's kernel.
 //!
-//! A kernel that reaches over an edge, into a corner or through a thin wall counts too little light, or light that is not
-//! there: dark seams and leaks. So before a map is read it is known, for small cells of space, whether a disk around any
-//! point of them is whole: rays along the surface meet no wall, and rays down on it from the disk's rim and half way there
-//! meet the surface. Elsewhere, along edges and contacts, no density is estimated; there the path goes on instead, which has no
-//! bias and costs a little noise in a narrow strip.
+//! A kernel that reaches over an edge, into a corner or through a thin wall misses light or counts light from elsewhere,
+//! which shows as dark seams and leaks. Before a map is read, small cells of space are therefore tested: does the surface
+//! cover the disk around every point of the cell? Rays along the surface must meet no wall, and rays down onto the surface
+//! from the disk's rim and from half way to the rim must meet it. Where the test fails, along edges and contacts, no density
+//! is estimated. The path continues there instead, which is unbiased and costs a little noise in a narrow strip.
 //!
-//! A cell is judged from a photon in it or near by, so a cell far from photons is not whole either: where there are hardly any
-//! photons, paths do better. They must be other photons than those that are gathered. Else estimates would be made where there
-//! happen to be some and paths followed where there happen to be none, and the image too bright by the chance of that.
+//! A cell is tested at a photon in it or nearby, so cells far from photons do not count as covered either: where there are
+//! hardly any photons, path tracing does better. The photons that choose the cells must not be those that are gathered.
+//! Otherwise estimates would be made where there happen to be photons and paths followed where there happen to be none, and
+//! this correlation would make the image too bright.
 
 use std::collections::{HashMap, HashSet};
 use std::f32::consts::TAU;
@@ -25,47 +26,47 @@ use crate::sampling::{hash, mix};
 use crate::scene::Scene;
 use crate::spectrum::Spectrum;
 
-/// Cells to a radius.
+/// Cells per radius.
 const FINENESS: f32 = 2.0;
 
-/// Directions along the surface.
+/// Number of directions along the surface in which the test traces rays.
 const DIRECTIONS: usize = 16;
 
-/// Cells that are judged by one thread at a time.
+/// Cells that one thread tests at a time.
 const BLOCK: usize = 256;
 
-/// Most cells of a level that are judged before a pass, so that a first picture is not long in coming.
+/// Most cells of a level that are tested before a pass, so that a first picture appears soon.
 const MOST_AT_ONCE: usize = 1 << 14;
 
-/// Photons between two looks at whether all this is still wanted.
+/// Photons between two checks for cancellation.
 const LOOK_UP: usize = 1 << 14;
 
-/// Most cells of a level that are remembered: 16 bytes each.
+/// Most cells of a level that are stored, at 16 bytes each.
 const MOST: usize = 1 << 22;
 
-/// Levels above the finest that is asked for, each of twice the radius: in the middle of a wall a few large cells tell for
-/// all smaller ones.
+/// Number of levels above the finest one that is asked for, each of twice the radius of the next. In the middle of a wall a
+/// few large covered cells make tests of all smaller ones unnecessary.
 const COARSER: i32 = 4;
 
-/// Smallest radius that places are fine enough for, as a share of their largest coordinate: 64 roundings. A smaller disk would
-/// hold photons by the luck of rounding only.
+/// Smallest radius that single precision resolves, as a share of the point's largest coordinate: 64 roundings. Which photons
+/// a smaller disk holds would depend on rounding.
 const RESOLUTION: f32 = 64.0 * f32::EPSILON;
 
-/// Cells and whether disks in them are whole, for a few radii.
+/// Cells, and whether the surface covers the disks around their points, for a few radii.
 #[derive(Clone, Debug, Default)]
 pub(super) struct DiskCoverage {
-    /// From the largest radius down, each half of the one before.
+    /// Levels from the largest radius down, each of half the radius of the one before.
     levels: Vec<Arc<Level>>,
 }
 
-/// Disks of one radius.
+/// The cells for disks of one radius.
 #[derive(Clone, Debug)]
 struct Level {
     radius: f32,
     cells: HashMap<u64, bool, BuildHasherDefault<Mixed>>,
 }
 
-/// Keys are well mixed already.
+/// A hasher that returns the key, since keys are hashes already.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mixed(u64);
 
@@ -86,13 +87,13 @@ impl Hasher for Mixed {
 }
 
 impl DiskCoverage {
-    /// Nothing is known yet, of disks up to `radius` and smaller ones.
+    /// Creates an empty record for disks up to `radius`; smaller disks are added by [`DiskCoverage::learn`].
     pub fn new(radius: f32) -> Self {
         let level = |k| Arc::new(Level { radius: radius * 2.0_f32.powi(k), cells: HashMap::default() });
         Self { levels: (0..=COARSER).rev().map(level).collect() }
     }
 
-    /// Whether the disk of this radius around `p` on the side `normal` is known to be whole.
+    /// Whether the surface is known to cover the disk of this radius around `p` on the side `normal`.
     #[inline]
     pub fn is_covered(&self, p: Vec3, normal: Vec3, radius: f32) -> bool {
         if !is_resolved(p, radius) {
@@ -108,8 +109,9 @@ impl DiskCoverage {
         false
     }
 
-    /// Judges the cells of photons that were not met before, down to disks of this radius (> 0); returns the rays it took.
-    /// All of them, or those of a few, so that a first picture is not long in coming.
+    /// Tests the cells of photons that have not been tested before, down to disks of this radius (> 0), and returns the
+    /// number of rays traced. `is_all` tests all of these cells; otherwise only a few are tested, so that a first picture
+    /// appears soon.
     pub fn learn<C: Spectrum>(
         &mut self,
         scene: &Scene,
@@ -118,7 +120,7 @@ impl DiskCoverage {
         is_all: bool,
         parallel: &mut impl Parallel,
     ) -> Result<u64> {
-        // The next finer level begins where this radius is less than it.
+        // Finer levels are added as long as their radius is at least this radius.
         while let Some(last) = self.levels.last()
             && 0.5 * last.radius >= radius
         {
@@ -140,7 +142,7 @@ impl DiskCoverage {
         Ok(rays)
     }
 
-    /// How many cells with photons it judged, and the rays it took.
+    /// Tests the cells of one level; returns the number of tested cells with photons, and the number of rays traced.
     fn learn_level<C: Spectrum>(
         &mut self,
         scene: &Scene,
@@ -153,7 +155,7 @@ impl DiskCoverage {
         let level = Arc::make_mut(level);
         let radius = level.radius;
         let mut fresh = Vec::new();
-        // Cells are not known before they are judged, or a stop in between would leave them so.
+        // Cells are stored only after their test, since a cancelled pass would otherwise leave them without a result.
         let mut query = HashSet::<u64, BuildHasherDefault<Mixed>>::default();
         for (number, photon) in photons.iter().enumerate() {
             if number % LOOK_UP == 0 {
@@ -167,7 +169,7 @@ impl DiskCoverage {
                 continue;
             }
             let mut above = coarser.iter().rev();
-            // Nothing is left to be known where a coarser disk is whole, or not known itself.
+            // No test is needed where a coarser disk is covered, or where a coarser disk has to be tested first.
             if above
                 .any(|coarser| coarser.cells.get(&key(p, normal, coarser.radius)).is_none_or(|is_covered| *is_covered))
             {
@@ -180,7 +182,7 @@ impl DiskCoverage {
         }
         let judged = fresh.len();
         let (verdicts, mut rays) = judge(scene, fresh, radius, parallel)?;
-        // Around cells that are whole, those as well where no photon was met.
+        // The neighbours of covered cells are tested as well, even where they hold no photon.
         let mut around = Vec::new();
         for ((_, p, normal), _) in verdicts.iter().filter(|(_, is_covered)| *is_covered) {
             let frame = Frame::from_normal(*normal);
@@ -194,17 +196,17 @@ impl DiskCoverage {
         }
         let (others, spent) = judge(scene, around, radius, parallel)?;
         rays += spent;
-        // A place beside the surface tells nothing of it, where it is found not to be whole.
+        // A negative result beside a photon is dropped: the tested point may lie off the surface.
         let coverage = others.into_iter().filter(|(_, is_covered)| *is_covered);
         level.cells.extend(verdicts.into_iter().chain(coverage).map(|((key, ..), is_covered)| (key, is_covered)));
         Ok((judged, rays))
     }
 }
 
-/// A cell's key, and a point of a surface in it with its normal.
+/// A cell's key, and a point of a surface in the cell with its normal.
 type Cell = (u64, Vec3, Vec3);
 
-/// Whether disks around the cells' points are whole, and the rays that it took to know.
+/// Whether the surface covers the disks around the cells' points, and the number of rays traced.
 fn judge(
     scene: &Scene,
     cells: Vec<Cell>,
@@ -224,17 +226,17 @@ fn judge(
     Ok((blocks.into_iter().flat_map(|(verdicts, _)| verdicts).collect(), rays))
 }
 
-/// Whether places like this one are fine enough for disks of this radius.
+/// Whether single precision resolves disks of this radius at this point.
 #[inline]
 fn is_resolved(p: Vec3, radius: f32) -> bool {
     radius > RESOLUTION * p.abs().max_element()
 }
 
-/// The cell that a point on this side of a surface is in.
+/// The key of the cell that holds a point on this side of a surface.
 #[inline]
 fn key(p: Vec3, normal: Vec3, radius: f32) -> u64 {
     let cell = (p * (FINENESS / radius)).floor();
-    // A corner has cells that several walls share: told apart by the axis that the normal is nearest to.
+    // Several walls share the cells of a corner; the axis nearest to the normal tells them apart.
     let size = normal.abs();
     let axis = if size.x >= size.y && size.x >= size.z {
         u64::from(normal.x > 0.0)
@@ -243,17 +245,17 @@ fn key(p: Vec3, normal: Vec3, radius: f32) -> u64 {
     } else {
         4 + u64::from(normal.z > 0.0)
     };
-    // No coordinate saturates where places are fine enough for the radius.
+    // Coordinates do not saturate where single precision resolves the radius.
     let [x, y, z] = cell.to_array().map(|v| u64::from(v as i32 as u32));
     hash(hash(x << 32 | y, z), axis)
 }
 
-/// Whether every disk of this radius around a point of the cell that `p` lies in is whole.
+/// Whether the surface covers every disk of this radius around a point of the cell that contains `p`.
 fn is_covered(tracer: &mut SceneTracer, p: Vec3, normal: Vec3, radius: f32) -> bool {
     let reach = radius * (1.0 + 1.5 / FINENESS);
     let height = THICKNESS * radius;
     let frame = Frame::from_normal(normal);
-    // Over the surface by half of what the disk may bend, and by what rounding needs.
+    // The rays along the surface start above it by half of the height that the disk may bend, and by the rounding error.
     let error = HitPoint::rounding_error(p, normal);
     let above = p + normal * (0.5 * height + error);
     (0..DIRECTIONS).all(|i| {
@@ -263,7 +265,7 @@ fn is_covered(tracer: &mut SceneTracer, p: Vec3, normal: Vec3, radius: f32) -> b
         if !tracer.unoccluded(&level) {
             return false;
         }
-        // The rim, and alternately nearer.
+        // The rays down start at the rim, and alternately at two smaller distances.
         let near = if i % 2 == 0 { 0.5 } else { 0.75 };
         [1.0, near].into_iter().all(|share| {
             let origin = above + along * (reach * share);

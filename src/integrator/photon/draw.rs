@@ -1,4 +1,4 @@
-//! A picture of photons: what a map holds, seen by a camera, as in the report's figure of its photon map.
+//! Draws the photons of a map as a camera sees them, as in the report's figure of its photon map.
 
 use super::Photon;
 use crate::camera::Camera;
@@ -8,32 +8,33 @@ use crate::math::{HitPoint, Ray, Vec3};
 use crate::scene::Scene;
 use crate::{Error, Result};
 
-/// Grey of a surface that is seen edge-on, and what is added where it faces the eye: dark, so that white dots show, and not
-/// black, so that black ones do.
+/// Grey of a surface that is seen edge-on, and the grey that is added where the surface faces the eye: dark, so that white
+/// dots show, and not black, so that black dots do.
 const EDGE: f32 = 0.05;
 const FACING: f32 = 0.1;
 
-/// How far a photon is lifted off its surface before it is asked whether the eye sees it, in pixels.
+/// Distance in pixels by which a photon is lifted off its surface before its visibility is tested.
 const LIFT: f32 = 0.01;
 
 /// How photons are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DrawSettings {
-    /// By the colour of their power, its largest channel being 1; else white.
+    /// Whether dots have the colour of the photons' power, scaled so that the largest channel is 1; otherwise they are
+    /// white.
     pub coloured: bool,
 }
 
-/// A photon's colour by its power: linear, the largest channel being 1; black for a shadow photon.
+/// A photon's colour by its power: linear, scaled so that the largest channel is 1; black for a shadow photon.
 pub fn colour(photon: &Photon) -> [f32; 3] {
     let most = photon.power.into_iter().fold(0.0, f32::max);
     photon.power.map(|power| if most > 0.0 { power / most } else { 0.0 })
 }
 
-/// Draws photons of `scene` as seen by a camera (world frame): each a dot of one pixel, white or coloured, shadow photons
-/// black, over the scene in dark grey. Of several in one pixel the nearest to the eye is seen. Not seen are those that
-/// something hides from the eye, glass too, and those on the far side of a surface.
+/// Draws photons of `scene` as seen by a camera (world frame). Each photon is a dot of one pixel, white or coloured (black
+/// for shadow photons), over the scene in dark grey. The photon nearest to the eye is shown where several fall into one
+/// pixel. Photons that a surface occludes, glass included, and photons on the far side of a surface are not shown.
 ///
-/// The image is for looking at: values in [0, 1], linear.
+/// The image is meant for viewing: its values are linear in [0, 1].
 ///
 /// # Errors
 /// [`crate::ErrorKind::InvalidScene`] for a camera that makes no image, or a resolution that is not one
@@ -65,7 +66,7 @@ pub fn draw(
     Ok(Image { width, height, rgb, layers: Vec::new() })
 }
 
-/// The scene in grey by how much a surface faces the eye, black where there is none.
+/// The scene in grey by how much a surface faces the eye; black where there is no surface.
 fn shading(scene: &Scene, camera: &Camera, [width, height]: [u32; 2]) -> Vec<f32> {
     let mut rgb = Vec::with_capacity(3 * width as usize * height as usize);
     for y in 0..height {
@@ -95,7 +96,7 @@ fn seen(scene: &Scene, camera: &Camera, [width, height]: [u32; 2], photon: &Phot
     if normal.dot(eye - p) <= 0.0 {
         return None;
     }
-    // As wide as a pixel is there.
+    // The width of a pixel at the photon.
     let pixel = camera.ray(x, y).direction.distance(camera.ray(x + 1.0, y).direction) * camera.eye_distance(p);
     let from = p + normal * (LIFT * pixel).max(HitPoint::rounding_error(p, normal));
     let to_eye: Vec3 = eye - from;

@@ -1,9 +1,10 @@
-//! Where photons come from: the emitters' shares, places and directions.
+//! Emission of photons: the choice of the emitter, the position on it and the direction.
 //!
-//! An emitter is chosen mostly in proportion to its power, a place on it by area, a direction by the cosine (from a point
-//! all around), so that all photons carry the same but for the colour. Caustic photons may be aimed instead: at balls
-//! that hold all specular surfaces. What is left out then could not have made a caustic, and each photon carries what its
-//! direction would have had anyway, so the map is as before, of more photons.
+//! An emitter is chosen mostly in proportion to its power, a position on it by area, and a direction by the cosine (from a
+//! point light uniformly over the sphere), so that all photons carry the same power except for their colour. Caustic photons
+//! may be aimed instead: at balls that bound all specular surfaces. Directions that miss all balls could not have made a
+//! caustic. An aimed photon carries the power weighted by the ratio of the plain density of its direction to the aimed one,
+//! so that the map has the same mean with more photons.
 //!
 //! Sources: Jensen 2001, *Realistic Image Synthesis Using Photon Mapping*, Sec. 5.1 to 5.3 (projection maps).
 
@@ -18,25 +19,26 @@ use crate::sampling::{Distribution1D, warps};
 use crate::scene::{Ball, Scene};
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
 
-/// Most balls that photons are aimed at: each costs every aimed photon a test.
+/// Most balls that photons are aimed at, since every aimed photon is tested against each ball.
 const MOST_BALLS: usize = 16;
 
-/// Share of the aimed photons that emitters get by power alone, in case their middles see less of the balls than they do.
+/// Share of the aimed photons that emitters get by power alone, in case an emitter's centre sees less of the balls than the
+/// rest of the emitter.
 const BY_POWER: f64 = 0.05;
 
-/// How light paths begin.
+/// The distribution of the first rays of light paths.
 pub(in crate::integrator) struct Emission {
     choice: Distribution1D,
-    /// What to aim at; empty where photons go everywhere.
+    /// The balls to aim at; empty where photons are sent in all directions.
     balls: Vec<Ball>,
 }
 
 impl Emission {
-    /// How light paths of the scene begin; `None` where nothing shines, or where photons are to be aimed and there is
+    /// Creates the distribution for a scene; `None` where nothing emits light, or where photons are to be aimed and there is
     /// nothing to aim at.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] for points that are to share photons by area.
+    /// [`crate::ErrorKind::InvalidScene`] for point lights that are to share photons by area.
     pub fn new(scene: &Scene, sharing: PhotonSharing, aims: Aim) -> Result<Option<Self>> {
         let emitters = scene.emitters().emitters();
         let balls = match aims {
@@ -67,17 +69,19 @@ impl Emission {
         Ok(Distribution1D::new(&weights).map(|choice| Self { choice, balls }))
     }
 
-    /// Begins one of `1 / share` light paths: a ray and the power that travels along it (W). `None` for one that leads
-    /// nowhere, which counts all the same.
+    /// Samples the start of one of `1 / share` light paths: a ray and the power that it carries (W). `None` for a path that
+    /// carries no power, which counts as one of the paths all the same.
     ///
-    /// `u`, `d` uniform in [0, 1)^4: the emitter, the place on it, and what is aimed at; and the direction, its first two.
+    /// `u` and `d` are uniform in [0, 1)^4: `u` chooses the emitter, the position on it and the ball that is aimed at; the
+    /// first two of `d` choose the direction.
     #[inline]
     pub fn begin(&self, scene: &Scene, u: [f32; 4], d: [f32; 4], share: f64) -> Option<(Ray, Rgb)> {
         let (index, probability, _) = self.choice.sample(choice_number(u, d));
         let emitter = &scene.emitters().emitters()[index];
         let departure = emitter.sample_departure([u[1], u[2]]);
         let p = departure.point.p;
-        // Over the density that the plain choice of a direction has.
+        // The direction, and the ratio of the density of the plain choice of directions to the density with which it was
+        // sampled.
         let (direction, ratio) = match self.aim(p, u[3], [d[0], d[1]]) {
             Some((direction, pdf)) => {
                 let plain = match departure.normal {
@@ -99,13 +103,13 @@ impl Emission {
         Some((Ray::new(origin, direction.normalize()), Rgb::from_f64(power)))
     }
 
-    /// The number of the emitter from which [`Emission::begin`] begins with these numbers.
+    /// The index of the emitter that [`Emission::begin`] chooses for these numbers.
     pub fn chosen(&self, u: [f32; 4], d: [f32; 4]) -> usize {
         self.choice.sample(choice_number(u, d)).0
     }
 
-    /// A direction towards one of the balls and its density; `None` where there is nothing to aim at, or `p` is within a
-    /// ball, so that all directions are as good.
+    /// A direction towards one of the balls and its density; `None` where there is nothing to aim at, or where `p` lies
+    /// inside a ball, so that the ball may be hit in every direction.
     #[inline]
     fn aim(&self, p: Vec3, choice: f32, u: [f32; 2]) -> Option<(Vec3, f64)> {
         if self.balls.is_empty() {
@@ -118,7 +122,8 @@ impl Emission {
             total += cone.one_minus_cos;
         }
         let cones = &cones[..self.balls.len()];
-        // By solid angle, so that the density is that of all balls together, counted as often as they overlap.
+        // A ball is chosen by solid angle, so that the density is uniform over each cone, times the number of cones that
+        // overlap.
         let mut left = choice * total;
         let mut chosen = cones.len() - 1;
         for (index, cone) in cones.iter().enumerate() {
@@ -136,28 +141,28 @@ impl Emission {
     }
 }
 
-/// The number that chooses the emitter, with more digits than a single one has.
+/// The number that chooses the emitter, with more bits than a single random number has.
 #[inline]
 fn choice_number(u: [f32; 4], d: [f32; 4]) -> f64 {
     f64::from(u[0]) + f64::from(d[3]) * (-24_f64).exp2()
 }
 
-/// Where photons are sent.
+/// Where photons are aimed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::integrator) enum Aim {
-    /// Wherever light goes.
+    /// In all directions of the emitters.
     Everywhere,
-    /// At the specular surfaces only.
+    /// Only at the specular surfaces.
     AtSpecular,
 }
 
-/// The share of an emitter's light that goes to the balls, as its middle sees it; 1 where there are none.
+/// The share of an emitter's light that goes to the balls, as seen from the emitter's centre; 1 where there are no balls.
 fn share_aimed(emitter: &Emitter, balls: &[Ball]) -> f64 {
     if balls.is_empty() {
         return 1.0;
     }
     let p = emitter.centre();
     let one_minus_cos = |ball| Cone::new(p, ball).map_or(1.0, |cone| f64::from(cone.one_minus_cos));
-    // A cone around the normal holds sin^2 of a cosine's light, and 2 (1 - cos) is no less.
+    // A cone around the normal holds the share sin^2 of cosine-distributed light, and 2 (1 - cos) is no less.
     balls.iter().map(|ball| 2.0 * one_minus_cos(ball)).sum::<f64>().min(1.0)
 }

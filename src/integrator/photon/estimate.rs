@@ -1,9 +1,9 @@
-//! Density estimation: from photons around a point to the radiance that leaves it.
+//! Density estimation: from photons around a point to the radiance that leaves the point.
 //!
-//! The kernel lies on a disk in the tangent plane, of the radius of the estimate; photons on another side of the surface
-//! or too far off the plane belong to other surfaces and do not count. Kernels are normalised so that they integrate to 1
-//! over the disk: the area is that of a whole disk, so estimates are asked for only where it is whole (see
-//! [`super::DiskCoverage`]) or cut it down.
+//! The kernel lies on a disk in the tangent plane whose radius is that of the estimate. Photons on another side of the
+//! surface or too far off the plane belong to other surfaces and do not count. Kernels are normalised so that they integrate
+//! to 1 over the whole disk. Maps are therefore queried only where the surface covers the disk (see
+//! [`super::coverage::DiskCoverage`]), or the disk is clipped to the surface.
 //!
 //! Sources: Jensen 2001, *Realistic Image Synthesis Using Photon Mapping*, Sec. 7.2; Silverman 1986, *Density Estimation
 //! for Statistics and Data Analysis*.
@@ -17,10 +17,10 @@ use crate::desc::KernelDesc;
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
-/// Half the thickness of the disk, in radii: a surface may bend by so much within it.
+/// Half the thickness of the disk, in radii: the height by which a surface may bend within the disk.
 pub(super) const THICKNESS: f32 = 0.25;
 
-/// Cosine between the normals of photons and that of where they count.
+/// Least cosine between the normal of a photon and the normal at the point of the estimate for the photon to count.
 const SAME_SIDE: f32 = 0.8;
 
 /// A kernel, normalised for the unit disk.
@@ -28,12 +28,12 @@ const SAME_SIDE: f32 = 0.8;
 pub struct Kernel(KernelDesc);
 
 impl Kernel {
-    /// A checked kernel.
+    /// Creates a kernel from a checked description.
     pub fn new(desc: KernelDesc) -> Self {
         Self(desc)
     }
 
-    /// Density [length^-2] at this squared distance from the middle of a disk of this radius; 0 beyond it.
+    /// Density [length^-2] at this squared distance from the centre of a disk of this radius; 0 beyond the radius.
     #[inline]
     pub fn density(self, distance2: f32, radius: f32) -> f32 {
         let radius2 = radius * radius;
@@ -43,7 +43,7 @@ impl Kernel {
         }
         let shape = match self.0 {
             KernelDesc::Flat => 1.0,
-            // Jensen's normalisation, 1 - 2 / (3 k).
+            // This is Jensen's normalisation, 1 - 2 / (3 k).
             KernelDesc::Cone { k } => (1.0 - q.sqrt() / k) / (1.0 - 2.0 / (3.0 * k)),
             KernelDesc::Epanechnikov => 2.0 * (1.0 - q),
         };
@@ -52,7 +52,7 @@ impl Kernel {
 }
 
 impl Kernel {
-    /// The part of the integral within this share of the radius.
+    /// The part of the kernel's integral within this share of the radius.
     #[inline]
     pub fn mass(self, share: f32) -> f32 {
         let t = share.clamp(0.0, 1.0);
@@ -64,44 +64,46 @@ impl Kernel {
     }
 }
 
-/// How a map is asked.
+/// The parameters of a query of a photon map.
 #[derive(Clone, Copy, Debug)]
 pub struct MapQuery {
-    /// How photons weigh by their distance.
+    /// The kernel that weights photons by their distance.
     pub kernel: Kernel,
-    /// The radius, or the largest one; above 0 and such that single precision holds its square.
+    /// The radius, or the largest radius where `neighbours` is set; above 0 and such that single precision holds its square.
     pub radius: f32,
-    /// How many of the nearest photons make the estimate, 2 or more, where not all within the radius do.
+    /// Number of nearest photons that the estimate uses, 2 or more; `None` uses all photons within the radius.
     pub neighbours: Option<u32>,
 }
 
-/// What the photons around a point come to.
+/// The result of a density estimate.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Estimate<C: Spectrum> {
-    /// Radiance that they make the point send back along the path.
+    /// Radiance that the point scatters back along the path.
     pub radiance: C,
-    /// The same from a kernel of 1 / sqrt(2) the radius: the difference tells the bias.
+    /// The same radiance by a kernel of 1 / sqrt(2) of the radius; the difference of the two estimates the bias.
     pub narrow: C,
-    /// Photons that count.
+    /// Number of photons that count.
     pub count: u32,
-    /// Radius that was used.
+    /// The radius that was used.
     pub radius: f32,
 }
 
 impl<C: Spectrum> Estimate<C> {
-    /// How much too large the radiance is because light is not the same all over the disk, to the second order.
+    /// The bias of the radiance to the second order, where light varies over the disk.
     ///
-    /// The bias of a kernel is c r^2 (Laplacian of the irradiance times half the kernel's second moment); that of the
-    /// narrow one is half of it, so it is twice their difference. Hachisuka, Jarosz, Jensen 2010, "A Progressive Error
-    /// Estimation Framework for Photon Density Estimation", Eq. 15, with the Laplacian by a difference of kernels.
+    /// The bias of a kernel is c r^2 (Laplacian of the irradiance times half the kernel's second moment). The bias of the
+    /// narrow kernel is half as large, so the bias of the radiance is twice the difference of the two estimates. Hachisuka,
+    /// Jarosz, Jensen 2010, "A Progressive Error Estimation Framework for Photon Density Estimation", Eq. 15, with the
+    /// Laplacian by a difference of kernels.
     pub fn bias(&self) -> C {
         (self.radiance - self.narrow) * 2.0
     }
 }
 
-/// The light that photons bring to a vertex and that is scattered back along the path.
+/// The light of a map's photons that a vertex scatters back along the path.
 ///
-/// `cut`: the share of the kernel that the surface holds, 1 for a whole disk.
+/// `cut` says whether a photon's position lies on the part of the disk that the surface covers; always `true` for a whole
+/// disk.
 #[inline]
 pub(super) fn radiance<C: Spectrum>(
     map: &PhotonMap<C>,
@@ -113,16 +115,16 @@ pub(super) fn radiance<C: Spectrum>(
     Gathered::of_vertex(vertex, query).gather(map, query, cut, nearest)
 }
 
-/// Irradiance [W m^-2] that photons bring to a flat surface at `p`, on the side of the unit normal `normal`; scene frame.
+/// Irradiance [W m^-2] by the photons on a flat surface at `p`, on the side of the unit normal `normal`; scene frame.
 ///
-/// The kernel lies on a whole disk: along an edge half of one is empty, in a corner three quarters. `nearest` keeps its
-/// memory between calls. With `query.neighbours` k the estimate has no bias but the kernel's, and a relative standard
-/// deviation of 1 / sqrt(k - 2) (flat kernel), so none for k = 2.
+/// The kernel's disk is taken to be whole: along an edge half of the disk is empty, in a corner three quarters. `nearest`
+/// keeps its memory between calls. With `query.neighbours` k the only bias of the estimate is the kernel's, and its relative
+/// standard deviation is 1 / sqrt(k - 2) (flat kernel), which is not finite for k = 2.
 pub fn irradiance(map: &PhotonMap, p: Vec3, normal: Vec3, query: MapQuery, nearest: &mut Nearest) -> Rgb {
     Gathered::new(p, normal, query).gather(map, query, |_| true, nearest).radiance
 }
 
-/// Sums over photons.
+/// Sums over photons for one estimate.
 struct Gathered<'v, C: Spectrum> {
     p: Vec3,
     kernel: Kernel,
@@ -131,20 +133,21 @@ struct Gathered<'v, C: Spectrum> {
     height: f32,
     normal: Vec3,
     packed_normal: Octahedral,
-    /// What makes of each photon's light what it becomes; none where the sum of powers is scattered as one.
+    /// The vertex that scatters each photon's light; `None` where the Bsdf is constant and scales the sum of powers.
     scatters: Option<&'v Vertex<C>>,
-    /// Factor of the sum: by Lambert's law, or 1.
+    /// Factor of the sum: the constant Bsdf, or 1.
     factor: C,
-    /// Of the last photons.
+    /// Sum over the latest photons.
     sum: C,
     narrow: C,
-    /// Of those before: hundreds of thousands of small numbers are more than single precision can add.
+    /// Sums over the photons before, in double precision: single precision cannot add hundreds of thousands of small
+    /// numbers.
     sums: [C::Wide; 2],
     count: u32,
 }
 
 impl<'v, C: Spectrum> Gathered<'v, C> {
-    /// Sums of powers.
+    /// Starts sums of powers.
     #[inline]
     fn new(p: Vec3, normal: Vec3, query: MapQuery) -> Self {
         let radius = query.radius;
@@ -165,7 +168,7 @@ impl<'v, C: Spectrum> Gathered<'v, C> {
         }
     }
 
-    /// Sums of what a vertex sends back along the path.
+    /// Starts sums of the radiance that a vertex scatters back along the path.
     #[inline]
     fn of_vertex(vertex: &'v Vertex<C>, query: MapQuery) -> Self {
         let is_flat = vertex.surface.ng == vertex.surface.ns;
@@ -198,13 +201,13 @@ impl<'v, C: Spectrum> Gathered<'v, C> {
         };
         map.nearest(p, count as usize, query.radius, nearest);
         let found = nearest.found();
-        // The radius is the distance of the last one, which therefore does not count: with it the density would be too
-        // large by k / (k - 1).
+        // The radius is the distance of the farthest photon, which therefore does not count: with it the density would be
+        // too large by k / (k - 1).
         let found = match found {
             [nearer @ .., (farthest, _)] if found.len() == count as usize => {
                 let radius = farthest.sqrt();
                 if radius < f32::MIN_POSITIVE.sqrt() {
-                    // All in one point, which has no density; the widest disk has.
+                    // All photons lie in one point, where no density exists; the widest disk has one.
                     all(&mut self);
                     return self.finish();
                 }
@@ -260,9 +263,10 @@ impl<'v, C: Spectrum> Gathered<'v, C> {
     }
 }
 
-/// The scattering function for a photon's light; with interpolated normals, per power on the face rather than on the shading
-/// normal's: on that which the photon met, as there it came the more rarely the more it grazed. To the vertex's own face a photon
-/// of its neighbour may be edge-on, and would count without bound.
+/// The scattering function for a photon's light. With interpolated normals the photon's power is per area of the face
+/// instead of per area perpendicular to the shading normal, so the function is multiplied by the ratio of the cosines. The
+/// face is the one that the photon hit, since fewer photons arrive there the more they graze it. To the vertex's own face a
+/// photon on a neighbouring face may be edge-on, and its contribution would be unbounded.
 fn scattered<C: Spectrum>(vertex: &Vertex<C>, photon: &Photon<C>) -> C {
     let wi = photon.wi.get();
     let local = vertex.to_local(wi);
@@ -275,7 +279,8 @@ fn scattered<C: Spectrum>(vertex: &Vertex<C>, photon: &Photon<C>) -> C {
     if ratio.is_finite() { f * ratio } else { C::ZERO }
 }
 
-/// The report's estimate of direct light: `None` where a shadow photon is within the radius or fewer than `least` others.
+/// The report's estimate of direct light: `None` where a shadow photon lies within the radius or fewer than `least` photons
+/// count.
 #[inline]
 pub(super) fn direct<C: Spectrum>(map: &PhotonMap<C>, vertex: &Vertex<C>, query: MapQuery, least: u32) -> Option<C> {
     let mut gathered = Gathered::of_vertex(vertex, query);

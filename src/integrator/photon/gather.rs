@@ -1,14 +1,15 @@
-//! Eye paths that end in, or are helped by, photon maps.
+//! Eye paths that end in photon maps, or that photon maps complement.
 //!
-//! One loop serves all methods; what they differ in is decided when they are made:
+//! One loop serves all methods, which differ in settings that are chosen when the integrator is made:
 //!
-//! - the report's map gives direct light, where no shadow photon is near; the path goes on for the rest;
-//! - the caustic map gives light that came by mirrors and glass only, at every diffuse hit; a path that finds a light by
-//!   way of them after a diffuse bounce then counts for nothing, since it would be the same light twice;
-//! - the map of indirect light ends a path at its first diffuse hit, and direct light comes from shadow rays (progressive
-//!   methods); the global map ends it one diffuse bounce later (final gathering).
+//! - the report's map gives direct light where no shadow photon is near; the path continues for all other light;
+//! - the caustic map gives light that came by mirrors and glass only, at every diffuse hit; emission that a path reaches by
+//!   mirrors and glass after a diffuse bounce then does not count, since the map contains the same light;
+//! - the map of indirect light ends a path at its first diffuse hit, where shadow rays give direct light (progressive
+//!   methods); the global map ends a path one diffuse bounce later (final gathering).
 //!
-//! Where a map's disk is not whole (see [`super::coverage`]), the path goes on as path tracing does.
+//! Maps are queried only where the surface covers the kernel's disk (see [`super::coverage`]); elsewhere the path continues
+//! as in path tracing.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -29,38 +30,38 @@ use crate::sampling::Sampler;
 use crate::scene::{Hit, Scene};
 use crate::spectrum::{Rgb, Spectrum};
 
-/// A map and how it is asked.
+/// A photon map and the parameters of its queries.
 #[derive(Clone, Debug)]
 pub(super) struct MapLayer<C: Spectrum = Rgb> {
     pub map: Arc<PhotonMap<C>>,
     pub query: MapQuery,
-    /// The radius that pixels with radii of their own begin with at most.
+    /// Greatest radius with which pixels that have their own radii begin.
     pub widest: f32,
 }
 
-/// What ends a path.
+/// How paths end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathEnd {
-    /// Nothing but chance.
+    /// Paths end only by Russian roulette or absorption.
     Never,
-    /// The map of indirect light, at the first diffuse hit.
+    /// Paths end in the map of indirect light, at the first diffuse hit.
     AtOnce,
-    /// The global map, after a diffuse bounce.
+    /// Paths end in the global map, after a diffuse bounce.
     AfterGather,
-    /// The irradiance cache, at the first diffuse hit.
+    /// Paths end in the irradiance cache, at the first diffuse hit.
     AtCache,
 }
 
 /// How radii shrink.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Shrinking {
-    /// All in the same way, or not at all.
+    /// All radii shrink in the same way, or not at all.
     Together,
-    /// Each pixel's by what it meets.
+    /// Each pixel's radius shrinks by the photons that the pixel's estimates find.
     ByPixel {
-        /// Share of photons that is kept.
+        /// Share of the photons that each pass keeps.
         alpha: f32,
-        /// Photons that the first radius of a caustic holds.
+        /// Number of photons that the first radius of a caustic estimate holds.
         first: u32,
     },
 }
@@ -70,25 +71,25 @@ pub(super) enum Shrinking {
 pub struct Gather<C: Spectrum = Rgb> {
     pub(super) direct: Option<MapLayer<C>>,
     pub(super) caustic: Option<MapLayer<C>>,
-    /// Of indirect light, or of all of it, by `ends`.
+    /// The map of indirect light or of all light, as `ends` requires.
     pub(super) diffuse: Option<MapLayer<C>>,
     pub(super) cache: Option<Arc<IrradianceCache>>,
-    /// Caustics beyond the first diffuse hit: fewer photons over a wider radius. Nobody sees how sharp they are there, and
-    /// a bright caustic may hold half of all photons.
+    /// The caustic map beyond the first diffuse hit, with fewer photons and a wider radius: sharpness is not visible there,
+    /// and a bright caustic may hold half of all photons.
     pub(super) later_caustic: Option<MapLayer<C>>,
-    /// Where disks are whole.
+    /// Where the surface covers the kernel's disk.
     pub(super) coverage: DiskCoverage,
     pub(super) ends: PathEnd,
     pub(super) shrinking: Shrinking,
-    /// Number of the pass that the maps are of.
+    /// Index of the pass to which the maps belong.
     pub(super) pass: u32,
-    /// The wavelengths of that pass, of its photons and of the paths that query them.
+    /// The wavelengths of that pass, which its photons and the paths that query them share.
     pub(super) wavelengths: C::Wavelengths,
     pub(super) max_depth: u32,
     pub(super) shadow_rays: u32,
     pub(super) min_photons: u32,
     pub(super) gather_rays: u32,
-    /// Where light that comes by mirrors and glass only is looked for by the paths themselves, instead of in a map.
+    /// The specular parts at which paths aim rays, where these rays replace the caustic map.
     pub(super) aims: Option<Aims>,
 }
 
@@ -96,16 +97,16 @@ thread_local! {
     static NEAREST: RefCell<Nearest> = RefCell::default();
 }
 
-/// An eye path on its way.
+/// The state of an eye path between two hits.
 #[derive(Clone, Copy)]
 struct EyePath<C: Spectrum> {
     walk: Walk<C>,
     ray: Ray,
-    /// Diffuse hits so far.
+    /// Number of diffuse hits so far.
     diffuse: u32,
     /// Length of the path since the last diffuse hit.
     since_diffuse: f32,
-    /// Whether light found by mirrors and glass only counts from here on: no map has given it yet.
+    /// Whether emission reached by mirrors and glass only counts from here on, because no map has contributed it yet.
     counts_caustics: bool,
 }
 
@@ -115,7 +116,7 @@ impl<C: Spectrum> EyePath<C> {
     }
 }
 
-/// Notes how far the first ray went.
+/// Records the distance to the first hit.
 struct FirstHitDistance<'a, T> {
     tracer: &'a mut T,
     first: &'a mut f32,
@@ -169,18 +170,18 @@ impl<C: Spectrum> Transport<C> for Gather<C> {
     }
 }
 
-/// What estimates tell the pixel.
+/// The statistics that estimates report to the pixel.
 struct PixelFeedback<'g, C> {
     gathering: Option<&'g mut PixelPhotonState>,
     bias: C,
 }
 
 impl Gather {
-    /// Radiance [W m^-2 sr^-1] that arrives at a diffuse surface along a ray that leaves it, without what comes straight
-    /// from the emitters or from them by mirrors and glass only; and the distance to what the ray meets, infinite for
-    /// nothing.
+    /// Radiance [W m^-2 sr^-1] that arrives at a diffuse surface along a ray that leaves the surface, and the distance to
+    /// the ray's first hit, infinite for a miss. The radiance excludes light that comes straight from the emitters, and
+    /// light that comes from the emitters by mirrors and glass only.
     ///
-    /// Together with direct light and caustics it is all light, each once.
+    /// Together with direct light and caustics, this is all light, each contribution once.
     pub fn incident<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
@@ -198,14 +199,14 @@ impl Gather {
         (radiance, distance)
     }
 
-    /// The same whose paths end by chance only: what [`Gather::incident`] brings back is then as unbiased as path tracing,
-    /// but for caustics.
+    /// The same integrator with paths that end only by Russian roulette or absorption: the estimate of [`Gather::incident`]
+    /// is then unbiased as in path tracing, except for caustics.
     #[must_use]
     pub fn unaided(&self) -> Self {
         Self { cache: None, diffuse: None, ends: PathEnd::Never, ..self.clone() }
     }
 
-    /// The same whose paths end where the cache answers.
+    /// The same integrator with paths that end where the cache can be interpolated.
     #[must_use]
     pub fn ending_at(&self, cache: Arc<IrradianceCache>) -> Self {
         Self { cache: Some(cache), diffuse: None, ends: PathEnd::AtCache, ..self.clone() }
@@ -226,7 +227,7 @@ impl<C: Spectrum> Gather<C> {
     ) -> C {
         let limits = self.limits();
         loop {
-            // What came from a light by mirrors and glass to a diffuse surface is in a map.
+            // A map contains the light that reaches a diffuse surface from a light by mirrors and glass only.
             let sees_lights = path.counts_caustics || path.walk.previous.is_some();
             let Some(hit) = context.tracer.intersect(&path.ray) else {
                 if sees_lights {
@@ -240,7 +241,7 @@ impl<C: Spectrum> Gather<C> {
             if path.walk.depth == 1 {
                 first(vertex.first_hit());
             }
-            // Light that the surface itself sends.
+            // Emission of the surface itself.
             if sees_lights {
                 let emitted = vertex.emitted(context.scene, path.walk.previous, self.shadow_rays);
                 path.walk.radiance += path.walk.throughput * emitted;
@@ -267,7 +268,7 @@ impl<C: Spectrum> Gather<C> {
                 }
                 path.since_diffuse = 0.0;
             } else if lobes.intersects(Lobes::GLOSSY) {
-                // No map holds what comes to a glossy surface: light samples and the bounce find all of it.
+                // No map contains the light on glossy surfaces: light samples and the bounce find all of it.
                 path.counts_caustics = true;
                 if !context.scene.emitters().is_dark() {
                     for _ in 0..self.shadow_rays {
@@ -290,7 +291,7 @@ impl<C: Spectrum> Gather<C> {
         }
     }
 
-    /// One sample of the light that comes to a surface by mirrors and glass only and is sent back along the path.
+    /// One sample of the light that reaches a surface by mirrors and glass only and is scattered back along the path.
     fn aimed_caustic<S: Sampler, T: Tracer>(
         &self,
         aims: &Aims,
@@ -328,8 +329,9 @@ impl<C: Spectrum> Gather<C> {
         branch.walk.radiance
     }
 
-    /// The next direction; false where the path ends. `counted_caustics`: whether the path counted them before this vertex, which
-    /// holds on through its delta lobes, whose light is in no map of this vertex.
+    /// Samples the next direction; returns `false` where the path ends. `counted_caustics` says whether emission reached by
+    /// mirrors and glass counted before this vertex. After a bounce by a delta lobe this remains so, since no map at this
+    /// vertex contains the light of delta lobes.
     #[inline]
     fn bounce<S: Sampler>(
         &self,
@@ -344,13 +346,13 @@ impl<C: Spectrum> Gather<C> {
         if bounce.pdf.is_none() {
             path.counts_caustics = counted_caustics;
         } else if self.direct.is_some() && vertex.bsdf.lobes().have_diffuse() {
-            // Where the report's map stands for light samples, no bounce may find a light.
+            // A bounce must not count emission where the report's map replaces light samples.
             path.walk.previous = None;
         }
         true
     }
 
-    /// What a diffuse surface sends back of the light that is known here, and whether that is all of it.
+    /// The light that a diffuse surface scatters back as far as it is known at this hit, and whether that is all light.
     #[inline]
     fn diffuse<S: Sampler, T: Tracer>(
         &self,
@@ -363,7 +365,7 @@ impl<C: Spectrum> Gather<C> {
         let facing = vertex.facing();
         let is_covered = |layer: &&MapLayer<C>| self.coverage.is_covered(p, facing, layer.query.radius);
         let is_first = path.diffuse == 1;
-        // All light from one map.
+        // All light comes from the global map.
         if self.ends == PathEnd::AfterGather
             && !is_first
             && let Some(layer) =
@@ -384,7 +386,7 @@ impl<C: Spectrum> Gather<C> {
         });
         let ends = ending.is_some() || cached.is_some();
         let mut sum = cached.unwrap_or(C::ZERO);
-        // Straight from the emitters.
+        // Direct light from the emitters.
         let from_map = self.direct.as_ref().and_then(|layer| {
             is_covered(&layer).then(|| direct(&layer.map, vertex, layer.query, self.min_photons)).flatten()
         });
@@ -392,14 +394,14 @@ impl<C: Spectrum> Gather<C> {
             Some(light) => sum += light,
             None if context.scene.emitters().is_dark() => {}
             None => {
-                // A path that ends here, or whose bounces may not find lights, leaves all of it to the light samples.
+                // Light samples have weight 1 where the path ends, or where its bounces must not count emission.
                 let only_light_samples = ends || self.direct.is_some();
                 for _ in 0..self.shadow_rays {
                     sum += vertex.sample_light(context, self.shadow_rays, only_light_samples);
                 }
             }
         }
-        // By mirrors and glass.
+        // Light that comes by mirrors and glass only.
         if is_first && let Some(layer) = &self.caustic {
             let query = self.query(layer, is_first, false, feedback, vertex);
             let estimate = self.query_clipped(layer, query, vertex, context.tracer);
@@ -407,7 +409,7 @@ impl<C: Spectrum> Gather<C> {
             self.record_estimate(&estimate, path, is_first, feedback, |gathering| &mut gathering.caustic);
         }
         if !is_first && let Some(layer) = &self.later_caustic {
-            // A narrow disk where the wide one would reach over an edge or through a wall.
+            // The narrow disk is used where the wide one would reach over an edge or through a wall.
             let estimate = if self.coverage.is_covered(p, facing, layer.widest) {
                 query_map(layer, MapQuery { radius: layer.widest, ..layer.query }, vertex, None)
             } else {
@@ -415,7 +417,7 @@ impl<C: Spectrum> Gather<C> {
             };
             sum += estimate.radiance;
         }
-        // Scattered before.
+        // Indirect light.
         if let Some((layer, query)) = ending {
             let estimate = query_map(layer, query, vertex, None);
             sum += estimate.radiance;
@@ -424,7 +426,7 @@ impl<C: Spectrum> Gather<C> {
         (sum, ends)
     }
 
-    /// Asks on as much of the disk as there is; whether it is whole is looked at only where there are photons.
+    /// Queries the part of the disk that the surface covers; coverage is tested only where the disk holds photons.
     #[inline]
     fn query_clipped<T: Tracer>(
         &self,
@@ -440,7 +442,7 @@ impl<C: Spectrum> Gather<C> {
         query_map(layer, query, vertex, Some(&CutDisk::new(tracer, vertex, estimate.radius)))
     }
 
-    /// With which radius a map is asked: the pixel's own at the first diffuse hit, where it has one.
+    /// The parameters of a query: at the first diffuse hit the pixel's own radius, where the pixel has one.
     #[inline]
     fn query(
         &self,
@@ -457,14 +459,14 @@ impl<C: Spectrum> Gather<C> {
         };
         let radius = if is_indirect { &mut gathering.indirect } else { &mut gathering.caustic };
         let radius = radius.begin(self.pass, alpha, || {
-            // Indirect light is smooth: one radius does for all to begin with.
+            // Indirect light is smooth, so that one first radius suits all pixels.
             if is_indirect {
                 return layer.widest;
             }
             NEAREST.with_borrow_mut(|nearest| {
                 layer.map.nearest(vertex.surface.point.p, first as usize, layer.widest, nearest);
                 match nearest.found() {
-                    // Fewer than asked for, or all in one point: as wide as it may be.
+                    // The widest radius is taken where too few photons are found, or where all lie in one point.
                     found if found.len() < first as usize => layer.widest,
                     [.., (distance2, _)] if *distance2 > 0.0 => distance2.sqrt(),
                     _ => layer.widest,

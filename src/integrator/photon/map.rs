@@ -1,13 +1,14 @@
-//! Photons, put in order so that those near a point are found.
+//! The photon map: a tree of boxes that finds the photons near a point.
 //!
-//! Photons are sorted along a Morton curve and cut into blocks of [`BLOCK`]; a box around each block, and one around every
-//! [`WIDTH`] boxes, level by level, make a tree without pointers: which box holds which follows from their numbers. A query
-//! walks the boxes that its ball touches. Nothing depends on a radius chosen beforehand, and a dense caustic has as many
-//! blocks as it needs, where a grid has cells either too full or too many.
+//! Photons are sorted along a Morton curve and cut into blocks of [`BLOCK`]. A box around each block, and a box around every
+//! [`WIDTH`] boxes, level by level, form a tree without pointers: the indices of boxes tell which box contains which. A
+//! query visits the boxes that its ball touches. The tree does not depend on a radius chosen beforehand, and a dense caustic
+//! has as many blocks as it needs, whereas the cells of a grid are either too full or too many.
 //!
-//! Sources: Jensen 2001, "Realistic Image Synthesis Using Photon Mapping" (photons apart from geometry, the k nearest of
-//! them); Lauterbach et al. 2009, "Fast BVH Construction on GPUs" (boxes along a Morton curve); Kamel and Faloutsos 1993,
-//! "On Packing R-trees" (full nodes bottom-up). What else was tried is in `docs/performance.md`.
+//! Sources: Jensen 2001, "Realistic Image Synthesis Using Photon Mapping" (photons stored apart from geometry, queries of
+//! the k nearest photons); Lauterbach et al. 2009, "Fast BVH Construction on GPUs" (boxes along a Morton curve); Kamel and
+//! Faloutsos 1993, "On Packing R-trees" (full nodes bottom-up). `docs/performance.md` lists the alternatives that were
+//! measured.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -21,13 +22,13 @@ use crate::{Cancel, Result};
 /// Photons in a block.
 const BLOCK: usize = 16;
 
-/// Boxes side by side.
+/// Boxes in a node.
 const WIDTH: usize = 8;
 
-/// Levels of boxes above 2^32 photons.
+/// Number of levels, more than 2^32 photons need.
 const LEVELS: usize = 16;
 
-/// Boxes, coordinates side by side. One that holds nothing has its corners at infinity, the wrong way round.
+/// The boxes of a node, stored by coordinate. An empty box has its corners at infinity, the minimum at the positive end.
 #[derive(Clone, Copy, Debug)]
 struct Boxes {
     min: [[f32; WIDTH]; 3],
@@ -37,7 +38,7 @@ struct Boxes {
 impl Boxes {
     const EMPTY: Self = Self { min: [[f32::INFINITY; WIDTH]; 3], max: [[f32::NEG_INFINITY; WIDTH]; 3] };
 
-    /// Makes box `i` hold `min` and `max`.
+    /// Grows box `i` to contain `min` and `max`.
     #[inline]
     fn include(&mut self, i: usize, min: [f32; 3], max: [f32; 3]) {
         for axis in 0..3 {
@@ -46,15 +47,15 @@ impl Boxes {
         }
     }
 
-    /// The box around all.
+    /// The box around all boxes of the node.
     fn around(&self) -> ([f32; 3], [f32; 3]) {
         let min = self.min.map(|side| side.into_iter().fold(f32::INFINITY, |a, b| smaller(b, a)));
         let max = self.max.map(|side| side.into_iter().fold(f32::NEG_INFINITY, |a, b| larger(b, a)));
         (min, max)
     }
 
-    /// Squared distances. Never larger than those of what is inside, as computed by [`PhotonMap::block_distances2`]: rounding is
-    /// monotonic, and it is the same sum.
+    /// Squared distances from the query to the boxes. A distance is never larger than that of a photon inside as
+    /// [`PhotonMap::block_distances2`] computes it, since rounding is monotonic and both compute the same sum.
     #[inline]
     fn distance2(&self, query: &Query) -> [f32; WIDTH] {
         let mut sum = [0.0; WIDTH];
@@ -81,63 +82,66 @@ fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// The places of a block; infinite where there is no photon.
+/// The positions of a block's photons; infinite where the block has no photon.
 type Places = [[f32; BLOCK]; 3];
 
-/// A point, and the power of two by which differences are multiplied so that their squares neither overflow nor vanish.
+/// The centre of a query, and the power of two that scales differences so that their squares neither overflow nor underflow.
 #[derive(Clone, Copy, Debug)]
 struct Query {
     p: [f32; 3],
     scale: f32,
-    /// Square of the radius, scaled: a photon is within if its distance is smaller.
+    /// Square of the scaled radius: a photon is inside if its squared distance is smaller.
     radius2: f32,
-    /// What turns scaled squares into those of lengths; both factors, as their product may be too large.
+    /// Factor that is applied twice to turn a scaled square into the square of a length, since the product of both factors
+    /// may overflow.
     unscale: f32,
 }
 
 impl Query {
-    /// Around `p`; none if nothing can be within. Nothing is farther away than `reach`.
+    /// Creates a query around `p`; `None` if no photon can be inside. No photon is farther away than `reach`.
     #[inline]
     fn new(p: Vec3, radius: f32, reach: f32) -> Option<Self> {
         if !p.is_finite() || radius.is_nan() || radius <= 0.0 {
             return None;
         }
         let length = radius.min(reach);
-        // Ordinary lengths need no scale.
+        // Ordinary lengths need no scaling.
         let scale = if (1e-15..1e15).contains(&length) { 1.0 } else { Self::scale(length) };
         let scaled = radius * scale;
         let radius2 = if radius > reach { f32::INFINITY } else { scaled * scaled };
         Some(Self { p: p.to_array(), scale, radius2, unscale: 1.0 / scale })
     }
 
-    /// A power of two that brings a length near 1, as far as it and its inverse are normal numbers.
+    /// A power of two that scales a length to about 1, as far as the power and its inverse are normal numbers.
     #[cold]
     fn scale(length: f32) -> f32 {
         let exponent = (length.to_bits() >> 23) as i32 - 127;
         2_f32.powi((-exponent).clamp(-126, 126))
     }
 
-    /// Squared distance without scale.
+    /// Squared distance without the scaling.
     #[inline]
     fn unscaled(&self, distance2: f32) -> f32 {
         distance2 * self.unscale * self.unscale
     }
 }
 
-/// Photons that can be asked for by place. Any number of them, 0 too, and anywhere: all in one plane, all in one point.
+/// Photons that can be queried by position. Any number of photons is allowed, including 0, at any positions: even all in one
+/// plane or all in one point.
 #[derive(Debug, Default)]
 pub struct PhotonMap<C: Spectrum = Rgb> {
     photons: Vec<Photon<C>>,
-    /// Their places once more, block by block, coordinates side by side: most photons that are looked at are too far away, and so
-    /// the distances of a block are one calculation.
+    /// The photons' positions once more, block by block and by coordinate. Most photons that a query tests are too far away,
+    /// so the distances of a block are computed together.
     places: Vec<Places>,
-    /// Lowest level first: box i of node n there is around block `n * WIDTH + i`, and on the next around that node.
+    /// The nodes of all levels, the lowest first: box i of node n contains block `n * WIDTH + i` on the lowest level, and
+    /// the node of that index of the level below on all others.
     nodes: Vec<Boxes>,
-    /// Where each level begins in `nodes`.
+    /// Index in `nodes` at which each level begins.
     levels: [u32; LEVELS],
-    /// The level that is one node; nothing is there if there are no photons.
+    /// The level that consists of one node; without photons there is no node.
     top: usize,
-    /// Corners of the box around all.
+    /// Corners of the box around all photons.
     bounds: ([f32; 3], [f32; 3]),
 }
 
@@ -146,24 +150,26 @@ pub struct PhotonMap<C: Spectrum = Rgb> {
 #[derive(Clone, Debug, Default)]
 pub struct Nearest {
     found: Vec<(f32, u32)>,
-    /// Bits of the squared distance, which for positive numbers are in their order, above the index. Twice as many as
-    /// wanted at most, then cut down to those wanted.
+    /// Keys of the candidates: the bits of the squared distance, which for positive numbers sort as the numbers do, above
+    /// the index. The list grows to at most about twice the number wanted and is then cut down to the nearest.
     candidates: Vec<u64>,
     /// Nodes to be visited, the nearest first.
     waiting: BinaryHeap<Reverse<Waiting>>,
 }
 
 impl Nearest {
-    /// Squared distance and index, nearest first.
+    /// Squared distances and indices, nearest first.
     pub fn found(&self) -> &[(f32, u32)] {
         &self.found
     }
 }
 
 impl<C: Spectrum> PhotonMap<C> {
-    /// Puts photons in order. The order, and so every sum over them, depends on nothing but the photons and their order.
+    /// Builds a map. The order of its photons, and so every sum over them, depends only on the photons and their given
+    /// order.
     ///
-    /// All are kept; those whose position is not a number are never found. Needs 2.4 times their bytes while it works.
+    /// All photons are kept; those whose position is not a number are never found. The build needs 2.4 times the bytes of
+    /// the photons.
     ///
     /// # Errors
     /// [`crate::ErrorKind::Cancelled`]; [`crate::ErrorKind::Unsupported`] for 2^32 photons or more.
@@ -183,7 +189,7 @@ impl<C: Spectrum> PhotonMap<C> {
                 let mut place = [[f32::INFINITY; BLOCK]; 3];
                 for (lane, item) in block.iter().enumerate() {
                     let photon = photons[*item as u32 as usize];
-                    // No box reaches out to infinity for what is never found anyway.
+                    // Photons at positions that are not finite are never found, so boxes do not contain them.
                     if photon.position().is_finite() {
                         node.include(i, photon.p, photon.p);
                     }
@@ -227,19 +233,19 @@ impl<C: Spectrum> PhotonMap<C> {
         self.photons.len()
     }
 
-    /// Whether there are none.
+    /// Whether the map has no photons.
     pub fn is_empty(&self) -> bool {
         self.photons.is_empty()
     }
 
-    /// Bytes that it takes.
+    /// Memory of the map in bytes.
     pub fn bytes(&self) -> usize {
         self.photons.capacity() * size_of::<Photon<C>>()
             + self.places.capacity() * size_of::<Places>()
             + self.nodes.capacity() * size_of::<Boxes>()
     }
 
-    /// Squared distances, scaled, of the photons in a block; infinite where there is none.
+    /// Scaled squared distances of the photons in a block; infinite where the block has no photon.
     #[inline(always)]
     fn block_distances2(&self, block: usize, query: &Query) -> [f32; BLOCK] {
         let mut distances2 = [0.0; BLOCK];
@@ -255,10 +261,10 @@ impl<C: Spectrum> PhotonMap<C> {
     /// Visits every photon within `radius` (> 0) of `p`, with the square of its distance, always in the same order.
     ///
     /// The square is computed in single precision: it is 0 for distances below 1e-23 and infinite for those above 1e19, but
-    /// which photons are visited does not suffer from that.
+    /// the set of visited photons does not depend on this.
     #[inline]
     pub fn within(&self, p: Vec3, radius: f32, mut visit: impl FnMut(&Photon<C>, f32)) {
-        // How far away the photons are matters for radii that are large only.
+        // The distance to the farthest photon matters only for large radii.
         let reach = if radius < 1e15 { f32::INFINITY } else { self.reach(p) };
         let Some(query) = Query::new(p, radius, reach) else { return };
         if self.nodes.is_empty() {
@@ -268,7 +274,7 @@ impl<C: Spectrum> PhotonMap<C> {
             let distances2 = self.nodes[self.levels[level] as usize + node].distance2(&query);
             below(&distances2, query.radius2)
         };
-        // On each level, the boxes beside the one that is being visited that are to be visited after it.
+        // For each level, the remaining boxes of the node that is being visited, as bits.
         let mut waiting = [0; LEVELS];
         let (mut level, mut node) = (self.top, 0);
         let mut boxes = touched(level, node);
@@ -303,8 +309,8 @@ impl<C: Spectrum> PhotonMap<C> {
         }
     }
 
-    /// Finds the `count` photons nearest to `p` among those within `radius` (may be infinite), fewer if there are no more;
-    /// of several at the same distance those of the lowest index.
+    /// Finds the `count` photons nearest to `p` among those within `radius` (may be infinite), or all of these if there are
+    /// fewer. Among photons at the same distance those of the lowest index are found.
     pub fn nearest(&self, p: Vec3, count: usize, radius: f32, nearest: &mut Nearest) {
         let Nearest { found, candidates, waiting } = nearest;
         found.clear();
@@ -313,7 +319,7 @@ impl<C: Spectrum> PhotonMap<C> {
         if count == 0 || self.nodes.is_empty() {
             return;
         }
-        // A photon is wanted if its key is below this.
+        // A photon is a candidate if its key is below this bound.
         let mut bound = key(query.radius2, 0);
         let most = count.saturating_add((count / 2).max(4 * BLOCK));
 
@@ -327,7 +333,7 @@ impl<C: Spectrum> PhotonMap<C> {
             let distances2 = self.nodes[self.levels[level] as usize + node].distance2(&query);
             for (i, &distance2) in distances2.iter().enumerate() {
                 let child = node * WIDTH + i;
-                // Photons in each child, as a power of two.
+                // The index of the child's first photon, since the number of photons in each child is a power of two.
                 let first = key(distance2, child << (BLOCK.ilog2() + WIDTH.ilog2() * level as u32));
                 if first >= bound || distance2 == f32::INFINITY {
                     continue;
@@ -356,7 +362,7 @@ impl<C: Spectrum> PhotonMap<C> {
         found.extend(candidates.iter().map(one));
     }
 
-    /// A distance that no photon is beyond, as far as it is a number.
+    /// A distance beyond which no photon lies, as far as the distance is a number.
     fn reach(&self, p: Vec3) -> f32 {
         let (min, max) = self.bounds;
         let mut sum = 0.0;
@@ -368,12 +374,12 @@ impl<C: Spectrum> PhotonMap<C> {
     }
 }
 
-/// A node to be visited: bits of its squared distance, level and number, in order of all these.
+/// A node to be visited: the bits of its squared distance, its level and its index, which are compared in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Waiting(u64);
 
 impl Waiting {
-    /// Numbers have 27 bits at most, as 2^32 photons have 2^27 nodes.
+    /// Node indices have 27 bits at most, as 2^32 photons have 2^27 nodes.
     #[inline]
     fn new(distance2: f32, level: usize, node: usize) -> Self {
         Self(u64::from(distance2.to_bits()) << 32 | (level as u64) << 28 | node as u64)
@@ -385,27 +391,27 @@ impl Waiting {
         (self.0 >> 32) as u32
     }
 
-    /// Level and number.
+    /// Level and index of the node.
     #[inline]
     fn place(self) -> (usize, usize) {
         (self.0 as usize >> 28 & 0xf, self.0 as usize & 0x0fff_ffff)
     }
 }
 
-/// Orders photons by distance, then by index: the bits of a positive number are in its order.
+/// The key that orders photons by distance, then by index: the bits of positive numbers sort as the numbers do.
 #[inline]
 fn key(distance2: f32, index: usize) -> u64 {
     u64::from(distance2.to_bits()) << 32 | index as u64
 }
 
-/// Leaves the `count` (> 0, fewer than there are) least keys, and returns the greatest of them.
+/// Keeps the `count` smallest keys (> 0, fewer than there are), and returns the greatest of those kept.
 fn keep(candidates: &mut Vec<u64>, count: usize) -> u64 {
     let (_, &mut last, _) = candidates.select_nth_unstable(count - 1);
     candidates.truncate(count);
     last
 }
 
-/// Bit i is set if the i-th is less than `bound`.
+/// Bit i is set if value i is less than `bound`.
 #[inline]
 fn below<const N: usize>(of: &[f32; N], bound: f32) -> u32 {
     let fours = of.as_chunks::<4>().0.iter().enumerate();

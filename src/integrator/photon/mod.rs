@@ -1,12 +1,14 @@
-//! Photon mapping: light paths from the emitters, maps of what they leave, and eye paths that read them.
+//! Photon mapping: light paths from the emitters, maps of the photons that they store, and eye paths that query the maps.
 //!
-//! `emit` begins light paths, `trace` follows them and keeps photons, `map` puts them in order; `gather` follows eye paths,
-//! `estimate` asks maps, `coverage` and `cut` know where a disk is whole and what is left of one that is not; `plan` says which
-//! maps a method wants and when, `radius` how wide estimates are; `choose` which method a scene.
+//! `emit` samples the first rays of light paths, `trace` follows light paths and stores photons, and `map` builds photon
+//! maps. `gather` follows eye paths and `estimate` queries maps; `coverage` tests where the surface covers a kernel's disk,
+//! and `cut_disk` measures what is left of a disk that is cut off. `plan` decides which maps a method needs and when,
+//! `radius` how wide estimates are, and `choose` which method suits a scene.
 //!
-//! Right where light reaches diffuse surfaces by mirrors and glass from small lights, and where it is smooth; wrong in the
-//! open, where most photons leave the scene, and for glossy surfaces (none yet). All estimates have a bias, which shrinks
-//! with the square of the radius; that of the progressive methods (`caustic`, `ppm`, `sppm`) vanishes as passes go on.
+//! Photon mapping suits scenes where light reaches diffuse surfaces by mirrors and glass from small lights, and scenes with
+//! smooth indirect light. It does not suit open scenes, where most photons leave the scene, or glossy surfaces, where no
+//! photons are stored. All estimates are biased, and the bias shrinks with the square of the radius; that of the progressive
+//! methods (`caustic`, `ppm`, `sppm`) vanishes as passes go on.
 //!
 //! `"integrator": "caustic"` and so on, with the keys of `docs/scene-format.md`.
 //!

@@ -1,21 +1,21 @@
-//! Photons along a curve that fills space, so that neighbours on it are neighbours in space.
+//! Sorts photons along a space-filling curve, so that neighbours on the curve are neighbours in space.
 
 use super::Photon;
 use crate::spectrum::Spectrum;
 use crate::{Cancel, Error, ErrorKind, Result};
 
-/// Items between two looks at the token.
+/// Items between two checks for cancellation.
 const CHUNK: usize = 1 << 13;
 
-/// Below this many a comparison sort is faster than counting.
+/// A comparison sort is faster than a counting sort for fewer items than this.
 const FEW: usize = 1 << 11;
 
 /// The order of `photons` along a Morton curve, as indices in the lower half of each item.
 ///
-/// The first sort is by 32 bits: 10 for each axis, or 16 for each of two if all lie in one plane, or 32 on a line. What
-/// then shares a cell, and is more than `few`, is sorted again within its own box, and so on: so dense spots and photons
-/// far outside are in order too. A box is at least 1023 times as small as the one before, hence rounds are few. Photons in
-/// the same place keep their order.
+/// The first sort has keys of 32 bits: 10 for each axis, or 16 for each of two if all photons lie in one plane, or 32 on a
+/// line. Photons that share a cell, if they are more than `few`, are sorted again within their own box, and so on, so that
+/// dense spots and photons far outside are in order too. A box is at least 1023 times as small as the one before, so that
+/// few rounds are needed. Photons at the same position keep their order.
 ///
 /// # Errors
 /// [`ErrorKind::Cancelled`]; [`ErrorKind::Unsupported`] for 2^32 photons or more.
@@ -49,7 +49,7 @@ pub(super) fn order<C: Spectrum>(photons: &[Photon<C>], few: usize, cancel: &Can
     Ok(items)
 }
 
-/// Puts `items` in order of their upper halves, those that are equal in order of their lower halves, in which they come.
+/// Sorts `items` by their upper halves, and equal ones by their lower halves, in which order they are given.
 fn sort(items: &mut [u64], spare: &mut [u64], cancel: &Cancel) -> Result<()> {
     const BITS: u32 = 11;
     if items.len() < FEW {
@@ -93,7 +93,7 @@ fn sort(items: &mut [u64], spare: &mut [u64], cancel: &Cancel) -> Result<()> {
     Ok(())
 }
 
-/// A box divided into cells, cubes in as many dimensions as it has.
+/// A box divided into cells, which are cubes in as many dimensions as the box has.
 struct Cells {
     min: [f64; 3],
     /// Cells per unit of length.
@@ -104,7 +104,7 @@ struct Cells {
 }
 
 impl Cells {
-    /// Around these photons; none if they are all in one place.
+    /// Creates the cells around these photons; `None` if all photons are at one position.
     fn new<C: Spectrum>(items: &[u64], photons: &[Photon<C>], cancel: &Cancel) -> Result<Option<Self>> {
         let (mut min, mut max) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         for items in items.chunks(CHUNK) {
@@ -112,7 +112,7 @@ impl Cells {
             for item in items {
                 let p = photons[*item as u32 as usize].p;
                 for axis in 0..3 {
-                    // What is not a number is in no box.
+                    // Coordinates that are not numbers belong to no box.
                     min[axis] = if p[axis] < min[axis] { p[axis] } else { min[axis] };
                     max[axis] = if p[axis] > max[axis] { p[axis] } else { max[axis] };
                 }
@@ -131,10 +131,10 @@ impl Cells {
         Ok(Some(Self { min: min.map(finite), scale, axes, dimensions }))
     }
 
-    /// The number of the cell of a point along the curve.
+    /// The index along the curve of the cell that contains a point.
     #[inline]
     fn key(&self, p: &[f32; 3]) -> u32 {
-        // Conversion saturates, and turns what is not a number into 0.
+        // The conversion saturates and maps NaN to 0.
         let cell = |i: usize| {
             let axis = self.axes[i];
             ((f64::from(p[axis]) - self.min[axis]) * self.scale) as u32
@@ -147,7 +147,7 @@ impl Cells {
     }
 }
 
-/// Puts two zeros between the bits of a number of 10.
+/// Inserts two zeros between the bits of a 10-bit number.
 fn spread3(x: u32) -> u32 {
     let x = (x | x << 16) & 0x0300_00ff;
     let x = (x | x << 8) & 0x0300_f00f;
@@ -155,7 +155,7 @@ fn spread3(x: u32) -> u32 {
     (x | x << 2) & 0x0924_9249
 }
 
-/// Puts a zero between the bits of a number of 16.
+/// Inserts a zero between the bits of a 16-bit number.
 fn spread2(x: u32) -> u32 {
     let x = (x | x << 8) & 0x00ff_00ff;
     let x = (x | x << 4) & 0x0f0f_0f0f;

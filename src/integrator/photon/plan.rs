@@ -1,4 +1,4 @@
-//! Which maps a method wants, with which radii, and when they are made.
+//! Plans which maps a method needs, with which radii, and when they are made.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -19,41 +19,42 @@ use crate::sampling::Rng;
 use crate::scene::Scene;
 use crate::spectrum::{Rgb, Spectrum};
 
-/// Light paths of a map that is made once.
+/// Number of light paths of a map that is made once.
 const ONCE: u32 = 1_000_000;
 
-/// Light paths of a pass.
+/// Number of light paths of a pass.
 const EACH_PASS: u32 = 1 << 17;
 
-/// One in so many light paths more is followed before the first map, to learn where disks are whole.
+/// Before the first map, additional light paths, one for this many light paths of the map, show where the surface covers
+/// kernels' disks.
 const SCOUTS: u32 = 4;
 
 /// The report's radius.
 const REPORT_RADIUS: f32 = 0.1;
 
-/// First radii, in pixels as the middle one sees them.
+/// First radii, in pixels of the median size that the camera sees.
 const CAUSTIC_PIXELS: f32 = 2.0;
 const INDIRECT_PIXELS: f32 = 8.0;
 
-/// Photons that the first radius of a pixel of its own holds.
+/// Number of photons that the first radius of a pixel with its own radius holds.
 const FIRST_PHOTONS: u32 = 32;
 
-/// The same in a map that is made once.
+/// The same number for a map that is made once.
 const ONLY_PHOTONS: u32 = 100;
 
-/// Photons of caustics that eye paths meet beyond their first diffuse hit, and by what the radius is wider there.
+/// Number of photons of the caustic map beyond the first diffuse hit, and the factor by which its radius is wider.
 const LATER_PHOTONS: usize = 1 << 14;
 const LATER_WIDTH: f32 = 4.0;
 
 /// Bytes a photon takes while its map is being built.
 const BYTES_A_PHOTON: usize = 96;
 
-/// Samples of a pixel for each pass of photons: few where an image has many pixels.
+/// Samples of each pixel per pass of photons: fewer where an image has many pixels.
 fn samples_a_pass(pixels: u64) -> u32 {
     if pixels <= 1 << 18 { 4 } else { 1 }
 }
 
-/// What a method needs to know of photons, and has made of them so far.
+/// The photon maps of a method: the settings, and the maps made so far.
 #[derive(Debug)]
 pub struct Plan<C: Spectrum = Rgb> {
     scene: Scene,
@@ -65,24 +66,24 @@ pub struct Plan<C: Spectrum = Rgb> {
     caustic_radius: f32,
     radius: f32,
     coverage: DiskCoverage,
-    /// Maps that were gathered from, of whose photons `coverage` may know from now on.
+    /// Maps that have been gathered from already, so that `coverage` may now learn from their photons.
     unlearnt: Vec<Arc<PhotonMap<C>>>,
     made: Option<(u32, Gather<C>)>,
     notes: Vec<String>,
-    /// Rays that went into maps.
+    /// Number of rays traced for the maps.
     pub rays: u64,
 }
 
 impl Plan {
-    /// Prepares the maps of an integrator: checks the settings, finds radii where none are given.
+    /// Prepares the maps of an integrator: checks the settings, and finds radii where none are given.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidScene`] for settings that a file could not have given, and for an integrator without photon maps.
+    /// [`ErrorKind::InvalidScene`] for settings that a file could not contain, and for an integrator without photon maps.
     pub fn new(scene: &Scene, camera: &Camera, desc: &Arc<RenderDesc>, integrator: IntegratorDesc) -> Result<Self> {
         Self::in_spectrum(scene, camera, desc, integrator)
     }
 
-    /// The integrator for the samples from `sample` on, with maps that are made now unless they are there.
+    /// The integrator for the samples from `sample` on. Its maps are made by this call unless they exist already.
     ///
     /// # Errors
     /// [`ErrorKind::Cancelled`]; `OutOfMemory` where not even a small map fits; `InvalidScene` for settings that do not fit
@@ -94,9 +95,9 @@ impl Plan {
         })
     }
 
-    /// Fills the irradiance cache, from which the gatherer's paths end; the global map serves the filling alone.
+    /// Fills the irradiance cache, in which the integrator's paths end; the global map is used only for filling.
     fn fill_cache(&mut self, gather: &mut Gather, notes: &mut Vec<String>, parallel: &mut impl Parallel) -> Result<()> {
-        // Gather rays have bounced once when they begin, so the global map may end them at once.
+        // Gather rays begin after one bounce, so the global map may end them at the first diffuse hit.
         let ends = if gather.diffuse.is_some() { PathEnd::AfterGather } else { PathEnd::Never };
         let source = Gather { ends, ..gather.clone() };
         let (cache, report) = IrradianceCache::fill(&self.scene, &self.camera, &self.desc, &source, parallel)?;
@@ -122,7 +123,7 @@ impl<C: Spectrum> Plan<C> {
             return Err(Error::invalid("render.integrator", format!("{} reads no photon maps", integrator.name())));
         };
         let photons = &desc.photons;
-        // A host may have set numbers that no file could.
+        // A host may have set numbers that no file could contain.
         desc.check()?;
         let pixel = pixel_size(scene, camera, desc.resolution);
         let otherwise = match method {
@@ -133,7 +134,7 @@ impl<C: Spectrum> Plan<C> {
             | PhotonMethod::CommonRadius
             | PhotonMethod::PixelRadii => INDIRECT_PIXELS * pixel,
         };
-        // Squares of radii fit single precision, by the limits of `desc::RADII`.
+        // The limits of `desc::RADII` keep squares of radii within single precision.
         let radius = |given: Option<f64>, otherwise: f32| given.map_or(otherwise, |radius| radius as f32);
         let caustic_radius = radius(photons.caustic_radius, CAUSTIC_PIXELS * pixel);
         Ok(Self {
@@ -158,13 +159,13 @@ impl<C: Spectrum> Plan<C> {
         self.is_progressive().then(|| samples_a_pass(pixels))
     }
 
-    /// Whether pixels remember anything between samples.
+    /// Whether pixels keep state between samples.
     pub fn remembers(&self) -> bool {
         self.is_by_pixel() || self.is_progressive()
     }
 
-    /// Whether each pixel has radii of its own: unless the user says how many photons make an estimate, or the method has
-    /// one radius by its nature.
+    /// Whether each pixel has radii of its own. This is not so where the user sets the number of photons of an estimate, or
+    /// where the method has one common radius.
     pub fn is_by_pixel(&self) -> bool {
         self.method != PhotonMethod::CommonRadius && self.desc.photons.neighbours.is_none()
     }
@@ -177,7 +178,7 @@ impl<C: Spectrum> Plan<C> {
         }
     }
 
-    /// What a user should know about the maps.
+    /// Messages about the maps for the user.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -185,7 +186,7 @@ impl<C: Spectrum> Plan<C> {
     /// [`Plan::gather`] for photons and eye paths that carry `C`.
     ///
     /// # Errors
-    /// As [`Plan::gather`]; `Unsupported` for the irradiance cache, which holds colours alone.
+    /// As [`Plan::gather`]; `Unsupported` for the irradiance cache, which stores RGB only.
     pub fn gather_in_spectrum(&mut self, sample: u32, parallel: &mut impl Parallel) -> Result<Gather<C>> {
         if self.method == PhotonMethod::IrradianceCache {
             let message = "the irradiance cache holds three channels, expected another integrator for wavelengths";
@@ -212,7 +213,8 @@ impl<C: Spectrum> Plan<C> {
         Ok(gather)
     }
 
-    /// The wavelengths of a pass, which its photons and the eye paths that query them share: spread evenly over passes.
+    /// The wavelengths of a pass, which its photons and the eye paths that query them share. Wavelengths are spread evenly
+    /// over passes.
     fn wavelengths(&self, pass: u32) -> C::Wavelengths {
         /// Fraction of the golden ratio, whose multiples are spread evenly over [0, 1).
         const STEP: f64 = 0.618_033_988_749_894_9;
@@ -222,7 +224,7 @@ impl<C: Spectrum> Plan<C> {
         })
     }
 
-    /// Makes the maps of a pass, and what gathers from them.
+    /// Makes the maps of a pass, and the integrator that gathers from them.
     fn make<P: Parallel>(
         &mut self,
         pass: u32,
@@ -230,7 +232,7 @@ impl<C: Spectrum> Plan<C> {
         complete: impl FnOnce(&mut Self, &mut Gather<C>, &mut Vec<String>, &mut P) -> Result<()>,
     ) -> Result<Gather<C>> {
         let shrunk = if self.is_progressive() { shrunk(pass, self.desc.photons.alpha) } else { 1.0 };
-        // Changed when all is done: a pass that is stopped is made again, from what was known before.
+        // The plan is changed at the end only: a cancelled pass is made again from the same state.
         let mut coverage = self.coverage_so_far(shrunk, parallel)?;
         let aims = self.aims()?;
         let wanted = self.wanted_maps(shrunk, aims.is_some());
@@ -246,7 +248,8 @@ impl<C: Spectrum> Plan<C> {
         if pass == 0 {
             notes.extend(maps.iter().map(|map| map.note(self.is_by_pixel())));
         }
-        // What is gathered from now teaches nothing before the next pass.
+        // Coverage learns from the maps that are gathered from now only before the next pass, so that the two are
+        // independent.
         let teaches = |map: &&BuiltMap<C>| self.is_progressive() && map.kind != MapKind::Caustic;
         let unlearnt = maps.iter().filter(teaches).map(|map| Arc::clone(&map.layer.map)).collect();
         let mut gather = self.gatherer(maps, aims, coverage.clone(), pass, &parallel.token())?;
@@ -256,7 +259,7 @@ impl<C: Spectrum> Plan<C> {
         Ok(gather)
     }
 
-    /// What is known of where disks are whole, with what the photons of the last pass tell.
+    /// The known coverage of kernels' disks, updated by the photons of the last pass.
     fn coverage_so_far(&mut self, shrunk: f32, parallel: &mut impl Parallel) -> Result<DiskCoverage> {
         let mut coverage = self.coverage.clone();
         let radius = (self.radius * shrunk).min(self.caustic_radius * shrunk);
@@ -267,7 +270,8 @@ impl<C: Spectrum> Plan<C> {
         Ok(coverage)
     }
 
-    /// Where rays find the caustics of large lamps, with no bias and no mottle, so that no map of them is wanted.
+    /// The specular parts at which rays are aimed where such rays find the caustics of large lamps, without the bias and
+    /// low-frequency noise of a map, so that no caustic map is needed.
     fn aims(&self) -> Result<Option<Aims>> {
         let photons = &self.desc.photons;
         let is_asked_for = photons.caustic_count.is_some() || photons.caustic_radius.is_some();
@@ -278,20 +282,20 @@ impl<C: Spectrum> Plan<C> {
         Ok(finds_caustics.then(|| Aims::new(&self.scene)))
     }
 
-    /// The photons that an estimate takes, where the user says how many: 0 is the same as none, but where each pixel would
-    /// have a radius of its own.
+    /// Number of photons in an estimate, where the user sets it: 0 means none, except that pixels then have no radii of
+    /// their own.
     fn neighbours(&self) -> Option<u32> {
         self.desc.photons.neighbours.filter(|count| *count > 0)
     }
 
-    /// Which maps are shot, with how many light paths, and how they are queried.
+    /// The maps that are shot, with their numbers of light paths and the parameters of their queries.
     fn wanted_maps(&self, shrunk: f32, is_aimed: bool) -> Vec<WantedMap> {
         let photons = &self.desc.photons;
         let kernel = |otherwise| Kernel::new(photons.kernel.unwrap_or(otherwise));
         let (epanechnikov, cone) = (kernel(KernelDesc::Epanechnikov), kernel(KernelDesc::Cone { k: 1.0 }));
         let default_count = if self.is_progressive() { EACH_PASS } else { ONCE };
         let neighbours = self.neighbours();
-        // Where each pixel has a radius of its own, the others keep within the common one.
+        // Where pixels have radii of their own, the other queries take the common radius as a limit.
         let wanted = |kind, kernel, neighbours| {
             let (count, radius) = match kind {
                 MapKind::Caustic => (photons.caustic_count, self.caustic_radius),
@@ -315,7 +319,7 @@ impl<C: Spectrum> Plan<C> {
             },
             PhotonMethod::Caustic => vec![caustic],
         };
-        // Without diffuse surfaces there is nothing to store photons on; without mirrors and glass there are no caustics.
+        // Photons are stored only on diffuse surfaces, and caustics need mirrors or glass.
         let lobes = self.scene.lobes();
         maps.retain(|map| {
             lobes.have_diffuse() && (map.kind != MapKind::Caustic || (lobes.have_specular() && !is_aimed))
@@ -323,7 +327,8 @@ impl<C: Spectrum> Plan<C> {
         maps
     }
 
-    /// Shoots the photons of all maps of a pass within `photonMemory`; maps that it cuts are noted in the first pass.
+    /// Shoots the photons of all maps of a pass within `photonMemory`. The notes of the first pass name the maps that this
+    /// limit cuts.
     fn shoot_maps(
         &mut self,
         wanted: Vec<WantedMap>,
@@ -337,7 +342,7 @@ impl<C: Spectrum> Plan<C> {
         let maps = wanted.len();
         for wanted in wanted {
             let used: usize = shot.iter().map(|map| map.batch.photons.len()).sum();
-            // What is left, the second map's share apart.
+            // The remaining memory is shared evenly by the maps that are still to be shot.
             let most = (budget - used.min(budget)) / (maps - shot.len());
             if most < PHOTONS_A_PATH {
                 return Err(Error::new(ErrorKind::OutOfMemory, format!("{memory} MiB hold no photon map")));
@@ -360,7 +365,7 @@ impl<C: Spectrum> Plan<C> {
         Ok(shot)
     }
 
-    /// Takes the radius of maps of indirect light from the density of their photons, where none is given.
+    /// Sets the radius of maps of indirect light by the density of their photons, where none is given.
     fn measure_radius(&mut self, maps: &mut [BuiltMap<C>]) {
         if self.desc.photons.radius.is_some() || self.neighbours().is_some() {
             return;
@@ -373,8 +378,8 @@ impl<C: Spectrum> Plan<C> {
         }
     }
 
-    /// Learns where disks are whole: at the photons of the caustic map, and for the first pass at photons shot for nothing
-    /// else.
+    /// Learns where the surface covers kernels' disks: at the photons of the caustic map, and in the first pass at photons
+    /// that are shot for this purpose only.
     fn learn_coverage(
         &mut self,
         coverage: &mut DiskCoverage,
@@ -386,10 +391,10 @@ impl<C: Spectrum> Plan<C> {
         for &BuiltMap { kind, paths, most, ref layer, .. } in maps {
             let radius = layer.query.radius;
             if kind == MapKind::Caustic {
-                // Its estimates are made anywhere, on whole disks or cut ones.
+                // Caustic estimates are made everywhere, on whole disks or clipped ones.
                 self.rays += coverage.learn(&self.scene, layer.map.photons(), radius, is_once, parallel)?;
             } else if pass == 0 {
-                // Photons of no pass, as no others are known yet.
+                // The photons belong to no pass, since no earlier pass exists.
                 let job = PhotonJob { kind, paths: paths.div_ceil(SCOUTS), pass: u32::MAX, most };
                 let scouts = shoot_in::<C>(&self.scene, &self.desc, job, self.wavelengths(pass), parallel)?;
                 self.rays += scouts.tally.rays;
@@ -445,34 +450,34 @@ impl<C: Spectrum> Plan<C> {
     }
 }
 
-/// A map that is to be shot, and how it is queried.
+/// A map that is to be shot, and the parameters of its queries.
 struct WantedMap {
     kind: MapKind,
-    /// Light paths.
+    /// Number of light paths.
     paths: u32,
     query: MapQuery,
 }
 
-/// The photons of a map, not yet in order.
+/// The photons of a map, not yet sorted.
 struct ShotMap<C: Spectrum> {
     wanted: WantedMap,
-    /// Photons that memory allowed.
+    /// Number of photons that the memory limit allows.
     most: usize,
     batch: PhotonBatch<C>,
 }
 
-/// A map that can be queried, and what it was made of.
+/// A map that can be queried, and how it was made.
 struct BuiltMap<C: Spectrum> {
     kind: MapKind,
-    /// Light paths that were wanted.
+    /// Number of light paths that were asked for.
     paths: u32,
-    /// Photons that memory allowed.
+    /// Number of photons that the memory limit allows.
     most: usize,
     tally: Tally,
     layer: MapLayer<C>,
 }
 
-/// Puts the photons of each map in order, side by side, each map on one thread.
+/// Builds the maps in parallel, each map on one thread.
 fn build_maps<C: Spectrum>(
     shot: Vec<ShotMap<C>>,
     shrunk: f32,
@@ -498,7 +503,7 @@ fn build_maps<C: Spectrum>(
 }
 
 impl MapKind {
-    /// Its name in messages and on the command line.
+    /// The map's name in messages and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Direct => "direct",
@@ -514,7 +519,7 @@ impl<C: Spectrum> BuiltMap<C> {
         matches!(self.kind, MapKind::Indirect | MapKind::Global)
     }
 
-    /// What a user should know about the map; `by_pixel`: each pixel has radii of its own.
+    /// The message about the map for the user; `by_pixel` says that each pixel has radii of its own.
     fn note(&self, by_pixel: bool) -> String {
         let Self { kind, tally, layer, .. } = self;
         let photons = layer.map.len();
@@ -538,7 +543,7 @@ impl<C: Spectrum> BuiltMap<C> {
     }
 }
 
-/// As much light in fewer photons, for a wider radius: every so many'th of the map's order, which keeps them well spread.
+/// The same light in fewer photons, for a wider radius: every n-th photon in the map's order, which keeps them well spread.
 fn thinned<C: Spectrum>(layer: &MapLayer<C>, cancel: &Cancel) -> Result<MapLayer<C>> {
     let stride = layer.map.len().div_ceil(LATER_PHOTONS).max(1);
     let mut photons: Vec<Photon<C>> = layer.map.photons().iter().skip(stride / 2).step_by(stride).copied().collect();

@@ -1,4 +1,4 @@
-//! Radii of density estimates: where they begin, and how they shrink.
+//! Radii of density estimates: their first values, and how they shrink.
 
 use super::super::vertex::Vertex;
 use super::super::{SceneTracer, Tracer as _};
@@ -8,17 +8,17 @@ use crate::camera::Camera;
 use crate::scene::Scene;
 use crate::spectrum::{Rgb, Spectrum};
 
-/// Photons that the first radius of a map of indirect light holds in the middle, where none is given.
+/// Number of photons that the median first radius of a map of indirect light holds, where no radius is given.
 const INDIRECT_PHOTONS: usize = 150;
 
-/// Photons at which that is measured.
+/// Number of photons at which the radius is measured.
 const MEASURED: usize = 257;
 
-/// By what a radius has shrunk after so many passes: the root of the product of (i + alpha) / (i + 1).
+/// Factor by which a radius has shrunk after `passes` passes: the square root of the product of (i + alpha) / (i + 1).
 ///
 /// Source: Knaus and Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach", Eq. 18 to 20.
 pub fn shrunk(passes: u32, alpha: f64) -> f32 {
-    // Where many, the product falls as n^(alpha - 1).
+    // For many passes the product falls as n^(alpha - 1).
     let few = passes.min(4096);
     let product: f64 = (1..=few).map(|i| (f64::from(i) + alpha) / (f64::from(i) + 1.0)).product();
     let (n, m) = (f64::from(passes) + 1.0, f64::from(few) + 1.0);
@@ -26,7 +26,8 @@ pub fn shrunk(passes: u32, alpha: f64) -> f32 {
     (product * rest).sqrt() as f32
 }
 
-/// The middle one of the radii that hold [`INDIRECT_PHOTONS`] around photons of a map; `otherwise` where it has too few.
+/// The median of the radii that hold [`INDIRECT_PHOTONS`] around photons of a map; `otherwise` where the map has too few
+/// photons.
 pub(super) fn middle_radius<C: Spectrum>(map: &PhotonMap<C>, otherwise: f32) -> f32 {
     let mut nearest = Nearest::default();
     let stride = map.len().div_ceil(MEASURED).max(1);
@@ -47,14 +48,14 @@ pub(super) fn middle_radius<C: Spectrum>(map: &PhotonMap<C>, otherwise: f32) -> 
     *radii.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
-/// Lines and columns of the grid of pixels that are looked at for their size.
+/// Number of rows and of columns of the grid of pixels whose size is measured.
 const LOOKS: u32 = 32;
 
-/// Mirrors and glass in a row through which a pixel is followed.
+/// Greatest number of successive mirrors and glass surfaces through which a pixel is followed.
 const MOST_SPECULAR: u32 = 16;
 
-/// What the middle one of many pixels sees of a diffuse surface: its distance times the angle of a pixel. Where none is
-/// seen, a thousandth of the scene.
+/// The median size of a pixel on the diffuse surfaces that are seen: distance times the angle of a pixel. Where no diffuse
+/// surface is seen, a thousandth of the scene's extent.
 pub(super) fn pixel_size(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -> f32 {
     let [width, height] = resolution.map(|n| n as f32);
     let mut tracer = SceneTracer::new(scene);
@@ -70,7 +71,7 @@ pub(super) fn pixel_size(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -
             way += hit.t;
             let vertex = Vertex::<Rgb>::new(scene, &ray, &hit, ());
             if vertex.bsdf.lobes().have_specular() {
-                // Glass is seen through.
+                // The path passes through glass.
                 let Some(bounce) = vertex.sample_bounce([0.5, 0.5, 0.999, 0.0]) else { break };
                 ray = bounce.ray;
                 continue;

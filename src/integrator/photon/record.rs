@@ -1,9 +1,10 @@
-//! A photon as it is stored.
+//! The stored form of a photon.
 
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
-/// A direction in 32 bits: the octahedron's faces folded into a square, 16 bits each way. Off by 5e-5 radians at most.
+/// A direction in 32 bits: the octahedron's faces folded into a square, with 16 bits for each axis. The error is at most
+/// 5e-5 radians.
 ///
 /// Source: Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors".
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -18,7 +19,7 @@ impl Octahedral {
         if direction.z < 0.0 {
             (x, y) = ((1.0 - y.abs()).copysign(x), (1.0 - x.abs()).copysign(y));
         }
-        // To the nearest of 65535 steps, so that 0 is one of them.
+        // Values are rounded to the nearest of 65535 steps, so that 0 is exact.
         let pack = |v: f32| (v.clamp(-1.0, 1.0) * 32767.0).round() as i32 as u32 & 0xffff;
         Self(pack(x) << 16 | pack(y))
     }
@@ -34,39 +35,39 @@ impl Octahedral {
     }
 }
 
-/// Light that came to a surface: 32 bytes where it has three channels.
+/// Light that arrived at a surface: 32 bytes for three channels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Photon<C: Spectrum = Rgb> {
-    /// Where, scene frame.
+    /// Position, scene frame.
     pub p: [f32; 3],
-    /// Geometric normal on the side it came from.
+    /// Geometric normal on the side from which the light arrived.
     pub normal: Octahedral,
-    /// Its share of the light's power (W); 0 for a shadow photon, which marks where something keeps the light away.
+    /// The photon's share of the light's power (W); 0 for a shadow photon, which marks where a surface occludes the light.
     pub power: C::Packed,
-    /// Towards where it came from.
+    /// Direction from which the light arrived.
     pub wi: Octahedral,
 }
 
 impl<C: Spectrum> Photon<C> {
-    /// A photon of this power that came to `p` along `-wi`, on the side of the unit normal `normal`.
+    /// Creates a photon of this power that arrived at `p` along `-wi`, on the side of the unit normal `normal`.
     #[inline]
     pub fn new(p: Vec3, normal: Vec3, wi: Vec3, power: C) -> Self {
         Self { p: p.to_array(), normal: Octahedral::new(normal), power: power.pack(), wi: Octahedral::new(wi) }
     }
 
-    /// Its place.
+    /// The photon's position.
     #[inline]
     pub fn position(&self) -> Vec3 {
         Vec3::from_array(self.p)
     }
 
-    /// Its power (W).
+    /// The photon's power (W).
     #[inline]
     pub fn power(&self) -> C {
         C::unpack(self.power)
     }
 
-    /// Whether it only marks a shadow.
+    /// Whether the photon is a shadow photon.
     #[inline]
     pub fn is_shadow(&self) -> bool {
         self.power() == C::ZERO

@@ -1,11 +1,11 @@
-//! Light paths: photons from the emitters through the scene, and where they are stored.
+//! Light paths: traces photons from the emitters through the scene and stores them.
 //!
-//! A path goes on by Russian roulette with the probability that keeps the photon's power what it was, but for the colour:
-//! so all photons of a map weigh about the same, and none is worth less memory or less time than another. One that leaves
-//! the scene is counted and not replaced. Power, unlike radiance, is not scaled by refraction.
+//! Russian roulette continues a path with the probability that keeps the photon's power unchanged except for its colour. All
+//! photons of a map therefore have about the same power, and none wastes memory or time. A photon that leaves the scene is
+//! counted and not replaced. Power, unlike radiance, is not scaled by refraction.
 //!
-//! Each path is a pure function of (seed, map, pass, number of the path), traced in blocks that are put together in their
-//! order: any number of threads gives the same map.
+//! Each path is a pure function of (seed, map, pass, index of the path). Paths are traced in blocks that are joined in their
+//! order, so that any number of threads gives the same map.
 
 use std::sync::Arc;
 
@@ -23,37 +23,38 @@ use crate::sampling::{Sampler as _, SobolSampler};
 use crate::scene::Scene;
 use crate::spectrum::{Rgb, Spectrum};
 
-/// Which photons a map holds.
+/// The light paths whose photons a map holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MapKind {
-    /// Light straight from the emitters, and shadow photons behind what it meets.
+    /// Light straight from the emitters, and shadow photons on the surfaces behind the first hit.
     Direct,
     /// Light that came by mirrors and glass only (LS+D).
     Caustic,
-    /// Light that was scattered diffusely before.
+    /// Light that was scattered diffusely before it arrived.
     Indirect,
     /// All light.
     Global,
 }
 
-/// What became of the light that was sent out, power (W).
+/// Balance of the light that was emitted, power (W).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tally {
-    /// Light paths, those included that led nowhere.
+    /// Number of light paths, including those that carry no power.
     pub paths: u64,
-    /// Photons stored, without shadow photons.
+    /// Number of photons stored, without shadow photons.
     pub stored: u64,
-    /// Shadow photons.
+    /// Number of shadow photons stored.
     pub shadows: u64,
-    /// Rays traced.
+    /// Number of rays traced.
     pub rays: u64,
-    /// Power sent out.
+    /// Emitted power.
     pub emitted: DVec3,
     /// Power that left the scene.
     pub escaped: DVec3,
-    /// Power absorbed by surfaces: what came less what went on, so that roulette is in it.
+    /// Power absorbed by surfaces: the incident power less the power that continues, which includes the effect of Russian
+    /// roulette.
     pub absorbed: DVec3,
-    /// Power that was still under way where paths were cut, or were over for this map.
+    /// Power that paths still carried when the depth limit cut them, or when they could store no more photons in this map.
     pub left: DVec3,
 }
 
@@ -76,48 +77,48 @@ impl Tally {
     }
 }
 
-/// Photons, and what became of all light.
+/// Stored photons, and the balance of all light.
 #[derive(Clone, Debug, Default)]
 pub struct PhotonBatch<C: Spectrum = Rgb> {
-    /// In the order of their paths; the power of all paths together is what the emitters send.
+    /// Photons in the order of their paths; the power of all paths together is the power of the emitters.
     pub photons: Vec<Photon<C>>,
     /// See [`Tally`].
     pub tally: Tally,
-    /// Paths that were asked for, where memory ended them earlier.
+    /// Number of paths that were asked for, where the memory limit ended the batch earlier.
     pub cut_from: Option<u64>,
 }
 
-/// Light paths of a block: the unit of work of a thread.
+/// Light paths in a block, the unit of work of a thread.
 const BLOCK: u32 = 1 << 10;
 
-/// Most blocks between two looks at the memory.
+/// Most blocks between two checks of the memory limit.
 const ROUND: usize = 64;
 
-/// Photons kept of a light path, at most, in the sizes that are planned with.
+/// Greatest number of photons that a light path is assumed to store, for planning block sizes.
 pub(super) const PHOTONS_A_PATH: usize = 64;
 
-/// How many light paths, of which kind, from which random numbers.
+/// A batch of light paths: their number, the photons to store and the random numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct PhotonJob {
-    /// What is stored.
+    /// The photons that are stored.
     pub kind: MapKind,
-    /// Light paths.
+    /// Number of light paths.
     pub paths: u32,
-    /// Number of the pass: each has random numbers of its own.
+    /// Index of the pass; each pass has its own random numbers.
     pub pass: u32,
     /// Most photons that are kept, whatever the number of paths.
     pub most: usize,
 }
 
-/// Sends out light paths and keeps photons. Nothing, where nothing shines or no photon could be of this kind.
+/// Traces light paths and stores photons. The batch is empty where nothing emits light or no photon could be of this kind.
 ///
 /// # Errors
-/// [`crate::ErrorKind::Cancelled`]; `InvalidScene` for points that share photons by area.
+/// [`crate::ErrorKind::Cancelled`]; `InvalidScene` for point lights that share photons by area.
 pub fn shoot(scene: &Scene, desc: &RenderDesc, job: PhotonJob, parallel: &mut impl Parallel) -> Result<PhotonBatch> {
     shoot_in(scene, desc, job, (), parallel)
 }
 
-/// The same for photons of these wavelengths.
+/// As [`shoot`], for photons of these wavelengths.
 ///
 /// # Errors
 /// As [`shoot`].
@@ -139,13 +140,13 @@ pub fn shoot_in<C: Spectrum>(
         scene: scene.clone(),
         emission,
         kind: job.kind,
-        // A family of its own for every kind of map, apart from that of the pixels.
+        // Each kind of map has its own family of random numbers, apart from those of the pixels.
         sampler: SobolSampler::new(desc.seed ^ (0x0070_686f_746f_6e00 + kind), u32::MAX),
         pass: job.pass,
         share: 1.0 / f64::from(job.paths.max(1)),
         max_depth: desc.max_depth.unwrap_or(u32::MAX),
     });
-    // Where hardly any photons are kept, a block's must not be too many by themselves.
+    // Where few photons may be kept, a single block must not exceed the limit by itself.
     let size = BLOCK.min((job.most / PHOTONS_A_PATH).max(1) as u32);
     let blocks = job.paths.div_ceil(size) as usize;
     let mut shot = PhotonBatch::default();
@@ -161,7 +162,7 @@ pub fn shoot_in<C: Spectrum>(
             shot.photons.extend_from_slice(&block.photons);
             shot.tally.add(&block.tally);
         }
-        // As many blocks as fit, should they bring twice what the blocks so far did.
+        // As many blocks follow as fit even if each stores twice as many photons as the blocks so far.
         let each = 2 * shot.photons.len().div_ceil(start).max(1);
         let fits = job.most.saturating_sub(shot.photons.len()) / each;
         if fits == 0 && start < blocks {
@@ -180,7 +181,7 @@ pub fn shoot_in<C: Spectrum>(
     Ok(shot)
 }
 
-/// What all blocks share.
+/// The data that all blocks share.
 struct PhotonTracer<C: Spectrum> {
     wavelengths: C::Wavelengths,
     scene: Scene,
@@ -211,7 +212,7 @@ impl<C: Spectrum> PhotonTracer<C> {
         shot
     }
 
-    /// A power as it is tallied: a colour.
+    /// A power as it is tallied: as RGB.
     fn tallied(&self, power: C) -> DVec3 {
         power.to_rgb(&self.wavelengths).to_f64()
     }
@@ -248,7 +249,8 @@ impl<C: Spectrum> PhotonTracer<C> {
                     shot.tally.stored += 1;
                 }
             }
-            // Beyond the first diffuse hit nothing more of these kinds can come; and of direct light, beyond any hit.
+            // Neither caustic photons beyond the first diffuse hit nor photons of direct light beyond any hit can be stored
+            // any more.
             let is_over = match self.kind {
                 MapKind::Direct => true,
                 MapKind::Caustic => was_diffuse || (!vertex.bsdf.is_black() && !lobes.have_specular()),
@@ -267,7 +269,8 @@ impl<C: Spectrum> PhotonTracer<C> {
             was_specular |= is_specular;
             was_diffuse |= !is_specular;
             let scattered = power * bounce.weight * vertex.shading_adjoint(bounce.ray.direction);
-            // Scattered power may exceed what came where the model is unfair to one direction; then nothing is gambled.
+            // Scattered power may exceed the incident power where the Bsdf does not conserve energy for one direction; the
+            // path then survives with certainty.
             let survival = roulette(scattered.max_element() / power.max_element(), depth);
             if survival.is_nan() || u[3] >= survival {
                 shot.tally.absorbed += self.tallied(power);
@@ -280,8 +283,8 @@ impl<C: Spectrum> PhotonTracer<C> {
         }
     }
 
-    /// Marks what lies behind the first surface that light met, straight on, as being in its shadow: the first hit of each
-    /// body behind it, not the inside of a body that the light is already in.
+    /// Stores shadow photons behind the first surface that the light hit, straight along the ray: at the first hit of each
+    /// body behind it, but not on the inside of a body that the light has already entered.
     fn shadows(&self, ray: &Ray, first: &Vertex<C>, tracer: &mut SceneTracer, shot: &mut PhotonBatch<C>) {
         let mut inside = Vec::new();
         let mut from = first.through(ray.direction);
@@ -311,22 +314,22 @@ impl<C: Spectrum> PhotonTracer<C> {
     }
 }
 
-/// Surfaces behind one another that shadow photons are stored on.
+/// Most surfaces along a ray that are tested for shadow photons.
 const MOST_SHADOWS: usize = 64;
 
 impl<C: Spectrum> Vertex<C> {
-    /// Light of this power that came here.
+    /// The photon for light of this power that arrived at the vertex.
     #[inline]
     pub(super) fn photon(&self, power: C) -> Photon<C> {
         Photon::new(self.surface.point.p, self.facing(), self.wo_scene(), power)
     }
 
-    /// Whether a ray that came along `direction` goes from a surface's outer side to its inner.
+    /// Whether a ray along `direction` passes from a surface's outer side to its inner side.
     fn enters(&self, direction: Vec3) -> bool {
         self.surface.ng.dot(direction) < 0.0
     }
 
-    /// Where a ray goes on that passes through the surface.
+    /// The origin of a ray that passes through the surface.
     fn through(&self, direction: Vec3) -> Vec3 {
         let side = if self.enters(direction) { -self.surface.ng } else { self.surface.ng };
         self.surface.point.offset(side)
