@@ -163,9 +163,11 @@ impl<C: Spectrum> Vertex<C> {
     }
 
     /// The albedo, normal and position for the auxiliary layers.
-    pub fn first_hit(&self) -> FirstHit {
+    pub fn first_hit(&self, scene: &Scene) -> FirstHit {
         let normal = if self.wo.z < 0.0 { -self.surface.ns } else { self.surface.ns };
-        FirstHit { albedo: self.bsdf.albedo().to_rgb(&self.wavelengths), normal, p: self.surface.point.p }
+        // As a colour: what the path's wavelengths show of it has densities to be divided by, and an albedo has not.
+        let albedo = scene.material(self.surface.material).at::<Rgb>(&self.surface, &()).albedo();
+        FirstHit { albedo, normal, p: self.surface.point.p }
     }
 
     /// Radiance emitted back along the path, with the multiple importance sampling weight of Bsdf sampling against light

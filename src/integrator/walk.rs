@@ -122,7 +122,7 @@ impl<C: Spectrum> Walk<C> {
     ) -> Option<Ray> {
         self.depth += 1;
         if self.depth == 1 {
-            first(vertex.first_hit());
+            first(vertex.first_hit(scene));
         }
 
         // Emission of the surface itself.

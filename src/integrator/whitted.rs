@@ -63,7 +63,7 @@ impl<C: Spectrum> Transport<C> for Whitted {
             };
             let vertex = Vertex::new(context.scene, &branch.ray, &hit, context.wavelengths);
             if branch.depth == 1 {
-                first(vertex.first_hit());
+                first(vertex.first_hit(context.scene));
             }
             radiance += branch.throughput * vertex.emitted(context.scene, None, 0);
             if vertex.bsdf.is_black() {

@@ -239,7 +239,7 @@ impl<C: Spectrum> Gather<C> {
             path.walk.depth += 1;
             let vertex = Vertex::new(context.scene, &path.ray, &hit, context.wavelengths);
             if path.walk.depth == 1 {
-                first(vertex.first_hit());
+                first(vertex.first_hit(context.scene));
             }
             // Emission of the surface itself.
             if sees_lights {

@@ -51,7 +51,7 @@ impl Transport<Rgb> for RadiosityPicture {
         let scene = context.scene;
         let Some(hit) = context.tracer.intersect(&ray) else { return escaped(scene, &ray, None, 1, &()) };
         let vertex = Vertex::new(scene, &ray, &hit, ());
-        first(vertex.first_hit());
+        first(vertex.first_hit(scene));
         let mut radiance: Rgb = vertex.emitted(scene, None, 1);
         if !self.final_gather {
             return radiance + self.reflected(&ray, &hit, &vertex.surface);
