@@ -1,4 +1,4 @@
-//! A scene file being read: names to numbers, mesh files read once.
+//! The state of reading a scene file: it resolves names to numbers and reads every mesh file once.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ impl<'a> Builder<'a> {
         warn(&mut self.scene.warnings, format!("{path}: {message}"));
     }
 
-    /// The material of this name.
+    /// Returns the number of the material with this name.
     pub fn material(&self, path: &str, name: &str) -> Result<usize> {
         self.scene.find_material(name).ok_or_else(|| {
             let known = self.scene.index.materials.keys().map(String::as_str);
@@ -33,7 +33,7 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// The mesh of this name.
+    /// Returns the number of the mesh with this name.
     pub fn mesh_named(&self, path: &str, name: &str) -> Result<usize> {
         self.scene.find_mesh(name).ok_or_else(|| {
             let known = self.scene.index.meshes.keys().map(String::as_str);
@@ -42,13 +42,13 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// Adds a mesh given in place.
+    /// Adds a mesh that is given inside the scene file.
     pub fn add_mesh(&mut self, mesh: MeshDesc) -> Result<usize> {
         validate::mesh(&mesh.path, &mesh)?;
         Ok(self.scene.put_mesh(mesh))
     }
 
-    /// The mesh in an OBJ file, read at its first use.
+    /// Returns the number of the mesh in an OBJ file. The file is read at its first use.
     pub fn mesh_file(&mut self, path: &str, file: &str) -> Result<usize> {
         obj::check_name(path, Path::new(file))?;
         let file = self.base_dir.join(file);

@@ -1,9 +1,10 @@
-//! Scenes made and changed by calls: what the scene format can say, with its checks and its words.
+//! Calls that build and edit a scene. They can express everything that the scene format can, with the same checks and
+//! the same names.
 //!
-//! A number that a call gives is the place in the list of materials, lights, meshes or surfaces, and never changes or
-//! comes again. Every call checks all it is given and on an error leaves the description as it was. Errors say where as
-//! the format would (`surfaces[3].radius`, `meshes[0].triangles[7][2]`); for what a file described, the path is the
-//! file's own.
+//! A number that a call returns is the index in the list of materials, lights, meshes or surfaces; it never changes and
+//! is never used again. Every call checks all of its arguments, and on an error leaves the description as it was.
+//! Errors give the same JSON path as the format would (`surfaces[3].radius`, `meshes[0].triangles[7][2]`); for an
+//! element that a file described, the path is the one in that file.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,13 +15,13 @@ use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
-/// Name of the material of surfaces that only emit.
+/// Name of the material that is shared by surfaces that only emit.
 const BLACK: &str = "(black)";
 
-/// Everything about a surface but its shape.
+/// The properties of a surface other than its shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SurfaceLook {
-    /// Number of its material. `None` needs an emission: the surface then reflects nothing.
+    /// Number of the surface's material. With `None` the surface needs an emission and reflects nothing.
     pub material: Option<usize>,
     /// Emitted radiance [W m^-2 sr^-1] on the normal's side, each channel >= 0.
     pub emission: Option<Rgb>,
@@ -28,25 +29,27 @@ pub struct SurfaceLook {
     pub transform: DAffine3,
 }
 
-/// Calls that make and change a scene.
+/// Calls that build and edit a scene.
 ///
-/// Those that add take the same time however large the scene is, but for what they copy; so do those that change a
-/// material, a light or a surface.
+/// Calls that add an element take the same time however large the scene is, apart from the data that they copy; so do
+/// calls that change a material, a light or a surface.
 impl SceneDesc {
-    /// Sets where the scene is seen from.
+    /// Sets the camera.
     ///
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] at `camera.origin`, `camera.lookAt`, `camera.up` or `camera.fieldOfView` for
-    /// a number out of range, or three vectors that give no frame.
+    /// a number out of range, or for three vectors that give no frame.
     pub fn set_camera(&mut self, camera: CameraDesc) -> Result<()> {
         self.camera = validate::camera("camera", camera)?;
         Ok(())
     }
 
-    /// Adds a material and gives its number. An empty `name` is none: it is not looked up and may come again.
+    /// Adds a material and returns its number. A material with an empty `name` has no name: it cannot be looked up by
+    /// name, and any number of materials may have the empty name.
     ///
-    /// `survival` is Russian roulette's survival probability in (0, 1], of diffuse models only, for renders with
-    /// [`RouletteDesc::File`](super::RouletteDesc::File); `None` leaves it to the library in these too.
+    /// `survival` is the survival probability of Russian roulette, in (0, 1]. It is allowed for diffuse models only,
+    /// and renders use it only with [`RouletteDesc::File`](super::RouletteDesc::File). With `None`, the library chooses
+    /// the probability in these renders too.
     ///
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] at `materials[..]`: `.name` if it is taken, `.color`, `.roughness`,
@@ -62,10 +65,11 @@ impl SceneDesc {
         self.put_material(material)
     }
 
-    /// Changes a material; it keeps its name.
+    /// Changes a material. The material keeps its name.
     ///
     /// # Errors
-    /// As [`Self::add_material`], and for a number that is no material's or the one of surfaces without a material.
+    /// The errors are those of [`Self::add_material`], and an error for a number that no material has or that is the number
+    /// of the black material that surfaces without a material share.
     pub fn set_material(&mut self, material: usize, bsdf: BsdfDesc, survival: Option<f32>) -> Result<()> {
         if self.black() == Some(material) {
             let message = "this is what surfaces without a material share, it stays black";
@@ -80,7 +84,7 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Adds a point light and gives its number. `intensity` is radiant intensity [W sr^-1], each channel >= 0.
+    /// Adds a point light and returns its number. `intensity` is radiant intensity [W sr^-1], each channel >= 0.
     ///
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] at `lights[..].origin[..]` or `lights[..].color[..]`.
@@ -90,10 +94,10 @@ impl SceneDesc {
         Ok(self.lights.len() - 1)
     }
 
-    /// Changes a point light; no intensity switches it off.
+    /// Changes a point light. An intensity of zero switches the light off.
     ///
     /// # Errors
-    /// As [`Self::add_point_light`], and for a number that is no light's.
+    /// The errors are those of [`Self::add_point_light`], and an error for a number that no light has.
     pub fn set_point_light(&mut self, light: usize, position: DVec3, intensity: Rgb) -> Result<()> {
         let count = self.lights.len();
         let Some(known) = self.lights.get_mut(light) else {
@@ -103,8 +107,8 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Adds a mesh, of vectors or of the host's arrays, and gives its number. An empty name is none; `path` is not
-    /// looked at.
+    /// Adds a mesh, which consists of vectors or of the host's arrays, and returns its number. A mesh with an empty
+    /// name has no name. The mesh's `path` is not read.
     ///
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] at `meshes[..]`: `.name` if it is taken; `.triangles`, `.positions`,
@@ -123,13 +127,13 @@ impl SceneDesc {
         Ok(number)
     }
 
-    /// Adds the mesh in a Wavefront OBJ file and gives its number. The file is read at each call; a relative one is
-    /// looked up from the process's working directory. An empty name is none. What is left out of the file is said in
-    /// `warnings`.
+    /// Adds the mesh in a Wavefront OBJ file and returns its number. The file is read at each call; a relative path is
+    /// resolved from the process's working directory. A mesh with an empty name has no name. The parts of the file that
+    /// are left out are listed in `warnings`.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::Io`] if the file cannot be read, [`crate::ErrorKind::InvalidScene`] for what it holds, with
-    /// the file and its line, and at `meshes[..].name` for a name that is taken.
+    /// [`crate::ErrorKind::Io`] if the file cannot be read; [`crate::ErrorKind::InvalidScene`] for invalid content,
+    /// with the file and the line, and at `meshes[..].name` for a name that is taken.
     pub fn add_mesh_file(&mut self, name: &str, file: &Path) -> Result<usize> {
         let path = format!("meshes[{}]", self.meshes.len());
         if !name.is_empty() {
@@ -137,7 +141,7 @@ impl SceneDesc {
         }
         let at = join(&path, "file");
         obj::check_name(&at, file)?;
-        // It adds warnings only once nothing can fail any more.
+        // The loader adds warnings only once no error can occur any more.
         let mesh = obj::load(file, &at, &mut self.warnings)?;
         self.files.push(file.to_owned());
         let number = self.put_mesh(mesh);
@@ -145,12 +149,12 @@ impl SceneDesc {
         Ok(number)
     }
 
-    /// Replaces the data of a mesh, for all surfaces that use it. It keeps its name; name and path in `data` are not
-    /// looked at. Takes time with the number of surfaces that use it.
+    /// Replaces the data of a mesh, for all surfaces that use the mesh. The mesh keeps its name; the name and path in
+    /// `data` are not read. The time grows with the number of surfaces that use the mesh.
     ///
     /// # Errors
-    /// As [`Self::add_mesh`]; at a surface that the new data would carry beyond single precision; and for a number that
-    /// is no mesh's or that of a removed one.
+    /// The errors are those of [`Self::add_mesh`], an error at a surface whose coordinates would exceed single
+    /// precision with the new data, and an error for a number that no mesh has or that belongs to a removed mesh.
     pub fn set_mesh(&mut self, mesh: usize, data: MeshDesc) -> Result<()> {
         let path = format!("meshes[{mesh}]");
         let name = self.usable_mesh(&path, mesh)?.name.clone();
@@ -167,12 +171,12 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Removes a mesh that no surface shows any more and gives back its memory. Its name is free again, its number is
-    /// not.
+    /// Removes a mesh that no surface uses any more and frees its memory. Its name may be used again; its number is not
+    /// used again.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] at `meshes[..]` while a surface uses it, and for a number that is no mesh's
-    /// or that of a removed one.
+    /// [`crate::ErrorKind::InvalidScene`] at `meshes[..]` while a surface uses the mesh, and for a number that no mesh
+    /// has or that belongs to a removed mesh.
     pub fn remove_mesh(&mut self, mesh: usize) -> Result<()> {
         let path = format!("meshes[{mesh}]");
         self.usable_mesh(&path, mesh)?;
@@ -185,13 +189,14 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Adds a surface and gives its number. `local` takes the shape's frame to the object's; [`ShapeDesc::cylinder`]
-    /// and its like give both.
+    /// Adds a surface and returns its number. `local` is the transform from the shape's frame to the object's frame;
+    /// [`ShapeDesc::cylinder`] and the other constructors return the shape and `local` together.
     ///
     /// # Errors
-    /// At `surfaces[..]`. [`crate::ErrorKind::InvalidScene`] for a number out of range, a material or mesh that does
-    /// not exist, neither material nor emission, a transform that cannot be undone, or a place beyond single precision;
-    /// [`crate::ErrorKind::Unsupported`] for an emission of a quadric, a disk or a sphere stretched by its transform.
+    /// All errors are at `surfaces[..]`: [`crate::ErrorKind::InvalidScene`] for a number out of range, a material or
+    /// mesh that does not exist, a surface with neither material nor emission, a transform that is not invertible, or a
+    /// position beyond single precision; [`crate::ErrorKind::Unsupported`] for an emission of a quadric, of a disk, or
+    /// of a sphere that is stretched by its transform.
     pub fn add_surface(&mut self, shape: ShapeDesc, local: DAffine3, look: SurfaceLook) -> Result<usize> {
         let path = format!("surfaces[{}]", self.surfaces.len());
         shape.check(&path)?;
@@ -201,10 +206,11 @@ impl SceneDesc {
         self.put_surface(&path, shape, local, look)
     }
 
-    /// Moves a surface: `transform` takes the object to the world.
+    /// Moves a surface. `transform` is the transform from the object's frame to the world frame.
     ///
     /// # Errors
-    /// As [`Self::add_surface`], and for a number that is no surface's or that of a removed one.
+    /// The errors are those of [`Self::add_surface`], and an error for a number that no surface has or that belongs to
+    /// a removed surface.
     pub fn set_transform(&mut self, surface: usize, transform: DAffine3) -> Result<()> {
         let known = self.live_surface(surface)?;
         let (shape, local, emits) = (known.shape, known.local, known.emission.is_some());
@@ -213,11 +219,12 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Gives a surface another material; `None`, for a surface that emits, makes it reflect nothing.
+    /// Gives a surface another material. For a surface that emits, `None` makes the surface reflect nothing.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] at `surfaces[..].material` for a material that does not exist, at
-    /// `surfaces[..]` for none without an emission, or for a number that is no surface's or that of a removed one.
+    /// [`crate::ErrorKind::InvalidScene`] at `surfaces[..].material` for a material that does not exist, and at
+    /// `surfaces[..]` for `None` on a surface without an emission, or for a number that no surface has or that belongs
+    /// to a removed surface.
     pub fn set_surface_material(&mut self, surface: usize, material: Option<usize>) -> Result<()> {
         let known = self.live_surface(surface)?;
         let path = known.path.clone();
@@ -226,13 +233,13 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Lets a surface emit, or stop doing so: radiance [W m^-2 sr^-1] on the normal's side, each channel >= 0. One that
-    /// had no material stays black without its light.
+    /// Sets the emission of a surface: radiance [W m^-2 sr^-1] on the normal's side, each channel >= 0. `None` removes
+    /// the emission; a surface that had no material then stays black.
     ///
     /// # Errors
-    /// At `surfaces[..].emission`: [`crate::ErrorKind::InvalidScene`] for a number out of range,
-    /// [`crate::ErrorKind::Unsupported`] for a shape that cannot emit; at `surfaces[..]` for a number that is no
-    /// surface's or that of a removed one.
+    /// At `surfaces[..].emission`, [`crate::ErrorKind::InvalidScene`] for a number out of range and
+    /// [`crate::ErrorKind::Unsupported`] for a shape that cannot emit; at `surfaces[..]`, an error for a number that no
+    /// surface has or that belongs to a removed surface.
     pub fn set_emission(&mut self, surface: usize, emission: Option<Rgb>) -> Result<()> {
         let known = self.live_surface(surface)?;
         let emission = check_emission(&known.path, emission)?;
@@ -243,35 +250,35 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Removes a surface for good: no ray meets it and no call changes it any more, its number is not used again, and
-    /// it no longer uses its mesh.
+    /// Removes a surface permanently: no ray hits it, no call can change it, its number is not used again, and it no
+    /// longer uses its mesh.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] for a number that is no surface's or that of a removed one.
+    /// [`crate::ErrorKind::InvalidScene`] for a number that no surface has or that belongs to a removed surface.
     pub fn remove_surface(&mut self, surface: usize) -> Result<()> {
         self.live_surface(surface)?;
         self.surfaces[surface].hidden = true;
         Ok(())
     }
 
-    /// The material that a file or a call gave this name.
+    /// Returns the number of the material to which a file or a call gave this name.
     pub fn find_material(&self, name: &str) -> Option<usize> {
         self.index.materials.get(name).copied().filter(|number| *number < self.materials.len())
     }
 
-    /// The mesh that a file or a call gave this name.
+    /// Returns the number of the mesh to which a file or a call gave this name.
     pub fn find_mesh(&self, name: &str) -> Option<usize> {
         let number = *self.index.meshes.get(name)?;
         self.meshes.get(number).filter(|mesh| !is_removed(mesh)).map(|_| number)
     }
 
-    /// The surface at a path such as `surfaces[3]`, or `lights[0]` for an area light of a file; none that was removed.
-    /// Searches them all.
+    /// Returns the number of the surface at a path such as `surfaces[3]`, or `lights[0]` for an area light of a file.
+    /// Removed surfaces are not found. The function searches all surfaces.
     pub fn find_surface(&self, json_path: &str) -> Option<usize> {
         self.surfaces.iter().position(|surface| !surface.hidden && surface.path == json_path)
     }
 
-    /// Adds a material with a name, and with numbers that are in order.
+    /// Adds a named material whose numbers have been checked.
     pub(super) fn put_material(&mut self, material: MaterialDesc) -> Result<usize> {
         if self.find_material(&material.name).is_some() {
             let message = format!("the material name '{}' is given twice", elided(&material.name));
@@ -283,7 +290,7 @@ impl SceneDesc {
         Ok(number)
     }
 
-    /// Adds a mesh whose numbers are in order.
+    /// Adds a mesh whose numbers have been checked.
     pub(super) fn put_mesh(&mut self, mesh: MeshDesc) -> usize {
         let (number, mesh) = (self.meshes.len(), Arc::new(mesh));
         self.index.measured(number, &mesh, mesh.bounds());
@@ -291,7 +298,7 @@ impl SceneDesc {
         number
     }
 
-    /// Adds a surface whose shape is in order.
+    /// Adds a surface whose shape has been checked.
     pub(super) fn put_surface(
         &mut self,
         path: &str,
@@ -300,7 +307,7 @@ impl SceneDesc {
         look: SurfaceLook,
     ) -> Result<usize> {
         let emission = check_emission(path, look.emission)?;
-        // Even an emission of zero may stand without a material.
+        // An emission allows a surface without a material, even if the emission is zero.
         self.check_material(path, look.material, look.emission.is_some())?;
         self.check_place(path, &shape, &local, &look.transform, emission.is_some())?;
         let material = look.material.unwrap_or_else(|| self.shared_black(path));
@@ -327,7 +334,8 @@ impl SceneDesc {
         }
     }
 
-    /// A place that can be undone, that single precision can follow, and where the shape can emit if it does.
+    /// Checks that the placement is invertible, that its coordinates fit single precision, and that the shape can emit
+    /// there if the surface has an emission.
     fn check_place(
         &mut self,
         path: &str,
@@ -349,13 +357,14 @@ impl SceneDesc {
         if emits { validate::emitter(path, shape, &to_world) } else { Ok(()) }
     }
 
-    /// What surfaces without a material share, if there is one yet.
+    /// The number of the material that surfaces without a material share, if that material exists yet.
     fn black(&self) -> Option<usize> {
         let is_black = |number: &usize| self.materials.get(*number).is_some_and(|it| it.bsdf == BsdfDesc::Black);
         self.index.black.filter(is_black)
     }
 
-    /// What surfaces without a material share, made when first needed.
+    /// Returns the number of the material that surfaces without a material share. The material is made when it is first
+    /// needed.
     fn shared_black(&mut self, path: &str) -> usize {
         self.black().unwrap_or_else(|| {
             let number = self.materials.len();
@@ -370,7 +379,7 @@ impl SceneDesc {
         })
     }
 
-    /// A name that no other mesh has.
+    /// Checks that no other mesh has this name.
     pub(super) fn check_mesh_name(&self, path: &str, name: &str) -> Result<()> {
         if self.find_mesh(name).is_some() {
             return Err(Error::invalid(join(path, "name"), format!("the mesh name '{}' is given twice", elided(name))));
@@ -378,7 +387,8 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// A mesh that exists and was not removed; `path` is where its number is used.
+    /// Returns a mesh, or an error if the mesh does not exist or was removed. `path` is where the mesh's number is
+    /// used.
     fn usable_mesh(&self, path: &str, mesh: usize) -> Result<&MeshDesc> {
         let known = self.meshes.get(mesh).ok_or_else(|| none_such(path, "mesh", mesh, self.meshes.len()))?;
         if is_removed(known) {
@@ -387,7 +397,7 @@ impl SceneDesc {
         Ok(known)
     }
 
-    /// A surface that exists and was not removed.
+    /// Returns a surface, or an error if the surface does not exist or was removed.
     fn live_surface(&self, surface: usize) -> Result<&SurfaceDesc> {
         let known = self
             .surfaces
@@ -400,19 +410,19 @@ impl SceneDesc {
     }
 }
 
-/// Radiance in range; no light at all is no emission.
+/// Checks that the radiance is in range. An emission without any light becomes `None`.
 fn check_emission(path: &str, emission: Option<Rgb>) -> Result<Option<Rgb>> {
     let Some(radiance) = emission else { return Ok(None) };
     validate::emission(&join(path, "emission"), radiance.to_f64(), 1.0)?;
     Ok((radiance != Rgb::ZERO).then_some(radiance))
 }
 
-/// Only a removed mesh is empty.
+/// Returns whether a mesh was removed. Only removed meshes are empty.
 fn is_removed(mesh: &MeshDesc) -> bool {
     mesh.triangle_count() == 0
 }
 
-/// A number that is none of a list's.
+/// The error for a number that is not an index of the list.
 fn none_such(path: &str, what: &str, number: usize, count: usize) -> Error {
     Error::invalid(path, format!("there is no {what} {number}, expected an index below {count}"))
 }

@@ -1,4 +1,4 @@
-//! From a path to text: regular files of bounded size only, UTF-8.
+//! Reads text from a path. Only regular files of bounded size that contain UTF-8 are accepted.
 
 use std::fs::File;
 use std::io::Read;
@@ -7,7 +7,7 @@ use std::path::Path;
 use super::json::line_at;
 use crate::{Error, ErrorKind, Result};
 
-/// Largest scene or parameter file that is read, 512 MiB. Large meshes belong into OBJ files.
+/// Largest scene or parameter file that is read, 512 MiB. Large meshes belong in OBJ files.
 const SIZE_LIMIT: u64 = 512 << 20;
 
 /// Opens a regular file of at most `limit` bytes. Pipes, devices and folders are refused before they can block.
@@ -27,12 +27,12 @@ pub(super) fn open(path: &Path, limit: u64) -> Result<File> {
     };
     check(std::fs::metadata(path).map_err(fail)?)?;
     let file = File::open(path).map_err(fail)?;
-    // It may have been replaced in between.
+    // The file is checked again after opening, because it may have been replaced in between.
     check(file.metadata().map_err(fail)?)?;
     Ok(file)
 }
 
-/// The text of a scene or parameter file.
+/// Reads the text of a scene or parameter file.
 pub(super) fn read_text(path: &Path) -> Result<String> {
     let mut bytes = Vec::new();
     open(path, SIZE_LIMIT)?

@@ -1,4 +1,4 @@
-//! Pixel filters as the native format writes them.
+//! Reads pixel filters of the native format.
 
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -84,7 +84,7 @@ fn mitchell(path: &str, b: f64, c: f64) -> Result<FilterDesc> {
     Ok(FilterDesc::Mitchell { b: within("b", b)?, c: within("c", c)? })
 }
 
-/// The parameters of a filter.
+/// Checks the parameters of a filter.
 pub(super) fn check(path: &str, filter: FilterDesc) -> Result<()> {
     match filter {
         FilterDesc::Gaussian { sigma } => gaussian(path, sigma.into()).map(|_| ()),
@@ -93,7 +93,7 @@ pub(super) fn check(path: &str, filter: FilterDesc) -> Result<()> {
     }
 }
 
-/// Reads a filter's name, or its object.
+/// Reads a filter, which is written as its name or as an object.
 pub(super) fn read(raw: &RawValue, path: &str) -> Result<FilterDesc> {
     let (name, block) = json::named(raw, path, &FILTERS)?;
     match name.as_str() {

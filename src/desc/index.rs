@@ -1,4 +1,4 @@
-//! What the calls of a description look up, so that none of them has to search the whole scene.
+//! The index of a description: tables by which its calls find elements without searching the whole scene.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};
@@ -6,34 +6,35 @@ use std::sync::{Arc, Weak};
 use super::object::{MeshDesc, ShapeDesc, SurfaceDesc};
 use crate::math::Bounds;
 
-/// Names, extents of meshes and who uses them, kept beside the lists of a [`super::SceneDesc`] by the readers and the
-/// calls.
+/// Names, extents of meshes and users of meshes. The readers and the calls keep them beside the lists of a
+/// [`super::SceneDesc`].
 ///
-/// A description put together by hand starts with the default. What is put into its lists by hand has no name here, so
-/// the calls neither find it by name nor refuse a second one of that name.
+/// A description that is put together by hand starts with the default index. Elements that are put into its lists by
+/// hand have no name here, so the calls neither find such an element by name nor refuse a second element of that name.
 #[derive(Clone, Debug, Default)]
 pub struct SceneIndex {
     /// Numbers of the named materials.
     pub(super) materials: BTreeMap<String, usize>,
-    /// Numbers of the named meshes; several names may mean one mesh.
+    /// Numbers of the named meshes. Several names may refer to one mesh.
     pub(super) meshes: BTreeMap<String, usize>,
-    /// The material of surfaces without one.
+    /// The number of the material of surfaces without a material.
     pub(super) black: Option<usize>,
-    /// Extent of each mesh that was asked for, and of which data: a mesh replaced by hand is measured again.
+    /// The extent of each mesh that was queried, with the data that it was computed from. A mesh that was replaced by
+    /// hand is measured again.
     extents: BTreeMap<usize, (Weak<MeshDesc>, Bounds)>,
-    /// The surfaces that were made with each mesh; some may be hidden by now.
+    /// The surfaces that were made with each mesh. Some of them may be hidden by now.
     uses: BTreeMap<usize, Vec<usize>>,
-    /// How many surfaces `uses` knows.
+    /// The number of surfaces that `uses` covers.
     seen: usize,
 }
 
 impl SceneIndex {
-    /// Takes note of the box around a mesh.
+    /// Records the bounding box of a mesh.
     pub(super) fn measured(&mut self, number: usize, mesh: &Arc<MeshDesc>, extent: Bounds) {
         self.extents.insert(number, (Arc::downgrade(mesh), extent));
     }
 
-    /// Box around a mesh in its own frame, computed once for each mesh.
+    /// Returns the bounding box of a mesh in its own frame. The box is computed once for each mesh.
     pub(super) fn extent(&mut self, number: usize, mesh: &Arc<MeshDesc>) -> Bounds {
         match self.extents.get(&number) {
             Some((known, extent)) if std::ptr::eq(known.as_ptr(), Arc::as_ptr(mesh)) => *extent,
@@ -45,7 +46,7 @@ impl SceneIndex {
         }
     }
 
-    /// Takes note of the surfaces that came since the last time.
+    /// Records the surfaces that were added since the last call.
     pub(super) fn see(&mut self, surfaces: &[SurfaceDesc]) {
         if self.seen > surfaces.len() {
             self.uses.clear();
@@ -59,7 +60,7 @@ impl SceneIndex {
         self.seen = surfaces.len();
     }
 
-    /// The surfaces that show a mesh, in order.
+    /// Returns the surfaces that use a mesh, in order.
     pub(super) fn users(&mut self, mesh: usize, surfaces: &[SurfaceDesc]) -> Vec<usize> {
         self.see(surfaces);
         let shows = |number: &usize| {
@@ -70,19 +71,19 @@ impl SceneIndex {
         self.uses.get(&mesh).into_iter().flatten().copied().filter(shows).collect()
     }
 
-    /// Keeps these users of a mesh only.
+    /// Replaces the recorded users of a mesh by these.
     pub(super) fn keep_users(&mut self, mesh: usize, users: Vec<usize>) {
         self.uses.insert(mesh, users);
     }
 
-    /// Lets a mesh be found by a name, unless that is empty.
+    /// Makes a mesh known by a name, unless the name is empty.
     pub(super) fn name_mesh(&mut self, name: String, mesh: usize) {
         if !name.is_empty() {
             self.meshes.insert(name, mesh);
         }
     }
 
-    /// Forgets a mesh and its name.
+    /// Removes a mesh and its name from the index.
     pub(super) fn forget_mesh(&mut self, mesh: usize, name: &str) {
         self.extents.remove(&mesh);
         self.uses.remove(&mesh);

@@ -1,67 +1,70 @@
-//! The table of integrators: everything that is said of one without running it.
+//! The table of integrators: all properties of an integrator that are known without running it.
 //!
-//! Readers of files, the command line, the C interface, the schema, notes of a render and `docs/integrators.md` take names and
-//! properties from here. A new integrator is its own file in [`crate::integrator`] and a row below; the compiler then asks
-//! for it where it must be made (`render/method.rs`), and tests ask for its value in `etd_integrator` and its rows in the
-//! documents.
+//! Readers of files, the command line, the C interface, the schema, notes of a render and `docs/integrators.md` take
+//! names and properties from this table. A new integrator needs its own file in [`crate::integrator`] and a row below.
+//! The compiler then requires code that makes the integrator (`render/method.rs`), and tests require its value in
+//! `etd_integrator` and its rows in the documents.
 
-/// What is known of an integrator before it runs.
+/// The properties of an integrator that are known before it runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntegratorInfo {
-    /// Its name in files and on the command line.
+    /// The integrator's name in files and on the command line.
     pub name: &'static str,
-    /// Its value in C, of `etd_integrator`.
+    /// The integrator's value in the C enumeration `etd_integrator`.
     pub c_value: u32,
-    /// What it computes, in one sentence.
+    /// A one-sentence description of what the integrator computes.
     pub description: &'static str,
-    /// How far its expected image is from the true one.
+    /// The bias of the integrator's expected image.
     pub bias: Bias,
-    /// How the samples of pixels are taken.
+    /// The order in which the samples of pixels are taken.
     pub order: SampleOrder,
-    /// What is made before samples are taken.
+    /// The structures that are built before samples are taken.
     pub preparation: Preparation,
-    /// Whether `maxDepth` cuts its paths.
+    /// Whether `maxDepth` limits the length of the integrator's paths.
     pub cut_by_max_depth: bool,
-    /// What becomes of each kind of scattering; `None` where another integrator is chosen, whose answer counts.
+    /// How the integrator treats each kind of lobe; `None` for an integrator that chooses another one, whose support
+    /// then applies.
     pub lobes: Option<LobeSupport>,
 }
 
-/// How far the expected image of an integrator is from the solution of the rendering equation.
+/// The difference between the expected image of an integrator and the solution of the rendering equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bias {
-    /// The expected image is the true one for any number of samples, unless paths are cut (`maxDepth`).
+    /// The expected image is the true one for any number of samples, unless paths are cut by `maxDepth`.
     Unbiased,
-    /// The expected image has an error of this kind, which vanishes as samples grow, and which error estimates count.
+    /// The expected image has an error of this kind, which vanishes as the number of samples grows and which error
+    /// estimates include.
     Consistent(&'static str),
-    /// The expected image has an error of this kind, which stays, and which error estimates do not know.
+    /// The expected image has an error of this kind, which remains for any number of samples and which error estimates
+    /// do not include.
     Biased(&'static str),
-    /// That of the integrator that is chosen.
+    /// The bias is that of the integrator that is chosen.
     OfChoice,
 }
 
-/// How the samples of pixels are taken.
+/// The order in which the samples of pixels are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SampleOrder {
-    /// Many paths at a time, vertex by vertex, so that rays are traced in packets.
+    /// Many paths are traced at a time, vertex by vertex, so that rays are traced in packets.
     InWaves,
-    /// One path after another.
+    /// One path is traced after another.
     OneByOne,
-    /// One path after another; each pixel remembers what its density estimates found, between samples.
+    /// One path is traced after another, and each pixel stores the results of its density estimates between samples.
     WithPixelMemory,
-    /// As the integrator that is chosen does.
+    /// The order is that of the integrator that is chosen.
     OfChoice,
 }
 
-/// What is made of a scene before samples are taken.
+/// The structures that are built for a scene before samples are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preparation {
-    /// Nothing.
+    /// No structure is built.
     Nothing,
     /// Photon maps.
     PhotonMaps(PhotonMethod, MapRenewal),
     /// A radiosity solution.
     RadiositySolution,
-    /// Another integrator is chosen, with its preparation.
+    /// Another integrator is chosen, and its preparation is done.
     Choice,
 }
 
@@ -78,50 +81,52 @@ pub enum PhotonMethod {
     IrradianceCache,
     /// A caustic map and a map of indirect light at the first diffuse hit, with one radius for all pixels.
     CommonRadius,
-    /// The same, with radii of each pixel's own.
+    /// The maps of [`Self::CommonRadius`], with a radius for each pixel.
     PixelRadii,
 }
 
-/// When the photon maps of a method are made.
+/// When the photon maps of a method are built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapRenewal {
-    /// Once.
+    /// The maps are built once.
     Once,
-    /// For every pass, with radii that shrink.
+    /// The maps are built for every pass, with radii that shrink.
     EachPass,
-    /// For every pass unless `photonsProgressive` is false.
+    /// The maps are built for every pass unless `photonsProgressive` is false.
     EachPassByDefault,
 }
 
-/// What an integrator does with light that a surface scatters in one kind of lobe.
+/// How an integrator treats light that a surface scatters in one kind of lobe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LobeUse {
-    /// Paths scatter by the lobe, and go on.
+    /// Paths sample the lobe and continue.
     Followed,
-    /// Light samples and the emitters that the lobe sees give direct light; no path goes on.
+    /// Direct light is estimated by light samples and by the emitters that the lobe's samples hit. No path continues.
     DirectLight,
-    /// What was stored elsewhere is gathered there; nothing is stored.
+    /// Light that was stored at other surfaces is gathered there. The surface itself stores nothing.
     Gathered,
-    /// Light is stored there (photons, records or irradiance of elements) and gathered; what is not stored, paths find.
+    /// Light is stored there (as photons, records or irradiance of elements) and gathered. Paths find the light that is
+    /// not stored.
     StoredAndGathered,
     /// The surface counts as black, and a warning says so.
     Ignored,
-    /// An error names the surface.
+    /// The scene is refused with an error that names the surface.
     Refused,
 }
 
-/// What becomes of each kind of lobe.
+/// How an integrator treats each kind of lobe.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LobeSupport {
-    /// Lambert's, Oren and Nayar's: wide in every direction.
+    /// Lobes that are wide in every direction: Lambert's and Oren and Nayar's.
     pub diffuse: LobeUse,
-    /// Around a direction, with a density.
+    /// Lobes around a direction that have a density.
     pub glossy: LobeUse,
-    /// Single directions: perfect mirrors, smooth dielectrics.
+    /// Lobes of single directions: perfect mirrors and smooth dielectrics.
     pub specular: LobeUse,
 }
 
-/// Makes the enumeration, the list of its values and the table out of rows. The comment above a row is its description.
+/// Generates the enumeration, the list of its values and the table from the rows. The comment above a row is the
+/// description of its integrator.
 macro_rules! integrators {
     ($(
         #[doc = $description:literal]
@@ -168,11 +173,11 @@ macro_rules! integrators {
     };
 }
 
-/// Paths follow every kind of scattering.
+/// The support of integrators whose paths follow every kind of lobe.
 const FOLLOWED: LobeSupport =
     LobeSupport { diffuse: LobeUse::Followed, glossy: LobeUse::Followed, specular: LobeUse::Followed };
 
-/// Photons are stored on diffuse surfaces; light paths and eye paths follow everything else.
+/// The support of integrators that store photons on diffuse surfaces. Light paths and eye paths follow all other lobes.
 const STORED: LobeSupport = LobeSupport { diffuse: LobeUse::StoredAndGathered, ..FOLLOWED };
 
 integrators! {
@@ -332,7 +337,7 @@ mod tests {
         for integrator in IntegratorDesc::ALL {
             assert_eq!(IntegratorDesc::from_name(integrator.name()), Some(integrator));
             assert_eq!(IntegratorDesc::from_c_value(integrator.c_value()), Some(integrator));
-            // Values have no gap, so that a host may go through them.
+            // The values have no gaps, so that a host may iterate over them.
             assert!((integrator.c_value() as usize) < IntegratorDesc::ALL.len(), "{integrator:?}");
         }
         assert_eq!(IntegratorDesc::from_c_value(IntegratorDesc::ALL.len() as u32), None);

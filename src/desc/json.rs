@@ -1,4 +1,4 @@
-//! Typed reading of JSON with an exact path for every complaint, and the line of a path in the text.
+//! Reads JSON into typed structures. Every error gives an exact path, and the line of a path in the text can be found.
 
 use serde::Deserialize;
 use serde::de::{self, Deserializer, IntoDeserializer, SeqAccess, Unexpected, Visitor};
@@ -7,15 +7,15 @@ use std::fmt;
 
 use crate::{Error, ErrorKind, Result};
 
-/// Reads a JSON object into a structure; the structure itself says which keys there are.
+/// Reads a JSON object into a structure. The structure defines which keys are allowed.
 ///
-/// `path` is where `raw` stands in its file; the error's path goes on from there.
+/// `path` is the path of `raw` in its file; the paths of errors extend it.
 pub(super) fn object<'a, T: Deserialize<'a>>(raw: &'a RawValue, path: &str) -> Result<T> {
     expect_object(raw.get(), path)?;
     value(raw, path)
 }
 
-/// As [`object`], and calls `unknown` with each key the structure has no place for.
+/// Reads a JSON object as [`object`] does, and calls `unknown` with each key that the structure does not have.
 pub(super) fn object_lenient<'a, T: Deserialize<'a>>(
     raw: &'a RawValue,
     path: &str,
@@ -37,8 +37,8 @@ pub(super) fn value<'a, T: Deserialize<'a>>(raw: &'a RawValue, path: &str) -> Re
         .map_err(|error| complaint(error.inner(), &join(path, &error.path().to_string())))
 }
 
-/// Calls `read` with the path and the text of each element of an array, one after the other; an array that is not there
-/// is empty. Nothing is kept of an element, so the first bad one ends the work however long the array is.
+/// Calls `read` with the path and the text of each element of an array, one after the other. A missing array counts as
+/// empty. No element is stored, so the first invalid element ends the reading however long the array is.
 pub(super) fn each(raw: Option<&RawValue>, path: &str, read: impl FnMut(&str, &RawValue) -> Result<()>) -> Result<()> {
     struct Each<'a, F> {
         path: &'a str,
@@ -69,7 +69,7 @@ pub(super) fn each(raw: Option<&RawValue>, path: &str, read: impl FnMut(&str, &R
     done.map_err(|error| failed.take().unwrap_or_else(|| complaint(&error, path)))
 }
 
-/// Splits a whole file at its outermost object; every byte of it is checked to be JSON here.
+/// Splits a whole file at its outermost object. Every byte of the file is checked to be JSON here.
 pub(super) fn document(text: &str) -> Result<&RawValue> {
     let raw: &RawValue = serde_json::from_str(text).map_err(|error| {
         let line = error.line();
@@ -79,7 +79,7 @@ pub(super) fn document(text: &str) -> Result<&RawValue> {
     Ok(raw)
 }
 
-/// Derived structures also accept arrays of their fields, which no file means.
+/// Refuses a value that is not an object. Derived structures also accept arrays of their fields, which no file intends.
 fn expect_object(text: &str, path: &str) -> Result<()> {
     let found = kind(text);
     if found == "an object" {
@@ -88,7 +88,7 @@ fn expect_object(text: &str, path: &str) -> Result<()> {
     Err(Error::invalid(path, format!("expected an object, found {found}")))
 }
 
-/// What sort of value a JSON text is, by its first character.
+/// Returns the kind of value of a JSON text, by its first character.
 pub(super) fn kind(text: &str) -> &'static str {
     match text.trim_start().as_bytes().first() {
         Some(b'{') => "an object",
@@ -101,7 +101,7 @@ pub(super) fn kind(text: &str) -> &'static str {
     }
 }
 
-/// `base` extended by a path below it; serde's way to say "here" is a single dot.
+/// Extends `base` by a path below it. Serde denotes the value itself by a single dot.
 pub(super) fn join(base: &str, below: &str) -> String {
     match (base, below) {
         (base, "" | ".") => base.to_owned(),
@@ -111,7 +111,7 @@ pub(super) fn join(base: &str, below: &str) -> String {
     }
 }
 
-/// Moves an error's path below `base`.
+/// Returns a function that prefixes the path of an error with `base`.
 pub(super) fn below(base: &str) -> impl Fn(Error) -> Error {
     move |error| {
         let path = join(base, &error.location().json_path);
@@ -119,7 +119,7 @@ pub(super) fn below(base: &str) -> impl Fn(Error) -> Error {
     }
 }
 
-/// Serde's message in the words of a scene file.
+/// Converts serde's message to the terms of a scene file.
 fn complaint(error: &serde_json::Error, path: &str) -> Error {
     let mut message = error.to_string();
     if let Some(end) = message.rfind(" at line ") {
@@ -142,7 +142,7 @@ fn complaint(error: &serde_json::Error, path: &str) -> Error {
     ] {
         message = message.replace(theirs, ours);
     }
-    // Below the top the text is known to be JSON, so this can only be an array that goes on.
+    // Below the top level the text is known to be JSON, so this message can only mean an array with too many elements.
     if !path.is_empty() && message == "trailing characters" {
         message = "too many elements in the array".to_owned();
     }
@@ -152,7 +152,7 @@ fn complaint(error: &serde_json::Error, path: &str) -> Error {
         if message.starts_with("key given twice") {
             path = join(&path, word);
         } else if message.starts_with("unknown key") || message.starts_with("unknown name") {
-            // Serde quotes what it knows after the word it does not know.
+            // Serde quotes the known words after the unknown word.
             let hint = did_you_mean(word, known.iter().copied());
             message.push_str(&hint);
         }
@@ -160,7 +160,7 @@ fn complaint(error: &serde_json::Error, path: &str) -> Error {
     Error::new(ErrorKind::InvalidScene, elided(&message)).at(path)
 }
 
-/// A message of bounded length, its middle left out: files can hold words of any length.
+/// Shortens a message to a bounded length by leaving out its middle, because files can hold words of any length.
 pub(super) fn elided(text: &str) -> String {
     const ENDS: usize = 300;
     if text.len() <= 2 * ENDS {
@@ -172,9 +172,9 @@ pub(super) fn elided(text: &str) -> String {
     format!("{} ... {}", &text[..head], &text[tail..])
 }
 
-/// "; did you mean 'x'?" for the known word nearest to `word`, or nothing if none is near.
+/// Returns "; did you mean 'x'?" for the known word nearest to `word`, or an empty text if none is near.
 pub(super) fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    // The comparison takes the product of both lengths, and nobody mistypes a word this long.
+    // The time of the comparison is proportional to the product of both lengths, and nobody mistypes a word this long.
     const LONGEST: usize = 64;
     if word.len() > LONGEST {
         return String::new();
@@ -184,18 +184,19 @@ pub(super) fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a s
         .filter(|candidate| candidate.len() <= LONGEST)
         .map(|candidate| (strsim::normalized_damerau_levenshtein(word, candidate), candidate))
         .filter(|(likeness, _)| *likeness >= 0.5)
-        // Of equally near words the first in the alphabet, whatever order they come in.
+        // Of equally near words, the first in the alphabet is chosen, whatever their order.
         .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(a.1)))
         .map_or_else(String::new, |(_, candidate)| format!("; did you mean '{candidate}'?"))
 }
 
-/// Reads one of a set of names; serde alone would also take an object for one.
+/// Reads one of a set of names. Serde alone would also accept an object in place of a name.
 pub(super) fn name<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Option<T>, D::Error> {
     let name = Option::<String>::deserialize(deserializer)?;
     name.map(|name| T::deserialize(name.into_deserializer())).transpose()
 }
 
-/// The value of a tag such as `"type"`, read before the rest so that errors in the rest keep their path.
+/// Returns the value of a tag such as `"type"`. The tag is read before the rest so that errors in the rest keep their
+/// path.
 pub(super) fn tag(raw: &RawValue, path: &str, key: &'static str, known: &[&str]) -> Result<String> {
     expect_object(raw.get(), path)?;
     let tag = match key {
@@ -212,7 +213,7 @@ pub(super) fn tag(raw: &RawValue, path: &str, key: &'static str, known: &[&str])
     Err(Error::invalid(join(path, key), message))
 }
 
-/// A name, or an object whose `type` is the name; says whether there is an object with more in it.
+/// Reads a name, or an object whose `type` is the name. Also returns whether the value is an object with more keys.
 pub(super) fn named(raw: &RawValue, path: &str, known: &[&str]) -> Result<(String, bool)> {
     if kind(raw.get()) != "a string" {
         return tag(raw, path, "type", known).map(|name| (name, true));
@@ -225,7 +226,7 @@ pub(super) fn named(raw: &RawValue, path: &str, known: &[&str]) -> Result<(Strin
     Err(Error::invalid(path, format!("unknown name '{}', expected one of {}{hint}", elided(&name), known.join(", "))))
 }
 
-/// An object that says its type and nothing else.
+/// An object that has a type and no other key.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Plain {
@@ -310,8 +311,8 @@ impl<'de> Deserialize<'de> for Scale {
     }
 }
 
-/// One-based line on which `path` (such as `surfaces[3].material`) begins in `text`, which must be JSON; where the
-/// path does not exist to its end, the line of the last part that does.
+/// Returns the one-based line on which `path` (such as `surfaces[3].material`) begins in `text`, which must be JSON.
+/// Where the end of the path does not exist, the line is that of the last part that exists.
 pub(super) fn line_of(text: &str, path: &str) -> usize {
     let mut walker = Walker { bytes: text.as_bytes(), at: 0 };
     let mut found = {
@@ -331,12 +332,12 @@ pub(super) fn line_of(text: &str, path: &str) -> usize {
     line_at(text.as_bytes(), found)
 }
 
-/// One-based line of a byte offset.
+/// Returns the one-based line of a byte offset.
 pub(super) fn line_at(bytes: &[u8], offset: usize) -> usize {
     1 + bytes.iter().take(offset).filter(|byte| **byte == b'\n').count()
 }
 
-/// The text of the value at `path`, as [`line_of`] counts paths; `None` where there is none.
+/// Returns the text of the value at `path`, with paths as in [`line_of`]; `None` where there is no such value.
 pub(super) fn value_at<'a>(text: &'a str, path: &str) -> Option<&'a str> {
     let mut walker = Walker { bytes: text.as_bytes(), at: 0 };
     walker.space();
@@ -351,7 +352,7 @@ pub(super) fn value_at<'a>(text: &'a str, path: &str) -> Option<&'a str> {
     text.get(start..walker.at)
 }
 
-/// Makes `null` a value instead of an absent one.
+/// Reads `null` as a value that is present, instead of as an absent value.
 pub(super) fn even_null<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
 ) -> Result<Option<T>, D::Error> {
@@ -372,7 +373,7 @@ fn segments(path: &str) -> impl Iterator<Item = Segment<'_>> {
     })
 }
 
-/// Walks over JSON text that is known to be well formed; stops at its end if it is not.
+/// Walks over JSON text that is known to be well formed. On other text it stops at the end.
 struct Walker<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -399,7 +400,7 @@ impl Walker<'_> {
         }
     }
 
-    /// Past one value of any kind, without recursion.
+    /// Skips one value of any kind, without recursion.
     fn skip(&mut self) {
         let mut depth = 0_usize;
         loop {
@@ -429,7 +430,7 @@ impl Walker<'_> {
         }
     }
 
-    /// Goes to the value of the last member named `key`; returns where the member's name starts.
+    /// Moves to the value of the last member named `key`. Returns where the member's name starts.
     fn member(&mut self, key: &str) -> Option<usize> {
         let mut found = None;
         if self.peek() != Some(b'{') {
@@ -462,7 +463,7 @@ impl Walker<'_> {
         Some(start)
     }
 
-    /// Goes to element `index` of an array; returns where it starts.
+    /// Moves to element `index` of an array. Returns where the element starts.
     fn element(&mut self, index: usize) -> Option<usize> {
         if self.peek() != Some(b'[') {
             return None;

@@ -1,9 +1,10 @@
-//! Scene files of the report's renderer, `mcrt`, read for the physically correct image of what they describe.
+//! Reads scene files of the report's renderer, `mcrt`, as descriptions whose image is physically correct.
 //!
-//! Albedo and mirror reflectance are `color`; glass is clear; an area light is a triangle of radiance color * intensity
-//! on the side of (v2 - v1) x (v3 - v1) that reflects nothing; a point light has radiant intensity color * intensity;
-//! `reflectionRate` is a survival probability, which only renders with the file's roulette use and which does not change
-//! the image; meshes are flat. Keys that mean nothing are skipped with a warning, where `mcrt` skips them in silence.
+//! Albedo and mirror reflectance are given by `color`, and glass is clear. An area light is a triangle that reflects
+//! nothing and emits radiance color * intensity on the side of (v2 - v1) x (v3 - v1). A point light has radiant
+//! intensity color * intensity. `reflectionRate` is a survival probability, which only renders with the file's roulette
+//! use and which does not change the image. Meshes are shaded flat. Keys without a meaning are skipped with a warning,
+//! where `mcrt` skips them silently.
 
 use std::path::Path;
 
@@ -106,7 +107,7 @@ struct Mesh {
     material: String,
 }
 
-/// Reads a scene of the report's renderer that has been split at its top.
+/// Reads a scene of the report's renderer that has already been split at its outermost object.
 pub(super) fn read(document: &RawValue, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> {
     let mut builder = Builder::new(Dialect::Mcrt, base_dir, file);
     let top: Top<'_> = object(document, "", &mut builder)?;
@@ -117,7 +118,7 @@ pub(super) fn read(document: &RawValue, base_dir: &Path, file: Option<&Path>) ->
     Ok(builder.scene)
 }
 
-/// Reads an object; keys without a meaning become warnings.
+/// Reads an object. Keys without a meaning become warnings.
 fn object<'a, T: Deserialize<'a>>(raw: &'a RawValue, path: &str, builder: &mut Builder<'_>) -> Result<T> {
     json::object_lenient(raw, path, |key| builder.warn(&join(path, &json::elided(&key)), "unknown key, ignored"))
 }
@@ -151,7 +152,8 @@ fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()>
     let bsdf = match kind.as_str() {
         "diffuse" => {
             match material.reflection_rate {
-                // Above 0 in single precision too, in which it is divided by.
+                // The rate must be above 0 in single precision too, because throughputs are divided by the rounded
+                // value.
                 Some(rate) if rate as f32 > 0.0 && rate <= 1.0 => survival = Some(rate as f32),
                 Some(rate) => {
                     builder.warn(&at("reflectionRate"), &format!("{rate} is no probability above 0; ignored"));

@@ -1,8 +1,8 @@
-//! The scene as described: plain data in double precision, names resolved, nothing built.
+//! The description of a scene: plain data in double precision, with names resolved and nothing built.
 //!
-//! Every way of describing a scene (a native JSON file, one of the report's files, calls from a host) ends in one
-//! [`SceneDesc`], and `Scene::build` starts from it. [`load`] reads a file, [`parse`] a string; `docs/scene-format.md`
-//! describes the format.
+//! Every way of describing a scene (a native JSON file, one of the report's files, calls from a host) produces one
+//! [`SceneDesc`], from which `Scene::build` starts. [`load`] reads a file and [`parse`] reads a string;
+//! `docs/scene-format.md` describes the format.
 //!
 //! ```
 //! let scene = etendue::desc::parse(
@@ -18,8 +18,9 @@
 //! # Ok::<(), etendue::Error>(())
 //! ```
 //!
-//! All that a file can say can also be said by calls, with the same checks: [`SceneDesc::add_material`],
-//! [`SceneDesc::add_surface`] and so on, with shapes from [`ShapeDesc::sphere`] and its like.
+//! Everything that a file can describe can also be described by calls, with the same checks:
+//! [`SceneDesc::add_material`], [`SceneDesc::add_surface`] and so on, with shapes from [`ShapeDesc::sphere`] and the
+//! other constructors.
 //!
 //! ```
 //! use etendue::desc::{BsdfDesc, CameraDesc, SceneDesc, ShapeDesc, SurfaceLook};
@@ -86,45 +87,45 @@ use std::sync::Arc;
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 
-/// A whole scene and how to render it.
+/// A whole scene and its render settings.
 #[derive(Clone, Debug, Default)]
 pub struct SceneDesc {
-    /// The file it was read from, for messages.
+    /// The file from which the scene was read, for messages.
     pub file: Option<PathBuf>,
     /// The mesh files that were read.
     pub files: Vec<PathBuf>,
-    /// Which rules of reading applied.
+    /// The dialect by whose rules the scene was read.
     pub dialect: Dialect,
-    /// Where it is seen from.
+    /// The camera.
     pub camera: CameraDesc,
     /// Lights without a surface. Area lights are surfaces with an emission.
     pub lights: Vec<PointLightDesc>,
     /// Materials, named by index from surfaces.
     pub materials: Vec<MaterialDesc>,
-    /// Meshes, named by index from surfaces; one may be used many times. A mesh that is the same `Arc` in the
+    /// Meshes, named by index from surfaces. One mesh may be used many times. A mesh that is the same `Arc` in the
     /// description of an edited scene is not built again.
     pub meshes: Vec<Arc<MeshDesc>>,
-    /// What there is to hit.
+    /// Surfaces that rays can hit.
     pub surfaces: Vec<SurfaceDesc>,
-    /// Resolution, samples, integrator.
+    /// Render settings, such as resolution, samples and integrator.
     pub render: RenderDesc,
-    /// What was read but is worth a word: unknown keys of a report scene, a second definition of a name.
+    /// Warnings about the text that was read, such as unknown keys of a report scene or a second definition of a name.
     pub warnings: Vec<String>,
-    /// What the calls look up. Of a description put together by hand: the default.
+    /// The index by which the calls find elements. A description that is put together by hand has the default index.
     pub index: SceneIndex,
 }
 
-/// The rules a scene file was read by.
+/// The rules by which a scene file was read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Dialect {
-    /// `"etendue": 1`.
+    /// A native scene, with `"etendue": 1`.
     #[default]
     Native,
     /// A file of the 2017 report's renderer, `mcrt`.
     Mcrt,
 }
 
-/// Which side of the image the field of view spans.
+/// The side of the image that the field of view spans.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FovAxis {
     /// The width.
@@ -134,34 +135,34 @@ pub enum FovAxis {
     Vertical,
 }
 
-/// A camera. Lengths in scene units, right-handed, angles in degrees.
+/// A camera. Lengths are in scene units, the frame is right-handed, and angles are in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CameraDesc {
     /// A pinhole at `eye`.
     Perspective {
         /// Eye point.
         eye: DVec3,
-        /// A point in the middle of the image.
+        /// A point that is seen in the middle of the image.
         look_at: DVec3,
-        /// Upwards in the image; any length, not parallel to the view.
+        /// The direction that is up in the image. It has any length and is not parallel to the view direction.
         up: DVec3,
-        /// Full angle across `fov_axis`, degrees, in (0, 180).
+        /// Full angle across `fov_axis` in degrees, in (0, 180).
         fov_deg: f64,
         /// The side that `fov_deg` spans.
         fov_axis: FovAxis,
     },
-    /// The report's camera: a view plane with the eye behind it; what lies between eye and plane is not seen.
+    /// The report's camera: a view plane with the eye behind it. Surfaces between the eye and the plane are not seen.
     ///
     /// With w = normalize(look_at - centre), u = w x up (not normalised) and aspect A, the plane is |u| sqrt(A) wide
     /// and |u| / sqrt(A) high on each side of its centre, and the eye |u| sqrt(A) / tan(fov / 2) behind it.
     ViewPlane {
         /// Centre of the view plane.
         centre: DVec3,
-        /// A point in the middle of the image.
+        /// A point that is seen in the middle of the image.
         look_at: DVec3,
-        /// Upwards; its length scales the plane.
+        /// The direction that is up in the image. Its length scales the plane.
         up: DVec3,
-        /// Full horizontal angle, degrees, in (0, 180).
+        /// Full horizontal angle in degrees, in (0, 180).
         fov_deg: f64,
     },
 }
@@ -183,7 +184,7 @@ impl Default for CameraDesc {
 pub struct PointLightDesc {
     /// JSON path, for messages.
     pub path: String,
-    /// Where it is.
+    /// Position of the light in the world frame.
     pub position: DVec3,
     /// Radiant intensity [W sr^-1], the same in all directions, >= 0.
     pub intensity: Rgb,
@@ -192,23 +193,24 @@ pub struct PointLightDesc {
 /// A named material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialDesc {
-    /// Its name.
+    /// The material's name.
     pub name: String,
     /// JSON path, for messages.
     pub path: String,
-    /// How it scatters.
+    /// The scattering model and its parameters.
     pub bsdf: BsdfDesc,
-    /// Russian roulette's survival probability at this material in (0, 1], where the scene states one (the report's
-    /// `reflectionRate`). Paths use it only with [`RouletteDesc::File`]. It changes noise and time, never the image.
+    /// The survival probability of Russian roulette at this material in (0, 1], where the scene states one (the
+    /// report's `reflectionRate`). Paths use it only with [`RouletteDesc::File`]. It changes noise and time, never the
+    /// image.
     pub survival: Option<f32>,
 }
 
-/// A scattering model and its parameters. Reflectances in [0, 1] per channel.
+/// A scattering model and its parameters. Reflectances are in [0, 1] per channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BsdfDesc {
-    /// Absorbs everything.
+    /// A surface that absorbs all light.
     Black,
-    /// Lambert.
+    /// Lambert's model.
     Lambert {
         /// Albedo.
         albedo: Rgb,
@@ -220,11 +222,11 @@ pub enum BsdfDesc {
         /// Standard deviation of the facets' slope angle, radians, >= 0.
         sigma: f32,
     },
-    /// Fujii's improved Oren-Nayar.
+    /// Fujii's improved Oren-Nayar model.
     OrenNayar {
         /// Albedo of the facets.
         albedo: Rgb,
-        /// sigma' in [0, 1], not an angle.
+        /// Fujii's roughness sigma' in [0, 1], which is not an angle.
         roughness: f32,
     },
     /// Perfect mirror.
@@ -232,48 +234,48 @@ pub enum BsdfDesc {
         /// Reflectance.
         reflectance: Rgb,
     },
-    /// Smooth dielectric: reflects and refracts by Fresnel and Snell.
+    /// A smooth dielectric, which reflects by Fresnel's equations and refracts by Snell's law.
     Dielectric {
         /// Index of refraction on the side opposite to the normal, > 0.
         ior: f32,
-        /// Index on the normal's side, > 0; 1 unless the object is inside another dielectric.
+        /// Index of refraction on the normal's side, > 0; 1 unless the object is inside another dielectric.
         exterior_ior: f32,
     },
 }
 
-/// Pixels of the largest image that is rendered: the film takes a hundred bytes for each.
+/// Number of pixels of the largest image that is rendered. The film takes a hundred bytes for each pixel.
 pub const MAX_PIXELS: u64 = 1 << 26;
 
-/// Most light samples per hit: more cost time that more samples per pixel would spend better, and cannot be
-/// interrupted.
+/// Greatest number of light samples per hit. More samples cannot be interrupted, and their time is better spent on more
+/// samples per pixel.
 pub const MAX_SHADOW_RAYS: u32 = 1 << 10;
 
-/// How to render.
+/// Render settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderDesc {
     /// Width and height in pixels, each >= 1.
     pub resolution: [u32; 2],
-    /// Samples per pixel, >= 1. Grid and jittered patterns use the next square.
+    /// Samples per pixel, >= 1. Grid and jittered patterns round the number up to the next square.
     pub samples: u32,
-    /// Where samples come from.
+    /// The sampler, which places the samples of a pixel.
     pub sampler: SamplerDesc,
-    /// How samples weigh in a pixel.
+    /// The pixel filter, which weighs the samples of a pixel.
     pub filter: FilterDesc,
-    /// Light transport.
+    /// The light transport algorithm.
     pub integrator: IntegratorDesc,
-    /// Greatest number of surface hits on a path, counting the first visible one; `None` cuts nothing.
+    /// Greatest number of surface hits on a path, counting the first visible one; `None` sets no limit.
     pub max_depth: Option<u32>,
     /// Light samples per hit, from 1 to [`MAX_SHADOW_RAYS`].
     pub shadow_rays: u32,
-    /// Which survival probability Russian roulette ends paths by.
+    /// The survival probability by which Russian roulette ends paths.
     pub roulette: RouletteDesc,
-    /// Photon maps.
+    /// Settings of photon maps.
     pub photons: PhotonDesc,
-    /// Irradiance cache.
+    /// Settings of the irradiance cache.
     pub cache: CacheDesc,
-    /// Radiosity.
+    /// Settings of radiosity.
     pub radiosity: RadiosityDesc,
-    /// Seed of all randomness.
+    /// Seed of all random numbers.
     pub seed: u64,
 }
 
@@ -296,7 +298,7 @@ impl Default for RenderDesc {
     }
 }
 
-/// Where the samples of a pixel come from.
+/// The positions of the samples of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SamplerDesc {
     /// Owen-scrambled Sobol' points, in every dimension.
@@ -304,55 +306,57 @@ pub enum SamplerDesc {
     Sobol,
     /// Independent random numbers.
     Random,
-    /// n x n cells, one random position in each.
+    /// The pixel is divided into n x n cells, and each cell has one random position.
     Jittered,
-    /// n x n regular positions, cell centres.
+    /// The pixel is divided into n x n cells, and the positions are the cell centres.
     Grid,
-    /// Normally distributed around the pixel's centre, standard deviation half a pixel (the report's Figure 11); some
-    /// positions lie outside the pixel.
+    /// Positions are normally distributed around the pixel's centre with a standard deviation of half a pixel (the
+    /// report's Figure 11). Some positions lie outside the pixel.
     Gaussian,
 }
 
-/// A pixel filter, in pixels.
+/// A pixel filter. Lengths are in pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum FilterDesc {
-    /// One pixel wide.
+    /// Box filter, one pixel wide.
     #[default]
     Box,
-    /// Triangle, radius 1.
+    /// Triangle filter, radius 1.
     Tent,
-    /// Gaussian of this standard deviation, cut at three of them.
+    /// Gaussian of this standard deviation, truncated at three standard deviations.
     Gaussian {
-        /// Standard deviation, pixels, > 0.
+        /// Standard deviation in pixels, > 0.
         sigma: f32,
     },
     /// Blackman-Harris window, radius 2.
     BlackmanHarris,
     /// Mitchell-Netravali, radius 2.
     Mitchell {
-        /// B.
+        /// The parameter B.
         b: f32,
-        /// C.
+        /// The parameter C.
         c: f32,
     },
 }
 
-/// Which survival probability Russian roulette ends paths by. The choice changes noise and time, never the expected image.
+/// The survival probability by which Russian roulette ends paths. The choice changes noise and time, never the expected
+/// image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RouletteDesc {
-    /// The library's own: a path survives in proportion to the throughput that it still carries.
+    /// The library's own probability: a path survives in proportion to the throughput that it still carries.
     #[default]
     Own,
-    /// The one that the material states ([`MaterialDesc::survival`]), for the first 64 hits of a path; the library's own at
-    /// materials that state none. A probability below the albedo makes the noise of bright closed scenes grow without bound.
+    /// The probability that the material states ([`MaterialDesc::survival`]), for the first 64 hits of a path. At
+    /// materials that state none, the library's own probability is used. A probability below the albedo makes the noise
+    /// of bright closed scenes grow without bound.
     File,
 }
 
 impl RouletteDesc {
-    /// All of them.
+    /// All values.
     pub const ALL: [Self; 2] = [Self::Own, Self::File];
 
-    /// Its name in files and on the command line.
+    /// The value's name in files and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Own => "own",

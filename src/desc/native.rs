@@ -1,7 +1,7 @@
-//! The native scene format, `"etendue": 1`: its top level, camera, lights and materials.
+//! Reads the native scene format, `"etendue": 1`: its top level, camera, lights and materials.
 //!
-//! `docs/scene-format.md` describes every key. Each element is first asked for its tag (`type`, `geometry`) and then
-//! read into a plain structure that refuses unknown keys, so every complaint has an exact path.
+//! `docs/scene-format.md` describes every key. The reader first reads the tag (`type`, `geometry`) of each element and
+//! then the element itself, into a plain structure that refuses unknown keys, so every error has an exact path.
 
 use std::path::Path;
 
@@ -313,7 +313,7 @@ fn diffuse(diffuse: Diffuse, path: &str) -> Result<(String, BsdfDesc, Option<f32
     let at = |key: &str| join(path, key);
     let albedo = validate::reflectance(&at("color"), diffuse.color)?;
     let brdf = diffuse.brdf.unwrap_or_default();
-    // A parameter of another model is a mistake about which model is used.
+    // A parameter of another model is an error, because the author was mistaken about which model is used.
     let misplaced = match brdf {
         Brdf::Lambertian => [("roughness", diffuse.roughness), ("sigmaDeg", diffuse.sigma_deg)],
         Brdf::OrenNayar => [("sigmaDeg", diffuse.sigma_deg), ("", None)],

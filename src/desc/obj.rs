@@ -1,8 +1,8 @@
-//! Wavefront OBJ files, read with `tobj` behind a reader that checks every line first.
+//! Reads Wavefront OBJ files with `tobj`, behind a reader that checks every line first.
 //!
-//! The check gives errors their line, keeps indices and counts in a range in which nothing overflows, joins continued
-//! lines, and lets only geometry through (`v`, `vt`, `vn`, `f`): groups and objects merge into one mesh, materials are
-//! ignored, and text in any encoding is fine in names and comments.
+//! The check adds line numbers to errors, keeps indices and counts in a range in which nothing overflows, joins
+//! continued lines, and passes on geometry only (`v`, `vt`, `vn`, `f`). Groups and objects are merged into one mesh,
+//! materials are ignored, and names and comments may have any encoding.
 
 use std::io::{self, BufRead, Read};
 use std::path::Path;
@@ -13,14 +13,14 @@ use super::warnings::warn;
 use crate::math::DVec3;
 use crate::{Error, Result};
 
-/// Largest file that is read, 2 GiB.
+/// Size of the largest file that is read, 2 GiB.
 pub(super) const SIZE_LIMIT: u64 = 2 << 30;
-/// Longest line after joining; a face of this length has more than a million corners.
+/// Length of the longest line after joining. A face of this length has more than a million corners.
 const LINE_LIMIT: usize = 16 << 20;
-/// Most face corners in one file. A corner takes about 30 bytes while reading.
+/// Greatest number of face corners in one file. A corner takes about 30 bytes while reading.
 const CORNER_LIMIT: usize = 1 << 27;
 
-/// A file name that can be one.
+/// Checks that a file name is possible.
 pub(super) fn check_name(json_path: &str, file: &Path) -> Result<()> {
     let name = file.as_os_str();
     if name.is_empty() {
@@ -35,7 +35,8 @@ pub(super) fn check_name(json_path: &str, file: &Path) -> Result<()> {
 /// Reads the file at `path`; `json_path` says where the scene names it.
 pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<MeshDesc> {
     let file = open(path, SIZE_LIMIT).map_err(|error| error.at(json_path))?;
-    // One byte more than allowed, so that a file that grows meanwhile is told from one that ends here.
+    // The limit is one byte more than allowed, so that a file that grows during reading is distinguished from a file
+    // that ends here.
     let mut lines = Lines::new(io::BufReader::with_capacity(1 << 16, file.take(SIZE_LIMIT + 1)));
     let fail = |line: usize, message: String| Error::invalid(json_path, message).in_file(Some(path), line);
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
@@ -49,7 +50,7 @@ pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> 
     if lines.inner.get_ref().limit() == 0 {
         return Err(fail(0, format!("the file is larger than {SIZE_LIMIT} bytes")));
     }
-    // Indices may point forwards, so they can be judged at the end only.
+    // Indices may refer to later elements, so they can be checked only at the end.
     for (what, limit, (index, line)) in [
         ("vertex", lines.counts[0], lines.greatest[0]),
         ("texture coordinate", lines.counts[1], lines.greatest[1]),
@@ -68,7 +69,7 @@ pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> 
         let count = lines.small_faces;
         warn(warnings, format!("{json_path}: {}: {count} faces with fewer than 3 corners left out", path.display()));
     }
-    // The reader below gives a vertex without a normal (or uv) no entry, so a mixture cannot be told apart.
+    // The reader below stores no entry for a vertex without a normal (or uv), so it cannot recognise a mixture.
     for (what, with, complete) in [
         ("normals", lines.corners_with[2], mesh.normals.len() == mesh.positions.len()),
         ("texture coordinates", lines.corners_with[1], mesh.uvs.len() == mesh.positions.len()),
@@ -86,7 +87,7 @@ pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> 
     Ok(mesh)
 }
 
-/// All objects and groups as one mesh.
+/// Merges all objects and groups into one mesh.
 fn merge(models: Vec<tobj::Model>, path: &Path, json_path: &str) -> Result<MeshDesc, String> {
     let mut mesh = MeshDesc { name: path.display().to_string(), path: json_path.to_owned(), ..MeshDesc::default() };
     for model in models.into_iter().map(|model| model.mesh) {
@@ -109,29 +110,29 @@ fn merge(models: Vec<tobj::Model>, path: &Path, json_path: &str) -> Result<MeshD
     Ok(mesh)
 }
 
-/// Rounded to single precision, where all fit.
+/// Rounds values to single precision. Returns `None` where a value does not fit.
 pub(super) fn finite<const N: usize>(values: [f64; N]) -> Option<[f32; N]> {
     let rounded = values.map(|value| value as f32);
     rounded.iter().all(|value| value.is_finite()).then_some(rounded)
 }
 
-/// A line-wise reader that passes on checked geometry only.
+/// A line-wise reader that passes on only checked geometry.
 struct Lines<R> {
     inner: R,
-    /// The line to be handed out, with its end.
+    /// The line to be passed on, with its end.
     ready: Vec<u8>,
     taken: usize,
     /// One-based number of the last line read.
     line: usize,
-    /// How many `v`, `vt` and `vn` there were.
+    /// The numbers of `v`, `vt` and `vn` elements so far.
     counts: [usize; 3],
     /// Greatest index of each kind, and the line that used it.
     greatest: [(usize, usize); 3],
     corners: usize,
-    /// How many corners have a position, a texture coordinate, a normal.
+    /// The numbers of corners that have a position, a texture coordinate and a normal.
     corners_with: [usize; 3],
     small_faces: usize,
-    /// What is wrong with the current line.
+    /// The error in the current line.
     broken: Option<String>,
     failed: Option<io::Error>,
 }
@@ -153,7 +154,7 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
-    /// Makes the next line of geometry ready; false at the end of the file.
+    /// Prepares the next line of geometry. Returns false at the end of the file.
     fn advance(&mut self) -> Result<bool, String> {
         loop {
             self.ready.clear();
@@ -190,7 +191,7 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
-    /// The line as the parser should see it, or `None` if it has nothing to do with geometry.
+    /// Returns the line in the form that the parser receives, or `None` if the line contains no geometry.
     fn checked(&mut self) -> Result<Option<Vec<u8>>, String> {
         let line = self.ready.trim_ascii();
         let keyword = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
@@ -209,7 +210,7 @@ impl<R: BufRead> Lines<R> {
         if let Some(bad) = numbers.iter().find(|number| !is_number(number)) {
             return Err(format!("'{}' is not a finite number", shortened(bad)));
         }
-        // A texture coordinate may lack v. A vertex may have a weight, or a colour, which is of no use here.
+        // A texture coordinate may lack v. A vertex may have a weight, or a colour, which is not used.
         let (least, keep) = [(3, if numbers.len() == 4 { 4 } else { 3 }), (1, 2), (3, 3)][kind];
         if numbers.len() < least {
             return Err(format!("a {name} needs {least} numbers, found {}", numbers.len()));
@@ -258,7 +259,7 @@ impl<R: BufRead> Lines<R> {
                 if absolute > self.greatest[kind].0 {
                     self.greatest[kind] = (absolute, self.line);
                 }
-                // What cannot exist is not handed on to be multiplied by three.
+                // An index that cannot exist is not passed on, because the parser multiplies indices by three.
                 if absolute > CORNER_LIMIT {
                     return Err(format!("the index in '{}' is too large", shortened(corner)));
                 }
@@ -317,12 +318,12 @@ impl<R: BufRead> BufRead for Lines<R> {
     }
 }
 
-/// A decimal number: what Rust parses, without its words for infinity and NaN.
+/// Returns whether the text is a decimal number: a text that Rust parses, without Rust's words for infinity and NaN.
 fn is_number(text: &str) -> bool {
     !text.bytes().any(|byte| matches!(byte, b'n' | b'N' | b'i' | b'I')) && text.parse::<f64>().is_ok_and(f64::is_finite)
 }
 
-/// Enough of a bad word to find it.
+/// Returns the beginning of an invalid word, which is long enough to find the word in the file.
 fn shortened(text: &str) -> &str {
     text.char_indices().nth(40).map_or(text, |(end, _)| &text[..end])
 }

@@ -1,20 +1,20 @@
-//! Surfaces as described: shapes, meshes, where they stand and what they emit.
+//! Descriptions of surfaces: shapes, meshes, transforms and emission.
 
 use crate::buffer::Buffer;
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
 
-/// An indexed triangle mesh in its own frame. Indices are below the number of vertices, numbers finite (checked on
-/// reading); degenerate triangles may be present.
+/// An indexed triangle mesh in its own frame. Indices are below the number of vertices and numbers are finite, both of
+/// which are checked on reading. Degenerate triangles may be present.
 #[derive(Clone, Debug, Default)]
 pub struct MeshDesc {
-    /// Its name, or its file.
+    /// The mesh's name, or its file.
     pub name: String,
     /// JSON path, for messages.
     pub path: String,
     /// One position per vertex.
     pub positions: Vec<DVec3>,
-    /// Empty, or one normal per vertex (any length; zero means none there).
+    /// Empty, or one normal per vertex, of any length. A zero vector means that the vertex has no normal.
     pub normals: Vec<[f32; 3]>,
     /// Empty, or one uv per vertex.
     pub uvs: Vec<[f32; 2]>,
@@ -24,19 +24,19 @@ pub struct MeshDesc {
     pub host: Option<HostMesh>,
 }
 
-/// A triangle mesh in memory of the host program, in the form that the ray kernel reads.
+/// A triangle mesh in the memory of the host program, in the layout that the ray kernel reads.
 ///
-/// Sixteen bytes must be readable from the last position on. Coordinates should be near the mesh's own origin: they are
-/// not shifted.
+/// Sixteen bytes must be readable from the last position on. The mesh's coordinates should be near its own origin,
+/// because they are not shifted.
 #[derive(Clone, Debug)]
 pub struct HostMesh {
     /// One position per vertex.
     pub positions: Buffer<[f32; 3]>,
     /// Three vertex indices per triangle.
     pub triangles: Buffer<[u32; 3]>,
-    /// One normal per vertex, where there are any.
+    /// One normal per vertex, where the mesh has normals.
     pub normals: Option<Buffer<[f32; 3]>>,
-    /// One uv per vertex, where there are any.
+    /// One uv per vertex, where the mesh has texture coordinates.
     pub uvs: Option<Buffer<[f32; 2]>>,
 }
 
@@ -51,7 +51,7 @@ impl MeshDesc {
         self.host.as_ref().map_or(self.triangles.len(), |host| host.triangles.len())
     }
 
-    /// Position of a vertex; panics for an index out of range, as all that follow do.
+    /// Position of a vertex. Like the accessors that follow, this function panics for an index out of range.
     pub fn position(&self, vertex: usize) -> DVec3 {
         match &self.host {
             None => self.positions[vertex],
@@ -59,7 +59,7 @@ impl MeshDesc {
         }
     }
 
-    /// The vertices of a triangle.
+    /// The vertex indices of a triangle.
     pub fn triangle(&self, index: usize) -> [u32; 3] {
         self.host.as_ref().map_or_else(|| self.triangles[index], |host| host.triangles.get(index))
     }
@@ -80,12 +80,12 @@ impl MeshDesc {
         }
     }
 
-    /// Whether it has normals of its own.
+    /// Whether the mesh has normals of its own.
     pub fn has_normals(&self) -> bool {
         self.host.as_ref().map_or(!self.normals.is_empty(), |host| host.normals.is_some())
     }
 
-    /// Whether it has texture coordinates.
+    /// Whether the mesh has texture coordinates.
     pub fn has_uvs(&self) -> bool {
         self.host.as_ref().map_or(!self.uvs.is_empty(), |host| host.uvs.is_some())
     }
@@ -96,28 +96,30 @@ impl MeshDesc {
     }
 }
 
-/// Something to hit: a shape at a place, of a material, perhaps emitting.
+/// A surface that rays can hit: a shape with a transform, a material and perhaps an emission.
 #[derive(Clone, Debug)]
 pub struct SurfaceDesc {
     /// JSON path, for messages and `info`.
     pub path: String,
-    /// Its geometry.
+    /// The surface's geometry.
     pub shape: ShapeDesc,
-    /// The shape's frame to the object's: where a cylinder stands, how large an ellipsoid is. Invertible and finite.
+    /// Transform from the shape's frame to the object's frame. It contains the position of a cylinder and the size of
+    /// an ellipsoid, for example. It is invertible and finite.
     pub local: DAffine3,
-    /// Object to world; identity where none was given. Invertible and finite.
+    /// Transform from the object's frame to the world frame; the identity where none was given. It is invertible and
+    /// finite.
     pub transform: DAffine3,
     /// Index into [`SceneDesc::materials`](super::SceneDesc::materials).
     pub material: usize,
     /// Emitted radiance [W m^-2 sr^-1] on the normal's side; `None` for a surface that does not emit. Quadrics and
-    /// disks never do.
+    /// disks never emit.
     pub emission: Option<Rgb>,
-    /// Removed: not there for any ray. Surfaces keep their numbers when others are removed.
+    /// Whether the surface was removed, so that no ray hits it. The other surfaces keep their numbers.
     pub hidden: bool,
 }
 
 impl SurfaceDesc {
-    /// The shape's frame to the world's.
+    /// Transform from the shape's frame to the world frame.
     pub fn to_world(&self) -> DAffine3 {
         self.transform * self.local
     }
@@ -126,7 +128,7 @@ impl SurfaceDesc {
 /// A shape in its own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShapeDesc {
-    /// A sphere, normals outwards. A non-uniform transform makes it an ellipsoid.
+    /// A sphere with its normals outwards. A non-uniform transform makes the sphere an ellipsoid.
     Sphere {
         /// Centre.
         centre: DVec3,
@@ -135,23 +137,26 @@ pub enum ShapeDesc {
     },
     /// A triangle with normal (v1 - v0) x (v2 - v0).
     Triangle([DVec3; 3]),
-    /// A convex planar quadrilateral in order around its edge, with the normal of its first three vertices.
+    /// A convex planar quadrilateral. Its vertices are in order around its edge, and its normal is that of its first
+    /// three vertices.
     Quad([DVec3; 4]),
     /// A mesh.
     Mesh {
         /// Index into [`SceneDesc::meshes`](super::SceneDesc::meshes).
         mesh: usize,
-        /// Interpolate the vertex normals (made from the faces where the mesh has none) instead of flat shading.
+        /// Whether the vertex normals are interpolated, instead of flat shading. They are computed from the faces where
+        /// the mesh has none.
         smooth: bool,
     },
-    /// a x^2 + b y^2 + c z^2 + 2d xy + 2e yz + 2f xz + 2g x + 2h y + 2i z + j = 0 inside `clip`.
+    /// The part of a x^2 + b y^2 + c z^2 + 2d xy + 2e yz + 2f xz + 2g x + 2h y + 2i z + j = 0 inside `clip`.
     Quadric {
         /// The ten coefficients a to j. The normal is the gradient.
         coefficients: [f64; 10],
-        /// Only what lies inside is there. May be infinite where the quadric itself is bounded.
+        /// The box that clips the quadric. It may be infinite where the quadric itself is bounded.
         clip: Bounds,
     },
-    /// A flat round disk; a clip box cannot cut a plane round. Never emits.
+    /// A flat round disk, which a quadric cannot represent because a clip box cannot cut a plane round. A disk never
+    /// emits.
     Disk {
         /// Centre.
         centre: DVec3,

@@ -1,4 +1,4 @@
-//! Parameter files of the report's renderer, the second argument of `mcrt`.
+//! Reads parameter files of the report's renderer, the second argument of `mcrt`.
 
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -31,18 +31,18 @@ struct Params<'a> {
     photon_map_visualize: Option<f64>,
     photon_amount: Option<Whole>,
     photon_estimation_radius: Option<f64>,
-    /// A key of this library alone, for scenes of `mcrt`, which have no `render` block.
+    /// A key that only this library has, for scenes of `mcrt`, which have no `render` block.
     #[serde(default, deserialize_with = "json::name")]
     roulette: Option<render::Roulette>,
 }
 
-/// What `mcrt` shoots and how far it looks for photons, where the file does not say.
+/// The number of photons that `mcrt` emits and the radius of its density estimates, where the file does not give them.
 const PHOTONS: u32 = 1_000_000;
 const RADIUS: f64 = 0.1;
-/// Fewer photons than this are no estimate.
+/// The smallest number of photons that makes an estimate.
 const MIN_PHOTONS: u32 = 10;
 
-/// Overrides `render` with what the file says. `points`: whether the scene has point lights.
+/// Overrides `render` with the values of the file. `points` says whether the scene has point lights.
 pub(super) fn apply(json: &str, points: bool, render: &mut RenderDesc, warnings: &mut Vec<String>) -> Result<()> {
     let document = json::document(json)?;
     let params: Params<'_> = json::object_lenient(document, "", |key| {
@@ -75,7 +75,7 @@ pub(super) fn apply(json: &str, points: bool, render: &mut RenderDesc, warnings:
     if params.scaling_factor.is_some_and(|factor| factor != [1.0, 1.0]) {
         warn(warnings, "scalingFactor: not done, the image is written at its resolution".to_owned());
     }
-    // Settings of a program around a renderer, of which this library is none.
+    // These settings belong to a program around a renderer, and this library is not such a program.
     let ignored: Vec<&str> = [
         ("parallelMethod", params.parallel_method),
         ("interpolation", params.interpolation),
@@ -91,8 +91,9 @@ pub(super) fn apply(json: &str, points: bool, render: &mut RenderDesc, warnings:
     Ok(())
 }
 
-/// The photon map of the report (`photonMap`, `photonAmount`, `photonEstimationRadius`): a cone filter, and photons by the
-/// area of the lights. Point lights have no area, and `mcrt` has no photons of theirs; with them, power decides.
+/// Applies the photon map of the report (`photonMap`, `photonAmount`, `photonEstimationRadius`), which has a cone
+/// filter and shares photons by the area of the lights. Point lights have no area, and `mcrt` emits no photons from
+/// them; in a scene with point lights, photons are shared by power instead.
 fn photon_map(on: Option<bool>, amount: Option<u32>, radius: Option<f64>, points: bool, render: &mut RenderDesc) {
     match on {
         None => {}
@@ -115,7 +116,7 @@ fn photon_map(on: Option<bool>, amount: Option<u32>, radius: Option<f64>, points
     render.photons.radius = radius.or(render.photons.radius);
 }
 
-/// `[n, pattern]`: n * n samples per pixel.
+/// Reads `[n, pattern]`, which means n * n samples per pixel.
 fn supersamples(raw: &RawValue, path: &str) -> Result<(u32, SamplerDesc)> {
     let [n, pattern]: [&RawValue; 2] = json::value(raw, path)?;
     let at = format!("{path}[0]");

@@ -1,53 +1,58 @@
 //! Settings of photon maps and of the irradiance cache.
 
-/// Most photons of one map: 32 bytes each, 16 GiB.
+/// Greatest number of photons of one map. A photon takes 32 bytes, so this is 16 GiB.
 pub const MAX_PHOTONS: u32 = 1 << 29;
 
-/// Most nearest neighbours of a density estimate.
+/// Greatest number of nearest neighbours of a density estimate.
 pub const MAX_NEIGHBOURS: u32 = 1 << 16;
 
-/// Radii of density estimates that single precision can square, scene units.
+/// Range of the radii of density estimates whose squares single precision can represent, in scene units.
 pub const RADII: [f64; 2] = [1e-18, 1e18];
 
-/// Most rays of a final gather: more cost time that more samples per pixel would spend better.
+/// Greatest number of rays of a final gather. The time of more rays is better spent on more samples per pixel.
 pub const MAX_GATHER_RAYS: u32 = 1 << 10;
 
-/// Most memory that photon maps can be given (MiB).
+/// Greatest memory limit that photon maps can be given (MiB).
 pub const MAX_PHOTON_MEMORY: u32 = 1 << 20;
 
-/// How photons are shot, stored and gathered. What a method does not use has no effect on it.
+/// How photons are emitted, stored and gathered. Settings that a method does not use have no effect on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhotonDesc {
-    /// Light paths of the map (of each pass, where maps are made anew), from 1 to [`MAX_PHOTONS`]; `None`: as many as the
-    /// method does best with.
+    /// Number of light paths of the map (of each pass, where maps are built for every pass), from 1 to [`MAX_PHOTONS`].
+    /// With `None` the method chooses the number that suits it best.
     pub count: Option<u32>,
-    /// Radius of a density estimate, scene units, within [`RADII`]; where it shrinks, the first one. `None`: 0.1 for
-    /// [`super::IntegratorDesc::PhotonDirect`] as in the report, else from what a pixel sees.
+    /// Radius of a density estimate in scene units, within [`RADII`]; where the radius shrinks, this is the first one.
+    /// With `None` it is 0.1 for [`super::IntegratorDesc::PhotonDirect`], as in the report, and otherwise it is derived
+    /// from the extent that a pixel sees.
     pub radius: Option<f64>,
-    /// Fewer photons than this within the radius are no estimate for [`super::IntegratorDesc::PhotonDirect`], which then
-    /// sends shadow rays; from 1 to [`MAX_PHOTONS`].
+    /// Smallest number of photons within the radius that makes an estimate for [`super::IntegratorDesc::PhotonDirect`],
+    /// which sends shadow rays where there are fewer; from 1 to [`MAX_PHOTONS`].
     pub min_photons: u32,
-    /// Light paths of the caustic map, as `count`.
+    /// Number of light paths of the caustic map, with the same range and default as `count`.
     pub caustic_count: Option<u32>,
-    /// Radius of caustics, as `radius`.
+    /// Radius of density estimates in the caustic map, with the same range and default as `radius`.
     pub caustic_radius: Option<f64>,
-    /// So many nearest photons make an estimate, those beyond the radius left out, from 2 to [`MAX_NEIGHBOURS`]; 0: all
-    /// within the radius, as always with the report's map and with [`super::IntegratorDesc::Ppm`] by default; `None`: all
-    /// within a radius that each pixel has of its own, from what it meets first.
+    /// Number of nearest photons that make an estimate, without those beyond the radius, from 2 to [`MAX_NEIGHBOURS`].
+    /// With 0 all photons within the radius make the estimate, as always with the report's map and by default with
+    /// [`super::IntegratorDesc::Ppm`]. With `None` all photons within a radius make the estimate, where each pixel has
+    /// its own radius, which is derived from its first hits.
     pub neighbours: Option<u32>,
-    /// How photons weigh by their distance; `None`: a cone for the report's map, Epanechnikov's kernel for all others.
+    /// The kernel that weighs photons by their distance. With `None` it is a cone for the report's map and
+    /// Epanechnikov's kernel for all others.
     pub kernel: Option<KernelDesc>,
-    /// Of the progressive methods: the share of photons kept as radii shrink, in (0, 1). Knaus and Zwicker 2011, Eq. 18.
+    /// The share of photons that progressive methods keep as radii shrink, in (0, 1). Source: Knaus and Zwicker 2011,
+    /// Eq. 18.
     pub alpha: f64,
-    /// How emitters share the photons.
+    /// How the photons are divided between the emitters.
     pub sharing: PhotonSharing,
     /// Whether caustic photons are aimed at the specular surfaces.
     pub guided: bool,
-    /// Whether the caustic map of [`super::IntegratorDesc::Caustic`] is made anew for every pass, with a shrinking radius.
+    /// Whether the caustic map of [`super::IntegratorDesc::Caustic`] is built anew for every pass, with a shrinking
+    /// radius.
     pub progressive: bool,
-    /// Rays of a final gather, from 1 to [`MAX_GATHER_RAYS`].
+    /// Number of rays of a final gather, from 1 to [`MAX_GATHER_RAYS`].
     pub gather_rays: u32,
-    /// Most memory of all maps at a time (MiB), from 1 to [`MAX_PHOTON_MEMORY`].
+    /// Memory limit of all maps that exist at a time (MiB), from 1 to [`MAX_PHOTON_MEMORY`].
     pub memory: u32,
 }
 
@@ -71,43 +76,43 @@ impl Default for PhotonDesc {
     }
 }
 
-/// How photons weigh by their distance d from where the density is asked for, within the radius r.
+/// The weight of a photon as a function of its distance d from the point of the density estimate, within the radius r.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KernelDesc {
-    /// All the same.
+    /// All photons have the same weight.
     Flat,
-    /// 1 - d / (k r), the report's cone filter.
+    /// The weight is 1 - d / (k r), the report's cone filter.
     Cone {
-        /// k, >= 1.
+        /// The parameter k, >= 1.
         k: f32,
     },
-    /// 1 - d^2 / r^2.
+    /// The weight is 1 - d^2 / r^2.
     Epanechnikov,
 }
 
-/// How emitters share the photons.
+/// How the photons are divided between the emitters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PhotonSharing {
-    /// By their power, so that all photons carry nearly the same.
+    /// Photons are divided by the emitters' power, so that all photons carry nearly the same power.
     #[default]
     Power,
-    /// By their area, as in the report. Points have none.
+    /// Photons are divided by the emitters' area, as in the report. Point lights have no area.
     Area,
 }
 
-/// How the irradiance cache is filled and read.
+/// How the irradiance cache is filled and interpolated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CacheDesc {
-    /// Greatest error that Ward's estimate allows where records are interpolated, in (0, 10].
+    /// Greatest error of Ward's estimate at which records are interpolated, in (0, 10].
     pub error: f64,
-    /// Rays of a record's final gather, from 16 to 2^20.
+    /// Number of rays of a record's final gather, from 16 to 2^20.
     pub rays: u32,
-    /// Smallest distance at which records are worth keeping apart, in pixels as seen by the camera, in
-    /// (0, 1000]; at most a quarter of the greatest.
+    /// Smallest distance over which a record is used, in pixels as seen by the camera, in (0, 1000]; it is limited to a
+    /// quarter of the greatest distance, `max_spacing`.
     pub min_spacing: f64,
     /// Greatest distance over which a record is used, as a share of the scene's extent, in (0, 1].
     pub max_spacing: f64,
-    /// What the gather's rays bring back.
+    /// The source of the light that the gather rays find.
     pub source: CacheSource,
 }
 
@@ -117,12 +122,12 @@ impl Default for CacheDesc {
     }
 }
 
-/// Where the light of a cache's gather rays comes from.
+/// The source of the light that the gather rays of a cache find.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CacheSource {
-    /// Paths: no bias but the interpolation's.
+    /// Gather rays continue as paths. The only bias is that of the interpolation.
     #[default]
     Paths,
-    /// The global photon map: faster, with its bias.
+    /// Gather rays read the global photon map. This is faster and has the bias of the map.
     Photons,
 }

@@ -1,4 +1,5 @@
-//! Photon maps and irradiance cache in the `render` block, and the limits on their numbers.
+//! Reads the settings of photon maps and of the irradiance cache in the `render` block, and checks the limits on their
+//! numbers.
 
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -86,7 +87,7 @@ struct Cone {
     k: Option<f64>,
 }
 
-/// The block's photon maps; what it does not say is as in `base`.
+/// Reads the settings of photon maps. Settings that the block does not contain keep their values from `base`.
 pub(super) fn photons(block: &Render<'_>, path: &str, base: &PhotonDesc) -> Result<PhotonDesc> {
     let at = |key: &str| join(path, key);
     let number =
@@ -96,7 +97,7 @@ pub(super) fn photons(block: &Render<'_>, path: &str, base: &PhotonDesc) -> Resu
     let (radius_key, radius) =
         either(path, ["photonRadius", "photon_radius"], [block.photon_radius, block.photon_radius_alias])?;
     let (least_key, least) = either(path, ["minPhotons", "min_photons"], [block.min_photons, block.min_photons_alias])?;
-    // Here, where it is known under which name the radius was given.
+    // The radius is checked here, where the key under which it was given is known.
     radius.map(|radius| validate::radius(&at(radius_key), radius)).transpose()?;
     let photons = PhotonDesc {
         count: number(count_key, count, COUNT)?.or(base.count),
@@ -120,7 +121,7 @@ pub(super) fn photons(block: &Render<'_>, path: &str, base: &PhotonDesc) -> Resu
     Ok(photons)
 }
 
-/// The block's irradiance cache; what it does not say is as in `base`.
+/// Reads the settings of the irradiance cache. Settings that the block does not contain keep their values from `base`.
 pub(super) fn cache(block: &Render<'_>, path: &str, base: &CacheDesc) -> Result<CacheDesc> {
     let rays = block.cache_rays.map(|rays| whole(&join(path, "cacheRays"), rays, CACHE_RAYS)).transpose()?;
     let cache = CacheDesc {
@@ -137,7 +138,7 @@ pub(super) fn cache(block: &Render<'_>, path: &str, base: &CacheDesc) -> Result<
     Ok(cache)
 }
 
-/// Whether the format could have given these numbers, `path` being the block.
+/// Checks that the format could have given these numbers. `path` is the path of the block.
 pub(super) fn check_photons(path: &str, photons: &PhotonDesc) -> Result<()> {
     let at = |key: &str| join(path, key);
     let number = |key: &str, value: u32, limits| whole(&at(key), Whole(value.into()), limits).map(|_| ());
@@ -150,7 +151,7 @@ pub(super) fn check_photons(path: &str, photons: &PhotonDesc) -> Result<()> {
     radius("causticRadius", photons.caustic_radius)?;
     optional("photonNeighbours", photons.neighbours, NEIGHBOURS)?;
     if photons.neighbours == Some(1) {
-        // The farthest gives the radius and does not count, so one would never see light.
+        // The farthest photon gives the radius and does not count, so an estimate of one photon would never find light.
         let message = format!("1 is out of range, expected 0 or from 2 to {MAX_NEIGHBOURS}");
         return Err(Error::invalid(at("photonNeighbours"), message));
     }
@@ -162,7 +163,7 @@ pub(super) fn check_photons(path: &str, photons: &PhotonDesc) -> Result<()> {
     number("photonMemory", photons.memory, MEMORY)
 }
 
-/// Whether the format could have given these numbers, `path` being the block.
+/// Checks that the format could have given these numbers. `path` is the path of the block.
 pub(super) fn check_cache(path: &str, cache: &CacheDesc) -> Result<()> {
     let at = |key: &str| join(path, key);
     validate::up_to(&at("cacheError"), cache.error, 10.0)?;
@@ -171,7 +172,7 @@ pub(super) fn check_cache(path: &str, cache: &CacheDesc) -> Result<()> {
     validate::up_to(&at("cacheMaxSpacing"), cache.max_spacing, 1.0)
 }
 
-/// A number of light paths of a map.
+/// Checks a number of light paths of a map.
 pub(super) fn count(path: &str, value: Whole) -> Result<u32> {
     whole(path, value, COUNT)
 }

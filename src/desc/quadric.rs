@@ -1,43 +1,44 @@
-//! Quadrics by name, each one unit in size in a frame of its own, and that frame's place.
+//! The named quadrics. Each has unit size in its own frame, and a transform places that frame.
 //!
-//! Size goes into the frame, so the coefficients are near 1 whatever the scene's scale. A clip box is axis-aligned in
-//! the quadric's own frame. Where the surface only touches a face of its box (the mantle of a cylinder, the apex of a
-//! paraboloid) the box is a little larger, so that rounding cuts no holes.
+//! The transform contains the size, so the coefficients are near 1 whatever the scene's scale. A clip box is
+//! axis-aligned in the quadric's own frame. Where the surface only touches a face of its box (the mantle of a cylinder,
+//! the apex of a paraboloid), the box is slightly larger, so that rounding cuts no holes.
 
 use super::ShapeDesc;
 use crate::math::{Bounds, DAffine3, DMat3, DVec3};
 
-/// How much larger a clip box is than a surface that touches it from inside.
+/// The margin by which a clip box is larger than a surface that touches the box from inside.
 const MARGIN: f64 = 1e-3;
 
-/// A frame at `origin` with its z axis along the unit vector `axis`; `radius` is the unit of x and y, `height` of z.
+/// Returns a frame at `origin` with its z axis along the unit vector `axis`. `radius` is the unit of x and y, and
+/// `height` that of z.
 pub(super) fn frame(origin: DVec3, axis: DVec3, radius: f64, height: f64) -> DAffine3 {
     let (x, y) = axis.any_orthonormal_pair();
     DAffine3::from_mat3_translation(DMat3::from_cols(radius * x, radius * y, height * axis), origin)
 }
 
-/// A box around the z axis, one unit wide with some room, from `low` to 1.
+/// Returns a box around the z axis, from `low` to 1 in z, whose half width is 1 with some margin.
 fn tube(low: f64) -> Bounds {
     let wide = 1.0 + MARGIN;
     Bounds { min: DVec3::new(-wide, -wide, low), max: DVec3::new(wide, wide, 1.0) }
 }
 
-/// x^2 + y^2 = 1 for z in [0, 1]: a tube without caps.
+/// The quadric x^2 + y^2 = 1 for z in [0, 1]: a tube without caps.
 pub(super) fn cylinder() -> ShapeDesc {
     ShapeDesc::Quadric { coefficients: [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0], clip: tube(0.0) }
 }
 
-/// x^2 + y^2 = (1 - z)^2 for z in [0, 1]: base at z = 0, without its disk.
+/// The quadric x^2 + y^2 = (1 - z)^2 for z in [0, 1]: a cone with its base at z = 0, without the base disk.
 pub(super) fn cone() -> ShapeDesc {
     ShapeDesc::Quadric { coefficients: [1.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.0], clip: tube(0.0) }
 }
 
-/// x^2 + y^2 = z for z up to 1: apex at the origin.
+/// The quadric x^2 + y^2 = z for z up to 1: a paraboloid with its apex at the origin.
 pub(super) fn paraboloid() -> ShapeDesc {
     ShapeDesc::Quadric { coefficients: [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -0.5, 0.0], clip: tube(-MARGIN) }
 }
 
-/// x^2 + y^2 + z^2 = 1.
+/// The quadric x^2 + y^2 + z^2 = 1: the unit sphere.
 pub(super) fn ball() -> ShapeDesc {
     let wide = DVec3::splat(1.0 + MARGIN);
     ShapeDesc::Quadric {
@@ -46,11 +47,11 @@ pub(super) fn ball() -> ShapeDesc {
     }
 }
 
-/// The box around a quadric that closes on itself (an ellipsoid in any position).
+/// Returns the box around a closed quadric (an ellipsoid in any position).
 ///
-/// With the symmetric matrix A of the quadratic part and the linear part 2 v, the centre is m = -A^-1 v, and with
-/// s = m.(A m) - j the surface (p - m).(A (p - m)) = s reaches sqrt(s (A^-1)_kk) from m along axis k.
-/// `None` for a quadric that goes on for ever or has no real point.
+/// With the symmetric matrix A of the quadratic part and the linear part 2 v, the centre is m = -A^-1 v, and with s =
+/// m.(A m) - j the surface (p - m).(A (p - m)) = s reaches sqrt(s (A^-1)_kk) from m along axis k. The result is `None`
+/// for a quadric that is unbounded or has no real point.
 pub(super) fn closed_bounds(coefficients: &[f64; 10]) -> Option<Bounds> {
     let [a, b, c, d, e, f, g, h, i, j] = *coefficients;
     let matrix = DMat3::from_cols_array(&[a, d, f, d, b, e, f, e, c]);
@@ -66,7 +67,7 @@ pub(super) fn closed_bounds(coefficients: &[f64; 10]) -> Option<Bounds> {
     let s = centre.dot(matrix * centre) - j;
     let squares = s * DVec3::new(inverse.x_axis.x, inverse.y_axis.y, inverse.z_axis.z);
     let reach = DVec3::new(squares.x.sqrt(), squares.y.sqrt(), squares.z.sqrt()) * (1.0 + MARGIN);
-    // A root of a negative number is NaN and fails here: no real point.
+    // The root of a negative number is NaN and fails this test: the quadric has no real point.
     (reach.cmpgt(DVec3::ZERO).all() && (centre.abs() + reach).is_finite())
         .then_some(Bounds { min: centre - reach, max: centre + reach })
 }
@@ -87,7 +88,7 @@ mod tests {
         a * x * x + b * y * y + c * z * z + 2.0 * (d * x * y + e * y * z + f * x * z + g * x + h * y + i * z) + j
     }
 
-    /// Central differences: exact for a polynomial of degree two but for rounding.
+    /// Central differences are exact for a polynomial of degree two, except for rounding.
     fn gradient(coefficients: [f64; 10], p: DVec3) -> DVec3 {
         let slope = |axis: DVec3| (at(coefficients, p + axis) - at(coefficients, p - axis)) / 2.0;
         DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z))
@@ -115,7 +116,8 @@ mod tests {
 
     #[test]
     fn bounds_of_a_shifted_and_turned_ellipsoid_hold_it_tightly() {
-        // (x - 1)^2 + 2 (y + 2)^2 + 3 z^2 + (x - 1)(y + 2) = 4, by points on it.
+        // The ellipsoid is (x - 1)^2 + 2 (y + 2)^2 + 3 z^2 + (x - 1)(y + 2) = 4, and its bounds are compared with
+        // points on it.
         let coefficients = [1.0, 2.0, 3.0, 0.5, 0.0, 0.0, 0.0, 3.5, 0.0, 3.0];
         let bounds = closed_bounds(&coefficients).expect("an ellipsoid");
         let centre = DVec3::new(1.0, -2.0, 0.0);

@@ -75,7 +75,7 @@ pub(super) enum Solver {
     Shoot,
 }
 
-/// The block's radiosity; what it does not say is as in `base`.
+/// Reads the settings of radiosity. Settings that the block does not contain keep their values from `base`.
 pub(super) fn radiosity(block: &Render<'_>, path: &str, base: &RadiosityDesc) -> Result<RadiosityDesc> {
     let at = |key: &str| join(path, key);
     let iterations = match block.radiosity_iterations {
@@ -103,7 +103,7 @@ pub(super) fn radiosity(block: &Render<'_>, path: &str, base: &RadiosityDesc) ->
     Ok(radiosity)
 }
 
-/// Whether the format could have given these numbers, `path` being the block.
+/// Checks that the format could have given these numbers. `path` is the path of the block.
 pub(crate) fn check_radiosity(path: &str, radiosity: &RadiosityDesc) -> Result<()> {
     let at = |key: &str| join(path, key);
     if let Some(size) = radiosity.element_size {

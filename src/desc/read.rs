@@ -1,4 +1,4 @@
-//! From text to a description: the choice between the two dialects, and where in a text an error is.
+//! Reads a description from text: chooses between the two dialects, and finds the line of an error in the text.
 
 use std::path::Path;
 
@@ -12,13 +12,14 @@ use crate::{Error, ErrorKind, Result};
 
 /// Reads a scene file, and the parameter file if there is one.
 ///
-/// A native scene says `"etendue": 1`; any other is read as one of the report's renderer. Values of the parameter file
-/// override those of the scene's `render` block. Meshes are looked up from the scene file's folder.
+/// A native scene contains `"etendue": 1`; any other scene is read as one of the report's renderer. Values of the
+/// parameter file override those of the scene's `render` block. Paths of mesh files are relative to the scene file's
+/// folder.
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Io`] if a file cannot be read or is not a regular file, [`ErrorKind::Unsupported`] for what this
-/// version does not do, otherwise [`ErrorKind::InvalidScene`]; with file, line and JSON path.
+/// [`ErrorKind::Io`] if a file cannot be read or is not a regular file, [`ErrorKind::Unsupported`] for features that
+/// this version does not have, otherwise [`ErrorKind::InvalidScene`]; with file, line and JSON path.
 pub fn load(path: &Path, params: Option<&Path>) -> Result<SceneDesc> {
     let text = read_text(path)?;
     let base_dir = path.parent().unwrap_or(Path::new(""));
@@ -33,7 +34,7 @@ pub fn load(path: &Path, params: Option<&Path>) -> Result<SceneDesc> {
 ///
 /// # Errors
 ///
-/// [`ErrorKind::Io`] if it cannot be read, else as [`apply_params`].
+/// [`ErrorKind::Io`] if the file cannot be read, otherwise the errors of [`apply_params`].
 pub fn load_params(params: &Path, scene: &mut SceneDesc) -> Result<()> {
     let text = read_text(params)?;
     apply_params(&text, Some(params), scene)
@@ -41,11 +42,12 @@ pub fn load_params(params: &Path, scene: &mut SceneDesc) -> Result<()> {
 
 /// Reads a scene from a string.
 ///
-/// Meshes are looked up from `base_dir`; `file` is for messages, and to notice a scene that names itself as a mesh.
+/// Paths of mesh files are relative to `base_dir`. `file` is used in messages, and to detect a scene that names itself
+/// as a mesh.
 ///
 /// # Errors
 ///
-/// As [`load`].
+/// The errors are those of [`load`].
 pub fn parse(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> {
     let json = json.strip_prefix('\u{feff}').unwrap_or(json);
     scene(json, base_dir, file).map_err(|error| located(error, json, file))
@@ -53,11 +55,11 @@ pub fn parse(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDe
 
 /// Reads a parameter file of the report's renderer from a string into `scene.render`.
 ///
-/// `file` is for messages. What is not done (resizing, statistics) is said in `scene.warnings`.
+/// `file` is used in messages. Features that are not supported (resizing, statistics) are reported in `scene.warnings`.
 ///
 /// # Errors
 ///
-/// [`ErrorKind::InvalidScene`], with line and JSON path in the parameter file; `scene` is then as before.
+/// [`ErrorKind::InvalidScene`], with line and JSON path in the parameter file. On an error, `scene` is left unchanged.
 pub fn apply_params(json: &str, file: Option<&Path>, scene: &mut SceneDesc) -> Result<()> {
     let json = json.strip_prefix('\u{feff}').unwrap_or(json);
     let (mut render, mut warnings) = (scene.render.clone(), scene.warnings.clone());
@@ -67,14 +69,15 @@ pub fn apply_params(json: &str, file: Option<&Path>, scene: &mut SceneDesc) -> R
     Ok(())
 }
 
-/// Reads the object at `path` of a JSON text (such as `groups[0].render`; empty: all of it) as a `render` block of the
-/// native format, over `base`: what it does not say stays, and a `maxDepth` of `null` takes a cut away.
+/// Reads the object at `path` of a JSON text as a `render` block of the native format, over `base`. The path is one
+/// such as `groups[0].render`, and an empty path means the whole text. Settings that the block does not contain keep
+/// their values from `base`, and a `maxDepth` of `null` removes the limit.
 ///
-/// `file` is for messages.
+/// `file` is used in messages.
 ///
 /// # Errors
 ///
-/// [`ErrorKind::InvalidScene`], with line and JSON path in the whole text; also where `path` leads nowhere.
+/// [`ErrorKind::InvalidScene`], with line and JSON path in the whole text; also where `path` does not exist.
 pub fn apply_render(json: &str, path: &str, file: Option<&Path>, base: &RenderDesc) -> Result<RenderDesc> {
     let json = json.strip_prefix('\u{feff}').unwrap_or(json);
     let read = || {
@@ -107,7 +110,8 @@ fn scene(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> 
     }
 }
 
-/// A word the report's dialect does not know may be one of a native scene that lacks its version.
+/// Adds a hint to an error about a key that the report's dialect does not know, since the file may be a native scene
+/// without its version.
 fn hint_at_version(error: Error) -> Error {
     if error.location().file.is_some() || !error.message().starts_with("unknown ") {
         return error;
@@ -116,7 +120,7 @@ fn hint_at_version(error: Error) -> Error {
     Error::new(error.kind(), message).at(error.location().json_path.clone())
 }
 
-/// Adds file and line to an error that has only a JSON path so far.
+/// Adds file and line to an error that has only a JSON path.
 fn located(error: Error, json: &str, file: Option<&Path>) -> Error {
     let line = match error.location().line {
         0 => line_of(json, &error.location().json_path),

@@ -1,4 +1,4 @@
-//! The `render` block of the native format.
+//! Reads the `render` block of the native format.
 
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -203,7 +203,7 @@ mod schema {
     }
 }
 
-/// Reads the block; what it does not say is as in `base`.
+/// Reads the `render` block. Settings that the block does not contain keep their values from `base`.
 pub(super) fn read(raw: &RawValue, path: &str, base: &RenderDesc) -> Result<RenderDesc> {
     let block: Render<'_> = json::object(raw, path)?;
     let at = |key: &str| join(path, key);
@@ -277,12 +277,12 @@ impl RenderDesc {
     }
 }
 
-/// A greatest number of hits on a path.
+/// Checks a greatest number of hits on a path.
 pub(super) fn max_depth(path: &str, value: Whole) -> Result<u32> {
     validate::whole(path, value, 1, u64::from(u32::MAX))
 }
 
-/// A number of light samples per hit.
+/// Checks a number of light samples per hit.
 pub(super) fn shadow_rays(path: &str, value: Whole) -> Result<u32> {
     validate::whole(path, value, 1, u64::from(super::MAX_SHADOW_RAYS))
 }

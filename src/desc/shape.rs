@@ -1,20 +1,21 @@
-//! The shapes of the scene format by name, each with the frame it stands in, and what their numbers must fulfil.
+//! The shapes of the scene format by name, each with its frame and with the checks of its numbers.
 
 use super::json::join;
 use super::{ShapeDesc, quadric, validate};
 use crate::math::{Bounds, DAffine3, DMat3, DVec3};
 use crate::{Error, Result};
 
-/// How far from 1 the length of a disk's normal may be.
+/// Greatest difference between 1 and the length of a disk's normal.
 const UNIT: f64 = 1e-6;
 
-/// Constructors for what the scene format calls by name.
+/// Constructors for the shapes that the scene format calls by name.
 ///
-/// Each gives a shape and its [`super::SurfaceDesc::local`] frame, both for [`super::SceneDesc::add_surface`], and the
-/// very same bits as the format. Lengths are in scene units; all numbers must fit single precision. Errors are of kind
-/// [`crate::ErrorKind::InvalidScene`] and name the argument as the format does (`radius`, `vertex-2[1]`).
+/// Each constructor returns a shape and its [`super::SurfaceDesc::local`] frame, both of which are arguments of
+/// [`super::SceneDesc::add_surface`]. The results are identical to the last bit to those of the format. Lengths are in
+/// scene units, and all numbers must fit single precision. Errors are of kind [`crate::ErrorKind::InvalidScene`] and
+/// name the argument as the format does (`radius`, `vertex-2[1]`).
 impl ShapeDesc {
-    /// A sphere, normals outwards; `radius` > 0.
+    /// Makes a sphere with its normals outwards; `radius` > 0.
     ///
     /// # Errors
     /// At `origin[..]` or `radius`.
@@ -22,7 +23,7 @@ impl ShapeDesc {
         checked(Self::Sphere { centre, radius })
     }
 
-    /// A triangle with normal (v1 - v0) x (v2 - v0).
+    /// Makes a triangle with normal (v1 - v0) x (v2 - v0).
     ///
     /// # Errors
     /// At `vertex-1[..]` to `vertex-3[..]`.
@@ -30,15 +31,16 @@ impl ShapeDesc {
         checked(Self::Triangle(vertices))
     }
 
-    /// A flat convex quadrilateral, corners in order around the edge, with the normal of its first three corners.
+    /// Makes a flat convex quadrilateral. Its corners are in order around its edge, and its normal is that of its first
+    /// three corners.
     ///
     /// # Errors
-    /// At `vertex-1` to `vertex-4`, or without a path if the whole has no area.
+    /// At `vertex-1` to `vertex-4`, or without a path if the quadrilateral has no area.
     pub fn quad(vertices: [DVec3; 4]) -> Result<(Self, DAffine3)> {
         checked(Self::Quad(vertices))
     }
 
-    /// A flat round disk; `normal` of any length but zero, `radius` > 0. It cannot emit.
+    /// Makes a flat round disk. `normal` has any length but zero, and `radius` > 0. A disk cannot emit.
     ///
     /// # Errors
     /// At `origin[..]`, `normal` or `radius`.
@@ -46,8 +48,9 @@ impl ShapeDesc {
         checked(Self::Disk { centre, normal: validate::direction("normal", normal)?, radius })
     }
 
-    /// a x^2 + b y^2 + c z^2 + 2d xy + 2e yz + 2f xz + 2g x + 2h y + 2i z + j = 0 inside a box, with the gradient for
-    /// a normal. `None` for the box means an ellipsoid's own extent. It cannot emit.
+    /// Makes the quadric a x^2 + b y^2 + c z^2 + 2d xy + 2e yz + 2f xz + 2g x + 2h y + 2i z + j = 0 inside a box. Its
+    /// normal is the gradient. With `None` for the box, an ellipsoid is bounded by its own extent. A quadric cannot
+    /// emit.
     ///
     /// # Errors
     /// At `coefficients[..]` or `clip`, or without a path if there is no box and the quadric is no ellipsoid.
@@ -63,8 +66,8 @@ impl ShapeDesc {
         checked(Self::Quadric { coefficients, clip })
     }
 
-    /// A tube without caps, normals outwards: from the centre `base` of one end along `axis`, of any length but zero.
-    /// `radius` and `height` > 0.
+    /// Makes a tube without caps, with its normals outwards. It extends from the centre `base` of one end along `axis`,
+    /// which has any length but zero. `radius` and `height` > 0.
     ///
     /// # Errors
     /// At `radius`, `height`, `axis` or `base`.
@@ -72,8 +75,8 @@ impl ShapeDesc {
         Ok((quadric::cylinder(), frame(("base", base), axis, radius, height)?))
     }
 
-    /// A cone without its base disk, normals outwards: `radius` wide at `base`, its apex at `height` along `axis`,
-    /// which has any length but zero. `radius` and `height` > 0.
+    /// Makes a cone without its base disk, with its normals outwards. Its radius is `radius` at `base`, and its apex is
+    /// at `height` along `axis`, which has any length but zero. `radius` and `height` > 0.
     ///
     /// # Errors
     /// At `radius`, `height`, `axis` or `base`.
@@ -81,8 +84,9 @@ impl ShapeDesc {
         Ok((quadric::cone(), frame(("base", base), axis, radius, height)?))
     }
 
-    /// A paraboloid of revolution, open at its wide end, normals away from the axis: a bowl that opens from `apex`
-    /// along `axis`, of any length but zero, and is `radius` wide at `height`. Both > 0.
+    /// Makes a paraboloid of revolution, with its normals away from the axis. It is a bowl that opens from `apex` along
+    /// `axis`, which has any length but zero. Its wide end at `height` is open and has the radius `radius`. `radius` and
+    /// `height` > 0.
     ///
     /// # Errors
     /// At `radius`, `height`, `axis` or `apex`.
@@ -90,8 +94,8 @@ impl ShapeDesc {
         Ok((quadric::paraboloid(), frame(("apex", apex), axis, radius, height)?))
     }
 
-    /// An ellipsoid, normals outwards; `radii` are half its size along x, y and z, each > 0. It cannot emit; a sphere
-    /// under a transform can, as long as that keeps it round.
+    /// Makes an ellipsoid with its normals outwards. `radii` are half its size along x, y and z, each > 0. An ellipsoid
+    /// cannot emit; a sphere under a transform can emit, as long as the transform keeps the sphere round.
     ///
     /// # Errors
     /// At `radii[..]` or `origin[..]`.
@@ -103,7 +107,7 @@ impl ShapeDesc {
         Ok((quadric::ball(), DAffine3::from_mat3_translation(DMat3::from_diagonal(radii), centre)))
     }
 
-    /// Whether the numbers are such that the format could have given them; a mesh's number is not looked at.
+    /// Checks that the format could have given these numbers. The number of a mesh is not checked.
     pub(super) fn check(&self, path: &str) -> Result<()> {
         let at = |key: &str| join(path, key);
         let corners = |vertices: &[DVec3]| {
@@ -138,7 +142,7 @@ impl ShapeDesc {
         Ok(())
     }
 
-    /// Box around the shape in its own frame; `mesh_extent` says how large a mesh is.
+    /// Returns the box around the shape in its own frame. `mesh_extent` gives the box of a mesh.
     pub(super) fn extent(&self, mesh_extent: impl FnOnce(usize) -> Bounds) -> Bounds {
         match self {
             Self::Sphere { centre, radius } | Self::Disk { centre, radius, .. } => {
@@ -157,7 +161,7 @@ fn checked(shape: ShapeDesc) -> Result<(ShapeDesc, DAffine3)> {
     Ok((shape, DAffine3::IDENTITY))
 }
 
-/// The frame of a shape of revolution, whose origin the format calls by this name.
+/// Returns the frame of a shape of revolution. `name` is the format's name for its origin.
 fn frame((name, origin): (&str, DVec3), axis: DVec3, radius: f64, height: f64) -> Result<DAffine3> {
     let (radius, height) = (validate::positive("radius", radius)?, validate::positive("height", height)?);
     let axis = validate::direction("axis", axis)?;

@@ -1,4 +1,4 @@
-//! Surfaces and shared meshes of the native format.
+//! Reads surfaces and shared meshes of the native format.
 
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -364,7 +364,7 @@ impl MeshSource {
                 let positions = self.positions.ok_or_else(|| missing("positions"))?;
                 let triangles = self.triangles.ok_or_else(|| missing("triangles"))?;
                 let (normals, uvs) = (self.normals.unwrap_or_default(), self.uvs.unwrap_or_default());
-                // Checked as they were written; the rest can be judged in single precision.
+                // The numbers are checked here as they were written. The other checks are done in single precision.
                 for (i, normal) in normals.iter().enumerate() {
                     validate::numbers(path, "normals", i, *normal)?;
                 }

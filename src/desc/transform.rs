@@ -36,7 +36,7 @@ pub(super) enum Transform {
     Several(Vec<Step>),
 }
 
-/// Reads a `transform`; identity where there is none.
+/// Reads a `transform`. The result is the identity where there is none.
 pub(super) fn read(raw: Option<&RawValue>, path: &str) -> Result<DAffine3> {
     let Some(raw) = raw else { return Ok(DAffine3::IDENTITY) };
     let transform = match json::kind(raw.get()) {
@@ -78,7 +78,7 @@ fn step(raw: &RawValue, path: &str) -> Result<DAffine3> {
     Ok(place(scale, degrees * (std::f64::consts::PI / 180.0), translate))
 }
 
-/// The factors of a `scale`, 1 where there is none; zero would flatten the object.
+/// Returns the factors of a `scale`, or 1 where there is none. Zero is refused, because it would flatten the object.
 pub(super) fn factors(path: &str, scale: Option<Scale>) -> Result<DVec3> {
     let factors = match scale {
         None => DVec3::ONE,

@@ -1,4 +1,4 @@
-//! Checks on single values: what they mean physically, and that they survive single precision.
+//! Checks of single values: their physical meaning, and that single precision can hold them.
 
 use super::json::{Whole, join};
 use super::{BsdfDesc, CameraDesc, MeshDesc, PointLightDesc, ShapeDesc, transform};
@@ -9,18 +9,18 @@ use crate::{Error, ErrorKind, Result};
 const F32_MAX: f64 = f32::MAX as f64;
 const F32_MIN: f64 = f32::MIN_POSITIVE as f64;
 
-/// sin of the smallest angle at which two directions count as different.
+/// Sine of the smallest angle at which two directions count as different.
 const PARALLEL: f64 = 1e-7;
 
-/// How far, relative to its longest diagonal, a quad's fourth vertex may be off the plane of the other three.
+/// Greatest distance of a quad's fourth vertex from the plane of the other three, relative to the longest diagonal.
 pub(super) const QUAD_FLATNESS: f64 = 1e-4;
 
-/// Whether single precision can hold the number; false for NaN and infinity.
+/// Returns whether single precision can hold the number; false for NaN and infinity.
 pub(super) fn fits(value: f64) -> bool {
     value.abs() <= F32_MAX
 }
 
-/// A number that single precision can hold.
+/// Checks a number that single precision must be able to hold.
 pub(super) fn number(path: &str, value: f64) -> Result<f64> {
     if fits(value) {
         return Ok(value);
@@ -28,7 +28,7 @@ pub(super) fn number(path: &str, value: f64) -> Result<f64> {
     Err(Error::invalid(path, format!("{value:e} is beyond single precision, expected a magnitude up to 3.4e38")))
 }
 
-/// A number above zero, in single precision too.
+/// Checks a number that must be above zero, in single precision too.
 pub(super) fn positive(path: &str, value: f64) -> Result<f64> {
     number(path, value)?;
     if value >= F32_MIN {
@@ -38,7 +38,7 @@ pub(super) fn positive(path: &str, value: f64) -> Result<f64> {
     Err(Error::invalid(path, format!("{value} {why}, expected a number > 0")))
 }
 
-/// A number in `[low, high]`.
+/// Checks a number that must be in `[low, high]`.
 pub(super) fn within(path: &str, value: f64, low: f64, high: f64) -> Result<f32> {
     if (low..=high).contains(&value) {
         return Ok(value as f32);
@@ -46,7 +46,7 @@ pub(super) fn within(path: &str, value: f64, low: f64, high: f64) -> Result<f32>
     Err(Error::invalid(path, format!("{value} is out of range, expected a number in [{low}, {high}]")))
 }
 
-/// A number above 0, in single precision too, and up to `high`.
+/// Checks a number that must be above 0, in single precision too, and at most `high`.
 pub(super) fn up_to(path: &str, value: f64, high: f64) -> Result<()> {
     if (F32_MIN..=high).contains(&value) {
         return Ok(());
@@ -54,7 +54,7 @@ pub(super) fn up_to(path: &str, value: f64, high: f64) -> Result<()> {
     Err(Error::invalid(path, format!("{value} is out of range, expected a number above 0 and up to {high}")))
 }
 
-/// A number above 0 and below 1.
+/// Checks a number that must be above 0 and below 1.
 pub(super) fn share(path: &str, value: f64) -> Result<()> {
     if (F32_MIN..1.0).contains(&value) {
         return Ok(());
@@ -62,12 +62,12 @@ pub(super) fn share(path: &str, value: f64) -> Result<()> {
     Err(Error::invalid(path, format!("{value} is out of range, expected a number above 0 and below 1")))
 }
 
-/// A radius of density estimates, see [`super::RADII`].
+/// Checks a radius of density estimates, which must be within [`super::RADII`].
 pub(super) fn radius(path: &str, value: f64) -> Result<()> {
     length(path, value, "a radius")
 }
 
-/// A length in the bounds of those radii; `what` it is.
+/// Checks a length, which must be within [`super::RADII`]. `what` names the length in messages.
 pub(super) fn length(path: &str, value: f64, what: &str) -> Result<()> {
     positive(path, value)?;
     let [low, high] = super::RADII;
@@ -77,7 +77,7 @@ pub(super) fn length(path: &str, value: f64, what: &str) -> Result<()> {
     Err(Error::invalid(path, format!("{value:e} is out of range, expected {what} in [{low:e}, {high:e}]")))
 }
 
-/// The cone's k: 1 or more, as single precision has it.
+/// Checks the cone filter's k, which must be 1 or more in single precision.
 pub(super) fn cone(path: &str, k: f64) -> Result<f32> {
     number(path, k)?;
     if k >= 1.0 {
@@ -86,7 +86,7 @@ pub(super) fn cone(path: &str, k: f64) -> Result<f32> {
     Err(Error::invalid(path, format!("{k} is out of range, expected a number >= 1")))
 }
 
-/// A point or a vector.
+/// Checks a point or a vector.
 pub(super) fn vector(path: &str, value: impl Into<DVec3>) -> Result<DVec3> {
     let value = value.into();
     for (i, component) in value.to_array().into_iter().enumerate() {
@@ -97,17 +97,17 @@ pub(super) fn vector(path: &str, value: impl Into<DVec3>) -> Result<DVec3> {
     Ok(value)
 }
 
-/// A unit vector from one of any length but zero.
+/// Returns the unit vector of a vector of any length but zero.
 pub(super) fn direction(path: &str, value: impl Into<DVec3>) -> Result<DVec3> {
     let v = vector(path, value)?;
-    // Scaled first, so that lengths near the ends of the range do not over- or underflow when squared.
+    // The vector is scaled first, so that lengths near the ends of the range do not over- or underflow when squared.
     (v / v.abs().max_element()).try_normalize().ok_or_else(|| {
         let zero = v.to_array();
         Error::invalid(path, format!("{zero:?} has no direction, expected a vector that is not zero"))
     })
 }
 
-/// A reflectance, [0, 1] per channel: more would create energy.
+/// Checks a reflectance, which must be in [0, 1] per channel, since a larger value would create energy.
 pub(super) fn reflectance(path: &str, value: impl Into<DVec3>) -> Result<Rgb> {
     let value = value.into().to_array();
     if let Some(i) = value.iter().position(|channel| !(0.0..=1.0).contains(channel)) {
@@ -119,7 +119,7 @@ pub(super) fn reflectance(path: &str, value: impl Into<DVec3>) -> Result<Rgb> {
     Ok(Rgb::from_f64(DVec3::from_array(value)))
 }
 
-/// Radiance or radiant intensity: zero or more per channel, times `factor`.
+/// Returns radiance or radiant intensity, which must be zero or more per channel, times `factor`.
 pub(super) fn emission(path: &str, value: impl Into<DVec3>, factor: f64) -> Result<Rgb> {
     let value = value.into();
     for (i, channel) in value.to_array().into_iter().enumerate() {
@@ -133,7 +133,7 @@ pub(super) fn emission(path: &str, value: impl Into<DVec3>, factor: f64) -> Resu
     Ok(Rgb::from_f64(factor * value))
 }
 
-/// A factor on light: zero or more.
+/// Checks a factor on emitted light, which must be zero or more.
 pub(super) fn intensity(path: &str, value: f64) -> Result<f64> {
     number(path, value)?;
     if value >= 0.0 {
@@ -142,14 +142,14 @@ pub(super) fn intensity(path: &str, value: f64) -> Result<f64> {
     Err(Error::invalid(path, format!("{value} is negative, expected an intensity of 0 or more")))
 }
 
-/// A whole number in `[low, high]`.
+/// Checks a whole number that must be in `[low, high]`.
 pub(super) fn whole(path: &str, value: Whole, low: u64, high: u64) -> Result<u32> {
     u32::try_from(value.0).ok().filter(|_| (low..=high).contains(&value.0)).ok_or_else(|| {
         Error::invalid(path, format!("{} is out of range, expected a whole number from {low} to {high}", value.0))
     })
 }
 
-/// Width and height of an image: at least a pixel, and not more than [`super::MAX_PIXELS`] of them.
+/// Checks the width and height of an image: at least one pixel each, and at most [`super::MAX_PIXELS`] pixels in total.
 pub(super) fn resolution(path: &str, value: [Whole; 2]) -> Result<[u32; 2]> {
     const LIMIT: u64 = super::MAX_PIXELS;
     let width = whole(&format!("{path}[0]"), value[0], 1, LIMIT)?;
@@ -161,7 +161,7 @@ pub(super) fn resolution(path: &str, value: [Whole; 2]) -> Result<[u32; 2]> {
     Ok([width, height])
 }
 
-/// Where a camera is, where it looks and what is up must give a frame; the angle must be one a pinhole can span.
+/// Checks that a camera's position, view direction and up vector give a frame, and that a pinhole can span its angle.
 pub(super) fn camera(path: &str, camera: CameraDesc) -> Result<CameraDesc> {
     let (CameraDesc::Perspective { eye: origin, look_at, up, fov_deg, .. }
     | CameraDesc::ViewPlane { centre: origin, look_at, up, fov_deg }) = camera;
@@ -187,7 +187,7 @@ pub(super) fn camera(path: &str, camera: CameraDesc) -> Result<CameraDesc> {
     Ok(camera)
 }
 
-/// A light at a point, of radiant intensity `color` times `factor`.
+/// Makes a point light of radiant intensity `color` times `factor`.
 pub(super) fn point_light(
     path: &str,
     position: impl Into<DVec3>,
@@ -200,7 +200,7 @@ pub(super) fn point_light(
     Ok(PointLightDesc { path: path.to_owned(), position, intensity })
 }
 
-/// The parameters of a scattering model that is already in single precision, and the survival probability with it.
+/// Checks the parameters of a scattering model that are already in single precision, and the survival probability.
 pub(super) fn material(path: &str, bsdf: &BsdfDesc, survival: Option<f32>) -> Result<()> {
     let at = |key: &str| join(path, key);
     match *bsdf {
@@ -220,7 +220,7 @@ pub(super) fn material(path: &str, bsdf: &BsdfDesc, survival: Option<f32>) -> Re
         BsdfDesc::OrenNayar { roughness, .. } => {
             within(&at("roughness"), roughness.into(), 0.0, 1.0)?;
         }
-        // A right angle rounded to single precision is a little more than one.
+        // A right angle is excepted, because its value rounded to single precision is slightly more than a right angle.
         BsdfDesc::OrenNayarQualitative { sigma, .. } if sigma != std::f32::consts::FRAC_PI_2 => {
             within(&at("sigmaDeg"), f64::from(sigma).to_degrees(), 0.0, 90.0)?;
         }
@@ -233,13 +233,14 @@ pub(super) fn material(path: &str, bsdf: &BsdfDesc, survival: Option<f32>) -> Re
     survival_rate(&at("reflectionRate"), rate.into()).map(|_| ())
 }
 
-/// A probability of survival, above 0 and up to 1.
+/// Checks a probability of survival, which must be above 0 and at most 1.
 pub(super) fn survival_rate(path: &str, rate: f64) -> Result<f32> {
     positive(path, rate)?;
     within(path, rate, 0.0, 1.0)
 }
 
-/// A mesh that holds triangles, with indices of vertices it has and as many normals and texture coordinates as those.
+/// Checks a mesh: it has triangles, their indices are those of its vertices, and its numbers of normals and of texture
+/// coordinates match the number of vertices.
 pub(super) fn mesh(path: &str, mesh: &MeshDesc) -> Result<()> {
     let at = |key: &str| join(path, key);
     let own = |len: usize| (len > 0).then_some(len);
@@ -281,7 +282,7 @@ pub(super) fn mesh(path: &str, mesh: &MeshDesc) -> Result<()> {
     Ok(())
 }
 
-/// The numbers of element `i` of a mesh's array.
+/// Checks the numbers of element `i` of a mesh's array.
 pub(super) fn numbers<const N: usize>(path: &str, key: &str, i: usize, values: [f64; N]) -> Result<()> {
     match values.into_iter().position(|value| !fits(value)) {
         None => Ok(()),
@@ -289,7 +290,7 @@ pub(super) fn numbers<const N: usize>(path: &str, key: &str, i: usize, values: [
     }
 }
 
-/// The box that a quadric is cut to.
+/// Checks the box that clips a quadric.
 pub(super) fn clip(path: &str, clip: &Bounds) -> Result<()> {
     let Bounds { min, max } = *clip;
     vector(&join(path, "min"), min)?;
@@ -300,16 +301,16 @@ pub(super) fn clip(path: &str, clip: &Bounds) -> Result<()> {
     Ok(())
 }
 
-/// A convex, flat quadrilateral whose first three vertices give a normal.
+/// Checks that a quadrilateral is convex and flat and that its first three vertices give a normal.
 ///
-/// Flat means: the fourth vertex is off the plane of the first three by at most 1e-4 of the longer diagonal, which
-/// forgives rounded coordinates at any scale.
+/// A quadrilateral is flat if the fourth vertex is off the plane of the first three by at most 1e-4 of the longer
+/// diagonal. This tolerance allows rounded coordinates at any scale.
 pub(super) fn quad(path: &str, v: [DVec3; 4]) -> Result<()> {
     let longest = (v[2] - v[0]).abs().max_element().max((v[3] - v[1]).abs().max_element());
     if longest == 0.0 {
         return Err(Error::invalid(path, "the quad has no area, its opposite vertices are equal"));
     }
-    // Everything below is in units of the quad's size.
+    // All values below are in units of the quad's size.
     let v = v.map(|vertex| (vertex - v[0]) / longest);
     let Some(n) = v[1].cross(v[2]).try_normalize().filter(|_| v[1].cross(v[2]).length() > 1e-12) else {
         return Err(Error::invalid(path, "the quad's first three vertices lie on a line, expected a corner"));
@@ -334,10 +335,10 @@ pub(super) fn quad(path: &str, v: [DVec3; 4]) -> Result<()> {
     Ok(())
 }
 
-/// A transform that can be undone.
+/// Checks that a transform is invertible.
 ///
-/// Judged without a scale: each axis must keep a length, and the volume they span must be above 1e-9 of the product of
-/// their lengths.
+/// The check is independent of scale: each axis must keep a length, and the volume that the axes span must be above
+/// 1e-9 of the product of their lengths.
 pub(super) fn invertible(path: &str, transform: &DAffine3) -> Result<()> {
     if !transform.is_finite() {
         return Err(Error::invalid(path, "the transform overflows, expected finite numbers"));
@@ -346,14 +347,14 @@ pub(super) fn invertible(path: &str, transform: &DAffine3) -> Result<()> {
     let lengths = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.length());
     let relative = m.determinant().abs() / (lengths[0] * lengths[1] * lengths[2]);
     let inverse_is_finite = || transform.inverse().is_finite();
-    // A comparison with NaN, from lengths of zero, is false.
+    // Lengths of zero give NaN, for which the comparison is false.
     if relative > 1e-9 && inverse_is_finite() {
         return Ok(());
     }
     Err(Error::invalid(path, "the transform cannot be undone: it flattens the object"))
 }
 
-/// World coordinates must fit single precision.
+/// Checks that world coordinates fit single precision.
 pub(super) fn extent(path: &str, bounds: &Bounds, transform: &DAffine3) -> Result<()> {
     let world = bounds.transformed(transform);
     if world.is_empty() {
@@ -361,7 +362,7 @@ pub(super) fn extent(path: &str, bounds: &Bounds, transform: &DAffine3) -> Resul
     }
     let reach = world.min.abs().max(world.max.abs()).max_element();
     if reach <= F32_MAX {
-        // A single point is a degenerate mesh or triangle, which is no mistake.
+        // A single point is accepted, because a degenerate mesh or triangle is no mistake.
         let size = (world.max - world.min).max_element();
         if size > 0.0 && size < F32_MIN {
             let message = format!("the surface is {size:e} large, too small for single precision");
@@ -375,7 +376,8 @@ pub(super) fn extent(path: &str, bounds: &Bounds, transform: &DAffine3) -> Resul
     ))
 }
 
-/// What can emit light, and where: `to_world` is the shape's frame to the world's.
+/// Checks that a shape can emit light under its transform. `to_world` is the transform from the shape's frame to the
+/// world frame.
 pub(super) fn emitter(path: &str, shape: &ShapeDesc, to_world: &DAffine3) -> Result<()> {
     let message = match shape {
         ShapeDesc::Quadric { .. } | ShapeDesc::Disk { .. } => {

@@ -1,9 +1,9 @@
-//! What a description says beside errors: what was left out, or does not mean what it seems to.
+//! Warnings of a description about parts that were left out or that do not mean what they seem to mean.
 
-/// Most warnings that are kept.
+/// Greatest number of warnings that are kept.
 const WARNING_LIMIT: usize = 1000;
 
-/// Keeps a warning, unless there are very many already.
+/// Adds a warning, unless there are very many already.
 pub(super) fn warn(warnings: &mut Vec<String>, message: String) {
     if warnings.len() < WARNING_LIMIT {
         warnings.push(message);

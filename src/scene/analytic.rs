@@ -1,9 +1,9 @@
-//! A few analytic shapes, tested one after another before Embree is asked.
+//! A short list of analytic shapes, which every ray tests before it is passed to Embree.
 //!
-//! Spheres as primitives of Embree make every ray walk a second tree, which costs a room with three spheres half of its ray
-//! rate. A short list costs a few nanoseconds instead, and what it hits shortens the segment that Embree has to search.
-//! Four bounding spheres at a time are rejected in single precision, with a margin that covers its rounding; what remains
-//! is decided by the exact test in double precision.
+//! If spheres were Embree user geometry, every ray would traverse a second hierarchy; in a room with three spheres that
+//! halves the ray rate. Testing a short list costs only a few nanoseconds, and a hit in the list shortens the segment
+//! that Embree has to search. Four bounding spheres at a time are rejected in single precision, with a margin that
+//! covers the rounding error; the remaining candidates are decided by the exact test in double precision.
 
 use crate::embree::{UserGeometry, UserHit};
 use crate::math::{Bounds, Ray, Vec4};
@@ -16,15 +16,15 @@ struct Packet {
     y: Vec4,
     z: Vec4,
     radius2: Vec4,
-    /// One bit for each lane that holds a shape.
+    /// One bit is set for each lane that holds a shape.
     lanes: u32,
 }
 
-/// Relative error of the rejection test in f32, about thirty roundings, covered by the margin.
+/// Relative error of the rejection test in f32, about thirty roundings. The margin covers this error.
 const MARGIN: f32 = 4e-6;
 
 impl Packet {
-    /// One bit for each shape that the ray's line may meet in front of its origin.
+    /// Returns a mask with one bit set for each shape that the ray's line may meet in front of its origin.
     #[inline]
     fn candidates(&self, ray: &Ray, length2: f32) -> u32 {
         let x = self.x - Vec4::splat(ray.origin.x);
@@ -33,15 +33,17 @@ impl Packet {
         let distance2 = x * x + y * y + z * z;
         let along = x * ray.direction.x + y * ray.direction.y + z * ray.direction.z;
         let reach2 = self.radius2 + distance2 * MARGIN;
-        // Squared distance of the line from the centre, times |d|^2 to save a division.
-        // Negated comparisons: where a scene is so large that squares overflow, NaN leaves the decision to the exact test.
+        // The comparison uses the squared distance of the line from the centre, multiplied by |d|^2 to avoid a
+        // division.
+        // The comparisons are negated, so that where a scene is so large that squares overflow, NaN leaves the decision
+        // to the exact test.
         let is_near = !(distance2 * length2 - along * along).cmpgt(reach2 * length2);
         let is_ahead = !along.cmple(Vec4::ZERO) | !distance2.cmpgt(reach2);
         (is_near & is_ahead).bitmask() & self.lanes
     }
 }
 
-/// Shapes tested in turn.
+/// A list of analytic shapes that are tested one after another.
 #[derive(Debug, Default)]
 pub(super) struct AnalyticList {
     packets: Vec<Packet>,
@@ -61,7 +63,7 @@ impl AnalyticList {
                         Analytic::Sphere(sphere) => sphere.radius,
                         _ => 0.5 * (max - min).length(),
                     };
-                    // The centre is rounded to f32: pad by that.
+                    // The centre is rounded to f32, so the radius is padded by that rounding error.
                     let padded = radius + centre.abs().max_element() * f64::from(MARGIN);
                     packet.x[lane] = centre.x as f32;
                     packet.y[lane] = centre.y as f32;
@@ -83,7 +85,7 @@ impl AnalyticList {
         &self.shapes
     }
 
-    /// The nearest hit inside the ray's segment: t and the shape's number.
+    /// Returns the nearest hit inside the ray's segment as its t and the number of the shape.
     #[inline]
     pub(super) fn intersect(&self, ray: &Ray) -> Option<(f32, u32)> {
         let mut tfar = f64::from(ray.tfar);
@@ -98,14 +100,14 @@ impl AnalyticList {
         nearest
     }
 
-    /// Whether anything is hit inside the ray's segment.
+    /// Returns whether any shape is hit inside the ray's segment.
     #[inline]
     pub(super) fn occluded(&self, ray: &Ray) -> bool {
         self.for_candidates(ray, |index| self.exact(index, ray, f64::from(ray.tfar)).is_some())
     }
 
-    /// The test in double precision, out of line: most rays have no candidate and should not carry it along. A segment that
-    /// begins behind the origin is none, here as in Embree.
+    /// Tests one shape in double precision. The function is not inlined, because most rays have no candidate and should
+    /// not pay for its code. As in Embree, a segment that begins behind the ray's origin has no hit.
     #[inline(never)]
     fn exact(&self, index: usize, ray: &Ray, tfar: f64) -> Option<f64> {
         if ray.tnear < 0.0 {
@@ -114,7 +116,7 @@ impl AnalyticList {
         self.shapes[index].intersect(&DRay { tfar, ..DRay::from(ray) })
     }
 
-    /// Calls `visit` with each candidate until it returns true; returns whether it did.
+    /// Calls `visit` with each candidate until `visit` returns true. Returns whether `visit` returned true.
     #[inline]
     fn for_candidates(&self, ray: &Ray, mut visit: impl FnMut(usize) -> bool) -> bool {
         let length2 = ray.direction.length_squared();
@@ -132,7 +134,7 @@ impl AnalyticList {
     }
 }
 
-/// The same shapes as user geometry, for scenes with too many of them for a list.
+/// Analytic shapes as Embree user geometry, for scenes that have too many of them for a list.
 #[derive(Debug)]
 pub(super) struct AnalyticGeometry(pub(super) Vec<Analytic>);
 
@@ -142,7 +144,7 @@ impl UserGeometry for AnalyticGeometry {
     }
 
     fn bounds(&self, index: usize) -> ([f32; 3], [f32; 3]) {
-        // Rounded outwards: a box that cuts off a ULP of the shape would open a gap.
+        // The box is rounded outwards, because a box that cuts a single ULP off the shape would open a gap.
         let Bounds { min, max } = self.0[index].bounds();
         let down = |x: f64| (x as f32).next_down();
         let up = |x: f64| (x as f32).next_up();

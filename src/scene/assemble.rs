@@ -1,4 +1,5 @@
-//! The geometry of a scene: what Embree is given, and what is tested in a list before it.
+//! Assembles the geometry of a scene: the objects that Embree holds, and the list of shapes that rays test before
+//! Embree.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -22,8 +23,8 @@ use crate::error::Result;
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::shape::Triangle;
 
-/// Up to this many analytic shapes a list in front of Embree is faster than user geometry inside it.
-/// Measured with `cargo bench --bench spheres`.
+/// Up to this number of analytic shapes, a list in front of Embree is faster than user geometry inside Embree. The
+/// number was measured with `cargo bench --bench spheres`.
 const LISTED_SHAPES: usize = 16;
 
 /// The geometry of a scene.
@@ -46,7 +47,7 @@ impl Assembly {
     }
 }
 
-/// Builds the geometry of `desc`; takes over from `old` the meshes that have hierarchies of their own there.
+/// Builds the geometry of `desc`. Meshes that have hierarchies of their own in `old` are reused from there.
 pub(super) fn assemble(
     desc: &SceneDesc,
     options: &BuildOptions,
@@ -56,7 +57,7 @@ pub(super) fn assemble(
     progress: &WorkProgress,
 ) -> Result<Assembly> {
     progress.expect(first_guess(desc, old));
-    // Everything in the world frame, in double precision.
+    // All surfaces are lowered to the world frame, in double precision.
     let mut mesh_bounds = old.map(GeometryRecord::mesh_bounds).unwrap_or_default();
     let lowered = lower::lower(desc, is_dynamic, &progress.cancel, |mesh: &Arc<MeshDesc>| {
         match mesh_bounds.get(&address(mesh)) {
@@ -69,8 +70,9 @@ pub(super) fn assemble(
         }
     })?;
 
-    // The frame in which single precision is spent where it shows most: around the camera, or the point of the scene
-    // nearest to it. A huge ground sphere thus costs no digits of what stands on it.
+    // The origin of the scene frame is the camera, or the point of the scene nearest to the camera, so that single
+    // precision is finest where its errors are most visible. A huge ground sphere therefore costs no precision in the
+    // objects that stand on it.
     let centre = frame::origin(&desc.camera, &lowered.bounds);
     Camera::new(&desc.camera, desc.render.resolution, centre)?;
 
@@ -90,7 +92,7 @@ pub(super) fn assemble(
     assembler.finish(list, list_surfaces, is_dynamic)
 }
 
-/// Units of work before anything is known but the sizes of meshes.
+/// Estimates the units of work when only the sizes of the meshes are known.
 fn first_guess(desc: &SceneDesc, old: Option<&GeometryRecord>) -> f64 {
     let mut seen = HashSet::new();
     let mut units = 0.0;
@@ -114,7 +116,7 @@ struct Assembler<'a, 'p> {
     progress: &'a WorkProgress<'p>,
     centre: DVec3,
     embree: SceneBuilder,
-    /// Meshes that have a hierarchy already; grows.
+    /// Meshes that already have a hierarchy. The map grows during assembly.
     known: HashMap<ObjectKey, Arc<MeshObject>>,
     mesh_bounds: HashMap<usize, Bounds>,
     geometries: Vec<Geometry>,
@@ -130,7 +132,7 @@ impl Assembler<'_, '_> {
         (address(self.mesh(mesh_use)), mesh_use.smooth)
     }
 
-    /// Units of work that are left.
+    /// Returns the units of work that remain.
     fn exact_cost(&self, lowered: &Lowered) -> f64 {
         let loose = lowered.triangles.len();
         let mut units = (cost::TEST + cost::HIERARCHY) * lowered.shapes.len() as f64;
@@ -153,7 +155,7 @@ impl Assembler<'_, '_> {
         units
     }
 
-    /// All triangles and quads as one geometry.
+    /// Adds all triangles and quads as one geometry.
     fn loose_triangles(&mut self, lowered: &Lowered) -> Result<()> {
         let count = lowered.triangles.len();
         let charge = self.device.charge(12 * (4 * count + 1))?.map(Arc::new);
@@ -198,7 +200,7 @@ impl Assembler<'_, '_> {
         Ok(())
     }
 
-    /// A mesh copied into the scene frame.
+    /// Adds a mesh that is copied into the scene frame.
     fn flat_mesh(&mut self, mesh_use: &MeshUse) -> Result<()> {
         let surface = &self.desc.surfaces[mesh_use.surface];
         let to_scene = DAffine3::from_translation(-self.centre) * surface.to_world();
@@ -219,7 +221,7 @@ impl Assembler<'_, '_> {
         }
     }
 
-    /// Meshes with hierarchies of their own, each built once.
+    /// Adds the meshes with hierarchies of their own. Each hierarchy is built once.
     fn instances(&mut self, uses: &[MeshUse]) -> Result<()> {
         let mut counted = HashSet::new();
         for mesh_use in uses {
@@ -264,7 +266,8 @@ impl Assembler<'_, '_> {
         Ok(())
     }
 
-    /// Analytic shapes: a list in front of Embree while they are few, user geometry when they are many.
+    /// Places the analytic shapes in a list in front of Embree while they are few, and in user geometry when they are
+    /// many.
     fn shapes(&mut self, lowered: &Lowered, limit: usize) -> Result<(AnalyticList, Vec<u32>)> {
         let mut shapes = Vec::with_capacity(lowered.shapes.len());
         self.progress
@@ -295,12 +298,12 @@ impl Assembler<'_, '_> {
             self.facts.embree_bytes += embree.hierarchy_bytes();
             Some(embree)
         };
-        // Last of all, so that it takes no memory that the rest needs.
+        // The triangle cache is filled last, so that it takes no memory that the other parts need.
         let mut room = MAX_CACHED_TRIANGLES;
         for geometry in &mut self.geometries {
             self.facts.geometry_bytes += geometry.cache_triangles(&mut room, self.device);
         }
-        // Of the meshes with hierarchies those stay that a surface names, be it hidden.
+        // Of the meshes with hierarchies, those are kept that any surface names, even a hidden surface.
         let named = |surface: &crate::desc::SurfaceDesc| match surface.shape {
             ShapeDesc::Mesh { mesh, smooth } => Some((address(self.desc.meshes.get(mesh)?), smooth)),
             _ => None,

@@ -1,4 +1,5 @@
-//! Who owns what, and what shines: all that can change while the geometry stays.
+//! Bindings of a scene: which surface and material own each primitive, and which primitives emit. All of this can
+//! change while the geometry stays the same.
 
 use std::sync::Arc;
 
@@ -16,7 +17,7 @@ use crate::math::{DVec3, Vec3};
 use crate::shape::{Analytic, Triangle};
 use crate::spectrum::Rgb;
 
-/// Tables of owners, in the order of the geometries, and the emitters that they name.
+/// The tables of owners, in the order of the geometries, and the emitters that the owners refer to.
 #[derive(Clone)]
 pub(super) struct SurfaceBindings {
     pub owners: Arc<[Owners]>,
@@ -24,7 +25,7 @@ pub(super) struct SurfaceBindings {
     pub emitters: Arc<EmitterSet>,
 }
 
-/// Geometry to be dressed.
+/// Geometry that has no owners and emitters yet.
 #[derive(Clone, Copy)]
 pub(super) struct UnboundGeometry<'a> {
     pub geometries: &'a [Geometry],
@@ -33,12 +34,13 @@ pub(super) struct UnboundGeometry<'a> {
     pub centre: DVec3,
 }
 
-/// Units of work that the emitters of a description's loose triangles and shapes take, at most; meshes come on top.
+/// Returns the largest number of units of work that the emitters of a description's loose triangles and shapes can
+/// take. The emitters of meshes are counted separately.
 pub(super) fn triangles_cost(count: usize) -> f64 {
     cost::EMITTER * count as f64
 }
 
-/// Owners and emitters from the start.
+/// Builds the tables of owners and the emitters of a scene from its description.
 pub(super) fn bindings(desc: &SceneDesc, unbound: UnboundGeometry, progress: &WorkProgress) -> Result<SurfaceBindings> {
     let mut dresser = BindingBuilder { desc, progress, emitters: Vec::new() };
     dresser.point_lights(unbound.centre)?;
@@ -48,7 +50,7 @@ pub(super) fn bindings(desc: &SceneDesc, unbound: UnboundGeometry, progress: &Wo
     Ok(SurfaceBindings { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
 }
 
-/// The same emitters, other materials.
+/// Returns the bindings with the same emitters and the materials of `appearance`.
 pub(super) fn rebind_materials(old: &SurfaceBindings, appearance: &AppearanceKey) -> SurfaceBindings {
     let owner = |owner: &Owner| Owner { material: appearance.materials[owner.surface as usize], ..*owner };
     let owners = old.owners.iter().map(|owners| match owners {
@@ -73,7 +75,7 @@ impl BindingBuilder<'_, '_> {
         Owner { surface, material: self.desc.surfaces[surface as usize].material as u32, emitter }
     }
 
-    /// The emission of a surface, where there is light in it.
+    /// The emitted radiance of a surface, or `None` where the surface emits no light.
     fn emission(&self, surface: u32) -> Option<Rgb> {
         self.desc.surfaces[surface as usize].emission.filter(|emission| *emission != Rgb::ZERO)
     }
@@ -118,7 +120,8 @@ impl BindingBuilder<'_, '_> {
         }
     }
 
-    /// Makes an emitter of a triangle in the scene frame; its number. All of them have an area: the others are gone.
+    /// Makes an emitter of a triangle in the scene frame and returns its number. Every triangle has an area here,
+    /// because degenerate ones were dropped before.
     fn emit(&mut self, triangles: &Triangles, index: usize, radiance: Rgb) -> Option<u32> {
         let corners = triangles.mesh.indices().get(index);
         let vertices = triangles.mesh.vertices();

@@ -1,4 +1,4 @@
-//! From a description to a scene, and from a scene to that of an edited description.
+//! Builds a scene from a description, and rebuilds a scene after its description was edited.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -18,8 +18,9 @@ use crate::error::{Error, Result};
 impl Scene {
     /// Builds the scene of a description.
     ///
-    /// Afterwards the following cannot occur: an unresolved name, a vertex that is not finite, an index out of range, a
-    /// degenerate triangle, an emitter without area, a shape without bounds, a triangle too large for the ray kernel.
+    /// A scene that was built has no unresolved name, no vertex that is not finite, no index out of range, no
+    /// degenerate triangle, no emitter without area, no shape without bounds, and no triangle too large for the ray
+    /// kernel.
     ///
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] or `Unsupported` with the JSON path for what cannot be rendered; `Device` or
@@ -28,22 +29,24 @@ impl Scene {
         build(desc, options).map_err(|error| error.in_file(desc.file.as_deref(), 0))
     }
 
-    /// Builds the scene of an edited description, taking over from this one whatever did not change. This one stays as it
-    /// is, and may be in use meanwhile.
+    /// Builds the scene of an edited description and reuses every part of this scene that did not change. This scene
+    /// stays as it is and may be in use meanwhile.
     ///
-    /// What changed is found by comparing. A mesh is the same if it is the same `Arc`; a surface by its shape, placement and
-    /// whether it is hidden.
+    /// Changes are found by comparing the two descriptions. Two meshes are the same if they are the same `Arc`; two
+    /// surfaces are the same if their shapes, their placements and whether they are hidden agree.
     ///
-    /// - Camera, materials, lights, which surface has which material, colours of emission, surfaces other than meshes that
-    ///   begin or cease to emit: no geometry is touched. The camera may move as far as the frame allows
-    ///   ([`Scene::centre`]); beyond that the geometry is moved to another frame.
-    /// - Anything else is an edit of geometry. From the first one on, and from the beginning where
-    ///   [`BuildOptions::dynamic`] was set, larger meshes that do not emit have hierarchies of their own, which
-    ///   are taken over; all else is built anew: triangles, quads, small meshes, meshes that emit, analytic shapes. The
-    ///   first edit of a scene that was not built for it thus costs as much as a build.
+    /// - Edits of the camera, of materials, of lights, of which surface has which material, of the colour of an
+    ///   emission, and of whether a surface other than a mesh emits, leave the geometry as it is. The camera may move
+    ///   as far as the scene frame allows ([`Scene::centre`]); a move beyond that transfers the geometry to another
+    ///   frame.
+    /// - Any other edit is an edit of geometry. From the first such edit on, and from the beginning where
+    ///   [`BuildOptions::dynamic`] was set, larger meshes that do not emit have hierarchies of their own, which are
+    ///   reused. All other geometry is built anew: triangles, quads, small meshes, meshes that emit, and analytic
+    ///   shapes. The first edit of a scene that was not built with [`BuildOptions::dynamic`] therefore costs as much as
+    ///   a build.
     ///
     /// # Errors
-    /// As [`Scene::build`].
+    /// The errors are those of [`Scene::build`].
     pub fn rebuild(&self, desc: &SceneDesc, options: &BuildOptions) -> Result<Self> {
         rebuild(self, desc, options).map_err(|error| error.in_file(desc.file.as_deref(), 0))
     }
@@ -108,7 +111,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
     Ok(complete(desc, device, assembly, bindings, appearance, start))
 }
 
-/// Every surface has a material.
+/// Checks that every surface has a material.
 fn check_materials(desc: &SceneDesc) -> Result<()> {
     let count = desc.materials.len();
     match desc.surfaces.iter().find(|surface| surface.material >= count) {
@@ -120,7 +123,7 @@ fn check_materials(desc: &SceneDesc) -> Result<()> {
     }
 }
 
-/// Shapes that cannot emit do not begin to.
+/// Checks that no shape that cannot emit has an emission.
 fn check_emission(desc: &SceneDesc) -> Result<()> {
     for surface in desc.surfaces.iter().filter(|surface| surface.emission.is_some() && !surface.hidden) {
         match surface.shape {

@@ -1,22 +1,23 @@
-//! Flat triangles of the scene frame for which what a hit is made of is kept ready: normals and errors need not be found anew
-//! at every hit, and three arrays not be looked up.
+//! A cache of the flat triangles of the scene frame. It stores the corners, the normal and the error bound of each
+//! triangle, so that a hit neither recomputes normals and errors nor reads three separate arrays.
 
 use crate::embree::{Charge, Device};
 use crate::math::{DVec3, HitPoint, Vec3};
 
 use super::interaction::{Owners, SurfaceInteraction, Triangles, at, interaction};
 
-/// Up to this many triangles of a scene are kept ready, 64 bytes each: about as much as stays in a processor's second cache.
+/// Up to this number of triangles of a scene are cached, with 64 bytes each: about as much as fits a processor's
+/// second-level cache.
 pub(super) const MAX_CACHED_TRIANGLES: usize = 4096;
 
-/// What hits of a geometry's triangles are made of.
+/// The cached triangles of one geometry.
 #[derive(Debug)]
 pub(super) struct TriangleCache {
     triangles: Vec<CachedTriangle>,
     _charge: Option<Charge>,
 }
 
-/// What a hit of a flat triangle is made of, in one line of the cache.
+/// The data from which a hit of a flat triangle is built, in one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct CachedTriangle {
@@ -26,8 +27,9 @@ struct CachedTriangle {
 }
 
 impl TriangleCache {
-    /// All of the triangles, which are taken from `room`; none where they are more, have normals of their own, or the device's
-    /// allowance has nothing left for them.
+    /// Caches all of the triangles and subtracts their number from `room`. Returns `None` where there are more
+    /// triangles than `room`, where the triangles have vertex normals, or where the device's memory allowance is used
+    /// up.
     pub(super) fn new(triangles: &Triangles, room: &mut usize, device: &Device) -> Option<Self> {
         let count = triangles.mesh.indices().len();
         if triangles.normals.is_some() || count > *room {
@@ -42,12 +44,12 @@ impl TriangleCache {
         Some(Self { triangles: (0..count).map(cache).collect(), _charge: charge })
     }
 
-    /// Bytes behind it.
+    /// Bytes of memory that the cache takes.
     pub(super) fn memory_bytes(&self) -> usize {
         size_of_val(&self.triangles[..])
     }
 
-    /// What [`on_triangle`](super::interaction::on_triangle) would find, to the last bit.
+    /// Builds the same interaction as [`on_triangle`](super::interaction::on_triangle), to the last bit.
     #[inline(always)]
     pub(super) fn point_of(&self, owners: &Owners, primitive: u32, u: f32, v: f32) -> SurfaceInteraction {
         let CachedTriangle { corners, ng, kernel_error } = &self.triangles[primitive as usize];
@@ -65,7 +67,7 @@ mod tests {
     use crate::scene::geometry::{Geometry, are_large};
     use crate::scene::interaction::{NO_EMITTER, Owner, on_triangle};
 
-    /// Triangles of all sizes and shapes, far from the origin and near it.
+    /// Makes triangles of all sizes and shapes, far from the origin and near it.
     #[test]
     fn what_is_kept_ready_is_what_would_be_found() {
         let mut rng = Rng::new(21, 0);
@@ -74,7 +76,7 @@ mod tests {
         for i in 0..1000 {
             let (size, far) = (10.0_f32.powi(i % 21 - 12), 10.0_f32.powi(i % 5 - 2));
             let (first, side, other) = (far * random(), size * random(), size * random());
-            // Every third is narrow.
+            // Every third triangle is narrow.
             let other = if i % 3 == 0 { 0.5 * side + 1e-5 * other } else { other };
             vertices.extend([first, first + side, first + other].map(|corner| corner.to_array()));
         }
@@ -93,7 +95,7 @@ mod tests {
         for primitive in 0..1000 {
             let [u, v, _] = random().to_array().map(|x| 0.5 * x.abs());
             let found = on_triangle(&triangles, &owners, primitive, u, v);
-            // Those without any area are in no scene.
+            // Triangles without area are skipped, because no scene contains them.
             if found.ng.is_finite() {
                 assert_eq!(bits(cache.point_of(&owners, primitive, u, v)), bits(found), "{primitive}");
                 compared += 1;
@@ -117,7 +119,8 @@ mod tests {
         let device = Device::new(&DeviceOptions { budget: Some(budget.clone()), ..DeviceOptions::default() }).unwrap();
         let before = budget.used();
         let mut room = 2000;
-        // Too many for the room, smooth, ready, too many for what is left, ready, too many for the allowance.
+        // The geometries are, in this order: too many triangles for the room, smooth, cached, too many for the
+        // remaining room, cached, too many for the allowance.
         let counts = [(2001, false), (1, true), (1000, false), (1001, false), (400, false), (200, false)];
         let mut geometries = counts.map(|(count, smooth)| one_triangle(count, smooth));
         let bytes = geometries.each_mut().map(|geometry| geometry.cache_triangles(&mut room, &device));

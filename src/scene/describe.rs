@@ -1,22 +1,25 @@
-//! Hits as a host asks about them: in the numbers of what it described.
+//! Hits in the terms of the scene's description: surfaces, materials and primitives have the numbers that the host gave
+//! them.
 
 use super::geometry::Geometry;
 use super::interaction::Triangles;
 use super::{Hit, IN_LIST, Scene};
 use crate::math::{Ray, Vec3};
 
-/// What a ray met, in terms of the scene's description.
+/// A hit of a ray in terms of the scene's description.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HitDescription {
     /// Distance in units of the ray's direction.
     pub t: f32,
-    /// Weights of the second and third vertex of the triangle, in the order in which its vertices were given; 0 for
-    /// spheres, disks and quadrics. For a quad those of its half: vertices 1, 2, 3 or 1, 3, 4.
+    /// Weights of the second and third vertex of the triangle, with the vertices in the order in which they were given;
+    /// 0 for spheres, disks and quadrics. For a quad, the weights are those of the half that was hit, with vertices 1,
+    /// 2, 3 or 1, 3, 4.
     pub barycentric: [f32; 2],
-    /// The mesh's own texture coordinates, interpolated, where it has them; else for triangles the same as `barycentric`; for
-    /// quads (0, 0), (1, 0), (1, 1) and (0, 1) at their vertices and linear on each half; 0 for other shapes.
+    /// Texture coordinates. Where a mesh has its own, they are interpolated. Other triangles have the same values as
+    /// `barycentric`. Quads have (0, 0), (1, 0), (1, 1) and (0, 1) at their vertices, and the coordinates are linear on
+    /// each half. Other shapes have 0.
     pub uv: [f32; 2],
-    /// Geometric unit normal on the outer side, the same in the scene's frame and the world's.
+    /// Geometric unit normal on the outer side. It is the same in the scene frame and in the world frame.
     pub ng: Vec3,
     /// Shading unit normal on the outer side.
     pub ns: Vec3,
@@ -24,12 +27,13 @@ pub struct HitDescription {
     pub surface: u32,
     /// Index in [`crate::desc::SceneDesc::materials`].
     pub material: u32,
-    /// The triangle's number in its mesh as it was given; 0 or 1 for the half of a quad; 0 for all else.
+    /// The number of the triangle in its mesh as the mesh was given; 0 or 1 for the half of a quad; 0 for all other
+    /// shapes.
     pub primitive: u32,
 }
 
 impl Scene {
-    /// All about what `ray` met; `hit` must come from the same ray and scene.
+    /// Describes the surface point that `ray` hit. The hit must come from the same ray and scene.
     pub fn describe_hit(&self, ray: &Ray, hit: &Hit) -> HitDescription {
         let interaction = self.interaction(ray, hit);
         let (barycentric, uv, primitive) = match self.geometries.get(hit.geometry as usize) {
@@ -61,13 +65,13 @@ impl Scene {
         }
     }
 
-    /// Whether a ray can be traced at all: numbers finite (`tfar` may be infinite), a direction, `tnear` not negative. One that
-    /// cannot meets nothing, as one does that misses.
+    /// Returns whether a ray can be traced at all: its numbers are finite (`tfar` may be infinite), its direction is
+    /// not zero, and its `tnear` is not negative. A ray that cannot be traced hits nothing, like a ray that misses.
     pub fn is_traceable(ray: &Ray) -> bool {
         ray.is_valid()
     }
 
-    /// The mesh's own texture coordinates.
+    /// The interpolated texture coordinates of the mesh, where the mesh has its own.
     fn mesh_uv(&self, surface: u32, triangles: &Triangles, hit: &Hit) -> Option<[f32; 2]> {
         let mesh = self.record.uv_mesh(surface)?;
         let corners = triangles.mesh.indices().get(hit.primitive as usize);
@@ -81,12 +85,13 @@ impl Scene {
     }
 }
 
-/// The kernel's barycentrics, for vertices in the order in which they were given.
+/// Converts the kernel's barycentric coordinates to the order in which the vertices were given.
 fn in_order(swapped: bool, hit: &Hit) -> [f32; 2] {
     if swapped { [hit.v, hit.u] } else { [hit.u, hit.v] }
 }
 
-/// Position on a quad whose vertices are (0, 0), (1, 0), (1, 1), (0, 1), by the barycentrics of its half.
+/// Returns the position on a quad whose vertices are (0, 0), (1, 0), (1, 1), (0, 1), from the barycentric coordinates
+/// of its half.
 fn quad_uv(half: u32, [b1, b2]: [f32; 2]) -> [f32; 2] {
     if half == 0 { [b1 + b2, b2] } else { [b1, b1 + b2] }
 }

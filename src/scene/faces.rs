@@ -1,6 +1,8 @@
-//! What rays can meet of a scene one by one, numbered: for algorithms that keep something of each, and look it up where a ray met it.
+//! The faces of a scene, numbered, for algorithms that store data for each face and look it up where a ray hits the
+//! face.
 //!
-//! A face is a triangle without neighbours, or a whole analytic shape. `facets` has surfaces as meshes instead.
+//! A face is a single triangle without adjacency, or a whole analytic shape. The module `facets` has surfaces as meshes
+//! instead.
 
 use super::geometry::Geometry;
 use super::interaction::{NO_EMITTER, Owner};
@@ -20,30 +22,32 @@ pub(crate) struct Face {
     pub emission: Rgb,
 }
 
-/// What a face is.
+/// The geometry of a face.
 #[derive(Clone, Debug)]
 pub(crate) enum Body {
     Triangle {
         corners: [DVec3; 3],
         /// Geometric unit normal on the outer side.
         normal: Vec3,
-        /// Greatest of the bounds of [`crate::math::HitPoint`] at its corners.
+        /// Greatest error bound of [`crate::math::HitPoint`] at the triangle's corners.
         error: f32,
-        /// Whether it is part of a surface whose normals are interpolated.
+        /// Whether the triangle belongs to a surface whose normals are interpolated.
         is_smooth: bool,
     },
     Shape(Analytic),
 }
 
-/// Numbers of faces: those of all geometries in turn, then those of the list.
+/// The numbering of faces: the faces of all geometries come first, one geometry after another, then those of the list
+/// of analytic shapes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FaceNumbers {
-    /// The first of each geometry, and of the list.
+    /// The number of the first face of each geometry, and of the list.
     first: Vec<u32>,
 }
 
 impl FaceNumbers {
-    /// The number of the face that a ray met, and where on it: weights of the second and third corner.
+    /// Returns the number of the face that a ray hit, and the hit's position on the face as weights of the second and
+    /// third corner.
     #[inline]
     pub fn of(&self, hit: &Hit) -> (u32, [f32; 2]) {
         let last = self.first.len() - 1;
@@ -53,12 +57,12 @@ impl FaceNumbers {
 }
 
 impl Scene {
-    /// How many faces there are.
+    /// The number of faces.
     pub(crate) fn face_count(&self) -> usize {
         self.geometries.iter().map(count).sum::<usize>() + self.list.shapes().len()
     }
 
-    /// How faces are numbered.
+    /// The numbering of the scene's faces.
     pub(crate) fn face_numbers(&self) -> FaceNumbers {
         let mut next = 0;
         let mut first = Vec::with_capacity(self.geometries.len() + 1);
@@ -109,16 +113,16 @@ impl Scene {
         Face { body, surface: owner.surface, material: owner.material, emission }
     }
 
-    /// The face of a surface that has the number `primitive` in [`super::HitDescription`].
+    /// Returns the number of the face of a surface that has the number `primitive` in [`super::HitDescription`].
     ///
-    /// `None` where there is no such surface or primitive, or it was left out for having no area. The flag says whether the
-    /// second and third corner are swapped against the description.
+    /// Returns `None` where there is no such surface or primitive, or where the primitive was left out because it has
+    /// no area. The flag says whether the second and third corner are swapped relative to the description.
     pub(crate) fn face_of(&self, surface: u32, primitive: u32) -> Option<(u32, bool)> {
         let mut first = 0;
         for geometry in &*self.geometries {
             match geometry {
                 Geometry::Loose { parts, .. } => {
-                    // In the order of their surfaces.
+                    // Loose triangles are sorted by their surfaces.
                     let key = (surface, primitive);
                     if let Ok(i) = parts.binary_search_by_key(&key, |part| (part.surface, part.half)) {
                         return Some((first + i as u32, self.record.is_mirrored(surface)));

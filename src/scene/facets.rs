@@ -1,7 +1,8 @@
-//! Surfaces as triangles, for whoever wants to go over all of a scene's surfaces instead of asking rays.
+//! Surfaces as triangles, for algorithms that visit all surfaces of a scene instead of tracing rays.
 //!
-//! As they were described: a mesh for each surface, with its own vertices and their numbers, and curved shapes cut as finely as they
-//! are flat. `faces` has what rays meet instead, one by one.
+//! Surfaces are given as they were described: each surface is a mesh with its own vertices and their numbers, and
+//! curved shapes are tessellated into parts that are nearly flat. The module `faces` has the single primitives that
+//! rays hit instead.
 
 use super::geometry::Geometry;
 use super::interaction::Triangles;
@@ -11,12 +12,12 @@ use crate::error::Result;
 use crate::math::{DVec3, Vec3};
 use crate::shape::Analytic;
 
-/// A triangle of a surface: one that rays meet, or a part of an analytic shape that is nearly flat.
+/// A triangle of a surface: either a triangle that rays can hit, or a nearly flat part of an analytic shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Facet {
     geometry: u32,
     primitive: u32,
-    /// Corners of a part of an analytic shape, scene frame; not looked at for triangles.
+    /// Corners of a part of an analytic shape, in the scene frame. They are not read for triangles.
     corners: [[f32; 3]; 3],
 }
 
@@ -25,25 +26,28 @@ pub struct Facet {
 pub struct SurfaceMesh {
     /// Index in [`crate::desc::SceneDesc::surfaces`].
     pub surface: u32,
-    /// Whether it is a mesh, and not a triangle, a quad or an analytic shape.
+    /// Whether the surface is a mesh, rather than a triangle, a quad or an analytic shape.
     pub is_mesh: bool,
-    /// Vertices, world frame. Of a mesh all of them, in the order in which they were given; of a triangle or a quad its
-    /// corners; of an analytic shape points of it.
+    /// Vertices in the world frame. A mesh has all of its vertices, in the order in which they were given; a triangle
+    /// or a quad has its corners; an analytic shape has points on its surface.
     pub positions: Vec<DVec3>,
-    /// Shading unit normal of each vertex on the outer side, where the surface is smooth: zero where a mesh has none.
+    /// Shading unit normal of each vertex on the outer side, where the surface is smooth. It is zero where a mesh has
+    /// no normal.
     pub normals: Option<Vec<Vec3>>,
     /// Texture coordinates of each vertex, where a mesh has them.
     pub uvs: Option<Vec<[f32; 2]>>,
-    /// Three vertex numbers for each triangle, counter-clockwise seen from outside. Those without an area are left out.
+    /// Three vertex numbers for each triangle, counter-clockwise seen from outside. Triangles without area are left
+    /// out.
     pub triangles: Vec<[u32; 3]>,
-    /// The number of each triangle in its mesh as it was given; 0 or 1 for the half of a quad; running for analytic shapes.
+    /// The number of each triangle in its mesh as the mesh was given; 0 or 1 for the half of a quad; consecutive
+    /// numbers for analytic shapes.
     pub primitives: Vec<u32>,
-    /// The facet of each triangle, its corners in the same order.
+    /// The facet of each triangle, with its corners in the same order.
     pub facets: Vec<Facet>,
 }
 
 impl Scene {
-    /// Every surface that rays can meet, in the order of the description.
+    /// Returns every surface that rays can hit, in the order of the description.
     ///
     /// # Errors
     /// [`crate::ErrorKind::Cancelled`].
@@ -51,7 +55,8 @@ impl Scene {
         self.watched_surface_meshes(&WorkProgress::new(cancel))
     }
 
-    /// The same; a unit of work is a vertex or a triangle of a mesh, of which there are [`Scene::surface_mesh_items`].
+    /// Does the work of [`Scene::surface_meshes`] and reports progress. A unit of work is a vertex or a triangle of a
+    /// mesh, of which there are [`Scene::surface_mesh_items`].
     pub(crate) fn watched_surface_meshes(&self, progress: &WorkProgress) -> Result<Vec<SurfaceMesh>> {
         let mut meshes = Vec::new();
         for (number, geometry) in self.geometries.iter().enumerate() {
@@ -59,7 +64,7 @@ impl Scene {
             let geometry_number = number as u32;
             match geometry {
                 Geometry::Loose { triangles, parts, .. } => {
-                    // Halves of a quad follow each other.
+                    // The halves of a quad follow each other.
                     let mut begin = 0;
                     for group in parts.chunk_by(|a, b| a.surface == b.surface) {
                         progress.check()?;
@@ -101,7 +106,7 @@ impl Scene {
         Ok(meshes)
     }
 
-    /// Vertices and triangles of all meshes.
+    /// The number of vertices and triangles of all meshes.
     pub(crate) fn surface_mesh_items(&self) -> usize {
         let items = |geometry: &Geometry| match geometry {
             Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. } => {
@@ -112,7 +117,7 @@ impl Scene {
         self.geometries.iter().map(items).sum()
     }
 
-    /// The memory that [`Scene::surface_meshes`] takes, at most.
+    /// The greatest amount of memory that [`Scene::surface_meshes`] takes, in bytes.
     pub fn surface_mesh_bytes(&self) -> usize {
         let triangle = size_of::<[u32; 3]>() + size_of::<u32>() + size_of::<Facet>();
         let vertex = size_of::<DVec3>() + size_of::<Vec3>() + size_of::<[f32; 2]>();
@@ -180,8 +185,8 @@ impl Scene {
         }
     }
 
-    /// A point of a facet of this scene by the weights of its second and third corner, which are >= 0 and sum up to 1 at most: as a
-    /// ray would have met it.
+    /// Returns the interaction at a point of a facet of this scene, as if a ray had hit that point. The point is given
+    /// by the weights of the facet's second and third corner, which are >= 0 and sum up to 1 at most.
     #[inline]
     pub fn facet_point(&self, facet: &Facet, b1: f32, b2: f32) -> SurfaceInteraction {
         self.point_of(&facet.hit(b1, b2), |shape| facet.near(shape, b1, b2))
@@ -193,24 +198,26 @@ impl Facet {
         Self { geometry, primitive, corners: [[0.0; 3]; 3] }
     }
 
-    /// What a ray meets that comes to this point.
+    /// Returns the hit of a ray that arrives at this point.
     pub(crate) fn hit(&self, b1: f32, b2: f32) -> Hit {
         Hit { t: 0.0, u: b1, v: b2, primitive: self.primitive, geometry: self.geometry }
     }
 
-    /// The point of an analytic shape over that of the flat facet.
+    /// Returns the point of an analytic shape above the point of the flat facet.
     fn near(&self, shape: &Analytic, b1: f32, b2: f32) -> DVec3 {
         let [a, b, c] = self.corners.map(|corner| Vec3::from(corner).as_dvec3());
         let flat = a + f64::from(b1) * (b - a) + f64::from(b2) * (c - a);
-        // A step towards a quadric leaves the square of the distance; two of them and the one that follows leave nothing.
+        // A projection step towards a quadric squares the remaining distance. After these two steps and the one that
+        // follows, no distance remains.
         shape.project(shape.project(flat).0).0
     }
 }
 
 impl SurfaceMesh {
-    /// Adds a triangle that a surface has by itself; corners that are there already are used again.
+    /// Adds a triangle that belongs to a surface directly, not to a mesh. Corners that are there already are used
+    /// again.
     ///
-    /// `mirrored`: its winding was turned round, while vertices keep the order in which they were given.
+    /// `mirrored` says that the winding was reversed, while the vertices keep the order in which they were given.
     fn add_loose(&mut self, facet: Facet, corners: [DVec3; 3], half: u32, mirrored: bool) {
         let given = if mirrored { [0, 2, 1] } else { [0, 1, 2] };
         let mut numbers = [0; 3];

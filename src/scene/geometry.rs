@@ -8,29 +8,30 @@ use super::instance_transform::InstanceTransform;
 use super::interaction::Triangles;
 use crate::embree::Device;
 
-/// One triangle of those that surfaces have by themselves.
+/// A loose triangle, which belongs to a surface directly and not to a mesh.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
     pub surface: u32,
-    /// Which half of a quad; 0 for a triangle.
+    /// The half of a quad, 0 or 1; 0 for a triangle.
     pub half: u32,
 }
 
-/// A geometry of the Embree scene. Who owns its primitives is kept apart ([`Owners`]): that can change while this stays.
+/// A geometry of the Embree scene. The owners of its primitives are stored separately ([`Owners`]), because they can
+/// change while the geometry stays the same.
 #[derive(Debug)]
 pub(super) enum Geometry {
     /// Triangles and quads of all surfaces, in the scene frame.
     Loose { triangles: Triangles, parts: Vec<Part>, cache: Option<TriangleCache> },
     /// A mesh in the scene frame.
     Flat { triangles: Triangles, surface: u32, cache: Option<TriangleCache> },
-    /// A mesh in its own frame, somewhere.
+    /// A mesh in its own frame, placed by an instance transform.
     Instance { triangles: Triangles, surface: u32, instance_transform: Box<InstanceTransform> },
-    /// Analytic shapes as user geometry, with the surface of each.
+    /// Analytic shapes as user geometry, with the number of the surface of each.
     Analytic { shapes: Arc<AnalyticGeometry>, surfaces: Vec<u32> },
 }
 
 impl Geometry {
-    /// Keeps ready what hits of its triangles are made of ([`TriangleCache::new`]). Returns how many bytes that took.
+    /// Caches the geometry's triangles ([`TriangleCache::new`]). Returns how many bytes the cache takes.
     pub(super) fn cache_triangles(&mut self, room: &mut usize, device: &Device) -> usize {
         match self {
             Self::Loose { triangles, cache, .. } | Self::Flat { triangles, cache, .. } => {
@@ -41,7 +42,7 @@ impl Geometry {
         }
     }
 
-    /// What of its triangles is kept ready, if it is.
+    /// The cache of the geometry's triangles, if there is one.
     #[inline]
     pub(super) fn cache(&self) -> Option<&TriangleCache> {
         match self {
@@ -50,7 +51,7 @@ impl Geometry {
         }
     }
 
-    /// Triangles whose arrays are looked up at every hit.
+    /// Triangles that are not cached, so that every hit reads their arrays.
     #[inline]
     pub(super) fn far_triangles(&self) -> Option<&Triangles> {
         match self {
@@ -62,7 +63,7 @@ impl Geometry {
     }
 }
 
-/// Whether the arrays that are looked up may be too large for the processor's caches.
+/// Returns whether the arrays of uncached triangles may be too large for the processor's caches.
 pub(super) fn are_large(geometries: &[Geometry]) -> bool {
     let far = geometries.iter().filter_map(Geometry::far_triangles);
     far.map(|triangles| triangles.mesh.indices().len()).sum::<usize>() > MAX_CACHED_TRIANGLES

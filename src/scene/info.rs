@@ -1,4 +1,4 @@
-//! What a scene holds, what was built for it and why.
+//! Information about a scene: its contents, the structures that were built for it, and the reasons for them.
 
 use std::fmt;
 use std::time::Duration;
@@ -9,47 +9,51 @@ use crate::desc::{BsdfDesc, IntegratorDesc, RouletteDesc, SceneDesc, SurfaceDesc
 use crate::emitter::EmitterSet;
 use crate::math::Bounds;
 
-/// Extents of a scene for which products of three lengths, and the kernel's tests with them, stay in range.
+/// Range of a scene's extent in which products of three lengths, and with them the kernel's tests, neither overflow nor
+/// underflow.
 const SAFE_SIZES: std::ops::RangeInclusive<f64> = 1e-8..=1e9;
 
-/// The figures of a built scene; its `Display` is what `etendue info` prints.
+/// The figures of a built scene. Its `Display` is the text that `etendue info` prints.
 #[derive(Clone, Debug, Default)]
 pub struct SceneInfo {
-    /// Surfaces described.
+    /// Number of surfaces described.
     pub surfaces: usize,
-    /// Materials described.
+    /// Number of materials described.
     pub materials: usize,
-    /// Triangles that Embree holds in the scene frame.
+    /// Number of triangles that Embree holds in the scene frame.
     pub triangles: usize,
-    /// Uses of meshes that have hierarchies of their own.
+    /// Number of instances: uses of meshes that have hierarchies of their own.
     pub instances: usize,
-    /// Triangles of these meshes, each counted once.
+    /// Number of triangles of the instanced meshes, each counted once.
     pub shared_triangles: usize,
-    /// Spheres, disks and quadrics tested in a list before Embree.
+    /// Number of spheres, disks and quadrics that are tested in a list before Embree.
     pub listed_shapes: usize,
-    /// Spheres, disks and quadrics that Embree holds as user geometry.
+    /// Number of spheres, disks and quadrics that Embree holds as user geometry.
     pub embree_shapes: usize,
-    /// Emitters that can be sampled.
+    /// Number of emitters that can be sampled.
     pub emitters: usize,
-    /// How many of them are points.
+    /// Number of emitters that are point lights.
     pub point_lights: usize,
-    /// Meshes shaded smoothly.
+    /// Number of meshes that are shaded smoothly.
     pub smooth_meshes: usize,
-    /// Box around all surfaces, world frame.
+    /// Box around all surfaces, in the world frame.
     pub bounds: Bounds,
-    /// Bytes of vertices, indices and normals, without those that a host keeps, and of what is kept ready for shading.
+    /// Bytes of vertices, indices and normals, without those that a host keeps, and of the cache of triangles for
+    /// shading.
     pub geometry_bytes: usize,
-    /// Bytes that Embree holds for this scene's trees, those included that it shares with the scene it was rebuilt from.
+    /// Bytes that Embree holds for this scene's hierarchies, including those that it shares with the scene it was
+    /// rebuilt from.
     pub embree_bytes: usize,
-    /// Time to build all of it.
+    /// Time that the whole build took.
     pub build_time: Duration,
-    /// What was decided, a line each.
+    /// The decisions that the build made, one per line.
     pub decisions: Vec<String>,
-    /// What this scene does not need and does not pay for.
+    /// Features that this scene does not need and that therefore cost it nothing.
     pub switched_off: Vec<&'static str>,
-    /// What radiosity makes of surfaces that are not Lambert's, a line each kind.
+    /// How radiosity treats surfaces that are not Lambertian, with one line for each kind.
     pub not_diffuse: Vec<String>,
-    /// Surfaces that radiosity knows no irradiance of, if there are any: they reflect nothing diffusely and do not emit.
+    /// Surfaces for which radiosity computes no irradiance, if there are any: they reflect nothing diffusely and do not
+    /// emit.
     pub not_in_radiosity: Option<String>,
 }
 
@@ -113,7 +117,7 @@ impl SceneInfo {
     }
 }
 
-/// What was left out or is worth a word.
+/// Collects warnings about parts of the description that were left out or deserve attention.
 pub(super) fn warnings(desc: &SceneDesc, facts: &BuildFacts, emitters: &EmitterSet, dark_lights: usize) -> Vec<String> {
     let mut warnings = Vec::new();
     if !facts.dropped.is_empty() {
@@ -156,10 +160,11 @@ pub(super) fn warnings(desc: &SceneDesc, facts: &BuildFacts, emitters: &EmitterS
     warnings
 }
 
-/// Surfaces named in one warning.
+/// The greatest number of surfaces that one warning names.
 const NAMED: usize = 5;
 
-/// How many surfaces of a description are so, and the names of the first; `None` where there are none.
+/// Returns the number of surfaces of a description that satisfy `is_such`, and the names of the first ones; `None`
+/// where there are none.
 fn named(desc: &SceneDesc, is_such: impl Fn(&SurfaceDesc, &BsdfDesc) -> bool) -> Option<(usize, String)> {
     let such = |surface: &&SurfaceDesc| {
         let material = desc.materials.get(surface.material);
@@ -181,7 +186,7 @@ fn is_specular(bsdf: &BsdfDesc) -> bool {
     Bsdf::new(bsdf).lobes().have_specular()
 }
 
-/// What radiosity makes of surfaces that are not Lambert's.
+/// Lists how radiosity treats surfaces that are not Lambertian.
 fn not_diffuse(desc: &SceneDesc) -> Vec<String> {
     let taken = |(count, names), as_what: &str| format!("radiosity takes {count} surfaces as {as_what}: {names}");
     let is_rough = |bsdf: &BsdfDesc| {
@@ -194,7 +199,7 @@ fn not_diffuse(desc: &SceneDesc) -> Vec<String> {
     specular.into_iter().chain(rough).collect()
 }
 
-/// What radiosity has no elements for.
+/// Names the surfaces for which radiosity has no elements.
 fn not_in_radiosity(desc: &SceneDesc) -> Option<String> {
     let is_black = |bsdf: &BsdfDesc| Bsdf::new(bsdf).is_black();
     let (count, names) =

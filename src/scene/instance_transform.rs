@@ -1,43 +1,47 @@
-//! Where instances stand, and how far off the kernel sees what stands there.
+//! Transforms of instances, and bounds on the error with which the kernel applies them.
 
 use glam::Vec3Swizzles as _;
 
 use crate::math::{DAffine3, DMat3, DVec3, ROUNDING};
 
-/// Bound on the error of a coordinate on its way into an instance's frame, in units of its parts: half a unit in the last place
-/// of each.
+/// Bound on the error of a coordinate that is transformed into an instance's frame, in units of the summands that make
+/// the coordinate: half a unit in the last place of each summand.
 const PLACEMENT_ERROR: f64 = 0.5 * ROUNDING as f64;
 
-/// A matrix whose determinant is smaller than the sum of its products by this is no longer inverted well in single precision.
+/// A matrix is inverted accurately in single precision only while the sum of the magnitudes of its determinant's
+/// products is less than this many times the determinant.
 ///
-/// Turns, and stretches along the axes before or after a turn, stay below 2 whatever they stretch by.
+/// For rotations, and for stretches along the axes before or after a rotation, this ratio stays below 2 whatever the
+/// stretch.
 const CANCELLED: f64 = 16.0;
 
-/// Where an instance stands, and how exactly the kernel moves rays there.
+/// The transform of an instance, and bounds on the error with which the kernel transforms rays by it.
 ///
-/// The kernel inverts the matrix in single precision and adds the inverse's translation, rounded, to every ray's origin. Both
-/// move the ray in the object's frame by an error that need not be along the normal, nor small in the scene: where the
-/// transform stretches, the same step in the object's frame is many lengths in the scene's.
+/// The kernel inverts the matrix in single precision and adds the inverse's translation, rounded, to every ray's
+/// origin. Both operations move the ray in the object's frame by an error that need not be along the normal, nor small
+/// in the scene: where the transform stretches, a step in the object's frame becomes many times as long in the scene
+/// frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InstanceTransform {
     pub to_scene: DAffine3,
-    /// Inverse transpose, for normals.
+    /// Inverse transpose of the matrix, which transforms normals.
     pub normals: DMat3,
-    /// Magnitudes of the matrix.
+    /// Absolute values of the matrix's elements.
     stretch: DMat3,
-    /// Bound on the error in the object's frame that comes of rounding, for each unit of a coordinate in the scene's frame.
+    /// Bound on the rounding error in the object's frame, for each unit of a coordinate in the scene frame.
     rounding: DMat3,
-    /// The same, and with it the error of the inverse.
+    /// Bound on the sum of the rounding error and the error of the inverse, in the same units as `rounding`.
     inverting: DMat3,
 }
 
-/// What an inversion in single precision is made of.
+/// The parts from which a matrix is inverted in single precision.
 struct Cofactors {
-    /// The cofactors with the magnitudes of their products added, transposed.
+    /// The transposed cofactors, in which the magnitudes of the products are added.
     sums: DMat3,
-    /// Magnitude of the determinant.
+    /// Absolute value of the determinant.
     determinant: f64,
-    /// The sum of the magnitudes of its products over the determinant: by this much its relative error grows.
+    /// The sum of the magnitudes of the determinant's products, divided by the determinant. This ratio is the factor by
+    /// which the relative error of the determinant grows.
     cancelled: f64,
 }
 
@@ -51,8 +55,8 @@ impl Cofactors {
     }
 }
 
-/// Whether the kernel, which inverts an instance's transform in single precision, sees the instance where it is. One that it
-/// does not is better copied into the scene's frame.
+/// Returns whether the kernel, which inverts an instance's transform in single precision, sees the instance in its true
+/// place. A mesh whose transform fails this test is better copied into the scene frame.
 pub(super) fn inverts_well(transform: &DAffine3) -> bool {
     let Cofactors { determinant, cancelled, .. } = Cofactors::new(&transform.matrix3);
     (determinant as f32).is_normal() && cancelled < CANCELLED
@@ -63,23 +67,24 @@ fn magnitudes(m: &DMat3) -> DMat3 {
 }
 
 impl InstanceTransform {
-    /// The transform as the kernel is given it: rounded to single precision.
+    /// Stores the transform as the kernel receives it, rounded to single precision.
     pub(super) fn new(to_scene: DAffine3) -> Self {
         let to_scene = DAffine3::from_cols_array(&to_scene.to_cols_array().map(|x| f64::from(x as f32)));
         let m = to_scene.matrix3;
         let inverse = m.inverse();
         let rounding = magnitudes(&inverse) * PLACEMENT_ERROR;
         let Cofactors { sums, determinant, cancelled } = Cofactors::new(&m);
-        // Cofactors over the determinant: what cancels in them was rounded before.
+        // The inverse consists of cofactors over the determinant. The products that cancel in the cofactors were
+        // rounded before.
         let inverting =
             sums * (PLACEMENT_ERROR / determinant) + magnitudes(&inverse) * (PLACEMENT_ERROR * cancelled) + rounding;
         let stretch = magnitudes(&m);
         Self { to_scene, normals: inverse.transpose(), stretch, rounding, inverting }
     }
 
-    /// How far from its plane, along the normal, a triangle may seem to the kernel because of its place; times the length of the
-    /// normal after the transform. `p` is the point in the scene, `ng` the normal and `e1` and `e2` sides of the triangle in its
-    /// own frame.
+    /// Bounds how far, along the normal, a triangle may appear to the kernel from its plane because of the instance's
+    /// transform. The bound is multiplied by the length of the normal after the transform. `p` is the point in the
+    /// scene frame, `ng` the normal and `e1` and `e2` are sides of the triangle in its own frame.
     #[inline]
     pub(super) fn error(&self, p: DVec3, ng: DVec3, [e1, e2]: [DVec3; 2]) -> f64 {
         let translation = self.to_scene.translation;

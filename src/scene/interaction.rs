@@ -1,7 +1,7 @@
-//! From a hit of the ray kernel to a point on a surface: position, normals, material, emitter.
+//! Builds the interaction at a hit of the ray kernel: position, normals, material and emitter.
 //!
-//! Positions are rebuilt from the primitive in double precision and rounded once, never taken as origin + t * direction,
-//! whose error grows with the distance of the ray's origin.
+//! Positions are computed from the primitive in double precision and rounded once. They are never computed as origin +
+//! t * direction, because the error of that grows with the distance of the ray's origin.
 
 use std::sync::Arc;
 
@@ -11,40 +11,43 @@ use crate::embree::{Charge, TriangleMesh};
 use crate::math::{DVec3, HitPoint, ROUNDING, Vec3};
 use crate::shape::{Analytic, Triangle};
 
-/// Stands for "no emitter".
+/// The number that stands for "no emitter".
 pub(super) const NO_EMITTER: u32 = u32::MAX;
 
-/// Bound on the kernel's error in the distance of a triangle's plane, in units of its extent: differences of vertices that were
-/// rounded, and products with them.
+/// Bound on the kernel's error in the distance of a triangle's plane, in units of the triangle's extent. The error
+/// comes from differences of vertices that were rounded, and from products with these differences.
 const KERNEL_ERROR: f32 = 4.0 * ROUNDING;
 
-/// Bound on the error of the products that make the kernel's normal, in units of the products.
+/// Bound on the error of the products from which the kernel computes the normal, in units of the products.
 const NORMAL_ERROR: f32 = ROUNDING;
 
-/// The share of its own extent below which a triangle is so narrow that the kernel cannot tell its inside from its outside.
+/// A triangle whose width is below this share of its own extent is so narrow that the kernel cannot tell its inside
+/// from its outside.
 const NARROW: f32 = 256.0 * ROUNDING;
 
-/// No triangle is left by more than this share of its extent. A narrower one may be met again; but what it would have to be left
-/// by is more than what may stand beside it.
+/// Greatest distance by which a ray's origin is moved off a triangle, as a share of the triangle's extent. A ray that
+/// leaves a triangle narrower than that may hit the same triangle again, but a larger distance would exceed the
+/// distance of the surfaces that may stand beside the triangle.
 const FARTHEST: f32 = 0.0625;
 
-/// What a primitive belongs to.
+/// The surface, material and emitter to which a primitive belongs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Owner {
     /// Number of the surface in the scene.
     pub surface: u32,
     /// Number of its material.
     pub material: u32,
-    /// Number of the emitter that the primitive is, or [`NO_EMITTER`].
+    /// Number of the emitter that the primitive represents, or [`NO_EMITTER`].
     pub emitter: u32,
 }
 
-/// Who owns the primitives of a geometry.
+/// The owners of the primitives of a geometry.
 #[derive(Debug)]
 pub(super) enum Owners {
-    /// One surface owns all; an emitting mesh's emitters are numbered from `first_emitter` on.
+    /// One surface owns all primitives. The emitters of an emitting mesh are numbered consecutively, starting at the
+    /// owner's emitter.
     One(Owner),
-    /// Loose triangles, each with its own.
+    /// Loose triangles, each of which has its own owner.
     Each(Vec<Owner>),
 }
 
@@ -59,10 +62,10 @@ impl Owners {
     }
 }
 
-/// A point on a surface, as shading wants it.
+/// A point on a surface with the properties that shading needs.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceInteraction {
-    /// The point, and how to leave it.
+    /// The point, with the error bound by which rays leave the surface.
     pub point: HitPoint,
     /// Geometric unit normal on the outer side.
     pub ng: Vec3,
@@ -76,37 +79,38 @@ pub struct SurfaceInteraction {
     pub emitter: Option<u32>,
 }
 
-/// Triangles with what shading needs of them: the same memory that Embree reads. Clones share it.
+/// Triangles with the data that shading needs. The arrays are the memory that Embree reads, and clones share them.
 #[derive(Clone, Debug)]
 pub(super) struct Triangles {
     pub mesh: TriangleMesh,
-    /// One per vertex for smooth shading; zero means none there.
+    /// One normal per vertex for smooth shading. A zero vector means that the vertex has no normal.
     pub normals: Option<Buffer<[f32; 3]>>,
-    /// Whether the normals are as a host gave them: not of unit length.
+    /// Whether the normals are stored as a host gave them and are not of unit length.
     pub any_length: bool,
-    /// The number of each triangle in the mesh as it was given, where some were left out.
+    /// The number of each triangle in the mesh as it was given, where some triangles were left out.
     pub original: Option<Arc<[u32]>>,
-    /// Whether a mirroring transform turned the winding round: second and third vertex are those given as third and second.
+    /// Whether a mirroring transform reversed the winding, so that the second and third vertex are the third and second
+    /// that were given.
     pub swapped: bool,
-    /// What it takes from the device's shared allowance.
+    /// The memory that the triangles take from the device's shared allowance.
     pub _charge: Option<Arc<Charge>>,
 }
 
-/// A point of a triangle in its own frame, not yet rounded.
+/// A point of a triangle in the triangle's own frame, before rounding.
 pub(super) struct TrianglePoint {
     p: DVec3,
-    /// Not normalised.
+    /// Geometric normal, not normalised.
     ng: DVec3,
-    /// Shading normal, not normalised, where there is one.
+    /// Shading normal, not normalised, where the triangle has one.
     ns: Option<Vec3>,
-    /// The two sides that leave the first vertex.
+    /// The two sides that start at the first vertex.
     sides: [DVec3; 2],
 }
 
 impl TrianglePoint {
-    /// Unit normal, and the bound on the distance of the kernel's plane from the true one.
+    /// Returns the unit normal, and the bound on the distance of the kernel's plane from the true one.
     ///
-    /// In single precision, unless squares would leave the range of that.
+    /// Both are computed in single precision, unless squares would leave the range of single precision.
     #[inline]
     pub(super) fn normal_and_error(&self) -> (Vec3, f32) {
         let single = self.ng.as_vec3a();
@@ -128,25 +132,25 @@ impl TrianglePoint {
 }
 
 impl Triangles {
-    /// Bytes of this library's memory behind it.
+    /// Bytes of this library's memory that the triangles take.
     pub(super) fn memory_bytes(&self) -> usize {
         let original = self.original.as_ref().map_or(0, |original| size_of_val(&original[..]));
         self.mesh.memory_bytes() + self.normals.as_ref().map_or(0, Buffer::memory_bytes) + original
     }
 
-    /// The vertices of a triangle.
+    /// The positions of a triangle's vertices.
     #[inline(always)]
     pub(super) fn corners(&self, primitive: u32) -> [DVec3; 3] {
         self.mesh.corners(primitive as usize).map(|corner| DVec3::from(corner.map(f64::from)))
     }
 
-    /// Has the processor fetch what says where a triangle's vertices are.
+    /// Prefetches the indices of a triangle's vertices.
     #[inline]
     pub(super) fn prefetch_corners(&self, primitive: u32) {
         self.mesh.indices().prefetch(primitive as usize);
     }
 
-    /// Has the processor fetch a triangle's vertices.
+    /// Prefetches a triangle's vertices and their normals.
     #[inline]
     pub(super) fn prefetch_vertices(&self, primitive: u32) {
         for corner in self.mesh.indices().get(primitive as usize) {
@@ -157,7 +161,7 @@ impl Triangles {
         }
     }
 
-    /// The point of a triangle with these weights of the second and third vertex.
+    /// Returns the point of a triangle that has these weights of the second and third vertex.
     #[inline(always)]
     pub(super) fn point(&self, primitive: u32, u: f32, v: f32) -> TrianglePoint {
         let [v0, v1, v2] = self.corners(primitive);
@@ -173,16 +177,16 @@ impl Triangles {
     }
 }
 
-/// The point with these weights of the sides that leave `v0`.
+/// Returns the point that has these weights of the sides that start at `v0`.
 #[inline(always)]
 pub(super) fn at(v0: DVec3, [e1, e2]: [DVec3; 2], u: f32, v: f32) -> DVec3 {
     v0 + f64::from(u) * e1 + f64::from(v) * e2
 }
 
-/// The point `hit` by a ray, given everything the tables say.
+/// Builds the interaction at a hit from its position, normals and owner.
 #[inline]
 pub(super) fn interaction(p: Vec3, error: f32, ng: Vec3, ns: Option<Vec3>, owner: Owner) -> SurfaceInteraction {
-    // Vertex normals that cancel out say nothing: shade flat there.
+    // Where vertex normals cancel out, shading is flat.
     let ns = ns.and_then(Vec3::try_normalize).unwrap_or(ng);
     SurfaceInteraction {
         point: HitPoint { p, error },
@@ -194,7 +198,7 @@ pub(super) fn interaction(p: Vec3, error: f32, ng: Vec3, ns: Option<Vec3>, owner
     }
 }
 
-/// A point on triangles of the scene frame.
+/// Builds the interaction at a point on a triangle of the scene frame.
 #[inline]
 pub(super) fn on_triangle(
     triangles: &Triangles,
@@ -209,7 +213,7 @@ pub(super) fn on_triangle(
     interaction(p, HitPoint::rounding_error(p, ng) + kernel_error, ng, point.ns, owners.of(primitive))
 }
 
-/// A point on an instanced triangle.
+/// Builds the interaction at a point on an instanced triangle.
 #[inline]
 pub(super) fn on_instance(
     triangles: &Triangles,
@@ -226,14 +230,15 @@ pub(super) fn on_instance(
     let length = normal.length();
     let ng = (normal / length).as_vec3a();
     let ns = point.ns.map(|ns| (instance_transform.normals * ns.as_dvec3()).as_vec3a());
-    // Along the object's normal, which becomes as much shorter or longer on its way to the scene as the error does.
+    // The error is measured along the object's normal. The transform to the scene scales the normal's length and the
+    // error by the same factor.
     let kernel_error = f64::from(point.normal_and_error().1) * point.ng.length()
         + instance_transform.error(exact, point.ng, point.sides);
     let error = HitPoint::rounding_error(p, ng) + (kernel_error / length) as f32;
     interaction(p, error, ng, ns, owners.of(primitive))
 }
 
-/// A point on an analytic shape, from the point that the ray's t gives.
+/// Builds the interaction at a point on an analytic shape, from the point that the ray's t gives.
 #[inline]
 pub(super) fn on_analytic(shape: &Analytic, owner: Owner, near: DVec3) -> SurfaceInteraction {
     let (p, ng) = shape.project(near);
@@ -241,17 +246,20 @@ pub(super) fn on_analytic(shape: &Analytic, owner: Owner, near: DVec3) -> Surfac
     interaction(p, HitPoint::rounding_error(p, ng), ng, None, owner)
 }
 
-/// How far from its plane a triangle may seem to the kernel: of two of its sides and twice its area.
+/// Bounds how far from its plane a triangle may appear to the kernel, from two of the triangle's sides and twice its
+/// area.
 ///
-/// With the vertices `v` seen from the ray's origin, the kernel divides v0 . n by d . n, where n is the cross product of two
-/// edges in single precision, in each component of that pair that loses less, of those that share the edge `e1`. The vertices
-/// and edges are off by roundings in proportion to the extent, whatever the triangle's shape, since what a short edge is
-/// off by turns the normal around the long one. But the products are off in proportion to themselves, and in a triangle whose
-/// three edges are long and nearly parallel they cancel: with them the normal turns anywhere, and a vertex at the other
-/// end of the triangle seems as far from the plane as the products are larger than the area.
+/// With the vertices `v` relative to the ray's origin, the kernel divides v0 . n by d . n. The normal n is the cross
+/// product of two edges in single precision. Of the two pairs of edges that share the edge `e1`, each component uses
+/// the pair that loses less. The vertices and edges have rounding errors in proportion to the triangle's extent,
+/// whatever the triangle's shape, since the error of a short edge turns the normal around the long edge. The errors of
+/// the products, however, are in proportion to the products themselves. In a triangle whose three edges are long and
+/// nearly parallel, the products cancel and the normal can turn in any direction; a vertex at the other end of the
+/// triangle then appears as far from the plane as the ratio of the products to the area.
 ///
-/// A triangle as narrow as the roundings of its length is seen from a near horizon as turned by any angle around its long
-/// axis, and met by rays that pass beside it: it is given more room, many times its own width.
+/// A triangle whose width is as small as the rounding error of its length appears, seen from a near horizon, as turned
+/// by any angle around its long axis, and rays that pass beside the triangle hit it. The bound of such a triangle is
+/// therefore larger, many times its own width.
 #[inline]
 fn kernel_error([e1, e2]: [Vec3; 2], double_area: f32) -> f32 {
     let extent = e1.abs().max(e2.abs()).max_element();
@@ -260,14 +268,14 @@ fn kernel_error([e1, e2]: [Vec3; 2], double_area: f32) -> f32 {
     extent * (KERNEL_ERROR + narrow).min(FARTHEST)
 }
 
-/// [`kernel_error`] of a triangle of any size.
+/// Computes [`kernel_error`] for a triangle of any size.
 fn scaled_kernel_error(sides: [DVec3; 2], double_area: f64) -> f32 {
     let extent = sides[0].abs().max(sides[1].abs()).max_element();
     let sides = sides.map(|side| (side / extent).as_vec3a());
     extent as f32 * kernel_error(sides, (double_area / extent / extent) as f32)
 }
 
-/// The bound of [`HitPoint`] for all points of a triangle of the scene frame.
+/// Returns an error bound of [`HitPoint`] that holds for all points of a triangle of the scene frame.
 pub(super) fn triangle_error(triangle: &Triangle) -> f32 {
     let [v0, v1, v2] = triangle.vertices;
     let sides = triangle.sides().map(|side| side.as_dvec3());

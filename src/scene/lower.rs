@@ -1,6 +1,8 @@
-//! From described surfaces to what is traced: loose triangles, whole meshes, instances, analytic shapes.
+//! Lowers described surfaces to the primitives that are traced: loose triangles, whole meshes, instances and analytic
+//! shapes.
 //!
-//! All in double precision and in the world frame; the builder shifts and rounds.
+//! All coordinates are in double precision and in the world frame. The builder shifts them to the scene frame and
+//! rounds them.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -15,28 +17,29 @@ use crate::math::{Bounds, DAffine3, DVec3};
 /// A mesh of more triangles than this is instanced rather than copied when it is used more than once.
 const INSTANCE_TRIANGLES: usize = 10_000;
 
-/// In a scene whose geometry changes, a mesh of more triangles than this has a hierarchy of its own, which changes
-/// elsewhere leave as it is. Smaller ones are faster copied than entered: every ray that meets an instance's box is
-/// transformed, which costs about as much as a few levels of a hierarchy.
+/// In a scene whose geometry changes, a mesh of more triangles than this has a hierarchy of its own, which edits of
+/// other surfaces leave as it is. Smaller meshes are faster copied than instanced, because every ray that hits an
+/// instance's box is transformed, which costs about as much as a few levels of a hierarchy.
 const OBJECT_TRIANGLES: usize = 128;
 
-/// Coordinates of a scene, half of what Embree takes: the scene's frame may be shifted by as much again.
+/// Bound on the coordinates of a scene. It is half of the bound that Embree takes, because the scene frame may be
+/// shifted by as much again.
 const LARGEST_COORDINATE: f64 = 0.5 * crate::embree::MAX_COORDINATE as f64;
 
-/// What the surfaces of a scene become, with the number of the surface each belongs to.
+/// The primitives that the surfaces of a scene become, each with the number of its surface.
 #[derive(Debug, Default)]
 pub(super) struct Lowered {
-    /// Triangles of triangles and quads, outside given by their winding.
+    /// Triangles of the surfaces that are triangles and quads. The winding gives the outer side.
     pub triangles: Vec<([DVec3; 3], Part)>,
     /// Meshes to be copied into the scene frame.
     pub meshes: Vec<MeshUse>,
     /// Meshes to be instanced.
     pub instances: Vec<MeshUse>,
-    /// Surfaces among `meshes` that would be instances if the kernel could invert their transforms.
+    /// Surfaces in `meshes` that would be instances if the kernel could invert their transforms.
     pub copied: Vec<usize>,
     /// Spheres, disks and quadrics.
     pub shapes: Vec<(WorldShape, usize)>,
-    /// Box around everything, world frame.
+    /// Box around all surfaces, in the world frame.
     pub bounds: Bounds,
 }
 
@@ -56,10 +59,11 @@ pub(super) enum WorldShape {
     Quadric { coefficients: [f64; 10], clip: Bounds, to_world: DAffine3 },
 }
 
-/// Surfaces between two looks at whether to go on.
+/// Number of surfaces that are lowered between two checks for cancellation.
 const LOOK: usize = 1024;
 
-/// Lowers every surface. `bounds_of` gives the box of a mesh in its own frame; `is_dynamic` whether geometry will change.
+/// Lowers every surface. `bounds_of` gives the box of a mesh in its own frame; `is_dynamic` says whether the geometry
+/// will change.
 pub(super) fn lower(
     desc: &SceneDesc,
     is_dynamic: bool,
@@ -104,8 +108,8 @@ pub(super) fn lower(
                 let is_shared = uses.get(&(mesh, smooth)).is_some_and(|&uses| uses > 1);
                 let count = description.triangle_count();
                 let is_large = is_shared && count > INSTANCE_TRIANGLES || is_dynamic && count > OBJECT_TRIANGLES;
-                // Emitters live in the scene frame, so what emits is copied there, a host's mesh too; and what the kernel
-                // could not find under its transform.
+                // Emitters are in the scene frame, so a mesh that emits is copied there, even a host's mesh. A mesh is
+                // also copied if its transform cannot be inverted accurately enough for the kernel to find it.
                 let wanted = surface.emission.is_none() && (is_large || description.host.is_some());
                 let instanced = wanted && inverts_well(&to_world);
                 if wanted && !instanced {
@@ -113,7 +117,8 @@ pub(super) fn lower(
                 }
                 let target = if instanced { &mut lowered.instances } else { &mut lowered.meshes };
                 target.push(MeshUse { mesh, smooth, surface: number });
-                // The box of a transformed box is larger than need be, which moves the centre by nothing that matters.
+                // The box of a transformed box is larger than necessary. The difference moves the centre only slightly,
+                // which is harmless.
                 bounds_of(description)?.transformed(&to_world)
             }
             _ => {
@@ -133,8 +138,8 @@ pub(super) fn lower(
     Ok(lowered)
 }
 
-/// Refuses triangles that the kernel would lose: it multiplies the way to a triangle by its area in single precision, which
-/// overflows in scenes of some 10^12 across.
+/// Refuses triangles that the kernel would miss. The kernel multiplies the distance of a triangle by its area in single
+/// precision, which overflows in scenes of some 10^12 across.
 fn check_volumes(desc: &SceneDesc, lowered: &Lowered, cancel: &Cancel) -> Result<()> {
     const MOST: f64 = f32::MAX as f64 / 8.0;
     let across = (lowered.bounds.max - lowered.bounds.min).length();
@@ -155,7 +160,7 @@ fn check_volumes(desc: &SceneDesc, lowered: &Lowered, cancel: &Cancel) -> Result
         cancel.check()?;
         let surface = &desc.surfaces[mesh_use.surface];
         let mesh = mesh_of(desc, surface, mesh_use.mesh)?;
-        // Rays meet an instance in its own frame.
+        // Rays are intersected with an instance in the instance's own frame.
         let (frame, across) = if is_instance {
             let shrink = surface.to_world().matrix3.inverse().to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
             (DAffine3::IDENTITY, across * shrink)
@@ -170,7 +175,8 @@ fn check_volumes(desc: &SceneDesc, lowered: &Lowered, cancel: &Cancel) -> Result
     Ok(())
 }
 
-/// Box around corners; the empty one, which is refused, where a corner is not finite: NaN would not widen it.
+/// Returns the box around the corners. Where a corner is not finite, the box is empty and is refused later; NaN would
+/// not widen it.
 fn extent(corners: &[DVec3]) -> Bounds {
     if corners.iter().all(|corner| corner.is_finite()) {
         Bounds::around(corners.iter().copied())
@@ -185,17 +191,18 @@ fn mesh_of<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc, mesh: usize) -> Resul
     })
 }
 
-/// Vertices in an order whose normal points outwards: a mirroring transform turns the winding round.
+/// Returns the vertices in an order whose normal points outwards, because a mirroring transform reverses the winding.
 fn wound(to_world: &DAffine3, [a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
     if is_mirrored(to_world) { [a, c, b] } else { [a, b, c] }
 }
 
-/// Whether a transform turns right-handed into left-handed.
+/// Returns whether a transform turns a right-handed frame into a left-handed one.
 pub(super) fn is_mirrored(transform: &DAffine3) -> bool {
     transform.matrix3.determinant() < 0.0
 }
 
-/// The shape of a sphere, quadric or disk in the world frame; refuses what cannot emit and should.
+/// Returns the shape of a sphere, quadric or disk in the world frame. An emission of a shape that cannot emit is
+/// refused.
 pub(super) fn world_shape(surface: &SurfaceDesc) -> Result<WorldShape> {
     let transform = surface.to_world();
     let stretched = |what: &str| {
@@ -209,7 +216,7 @@ pub(super) fn world_shape(surface: &SurfaceDesc) -> Result<WorldShape> {
             }
             None if surface.emission.is_some() => Err(stretched("a sphere")),
             None => Ok(WorldShape::Quadric {
-                // The unit sphere, and a frame that makes it the ellipsoid.
+                // An ellipsoid is the unit sphere in a frame that stretches it.
                 coefficients: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0],
                 clip: Bounds { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY },
                 to_world: transform
@@ -233,7 +240,7 @@ pub(super) fn world_shape(surface: &SurfaceDesc) -> Result<WorldShape> {
 }
 
 impl WorldShape {
-    /// The shape in the frame whose origin is at `centre` of the world.
+    /// Returns the shape in the frame whose origin is at `centre` of the world.
     pub(super) fn in_scene(&self, centre: DVec3) -> crate::shape::Analytic {
         use crate::shape::{Analytic, Disk, Quadric, Sphere};
         match *self {

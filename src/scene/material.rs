@@ -1,42 +1,44 @@
-//! Materials as shading wants them.
+//! Materials in the form that shading uses.
 
 use super::SurfaceInteraction;
 use crate::bsdf::{Bsdf, Lobes, Model as _};
 use crate::spectrum::{Rgb, Spectrum};
 
-/// A material with its constants worked out. It is asked at a hit how the surface scatters there.
+/// A material whose constants are precomputed. At a hit, [`Material::at`] returns the Bsdf of the surface there.
 ///
-/// One that is the same all over its surfaces holds its [`Bsdf`] from the build of the scene on, and an answer is a copy of it.
+/// A material that is the same all over its surfaces stores its [`Bsdf`] when the scene is built, and every query
+/// returns a copy of that Bsdf.
 #[derive(Clone, Copy, Debug)]
 pub struct Material {
     pub(super) bsdf: Bsdf,
-    /// Probability with which a path survives a bounce here, where Russian roulette uses the one that the scene states.
+    /// Probability with which a path survives a bounce at this material, where Russian roulette uses the probability
+    /// that the scene states.
     pub survival: Option<f32>,
 }
 
 impl Material {
-    /// A material that is the same everywhere, where paths end by the library's own roulette.
+    /// Makes a material that is the same everywhere, and at which paths end by the library's own roulette.
     pub fn uniform(bsdf: Bsdf) -> Self {
         Self { bsdf, survival: None }
     }
 
-    /// How a surface of this material scatters at a hit, in the channels of a path.
+    /// Returns the Bsdf of this material at a hit, in the channels of a path.
     #[inline(always)]
     pub fn at<C: Spectrum>(&self, _interaction: &SurfaceInteraction, wavelengths: &C::Wavelengths) -> Bsdf<C> {
         self.bsdf.in_spectrum(wavelengths)
     }
 
-    /// All lobes that it has anywhere; none where it is black everywhere.
+    /// All lobes that the material has anywhere. There are none where the material is black everywhere.
     pub fn lobes(&self) -> Lobes {
         if self.bsdf.is_black() { Lobes::empty() } else { self.bsdf.lobes() }
     }
 
-    /// The Bsdf whose colours are the means over the surface: what solvers with one value for each element take.
+    /// The Bsdf whose colours are the means over the surface, for solvers that have one value for each element.
     pub fn mean(&self) -> &Bsdf {
         &self.bsdf
     }
 
-    /// The share of the irradiance that its diffuse lobes send back at a hit, as a colour; 0 for other lobes.
+    /// The share of the irradiance that the diffuse lobes reflect at a hit, as a colour. Other lobes give 0.
     pub fn diffuse_albedo(&self, _interaction: &SurfaceInteraction) -> Rgb {
         if self.bsdf.lobes().have_diffuse() { self.bsdf.albedo() } else { Rgb::ZERO }
     }

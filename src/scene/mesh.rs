@@ -1,4 +1,4 @@
-//! From a described mesh to triangles that Embree and shading read.
+//! Converts a described mesh to the triangles that Embree and shading read.
 
 use std::sync::Arc;
 
@@ -13,26 +13,26 @@ use crate::error::{Error, Result};
 use crate::math::{Bounds, DAffine3, DMat3, DVec3, Vec3};
 use crate::shape::Triangle;
 
-/// Triangles, and how many had no area and were left out.
+/// Triangles, and the number of triangles that were left out because they had no area.
 pub(super) struct BuiltMesh {
-    /// `None` where nothing was left.
+    /// `None` where no triangle has an area.
     pub triangles: Option<Triangles>,
     pub dropped: usize,
 }
 
 /// A mesh with a hierarchy of its own, to be instanced.
 pub(super) struct MeshObject {
-    /// Its scene and triangles; `None` where all of them are without area.
+    /// The Embree scene and the triangles; `None` where no triangle has an area.
     pub content: Option<(embree::Scene, Triangles)>,
     /// The point of the mesh's own frame that became the object's origin.
     pub middle: DVec3,
     pub dropped: usize,
 }
 
-/// Box around a mesh in its own frame.
+/// Returns the box around a mesh in its own frame.
 ///
 /// # Errors
-/// A coordinate that is not finite; arrays that do not go together; indices past the end.
+/// The errors are a coordinate that is not finite, arrays of different lengths, and indices past the end.
 pub(super) fn bounds(mesh: &MeshDesc, progress: &WorkProgress) -> Result<Bounds> {
     let invalid = |message: String| Err(Error::invalid(&mesh.path, message));
     let (vertices, triangles) = (mesh.vertex_count(), mesh.triangle_count());
@@ -45,7 +45,8 @@ pub(super) fn bounds(mesh: &MeshDesc, progress: &WorkProgress) -> Result<Bounds>
             return invalid(format!("{count} {what} for {vertices} vertices"));
         }
     }
-    // What the host gives is read as it is; our own numbers are still to be transformed and rounded.
+    // The coordinates of a host's mesh are passed to the kernel unchanged. Other meshes are still to be transformed and
+    // rounded.
     let limit = if mesh.host.is_some() { f64::from(MAX_COORDINATE) } else { f64::MAX };
     let mut bounds = Bounds::EMPTY;
     let mut bad = None;
@@ -78,14 +79,14 @@ pub(super) fn bounds_cost(mesh: &MeshDesc) -> f64 {
     cost::BOUND * (mesh.vertex_count() + mesh.triangle_count()) as f64
 }
 
-/// Units of work that placing a mesh and building its hierarchy take.
+/// Units of work that transforming a mesh and building its hierarchy take.
 pub(super) fn place_cost(mesh: &MeshDesc, smooth: bool) -> f64 {
     let normals = if smooth && !mesh.has_normals() { cost::NORMAL } else { 0.0 };
     let vertices = if smooth { 2.0 * cost::PLACE } else { cost::PLACE };
     vertices * mesh.vertex_count() as f64 + (cost::TEST + normals) * mesh.triangle_count() as f64
 }
 
-/// A mesh's arrays under a transform, outside kept outside, degenerate triangles dropped and counted.
+/// Transforms a mesh's arrays. The outer side stays outside, and degenerate triangles are dropped and counted.
 pub(super) fn placed(
     mesh: &MeshDesc,
     smooth: bool,
@@ -96,7 +97,7 @@ pub(super) fn placed(
     let (vertex_count, triangle_count) = (mesh.vertex_count(), mesh.triangle_count());
     let normal_count = if smooth { vertex_count } else { 0 };
     let charge = device.charge(12 * (vertex_count + 1 + triangle_count + normal_count))?;
-    // One more: the padding.
+    // The capacity has one more vertex for the padding.
     let mut vertices: Vec<[f32; 3]> = Vec::with_capacity(vertex_count + 1);
     progress.each(vertex_count, cost::PLACE, |i| {
         vertices.push(transform.transform_point3(mesh.position(i)).as_vec3a().to_array());
@@ -126,7 +127,8 @@ pub(super) fn placed(
     })
 }
 
-/// A host's mesh where it is. Copied are at most its indices, if some triangles have no area and must go.
+/// Uses a host's mesh in the host's own memory. Only its indices are copied, and only if some triangles have no area
+/// and must be left out.
 fn in_place(
     mesh: &MeshDesc,
     host: &HostMesh,
@@ -168,7 +170,7 @@ fn in_place(
     Ok(BuiltMesh { triangles: Some(triangles), dropped })
 }
 
-/// A mesh in a scene of its own: around its own middle, or a host's as it is.
+/// Builds an Embree scene for one mesh. Its origin is the middle of the mesh; a host's mesh keeps its own origin.
 pub(super) fn object(
     mesh: &MeshDesc,
     bounds: Bounds,
@@ -196,9 +198,9 @@ pub(super) fn object(
     Ok(MeshObject { content, middle, dropped: made.dropped })
 }
 
-/// Which triangles of a mesh have an area.
+/// Records which triangles of a mesh have an area.
 struct Kept {
-    /// Numbers of those that do, once one does not.
+    /// Numbers of the triangles that have an area; `None` until a triangle without area was found.
     original: Option<Vec<u32>>,
     dropped: usize,
     count: usize,
@@ -209,7 +211,7 @@ impl Kept {
         Self { original: None, dropped: 0, count }
     }
 
-    /// Whether triangle `i` stays; to be asked for all of them in order.
+    /// Returns whether triangle `i` is kept. The function must be called for all triangles in order.
     fn test(&mut self, i: usize, corners: [Vec3; 3]) -> bool {
         let stays = Triangle::new(corners).is_some();
         if !stays {
@@ -226,13 +228,14 @@ impl Kept {
         stays
     }
 
-    /// The numbers of those that stay, where some do not, and how many do not.
+    /// Returns the numbers of the triangles that are kept, where some are not, and the number of those that are left
+    /// out.
     fn finish(self) -> (Option<Arc<[u32]>>, usize) {
         (self.original.map(Into::into), self.dropped)
     }
 }
 
-/// A unit normal for each vertex, or zero where there is none, after `matrix`.
+/// Returns a unit normal for each vertex after transforming it by `matrix`, or zero where there is none.
 fn unit_normals(mesh: &MeshDesc, matrix: DMat3, progress: &WorkProgress) -> Result<Buffer<[f32; 3]>> {
     let sums = if mesh.has_normals() { None } else { Some(face_means(mesh, progress)?) };
     let mut normals = Vec::with_capacity(mesh.vertex_count());
@@ -246,7 +249,7 @@ fn unit_normals(mesh: &MeshDesc, matrix: DMat3, progress: &WorkProgress) -> Resu
     Ok(normals.into())
 }
 
-/// The angle-weighted mean of the faces around each vertex, mesh frame.
+/// Returns the angle-weighted mean of the normals of the faces around each vertex, in the mesh frame.
 ///
 /// Source: Thürmer and Wüthrich 1998, "Computing Vertex Normals from Polygonal Facets".
 fn face_means(mesh: &MeshDesc, progress: &WorkProgress) -> Result<Vec<DVec3>> {

@@ -1,11 +1,11 @@
-//! The built scene: immutable, asked by rays.
+//! The built scene, which is immutable and answers ray queries.
 //!
-//! [`Scene::build`] takes a description and decides once what this scene needs: which shapes go to Embree and which are
-//! tested in a list before it, which meshes are instanced, whether there are emitters at all. Nothing of that is
-//! decided per ray.
+//! [`Scene::build`] takes a description and decides once which structures this scene needs: which shapes Embree holds
+//! and which are tested in a list before it, which meshes are instanced, and whether there are emitters at all. None of
+//! these decisions is made per ray.
 //!
-//! The scene frame is the world shifted by [`Scene::centre`], in double precision at build, so that a scene far from the
-//! world's origin loses nothing.
+//! The scene frame is the world frame shifted by [`Scene::centre`]. The shift is applied in double precision when the
+//! scene is built, so that a scene far from the world's origin loses no precision.
 
 mod analytic;
 mod assemble;
@@ -50,7 +50,7 @@ use bindings::SurfaceBindings;
 use geometry::Geometry;
 use record::{AppearanceKey, GeometryRecord};
 
-/// What a ray met, as little as is needed to find out more with [`Scene::interaction`].
+/// A hit of a ray, with only the data that [`Scene::interaction`] needs to compute the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Distance in units of the ray's direction.
@@ -65,13 +65,14 @@ pub struct Hit {
 impl From<embree::Hit> for Hit {
     #[inline]
     fn from(hit: embree::Hit) -> Self {
-        // An instance is known by its own number, its only geometry being number 0.
+        // A hit on an instance is identified by the instance's number, since an instance's only geometry has the number
+        // 0.
         let geometry = if hit.inst == embree::Hit::NO_INSTANCE { hit.geom } else { hit.inst };
         Self { t: hit.t, u: hit.u, v: hit.v, primitive: hit.prim, geometry }
     }
 }
 
-/// The geometry number of shapes outside Embree.
+/// The geometry number of shapes in the list, which Embree does not hold.
 const IN_LIST: u32 = u32::MAX - 1;
 
 /// A scene that can be rendered: immutable, shared by any number of threads. Cloning one is cheap and shares everything.
@@ -80,7 +81,7 @@ pub struct Scene {
     embree: Option<embree::Scene>,
     list: Arc<AnalyticList>,
     geometries: Arc<[Geometry]>,
-    /// What [`geometry::are_large`] says of them.
+    /// The result of [`geometry::are_large`] for the scene's geometries.
     is_large: bool,
     bindings: SurfaceBindings,
     materials: Arc<[Material]>,
@@ -89,10 +90,10 @@ pub struct Scene {
     info: Arc<SceneInfo>,
     warnings: Arc<[String]>,
     device: Device,
-    /// What geometry was made of, and the rest: for [`Scene::rebuild`].
+    /// The descriptions from which the geometry and the other parts were built, for [`Scene::rebuild`].
     record: Arc<GeometryRecord>,
     appearance: Arc<AppearanceKey>,
-    /// The survival probability that the description states for each material; `None` where it states none at all.
+    /// The survival probability that the description states for each material; `None` where no material states one.
     stated_survival: Option<Arc<[Option<f32>]>>,
 }
 
@@ -103,8 +104,10 @@ impl std::fmt::Debug for Scene {
 }
 
 impl Scene {
-    /// The nearest surface along the ray, scene frame. A ray with a NaN or an infinity in it meets nothing.
-    // Always inlined: handed over in memory, the ray and the hit cost as much as a tenth of a simple scene's traversal.
+    /// Returns the nearest hit along the ray, which is in the scene frame. A ray with a NaN or an infinity in it hits
+    /// nothing.
+    // The function is always inlined: passing the ray and the hit in memory costs as much as a tenth of a simple
+    // scene's traversal.
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let mut ray = *ray;
@@ -123,10 +126,11 @@ impl Scene {
         nearest
     }
 
-    /// [`Scene::intersect`] of many rays, of which `hits` takes the answers; faster than one after another.
+    /// Intersects many rays as [`Scene::intersect`] does and writes the results to `hits`. This is faster than
+    /// intersecting one ray after another.
     ///
     /// # Panics
-    /// If there are not as many `hits` as rays.
+    /// The function panics if `hits` and `rays` differ in length.
     #[inline]
     pub fn intersect_many(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len(), "rays and hits");
@@ -148,7 +152,7 @@ impl Scene {
         }
     }
 
-    /// Whether nothing lies in the ray's segment.
+    /// Returns whether no surface lies in the ray's segment.
     #[inline]
     pub fn unoccluded(&self, ray: &Ray) -> bool {
         if !self.list.is_empty() && self.list.occluded(ray) {
@@ -157,10 +161,11 @@ impl Scene {
         self.embree.as_ref().is_none_or(|embree| !embree.occluded(ray))
     }
 
-    /// [`Scene::unoccluded`] of many rays, of which `clear` takes the answers; faster than one after another.
+    /// Tests many rays as [`Scene::unoccluded`] does and writes the results to `clear`. This is faster than testing one
+    /// ray after another.
     ///
     /// # Panics
-    /// If there is not as much room in `clear` as there are rays.
+    /// The function panics if `clear` and `rays` differ in length.
     #[inline]
     pub fn unoccluded_many(&self, rays: &[Ray], clear: &mut [bool]) {
         assert_eq!(rays.len(), clear.len(), "rays and answers");
@@ -177,8 +182,8 @@ impl Scene {
         }
     }
 
-    /// Has the processor fetch what [`Scene::interaction`] will read for these hits. They are all over the arrays of a large mesh,
-    /// and one by one each would be waited for.
+    /// Prefetches the data that [`Scene::interaction`] will read for these hits. The data are scattered over the arrays
+    /// of a large mesh, and without prefetching every hit would wait for its own memory access.
     #[inline]
     pub(crate) fn prefetch(&self, hits: &[Option<Hit>]) {
         if !self.is_large || cfg!(not(target_arch = "x86_64")) {
@@ -197,13 +202,15 @@ impl Scene {
         }
     }
 
-    /// Position, normals, material and emitter of what `ray` met; `hit` must come from the same ray and scene.
+    /// Returns the position, normals, material and emitter of the surface that `ray` hit. The hit must come from the
+    /// same ray and scene.
     #[inline]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         self.point_of(hit, |shape| shape.point(ray, hit.t))
     }
 
-    /// The same for any place of a primitive; `on_shape`: near which point of an analytic one.
+    /// Returns the interaction at any point of a primitive. On an analytic shape, `on_shape` gives a position near the
+    /// point.
     #[inline(always)]
     fn point_of(&self, hit: &Hit, on_shape: impl FnOnce(&Analytic) -> DVec3) -> SurfaceInteraction {
         if let Some(cache) = self.geometries.get(hit.geometry as usize).and_then(Geometry::cache) {
@@ -213,7 +220,7 @@ impl Scene {
         self.point_elsewhere(hit, on_shape)
     }
 
-    /// [`Scene::point_of`] on what is not kept ready.
+    /// Does the work of [`Scene::point_of`] for primitives that are not in a triangle cache.
     fn point_elsewhere(&self, hit: &Hit, on_shape: impl FnOnce(&Analytic) -> DVec3) -> SurfaceInteraction {
         if hit.geometry == IN_LIST {
             let index = hit.primitive as usize;
@@ -235,24 +242,24 @@ impl Scene {
         }
     }
 
-    /// The Embree scene behind it, where there is one: for queries that want nothing but the kernel.
+    /// The Embree scene, where there is one, for queries that need only the kernel.
     pub fn kernel(&self) -> Option<&embree::Scene> {
         self.embree.as_ref()
     }
 
-    /// A material by the number that an interaction gives.
+    /// Returns a material by the number that an interaction gives.
     #[inline]
     pub fn material(&self, index: u32) -> &Material {
         &self.materials[index as usize]
     }
 
-    /// The same surfaces in the light of other emitters.
+    /// Replaces the emitters and keeps the surfaces.
     #[cfg(test)]
     pub(crate) fn set_emitters(&mut self, emitters: EmitterSet) {
         self.bindings.emitters = Arc::new(emitters);
     }
 
-    /// All emitters.
+    /// All emitters of the scene.
     #[inline]
     pub fn emitters(&self) -> &EmitterSet {
         &self.bindings.emitters
@@ -263,28 +270,29 @@ impl Scene {
         &self.camera
     }
 
-    /// The device it was built with.
+    /// The device with which the scene was built.
     pub fn device(&self) -> &Device {
         &self.device
     }
 
-    /// World position of the scene frame's origin: the camera at the time of the build, or the point of the scene's box nearest
-    /// to it. A camera that moves later keeps it, unless something is nearer to it than a 2048th of its way from there.
+    /// World position of the scene frame's origin: the camera at the time of the build, or the point of the scene's box
+    /// nearest to the camera. The origin stays when the camera moves later, unless a surface is nearer to the camera
+    /// than a 2048th of the camera's distance from the origin.
     pub fn centre(&self) -> DVec3 {
         self.centre
     }
 
-    /// A world position in the scene frame.
+    /// Converts a world position to the scene frame.
     pub fn to_scene(&self, world: DVec3) -> Vec3 {
         (world - self.centre).as_vec3a()
     }
 
-    /// What the scene holds, what was built for it and why.
+    /// The contents of the scene, the structures that were built for it, and the reasons for them.
     pub fn info(&self) -> &SceneInfo {
         &self.info
     }
 
-    /// What was left out or is worth a word.
+    /// Warnings about parts of the description that were left out or deserve attention.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }

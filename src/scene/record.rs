@@ -1,4 +1,4 @@
-//! What a scene remembers of its description, to tell later what changed.
+//! The parts of a description that a scene records, so that a later rebuild can tell what changed.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
@@ -8,21 +8,23 @@ use crate::desc::{MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
 
-/// A mesh by its address, which nobody else gets while a record refers to it, and whether it is smooth.
+/// A mesh, identified by its address, and whether it is smooth. While a record refers to the mesh, no other mesh can
+/// have that address.
 pub(super) type ObjectKey = (usize, bool);
 
-/// The address that tells a mesh from all others.
+/// Returns the address that distinguishes the mesh from all others.
 pub(super) fn address(mesh: &Arc<MeshDesc>) -> usize {
     Arc::as_ptr(mesh).addr()
 }
 
-/// What the geometry of a scene was made of. Stays the same object for as long as the geometry does.
+/// The description from which the geometry of a scene was built. The record stays the same object as long as the
+/// geometry is unchanged.
 pub(super) struct GeometryRecord {
     surfaces: Vec<SurfaceKey>,
     meshes: Vec<KnownMesh>,
-    /// Meshes with hierarchies of their own: those in use, and those of hidden surfaces that were in use once.
+    /// Meshes with hierarchies of their own: those in use, and those of hidden surfaces that were in use before.
     pub objects: HashMap<ObjectKey, Arc<MeshObject>>,
-    /// The surface of each shape in the list.
+    /// The number of the surface of each shape in the list.
     pub list_surfaces: Vec<u32>,
     pub facts: BuildFacts,
     pub is_dynamic: bool,
@@ -42,13 +44,13 @@ pub(super) struct BuildFacts {
     pub geometry_bytes: usize,
     pub embree_bytes: usize,
     pub decisions: Vec<String>,
-    /// Uses of meshes that are copies for their transforms' sake: how many, and the first one's path.
+    /// The number of uses of meshes that are copies because of their transforms, and the path of the first one.
     pub copied: Option<(usize, String)>,
-    /// Degenerate triangles: how many of which surface.
+    /// The numbers of degenerate triangles, each with the path of its surface.
     pub dropped: Vec<(usize, String)>,
 }
 
-/// As much of a surface as geometry depends on.
+/// The properties of a surface on which the geometry depends.
 struct SurfaceKey {
     shape: ShapeDesc,
     local: DAffine3,
@@ -57,11 +59,12 @@ struct SurfaceKey {
     emits: bool,
 }
 
-/// A mesh of the description. The description itself may go: what is kept of it keeps its address from being reused.
+/// A mesh of the description. The description itself may be dropped; the reference that is stored here keeps the mesh's
+/// address from being reused.
 struct KnownMesh {
     identity: Weak<MeshDesc>,
     bounds: Option<Bounds>,
-    /// The mesh as a whole where it has texture coordinates.
+    /// The whole mesh, where it has texture coordinates.
     with_uvs: Option<Arc<MeshDesc>>,
 }
 
@@ -87,7 +90,7 @@ impl GeometryRecord {
         Self { surfaces, meshes, objects, list_surfaces, facts, is_dynamic }
     }
 
-    /// Whether the geometry of `desc` is this one: the same shapes in the same places, the same meshes.
+    /// Returns whether `desc` has the recorded geometry: the same shapes in the same places, and the same meshes.
     pub(super) fn is_geometry_of(&self, desc: &SceneDesc) -> bool {
         self.surfaces.len() == desc.surfaces.len()
             && self.surfaces.iter().zip(&desc.surfaces).all(|(old, new)| self.is_same(old, new, desc))
@@ -102,7 +105,8 @@ impl GeometryRecord {
                 let (old_mesh, new_mesh) = (self.meshes.get(a), desc.meshes.get(b));
                 let same_mesh =
                     old_mesh.zip(new_mesh).is_some_and(|(a, b)| std::ptr::eq(a.identity.as_ptr(), Arc::as_ptr(b)));
-                // A mesh that emits is copied into the scene frame. Other shapes are the same geometry either way.
+                // A mesh that emits is copied into the scene frame. Other shapes have the same geometry whether they
+                // emit or not.
                 same_mesh && was_smooth == smooth && old.emits == new.emission.is_some()
             }
             (old, new) => old == new,
@@ -110,13 +114,13 @@ impl GeometryRecord {
         same_shape && old.hidden == new.hidden && old.transform == new.transform && old.local == new.local
     }
 
-    /// The boxes of all meshes that were looked at, by address.
+    /// The boxes of all meshes that were examined, by address.
     pub(super) fn mesh_bounds(&self) -> HashMap<usize, Bounds> {
         let known = |mesh: &KnownMesh| Some((mesh.identity.as_ptr().addr(), mesh.bounds?));
         self.meshes.iter().filter_map(known).collect()
     }
 
-    /// The texture coordinates' mesh of a surface, where it has them.
+    /// The mesh of a surface, where the mesh has texture coordinates.
     pub(super) fn uv_mesh(&self, surface: u32) -> Option<&MeshDesc> {
         match self.surfaces.get(surface as usize)?.shape {
             ShapeDesc::Mesh { mesh, .. } => self.meshes.get(mesh)?.with_uvs.as_deref(),
@@ -129,7 +133,7 @@ impl GeometryRecord {
         self.surfaces.get(surface as usize).is_some_and(|placed| matches!(placed.shape, ShapeDesc::Quad(_)))
     }
 
-    /// Whether a surface's transform turns right-handed into left-handed.
+    /// Whether a surface's transform turns a right-handed frame into a left-handed one.
     pub(super) fn is_mirrored(&self, surface: u32) -> bool {
         let placed = self.surfaces.get(surface as usize);
         placed.is_some_and(|placed| super::lower::is_mirrored(&(placed.transform * placed.local)))
@@ -148,7 +152,7 @@ impl SurfaceKey {
     }
 }
 
-/// What the tables of owners and emitters were made of, beside the geometry.
+/// The description from which the tables of owners and emitters were built, apart from the geometry.
 #[derive(Debug)]
 pub(super) struct AppearanceKey {
     /// Material of each surface.
@@ -166,12 +170,12 @@ impl AppearanceKey {
         }
     }
 
-    /// Whether the same things shine in the same way.
+    /// Returns whether both descriptions have the same emitters with the same radiance or intensity.
     pub(super) fn has_same_emitters(&self, other: &Self) -> bool {
         self.emissions == other.emissions && self.lights == other.lights
     }
 
-    /// Point lights that give no light.
+    /// The number of point lights that give no light.
     pub(super) fn dark_lights(&self) -> usize {
         self.lights.iter().filter(|(_, intensity)| *intensity == Rgb::ZERO).count()
     }

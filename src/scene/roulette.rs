@@ -1,7 +1,7 @@
-//! Which survival probability Russian roulette uses at the materials of a scene.
+//! Selects the survival probability that Russian roulette uses at the materials of a scene.
 //!
-//! The choice is made once for a render, not for each ray: integrators use [`Material::survival`] wherever there is one, and
-//! a scene whose paths are to end by the library's own roulette has none.
+//! The choice is made once for a render, not for each ray. Integrators use [`Material::survival`] wherever it is given;
+//! a scene whose paths end by the library's own roulette gives none.
 
 use std::sync::Arc;
 
@@ -15,11 +15,11 @@ pub(super) fn stated_survival(desc: &SceneDesc) -> Option<Arc<[Option<f32>]>> {
 }
 
 impl Scene {
-    /// The same scene, whose paths end by this roulette. Geometry and emitters are shared; a scene whose materials state no
-    /// survival probability is shared whole.
+    /// Returns the same scene with this roulette for its paths. Geometry and emitters are shared; if the scene's
+    /// materials state no survival probability, the whole scene is shared.
     ///
-    /// [`Scene::build`] and [`Scene::rebuild`] take the roulette of the description's render settings;
-    /// [`crate::render::Render`] takes that of its own settings.
+    /// [`Scene::build`] and [`Scene::rebuild`] use the roulette of the description's render settings;
+    /// [`crate::render::Render`] uses the roulette of its own settings.
     #[must_use]
     pub fn with_roulette(&self, roulette: RouletteDesc) -> Self {
         let mut scene = self.clone();

@@ -1,4 +1,4 @@
-//! Which surfaces are perfectly specular, and where: photons for caustics are aimed at them.
+//! Finds the perfectly specular surfaces and their positions, at which photons for caustics are aimed.
 
 use super::Scene;
 use super::geometry::Geometry;
@@ -16,19 +16,19 @@ pub struct Ball {
     pub radius: f32,
 }
 
-/// A specular surface to aim at, in the scene frame.
+/// A specular surface at which photons can be aimed, in the scene frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpecularPart {
-    /// A ball, or one that holds something else.
+    /// A ball that is the surface, or a ball that contains the surface.
     Ball(Ball),
     /// A triangle.
     Triangle([Vec3; 3]),
 }
 
-/// Larger than a box's ball by rounding to single precision.
+/// Factor by which a box's ball is enlarged to cover the rounding to single precision.
 const MARGIN: f64 = 1.0 + 1e-5;
 
-/// Something specular: its box, and its exact shape where that can be aimed at.
+/// A specular surface: its box, and its exact shape where photons can be aimed at the shape.
 struct Piece {
     bounds: Bounds,
     exact: Option<Exact>,
@@ -41,7 +41,7 @@ enum Exact {
 }
 
 impl Scene {
-    /// All lobes of all its surfaces.
+    /// All lobes of all surfaces of the scene.
     pub fn lobes(&self) -> Lobes {
         let mut lobes = Lobes::empty();
         let mut add = |owner: Owner| lobes |= self.material(owner.material).lobes();
@@ -55,7 +55,7 @@ impl Scene {
         lobes
     }
 
-    /// The number of the first surface that has one of these lobes.
+    /// Returns the number of the first surface that has one of these lobes.
     pub fn surface_with(&self, lobes: Lobes) -> Option<u32> {
         let of = |owner: &Owner| self.material(owner.material).lobes().intersects(lobes).then_some(owner.surface);
         let in_embree = self.bindings.owners.iter().flat_map(|owners| match owners {
@@ -65,8 +65,8 @@ impl Scene {
         self.bindings.list_owners.iter().chain(in_embree).filter_map(of).min()
     }
 
-    /// Parts, no more than `most` (>= 1), that together hold every surface which is perfectly specular: spheres and loose
-    /// triangles as they are if there are few pieces, else balls around several.
+    /// Returns at most `most` (>= 1) parts that together contain every perfectly specular surface. Spheres and loose
+    /// triangles are parts themselves if there are few pieces; otherwise each part is a ball around several pieces.
     pub fn specular_parts(&self, most: usize) -> Vec<SpecularPart> {
         let pieces = self.specular_pieces();
         let is_few = pieces.len() <= most && pieces.iter().all(|piece| piece.exact.is_some());
@@ -82,14 +82,15 @@ impl Scene {
         pieces.iter().filter_map(part).collect()
     }
 
-    /// Balls, no more than `most` (>= 1), that together hold every surface which is perfectly specular.
+    /// Returns at most `most` (>= 1) balls that together contain every perfectly specular surface.
     pub fn specular_balls(&self, most: usize) -> Vec<Ball> {
         let mut pieces = self.specular_pieces();
         let mut groups: Vec<&mut [Piece]> = Vec::new();
         if !pieces.is_empty() {
             groups.push(&mut pieces);
         }
-        // The group with the largest ball is halved where its middles are spread most.
+        // The group with the largest extent is halved along the axis on which the middles of its pieces are spread
+        // most.
         while groups.len() < most {
             let widest = (0..groups.len()).filter(|&i| groups[i].len() > 1);
             let size = |i: &usize| extent(union(groups[*i])).length();
@@ -180,7 +181,7 @@ impl Scene {
     }
 }
 
-/// In single precision, no smaller than it is.
+/// Rounds a ball to single precision without making it smaller.
 fn ball(centre: DVec3, radius: f64) -> Ball {
     let rounding = centre.abs().max_element() * f64::from(f32::EPSILON);
     Ball { centre: centre.as_vec3a(), radius: (radius * MARGIN + 2.0 * rounding) as f32 }
