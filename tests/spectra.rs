@@ -215,12 +215,24 @@ fn photons_of_four_grey_wavelengths_bring_the_image_of_rgb() {
     let (desc, scene) = built();
     let camera = Camera::new(scene.camera(), [SIDE; 2], scene.centre()).unwrap();
     let settings = Arc::new(desc.render);
-    for method in [IntegratorDesc::Sppm, IntegratorDesc::Photon, IntegratorDesc::PhotonDirect] {
+    for method in [IntegratorDesc::Sppm, IntegratorDesc::Ppm, IntegratorDesc::Caustic] {
         let rgb = Plan::new(&scene, &camera, &settings, method).unwrap().gather(0, &mut Alone::default()).unwrap();
         let mut plan = Plan::<FourWavelengths>::in_spectrum(&scene, &camera, &settings, method).unwrap();
         let four = plan.gather_in_spectrum(0, &mut Alone::default()).unwrap();
         let rgb = image::<Rgb, _>(&scene, &rgb);
         assert_lit(&rgb);
         assert!(rgb == image::<FourWavelengths, _>(&scene, &four), "{method:?}");
+    }
+}
+
+#[test]
+fn maps_with_one_set_of_wavelengths_for_the_whole_image_are_refused() {
+    let (desc, scene) = built();
+    let camera = Camera::new(scene.camera(), [SIDE; 2], scene.centre()).unwrap();
+    let settings = Arc::new(desc.render);
+    for method in [IntegratorDesc::Photon, IntegratorDesc::PhotonDirect, IntegratorDesc::IrradianceCache] {
+        let mut plan = Plan::<FourWavelengths>::in_spectrum(&scene, &camera, &settings, method).unwrap();
+        let error = plan.gather_in_spectrum(0, &mut Alone::default()).unwrap_err();
+        assert_eq!(error.kind(), etendue::ErrorKind::Unsupported, "{method:?}: {error}");
     }
 }

@@ -251,6 +251,12 @@ fn in_options(error: Error) -> Failure {
             c => field.push(c),
         }
     }
+    // The parameters of filters share an array.
+    let field = match field.as_str() {
+        "filter_sigma" | "filter_b" => "filter_parameters[0]",
+        "filter_c" => "filter_parameters[1]",
+        field => field,
+    };
     Failure::argument(format!("options.{field}: {}", error.message()))
 }
 

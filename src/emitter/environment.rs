@@ -75,12 +75,15 @@ impl EnvironmentEmitter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
+
     use crate::Alone;
     use crate::bsdf::{Bsdf, Lambert, Model as _, TransportMode};
-    use crate::desc::{BsdfDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceLook};
+    use crate::camera::Camera;
+    use crate::desc::{BsdfDesc, IntegratorDesc, PhotonDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceLook};
     use crate::emitter::{Emitter, EmitterSet, TriangleEmitter};
-    use crate::integrator::photon::{MapKind, PhotonJob, shoot};
-    use crate::integrator::{Integrator, Path, SceneTracer, Whitted};
+    use crate::integrator::photon::{MapKind, PhotonJob, Plan, shoot};
+    use crate::integrator::{Direct, Integrator, Path, SceneTracer, Whitted};
     use crate::math::Ray;
     use crate::sampling::{Rng, Sampler as _, SobolSampler};
     use crate::scene::{BuildOptions, Scene};
@@ -140,7 +143,23 @@ mod tests {
         ];
         for (bsdf, exact) in cases {
             let scene = ball(bsdf);
-            for (name, (mean, error)) in [("path", mean(&scene, &path)), ("whitted", mean(&scene, &whitted))] {
+            let direct = Direct { shadow_rays: 1 };
+            let mut means = vec![("path", mean(&scene, &path)), ("whitted", mean(&scene, &whitted))];
+            // Through glass, local illumination sees no light.
+            if !matches!(bsdf, BsdfDesc::Dielectric { .. }) {
+                means.push(("direct", mean(&scene, &direct)));
+            }
+            let camera = Camera::new(scene.camera(), [8; 2], scene.centre()).unwrap();
+            for method in [IntegratorDesc::Sppm, IntegratorDesc::Caustic, IntegratorDesc::PhotonDirect] {
+                let photons = PhotonDesc { count: Some(1000), ..PhotonDesc::default() };
+                let settings = RenderDesc { resolution: [8; 2], photons, ..RenderDesc::default() };
+                let mut plan = Plan::new(&scene, &camera, &Arc::new(settings), method).unwrap();
+                let gather = plan.gather(0, &mut Alone::default()).unwrap();
+                if method != IntegratorDesc::PhotonDirect || !matches!(bsdf, BsdfDesc::Lambert { .. }) {
+                    means.push((method.name(), mean(&scene, &gather)));
+                }
+            }
+            for (name, (mean, error)) in means {
                 let tolerance = 4.0 * error + 1e-5;
                 assert!((mean - exact).abs() < tolerance, "{bsdf:?}, {name}: {mean} ± {error}, not {exact}");
                 assert!(tolerance < 0.02, "{bsdf:?}, {name}: {error} shows nothing of 2 %");

@@ -150,10 +150,8 @@ impl EmitterSet {
         }
         let total: f64 = powers.iter().sum();
         let emitting = powers.iter().filter(|&&power| power > 0.0).count();
-        let is_infinite =
-            |(_, emitter): &(usize, &Emitter)| emitter.is_infinite() && emitter.power().max_element() > 0.0;
-        let infinite: Vec<u32> =
-            emitters.iter().enumerate().filter(is_infinite).map(|(number, _)| number as u32).collect();
+        let is_infinite = |&number: &usize| emitters[number].is_infinite() && powers[number] > 0.0;
+        let mut infinite: Vec<u32> = (0..emitters.len()).filter(is_infinite).map(|number| number as u32).collect();
         let choice = if total > 0.0
             && total.is_finite()
             && emitting - infinite.len() > MAX_CHOSEN_BY_POWER
@@ -172,6 +170,10 @@ impl EmitterSet {
             Distribution1D::cancellable(&powers, cancel)?.map(EmitterChoice::ByPower)
         };
         let point_lights = emitters.iter().filter(|emitter| matches!(emitter, Emitter::Point { .. })).count();
+        if choice.is_none() {
+            // Light that cannot be sampled is not found by chance either.
+            infinite.clear();
+        }
         Ok(Self { emitters, point_lights, infinite, choice })
     }
 

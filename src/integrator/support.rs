@@ -22,8 +22,11 @@ pub fn check_lobes(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
 
 /// The lobes among these that the integrator refuses, and their name in messages.
 fn refused(lobes: Lobes, support: LobeSupport) -> Option<(Lobes, &'static str)> {
+    // Maps, caches and elements hold the light of one side.
+    let through = if support.diffuse == LobeUse::StoredAndGathered { LobeUse::Refused } else { support.diffuse };
     let kinds = [
-        (Lobes::DIFFUSE, support.diffuse, "diffuse"),
+        (Lobes::DIFFUSE_REFLECTION, support.diffuse, "diffuse"),
+        (Lobes::DIFFUSE_TRANSMISSION, through, "diffusely transmitting"),
         (Lobes::GLOSSY, support.glossy, "glossy"),
         (Lobes::SPECULAR, support.specular, "specular"),
     ];
@@ -39,8 +42,11 @@ mod tests {
     fn what_the_table_refuses_is_refused_by_name() {
         for integrator in IntegratorDesc::ALL {
             let Some(support) = integrator.info().lobes else { continue };
+            assert_ne!(support.diffuse, LobeUse::Refused, "{}", integrator.name());
+            let through = refused(Lobes::DIFFUSE_TRANSMISSION, support).is_some();
+            assert_eq!(through, support.diffuse == LobeUse::StoredAndGathered, "{}", integrator.name());
+            assert_eq!(refused(Lobes::DIFFUSE_REFLECTION, support), None);
             let kinds = [
-                (support.diffuse, [Lobes::DIFFUSE_REFLECTION, Lobes::DIFFUSE_TRANSMISSION], "diffuse"),
                 (support.glossy, [Lobes::GLOSSY_REFLECTION, Lobes::GLOSSY_TRANSMISSION], "glossy"),
                 (support.specular, [Lobes::SPECULAR_REFLECTION, Lobes::SPECULAR_TRANSMISSION], "specular"),
             ];

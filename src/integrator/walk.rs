@@ -92,6 +92,27 @@ impl<C: Spectrum> Walk<C> {
         walk
     }
 
+    /// A path that goes on from this one by a delta lobe with this weight and relative index; `None` where Russian roulette
+    /// ends it, by `u` in [0, 1).
+    #[inline]
+    pub fn scattered(&self, weight: C, eta: f32, u: f32) -> Option<Self> {
+        let mut walk = self.having_brought(C::ZERO);
+        walk.throughput *= weight;
+        walk.eta2 *= eta * eta;
+        walk.previous = None;
+        if walk.depth == 1 {
+            walk.roulette_reference = CERTAIN_FRACTION * self.carried();
+        }
+        let survival = roulette(walk.carried() / walk.roulette_reference, walk.depth);
+        if survival.is_nan() || u >= survival {
+            return None;
+        }
+        if survival < 1.0 {
+            walk.throughput /= survival;
+        }
+        Some(walk)
+    }
+
     /// Throughput of the path without the radiance scaling of refraction.
     #[inline(always)]
     fn carried(&self) -> f32 {
@@ -218,7 +239,9 @@ pub(super) fn direct_light<C: Spectrum, S: Sampler, T: Tracer>(
     for _ in 0..shadow_rays {
         radiance += vertex.sample_light(context, shadow_rays, false);
     }
-    if let Some(bounce) = vertex.sample_bounce(context.sampler.next_4d()) {
+    // What a delta lobe brings is no direct light.
+    let bounce = vertex.sample_bounce(context.sampler.next_4d());
+    if let Some(bounce) = bounce.filter(|bounce| bounce.pdf.is_some()) {
         let previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
         let limits = Limits { max_depth: 0, previous, ..Limits::new(shadow_rays) };
         radiance += bounce.weight * trace(bounce.ray, context, &mut |_| {}, &limits);

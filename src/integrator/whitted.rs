@@ -11,6 +11,7 @@
 use super::vertex::{Vertex, escaped};
 use super::walk::{direct_light, roulette};
 use super::{Context, FirstHit, Tracer, Transport};
+use crate::bsdf::Model as _;
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::spectrum::Spectrum;
@@ -71,7 +72,9 @@ impl<C: Spectrum> Transport<C> for Whitted {
             }
             if vertex.finds_light_samples() {
                 radiance += branch.throughput * direct_light(&vertex, context, self.shadow_rays);
-                continue;
+                if !vertex.bsdf.lobes().have_specular() {
+                    continue;
+                }
             }
             if branch.depth >= max_depth {
                 continue;
@@ -102,6 +105,10 @@ impl<C: Spectrum> Transport<C> for Whitted {
             // Otherwise a single ray is followed: a mirror's only one, or one of glass's two, chosen at random.
             let u = context.sampler.next_4d();
             let Some(bounce) = vertex.sample_bounce(u) else { continue };
+            if bounce.pdf.is_some() {
+                // A lobe with a density beside a delta lobe: its light is direct light.
+                continue;
+            }
             let throughput = branch.throughput * bounce.weight;
             let eta2 = branch.eta2 * bounce.eta * bounce.eta;
             // Branches that were split off have a low throughput from the start; the roulette depends only on what they lose

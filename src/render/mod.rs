@@ -56,6 +56,9 @@ const SOLUTION_SHARE: f64 = 0.5;
 /// Pixels to a row of a film of irradiance: as many as a tile has.
 pub const IRRADIANCE_WIDTH: u32 = TILE;
 
+/// In a film of fewer pixels, few pixels always have most of the error.
+const LEAST_PIXELS_OF_A_TAIL: u64 = 64;
+
 /// A render of a scene: its film, and those who fill it.
 pub struct Render {
     scene: Scene,
@@ -438,7 +441,8 @@ impl Render {
         }
         let cancel = &self.settings.cancel;
         let rel_mse = self.film.error_unless(ErrorMeasure::RelMse, cancel);
-        if rel_mse.is_some_and(|error| error.is_heavy_tailed()) {
+        let pixels = self.film.options().resolution.map(u64::from).into_iter().product::<u64>();
+        if pixels >= LEAST_PIXELS_OF_A_TAIL && rel_mse.is_some_and(|error| error.is_heavy_tailed()) {
             notes.push(
                 "the estimated relMSE rests on few pixels, which rare bright paths have met: it may be off by far"
                     .to_owned(),

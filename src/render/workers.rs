@@ -145,7 +145,7 @@ impl Workers {
     }
 }
 
-/// SharedWork that several threads share.
+/// Work that several threads share.
 pub(super) trait SharedWork: Send + Sync + 'static {
     /// Takes pieces of the work until none is left, or until `pause`, asked between them, says so. Returns whether none
     /// is left to be taken.

@@ -126,7 +126,7 @@ fn look(scene: &Scene) -> Result<Seen> {
                 way += f64::from(hit.t);
                 let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, ());
                 let lobes = vertex.bsdf.lobes();
-                if !lobes.have_specular() {
+                if lobes.have_diffuse() || !lobes.have_specular() {
                     if hits > 0 && lobes.have_diffuse() && !vertex.bsdf.is_black() {
                         let power = f64::from(luminance(power));
                         // From the diffuse point, the lamp fills its area over the squared path length, of which a quarter

@@ -261,7 +261,8 @@ impl<C: Spectrum> Gather<C> {
                     path.walk.radiance += self.aimed_caustic(aims, &vertex, &path, context);
                 }
                 if is_over {
-                    return path.walk.radiance;
+                    return path.walk.radiance
+                        + self.beside_maps(&vertex, &path, counted_caustics, context, first, feedback);
                 }
                 if path.diffuse == 1 && self.ends == PathEnd::AfterGather {
                     rays = self.gather_rays;
@@ -322,11 +323,37 @@ impl<C: Spectrum> Gather<C> {
             if branch.walk.depth > self.max_depth
                 || !vertex.bsdf.lobes().have_specular()
                 || !self.bounce(&vertex, &mut branch, true, context.sampler, &limits)
+                // A lobe with a density: light samples and bounces of the path itself find what lies that way.
+                || branch.walk.previous.is_some()
             {
                 break;
             }
         }
         branch.walk.radiance
+    }
+
+    /// Light that the delta lobes of a surface scatter where maps give all light of its other lobes.
+    fn beside_maps<S: Sampler, T: Tracer>(
+        &self,
+        vertex: &Vertex<C>,
+        path: &EyePath<C>,
+        counted_caustics: bool,
+        context: &mut Context<'_, S, T, C>,
+        first: &mut impl FnMut(FirstHit),
+        feedback: &mut PixelFeedback<'_, C>,
+    ) -> C {
+        if !vertex.bsdf.lobes().have_specular() || path.walk.depth >= self.max_depth {
+            return C::ZERO;
+        }
+        let mut radiance = C::ZERO;
+        for lobe in vertex.specular_lobes().into_iter().flatten() {
+            let Some(ray) = vertex.leave_local(lobe.wi) else { continue };
+            let u = context.sampler.next_4d();
+            let Some(walk) = path.walk.scattered(lobe.weight, lobe.eta, u[3]) else { continue };
+            let branch = EyePath { walk, ray, counts_caustics: counted_caustics, ..*path };
+            radiance += self.follow(branch, context, first, feedback);
+        }
+        radiance
     }
 
     /// Samples the next direction; returns `false` where the path ends. `counted_caustics` says whether emission reached by
@@ -379,7 +406,9 @@ impl<C: Spectrum> Gather<C> {
         };
         let ending = ending.map(|layer| (layer, self.query(layer, is_first, true, feedback, vertex)));
         let ending = ending.filter(|(_, query)| self.coverage.is_covered(p, facing, query.radius));
-        let cached = self.cache.as_ref().and_then(|cache| {
+        // A record tells nothing of a narrow lobe: it holds irradiance.
+        let cache = self.cache.as_ref().filter(|_| !vertex.bsdf.lobes().intersects(Lobes::GLOSSY));
+        let cached = cache.and_then(|cache| {
             let f = vertex.bsdf.mean_f(vertex.wo)?;
             let irradiance = cache.irradiance(p, vertex.facing_shading())?;
             Some(f * C::from_emission(irradiance, &context.wavelengths))

@@ -186,10 +186,15 @@ impl<C: Spectrum> Plan<C> {
     /// [`Plan::gather`] for photons and eye paths that carry `C`.
     ///
     /// # Errors
-    /// As [`Plan::gather`]; `Unsupported` for the irradiance cache, which stores RGB only.
+    /// As [`Plan::gather`]; `Unsupported` for the irradiance cache, which stores RGB only, and for maps that are made once,
+    /// which would give the whole image one set of wavelengths.
     pub fn gather_in_spectrum(&mut self, sample: u32, parallel: &mut impl Parallel) -> Result<Gather<C>> {
         if self.method == PhotonMethod::IrradianceCache {
             let message = "the irradiance cache holds three channels, expected another integrator for wavelengths";
+            return Err(Error::new(ErrorKind::Unsupported, message));
+        }
+        if size_of::<C::Wavelengths>() != 0 && !self.is_progressive() {
+            let message = "maps that are made once have one set of wavelengths, expected a progressive method";
             return Err(Error::new(ErrorKind::Unsupported, message));
         }
         self.gather_with(sample, parallel, |_, _, _, _| Ok(()))

@@ -70,16 +70,16 @@ pub(super) fn pixel_size(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -
             let Some(hit) = tracer.intersect(&ray) else { break };
             way += hit.t;
             let vertex = Vertex::<Rgb>::new(scene, &ray, &hit, ());
-            if vertex.bsdf.lobes().have_specular() {
-                // The path passes through glass.
-                let Some(bounce) = vertex.sample_bounce([0.5, 0.5, 0.999, 0.0]) else { break };
-                ray = bounce.ray;
-                continue;
+            let lobes = vertex.bsdf.lobes();
+            if lobes.have_diffuse() || !lobes.have_specular() {
+                if lobes.have_diffuse() && !vertex.bsdf.is_black() {
+                    sizes.push(way * angle);
+                }
+                break;
             }
-            if vertex.bsdf.lobes().have_diffuse() && !vertex.bsdf.is_black() {
-                sizes.push(way * angle);
-            }
-            break;
+            // The path passes through glass.
+            let Some(bounce) = vertex.sample_bounce([0.5, 0.5, 0.999, 0.0]) else { break };
+            ray = bounce.ray;
         }
     }
     let middle = sizes.len() / 2;
