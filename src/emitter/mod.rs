@@ -45,7 +45,7 @@ pub enum Emitter {
 }
 
 impl Emitter {
-    /// Emitted power [W]: 4 pi I of a point light, pi L A of an area emitter. The result is in double precision,
+    /// Emitted power \[W\]: 4 pi I of a point light, pi L A of an area emitter. The result is in double precision,
     /// because single precision may overflow for a product of a radiance and an area.
     pub fn power(&self) -> DVec3 {
         match self {
