@@ -1,12 +1,11 @@
 //! Light transport is written once over what a path carries: four grey wavelengths bring the image of three grey channels.
 
-#[path = "common/scenes.rs"]
-#[allow(dead_code, reason = "shared by several tests")]
-mod scenes;
+mod common;
 
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Sub, SubAssign};
 use std::sync::Arc;
 
+use common::scenes::{box_inside, camera, point_light, scene};
 use etendue::Alone;
 use etendue::camera::Camera;
 use etendue::desc::{BsdfDesc, IntegratorDesc, SceneDesc, ShapeDesc};
@@ -16,7 +15,6 @@ use etendue::math::DVec3;
 use etendue::sampling::{Sampler as _, SobolSampler};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::{Rgb, Spectrum};
-use scenes::{box_inside, camera, point_light, scene};
 
 /// Side of the images, and samples of each pixel.
 const SIDE: u32 = 12;

@@ -208,7 +208,6 @@ impl EmitterSet {
                 let (index, probability, _) = choice.sample(choice_u);
                 (index, probability)
             }
-            EmitterChoice::ByReceiver { tree, infinite } if *infinite == 0.0 => tree.sample(&receiver, choice_u)?,
             EmitterChoice::ByReceiver { tree, infinite } => {
                 let infinite = f64::from(*infinite);
                 if choice_u < infinite {
@@ -251,9 +250,6 @@ impl EmitterSet {
         match &self.choice {
             None => 0.0,
             Some(EmitterChoice::ByPower(choice)) => choice.pmf(index as usize),
-            Some(EmitterChoice::ByReceiver { tree, infinite }) if *infinite == 0.0 => {
-                tree.probability(index as usize, &receiver.into())
-            }
             Some(EmitterChoice::ByReceiver { tree, infinite }) => {
                 if self.emitters[index as usize].is_infinite() {
                     let is_chosen = self.infinite.contains(&index);

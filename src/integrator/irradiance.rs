@@ -12,7 +12,7 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use super::vertex::Vertex;
-use super::walk::{Limits, trace};
+use super::walk::scattered_light;
 use super::{Context, Path, Tracer};
 use crate::bsdf::{Bsdf, Lambert};
 use crate::sampling::Sampler;
@@ -132,22 +132,7 @@ impl Irradiance {
         let vertex = Vertex::seen_along_normal(surface, white, self.front);
         let Path { max_depth, shadow_rays } = self.path;
         let mut context = Context { scene, sampler, tracer, wavelengths: () };
-        let mut radiance = Rgb::ZERO;
-        // Direct light from the emitters, by light samples.
-        if !scene.emitters().is_dark() {
-            for _ in 0..shadow_rays {
-                radiance += vertex.sample_light(&mut context, shadow_rays, false);
-            }
-        }
-        // Light that a path finds, which includes emission at the path's hits.
-        if let Some(bounce) = vertex.sample_bounce(context.sampler.next_4d()) {
-            let limits = Limits {
-                max_depth: max_depth.map_or(u32::MAX, |depth| depth.saturating_sub(1)),
-                previous: bounce.pdf.map(|pdf| (vertex.receiver(), pdf)),
-                ..Limits::new(shadow_rays)
-            };
-            radiance += bounce.weight * trace(bounce.ray, &mut context, &mut |_| {}, &limits);
-        }
-        PI * radiance
+        let max_depth = max_depth.map_or(u32::MAX, |depth| depth.saturating_sub(1));
+        PI * scattered_light(&vertex, &mut context, max_depth, shadow_rays)
     }
 }

@@ -164,10 +164,9 @@ impl<C: Spectrum> Vertex<C> {
 
     /// The albedo, normal and position for the auxiliary layers.
     pub fn first_hit(&self, scene: &Scene) -> FirstHit {
-        let normal = if self.wo.z < 0.0 { -self.surface.ns } else { self.surface.ns };
         // As a colour: what the path's wavelengths show of it has densities to be divided by, and an albedo has not.
         let albedo = scene.material(self.surface.material).at::<Rgb>(&self.surface, &()).albedo();
-        FirstHit { albedo, normal, p: self.surface.point.p }
+        FirstHit { albedo, normal: self.facing_shading(), p: self.surface.point.p }
     }
 
     /// Radiance emitted back along the path, with the multiple importance sampling weight of Bsdf sampling against light
@@ -189,21 +188,27 @@ impl<C: Spectrum> Vertex<C> {
         }
     }
 
-    /// One sample of the direct light from an emitter that is scattered back along the path.
+    /// Adds the direct light from emitters that is scattered back along the path, estimated by this number of light samples,
+    /// to `radiance`, one sample after another.
     ///
-    /// The sample is one of `light_samples`, as in [`Vertex::light_sample`]. `only_light_samples` says that no Bsdf sample
-    /// will look for lights, so that the light sample has weight 1.
+    /// `only_light_samples` says that no Bsdf sample will look for lights, so that light samples have weight 1.
     #[inline(always)]
-    pub fn sample_light<S: Sampler, T: Tracer>(
+    pub fn add_light_samples<S: Sampler, T: Tracer>(
         &self,
+        radiance: &mut C,
         context: &mut Context<'_, S, T, C>,
         light_samples: u32,
         only_light_samples: bool,
-    ) -> C {
-        let u = context.sampler.next_4d();
-        match self.light_sample(context.scene, u, light_samples, only_light_samples) {
-            Some((shadow, light)) if context.tracer.unoccluded(&shadow) => light,
-            _ => C::ZERO,
+    ) {
+        if context.scene.emitters().is_dark() {
+            return;
+        }
+        for _ in 0..light_samples {
+            let u = context.sampler.next_4d();
+            *radiance += match self.light_sample(context.scene, u, light_samples, only_light_samples) {
+                Some((shadow, light)) if context.tracer.unoccluded(&shadow) => light,
+                _ => C::ZERO,
+            };
         }
     }
 
@@ -295,7 +300,7 @@ impl<C: Spectrum> Vertex<C> {
         if !self.is_consistent(wi, local) {
             return None;
         }
-        let f = self.bsdf.f(self.wo, local, self.mode);
+        let f = self.f(local);
         (f != C::ZERO).then(|| (self.leave(wi.normalize()), f * local.z.abs()))
     }
 

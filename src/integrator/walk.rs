@@ -103,14 +103,22 @@ impl<C: Spectrum> Walk<C> {
         if walk.depth == 1 {
             walk.roulette_reference = CERTAIN_FRACTION * self.carried();
         }
-        let survival = roulette(walk.carried() / walk.roulette_reference, walk.depth);
-        if survival.is_nan() || u >= survival {
-            return None;
-        }
+        let carried = walk.carried();
+        (carried > 0.0 && walk.survives(carried / walk.roulette_reference, u)).then_some(walk)
+    }
+
+    /// Plays Russian roulette with `u` in [0, 1): whether the path goes on, with the throughput that makes up for those that do
+    /// not. `fraction`: see [`roulette`].
+    #[inline(always)]
+    fn survives(&mut self, fraction: f32, u: f32) -> bool {
+        let survival = roulette(fraction, self.depth);
         if survival < 1.0 {
-            walk.throughput /= survival;
+            if u >= survival {
+                return false;
+            }
+            self.throughput /= survival;
         }
-        Some(walk)
+        true
     }
 
     /// Throughput of the path without the radiance scaling of refraction.
@@ -191,12 +199,8 @@ impl<C: Spectrum> Walk<C> {
                 Some(survival) if bounce.pdf.is_some() && depth < OWN_SURVIVAL_BOUNCES => survival,
                 _ => carried / self.roulette_reference,
             };
-            let survival = roulette(fraction, depth);
-            if survival < 1.0 {
-                if u[3] >= survival {
-                    return None;
-                }
-                self.throughput /= survival;
+            if !self.survives(fraction, u[3]) {
+                return None;
             }
         }
         Some(bounce)
@@ -219,50 +223,35 @@ pub(super) fn trace<C: Spectrum, S: Sampler, T: Tracer>(
             break;
         };
         let vertex = Vertex::new(context.scene, &ray, &hit, context.wavelengths);
-        next = step(&mut walk, &vertex, context, first, limits);
+        let Context { scene, sampler, tracer, .. } = context;
+        next = walk.meet(scene, &vertex, *sampler, limits, first, |radiance, shadow, sent| {
+            if tracer.unoccluded(&shadow) {
+                *radiance += sent;
+            }
+        });
     }
     walk.radiance
 }
 
-/// Light from the emitters that is scattered once at a vertex, by light samples combined with one Bsdf sample. The emission
-/// of the vertex itself is not included.
+/// Light that a vertex scatters back along the path, by light samples combined with one path of up to `max_depth` hits that
+/// begins with a Bsdf sample; 0 hits are light from the emitters alone. The emission of the vertex itself and the light of
+/// delta lobes are not included.
 #[inline]
-pub(super) fn direct_light<C: Spectrum, S: Sampler, T: Tracer>(
+pub(super) fn scattered_light<C: Spectrum, S: Sampler, T: Tracer>(
     vertex: &Vertex<C>,
     context: &mut Context<'_, S, T, C>,
+    max_depth: u32,
     shadow_rays: u32,
 ) -> C {
-    if context.scene.emitters().is_dark() {
-        return C::ZERO;
-    }
     let mut radiance = C::ZERO;
-    for _ in 0..shadow_rays {
-        radiance += vertex.sample_light(context, shadow_rays, false);
-    }
-    // What a delta lobe brings is no direct light.
+    vertex.add_light_samples(&mut radiance, context, shadow_rays, false);
     let bounce = vertex.sample_bounce(context.sampler.next_4d());
     if let Some(bounce) = bounce.filter(|bounce| bounce.pdf.is_some()) {
         let previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
-        let limits = Limits { max_depth: 0, previous, ..Limits::new(shadow_rays) };
+        let limits = Limits { max_depth, previous, ..Limits::new(shadow_rays) };
         radiance += bounce.weight * trace(bounce.ray, context, &mut |_| {}, &limits);
     }
     radiance
-}
-
-#[inline(always)]
-fn step<C: Spectrum, S: Sampler, T: Tracer>(
-    walk: &mut Walk<C>,
-    vertex: &Vertex<C>,
-    context: &mut Context<'_, S, T, C>,
-    first: &mut impl FnMut(FirstHit),
-    limits: &Limits,
-) -> Option<Ray> {
-    let Context { scene, sampler, tracer, .. } = context;
-    walk.meet(scene, vertex, *sampler, limits, first, |radiance, shadow, sent| {
-        if tracer.unoccluded(&shadow) {
-            *radiance += sent;
-        }
-    })
 }
 
 /// Survival probability of a path that carries this fraction of its reference, after `depth` hits.

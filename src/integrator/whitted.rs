@@ -9,7 +9,7 @@
 //! Source: Whitted 1980, "An Improved Illumination Model for Shaded Display".
 
 use super::vertex::{Vertex, escaped};
-use super::walk::{direct_light, roulette};
+use super::walk::{roulette, scattered_light};
 use super::{Context, FirstHit, Tracer, Transport};
 use crate::bsdf::Model as _;
 use crate::math::Ray;
@@ -71,7 +71,9 @@ impl<C: Spectrum> Transport<C> for Whitted {
                 continue;
             }
             if vertex.finds_light_samples() {
-                radiance += branch.throughput * direct_light(&vertex, context, self.shadow_rays);
+                if !context.scene.emitters().is_dark() {
+                    radiance += branch.throughput * scattered_light(&vertex, context, 0, self.shadow_rays);
+                }
                 if !vertex.bsdf.lobes().have_specular() {
                     continue;
                 }

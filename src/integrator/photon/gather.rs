@@ -271,12 +271,9 @@ impl<C: Spectrum> Gather<C> {
             } else if lobes.intersects(Lobes::GLOSSY) {
                 // No map contains the light on glossy surfaces: light samples and the bounce find all of it.
                 path.counts_caustics = true;
-                if !context.scene.emitters().is_dark() {
-                    for _ in 0..self.shadow_rays {
-                        let light = vertex.sample_light(context, self.shadow_rays, false);
-                        path.walk.radiance += path.walk.throughput * light;
-                    }
-                }
+                let mut light = C::ZERO;
+                vertex.add_light_samples(&mut light, context, self.shadow_rays, false);
+                path.walk.radiance += path.walk.throughput * light;
             }
             let one = if rays > 1 { path.walk.split(rays) } else { path.walk };
             for _ in 1..rays {
@@ -421,13 +418,10 @@ impl<C: Spectrum> Gather<C> {
         });
         match from_map {
             Some(light) => sum += light,
-            None if context.scene.emitters().is_dark() => {}
             None => {
                 // Light samples have weight 1 where the path ends, or where its bounces must not count emission.
                 let only_light_samples = ends || self.direct.is_some();
-                for _ in 0..self.shadow_rays {
-                    sum += vertex.sample_light(context, self.shadow_rays, only_light_samples);
-                }
+                vertex.add_light_samples(&mut sum, context, self.shadow_rays, only_light_samples);
             }
         }
         // Light that comes by mirrors and glass only.

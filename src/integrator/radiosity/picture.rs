@@ -60,11 +60,7 @@ impl Transport<Rgb> for RadiosityPicture {
             return radiance;
         }
         // Direct light, by light samples and by the ray that follows, with multiple importance sampling.
-        if !scene.emitters().is_dark() {
-            for _ in 0..self.shadow_rays {
-                radiance += vertex.sample_light(context, self.shadow_rays, false);
-            }
-        }
+        vertex.add_light_samples(&mut radiance, context, self.shadow_rays, false);
         // All other light, by a ray to a surface whose reflected light the solution gives.
         let Some(bounce) = vertex.sample_bounce(context.sampler.next_4d()) else { return radiance };
         let previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
