@@ -11,8 +11,8 @@ use std::sync::Arc;
 use common::scenes::{box_inside, camera, mean_and_error, point_light, render_scene, scene};
 use etendue::camera::Camera;
 use etendue::desc::{self, BsdfDesc, IntegratorDesc, RenderDesc, SceneDesc, ShapeDesc};
-use etendue::integrator::irradiance_cache::IrradianceCache;
 use etendue::integrator::irradiance_cache::hemisphere::{Estimate, Incident, Strata};
+use etendue::integrator::irradiance_cache::{IrradianceCache, fill_cache};
 use etendue::integrator::photon::{Gather, Plan};
 use etendue::math::{DVec3, Vec3};
 use etendue::render::{Render, RenderSettings};
@@ -174,7 +174,7 @@ fn filled(scene: &Scene, desc: RenderDesc, parallel: &mut impl Parallel) -> Resu
     let desc = Arc::new(desc);
     let camera = Camera::new(scene.camera(), desc.resolution, scene.centre())?;
     let source: Gather = Plan::new(scene, &camera, &desc, IntegratorDesc::Caustic)?.gather(0, &mut Alone::default())?;
-    let (cache, report) = IrradianceCache::fill(scene, &camera, &desc, &source.unaided(), parallel)?;
+    let (cache, report) = fill_cache(scene, &camera, &desc, &source.unaided(), parallel)?;
     Ok((cache, report.notes))
 }
 

@@ -10,11 +10,11 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use super::super::SceneTracer;
 use super::super::photon::Gather;
+use super::cache::{CacheQuery, IrradianceCache};
 use super::hemisphere::{Estimate, Strata};
 use super::octree::GrowingOctree;
 use super::record::{IrradianceRecord, MAX_WALLS, RecordSphere};
 use super::site::{Site, first_diffuse_hits};
-use super::{CacheQuery, IrradianceCache};
 use crate::camera::Camera;
 use crate::control::Parallel;
 use crate::desc::{CacheDesc, RenderDesc};

@@ -39,6 +39,7 @@
 //! Generated Films"; Křivánek et al. 2006, "Making Radiance and Irradiance Caching Practical: Adaptive Caching and
 //! Neighbor Clamping".
 
+mod cache;
 mod fill;
 pub mod hemisphere;
 mod octree;
@@ -48,38 +49,15 @@ mod site;
 
 use std::sync::Arc;
 
+pub use self::cache::IrradianceCache;
 use self::fill::CacheFiller;
-use self::octree::PackedOctree;
-use self::record::IrradianceRecord;
 use super::photon::Gather;
 use crate::camera::Camera;
 use crate::control::Parallel;
 use crate::desc::{CacheSource, RenderDesc};
 use crate::error::Result;
-use crate::math::{DVec3, Vec3};
+use crate::math::DVec3;
 use crate::scene::Scene;
-use crate::spectrum::Rgb;
-
-/// Records of irradiance in an octree of their regions.
-#[derive(Clone, Debug, Default)]
-pub struct IrradianceCache {
-    octree: PackedOctree,
-    records: Vec<IrradianceRecord>,
-    query: CacheQuery,
-}
-
-/// The allowed error of a record, as queries use it.
-#[derive(Clone, Copy, Debug, Default)]
-struct CacheQuery {
-    error: f32,
-    inverse_error: f32,
-}
-
-impl CacheQuery {
-    fn new(error: f32) -> Self {
-        Self { error, inverse_error: 1.0 / error }
-    }
-}
 
 /// Cost of filling the cache, and notes about its accuracy.
 #[derive(Clone, Debug, Default)]
@@ -96,94 +74,61 @@ const MAX_GRID_POINTS: f64 = 4_194_304.0;
 /// Spacing of the finest grid of the coarse cache [pixels].
 const COARSE_SPACING: f64 = 16.0;
 
-impl IrradianceCache {
-    /// Fills a cache for the surfaces that the camera sees. `source` finds the radiance of gather rays.
-    ///
-    /// The cache is the same for any number of threads.
-    ///
-    /// # Errors
-    /// [`crate::ErrorKind::Cancelled`].
-    pub fn fill(
-        scene: &Scene,
-        camera: &Camera,
-        desc: &Arc<RenderDesc>,
-        source: &Gather,
-        parallel: &mut impl Parallel,
-    ) -> Result<(Self, FillReport)> {
-        parallel.check()?;
-        let bounds = &scene.info().bounds;
-        // A scene without light is black, and paths find that out sooner.
-        if bounds.is_empty() || scene.emitters().is_dark() {
-            return Ok(Default::default());
-        }
-        // A cube around the scene, enlarged for rounding.
-        let size = bounds.max - bounds.min;
-        let side = 1.001 * size.max_element().max(f64::MIN_POSITIVE);
-        let min = scene.to_scene(bounds.centre() - DVec3::splat(0.5 * side));
-        let side = side as f32;
-        if !(side > 0.0 && side.is_finite() && min.is_finite()) {
-            return Ok(Default::default());
-        }
-        // Grid points at half the smallest distance between records find all sites that need one.
-        let pixels: f64 = desc.resolution.iter().map(|&n| f64::from(n)).product();
-        let finest = (0.5 * desc.cache.min_spacing).clamp(1.0, 16.0).max((pixels / MAX_GRID_POINTS).sqrt());
-        let filler = CacheFiller::new(scene, camera, desc, source, side);
-        let mut rays = 0;
-        let mut final_filler = filler.clone();
-        if desc.cache.source == CacheSource::Paths {
-            let (coarse, stats) = filler.coarse().fill(min, finest.max(COARSE_SPACING), parallel)?;
-            rays += stats.rays;
-            final_filler.source = source.ending_at(Arc::new(coarse));
-        }
-        let (cache, stats) = final_filler.fill(min, finest, parallel)?;
+/// Fills a cache for the surfaces that the camera sees. `source` finds the radiance of gather rays.
+///
+/// The cache is the same for any number of threads.
+///
+/// # Errors
+/// [`crate::ErrorKind::Cancelled`].
+pub fn fill_cache(
+    scene: &Scene,
+    camera: &Camera,
+    desc: &Arc<RenderDesc>,
+    source: &Gather,
+    parallel: &mut impl Parallel,
+) -> Result<(IrradianceCache, FillReport)> {
+    parallel.check()?;
+    let bounds = &scene.info().bounds;
+    // A scene without light is black, and paths find that out sooner.
+    if bounds.is_empty() || scene.emitters().is_dark() {
+        return Ok(Default::default());
+    }
+    // A cube around the scene, enlarged for rounding.
+    let size = bounds.max - bounds.min;
+    let side = 1.001 * size.max_element().max(f64::MIN_POSITIVE);
+    let min = scene.to_scene(bounds.centre() - DVec3::splat(0.5 * side));
+    let side = side as f32;
+    if !(side > 0.0 && side.is_finite() && min.is_finite()) {
+        return Ok(Default::default());
+    }
+    // Grid points at half the smallest distance between records find all sites that need one.
+    let pixels: f64 = desc.resolution.iter().map(|&n| f64::from(n)).product();
+    let finest = (0.5 * desc.cache.min_spacing).clamp(1.0, 16.0).max((pixels / MAX_GRID_POINTS).sqrt());
+    let filler = CacheFiller::new(scene, camera, desc, source, side);
+    let mut rays = 0;
+    let mut final_filler = filler.clone();
+    if desc.cache.source == CacheSource::Paths {
+        let (coarse, stats) = filler.coarse().fill(min, finest.max(COARSE_SPACING), parallel)?;
         rays += stats.rays;
-        let mut report = FillReport { rays, notes: Vec::new() };
-        if stats.hit_record_limit {
-            report.notes.push(format!(
-                "the irradiance cache was ended at {} records: paths go on where it says nothing",
-                cache.len()
-            ));
-        }
-        let cache = Arc::new(cache);
-        let accuracy = probe::measure_accuracy(&cache, &filler, parallel)?;
-        report.rays += accuracy.rays;
+        final_filler.source = source.ending_at(Arc::new(coarse));
+    }
+    let (cache, stats) = final_filler.fill(min, finest, parallel)?;
+    rays += stats.rays;
+    let mut report = FillReport { rays, notes: Vec::new() };
+    if stats.hit_record_limit {
         report.notes.push(format!(
-            "irradiance cache: {} records, {:.3e} rays, {:.1} MiB; {accuracy}",
-            cache.len(),
-            rays as f64,
-            cache.bytes() as f64 / f64::from(1 << 20),
+            "the irradiance cache was ended at {} records: paths go on where it says nothing",
+            cache.len()
         ));
-        Ok((Arc::unwrap_or_clone(cache), report))
     }
-
-    /// Indirect irradiance [W m^-2] at `p` on the side of the unit normal `n`; `None` where no record is valid.
-    #[inline]
-    pub fn irradiance(&self, p: Vec3, n: Vec3) -> Option<Rgb> {
-        let (mut sum, mut total) = (Rgb::ZERO, 0.0);
-        for sphere in self.octree.candidates(p) {
-            let weight = sphere.weight(p, n, self.query.inverse_error);
-            if weight > 0.0
-                && let Some(irradiance) = self.records[sphere.record as usize].extrapolate(sphere, p, n)
-            {
-                sum += weight * irradiance;
-                total += weight;
-            }
-        }
-        (total > 0.0).then(|| sum / total)
-    }
-
-    /// Number of records.
-    pub fn len(&self) -> usize {
-        self.records.len()
-    }
-
-    /// Whether there is no record.
-    pub fn is_empty(&self) -> bool {
-        self.records.is_empty()
-    }
-
-    /// Memory of the cache, bytes.
-    pub fn bytes(&self) -> usize {
-        self.octree.bytes() + size_of_val(&*self.records)
-    }
+    let cache = Arc::new(cache);
+    let accuracy = probe::measure_accuracy(&cache, &filler, parallel)?;
+    report.rays += accuracy.rays;
+    report.notes.push(format!(
+        "irradiance cache: {} records, {:.3e} rays, {:.1} MiB; {accuracy}",
+        cache.len(),
+        rays as f64,
+        cache.bytes() as f64 / f64::from(1 << 20),
+    ));
+    Ok((Arc::unwrap_or_clone(cache), report))
 }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::super::SceneTracer;
-use super::IrradianceCache;
+use super::cache::IrradianceCache;
 use super::fill::CacheFiller;
 use super::hemisphere::Strata;
 use super::site::{Site, first_diffuse_hits};

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::super::irradiance_cache::IrradianceCache;
+use super::super::irradiance_cache::fill_cache;
 use super::aim::Aims;
 use super::choose::aimed_paths_find_caustics;
 use super::coverage::DiskCoverage;
@@ -100,7 +100,7 @@ impl Plan {
         // Gather rays begin after one bounce, so the global map may end them at the first diffuse hit.
         let ends = if gather.diffuse.is_some() { PathEnd::AfterGather } else { PathEnd::Never };
         let source = Gather { ends, ..gather.clone() };
-        let (cache, report) = IrradianceCache::fill(&self.scene, &self.camera, &self.desc, &source, parallel)?;
+        let (cache, report) = fill_cache(&self.scene, &self.camera, &self.desc, &source, parallel)?;
         self.rays += report.rays;
         notes.extend(report.notes);
         (gather.cache, gather.diffuse, gather.ends) = (Some(Arc::new(cache)), None, PathEnd::AtCache);

@@ -36,6 +36,7 @@ mod elements;
 pub mod form_factor;
 mod light;
 mod links;
+mod node_irradiance;
 mod oracle;
 mod picture;
 mod refine;
@@ -387,7 +388,7 @@ fn final_irradiance(
     if desc.iterations.is_some_and(|count| count > 0) {
         solve::balance(shared, true, parallel)?;
     }
-    let mut leaves = solve::leaf_irradiances(shared, parallel)?;
+    let mut leaves = node_irradiance::leaf_irradiances(shared, parallel)?;
     let mut irradiance = vertices::vertices(shared, parallel)?;
     vertices::conserve(&read(shared).oracle.elements, &mut irradiance, &leaves);
     if desc.iterations == Some(0) {
@@ -423,7 +424,7 @@ fn link_scene(shared: &SharedHierarchy, desc: &RadiosityDesc, parallel: &mut imp
         for _ in 0..ITERATIONS_PER_REFINEMENT {
             solve::jacobi_iteration(shared, parallel)?;
         }
-        let found = solve::leaf_irradiances(shared, parallel)?;
+        let found = node_irradiance::leaf_irradiances(shared, parallel)?;
         let nodes = &read(shared).oracle.elements.nodes;
         let square = |(leaf, e): &(u32, DVec3)| nodes[*leaf as usize].area * e.max_element().powi(2);
         let total = found.iter().map(square).sum::<f64>().sqrt();
@@ -450,7 +451,7 @@ fn link_scene(shared: &SharedHierarchy, desc: &RadiosityDesc, parallel: &mut imp
 /// Marks the leaves whose vertices interpolate the irradiance inside badly: those at the edges of shadows.
 fn mark_discontinuities(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<()> {
     let at_vertices = vertices::vertices(shared, parallel)?;
-    let found = solve::leaf_irradiances(shared, parallel)?;
+    let found = node_irradiance::leaf_irradiances(shared, parallel)?;
     let mut hierarchy = write(shared);
     let threshold = hierarchy.oracle.threshold;
     for (leaf, within) in found {

@@ -1,17 +1,18 @@
 //! Solving: light is transported over the links until the rest is small.
 //!
 //! The system is B = M + rho K B, where K are the links. Irradiance that a node gathers is pushed down to the leaves
-//! below it, and radiosities of the leaves are pulled up. *Gathering* a fixed number of times is the Jacobi iteration,
+//! below it (`node_irradiance`), and radiosities of the leaves are pulled up. *Gathering* a fixed number of times is the Jacobi iteration,
 //! in which each iteration is one bounce of light. Gathering until the rest is small is the Gauss-Seidel iteration from
 //! patch to patch. *Shooting* distributes the light of the patch that has most unshot light.
 
 use std::cell::Cell;
 use std::sync::{Arc, PoisonError};
 
-use super::elements::{Elements, NONE};
+use super::elements::Elements;
 use super::form_factor;
 use super::light::{DirectionalPolynomial, NodeRadiosity};
-use super::links::{Link, LinkKind, POINT, intensity};
+use super::links::Link;
+use super::node_irradiance::{leaf_irradiances, leaf_irradiances_with, push_patch, received};
 use super::oracle::RefinementOracle;
 use super::refine::{LinkHierarchy, SharedHierarchy};
 use super::vertices::gather_over;
@@ -20,8 +21,8 @@ use crate::error::Result;
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 
-/// Patches, clusters or leaves that one task of the thread pool processes.
-const ITEMS_PER_TASK: usize = 64;
+/// Leaves that one task of the thread pool processes.
+const LEAVES_PER_TASK: usize = 64;
 
 /// Rays from a leaf to a source that is partly visible from the leaf's parents, in proportion to the source's fraction
 /// of the leaf's light. With fewer rays, the nearest parts of a source, which are the strongest and seldom hidden,
@@ -45,141 +46,6 @@ pub(super) struct Convergence {
     pub residual: f64,
     /// Bound on the distance to the solution of the system in the same measure.
     pub bound: f64,
-}
-
-/// Strength of a link's source: radiosity, or radiant intensity towards the receiver.
-#[inline]
-fn strength(oracle: &RefinementOracle, radiosity: &NodeRadiosity, link: &Link) -> DVec3 {
-    if link.source >= POINT {
-        return oracle.lights[(link.source - POINT) as usize].intensity;
-    }
-    let source = &oracle.elements.nodes[link.source as usize];
-    if source.is_cluster() {
-        let d = oracle.elements.nodes[link.receiver as usize].centre - source.centre;
-        intensity(source, radiosity, d.normalize_or_zero())
-    } else {
-        link.quarter_weights.mean(source, &radiosity.b, radiosity.b[link.source as usize])
-    }
-}
-
-/// Irradiance that an element gathers over its own links.
-#[inline]
-pub(super) fn gathered(hierarchy: &LinkHierarchy, node: u32) -> DVec3 {
-    let oracle = &hierarchy.oracle;
-    let one = |link: &Link| match link.kind {
-        LinkKind::Negligible => DVec3::ZERO,
-        _ => f64::from(link.factor) * f64::from(link.visible) * strength(oracle, &oracle.radiosity, link),
-    };
-    hierarchy.links_of(node).iter().map(one).sum()
-}
-
-/// Irradiance that each cluster brings to the surfaces below it, including that of the clusters above.
-pub(super) fn received(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<Vec<DirectionalPolynomial>> {
-    let count = shared.read().unwrap_or_else(PoisonError::into_inner).clusters.len();
-    let hierarchy = Arc::clone(shared);
-    let own = parallel.map(count.div_ceil(ITEMS_PER_TASK), move |block| {
-        let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);
-        let clusters = hierarchy.clusters[block * ITEMS_PER_TASK..].iter().take(ITEMS_PER_TASK);
-        clusters.map(|&node| gathered_by_cluster(&hierarchy, node)).collect::<Vec<_>>()
-    })?;
-    let hierarchy = shared.read().unwrap_or_else(PoisonError::into_inner);
-    let nodes = &hierarchy.oracle.elements.nodes;
-    let mut received = vec![DirectionalPolynomial::default(); count];
-    for (&node, own) in hierarchy.clusters.iter().zip(own.into_iter().flatten()) {
-        let Some(node) = nodes.get(node as usize) else { continue };
-        let mut sum = own;
-        if node.parent != NONE {
-            sum += &received[nodes[node.parent as usize].corners[2] as usize];
-        }
-        received[node.corners[2] as usize] = sum;
-    }
-    Ok(received)
-}
-
-fn gathered_by_cluster(hierarchy: &LinkHierarchy, node: u32) -> DirectionalPolynomial {
-    let oracle = &hierarchy.oracle;
-    let mut moments = DirectionalPolynomial::default();
-    let centre = oracle.elements.nodes[node as usize].centre;
-    for link in hierarchy.links_of(node) {
-        if link.kind == LinkKind::Negligible {
-            continue;
-        }
-        let from = match link.source {
-            point @ POINT.. => oracle.lights[(point - POINT) as usize].position,
-            source => oracle.elements.nodes[source as usize].centre,
-        };
-        let weight = f64::from(link.factor) * f64::from(link.visible) * strength(oracle, &oracle.radiosity, link);
-        let d = (from - centre).normalize_or_zero();
-        if link.kind == LinkKind::Facing { moments.add_linear(d, weight) } else { moments.add_lobe(d, weight) }
-    }
-    moments
-}
-
-/// Pushes irradiance down: visits the leaves below an element with the irradiance gathered at them and at all elements
-/// above. `above` is what the elements above gathered.
-fn push(hierarchy: &LinkHierarchy, node: u32, above: DVec3, visit: &mut impl FnMut(u32, DVec3)) {
-    let irradiance = above + gathered(hierarchy, node);
-    let element = &hierarchy.oracle.elements.nodes[node as usize];
-    if element.is_leaf() {
-        visit(node, hierarchy.scale_of(node) * irradiance);
-    } else {
-        for child in element.range() {
-            push(hierarchy, child as u32, irradiance, visit);
-        }
-    }
-}
-
-/// The same for a patch, with the irradiance that clusters above it received.
-pub(super) fn push_patch(
-    hierarchy: &LinkHierarchy,
-    patch: u32,
-    received: &[DirectionalPolynomial],
-    visit: &mut impl FnMut(u32, DVec3),
-) {
-    let elements = &hierarchy.oracle.elements;
-    let root = elements.patches[patch as usize].node;
-    let node = &elements.nodes[root as usize];
-    let from_clusters = match node.parent {
-        NONE => None,
-        parent => Some(&received[elements.nodes[parent as usize].corners[2] as usize]),
-    };
-    // A flat element has one normal, so the clusters' irradiance is the same for all of its leaves.
-    match from_clusters {
-        Some(moments) if elements.shape(patch).is_some() => {
-            push(hierarchy, root, DVec3::ZERO, &mut |leaf, irradiance| {
-                let above = moments.at(elements.nodes[leaf as usize].normal);
-                visit(leaf, irradiance + hierarchy.scale_of(leaf) * above);
-            })
-        }
-        Some(moments) => push(hierarchy, root, moments.at(node.normal), visit),
-        None => push(hierarchy, root, DVec3::ZERO, visit),
-    }
-}
-
-/// Irradiance of all leaves by the current radiosities, patch by patch.
-pub(super) fn leaf_irradiances(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<Vec<(u32, DVec3)>> {
-    let received = Arc::new(received(shared, parallel)?);
-    leaf_irradiances_with(shared, &received, parallel)
-}
-
-/// The same with the irradiance that clusters received.
-fn leaf_irradiances_with(
-    shared: &SharedHierarchy,
-    received: &Arc<Vec<DirectionalPolynomial>>,
-    parallel: &mut impl Parallel,
-) -> Result<Vec<(u32, DVec3)>> {
-    let received = Arc::clone(received);
-    let count = shared.read().unwrap_or_else(PoisonError::into_inner).oracle.elements.patches.len();
-    let hierarchy = Arc::clone(shared);
-    let found = parallel.map(count.div_ceil(ITEMS_PER_TASK), move |block| {
-        let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);
-        let mut found = Vec::new();
-        for patch in block * ITEMS_PER_TASK..((block + 1) * ITEMS_PER_TASK).min(count) {
-            push_patch(&hierarchy, patch as u32, &received, &mut |leaf, irradiance| found.push((leaf, irradiance)));
-        }
-        found
-    })?;
-    Ok(found.into_iter().flatten().collect())
 }
 
 /// One Jacobi iteration, which is one bounce. Returns the change, as [`Convergence::residual`].
@@ -251,7 +117,7 @@ pub(super) fn balance(shared: &SharedHierarchy, traces_visibility: bool, paralle
     let received = Arc::new(received(shared, parallel)?);
     let leaves = Arc::new(leaf_irradiances_with(shared, &received, parallel)?);
     let hierarchy = Arc::clone(shared);
-    let found = parallel.map(leaves.len().div_ceil(ITEMS_PER_TASK), move |block| {
+    let found = parallel.map(leaves.len().div_ceil(LEAVES_PER_TASK), move |block| {
         let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);
         let scale = |&(leaf, irradiance): &(u32, DVec3)| {
             // Each channel has its own scale, because direct light and reflected light need different ones.
@@ -262,7 +128,7 @@ pub(super) fn balance(shared: &SharedHierarchy, traces_visibility: bool, paralle
                 |scale: f64| if scale.is_finite() { scale.clamp(SCALE_LIMITS[0], SCALE_LIMITS[1]) } else { 1.0 };
             (leaf, Rgb::from_f64(DVec3::from(scale.to_array().map(bounded))))
         };
-        leaves[block * ITEMS_PER_TASK..].iter().take(ITEMS_PER_TASK).map(scale).collect::<Vec<_>>()
+        leaves[block * LEAVES_PER_TASK..].iter().take(LEAVES_PER_TASK).map(scale).collect::<Vec<_>>()
     })?;
     let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
     let mut scale = vec![Rgb::ONE; hierarchy.oracle.elements.nodes.len()];
@@ -373,8 +239,8 @@ pub(super) fn gather(
 mod tests {
     use std::sync::RwLock;
 
-    use super::super::elements::{Node, Patch, empty};
-    use super::super::links::QuarterWeights;
+    use super::super::elements::{NONE, Node, Patch, empty};
+    use super::super::links::{LinkKind, QuarterWeights};
     use super::super::shoot::shoot;
     use super::*;
     use crate::control::Alone;
