@@ -11,7 +11,9 @@ use serde_json::value::RawValue;
 
 use super::builder::Builder;
 use super::json::{self, join};
-use super::{BsdfDesc, CameraDesc, Dialect, FovAxis, MaterialDesc, RenderDesc, SceneDesc, render, surface, validate};
+use super::{
+    BsdfDesc, CameraDesc, Dialect, FovAxis, MaterialDesc, RenderDesc, SceneDesc, render_keys, surface, validate,
+};
 use crate::math::DVec3;
 use crate::{Error, Result};
 
@@ -240,7 +242,7 @@ pub(super) fn read(document: &RawValue, base_dir: &Path, file: Option<&Path>) ->
     let mut builder = Builder::new(Dialect::Native, base_dir, file);
     builder.scene.camera = camera(top.camera, "camera")?;
     if let Some(raw) = top.render {
-        builder.scene.render = render::read(raw, "render", &RenderDesc::default())?;
+        builder.scene.render = render_keys::read(raw, "render", &RenderDesc::default())?;
     }
     json::each(top.materials, "materials", |path, raw| material(raw, path, &mut builder))?;
     json::each(top.meshes, "meshes", |path, raw| surface::shared_mesh(raw, path, &mut builder))?;

@@ -6,7 +6,8 @@ use serde_json::value::RawValue;
 use super::json::{self, Whole, did_you_mean};
 use super::warnings::warn;
 use super::{
-    IntegratorDesc, KernelDesc, PhotonDesc, PhotonSharing, RenderDesc, SamplerDesc, photon_keys, render, validate,
+    IntegratorDesc, KernelDesc, PhotonDesc, PhotonSharing, RenderDesc, SamplerDesc, photon_keys, render_block,
+    render_keys, validate,
 };
 use crate::{Error, Result};
 
@@ -33,7 +34,7 @@ struct Params<'a> {
     photon_estimation_radius: Option<f64>,
     /// A key that only this library has, for scenes of `mcrt`, which have no `render` block.
     #[serde(default, deserialize_with = "json::name")]
-    roulette: Option<render::Roulette>,
+    roulette: Option<render_block::Roulette>,
 }
 
 /// The number of photons that `mcrt` emits and the radius of its density estimates, where the file does not give them.
@@ -55,10 +56,10 @@ pub(super) fn apply(json: &str, points: bool, render: &mut RenderDesc, warnings:
         (render.samples, render.sampler) = supersamples(raw, "supersamples")?;
     }
     if let Some(depth) = params.max_ray_depth {
-        render.max_depth = Some(render::max_depth("maxRayDepth", depth)?);
+        render.max_depth = Some(render_keys::max_depth("maxRayDepth", depth)?);
     }
     if let Some(count) = params.shadow_rays {
-        render.shadow_rays = render::shadow_rays("shadowRays", count)?;
+        render.shadow_rays = render_keys::shadow_rays("shadowRays", count)?;
     }
     if let Some(roulette) = params.roulette {
         render.roulette = roulette.into();
@@ -121,7 +122,7 @@ fn supersamples(raw: &RawValue, path: &str) -> Result<(u32, SamplerDesc)> {
     let [n, pattern]: [&RawValue; 2] = json::value(raw, path)?;
     let at = format!("{path}[0]");
     // The largest n whose square is within the limit on samples.
-    let n = validate::whole(&at, json::value(n, &at)?, 1, render::SAMPLE_LIMIT.isqrt())?;
+    let n = validate::whole(&at, json::value(n, &at)?, 1, render_keys::SAMPLE_LIMIT.isqrt())?;
     let at = format!("{path}[1]");
     let pattern: String = json::value(pattern, &at)?;
     let sampler = match pattern.as_str() {

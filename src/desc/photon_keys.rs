@@ -5,7 +5,7 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::json::{self, Plain, Whole, join};
-use super::render::Render;
+use super::render_block::{Render, Sharing, Source};
 use super::{
     CacheDesc, CacheSource, KernelDesc, MAX_GATHER_RAYS, MAX_NEIGHBOURS, MAX_PHOTON_MEMORY, MAX_PHOTONS, PhotonDesc,
     PhotonSharing, validate,
@@ -20,64 +20,6 @@ const NEIGHBOURS: Limits = (0, MAX_NEIGHBOURS);
 const GATHER_RAYS: Limits = (1, MAX_GATHER_RAYS);
 const MEMORY: Limits = (1, MAX_PHOTON_MEMORY);
 const CACHE_RAYS: Limits = (16, 1 << 20);
-
-/// How emitters share the photons.
-#[derive(Clone, Copy, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Sharing {
-    /// By their power, so that all photons carry nearly the same.
-    Power,
-    /// By their area, as in the report. Points have none.
-    Area,
-}
-
-/// What the gather's rays of an irradiance cache bring back.
-#[derive(Clone, Copy, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Source {
-    /// The light of paths: no bias but the interpolation's.
-    Paths,
-    /// The light of the global photon map: faster, with its bias.
-    Photons,
-}
-
-/// What `photonKernel` accepts, for the schema.
-#[cfg(feature = "schema")]
-#[expect(dead_code, reason = "only the schema of these types is used")]
-pub(super) mod schema {
-    #[derive(schemars::JsonSchema)]
-    #[schemars(untagged)]
-    pub enum Kernel {
-        /// Its name, with default parameters.
-        Name(KernelName),
-        /// Name and parameters.
-        Block(KernelBlock),
-    }
-
-    #[derive(schemars::JsonSchema)]
-    #[schemars(rename_all = "kebab-case")]
-    pub enum KernelName {
-        Flat,
-        Cone,
-        Epanechnikov,
-    }
-
-    #[derive(schemars::JsonSchema)]
-    #[schemars(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
-    pub enum KernelBlock {
-        /// All photons weigh the same.
-        Flat,
-        /// 1 - d / (k r).
-        Cone {
-            /// k, 1 or more. Default 1.
-            k: Option<f64>,
-        },
-        /// 1 - d^2 / r^2.
-        Epanechnikov,
-    }
-}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 
 use super::file::read_text;
 use super::json::{self, line_of};
-use super::{RenderDesc, SceneDesc, mcrt, native, params, render};
+use super::{RenderDesc, SceneDesc, mcrt, native, params, render_keys};
 use crate::{Error, ErrorKind, Result};
 
 /// Reads a scene file, and the parameter file if there is one.
@@ -85,7 +85,7 @@ pub fn apply_render(json: &str, path: &str, file: Option<&Path>, base: &RenderDe
         let missing = || Error::invalid(path, "there is nothing to read here, expected an object");
         let block = json::value_at(json, path).ok_or_else(missing)?;
         let raw = serde_json::from_str(block).map_err(|error| missing().because(error))?;
-        render::read(raw, path, base)
+        render_keys::read(raw, path, base)
     };
     read().map_err(|error| located(error, json, file))
 }

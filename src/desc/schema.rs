@@ -2,7 +2,7 @@
 
 use schemars::{JsonSchema, Schema};
 
-use super::{native, render, surface};
+use super::{native, render_block, surface};
 
 /// A scene in Étendue's native format, version 1.
 #[derive(JsonSchema)]
@@ -20,7 +20,7 @@ struct Scene<'a> {
     /// Where the scene is seen from.
     camera: native::Camera,
     /// How to render.
-    render: Option<render::Render<'a>>,
+    render: Option<render_block::Render<'a>>,
     /// Lights. Surfaces with an emission are lights too.
     lights: Option<Vec<Light>>,
     /// Materials, by name.

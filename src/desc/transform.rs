@@ -97,19 +97,3 @@ pub(super) fn place(scale: DVec3, radians: DVec3, origin: DVec3) -> DAffine3 {
         DMat3::from_rotation_z(radians.z) * DMat3::from_rotation_y(radians.y) * DMat3::from_rotation_x(radians.x);
     DAffine3::from_mat3_translation(rotation * DMat3::from_diagonal(scale), origin)
 }
-
-/// Relative deviation from a similarity up to which a transform keeps spheres round.
-const SIMILARITY: f64 = 1e-9;
-
-/// The uniform scale of a similarity transform, `None` for any other.
-pub(crate) fn similarity_scale(transform: &DAffine3) -> Option<f64> {
-    let m = transform.matrix3;
-    let scale2 = m.x_axis.length_squared();
-    let close = |x: f64, y: f64| (x - y).abs() <= SIMILARITY * scale2;
-    (close(m.y_axis.length_squared(), scale2)
-        && close(m.z_axis.length_squared(), scale2)
-        && close(m.x_axis.dot(m.y_axis), 0.0)
-        && close(m.y_axis.dot(m.z_axis), 0.0)
-        && close(m.z_axis.dot(m.x_axis), 0.0))
-    .then(|| scale2.sqrt())
-}

@@ -1,8 +1,8 @@
 //! Checks of single values: their physical meaning, and that single precision can hold them.
 
 use super::json::{Whole, join};
-use super::{BsdfDesc, CameraDesc, MeshDesc, PointLightDesc, ShapeDesc, transform};
-use crate::math::{Bounds, DAffine3, DVec3};
+use super::{BsdfDesc, CameraDesc, MeshDesc, PointLightDesc, ShapeDesc};
+use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
 
@@ -383,7 +383,7 @@ pub(super) fn emitter(path: &str, shape: &ShapeDesc, to_world: &DAffine3) -> Res
         ShapeDesc::Quadric { .. } | ShapeDesc::Disk { .. } => {
             "quadrics and disks cannot emit light; use a sphere, triangle, quad or mesh"
         }
-        ShapeDesc::Sphere { .. } if transform::similarity_scale(to_world).is_none() => {
+        ShapeDesc::Sphere { .. } if similarity_scale(to_world).is_none() => {
             "a sphere under a transform that stretches it cannot emit"
         }
         _ => return Ok(()),

@@ -70,3 +70,19 @@ impl Bounds {
         Self::around(self.corners().map(|corner| transform.transform_point3(corner)))
     }
 }
+
+/// Relative deviation from a similarity up to which a transform keeps spheres round.
+const SIMILARITY: f64 = 1e-9;
+
+/// The uniform scale of a similarity transform, `None` for any other.
+pub(crate) fn similarity_scale(transform: &DAffine3) -> Option<f64> {
+    let m = transform.matrix3;
+    let scale2 = m.x_axis.length_squared();
+    let close = |x: f64, y: f64| (x - y).abs() <= SIMILARITY * scale2;
+    (close(m.y_axis.length_squared(), scale2)
+        && close(m.z_axis.length_squared(), scale2)
+        && close(m.x_axis.dot(m.y_axis), 0.0)
+        && close(m.y_axis.dot(m.z_axis), 0.0)
+        && close(m.z_axis.dot(m.x_axis), 0.0))
+    .then(|| scale2.sqrt())
+}

@@ -10,9 +10,9 @@ use std::sync::Arc;
 use super::geometry::Part;
 use super::instance_transform::inverts_well;
 use crate::Cancel;
-use crate::desc::{self, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
+use crate::desc::{MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
 use crate::error::{Error, ErrorKind, Result};
-use crate::math::{Bounds, DAffine3, DVec3};
+use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
 
 /// A mesh of more triangles than this is instanced rather than copied when it is used more than once.
 const INSTANCE_TRIANGLES: usize = 10_000;
@@ -210,7 +210,7 @@ pub(super) fn world_shape(surface: &SurfaceDesc) -> Result<WorldShape> {
             .at(format!("{}.emission", surface.path))
     };
     match surface.shape {
-        ShapeDesc::Sphere { centre, radius } => match desc::similarity_scale(&transform) {
+        ShapeDesc::Sphere { centre, radius } => match similarity_scale(&transform) {
             Some(scale) => {
                 Ok(WorldShape::Sphere { centre: transform.transform_point3(centre), radius: scale * radius })
             }

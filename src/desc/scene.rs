@@ -1,0 +1,49 @@
+//! The description of a whole scene.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::camera::CameraDesc;
+use super::index::SceneIndex;
+use super::light::PointLightDesc;
+use super::material::MaterialDesc;
+use super::object::{MeshDesc, SurfaceDesc};
+use super::render::RenderDesc;
+
+/// A whole scene and its render settings.
+#[derive(Clone, Debug, Default)]
+pub struct SceneDesc {
+    /// The file from which the scene was read, for messages.
+    pub file: Option<PathBuf>,
+    /// The mesh files that were read.
+    pub files: Vec<PathBuf>,
+    /// The dialect by whose rules the scene was read.
+    pub dialect: Dialect,
+    /// The camera.
+    pub camera: CameraDesc,
+    /// Lights without a surface. Area lights are surfaces with an emission.
+    pub lights: Vec<PointLightDesc>,
+    /// Materials, named by index from surfaces.
+    pub materials: Vec<MaterialDesc>,
+    /// Meshes, named by index from surfaces. One mesh may be used many times. A mesh that is the same `Arc` in the
+    /// description of an edited scene is not built again.
+    pub meshes: Vec<Arc<MeshDesc>>,
+    /// Surfaces that rays can hit.
+    pub surfaces: Vec<SurfaceDesc>,
+    /// Render settings, such as resolution, samples and integrator.
+    pub render: RenderDesc,
+    /// Warnings about the text that was read, such as unknown keys of a report scene or a second definition of a name.
+    pub warnings: Vec<String>,
+    /// The index by which the calls find elements. A description that is put together by hand has the default index.
+    pub index: SceneIndex,
+}
+
+/// The rules by which a scene file was read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Dialect {
+    /// A native scene, with `"etendue": 1`.
+    #[default]
+    Native,
+    /// A file of the 2017 report's renderer, `mcrt`.
+    Mcrt,
+}
