@@ -100,7 +100,7 @@ impl Atlas {
         Self::make(scene, options, &WorkProgress::new(cancel))
     }
 
-    /// Lays out all surfaces of a scene, with a callback. `look_up` is called on this thread about ten times a second,
+    /// Lays out all surfaces of a scene, with a callback. `progress` is called on this thread about ten times a second,
     /// and once at the beginning, with the fraction of the work that is done, which only grows. `Break` stops the work.
     ///
     /// # Errors
@@ -108,9 +108,9 @@ impl Atlas {
     pub fn watched(
         scene: &Scene,
         options: &AtlasOptions,
-        look_up: &mut (dyn FnMut(f64) -> ControlFlow<()> + Send),
+        progress: &mut (dyn FnMut(f64) -> ControlFlow<()> + Send),
     ) -> Result<Self> {
-        Self::make(scene, options, &WorkProgress::by_time(look_up))
+        Self::make(scene, options, &WorkProgress::by_time(progress))
     }
 
     fn make(scene: &Scene, options: &AtlasOptions, progress: &WorkProgress) -> Result<Self> {

@@ -28,7 +28,7 @@ const SITES_PER_TASK: usize = 1 << 12;
 /// standard error is not known: NaN.
 ///
 /// `element_size`: replaces the description's where that is not given, for example by the length of a texel. Of the
-/// settings only `desc.radiosity`, workers, time limit and cancel are used. `look_up` is called about ten times a
+/// settings only `desc.radiosity`, workers, time limit and cancel are used. `progress` is called about ten times a
 /// second and after each step on the calling thread, with the fraction of the work that is done, which only grows;
 /// `Break` stops the work. Surfaces that neither reflect diffusely nor emit have irradiance 0.
 ///
@@ -41,7 +41,7 @@ pub fn by_radiosity(
     settings: &RenderSettings,
     element_size: Option<f64>,
     front: bool,
-    look_up: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<(Baked, Arc<Radiosity>)> {
     if sites.is_empty() {
         return Err(Error::new(ErrorKind::InvalidScene, "there is no surface whose irradiance could be asked for"));
@@ -53,11 +53,11 @@ pub fn by_radiosity(
     let count = sites.len().div_ceil(SITES_PER_TASK);
     let looked_up = Arc::new(AtomicUsize::new(0));
     let done = Arc::clone(&looked_up);
-    let look_up = &mut |solved: f64| {
+    let progress = &mut |solved: f64| {
         let sites = done.load(Ordering::Relaxed) as f64 / count as f64;
-        look_up(SOLUTION_FRACTION * solved + (1.0 - SOLUTION_FRACTION) * sites)
+        progress(SOLUTION_FRACTION * solved + (1.0 - SOLUTION_FRACTION) * sites)
     };
-    with_workers(settings, look_up, |workers| {
+    with_workers(settings, progress, |workers| {
         let solution = Arc::new(Radiosity::solve(scene, &desc, workers)?);
         workers.progress(1.0);
         let (scene, shared, read) = (scene.clone(), Arc::clone(sites), Arc::clone(&solution));

@@ -91,7 +91,7 @@ impl Vertices {
         Self::make(scene, options, only, &WorkProgress::new(cancel))
     }
 
-    /// The same with a callback `look_up`, as in [`super::Atlas::watched`].
+    /// The same with a callback `progress`, as in [`super::Atlas::watched`].
     ///
     /// # Errors
     /// As for [`Vertices::of_surfaces`].
@@ -99,9 +99,9 @@ impl Vertices {
         scene: &Scene,
         options: &VertexOptions,
         only: Option<u32>,
-        look_up: &mut (dyn FnMut(f64) -> ControlFlow<()> + Send),
+        progress: &mut (dyn FnMut(f64) -> ControlFlow<()> + Send),
     ) -> Result<Self> {
-        Self::make(scene, options, only, &WorkProgress::by_time(look_up))
+        Self::make(scene, options, only, &WorkProgress::by_time(progress))
     }
 
     fn make(scene: &Scene, options: &VertexOptions, only: Option<u32>, progress: &WorkProgress) -> Result<Self> {

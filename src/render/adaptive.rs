@@ -1,51 +1,54 @@
-//! Which pixels get more samples than others.
+//! Adaptive sampling: the choice of the pixels that get more samples than others.
 //!
-//! An image's error is a sum over pixels of v / n, v the variance of one sample (as the error weighs it) and n their number. For
-//! a given sum of all n it is least where n is in proportion to sqrt(v). So after a pilot of as many samples everywhere, and
-//! again each time that the samples have doubled, goals are set by what v is estimated to be by then.
+//! The error of an image is a sum over pixels of v / n, where v is the variance of one sample (as the error measure weighs
+//! it) and n is the pixel's number of samples. For a given sum of all n, the error is least where n is in proportion to
+//! sqrt(v). Each pixel therefore has a goal, a number of samples that is set from the current estimate of v: first after
+//! a pilot with the same number of samples for every pixel, and again each time that the number of samples has doubled.
 //!
-//! **Why that is no bias.** Had a pixel's own samples a say in how many more it gets, those that have missed their bright
-//! paths would stop early: too dark on average. So a pixel's goal is set by its neighbours only. With the pilot, that is exact:
-//! given everybody else's samples, a pixel's number of samples is a constant, and the mean of a given number of samples has
-//! no bias. What is left is of second order, and not measurable in tests/error_estimates.rs: all goals have a common factor,
-//! in which a pixel has the weight of one in all; and later goals are set by neighbours whose own numbers of samples (not
-//! their values) were set by this pixel's, among others. To stop once the whole image's error is small is another choice by
-//! the samples, with the same weight of one pixel in all; it matters only where few pixels have all the error, and there
-//! a render goes on (see `schedule`).
+//! **Bias.** If a pixel's number of samples depended on the pixel's own samples, pixels that have missed their bright paths
+//! would stop early, and the image would be too dark on average. A pixel's goal therefore depends on the pixel's neighbours
+//! only. For the first goals after the pilot, this makes the pixel exactly unbiased: given the samples of all other pixels,
+//! the pixel's number of samples is a constant, and the mean of a fixed number of samples has no bias. Two effects of second
+//! order remain, which tests/error_estimates.rs cannot measure. First, all goals have a common factor, in which each pixel
+//! has the weight of one pixel among all. Second, later goals depend on neighbours whose numbers of samples (but not whose
+//! values) depend on this pixel, among others. A render that ends at a target error is a further choice by the samples, in
+//! which a pixel again has the weight of one pixel among all. This choice matters only where few pixels have most of the
+//! error, and in that case the render continues (see `schedule`).
 
 use crate::Cancel;
 use crate::film::{ErrorMeasure, Film, REPLICATES};
 use crate::sampling::hash;
 
-/// Samples that every pixel gets before any gets more than another: two for each replicate.
+/// Number of samples that every pixel gets before the numbers of samples differ: two for each replicate.
 pub(super) const PILOT: u32 = 2 * REPLICATES as u32;
 
-/// In smaller images a pixel is so large a part of all that its own samples would have a say in its goal.
-pub(super) const LEAST_PIXELS: u64 = 128;
+/// Smallest number of pixels of an adaptive render. In smaller images, a pixel's own samples would influence the pixel's goal
+/// through the common factor of all goals.
+pub(super) const MIN_PIXELS: u64 = 128;
 
-/// What a pixel gets whatever its neighbours' errors are, as a share of the mean: none starves, none is cut off.
-const SHARE_OF_ALL: f64 = 0.25;
+/// Fraction of the mean number of samples that every pixel gets, whatever the errors of its neighbours are.
+const UNIFORM_FRACTION: f64 = 0.25;
 
-/// How far neighbours reach: 5 x 5 pixels but the one in the middle. Eight replicates tell a standard error to a
-/// quarter of itself, 24 pixels of them to a twentieth. Figures: docs/performance.md.
-const REACH: usize = 2;
+/// Reach of the neighbourhood in pixels: the neighbours are 5 x 5 pixels without the one in the middle. The relative error
+/// of a standard error is a quarter with the eight replicates of one pixel, and a twentieth with those of 24 pixels.
+/// Measurements: docs/performance.md.
+const NEIGHBOURHOOD: usize = 2;
 
-/// A part of an adaptive render at the end of which goals are set anew.
+/// The part of an adaptive render from one choice of goals to the next.
 #[derive(Clone, Debug)]
 pub(super) struct Stage {
-    /// Samples that pixels had at its beginning, row by row.
+    /// Number of samples of each pixel at the beginning of the stage, row by row.
     from: Vec<u32>,
-    /// Samples that they are to have at its end.
+    /// Goals: the number of samples of each pixel at the end of the stage, row by row.
     to: Vec<u32>,
-    /// The same of the mean over pixels.
+    /// Mean number of samples over all pixels at the beginning and at the end of the stage.
     begin: u32,
     end: u32,
 }
 
 impl Stage {
-    /// The stage in which the mean over pixels goes from `begin`, where the film is, to `end`; `None` if it was cancelled.
-    ///
-    /// A pure function of the film and the numbers.
+    /// Makes the stage in which the mean number of samples over pixels rises from `begin`, the film's current number, to
+    /// `end`. Returns `None` if the render was cancelled. The result depends on the film and the arguments only.
     pub(super) fn new(
         film: &Film,
         measure: ErrorMeasure,
@@ -55,7 +58,7 @@ impl Stage {
     ) -> Option<Self> {
         let [width, height] = film.options().resolution.map(|n| n as usize);
         let mut from = vec![0; width * height];
-        // Roots of the variances of one sample.
+        // Square roots of the variances of one sample.
         let mut deviations = vec![0.0; width * height];
         let is_whole = film.for_each_error(measure, true, cancel, |place, count, error2| {
             from[place] = count;
@@ -71,17 +74,19 @@ impl Stage {
         Some(Self { from, to, begin, end })
     }
 
-    /// What each pixel is to have when the mean over pixels is `level`: as far on its way as all.
+    /// The number of samples of each pixel when the mean over pixels is `level`. Every pixel has then taken the same fraction
+    /// of the samples that it gets in this stage.
     pub(super) fn goals(&self, level: u32) -> Vec<u32> {
         let (done, all) = (u64::from(level.clamp(self.begin, self.end) - self.begin), u64::from(self.end - self.begin));
-        let on_the_way = |(&from, &to): (&u32, &u32)| from + (u64::from(to - from) * done).div_ceil(all.max(1)) as u32;
-        self.from.iter().zip(&self.to).map(on_the_way).collect()
+        let goal = |(&from, &to): (&u32, &u32)| from + (u64::from(to - from) * done).div_ceil(all.max(1)) as u32;
+        self.from.iter().zip(&self.to).map(goal).collect()
     }
 }
 
-/// What pixels should get in proportion: the mean over their neighbours' deviations, and a share of the mean over all.
+/// Weights to which the numbers of samples are to be in proportion: the mean of the neighbours' standard deviations, and a
+/// fraction of the mean over all pixels.
 ///
-/// The mean of the roots and not the root of the mean, of which a single firefly would be nearly all.
+/// Standard deviations are averaged and not variances, because a single firefly would dominate a mean of variances.
 fn weights(deviations: &[f64], [width, height]: [usize; 2], cancel: &Cancel) -> Option<Vec<f64>> {
     let mut pooled = Vec::with_capacity(deviations.len());
     for y in 0..height {
@@ -90,9 +95,9 @@ fn weights(deviations: &[f64], [width, height]: [usize; 2], cancel: &Cancel) -> 
         }
         for x in 0..width {
             let (mut sum, mut count) = (0.0, 0.0);
-            for row in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
-                for column in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
-                    // The pixel itself is left out and not subtracted: not even by rounding has it a say.
+            for row in y.saturating_sub(NEIGHBOURHOOD)..(y + NEIGHBOURHOOD + 1).min(height) {
+                for column in x.saturating_sub(NEIGHBOURHOOD)..(x + NEIGHBOURHOOD + 1).min(width) {
+                    // The pixel itself is left out of the sum, so that it does not influence the weight even by rounding.
                     if (column, row) != (x, y) {
                         sum += deviations[row * width + column];
                         count += 1.0;
@@ -103,28 +108,28 @@ fn weights(deviations: &[f64], [width, height]: [usize; 2], cancel: &Cancel) -> 
         }
     }
     let mean = pooled.iter().sum::<f64>() / pooled.len().max(1) as f64;
-    // Nothing is known of any error: to all alike.
+    // Where no error is known, all pixels get the same weight.
     if !(mean > 0.0 && mean.is_finite()) {
         return Some(vec![1.0; pooled.len()]);
     }
-    Some(pooled.iter().map(|pooled| SHARE_OF_ALL + (1.0 - SHARE_OF_ALL) * pooled / mean).collect())
+    Some(pooled.iter().map(|pooled| UNIFORM_FRACTION + (1.0 - UNIFORM_FRACTION) * pooled / mean).collect())
 }
 
-/// Goals in proportion to `weights`, in multiples of `unit`, so that replicates stay equal; never less than `from`, and
-/// `mean` on average, but for less than a unit in the whole image.
+/// Goals in proportion to `weights`. Goals are multiples of `unit`, so that all replicates of a pixel have equally many
+/// samples, and not below `from`. Their sum is that of `mean` samples for each pixel, or less by fewer than `unit` samples.
 ///
-/// They are rounded up or down by chance, at a place of the pixel's own.
+/// Goals are rounded up or down at random, by a hash of `seed` and the pixel.
 fn goals(from: &[u32], weights: &[f64], unit: u32, mean: u32, seed: u64, cancel: &Cancel) -> Option<Vec<u32>> {
     let offsets: Vec<f64> =
         (0..from.len()).map(|pixel| (hash(seed, pixel as u64) >> 11) as f64 * (-53_f64).exp2()).collect();
     let goal = |pixel: usize, factor: f64| {
         let units = (factor * weights[pixel] / f64::from(unit) + offsets[pixel]).floor();
-        // A float above all of u32 becomes its largest.
+        // The conversion saturates at the largest u32.
         from[pixel].max((units as u32).saturating_mul(unit))
     };
     let budget = u64::from(mean) * from.len() as u64;
     let total = |factor: f64| (0..from.len()).map(|pixel| u64::from(goal(pixel, factor))).sum::<u64>();
-    // The largest factor that the budget allows, to a relative 2^-40.
+    // Bisection for the largest factor that the budget allows, to a relative accuracy of 2^-40.
     let (mut low, mut high) = (0.0, 2.0 * f64::from(mean));
     while total(high) <= budget && high < 1e15 && !cancel.is_cancelled() {
         (low, high) = (high, 2.0 * high);
@@ -137,7 +142,7 @@ fn goals(from: &[u32], weights: &[f64], unit: u32, mean: u32, seed: u64, cancel:
         if total(middle) <= budget { low = middle } else { high = middle }
     }
     let mut goals: Vec<u32> = (0..from.len()).map(|pixel| goal(pixel, low)).collect();
-    // What is left, by pixels that are nearly at the same place.
+    // The rest of the budget goes to consecutive pixels, one unit each, from a random pixel on.
     let mut left = budget.saturating_sub(goals.iter().map(|goal| u64::from(*goal)).sum());
     let mut pixel = (hash(seed, u64::MAX) % from.len().max(1) as u64) as usize;
     while left >= u64::from(unit) {
@@ -164,7 +169,7 @@ mod tests {
             assert!(total <= budget && total + u64::from(unit) > budget, "{total} of {budget}");
             assert!(goals.iter().all(|goal| goal % unit == 0));
             for (goal, weight) in goals.iter().zip(&weights) {
-                // Those that have enough already leave less for others.
+                // Pixels that already have more samples than their weight asks for leave fewer for the others.
                 let wanted = weight / mean_weight * f64::from(mean);
                 assert!(f64::from(*goal) < wanted + f64::from(unit) + 16.0, "{goal} for {wanted}");
                 assert!(f64::from(*goal) > 0.8 * wanted - f64::from(unit), "{goal} for {wanted}");
@@ -173,14 +178,14 @@ mod tests {
     }
 
     #[test]
-    fn a_pixel_has_no_say_in_its_own_weight() {
-        // Pixel 17 is in the middle, pixel 0 too far away to know it.
+    fn a_pixels_weight_does_not_depend_on_its_own_deviation() {
+        // Pixel 17 is in the middle. Pixel 0 is not among its neighbours.
         let mut deviations: Vec<f64> = (0..35).map(|i| f64::from(1 + i % 4)).collect();
         let relative = |deviations: &[f64], pixel: usize| {
             let weights = weights(deviations, [7, 5], &Cancel::new()).unwrap();
             let mean = weights.iter().sum::<f64>() / 35.0;
-            // But for what all get.
-            (weights[pixel] / mean - SHARE_OF_ALL) / (weights[0] / mean - SHARE_OF_ALL)
+            // Without the fraction that all pixels get.
+            (weights[pixel] / mean - UNIFORM_FRACTION) / (weights[0] / mean - UNIFORM_FRACTION)
         };
         let before = [17, 18].map(|pixel| relative(&deviations, pixel));
         deviations[17] = 1e3;
@@ -190,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn alike_where_nothing_is_known() {
+    fn weights_are_equal_where_no_error_is_known() {
         assert_eq!(weights(&[0.0; 12], [4, 3], &Cancel::new()).unwrap(), [1.0; 12]);
         assert_eq!(weights(&[5.0], [1, 1], &Cancel::new()).unwrap(), [1.0]);
         assert_eq!(goals(&[16], &[1.0], 8, 32, 7, &Cancel::new()).unwrap(), [32]);

@@ -1,4 +1,4 @@
-//! What takes the samples of a render, by its integrator.
+//! The integrator that takes the samples of a render.
 
 use crate::desc::{IntegratorDesc, Preparation, SampleOrder};
 use crate::integrator::photon::Gather;
@@ -6,23 +6,23 @@ use crate::integrator::radiosity::RadiosityPicture;
 use crate::integrator::{Direct, Irradiance, Path, Transport, Whitted};
 use crate::spectrum::Rgb;
 
-/// Light transport, ready to take samples.
+/// An integrator with its settings, and with its maps or its solution where it needs them.
 #[derive(Clone)]
 pub(super) enum Method {
     Path,
     Whitted,
     Direct,
-    /// With photon maps.
+    /// Path tracing with photon maps.
     Gather(Box<Gather>),
-    /// Irradiance of points of surfaces, by path tracing.
+    /// Irradiance at points of surfaces, by path tracing.
     Irradiance(Irradiance),
-    /// Of a radiosity solution.
+    /// The picture of a radiosity solution.
     Radiosity(RadiosityPicture),
 }
 
 impl Method {
-    /// What takes the samples of an integrator, where nothing has to be made before; path tracing until maps or a solution are
-    /// there, which [`super::Render`] makes before its first sample.
+    /// The method of an integrator without preparation. For an integrator that needs maps or a solution, the method is path
+    /// tracing until [`super::Render`] has made them, which happens before its first sample.
     pub fn new(integrator: IntegratorDesc) -> Self {
         match integrator {
             IntegratorDesc::Path => Self::Path,
@@ -40,7 +40,8 @@ impl Method {
     }
 }
 
-/// The table says of an integrator what its type does: its samples go in waves, or they do not.
+/// Whether the table of integrators says that samples are taken in waves. The assertions below compare the table with the
+/// types of the integrators.
 const fn goes_in_waves(integrator: IntegratorDesc) -> bool {
     matches!(integrator.info().order, SampleOrder::InWaves)
 }

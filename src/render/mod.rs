@@ -38,7 +38,7 @@ use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
 use crate::integrator::{Irradiance, Path, Sites, check_lobes};
 use crate::sampling::Filter;
 use crate::scene::Scene;
-use adaptive::{LEAST_PIXELS, PILOT, Stage};
+use adaptive::{MIN_PIXELS, PILOT, Stage};
 use method::Method;
 use pass::{Pass, PassInput};
 use schedule::Schedule;
@@ -50,16 +50,17 @@ pub use schedule::MOST_SAMPLES;
 pub use settings::RenderSettings;
 pub use workers::{MAX_THREADS, Workers};
 
-/// What share of a render a radiosity solution counts as. What it will take is not known before, nor what a sample does.
-const SOLUTION_SHARE: f64 = 0.5;
+/// Fraction of a render that its radiosity solution counts for in progress reports. The times of the solution and of a sample
+/// are not known in advance.
+const SOLUTION_FRACTION: f64 = 0.5;
 
-/// Pixels to a row of a film of irradiance: as many as a tile has.
+/// Number of pixels in a row of a film of irradiance: one tile.
 pub const IRRADIANCE_WIDTH: u32 = TILE;
 
-/// In a film of fewer pixels, few pixels always have most of the error.
-const LEAST_PIXELS_OF_A_TAIL: u64 = 64;
+/// Smallest number of pixels for a note that few pixels have most of the error, as they always have in smaller images.
+const MIN_PIXELS_FOR_TAIL_NOTE: u64 = 64;
 
-/// A render of a scene: its film, and those who fill it.
+/// A render of a scene: the film, the integrator and the workers.
 pub struct Render {
     scene: Scene,
     settings: RenderSettings,
@@ -68,20 +69,21 @@ pub struct Render {
     filter: Filter,
     film: Arc<Film>,
     workers: Workers,
-    /// What was chosen, where that was left to us.
+    /// The integrator that was chosen for the scene, where the settings ask for a choice.
     choice: Option<Choice>,
-    /// Photon maps, where the integrator wants any.
+    /// The plan of the photon maps, where the integrator uses them.
     plan: Option<Plan>,
-    /// The solution, where the integrator is radiosity and it has been made.
+    /// The radiosity solution, once it is made, where the integrator is radiosity.
     radiosity: Option<Arc<Radiosity>>,
-    /// What the pass under way is rendered with.
+    /// The integrator of the current pass.
     method: Method,
+    /// Number of complete samples per pixel.
     samples: u32,
-    /// At how many samples it is decided how to go on.
+    /// Number of samples per pixel at which the next decision is made.
     decision: u32,
-    /// Where samples go until then, if not to all pixels alike.
+    /// The goals of the pixels until the next decision, where the pixels have different goals.
     stage: Option<Stage>,
-    /// Whether they may go to some pixels more than to others; if not although it was wanted, why.
+    /// Whether the render is adaptive. The error says why it is not, where the settings ask for adaptive sampling.
     adaptive: std::result::Result<bool, &'static str>,
     rays: u64,
     non_finite: u64,
@@ -89,8 +91,8 @@ pub struct Render {
 }
 
 impl Render {
-    /// Prepares a render: checks the settings, makes the film, starts the threads where it has its own. Keeps a share of
-    /// the scene.
+    /// Prepares a render: checks the settings, makes the film, and starts the threads if the settings name no workers. The
+    /// render shares the scene, which stays in memory as long as the render.
     ///
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] for settings that make no image, `OutOfMemory` for a film that does not fit.
@@ -98,15 +100,16 @@ impl Render {
         Self::with_method(scene, settings, None)
     }
 
-    /// Prepares a render of irradiance [W m^-2] by path tracing: of each of these sites, on the outer side of the surface
-    /// (`front`) or the other, instead of what a camera sees.
+    /// Prepares a render of the irradiance [W m^-2] of sites by path tracing, on the outer side of their surfaces (`front`) or
+    /// on the other side.
     ///
-    /// The film has [`IRRADIANCE_WIDTH`] pixels a row, one for each site, row by row; pixels of the last row that are left over
-    /// show the first sites once more. Of the settings resolution, integrator, filter and auxiliary layers are not looked at;
-    /// depth counts the site itself as the first hit; samplers other than `Random` count as `Sobol`.
+    /// The film has one pixel for each site, row by row, and [`IRRADIANCE_WIDTH`] pixels in a row. The pixels that are left
+    /// over in the last row show the first sites once more. The settings for resolution, integrator, filter and auxiliary
+    /// layers are ignored. The depth counts the site itself as the first hit. All samplers other than `Random` count as
+    /// `Sobol`.
     ///
     /// # Errors
-    /// As for [`Render::new`]; `InvalidScene` where there is no site.
+    /// The errors of [`Render::new`], and `InvalidScene` where there is no site.
     pub fn irradiance(scene: &Scene, settings: RenderSettings, sites: Arc<Sites>, front: bool) -> Result<Self> {
         if sites.is_empty() {
             return Err(Error::new(ErrorKind::InvalidScene, "there is no surface whose irradiance could be asked for"));
@@ -129,16 +132,16 @@ impl Render {
 
     fn with_method(scene: &Scene, settings: RenderSettings, method: Option<Method>) -> Result<Self> {
         let desc = &settings.desc;
-        // A host may have set numbers that no file could.
+        // A host may have set numbers that the reader of files would refuse.
         desc.check()?;
         if settings.target_error.is_some_and(|target| !(target > 0.0 && target.is_finite())) {
             let message = format!("{:?}; expected a finite number above 0", settings.target_error.unwrap_or_default());
             return Err(Error::invalid("targetError", message));
         }
-        // Irradiance is nothing that a camera sees, and its film no image.
+        // A render of irradiance does not use the camera, and the film's resolution is no image size.
         let seen = if method.is_some() { [1, 1] } else { desc.resolution };
         let camera = Camera::new(scene.camera(), seen, scene.centre())?;
-        // The normally distributed pattern is a pixel filter by itself.
+        // The normally distributed pattern is itself a pixel filter.
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
         let choice = (desc.integrator.info().preparation == Preparation::Choice).then(|| choose(scene));
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
@@ -165,7 +168,7 @@ impl Render {
         let adaptive = match (settings.adaptive.unwrap_or(settings.target_error.is_some()), desc.sampler) {
             (false, _) => Ok(false),
             (true, _) if pass_samples.is_some() => Err("the photon maps of a pass are for all pixels"),
-            (true, _) if pixels < LEAST_PIXELS => Err("the image is too small for a choice among pixels"),
+            (true, _) if pixels < MIN_PIXELS => Err("the image is too small for a choice among pixels"),
             (true, SamplerDesc::Sobol | SamplerDesc::Random) => Ok(true),
             (true, _) => Err("the sampler's pattern is planned for its number of samples"),
         };
@@ -195,11 +198,11 @@ impl Render {
         })
     }
 
-    /// Renders until samples, time or the caller's patience are used up.
+    /// Renders until all samples are taken, the time limit or the target error is reached, or the caller stops the render.
     ///
-    /// `progress` is called on the calling thread, between passes and about ten times a second; `Break` stops the render
-    /// as [`Cancel`] does: in the middle of the samples that are being taken. What was sampled until then stays in the
-    /// film, and another call goes on from there, with the same result as if nothing had happened.
+    /// `progress` is called on the calling thread, between passes and about ten times a second. Its answer `Break` stops the
+    /// render as [`Cancel`] does, without completing the samples in progress. All earlier samples stay in the film. Another
+    /// call of this function continues the render, with the same result as a render that was not stopped.
     ///
     /// # Errors
     /// [`crate::ErrorKind::Internal`] if a worker or a shape's intersection test panicked.
@@ -207,15 +210,15 @@ impl Render {
         let start = Instant::now();
         let mut schedule = Schedule::new(&self.settings, self.film.options().share, self.adaptive == Ok(true));
         if self.wants_solution() {
-            schedule.lead = SOLUTION_SHARE;
+            schedule.preparation = SOLUTION_FRACTION;
         }
         let ended = loop {
-            let error = self.aimed_error(&schedule);
+            let error = self.error_to_compare(&schedule);
             if let Some(ended) = schedule.ended(self.samples, start.elapsed(), error) {
                 break ended;
             }
-            // Asked now, so that a render which the caller stopped with its last sample counts as finished; and before anything
-            // is decided by an error that nobody waited for.
+            // This check comes after the one for the end, so that a render that is cancelled with its last sample counts as
+            // finished. It comes before decisions, which must not rest on an error estimate that was cancelled.
             if self.settings.cancel.is_cancelled() {
                 break Ended::Cancelled;
             }
@@ -227,7 +230,7 @@ impl Render {
                 break ended;
             }
             if let Some(samples) = self.plan.as_ref().and_then(Plan::samples_a_pass) {
-                // Up to where other maps are wanted.
+                // A pass ends where the next photon maps are needed.
                 count = count.min(samples - self.samples % samples);
             }
             if let Some(ended) = self.pass(count, &schedule, start, progress)? {
@@ -238,30 +241,30 @@ impl Render {
             let done = f64::from(self.samples);
             let report = schedule.progress(self.samples, done, self.rays, start.elapsed(), Some(&image));
             if progress(&report).is_break() {
-                let error = self.aimed_error(&schedule);
+                let error = self.error_to_compare(&schedule);
                 break schedule.ended(self.samples, start.elapsed(), error).unwrap_or(Ended::Cancelled);
             }
         };
-        // A shape's test that panicked inside Embree's callback counted as a miss there; say so here.
+        // An intersection test of a shape that panicked inside Embree's callback counted as a miss. Here it becomes an error.
         if let Some(kernel) = self.scene.kernel() {
             kernel.check()?;
         }
         Ok(self.summary(start.elapsed(), ended))
     }
 
-    /// The error as it is, where one is aimed at and it is time to decide.
-    fn aimed_error(&self, schedule: &Schedule) -> Option<ErrorEstimate> {
-        let measure = schedule.asks(self.samples).filter(|_| self.samples >= self.decision)?;
+    /// The current error estimate, where there is a target error and a decision is due.
+    fn error_to_compare(&self, schedule: &Schedule) -> Option<ErrorEstimate> {
+        let measure = schedule.measure_to_estimate(self.samples).filter(|_| self.samples >= self.decision)?;
         let error = self.film.error_unless(measure, &self.settings.cancel);
         if error.is_none() && self.scene.emitters().is_dark() {
-            // It is black, and will be.
+            // A scene without light is black without error.
             return Some(ErrorEstimate { value: 0.0, standard_error: 0.0 });
         }
         error
     }
 
-    /// Decides how many samples to take before it is decided again, and where; false if it was cancelled meanwhile, and
-    /// then nothing is decided.
+    /// Decides the number of samples until the next decision, and the goals of the pixels. Returns `false`, and decides
+    /// nothing, if the render was cancelled meanwhile.
     fn decide(&mut self, schedule: &mut Schedule, error: Option<ErrorEstimate>) -> bool {
         let next = schedule.next_decision(self.samples, error);
         if self.adaptive == Ok(true) && self.samples >= PILOT {
@@ -275,27 +278,28 @@ impl Render {
         true
     }
 
-    /// What stops the next [`Render::run`]; a render that was cancelled goes on only with a new one.
+    /// Sets the token that stops the next [`Render::run`]. A render that was cancelled continues only with a new token.
     pub fn set_cancel(&mut self, cancel: Cancel) {
         self.settings.cancel = cancel;
     }
 
-    /// The film, which any thread may develop at any time.
+    /// The film. Any thread may develop it at any time.
     pub fn film(&self) -> &Arc<Film> {
         &self.film
     }
 
-    /// The image as it stands.
+    /// Develops the current image.
     pub fn image(&self) -> Image {
         self.film.develop()
     }
 
-    /// Whether there is a radiosity solution to be found first.
+    /// Whether a radiosity solution has to be made before the first sample.
     fn wants_solution(&self) -> bool {
         self.integrator().info().preparation == Preparation::RadiositySolution && self.radiosity.is_none()
     }
 
-    /// Makes the maps that the next samples want; what ended the render meanwhile, if anything did.
+    /// Makes the photon maps or the radiosity solution that the next samples need. Returns the reason if the render ended
+    /// meanwhile.
     fn prepare(
         &mut self,
         schedule: &Schedule,
@@ -308,15 +312,15 @@ impl Render {
         }
         let limit = self.settings.time_limit.filter(|_| self.samples > 0);
         let (samples, rays) = (self.samples, self.rays);
-        let mut look_up = |share| {
+        let mut callback = |fraction| {
             if wants_solution {
-                schedule.prepared.set(share);
+                schedule.prepared.set(fraction);
             }
             let report = schedule.progress(samples, f64::from(samples), rays, start.elapsed(), None);
             progress(&report).is_break()
         };
         let deadline = limit.and_then(|limit| start.checked_add(limit));
-        let mut pool = WorkerPool::new(&self.workers, &self.settings.cancel, deadline, &mut look_up);
+        let mut pool = WorkerPool::new(&self.workers, &self.settings.cancel, deadline, &mut callback);
         let made = match &mut self.plan {
             Some(plan) => {
                 let before = plan.rays;
@@ -332,7 +336,7 @@ impl Render {
                 Method::Radiosity(RadiosityPicture::new(&self.scene, solution, is_gather, shadow_rays))
             }),
         };
-        let is_cancelled = pool.is_broken_off || self.settings.cancel.is_cancelled();
+        let is_cancelled = pool.is_stopped_by_callback || self.settings.cancel.is_cancelled();
         match made {
             Ok(method) => {
                 self.method = method;
@@ -345,7 +349,7 @@ impl Render {
         }
     }
 
-    /// What the next pass is made of.
+    /// The input of the next pass.
     fn pass_input(&self) -> PassInput {
         PassInput {
             scene: self.scene.clone(),
@@ -357,7 +361,7 @@ impl Render {
         }
     }
 
-    /// One pass over all tiles; what ended the render in the middle of it, if anything did.
+    /// Renders one pass over all tiles. Returns the reason if the render ended before the pass was complete.
     fn pass(
         &mut self,
         count: u32,
@@ -365,44 +369,44 @@ impl Render {
         start: Instant,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Option<Ended>> {
-        // One sample everywhere is the least that makes an image.
+        // The time limit does not apply before every pixel has one sample.
         let limit = self.settings.time_limit.filter(|_| self.samples > 0);
         let deadline = limit.and_then(|limit| start.checked_add(limit));
         let input = self.pass_input();
         let mut pass = Pass::new(input.clone(), self.samples + count, deadline, self.settings.cancel.clone());
         pass.goals = self.stage.as_ref().map(|stage| stage.goals(self.samples + count));
         let (samples, rays_before) = (self.samples, self.rays);
-        let mut is_broken_off = false;
+        let mut is_stopped_by_callback = false;
         let pass = self.workers.run(pass, &mut |pass| {
-            let done = f64::from(samples) + pass.share() * f64::from(count);
+            let done = f64::from(samples) + pass.fraction() * f64::from(count);
             let rays = rays_before + pass.rays.load(Ordering::Relaxed);
             let report = schedule.progress(samples, done, rays, start.elapsed(), None);
             if progress(&report).is_break() {
-                is_broken_off = true;
+                is_stopped_by_callback = true;
                 pass.stop.store(true, Ordering::Relaxed);
             }
         })?;
         self.rays += pass.rays.load(Ordering::Relaxed);
-        let suspects = std::mem::take(&mut *pass.non_finite.lock().unwrap_or_else(PoisonError::into_inner));
-        self.non_finite += suspects.count;
-        let explained = suspects.explain(&self.scene, self.non_finite_samples.len(), |pixel, sample, limit| {
+        let non_finite = std::mem::take(&mut *pass.non_finite.lock().unwrap_or_else(PoisonError::into_inner));
+        self.non_finite += non_finite.count;
+        let explained = non_finite.explain(&self.scene, self.non_finite_samples.len(), |pixel, sample, limit| {
             Pass::replay(input.clone(), pixel, sample, limit)
         });
         self.non_finite_samples.extend(explained);
         if pass.is_complete() {
             return Ok(None);
         }
-        let is_cancelled = is_broken_off || self.settings.cancel.is_cancelled();
+        let is_cancelled = is_stopped_by_callback || self.settings.cancel.is_cancelled();
         Ok(Some(if is_cancelled { Ended::Cancelled } else { Ended::Time }))
     }
 
-    /// The integrator, chosen or asked for.
+    /// The integrator of the render: the chosen one where the settings ask for a choice.
     fn integrator(&self) -> IntegratorDesc {
         self.choice.as_ref().map_or(self.desc.integrator, |choice| choice.integrator)
     }
 
-    /// The bias that error estimates do not know, if there is any.
-    fn unknown_bias(&self) -> Option<&'static str> {
+    /// The bias of the image that error estimates do not include, if there is any.
+    fn bias_outside_estimates(&self) -> Option<&'static str> {
         match self.integrator().info().bias {
             Bias::Biased(what) => Some(what),
             Bias::Unbiased | Bias::Consistent(_) | Bias::OfChoice => self.desc.max_depth.map(|_| "paths that are cut"),
@@ -422,7 +426,7 @@ impl Render {
         if self.settings.desc.sampler == SamplerDesc::Gaussian && self.settings.desc.filter != FilterDesc::Box {
             notes.push("the gaussian pattern is a pixel filter by itself: the filter was not used".to_owned());
         }
-        if let Some(bias) = self.unknown_bias().filter(|_| self.settings.target_error.is_some()) {
+        if let Some(bias) = self.bias_outside_estimates().filter(|_| self.settings.target_error.is_some()) {
             notes.push(format!("the error that ended or judged the render does not know the bias of {bias}"));
         }
         if let Err(why) = self.adaptive {
@@ -442,7 +446,7 @@ impl Render {
         let cancel = &self.settings.cancel;
         let rel_mse = self.film.error_unless(ErrorMeasure::RelMse, cancel);
         let pixels = self.film.options().resolution.map(u64::from).into_iter().product::<u64>();
-        if pixels >= LEAST_PIXELS_OF_A_TAIL && rel_mse.is_some_and(|error| error.is_heavy_tailed()) {
+        if pixels >= MIN_PIXELS_FOR_TAIL_NOTE && rel_mse.is_some_and(|error| error.is_heavy_tailed()) {
             notes.push(
                 "the estimated relMSE rests on few pixels, which rare bright paths have met: it may be off by far"
                     .to_owned(),
@@ -465,14 +469,14 @@ impl Render {
     }
 }
 
-/// Does work with the workers that a render of these settings would have. `look_up` is called now and then on the calling thread
-/// with the share of the work that is done; `Break` stops the work.
+/// Does `work` with the workers that a render with these settings would use. `progress` is called on the calling thread, at
+/// least about ten times a second, with the fraction of the work that is done. Its answer `Break` stops the work.
 ///
 /// # Errors
-/// Those of the work; [`ErrorKind::Cancelled`] if it was stopped, by the time limit too.
+/// The errors of `work`, and [`ErrorKind::Cancelled`] if the work was stopped, for which the time limit is a reason too.
 pub(crate) fn with_workers<R>(
     settings: &RenderSettings,
-    look_up: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     work: impl FnOnce(&mut WorkerPool) -> Result<R>,
 ) -> Result<R> {
     let workers = match &settings.workers {
@@ -480,6 +484,6 @@ pub(crate) fn with_workers<R>(
         None => Workers::pool(settings.threads)?,
     };
     let deadline = settings.time_limit.and_then(|limit| Instant::now().checked_add(limit));
-    let mut look_up = |share| look_up(share).is_break();
-    work(&mut WorkerPool::new(&workers, &settings.cancel, deadline, &mut look_up))
+    let mut callback = |fraction| progress(fraction).is_break();
+    work(&mut WorkerPool::new(&workers, &settings.cancel, deadline, &mut callback))
 }

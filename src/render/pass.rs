@@ -1,11 +1,11 @@
-//! One pass: some samples for every pixel, tile by tile, in parallel.
+//! A pass: some samples of every pixel, tile by tile, on all threads.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use super::method::Method;
-use super::replay::{Replay, Replayed, Suspects};
+use super::replay::{NonFiniteSamples, Replay, Replayed};
 use super::workers::SharedWork;
 use crate::Cancel;
 use crate::camera::Camera;
@@ -17,13 +17,15 @@ use crate::sampling::{Filter, Pattern, PatternSampler, Sampler, SobolSampler};
 use crate::scene::{Hit, Scene};
 use crate::spectrum::Rgb;
 
-/// Samples that are taken together: enough to fill packets when most paths have ended, few enough to stay in the nearest caches.
+/// Number of samples that are taken in one wave: enough to fill ray packets when most paths have ended, and few enough for the
+/// data to stay in the first caches.
 const WAVE: usize = 128;
 
-/// Samples of those that are taken one after another between two looks at the clock and two additions to the film.
-const IN_A_ROW: usize = 16;
+/// Number of samples that are taken one after another between two checks of the clock and two additions to the film, by
+/// integrators without waves.
+const SAMPLES_PER_BATCH: usize = 16;
 
-/// What all passes of a render are made of.
+/// The input that is the same for all passes of a render, but for the method.
 #[derive(Clone)]
 pub(super) struct PassInput {
     pub scene: Scene,
@@ -34,33 +36,33 @@ pub(super) struct PassInput {
     pub film: Arc<Film>,
 }
 
-/// Everything the workers of a pass share.
+/// A pass, as its workers share it.
 pub(super) struct Pass {
     input: PassInput,
-    /// Samples that each pixel is to have afterwards. It goes on from those it has, so that a render that was stopped in
-    /// the middle of a pass can be resumed.
+    /// Number of samples that each pixel has after the pass. Each pixel continues from the samples that it has, so that a
+    /// render that was stopped in the middle of a pass can be resumed.
     samples: u32,
-    /// The same of each pixel, row by row, where they differ.
+    /// Number of samples that each pixel has after the pass, row by row, where the numbers differ.
     pub goals: Option<Vec<u32>>,
     deadline: Option<Instant>,
     cancel: Cancel,
     pub stop: AtomicBool,
     pub rays: AtomicU64,
-    /// Samples that were NaN or infinite.
-    pub non_finite: Mutex<Suspects>,
-    /// The tile that is taken next.
+    /// The samples that were NaN or infinite.
+    pub non_finite: Mutex<NonFiniteSamples>,
+    /// Number of the tile that a worker takes next.
     next: AtomicUsize,
     tiles_done: AtomicUsize,
-    /// The one sample that is taken instead, where the pass is a replay.
+    /// The only sample of the pass, where the pass is a replay.
     replay: Option<Replay>,
 }
 
-/// Traces, counts, and once the pass is stopped finds nothing more, so that the longest path soon ends.
+/// A tracer that counts rays. Once the pass is stopped, rays hit nothing, so that even long paths end soon.
 struct PassTracer<'p> {
     scene: &'p Scene,
     pass: &'p Pass,
     rays: u64,
-    /// The last ray that is answered; no limit but in a replay.
+    /// Number of the last ray that is traced in a replay; `u64::MAX` in other passes.
     limit: u64,
 }
 
@@ -71,10 +73,10 @@ impl<'p> PassTracer<'p> {
     }
 }
 
-/// The hit of a ray of a replay, up to the last ray that is answered; none of a pass that is stopped.
+/// The hit of a ray at the limit of a replay. After the limit, and in a pass that was stopped, rays hit nothing.
 ///
-/// Takes copies: if it was given the tracer or the ray where they are, both would be kept in memory for its sake, which
-/// costs 5 % of all rays a second.
+/// The arguments are copies. With references to the tracer or the ray, the compiler would keep both in memory, which costs
+/// 5 % of all rays per second.
 #[cold]
 #[inline(never)]
 fn intersect_at_end(pass: &Pass, ray: Ray, number: u64) -> Option<Hit> {
@@ -122,60 +124,63 @@ impl Tracer for PassTracer<'_> {
     }
 }
 
-/// A sample of a pixel that is being taken.
+/// A sample of a pixel that is to be taken.
 struct SampleJob {
     pixel: [u32; 2],
-    /// Its number in the tile.
+    /// Index of the pixel in its tile.
     index: usize,
     sample: u32,
-    /// From the pixel's middle, as the filter draws it, in pixels, and the weight of that.
+    /// Offset of the film position from the pixel's middle in pixels, drawn from the filter.
     offset: [f32; 2],
+    /// Weight of the sample by the filter.
     weight: f32,
-    /// What the pixel remembers: a copy, as the sample may be stopped in the middle. Such samples are taken one at a time.
+    /// A copy of the pixel's photon state, since the sample may be stopped in the middle. Samples with a photon state are
+    /// taken one at a time.
     gathering: Option<PixelPhotonState>,
 }
 
-/// What a worker takes at once.
+/// The samples that a worker takes at the same time.
 struct Batch<S> {
     jobs: Vec<SampleJob>,
-    /// One for each job, and perhaps more.
+    /// Samples for the jobs; there may be more samples than jobs.
     samples: Vec<Sample<S>>,
     wave: Wave,
-    /// How many there may be now. Few at first, so that a pass that is stopped again and again gets on.
-    most: usize,
+    /// Greatest number of jobs at present. It begins at 1 and doubles, so that even passes that are stopped soon make
+    /// progress.
+    limit: usize,
 }
 
 impl<S: Clone> Batch<S> {
-    /// An empty one for batches of so many.
-    fn new(sampler: &S, most: usize) -> Self {
+    /// Makes an empty batch for up to `capacity` jobs.
+    fn new(sampler: &S, capacity: usize) -> Self {
         Self {
-            jobs: Vec::with_capacity(most),
-            samples: vec![Sample::new(sampler.clone()); most],
+            jobs: Vec::with_capacity(capacity),
+            samples: vec![Sample::new(sampler.clone()); capacity],
             wave: Wave::default(),
-            most: 1,
+            limit: 1,
         }
     }
 }
 
-/// What the samples of a pixel are samples of.
-trait Subject: Sync {
-    /// How many are best taken at once; one where a sample needs to know what the pixel's last one left.
-    fn together(&self, pass: &Pass) -> usize;
+/// The quantity that a pixel measures.
+trait Measurement: Sync {
+    /// Number of samples in a batch. It is 1 where a sample needs the state that the pixel's previous sample left.
+    fn batch_size(&self, pass: &Pass) -> usize;
 
     /// Takes the samples of all jobs.
     fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S>, tracer: &mut T);
 }
 
-/// Radiance as the camera sees it.
-struct View<'i, I>(&'i I);
+/// Radiance along camera rays.
+struct CameraRadiance<'i, I>(&'i I);
 
-impl<I: Transport<Rgb>> Subject for View<'_, I> {
-    /// The paths of a wave, or as many as send the shadow rays of one.
-    fn together(&self, pass: &Pass) -> usize {
+impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
+    /// A wave, or with several shadow rays per hit the number of paths whose shadow rays make a wave.
+    fn batch_size(&self, pass: &Pass) -> usize {
         match (I::IN_WAVES, pass.input.film.options().gathering) {
             (true, _) => (WAVE / pass.input.desc.shadow_rays.max(1) as usize).max(1),
             (false, true) => 1,
-            (false, false) => IN_A_ROW,
+            (false, false) => SAMPLES_PER_BATCH,
         }
     }
 
@@ -201,10 +206,10 @@ impl<I: Transport<Rgb>> Subject for View<'_, I> {
     }
 }
 
-/// Irradiance of sites, numbered as the film's pixels are.
-impl Subject for Irradiance {
-    fn together(&self, _pass: &Pass) -> usize {
-        IN_A_ROW
+/// Irradiance of sites. A site has the number of its pixel.
+impl Measurement for Irradiance {
+    fn batch_size(&self, _pass: &Pass) -> usize {
+        SAMPLES_PER_BATCH
     }
 
     #[inline(always)]
@@ -219,17 +224,17 @@ impl Subject for Irradiance {
 }
 
 impl SharedWork for Pass {
-    /// Chooses integrator and sampler once; from here on nothing is dispatched.
+    /// Chooses the integrator once for all tiles. The code below is compiled for each pair of integrator and sampler.
     fn take(&self, pause: &mut dyn FnMut() -> bool) -> bool {
         let shadow_rays = self.input.desc.shadow_rays;
         let max_depth = self.input.desc.max_depth;
         match &self.input.method {
-            Method::Path => self.with_subject(&View(&Path { max_depth, shadow_rays }), pause),
-            Method::Whitted => self.with_subject(&View(&Whitted { max_depth, shadow_rays }), pause),
-            Method::Direct => self.with_subject(&View(&Direct { shadow_rays }), pause),
-            Method::Gather(gather) => self.with_subject(&View(&**gather), pause),
-            Method::Radiosity(picture) => self.with_subject(&View(picture), pause),
-            Method::Irradiance(irradiance) => self.with_subject(irradiance, pause),
+            Method::Path => self.with_measurement(&CameraRadiance(&Path { max_depth, shadow_rays }), pause),
+            Method::Whitted => self.with_measurement(&CameraRadiance(&Whitted { max_depth, shadow_rays }), pause),
+            Method::Direct => self.with_measurement(&CameraRadiance(&Direct { shadow_rays }), pause),
+            Method::Gather(gather) => self.with_measurement(&CameraRadiance(&**gather), pause),
+            Method::Radiosity(picture) => self.with_measurement(&CameraRadiance(picture), pause),
+            Method::Irradiance(irradiance) => self.with_measurement(irradiance, pause),
         }
     }
 
@@ -247,7 +252,7 @@ impl SharedWork for Pass {
 }
 
 impl Pass {
-    /// A pass up to so many samples of each pixel, cut short at `deadline` and by `cancel`.
+    /// Makes a pass after which each pixel has `samples` samples. The pass ends early at `deadline` and by `cancel`.
     pub(super) fn new(input: PassInput, samples: u32, deadline: Option<Instant>, cancel: Cancel) -> Self {
         Self {
             input,
@@ -264,13 +269,13 @@ impl Pass {
         }
     }
 
-    /// Whether every pixel has its samples.
+    /// Whether every pixel has all samples of the pass.
     pub(super) fn is_complete(&self) -> bool {
         self.tiles_done.load(Ordering::Acquire) == self.input.film.tile_count()
     }
 
-    /// Share of the tiles that are done.
-    pub(super) fn share(&self) -> f64 {
+    /// Fraction of the tiles that are done.
+    pub(super) fn fraction(&self) -> f64 {
         self.tiles_done.load(Ordering::Relaxed) as f64 / self.input.film.tile_count().max(1) as f64
     }
 
@@ -281,8 +286,8 @@ impl Pass {
 
     /// Takes one sample once more, up to its ray number `limit`.
     ///
-    /// A pass does it, since one more place that light transport is called from would be one more copy of it, and neither
-    /// would be inlined as well.
+    /// A replay is a pass, because a second call of the light transport code would make a second copy of that code, and the
+    /// compiler would inline both copies less.
     pub(super) fn replay(input: PassInput, pixel: [u32; 2], sample: u32, limit: u64) -> Replayed {
         let columns = input.film.options().resolution[0].div_ceil(TILE);
         let tile = pixel[1] / TILE * columns + pixel[0] / TILE;
@@ -295,30 +300,29 @@ impl Pass {
         pass.replay.map(Replay::into_replayed).unwrap_or_default()
     }
 
-    fn with_subject<I: Subject>(&self, subject: &I, pause: &mut dyn FnMut() -> bool) -> bool {
+    fn with_measurement<M: Measurement>(&self, measurement: &M, pause: &mut dyn FnMut() -> bool) -> bool {
         let seed = self.input.desc.seed;
         let pattern = match self.input.desc.sampler {
             SamplerDesc::Sobol => {
                 let sampler = SobolSampler::new(seed, self.input.film.options().share).in_turn(REPLICATES as u32);
-                return self.all_tiles(subject, &sampler, pause);
+                return self.all_tiles(measurement, &sampler, pause);
             }
             SamplerDesc::Random => Pattern::Random,
             SamplerDesc::Jittered => Pattern::Jittered,
             SamplerDesc::Grid => Pattern::Grid,
             SamplerDesc::Gaussian => Pattern::Gaussian,
         };
-        self.all_tiles(subject, &PatternSampler::new(pattern, seed, self.input.desc.samples), pause)
+        self.all_tiles(measurement, &PatternSampler::new(pattern, seed, self.input.desc.samples), pause)
     }
 
-    /// Takes tiles until there are none; false if it paused before that.
-    fn all_tiles<I: Subject, S: Sampler + Clone>(
+    /// Takes tiles until none is left, or until `pause` returns `true`. Returns whether no tile is left.
+    fn all_tiles<M: Measurement, S: Sampler + Clone>(
         &self,
-        subject: &I,
+        measurement: &M,
         sampler: &S,
         pause: &mut dyn FnMut() -> bool,
     ) -> bool {
-        let most = subject.together(self);
-        let mut batch = Batch::new(sampler, most);
+        let mut batch = Batch::new(sampler, measurement.batch_size(self));
         loop {
             if self.is_stopped() {
                 return true;
@@ -331,7 +335,7 @@ impl Pass {
                 return true;
             }
             let mut tracer = PassTracer::new(self);
-            let is_complete = self.tile(subject, &mut batch, number, &mut tracer, pause);
+            let is_complete = self.tile(measurement, &mut batch, number, &mut tracer, pause);
             self.rays.fetch_add(tracer.rays, Ordering::Relaxed);
             if is_complete {
                 self.tiles_done.fetch_add(1, Ordering::Release);
@@ -342,11 +346,11 @@ impl Pass {
         }
     }
 
-    /// All samples of one tile, unless the pass is stopped; whether they are complete. Allocates nothing but the tile, and in a
-    /// worker's first batches what these need.
-    fn tile<I: Subject, S: Sampler>(
+    /// Takes all samples of one tile, unless the pass is stopped, and returns whether the tile is complete. It allocates
+    /// memory only for the tile, and for the first batches of a worker.
+    fn tile<M: Measurement, S: Sampler>(
         &self,
-        subject: &I,
+        measurement: &M,
         batch: &mut Batch<S>,
         number: usize,
         tracer: &mut PassTracer,
@@ -373,10 +377,10 @@ impl Pass {
             if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 self.abandon();
             }
-            // A tile is finished before its worker gives way; but who works for itself may want to look up.
+            // The calling thread reports progress in `pause`. A worker completes its tile even where `pause` returns true.
             pause();
             batch.jobs.clear();
-            for (pixel, sample) in wanted.by_ref().take(batch.most) {
+            for (pixel, sample) in wanted.by_ref().take(batch.limit) {
                 let sampler = &mut batch.samples[batch.jobs.len()].sampler;
                 sampler.start(pixel[1] * width + pixel[0], sample);
                 let (offset, weight) = self.input.filter.sample(sampler.pixel_2d());
@@ -392,28 +396,28 @@ impl Pass {
             if self.is_stopped() {
                 return false;
             }
-            subject.take(self, batch, tracer);
-            // Pixels go on from where they are, so stopping between any two batches is safe; one during which it was stopped may
-            // have missed something, and is taken again.
+            measurement.take(self, batch, tracer);
+            // Rays of a batch during which the pass was stopped may have missed surfaces. Such a batch is not added to the film.
+            // The next pass takes it again, since each pixel continues from the samples that it has.
             if self.is_stopped() {
                 return false;
             }
             self.add(batch, number, tracer.rays);
-            batch.most = (2 * batch.most).min(batch.samples.len());
+            batch.limit = (2 * batch.limit).min(batch.samples.len());
         }
     }
 
-    /// Adds samples to their pixels, or notes what a replay asked for.
+    /// Adds samples to their pixels, or records the result of a replay.
     fn add<S>(&self, batch: &Batch<S>, tile: usize, rays: u64) {
         let options = self.input.film.options();
         let mut tile = self.input.film.tile(tile);
         for (job, Sample { radiance, first, .. }) in batch.jobs.iter().zip(&batch.samples) {
             if let Some(replay) = &self.replay {
-                replay.note(*radiance, rays);
+                replay.record(*radiance, rays);
                 continue;
             }
             if !radiance.is_finite() {
-                self.note(job.pixel, job.sample);
+                self.record_non_finite(job.pixel, job.sample);
             }
             let first = first.as_ref().filter(|_| options.auxiliary);
             let first = first.map(|hit| (hit.albedo, hit.normal, self.input.camera.depth(hit.p)));
@@ -422,10 +426,10 @@ impl Pass {
         }
     }
 
-    /// Notes a sample that is not finite.
+    /// Records a sample that is NaN or infinite.
     #[cold]
     #[inline(never)]
-    fn note(&self, pixel: [u32; 2], sample: u32) {
+    fn record_non_finite(&self, pixel: [u32; 2], sample: u32) {
         self.non_finite.lock().unwrap_or_else(PoisonError::into_inner).add(pixel, sample);
     }
 }

@@ -1,8 +1,9 @@
-//! Samples that are NaN or infinite: how many, which, and where on their path they became so.
+//! Samples that are NaN or infinite: their number, their pixels, and the surfaces where they became so.
 //!
-//! They count as black, so the image stays an image; but a scene or a model is at fault, and whoever is to mend it has to
-//! know where. A pass notes only their pixel and index. Any sample can be taken again alone, so the few that are reported are
-//! replayed after the pass, and all others pay nothing for the report.
+//! Such samples count as black, so that the image stays finite. Their cause is a fault in the scene or in a model, and the
+//! report names the place of the fault. A pass records only the pixel and the index of each such sample. Since any sample can
+//! be taken again by itself, the few samples that are reported are replayed after the pass, and finite samples cost nothing
+//! more.
 
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
@@ -11,21 +12,21 @@ use crate::math::Ray;
 use crate::scene::{Hit, HitDescription, Scene};
 use crate::spectrum::Rgb;
 
-/// How many are told apart; of the rest only the number is known.
+/// Greatest number of samples that are reported in detail. The other samples are only counted.
 const REPORTED: usize = 8;
 
-/// A sample that was NaN or infinite, and where its path became so.
+/// A sample that was NaN or infinite, and the place where its path became so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NonFiniteSample {
-    /// Column and row of its pixel.
+    /// Column and row of the sample's pixel.
     pub pixel: [u32; 2],
-    /// Its index in the pixel.
+    /// Index of the sample in the pixel.
     pub sample: u32,
-    /// Its value.
+    /// Radiance of the sample, which is not finite.
     pub radiance: Rgb,
-    /// How many rays it had asked for, shadow rays too, when it became so.
+    /// Number of rays, including shadow rays, that the sample had traced when its radiance became NaN or infinite.
     pub rays: u64,
-    /// The last surface that it had met: surface, material and primitive.
+    /// The last hit of the path by then: surface, material and primitive.
     pub hit: Option<HitDescription>,
 }
 
@@ -40,17 +41,18 @@ impl std::fmt::Display for NonFiniteSample {
     }
 }
 
-/// Samples of a pass that were not finite.
+/// The samples of a pass that were NaN or infinite.
 #[derive(Debug, Default)]
-pub(super) struct Suspects {
-    /// All of them.
+pub(super) struct NonFiniteSamples {
+    /// Number of such samples.
     pub count: u64,
-    /// The first ones by index, row and column: the same whichever thread met them and however a render is divided into
-    /// passes.
+    /// The first few samples in the order of index, row and column. This order makes the list independent of threads and of
+    /// the division into passes.
     first: BTreeSet<(u32, u32, u32)>,
 }
 
-impl Suspects {
+impl NonFiniteSamples {
+    /// Records a sample.
     pub(super) fn add(&mut self, [x, y]: [u32; 2], sample: u32) {
         self.count += 1;
         self.first.insert((sample, y, x));
@@ -59,8 +61,8 @@ impl Suspects {
         }
     }
 
-    /// The first ones, with what replaying them shows: as many as may be reported beside the `known` ones of earlier passes.
-    /// `replay` takes a sample of a pixel once more, up to the ray of this number.
+    /// Replays the first samples and describes them, as many as may be reported beside the `known` samples of earlier passes.
+    /// `replay` takes a sample of a pixel once more, up to the ray with the given number.
     pub(super) fn explain(
         &self,
         scene: &Scene,
@@ -73,13 +75,13 @@ impl Suspects {
     }
 }
 
-/// Where a sample became what it is.
+/// Finds the place where a sample became NaN or infinite.
 ///
-/// It is replayed with ever fewer rays. A path's radiance is a sum over its rays, so from some number of rays on the sum is not
-/// finite; the surface that was met last by then is at fault.
+/// The radiance of a path is a sum over its rays, so from some number of rays on the sum is not finite. That number is found
+/// by bisection, with replays that end after fewer rays. The last surface that the path had hit by then is at fault.
 fn explain(scene: &Scene, pixel: [u32; 2], sample: u32, replay: impl Fn(u64) -> Replayed) -> NonFiniteSample {
     let Replayed { radiance, rays, .. } = replay(u64::MAX);
-    // Finite up to `low`, not from `high` on.
+    // The sum is finite up to ray `low`, and not finite from ray `high` on.
     let (mut low, mut high) = (0, rays);
     while high > low + 1 {
         let middle = low + (high - low) / 2;
@@ -89,38 +91,38 @@ fn explain(scene: &Scene, pixel: [u32; 2], sample: u32, replay: impl Fn(u64) -> 
             high = middle;
         }
     }
-    // Back over the shadow rays that were sent from there.
+    // Rays before `high` may be shadow rays from the surface at fault, which are skipped.
     let last = (1..=high).rev().find_map(|limit| replay(limit).last);
     let hit = last.map(|(ray, hit)| scene.describe_hit(&ray, &hit));
     NonFiniteSample { pixel, sample, radiance, rays: high, hit }
 }
 
-/// A sample that is taken once more, cut after some of its rays.
+/// A replay: one sample that is taken once more and ends after some of its rays.
 pub(super) struct Replay {
     pub pixel: [u32; 2],
     pub sample: u32,
-    /// The number of the last ray that is answered.
+    /// Number of the last ray that is traced.
     pub limit: u64,
     replayed: Mutex<Replayed>,
 }
 
-/// What taking a sample once more showed.
+/// The result of a replay.
 #[derive(Default)]
 pub(super) struct Replayed {
     radiance: Rgb,
-    /// Rays that it asked for.
+    /// Number of rays that the sample asked for.
     rays: u64,
-    /// The last ray that was answered and what it met; `None` if that was a shadow ray.
+    /// The last ray that was traced, and its hit; `None` if that ray was a shadow ray.
     last: Option<(Ray, Hit)>,
 }
 
 impl Replay {
-    /// Of this sample of a pixel, with rays beyond number `limit` finding nothing.
+    /// Makes a replay of a sample of a pixel. Rays after ray number `limit` find nothing.
     pub(super) fn new(pixel: [u32; 2], sample: u32, limit: u64) -> Self {
         Self { pixel, sample, limit, replayed: Mutex::default() }
     }
 
-    /// What the ray of this number meets: nothing if it lies beyond the limit. Called from the limit on.
+    /// The hit of ray number `number`, or `None` for rays after the limit. It is called only for rays from the limit on.
     pub(super) fn intersect(&self, scene: &Scene, ray: Ray, number: u64) -> Option<Hit> {
         if number > self.limit {
             return None;
@@ -130,12 +132,12 @@ impl Replay {
         Some(hit)
     }
 
-    /// Notes what the sample came to, and how many rays it asked for.
-    pub(super) fn note(&self, radiance: Rgb, rays: u64) {
+    /// Records the radiance of the sample and the number of rays that it asked for.
+    pub(super) fn record(&self, radiance: Rgb, rays: u64) {
         self.with(|replayed| (replayed.radiance, replayed.rays) = (radiance, rays));
     }
 
-    /// What was noted.
+    /// Returns the result.
     pub(super) fn into_replayed(self) -> Replayed {
         self.replayed.into_inner().unwrap_or_else(PoisonError::into_inner)
     }

@@ -1,67 +1,71 @@
-//! What a render tells: how far it is, and what it came to.
+//! Progress reports and the summary of a render.
 
 use std::time::Duration;
 
 use super::replay::NonFiniteSample;
 use crate::film::{ErrorEstimate, Image, SampleCounts};
 
-/// How far a render has come.
+/// A progress report of a render.
 pub struct Progress<'a> {
-    /// Share of the work or of the time limit that is done, in [0, 1]; only grows. Where an error is aimed at, of the samples
-    /// that it is expected to take, once there is an estimate.
+    /// Fraction of the render that is done, in [0, 1]: of the samples, or of the time limit where that is nearer. With a target
+    /// error, the fraction refers to the number of samples at which the target is expected to be reached, once there is an
+    /// estimate. The fraction never falls.
     pub fraction: f64,
-    /// Samples per pixel that are complete.
+    /// Number of complete samples per pixel.
     pub samples_done: u32,
-    /// Samples per pixel to reach.
+    /// Greatest number of samples per pixel, at which the render ends.
     pub samples_total: u32,
-    /// Rays so far.
+    /// Number of rays traced so far.
     pub rays: u64,
     /// Time since [`Render::run`](super::Render::run) began.
     pub elapsed: Duration,
-    /// The image as it is after a pass; `None` in the middle of one.
+    /// Develops the current image, where the report comes after a pass; `None` in the middle of a pass.
     pub image: Option<&'a dyn Fn() -> Image>,
 }
 
-/// What ended a render.
+/// The reason why a render ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Ended {
-    /// Every pixel has its samples.
+    /// Every pixel has all its samples.
     #[default]
     Samples,
-    /// The time limit.
+    /// The time limit was reached.
     Time,
-    /// The error is as small as was asked for.
+    /// The target error was reached.
     Error,
-    /// The caller: [`Cancel`](crate::Cancel), or a report that was answered with `Break`.
+    /// The caller stopped the render, by [`Cancel`](crate::Cancel) or by answering a progress report with `Break`.
     Cancelled,
 }
 
-/// What a render came to.
+/// The summary of a render.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
     /// Time that [`Render::run`](super::Render::run) took.
     pub elapsed: Duration,
-    /// Complete samples per pixel; the mean over pixels where they differ.
+    /// Number of complete samples per pixel; the mean over pixels where the numbers differ.
     pub samples: u32,
-    /// Samples of pixels as they are, those of an unfinished pass too; `None` after a cancel.
+    /// Numbers of samples over all pixels, including those of an unfinished pass; `None` after the render's
+    /// [`Cancel`](crate::Cancel) was used.
     pub sample_counts: Option<SampleCounts>,
-    /// Whether pixels with more error got more samples.
+    /// Whether pixels with larger errors got more samples.
     pub adaptive: bool,
-    /// Rays traced, closest-hit and shadow rays together.
+    /// Number of rays traced, including shadow rays.
     pub rays: u64,
-    /// Estimated relMSE (see [`Film::rel_mse`](crate::film::Film::rel_mse)), where there are enough samples to tell and nobody who cancelled is kept
-    /// waiting for it.
+    /// Estimated relMSE (see [`Film::rel_mse`](crate::film::Film::rel_mse)). It is `None` where there are too few samples for
+    /// an estimate, and after the render's [`Cancel`](crate::Cancel) was used.
     pub rel_mse: Option<ErrorEstimate>,
-    /// Estimated error of what a screen shows (see [`Film::display_error`](crate::film::Film::display_error)), likewise.
+    /// Estimated error of displayed values (see [`Film::display_error`](crate::film::Film::display_error)), under the same
+    /// conditions.
     pub display_error: Option<ErrorEstimate>,
-    /// What ended it.
+    /// The reason why the render ended.
     pub ended: Ended,
-    /// Whether the caller stopped it before the end.
+    /// Whether the caller stopped the render before its end.
     pub stopped: bool,
-    /// Samples that were NaN or infinite and were left out.
+    /// Number of samples that were NaN or infinite and count as black.
     pub non_finite: u64,
-    /// The first few of them, and where they became so.
+    /// The first few samples that were NaN or infinite, and where on their paths they became so.
     pub non_finite_samples: Vec<NonFiniteSample>,
-    /// What a user should know: a bias that was asked for, samples left out, an error that rests on few pixels.
+    /// Notes for the user, such as a bias that the settings imply, samples that count as black, or an error estimate that
+    /// rests on few pixels.
     pub notes: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! How many samples, in which passes, and when to decide. No result depends on passes.
+//! The number of samples of each pass, and the decisions between passes. The image does not depend on the passes.
 
 use std::cell::Cell;
 use std::time::Duration;
@@ -10,26 +10,26 @@ use crate::desc::SamplerDesc;
 use crate::film::{ErrorEstimate, ErrorMeasure, FEW_PIXELS, Image, REPLICATES};
 use crate::sampling::square_side;
 
-/// Samples per pixel that a render may reach, as many as a description may ask for: their indices stay far from wrapping
-/// round.
+/// Greatest number of samples per pixel of a render, which is also the greatest number in a description. Indices of samples
+/// stay far from overflow.
 pub const MOST_SAMPLES: u32 = 1 << 31;
 
-/// A pass should not keep a viewer waiting longer than this.
+/// Longest time that a pass is planned to take, so that viewers see new images often.
 const LONGEST_PASS: Duration = Duration::from_millis(500);
 
-/// Samples per pixel before an error is believed: four for each replicate.
-const LEAST_FOR_ERROR: u32 = 32;
+/// Smallest number of samples per pixel with which an error estimate may end a render: four for each replicate.
+const MIN_SAMPLES_FOR_ERROR: u32 = 32;
 
-/// The error has to be below what is aimed at by so many of its standard errors, or a render would end when its estimate
-/// happens to be low: it is asked again and again, and the first yes counts. With twice as many, renders of which a few pixels
-/// have most of the error would end at four fifths of what was aimed at.
+/// The estimated error must be below the target error by this many standard errors of the estimate. The estimate is compared
+/// with the target again and again, and without a margin the render would end at the first estimate that is low by chance.
+/// With twice this margin, renders in which few pixels have most of the error would end at four fifths of the target error.
 const MARGIN: f64 = 0.25;
 
-/// Samples per pixel of a render that nothing cuts short.
+/// Greatest number of samples per pixel that a render with these settings takes.
 fn total(settings: &RenderSettings) -> u32 {
     let samples = settings.desc.samples;
     match settings.desc.sampler {
-        // A full pattern, or the pixel would not be covered evenly.
+        // Only a complete pattern covers the pixel evenly.
         SamplerDesc::Grid | SamplerDesc::Jittered => {
             let side = square_side(samples);
             side.saturating_mul(side).min(MOST_SAMPLES)
@@ -38,29 +38,33 @@ fn total(settings: &RenderSettings) -> u32 {
     }
 }
 
-/// The passes of a render.
+/// The schedule of a render's passes.
 #[derive(Clone, Debug)]
 pub(super) struct Schedule {
     samples: u32,
     time_limit: Option<Duration>,
     target: Option<(ErrorMeasure, f64)>,
-    /// Samples that steps between decisions are a multiple of.
+    /// Numbers of samples at decisions are multiples of this.
     step: u32,
     is_adaptive: bool,
-    /// At how many samples the error is expected to be what is aimed at, once there is an estimate.
+    /// Number of samples at which the error is expected to reach the target error, once there is an estimate.
     expected: Option<f64>,
-    /// What share of the work comes before the first sample, and what part of that is done.
-    pub(super) lead: f64,
+    /// Fraction of the render that preparation before the first sample counts for.
+    pub(super) preparation: f64,
+    /// Fraction of that preparation that is done.
     pub(super) prepared: Cell<f64>,
-    /// The largest fraction reported: the expectation may change, and a report only goes forward.
-    shown: Cell<f64>,
+    /// The largest fraction that was reported. Reported fractions never fall, although the expected number of samples may
+    /// rise.
+    reported: Cell<f64>,
 }
 
 impl Schedule {
-    /// `share`: samples that have one error.
+    /// Makes the schedule of a render. `share` is the number of consecutive samples whose errors are not independent, such
+    /// as those with the same photon map.
     pub(super) fn new(settings: &RenderSettings, share: u32, is_adaptive: bool) -> Self {
         let target = settings.target_error.map(|target| (settings.error_measure, target));
-        // Complete replicates tell most; where pixels differ in their samples, they care for that themselves.
+        // Error estimates are best where all replicates have equally many samples. In adaptive renders, the goals of the
+        // pixels provide for that.
         let step = if is_adaptive { 1 } else { share.saturating_mul(REPLICATES as u32) };
         Self {
             samples: total(settings),
@@ -69,18 +73,19 @@ impl Schedule {
             step,
             is_adaptive,
             expected: None,
-            lead: 0.0,
+            preparation: 0.0,
             prepared: Cell::new(0.0),
-            shown: Cell::new(0.0),
+            reported: Cell::new(0.0),
         }
     }
 
-    /// By what the error is measured that is aimed at, if any is, once there are enough samples to ask for it.
-    pub(super) fn asks(&self, done: u32) -> Option<ErrorMeasure> {
-        self.target.filter(|_| done >= LEAST_FOR_ERROR).map(|(measure, _)| measure)
+    /// The measure of the target error, if there is a target and there are enough samples for an estimate.
+    pub(super) fn measure_to_estimate(&self, done: u32) -> Option<ErrorMeasure> {
+        self.target.filter(|_| done >= MIN_SAMPLES_FOR_ERROR).map(|(measure, _)| measure)
     }
 
-    /// What ends the render now, if anything does; `error`: the estimated one, where one is asked for.
+    /// The reason why the render ends now, or `None` if it continues. `error` is the current estimate, where there is a target
+    /// error.
     pub(super) fn ended(&self, done: u32, elapsed: Duration, error: Option<ErrorEstimate>) -> Option<Ended> {
         if done >= self.samples {
             return Some(Ended::Samples);
@@ -89,31 +94,33 @@ impl Schedule {
             return Some(Ended::Time);
         }
         let (error, (measure, target)) = error.zip(self.target)?;
-        // An estimate that may be off by a larger share of what is aimed at rests on few pixels, as where rare bright paths have
-        // met some: then others are still to be met, and the render goes on. With less, pixels at the edge of a lamp would keep
-        // a render going for longer than its error asks for. A root is off by half as much of itself.
+        // A standard error above this fraction of the target means that the estimate rests on few pixels, as where rare bright
+        // paths have reached some pixels. Other pixels are then still to be reached, and the render continues. With a smaller
+        // fraction, pixels at the edge of a lamp would prolong renders beyond need. The display error is a root, whose relative
+        // error is half as large.
         let few = if measure == ErrorMeasure::Display { 0.5 * FEW_PIXELS } else { FEW_PIXELS };
         let is_reached = error.value + MARGIN * error.standard_error <= target && error.standard_error <= few * target;
         is_reached.then_some(Ended::Error)
     }
 
-    /// At how many samples to decide next: whether the error is small enough, and where samples go. It depends on samples
-    /// alone and never on time, so neither does the image of a render that no time limit cuts short.
+    /// The number of samples at which the next decision is made: whether the error is small enough, and which pixels get how
+    /// many samples. The number depends on samples and never on time, so the image of a render without a time limit does not
+    /// depend on time either.
     ///
-    /// No more than twice as many as now; and where an error is aimed at, no further than it is expected to be reached, which
-    /// reports go by from then on.
+    /// The number is at most twice the current one. With a target error, it is at most the number at which the target is
+    /// expected to be reached. That expectation is stored, and later progress reports use it.
     pub(super) fn next_decision(&mut self, done: u32, error: Option<ErrorEstimate>) -> u32 {
         if self.target.is_none() && !self.is_adaptive {
             return self.samples;
         }
-        let first = if self.is_adaptive { PILOT } else { LEAST_FOR_ERROR };
+        let first = if self.is_adaptive { PILOT } else { MIN_SAMPLES_FOR_ERROR };
         let mut next = done.saturating_mul(2).max(first);
         if let Some(((measure, target), error)) = self.target.zip(error) {
-            // Its margin falls with it.
+            // The margin falls in proportion to the error.
             let ratio = (error.value + MARGIN * error.standard_error) / target;
             let ratio = if measure == ErrorMeasure::Display { ratio * ratio } else { ratio };
             self.expected = Some(f64::from(done) * ratio);
-            // Not too many decisions where it falls more slowly.
+            // The smallest step limits the number of decisions where the error falls more slowly than expected.
             let expected = (f64::from(done) * ratio.max(1.0 + 1.0 / 16.0)).ceil() as u32;
             next = next.min(expected);
         }
@@ -121,9 +128,9 @@ impl Schedule {
         steps.saturating_mul(self.step).min(self.samples)
     }
 
-    /// Samples of the next pass, at most up to `decision`.
+    /// Number of samples per pixel of the next pass, which ends at `decision` at the latest.
     ///
-    /// Passes double, so that a first image is there soon, until one takes as long as a viewer should wait.
+    /// The total doubles with each pass, so that a first image is complete early, until a pass takes [`LONGEST_PASS`].
     pub(super) fn next_pass(&self, done: u32, elapsed: Duration, decision: u32) -> u32 {
         let affordable = if done == 0 || elapsed.is_zero() {
             1.0
@@ -133,7 +140,8 @@ impl Schedule {
         (affordable as u32).clamp(1, done.max(1)).min(decision - done)
     }
 
-    /// The report on `complete` samples per pixel, `done` with those of an unfinished pass.
+    /// A progress report. `complete` is the number of complete samples per pixel, and `done` includes the samples of an
+    /// unfinished pass.
     pub(super) fn progress<'a>(
         &self,
         complete: u32,
@@ -152,14 +160,15 @@ impl Schedule {
         }
     }
 
-    /// Share of the work that is done, by whichever limit is nearer.
+    /// Fraction of the render that is done, by the limit that is nearest.
     fn fraction(&self, samples: f64, elapsed: Duration) -> f64 {
         let by_samples = samples / f64::from(self.samples);
         let by_time = self.time_limit.map_or(0.0, |limit| elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9));
         let by_error = self.expected.map_or(0.0, |expected| samples / expected.max(1.0));
-        let sampled = (1.0 - self.lead) * by_samples.max(by_error);
-        self.shown.set(by_time.max(self.lead * self.prepared.get() + sampled).clamp(self.shown.get(), 1.0));
-        self.shown.get()
+        let sampled = (1.0 - self.preparation) * by_samples.max(by_error);
+        let fraction = by_time.max(self.preparation * self.prepared.get() + sampled);
+        self.reported.set(fraction.clamp(self.reported.get(), 1.0));
+        self.reported.get()
     }
 }
 
@@ -222,22 +231,23 @@ mod tests {
         assert_eq!(schedule.next_decision(64, error(0.012, 0.002)), 80, "1.25 times as many, in whole steps");
         assert_eq!(schedule.fraction(40.0, Duration::ZERO), 40.0 / (64.0 * 1.25));
         assert_eq!(schedule.next_decision(64, error(0.5, 0.0)), 128);
-        assert_eq!(schedule.fraction(65.0, Duration::ZERO), 0.5, "forward only");
+        assert_eq!(schedule.fraction(65.0, Duration::ZERO), 0.5, "fractions never fall");
         assert_eq!(schedule.next_decision(960, error(0.0101, 0.0)), 1000);
         aimed.error_measure = ErrorMeasure::Display;
         assert_eq!(Schedule::new(&aimed, 1, true).next_decision(100, error(0.012, 0.0)), 144);
 
-        assert_eq!((schedule.asks(31), schedule.asks(32)), (None, Some(ErrorMeasure::RelMse)));
+        let measures = [31, 32].map(|samples| schedule.measure_to_estimate(samples));
+        assert_eq!(measures, [None, Some(ErrorMeasure::RelMse)]);
         let ended = |value, standard_error| schedule.ended(64, Duration::ZERO, error(value, standard_error));
         assert_eq!(ended(0.009, 0.0005), Some(Ended::Error));
-        assert_eq!(ended(0.0095, 0.0025), None, "it may be more");
-        assert_eq!(ended(0.006, 0.0036), None, "few pixels have it all");
+        assert_eq!(ended(0.0095, 0.0025), None, "the margin is not kept");
+        assert_eq!(ended(0.006, 0.0036), None, "few pixels have most of the error");
     }
 
     #[test]
-    fn what_comes_before_the_first_sample_counts() {
+    fn preparation_counts() {
         let mut schedule = Schedule::new(&settings(100, SamplerDesc::Sobol), 1, false);
-        schedule.lead = 0.5;
+        schedule.preparation = 0.5;
         assert_eq!(schedule.fraction(0.0, Duration::ZERO), 0.0);
         schedule.prepared.set(0.5);
         assert_eq!(schedule.fraction(0.0, Duration::ZERO), 0.25);

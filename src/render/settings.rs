@@ -1,4 +1,4 @@
-//! What a render is to do.
+//! The settings of a render.
 
 use std::time::Duration;
 
@@ -7,30 +7,32 @@ use crate::Cancel;
 use crate::desc::RenderDesc;
 use crate::film::ErrorMeasure;
 
-/// What to render, and with how much effort.
+/// Settings of a render: what to render, and with how much effort.
 #[derive(Clone, Debug, Default)]
 pub struct RenderSettings {
-    /// Resolution, samples, sampler, filter, integrator, seed.
+    /// Resolution, samples, sampler, filter, integrator, seed and so on.
     pub desc: RenderDesc,
-    /// Worker threads, of a pool of its own; 0 means one per core. The image does not depend on it. Not looked at where
-    /// `workers` are given.
+    /// Number of threads of the render's own pool; 0 means one per core. The image does not depend on it. It is ignored
+    /// where `workers` are given.
     pub threads: usize,
-    /// Who does the work, where it is not a pool of its own.
+    /// The workers of the render. With `None` the render starts a pool of its own.
     pub workers: Option<Workers>,
-    /// Ends after this time, when the samples that are being taken are done, even if others are left. For time alone
-    /// to count, ask for [`MOST_SAMPLES`](super::MOST_SAMPLES).
+    /// The render ends after this time, as soon as the samples in progress are complete. For a render that only time
+    /// limits, set the number of samples to [`MOST_SAMPLES`](super::MOST_SAMPLES).
     pub time_limit: Option<Duration>,
-    /// Ends when the estimated error is no larger than this, by a margin of a quarter of the estimate's standard error: not
-    /// before 32 samples, and not while few pixels have most of the error. Decided between passes.
+    /// The target error, finite and > 0. The render ends when the estimated error plus a quarter of the estimate's standard
+    /// error is at most the target error, but not before 32 samples per pixel, and not while few pixels have most of the
+    /// error. The estimate is compared between passes.
     pub target_error: Option<f64>,
-    /// What `target_error` is of: relMSE if nothing is said. Adaptive samples go where it is largest.
+    /// The measure of `target_error`; relMSE by default. Adaptive sampling reduces the error in this measure.
     pub error_measure: ErrorMeasure,
-    /// Whether pixels with more error get more samples; `samples` of `desc` is the mean over pixels then. `None`: where an
-    /// error is aimed at. Patterns that are planned for their number of samples (all samplers but `Sobol` and `Random`)
-    /// and photon maps that are made anew for each pass need the same number for each pixel, and have it; a note says so.
+    /// Whether pixels with larger errors get more samples; `samples` of `desc` is then the mean over pixels. `None` means
+    /// adaptive sampling where there is a target error. All samplers but `Sobol` and `Random`, and photon maps that are
+    /// built anew for each pass, need the same number of samples in each pixel. A render with them is not adaptive, and a
+    /// note says so.
     pub adaptive: Option<bool>,
-    /// Stops the render soon, from any thread.
+    /// The token that stops the render, from any thread.
     pub cancel: Cancel,
-    /// Keeps albedo, normal and depth of the first hit.
+    /// Whether the film keeps albedo, normal and depth of the first hit.
     pub auxiliary: bool,
 }

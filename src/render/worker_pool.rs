@@ -1,53 +1,65 @@
-//! Work of equal pieces, done by the workers of a render.
+//! Work in pieces, done by the workers of a render, with a deadline and a progress callback.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use super::workers::{SharedWork, Workers};
-use crate::control::{Cancel, LOOK_UP, Parallel};
+use crate::control::{Cancel, PROGRESS_INTERVAL, Parallel};
 use crate::error::{Error, ErrorKind, Result};
 
-/// The workers of a render at one piece of work, until it is stopped: by a cancel, by its deadline, or by who is told of its progress.
+/// The workers of a render with one piece of work, which a cancel, a deadline or the progress callback may stop.
 pub(crate) struct WorkerPool<'a> {
     pub workers: &'a Workers,
     pub cancel: &'a Cancel,
-    /// When time is up.
+    /// The time at which the work is stopped.
     pub deadline: Option<Instant>,
-    /// Called now and then on the calling thread with the share of the work that is done; returns whether to stop.
-    pub look_up: &'a mut dyn FnMut(f64) -> bool,
-    /// Whether `look_up` returned that the work is to stop.
-    pub is_broken_off: bool,
-    /// For pieces that take long: cancelled as soon as the work is to stop for any of these reasons.
+    /// The progress callback. It is called on the calling thread with the fraction of the work that is done, and returns
+    /// whether the work is to stop.
+    pub callback: &'a mut dyn FnMut(f64) -> bool,
+    /// Whether `callback` has stopped the work.
+    pub is_stopped_by_callback: bool,
+    /// The token for pieces that take long. It is cancelled as soon as the work is stopped for any reason.
     pub token: Cancel,
-    /// What share of the work is done, and what it was when `look_up` was called last.
-    share: f64,
-    told: f64,
-    /// When `look_up` was called last.
+    /// Fraction of the work that is done.
+    fraction: f64,
+    /// The fraction at the last call of `callback`.
+    reported: f64,
+    /// Time of the last call of `callback`.
     last: Instant,
 }
 
-/// `look_up` is called at once when the share has grown by this much.
-const NEWS: f64 = 1.0 / 64.0;
+/// The progress callback is called at once when the fraction that is done has grown by this much.
+const STEP: f64 = 1.0 / 64.0;
 
 impl<'a> WorkerPool<'a> {
     pub fn new(
         workers: &'a Workers,
         cancel: &'a Cancel,
         deadline: Option<Instant>,
-        look_up: &'a mut dyn FnMut(f64) -> bool,
+        callback: &'a mut dyn FnMut(f64) -> bool,
     ) -> Self {
         let (token, last) = (Cancel::new(), Instant::now());
-        Self { workers, cancel, deadline, look_up, is_broken_off: false, token, share: 0.0, told: 0.0, last }
+        Self {
+            workers,
+            cancel,
+            deadline,
+            callback,
+            is_stopped_by_callback: false,
+            token,
+            fraction: 0.0,
+            reported: 0.0,
+            last,
+        }
     }
 
-    fn look(&mut self) {
-        // It is not called again once it has stopped the work.
-        if self.is_broken_off {
+    /// Calls the progress callback, unless the callback has already stopped the work.
+    fn report(&mut self) {
+        if self.is_stopped_by_callback {
             return;
         }
-        self.is_broken_off = (self.look_up)(self.share);
-        self.told = self.share;
+        self.is_stopped_by_callback = (self.callback)(self.fraction);
+        self.reported = self.fraction;
         self.last = Instant::now();
     }
 
@@ -59,20 +71,20 @@ impl<'a> WorkerPool<'a> {
 impl Parallel for WorkerPool<'_> {
     fn check(&mut self) -> Result<()> {
         self.cancel.check()?;
-        if self.last.elapsed() >= LOOK_UP {
-            self.look();
+        if self.last.elapsed() >= PROGRESS_INTERVAL {
+            self.report();
         }
-        if self.is_broken_off || self.is_late() { Err(stopped()) } else { Ok(()) }
+        if self.is_stopped_by_callback || self.is_late() { Err(stopped()) } else { Ok(()) }
     }
 
     fn token(&self) -> Cancel {
         self.token.clone()
     }
 
-    fn progress(&mut self, share: f64) {
-        self.share = share.clamp(self.share, 1.0);
-        if self.share >= self.told + NEWS {
-            self.look();
+    fn progress(&mut self, fraction: f64) {
+        self.fraction = fraction.clamp(self.fraction, 1.0);
+        if self.fraction >= self.reported + STEP {
+            self.report();
         }
     }
 
@@ -92,8 +104,8 @@ impl Parallel for WorkerPool<'_> {
         };
         let workers = self.workers;
         let pieces = workers.run(pieces, &mut |pieces| {
-            self.look();
-            if self.is_broken_off || self.is_late() || self.cancel.is_cancelled() {
+            self.report();
+            if self.is_stopped_by_callback || self.is_late() || self.cancel.is_cancelled() {
                 self.token.cancel();
                 pieces.abandon();
             }
@@ -110,6 +122,7 @@ fn stopped() -> Error {
     Error::new(ErrorKind::Cancelled, "stopped")
 }
 
+/// The pieces of one [`Parallel::map`] and their results.
 struct Pieces<R, F> {
     results: Vec<Mutex<Option<R>>>,
     piece: F,

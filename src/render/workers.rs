@@ -1,4 +1,4 @@
-//! Who does the work: threads of our own, the caller, or threads of the host.
+//! The threads that do the work of a render: a pool, the calling thread, or threads of the host.
 
 use std::cell::Cell;
 use std::fmt;
@@ -7,19 +7,19 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::control::LOOK_UP;
+use crate::control::PROGRESS_INTERVAL;
 use crate::error::{Error, ErrorKind, Result};
 
-/// Most worker threads of a render.
+/// Greatest number of worker threads of a render.
 pub const MAX_THREADS: usize = 1024;
 
-/// How long one of our own threads works on one render before it gives way to others that share the threads.
+/// Time for which a thread of a pool works on one render before it works on other renders that share the pool.
 const TURN: Duration = Duration::from_millis(10);
 
-/// What is handed to a host's executor.
+/// A job for a host's executor.
 type HostJob = Box<dyn FnOnce() + Send + 'static>;
 
-/// Threads that render; cheap to clone, and shared by any number of renders. No image depends on them.
+/// Threads that render. Clones are cheap, and any number of renders may share the threads. No image depends on the threads.
 #[derive(Clone)]
 pub struct Workers(Arc<WorkerKind>);
 
@@ -40,7 +40,7 @@ impl fmt::Debug for Workers {
     }
 }
 
-/// A rayon pool whose threads are gone when it is.
+/// A rayon pool whose threads have ended once it is dropped.
 struct Pool {
     pool: Option<rayon::ThreadPool>,
     threads: usize,
@@ -62,7 +62,7 @@ impl Drop for Pool {
 }
 
 impl Workers {
-    /// A pool of its own of so many threads; 0 means one for each core. Renders that share it take turns.
+    /// Starts a pool of `threads` threads; 0 means one for each core. Renders that share a pool take turns.
     ///
     /// # Errors
     /// [`ErrorKind::InvalidScene`] for more than [`MAX_THREADS`], [`ErrorKind::Device`] if a thread cannot be started.
@@ -86,20 +86,20 @@ impl Workers {
         Ok(Self(Arc::new(WorkerKind::Pool(Pool { pool: Some(pool), threads, handles }))))
     }
 
-    /// The thread that renders, and no other.
+    /// The calling thread of a render, and no other thread.
     pub fn calling_thread() -> Self {
         Self(Arc::new(WorkerKind::Calling))
     }
 
-    /// Threads of somebody else: `submit` is given jobs to run once each, on whichever thread and whenever it likes.
+    /// Threads of the host: `submit` receives jobs, each to be run once, on any thread and at any time.
     ///
-    /// The thread that renders works too and submits `threads - 1` helpers for each pass. A job that is run late finds
-    /// nothing left to do, and one that is never run is missed by nobody.
+    /// The thread that renders works too and submits up to `threads - 1` helper jobs for each pass. A job that is run late
+    /// returns at once, and the render does not wait for jobs that never run.
     pub fn host(threads: usize, submit: impl Fn(Box<dyn FnOnce() + Send + 'static>) + Send + Sync + 'static) -> Self {
         Self(Arc::new(WorkerKind::Host { threads: threads.clamp(1, MAX_THREADS), submit: Box::new(submit) }))
     }
 
-    /// How many threads work at once, at most.
+    /// Greatest number of threads that work at the same time.
     pub fn threads(&self) -> usize {
         match &*self.0 {
             WorkerKind::Pool(pool) => pool.threads,
@@ -108,15 +108,15 @@ impl Workers {
         }
     }
 
-    /// Has the work done by all threads and returns when it is. `look_up` is called on the calling thread about every
-    /// [`LOOK_UP`].
+    /// Does the work on all threads and returns once it is done. `poll` is called on the calling thread about every
+    /// [`PROGRESS_INTERVAL`].
     ///
     /// # Errors
     /// [`ErrorKind::Internal`] if the work panicked.
-    pub(super) fn run<W: SharedWork>(&self, work: W, look_up: &mut dyn FnMut(&W)) -> Result<Arc<W>> {
+    pub(super) fn run<W: SharedWork>(&self, work: W, poll: &mut dyn FnMut(&W)) -> Result<Arc<W>> {
         let work = Arc::new(work);
         let job = Arc::new(RunningJob::new(&work));
-        // Whatever happens in `look_up`, no helper may begin after this function is left.
+        // No helper may begin after this function has returned, even if `poll` panics.
         let closing = CloseOnDrop(&job);
         match &*self.0 {
             WorkerKind::Pool(pool) => {
@@ -127,7 +127,7 @@ impl Workers {
                     }
                 }
             }
-            WorkerKind::Calling => job.do_share(&work, look_up),
+            WorkerKind::Calling => job.do_share(&work, poll),
             WorkerKind::Host { threads, submit } => {
                 for _ in 1..work.shares().min(*threads) {
                     let job = Arc::clone(&job);
@@ -135,10 +135,10 @@ impl Workers {
                         job.help(None);
                     }));
                 }
-                job.do_share(&work, look_up);
+                job.do_share(&work, poll);
             }
         }
-        job.wait(&work, look_up);
+        job.wait(&work, poll);
         drop(closing);
         let has_panicked = lock(&job.state).has_panicked;
         if has_panicked { Err(Error::new(ErrorKind::Internal, "a worker thread panicked")) } else { Ok(work) }
@@ -147,17 +147,17 @@ impl Workers {
 
 /// Work that several threads share.
 pub(super) trait SharedWork: Send + Sync + 'static {
-    /// Takes pieces of the work until none is left, or until `pause`, asked between them, says so. Returns whether none
-    /// is left to be taken.
+    /// Does pieces of the work until none is left, or until `pause`, which is called between pieces, returns `true`. Returns
+    /// whether no piece is left.
     fn take(&self, pause: &mut dyn FnMut() -> bool) -> bool;
 
-    /// Whether every piece is done, or nobody wants it any more.
+    /// Whether every piece is done, or the work was stopped.
     fn is_done(&self) -> bool;
 
-    /// Gives up: no piece is to be taken any more.
+    /// Stops the work: no further piece is begun.
     fn abandon(&self);
 
-    /// How many threads could be of use.
+    /// Greatest number of threads that the work can occupy.
     fn shares(&self) -> usize;
 }
 
@@ -168,10 +168,10 @@ struct RunningJob<W> {
 }
 
 struct JobState<W> {
-    /// The work until the job is closed. After that no helper may begin, and a helper that comes late, or never, keeps
-    /// nothing alive.
+    /// The work; `None` once the job is closed. No helper begins on a closed job, and a job that a host runs late or never
+    /// keeps no scene or film in memory.
     work: Option<Arc<W>>,
-    /// Helpers that have begun and not ended.
+    /// Number of helpers that have begun and not ended.
     helpers: usize,
     has_panicked: bool,
 }
@@ -182,7 +182,7 @@ impl<W: SharedWork> RunningJob<W> {
         Self { state: Mutex::new(state), changed: Condvar::new() }
     }
 
-    /// Works as a helper, for at most `turn`, unless the job is closed. Returns whether there is more to do.
+    /// Works as a helper for at most `turn`, unless the job is closed. Returns whether pieces are left.
     fn help(&self, turn: Option<Duration>) -> bool {
         let work = {
             let mut state = lock(&self.state);
@@ -196,7 +196,7 @@ impl<W: SharedWork> RunningJob<W> {
         if outcome.is_err() {
             work.abandon();
         }
-        // Whoever waits for the helpers may rely on them to hold nothing any more.
+        // Threads that wait for helpers rely on ended helpers to hold no reference to the work.
         drop(work);
         let mut state = lock(&self.state);
         state.helpers -= 1;
@@ -206,12 +206,12 @@ impl<W: SharedWork> RunningJob<W> {
     }
 
     /// The calling thread's share of the work.
-    fn do_share(&self, work: &W, look_up: &mut dyn FnMut(&W)) {
+    fn do_share(&self, work: &W, poll: &mut dyn FnMut(&W)) {
         let mut last = Instant::now();
         let outcome = catch_unwind(AssertUnwindSafe(|| {
             work.take(&mut || {
-                if last.elapsed() >= LOOK_UP {
-                    look_up(work);
+                if last.elapsed() >= PROGRESS_INTERVAL {
+                    poll(work);
                     last = Instant::now();
                 }
                 false
@@ -223,15 +223,15 @@ impl<W: SharedWork> RunningJob<W> {
         }
     }
 
-    /// Waits until all is done and no helper is at it.
-    fn wait(&self, work: &W, look_up: &mut dyn FnMut(&W)) {
+    /// Waits until the work is done and every helper has ended.
+    fn wait(&self, work: &W, poll: &mut dyn FnMut(&W)) {
         let mut state = lock(&self.state);
         let mut last = Instant::now();
         while state.helpers > 0 || !work.is_done() {
-            state = self.changed.wait_timeout(state, LOOK_UP).unwrap_or_else(PoisonError::into_inner).0;
-            if last.elapsed() >= LOOK_UP && !work.is_done() {
+            state = self.changed.wait_timeout(state, PROGRESS_INTERVAL).unwrap_or_else(PoisonError::into_inner).0;
+            if last.elapsed() >= PROGRESS_INTERVAL && !work.is_done() {
                 drop(state);
-                look_up(work);
+                poll(work);
                 last = Instant::now();
                 state = lock(&self.state);
             }
@@ -239,7 +239,7 @@ impl<W: SharedWork> RunningJob<W> {
     }
 }
 
-/// Closes a job when it is dropped: no helper may begin any more, and those that have begun are waited for.
+/// Closes a job when it is dropped: no further helper may begin, and the drop waits for the helpers that have begun.
 struct CloseOnDrop<'j, W: SharedWork>(&'j RunningJob<W>);
 
 impl<W: SharedWork> Drop for CloseOnDrop<'_, W> {
@@ -257,27 +257,27 @@ impl<W: SharedWork> Drop for CloseOnDrop<'_, W> {
 }
 
 thread_local! {
-    /// Whether this thread of a pool is in the middle of a job that has given way to another.
-    static HAS_GIVEN_WAY: Cell<bool> = const { Cell::new(false) };
+    /// Whether this thread of a pool runs a job inside [`rayon::yield_now`] of another job.
+    static IS_NESTED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Helps turn by turn, giving way to what else the pool has to do in between.
+/// Helps in turns of [`TURN`], between which the thread runs other jobs of the pool.
 ///
-/// A thread of a pool prefers its own queue to what comes from outside, so a job that only queued up again would keep
-/// later ones waiting. Instead it lets the thread run another job on top of it, and that one, if it wants a second turn,
-/// queues up.
+/// A thread of a rayon pool prefers its own queue to jobs from outside. A job that only queued itself again would therefore
+/// keep jobs from outside waiting. Instead, a job that has used its turn calls [`rayon::yield_now`], which runs another job
+/// on the same stack. A nested job that has used its turn queues itself again.
 fn take_turns<W: SharedWork>(job: Arc<RunningJob<W>>) {
-    if HAS_GIVEN_WAY.get() {
+    if IS_NESTED.get() {
         if job.help(Some(TURN)) {
-            // Inside a pool this is the thread's own queue.
+            // On a thread of a pool, this function uses the thread's own queue.
             rayon::spawn_fifo(move || take_turns(job));
         }
         return;
     }
     while job.help(Some(TURN)) {
-        HAS_GIVEN_WAY.set(true);
+        IS_NESTED.set(true);
         rayon::yield_now();
-        HAS_GIVEN_WAY.set(false);
+        IS_NESTED.set(false);
     }
 }
 
