@@ -69,7 +69,7 @@
 
 
 /**
- * What a call came to. Values are grouped by who can mend it, never change and are never used again for something else.
+ * The result of a call. Values are grouped by the cause of the error. A value never changes its meaning.
  */
 enum etd_status
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -77,7 +77,7 @@ enum etd_status
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * It is done.
+     * The call succeeded.
      */
     ETD_OK = 0,
     /**
@@ -85,13 +85,14 @@ enum etd_status
      */
     ETD_RUNNING = 1,
     /**
-     * An argument is NULL, out of its range, not finite, or an index of nothing. The call changed nothing.
+     * An argument is NULL, out of its range, not finite, or the number of no element. The call changed nothing.
      */
     ETD_INVALID_ARGUMENT = 100,
     /**
-     * The pointer is a handle of another kind than was expected, or points to readable memory that is no handle. A handle whose
-     * last reference was given back is not recognised: passing it is undefined behaviour, as for any freed memory. Only a task
-     * whose last reference is being given back, and whose memory is thus still there, is refused with this in its callbacks.
+     * The pointer is a handle of another kind than was expected, or points to readable memory that is no handle. A handle
+     * whose last reference was released is not recognised: to pass it is undefined behaviour, as for any freed memory. There
+     * is one exception: while the last reference to a task is being released, the task still exists, and calls with its
+     * handle in the task's callbacks are refused with this status.
      */
     ETD_INVALID_HANDLE = 101,
     /**
@@ -104,7 +105,7 @@ enum etd_status
      */
     ETD_INVALID_SCENE = 200,
     /**
-     * Well formed, but this version does not do it.
+     * The request is valid, but this version does not support it.
      */
     ETD_UNSUPPORTED = 201,
     /**
@@ -116,19 +117,20 @@ enum etd_status
      */
     ETD_DEVICE = 300,
     /**
-     * There is no memory, or the device's limit was reached.
+     * There is not enough memory, or the device's memory limit was reached.
      */
     ETD_OUT_OF_MEMORY = 301,
     /**
-     * Cancelled, by `etd_task_cancel` or by a callback.
+     * The work was cancelled, by `etd_task_cancel` or by a callback.
      */
     ETD_CANCELLED = 400,
     /**
-     * A broken promise of this library; please report it.
+     * A fault in this library; please report it.
      */
     ETD_INTERNAL = 500,
     /**
-     * The library panicked. The process is unharmed, and the objects of the call can only be released from now on.
+     * The library panicked, which is a fault in it; please report it. The process may continue. The objects of the call can
+     * only be released from now on.
      */
     ETD_PANIC = 501,
 };
@@ -141,7 +143,7 @@ typedef uint32_t etd_status;
 #endif // __cplusplus
 
 /**
- * How much a message matters.
+ * The importance of a message.
  */
 enum etd_log_level
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -149,11 +151,11 @@ enum etd_log_level
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * What a user should know: something was left out, or will take long, or is biased.
+     * A warning for the user, such as about parts of a file that are ignored, or about a bias.
      */
     ETD_LOG_WARNING = 0,
     /**
-     * What was decided and how long it took.
+     * Information about decisions and their durations.
      */
     ETD_LOG_INFO = 1,
 };
@@ -166,7 +168,7 @@ typedef uint32_t etd_log_level;
 #endif // __cplusplus
 
 /**
- * What work is at.
+ * A phase of work.
  */
 enum etd_phase
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -174,15 +176,15 @@ enum etd_phase
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * The scene is being built, or a light map laid out.
+     * The scene is being built, or a light map is being laid out.
      */
     ETD_PHASE_BUILD = 0,
     /**
-     * The film is being filled.
+     * Samples are being taken.
      */
     ETD_PHASE_RENDER = 1,
     /**
-     * It has ended.
+     * The work has ended.
      */
     ETD_PHASE_END = 2,
 };
@@ -195,7 +197,7 @@ typedef uint32_t etd_phase;
 #endif // __cplusplus
 
 /**
- * What ended a render.
+ * The reason why a render ended.
  */
 enum etd_ended
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -203,19 +205,19 @@ enum etd_ended
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * Every pixel has its samples.
+     * Every pixel has all its samples.
      */
     ETD_ENDED_SAMPLES = 0,
     /**
-     * The time limit.
+     * The time limit was reached.
      */
     ETD_ENDED_TIME = 1,
     /**
-     * The error is as small as was asked for.
+     * The target error was reached.
      */
     ETD_ENDED_ERROR = 2,
     /**
-     * It was cancelled.
+     * The render was cancelled.
      */
     ETD_ENDED_CANCELLED = 3,
 };
@@ -228,7 +230,7 @@ typedef uint32_t etd_ended;
 #endif // __cplusplus
 
 /**
- * How a scene's geometry is kept.
+ * How the geometry of a scene is stored.
  */
 enum etd_usage
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -236,12 +238,13 @@ enum etd_usage
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * As one piece where possible: fastest to trace. At the first change of geometry after it was built it becomes
-     * dynamic by itself.
+     * All geometry is in one hierarchy where possible, which is fastest to trace. At the first change of geometry after a
+     * build, the scene becomes dynamic.
      */
     ETD_USAGE_STATIC = 0,
     /**
-     * Every larger mesh has a hierarchy of its own, so that adding, moving or removing something touches nothing else.
+     * Every larger mesh has a hierarchy of its own, so that other meshes are not rebuilt when a surface is added, moved or
+     * removed.
      */
     ETD_USAGE_DYNAMIC = 1,
 };
@@ -254,7 +257,7 @@ typedef uint32_t etd_usage;
 #endif // __cplusplus
 
 /**
- * How a camera projects.
+ * The projection of a camera.
  */
 enum etd_camera_type
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -313,27 +316,27 @@ enum etd_bsdf
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * Absorbs everything.
+     * A surface that absorbs all light.
      */
     ETD_BSDF_BLACK = 0,
     /**
-     * Lambert, by `color`.
+     * Lambert's model, with `color`.
      */
     ETD_BSDF_LAMBERT = 1,
     /**
-     * Fujii's improved Oren-Nayar, by `color` and `roughness`.
+     * Fujii's improved Oren-Nayar model, with `color` and `roughness`.
      */
     ETD_BSDF_OREN_NAYAR = 2,
     /**
-     * Oren and Nayar's qualitative model, by `color` and `sigma_deg`.
+     * Oren and Nayar's qualitative model, with `color` and `sigma_deg`.
      */
     ETD_BSDF_OREN_NAYAR_QUALITATIVE = 3,
     /**
-     * A perfect mirror, by `color`.
+     * A perfect mirror, with `color`.
      */
     ETD_BSDF_MIRROR = 4,
     /**
-     * Smooth clear glass, by `ior` and `exterior_ior`.
+     * A smooth dielectric such as clear glass, with `ior` and `exterior_ior`.
      */
     ETD_BSDF_DIELECTRIC = 5,
 };
@@ -346,7 +349,7 @@ typedef uint32_t etd_bsdf;
 #endif // __cplusplus
 
 /**
- * What numbers an array of positions holds.
+ * The format of an array of positions.
  */
 enum etd_position_format
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -354,11 +357,11 @@ enum etd_position_format
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * Three `float`.
+     * Three values of type `float`.
      */
     ETD_POSITION_FLOAT3 = 0,
     /**
-     * Three `double`; always copied.
+     * Three values of type `double`, which are always copied.
      */
     ETD_POSITION_DOUBLE3 = 1,
 };
@@ -371,7 +374,7 @@ typedef uint32_t etd_position_format;
 #endif // __cplusplus
 
 /**
- * Who keeps the arrays of a mesh.
+ * Whether the arrays of a mesh are copied or shared.
  */
 enum etd_sharing
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -379,12 +382,12 @@ enum etd_sharing
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * They are copied during the call.
+     * The arrays are copied during the call.
      */
     ETD_COPY = 0,
     /**
-     * They are read in place, and must neither change nor go away until `release` is called. Positions must be `float`,
-     * and 16 bytes readable from the last one on. A mesh that emits light is copied nevertheless when it is built.
+     * The arrays are read in place. They must neither change nor be freed until `release` is called. Positions must be of type
+     * `float`, and 16 bytes must be readable from the last position on. A mesh that emits light is copied when it is built.
      */
     ETD_SHARE = 1,
 };
@@ -397,7 +400,7 @@ typedef uint32_t etd_sharing;
 #endif // __cplusplus
 
 /**
- * How samples of a pixel are placed.
+ * The positions of the samples of a pixel.
  */
 enum etd_sampler
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -434,7 +437,7 @@ typedef uint32_t etd_sampler;
 #endif // __cplusplus
 
 /**
- * How samples weigh in a pixel.
+ * The pixel filter, which weighs the samples of a pixel.
  */
 enum etd_filter
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -532,7 +535,7 @@ typedef uint32_t etd_integrator;
 #endif // __cplusplus
 
 /**
- * How photons weigh by their distance d within the radius r of a density estimate.
+ * The weight of a photon as a function of its distance d from the point of a density estimate, within the radius r.
  */
 enum etd_photon_kernel
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -544,7 +547,7 @@ enum etd_photon_kernel
      */
     ETD_PHOTON_KERNEL_DEFAULT = 0,
     /**
-     * All the same.
+     * The same weight for all photons.
      */
     ETD_PHOTON_KERNEL_FLAT = 1,
     /**
@@ -565,7 +568,7 @@ typedef uint32_t etd_photon_kernel;
 #endif // __cplusplus
 
 /**
- * How emitters share the photons.
+ * How the photons are divided between the emitters.
  */
 enum etd_photon_sharing
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -573,11 +576,11 @@ enum etd_photon_sharing
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * By their power, so that all photons carry nearly the same.
+     * Photons are divided by the emitters' power, so that all photons carry nearly the same power.
      */
     ETD_PHOTON_SHARING_POWER = 0,
     /**
-     * By their area, as in the report. Points have none.
+     * Photons are divided by the emitters' area, as in the report. Point lights have no area.
      */
     ETD_PHOTON_SHARING_AREA = 1,
 };
@@ -590,7 +593,7 @@ typedef uint32_t etd_photon_sharing;
 #endif // __cplusplus
 
 /**
- * What the gather's rays of an irradiance cache bring back.
+ * The source of the light that the gather rays of an irradiance cache find.
  */
 enum etd_cache_source
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -598,11 +601,11 @@ enum etd_cache_source
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * The light of paths: no bias but the interpolation's.
+     * Gather rays continue as paths. The only bias is that of the interpolation.
      */
     ETD_CACHE_SOURCE_PATHS = 0,
     /**
-     * The light of the global photon map: faster, with its bias.
+     * Gather rays read the global photon map. This is faster and has the bias of the map.
      */
     ETD_CACHE_SOURCE_PHOTONS = 1,
 };
@@ -623,11 +626,11 @@ enum etd_radiosity_solver
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * Every element gathers from all others, again and again.
+     * In each iteration, every element gathers light from all others.
      */
     ETD_RADIOSITY_SOLVER_GATHER = 0,
     /**
-     * The patch that has most light left shoots it: progressive refinement.
+     * In each step, the patch with most unshot light distributes it: progressive refinement (Cohen et al. 1988).
      */
     ETD_RADIOSITY_SOLVER_SHOOT = 1,
 };
@@ -640,7 +643,7 @@ typedef uint32_t etd_radiosity_solver;
 #endif // __cplusplus
 
 /**
- * Whether something is done.
+ * A setting that is on, off, or left to its default.
  */
 enum etd_switch
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -648,15 +651,15 @@ enum etd_switch
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * As the field's default says.
+     * The default of the field.
      */
     ETD_SWITCH_DEFAULT = 0,
     /**
-     * It is done.
+     * On.
      */
     ETD_SWITCH_ON = 1,
     /**
-     * It is not done.
+     * Off.
      */
     ETD_SWITCH_OFF = 2,
 };
@@ -669,7 +672,7 @@ typedef uint32_t etd_switch;
 #endif // __cplusplus
 
 /**
- * Which survival probability Russian roulette ends paths by. The choice changes noise and time, never the expected image.
+ * The survival probability by which Russian roulette ends paths. The choice changes noise and time, never the expected image.
  */
 enum etd_roulette
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -677,11 +680,12 @@ enum etd_roulette
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * The library's own: a path survives in proportion to the throughput that it still carries.
+     * The library's own probability: a path survives in proportion to the throughput that it still carries.
      */
     ETD_ROULETTE_OWN = 0,
     /**
-     * The one that the scene states for the material (`reflectionRate` in files, `etd_material.survival`), where it does.
+     * The probability that the material states (`reflectionRate` in files, `etd_material.survival`). At materials that state
+     * none, the library's own probability is used.
      */
     ETD_ROULETTE_FILE = 1,
 };
@@ -694,7 +698,7 @@ typedef uint32_t etd_roulette;
 #endif // __cplusplus
 
 /**
- * What the error of an image is measured by.
+ * A measure of the error of an image.
  */
 enum etd_error_measure
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -707,7 +711,7 @@ enum etd_error_measure
      */
     ETD_ERROR_RELMSE = 0,
     /**
-     * As a screen shows it: root of the mean squared error in levels of 255, after clamping to [0, 1] and the sRGB curve.
+     * Error of displayed values: root of the mean squared error in levels of 255, after clamping to [0, 1] and the sRGB curve.
      */
     ETD_ERROR_DISPLAY = 1,
 };
@@ -720,7 +724,7 @@ typedef uint32_t etd_error_measure;
 #endif // __cplusplus
 
 /**
- * An image of a film. Layers are bits: together they say which ones a film keeps.
+ * A layer of a film. The values are bits, whose combination names the layers that a film keeps.
  */
 enum etd_layer
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -736,32 +740,34 @@ enum etd_layer
      */
     ETD_LAYER_ALBEDO = 2,
     /**
-     * Shading normal at the first hit, facing the camera, world axes: 3 channels, a mean, so not of unit length at edges.
+     * Shading normal at the first hit, towards the camera, in world axes: 3 channels. It is a mean over samples, and thus not of
+     * unit length at edges.
      */
     ETD_LAYER_NORMAL = 4,
     /**
-     * Distance of the first hit from the eye along the view direction: 1 channel; infinite where nothing was hit.
+     * Distance of the first hit from the eye along the view direction: 1 channel; infinite where rays hit nothing.
      */
     ETD_LAYER_DEPTH = 8,
     /**
-     * Samples of the pixel: 1 channel.
+     * Number of the pixel's samples: 1 channel.
      */
     ETD_LAYER_SAMPLES = 16,
     /**
-     * Variance of the pixel's mean: 3 channels; NaN while there are too few samples to tell.
+     * Variance of the pixel's mean: 3 channels; NaN while there are too few samples for an estimate.
      */
     ETD_LAYER_VARIANCE = 32,
     /**
-     * Standard error of the pixel's mean, the root of the variance: 3 channels.
+     * Standard error of the pixel's mean, which is the square root of the variance: 3 channels.
      */
     ETD_LAYER_STANDARD_ERROR = 64,
     /**
-     * Not an image of its own: alpha of the colour is the share of samples that met a surface. Without it, alpha is 1.
+     * Alpha in the colour layer: the fraction of samples that hit a surface. Without this bit, alpha is 1. It is not an image of
+     * its own.
      */
     ETD_LAYER_ALPHA = 128,
     /**
-     * Estimated bias of the pixel's mean by photon maps, 3 channels: what is there is too large by so much. With maps that
-     * are made once (photon, photon_direct, irradiance_cache) only that of caustics; 0 without maps.
+     * Estimated bias of the pixel's mean by photon maps, the excess over the true value: 3 channels. With maps that are built
+     * once (photon, photon_direct, irradiance_cache), only the bias of caustics is included. It is 0 without maps.
      */
     ETD_LAYER_BIAS = 256,
 };
@@ -774,7 +780,7 @@ typedef uint32_t etd_layer;
 #endif // __cplusplus
 
 /**
- * How pixels are laid out in the host's memory.
+ * The format of pixels in the host's memory.
  */
 enum etd_format
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -782,19 +788,19 @@ enum etd_format
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * Floats, as many as the layer has channels.
+     * One float for each channel of the layer.
      */
     ETD_FORMAT_FLOAT = 0,
     /**
-     * Three floats; of the colour only.
+     * Three floats; for the colour only.
      */
     ETD_FORMAT_RGB_FLOAT = 1,
     /**
-     * Three bytes, sRGB; of the colour only.
+     * Three bytes, sRGB; for the colour only.
      */
     ETD_FORMAT_RGB8 = 2,
     /**
-     * Four bytes, sRGB with linear alpha; of the colour only.
+     * Four bytes, sRGB with linear alpha; for the colour only.
      */
     ETD_FORMAT_RGBA8 = 3,
 };
@@ -807,7 +813,7 @@ typedef uint32_t etd_format;
 #endif // __cplusplus
 
 /**
- * How radiance becomes brightness.
+ * The tone map, from radiance to displayed values.
  */
 enum etd_tone_map
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -815,7 +821,7 @@ enum etd_tone_map
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * Radiance 1 is white, and so is everything above.
+     * Clamps to [0, 1]: radiance of 1 and more is white.
      */
     ETD_TONE_MAP_CLAMP = 0,
     /**
@@ -848,11 +854,11 @@ enum etd_text
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * What was built and decided, a line each.
+     * Information about what was built and decided, one line for each item.
      */
     ETD_TEXT_INFO = 0,
     /**
-     * Warnings from reading and building, a line each.
+     * Warnings from reading and building, one line for each.
      */
     ETD_TEXT_WARNINGS = 1,
 };
@@ -865,7 +871,7 @@ typedef uint32_t etd_text;
 #endif // __cplusplus
 
 /**
- * Where the layout of a mesh in a light map comes from.
+ * The source of a mesh's layout in a light map.
  */
 enum etd_atlas_layout
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -873,16 +879,16 @@ enum etd_atlas_layout
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * The mesh's own texture coordinates where they are fit for it (in [0, 1], without overlaps, every triangle with an area), else
-     * charts; the log callback is told of those that are not.
+     * The mesh's own texture coordinates where they can be a layout: in [0, 1], without overlaps, and with an area for every
+     * triangle. Other meshes get charts, and the log callback receives a warning for each mesh with unsuitable coordinates.
      */
     ETD_ATLAS_LAYOUT_AUTO = 0,
     /**
-     * Charts, whatever coordinates a mesh has.
+     * Charts for all meshes; texture coordinates are ignored.
      */
     ETD_ATLAS_LAYOUT_CHARTS = 1,
     /**
-     * The mesh's own texture coordinates; an error where they are not fit for it.
+     * The mesh's own texture coordinates. It is an error if they cannot be a layout.
      */
     ETD_ATLAS_LAYOUT_OWN = 2,
 };
@@ -903,11 +909,11 @@ enum etd_side
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * The one that the normal is on.
+     * The side of the normal.
      */
     ETD_SIDE_FRONT = 0,
     /**
-     * The other one.
+     * The side opposite to the normal.
      */
     ETD_SIDE_BACK = 1,
 };
@@ -920,22 +926,22 @@ typedef uint32_t etd_side;
 #endif // __cplusplus
 
 /**
- * The layout of a light map, and the scene that it is of, as it was built then.
+ * The layout of a light map, and the scene for which it was made.
  */
 typedef struct etd_atlas etd_atlas;
 
 /**
- * Threads, a memory limit, and the functions that messages go to. Devices do not know of each other.
+ * A device: threads, a memory limit, and the functions that receive messages. Devices are independent of each other.
  */
 typedef struct etd_device etd_device;
 
 /**
- * A film: its resolution and layers, and the image that was made last.
+ * A film: its resolution, its layers and its newest image.
  */
 typedef struct etd_film etd_film;
 
 /**
- * A scene: what the host describes, and what was built of it.
+ * A scene: its description by the host, and the scene that was last built from it.
  */
 typedef struct etd_scene etd_scene;
 
@@ -945,7 +951,7 @@ typedef struct etd_scene etd_scene;
 typedef struct etd_task etd_task;
 
 /**
- * Why the last failing call of a thread failed.
+ * The last error of a thread: why its last failing call failed.
  */
 typedef struct etd_error {
     /**
@@ -953,58 +959,58 @@ typedef struct etd_error {
      */
     size_t struct_size;
     /**
-     * What that call returned.
+     * The status that the call returned.
      */
     etd_status status;
     /**
-     * One-based line in `file`; 0 where it is not known.
+     * Line in `file`, counted from 1; 0 if it is not known.
      */
     uint32_t line;
     /**
-     * The whole message, with file, line and JSON path in front. UTF-8, never NULL. This pointer and the two below stay
+     * The whole message, which begins with file, line and JSON path. UTF-8, never NULL. This pointer and the two below are
      * valid until the next failing call on this thread.
      */
     const char *message;
     /**
-     * The file it is about; empty where it is about none.
+     * The file that the error is about; empty if it is about no file.
      */
     const char *file;
     /**
-     * JSON path such as `surfaces[3].radius`, for scenes built by calls too; empty where there is none.
+     * JSON path such as `surfaces[3].radius`, also for scenes that calls describe; empty if there is none.
      */
     const char *json_path;
 } etd_error;
 
 /**
- * Told warnings and decisions. `message` is UTF-8 and lives during the call.
+ * A log callback, which receives warnings and information. `message` is UTF-8 and valid during the call.
  *
- * Called on whichever thread has something to say, several at once where several threads work. It must not unwind (throw),
- * and may make any call that does not wait for the work that called it.
+ * Any thread may call it, and several threads may call it at the same time. It must not unwind (throw). It may make any call
+ * that does not wait for the work that called it.
  */
 typedef void (*etd_log_fn)(void *user_data, etd_log_level level, const char *message);
 
 /**
- * Told every failing call on an object of the device, on the thread of the call, before it returns. As `etd_log_fn`; a
- * call that fails inside it is not reported again.
+ * An error callback, which receives every failing call on an object of the device, on the thread of the call and before the
+ * call returns. The rules of `etd_log_fn` apply. Calls that fail inside the callback are not reported.
  */
 typedef void (*etd_error_fn)(void *user_data, etd_status status, const char *message);
 
 /**
- * A piece of work for the host's executor: to be called once with its argument, on any thread, at any time, be it after
- * everything was released: then it finds nothing to do.
+ * A job for the host's executor. The host calls it once with its argument, on any thread and at any time. A job that is called
+ * after everything was released does nothing.
  */
 typedef void (*etd_work_fn)(void *argument);
 
 /**
- * Takes a piece of work for the host's own threads, and returns without waiting for it.
+ * A function of the host that submits a job to the host's executor, and returns without waiting for the job.
  *
- * Called on the thread of a render, once for each helper and pass. The host must call `work(argument)` exactly once;
- * running it late, or in the calling thread, does no harm. It must not unwind.
+ * The thread of a render calls it, once for each helper and pass. The host must call `work(argument)` exactly once. The job may
+ * run late or on the calling thread. The function must not unwind.
  */
 typedef void (*etd_submit_fn)(void *user_data, etd_work_fn work, void *argument);
 
 /**
- * How a device works.
+ * Options of a device.
  */
 typedef struct etd_device_options {
     /**
@@ -1012,9 +1018,9 @@ typedef struct etd_device_options {
      */
     size_t struct_size;
     /**
-     * Threads that render and build. 0: one for each core. 1: no thread of its own, everything is done by the thread that
-     * calls (a started task has one, as something must run it). Else so many, in a pool that belongs to the device.
-     * With `submit`: how many threads the host offers, the calling one included.
+     * Number of threads that render and build, in a pool of the device; 0 means one for each core. With 1, the device has no
+     * threads, and all work runs on the calling thread; only a started task gets a thread. With `submit`: the number of
+     * threads of the host, including the calling thread.
      */
     uint32_t threads;
     /**
@@ -1022,30 +1028,30 @@ typedef struct etd_device_options {
      */
     uint32_t reserved;
     /**
-     * Bytes that hierarchies, placed geometry and films of this device may take together; 0: no limit. Descriptions
-     * (copies of the host's arrays among them) and memory of the host are not counted.
+     * Memory limit in bytes for all hierarchies, placed geometry and films of this device; 0: no limit. Descriptions, which
+     * include copies of the host's arrays, and memory of the host do not count.
      */
     uint64_t memory_limit;
     /**
-     * Told warnings and decisions; may be NULL.
+     * Log callback; may be NULL.
      */
     etd_log_fn log;
     /**
-     * Told failing calls; may be NULL.
+     * Error callback; may be NULL.
      */
     etd_error_fn error;
     /**
-     * The host's executor; NULL: the device has threads of its own.
+     * The host's executor; NULL for threads of the device.
      */
     etd_submit_fn submit;
     /**
-     * Given back to the three functions. They may be called until the device and everything made with it is released.
+     * Passed to the three functions. They may be called until the device and all objects made with it are released.
      */
     void *user_data;
 } etd_device_options;
 
 /**
- * How a scene is made.
+ * Options of a scene.
  */
 typedef struct etd_scene_options {
     /**
@@ -1061,7 +1067,7 @@ typedef struct etd_scene_options {
      */
     uint32_t reserved;
     /**
-     * The folder in which a scene from text looks for mesh files; NULL: the current one.
+     * The folder to which paths of mesh files in a scene from text are relative; NULL: the current folder.
      */
     const char *base_dir;
     /**
@@ -1071,7 +1077,7 @@ typedef struct etd_scene_options {
 } etd_scene_options;
 
 /**
- * How far work has come.
+ * The progress of work.
  */
 typedef struct etd_progress {
     /**
@@ -1079,47 +1085,47 @@ typedef struct etd_progress {
      */
     size_t struct_size;
     /**
-     * Share of all the work, or of the time limit, that is done, in [0, 1]; only grows.
+     * Fraction of the work, or of the time limit, that is done, in [0, 1]. It never falls.
      */
     double fraction;
     /**
-     * Seconds since it began.
+     * Seconds since the work began.
      */
     double elapsed;
     /**
-     * Rays so far.
+     * Number of rays traced so far.
      */
     uint64_t rays;
     /**
-     * Samples for each pixel that are complete.
+     * Number of complete samples per pixel.
      */
     uint32_t samples_done;
     /**
-     * Samples for each pixel to reach.
+     * Greatest number of samples per pixel, at which the render ends.
      */
     uint32_t samples_total;
     /**
-     * What it is at.
+     * The current phase.
      */
     etd_phase phase;
     /**
-     * How often the film got a new image so far: map it again when this grows.
+     * Number of images that the film got so far. When it grows, a host may map the film again.
      */
     uint32_t images;
 } etd_progress;
 
 /**
- * Told how far work has come; return 0 to go on and anything else to cancel.
+ * A progress callback. It returns 0 to continue, and anything else to cancel.
  *
- * Called about ten times a second and after each pass, never twice at once for one piece of work: on the calling thread
- * by `etd_render` and by what makes and bakes light maps, on the task's own thread by `etd_render_start`, on one of the
- * building threads while a scene is built.
- * It must not unwind; it may map and copy the film, and must not wait for the work that called it.
+ * It is called about ten times a second and after each pass, and never from two threads at the same time for the same work.
+ * `etd_render` and the calls that make and bake light maps call it on the calling thread, tasks on their own thread, and builds
+ * of a scene on one of the building threads. It must not unwind. It may map and copy the film, and must not wait for the work
+ * that called it.
  */
 typedef int32_t (*etd_progress_fn)(void *user_data, const struct etd_progress *progress);
 
 /**
- * What a built scene holds.
+ * Information about a built scene.
  */
 typedef struct etd_scene_info {
     /**
@@ -1127,43 +1133,43 @@ typedef struct etd_scene_info {
      */
     size_t struct_size;
     /**
-     * Surfaces described, removed ones included.
+     * Number of surfaces in the description, including removed ones.
      */
     uint64_t surfaces;
     /**
-     * Materials described.
+     * Number of materials in the description.
      */
     uint64_t materials;
     /**
-     * Meshes described.
+     * Number of meshes in the description.
      */
     uint64_t meshes;
     /**
-     * Point lights described.
+     * Number of point lights in the description.
      */
     uint64_t point_lights;
     /**
-     * Triangles that are kept in the scene's own frame.
+     * Number of triangles that are stored in the scene's own frame.
      */
     uint64_t triangles;
     /**
-     * Instances of meshes.
+     * Number of instances of meshes.
      */
     uint64_t instances;
     /**
-     * Triangles of the instanced meshes, each mesh counted once.
+     * Number of triangles of instanced meshes; each mesh counts once.
      */
     uint64_t shared_triangles;
     /**
-     * Spheres, disks and quadrics.
+     * Number of spheres, disks and quadrics.
      */
     uint64_t analytic_shapes;
     /**
-     * Emitters that can be sampled.
+     * Number of emitters that light sampling uses.
      */
     uint64_t emitters;
     /**
-     * Bytes of vertices, indices and normals that belong to the library, and of what is kept ready for shading.
+     * Bytes of the library's vertices, indices, normals and precomputed shading data.
      */
     uint64_t geometry_bytes;
     /**
@@ -1185,15 +1191,16 @@ typedef struct etd_scene_info {
 } etd_scene_info;
 
 /**
- * Told once that a task has ended, and how, on the task's thread, before `etd_task_wait` returns. As `etd_progress_fn`.
+ * A callback for the end of a task, which receives how the task ended. It is called once, on the task's thread and before
+ * `etd_task_wait` returns. The rules of `etd_progress_fn` apply.
  */
 typedef void (*etd_finished_fn)(void *user_data, etd_status status);
 
 /**
- * How to render and when to stop: at whichever of samples, time and error is reached first.
+ * Options of a render. The render ends when the first of its limits on samples, time and error is reached.
  *
- * From `photon_radius` on: settings of photon maps, the irradiance cache and radiosity, which only the integrators that use them
- * look at (docs/scene-format.md says which) and in which 0 always stands for the default.
+ * The fields from `photon_radius` on are settings of photon maps, the irradiance cache and radiosity. Only the integrators that
+ * docs/scene-format.md names use them. In all of these fields, 0 stands for the default.
  */
 typedef struct etd_render_options {
     /**
@@ -1217,62 +1224,63 @@ typedef struct etd_render_options {
      */
     float filter_parameters[2];
     /**
-     * Samples for each pixel, 2^31 at most; 0: as many as time and error allow, which must then be limited.
+     * Number of samples per pixel, 2^31 at most. With 0, only `time_limit` and `target_error` end the render, and one of them
+     * must be set.
      */
     uint32_t samples;
     /**
-     * Greatest number of surface hits on a path, the first visible one included; 0: no limit (a limit darkens).
+     * Greatest number of surface hits on a path, counting the first visible one; 0: no limit. A limit darkens the image.
      */
     uint32_t max_depth;
     /**
-     * Light samples at each hit, from 1 to 1024; 0 means 1.
+     * Number of light samples at each hit, from 1 to 1024; 0 means 1.
      */
     uint32_t shadow_rays;
     /**
-     * Seed of all randomness: the same seed gives the same image, on any number of threads.
+     * Seed of all random numbers. The same seed gives the same image on any number of threads.
      */
     uint64_t seed;
     /**
-     * Seconds after which to stop, > 0; 0: no limit. One sample for each pixel is always taken.
+     * Time limit in seconds, > 0; 0: no limit. One sample per pixel is always taken.
      */
     double time_limit;
     /**
-     * Estimated error at which to stop, > 0, of the kind that `error_measure` says; 0: none. It counts as reached if it is
-     * below by a quarter of the estimate's standard error, with 32 samples at least, and not while few pixels have most of it.
+     * Target error in the measure `error_measure`, > 0; 0: none. It is reached when the estimated error plus a quarter of the
+     * estimate's standard error is at most the target, but not before 32 samples per pixel, and not while few pixels have most
+     * of the error.
      */
     double target_error;
     /**
-     * Told progress; may be NULL.
+     * Progress callback; may be NULL.
      */
     etd_progress_fn progress;
     /**
-     * Told the end of a task; may be NULL. Not called by `etd_render`.
+     * Callback for the end of a task; may be NULL. `etd_render` does not call it.
      */
     etd_finished_fn finished;
     /**
-     * Given to the two functions.
+     * Passed to the two functions.
      */
     void *user_data;
     /**
-     * Radius of a density estimate, scene units, 1e-18 to 1e18; where it shrinks, the first one. 0: 0.1 for
-     * `ETD_INTEGRATOR_PHOTON_DIRECT`, else from what a pixel sees.
+     * Radius of a density estimate, scene units, 1e-18 to 1e18; where the radius shrinks, this is the first one. 0 means 0.1 for
+     * `ETD_INTEGRATOR_PHOTON_DIRECT`, and otherwise a radius from the extent that a pixel sees.
      */
     double photon_radius;
     /**
-     * Radius of caustics, as `photon_radius`.
+     * Radius of density estimates in the caustic map, with the range and default of `photon_radius`.
      */
     double caustic_radius;
     /**
-     * Of the progressive methods: the share of photons kept as radii shrink, above 0 and below 1; 0 means 2/3.
+     * Share of the photons that progressive methods keep as radii shrink, above 0 and below 1; 0 means 2/3.
      */
     double photon_alpha;
     /**
-     * Greatest error that Ward's estimate allows where records of the irradiance cache are interpolated, up to 10; 0 means
-     * 0.25.
+     * Greatest error of Ward's estimate at which records of the irradiance cache are interpolated, up to 10; 0 means 0.25.
      */
     double cache_error;
     /**
-     * Smallest distance between records, pixels as seen by the camera, up to 1000; 0 means 3.
+     * Smallest distance over which a record is used, in pixels as seen by the camera, up to 1000; 0 means 3.
      */
     double cache_min_spacing;
     /**
@@ -1280,22 +1288,22 @@ typedef struct etd_render_options {
      */
     double cache_max_spacing;
     /**
-     * Light paths of a photon map (of each pass, where maps are made anew), 2^29 at most; 0: as many as the integrator
-     * does best with.
+     * Number of light paths of a photon map (of each pass, where maps are built for every pass), 2^29 at most; 0: the integrator
+     * chooses.
      */
     uint32_t photon_count;
     /**
-     * Light paths of a caustic map, as `photon_count`.
+     * Number of light paths of the caustic map, with the range and default of `photon_count`.
      */
     uint32_t caustic_count;
     /**
-     * Of `ETD_INTEGRATOR_PHOTON_DIRECT`: fewer photons than this within the radius are no estimate, and shadow rays are
-     * sent instead; 0 means 10.
+     * Smallest number of photons within the radius that makes an estimate for `ETD_INTEGRATOR_PHOTON_DIRECT`, which sends shadow
+     * rays where there are fewer; 0 means 10.
      */
     uint32_t min_photons;
     /**
-     * So many nearest photons make an estimate, those beyond the radius left out, 2 to 65536; `UINT32_MAX`: all within
-     * the radius; 0: within a radius of each pixel's own.
+     * Number of nearest photons that make an estimate, without those beyond the radius, 2 to 65536. With `UINT32_MAX`, all photons
+     * within the radius make the estimate. With 0, all photons within a radius make it, where each pixel has its own radius.
      */
     uint32_t photon_neighbours;
     /**
@@ -1303,7 +1311,7 @@ typedef struct etd_render_options {
      */
     etd_photon_kernel photon_kernel;
     /**
-     * k of the cone, 1 or more; 0 means 1. Only looked at with `ETD_PHOTON_KERNEL_CONE`.
+     * Parameter k of `ETD_PHOTON_KERNEL_CONE`, 1 or more; 0 means 1.
      */
     float photon_kernel_k;
     /**
@@ -1311,24 +1319,24 @@ typedef struct etd_render_options {
      */
     etd_photon_sharing photon_sharing;
     /**
-     * An `etd_switch`: whether caustic photons are aimed at the specular surfaces; by default they are.
+     * An `etd_switch`: whether caustic photons are aimed at the specular surfaces. On by default.
      */
     etd_switch photons_guided;
     /**
-     * An `etd_switch`: whether the map of `ETD_INTEGRATOR_CAUSTIC` is made anew for every pass, with a shrinking radius; by
-     * default it is.
+     * An `etd_switch`: whether the map of `ETD_INTEGRATOR_CAUSTIC` is built anew for every pass, with a shrinking radius. On by
+     * default.
      */
     etd_switch photons_progressive;
     /**
-     * Rays of a final gather, 1024 at most; 0 means 1.
+     * Number of rays of a final gather, 1024 at most; 0 means 1.
      */
     uint32_t gather_rays;
     /**
-     * Most memory of all maps at a time, MiB, 2^20 at most; 0 means 4096.
+     * Memory limit of all maps that exist at a time, MiB, 2^20 at most; 0 means 4096.
      */
     uint32_t photon_memory;
     /**
-     * Rays of an irradiance record's final gather, from 16 to 2^20; 0 means 512.
+     * Number of rays of an irradiance record's final gather, from 16 to 2^20; 0 means 512.
      */
     uint32_t cache_rays;
     /**
@@ -1340,31 +1348,33 @@ typedef struct etd_render_options {
      */
     uint32_t reserved;
     /**
-     * An `etd_error_measure`: what `target_error` is of, and what adaptive samples make small.
+     * An `etd_error_measure`: the measure of `target_error`, in which adaptive sampling reduces the error.
      */
     etd_error_measure error_measure;
     /**
-     * An `etd_switch`: whether pixels with more error get more samples, `samples` being their mean; by default where
-     * `target_error` is set. Only with the samplers Sobol' and random, and not where photon maps are made anew for each
-     * pass: there all pixels have the same number, and the log callback is told.
+     * An `etd_switch`: whether pixels with larger errors get more samples; `samples` is then the mean over pixels. On by default
+     * if `target_error` is set. It needs the sampler `ETD_SAMPLER_SOBOL` or `ETD_SAMPLER_RANDOM`, and an integrator that does not
+     * build photon maps for each pass. Otherwise all pixels get the same number of samples, and the log callback receives a
+     * warning.
      */
     etd_switch adaptive;
     /**
-     * Of `ETD_INTEGRATOR_RADIOSITY`, as all that follows: elements whose longest side is no longer than this are not divided
-     * any more, scene units, 1e-18 to 1e18; 0: a 64th of the extent of the scene.
+     * Smallest element of `ETD_INTEGRATOR_RADIOSITY`, to which this and the fields up to `radiosity_memory` belong: elements whose
+     * longest side is at most this long are not subdivided, scene units, 1e-18 to 1e18; 0 means a 64th of the extent of the
+     * scene.
      */
     double radiosity_element_size;
     /**
-     * What one link between elements may be wrong by, in thousandths of all irradiance, up to 1000; 0 means 1.
+     * Greatest error of one link between elements, in thousandths of all irradiance, up to 1000; 0 means 1.
      */
     double radiosity_error;
     /**
-     * Share of the solution that may be left to iterate for, below 1; 0 means 0.0001.
+     * Fraction of the solution that may be missing when the iteration ends, below 1; 0 means 0.0001.
      */
     double radiosity_tolerance;
     /**
-     * Iterations, 2^24 at most: bounces of light, or patches that shoot; `UINT32_MAX`: none, light sources alone; 0: until
-     * what is left is below `radiosity_tolerance`.
+     * Number of iterations, 2^24 at most: bounces of light, or patches that shoot. With `UINT32_MAX`, there are none, and the image
+     * shows the light sources alone. With 0, the iteration ends at `radiosity_tolerance`.
      */
     uint32_t radiosity_iterations;
     /**
@@ -1372,26 +1382,27 @@ typedef struct etd_render_options {
      */
     etd_radiosity_solver radiosity_solver;
     /**
-     * An `etd_switch`: whether light that was shot but not distributed yet is shown as its mean; by default it is not.
+     * An `etd_switch`: whether the image of a solution that `radiosity_iterations` has ended includes the mean of the light that
+     * was not yet distributed. Off by default.
      */
     etd_switch radiosity_ambient;
     /**
-     * An `etd_switch`: whether pictures take direct light from light samples and indirect light from a ray into the solution,
-     * instead of interpolating it; by default they do not.
+     * An `etd_switch`: whether images take direct light from light samples and indirect light from a ray into the solution,
+     * instead of interpolating the solution. Off by default.
      */
     etd_switch radiosity_final_gather;
     /**
-     * Most memory of elements and links, MiB, 2^20 at most; 0 means 1024.
+     * Memory limit of elements and links, MiB, 2^20 at most; 0 means 1024.
      */
     uint32_t radiosity_memory;
     /**
-     * Of every integrator that follows paths: an `etd_roulette`.
+     * An `etd_roulette`, for every integrator that follows paths.
      */
     etd_roulette roulette;
 } etd_render_options;
 
 /**
- * Where a scene is seen from: world frame, right-handed, lengths in scene units.
+ * A camera in the world frame, which is right-handed, with lengths in scene units.
  */
 typedef struct etd_camera {
     /**
@@ -1411,11 +1422,11 @@ typedef struct etd_camera {
      */
     double origin[3];
     /**
-     * A point in the middle of the image, other than `origin`.
+     * A point that is seen in the middle of the image, other than `origin`.
      */
     double look_at[3];
     /**
-     * Upwards in the image, not parallel to the view; any length.
+     * The direction that is up in the image, of any length and not parallel to the view direction.
      */
     double up[3];
     /**
@@ -1425,7 +1436,7 @@ typedef struct etd_camera {
 } etd_camera;
 
 /**
- * A material. Fields that its model does not use are not looked at.
+ * A material. Fields that its model does not use are ignored.
  */
 typedef struct etd_material {
     /**
@@ -1457,8 +1468,8 @@ typedef struct etd_material {
      */
     float exterior_ior;
     /**
-     * Survival probability of Russian roulette at this material, in (0, 1], for renders with `ETD_ROULETTE_FILE`; 0: the
-     * library chooses in these too. It changes noise and time, never the image.
+     * Survival probability of Russian roulette at this material, in (0, 1], for renders with `ETD_ROULETTE_FILE`. With 0, the
+     * library chooses the probability in these renders too. It changes noise and time, never the expected image.
      */
     float survival;
     /**
@@ -1468,7 +1479,7 @@ typedef struct etd_material {
 } etd_material;
 
 /**
- * Everything about a surface but its shape.
+ * The properties of a surface other than its shape.
  */
 typedef struct etd_surface {
     /**
@@ -1476,22 +1487,24 @@ typedef struct etd_surface {
      */
     size_t struct_size;
     /**
-     * Number of its material; `ETD_NONE` for a surface that emits light and reflects none.
+     * Number of the surface's material; `ETD_NONE` for a surface that emits light and reflects none.
      */
     uint32_t material;
     /**
-     * Emitted radiance on the normal's side [W m^-2 sr^-1]; all zero: it does not emit. Quadrics and disks cannot.
+     * Emitted radiance on the normal's side [W m^-2 sr^-1]; three zeros for a surface that does not emit. Quadrics and disks
+     * cannot emit.
      */
     float emission[3];
     /**
-     * Object to world, three rows of four (the last column translates); all zero: none.
+     * Transform from the object frame to the world frame, three rows of four numbers whose last column is the translation;
+     * twelve zeros stand for the identity.
      */
     double transform[12];
 } etd_surface;
 
 /**
- * Called when memory that was shared with a mesh is no longer read. Exactly once, on any thread, perhaps in the middle of
- * another call; it may make no calls of this library.
+ * A release callback, which is called once memory that was shared with a mesh is no longer read. It is called exactly once, on
+ * any thread, possibly during another call. It must not call this library.
  */
 typedef void (*etd_release_fn)(void *user_data);
 
@@ -1504,15 +1517,15 @@ typedef struct etd_mesh {
      */
     size_t struct_size;
     /**
-     * One position for each vertex, the mesh's own frame.
+     * One position for each vertex, in the mesh's own frame.
      */
     const void *positions;
     /**
-     * Bytes from one position to the next; 0: they lie close together.
+     * Bytes from one position to the next; 0: positions without gaps.
      */
     size_t position_stride;
     /**
-     * Bytes that can be read from `positions` on; 0: up to the end of the last stride. Only looked at with `ETD_SHARE`.
+     * Number of readable bytes from `positions` on; 0: up to the end of the last stride. Used only with `ETD_SHARE`.
      */
     size_t position_bytes;
     /**
@@ -1524,7 +1537,7 @@ typedef struct etd_mesh {
      */
     const uint32_t *indices;
     /**
-     * Bytes from one triangle's numbers to the next; 0: they lie close together.
+     * Bytes from one triangle's numbers to those of the next; 0: triangles without gaps.
      */
     size_t index_stride;
     /**
@@ -1532,11 +1545,11 @@ typedef struct etd_mesh {
      */
     size_t triangle_count;
     /**
-     * One normal for each vertex, any length; NULL: none.
+     * One normal for each vertex, of any length; NULL: none.
      */
     const float *normals;
     /**
-     * Bytes from one normal to the next; 0: they lie close together.
+     * Bytes from one normal to the next; 0: normals without gaps.
      */
     size_t normal_stride;
     /**
@@ -1544,7 +1557,7 @@ typedef struct etd_mesh {
      */
     const float *uvs;
     /**
-     * Bytes from one texture coordinate to the next; 0: they lie close together.
+     * Bytes from one texture coordinate to the next; 0: coordinates without gaps.
      */
     size_t uv_stride;
     /**
@@ -1556,21 +1569,21 @@ typedef struct etd_mesh {
      */
     etd_sharing sharing;
     /**
-     * With `ETD_SHARE`: told once that the arrays are no longer read; may be NULL. Not called if the call fails.
+     * With `ETD_SHARE`: called once the arrays are no longer read; may be NULL. It is not called if adding the mesh fails.
      */
     etd_release_fn release;
     /**
-     * Given to `release`.
+     * Passed to `release`.
      */
     void *user_data;
     /**
-     * A name to find it by, unique among meshes; NULL: none.
+     * Name of the mesh, unique among meshes; NULL: none.
      */
     const char *name;
 } etd_mesh;
 
 /**
- * What a film is.
+ * Options of a film.
  */
 typedef struct etd_film_options {
     /**
@@ -1578,15 +1591,15 @@ typedef struct etd_film_options {
      */
     size_t struct_size;
     /**
-     * Pixels in a row, >= 1.
+     * Number of pixels in a row, >= 1.
      */
     uint32_t width;
     /**
-     * Rows, >= 1; the film has 2^26 pixels at most.
+     * Number of rows, >= 1. A film has 2^26 pixels at most.
      */
     uint32_t height;
     /**
-     * `etd_layer` bits of what is kept besides the colour.
+     * `etd_layer` bits of the layers that the film keeps besides the colour.
      */
     uint32_t layers;
     /**
@@ -1596,7 +1609,7 @@ typedef struct etd_film_options {
 } etd_film_options;
 
 /**
- * An image in the library's memory, there to be read until `etd_film_unmap`.
+ * An image in the library's memory, which may be read until `etd_film_unmap`.
  */
 typedef struct etd_map {
     /**
@@ -1604,33 +1617,33 @@ typedef struct etd_map {
      */
     size_t struct_size;
     /**
-     * `[height][width][channels]`, row 0 on top, without gaps. Does not change while it is mapped.
+     * `[height][width][channels]`, row 0 on top, without gaps. The data do not change while they are mapped.
      */
     const float *data;
     /**
-     * Pixels in a row.
+     * Number of pixels in a row.
      */
     uint32_t width;
     /**
-     * Rows.
+     * Number of rows.
      */
     uint32_t height;
     /**
-     * Values for each pixel.
+     * Number of values for each pixel.
      */
     uint32_t channels;
     /**
-     * Complete samples for each pixel when this image was made; 0 for the black one before the first pass.
+     * Number of complete samples per pixel in this image; 0 for the black image before the first pass.
      */
     uint32_t samples;
     /**
-     * What `etd_film_unmap` knows it by.
+     * Number of the map, for `etd_film_unmap`.
      */
     uint64_t id;
 } etd_map;
 
 /**
- * How pixels are copied or written.
+ * Options for copying and writing images.
  */
 typedef struct etd_image_options {
     /**
@@ -1638,7 +1651,7 @@ typedef struct etd_image_options {
      */
     size_t struct_size;
     /**
-     * An `etd_format`; not looked at by `etd_film_write`.
+     * An `etd_format`; `etd_film_write` ignores it.
      */
     etd_format format;
     /**
@@ -1650,17 +1663,17 @@ typedef struct etd_image_options {
      */
     float exposure;
     /**
-     * Not 0: the bottom row comes first, as OpenGL wants it; not looked at by `etd_film_write`.
+     * If not 0, the bottom row comes first, as in OpenGL; `etd_film_write` ignores it.
      */
     uint32_t bottom_up;
     /**
-     * Free text for the `comments` attribute of an EXR, UTF-8; NULL: none. Only `etd_film_write` looks at it.
+     * Text for the `comments` attribute of an EXR, UTF-8; NULL: none. Only `etd_film_write` uses it.
      */
     const char *comments;
 } etd_image_options;
 
 /**
- * What the last render of a film came to.
+ * The summary of a render.
  */
 typedef struct etd_summary {
     /**
@@ -1668,59 +1681,60 @@ typedef struct etd_summary {
      */
     size_t struct_size;
     /**
-     * Seconds that it took, without building the scene.
+     * Seconds that the render took, without the build of the scene.
      */
     double elapsed;
     /**
-     * Seconds that building the scene took before it; 0 where it was built already.
+     * Seconds that the build of the scene took before the render; 0 if the scene was already built.
      */
     double build_time;
     /**
-     * Rays traced, closest-hit and shadow rays together.
+     * Number of rays traced, including shadow rays.
      */
     uint64_t rays;
     /**
-     * Samples that were NaN or infinite and count as black. The log callback is told where the first of them became so.
+     * Number of samples that were NaN or infinite and count as black. The log callback receives a warning with the place where
+     * the first of them became so.
      */
     uint64_t non_finite;
     /**
-     * Estimated relative error of the image: the root of `rel_mse`. NaN where there are too few samples to tell.
+     * Estimated relative error of the image: the root of `rel_mse`. NaN where there are too few samples for an estimate.
      */
     double relative_error;
     /**
-     * Samples for each pixel that are complete; the mean over pixels where they differ.
+     * Number of complete samples per pixel; the mean over pixels where the numbers differ.
      */
     uint32_t samples;
     /**
-     * 1 if it was cancelled, else 0.
+     * 1 if the render was cancelled, else 0.
      */
     uint32_t cancelled;
     /**
-     * Estimated relMSE (see `ETD_ERROR_RELMSE`). NaN where there are too few samples to tell.
+     * Estimated relMSE (see `ETD_ERROR_RELMSE`). NaN where there are too few samples for an estimate.
      */
     double rel_mse;
     /**
-     * Standard error of `rel_mse`, from the scatter over pixels.
+     * Standard error of `rel_mse`, estimated from the scatter over pixels.
      */
     double rel_mse_standard_error;
     /**
-     * Estimated error of what a screen shows (see `ETD_ERROR_DISPLAY`), levels of 255; NaN as `rel_mse`.
+     * Estimated error of displayed values (see `ETD_ERROR_DISPLAY`), in levels of 255. NaN where `rel_mse` is NaN.
      */
     double display_error;
     /**
-     * Samples of the pixel that has fewest, and of the one that has most; 0 after a cancel.
+     * Smallest number of samples of any pixel; 0 after a cancel.
      */
     uint32_t samples_min;
     /**
-     * See `samples_min`.
+     * Greatest number of samples of any pixel; 0 after a cancel.
      */
     uint32_t samples_max;
     /**
-     * What ended it.
+     * The reason why the render ended, an `etd_ended`.
      */
     etd_ended ended;
     /**
-     * 0.
+     * Always 0.
      */
     uint32_t reserved;
 } etd_summary;
@@ -1730,7 +1744,7 @@ typedef struct etd_summary {
  */
 typedef struct etd_ray {
     /**
-     * Where t is 0.
+     * Origin of the ray, where t is 0.
      */
     float origin[3];
     /**
@@ -1738,7 +1752,7 @@ typedef struct etd_ray {
      */
     float tnear;
     /**
-     * Any length that is not zero; t counts in this length.
+     * Direction of any length except zero. The length is the unit of t.
      */
     float direction[3];
     /**
@@ -1748,12 +1762,12 @@ typedef struct etd_ray {
 } etd_ray;
 
 /**
- * What a ray met first.
+ * The first hit of a ray.
  */
 typedef struct etd_hit {
     /**
-     * Distance in lengths of the ray's direction; infinite where nothing was met, and then nothing else is set but
-     * `surface`.
+     * Distance in lengths of the ray's direction; infinite where the ray hits nothing. In that case, only `surface` is set
+     * besides.
      */
     float t;
     /**
@@ -1774,11 +1788,11 @@ typedef struct etd_hit {
      */
     float ns[3];
     /**
-     * Number of the surface; `ETD_NONE` where nothing was met.
+     * Number of the surface; `ETD_NONE` where the ray hits nothing.
      */
     uint32_t surface;
     /**
-     * Number of its material.
+     * Number of the surface's material.
      */
     uint32_t material;
     /**
@@ -1788,7 +1802,7 @@ typedef struct etd_hit {
 } etd_hit;
 
 /**
- * How a light map is laid out. 0 always stands for the default.
+ * Options for the layout of a light map. 0 in a field always stands for the default.
  */
 typedef struct etd_atlas_options {
     /**
@@ -1796,19 +1810,21 @@ typedef struct etd_atlas_options {
      */
     size_t struct_size;
     /**
-     * Texels along the sides of the square, 8192 at most; 0: as many as `texels_per_unit` needs, or 512.
+     * Number of texels along each side of the square, 8192 at most; 0: as many as `texels_per_unit` needs, or 512 if that is 0
+     * too.
      */
     uint32_t resolution;
     /**
-     * Texels around each chart that are its own, 64 at most; 0 means 2, `UINT32_MAX` none. One is what bilinear lookups need.
+     * Width of the gutter around each chart in texels, 64 at most; 0 means 2, and `UINT32_MAX` means none. Bilinear lookups
+     * need a gutter of one texel.
      */
     uint32_t gutter;
     /**
-     * Texels for a unit of length; 0: as many as fit.
+     * Number of texels per scene unit; 0: as many as fit.
      */
     double texels_per_unit;
     /**
-     * How far the normals of a chart's triangles may be from the first one's, degrees, below 90; 0 means 45.
+     * Greatest angle between the normals of a chart's triangles and that of its first triangle, degrees, below 90; 0 means 45.
      */
     double max_angle_deg;
     /**
@@ -1816,7 +1832,7 @@ typedef struct etd_atlas_options {
      */
     etd_atlas_layout layout;
     /**
-     * Most memory that the atlas and its bakes may take, MiB; 0 means 4096. The device's limit holds beside it.
+     * Memory limit of the atlas and its bakes, MiB; 0 means 4096. The device's limit also applies.
      */
     uint32_t memory;
     /**
@@ -1824,17 +1840,17 @@ typedef struct etd_atlas_options {
      */
     uint64_t reserved;
     /**
-     * Told how far it is; may be NULL.
+     * Progress callback; may be NULL.
      */
     etd_progress_fn progress;
     /**
-     * Given to `progress`.
+     * Passed to `progress`.
      */
     void *user_data;
 } etd_atlas_options;
 
 /**
- * How large an atlas is.
+ * Size of an atlas, and the numbers of its parts.
  */
 typedef struct etd_atlas_info {
     /**
@@ -1842,35 +1858,35 @@ typedef struct etd_atlas_info {
      */
     size_t struct_size;
     /**
-     * Texels in a row.
+     * Number of texels in a row.
      */
     uint32_t width;
     /**
-     * Rows.
+     * Number of rows.
      */
     uint32_t height;
     /**
-     * Vertices of all surfaces.
+     * Number of vertices of all surfaces.
      */
     size_t vertex_count;
     /**
-     * Triangles of all surfaces.
+     * Number of triangles of all surfaces.
      */
     size_t triangle_count;
     /**
-     * Surfaces that are there.
+     * Number of surfaces in the atlas.
      */
     size_t surface_count;
     /**
-     * Charts.
+     * Number of charts.
      */
     size_t chart_count;
     /**
-     * Texels that triangles cover.
+     * Number of texels that triangles cover.
      */
     size_t covered_texels;
     /**
-     * Texels for a unit of length, along the plane of a chart; for meshes with their own layout, on the mean.
+     * Number of texels per scene unit in the plane of a chart; the mean for meshes with their own layout.
      */
     double texels_per_unit;
 } etd_atlas_info;
@@ -1880,19 +1896,21 @@ typedef struct etd_atlas_info {
  */
 typedef struct etd_atlas_vertex {
     /**
-     * World frame.
+     * Position in the world frame.
      */
     double position[3];
     /**
-     * Unit normal: the shading normal of a smooth surface, else the mean of the chart's triangles there.
+     * Unit normal: the shading normal of a smooth surface, and otherwise the mean of the normals of the chart's triangles at
+     * the vertex.
      */
     float normal[3];
     /**
-     * Its place in the light map, in [0, 1]: (0, 0) is the outer corner of the first texel of row 0.
+     * Position in the light map, in [0, 1]; (0, 0) is the outer corner of the first texel of row 0.
      */
     float uv[2];
     /**
-     * Its number in the mesh as it was given; of a triangle or a quad that of the corner; running on other shapes.
+     * Number of the vertex on its surface: in the mesh as it was added, or of the corner of a triangle or a quad; consecutive
+     * numbers on other shapes.
      */
     uint32_t source;
 } etd_atlas_vertex;
@@ -1902,23 +1920,23 @@ typedef struct etd_atlas_vertex {
  */
 typedef struct etd_atlas_surface {
     /**
-     * Its number in the scene.
+     * Number of the surface in the scene.
      */
     uint32_t surface;
     /**
-     * Its first vertex.
+     * Number of the surface's first vertex in the atlas.
      */
     uint32_t first_vertex;
     /**
-     * How many it has.
+     * Number of the surface's vertices.
      */
     uint32_t vertex_count;
     /**
-     * Its first triangle.
+     * Number of the surface's first triangle in the atlas.
      */
     uint32_t first_triangle;
     /**
-     * How many it has.
+     * Number of the surface's triangles.
      */
     uint32_t triangle_count;
     /**
@@ -1926,13 +1944,14 @@ typedef struct etd_atlas_surface {
      */
     uint32_t has_own_layout;
     /**
-     * Then (u, v) of the mesh times the first two, plus the others, is the place in the light map; else 0.
+     * If `has_own_layout` is 1: scale and offset from the mesh's (u, v) to the position in the light map, which is (u, v) times
+     * the first two numbers, plus the last two. Otherwise 0.
      */
     float scale_offset[4];
 } etd_atlas_surface;
 
 /**
- * Where baked light goes.
+ * The arrays of the host that receive a bake.
  */
 typedef struct etd_bake_target {
     /**
@@ -1944,20 +1963,20 @@ typedef struct etd_bake_target {
      */
     float *irradiance;
     /**
-     * Three floats for each: its standard error [W m^-2], NaN where there are too few samples to tell; laid out as `irradiance`.
-     * NULL: not wanted.
+     * Standard error of the irradiance [W m^-2], in the same layout as `irradiance`; NaN where there are too few samples for an
+     * estimate. NULL if standard errors are not wanted.
      */
     float *standard_error;
     /**
-     * Bytes that may be written from each of the two pointers on.
+     * Number of writable bytes at each of the two pointers.
      */
     size_t size;
     /**
-     * Bytes from one texel or vertex to the next; 0: they lie close together (12).
+     * Bytes from one texel or vertex to the next; 0 means 12, without gaps.
      */
     size_t stride;
     /**
-     * Bytes from one row of texels to the next; 0: they lie close together.
+     * Bytes from one row of texels to the next; 0 means rows without gaps.
      */
     size_t row_stride;
     /**
@@ -1975,15 +1994,15 @@ extern "C" {
 #endif // __cplusplus
 
 /**
- * The message of the last call that failed on this thread, with file, line and JSON path where there are any.
+ * Returns the message of the last call that failed on this thread, with file, line and JSON path where there are any.
  *
- * UTF-8, never NULL, empty if no call has failed yet. Valid until the next failing call on this thread. Calls that
- * succeed leave it alone. Thread-safe; each thread has its own.
+ * The message is UTF-8, never NULL, and empty if no call has failed yet. It is valid until the next failing call on this
+ * thread. Calls that succeed do not change it. Thread-safe; each thread has its own message.
  */
 const char *etd_last_error_message(void);
 
 /**
- * The parts of the last failure of this thread.
+ * Returns the parts of the last error of this thread.
  *
  * Fills `*out_error`, whose `struct_size` must be set, and returns `ETD_OK`; `out_error->status` is `ETD_OK` if no call
  * has failed yet. The strings are valid until the next failing call on this thread. Thread-safe.
@@ -1991,75 +2010,76 @@ const char *etd_last_error_message(void);
 etd_status etd_last_error(struct etd_error *out_error);
 
 /**
- * The name of a status, such as "ETD_INVALID_SCENE"; "unknown status" for any other number. Static. Thread-safe.
+ * Returns the name of a status, such as "ETD_INVALID_SCENE", or "unknown status" for any other number. The string is
+ * static. Thread-safe.
  */
 const char *etd_status_name(uint32_t status);
 
 /**
- * The version of the library that is linked, as 10000 * major + 100 * minor + patch. Compare with `ETD_VERSION`.
+ * Returns the version of the linked library as 10000 * major + 100 * minor + patch, for comparison with `ETD_VERSION`.
  * Thread-safe.
  */
 uint32_t etd_version(void);
 
 /**
- * The same as text, such as "0.1.0". Static. Thread-safe.
+ * Returns the version of the linked library as text, such as "0.1.0". The string is static. Thread-safe.
  */
 const char *etd_version_string(void);
 
 /**
  * Makes a device and starts its threads.
  *
- * `options`: NULL for the defaults of `ETD_DEVICE_OPTIONS_INIT`. On `ETD_OK` `*out_device` is one reference, to be given
- * back with `etd_device_release`. Errors: `ETD_INVALID_ARGUMENT` for more than 1024 threads, `ETD_DEVICE` if no thread
+ * `options`: NULL for the defaults of `ETD_DEVICE_OPTIONS_INIT`. On `ETD_OK`, `*out_device` is one reference, to be released
+ * with `etd_device_release`. Errors: `ETD_INVALID_ARGUMENT` for more than 1024 threads, `ETD_DEVICE` if no thread
  * could be started. Thread-safe.
  */
 etd_status etd_device_new(const struct etd_device_options *options,
                           struct etd_device **out_device);
 
 /**
- * One more reference to a device. Thread-safe.
+ * Adds a reference to a device. Thread-safe.
  */
 etd_status etd_device_retain(struct etd_device *device);
 
 /**
- * Gives back one reference to a device; NULL is fine. What was made with it keeps it alive. Thread-safe.
+ * Releases a reference to a device; NULL is allowed. Objects that were made with a device keep it alive. Thread-safe.
  */
 void etd_device_release(struct etd_device *device);
 
 /**
- * The first failure of a call on this device since this was last asked, and forgets it; `ETD_OK` if there was none.
+ * Takes the first failure of a call on this device since the last time that it was taken: returns its status, or `ETD_OK` if
+ * there was none, and forgets the failure.
  *
- * So that a host may make many calls and look once. `message`: where its message goes (at most `capacity` bytes with the
- * zero byte), or NULL. Thread-safe.
+ * A host may thus make many calls and check once. `message`: receives the message, at most `capacity` bytes including the
+ * zero byte, unless it is NULL. Thread-safe.
  */
 etd_status etd_device_status(struct etd_device *device,
                              char *message,
                              size_t capacity);
 
 /**
- * Bytes that hierarchies, placed geometry and films of the device take now, and the most they ever took. Either pointer may be NULL.
- * Thread-safe.
+ * Returns the number of bytes that hierarchies, placed geometry and films of the device take now, and the greatest number
+ * that they have taken. Either pointer may be NULL. Thread-safe.
  */
 etd_status etd_device_memory(const struct etd_device *device,
                              uint64_t *out_used,
                              uint64_t *out_peak);
 
 /**
- * Makes an empty scene with the default camera, to be described by calls.
+ * Makes an empty scene with the default camera, which calls then describe.
  *
- * `options`: NULL for defaults; `base_dir` is for mesh files. On `ETD_OK` `*out_scene` is one reference. The scene keeps
- * its device alive. Thread-safe.
+ * `options`: NULL for the defaults. On `ETD_OK`, `*out_scene` is one reference. The scene keeps its device alive. Thread-safe.
  */
 etd_status etd_scene_new(struct etd_device *device,
                          const struct etd_scene_options *options,
                          struct etd_scene **out_scene);
 
 /**
- * Reads a scene from text: this library's JSON format, or that of the report's renderer.
+ * Reads a scene from text in this library's JSON format or in that of the report's renderer.
  *
- * `json`: `json_length` bytes of UTF-8, no zero byte needed. Mesh files are looked for in `options->base_dir`. On
- * `ETD_OK` `*out_scene` is one reference; on failure it is untouched, and the message says line and JSON path. Nothing
- * is built yet: `etd_scene_commit` does, or the first render. Thread-safe.
+ * `json`: `json_length` bytes of UTF-8, which need not end with a zero byte. Paths of mesh files are relative to
+ * `options->base_dir`. On `ETD_OK`, `*out_scene` is one reference. On an error, `*out_scene` is not changed, and the message
+ * contains line and JSON path. The scene is built by `etd_scene_commit` or by the first render. Thread-safe.
  */
 etd_status etd_scene_from_json(struct etd_device *device,
                                const char *json,
@@ -2068,9 +2088,9 @@ etd_status etd_scene_from_json(struct etd_device *device,
                                struct etd_scene **out_scene);
 
 /**
- * Reads a scene from a file; mesh files are looked for in its folder (`options->base_dir` is not looked at).
+ * Reads a scene from a file. Paths of mesh files are relative to the file's folder, and `options->base_dir` is ignored.
  *
- * As `etd_scene_from_json` in all else. `path`: UTF-8. Thread-safe.
+ * `path`: UTF-8. All else is as for `etd_scene_from_json`. Thread-safe.
  */
 etd_status etd_scene_from_file(struct etd_device *device,
                                const char *path,
@@ -2078,45 +2098,49 @@ etd_status etd_scene_from_file(struct etd_device *device,
                                struct etd_scene **out_scene);
 
 /**
- * One more reference to a scene. Thread-safe.
+ * Adds a reference to a scene. Thread-safe.
  */
 etd_status etd_scene_retain(struct etd_scene *scene);
 
 /**
- * Gives back one reference to a scene; NULL is fine. Tasks that render it keep it alive. Thread-safe.
+ * Releases a reference to a scene; NULL is allowed. Tasks that render a scene keep it alive. Thread-safe.
  */
 void etd_scene_release(struct etd_scene *scene);
 
 /**
- * The first failure of a call on this scene since this was last asked, and forgets it; `ETD_OK` if there was none.
+ * Takes the first failure of a call on this scene since the last time that it was taken: returns its status, or `ETD_OK` if
+ * there was none, and forgets the failure.
  *
- * So that a scene may be described by many calls and checked once. `message`: where its message goes (at most `capacity`
- * bytes with the zero byte), or NULL. Thread-safe.
+ * A host may thus describe a scene by many calls and check once. `message`: receives the message, at most `capacity` bytes
+ * including the zero byte, unless it is NULL. Thread-safe.
  */
 etd_status etd_scene_status(struct etd_scene *scene,
                             char *message,
                             size_t capacity);
 
 /**
- * Builds what was described since the last time, and only that; returns at once if there is nothing new.
+ * Builds the parts of the scene that have changed since the last build. It returns at once if nothing has changed.
  *
- * Renders do this by themselves; ray queries see the scene as it was last built. Renders that are under way go on with
- * the scene they began with. `progress` may be NULL; it is called on a building thread, and cancels if it returns
- * anything but 0. Errors: those of the description that only show when it is built, `ETD_CANCELLED`,
- * `ETD_OUT_OF_MEMORY`; what was built before stays in use then. Thread-safe.
+ * Renders build the scene themselves. Ray queries use the scene as last built. Renders in progress continue with the scene
+ * that they began with. `progress` may be NULL; it is called on a building thread, and cancels the build if it returns
+ * anything but 0. Errors: errors of the description that only a build can find, `ETD_CANCELLED`, `ETD_OUT_OF_MEMORY`; after an
+ * error, the scene as last built stays in use. Thread-safe.
  */
-etd_status etd_scene_commit(struct etd_scene *scene, etd_progress_fn progress, void *user_data);
+etd_status etd_scene_commit(struct etd_scene *scene,
+                            etd_progress_fn progress,
+                            void *user_data);
 
 /**
- * What was built: counts, memory, extent. An error before the first build. Thread-safe.
+ * Returns counts, memory and extent of the scene as last built. It is an error before the first build. Thread-safe.
  */
 etd_status etd_scene_get_info(const struct etd_scene *scene, struct etd_scene_info *out_info);
 
 /**
- * Copies a text about the scene, an `etd_text`, into the caller's buffer.
+ * Copies a text about the scene to the caller's buffer. `text`: an `etd_text`.
  *
- * At most `capacity` bytes with the zero byte are written. `*out_needed`, unless NULL, is the size that holds it all;
- * `buffer` may be NULL to ask for that alone. `ETD_TEXT_INFO` is an error before the first build. Thread-safe.
+ * At most `capacity` bytes, including the zero byte, are written. `*out_needed` receives the size of the whole text with its
+ * zero byte, unless `out_needed` is NULL. `buffer` may be NULL to get the size only. `ETD_TEXT_INFO` is an error before the
+ * first build. Thread-safe.
  */
 etd_status etd_scene_copy_text(const struct etd_scene *scene,
                                etd_text which,
@@ -2125,34 +2149,34 @@ etd_status etd_scene_copy_text(const struct etd_scene *scene,
                                size_t *out_needed);
 
 /**
- * The settings that the scene's own `render` block asks for (the defaults where it has none), to be changed and given to
- * a render. Thread-safe.
+ * Returns the settings of the scene's own `render` block, or the defaults where it has none. A host may change them and pass
+ * them to a render. Thread-safe.
  */
 etd_status etd_scene_get_render_options(const struct etd_scene *scene,
                                         struct etd_render_options *out_options);
 
 /**
- * The resolution that the scene's own `render` block asks for, 256 x 256 where it has none. Thread-safe.
+ * Returns the resolution in the scene's own `render` block, or 256 x 256 where it has none. Thread-safe.
  */
 etd_status etd_scene_get_resolution(const struct etd_scene *scene, uint32_t *out_width, uint32_t *out_height);
 
 /**
  * Replaces the camera.
  *
- * Errors: `ETD_INVALID_SCENE` if view direction, up vector and angle make no image. Thread-safe.
+ * Errors: `ETD_INVALID_SCENE` if view direction, up vector and angle of view do not define an image. Thread-safe.
  */
 etd_status etd_scene_set_camera(struct etd_scene *scene, const struct etd_camera *camera);
 
 /**
- * The camera as it is described now. Thread-safe.
+ * Returns the camera as described now. Thread-safe.
  */
 etd_status etd_scene_get_camera(const struct etd_scene *scene, struct etd_camera *out_camera);
 
 /**
  * Adds a material.
  *
- * `name`: unique among materials, to find it by; NULL: none. `*out_material` is its number. Errors:
- * `ETD_INVALID_SCENE` for a value out of its domain. Thread-safe.
+ * `name`: name for `etd_scene_find_material`, unique among materials; NULL: none. `*out_material` receives the material's
+ * number. Errors: `ETD_INVALID_SCENE` for a value out of its range. Thread-safe.
  */
 etd_status etd_scene_add_material(struct etd_scene *scene,
                                   const char *name,
@@ -2160,20 +2184,20 @@ etd_status etd_scene_add_material(struct etd_scene *scene,
                                   uint32_t *out_material);
 
 /**
- * Replaces a material; every surface that has it changes. No geometry is touched. Thread-safe.
+ * Replaces a material, for all surfaces that have it. The change does not require geometry to be rebuilt. Thread-safe.
  */
 etd_status etd_scene_set_material(struct etd_scene *scene, uint32_t material, const struct etd_material *value);
 
 /**
- * A material as it is described now. Thread-safe.
+ * Returns a material as described now. Thread-safe.
  */
 etd_status etd_scene_get_material(const struct etd_scene *scene, uint32_t material, struct etd_material *out_material);
 
 /**
- * Adds a light that shines from a point, the same in all directions.
+ * Adds a point light, which emits equally in all directions.
  *
  * `position`: three numbers, world frame. `intensity`: three numbers, radiant intensity [W sr^-1], each >= 0.
- * `*out_light` is its number among point lights. Lights with an area are surfaces with an emission. Thread-safe.
+ * `*out_light` receives the light's number among point lights. Area lights are surfaces with an emission. Thread-safe.
  */
 etd_status etd_scene_add_point_light(struct etd_scene *scene,
                                      const double *position,
@@ -2181,8 +2205,8 @@ etd_status etd_scene_add_point_light(struct etd_scene *scene,
                                      uint32_t *out_light);
 
 /**
- * Moves and recolours a point light; no intensity switches it off. Arguments as for `etd_scene_add_point_light`.
- * Thread-safe.
+ * Changes the position and intensity of a point light. An intensity of 0 switches it off. The arguments are those of
+ * `etd_scene_add_point_light`. Thread-safe.
  */
 etd_status etd_scene_set_point_light(struct etd_scene *scene,
                                      uint32_t light,
@@ -2190,7 +2214,7 @@ etd_status etd_scene_set_point_light(struct etd_scene *scene,
                                      const float *intensity);
 
 /**
- * A point light as it is described now: three numbers each. Thread-safe.
+ * Returns position and intensity of a point light as described now, three numbers each. Thread-safe.
  */
 etd_status etd_scene_get_point_light(const struct etd_scene *scene,
                                      uint32_t light,
@@ -2198,11 +2222,12 @@ etd_status etd_scene_get_point_light(const struct etd_scene *scene,
                                      float *out_intensity);
 
 /**
- * Adds a sphere with its normals outwards. `centre`: three numbers; `radius` > 0. Under a transform that stretches it,
- * it is an ellipsoid, which cannot emit.
+ * Adds a sphere with its normals outwards. `centre`: three numbers; `radius` > 0. A transform that stretches the sphere makes
+ * it an ellipsoid, which cannot emit.
  *
- * As all that add a surface: `surface` says material, emission and transform; `*out_surface` is the surface's number;
- * errors are `ETD_INVALID_SCENE` and `ETD_UNSUPPORTED` with the JSON path that a file would have. Thread-safe.
+ * The following holds for all calls that add a surface. `surface` contains material, emission and transform. `*out_surface`
+ * receives the surface's number. Errors are `ETD_INVALID_SCENE` and `ETD_UNSUPPORTED`, with the JSON path that a file would
+ * have. Thread-safe.
  */
 etd_status etd_scene_add_sphere(struct etd_scene *scene,
                                 const double *centre,
@@ -2219,8 +2244,8 @@ etd_status etd_scene_add_triangle(struct etd_scene *scene,
                                   uint32_t *out_surface);
 
 /**
- * Adds a flat convex quadrilateral, vertices in order around its edge, with the normal of its first three.
- * `vertices`: four positions, twelve numbers. Thread-safe.
+ * Adds a flat convex quadrilateral with the normal (v1 - v0) x (v2 - v0). `vertices`: four positions in order around the edge,
+ * twelve numbers. Thread-safe.
  */
 etd_status etd_scene_add_quad(struct etd_scene *scene,
                               const double *vertices,
@@ -2228,7 +2253,7 @@ etd_status etd_scene_add_quad(struct etd_scene *scene,
                               uint32_t *out_surface);
 
 /**
- * Adds a flat round disk. `normal`: any length. Cannot emit. Thread-safe.
+ * Adds a flat round disk. `normal`: any length. A disk cannot emit. Thread-safe.
  */
 etd_status etd_scene_add_disk(struct etd_scene *scene,
                               const double *centre,
@@ -2238,8 +2263,8 @@ etd_status etd_scene_add_disk(struct etd_scene *scene,
                               uint32_t *out_surface);
 
 /**
- * Adds a tube without caps, normals outwards. `base`: centre of one end; `axis`: direction to the other, any length.
- * Cannot emit. Thread-safe.
+ * Adds a cylinder without caps, normals outwards. `base`: centre of one end; `axis`: direction to the other end, any length.
+ * A cylinder cannot emit. Thread-safe.
  */
 etd_status etd_scene_add_cylinder(struct etd_scene *scene,
                                   const double *base,
@@ -2250,8 +2275,8 @@ etd_status etd_scene_add_cylinder(struct etd_scene *scene,
                                   uint32_t *out_surface);
 
 /**
- * Adds a cone without its base disk, normals outwards. `base`: centre of the base; `axis`: direction to the apex.
- * Cannot emit. Thread-safe.
+ * Adds a cone without its base disk, normals outwards. `base`: centre of the base; `axis`: direction to the apex, any length.
+ * A cone cannot emit. Thread-safe.
  */
 etd_status etd_scene_add_cone(struct etd_scene *scene,
                               const double *base,
@@ -2263,7 +2288,7 @@ etd_status etd_scene_add_cone(struct etd_scene *scene,
 
 /**
  * Adds a paraboloid of revolution, open at its wide end, normals away from its axis. `axis`: direction from the apex
- * into the bowl; `radius`: that at `height`. Cannot emit. Thread-safe.
+ * into the paraboloid; `radius`: radius at `height`. A paraboloid cannot emit. Thread-safe.
  */
 etd_status etd_scene_add_paraboloid(struct etd_scene *scene,
                                     const double *apex,
@@ -2274,8 +2299,8 @@ etd_status etd_scene_add_paraboloid(struct etd_scene *scene,
                                     uint32_t *out_surface);
 
 /**
- * Adds an ellipsoid with its axes along x, y and z, normals outwards. `radii`: three numbers > 0. Cannot emit.
- * Thread-safe.
+ * Adds an ellipsoid with its axes along x, y and z, normals outwards. `radii`: three numbers > 0. An
+ * ellipsoid cannot emit. Thread-safe.
  */
 etd_status etd_scene_add_ellipsoid(struct etd_scene *scene,
                                    const double *centre,
@@ -2286,8 +2311,8 @@ etd_status etd_scene_add_ellipsoid(struct etd_scene *scene,
 /**
  * Adds a quadric: a x^2 + b y^2 + c z^2 + 2d xy + 2e yz + 2f xz + 2g x + 2h y + 2i z + j = 0, normals along the gradient.
  *
- * `coefficients`: ten numbers, a to j. `clip_min`, `clip_max`: only what lies inside this box is there; both NULL for an
- * ellipsoid, which ends by itself. Cannot emit. Thread-safe.
+ * `coefficients`: ten numbers, a to j. `clip_min`, `clip_max`: corners of a box that clips the quadric; both may be NULL for
+ * an ellipsoid, which is bounded. A quadric cannot emit. Thread-safe.
  */
 etd_status etd_scene_add_quadric(struct etd_scene *scene,
                                  const double *coefficients,
@@ -2297,9 +2322,10 @@ etd_status etd_scene_add_quadric(struct etd_scene *scene,
                                  uint32_t *out_surface);
 
 /**
- * Adds a use of a mesh; one mesh may be used many times, and is kept once.
+ * Adds a surface that uses a mesh. Any number of surfaces may use a mesh, which is stored once.
  *
- * `smooth`: not 0 interpolates the vertex normals (made from the faces where the mesh has none). Thread-safe.
+ * `smooth`: if not 0, normals are interpolated between vertices; a mesh without vertex normals gets them from its faces.
+ * Thread-safe.
  */
 etd_status etd_scene_add_mesh_surface(struct etd_scene *scene,
                                       uint32_t mesh,
@@ -2308,60 +2334,70 @@ etd_status etd_scene_add_mesh_surface(struct etd_scene *scene,
                                       uint32_t *out_surface);
 
 /**
- * Removes a surface. Its number is not used again, and every other keeps its own. Thread-safe.
+ * Removes a surface. Its number is not used again, and the numbers of other surfaces do not change. Thread-safe.
  */
 etd_status etd_scene_remove_surface(struct etd_scene *scene, uint32_t surface);
 
 /**
- * Places a surface. `transform`: object to world, three rows of four numbers, not flattening; it replaces the one there
- * was. Of a shape with a place of its own (a cylinder's base, say) it moves the whole. Thread-safe.
+ * Sets the transform of a surface from its object frame to the world frame. `transform`: three rows of four numbers,
+ * invertible. It replaces the previous transform. The position that a shape was added with (such as a cylinder's base) is one
+ * in the object frame, so the transform moves the whole shape. Thread-safe.
  */
-etd_status etd_scene_set_transform(struct etd_scene *scene, uint32_t surface, const double *transform);
+etd_status etd_scene_set_transform(struct etd_scene *scene,
+                                   uint32_t surface,
+                                   const double *transform);
 
 /**
- * Gives a surface another material; `ETD_NONE` for one that emits and reflects nothing. Thread-safe.
+ * Gives a surface another material. `ETD_NONE` is allowed for a surface that emits, which then reflects nothing. Thread-safe.
  */
-etd_status etd_scene_set_surface_material(struct etd_scene *scene, uint32_t surface, uint32_t material);
+etd_status etd_scene_set_surface_material(struct etd_scene *scene,
+                                          uint32_t surface,
+                                          uint32_t material);
 
 /**
- * Changes what a surface emits [W m^-2 sr^-1]. `radiance`: three numbers >= 0; all zero, or NULL: it emits nothing.
+ * Sets the radiance that a surface emits [W m^-2 sr^-1]. `radiance`: three numbers >= 0; NULL or three zeros for a surface
+ * that does not emit. Thread-safe.
+ */
+etd_status etd_scene_set_emission(struct etd_scene *scene,
+                                  uint32_t surface,
+                                  const float *radiance);
+
+/**
+ * Returns material, emission and transform of a surface as described now. It is an error if the surface was removed.
  * Thread-safe.
- */
-etd_status etd_scene_set_emission(struct etd_scene *scene, uint32_t surface, const float *radiance);
-
-/**
- * Material, emission and transform of a surface as they are described now; an error if it was removed. Thread-safe.
  */
 etd_status etd_scene_get_surface(const struct etd_scene *scene, uint32_t surface, struct etd_surface *out_surface);
 
 /**
- * The number of the material of this name. Thread-safe.
+ * Returns the number of the material with a name. Thread-safe.
  */
 etd_status etd_scene_find_material(const struct etd_scene *scene, const char *name, uint32_t *out_material);
 
 /**
- * The number of the mesh of this name. Thread-safe.
+ * Returns the number of the mesh with a name. Thread-safe.
  */
 etd_status etd_scene_find_mesh(const struct etd_scene *scene, const char *name, uint32_t *out_mesh);
 
 /**
- * The number of the surface with this JSON path, such as `surfaces[3]` or, for an area light, `lights[0]`. Thread-safe.
+ * Returns the number of the surface with a JSON path, such as `surfaces[3]` or, for an area light, `lights[0]`. Thread-safe.
  */
-etd_status etd_scene_find_surface(const struct etd_scene *scene, const char *json_path, uint32_t *out_surface);
+etd_status etd_scene_find_surface(const struct etd_scene *scene,
+                                  const char *json_path,
+                                  uint32_t *out_surface);
 
 /**
- * Adds a mesh from arrays; surfaces use it with `etd_scene_add_mesh_surface`. `*out_mesh` is its number.
+ * Adds a mesh from arrays. `*out_mesh` receives its number, for `etd_scene_add_mesh_surface`.
  *
- * Errors: `ETD_INVALID_ARGUMENT` for arrays that cannot be read as they are said to be, `ETD_INVALID_SCENE` for a number
- * that is not finite or an index of no vertex, with its place. Triangles without area may be present. Thread-safe.
+ * Errors: `ETD_INVALID_ARGUMENT` for sizes, strides or pointers that are not possible, `ETD_INVALID_SCENE` for a number that
+ * is not finite or an index without a vertex, with its place. Triangles without area are allowed. Thread-safe.
  */
 etd_status etd_scene_add_mesh(struct etd_scene *scene,
                               const struct etd_mesh *mesh,
                               uint32_t *out_mesh);
 
 /**
- * Adds a mesh from a Wavefront OBJ file. `name`: unique among meshes, to find it by; NULL: none. `path`: UTF-8, from the
- * current folder. Thread-safe.
+ * Adds a mesh from a Wavefront OBJ file. `name`: name for `etd_scene_find_mesh`, unique among meshes; NULL: none. `path`:
+ * UTF-8, relative to the current folder. `*out_mesh` receives the mesh's number. Thread-safe.
  */
 etd_status etd_scene_add_mesh_file(struct etd_scene *scene,
                                    const char *name,
@@ -2369,70 +2405,75 @@ etd_status etd_scene_add_mesh_file(struct etd_scene *scene,
                                    uint32_t *out_mesh);
 
 /**
- * Replaces a mesh by other arrays, wherever it is used; arrays that were shared for it are released when no build and no
- * render reads them any more. `name` in `value` is not looked at. Thread-safe.
+ * Replaces the arrays of a mesh, for all surfaces that use it. Arrays that were shared before are released once no build and
+ * no render reads them any more. The `name` in `value` is ignored. Thread-safe.
  */
 etd_status etd_scene_set_mesh(struct etd_scene *scene,
                               uint32_t mesh,
                               const struct etd_mesh *value);
 
 /**
- * Removes a mesh that no surface uses any more, and gives back its memory. Its number is not used again. Thread-safe.
+ * Removes a mesh that no surface uses any more, and frees its memory. Its number is not used again. Thread-safe.
  */
 etd_status etd_scene_remove_mesh(struct etd_scene *scene, uint32_t mesh);
 
 /**
- * Makes a film, black and of no sample.
+ * Makes a film. The film is black and has no samples.
  *
- * `options` must say its resolution. Renders may fill it again and again, one at a time. On `ETD_OK` `*out_film` is one
- * reference. Errors: `ETD_INVALID_ARGUMENT` for a resolution or layers that do not exist, `ETD_OUT_OF_MEMORY` past the
- * device's limit (a film takes about 150 bytes a pixel, in whole tiles of 16 x 16; images that are mapped
- * beyond two are not counted). Thread-safe.
+ * `options` must contain the resolution. Any number of renders may use the film, one at a time. On `ETD_OK`, `*out_film` is
+ * one reference. Errors: `ETD_INVALID_ARGUMENT` for a resolution out of range or a layer that does not exist,
+ * `ETD_OUT_OF_MEMORY` if the film exceeds the device's memory limit. A film takes about 150 bytes for each pixel of its tiles
+ * of 16 x 16 pixels, which count as a whole. Mapped images beyond the second do not count. Thread-safe.
  */
-etd_status etd_film_new(struct etd_device *device, const struct etd_film_options *options, struct etd_film **out_film);
+etd_status etd_film_new(struct etd_device *device,
+                        const struct etd_film_options *options,
+                        struct etd_film **out_film);
 
 /**
- * One more reference to a film. Thread-safe.
+ * Adds a reference to a film. Thread-safe.
  */
 etd_status etd_film_retain(struct etd_film *film);
 
 /**
- * Gives back one reference to a film; NULL is fine. Tasks that fill it keep it alive; what is still mapped goes away with
- * the last reference. Thread-safe.
+ * Releases a reference to a film; NULL is allowed. Tasks that render to a film keep it alive. The release of the last
+ * reference ends all maps of the film. Thread-safe.
  */
 void etd_film_release(struct etd_film *film);
 
 /**
- * The first failure of a call on this film since this was last asked, and forgets it; `ETD_OK` if there was none.
- * `message`: where its message goes (at most `capacity` bytes with the zero byte), or NULL. Thread-safe.
+ * Takes the first failure of a call on this film since the last time that it was taken: returns its status, or `ETD_OK` if
+ * there was none, and forgets the failure.
+ * `message`: receives the message, at most `capacity` bytes including the zero byte, unless it is NULL. Thread-safe.
  */
-etd_status etd_film_status(struct etd_film *film, char *message, size_t capacity);
+etd_status etd_film_status(struct etd_film *film,
+                           char *message,
+                           size_t capacity);
 
 /**
- * Maps a layer of the newest image: `*out_map` points to it.
+ * Maps a layer of the newest image for reading: `*out_map` receives a pointer to it.
  *
- * It may be called while the film is being rendered to; the image is then that of the last complete pass (or, in the
- * middle of a long one, of a moment in it), and does not change while it is mapped. After a render was cancelled the first
- * call makes its image; at any other time nothing is copied. Each map is ended by one
- * `etd_film_unmap`. `layer`: one `etd_layer` that the film keeps. Thread-safe.
+ * The call is allowed while a render uses the film. The image is then that of the last complete pass, or, during a long pass,
+ * that of a moment in it. A mapped image does not change. After a cancelled render, the first call develops the image; at any
+ * other time nothing is copied. Each map must be ended by one call of `etd_film_unmap`. `layer`: one `etd_layer` that the film
+ * keeps. Thread-safe.
  */
 etd_status etd_film_map(struct etd_film *film,
                         etd_layer layer,
                         struct etd_map *out_map);
 
 /**
- * Ends a map: `map->data` may not be read any more, and is set to NULL. `ETD_INVALID_OPERATION` if it was ended before.
- * Thread-safe.
+ * Ends a map. The memory at `map->data` may not be read any more, and `map->data` becomes NULL. Error:
+ * `ETD_INVALID_OPERATION` for a map that was ended before. Thread-safe.
  */
 etd_status etd_film_unmap(struct etd_film *film, struct etd_map *map);
 
 /**
- * Copies a layer of the newest image into the host's memory.
+ * Copies a layer of the newest image to the host's memory.
  *
- * `layer`: one `etd_layer` that the film keeps. `options`: NULL for floats, top row first; format, tone map and exposure
- * otherwise. `pixels`: `size` bytes. `row_stride`: bytes from one row to the next, 0 for rows close together. Errors:
- * `ETD_INVALID_ARGUMENT` for a stride below a row, a size below the image, floats that are not aligned, or a format that
- * the layer does not have. Thread-safe.
+ * `layer`: one `etd_layer` that the film keeps. `options`: format, tone map, exposure and order of rows; NULL for floats with
+ * the top row first. `pixels`: receives the image, `size` bytes. `row_stride`: bytes from one row to the next; 0 for rows
+ * without gaps. Errors: `ETD_INVALID_ARGUMENT` for a stride smaller than a row, a size smaller than the image, floats that are
+ * not aligned, or a format that the layer does not have. Thread-safe.
  */
 etd_status etd_film_copy(const struct etd_film *film,
                          etd_layer layer,
@@ -2442,39 +2483,43 @@ etd_status etd_film_copy(const struct etd_film *film,
                          size_t row_stride);
 
 /**
- * Writes the film as it stands to a file: `.png` (8-bit sRGB), `.exr` (float, with layers) or `.pfm` (float).
+ * Writes the current image of a film to a file: `.png` (8-bit sRGB), `.exr` (float, with layers) or `.pfm` (float).
  *
- * An EXR holds the layers `samples` and `variance`, and albedo, normal and depth where the film keeps any of these, and in
- * its header what the render came to (`relMSE`, `relMSEStandardError`, `displayError`, `samplesPerPixel`, `rays`, `ended`). The
- * file appears whole or not at all. `path`: UTF-8. `options`: NULL for a clamped sRGB picture without comments. Errors:
- * `ETD_IO`, `ETD_UNSUPPORTED` for another extension, `ETD_INVALID_OPERATION` before the first render. Thread-safe.
+ * An EXR contains the layers `samples` and `variance`, and, if the film keeps any of them, albedo, normal and depth. Its header
+ * contains the summary of the render (`relMSE`, `relMSEStandardError`, `displayError`, `samplesPerPixel`, `rays`, `ended`). A
+ * file at `path` is replaced in one step, so that no incomplete file ever appears there. `path`: UTF-8. `options`: NULL for a
+ * clamped sRGB picture without comments. Errors: `ETD_IO`, `ETD_UNSUPPORTED` for another extension, `ETD_INVALID_OPERATION`
+ * before the first render. Thread-safe.
  */
 etd_status etd_film_write(const struct etd_film *film,
                           const char *path,
                           const struct etd_image_options *options);
 
 /**
- * What the last render that ended on this film came to; `ETD_INVALID_OPERATION` before the first. Thread-safe.
+ * Returns the summary of the last render to this film that has ended. Error: `ETD_INVALID_OPERATION` before the first one.
+ * Thread-safe.
  */
-etd_status etd_film_get_summary(const struct etd_film *film, struct etd_summary *out_summary);
+etd_status etd_film_get_summary(const struct etd_film *film,
+                                struct etd_summary *out_summary);
 
 /**
- * Renders a scene to a film and returns when it is done; builds the scene first where it has changed.
+ * Renders a scene to a film and returns when the render has ended. A scene that has changed is built first.
  *
- * The film must be of the scene's device. `options`: NULL for the scene's own settings. Returns `ETD_CANCELLED` if the progress callback stopped it; the film then
- * holds what was done. Errors: `ETD_INVALID_OPERATION` while the film is being rendered to, and all that
- * `etd_scene_commit` has. The image depends on scene, resolution and options alone, not on threads. Thread-safe: several
- * renders, of one scene too, may run at once, each to a film of its own.
+ * The film must be of the scene's device. `options`: NULL for the scene's own settings. If the progress callback stops the
+ * render, the call returns `ETD_CANCELLED`, and the film holds the samples that were taken. Errors: `ETD_INVALID_OPERATION`
+ * while another render uses the film, and the errors of `etd_scene_commit`. The image depends only on the scene, the
+ * resolution and the options, and not on threads. Thread-safe: several renders, also of one scene, may run at the same time,
+ * each to a film of its own.
  */
 etd_status etd_render(struct etd_scene *scene,
                       struct etd_film *film,
                       const struct etd_render_options *options);
 
 /**
- * Begins to render a scene to a film and returns at once; building the scene is part of the task.
+ * Starts a task that renders a scene to a film, and returns at once. The task builds the scene first if it has changed.
  *
- * As `etd_render`, on a thread of its own (with a host's executor: as a piece of work of it). On `ETD_OK` `*out_task` is
- * one reference. Thread-safe.
+ * The task does what `etd_render` does, on a thread of its own, or on the host's executor where the device has one. On
+ * `ETD_OK`, `*out_task` is one reference. Thread-safe.
  */
 etd_status etd_render_start(struct etd_scene *scene,
                             struct etd_film *film,
@@ -2482,62 +2527,70 @@ etd_status etd_render_start(struct etd_scene *scene,
                             struct etd_task **out_task);
 
 /**
- * How far a task is: `ETD_RUNNING`, or how it ended (`ETD_OK`, `ETD_CANCELLED`, an error whose message is this thread's
- * last then).
+ * Returns the state of a task: `ETD_RUNNING`, or how the task ended, which is `ETD_OK`, `ETD_CANCELLED` or an error. The
+ * message of an error becomes this thread's last one.
  *
- * `out_progress`: NULL, or filled. Never waits. Thread-safe.
+ * `out_progress`: receives the progress, unless it is NULL. The call never waits. Thread-safe.
  */
-etd_status etd_task_poll(struct etd_task *task, struct etd_progress *out_progress);
+etd_status etd_task_poll(struct etd_task *task,
+                         struct etd_progress *out_progress);
 
 /**
- * Waits until a task has ended, for `seconds` at most (below 0: without a limit), and says as `etd_task_poll` how.
+ * Waits until a task has ended, for `seconds` at most (below 0: without a limit), and returns the same as `etd_task_poll`.
  *
- * When it has returned something else than `ETD_RUNNING`, none of the task's functions is called any more.
- * `ETD_INVALID_OPERATION` inside one of these. Thread-safe.
+ * Once this call has returned anything but `ETD_RUNNING`, the task calls none of its callbacks any more. Inside one of these
+ * callbacks, the call returns `ETD_INVALID_OPERATION`. Thread-safe.
  */
-etd_status etd_task_wait(struct etd_task *task, double seconds);
+etd_status etd_task_wait(struct etd_task *task,
+                         double seconds);
 
 /**
- * Asks a task to end soon, in whatever phase it is, and returns at once. It ends with `ETD_CANCELLED`, unless it was done
- * already. One that no thread has begun yet ends here, and its `finished` is called here. Thread-safe, also inside the task's own functions.
+ * Asks a task to end soon, in any phase, and returns at once. The task ends with `ETD_CANCELLED`, unless it has already
+ * ended. A task that no thread has begun yet ends during this call, which then calls `finished`. Thread-safe, also inside the
+ * task's callbacks.
  */
 etd_status etd_task_cancel(struct etd_task *task);
 
 /**
- * Lets a task that was cancelled, or ended by its time limit, go on from where it stopped, with the scene that it began
- * with (as it is now, if it was cancelled before the scene was built) and its time limit anew. It comes to the same image
- * as one that was never interrupted.
+ * Resumes a task that was cancelled or that its time limit has ended. The result is the same image as without an
+ * interruption.
  *
- * A task that is complete stays so. `ETD_INVALID_OPERATION` while it runs, after an error, and inside its own functions. Another render
- * to the same film in between is not undone: the film then shows this task's image again. Thread-safe.
+ * The task continues with the scene that it began with. If the task was cancelled before that scene was built, it continues
+ * with the scene as described now. The time limit begins anew. For a complete task, the call does nothing. It returns
+ * `ETD_INVALID_OPERATION` while the task runs, after an error, and inside the task's callbacks. If another render has used
+ * the film meanwhile, the film shows the image of this task again. Thread-safe.
  */
 etd_status etd_task_resume(struct etd_task *task);
 
 /**
- * One more reference to a task. Thread-safe.
+ * Adds a reference to a task. Thread-safe.
  */
 etd_status etd_task_retain(struct etd_task *task);
 
 /**
- * Gives back one reference to a task; NULL is fine. With the last one a task that still runs is cancelled and waited
- * for, so that none of its functions is called afterwards; these may use the handle until then. (Inside one of them it is
- * only cancelled.) Thread-safe.
+ * Releases a reference to a task; NULL is allowed. The release of the last reference cancels a task that still runs and waits
+ * for its end. The task's callbacks may use the handle until then, and are not called afterwards. Inside one of these
+ * callbacks, the call cancels the task without waiting. Thread-safe.
  */
 void etd_task_release(struct etd_task *task);
 
 /**
- * The first failure of a call on this task since this was last asked, and forgets it; `ETD_OK` if there was none.
- * `message`: where its message goes (at most `capacity` bytes with the zero byte), or NULL. Thread-safe.
+ * Takes the first failure of a call on this task since the last time that it was taken: returns its status, or `ETD_OK` if
+ * there was none, and forgets the failure.
+ * `message`: receives the message, at most `capacity` bytes including the zero byte, unless it is NULL. Thread-safe.
  */
-etd_status etd_task_status(struct etd_task *task, char *message, size_t capacity);
+etd_status etd_task_status(struct etd_task *task,
+                           char *message,
+                           size_t capacity);
 
 /**
- * Finds what each of `count` rays meets first, in the scene as it was last built.
+ * Finds the first hit of each of `count` rays, in the scene as last built.
  *
- * `hits`: one for each ray, in order. A ray that cannot be traced (NaN, infinity in origin or direction, no direction, a
- * negative or NaN interval) meets nothing; all others are answered, and then `ETD_INVALID_ARGUMENT` names the first such
- * ray. `ETD_INVALID_OPERATION` before the first build. Everything is done on the calling thread, and any number of
- * threads may ask at once: share out large batches over your own. Thread-safe.
+ * `hits`: receives one hit for each ray, in the order of the rays. Rays that cannot be traced hit nothing: those with NaN or
+ * infinity in origin or direction, a zero direction, or a negative or NaN interval. All other rays are still traced, and the
+ * call then returns `ETD_INVALID_ARGUMENT` with a message about the first ray that cannot be traced. Error:
+ * `ETD_INVALID_OPERATION` before the first build. The call traces all rays on the calling thread. Any number of threads may
+ * call it at the same time, so a host may divide large batches over its own threads. Thread-safe.
  */
 etd_status etd_scene_intersect(const struct etd_scene *scene,
                                const struct etd_ray *rays,
@@ -2545,9 +2598,9 @@ etd_status etd_scene_intersect(const struct etd_scene *scene,
                                struct etd_hit *hits);
 
 /**
- * Finds for each of `count` rays whether anything is in its segment, in the scene as it was last built.
+ * Finds for each of `count` rays whether anything lies in its segment, in the scene as last built.
  *
- * `occluded`: one byte for each ray, 1 or 0. All else as for `etd_scene_intersect`. Thread-safe.
+ * `occluded`: receives one byte for each ray, 1 or 0. Rays, errors and threads are as for `etd_scene_intersect`. Thread-safe.
  */
 etd_status etd_scene_occluded(const struct etd_scene *scene,
                               const struct etd_ray *rays,
@@ -2555,44 +2608,48 @@ etd_status etd_scene_occluded(const struct etd_scene *scene,
                               uint8_t *occluded);
 
 /**
- * Lays out all surfaces of a scene in one square light map; builds the scene first where it has changed.
+ * Makes an atlas: lays out all surfaces of a scene in one square light map. A scene that has changed is built first.
  *
- * `options`: NULL for the defaults of `ETD_ATLAS_OPTIONS_INIT`. On `ETD_OK` `*out_atlas` is one reference; it keeps the scene as
- * it is now, and what is baked later is of that. The same scene gives the same layout. The log callback is told of meshes whose
- * own texture coordinates could not be used. Errors: `ETD_CANCELLED` if the progress callback stopped it; `ETD_INVALID_SCENE` for
- * a scene without a surface, options out of their range, charts that do not fit, and texture coordinates that are no layout where
- * these are asked for; `ETD_OUT_OF_MEMORY`; all that `etd_scene_commit` has. Thread-safe.
+ * `options`: NULL for the defaults of `ETD_ATLAS_OPTIONS_INIT`. On `ETD_OK`, `*out_atlas` is one reference. The atlas keeps the
+ * scene as it is now, and later bakes use that scene. The same scene gives the same layout. The log callback receives a
+ * warning for each mesh whose own texture coordinates could not be used. Errors: `ETD_CANCELLED` if the progress callback
+ * stopped the call; `ETD_INVALID_SCENE` for a scene without a surface, for options out of their range, for charts that do not
+ * fit, and for texture coordinates that cannot be a layout although the options require them; `ETD_OUT_OF_MEMORY`; the errors
+ * of `etd_scene_commit`. Thread-safe.
  */
 etd_status etd_atlas_new(struct etd_scene *scene,
                          const struct etd_atlas_options *options,
                          struct etd_atlas **out_atlas);
 
 /**
- * One more reference to an atlas. Thread-safe.
+ * Adds a reference to an atlas. Thread-safe.
  */
 etd_status etd_atlas_retain(struct etd_atlas *atlas);
 
 /**
- * Gives back one reference to an atlas; NULL is fine. Thread-safe.
+ * Releases a reference to an atlas; NULL is allowed. Thread-safe.
  */
 void etd_atlas_release(struct etd_atlas *atlas);
 
 /**
- * The first failure of a call on this atlas since this was last asked, and forgets it; `ETD_OK` if there was none.
- * `message`: where its message goes (at most `capacity` bytes with the zero byte), or NULL. Thread-safe.
+ * Takes the first failure of a call on this atlas since the last time that it was taken: returns its status, or `ETD_OK` if
+ * there was none, and forgets the failure.
+ * `message`: receives the message, at most `capacity` bytes including the zero byte, unless it is NULL. Thread-safe.
  */
-etd_status etd_atlas_status(struct etd_atlas *atlas, char *message, size_t capacity);
+etd_status etd_atlas_status(struct etd_atlas *atlas,
+                            char *message,
+                            size_t capacity);
 
 /**
- * How large an atlas is, and how many of everything it has. Thread-safe.
+ * Returns the size of an atlas and its numbers of vertices, triangles, surfaces and charts. Thread-safe.
  */
 etd_status etd_atlas_get_info(const struct etd_atlas *atlas, struct etd_atlas_info *out_info);
 
 /**
- * Copies the vertices of an atlas, those of a surface together; one on the seam of two charts is there for each.
+ * Copies the vertices of an atlas, surface by surface. A vertex on a seam is there once for each chart.
  *
- * `*out_needed`, unless NULL, is their number; `vertices` may be NULL to ask for that alone. `ETD_INVALID_ARGUMENT` for a capacity
- * below it. Thread-safe.
+ * `*out_needed` receives the number of vertices, unless `out_needed` is NULL. `vertices` may be NULL to get the number only.
+ * Error: `ETD_INVALID_ARGUMENT` for a capacity below the number. Thread-safe.
  */
 etd_status etd_atlas_copy_vertices(const struct etd_atlas *atlas,
                                    struct etd_atlas_vertex *vertices,
@@ -2600,10 +2657,12 @@ etd_status etd_atlas_copy_vertices(const struct etd_atlas *atlas,
                                    size_t *out_needed);
 
 /**
- * Copies three vertex numbers for each triangle of an atlas, counter-clockwise seen from outside, those of a surface together and
- * in the order in which they were given. Triangles without an area are left out: `etd_atlas_copy_primitives` says which are there.
+ * Copies three vertex numbers for each triangle of an atlas, counter-clockwise seen from outside. Triangles come surface by
+ * surface, in the order of the scene. Triangles without an area are left out; `etd_atlas_copy_primitives` says which triangles
+ * are there.
  *
- * `capacity` and `*out_needed` count numbers, three times the triangles. All else as for `etd_atlas_copy_vertices`. Thread-safe.
+ * `capacity` and `*out_needed` are numbers of indices, three for each triangle. All else is as for `etd_atlas_copy_vertices`.
+ * Thread-safe.
  */
 etd_status etd_atlas_copy_indices(const struct etd_atlas *atlas,
                                   uint32_t *indices,
@@ -2611,8 +2670,8 @@ etd_status etd_atlas_copy_indices(const struct etd_atlas *atlas,
                                   size_t *out_needed);
 
 /**
- * Copies for each triangle of an atlas its number in its mesh as it was given; 0 or 1 for the half of a quad; running on other
- * shapes. All else as for `etd_atlas_copy_vertices`. Thread-safe.
+ * Copies for each triangle of an atlas its number on its surface: on a mesh the number of the triangle in the mesh, on a quad 0
+ * or 1, on other shapes consecutive numbers. All else is as for `etd_atlas_copy_vertices`. Thread-safe.
  */
 etd_status etd_atlas_copy_primitives(const struct etd_atlas *atlas,
                                      uint32_t *primitives,
@@ -2620,8 +2679,8 @@ etd_status etd_atlas_copy_primitives(const struct etd_atlas *atlas,
                                      size_t *out_needed);
 
 /**
- * Copies what an atlas has of each surface, in the order of their numbers; removed surfaces and those without an area are missing.
- * All else as for `etd_atlas_copy_vertices`. Thread-safe.
+ * Copies the surfaces of an atlas, in the order of their numbers. Removed surfaces and surfaces without an area are left out.
+ * All else is as for `etd_atlas_copy_vertices`. Thread-safe.
  */
 etd_status etd_atlas_copy_surfaces(const struct etd_atlas *atlas,
                                    struct etd_atlas_surface *surfaces,
@@ -2629,8 +2688,8 @@ etd_status etd_atlas_copy_surfaces(const struct etd_atlas *atlas,
                                    size_t *out_needed);
 
 /**
- * Copies for each texel of an atlas the share that triangles cover, `[height][width]`, row 0 at v = 0; 0 for padding and for what
- * belongs to no chart. All else as for `etd_atlas_copy_vertices`. Thread-safe.
+ * Copies for each texel of an atlas the fraction of its area that triangles cover, `[height][width]`, row 0 at v = 0. It is 0 in
+ * gutters and outside of charts. All else is as for `etd_atlas_copy_vertices`. Thread-safe.
  */
 etd_status etd_atlas_copy_coverage(const struct etd_atlas *atlas,
                                    float *coverage,
@@ -2638,18 +2697,20 @@ etd_status etd_atlas_copy_coverage(const struct etd_atlas *atlas,
                                    size_t *out_needed);
 
 /**
- * Bakes the light map of an atlas into the host's array: irradiance [W m^-2], seams padded.
+ * Bakes the light map of an atlas, irradiance [W m^-2], to the host's array, and returns when the bake has ended.
  *
- * `options`: NULL for the scene's own settings. `ETD_INTEGRATOR_RADIOSITY` takes it from a radiosity solution (elements as small as
- * texels unless a size is given; no samples, NaN for standard errors), any other integrator means path tracing. Filter and
- * `finished` are not looked at, depth counts the texel as the first hit, and "pixels" are texels here. `target`: three floats for
- * each texel, `[height][width]`, row 0 at v = 0; with the standard error likewise, if it is asked for. `out_summary`: NULL, or
- * filled. Texels that no triangle covers have the values of the nearest one of their chart, and are 0 beyond the gutter.
+ * `options`: NULL for the scene's own settings. With `ETD_INTEGRATOR_RADIOSITY`, irradiance comes from a radiosity solution, whose
+ * elements are as small as texels unless the options contain a size; it has no samples, and standard errors are NaN. All other
+ * integrators mean path tracing. The filter and `finished` are ignored, the depth counts the texel as the first hit, and
+ * "pixels" in the documentation of options means texels. `target`: receives three floats for each texel, `[height][width]`, row 0
+ * at v = 0, and in the same layout the standard errors if `standard_error` is not NULL. `out_summary`: receives the summary,
+ * unless it is NULL. Texels in the gutter of a chart get the values of the nearest covered texel of the chart, and texels beyond
+ * gutters get 0.
  *
- * Returns when it is done. What is baked is the scene as it was when the atlas was made, and depends on atlas and options alone, not
- * on threads. Errors: `ETD_CANCELLED` if the progress callback stopped it: the arrays then hold what was done by paths, and what they
- * held before by radiosity; `ETD_INVALID_ARGUMENT` for a target that cannot hold the map; `ETD_OUT_OF_MEMORY` for a radiosity
- * solution beyond `radiosity_memory`. Thread-safe.
+ * The bake uses the scene for which the atlas was made. The result depends only on the atlas and the options, and not on
+ * threads. Errors: `ETD_CANCELLED` if the progress callback stopped the bake; with path tracing, the arrays then contain the
+ * result of the samples so far, and with radiosity, they are unchanged; `ETD_INVALID_ARGUMENT` for a target that cannot hold the
+ * map; `ETD_OUT_OF_MEMORY` for a radiosity solution larger than `radiosity_memory`. Thread-safe.
  */
 etd_status etd_atlas_bake(struct etd_atlas *atlas,
                           const struct etd_render_options *options,
@@ -2657,14 +2718,13 @@ etd_status etd_atlas_bake(struct etd_atlas *atlas,
                           struct etd_summary *out_summary);
 
 /**
- * Bakes the vertices of one surface into the host's array: irradiance [W m^-2]; builds the scene first where it has
- * changed.
+ * Bakes the vertices of one surface, irradiance [W m^-2], to the host's array. A scene that has changed is built first.
  *
- * `surface`: number of the surface. `target`: three floats for each vertex; of a mesh for all its vertices in their order, of a
- * triangle or a quad for the corners. A vertex has the mean irradiance of the part of the surface that is nearest to it (of each
- * triangle around it a third); one of no triangle has 0. `target->row_stride` is not looked at. All else as for
- * `etd_atlas_bake`. Errors: `ETD_INVALID_ARGUMENT` for a number of no surface with vertices of its own, be it removed, and for a
- * target that cannot hold them. Thread-safe.
+ * `surface`: number of the surface. `target`: receives three floats for each vertex: all vertices of a mesh in their order, or
+ * the corners of a triangle or a quad. The value of a vertex is the mean irradiance over the part of the surface that is nearest
+ * to the vertex, a third of each triangle around it; it is 0 for a vertex of no triangle. `target->row_stride` is ignored. All
+ * else is as for `etd_atlas_bake`. Errors: `ETD_INVALID_ARGUMENT` for a number of a removed surface, of a surface without
+ * vertices or of no surface, and for a target that cannot hold the vertices. Thread-safe.
  */
 etd_status etd_scene_bake_vertices(struct etd_scene *scene,
                                    uint32_t surface,

@@ -1,4 +1,4 @@
-//! Light maps: layouts, and irradiance into arrays of the host.
+//! Light maps: their layouts, and bakes of irradiance to arrays of the host.
 
 use std::ffi::c_char;
 use std::ptr;
@@ -9,7 +9,7 @@ use super::boundary::{
     Header, Object, UserData, give, need, object, on, read_sized, release, retain, take_status, write_sized,
 };
 use super::device::etd_device;
-use super::progress::{BUILD_SHARE, HostProgress, none_yet};
+use super::progress::{BUILD_FRACTION, HostProgress, initial_progress};
 use super::read;
 use super::scene::etd_scene;
 use super::status::{ETD_CANCELLED, Failure, Result, etd_status};
@@ -21,10 +21,10 @@ use crate::integrator::Sites;
 use crate::render::Summary;
 use crate::scene::Scene;
 
-/// Share of the progress that choosing vertices takes, of what follows the build.
-const VERTICES_SHARE: f64 = 0.1;
+/// Fraction of the progress after the build that the choice of sites for vertices counts for.
+const VERTICES_FRACTION: f64 = 0.1;
 
-/// The layout of a light map, and the scene that it is of, as it was built then.
+/// The layout of a light map, and the scene for which it was made.
 pub struct etd_atlas {
     header: Header,
     atlas: Box<Atlas>,
@@ -33,26 +33,27 @@ pub struct etd_atlas {
 }
 object!(etd_atlas, b"EtAt", "atlas");
 
-// The tag is looked for in whatever object the host passes: it must lie inside the smallest one.
+// The tag is read from any object that the host passes, so its offset must lie inside the smallest kind of object.
 const _: () = assert!(size_of::<etd_atlas>() <= size_of::<etd_device>());
 
-/// Lays out all surfaces of a scene in one square light map; builds the scene first where it has changed.
+/// Makes an atlas: lays out all surfaces of a scene in one square light map. A scene that has changed is built first.
 ///
-/// `options`: NULL for the defaults of `ETD_ATLAS_OPTIONS_INIT`. On `ETD_OK` `*out_atlas` is one reference; it keeps the scene as
-/// it is now, and what is baked later is of that. The same scene gives the same layout. The log callback is told of meshes whose
-/// own texture coordinates could not be used. Errors: `ETD_CANCELLED` if the progress callback stopped it; `ETD_INVALID_SCENE` for
-/// a scene without a surface, options out of their range, charts that do not fit, and texture coordinates that are no layout where
-/// these are asked for; `ETD_OUT_OF_MEMORY`; all that `etd_scene_commit` has. Thread-safe.
+/// `options`: NULL for the defaults of `ETD_ATLAS_OPTIONS_INIT`. On `ETD_OK`, `*out_atlas` is one reference. The atlas keeps the
+/// scene as it is now, and later bakes use that scene. The same scene gives the same layout. The log callback receives a
+/// warning for each mesh whose own texture coordinates could not be used. Errors: `ETD_CANCELLED` if the progress callback
+/// stopped the call; `ETD_INVALID_SCENE` for a scene without a surface, for options out of their range, for charts that do not
+/// fit, and for texture coordinates that cannot be a layout although the options require them; `ETD_OUT_OF_MEMORY`; the errors
+/// of `etd_scene_commit`. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_atlas_new(
     scene: *mut etd_scene,
     options: *const etd_atlas_options,
     out_atlas: *mut *mut etd_atlas,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             need(out_atlas, "out_atlas")?;
@@ -62,8 +63,8 @@ pub unsafe extern "C" fn etd_atlas_new(
                 atlas_options(options)?
             };
             let (built, layout) = build(scene, &progress)?;
-            let mut look_up = |fraction| layout.tell(fraction, none_yet(ETD_PHASE_BUILD));
-            let atlas = Atlas::watched(&built, &options, &mut look_up)?;
+            let mut progress = |fraction| layout.report(fraction, initial_progress(ETD_PHASE_BUILD));
+            let atlas = Atlas::watched(&built, &options, &mut progress)?;
             let header = Header::new::<etd_atlas>(scene.device.callbacks());
             for warning in atlas.warnings() {
                 header.callbacks.log(ETD_LOG_WARNING, warning);
@@ -75,17 +76,17 @@ pub unsafe extern "C" fn etd_atlas_new(
     }
 }
 
-/// The scene as it is described now, and who tells of what follows.
+/// Builds the scene as described now. Returns it with the progress of the work that follows.
 fn build(scene: &etd_scene, progress: &HostProgress) -> Result<(Scene, HostProgress)> {
-    let (built, time) = scene.build(progress.cancel(), progress.part(0.0, BUILD_SHARE).build())?;
-    let share = if time.is_zero() { 0.0 } else { BUILD_SHARE };
+    let (built, time) = scene.build(progress.cancel(), progress.part(0.0, BUILD_FRACTION).build())?;
+    let share = if time.is_zero() { 0.0 } else { BUILD_FRACTION };
     Ok((built, progress.part(share, 1.0)))
 }
 
 /// # Safety
-/// As for [`read_sized`].
+/// The contract of [`read_sized`].
 unsafe fn atlas_options(options: *const etd_atlas_options) -> Result<(AtlasOptions, HostProgress)> {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     let it = unsafe { read_sized(options, "options") }?;
     let default = AtlasOptions::default();
     let layout = match read::enumeration("options.layout", it.layout)? {
@@ -111,44 +112,45 @@ unsafe fn atlas_options(options: *const etd_atlas_options) -> Result<(AtlasOptio
     Ok((made, HostProgress::new(it.progress, UserData(it.user_data))))
 }
 
-/// One more reference to an atlas. Thread-safe.
+/// Adds a reference to an atlas. Thread-safe.
 ///
 /// # Safety
 /// `atlas` must be NULL or an atlas.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_atlas_retain(atlas: *mut etd_atlas) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { retain(atlas) }
 }
 
-/// Gives back one reference to an atlas; NULL is fine. Thread-safe.
+/// Releases a reference to an atlas; NULL is allowed. Thread-safe.
 ///
 /// # Safety
 /// `atlas` must be NULL or an atlas of which the caller has a reference.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_atlas_release(atlas: *mut etd_atlas) {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { release(atlas) }
 }
 
-/// The first failure of a call on this atlas since this was last asked, and forgets it; `ETD_OK` if there was none.
-/// `message`: where its message goes (at most `capacity` bytes with the zero byte), or NULL. Thread-safe.
+/// Takes the first failure of a call on this atlas since the last time that it was taken: returns its status, or `ETD_OK` if
+/// there was none, and forgets the failure.
+/// `message`: receives the message, at most `capacity` bytes including the zero byte, unless it is NULL. Thread-safe.
 ///
 /// # Safety
 /// `atlas` must be NULL or an atlas, and `capacity` bytes writable at `message` unless it is NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_atlas_status(atlas: *mut etd_atlas, message: *mut c_char, capacity: usize) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { take_status(atlas, message, capacity) }
 }
 
-/// How large an atlas is, and how many of everything it has. Thread-safe.
+/// Returns the size of an atlas and its numbers of vertices, triangles, surfaces and charts. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_atlas_get_info(atlas: *const etd_atlas, out_info: *mut etd_atlas_info) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(atlas, |atlas| {
             let it = &atlas.atlas;
@@ -168,13 +170,13 @@ pub unsafe extern "C" fn etd_atlas_get_info(atlas: *const etd_atlas, out_info: *
     }
 }
 
-/// Copies the vertices of an atlas, those of a surface together; one on the seam of two charts is there for each.
+/// Copies the vertices of an atlas, surface by surface. A vertex on a seam is there once for each chart.
 ///
-/// `*out_needed`, unless NULL, is their number; `vertices` may be NULL to ask for that alone. `ETD_INVALID_ARGUMENT` for a capacity
-/// below it. Thread-safe.
+/// `*out_needed` receives the number of vertices, unless `out_needed` is NULL. `vertices` may be NULL to get the number only.
+/// Error: `ETD_INVALID_ARGUMENT` for a capacity below the number. Thread-safe.
 ///
 /// # Safety
-/// `capacity` vertices must be writable at `vertices` unless it is NULL; other pointers must be NULL or point to what they say.
+/// `capacity` vertices must be writable at `vertices` unless it is NULL; other pointers must be NULL or point to values of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_atlas_copy_vertices(
     atlas: *const etd_atlas,
@@ -182,7 +184,7 @@ pub unsafe extern "C" fn etd_atlas_copy_vertices(
     capacity: usize,
     out_needed: *mut usize,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(atlas, |atlas| {
             let vertex = |vertex: &crate::bake::AtlasVertex| etd_atlas_vertex {
@@ -196,13 +198,15 @@ pub unsafe extern "C" fn etd_atlas_copy_vertices(
     }
 }
 
-/// Copies three vertex numbers for each triangle of an atlas, counter-clockwise seen from outside, those of a surface together and
-/// in the order in which they were given. Triangles without an area are left out: `etd_atlas_copy_primitives` says which are there.
+/// Copies three vertex numbers for each triangle of an atlas, counter-clockwise seen from outside. Triangles come surface by
+/// surface, in the order of the scene. Triangles without an area are left out; `etd_atlas_copy_primitives` says which triangles
+/// are there.
 ///
-/// `capacity` and `*out_needed` count numbers, three times the triangles. All else as for `etd_atlas_copy_vertices`. Thread-safe.
+/// `capacity` and `*out_needed` are numbers of indices, three for each triangle. All else is as for `etd_atlas_copy_vertices`.
+/// Thread-safe.
 ///
 /// # Safety
-/// `capacity` numbers must be writable at `indices` unless it is NULL; other pointers must be NULL or point to what they say.
+/// `capacity` numbers must be writable at `indices` unless it is NULL; other pointers must be NULL or point to values of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_atlas_copy_indices(
     atlas: *const etd_atlas,
@@ -210,7 +214,7 @@ pub unsafe extern "C" fn etd_atlas_copy_indices(
     capacity: usize,
     out_needed: *mut usize,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(atlas, |atlas| {
             let indices_of = atlas.atlas.triangles().as_flattened();
@@ -219,11 +223,11 @@ pub unsafe extern "C" fn etd_atlas_copy_indices(
     }
 }
 
-/// Copies for each triangle of an atlas its number in its mesh as it was given; 0 or 1 for the half of a quad; running on other
-/// shapes. All else as for `etd_atlas_copy_vertices`. Thread-safe.
+/// Copies for each triangle of an atlas its number on its surface: on a mesh the number of the triangle in the mesh, on a quad 0
+/// or 1, on other shapes consecutive numbers. All else is as for `etd_atlas_copy_vertices`. Thread-safe.
 ///
 /// # Safety
-/// `capacity` numbers must be writable at `primitives` unless it is NULL; other pointers must be NULL or point to what they say.
+/// `capacity` numbers must be writable at `primitives` unless it is NULL; other pointers must be NULL or point to values of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_atlas_copy_primitives(
     atlas: *const etd_atlas,
@@ -231,7 +235,7 @@ pub unsafe extern "C" fn etd_atlas_copy_primitives(
     capacity: usize,
     out_needed: *mut usize,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(atlas, |atlas| {
             copy(atlas.atlas.primitives().iter().copied(), primitives, capacity, out_needed, "primitives")
@@ -239,11 +243,11 @@ pub unsafe extern "C" fn etd_atlas_copy_primitives(
     }
 }
 
-/// Copies what an atlas has of each surface, in the order of their numbers; removed surfaces and those without an area are missing.
-/// All else as for `etd_atlas_copy_vertices`. Thread-safe.
+/// Copies the surfaces of an atlas, in the order of their numbers. Removed surfaces and surfaces without an area are left out.
+/// All else is as for `etd_atlas_copy_vertices`. Thread-safe.
 ///
 /// # Safety
-/// `capacity` surfaces must be writable at `surfaces` unless it is NULL; other pointers must be NULL or point to what they say.
+/// `capacity` surfaces must be writable at `surfaces` unless it is NULL; other pointers must be NULL or point to values of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_atlas_copy_surfaces(
     atlas: *const etd_atlas,
@@ -251,7 +255,7 @@ pub unsafe extern "C" fn etd_atlas_copy_surfaces(
     capacity: usize,
     out_needed: *mut usize,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(atlas, |atlas| {
             let surface = |it: &crate::bake::AtlasSurface| etd_atlas_surface {
@@ -268,11 +272,11 @@ pub unsafe extern "C" fn etd_atlas_copy_surfaces(
     }
 }
 
-/// Copies for each texel of an atlas the share that triangles cover, `[height][width]`, row 0 at v = 0; 0 for padding and for what
-/// belongs to no chart. All else as for `etd_atlas_copy_vertices`. Thread-safe.
+/// Copies for each texel of an atlas the fraction of its area that triangles cover, `[height][width]`, row 0 at v = 0. It is 0 in
+/// gutters and outside of charts. All else is as for `etd_atlas_copy_vertices`. Thread-safe.
 ///
 /// # Safety
-/// `capacity` floats must be writable at `coverage` unless it is NULL; other pointers must be NULL or point to what they say.
+/// `capacity` floats must be writable at `coverage` unless it is NULL; other pointers must be NULL or point to values of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_atlas_copy_coverage(
     atlas: *const etd_atlas,
@@ -280,7 +284,7 @@ pub unsafe extern "C" fn etd_atlas_copy_coverage(
     capacity: usize,
     out_needed: *mut usize,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(atlas, |atlas| {
             let it = &atlas.atlas;
@@ -296,7 +300,7 @@ pub unsafe extern "C" fn etd_atlas_copy_coverage(
     }
 }
 
-/// Copies items into the caller's array.
+/// Copies items to the caller's array.
 ///
 /// # Safety
 /// `capacity` items must be writable at `out`, unless it is NULL; one number at `out_needed`, unless it is NULL.
@@ -321,7 +325,7 @@ unsafe fn copy<T>(
     }
     if !out_needed.is_null() {
         need(out_needed, "out_needed")?;
-        // SAFETY: by the contract.
+        // SAFETY: the caller keeps this function's contract.
         unsafe { out_needed.write(count) }
     }
     if !asks {
@@ -333,21 +337,23 @@ unsafe fn copy<T>(
     Ok(())
 }
 
-/// Bakes the light map of an atlas into the host's array: irradiance [W m^-2], seams padded.
+/// Bakes the light map of an atlas, irradiance [W m^-2], to the host's array, and returns when the bake has ended.
 ///
-/// `options`: NULL for the scene's own settings. `ETD_INTEGRATOR_RADIOSITY` takes it from a radiosity solution (elements as small as
-/// texels unless a size is given; no samples, NaN for standard errors), any other integrator means path tracing. Filter and
-/// `finished` are not looked at, depth counts the texel as the first hit, and "pixels" are texels here. `target`: three floats for
-/// each texel, `[height][width]`, row 0 at v = 0; with the standard error likewise, if it is asked for. `out_summary`: NULL, or
-/// filled. Texels that no triangle covers have the values of the nearest one of their chart, and are 0 beyond the gutter.
+/// `options`: NULL for the scene's own settings. With `ETD_INTEGRATOR_RADIOSITY`, irradiance comes from a radiosity solution, whose
+/// elements are as small as texels unless the options contain a size; it has no samples, and standard errors are NaN. All other
+/// integrators mean path tracing. The filter and `finished` are ignored, the depth counts the texel as the first hit, and
+/// "pixels" in the documentation of options means texels. `target`: receives three floats for each texel, `[height][width]`, row 0
+/// at v = 0, and in the same layout the standard errors if `standard_error` is not NULL. `out_summary`: receives the summary,
+/// unless it is NULL. Texels in the gutter of a chart get the values of the nearest covered texel of the chart, and texels beyond
+/// gutters get 0.
 ///
-/// Returns when it is done. What is baked is the scene as it was when the atlas was made, and depends on atlas and options alone, not
-/// on threads. Errors: `ETD_CANCELLED` if the progress callback stopped it: the arrays then hold what was done by paths, and what they
-/// held before by radiosity; `ETD_INVALID_ARGUMENT` for a target that cannot hold the map; `ETD_OUT_OF_MEMORY` for a radiosity
-/// solution beyond `radiosity_memory`. Thread-safe.
+/// The bake uses the scene for which the atlas was made. The result depends only on the atlas and the options, and not on
+/// threads. Errors: `ETD_CANCELLED` if the progress callback stopped the bake; with path tracing, the arrays then contain the
+/// result of the samples so far, and with radiosity, they are unchanged; `ETD_INVALID_ARGUMENT` for a target that cannot hold the
+/// map; `ETD_OUT_OF_MEMORY` for a radiosity solution larger than `radiosity_memory`. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say; `target->size` bytes must be writable.
+/// Each pointer must be NULL or point to a value of its type; `target->size` bytes must be writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_atlas_bake(
     atlas: *mut etd_atlas,
@@ -355,12 +361,12 @@ pub unsafe extern "C" fn etd_atlas_bake(
     target: *const etd_bake_target,
     out_summary: *mut etd_summary,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(atlas, |atlas| {
             let side = atlas.atlas.side() as usize;
             let target = Target::new(target, [side, side])?;
-            let job = Job::new(&atlas.scene, options, out_summary)?;
+            let job = BakeJob::new(&atlas.scene, options, out_summary)?;
             let texel = 1.0 / atlas.atlas.texels_per_unit();
             let (baked, summary) = job.run(&atlas.built, atlas.atlas.sites(), Some(texel), target.front)?;
             let map = atlas.atlas.light_map(&baked);
@@ -370,17 +376,16 @@ pub unsafe extern "C" fn etd_atlas_bake(
     }
 }
 
-/// Bakes the vertices of one surface into the host's array: irradiance [W m^-2]; builds the scene first where it has
-/// changed.
+/// Bakes the vertices of one surface, irradiance [W m^-2], to the host's array. A scene that has changed is built first.
 ///
-/// `surface`: number of the surface. `target`: three floats for each vertex; of a mesh for all its vertices in their order, of a
-/// triangle or a quad for the corners. A vertex has the mean irradiance of the part of the surface that is nearest to it (of each
-/// triangle around it a third); one of no triangle has 0. `target->row_stride` is not looked at. All else as for
-/// `etd_atlas_bake`. Errors: `ETD_INVALID_ARGUMENT` for a number of no surface with vertices of its own, be it removed, and for a
-/// target that cannot hold them. Thread-safe.
+/// `surface`: number of the surface. `target`: receives three floats for each vertex: all vertices of a mesh in their order, or
+/// the corners of a triangle or a quad. The value of a vertex is the mean irradiance over the part of the surface that is nearest
+/// to the vertex, a third of each triangle around it; it is 0 for a vertex of no triangle. `target->row_stride` is ignored. All
+/// else is as for `etd_atlas_bake`. Errors: `ETD_INVALID_ARGUMENT` for a number of a removed surface, of a surface without
+/// vertices or of no surface, and for a target that cannot hold the vertices. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say; `target->size` bytes must be writable.
+/// Each pointer must be NULL or point to a value of its type; `target->size` bytes must be writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_bake_vertices(
     scene: *mut etd_scene,
@@ -389,16 +394,16 @@ pub unsafe extern "C" fn etd_scene_bake_vertices(
     target: *const etd_bake_target,
     out_summary: *mut etd_summary,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            let job = Job::new(scene, options, out_summary)?;
-            // What is wrong with the target is known before anything is built.
+            let job = BakeJob::new(scene, options, out_summary)?;
+            // The target is checked before anything is built.
             Target::new(target, [1, 1])?;
             let (built, rest) = build(scene, &job.progress)?;
-            let (making, baking) = (rest.part(0.0, VERTICES_SHARE), rest.part(VERTICES_SHARE, 1.0));
-            let mut look_up = |fraction| making.tell(fraction, none_yet(ETD_PHASE_BUILD));
-            let vertices = Vertices::watched(&built, &VertexOptions::default(), Some(surface), &mut look_up);
+            let (making, baking) = (rest.part(0.0, VERTICES_FRACTION), rest.part(VERTICES_FRACTION, 1.0));
+            let mut progress = |fraction| making.report(fraction, initial_progress(ETD_PHASE_BUILD));
+            let vertices = Vertices::watched(&built, &VertexOptions::default(), Some(surface), &mut progress);
             let vertices = match vertices {
                 Err(error) if error.kind() == crate::ErrorKind::InvalidScene => {
                     return Err(Failure::argument(format!("surface {surface} does not exist or has no vertices")));
@@ -406,7 +411,7 @@ pub unsafe extern "C" fn etd_scene_bake_vertices(
                 vertices => vertices?,
             };
             let target = Target::new(target, [vertices.vertices().len(), 1])?;
-            let job = Job { progress: baking, ..job };
+            let job = BakeJob { progress: baking, ..job };
             let (baked, summary) = job.run(&built, vertices.sites(), None, target.front)?;
             target.write(&vertices.spread(&baked.irradiance), &vertices.spread(&baked.standard_error));
             job.finish(&summary, out_summary)
@@ -414,7 +419,7 @@ pub unsafe extern "C" fn etd_scene_bake_vertices(
     }
 }
 
-/// Where results go, checked.
+/// The checked target of a bake.
 struct Target {
     irradiance: *mut u8,
     standard_error: *mut u8,
@@ -426,10 +431,10 @@ struct Target {
 
 impl Target {
     /// # Safety
-    /// As for [`read_sized`].
+    /// The contract of [`read_sized`].
     unsafe fn new(target: *const etd_bake_target, [columns, rows]: [usize; 2]) -> Result<Self> {
         const ITEM: usize = size_of::<[f32; 3]>();
-        // SAFETY: passed on.
+        // SAFETY: the caller keeps this function's contract.
         let it = unsafe { read_sized(target, "target") }?;
         if it.reserved != 0 {
             return Err(Failure::argument("target.reserved is not 0"));
@@ -475,10 +480,10 @@ impl Target {
         })
     }
 
-    /// Writes items row by row; missing ones are left out.
+    /// Writes irradiance, and standard errors where the host asks for them, row by row.
     ///
     /// # Safety
-    /// What the target's structure said must be writable.
+    /// The arrays that the target's structure describes must be writable.
     unsafe fn write(&self, irradiance: &[[f32; 3]], standard_error: &[[f32; 3]]) {
         for (start, values) in [(self.irradiance, irradiance), (self.standard_error, standard_error)] {
             if start.is_null() {
@@ -486,7 +491,7 @@ impl Target {
             }
             for (row, values) in values.chunks(self.size[0]).take(self.size[1]).enumerate() {
                 for (column, value) in values.iter().enumerate() {
-                    // SAFETY: inside the size that was checked; the addresses are multiples of a float's.
+                    // SAFETY: the writes stay inside the size that was checked, and the addresses are aligned to floats.
                     unsafe {
                         let at = start.add(row * self.row_stride + column * self.stride);
                         at.cast::<[f32; 3]>().write(*value);
@@ -497,16 +502,16 @@ impl Target {
     }
 }
 
-/// A bake: what the host asked for.
-struct Job<'a> {
+/// A bake with the host's options.
+struct BakeJob<'a> {
     scene: &'a Arc<etd_scene>,
     options: etd_render_options,
     progress: HostProgress,
 }
 
-impl<'a> Job<'a> {
+impl<'a> BakeJob<'a> {
     /// # Safety
-    /// As for [`read_sized`].
+    /// The contract of [`read_sized`].
     unsafe fn new(
         scene: &'a Arc<etd_scene>,
         options: *const etd_render_options,
@@ -515,31 +520,31 @@ impl<'a> Job<'a> {
         let options = if options.is_null() {
             read::render_out(&scene.desc().render)
         } else {
-            // SAFETY: passed on.
+            // SAFETY: the caller keeps this function's contract.
             unsafe { read_sized(options, "options") }?
         };
         if !out_summary.is_null() {
-            // SAFETY: passed on.
+            // SAFETY: the caller keeps this function's contract.
             unsafe { read_sized(out_summary.cast_const(), "out_summary") }?;
         }
         let progress = HostProgress::new(options.progress, UserData(options.user_data));
-        // Options that no bake could have are refused here.
+        // Invalid options are refused here.
         settings_of(&options, [1, 1], &scene.device, progress.cancel())?;
         Ok(Self { scene, options, progress })
     }
 
-    /// `texel`: the length of one, where there are any.
+    /// Runs the bake. `texel` is the length of a texel, for bakes of atlases.
     fn run(&self, built: &Scene, sites: &Arc<Sites>, texel: Option<f64>, front: bool) -> Result<(Baked, Summary)> {
         let start = Instant::now();
         let settings = settings_of(&self.options, [1, 1], &self.scene.device, self.progress.cancel())?;
         if settings.desc.integrator == IntegratorDesc::Radiosity {
-            // Of the scene's own integrator they were told with the scene.
+            // If the scene's own integrator is radiosity, the build of the scene has already logged these warnings.
             let is_own = self.scene.desc().render.integrator == IntegratorDesc::Radiosity;
             let warnings = built.info().not_diffuse.iter().filter(|_| !is_own);
             let callbacks = self.scene.device.callbacks();
             warnings.chain(&built.info().not_in_radiosity).for_each(|it| callbacks.log(ETD_LOG_WARNING, it));
-            let mut look_up = |fraction| self.progress.tell(fraction, none_yet(ETD_PHASE_RENDER));
-            let (baked, solution) = by_radiosity(built, sites, &settings, texel, front, &mut look_up)?;
+            let mut progress = |fraction| self.progress.report(fraction, initial_progress(ETD_PHASE_RENDER));
+            let (baked, solution) = by_radiosity(built, sites, &settings, texel, front, &mut progress)?;
             let notes = solution.notes().to_vec();
             let summary = Summary { elapsed: start.elapsed(), notes, ..Summary::default() };
             self.log(&summary);
@@ -551,9 +556,9 @@ impl<'a> Job<'a> {
                 rays: progress.rays,
                 samples_done: progress.samples_done,
                 samples_total: progress.samples_total,
-                ..none_yet(ETD_PHASE_RENDER)
+                ..initial_progress(ETD_PHASE_RENDER)
             };
-            self.progress.tell(progress.fraction, report)
+            self.progress.report(progress.fraction, report)
         })?;
         self.log(&summary);
         Ok((bake.irradiance(), summary))
@@ -565,10 +570,10 @@ impl<'a> Job<'a> {
     }
 
     /// # Safety
-    /// As for [`write_sized`].
+    /// The contract of [`write_sized`].
     unsafe fn finish(&self, summary: &Summary, out_summary: *mut etd_summary) -> Result {
         if !out_summary.is_null() {
-            // SAFETY: passed on.
+            // SAFETY: the caller keeps this function's contract.
             unsafe { write_sized(out_summary, "out_summary", summary_out(summary, Duration::ZERO, summary.stopped)) }?;
         }
         if summary.stopped {

@@ -1,4 +1,4 @@
-//! The border between C and Rust: pointers are checked, panics end here, failures are kept.
+//! The boundary between C and Rust: checks of pointers and handles, conversion of panics to errors, and storage of failures.
 
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, c_char, c_void};
@@ -12,21 +12,21 @@ use super::status::{
 };
 use super::types::{etd_error_fn, etd_log_fn, etd_log_level};
 
-/// Locks what no panic can leave half done.
+/// Locks a mutex whose data no panic can leave inconsistent, and therefore ignores poisoning.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A pointer of the host's, handed back to it and never looked at.
+/// A pointer of the host, which the library only passes back to functions of the host.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct UserData(pub *mut c_void);
 
-// SAFETY: the library never dereferences it; what the host's functions do with it on which thread is documented.
+// SAFETY: the library never dereferences the pointer. The documentation says on which threads the host's functions receive it.
 unsafe impl Send for UserData {}
 // SAFETY: as for `Send`.
 unsafe impl Sync for UserData {}
 
-/// What a device tells its host.
+/// The functions of the host that a device calls with messages.
 #[derive(Debug)]
 pub(super) struct Callbacks {
     pub log: etd_log_fn,
@@ -35,41 +35,41 @@ pub(super) struct Callbacks {
 }
 
 thread_local! {
-    /// Whether this thread is inside the error callback: a failing call in there is not reported again.
+    /// Whether this thread is inside the error callback, in which failing calls are not reported.
     static REPORTING: Cell<bool> = const { Cell::new(false) };
 }
 
 thread_local! {
-    /// The pieces of work, by address, for which this thread is working or calling the host, innermost last.
-    static INSIDE: RefCell<Vec<usize>> = const { RefCell::new(Vec::new()) };
+    /// The addresses of the work that this thread does, or for which it calls the host, innermost last.
+    static ACTIVE_WORK: RefCell<Vec<usize>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Says that this thread works for something, until it is dropped.
-pub(super) struct Inside;
+/// Marks this thread as doing some work until the value is dropped.
+pub(super) struct ActiveWork;
 
-impl Inside {
+impl ActiveWork {
     pub fn enter(work: usize) -> Self {
-        INSIDE.with(|inside| inside.borrow_mut().push(work));
+        ACTIVE_WORK.with(|active| active.borrow_mut().push(work));
         Self
     }
 }
 
-impl Drop for Inside {
+impl Drop for ActiveWork {
     fn drop(&mut self) {
-        INSIDE.with(|inside| inside.borrow_mut().pop());
+        ACTIVE_WORK.with(|active| active.borrow_mut().pop());
     }
 }
 
-/// Whether this thread is working for it: then it cannot wait for its end.
-pub(super) fn is_inside(work: usize) -> bool {
-    INSIDE.with(|inside| inside.borrow().contains(&work))
+/// Whether this thread is doing the work at this address. Such a thread cannot wait for the end of the work.
+pub(super) fn is_active(work: usize) -> bool {
+    ACTIVE_WORK.with(|active| active.borrow().contains(&work))
 }
 
 impl Callbacks {
     pub fn log(&self, level: etd_log_level, message: &str) {
         if let Some(log) = self.log {
             let message = c_string(message);
-            // SAFETY: the host gave the function for this; the string lives during the call.
+            // SAFETY: the host provided the function for these calls; the string lives during the call.
             unsafe { log(self.user_data.0, level, message.as_ptr()) }
         }
     }
@@ -86,14 +86,16 @@ impl Callbacks {
     }
 }
 
-/// What every object begins with.
+/// The part that all objects have in common.
 #[derive(Debug)]
 pub(super) struct Header {
-    /// Says of which kind the object is. Cleared when the object is dropped, which helps a debugger and promises nothing: by
-    /// then the memory is freed.
+    /// The kind of the object. The tag is cleared when the object is dropped. That only helps debugging, because the memory is
+    /// freed at the same time.
     tag: AtomicU32,
+    /// Whether a call on the object has panicked. Such an object can only be released.
     poisoned: AtomicBool,
-    sticky: Mutex<Option<Failure>>,
+    /// The first failure since the last time that the host asked for the object's status.
+    first_failure: Mutex<Option<Failure>>,
     pub callbacks: Arc<Callbacks>,
 }
 
@@ -104,23 +106,23 @@ impl Header {
         Self {
             tag: AtomicU32::new(T::TAG),
             poisoned: AtomicBool::new(false),
-            sticky: Mutex::new(None),
+            first_failure: Mutex::new(None),
             callbacks: Arc::clone(callbacks),
         }
     }
 
-    /// Keeps a failure as the object's, unless there is one, and tells the host.
-    pub fn keep(&self, failure: &Failure) {
+    /// Stores a failure of a call on the object, unless an earlier one is stored, and reports it to the host.
+    pub fn store(&self, failure: &Failure) {
         if failure.status == ETD_PANIC {
             self.poisoned.store(true, Ordering::Relaxed);
         }
-        lock(&self.sticky).get_or_insert_with(|| failure.clone());
+        lock(&self.first_failure).get_or_insert_with(|| failure.clone());
         self.callbacks.error(failure);
     }
 
-    /// The first failure since the last time it was asked.
+    /// Takes the first failure since the last time that it was taken.
     pub fn take(&self) -> Option<Failure> {
-        lock(&self.sticky).take()
+        lock(&self.first_failure).take()
     }
 }
 
@@ -133,7 +135,7 @@ impl Drop for Header {
 /// An object that C holds by a pointer.
 ///
 /// # Safety
-/// `TAG_AT` is where the header's tag lies in the object, and no other object has the same tag.
+/// `TAG_AT` is the offset of the header's tag in the object, and no other kind of object has the same tag.
 pub(super) unsafe trait Object: Send + Sync + Sized + 'static {
     const TAG: u32;
     const TAG_AT: usize;
@@ -144,7 +146,7 @@ pub(super) unsafe trait Object: Send + Sync + Sized + 'static {
 /// Makes a structure with a field `header` an [`Object`].
 macro_rules! object {
     ($type:ty, $tag:literal, $name:literal) => {
-        // SAFETY: the offset is the compiler's, and each tag is given once.
+        // SAFETY: `offset_of` gives the offset, and each tag is used once.
         unsafe impl Object for $type {
             const TAG: u32 = u32::from_be_bytes(*$tag);
             const TAG_AT: usize = std::mem::offset_of!($type, header) + Header::TAG_AT;
@@ -157,23 +159,24 @@ macro_rules! object {
 }
 pub(super) use object;
 
-/// Gives an object to the host, as one reference.
+/// Gives the host one reference to an object.
 pub(super) fn give<T: Object>(object: Arc<T>, out: *mut *mut T) {
     // SAFETY: the caller has checked `out`.
     unsafe { out.write(Arc::into_raw(object).cast_mut()) }
 }
 
-/// The object of this kind at `pointer`; an error for NULL and for an object of another kind.
+/// Returns the object of this kind at `pointer`, or an error for NULL and for an object of another kind.
 ///
 /// # Safety
-/// `pointer` must be NULL, a living object of this library, or point to readable memory as large as one that holds none. An
-/// object whose last reference was given back is none of these: its memory is freed, and reading it is undefined behaviour.
+/// `pointer` must be NULL, point to a living object of this library, or point to readable memory of at least the size of such
+/// an object. A pointer to an object whose last reference was released is none of these: the memory is freed, and to read it
+/// is undefined behaviour.
 pub(super) unsafe fn peek<'a, T: Object>(pointer: *const T) -> Result<&'a T> {
     if pointer.is_null() {
         return Err(Failure::argument(format!("the {} is NULL", T::NAME)));
     }
     let tag = if pointer.is_aligned() {
-        // SAFETY: readable by the caller's contract; an object of this kind has its tag there.
+        // SAFETY: the memory is readable by the caller's contract, and an object of this kind has its tag at this offset.
         unsafe { ptr::read_volatile(pointer.byte_add(T::TAG_AT).cast::<u32>()) }
     } else {
         0
@@ -182,16 +185,16 @@ pub(super) unsafe fn peek<'a, T: Object>(pointer: *const T) -> Result<&'a T> {
         let message = format!("the pointer is no {}", T::NAME);
         return Err(Failure::new(ETD_INVALID_HANDLE, message));
     }
-    // SAFETY: of this kind, and alive by the caller's contract.
+    // SAFETY: the object is of this kind, and it is alive by the caller's contract.
     Ok(unsafe { &*pointer })
 }
 
-/// As [`peek`], and not spoiled by a panic.
+/// The same as [`peek`], with an error for an object in whose use the library panicked.
 ///
 /// # Safety
-/// As for [`peek`].
+/// The contract of [`peek`].
 pub(super) unsafe fn get<'a, T: Object>(pointer: *const T) -> Result<&'a T> {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     let object = unsafe { peek(pointer) }?;
     if object.header().poisoned.load(Ordering::Relaxed) {
         let message = format!("the {} was in use when the library panicked: it can only be released", T::NAME);
@@ -200,12 +203,12 @@ pub(super) unsafe fn get<'a, T: Object>(pointer: *const T) -> Result<&'a T> {
     Ok(object)
 }
 
-/// As [`get`], and a share in it.
+/// The same as [`get`], with a reference that keeps the object alive.
 ///
 /// # Safety
-/// As for [`peek`].
+/// The contract of [`peek`].
 pub(super) unsafe fn share<T: Object>(pointer: *const T) -> Result<Arc<T>> {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { get(pointer) }?;
     // SAFETY: a living object came from `Arc::into_raw`.
     unsafe {
@@ -214,13 +217,13 @@ pub(super) unsafe fn share<T: Object>(pointer: *const T) -> Result<Arc<T>> {
     }
 }
 
-/// One more reference to an object.
+/// Adds a reference to an object.
 ///
 /// # Safety
-/// As for [`peek`].
+/// The contract of [`peek`].
 pub(super) unsafe fn retain<T: Object>(pointer: *const T) -> etd_status {
     boundary(None, || {
-        // SAFETY: passed on; a living object came from `Arc::into_raw`.
+        // SAFETY: the caller keeps this function's contract; a living object came from `Arc::into_raw`.
         unsafe {
             peek(pointer)?;
             Arc::increment_strong_count(pointer);
@@ -229,10 +232,10 @@ pub(super) unsafe fn retain<T: Object>(pointer: *const T) -> etd_status {
     })
 }
 
-/// One reference less. NULL and what is no object of this kind are left alone.
+/// Releases a reference to an object. It does nothing for NULL and for a pointer to no object of this kind.
 ///
 /// # Safety
-/// As for [`peek`].
+/// The contract of [`peek`].
 pub(super) unsafe fn release<T: Object>(pointer: *const T) {
     if pointer.is_null() {
         return;
@@ -247,19 +250,19 @@ pub(super) unsafe fn release<T: Object>(pointer: *const T) {
     });
 }
 
-/// The first failure of an object since it was last asked, and its message.
+/// Takes the first failure of an object since the last time that it was taken, and copies its message.
 ///
 /// # Safety
-/// As for [`peek`] and [`copy_text`].
+/// The contracts of [`peek`] and [`copy_text`].
 pub(super) unsafe fn take_status<T: Object>(pointer: *const T, message: *mut c_char, capacity: usize) -> etd_status {
     let mut first = ETD_OK;
     let status = boundary(None, || {
-        // SAFETY: passed on.
+        // SAFETY: the caller keeps this function's contract.
         let object = unsafe { peek(pointer) }?;
         let failure = object.header().take();
         let text = failure.as_ref().map_or("", |failure| failure.message.as_str());
         if !message.is_null() {
-            // SAFETY: passed on.
+            // SAFETY: the caller keeps this function's contract.
             unsafe { copy_text(text, message, capacity, ptr::null_mut()) }?;
         }
         first = failure.map_or(ETD_OK, |failure| failure.status);
@@ -268,8 +271,8 @@ pub(super) unsafe fn take_status<T: Object>(pointer: *const T, message: *mut c_c
     if status == ETD_OK { first } else { status }
 }
 
-/// Runs the body of a call: no panic leaves it, and a failure becomes the thread's last and, where there is an object,
-/// that object's.
+/// Runs the body of a call and catches panics. A failure becomes the thread's last error. It is also stored in the object,
+/// where there is one.
 pub(super) fn boundary(object: Option<&Header>, body: impl FnOnce() -> Result) -> etd_status {
     match catch(body) {
         Ok(()) => ETD_OK,
@@ -277,26 +280,26 @@ pub(super) fn boundary(object: Option<&Header>, body: impl FnOnce() -> Result) -
     }
 }
 
-/// Runs a call on an object: checks the handle, holds a share in the object meanwhile (a callback may give back the
-/// host's), and keeps a failure as the object's.
+/// Runs a call on an object: checks the handle, runs the body and stores a failure in the object. A reference keeps the
+/// object alive during the call, because a callback may release the host's reference.
 ///
 /// # Safety
-/// As for [`peek`].
+/// The contract of [`peek`].
 pub(super) unsafe fn on<T: Object>(pointer: *const T, body: impl FnOnce(&Arc<T>) -> Result) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     match unsafe { share(pointer) } {
         Ok(object) => boundary(Some(object.header()), || body(&object)),
         Err(failure) => fail(None, &failure),
     }
 }
 
-/// As [`on`] for calls that must cost nothing: takes a share only when the call fails.
+/// The same as [`on`] for calls whose overhead must be small. It takes a reference to the object only when the call fails.
 ///
 /// # Safety
-/// As for [`peek`].
+/// The contract of [`peek`].
 #[inline]
 pub(super) unsafe fn on_quickly<T: Object>(pointer: *const T, body: impl FnOnce(&T) -> Result) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     let failure = match unsafe { get(pointer) } {
         Ok(object) => match catch(|| body(object)) {
             Ok(()) => return ETD_OK,
@@ -304,18 +307,18 @@ pub(super) unsafe fn on_quickly<T: Object>(pointer: *const T, body: impl FnOnce(
         },
         Err(failure) => return fail(None, &failure),
     };
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     let object = unsafe { share(pointer) }.ok();
     fail(object.as_deref().map(Object::header), &failure)
 }
 
-/// Keeps a failure where it is looked for, and gives its status.
+/// Stores a failure as the thread's last error and in the object, and returns its status.
 fn fail(object: Option<&Header>, failure: &Failure) -> etd_status {
     remember(failure);
     if let Some(object) = object {
         let message = etd_last_error_message();
-        object.keep(failure);
-        // The error callback may have made calls that failed as well: this one is what the caller is told about.
+        object.store(failure);
+        // Calls inside the error callback may have failed too. The last error is that of the outer call.
         if etd_last_error_message() != message {
             remember(failure);
         }
@@ -331,13 +334,13 @@ pub(super) fn catch<R>(body: impl FnOnce() -> Result<R>) -> Result<R> {
             .map(|text| (*text).to_owned())
             .or_else(|| panic.downcast_ref::<String>().cloned())
             .unwrap_or_else(|| "no message".to_owned());
-        // A payload whose own destructor panics must not get out either.
+        // The destructor of the payload may panic as well.
         let _ = catch_unwind(AssertUnwindSafe(|| drop(panic)));
         Err(Failure::new(ETD_PANIC, format!("the library panicked, please report it: {text}")))
     })
 }
 
-/// Refuses NULL for an argument that something is written to.
+/// Refuses a pointer that is NULL or not aligned.
 pub(super) fn need<T>(pointer: *const T, name: &str) -> Result {
     if pointer.is_null() {
         return Err(Failure::argument(format!("{name} is NULL")));
@@ -348,7 +351,7 @@ pub(super) fn need<T>(pointer: *const T, name: &str) -> Result {
     Ok(())
 }
 
-/// The items of an array argument.
+/// Returns the items of an array argument.
 ///
 /// # Safety
 /// `count` items must be readable at `pointer` for as long as the slice is used, unless it is NULL.
@@ -360,11 +363,11 @@ pub(super) unsafe fn items<'a, T>(pointer: *const T, count: usize, name: &str) -
     if count.checked_mul(size_of::<T>()).is_none_or(|bytes| isize::try_from(bytes).is_err()) {
         return Err(Failure::argument(format!("{name} of {count} items is more than any memory holds")));
     }
-    // SAFETY: not NULL, aligned, and of a possible size; readable by the caller's contract.
+    // SAFETY: the pointer is not NULL and aligned, the size is possible, and the items are readable by the caller's contract.
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
-/// Numbers of an array argument of fixed length.
+/// Returns the items of an array argument of fixed length.
 ///
 /// # Safety
 /// `N` items must be readable at `pointer`, unless it is NULL.
@@ -374,7 +377,7 @@ pub(super) unsafe fn array<T: Copy, const N: usize>(pointer: *const T, name: &st
     Ok(unsafe { pointer.cast::<[T; N]>().read() })
 }
 
-/// A string argument: UTF-8 up to its zero byte.
+/// Returns a string argument, which is UTF-8 and ends with a zero byte.
 ///
 /// # Safety
 /// `pointer` must be NULL or point to a string that ends with a zero byte and lives during the call.
@@ -385,16 +388,16 @@ pub(super) unsafe fn text<'a>(pointer: *const c_char, name: &str) -> Result<&'a 
     bytes.to_str().map_err(|error| Failure::argument(format!("{name} is not UTF-8: {error}")))
 }
 
-/// As [`text`]; NULL means empty.
+/// The same as [`text`], with an empty string for NULL.
 ///
 /// # Safety
-/// As for [`text`].
+/// The contract of [`text`].
 pub(super) unsafe fn optional_text<'a>(pointer: *const c_char, name: &str) -> Result<&'a str> {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     if pointer.is_null() { Ok("") } else { unsafe { text(pointer, name) } }
 }
 
-/// Copies text with a zero byte behind it into the caller's buffer, cut at a character's end where it does not fit.
+/// Copies a text and a zero byte into the caller's buffer. A text that does not fit is cut after a whole character.
 ///
 /// # Safety
 /// `capacity` bytes must be writable at `buffer`, unless it is NULL; one number at `out_needed`, unless it is NULL.
@@ -403,7 +406,7 @@ pub(super) unsafe fn copy_text(text: &str, buffer: *mut c_char, capacity: usize,
     let bytes = text.as_bytes();
     if !out_needed.is_null() {
         need(out_needed, "out_needed")?;
-        // SAFETY: by the contract.
+        // SAFETY: the caller keeps this function's contract.
         unsafe { out_needed.write(bytes.len() + 1) }
     }
     if buffer.is_null() || capacity == 0 {
@@ -413,7 +416,7 @@ pub(super) unsafe fn copy_text(text: &str, buffer: *mut c_char, capacity: usize,
     while length < bytes.len() && bytes[length] & 0xc0 == 0x80 {
         length -= 1;
     }
-    // SAFETY: `length + 1 <= capacity` bytes are writable; the host's buffer is not ours.
+    // SAFETY: `length + 1 <= capacity` bytes are writable, and the host's buffer does not overlap the text.
     unsafe {
         ptr::copy_nonoverlapping(bytes.as_ptr().cast(), buffer, length);
         buffer.add(length).write(0);
@@ -421,27 +424,27 @@ pub(super) unsafe fn copy_text(text: &str, buffer: *mut c_char, capacity: usize,
     Ok(())
 }
 
-/// A structure that starts with its own size, as `size_t`. All of them are plain numbers and pointers, for which zero
-/// bytes are a value and mean "default".
+/// A structure whose first field is its own size, as `size_t`. All fields are numbers and pointers, for which zero bytes are a
+/// valid value that means "default".
 ///
 /// # Safety
 /// `#[repr(C)]`, first field `struct_size: usize`, and valid for all-zero bytes.
 pub(super) unsafe trait Versioned: Copy {
-    /// The size that its first version had: nobody can have been built against less.
+    /// The size of the structure's first version. No program was compiled with a smaller one.
     const SMALLEST: usize;
 }
 
-/// Reads the structure as large as its writer knew it; what it did not know is zero. Something else than zero in a part
-/// that this library does not know is refused: it would be ignored.
+/// Reads a structure of the size that the caller was compiled with. Fields that the caller does not know are zero. Bytes other
+/// than zero in fields that this library does not know are refused, because they would be ignored.
 ///
 /// # Safety
 /// `pointer` must be NULL or point to as many readable bytes as its first field says.
 pub(super) unsafe fn read_sized<T: Versioned>(pointer: *const T, name: &str) -> Result<T> {
     need(pointer, name)?;
-    // SAFETY: the first field is there.
+    // SAFETY: the first field is readable by the caller's contract.
     let given = unsafe { pointer.cast::<usize>().read() };
     check_size::<T>(given, name)?;
-    // SAFETY: zero bytes are a value of `T`; `given` bytes are readable, of which no more than `T` has are copied.
+    // SAFETY: zero bytes are a value of `T`. `given` bytes are readable, and at most the size of `T` is copied.
     unsafe {
         let mut value: T = std::mem::zeroed();
         ptr::copy_nonoverlapping(pointer.cast::<u8>(), (&raw mut value).cast(), given.min(size_of::<T>()));
@@ -455,17 +458,17 @@ pub(super) unsafe fn read_sized<T: Versioned>(pointer: *const T, name: &str) -> 
     }
 }
 
-/// Writes as much of the structure as its reader knows; its `struct_size` stays what it is.
+/// Writes the fields of a structure that the caller knows. Its `struct_size` is not changed.
 ///
 /// # Safety
-/// As for [`read_sized`], and writable.
+/// The contract of [`read_sized`]; the bytes must also be writable.
 pub(super) unsafe fn write_sized<T: Versioned>(pointer: *mut T, name: &str, value: T) -> Result {
     need(pointer, name)?;
-    // SAFETY: the first field is there.
+    // SAFETY: the first field is readable by the caller's contract.
     let given = unsafe { pointer.cast::<usize>().read() };
     check_size::<T>(given, name)?;
     let (start, end) = (size_of::<usize>(), given.min(size_of::<T>()));
-    // SAFETY: `given` bytes are writable; `end` is no more than either has.
+    // SAFETY: `given` bytes are writable, and `end` is at most the size of both structures.
     unsafe {
         let from = (&raw const value).cast::<u8>();
         ptr::copy_nonoverlapping(from.add(start), pointer.cast::<u8>().add(start), end - start);
@@ -474,7 +477,7 @@ pub(super) unsafe fn write_sized<T: Versioned>(pointer: *mut T, name: &str, valu
 }
 
 fn check_size<T: Versioned>(given: usize, name: &str) -> Result {
-    // A forgotten or random size is far off; one of a later version is a few fields larger.
+    // A missing or random size differs by far, and the size of a later version is only a few fields larger.
     if given < T::SMALLEST || given > 16 * size_of::<T>() {
         let message = format!("{name}.struct_size is {given}, expected sizeof: {}", size_of::<T>());
         return Err(Failure::argument(message));
@@ -510,7 +513,7 @@ mod tests {
     }
 
     #[test]
-    fn a_panic_becomes_a_status_and_spoils_the_object_but_not_its_release() {
+    fn a_panic_becomes_a_status_and_poisons_the_object_but_not_its_release() {
         let told = AtomicUsize::new(0);
         let user_data = UserData((&raw const told).cast_mut().cast());
         let callbacks = Arc::new(Callbacks { log: None, error: Some(count), user_data });
@@ -525,7 +528,7 @@ mod tests {
             assert!(message().contains("broken 0") || message().contains("only be released"), "{}", message());
             assert_eq!(on(pointer, |_| Ok(())), ETD_PANIC);
             assert_eq!(on_quickly(pointer, |_| Ok(())), ETD_PANIC);
-            assert_eq!(told.load(Ordering::Relaxed), 1, "a spoiled object's calls are not begun");
+            assert_eq!(told.load(Ordering::Relaxed), 1, "calls on a poisoned object do not begin");
             let mut text = [1; 64];
             assert_eq!(take_status(pointer, text.as_mut_ptr(), text.len()), ETD_PANIC);
             assert!(CStr::from_ptr(text.as_ptr()).to_string_lossy().starts_with("the library panicked"));
@@ -538,9 +541,9 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_object_is_refused() {
+    fn pointers_to_no_object_are_refused() {
         let words = [0_u64; 32];
-        // SAFETY: the memory is readable; nothing else is asked of it.
+        // SAFETY: the memory is readable.
         unsafe {
             assert_eq!(on::<Thing>(ptr::null(), |_| Ok(())), ETD_INVALID_ARGUMENT);
             assert_eq!(on::<Thing>(words.as_ptr().cast(), |_| Ok(())), ETD_INVALID_HANDLE);
@@ -559,7 +562,7 @@ mod tests {
             reserved: 0,
         };
         let mut later = [0_usize; 16];
-        // SAFETY: the sizes that are said are there.
+        // SAFETY: the memory has the sizes that are passed.
         unsafe {
             assert_eq!(read_sized(&raw const whole, "it").unwrap().layers, 5);
             for (size, ok) in [(0, false), (7, false), (8, false), (24, true), (64, true), (1 << 40, false)] {

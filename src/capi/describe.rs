@@ -1,8 +1,8 @@
-//! Describing a scene by calls: whatever the JSON format can say. Camera, materials and lights are here.
+//! Calls that describe camera, materials and lights of a scene. Calls can describe everything that the JSON format can.
 //!
-//! Every call checks its arguments as the reader of the format does and changes nothing if it fails. Numbers of materials,
-//! lights, meshes and surfaces count from 0 in the order of adding (in a scene that was read, in the order of the file) and
-//! never change. A change shows in the next build or render.
+//! Every call checks its arguments as the reader of the format does, and changes nothing if it fails. Materials, lights, meshes
+//! and surfaces are numbered from 0 in the order in which they were added; in a scene that was read, that is the order of the
+//! file. Numbers never change. A change takes effect in the next build or render.
 
 use std::ffi::c_char;
 
@@ -16,13 +16,13 @@ use crate::spectrum::Rgb;
 
 /// Replaces the camera.
 ///
-/// Errors: `ETD_INVALID_SCENE` if view direction, up vector and angle make no image. Thread-safe.
+/// Errors: `ETD_INVALID_SCENE` if view direction, up vector and angle of view do not define an image. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_set_camera(scene: *mut etd_scene, camera: *const etd_camera) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             let camera = read::camera(camera)?;
@@ -31,23 +31,23 @@ pub unsafe extern "C" fn etd_scene_set_camera(scene: *mut etd_scene, camera: *co
     }
 }
 
-/// The camera as it is described now. Thread-safe.
+/// Returns the camera as described now. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_get_camera(scene: *const etd_scene, out_camera: *mut etd_camera) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { on(scene, |scene| write_sized(out_camera, "out_camera", read::camera_out(&scene.desc().camera))) }
 }
 
 /// Adds a material.
 ///
-/// `name`: unique among materials, to find it by; NULL: none. `*out_material` is its number. Errors:
-/// `ETD_INVALID_SCENE` for a value out of its domain. Thread-safe.
+/// `name`: name for `etd_scene_find_material`, unique among materials; NULL: none. `*out_material` receives the material's
+/// number. Errors: `ETD_INVALID_SCENE` for a value out of its range. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_material(
     scene: *mut etd_scene,
@@ -55,7 +55,7 @@ pub unsafe extern "C" fn etd_scene_add_material(
     material: *const etd_material,
     out_material: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             need(out_material, "out_material")?;
@@ -68,17 +68,17 @@ pub unsafe extern "C" fn etd_scene_add_material(
     }
 }
 
-/// Replaces a material; every surface that has it changes. No geometry is touched. Thread-safe.
+/// Replaces a material, for all surfaces that have it. The change does not require geometry to be rebuilt. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_set_material(
     scene: *mut etd_scene,
     material: u32,
     value: *const etd_material,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             find(&scene.desc().materials, material, "material")?;
@@ -88,17 +88,17 @@ pub unsafe extern "C" fn etd_scene_set_material(
     }
 }
 
-/// A material as it is described now. Thread-safe.
+/// Returns a material as described now. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_get_material(
     scene: *const etd_scene,
     material: u32,
     out_material: *mut etd_material,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             let desc = scene.desc();
@@ -108,13 +108,13 @@ pub unsafe extern "C" fn etd_scene_get_material(
     }
 }
 
-/// Adds a light that shines from a point, the same in all directions.
+/// Adds a point light, which emits equally in all directions.
 ///
 /// `position`: three numbers, world frame. `intensity`: three numbers, radiant intensity [W sr^-1], each >= 0.
-/// `*out_light` is its number among point lights. Lights with an area are surfaces with an emission. Thread-safe.
+/// `*out_light` receives the light's number among point lights. Area lights are surfaces with an emission. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_point_light(
     scene: *mut etd_scene,
@@ -122,7 +122,7 @@ pub unsafe extern "C" fn etd_scene_add_point_light(
     intensity: *const f32,
     out_light: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             need(out_light, "out_light")?;
@@ -135,11 +135,11 @@ pub unsafe extern "C" fn etd_scene_add_point_light(
     }
 }
 
-/// Moves and recolours a point light; no intensity switches it off. Arguments as for `etd_scene_add_point_light`.
-/// Thread-safe.
+/// Changes the position and intensity of a point light. An intensity of 0 switches it off. The arguments are those of
+/// `etd_scene_add_point_light`. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_set_point_light(
     scene: *mut etd_scene,
@@ -147,7 +147,7 @@ pub unsafe extern "C" fn etd_scene_set_point_light(
     position: *const f64,
     intensity: *const f32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             find(&scene.desc().lights, light, "point light")?;
@@ -158,10 +158,10 @@ pub unsafe extern "C" fn etd_scene_set_point_light(
     }
 }
 
-/// A point light as it is described now: three numbers each. Thread-safe.
+/// Returns position and intensity of a point light as described now, three numbers each. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_get_point_light(
     scene: *const etd_scene,
@@ -169,7 +169,7 @@ pub unsafe extern "C" fn etd_scene_get_point_light(
     out_position: *mut f64,
     out_intensity: *mut f32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             need(out_position, "out_position")?;
@@ -186,11 +186,11 @@ pub unsafe extern "C" fn etd_scene_get_point_light(
 /// # Safety
 /// Three numbers must be readable at `pointer`, unless it is NULL.
 pub(super) unsafe fn vector(pointer: *const f64, name: &str) -> Result<DVec3> {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     Ok(DVec3::from_array(unsafe { array(pointer, name) }?))
 }
 
-/// An item by its number.
+/// Returns an item by its number.
 pub(super) fn find<'a, T>(items: &'a [T], number: u32, what: &str) -> Result<&'a T> {
     items
         .get(number as usize)

@@ -1,4 +1,4 @@
-//! The device: threads, memory, and where messages go.
+//! The device: its threads, its memory limit, and the host's functions for messages.
 
 use std::ffi::{c_char, c_void};
 use std::sync::Arc;
@@ -13,17 +13,17 @@ use super::types::{ETD_LOG_INFO, etd_device_options, etd_work_fn};
 use crate::embree::MemoryBudget;
 use crate::render::{MAX_THREADS, Workers};
 
-/// Threads, a memory limit, and the functions that messages go to. Devices do not know of each other.
+/// A device: threads, a memory limit, and the functions that receive messages. Devices are independent of each other.
 pub struct etd_device {
     header: Header,
     pub(super) workers: Workers,
     pub(super) budget: MemoryBudget,
-    /// Threads for building hierarchies.
+    /// Number of threads that build Embree's hierarchies.
     pub(super) build_threads: usize,
     submit: Submit,
 }
 
-/// Where work goes that must not run on the calling thread.
+/// The executor of jobs that must not run on the calling thread.
 enum Submit {
     Thread,
     Host(Box<dyn Fn(Job) + Send + Sync>),
@@ -39,7 +39,7 @@ impl etd_device {
         &self.header.callbacks
     }
 
-    /// Runs a job somewhere else: on a thread of its own, whose handle is given back, or on one of the host's.
+    /// Starts a job on a thread of its own, whose handle is returned, or on the host's executor.
     pub(super) fn start(&self, job: Job) -> std::io::Result<Option<JoinHandle<()>>> {
         match &self.submit {
             Submit::Thread => std::thread::Builder::new().name("etendue-task".to_owned()).spawn(job).map(Some),
@@ -51,7 +51,7 @@ impl etd_device {
     }
 }
 
-/// The version of the library that is linked, as 10000 * major + 100 * minor + patch. Compare with `ETD_VERSION`.
+/// Returns the version of the linked library as 10000 * major + 100 * minor + patch, for comparison with `ETD_VERSION`.
 /// Thread-safe.
 #[unsafe(no_mangle)]
 pub extern "C" fn etd_version() -> u32 {
@@ -61,7 +61,7 @@ pub extern "C" fn etd_version() -> u32 {
         + part(env!("CARGO_PKG_VERSION_PATCH"))
 }
 
-/// The same as text, such as "0.1.0". Static. Thread-safe.
+/// Returns the version of the linked library as text, such as "0.1.0". The string is static. Thread-safe.
 #[unsafe(no_mangle)]
 pub extern "C" fn etd_version_string() -> *const c_char {
     concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()
@@ -69,12 +69,13 @@ pub extern "C" fn etd_version_string() -> *const c_char {
 
 /// Makes a device and starts its threads.
 ///
-/// `options`: NULL for the defaults of `ETD_DEVICE_OPTIONS_INIT`. On `ETD_OK` `*out_device` is one reference, to be given
-/// back with `etd_device_release`. Errors: `ETD_INVALID_ARGUMENT` for more than 1024 threads, `ETD_DEVICE` if no thread
+/// `options`: NULL for the defaults of `ETD_DEVICE_OPTIONS_INIT`. On `ETD_OK`, `*out_device` is one reference, to be released
+/// with `etd_device_release`. Errors: `ETD_INVALID_ARGUMENT` for more than 1024 threads, `ETD_DEVICE` if no thread
 /// could be started. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say; the functions in `options` must be what their types say.
+/// Each pointer must be NULL or point to a value of its type; the functions in `options` must behave as the documentation of
+/// their types says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_device_new(
     options: *const etd_device_options,
@@ -92,7 +93,7 @@ pub unsafe extern "C" fn etd_device_new(
             submit: None,
             user_data: std::ptr::null_mut(),
         };
-        // SAFETY: by the contract.
+        // SAFETY: the caller keeps this function's contract.
         let options = if options.is_null() { defaults } else { unsafe { read_sized(options, "options") }? };
         if options.reserved != 0 {
             return Err(Failure::argument("options.reserved is not 0"));
@@ -108,7 +109,7 @@ pub unsafe extern "C" fn etd_device_new(
             (Some(submit), threads) => {
                 let threads = if threads == 0 { cores } else { threads };
                 let to_host = move |job: Job| submit_to_host(submit, user_data, job);
-                // Embree builds with its own threads or none: the host's executor has no part in it.
+                // Embree cannot build on the host's executor, so builds use one thread.
                 (Workers::host(threads, to_host), 1, Submit::Host(Box::new(to_host)))
             }
             (None, 1) => (Workers::calling_thread(), 1, Submit::Thread),
@@ -129,15 +130,15 @@ pub unsafe extern "C" fn etd_device_new(
     })
 }
 
-/// Hands a job to the host, as a function and its argument.
+/// Submits a job to the host's executor, as a function and its argument.
 fn submit_to_host(submit: SubmitFn, user_data: UserData, job: Job) {
     unsafe extern "C" fn work(argument: *mut c_void) {
         if argument.is_null() {
             return;
         }
-        // SAFETY: `argument` came from `Box::into_raw` below, and the host gives it here exactly once.
+        // SAFETY: `argument` came from `Box::into_raw` below, and the host passes it to this function exactly once.
         let job = unsafe { Box::from_raw(argument.cast::<Job>()) };
-        // The job reports its panics itself; none may unwind into the host.
+        // The job itself reports its panics. A panic must not unwind into the host.
         let _ = catch(|| {
             job();
             Ok(())
@@ -145,34 +146,35 @@ fn submit_to_host(submit: SubmitFn, user_data: UserData, job: Job) {
     }
 
     let argument = Box::into_raw(Box::new(job)).cast::<c_void>();
-    // SAFETY: the host gave the function for this.
+    // SAFETY: the host provided the function for these calls.
     unsafe { submit(user_data.0, Some(work), argument) }
 }
 
-/// One more reference to a device. Thread-safe.
+/// Adds a reference to a device. Thread-safe.
 ///
 /// # Safety
 /// `device` must be NULL or a device.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_device_retain(device: *mut etd_device) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { retain(device) }
 }
 
-/// Gives back one reference to a device; NULL is fine. What was made with it keeps it alive. Thread-safe.
+/// Releases a reference to a device; NULL is allowed. Objects that were made with a device keep it alive. Thread-safe.
 ///
 /// # Safety
 /// `device` must be NULL or a device of which the caller has a reference.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_device_release(device: *mut etd_device) {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { release(device) }
 }
 
-/// The first failure of a call on this device since this was last asked, and forgets it; `ETD_OK` if there was none.
+/// Takes the first failure of a call on this device since the last time that it was taken: returns its status, or `ETD_OK` if
+/// there was none, and forgets the failure.
 ///
-/// So that a host may make many calls and look once. `message`: where its message goes (at most `capacity` bytes with the
-/// zero byte), or NULL. Thread-safe.
+/// A host may thus make many calls and check once. `message`: receives the message, at most `capacity` bytes including the
+/// zero byte, unless it is NULL. Thread-safe.
 ///
 /// # Safety
 /// `device` must be NULL or a device, and `capacity` bytes writable at `message` unless it is NULL.
@@ -182,15 +184,15 @@ pub unsafe extern "C" fn etd_device_status(
     message: *mut c_char,
     capacity: usize,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { take_status(device, message, capacity) }
 }
 
-/// Bytes that hierarchies, placed geometry and films of the device take now, and the most they ever took. Either pointer may be NULL.
-/// Thread-safe.
+/// Returns the number of bytes that hierarchies, placed geometry and films of the device take now, and the greatest number
+/// that they have taken. Either pointer may be NULL. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_device_memory(
     device: *const etd_device,
@@ -198,12 +200,12 @@ pub unsafe extern "C" fn etd_device_memory(
     out_peak: *mut u64,
 ) -> etd_status {
     boundary(None, || {
-        // SAFETY: by the contract.
+        // SAFETY: the caller keeps this function's contract.
         let device = unsafe { peek(device) }?;
         for (out, bytes) in [(out_used, device.budget.used()), (out_peak, device.budget.peak())] {
             if !out.is_null() {
                 need(out, "the counter")?;
-                // SAFETY: by the contract.
+                // SAFETY: the caller keeps this function's contract.
                 unsafe { out.write(bytes as u64) }
             }
         }

@@ -1,4 +1,4 @@
-//! Films: images that are mapped without a copy, copied in the host's layout, or written to files.
+//! Films: their images are mapped without a copy, copied to the host's memory, or written to files.
 
 use std::alloc::{Layout, alloc_zeroed};
 use std::collections::HashMap;
@@ -20,7 +20,7 @@ use crate::embree::Charge;
 use crate::film::{Film, Image, LayerKind, TILE};
 use crate::output::{self, Attribute, ToneMap, WriteOptions};
 
-/// Layers that are images of their own, after the colour.
+/// The layers besides the colour that are images.
 const LAYERS: [(etd_layer, LayerKind); 7] = [
     (ETD_LAYER_ALBEDO, LayerKind::Albedo),
     (ETD_LAYER_NORMAL, LayerKind::Normal),
@@ -31,61 +31,63 @@ const LAYERS: [(etd_layer, LayerKind); 7] = [
     (ETD_LAYER_BIAS, LayerKind::Bias),
 ];
 
-/// All bits that mean something.
+/// All bits that layers use.
 const ALL_LAYERS: u32 = 511;
 
 /// Layers that need the first hit of each sample.
 const FIRST_HIT: u32 =
     ETD_LAYER_ALBEDO as u32 | ETD_LAYER_NORMAL as u32 | ETD_LAYER_DEPTH as u32 | ETD_LAYER_ALPHA as u32;
 
-/// What the sums of a pixel take, with and without those of its first hit.
+/// Bytes of a pixel's sums without and with those of first hits.
 const BYTES_PER_PIXEL: [u64; 2] = [104, 168];
 
-/// An image of a pass: the colour with alpha, and the layers that the film keeps.
-struct Frame {
+/// A developed image: the colour with alpha, and the layers that the film keeps.
+struct DevelopedImage {
     rgba: Vec<f32>,
     layers: Vec<(LayerKind, Vec<f32>)>,
     samples: u32,
 }
 
-/// A film: its resolution and layers, and the image that was made last.
+/// A film: its resolution, its layers and its newest image.
 pub struct etd_film {
     header: Header,
     pub(super) resolution: [u32; 2],
     layers: u32,
-    state: Mutex<State>,
-    /// What it takes of the device's memory.
+    state: Mutex<FilmState>,
+    /// The film's part of the device's memory limit.
     _charge: Charge,
     device: Arc<etd_device>,
 }
 object!(etd_film, b"EtFi", "film");
 
-struct State {
-    /// Whether a render fills it.
+struct FilmState {
+    /// Whether a render uses the film.
     busy: bool,
-    /// The image that the next map gives.
-    front: Arc<Frame>,
-    /// Memory of an image that nobody has mapped any more.
-    spare: Option<Frame>,
+    /// The newest image, which the next map shows.
+    front: Arc<DevelopedImage>,
+    /// An image that is not mapped any more, whose memory the next image uses.
+    spare: Option<DevelopedImage>,
+    /// Number of images so far.
     images: u32,
-    /// Sums that are newer than `front`, and how many samples they have: the next who asks makes the image.
-    later: Option<(Arc<Film>, u32)>,
-    pins: HashMap<u64, Arc<Frame>>,
-    next_pin: u64,
+    /// Sums that are newer than `front`, and their number of samples. The next call that needs an image develops them.
+    undeveloped: Option<(Arc<Film>, u32)>,
+    /// The mapped images by the number of their map.
+    maps: HashMap<u64, Arc<DevelopedImage>>,
+    next_map: u64,
     /// The sums of the last render.
     sums: Option<Arc<Film>>,
     summary: Option<etd_summary>,
-    /// The same for the header of an EXR.
+    /// The summary as attributes of an EXR's header.
     attributes: Vec<(String, Attribute)>,
 }
 
 impl etd_film {
-    /// Whether renders have to keep the first hits.
+    /// Whether renders have to keep first hits for the film's layers.
     pub(super) fn keeps_first_hits(&self) -> bool {
         self.layers & FIRST_HIT != 0
     }
 
-    /// Takes the film for a render; an error while another has it.
+    /// Reserves the film for a render. It is an error while another render uses the film.
     pub(super) fn begin(&self) -> Result {
         let mut state = lock(&self.state);
         if state.busy {
@@ -95,7 +97,7 @@ impl etd_film {
         Ok(())
     }
 
-    /// Gives it back.
+    /// Ends the use of the film by a render.
     pub(super) fn end(&self, summary: Option<etd_summary>) {
         let mut state = lock(&self.state);
         state.busy = false;
@@ -104,25 +106,25 @@ impl etd_film {
         }
     }
 
-    /// The sums of the last render, whose memory the next one may use again.
+    /// Sets the sums of the current render.
     pub(super) fn set_sums(&self, sums: &Arc<Film>) {
         let mut state = lock(&self.state);
         state.sums = Some(Arc::clone(sums));
-        // What is known is of other sums.
+        // The attributes belong to the previous sums.
         state.attributes.clear();
     }
 
-    /// What the last render came to, for the files that are written of it.
+    /// Sets the summary of the last render, as attributes of files.
     pub(super) fn set_attributes(&self, attributes: Vec<(String, Attribute)>) {
         lock(&self.state).attributes = attributes;
     }
 
-    /// How many images there were.
+    /// Number of images so far.
     pub(super) fn images(&self) -> u32 {
         lock(&self.state).images
     }
 
-    /// Makes the image of the sums as they are, to be mapped from now on; whether it was made before it was cancelled.
+    /// Develops the current sums to the film's newest image. Returns `false` if that was cancelled.
     pub(super) fn publish(&self, sums: &Film, samples: u32, cancel: &Cancel) -> Result<bool> {
         let spare = lock(&self.state).spare.take();
         let mut frame = match spare {
@@ -136,23 +138,23 @@ impl etd_film {
         if is_whole {
             let old = std::mem::replace(&mut state.front, Arc::new(frame));
             state.images = state.images.wrapping_add(1);
-            state.later = None;
-            state.keep(old);
+            state.undeveloped = None;
+            state.recycle(old);
         } else {
             state.spare.get_or_insert(frame);
         }
         Ok(is_whole)
     }
 
-    /// Has the image of these sums made when somebody asks for it.
+    /// Stores sums that are developed when a call needs an image.
     pub(super) fn publish_later(&self, sums: &Arc<Film>, samples: u32) {
-        lock(&self.state).later = Some((Arc::clone(sums), samples));
+        lock(&self.state).undeveloped = Some((Arc::clone(sums), samples));
     }
 
-    /// The newest image.
-    fn newest(&self) -> Result<Arc<Frame>> {
-        let later = lock(&self.state).later.take();
-        if let Some((sums, samples)) = later {
+    /// Returns the newest image.
+    fn newest(&self) -> Result<Arc<DevelopedImage>> {
+        let undeveloped = lock(&self.state).undeveloped.take();
+        if let Some((sums, samples)) = undeveloped {
             self.publish(&sums, samples, &Cancel::new())?;
         }
         Ok(Arc::clone(&lock(&self.state).front))
@@ -162,15 +164,15 @@ impl etd_film {
         &self.device
     }
 
-    fn frame(&self) -> Result<Frame> {
+    fn frame(&self) -> Result<DevelopedImage> {
         let pixels = self.resolution[0] as usize * self.resolution[1] as usize;
         let kept = LAYERS.iter().filter(|(layer, _)| self.layers & *layer as u32 != 0);
         let layers = kept.map(|(_, kind)| Ok((*kind, zeros(pixels * kind.channels())?)));
-        Ok(Frame { rgba: zeros(4 * pixels)?, layers: layers.collect::<Result<_>>()?, samples: 0 })
+        Ok(DevelopedImage { rgba: zeros(4 * pixels)?, layers: layers.collect::<Result<_>>()?, samples: 0 })
     }
 
-    /// The data of a layer with its channels.
-    fn layer<'f>(&self, frame: &'f Frame, layer: u32) -> Result<(&'f [f32], usize)> {
+    /// Returns the data of a layer and its number of channels.
+    fn layer<'f>(&self, frame: &'f DevelopedImage, layer: u32) -> Result<(&'f [f32], usize)> {
         if layer == ETD_LAYER_COLOR as u32 {
             return Ok((&frame.rgba, 4));
         }
@@ -186,24 +188,24 @@ impl etd_film {
     }
 }
 
-impl State {
-    /// Keeps the memory of an image if nobody else has it.
-    fn keep(&mut self, frame: Arc<Frame>) {
+impl FilmState {
+    /// Keeps the memory of an image that is not mapped any more.
+    fn recycle(&mut self, frame: Arc<DevelopedImage>) {
         if let (None, Some(frame)) = (&self.spare, Arc::into_inner(frame)) {
             self.spare = Some(frame);
         }
     }
 }
 
-/// So many zeros, or an error instead of an abort. From memory that the system hands out zeroed: what is not touched yet
-/// costs nothing.
+/// Allocates `count` zeros, with an error where there is no memory. The system provides zeroed memory, whose pages take no
+/// room before they are written.
 fn zeros(count: usize) -> Result<Vec<f32>> {
     let no_room = || Failure::new(ETD_OUT_OF_MEMORY, format!("no room for an image of {count} values"));
     let layout = Layout::array::<f32>(count).map_err(|_| no_room())?;
     if layout.size() == 0 {
         return Ok(Vec::new());
     }
-    // SAFETY: the layout is that of an array of `count` floats, and not empty; zero bytes are floats.
+    // SAFETY: the layout is that of an array of `count` floats and not empty, and zero bytes are valid floats.
     unsafe {
         let start = alloc_zeroed(layout).cast::<f32>();
         if start.is_null() {
@@ -213,22 +215,22 @@ fn zeros(count: usize) -> Result<Vec<f32>> {
     }
 }
 
-/// Makes a film, black and of no sample.
+/// Makes a film. The film is black and has no samples.
 ///
-/// `options` must say its resolution. Renders may fill it again and again, one at a time. On `ETD_OK` `*out_film` is one
-/// reference. Errors: `ETD_INVALID_ARGUMENT` for a resolution or layers that do not exist, `ETD_OUT_OF_MEMORY` past the
-/// device's limit (a film takes about 150 bytes a pixel, in whole tiles of 16 x 16; images that are mapped
-/// beyond two are not counted). Thread-safe.
+/// `options` must contain the resolution. Any number of renders may use the film, one at a time. On `ETD_OK`, `*out_film` is
+/// one reference. Errors: `ETD_INVALID_ARGUMENT` for a resolution out of range or a layer that does not exist,
+/// `ETD_OUT_OF_MEMORY` if the film exceeds the device's memory limit. A film takes about 150 bytes for each pixel of its tiles
+/// of 16 x 16 pixels, which count as a whole. Mapped images beyond the second do not count. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_film_new(
     device: *mut etd_device,
     options: *const etd_film_options,
     out_film: *mut *mut etd_film,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(device, |device| {
             need(out_film, "out_film")?;
@@ -252,22 +254,22 @@ pub unsafe extern "C" fn etd_film_new(
                 .filter(|(layer, _)| it.layers & *layer as u32 != 0)
                 .map(|(_, kind)| kind.channels())
                 .sum();
-            // The sums, and two images: one that is shown, one that is made.
+            // The sums and two images: one that is shown and one that is being developed.
             let bytes = in_tiles * BYTES_PER_PIXEL[usize::from(first_hits)] + pixels * 2 * 4 * (4 + channels as u64);
             let charge = device.budget.try_charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
-            let empty = Arc::new(Frame { rgba: Vec::new(), layers: Vec::new(), samples: 0 });
+            let empty = Arc::new(DevelopedImage { rgba: Vec::new(), layers: Vec::new(), samples: 0 });
             let film = etd_film {
                 header: Header::new::<etd_film>(device.callbacks()),
                 resolution: [it.width, it.height],
                 layers: it.layers,
-                state: Mutex::new(State {
+                state: Mutex::new(FilmState {
                     busy: false,
                     front: empty,
                     spare: None,
                     images: 0,
-                    later: None,
-                    pins: HashMap::new(),
-                    next_pin: 1,
+                    undeveloped: None,
+                    maps: HashMap::new(),
+                    next_map: 1,
                     sums: None,
                     summary: None,
                     attributes: Vec::new(),
@@ -283,56 +285,57 @@ pub unsafe extern "C" fn etd_film_new(
     }
 }
 
-/// One more reference to a film. Thread-safe.
+/// Adds a reference to a film. Thread-safe.
 ///
 /// # Safety
 /// `film` must be NULL or a film.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_film_retain(film: *mut etd_film) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { retain(film) }
 }
 
-/// Gives back one reference to a film; NULL is fine. Tasks that fill it keep it alive; what is still mapped goes away with
-/// the last reference. Thread-safe.
+/// Releases a reference to a film; NULL is allowed. Tasks that render to a film keep it alive. The release of the last
+/// reference ends all maps of the film. Thread-safe.
 ///
 /// # Safety
 /// `film` must be NULL or a film of which the caller has a reference.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_film_release(film: *mut etd_film) {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { release(film) }
 }
 
-/// The first failure of a call on this film since this was last asked, and forgets it; `ETD_OK` if there was none.
-/// `message`: where its message goes (at most `capacity` bytes with the zero byte), or NULL. Thread-safe.
+/// Takes the first failure of a call on this film since the last time that it was taken: returns its status, or `ETD_OK` if
+/// there was none, and forgets the failure.
+/// `message`: receives the message, at most `capacity` bytes including the zero byte, unless it is NULL. Thread-safe.
 ///
 /// # Safety
 /// `film` must be NULL or a film, and `capacity` bytes writable at `message` unless it is NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_film_status(film: *mut etd_film, message: *mut c_char, capacity: usize) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { take_status(film, message, capacity) }
 }
 
-/// Maps a layer of the newest image: `*out_map` points to it.
+/// Maps a layer of the newest image for reading: `*out_map` receives a pointer to it.
 ///
-/// It may be called while the film is being rendered to; the image is then that of the last complete pass (or, in the
-/// middle of a long one, of a moment in it), and does not change while it is mapped. After a render was cancelled the first
-/// call makes its image; at any other time nothing is copied. Each map is ended by one
-/// `etd_film_unmap`. `layer`: one `etd_layer` that the film keeps. Thread-safe.
+/// The call is allowed while a render uses the film. The image is then that of the last complete pass, or, during a long pass,
+/// that of a moment in it. A mapped image does not change. After a cancelled render, the first call develops the image; at any
+/// other time nothing is copied. Each map must be ended by one call of `etd_film_unmap`. `layer`: one `etd_layer` that the film
+/// keeps. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_film_map(film: *mut etd_film, layer: EtdLayer, out_map: *mut etd_map) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(film, |film| {
             let frame = film.newest()?;
             let (data, channels) = film.layer(&frame, layer)?;
             let mut state = lock(&film.state);
-            let id = state.next_pin;
+            let id = state.next_map;
             let map = etd_map {
                 struct_size: size_of::<etd_map>(),
                 data: data.as_ptr(),
@@ -343,51 +346,51 @@ pub unsafe extern "C" fn etd_film_map(film: *mut etd_film, layer: EtdLayer, out_
                 id,
             };
             write_sized(out_map, "out_map", map)?;
-            state.next_pin += 1;
-            state.pins.insert(id, frame);
+            state.next_map += 1;
+            state.maps.insert(id, frame);
             Ok(())
         })
     }
 }
 
-/// Ends a map: `map->data` may not be read any more, and is set to NULL. `ETD_INVALID_OPERATION` if it was ended before.
-/// Thread-safe.
+/// Ends a map. The memory at `map->data` may not be read any more, and `map->data` becomes NULL. Error:
+/// `ETD_INVALID_OPERATION` for a map that was ended before. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_film_unmap(film: *mut etd_film, map: *mut etd_map) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(film, |film| {
             let it = read_sized(map.cast_const(), "map")?;
             let mut state = lock(&film.state);
-            // Numbers are the film's own; the address tells its maps from another film's.
-            let is_of_this = |frame: &Arc<Frame>| {
+            // Another film may have a map of the same number, which the address excludes.
+            let is_of_this = |frame: &Arc<DevelopedImage>| {
                 let data = it.data;
                 data == frame.rgba.as_ptr() || frame.layers.iter().any(|(_, layer)| data == layer.as_ptr())
             };
-            if !state.pins.get(&it.id).is_some_and(is_of_this) {
+            if !state.maps.get(&it.id).is_some_and(is_of_this) {
                 return Err(Failure::operation("the film has no such map: it was ended before, or is another film's"));
             }
-            let Some(frame) = state.pins.remove(&it.id) else { return Ok(()) };
-            // The memory serves the next image.
-            state.keep(frame);
+            let Some(frame) = state.maps.remove(&it.id) else { return Ok(()) };
+            // The next image uses the memory.
+            state.recycle(frame);
             drop(state);
             write_sized(map, "map", etd_map { data: std::ptr::null(), id: 0, ..it })
         })
     }
 }
 
-/// Copies a layer of the newest image into the host's memory.
+/// Copies a layer of the newest image to the host's memory.
 ///
-/// `layer`: one `etd_layer` that the film keeps. `options`: NULL for floats, top row first; format, tone map and exposure
-/// otherwise. `pixels`: `size` bytes. `row_stride`: bytes from one row to the next, 0 for rows close together. Errors:
-/// `ETD_INVALID_ARGUMENT` for a stride below a row, a size below the image, floats that are not aligned, or a format that
-/// the layer does not have. Thread-safe.
+/// `layer`: one `etd_layer` that the film keeps. `options`: format, tone map, exposure and order of rows; NULL for floats with
+/// the top row first. `pixels`: receives the image, `size` bytes. `row_stride`: bytes from one row to the next; 0 for rows
+/// without gaps. Errors: `ETD_INVALID_ARGUMENT` for a stride smaller than a row, a size smaller than the image, floats that are
+/// not aligned, or a format that the layer does not have. Thread-safe.
 ///
 /// # Safety
-/// `size` bytes must be writable at `pixels`; other pointers must be NULL or point to what they say.
+/// `size` bytes must be writable at `pixels`; other pointers must be NULL or point to values of their types.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_film_copy(
     film: *const etd_film,
@@ -397,7 +400,7 @@ pub unsafe extern "C" fn etd_film_copy(
     size: usize,
     row_stride: usize,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(film, |film| {
             need(pixels.cast::<u8>(), "pixels")?;
@@ -457,22 +460,23 @@ pub unsafe extern "C" fn etd_film_copy(
     }
 }
 
-/// Writes the film as it stands to a file: `.png` (8-bit sRGB), `.exr` (float, with layers) or `.pfm` (float).
+/// Writes the current image of a film to a file: `.png` (8-bit sRGB), `.exr` (float, with layers) or `.pfm` (float).
 ///
-/// An EXR holds the layers `samples` and `variance`, and albedo, normal and depth where the film keeps any of these, and in
-/// its header what the render came to (`relMSE`, `relMSEStandardError`, `displayError`, `samplesPerPixel`, `rays`, `ended`). The
-/// file appears whole or not at all. `path`: UTF-8. `options`: NULL for a clamped sRGB picture without comments. Errors:
-/// `ETD_IO`, `ETD_UNSUPPORTED` for another extension, `ETD_INVALID_OPERATION` before the first render. Thread-safe.
+/// An EXR contains the layers `samples` and `variance`, and, if the film keeps any of them, albedo, normal and depth. Its header
+/// contains the summary of the render (`relMSE`, `relMSEStandardError`, `displayError`, `samplesPerPixel`, `rays`, `ended`). A
+/// file at `path` is replaced in one step, so that no incomplete file ever appears there. `path`: UTF-8. `options`: NULL for a
+/// clamped sRGB picture without comments. Errors: `ETD_IO`, `ETD_UNSUPPORTED` for another extension, `ETD_INVALID_OPERATION`
+/// before the first render. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_film_write(
     film: *const etd_film,
     path: *const c_char,
     options: *const etd_image_options,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(film, |film| {
             let path = text(path, "path")?;
@@ -495,13 +499,14 @@ pub unsafe extern "C" fn etd_film_write(
     }
 }
 
-/// What the last render that ended on this film came to; `ETD_INVALID_OPERATION` before the first. Thread-safe.
+/// Returns the summary of the last render to this film that has ended. Error: `ETD_INVALID_OPERATION` before the first one.
+/// Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_film_get_summary(film: *const etd_film, out_summary: *mut etd_summary) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(film, |film| {
             let summary = lock(&film.state).summary;
@@ -512,7 +517,7 @@ pub unsafe extern "C" fn etd_film_get_summary(film: *const etd_film, out_summary
 }
 
 /// # Safety
-/// As for [`read_sized`].
+/// The contract of [`read_sized`].
 unsafe fn read_image_options(options: *const etd_image_options) -> Result<etd_image_options> {
     let defaults = etd_image_options {
         struct_size: size_of::<etd_image_options>(),
@@ -522,7 +527,7 @@ unsafe fn read_image_options(options: *const etd_image_options) -> Result<etd_im
         bottom_up: 0,
         comments: std::ptr::null(),
     };
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     let it = if options.is_null() { defaults } else { unsafe { read_sized(options, "options") }? };
     if !(-64.0..=64.0).contains(&it.exposure) {
         let message = format!("options.exposure is {}, expected -64 to 64 stops", it.exposure);
@@ -531,7 +536,7 @@ unsafe fn read_image_options(options: *const etd_image_options) -> Result<etd_im
     Ok(it)
 }
 
-/// The colour as sRGB bytes.
+/// Converts the colour to sRGB bytes.
 fn to_display(rgba: &[f32], [width, height]: [u32; 2], options: &etd_image_options) -> Result<Vec<u8>> {
     let tone_map: ToneMap = read::tone_map(options.tone_map)?;
     let rgb = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();

@@ -1,26 +1,27 @@
-//! What a host can ask of the last call that failed on its thread.
+//! Calls about the last error of a thread.
 
 use std::ffi::c_char;
 
 use super::boundary::{boundary, write_sized};
 use super::status::{etd_error, etd_status, last_error};
 
-/// The parts of the last failure of this thread.
+/// Returns the parts of the last error of this thread.
 ///
 /// Fills `*out_error`, whose `struct_size` must be set, and returns `ETD_OK`; `out_error->status` is `ETD_OK` if no call
 /// has failed yet. The strings are valid until the next failing call on this thread. Thread-safe.
 ///
 /// # Safety
-/// `out_error` must be NULL or point to a structure of the size it says.
+/// `out_error` must be NULL or point to a structure of the size in its `struct_size`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_last_error(out_error: *mut etd_error) -> etd_status {
     boundary(None, || {
-        // SAFETY: by the contract of this function.
+        // SAFETY: the caller keeps this function's contract.
         unsafe { write_sized(out_error, "out_error", last_error()) }
     })
 }
 
-/// The name of a status, such as "ETD_INVALID_SCENE"; "unknown status" for any other number. Static. Thread-safe.
+/// Returns the name of a status, such as "ETD_INVALID_SCENE", or "unknown status" for any other number. The string is
+/// static. Thread-safe.
 #[unsafe(no_mangle)]
 pub extern "C" fn etd_status_name(status: u32) -> *const c_char {
     let name = match status {

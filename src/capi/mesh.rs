@@ -1,4 +1,4 @@
-//! Meshes from arrays of the host: copied, or read in place.
+//! Meshes in arrays of the host, which are copied or read in place.
 
 use std::any::Any;
 use std::ffi::c_char;
@@ -16,10 +16,10 @@ use crate::buffer::{Buffer, Element};
 use crate::desc::{HostMesh, MeshDesc};
 use crate::math::DVec3;
 
-/// Embree reads each vertex with a load of so many bytes.
+/// Number of bytes that Embree loads for each vertex.
 const LAST_LOAD: usize = 16;
 
-/// Tells the host, once, that its arrays are no longer read; unless the mesh was not accepted.
+/// Calls the host's release function, once its arrays are no longer read, if the mesh was accepted.
 struct Sharing {
     release: etd_release_fn,
     user_data: UserData,
@@ -29,26 +29,27 @@ struct Sharing {
 impl Drop for Sharing {
     fn drop(&mut self) {
         if let (Some(release), true) = (self.release, *self.accepted.get_mut()) {
-            // SAFETY: the host gave the function for this.
+            // SAFETY: the host provided the function for these calls.
             unsafe { release(self.user_data.0) }
         }
     }
 }
 
-/// Adds a mesh from arrays; surfaces use it with `etd_scene_add_mesh_surface`. `*out_mesh` is its number.
+/// Adds a mesh from arrays. `*out_mesh` receives its number, for `etd_scene_add_mesh_surface`.
 ///
-/// Errors: `ETD_INVALID_ARGUMENT` for arrays that cannot be read as they are said to be, `ETD_INVALID_SCENE` for a number
-/// that is not finite or an index of no vertex, with its place. Triangles without area may be present. Thread-safe.
+/// Errors: `ETD_INVALID_ARGUMENT` for sizes, strides or pointers that are not possible, `ETD_INVALID_SCENE` for a number that
+/// is not finite or an index without a vertex, with its place. Triangles without area are allowed. Thread-safe.
 ///
 /// # Safety
-/// The arrays must be readable as `mesh` says; with `ETD_SHARE` until `release` is called, and not be written to.
+/// The arrays must be readable as `mesh` describes them. With `ETD_SHARE`, they must be readable, and must not be written to,
+/// until `release` is called.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_mesh(
     scene: *mut etd_scene,
     mesh: *const etd_mesh,
     out_mesh: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             need(out_mesh, "out_mesh")?;
@@ -59,11 +60,11 @@ pub unsafe extern "C" fn etd_scene_add_mesh(
     }
 }
 
-/// Adds a mesh from a Wavefront OBJ file. `name`: unique among meshes, to find it by; NULL: none. `path`: UTF-8, from the
-/// current folder. Thread-safe.
+/// Adds a mesh from a Wavefront OBJ file. `name`: name for `etd_scene_find_mesh`, unique among meshes; NULL: none. `path`:
+/// UTF-8, relative to the current folder. `*out_mesh` receives the mesh's number. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_mesh_file(
     scene: *mut etd_scene,
@@ -71,7 +72,7 @@ pub unsafe extern "C" fn etd_scene_add_mesh_file(
     path: *const c_char,
     out_mesh: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             need(out_mesh, "out_mesh")?;
@@ -83,47 +84,48 @@ pub unsafe extern "C" fn etd_scene_add_mesh_file(
     }
 }
 
-/// Replaces a mesh by other arrays, wherever it is used; arrays that were shared for it are released when no build and no
-/// render reads them any more. `name` in `value` is not looked at. Thread-safe.
+/// Replaces the arrays of a mesh, for all surfaces that use it. Arrays that were shared before are released once no build and
+/// no render reads them any more. The `name` in `value` is ignored. Thread-safe.
 ///
 /// # Safety
-/// As for `etd_scene_add_mesh`.
+/// The contract of `etd_scene_add_mesh`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_set_mesh(scene: *mut etd_scene, mesh: u32, value: *const etd_mesh) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            // The old one is let go when no lock is held any more: its release function is the host's.
+            // The old mesh is dropped once no lock is held, because the drop may call the host's release function.
             let _old = find(&scene.desc().meshes, mesh, "mesh")?.clone();
             with_mesh(value, |value| scene.edit(|desc| desc.set_mesh(mesh as usize, value)))
         })
     }
 }
 
-/// Removes a mesh that no surface uses any more, and gives back its memory. Its number is not used again. Thread-safe.
+/// Removes a mesh that no surface uses any more, and frees its memory. Its number is not used again. Thread-safe.
 ///
 /// # Safety
 /// `scene` must be NULL or a scene.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_remove_mesh(scene: *mut etd_scene, mesh: u32) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            // As above.
+            // As in `etd_scene_set_mesh`.
             let _old = find(&scene.desc().meshes, mesh, "mesh")?.clone();
             scene.edit(|desc| desc.remove_mesh(mesh as usize))
         })
     }
 }
 
-/// Reads a mesh and hands it on; the host's release function is called later if that succeeds, and never if it fails.
+/// Reads a mesh and passes it to `take`. If that succeeds, the host's release function is called later; otherwise it is never
+/// called.
 ///
 /// # Safety
-/// As for `etd_scene_add_mesh`.
+/// The contract of `etd_scene_add_mesh`.
 unsafe fn with_mesh<R>(pointer: *const etd_mesh, take: impl FnOnce(MeshDesc) -> Result<R>) -> Result<R> {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     let it = unsafe { read_sized(pointer, "mesh") }?;
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     let name = unsafe { optional_text(it.name, "mesh.name") }?;
     for (what, count) in [("vertex_count", it.vertex_count), ("triangle_count", it.triangle_count)] {
         if count == 0 || count >= u32::MAX as usize {
@@ -163,18 +165,18 @@ unsafe fn with_mesh<R>(pointer: *const etd_mesh, take: impl FnOnce(MeshDesc) -> 
         sharing.accepted.store(false, Ordering::Release);
         failure
     };
-    // SAFETY: by the contract; copies are finished before this function ends.
+    // SAFETY: the caller keeps this function's contract; copies are finished before this function ends.
     let desc = unsafe { read_arrays(&it, name, is_double, is_shared, &owner) }.map_err(refused)?;
     drop(owner);
 
-    // Whoever keeps the mesh may let it go at once, on another thread: `sharing` is held here until all is decided.
+    // Another thread may drop the mesh at once. `sharing` is held here until it is known whether the mesh was accepted.
     take(desc).inspect_err(|_| sharing.accepted.store(false, Ordering::Release))
 }
 
-/// The arrays of a mesh, in place or copied.
+/// Reads the arrays of a mesh, in place or copied.
 ///
 /// # Safety
-/// As for `etd_scene_add_mesh`.
+/// The contract of `etd_scene_add_mesh`.
 unsafe fn read_arrays(
     it: &etd_mesh,
     name: &str,
@@ -182,7 +184,7 @@ unsafe fn read_arrays(
     is_shared: bool,
     owner: &Arc<dyn Any + Send + Sync>,
 ) -> Result<MeshDesc> {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         let positions = (!is_double)
             .then(|| view::<[f32; 3]>(it.positions.cast(), it.vertex_count, it.position_stride, owner, "positions"))
@@ -210,10 +212,10 @@ unsafe fn read_arrays(
     }
 }
 
-/// An array of the host.
+/// A view of an array of the host.
 ///
 /// # Safety
-/// As for [`Buffer::foreign`].
+/// The contract of [`Buffer::foreign`].
 unsafe fn view<T: Element>(
     start: *const T,
     count: usize,
@@ -222,13 +224,13 @@ unsafe fn view<T: Element>(
     name: &str,
 ) -> Result<Buffer<T>> {
     let stride = if stride == 0 { size_of::<T>() } else { stride };
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     let buffer = unsafe { Buffer::foreign(start, count, stride, Arc::clone(owner)) };
     buffer.map_err(|error| Failure::argument(format!("mesh.{name}: {}", error.message())))
 }
 
 /// # Safety
-/// As for [`view`].
+/// The contract of [`view`].
 unsafe fn optional_view<T: Element>(
     start: *const f32,
     count: usize,
@@ -236,11 +238,11 @@ unsafe fn optional_view<T: Element>(
     owner: &Arc<dyn Any + Send + Sync>,
     name: &str,
 ) -> Result<Option<Buffer<T>>> {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     (!start.is_null()).then(|| unsafe { view(start.cast(), count, stride, owner, name) }).transpose()
 }
 
-/// A copy, or an error where there is no memory for it.
+/// Copies an array, with an error where there is no memory.
 fn collect<T: Element, U>(buffer: &Buffer<T>, convert: impl Fn(T) -> U) -> Result<Vec<U>> {
     let mut items = Vec::new();
     items.try_reserve_exact(buffer.len()).map_err(|_| {

@@ -1,12 +1,14 @@
-//! The C interface: what `include/etendue.h` declares. Nothing in the crate uses it; it uses everything public.
+//! The C interface, which `include/etendue.h` declares. It uses the public interface of the crate, and no other module uses
+//! it.
 //!
-//! The header is generated from this module by `tests/header.rs` and reads as the manual. In here: `boundary` is the
-//! border (pointers, panics, handles), `status` what came of a call, `last_error` how a host asks for it, `progress` what the host is told before, `types` the plain
-//! structures, and one file for each kind of object. A `task` is the handle, and `work` what it is for.
+//! `tests/header.rs` generates the header from this module, and the comments become the reference manual. `boundary` checks
+//! pointers and handles and catches panics. `status` has the status values and the last error of each thread, which
+//! `last_error` returns to the host. `progress` has progress callbacks, and `types` the plain structures. Each kind of object
+//! has a file of its own. A `task` is the handle of a started render, whose state is in `work`.
 //!
-//! Objects are [`std::sync::Arc`]s whose pointer the host holds: what one needs of another it keeps itself, so they may be
-//! released in any order. Every function may be called from any thread; where two calls would disturb each other, locks
-//! or a status keep them apart. No lock is held while a function of the host is called.
+//! Objects are [`std::sync::Arc`]s whose pointers the host holds. An object keeps the objects that it needs alive, so the host
+//! may release objects in any order. Every function may be called from any thread. Where two calls would conflict, a lock
+//! makes them wait or a status refuses one of them. No lock is held while a function of the host is called.
 #![allow(unsafe_code, non_camel_case_types)]
 
 mod bake;

@@ -1,4 +1,4 @@
-//! Rays that hosts trace themselves: picking, visibility, collision.
+//! Ray queries of hosts, for picking, visibility and collision.
 
 use super::boundary::{items, need, on_quickly};
 use super::scene::etd_scene;
@@ -7,10 +7,11 @@ use super::types::{ETD_NONE, etd_hit, etd_ray};
 use crate::math::{DVec3, Ray, Vec3};
 use crate::scene::Scene;
 
-/// Lengths of a direction, by its largest component, that the kernel's products of three lengths bear.
+/// Range of the largest component of a direction. Within it, products of three lengths neither overflow nor underflow in
+/// Embree.
 const LENGTHS: std::ops::RangeInclusive<f32> = 1e-6..=1e6;
 
-/// A ray in the frame of the scene, and by how much its t counts more than the host's.
+/// Converts a ray to the scene frame. The second value is the factor from the host's t to that of the converted ray.
 #[inline]
 fn in_scene(ray: &etd_ray, centre: DVec3) -> (Ray, f32) {
     let direction = Vec3::from_array(ray.direction);
@@ -22,17 +23,17 @@ fn in_scene(ray: &etd_ray, centre: DVec3) -> (Ray, f32) {
     rescaled(ray, origin, length)
 }
 
-/// A ray of a very long or very short direction, made about one long.
+/// Scales a ray of a very long or very short direction to a direction of about unit length.
 #[cold]
 fn rescaled(ray: &etd_ray, origin: Vec3, length: f32) -> (Ray, f32) {
     let scale = f64::from(length);
     let direction = Vec3::from_array(ray.direction.map(|d| (f64::from(d) / scale) as f32));
-    // What single precision cannot hold is as good as infinite, or as good as nothing.
+    // Values beyond single precision become infinite, or 0.
     let (tnear, tfar) = ((f64::from(ray.tnear) * scale) as f32, (f64::from(ray.tfar) * scale) as f32);
     (Ray { origin, direction, tnear, tfar }, length)
 }
 
-/// What no ray has met.
+/// The result for a ray that hits nothing.
 const MISS: etd_hit = etd_hit {
     t: f32::INFINITY,
     barycentric: [0.0; 2],
@@ -44,12 +45,13 @@ const MISS: etd_hit = etd_hit {
     primitive: 0,
 };
 
-/// Finds what each of `count` rays meets first, in the scene as it was last built.
+/// Finds the first hit of each of `count` rays, in the scene as last built.
 ///
-/// `hits`: one for each ray, in order. A ray that cannot be traced (NaN, infinity in origin or direction, no direction, a
-/// negative or NaN interval) meets nothing; all others are answered, and then `ETD_INVALID_ARGUMENT` names the first such
-/// ray. `ETD_INVALID_OPERATION` before the first build. Everything is done on the calling thread, and any number of
-/// threads may ask at once: share out large batches over your own. Thread-safe.
+/// `hits`: receives one hit for each ray, in the order of the rays. Rays that cannot be traced hit nothing: those with NaN or
+/// infinity in origin or direction, a zero direction, or a negative or NaN interval. All other rays are still traced, and the
+/// call then returns `ETD_INVALID_ARGUMENT` with a message about the first ray that cannot be traced. Error:
+/// `ETD_INVALID_OPERATION` before the first build. The call traces all rays on the calling thread. Any number of threads may
+/// call it at the same time, so a host may divide large batches over its own threads. Thread-safe.
 ///
 /// # Safety
 /// `count` rays must be readable and as many hits writable; `scene` must be NULL or a scene.
@@ -60,7 +62,7 @@ pub unsafe extern "C" fn etd_scene_intersect(
     count: usize,
     hits: *mut etd_hit,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on_quickly(scene, |scene| {
             let rays = items(rays, count, "rays")?;
@@ -69,7 +71,7 @@ pub unsafe extern "C" fn etd_scene_intersect(
             }
             scene.with_built(|scene| {
                 for_each(rays, scene, |index, ray| {
-                    // Written through the pointer: what is there before need not be a value.
+                    // A write through the pointer, because the memory need not be initialised.
                     hits.add(index).write(ray.map_or(MISS, |(ray, length)| hit(scene, &ray, length)));
                 })
             })?
@@ -77,9 +79,9 @@ pub unsafe extern "C" fn etd_scene_intersect(
     }
 }
 
-/// Finds for each of `count` rays whether anything is in its segment, in the scene as it was last built.
+/// Finds for each of `count` rays whether anything lies in its segment, in the scene as last built.
 ///
-/// `occluded`: one byte for each ray, 1 or 0. All else as for `etd_scene_intersect`. Thread-safe.
+/// `occluded`: receives one byte for each ray, 1 or 0. Rays, errors and threads are as for `etd_scene_intersect`. Thread-safe.
 ///
 /// # Safety
 /// `count` rays must be readable and as many bytes writable; `scene` must be NULL or a scene.
@@ -90,7 +92,7 @@ pub unsafe extern "C" fn etd_scene_occluded(
     count: usize,
     occluded: *mut u8,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on_quickly(scene, |scene| {
             let rays = items(rays, count, "rays")?;
@@ -106,7 +108,7 @@ pub unsafe extern "C" fn etd_scene_occluded(
     }
 }
 
-/// Answers every ray, those that cannot be traced with `None`; an error names the first of these.
+/// Calls `answer` for every ray, with `None` for rays that cannot be traced. The error is about the first of these.
 #[inline]
 fn for_each(rays: &[etd_ray], scene: &Scene, mut answer: impl FnMut(usize, Option<(Ray, f32)>)) -> Result {
     let centre = scene.centre();
@@ -130,7 +132,7 @@ fn hit(scene: &Scene, ray: &Ray, length: f32) -> etd_hit {
     let Some(hit) = scene.intersect(ray) else { return MISS };
     let it = scene.describe_hit(ray, &hit);
     etd_hit {
-        // Infinity says that nothing was met.
+        // Infinity would mean that the ray hit nothing.
         t: if length == 1.0 { it.t } else { ((f64::from(it.t) / f64::from(length)) as f32).min(f32::MAX) },
         barycentric: it.barycentric,
         uv: it.uv,

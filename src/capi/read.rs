@@ -1,4 +1,4 @@
-//! From plain numbers of the host to the description's types: enumerations checked, structures read; and the other way round.
+//! Conversion between the plain structures of the host and the types of descriptions, with checks of enumerations.
 
 use super::boundary::read_sized;
 use super::status::{Failure, Result};
@@ -14,7 +14,7 @@ use crate::output::ToneMap;
 use crate::render::MOST_SAMPLES;
 use crate::spectrum::Rgb;
 
-/// The value of an enumeration that a number of the host stands for; `name` is the field's or the argument's.
+/// Converts a number of the host to a value of an enumeration. `name` is the name of the field or argument, for messages.
 pub(super) fn enumeration<T: Enumeration>(name: &str, number: u32) -> Result<T> {
     let value = T::ALL.iter().copied().find(|value| value.number() == number);
     value.ok_or_else(|| {
@@ -24,9 +24,9 @@ pub(super) fn enumeration<T: Enumeration>(name: &str, number: u32) -> Result<T> 
 }
 
 /// # Safety
-/// As for [`read_sized`].
+/// The contract of [`read_sized`].
 pub(super) unsafe fn camera(pointer: *const etd_camera) -> Result<CameraDesc> {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     let it = unsafe { read_sized(pointer, "camera") }?;
     let [origin, look_at, up] = [it.origin, it.look_at, it.up].map(DVec3::from_array);
     let fov_axis = match enumeration("camera.fov_axis", it.fov_axis)? {
@@ -44,7 +44,7 @@ pub(super) unsafe fn camera(pointer: *const etd_camera) -> Result<CameraDesc> {
     }
 }
 
-/// The other way round.
+/// Converts a camera to the host's structure.
 pub(super) fn camera_out(camera: &CameraDesc) -> etd_camera {
     let (projection, origin, look_at, up, fov_deg, axis) = match *camera {
         CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis } => {
@@ -70,9 +70,9 @@ pub(super) fn camera_out(camera: &CameraDesc) -> etd_camera {
 }
 
 /// # Safety
-/// As for [`read_sized`].
+/// The contract of [`read_sized`].
 pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc, Option<f32>)> {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     let it = unsafe { read_sized(pointer, "material") }?;
     if it.reserved != 0 {
         return Err(Failure::argument("material.reserved is not 0"));
@@ -94,7 +94,7 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc,
     Ok((bsdf, (it.survival != 0.0).then_some(it.survival)))
 }
 
-/// The other way round.
+/// Converts a material to the host's structure.
 pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>) -> etd_material {
     let mut it = etd_material {
         struct_size: size_of::<etd_material>(),
@@ -134,7 +134,7 @@ pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>) -> etd_materi
     it
 }
 
-/// Three rows of four; all zero means none.
+/// Reads a transform, three rows of four numbers. Twelve zeros stand for the identity.
 pub(super) fn transform(rows: &[f64; 12]) -> DAffine3 {
     if *rows == [0.0; 12] {
         return DAffine3::IDENTITY;
@@ -143,7 +143,7 @@ pub(super) fn transform(rows: &[f64; 12]) -> DAffine3 {
     DAffine3::from_mat3_translation(DMat3::from_cols(column(0), column(1), column(2)), column(3))
 }
 
-/// The other way round.
+/// Converts a transform to three rows of four numbers.
 pub(super) fn transform_out(transform: &DAffine3) -> [f64; 12] {
     let (m, t) = (transform.matrix3, transform.translation);
     let row = |i: usize| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]];
@@ -151,12 +151,12 @@ pub(super) fn transform_out(transform: &DAffine3) -> [f64; 12] {
     std::array::from_fn(|i| rows[i / 4][i % 4])
 }
 
-/// Emission, where there is any.
+/// Reads an emission; three zeros stand for none.
 pub(super) fn emission(radiance: [f32; 3]) -> Option<Rgb> {
     (radiance != [0.0; 3]).then(|| Rgb::from_array(radiance))
 }
 
-/// What a render block becomes; time, error and functions are looked at elsewhere.
+/// Reads the render settings of a description from options. Time limit, target error and callbacks are no part of them.
 pub(super) fn render(it: &etd_render_options, resolution: [u32; 2]) -> Result<RenderDesc> {
     let [a, b] = it.filter_parameters;
     let is_limited = it.time_limit > 0.0 || it.target_error > 0.0;
@@ -209,12 +209,12 @@ pub(super) fn render(it: &etd_render_options, resolution: [u32; 2]) -> Result<Re
     Ok(desc)
 }
 
-/// What 0 leaves to the library.
+/// Returns `None` for 0, which stands for the default.
 fn given<T: PartialEq + Default>(value: T) -> Option<T> {
     (value != T::default()).then_some(value)
 }
 
-/// What an `etd_switch` says, where it does not leave the choice to the field's default.
+/// Reads an `etd_switch`; `None` stands for the field's default.
 fn switch(name: &str, number: u32) -> Result<Option<bool>> {
     Ok(match enumeration(name, number)? {
         ETD_SWITCH_DEFAULT => None,
@@ -223,13 +223,13 @@ fn switch(name: &str, number: u32) -> Result<Option<bool>> {
     })
 }
 
-/// The other way round.
+/// Converts a setting to an `etd_switch`.
 fn switch_out(on: bool) -> u32 {
     let switch = if on { ETD_SWITCH_ON } else { ETD_SWITCH_OFF };
     switch.number()
 }
 
-/// What is said of adaptive sampling, if anything is.
+/// Reads whether sampling is adaptive; `None` stands for the default.
 pub(super) fn adaptive(it: &etd_render_options) -> Result<Option<bool>> {
     switch("options.adaptive", it.adaptive)
 }
@@ -241,7 +241,7 @@ pub(super) fn error_measure(it: &etd_render_options) -> Result<ErrorMeasure> {
     })
 }
 
-/// A field's complaint in the words of the interface: what a file calls `photonKernel.k` is `photon_kernel_k` here.
+/// Converts an error about a key of a file to one about a field of the options: `photonKernel.k` becomes `photon_kernel_k`.
 fn in_options(error: Error) -> Failure {
     let mut field = String::new();
     for c in error.location().json_path.chars() {
@@ -251,7 +251,7 @@ fn in_options(error: Error) -> Failure {
             c => field.push(c),
         }
     }
-    // The parameters of filters share an array.
+    // All filters have their parameters in one array.
     let field = match field.as_str() {
         "filter_sigma" | "filter_b" => "filter_parameters[0]",
         "filter_c" => "filter_parameters[1]",
@@ -260,7 +260,7 @@ fn in_options(error: Error) -> Failure {
     Failure::argument(format!("options.{field}: {}", error.message()))
 }
 
-/// Settings of photon maps.
+/// Reads the settings of photon maps.
 fn photons(it: &etd_render_options) -> Result<PhotonDesc> {
     let default = PhotonDesc::default();
     if it.reserved != 0 {
@@ -294,7 +294,7 @@ fn photons(it: &etd_render_options) -> Result<PhotonDesc> {
     })
 }
 
-/// Settings of the irradiance cache.
+/// Reads the settings of the irradiance cache.
 fn cache(it: &etd_render_options) -> Result<CacheDesc> {
     let default = CacheDesc::default();
     Ok(CacheDesc {
@@ -309,7 +309,7 @@ fn cache(it: &etd_render_options) -> Result<CacheDesc> {
     })
 }
 
-/// Settings of radiosity.
+/// Reads the settings of radiosity.
 fn radiosity(it: &etd_render_options) -> Result<RadiosityDesc> {
     let default = RadiosityDesc::default();
     Ok(RadiosityDesc {
@@ -331,7 +331,7 @@ fn radiosity(it: &etd_render_options) -> Result<RadiosityDesc> {
     })
 }
 
-/// The other way round.
+/// Converts render settings to the host's options.
 pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
     let (filter, filter_parameters) = match desc.filter {
         FilterDesc::Box => (ETD_FILTER_BOX, [0.0; 2]),
@@ -425,7 +425,7 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
     }
 }
 
-/// A tone map.
+/// Reads a tone map.
 pub(super) fn tone_map(number: u32) -> Result<ToneMap> {
     Ok(match enumeration("options.tone_map", number)? {
         ETD_TONE_MAP_CLAMP => ToneMap::Clamp,
@@ -445,7 +445,7 @@ mod tests {
     }
 
     #[test]
-    fn settings_survive_the_way_out_and_back() {
+    fn settings_are_the_same_after_a_round_trip() {
         let bare = RenderDesc { resolution: [3, 2], ..RenderDesc::default() };
         let (photons, cache) = (PhotonDesc::default(), CacheDesc::default());
         let all = PhotonDesc {

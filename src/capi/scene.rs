@@ -1,4 +1,5 @@
-//! Scenes: made, read, built, asked about themselves. Calls that describe one are in `describe`.
+//! Calls that make, read and build scenes, and calls that return information about them. Calls that describe a scene are in
+//! `describe`, `surface` and `mesh`.
 
 use std::ffi::{c_char, c_void};
 use std::path::{Path, PathBuf};
@@ -8,7 +9,7 @@ use std::time::Duration;
 use arc_swap::ArcSwapOption;
 
 use super::boundary::{
-    Header, Inside, Object, UserData, boundary, copy_text, give, is_inside, items, lock, need, object, on,
+    ActiveWork, Header, Object, UserData, boundary, copy_text, give, is_active, items, lock, need, object, on,
     optional_text, read_sized, release, retain, share, take_status, text, write_sized,
 };
 use super::device::etd_device;
@@ -24,35 +25,37 @@ use crate::desc::{self, SceneDesc};
 use crate::embree::{Device, DeviceOptions};
 use crate::scene::{BuildOptions, Scene};
 
-/// How often a call that waits for another one to finish building looks whether it was cancelled.
-const LOOK: Duration = Duration::from_millis(1);
+/// Time between two checks for a cancel in a call that waits for another call to finish building.
+const WAIT_INTERVAL: Duration = Duration::from_millis(1);
 
-/// A scene: what the host describes, and what was built of it.
+/// A scene: its description by the host, and the scene that was last built from it.
 pub struct etd_scene {
     header: Header,
     pub(super) device: Arc<etd_device>,
-    /// Of its own, so that scenes of one device build side by side; they share the device's budget.
+    /// An Embree device for this scene alone, so that several scenes of one device can be built at the same time. They share the
+    /// device's memory limit.
     kernel: Device,
-    state: Mutex<State>,
-    /// What rays are asked of: untouched by edits until the next build.
+    state: Mutex<SceneState>,
+    /// The scene that rays are traced in. Edits do not change it before the next build.
     built: ArcSwapOption<Scene>,
-    /// Held by whoever builds.
+    /// Held by the thread that builds.
     building: Mutex<()>,
 }
 object!(etd_scene, b"EtSc", "scene");
 
 impl Drop for etd_scene {
     fn drop(&mut self) {
-        // No thread of the library may outlive the last release: the host may end, or unload it.
+        // No thread of the library may run after the last release, because the host may end the process or unload the
+        // library.
         self.kernel.wait_idle();
     }
 }
 
-struct State {
+struct SceneState {
     desc: Arc<SceneDesc>,
-    /// Counts edits.
+    /// Number of edits so far.
     version: u64,
-    /// The version that `built` is of.
+    /// The version that `built` was built from.
     built_version: Option<u64>,
     dynamic: bool,
 }
@@ -71,22 +74,22 @@ impl etd_scene {
             header: Header::new::<Self>(device.callbacks()),
             device: Arc::clone(device),
             kernel: Device::new(&options)?,
-            state: Mutex::new(State { desc: Arc::new(desc), version: 0, built_version: None, dynamic }),
+            state: Mutex::new(SceneState { desc: Arc::new(desc), version: 0, built_version: None, dynamic }),
             built: ArcSwapOption::empty(),
             building: Mutex::new(()),
         })
     }
 
-    /// The description as it stands.
+    /// The current description.
     pub(super) fn desc(&self) -> Arc<SceneDesc> {
         Arc::clone(&lock(&self.state).desc)
     }
 
-    /// Changes the description; a failing change must have left it as it was.
+    /// Changes the description. A change that fails must leave the description as it was.
     pub(super) fn edit<R>(&self, change: impl FnOnce(&mut SceneDesc) -> crate::Result<R>) -> Result<R> {
         let mut state = lock(&self.state);
         let warnings_before = state.desc.warnings.len();
-        // A build that is under way keeps the description it began with.
+        // A build in progress keeps the description that it began with.
         let outcome = change(Arc::make_mut(&mut state.desc))?;
         state.version += 1;
         let warnings: Vec<String> = state.desc.warnings.iter().skip(warnings_before).cloned().collect();
@@ -97,7 +100,7 @@ impl etd_scene {
         Ok(outcome)
     }
 
-    /// What was built last; an error before the first build.
+    /// Calls `ask` with the scene that was built last. It is an error before the first build.
     #[inline]
     pub(super) fn with_built<R>(&self, ask: impl FnOnce(&Scene) -> R) -> Result<R> {
         match &*self.built.load() {
@@ -106,20 +109,20 @@ impl etd_scene {
         }
     }
 
-    /// The scene as it is described now, built if need be, and the time that took.
+    /// Returns the scene as described now, which is built if it has changed, and the time of the build.
     pub(super) fn build(&self, cancel: &Cancel, progress: BuildReport) -> Result<(Scene, Duration)> {
         let own = std::ptr::from_ref(self).addr();
-        if is_inside(own) {
+        if is_active(own) {
             return Err(Failure::operation("a function that a build of this scene calls cannot wait for the build"));
         }
-        // Progress is told by whichever thread is building.
-        let progress = progress.map(|tell| {
+        // Any of the building threads may report progress.
+        let progress = progress.map(|report| {
             Arc::new(move |fraction| {
-                let _inside = Inside::enter(own);
-                tell(fraction);
+                let _active = ActiveWork::enter(own);
+                report(fraction);
             }) as Arc<dyn Fn(f64) + Send + Sync>
         });
-        // Dropped after the turn: what is released with them may call the host.
+        // These are dropped after `turn` is released, because their drops may call the host.
         let (desc, old);
         let turn = loop {
             match self.building.try_lock() {
@@ -127,7 +130,7 @@ impl etd_scene {
                 Err(TryLockError::Poisoned(turn)) => break turn.into_inner(),
                 Err(TryLockError::WouldBlock) => {
                     cancel.check()?;
-                    std::thread::sleep(LOOK);
+                    std::thread::sleep(WAIT_INTERVAL);
                 }
             }
         };
@@ -169,12 +172,12 @@ impl etd_scene {
 }
 
 /// # Safety
-/// As for [`read_sized`]; the strings in it as for [`optional_text`].
+/// As for [`read_sized`]; for the strings in the structure that of [`optional_text`].
 unsafe fn read_options<'a>(options: *const etd_scene_options) -> Result<(bool, &'a Path, Option<PathBuf>)> {
     if options.is_null() {
         return Ok((false, Path::new("."), None));
     }
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     let (it, base_dir, params) = unsafe {
         let it = read_sized(options, "options")?;
         (it, optional_text(it.base_dir, "options.base_dir")?, optional_text(it.params_file, "options.params_file")?)
@@ -190,20 +193,19 @@ unsafe fn read_options<'a>(options: *const etd_scene_options) -> Result<(bool, &
     Ok((dynamic, Path::new(base_dir), (!params.is_empty()).then(|| PathBuf::from(params))))
 }
 
-/// Makes an empty scene with the default camera, to be described by calls.
+/// Makes an empty scene with the default camera, which calls then describe.
 ///
-/// `options`: NULL for defaults; `base_dir` is for mesh files. On `ETD_OK` `*out_scene` is one reference. The scene keeps
-/// its device alive. Thread-safe.
+/// `options`: NULL for the defaults. On `ETD_OK`, `*out_scene` is one reference. The scene keeps its device alive. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_new(
     device: *mut etd_device,
     options: *const etd_scene_options,
     out_scene: *mut *mut etd_scene,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         make(device, options, out_scene, |_, params| {
             if params.is_some() {
@@ -214,14 +216,14 @@ pub unsafe extern "C" fn etd_scene_new(
     }
 }
 
-/// Reads a scene from text: this library's JSON format, or that of the report's renderer.
+/// Reads a scene from text in this library's JSON format or in that of the report's renderer.
 ///
-/// `json`: `json_length` bytes of UTF-8, no zero byte needed. Mesh files are looked for in `options->base_dir`. On
-/// `ETD_OK` `*out_scene` is one reference; on failure it is untouched, and the message says line and JSON path. Nothing
-/// is built yet: `etd_scene_commit` does, or the first render. Thread-safe.
+/// `json`: `json_length` bytes of UTF-8, which need not end with a zero byte. Paths of mesh files are relative to
+/// `options->base_dir`. On `ETD_OK`, `*out_scene` is one reference. On an error, `*out_scene` is not changed, and the message
+/// contains line and JSON path. The scene is built by `etd_scene_commit` or by the first render. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_from_json(
     device: *mut etd_device,
@@ -230,7 +232,7 @@ pub unsafe extern "C" fn etd_scene_from_json(
     options: *const etd_scene_options,
     out_scene: *mut *mut etd_scene,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         make(device, options, out_scene, |base_dir, params| {
             need(json, "json")?;
@@ -246,12 +248,12 @@ pub unsafe extern "C" fn etd_scene_from_json(
     }
 }
 
-/// Reads a scene from a file; mesh files are looked for in its folder (`options->base_dir` is not looked at).
+/// Reads a scene from a file. Paths of mesh files are relative to the file's folder, and `options->base_dir` is ignored.
 ///
-/// As `etd_scene_from_json` in all else. `path`: UTF-8. Thread-safe.
+/// `path`: UTF-8. All else is as for `etd_scene_from_json`. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_from_file(
     device: *mut etd_device,
@@ -259,7 +261,7 @@ pub unsafe extern "C" fn etd_scene_from_file(
     options: *const etd_scene_options,
     out_scene: *mut *mut etd_scene,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         make(device, options, out_scene, |_, params| {
             let path = text(path, "path")?;
@@ -269,20 +271,20 @@ pub unsafe extern "C" fn etd_scene_from_file(
 }
 
 /// # Safety
-/// As for the three functions above.
+/// The contract of the three functions above.
 unsafe fn make(
     device: *mut etd_device,
     options: *const etd_scene_options,
     out_scene: *mut *mut etd_scene,
     describe: impl FnOnce(&Path, Option<&Path>) -> Result<SceneDesc>,
 ) -> etd_status {
-    // SAFETY: by the contract.
+    // SAFETY: the caller keeps this function's contract.
     let owner = unsafe { share(device) };
     let header = owner.as_ref().ok().map(Arc::clone);
     boundary(header.as_ref().map(|device| device.header()), || {
         let device = owner?;
         need(out_scene, "out_scene")?;
-        // SAFETY: by the contract.
+        // SAFETY: the caller keeps this function's contract.
         let (dynamic, base_dir, params) = unsafe { read_options(options) }?;
         let desc = describe(base_dir, params.as_deref())?;
         give(Arc::new(etd_scene::new(&device, desc, dynamic)?), out_scene);
@@ -290,55 +292,56 @@ unsafe fn make(
     })
 }
 
-/// One more reference to a scene. Thread-safe.
+/// Adds a reference to a scene. Thread-safe.
 ///
 /// # Safety
 /// `scene` must be NULL or a scene.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_retain(scene: *mut etd_scene) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { retain(scene) }
 }
 
-/// Gives back one reference to a scene; NULL is fine. Tasks that render it keep it alive. Thread-safe.
+/// Releases a reference to a scene; NULL is allowed. Tasks that render a scene keep it alive. Thread-safe.
 ///
 /// # Safety
 /// `scene` must be NULL or a scene of which the caller has a reference.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_release(scene: *mut etd_scene) {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { release(scene) }
 }
 
-/// The first failure of a call on this scene since this was last asked, and forgets it; `ETD_OK` if there was none.
+/// Takes the first failure of a call on this scene since the last time that it was taken: returns its status, or `ETD_OK` if
+/// there was none, and forgets the failure.
 ///
-/// So that a scene may be described by many calls and checked once. `message`: where its message goes (at most `capacity`
-/// bytes with the zero byte), or NULL. Thread-safe.
+/// A host may thus describe a scene by many calls and check once. `message`: receives the message, at most `capacity` bytes
+/// including the zero byte, unless it is NULL. Thread-safe.
 ///
 /// # Safety
 /// `scene` must be NULL or a scene, and `capacity` bytes writable at `message` unless it is NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_status(scene: *mut etd_scene, message: *mut c_char, capacity: usize) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { take_status(scene, message, capacity) }
 }
 
-/// Builds what was described since the last time, and only that; returns at once if there is nothing new.
+/// Builds the parts of the scene that have changed since the last build. It returns at once if nothing has changed.
 ///
-/// Renders do this by themselves; ray queries see the scene as it was last built. Renders that are under way go on with
-/// the scene they began with. `progress` may be NULL; it is called on a building thread, and cancels if it returns
-/// anything but 0. Errors: those of the description that only show when it is built, `ETD_CANCELLED`,
-/// `ETD_OUT_OF_MEMORY`; what was built before stays in use then. Thread-safe.
+/// Renders build the scene themselves. Ray queries use the scene as last built. Renders in progress continue with the scene
+/// that they began with. `progress` may be NULL; it is called on a building thread, and cancels the build if it returns
+/// anything but 0. Errors: errors of the description that only a build can find, `ETD_CANCELLED`, `ETD_OUT_OF_MEMORY`; after an
+/// error, the scene as last built stays in use. Thread-safe.
 ///
 /// # Safety
-/// `scene` must be NULL or a scene, `progress` NULL or such a function.
+/// `scene` must be NULL or a scene, and `progress` NULL or a function of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_commit(
     scene: *mut etd_scene,
     progress: etd_progress_fn,
     user_data: *mut c_void,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             let progress = HostProgress::new(progress, UserData(user_data));
@@ -348,13 +351,13 @@ pub unsafe extern "C" fn etd_scene_commit(
     }
 }
 
-/// What was built: counts, memory, extent. An error before the first build. Thread-safe.
+/// Returns counts, memory and extent of the scene as last built. It is an error before the first build. Thread-safe.
 ///
 /// # Safety
-/// `scene` must be NULL or a scene, `out_info` NULL or a structure of the size it says.
+/// `scene` must be NULL or a scene, `out_info` NULL or a structure of the size in its `struct_size`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_get_info(scene: *const etd_scene, out_info: *mut etd_scene_info) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             let desc = scene.desc();
@@ -384,13 +387,14 @@ pub unsafe extern "C" fn etd_scene_get_info(scene: *const etd_scene, out_info: *
     }
 }
 
-/// Copies a text about the scene, an `etd_text`, into the caller's buffer.
+/// Copies a text about the scene to the caller's buffer. `text`: an `etd_text`.
 ///
-/// At most `capacity` bytes with the zero byte are written. `*out_needed`, unless NULL, is the size that holds it all;
-/// `buffer` may be NULL to ask for that alone. `ETD_TEXT_INFO` is an error before the first build. Thread-safe.
+/// At most `capacity` bytes, including the zero byte, are written. `*out_needed` receives the size of the whole text with its
+/// zero byte, unless `out_needed` is NULL. `buffer` may be NULL to get the size only. `ETD_TEXT_INFO` is an error before the
+/// first build. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_copy_text(
     scene: *const etd_scene,
@@ -399,7 +403,7 @@ pub unsafe extern "C" fn etd_scene_copy_text(
     capacity: usize,
     out_needed: *mut usize,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             let text = match read::enumeration("which", which)? {
@@ -417,31 +421,31 @@ pub unsafe extern "C" fn etd_scene_copy_text(
     }
 }
 
-/// The settings that the scene's own `render` block asks for (the defaults where it has none), to be changed and given to
-/// a render. Thread-safe.
+/// Returns the settings of the scene's own `render` block, or the defaults where it has none. A host may change them and pass
+/// them to a render. Thread-safe.
 ///
 /// # Safety
-/// `scene` must be NULL or a scene, `out_options` NULL or a structure of the size it says.
+/// `scene` must be NULL or a scene, `out_options` NULL or a structure of the size in its `struct_size`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_get_render_options(
     scene: *const etd_scene,
     out_options: *mut etd_render_options,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { on(scene, |scene| write_sized(out_options, "out_options", read::render_out(&scene.desc().render))) }
 }
 
-/// The resolution that the scene's own `render` block asks for, 256 x 256 where it has none. Thread-safe.
+/// Returns the resolution in the scene's own `render` block, or 256 x 256 where it has none. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_get_resolution(
     scene: *const etd_scene,
     out_width: *mut u32,
     out_height: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             need(out_width, "out_width")?;

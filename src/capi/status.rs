@@ -1,4 +1,4 @@
-//! What a call came to, and why it failed.
+//! The status values of calls, and the last error of each thread.
 
 use std::cell::RefCell;
 use std::ffi::{CString, c_char};
@@ -6,20 +6,21 @@ use std::path::Path;
 
 use crate::{Error, ErrorKind};
 
-/// What a call came to. Values are grouped by who can mend it, never change and are never used again for something else.
+/// The result of a call. Values are grouped by the cause of the error. A value never changes its meaning.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_status {
-    /// It is done.
+    /// The call succeeded.
     ETD_OK = 0,
     /// Not an error: the task is still running.
     ETD_RUNNING = 1,
 
-    /// An argument is NULL, out of its range, not finite, or an index of nothing. The call changed nothing.
+    /// An argument is NULL, out of its range, not finite, or the number of no element. The call changed nothing.
     ETD_INVALID_ARGUMENT = 100,
-    /// The pointer is a handle of another kind than was expected, or points to readable memory that is no handle. A handle whose
-    /// last reference was given back is not recognised: passing it is undefined behaviour, as for any freed memory. Only a task
-    /// whose last reference is being given back, and whose memory is thus still there, is refused with this in its callbacks.
+    /// The pointer is a handle of another kind than was expected, or points to readable memory that is no handle. A handle
+    /// whose last reference was released is not recognised: to pass it is undefined behaviour, as for any freed memory. There
+    /// is one exception: while the last reference to a task is being released, the task still exists, and calls with its
+    /// handle in the task's callbacks are refused with this status.
     ETD_INVALID_HANDLE = 101,
     /// The call does not fit the state of the object: a film that is being rendered to, a scene that was not built, a
     /// callback that waits for the very work that called it.
@@ -27,46 +28,47 @@ pub enum etd_status {
 
     /// The scene holds a value that cannot be rendered; the message names file, line and JSON path.
     ETD_INVALID_SCENE = 200,
-    /// Well formed, but this version does not do it.
+    /// The request is valid, but this version does not support it.
     ETD_UNSUPPORTED = 201,
     /// A file could not be read or written.
     ETD_IO = 202,
 
     /// Embree is missing, of the wrong version, or failed; or no thread could be started.
     ETD_DEVICE = 300,
-    /// There is no memory, or the device's limit was reached.
+    /// There is not enough memory, or the device's memory limit was reached.
     ETD_OUT_OF_MEMORY = 301,
 
-    /// Cancelled, by `etd_task_cancel` or by a callback.
+    /// The work was cancelled, by `etd_task_cancel` or by a callback.
     ETD_CANCELLED = 400,
 
-    /// A broken promise of this library; please report it.
+    /// A fault in this library; please report it.
     ETD_INTERNAL = 500,
-    /// The library panicked. The process is unharmed, and the objects of the call can only be released from now on.
+    /// The library panicked, which is a fault in it; please report it. The process may continue. The objects of the call can
+    /// only be released from now on.
     ETD_PANIC = 501,
 }
 pub use etd_status::*;
 
-/// Why the last failing call of a thread failed.
+/// The last error of a thread: why its last failing call failed.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct etd_error {
     /// `sizeof(etd_error)`, set by the caller (`ETD_ERROR_INIT`).
     pub struct_size: usize,
-    /// What that call returned.
+    /// The status that the call returned.
     pub status: etd_status,
-    /// One-based line in `file`; 0 where it is not known.
+    /// Line in `file`, counted from 1; 0 if it is not known.
     pub line: u32,
-    /// The whole message, with file, line and JSON path in front. UTF-8, never NULL. This pointer and the two below stay
+    /// The whole message, which begins with file, line and JSON path. UTF-8, never NULL. This pointer and the two below are
     /// valid until the next failing call on this thread.
     pub message: *const c_char,
-    /// The file it is about; empty where it is about none.
+    /// The file that the error is about; empty if it is about no file.
     pub file: *const c_char,
-    /// JSON path such as `surfaces[3].radius`, for scenes built by calls too; empty where there is none.
+    /// JSON path such as `surfaces[3].radius`, also for scenes that calls describe; empty if there is none.
     pub json_path: *const c_char,
 }
 
-/// A failed call, on its way out.
+/// The failure of a call, before it becomes a status and the thread's last error.
 #[derive(Clone, Debug)]
 pub(super) struct Failure {
     pub status: etd_status,
@@ -114,7 +116,7 @@ impl From<Error> for Failure {
     }
 }
 
-/// A thread's last failure, as C wants it.
+/// The last error of a thread, with its texts as C strings.
 struct LastError {
     status: etd_status,
     line: u32,
@@ -127,13 +129,13 @@ thread_local! {
     static LAST: RefCell<Option<LastError>> = const { RefCell::new(None) };
 }
 
-/// A C string of any text: what follows a zero byte is left out.
+/// Makes a C string of a text. The text ends at its first zero byte.
 pub(super) fn c_string(text: &str) -> CString {
     let end = text.find('\0').unwrap_or(text.len());
     CString::new(&text[..end]).unwrap_or_default()
 }
 
-/// Keeps a failure as this thread's last.
+/// Stores a failure as the last error of this thread.
 pub(super) fn remember(failure: &Failure) {
     let last = LastError {
         status: failure.status,
@@ -142,11 +144,11 @@ pub(super) fn remember(failure: &Failure) {
         file: c_string(&failure.file),
         json_path: c_string(&failure.json_path),
     };
-    // A thread that is ending has no place for it any more.
+    // A thread that is ending may have dropped its thread-local storage, and then the error is not stored.
     let _ = LAST.try_with(|slot| *slot.borrow_mut() = Some(last));
 }
 
-/// The last failure of this thread; of status `ETD_OK` if there was none.
+/// The last error of this thread; its status is `ETD_OK` if no call has failed.
 pub(super) fn last_error() -> etd_error {
     let mut error = etd_error {
         struct_size: size_of::<etd_error>(),
@@ -168,10 +170,10 @@ pub(super) fn last_error() -> etd_error {
     error
 }
 
-/// The message of the last call that failed on this thread, with file, line and JSON path where there are any.
+/// Returns the message of the last call that failed on this thread, with file, line and JSON path where there are any.
 ///
-/// UTF-8, never NULL, empty if no call has failed yet. Valid until the next failing call on this thread. Calls that
-/// succeed leave it alone. Thread-safe; each thread has its own.
+/// The message is UTF-8, never NULL, and empty if no call has failed yet. It is valid until the next failing call on this
+/// thread. Calls that succeed do not change it. Thread-safe; each thread has its own message.
 #[unsafe(no_mangle)]
 pub extern "C" fn etd_last_error_message() -> *const c_char {
     LAST.try_with(|slot| slot.borrow().as_ref().map_or(c"".as_ptr(), |last| last.message.as_ptr()))

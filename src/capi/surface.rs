@@ -1,4 +1,4 @@
-//! Surfaces of a scene: added, changed, removed; and finding things by their names. What `describe` says holds here too.
+//! Calls that add, change and remove surfaces, and calls that find elements by name. The rules of `describe` hold here too.
 
 use std::ffi::c_char;
 
@@ -11,14 +11,15 @@ use super::types::{ETD_NONE, etd_surface};
 use crate::desc::{SceneDesc, ShapeDesc, SurfaceLook};
 use crate::math::{Bounds, DAffine3, DVec3};
 
-/// Adds a sphere with its normals outwards. `centre`: three numbers; `radius` > 0. Under a transform that stretches it,
-/// it is an ellipsoid, which cannot emit.
+/// Adds a sphere with its normals outwards. `centre`: three numbers; `radius` > 0. A transform that stretches the sphere makes
+/// it an ellipsoid, which cannot emit.
 ///
-/// As all that add a surface: `surface` says material, emission and transform; `*out_surface` is the surface's number;
-/// errors are `ETD_INVALID_SCENE` and `ETD_UNSUPPORTED` with the JSON path that a file would have. Thread-safe.
+/// The following holds for all calls that add a surface. `surface` contains material, emission and transform. `*out_surface`
+/// receives the surface's number. Errors are `ETD_INVALID_SCENE` and `ETD_UNSUPPORTED`, with the JSON path that a file would
+/// have. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_sphere(
     scene: *mut etd_scene,
@@ -27,14 +28,14 @@ pub unsafe extern "C" fn etd_scene_add_sphere(
     surface: *const etd_surface,
     out_surface: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::sphere(vector(centre, "centre")?, radius)?)) }
 }
 
 /// Adds a triangle with normal (v1 - v0) x (v2 - v0). `vertices`: three positions, nine numbers. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_triangle(
     scene: *mut etd_scene,
@@ -42,15 +43,15 @@ pub unsafe extern "C" fn etd_scene_add_triangle(
     surface: *const etd_surface,
     out_surface: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::triangle(vectors(vertices, "vertices")?)?)) }
 }
 
-/// Adds a flat convex quadrilateral, vertices in order around its edge, with the normal of its first three.
-/// `vertices`: four positions, twelve numbers. Thread-safe.
+/// Adds a flat convex quadrilateral with the normal (v1 - v0) x (v2 - v0). `vertices`: four positions in order around the edge,
+/// twelve numbers. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_quad(
     scene: *mut etd_scene,
@@ -58,14 +59,14 @@ pub unsafe extern "C" fn etd_scene_add_quad(
     surface: *const etd_surface,
     out_surface: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::quad(vectors(vertices, "vertices")?)?)) }
 }
 
-/// Adds a flat round disk. `normal`: any length. Cannot emit. Thread-safe.
+/// Adds a flat round disk. `normal`: any length. A disk cannot emit. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_disk(
     scene: *mut etd_scene,
@@ -75,7 +76,7 @@ pub unsafe extern "C" fn etd_scene_add_disk(
     surface: *const etd_surface,
     out_surface: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         add(scene, surface, out_surface, || {
             Ok(ShapeDesc::disk(vector(centre, "centre")?, vector(normal, "normal")?, radius)?)
@@ -83,11 +84,11 @@ pub unsafe extern "C" fn etd_scene_add_disk(
     }
 }
 
-/// Adds a tube without caps, normals outwards. `base`: centre of one end; `axis`: direction to the other, any length.
-/// Cannot emit. Thread-safe.
+/// Adds a cylinder without caps, normals outwards. `base`: centre of one end; `axis`: direction to the other end, any length.
+/// A cylinder cannot emit. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_cylinder(
     scene: *mut etd_scene,
@@ -98,7 +99,7 @@ pub unsafe extern "C" fn etd_scene_add_cylinder(
     surface: *const etd_surface,
     out_surface: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         add(scene, surface, out_surface, || {
             Ok(ShapeDesc::cylinder(vector(base, "base")?, vector(axis, "axis")?, radius, height)?)
@@ -106,11 +107,11 @@ pub unsafe extern "C" fn etd_scene_add_cylinder(
     }
 }
 
-/// Adds a cone without its base disk, normals outwards. `base`: centre of the base; `axis`: direction to the apex.
-/// Cannot emit. Thread-safe.
+/// Adds a cone without its base disk, normals outwards. `base`: centre of the base; `axis`: direction to the apex, any length.
+/// A cone cannot emit. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_cone(
     scene: *mut etd_scene,
@@ -121,7 +122,7 @@ pub unsafe extern "C" fn etd_scene_add_cone(
     surface: *const etd_surface,
     out_surface: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         add(scene, surface, out_surface, || {
             Ok(ShapeDesc::cone(vector(base, "base")?, vector(axis, "axis")?, radius, height)?)
@@ -130,10 +131,10 @@ pub unsafe extern "C" fn etd_scene_add_cone(
 }
 
 /// Adds a paraboloid of revolution, open at its wide end, normals away from its axis. `axis`: direction from the apex
-/// into the bowl; `radius`: that at `height`. Cannot emit. Thread-safe.
+/// into the paraboloid; `radius`: radius at `height`. A paraboloid cannot emit. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_paraboloid(
     scene: *mut etd_scene,
@@ -144,7 +145,7 @@ pub unsafe extern "C" fn etd_scene_add_paraboloid(
     surface: *const etd_surface,
     out_surface: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         add(scene, surface, out_surface, || {
             Ok(ShapeDesc::paraboloid(vector(apex, "apex")?, vector(axis, "axis")?, radius, height)?)
@@ -152,11 +153,11 @@ pub unsafe extern "C" fn etd_scene_add_paraboloid(
     }
 }
 
-/// Adds an ellipsoid with its axes along x, y and z, normals outwards. `radii`: three numbers > 0. Cannot emit.
-/// Thread-safe.
+/// Adds an ellipsoid with its axes along x, y and z, normals outwards. `radii`: three numbers > 0. An
+/// ellipsoid cannot emit. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_ellipsoid(
     scene: *mut etd_scene,
@@ -165,7 +166,7 @@ pub unsafe extern "C" fn etd_scene_add_ellipsoid(
     surface: *const etd_surface,
     out_surface: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         add(scene, surface, out_surface, || {
             Ok(ShapeDesc::ellipsoid(vector(centre, "centre")?, vector(radii, "radii")?)?)
@@ -175,11 +176,11 @@ pub unsafe extern "C" fn etd_scene_add_ellipsoid(
 
 /// Adds a quadric: a x^2 + b y^2 + c z^2 + 2d xy + 2e yz + 2f xz + 2g x + 2h y + 2i z + j = 0, normals along the gradient.
 ///
-/// `coefficients`: ten numbers, a to j. `clip_min`, `clip_max`: only what lies inside this box is there; both NULL for an
-/// ellipsoid, which ends by itself. Cannot emit. Thread-safe.
+/// `coefficients`: ten numbers, a to j. `clip_min`, `clip_max`: corners of a box that clips the quadric; both may be NULL for
+/// an ellipsoid, which is bounded. A quadric cannot emit. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_quadric(
     scene: *mut etd_scene,
@@ -189,7 +190,7 @@ pub unsafe extern "C" fn etd_scene_add_quadric(
     surface: *const etd_surface,
     out_surface: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         add(scene, surface, out_surface, || {
             let clip = match (clip_min.is_null(), clip_max.is_null()) {
@@ -201,12 +202,13 @@ pub unsafe extern "C" fn etd_scene_add_quadric(
     }
 }
 
-/// Adds a use of a mesh; one mesh may be used many times, and is kept once.
+/// Adds a surface that uses a mesh. Any number of surfaces may use a mesh, which is stored once.
 ///
-/// `smooth`: not 0 interpolates the vertex normals (made from the faces where the mesh has none). Thread-safe.
+/// `smooth`: if not 0, normals are interpolated between vertices; a mesh without vertex normals gets them from its faces.
+/// Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_add_mesh_surface(
     scene: *mut etd_scene,
@@ -216,17 +218,17 @@ pub unsafe extern "C" fn etd_scene_add_mesh_surface(
     out_surface: *mut u32,
 ) -> etd_status {
     let shape = ShapeDesc::Mesh { mesh: mesh as usize, smooth: smooth != 0 };
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { add(scene, surface, out_surface, || Ok((shape, DAffine3::IDENTITY))) }
 }
 
-/// Removes a surface. Its number is not used again, and every other keeps its own. Thread-safe.
+/// Removes a surface. Its number is not used again, and the numbers of other surfaces do not change. Thread-safe.
 ///
 /// # Safety
 /// `scene` must be NULL or a scene.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_remove_surface(scene: *mut etd_scene, surface: u32) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             find(&scene.desc().surfaces, surface, "surface")?;
@@ -235,18 +237,19 @@ pub unsafe extern "C" fn etd_scene_remove_surface(scene: *mut etd_scene, surface
     }
 }
 
-/// Places a surface. `transform`: object to world, three rows of four numbers, not flattening; it replaces the one there
-/// was. Of a shape with a place of its own (a cylinder's base, say) it moves the whole. Thread-safe.
+/// Sets the transform of a surface from its object frame to the world frame. `transform`: three rows of four numbers,
+/// invertible. It replaces the previous transform. The position that a shape was added with (such as a cylinder's base) is one
+/// in the object frame, so the transform moves the whole shape. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_set_transform(
     scene: *mut etd_scene,
     surface: u32,
     transform: *const f64,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             find(&scene.desc().surfaces, surface, "surface")?;
@@ -259,7 +262,7 @@ pub unsafe extern "C" fn etd_scene_set_transform(
     }
 }
 
-/// Gives a surface another material; `ETD_NONE` for one that emits and reflects nothing. Thread-safe.
+/// Gives a surface another material. `ETD_NONE` is allowed for a surface that emits, which then reflects nothing. Thread-safe.
 ///
 /// # Safety
 /// `scene` must be NULL or a scene.
@@ -271,7 +274,7 @@ pub unsafe extern "C" fn etd_scene_set_surface_material(
 ) -> etd_status {
     let number = material;
     let material = (material != ETD_NONE).then_some(material as usize);
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             find(&scene.desc().surfaces, surface, "surface")?;
@@ -281,18 +284,18 @@ pub unsafe extern "C" fn etd_scene_set_surface_material(
     }
 }
 
-/// Changes what a surface emits [W m^-2 sr^-1]. `radiance`: three numbers >= 0; all zero, or NULL: it emits nothing.
-/// Thread-safe.
+/// Sets the radiance that a surface emits [W m^-2 sr^-1]. `radiance`: three numbers >= 0; NULL or three zeros for a surface
+/// that does not emit. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_set_emission(
     scene: *mut etd_scene,
     surface: u32,
     radiance: *const f32,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             find(&scene.desc().surfaces, surface, "surface")?;
@@ -302,17 +305,18 @@ pub unsafe extern "C" fn etd_scene_set_emission(
     }
 }
 
-/// Material, emission and transform of a surface as they are described now; an error if it was removed. Thread-safe.
+/// Returns material, emission and transform of a surface as described now. It is an error if the surface was removed.
+/// Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_get_surface(
     scene: *const etd_scene,
     surface: u32,
     out_surface: *mut etd_surface,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             let desc = scene.desc();
@@ -331,58 +335,58 @@ pub unsafe extern "C" fn etd_scene_get_surface(
     }
 }
 
-/// The number of the material of this name. Thread-safe.
+/// Returns the number of the material with a name. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_find_material(
     scene: *const etd_scene,
     name: *const c_char,
     out_material: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
-    unsafe { look_up(scene, name, out_material, "material", |desc, name| desc.find_material(name)) }
+    // SAFETY: the caller keeps this function's contract.
+    unsafe { find_number(scene, name, out_material, "material", |desc, name| desc.find_material(name)) }
 }
 
-/// The number of the mesh of this name. Thread-safe.
+/// Returns the number of the mesh with a name. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_find_mesh(
     scene: *const etd_scene,
     name: *const c_char,
     out_mesh: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
-    unsafe { look_up(scene, name, out_mesh, "mesh", |desc, name| desc.find_mesh(name)) }
+    // SAFETY: the caller keeps this function's contract.
+    unsafe { find_number(scene, name, out_mesh, "mesh", |desc, name| desc.find_mesh(name)) }
 }
 
-/// The number of the surface with this JSON path, such as `surfaces[3]` or, for an area light, `lights[0]`. Thread-safe.
+/// Returns the number of the surface with a JSON path, such as `surfaces[3]` or, for an area light, `lights[0]`. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_find_surface(
     scene: *const etd_scene,
     json_path: *const c_char,
     out_surface: *mut u32,
 ) -> etd_status {
-    // SAFETY: passed on.
-    unsafe { look_up(scene, json_path, out_surface, "surface", |desc, path| desc.find_surface(path)) }
+    // SAFETY: the caller keeps this function's contract.
+    unsafe { find_number(scene, json_path, out_surface, "surface", |desc, path| desc.find_surface(path)) }
 }
 
 /// # Safety
-/// As for the three functions above.
-unsafe fn look_up(
+/// The contract of the three functions above.
+unsafe fn find_number(
     scene: *const etd_scene,
     name: *const c_char,
     out: *mut u32,
     what: &str,
     find: impl FnOnce(&SceneDesc, &str) -> Option<usize>,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             need(out, "the number's place")?;
@@ -398,14 +402,14 @@ unsafe fn look_up(
 /// Adds a surface of a shape.
 ///
 /// # Safety
-/// As for the functions that call it.
+/// The contract of the functions that call it.
 unsafe fn add(
     scene: *mut etd_scene,
     surface: *const etd_surface,
     out_surface: *mut u32,
     shape: impl FnOnce() -> Result<(ShapeDesc, DAffine3)>,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             need(out_surface, "out_surface")?;
@@ -431,12 +435,12 @@ unsafe fn add(
 /// 3 N numbers must be readable at `pointer`, unless it is NULL.
 unsafe fn vectors<const N: usize>(pointer: *const f64, name: &str) -> Result<[DVec3; N]> {
     need(pointer, name)?;
-    // SAFETY: passed on; arrays have the alignment of their items.
+    // SAFETY: the caller keeps this function's contract; arrays have the alignment of their items.
     let all: [[f64; 3]; N] = unsafe { pointer.cast::<[[f64; 3]; N]>().read() };
     Ok(all.map(DVec3::from_array))
 }
 
-/// Refuses the number of no material; `ETD_NONE` is fine here.
+/// Refuses a number that no material has. `ETD_NONE` is allowed.
 fn find_material(scene: &etd_scene, number: u32) -> Result {
     if number != ETD_NONE {
         find(&scene.desc().materials, number, "material")?;

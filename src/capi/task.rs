@@ -1,4 +1,4 @@
-//! Renders: on the calling thread, or as tasks that are polled, awaited and cancelled.
+//! Calls that render: on the calling thread, or as tasks that hosts poll, wait for and cancel.
 
 use std::ffi::c_char;
 use std::sync::Arc;
@@ -10,49 +10,50 @@ use super::film::etd_film;
 use super::scene::etd_scene;
 use super::status::{ETD_INVALID_HANDLE, ETD_OK, ETD_RUNNING, Failure, etd_status};
 use super::types::{etd_progress, etd_render_options};
-use super::work::Work;
+use super::work::RenderWork;
 
 /// A started render.
 pub struct etd_task {
     header: Header,
-    /// The host's references. The last one that is given back is waited for while the object is still whole: functions
-    /// of the host that run meanwhile may use their handle.
+    /// Number of the host's references. The release of the last one waits for the end of the task while the object still
+    /// exists, since functions of the host that run meanwhile may use the handle.
     references: AtomicUsize,
-    work: Arc<Work>,
+    work: Arc<RenderWork>,
 }
 object!(etd_task, b"EtTa", "task");
 
-/// Renders a scene to a film and returns when it is done; builds the scene first where it has changed.
+/// Renders a scene to a film and returns when the render has ended. A scene that has changed is built first.
 ///
-/// The film must be of the scene's device. `options`: NULL for the scene's own settings. Returns `ETD_CANCELLED` if the progress callback stopped it; the film then
-/// holds what was done. Errors: `ETD_INVALID_OPERATION` while the film is being rendered to, and all that
-/// `etd_scene_commit` has. The image depends on scene, resolution and options alone, not on threads. Thread-safe: several
-/// renders, of one scene too, may run at once, each to a film of its own.
+/// The film must be of the scene's device. `options`: NULL for the scene's own settings. If the progress callback stops the
+/// render, the call returns `ETD_CANCELLED`, and the film holds the samples that were taken. Errors: `ETD_INVALID_OPERATION`
+/// while another render uses the film, and the errors of `etd_scene_commit`. The image depends only on the scene, the
+/// resolution and the options, and not on threads. Thread-safe: several renders, also of one scene, may run at the same time,
+/// each to a film of its own.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_render(
     scene: *mut etd_scene,
     film: *mut etd_film,
     options: *const etd_render_options,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            let work = Work::prepare(scene, film, options)?;
+            let work = RenderWork::prepare(scene, film, options)?;
             work.run(false)
         })
     }
 }
 
-/// Begins to render a scene to a film and returns at once; building the scene is part of the task.
+/// Starts a task that renders a scene to a film, and returns at once. The task builds the scene first if it has changed.
 ///
-/// As `etd_render`, on a thread of its own (with a host's executor: as a piece of work of it). On `ETD_OK` `*out_task` is
-/// one reference. Thread-safe.
+/// The task does what `etd_render` does, on a thread of its own, or on the host's executor where the device has one. On
+/// `ETD_OK`, `*out_task` is one reference. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_render_start(
     scene: *mut etd_scene,
@@ -60,11 +61,11 @@ pub unsafe extern "C" fn etd_render_start(
     options: *const etd_render_options,
     out_task: *mut *mut etd_task,
 ) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
             need(out_task, "out_task")?;
-            let work = Work::prepare(scene, film, options)?;
+            let work = RenderWork::prepare(scene, film, options)?;
             let header = Header::new::<etd_task>(scene.device.callbacks());
             work.start(0, false)?;
             give(Arc::new(etd_task { header, references: AtomicUsize::new(1), work }), out_task);
@@ -73,20 +74,20 @@ pub unsafe extern "C" fn etd_render_start(
     }
 }
 
-/// How far a task is: `ETD_RUNNING`, or how it ended (`ETD_OK`, `ETD_CANCELLED`, an error whose message is this thread's
-/// last then).
+/// Returns the state of a task: `ETD_RUNNING`, or how the task ended, which is `ETD_OK`, `ETD_CANCELLED` or an error. The
+/// message of an error becomes this thread's last one.
 ///
-/// `out_progress`: NULL, or filled. Never waits. Thread-safe.
+/// `out_progress`: receives the progress, unless it is NULL. The call never waits. Thread-safe.
 ///
 /// # Safety
-/// Pointers must be NULL or point to what they say.
+/// Each pointer must be NULL or point to a value of its type.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_task_poll(task: *mut etd_task, out_progress: *mut etd_progress) -> etd_status {
     let mut running = false;
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     let status = unsafe {
         on(task, |task| {
-            let (progress, outcome) = task.work.so_far();
+            let (progress, outcome) = task.work.progress_and_outcome();
             if !out_progress.is_null() {
                 write_sized(out_progress, "out_progress", progress)?;
             }
@@ -97,20 +98,20 @@ pub unsafe extern "C" fn etd_task_poll(task: *mut etd_task, out_progress: *mut e
     if running && status == ETD_OK { ETD_RUNNING } else { status }
 }
 
-/// Waits until a task has ended, for `seconds` at most (below 0: without a limit), and says as `etd_task_poll` how.
+/// Waits until a task has ended, for `seconds` at most (below 0: without a limit), and returns the same as `etd_task_poll`.
 ///
-/// When it has returned something else than `ETD_RUNNING`, none of the task's functions is called any more.
-/// `ETD_INVALID_OPERATION` inside one of these. Thread-safe.
+/// Once this call has returned anything but `ETD_RUNNING`, the task calls none of its callbacks any more. Inside one of these
+/// callbacks, the call returns `ETD_INVALID_OPERATION`. Thread-safe.
 ///
 /// # Safety
 /// `task` must be NULL or a task.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_task_wait(task: *mut etd_task, seconds: f64) -> etd_status {
     let mut running = false;
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     let status = unsafe {
         on(task, |task| {
-            if task.work.is_calling_us() {
+            if task.work.is_active_here() {
                 return Err(Failure::operation("a function that the task calls cannot wait for the task"));
             }
             if seconds.is_nan() {
@@ -125,14 +126,15 @@ pub unsafe extern "C" fn etd_task_wait(task: *mut etd_task, seconds: f64) -> etd
     if running && status == ETD_OK { ETD_RUNNING } else { status }
 }
 
-/// Asks a task to end soon, in whatever phase it is, and returns at once. It ends with `ETD_CANCELLED`, unless it was done
-/// already. One that no thread has begun yet ends here, and its `finished` is called here. Thread-safe, also inside the task's own functions.
+/// Asks a task to end soon, in any phase, and returns at once. The task ends with `ETD_CANCELLED`, unless it has already
+/// ended. A task that no thread has begun yet ends during this call, which then calls `finished`. Thread-safe, also inside the
+/// task's callbacks.
 ///
 /// # Safety
 /// `task` must be NULL or a task.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_task_cancel(task: *mut etd_task) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(task, |task| {
             task.work.cancel();
@@ -141,21 +143,22 @@ pub unsafe extern "C" fn etd_task_cancel(task: *mut etd_task) -> etd_status {
     }
 }
 
-/// Lets a task that was cancelled, or ended by its time limit, go on from where it stopped, with the scene that it began
-/// with (as it is now, if it was cancelled before the scene was built) and its time limit anew. It comes to the same image
-/// as one that was never interrupted.
+/// Resumes a task that was cancelled or that its time limit has ended. The result is the same image as without an
+/// interruption.
 ///
-/// A task that is complete stays so. `ETD_INVALID_OPERATION` while it runs, after an error, and inside its own functions. Another render
-/// to the same film in between is not undone: the film then shows this task's image again. Thread-safe.
+/// The task continues with the scene that it began with. If the task was cancelled before that scene was built, it continues
+/// with the scene as described now. The time limit begins anew. For a complete task, the call does nothing. It returns
+/// `ETD_INVALID_OPERATION` while the task runs, after an error, and inside the task's callbacks. If another render has used
+/// the film meanwhile, the film shows the image of this task again. Thread-safe.
 ///
 /// # Safety
 /// `task` must be NULL or a task.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_task_resume(task: *mut etd_task) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(task, |task| {
-            if task.work.is_calling_us() {
+            if task.work.is_active_here() {
                 return Err(Failure::operation("a function that the task calls cannot resume the task"));
             }
             task.work.resume()
@@ -163,14 +166,14 @@ pub unsafe extern "C" fn etd_task_resume(task: *mut etd_task) -> etd_status {
     }
 }
 
-/// One more reference to a task. Thread-safe.
+/// Adds a reference to a task. Thread-safe.
 ///
 /// # Safety
 /// `task` must be NULL or a task.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_task_retain(task: *mut etd_task) -> etd_status {
     let count = |count: usize| (count > 0).then(|| count + 1);
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(task, |task| {
             let counted = task.references.fetch_update(Ordering::Relaxed, Ordering::Relaxed, count);
@@ -179,9 +182,9 @@ pub unsafe extern "C" fn etd_task_retain(task: *mut etd_task) -> etd_status {
     }
 }
 
-/// Gives back one reference to a task; NULL is fine. With the last one a task that still runs is cancelled and waited
-/// for, so that none of its functions is called afterwards; these may use the handle until then. (Inside one of them it is
-/// only cancelled.) Thread-safe.
+/// Releases a reference to a task; NULL is allowed. The release of the last reference cancels a task that still runs and waits
+/// for its end. The task's callbacks may use the handle until then, and are not called afterwards. Inside one of these
+/// callbacks, the call cancels the task without waiting. Thread-safe.
 ///
 /// # Safety
 /// `task` must be NULL or a task of which the caller has a reference.
@@ -192,33 +195,34 @@ pub unsafe extern "C" fn etd_task_release(task: *mut etd_task) {
     }
     let mut is_last = false;
     boundary(None, || {
-        // SAFETY: passed on.
+        // SAFETY: the caller keeps this function's contract.
         let it = unsafe { peek(task) }?;
         let count = |count: usize| count.checked_sub(1);
         let before = it.references.fetch_update(Ordering::AcqRel, Ordering::Relaxed, count);
         is_last = before.map_err(|_| Failure::new(ETD_INVALID_HANDLE, "the task was released"))? == 1;
         if is_last {
             it.work.cancel();
-            // The host may free what its functions use after this; inside one of them there is nothing to wait for.
-            if !it.work.is_calling_us() {
+            // After this call, the host may free the data of its callbacks. A callback of the task cannot wait for its own end.
+            if !it.work.is_active_here() {
                 it.work.wait(None);
             }
         }
         Ok(())
     });
     if is_last {
-        // SAFETY: the last reference of the host stands for the one that `give` handed out.
+        // SAFETY: all references of the host together own the one reference that `give` handed out.
         unsafe { release(task) }
     }
 }
 
-/// The first failure of a call on this task since this was last asked, and forgets it; `ETD_OK` if there was none.
-/// `message`: where its message goes (at most `capacity` bytes with the zero byte), or NULL. Thread-safe.
+/// Takes the first failure of a call on this task since the last time that it was taken: returns its status, or `ETD_OK` if
+/// there was none, and forgets the failure.
+/// `message`: receives the message, at most `capacity` bytes including the zero byte, unless it is NULL. Thread-safe.
 ///
 /// # Safety
 /// `task` must be NULL or a task, and `capacity` bytes writable at `message` unless it is NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_task_status(task: *mut etd_task, message: *mut c_char, capacity: usize) -> etd_status {
-    // SAFETY: passed on.
+    // SAFETY: the caller keeps this function's contract.
     unsafe { take_status(task, message, capacity) }
 }

@@ -1,14 +1,14 @@
-//! A render: what it needs, how far it is, and how it ended. Whoever has its handle is `task`'s concern.
+//! The state of a render that a call or a task does: its input, its progress and its outcome. `task` has the handles.
 
 use std::ops::ControlFlow;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::boundary::{Inside, Object, UserData, catch, is_inside, lock, read_sized, share};
+use super::boundary::{ActiveWork, Object, UserData, catch, is_active, lock, read_sized, share};
 use super::device::etd_device;
 use super::film::etd_film;
-use super::progress::{BUILD_SHARE, BuildReport, none_yet};
+use super::progress::{BUILD_FRACTION, BuildReport, initial_progress};
 use super::read;
 use super::scene::etd_scene;
 use super::status::{ETD_CANCELLED, ETD_DEVICE, ETD_OK, Failure, Result};
@@ -21,59 +21,60 @@ use crate::desc::IntegratorDesc;
 use crate::output::summary_attributes;
 use crate::render::{Ended, Render, RenderSettings, Summary};
 
-/// A film gets a new image in the middle of a pass only when the last one is as old as this.
+/// A film gets a new image in the middle of a pass only if its last image is at least this old.
 const IMAGE_INTERVAL: Duration = Duration::from_secs(1);
 
-/// And when making images takes no more than one part in this of the time.
+/// A film gets a new image in the middle of a pass only after this many times the duration of making the last image.
 const IMAGE_COST: u32 = 50;
 
-/// A render: what it needs, how far it is, and how it ended.
-pub(super) struct Work {
+/// A render that a call or a task does: its input, its progress and its outcome.
+pub(super) struct RenderWork {
     scene: Arc<etd_scene>,
     film: Arc<etd_film>,
     options: etd_render_options,
     user_data: UserData,
-    state: Mutex<State>,
+    state: Mutex<WorkState>,
     ended: Condvar,
-    /// Kept so that it can go on.
+    /// The render, which is kept so that it can be resumed.
     render: Mutex<Option<Render>>,
 }
 
-// SAFETY: the pointers in `options` are functions, and `user_data`, which is the host's to look at.
-unsafe impl Send for Work {}
+// SAFETY: the pointers in `options` are functions and `user_data`, which the library does not dereference.
+unsafe impl Send for RenderWork {}
 // SAFETY: as for `Send`.
-unsafe impl Sync for Work {}
+unsafe impl Sync for RenderWork {}
 
-struct State {
+struct WorkState {
+    /// The token of the current run.
     cancel: Cancel,
     progress: etd_progress,
-    /// Counts starts.
+    /// Number of the current run. Each resumption is a new run.
     run: u64,
-    /// How the run before this one ended, for whoever still waits for that.
-    before: Option<Result>,
-    /// Whether somebody has taken on the current run: its thread, or whoever cancelled it before that.
+    /// The outcome of the previous run, for threads that still wait for that run.
+    previous_outcome: Option<Result>,
+    /// Whether a thread has begun the current run, or a cancel has ended it before that.
     has_begun: bool,
-    /// How it ended; `None` while it runs.
+    /// The outcome of the current run; `None` while it runs.
     outcome: Option<Result>,
-    /// Whether the host was told, and nothing of it is called any more.
+    /// Whether the current run has ended and no function of the host is called any more.
     is_over: bool,
-    /// Whether every pixel has what was asked for: there is nothing to go on with.
+    /// Whether the render is complete, so that there is nothing to resume.
     is_complete: bool,
-    /// The thread of a run, where that is one of its own.
+    /// The thread of a run and the number of the run, where the run has a thread of its own.
     thread: Option<(u64, JoinHandle<()>)>,
 }
 
-impl Work {
-    /// Everything of a render that can be refused before it begins; the film is taken.
+impl RenderWork {
+    /// Checks all that can be refused before a render begins, and reserves the film.
     ///
     /// # Safety
-    /// Handles must be NULL or such objects; `options` as for [`read_sized`].
+    /// `film` must be NULL or a film. For `options`, the contract of [`read_sized`] holds.
     pub unsafe fn prepare(
         scene: &Arc<etd_scene>,
         film: *mut etd_film,
         options: *const etd_render_options,
     ) -> Result<Arc<Self>> {
-        // SAFETY: by the contract.
+        // SAFETY: the caller keeps this function's contract.
         let (film, options) = unsafe {
             let film = share(film.cast_const())?;
             let options = if options.is_null() {
@@ -92,11 +93,11 @@ impl Work {
             scene: Arc::clone(scene),
             film,
             options,
-            state: Mutex::new(State {
+            state: Mutex::new(WorkState {
                 cancel: cancel.clone(),
-                progress: none_yet(ETD_PHASE_BUILD),
+                progress: initial_progress(ETD_PHASE_BUILD),
                 run: 0,
-                before: None,
+                previous_outcome: None,
                 has_begun: false,
                 outcome: None,
                 is_over: false,
@@ -106,22 +107,23 @@ impl Work {
             ended: Condvar::new(),
             render: Mutex::new(None),
         };
-        // Options that no render could have are refused here.
+        // Invalid options are refused here.
         work.settings(&cancel)?;
         work.film.begin()?;
         Ok(Arc::new(work))
     }
 
-    /// What it is known by on the threads that work for it.
+    /// The address that identifies this work in [`ActiveWork`].
     fn address(&self) -> usize {
         std::ptr::from_ref(self).addr()
     }
 
-    pub fn is_calling_us(&self) -> bool {
-        is_inside(self.address())
+    /// Whether this thread does the work, or runs a function of the host that the work has called.
+    pub fn is_active_here(&self) -> bool {
+        is_active(self.address())
     }
 
-    /// Notes how far it is and tells the host.
+    /// Changes the progress report and calls the host's progress callback.
     fn report(&self, cancel: &Cancel, change: impl FnOnce(&mut etd_progress)) {
         let progress = {
             let mut state = lock(&self.state);
@@ -130,19 +132,19 @@ impl Work {
             state.progress.fraction = state.progress.fraction.max(before);
             state.progress
         };
-        if let Some(tell) = self.options.progress {
-            let _inside = Inside::enter(self.address());
-            // SAFETY: the host gave the function for this; the report lives during the call.
-            if unsafe { tell(self.user_data.0, &raw const progress) } != 0 {
+        if let Some(callback) = self.options.progress {
+            let _active = ActiveWork::enter(self.address());
+            // SAFETY: the host provided the function for these calls; the report lives during the call.
+            if unsafe { callback(self.user_data.0, &raw const progress) } != 0 {
                 cancel.cancel();
             }
         }
     }
 
-    /// Builds and renders on this thread. The film has been taken; it is given back here.
+    /// Builds the scene and renders on this thread, and releases the film, which was reserved before.
     pub fn run(self: &Arc<Self>, resumes: bool) -> Result {
-        // Any function of the host that is called from here on, a log function too, is one that this work calls.
-        let _inside = Inside::enter(self.address());
+        // From here on, this work calls functions of the host, including the log function.
+        let _active = ActiveWork::enter(self.address());
         let cancel = lock(&self.state).cancel.clone();
         let mut summary = None;
         let outcome = catch(|| self.build_and_render(resumes, &cancel, &mut summary));
@@ -166,20 +168,20 @@ impl Work {
         let mut build_time = Duration::ZERO;
         if !resumes || slot.is_none() {
             let work = Arc::downgrade(self);
-            let told_cancel = cancel.clone();
-            let told: BuildReport = Some(Arc::new(move |fraction: f64| {
+            let build_cancel = cancel.clone();
+            let report: BuildReport = Some(Arc::new(move |fraction: f64| {
                 if let Some(work) = work.upgrade() {
-                    work.report(&told_cancel, |progress| {
+                    work.report(&build_cancel, |progress| {
                         progress.phase = ETD_PHASE_BUILD;
-                        progress.fraction = BUILD_SHARE * fraction;
+                        progress.fraction = BUILD_FRACTION * fraction;
                         progress.elapsed = start.elapsed().as_secs_f64();
                     });
                 }
             }));
-            let (scene, time) = self.scene.build(cancel, told)?;
+            let (scene, time) = self.scene.build(cancel, report)?;
             build_time = time;
             let settings = self.settings(cancel)?;
-            // Of the scene's own integrator they were told with the scene.
+            // If the scene's own integrator is radiosity, the build of the scene has already logged these warnings.
             let is_own = self.scene.desc().render.integrator == IntegratorDesc::Radiosity;
             if settings.desc.integrator == IntegratorDesc::Radiosity && !is_own {
                 let callbacks = self.scene.device.callbacks();
@@ -191,7 +193,7 @@ impl Work {
         render.set_cancel(cancel.clone());
         let sums = Arc::clone(render.film());
         self.film.set_sums(&sums);
-        let built = if build_time.is_zero() { 0.0 } else { BUILD_SHARE };
+        let built = if build_time.is_zero() { 0.0 } else { BUILD_FRACTION };
         let mut last_image = Instant::now();
         let mut image_cost = Duration::ZERO;
         let mut failure = None;
@@ -218,7 +220,7 @@ impl Work {
         if let Some(failure) = failure {
             return Err(failure);
         }
-        // What was done of a pass that was cut short. Whoever cancelled does not wait for that.
+        // The image of a pass that ended early. After a cancel, the image is made only when the host asks for it.
         if cancel.is_cancelled() || !self.film.publish(&sums, summary.samples, cancel)? {
             self.film.publish_later(&sums, summary.samples);
         }
@@ -227,7 +229,7 @@ impl Work {
         }
         if matches!(summary.ended, Ended::Samples | Ended::Error) {
             lock(&self.state).is_complete = true;
-            // The scene is needed no more, nor are arrays that it shares.
+            // A complete render no longer needs the scene and the arrays that the scene shares.
             *slot = None;
         }
         *out_summary = Some(summary_out(&summary, build_time, cancel.is_cancelled() && summary.stopped));
@@ -240,7 +242,7 @@ impl Work {
         Ok(RenderSettings { auxiliary: self.film.keeps_first_hits(), ..settings })
     }
 
-    /// Takes on a run, unless it is over already or somebody else has.
+    /// Marks a run as begun. Returns `false` if the run is over, or was already begun.
     fn begin(&self, run: u64) -> bool {
         let mut state = lock(&self.state);
         let is_mine = state.run == run && !state.has_begun;
@@ -248,7 +250,7 @@ impl Work {
         is_mine
     }
 
-    /// Notes the end and tells everybody.
+    /// Stores the outcome, calls the host's `finished` callback, and wakes all threads that wait.
     fn finish(&self, outcome: Result) {
         let status = outcome.as_ref().err().map_or(ETD_OK, |failure| failure.status);
         {
@@ -260,17 +262,17 @@ impl Work {
             state.outcome = Some(outcome);
         }
         if let Some(finished) = self.options.finished {
-            let _inside = Inside::enter(self.address());
-            // SAFETY: the host gave the function for this.
+            let _active = ActiveWork::enter(self.address());
+            // SAFETY: the host provided the function for these calls.
             unsafe { finished(self.user_data.0, status) }
         }
         lock(&self.state).is_over = true;
         self.ended.notify_all();
     }
 
-    /// Has a run of the work done somewhere else.
+    /// Starts a run on a thread of its own or on the host's executor.
     pub fn start(self: &Arc<Self>, run: u64, resumes: bool) -> Result {
-        // What the host has queued and not run must keep nothing alive.
+        // A job that the host has queued and does not run keeps no object alive.
         let own = Arc::downgrade(self);
         let begun = self.scene.device.start(Box::new(move || {
             let Some(own) = own.upgrade() else { return };
@@ -302,18 +304,18 @@ impl Work {
         }
     }
 
-    /// Goes on where the last run was stopped, if it was and anything is left; not from inside a function that it calls.
+    /// Resumes the last run, if the run was stopped. It must not be called from a function of the host that this work calls.
     pub fn resume(self: &Arc<Self>) -> Result {
         let (run, thread) = {
-            // It may have ended and be telling so.
-            let is_telling = |state: &mut State| state.outcome.is_some() && !state.is_over;
-            let state = self.ended.wait_while(lock(&self.state), is_telling);
+            // The last run may have ended while its `finished` callback still runs.
+            let is_finishing = |state: &mut WorkState| state.outcome.is_some() && !state.is_over;
+            let state = self.ended.wait_while(lock(&self.state), is_finishing);
             let mut state = state.unwrap_or_else(PoisonError::into_inner);
             match &state.outcome {
                 Some(Err(failure)) if failure.status != ETD_CANCELLED => {
                     return Err(Failure::operation(format!("the task has failed: {}", failure.message)));
                 }
-                // There is nothing left to do.
+                // A complete render is not resumed.
                 Some(_) if state.is_complete => return Ok(()),
                 Some(_) => {}
                 None => return Err(Failure::operation("the task is still running")),
@@ -321,13 +323,13 @@ impl Work {
             self.film.begin()?;
             state.run += 1;
             state.has_begun = false;
-            state.before = state.outcome.take();
+            state.previous_outcome = state.outcome.take();
             state.is_over = false;
             state.cancel = Cancel::new();
-            state.progress = none_yet(ETD_PHASE_RENDER);
+            state.progress = initial_progress(ETD_PHASE_RENDER);
             (state.run, state.thread.take())
         };
-        // Whoever waits for the run before this one has waited long enough.
+        // Threads that wait for the previous run return now.
         self.ended.notify_all();
         if let Some((_, thread)) = thread {
             let _ = thread.join();
@@ -335,13 +337,13 @@ impl Work {
         self.start(run, true)
     }
 
-    /// How far it is, and how it ended if it has.
-    pub fn so_far(&self) -> (etd_progress, Option<Result>) {
+    /// The progress, and the outcome if the current run has ended.
+    pub fn progress_and_outcome(&self) -> (etd_progress, Option<Result>) {
         let state = lock(&self.state);
         (state.progress, state.outcome.clone())
     }
 
-    /// Asks the current run to end. One that nobody has begun ends here.
+    /// Asks the current run to end. A run that no thread has begun ends here.
     pub fn cancel(&self) {
         let run = {
             let state = lock(&self.state);
@@ -349,17 +351,17 @@ impl Work {
             state.run
         };
         if self.begin(run) {
-            let _inside = Inside::enter(self.address());
+            let _active = ActiveWork::enter(self.address());
             self.film.end(None);
             self.finish(Err(Failure::new(ETD_CANCELLED, "the task was cancelled before it had begun")));
         }
     }
 
-    /// Waits until the run that is going on now is over, for so long; how it ended, or `None`.
+    /// Waits until the current run is over, for at most `limit`. Returns the outcome, or `None` if the run is not over.
     pub fn wait(&self, limit: Option<Duration>) -> Option<Result> {
         let state = lock(&self.state);
         let run = state.run;
-        let goes_on = |state: &mut State| state.run == run && !state.is_over;
+        let goes_on = |state: &mut WorkState| state.run == run && !state.is_over;
         let mut state = match limit {
             None => self.ended.wait_while(state, goes_on).unwrap_or_else(PoisonError::into_inner),
             Some(limit) => {
@@ -369,15 +371,15 @@ impl Work {
         let outcome = match state.run - run {
             0 if state.is_over => state.outcome.clone(),
             0 => None,
-            // It was resumed meanwhile.
-            _ => state.before.clone(),
+            // The render was resumed meanwhile.
+            _ => state.previous_outcome.clone(),
         };
         let thread = match (&outcome, &state.thread) {
             (Some(_), Some((of, _))) if *of == run => state.thread.take(),
             _ => None,
         };
         drop(state);
-        // It has nothing left to do; a host that ends now should not find it still ending.
+        // The thread is about to end. A process that exits after this call must not find the thread still running.
         if let Some((_, thread)) = thread {
             let _ = thread.join();
         }
@@ -385,7 +387,7 @@ impl Work {
     }
 }
 
-/// What a render's options ask for.
+/// Converts the options of a render to its settings.
 pub(super) fn settings_of(
     it: &etd_render_options,
     resolution: [u32; 2],
@@ -405,7 +407,7 @@ pub(super) fn settings_of(
     })
 }
 
-/// What a render came to, for the host.
+/// Converts the summary of a render to the host's structure.
 pub(super) fn summary_out(summary: &Summary, build_time: Duration, is_cancelled: bool) -> etd_summary {
     etd_summary {
         struct_size: size_of::<etd_summary>(),

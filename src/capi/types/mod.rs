@@ -1,33 +1,33 @@
-//! The plain types of the interface: enumerations, options, records.
+//! The plain types of the C interface: enumerations, options and results.
 //!
-//! Structures that may grow begin with their own size; zero bytes in a field mean its default, so that a structure from an
-//! older header stays valid. Enumerations come in as numbers and are checked: a Rust enumeration with a value it does not
-//! have would be undefined behaviour.
+//! Structures that may grow begin with their own size. Zero bytes in a field mean the field's default, so that a structure of
+//! an older header stays valid. Enumerations are passed as numbers and checked, because a Rust enumeration with a value that
+//! it does not have would be undefined behaviour.
 
 use super::status::etd_error;
 
-/// Makes a structure one that may grow: after its name, the field behind the last one of its first version, or that last one
-/// itself. A structure must reach as far.
+/// Declares structures that may grow. The field after the name of a structure is where the smallest allowed size ends: the
+/// field after the last one of the first version, or that last one itself.
 macro_rules! versioned {
     ($($type:ty, $last:ident;)*) => {$(
-        // SAFETY: `repr(C)`, begins with `struct_size: usize`, and consists of numbers, pointers and `Option`s of
-        // functions, for which zero bytes are a value. (Enumerations in it have a variant of value 0.)
+        // SAFETY: the structure is `repr(C)`, begins with `struct_size: usize`, and consists of numbers, pointers and
+        // `Option`s of functions, for which zero bytes are a value. Enumerations in it have a variant of value 0.
         unsafe impl $crate::capi::boundary::Versioned for $type {
             const SMALLEST: usize = std::mem::offset_of!($type, $last);
         }
     )*};
 }
 
-/// An enumeration that comes in from C as a number.
+/// An enumeration that C passes as a number.
 pub(in crate::capi) trait Enumeration: Copy + 'static {
-    /// All its values, in the order of their numbers, which count from 0.
+    /// All values, in the order of their numbers, which count from 0.
     const ALL: &'static [Self];
 
-    /// The number that stands for this value in C.
+    /// The number of this value in C.
     fn number(self) -> u32;
 }
 
-/// Makes enumerations of this module an [`Enumeration`]; a value that is left out does not compile.
+/// Implements [`Enumeration`] for enumerations of this module. A list without one of the values does not compile.
 macro_rules! enumerations {
     ($($type:ident: $($value:ident),+;)*) => {$(
         impl $crate::capi::types::Enumeration for $type {
@@ -56,7 +56,7 @@ pub use query::*;
 pub use render::*;
 pub use scene::*;
 
-/// Numbers of enumerations that come from C, called by the enumeration's own name in the header.
+/// Types of numbers that C passes for enumerations. In the header, they have the names of the enumerations.
 mod numbers {
     /// The enumeration of this name, as a number.
     pub type EtdUsage = u32;

@@ -1,4 +1,4 @@
-//! What scenes are asked, and what they answer.
+//! Types of ray queries and of information about scenes.
 
 pub use etd_text::*;
 
@@ -6,22 +6,22 @@ pub use etd_text::*;
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct etd_ray {
-    /// Where t is 0.
+    /// Origin of the ray, where t is 0.
     pub origin: [f32; 3],
     /// Start of the segment, >= 0.
     pub tnear: f32,
-    /// Any length that is not zero; t counts in this length.
+    /// Direction of any length except zero. The length is the unit of t.
     pub direction: [f32; 3],
     /// End of the segment; may be infinite.
     pub tfar: f32,
 }
 
-/// What a ray met first.
+/// The first hit of a ray.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct etd_hit {
-    /// Distance in lengths of the ray's direction; infinite where nothing was met, and then nothing else is set but
-    /// `surface`.
+    /// Distance in lengths of the ray's direction; infinite where the ray hits nothing. In that case, only `surface` is set
+    /// besides.
     pub t: f32,
     /// Weights of the triangle's second and third vertex; 0 on other shapes.
     pub barycentric: [f32; 2],
@@ -32,39 +32,39 @@ pub struct etd_hit {
     pub ng: [f32; 3],
     /// Shading normal, unit length, on the outer side; the geometric one where shading is flat.
     pub ns: [f32; 3],
-    /// Number of the surface; `ETD_NONE` where nothing was met.
+    /// Number of the surface; `ETD_NONE` where the ray hits nothing.
     pub surface: u32,
-    /// Number of its material.
+    /// Number of the surface's material.
     pub material: u32,
     /// Number of the triangle in its mesh, 0 or 1 in a quad, else 0.
     pub primitive: u32,
 }
 
-/// What a built scene holds.
+/// Information about a built scene.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct etd_scene_info {
     /// `sizeof(etd_scene_info)`.
     pub struct_size: usize,
-    /// Surfaces described, removed ones included.
+    /// Number of surfaces in the description, including removed ones.
     pub surfaces: u64,
-    /// Materials described.
+    /// Number of materials in the description.
     pub materials: u64,
-    /// Meshes described.
+    /// Number of meshes in the description.
     pub meshes: u64,
-    /// Point lights described.
+    /// Number of point lights in the description.
     pub point_lights: u64,
-    /// Triangles that are kept in the scene's own frame.
+    /// Number of triangles that are stored in the scene's own frame.
     pub triangles: u64,
-    /// Instances of meshes.
+    /// Number of instances of meshes.
     pub instances: u64,
-    /// Triangles of the instanced meshes, each mesh counted once.
+    /// Number of triangles of instanced meshes; each mesh counts once.
     pub shared_triangles: u64,
-    /// Spheres, disks and quadrics.
+    /// Number of spheres, disks and quadrics.
     pub analytic_shapes: u64,
-    /// Emitters that can be sampled.
+    /// Number of emitters that light sampling uses.
     pub emitters: u64,
-    /// Bytes of vertices, indices and normals that belong to the library, and of what is kept ready for shading.
+    /// Bytes of the library's vertices, indices, normals and precomputed shading data.
     pub geometry_bytes: u64,
     /// Bytes of Embree's hierarchies.
     pub hierarchy_bytes: u64,
@@ -80,9 +80,9 @@ pub struct etd_scene_info {
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_text {
-    /// What was built and decided, a line each.
+    /// Information about what was built and decided, one line for each item.
     ETD_TEXT_INFO = 0,
-    /// Warnings from reading and building, a line each.
+    /// Warnings from reading and building, one line for each.
     ETD_TEXT_WARNINGS = 1,
 }
 

@@ -13,7 +13,7 @@ pub use {
     etd_switch::*,
 };
 
-/// How samples of a pixel are placed.
+/// The positions of the samples of a pixel.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_sampler {
@@ -29,7 +29,7 @@ pub enum etd_sampler {
     ETD_SAMPLER_GAUSSIAN = 4,
 }
 
-/// How samples weigh in a pixel.
+/// The pixel filter, which weighs the samples of a pixel.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_filter {
@@ -73,13 +73,13 @@ pub enum etd_integrator {
     ETD_INTEGRATOR_RADIOSITY = 10,
 }
 
-/// How photons weigh by their distance d within the radius r of a density estimate.
+/// The weight of a photon as a function of its distance d from the point of a density estimate, within the radius r.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_photon_kernel {
     /// A cone for `ETD_INTEGRATOR_PHOTON_DIRECT`, Epanechnikov's kernel for all others.
     ETD_PHOTON_KERNEL_DEFAULT = 0,
-    /// All the same.
+    /// The same weight for all photons.
     ETD_PHOTON_KERNEL_FLAT = 1,
     /// 1 - d / (k r), by `photon_kernel_k`.
     ETD_PHOTON_KERNEL_CONE = 2,
@@ -87,23 +87,23 @@ pub enum etd_photon_kernel {
     ETD_PHOTON_KERNEL_EPANECHNIKOV = 3,
 }
 
-/// How emitters share the photons.
+/// How the photons are divided between the emitters.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_photon_sharing {
-    /// By their power, so that all photons carry nearly the same.
+    /// Photons are divided by the emitters' power, so that all photons carry nearly the same power.
     ETD_PHOTON_SHARING_POWER = 0,
-    /// By their area, as in the report. Points have none.
+    /// Photons are divided by the emitters' area, as in the report. Point lights have no area.
     ETD_PHOTON_SHARING_AREA = 1,
 }
 
-/// What the gather's rays of an irradiance cache bring back.
+/// The source of the light that the gather rays of an irradiance cache find.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_cache_source {
-    /// The light of paths: no bias but the interpolation's.
+    /// Gather rays continue as paths. The only bias is that of the interpolation.
     ETD_CACHE_SOURCE_PATHS = 0,
-    /// The light of the global photon map: faster, with its bias.
+    /// Gather rays read the global photon map. This is faster and has the bias of the map.
     ETD_CACHE_SOURCE_PHOTONS = 1,
 }
 
@@ -111,49 +111,50 @@ pub enum etd_cache_source {
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_radiosity_solver {
-    /// Every element gathers from all others, again and again.
+    /// In each iteration, every element gathers light from all others.
     ETD_RADIOSITY_SOLVER_GATHER = 0,
-    /// The patch that has most light left shoots it: progressive refinement.
+    /// In each step, the patch with most unshot light distributes it: progressive refinement (Cohen et al. 1988).
     ETD_RADIOSITY_SOLVER_SHOOT = 1,
 }
 
-/// Whether something is done.
+/// A setting that is on, off, or left to its default.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_switch {
-    /// As the field's default says.
+    /// The default of the field.
     ETD_SWITCH_DEFAULT = 0,
-    /// It is done.
+    /// On.
     ETD_SWITCH_ON = 1,
-    /// It is not done.
+    /// Off.
     ETD_SWITCH_OFF = 2,
 }
 
-/// Which survival probability Russian roulette ends paths by. The choice changes noise and time, never the expected image.
+/// The survival probability by which Russian roulette ends paths. The choice changes noise and time, never the expected image.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_roulette {
-    /// The library's own: a path survives in proportion to the throughput that it still carries.
+    /// The library's own probability: a path survives in proportion to the throughput that it still carries.
     ETD_ROULETTE_OWN = 0,
-    /// The one that the scene states for the material (`reflectionRate` in files, `etd_material.survival`), where it does.
+    /// The probability that the material states (`reflectionRate` in files, `etd_material.survival`). At materials that state
+    /// none, the library's own probability is used.
     ETD_ROULETTE_FILE = 1,
 }
 
-/// What the error of an image is measured by.
+/// A measure of the error of an image.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_error_measure {
     /// relMSE: the mean over pixels and channels of squared error / (mean^2 + e), with e = 1 % of the squared mean of the
     /// image.
     ETD_ERROR_RELMSE = 0,
-    /// As a screen shows it: root of the mean squared error in levels of 255, after clamping to [0, 1] and the sRGB curve.
+    /// Error of displayed values: root of the mean squared error in levels of 255, after clamping to [0, 1] and the sRGB curve.
     ETD_ERROR_DISPLAY = 1,
 }
 
-/// How to render and when to stop: at whichever of samples, time and error is reached first.
+/// Options of a render. The render ends when the first of its limits on samples, time and error is reached.
 ///
-/// From `photon_radius` on: settings of photon maps, the irradiance cache and radiosity, which only the integrators that use them
-/// look at (docs/scene-format.md says which) and in which 0 always stands for the default.
+/// The fields from `photon_radius` on are settings of photon maps, the irradiance cache and radiosity. Only the integrators that
+/// docs/scene-format.md names use them. In all of these fields, 0 stands for the default.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct etd_render_options {
@@ -167,194 +168,200 @@ pub struct etd_render_options {
     pub filter: EtdFilter,
     /// The filter's parameters.
     pub filter_parameters: [f32; 2],
-    /// Samples for each pixel, 2^31 at most; 0: as many as time and error allow, which must then be limited.
+    /// Number of samples per pixel, 2^31 at most. With 0, only `time_limit` and `target_error` end the render, and one of them
+    /// must be set.
     pub samples: u32,
-    /// Greatest number of surface hits on a path, the first visible one included; 0: no limit (a limit darkens).
+    /// Greatest number of surface hits on a path, counting the first visible one; 0: no limit. A limit darkens the image.
     pub max_depth: u32,
-    /// Light samples at each hit, from 1 to 1024; 0 means 1.
+    /// Number of light samples at each hit, from 1 to 1024; 0 means 1.
     pub shadow_rays: u32,
-    /// Seed of all randomness: the same seed gives the same image, on any number of threads.
+    /// Seed of all random numbers. The same seed gives the same image on any number of threads.
     pub seed: u64,
-    /// Seconds after which to stop, > 0; 0: no limit. One sample for each pixel is always taken.
+    /// Time limit in seconds, > 0; 0: no limit. One sample per pixel is always taken.
     pub time_limit: f64,
-    /// Estimated error at which to stop, > 0, of the kind that `error_measure` says; 0: none. It counts as reached if it is
-    /// below by a quarter of the estimate's standard error, with 32 samples at least, and not while few pixels have most of it.
+    /// Target error in the measure `error_measure`, > 0; 0: none. It is reached when the estimated error plus a quarter of the
+    /// estimate's standard error is at most the target, but not before 32 samples per pixel, and not while few pixels have most
+    /// of the error.
     pub target_error: f64,
-    /// Told progress; may be NULL.
+    /// Progress callback; may be NULL.
     pub progress: etd_progress_fn,
-    /// Told the end of a task; may be NULL. Not called by `etd_render`.
+    /// Callback for the end of a task; may be NULL. `etd_render` does not call it.
     pub finished: etd_finished_fn,
-    /// Given to the two functions.
+    /// Passed to the two functions.
     pub user_data: *mut c_void,
 
-    /// Radius of a density estimate, scene units, 1e-18 to 1e18; where it shrinks, the first one. 0: 0.1 for
-    /// `ETD_INTEGRATOR_PHOTON_DIRECT`, else from what a pixel sees.
+    /// Radius of a density estimate, scene units, 1e-18 to 1e18; where the radius shrinks, this is the first one. 0 means 0.1 for
+    /// `ETD_INTEGRATOR_PHOTON_DIRECT`, and otherwise a radius from the extent that a pixel sees.
     pub photon_radius: f64,
-    /// Radius of caustics, as `photon_radius`.
+    /// Radius of density estimates in the caustic map, with the range and default of `photon_radius`.
     pub caustic_radius: f64,
-    /// Of the progressive methods: the share of photons kept as radii shrink, above 0 and below 1; 0 means 2/3.
+    /// Share of the photons that progressive methods keep as radii shrink, above 0 and below 1; 0 means 2/3.
     pub photon_alpha: f64,
-    /// Greatest error that Ward's estimate allows where records of the irradiance cache are interpolated, up to 10; 0 means
-    /// 0.25.
+    /// Greatest error of Ward's estimate at which records of the irradiance cache are interpolated, up to 10; 0 means 0.25.
     pub cache_error: f64,
-    /// Smallest distance between records, pixels as seen by the camera, up to 1000; 0 means 3.
+    /// Smallest distance over which a record is used, in pixels as seen by the camera, up to 1000; 0 means 3.
     pub cache_min_spacing: f64,
     /// Greatest distance over which a record is used, as a share of the scene's extent, up to 1; 0 means 0.1.
     pub cache_max_spacing: f64,
-    /// Light paths of a photon map (of each pass, where maps are made anew), 2^29 at most; 0: as many as the integrator
-    /// does best with.
+    /// Number of light paths of a photon map (of each pass, where maps are built for every pass), 2^29 at most; 0: the integrator
+    /// chooses.
     pub photon_count: u32,
-    /// Light paths of a caustic map, as `photon_count`.
+    /// Number of light paths of the caustic map, with the range and default of `photon_count`.
     pub caustic_count: u32,
-    /// Of `ETD_INTEGRATOR_PHOTON_DIRECT`: fewer photons than this within the radius are no estimate, and shadow rays are
-    /// sent instead; 0 means 10.
+    /// Smallest number of photons within the radius that makes an estimate for `ETD_INTEGRATOR_PHOTON_DIRECT`, which sends shadow
+    /// rays where there are fewer; 0 means 10.
     pub min_photons: u32,
-    /// So many nearest photons make an estimate, those beyond the radius left out, 2 to 65536; `UINT32_MAX`: all within
-    /// the radius; 0: within a radius of each pixel's own.
+    /// Number of nearest photons that make an estimate, without those beyond the radius, 2 to 65536. With `UINT32_MAX`, all photons
+    /// within the radius make the estimate. With 0, all photons within a radius make it, where each pixel has its own radius.
     pub photon_neighbours: u32,
     /// An `etd_photon_kernel`.
     pub photon_kernel: EtdPhotonKernel,
-    /// k of the cone, 1 or more; 0 means 1. Only looked at with `ETD_PHOTON_KERNEL_CONE`.
+    /// Parameter k of `ETD_PHOTON_KERNEL_CONE`, 1 or more; 0 means 1.
     pub photon_kernel_k: f32,
     /// An `etd_photon_sharing`.
     pub photon_sharing: EtdPhotonSharing,
-    /// An `etd_switch`: whether caustic photons are aimed at the specular surfaces; by default they are.
+    /// An `etd_switch`: whether caustic photons are aimed at the specular surfaces. On by default.
     pub photons_guided: EtdSwitch,
-    /// An `etd_switch`: whether the map of `ETD_INTEGRATOR_CAUSTIC` is made anew for every pass, with a shrinking radius; by
-    /// default it is.
+    /// An `etd_switch`: whether the map of `ETD_INTEGRATOR_CAUSTIC` is built anew for every pass, with a shrinking radius. On by
+    /// default.
     pub photons_progressive: EtdSwitch,
-    /// Rays of a final gather, 1024 at most; 0 means 1.
+    /// Number of rays of a final gather, 1024 at most; 0 means 1.
     pub gather_rays: u32,
-    /// Most memory of all maps at a time, MiB, 2^20 at most; 0 means 4096.
+    /// Memory limit of all maps that exist at a time, MiB, 2^20 at most; 0 means 4096.
     pub photon_memory: u32,
-    /// Rays of an irradiance record's final gather, from 16 to 2^20; 0 means 512.
+    /// Number of rays of an irradiance record's final gather, from 16 to 2^20; 0 means 512.
     pub cache_rays: u32,
     /// An `etd_cache_source`.
     pub cache_source: EtdCacheSource,
     /// Must be 0.
     pub reserved: u32,
-    /// An `etd_error_measure`: what `target_error` is of, and what adaptive samples make small.
+    /// An `etd_error_measure`: the measure of `target_error`, in which adaptive sampling reduces the error.
     pub error_measure: EtdErrorMeasure,
-    /// An `etd_switch`: whether pixels with more error get more samples, `samples` being their mean; by default where
-    /// `target_error` is set. Only with the samplers Sobol' and random, and not where photon maps are made anew for each
-    /// pass: there all pixels have the same number, and the log callback is told.
+    /// An `etd_switch`: whether pixels with larger errors get more samples; `samples` is then the mean over pixels. On by default
+    /// if `target_error` is set. It needs the sampler `ETD_SAMPLER_SOBOL` or `ETD_SAMPLER_RANDOM`, and an integrator that does not
+    /// build photon maps for each pass. Otherwise all pixels get the same number of samples, and the log callback receives a
+    /// warning.
     pub adaptive: EtdSwitch,
 
-    /// Of `ETD_INTEGRATOR_RADIOSITY`, as all that follows: elements whose longest side is no longer than this are not divided
-    /// any more, scene units, 1e-18 to 1e18; 0: a 64th of the extent of the scene.
+    /// Smallest element of `ETD_INTEGRATOR_RADIOSITY`, to which this and the fields up to `radiosity_memory` belong: elements whose
+    /// longest side is at most this long are not subdivided, scene units, 1e-18 to 1e18; 0 means a 64th of the extent of the
+    /// scene.
     pub radiosity_element_size: f64,
-    /// What one link between elements may be wrong by, in thousandths of all irradiance, up to 1000; 0 means 1.
+    /// Greatest error of one link between elements, in thousandths of all irradiance, up to 1000; 0 means 1.
     pub radiosity_error: f64,
-    /// Share of the solution that may be left to iterate for, below 1; 0 means 0.0001.
+    /// Fraction of the solution that may be missing when the iteration ends, below 1; 0 means 0.0001.
     pub radiosity_tolerance: f64,
-    /// Iterations, 2^24 at most: bounces of light, or patches that shoot; `UINT32_MAX`: none, light sources alone; 0: until
-    /// what is left is below `radiosity_tolerance`.
+    /// Number of iterations, 2^24 at most: bounces of light, or patches that shoot. With `UINT32_MAX`, there are none, and the image
+    /// shows the light sources alone. With 0, the iteration ends at `radiosity_tolerance`.
     pub radiosity_iterations: u32,
     /// An `etd_radiosity_solver`.
     pub radiosity_solver: EtdRadiositySolver,
-    /// An `etd_switch`: whether light that was shot but not distributed yet is shown as its mean; by default it is not.
+    /// An `etd_switch`: whether the image of a solution that `radiosity_iterations` has ended includes the mean of the light that
+    /// was not yet distributed. Off by default.
     pub radiosity_ambient: EtdSwitch,
-    /// An `etd_switch`: whether pictures take direct light from light samples and indirect light from a ray into the solution,
-    /// instead of interpolating it; by default they do not.
+    /// An `etd_switch`: whether images take direct light from light samples and indirect light from a ray into the solution,
+    /// instead of interpolating the solution. Off by default.
     pub radiosity_final_gather: EtdSwitch,
-    /// Most memory of elements and links, MiB, 2^20 at most; 0 means 1024.
+    /// Memory limit of elements and links, MiB, 2^20 at most; 0 means 1024.
     pub radiosity_memory: u32,
-    /// Of every integrator that follows paths: an `etd_roulette`.
+    /// An `etd_roulette`, for every integrator that follows paths.
     pub roulette: EtdRoulette,
 }
 
-/// What work is at.
+/// A phase of work.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_phase {
-    /// The scene is being built, or a light map laid out.
+    /// The scene is being built, or a light map is being laid out.
     ETD_PHASE_BUILD = 0,
-    /// The film is being filled.
+    /// Samples are being taken.
     ETD_PHASE_RENDER = 1,
-    /// It has ended.
+    /// The work has ended.
     ETD_PHASE_END = 2,
 }
 
-/// Told how far work has come; return 0 to go on and anything else to cancel.
+/// A progress callback. It returns 0 to continue, and anything else to cancel.
 ///
-/// Called about ten times a second and after each pass, never twice at once for one piece of work: on the calling thread
-/// by `etd_render` and by what makes and bakes light maps, on the task's own thread by `etd_render_start`, on one of the
-/// building threads while a scene is built.
-/// It must not unwind; it may map and copy the film, and must not wait for the work that called it.
+/// It is called about ten times a second and after each pass, and never from two threads at the same time for the same work.
+/// `etd_render` and the calls that make and bake light maps call it on the calling thread, tasks on their own thread, and builds
+/// of a scene on one of the building threads. It must not unwind. It may map and copy the film, and must not wait for the work
+/// that called it.
 pub type etd_progress_fn = Option<unsafe extern "C" fn(user_data: *mut c_void, progress: *const etd_progress) -> i32>;
 
-/// Told once that a task has ended, and how, on the task's thread, before `etd_task_wait` returns. As `etd_progress_fn`.
+/// A callback for the end of a task, which receives how the task ended. It is called once, on the task's thread and before
+/// `etd_task_wait` returns. The rules of `etd_progress_fn` apply.
 pub type etd_finished_fn = Option<unsafe extern "C" fn(user_data: *mut c_void, status: etd_status)>;
 
-/// How far work has come.
+/// The progress of work.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct etd_progress {
     /// `sizeof(etd_progress)`.
     pub struct_size: usize,
-    /// Share of all the work, or of the time limit, that is done, in [0, 1]; only grows.
+    /// Fraction of the work, or of the time limit, that is done, in [0, 1]. It never falls.
     pub fraction: f64,
-    /// Seconds since it began.
+    /// Seconds since the work began.
     pub elapsed: f64,
-    /// Rays so far.
+    /// Number of rays traced so far.
     pub rays: u64,
-    /// Samples for each pixel that are complete.
+    /// Number of complete samples per pixel.
     pub samples_done: u32,
-    /// Samples for each pixel to reach.
+    /// Greatest number of samples per pixel, at which the render ends.
     pub samples_total: u32,
-    /// What it is at.
+    /// The current phase.
     pub phase: etd_phase,
-    /// How often the film got a new image so far: map it again when this grows.
+    /// Number of images that the film got so far. When it grows, a host may map the film again.
     pub images: u32,
 }
 
-/// What ended a render.
+/// The reason why a render ended.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_ended {
-    /// Every pixel has its samples.
+    /// Every pixel has all its samples.
     ETD_ENDED_SAMPLES = 0,
-    /// The time limit.
+    /// The time limit was reached.
     ETD_ENDED_TIME = 1,
-    /// The error is as small as was asked for.
+    /// The target error was reached.
     ETD_ENDED_ERROR = 2,
-    /// It was cancelled.
+    /// The render was cancelled.
     ETD_ENDED_CANCELLED = 3,
 }
 
-/// What the last render of a film came to.
+/// The summary of a render.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct etd_summary {
     /// `sizeof(etd_summary)`.
     pub struct_size: usize,
-    /// Seconds that it took, without building the scene.
+    /// Seconds that the render took, without the build of the scene.
     pub elapsed: f64,
-    /// Seconds that building the scene took before it; 0 where it was built already.
+    /// Seconds that the build of the scene took before the render; 0 if the scene was already built.
     pub build_time: f64,
-    /// Rays traced, closest-hit and shadow rays together.
+    /// Number of rays traced, including shadow rays.
     pub rays: u64,
-    /// Samples that were NaN or infinite and count as black. The log callback is told where the first of them became so.
+    /// Number of samples that were NaN or infinite and count as black. The log callback receives a warning with the place where
+    /// the first of them became so.
     pub non_finite: u64,
-    /// Estimated relative error of the image: the root of `rel_mse`. NaN where there are too few samples to tell.
+    /// Estimated relative error of the image: the root of `rel_mse`. NaN where there are too few samples for an estimate.
     pub relative_error: f64,
-    /// Samples for each pixel that are complete; the mean over pixels where they differ.
+    /// Number of complete samples per pixel; the mean over pixels where the numbers differ.
     pub samples: u32,
-    /// 1 if it was cancelled, else 0.
+    /// 1 if the render was cancelled, else 0.
     pub cancelled: u32,
-    /// Estimated relMSE (see `ETD_ERROR_RELMSE`). NaN where there are too few samples to tell.
+    /// Estimated relMSE (see `ETD_ERROR_RELMSE`). NaN where there are too few samples for an estimate.
     pub rel_mse: f64,
-    /// Standard error of `rel_mse`, from the scatter over pixels.
+    /// Standard error of `rel_mse`, estimated from the scatter over pixels.
     pub rel_mse_standard_error: f64,
-    /// Estimated error of what a screen shows (see `ETD_ERROR_DISPLAY`), levels of 255; NaN as `rel_mse`.
+    /// Estimated error of displayed values (see `ETD_ERROR_DISPLAY`), in levels of 255. NaN where `rel_mse` is NaN.
     pub display_error: f64,
-    /// Samples of the pixel that has fewest, and of the one that has most; 0 after a cancel.
+    /// Smallest number of samples of any pixel; 0 after a cancel.
     pub samples_min: u32,
-    /// See `samples_min`.
+    /// Greatest number of samples of any pixel; 0 after a cancel.
     pub samples_max: u32,
-    /// What ended it.
+    /// The reason why the render ended, an `etd_ended`.
     pub ended: etd_ended,
-    /// 0.
+    /// Always 0.
     pub reserved: u32,
 }
 

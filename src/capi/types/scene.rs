@@ -1,4 +1,4 @@
-//! What scenes are described by.
+//! Types that describe scenes.
 
 use std::ffi::{c_char, c_void};
 
@@ -6,18 +6,19 @@ use super::device::etd_release_fn;
 use super::numbers::{EtdBsdf, EtdCameraType, EtdFovAxis, EtdPositionFormat, EtdSharing, EtdUsage};
 pub use {etd_bsdf::*, etd_camera_type::*, etd_fov_axis::*, etd_position_format::*, etd_sharing::*, etd_usage::*};
 
-/// How a scene's geometry is kept.
+/// How the geometry of a scene is stored.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_usage {
-    /// As one piece where possible: fastest to trace. At the first change of geometry after it was built it becomes
-    /// dynamic by itself.
+    /// All geometry is in one hierarchy where possible, which is fastest to trace. At the first change of geometry after a
+    /// build, the scene becomes dynamic.
     ETD_USAGE_STATIC = 0,
-    /// Every larger mesh has a hierarchy of its own, so that adding, moving or removing something touches nothing else.
+    /// Every larger mesh has a hierarchy of its own, so that other meshes are not rebuilt when a surface is added, moved or
+    /// removed.
     ETD_USAGE_DYNAMIC = 1,
 }
 
-/// How a scene is made.
+/// Options of a scene.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct etd_scene_options {
@@ -27,13 +28,13 @@ pub struct etd_scene_options {
     pub usage: EtdUsage,
     /// Must be 0.
     pub reserved: u32,
-    /// The folder in which a scene from text looks for mesh files; NULL: the current one.
+    /// The folder to which paths of mesh files in a scene from text are relative; NULL: the current folder.
     pub base_dir: *const c_char,
     /// A parameter file of the report's renderer that overrides the scene's own settings; NULL: none.
     pub params_file: *const c_char,
 }
 
-/// How a camera projects.
+/// The projection of a camera.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_camera_type {
@@ -54,7 +55,7 @@ pub enum etd_fov_axis {
     ETD_FOV_VERTICAL = 1,
 }
 
-/// Where a scene is seen from: world frame, right-handed, lengths in scene units.
+/// A camera in the world frame, which is right-handed, with lengths in scene units.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct etd_camera {
@@ -66,9 +67,9 @@ pub struct etd_camera {
     pub fov_axis: EtdFovAxis,
     /// The eye, or the centre of the view plane.
     pub origin: [f64; 3],
-    /// A point in the middle of the image, other than `origin`.
+    /// A point that is seen in the middle of the image, other than `origin`.
     pub look_at: [f64; 3],
-    /// Upwards in the image, not parallel to the view; any length.
+    /// The direction that is up in the image, of any length and not parallel to the view direction.
     pub up: [f64; 3],
     /// Full angle of view, degrees, between 0 and 180.
     pub fov_deg: f64,
@@ -78,21 +79,21 @@ pub struct etd_camera {
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_bsdf {
-    /// Absorbs everything.
+    /// A surface that absorbs all light.
     ETD_BSDF_BLACK = 0,
-    /// Lambert, by `color`.
+    /// Lambert's model, with `color`.
     ETD_BSDF_LAMBERT = 1,
-    /// Fujii's improved Oren-Nayar, by `color` and `roughness`.
+    /// Fujii's improved Oren-Nayar model, with `color` and `roughness`.
     ETD_BSDF_OREN_NAYAR = 2,
-    /// Oren and Nayar's qualitative model, by `color` and `sigma_deg`.
+    /// Oren and Nayar's qualitative model, with `color` and `sigma_deg`.
     ETD_BSDF_OREN_NAYAR_QUALITATIVE = 3,
-    /// A perfect mirror, by `color`.
+    /// A perfect mirror, with `color`.
     ETD_BSDF_MIRROR = 4,
-    /// Smooth clear glass, by `ior` and `exterior_ior`.
+    /// A smooth dielectric such as clear glass, with `ior` and `exterior_ior`.
     ETD_BSDF_DIELECTRIC = 5,
 }
 
-/// A material. Fields that its model does not use are not looked at.
+/// A material. Fields that its model does not use are ignored.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct etd_material {
@@ -110,31 +111,31 @@ pub struct etd_material {
     pub ior: f32,
     /// Index of refraction on the normal's side, > 0; 0 means 1.
     pub exterior_ior: f32,
-    /// Survival probability of Russian roulette at this material, in (0, 1], for renders with `ETD_ROULETTE_FILE`; 0: the
-    /// library chooses in these too. It changes noise and time, never the image.
+    /// Survival probability of Russian roulette at this material, in (0, 1], for renders with `ETD_ROULETTE_FILE`. With 0, the
+    /// library chooses the probability in these renders too. It changes noise and time, never the expected image.
     pub survival: f32,
     /// Must be 0.
     pub reserved: u32,
 }
 
-/// What numbers an array of positions holds.
+/// The format of an array of positions.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_position_format {
-    /// Three `float`.
+    /// Three values of type `float`.
     ETD_POSITION_FLOAT3 = 0,
-    /// Three `double`; always copied.
+    /// Three values of type `double`, which are always copied.
     ETD_POSITION_DOUBLE3 = 1,
 }
 
-/// Who keeps the arrays of a mesh.
+/// Whether the arrays of a mesh are copied or shared.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_sharing {
-    /// They are copied during the call.
+    /// The arrays are copied during the call.
     ETD_COPY = 0,
-    /// They are read in place, and must neither change nor go away until `release` is called. Positions must be `float`,
-    /// and 16 bytes readable from the last one on. A mesh that emits light is copied nevertheless when it is built.
+    /// The arrays are read in place. They must neither change nor be freed until `release` is called. Positions must be of type
+    /// `float`, and 16 bytes must be readable from the last position on. A mesh that emits light is copied when it is built.
     ETD_SHARE = 1,
 }
 
@@ -144,51 +145,53 @@ pub enum etd_sharing {
 pub struct etd_mesh {
     /// `sizeof(etd_mesh)`.
     pub struct_size: usize,
-    /// One position for each vertex, the mesh's own frame.
+    /// One position for each vertex, in the mesh's own frame.
     pub positions: *const c_void,
-    /// Bytes from one position to the next; 0: they lie close together.
+    /// Bytes from one position to the next; 0: positions without gaps.
     pub position_stride: usize,
-    /// Bytes that can be read from `positions` on; 0: up to the end of the last stride. Only looked at with `ETD_SHARE`.
+    /// Number of readable bytes from `positions` on; 0: up to the end of the last stride. Used only with `ETD_SHARE`.
     pub position_bytes: usize,
     /// Number of vertices, at least 1 and below 2^32 - 1.
     pub vertex_count: usize,
     /// Three vertex numbers for each triangle, counter-clockwise seen from outside.
     pub indices: *const u32,
-    /// Bytes from one triangle's numbers to the next; 0: they lie close together.
+    /// Bytes from one triangle's numbers to those of the next; 0: triangles without gaps.
     pub index_stride: usize,
     /// Number of triangles, at least 1 and below 2^32 - 1.
     pub triangle_count: usize,
-    /// One normal for each vertex, any length; NULL: none.
+    /// One normal for each vertex, of any length; NULL: none.
     pub normals: *const f32,
-    /// Bytes from one normal to the next; 0: they lie close together.
+    /// Bytes from one normal to the next; 0: normals without gaps.
     pub normal_stride: usize,
     /// One texture coordinate for each vertex; NULL: none.
     pub uvs: *const f32,
-    /// Bytes from one texture coordinate to the next; 0: they lie close together.
+    /// Bytes from one texture coordinate to the next; 0: coordinates without gaps.
     pub uv_stride: usize,
     /// An `etd_position_format`.
     pub position_format: EtdPositionFormat,
     /// An `etd_sharing`.
     pub sharing: EtdSharing,
-    /// With `ETD_SHARE`: told once that the arrays are no longer read; may be NULL. Not called if the call fails.
+    /// With `ETD_SHARE`: called once the arrays are no longer read; may be NULL. It is not called if adding the mesh fails.
     pub release: etd_release_fn,
-    /// Given to `release`.
+    /// Passed to `release`.
     pub user_data: *mut c_void,
-    /// A name to find it by, unique among meshes; NULL: none.
+    /// Name of the mesh, unique among meshes; NULL: none.
     pub name: *const c_char,
 }
 
-/// Everything about a surface but its shape.
+/// The properties of a surface other than its shape.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct etd_surface {
     /// `sizeof(etd_surface)`.
     pub struct_size: usize,
-    /// Number of its material; `ETD_NONE` for a surface that emits light and reflects none.
+    /// Number of the surface's material; `ETD_NONE` for a surface that emits light and reflects none.
     pub material: u32,
-    /// Emitted radiance on the normal's side [W m^-2 sr^-1]; all zero: it does not emit. Quadrics and disks cannot.
+    /// Emitted radiance on the normal's side [W m^-2 sr^-1]; three zeros for a surface that does not emit. Quadrics and disks
+    /// cannot emit.
     pub emission: [f32; 3],
-    /// Object to world, three rows of four (the last column translates); all zero: none.
+    /// Transform from the object frame to the world frame, three rows of four numbers whose last column is the translation;
+    /// twelve zeros stand for the identity.
     pub transform: [f64; 12],
 }
 
