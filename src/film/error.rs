@@ -1,58 +1,63 @@
-//! How far an image is from its expectation, as far as it can tell itself.
+//! Error estimates of an image, from the scatter of the image's own samples.
 
 use super::{Film, PixelPhotonState, Tile, lock};
 use crate::Cancel;
+use crate::control::WorkProgress;
 use crate::spectrum::{luminance, srgb_encode};
 
-/// What the error of an image is measured by.
+/// A measure of the error of an image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ErrorMeasure {
-    /// relMSE: the mean over pixels and channels of squared error / (mean^2 + e), with e = 1 % of the squared mean of the
-    /// whole image so that black pixels do not rule it. It falls about as 1 / N.
+    /// relMSE: the mean over pixels and channels of squared error / (mean^2 + e), where e is 1 % of the squared mean of the
+    /// whole image, so that black pixels do not dominate. It falls about as 1 / N.
     #[default]
     RelMse,
-    /// As a screen shows it: the root of the mean over pixels and channels of the squared error, in levels of 255, after
+    /// Error of displayed values: the root of the mean over pixels and channels of the squared error, in levels of 255, after
     /// clamping to [0, 1] and the sRGB curve. It falls about as 1 / sqrt(N).
     Display,
 }
 
-/// An estimate, and how far it may itself be off.
+/// An estimated error with its standard error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorEstimate {
     /// The estimated error.
     pub value: f64,
-    /// Standard error of `value`, from the scatter over pixels. That counts what pixels differ by expectation as well, so it
-    /// is rather too large; and it knows only of what has been sampled.
+    /// Standard error of `value`, from the scatter over pixels. The scatter includes the differences between the pixels'
+    /// expectations, so the standard error is rather too large. Light that no sample has met yet is not included.
     pub standard_error: f64,
 }
 
-/// Samples of the pixels of a film.
+/// Numbers of samples over the pixels of a film.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SampleCounts {
-    /// Of the pixel that has fewest.
+    /// Smallest number of any pixel.
     pub min: u32,
-    /// Of all pixels together, divided by their number.
+    /// Mean over all pixels.
     pub mean: f64,
-    /// Of the pixel that has most.
+    /// Greatest number of any pixel.
     pub max: u32,
 }
 
-/// An estimate whose standard error is more than this share of it rests on few pixels, where paths that are rare and bright
-/// have met some.
+/// An estimate whose standard error is more than this fraction of its value rests on few pixels: those that rare bright paths
+/// have reached.
 pub(crate) const FEW_PIXELS: f64 = 0.35;
 
-/// Variance of a pixel's mean over its square up to which a pixel's error is relative to its own mean alone.
-const KNOWN: f64 = 0.1;
+/// A pixel's mean is known if its variance is at most this fraction of its square. The error of such a pixel is relative to its
+/// own mean alone.
+const KNOWN_VARIANCE: f64 = 0.1;
 
-/// Logarithms of likelihood ratios between which a pixel that differs from its surroundings is believed: up to the first
-/// its error is relative to its surroundings, from the second on to its own mean. They are odds of 20 and of 150 to one.
+/// Logarithms of the likelihood ratio that a pixel is brighter than its surroundings. Up to the first, the pixel's error is
+/// relative to its surroundings, and from the second on, it is relative to its own mean. They are odds of 20 and of 150 to one.
 const EVIDENCE: [f64; 2] = [3.0, 5.0];
 
-/// How far surroundings reach: 5 x 5 pixels but the one in the middle. Where each of 3 x 3 pixels has a bright path by a
-/// chance of one in ten, most such neighbourhoods have met none.
+/// Reach of a pixel's surroundings in pixels: they are 5 x 5 pixels without the one in the middle. With 3 x 3 pixels, of which
+/// each has met a bright path with a probability of one in ten, most surroundings would contain no bright path.
 const REACH: usize = 2;
 
-/// Sums over pixels of what they add to a mean, from which its standard error follows.
+/// Number of pixels between two checks for a cancel.
+const CANCEL_INTERVAL: usize = 1 << 12;
+
+/// Sums over the pixels' terms of a mean, from which the mean and its standard error follow.
 #[derive(Clone, Copy, Default)]
 struct Terms {
     count: f64,
@@ -67,12 +72,12 @@ impl Terms {
         self.squares += term * term;
     }
 
-    /// Mean and its standard error; `None` if a pixel has no estimate, or there is no light to compare with.
+    /// The mean and its standard error; `None` if a pixel has no estimate or the image is black.
     fn mean(&self) -> Option<ErrorEstimate> {
-        // Products of noise alone may be negative.
+        // Products of noisy bias estimates may be negative.
         let value = if self.sum < 0.0 { 0.0 } else { self.sum / self.count };
         let scatter = (self.squares - self.sum * self.sum / self.count).max(0.0);
-        // One pixel tells nothing of its kind: as if it were an exponential distribution's.
+        // One pixel has no scatter. The standard error is then that of an exponential distribution.
         let standard_error =
             if self.count > 1.0 { (scatter / (self.count * (self.count - 1.0))).sqrt() } else { value };
         value.is_finite().then_some(ErrorEstimate { value, standard_error })
@@ -80,14 +85,14 @@ impl Terms {
 }
 
 impl ErrorEstimate {
-    /// Whether few pixels have most of the estimate: its standard error is more than a third of it. Then pixels that have
-    /// not met their rare bright paths yet may have as much error again, and the estimate may be off by a multiple of
-    /// itself, whatever its standard error says.
+    /// Whether few pixels have most of the estimate, which is so if its standard error is more than about a third of its value.
+    /// Pixels that have not met their rare bright paths yet may then have large errors as well. The estimate may be wrong by a
+    /// multiple of itself, which its standard error does not include.
     pub fn is_heavy_tailed(&self) -> bool {
         self.standard_error > FEW_PIXELS * self.value
     }
 
-    /// Of the root of what this is the estimate of.
+    /// The estimate of the square root of the quantity.
     fn root(self) -> Self {
         let value = self.value.sqrt();
         Self { value, standard_error: if value > 0.0 { 0.5 * self.standard_error / value } else { 0.0 } }
@@ -95,10 +100,10 @@ impl ErrorEstimate {
 }
 
 impl Film {
-    /// Estimated relMSE (see [`ErrorMeasure::RelMse`]), from the replicates' variances. A pixel whose own mean is not known
-    /// yet is compared with its surroundings, as far as it may be no brighter than they are (docs/error-estimates.md). Where photon maps are made anew for each
-    /// pass, the square of their estimated bias is added: the product of two independent estimates of it, since the square of
-    /// one would count its noise as bias.
+    /// Estimated relMSE (see [`ErrorMeasure::RelMse`]), from the variances of the replicates. The error of a pixel whose own mean
+    /// is not yet known is relative to its surroundings, as far as the pixel may be no brighter than these
+    /// (docs/error-estimates.md). Where photon maps are built anew for each pass, the square of their estimated bias is added. It
+    /// is the product of two independent estimates of the bias, because the square of one estimate would count noise as bias.
     ///
     /// `None` until every pixel has an estimate (see [`Pixel::variance`](super::Pixel::variance)), and for an image without
     /// light.
@@ -106,23 +111,24 @@ impl Film {
         self.error(ErrorMeasure::RelMse)
     }
 
-    /// Estimated error of what a screen shows, in levels of 255 (see [`ErrorMeasure::Display`]); exposure and tone maps are
-    /// not thought of. A pixel's error is half of what the curve makes of one standard error to each side: its slope there
-    /// where errors are small, and not too much near black and white where it ends.
+    /// Estimated error of displayed values, in levels of 255 (see [`ErrorMeasure::Display`]), without exposure and tone maps. A
+    /// pixel's error is half the difference of the displayed values at one standard error above and below the mean. For small
+    /// errors, that is the slope of the sRGB curve times the standard error; near black and white, clamping limits it.
     ///
-    /// `None` where [`Film::rel_mse`] is.
+    /// `None` where [`Film::rel_mse`] is `None`.
     pub fn display_error(&self) -> Option<ErrorEstimate> {
         self.error(ErrorMeasure::Display)
     }
 
-    /// Either of the two.
+    /// The estimated error in a measure; see [`Film::rel_mse`] and [`Film::display_error`].
     pub fn error(&self, measure: ErrorMeasure) -> Option<ErrorEstimate> {
         self.error_unless(measure, &Cancel::new())
     }
 
-    /// The same; `None` too if it was cancelled in the middle.
+    /// The same as [`Film::error`]; also `None` if it was cancelled before the end.
     pub(crate) fn error_unless(&self, measure: ErrorMeasure, cancel: &Cancel) -> Option<ErrorEstimate> {
-        // Usually all pixels are as far: a first picture need not look at them all to learn that it knows nothing.
+        // Usually all pixels have equally many samples. If the first pixels have too few for an estimate, the others are not
+        // read.
         let has_none =
             |tile: &Tile| tile.pixels.first().is_none_or(|first| first.variance(self.options.share)[0].is_nan());
         if self.tiles.first().is_none_or(|tile| has_none(&lock(tile))) {
@@ -138,10 +144,12 @@ impl Film {
         }
     }
 
-    /// Calls `visit` with the number of each pixel in rows, its samples, and its squared error as `measure` weighs it, the mean
-    /// over channels; false if it was cancelled in the middle. `is_tame`: relative to the pixel's own mean always, never to
-    /// its surroundings'; that is too small where samples are rare and bright, so that such are not all that counts, and
-    /// no pixel's error depends on another pixel's samples but by the mean of the whole image.
+    /// Calls `visit` with the index of each pixel in row order, its number of samples, and its squared error in `measure`, the
+    /// mean over channels. Returns `false` if it was cancelled before the end.
+    ///
+    /// `is_tame`: errors are always relative to the pixel's own mean, and never to its surroundings. Such errors are too small
+    /// where samples are rare and bright, so that these samples do not dominate. A pixel's error then depends on other pixels'
+    /// samples only by the mean of the whole image.
     pub(crate) fn for_each_error(
         &self,
         measure: ErrorMeasure,
@@ -151,14 +159,14 @@ impl Film {
     ) -> bool {
         let (weighted, share) = (self.options.weighted, self.options.share);
         let is_relative = measure == ErrorMeasure::RelMse;
-        let (mut means, mut variances) = (Vec::new(), Vec::new());
+        let (mut means, mut unknown) = (Vec::new(), Vec::new());
         if is_relative {
             means.resize(self.pixel_count(), [0.0; 3]);
-            variances.resize(if is_tame { 0 } else { self.pixel_count() }, 0.0);
             let is_whole = self.for_each_unless(cancel, |place, pixel, _| {
-                means[place] = pixel.mean(weighted);
+                let mean = pixel.mean(weighted);
+                means[place] = mean;
                 if !is_tame {
-                    variances[place] = pixel.variance(share).iter().sum();
+                    unknown.extend(UnknownMean::new(place, mean, pixel.variance(share)));
                 }
             });
             if !is_whole {
@@ -168,9 +176,10 @@ impl Film {
         let sum: f64 = means.iter().flatten().copied().map(f64::from).sum();
         let mean = sum / (3 * self.pixel_count()).max(1) as f64;
         let floor = 1e-2 * mean * mean;
-        let Some(doubts) = doubts(&means, &variances, self.options.resolution[0] as usize, floor, cancel) else {
+        if !compare_with_surroundings(&mut unknown, &means, self.options.resolution[0] as usize, floor, cancel) {
             return false;
-        };
+        }
+        drop(means);
         self.for_each_unless(cancel, |place, pixel, beside| {
             let biases = beside.gathering.and_then(PixelPhotonState::biases).unwrap_or_default();
             let variances = pixel.variance(share);
@@ -182,16 +191,16 @@ impl Film {
                     mean_of_channels(|i| squared[i] / (f64::from(mean[i]) * f64::from(mean[i]) + floor))
                 };
                 let by_own = relative_to(own);
-                match doubts.binary_search_by_key(&place, |doubt| doubt.place) {
+                match unknown.binary_search_by_key(&place, |pixel| pixel.place as usize) {
                     Err(_) => by_own,
                     Ok(found) => {
-                        let Doubt { around, weight, .. } = doubts[found];
-                        let by_others = relative_to(around);
-                        // Products of noise in biases may be negative, and have no geometric mean.
-                        if by_own > 0.0 && by_others > 0.0 {
-                            by_own * (by_others / by_own).powf(weight)
+                        let UnknownMean { surroundings, weight, .. } = unknown[found];
+                        let by_surroundings = relative_to(surroundings);
+                        // Products of noisy bias estimates may be negative. They have no geometric mean.
+                        if by_own > 0.0 && by_surroundings > 0.0 {
+                            by_own * (by_surroundings / by_own).powf(weight)
                         } else {
-                            by_others
+                            by_surroundings
                         }
                     }
                 }
@@ -202,7 +211,7 @@ impl Film {
         })
     }
 
-    /// How many samples pixels have; `None` if it was cancelled in the middle.
+    /// Numbers of samples over the pixels; `None` if it was cancelled before the end.
     pub(crate) fn counts_unless(&self, cancel: &Cancel) -> Option<SampleCounts> {
         let (mut min, mut max, mut sum) = (u32::MAX, 0, 0_u64);
         let is_whole = self.for_each_unless(cancel, |_, pixel, _| {
@@ -212,7 +221,7 @@ impl Film {
         is_whole.then(|| SampleCounts { min, mean: sum as f64 / self.pixel_count().max(1) as f64, max })
     }
 
-    /// How many samples pixels have.
+    /// Numbers of samples over the pixels.
     pub fn counts(&self) -> SampleCounts {
         self.counts_unless(&Cancel::new()).unwrap_or_default()
     }
@@ -222,73 +231,98 @@ fn mean_of_channels(value: impl Fn(usize) -> f64) -> f64 {
     (value(0) + value(1) + value(2)) / 3.0
 }
 
-/// A pixel that does not know its own mean.
-struct Doubt {
-    place: usize,
-    /// What its mean would be if it were no other than that of its surroundings.
-    around: [f32; 3],
-    /// How far its error is relative to that, in [0, 1]: the exponent of a geometric mean.
+/// A pixel whose own mean is not known yet. An image may consist of such pixels, so the structure is small: 24 bytes.
+struct UnknownMean {
+    place: u32,
+    /// Mean of the pixel if it were no brighter than its surroundings.
+    surroundings: [f32; 3],
+    /// Weight of the error relative to the surroundings, in [0, 1]: the exponent of a geometric mean. Before
+    /// [`compare_with_surroundings`], it is the variance of the pixel's mean, summed over the channels.
     weight: f64,
 }
 
-/// The pixels of an image that do not know their own mean, in their order.
-///
-/// relMSE asks for squared error over the squared *true* mean. Relative to its own mean, a bright path that one sample has
-/// met would be large against itself only, and no pixel off by more than its own value. Relative to its surroundings, a
-/// small bright reflection that is where it is by right would be off by a factor of millions. The number of bright samples
-/// tells one from the other.
-///
-/// A pixel's mean m of variance v is as uncertain as if it rested on n = m^2 / v bright samples. If its true mean were that
-/// of its surroundings, s < m, each of these samples would be less likely by a factor s / m. The first is no evidence, since
-/// bright paths that are rare must be met by some pixel. So the logarithm of the likelihood ratio is (n - 1) ln(m / s).
-///
-/// `variances`: sums over the channels, or nothing: then no pixel is in doubt. `width` of the image in pixels. `floor`: what
-/// relMSE adds to squared means. `None` if it was cancelled in the middle.
-fn doubts(means: &[[f32; 3]], variances: &[f64], width: usize, floor: f64, cancel: &Cancel) -> Option<Vec<Doubt>> {
-    let luminances: Vec<f32> = means.iter().map(|&mean| luminance(mean.into())).collect();
-    let mut doubts = Vec::new();
-    // What bright paths add to surroundings that have met none of them.
-    let mut strays = [0.0_f64; 3];
-    for (place, (own, &variance)) in means.iter().zip(variances).enumerate() {
-        if place % width == 0 && cancel.is_cancelled() {
+impl UnknownMean {
+    /// The pixel at `place`, unless its mean is known.
+    fn new(place: usize, mean: [f32; 3], variances: [f64; 3]) -> Option<Self> {
+        let variance = variances.iter().sum();
+        let square: f64 = mean.iter().map(|&mean| f64::from(mean) * f64::from(mean)).sum();
+        // A variance that is NaN is not known either.
+        if variance <= KNOWN_VARIANCE * square {
             return None;
         }
-        let square: f64 = own.iter().map(|&mean| f64::from(mean) * f64::from(mean)).sum();
-        if variance <= KNOWN * square {
-            continue;
-        }
-        let around = around(means, &luminances, width, place);
-        // Below the floor, a mean is as good as another.
-        let ratio = f64::from(luminances[place]) / f64::from(luminance(around.into())).hypot(floor.sqrt());
-        let evidence = (square / variance - 1.0).max(0.0) * ratio.max(1.0).ln();
-        let [least, enough] = EVIDENCE;
-        // Where there is no light at all, or no variance yet, the evidence is not a number.
-        let weight = if evidence.is_nan() { 1.0 } else { ((enough - evidence) / (enough - least)).clamp(0.0, 1.0) };
-        if weight > 0.0 {
-            for (stray, (own, around)) in strays.iter_mut().zip(own.iter().zip(around)) {
-                *stray += weight * f64::from(own - around);
-            }
-            doubts.push(Doubt { place, around, weight });
-        }
+        Some(Self { place: place as u32, surroundings: [0.0; 3], weight: variance })
     }
-    let others = means.len().saturating_sub(1).max(1) as f64;
-    for Doubt { place, around, weight } in &mut doubts {
-        for ((around, own), stray) in around.iter_mut().zip(means[*place]).zip(strays) {
-            // Not its own: that is what is to be judged.
-            *around += ((stray - *weight * f64::from(own - *around)) / others).max(0.0) as f32;
-        }
-    }
-    Some(doubts)
 }
 
-/// The mean of a pixel's neighbours, the pixel itself left out.
+/// Compares pixels of unknown mean with their surroundings, sorts them by place, and removes those whose own mean counts
+/// alone. Returns `false` if it was cancelled before the end.
 ///
-/// Neighbours that are brighter than the pixel itself count as if they were as bright as it is: a lamp in the neighbourhood
-/// does not make a bright path on the wall beside it small, and the dim edge of a bright reflection is still compared with
-/// the reflection.
-fn around(means: &[[f32; 3]], luminances: &[f32], width: usize, place: usize) -> [f32; 3] {
+/// relMSE is squared error over the squared *true* mean. If the error were relative to the pixel's own mean, a bright path
+/// that one sample has met would have a large error only in proportion to itself, and no pixel could have a relative error
+/// above 1. If the error were always relative to the surroundings, a pixel that shows a small bright reflection would have a
+/// relative error of millions. The number of bright samples distinguishes the two cases.
+///
+/// A pixel's mean m with variance v is as uncertain as if it rested on n = m^2 / v bright samples. If its true mean were the
+/// mean s < m of its surroundings, each of these samples would be less likely by a factor s / m. The first sample is no
+/// evidence, since some pixel must meet bright paths that are rare. The logarithm of the likelihood ratio is therefore
+/// (n - 1) ln(m / s).
+///
+/// `means`: the means of all pixels in row order. `width`: width of the image in pixels. `floor`: the value e that relMSE
+/// adds to squared means.
+fn compare_with_surroundings(
+    unknown: &mut Vec<UnknownMean>,
+    means: &[[f32; 3]],
+    width: usize,
+    floor: f64,
+    cancel: &Cancel,
+) -> bool {
+    if WorkProgress::new(cancel).sort(unknown, &|a, b| a.place.cmp(&b.place)).is_err() {
+        return false;
+    }
+    // Sums of the light by which pixels exceed their surroundings. It may be that of bright paths that any pixel could meet.
+    let mut excess = [0.0_f64; 3];
+    let mut kept = 0;
+    for number in 0..unknown.len() {
+        if number % CANCEL_INTERVAL == 0 && cancel.is_cancelled() {
+            return false;
+        }
+        let UnknownMean { place, weight: variance, .. } = unknown[number];
+        let own = means[place as usize];
+        let square: f64 = own.iter().map(|&mean| f64::from(mean) * f64::from(mean)).sum();
+        let surroundings = mean_of_surroundings(means, width, place as usize);
+        // Means below the floor count as equal to it.
+        let ratio = f64::from(luminance(own.into())) / f64::from(luminance(surroundings.into())).hypot(floor.sqrt());
+        let evidence = (square / variance - 1.0).max(0.0) * ratio.max(1.0).ln();
+        let [least, enough] = EVIDENCE;
+        // Where there is no light at all, or no variance yet, the evidence is NaN.
+        let weight = if evidence.is_nan() { 1.0 } else { ((enough - evidence) / (enough - least)).clamp(0.0, 1.0) };
+        if weight > 0.0 {
+            for (excess, (own, around)) in excess.iter_mut().zip(own.iter().zip(surroundings)) {
+                *excess += weight * f64::from(own - around);
+            }
+            unknown[kept] = UnknownMean { place, surroundings, weight };
+            kept += 1;
+        }
+    }
+    unknown.truncate(kept);
+    let others = means.len().saturating_sub(1).max(1) as f64;
+    for UnknownMean { place, surroundings, weight } in unknown {
+        for ((around, own), excess) in surroundings.iter_mut().zip(means[*place as usize]).zip(excess) {
+            // The pixel's own excess is left out, because it is what the surroundings are to judge.
+            *around += ((excess - *weight * f64::from(own - *around)) / others).max(0.0) as f32;
+        }
+    }
+    true
+}
+
+/// The mean of a pixel's neighbours without the pixel itself.
+///
+/// Neighbours that are brighter than the pixel count as if they were as bright as the pixel. A lamp in the neighbourhood thus
+/// does not hide a bright path on the wall beside it, and the dim edge of a bright reflection is still compared with the
+/// reflection.
+fn mean_of_surroundings(means: &[[f32; 3]], width: usize, place: usize) -> [f32; 3] {
     let (x, y, height) = (place % width, place / width, means.len() / width);
-    let own = luminances[place];
+    let own = luminance(means[place].into());
     let (mut sum, mut count) = ([0.0; 3], 0.0_f32);
     for row in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
         for column in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
@@ -296,8 +330,9 @@ fn around(means: &[[f32; 3]], luminances: &[f32], width: usize, place: usize) ->
             if neighbour == place {
                 continue;
             }
-            // Filters with negative lobes may leave a pixel with no light, or less.
-            let scale = if own > 0.0 && luminances[neighbour] > own { own / luminances[neighbour] } else { 1.0 };
+            let brightness = luminance(means[neighbour].into());
+            // Filters with negative lobes may give a pixel zero or negative light.
+            let scale = if own > 0.0 && brightness > own { own / brightness } else { 1.0 };
             for (sum, mean) in sum.iter_mut().zip(means[neighbour]) {
                 *sum += scale * mean;
             }
@@ -307,7 +342,7 @@ fn around(means: &[[f32; 3]], luminances: &[f32], width: usize, place: usize) ->
     sum.map(|sum| sum / count.max(1.0))
 }
 
-/// Squared error in levels of 255 of a value with this squared error.
+/// Squared error of a displayed value in levels of 255, from the squared error of the radiance.
 fn display_error2(mean: f32, squared: f64) -> f64 {
     if squared.is_nan() {
         return f64::NAN;
