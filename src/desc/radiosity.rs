@@ -1,34 +1,34 @@
 //! Settings of radiosity.
 
-/// Most iterations of a radiosity solution, or bodies that shoot.
+/// Greatest number of iterations of a radiosity solution.
 pub const MAX_RADIOSITY_ITERATIONS: u32 = 1 << 24;
 
-/// Most memory that a radiosity solution can be given (MiB).
+/// Greatest memory limit that a radiosity solution can be given (MiB).
 pub const MAX_RADIOSITY_MEMORY: u32 = 1 << 20;
 
-/// How a radiosity solution is made and shown. What is not radiosity is not affected by it.
+/// How a radiosity solution is computed and shown. The settings have no effect on other integrators.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadiosityDesc {
-    /// Elements whose longest side is no longer than this are not divided any more, scene units, > 0; `None`: a 64th of the
-    /// extent of the scene.
+    /// Elements whose longest side is at most this long are not subdivided, scene units, > 0. `None` means a 64th of the
+    /// scene's extent.
     pub element_size: Option<f64>,
-    /// What one link between elements may be wrong by, in thousandths of all irradiance: both in the root of the mean square
-    /// over surfaces; in (0, 1000]. Smaller means more elements and more links.
+    /// Greatest error of one link between elements, in thousandths of all irradiance, in (0, 1000]. Error and irradiance are both
+    /// roots of the mean square over surfaces. A smaller value gives more elements and more links.
     pub error: f64,
-    /// Iterations: gathered ones are bounces of light, shot ones bodies that shoot, up to [`MAX_RADIOSITY_ITERATIONS`]; `None`:
-    /// until what is left is below `tolerance`. 0 shows the light sources alone.
+    /// Number of iterations, up to [`MAX_RADIOSITY_ITERATIONS`]. Gathering counts bounces of light, and shooting counts bodies that
+    /// shoot. With `None`, the iteration ends at `tolerance`. With 0, the image shows the light sources alone.
     pub iterations: Option<u32>,
-    /// Share of the solution that may be left to iterate for, in (0, 1).
+    /// Fraction of the solution that may be missing when the iteration ends, in (0, 1).
     pub tolerance: f64,
     /// How the system is solved.
     pub solver: RadiositySolver,
-    /// Whether a solution that was stopped by `iterations` is shown with the mean of the light that was not yet distributed:
-    /// for previews.
+    /// Whether the image of a solution that `iterations` has ended includes the mean of the light that was not yet distributed.
+    /// This serves previews.
     pub ambient: bool,
-    /// Whether pictures take indirect light from one ray into the solution at what the camera sees, and direct light from light
-    /// samples, instead of interpolating the solution.
+    /// Whether images take direct light from light samples and indirect light from one ray into the solution at each visible
+    /// point, instead of interpolating the solution.
     pub final_gather: bool,
-    /// Most memory of elements and links (MiB), from 1 to [`MAX_RADIOSITY_MEMORY`].
+    /// Memory limit of elements and links (MiB), from 1 to [`MAX_RADIOSITY_MEMORY`].
     pub memory: u32,
 }
 
@@ -50,9 +50,9 @@ impl Default for RadiosityDesc {
 /// How a radiosity system is solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RadiositySolver {
-    /// Every element gathers from all others, again and again.
+    /// In each iteration, every element gathers light from all others.
     #[default]
     Gather,
-    /// The body that has most light left shoots it: progressive refinement (Cohen et al. 1988).
+    /// In each step, the body with most unshot light distributes it: progressive refinement (Cohen et al. 1988).
     Shoot,
 }

@@ -4,7 +4,7 @@ use super::integrator::IntegratorDesc;
 use super::photon::{CacheDesc, PhotonDesc};
 use super::radiosity::RadiosityDesc;
 
-/// Number of pixels of the largest image that is rendered. The film takes a hundred bytes for each pixel.
+/// Number of pixels of the largest image that is rendered. The film takes about 200 bytes for each pixel.
 pub const MAX_PIXELS: u64 = 1 << 26;
 
 /// Greatest number of light samples per hit. More samples cannot be interrupted, and their time is better spent on more

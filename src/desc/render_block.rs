@@ -15,109 +15,110 @@ pub(super) struct Render<'a> {
     pub(super) resolution: Option<[Whole; 2]>,
     /// Samples per pixel, from 1. Default 64.
     pub(super) samples: Option<Whole>,
-    /// Where samples come from. Default `sobol`.
+    /// Positions of the samples of a pixel. Default `sobol`.
     #[serde(default, deserialize_with = "json::name")]
     pub(super) sampler: Option<Sampler>,
-    /// How samples weigh in a pixel. Default `box`.
+    /// Pixel filter. Default `box`.
     #[serde(borrow)]
     #[cfg_attr(feature = "schema", schemars(with = "Option<super::filter::schema::Filter>"))]
     pub(super) filter: Option<&'a RawValue>,
-    /// Greatest number of surface hits on a path, counting the first visible one; null cuts nothing. Default null.
+    /// Greatest number of surface hits on a path, counting the first visible one; null sets no limit. Default null.
     #[serde(default, deserialize_with = "json::even_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<Whole>"))]
     pub(super) max_depth: Option<Option<Whole>>,
     /// Light samples per hit, from 1. Default 1.
     pub(super) shadow_rays: Option<Whole>,
-    /// Which survival probability Russian roulette ends paths by. Default `own`.
+    /// Survival probability by which Russian roulette ends paths. Default `own`.
     #[serde(default, deserialize_with = "json::name")]
     pub(super) roulette: Option<Roulette>,
-    /// Light transport. Default `path`.
+    /// Light transport algorithm. Default `path`.
     #[serde(borrow)]
     #[cfg_attr(feature = "schema", schemars(with = "Option<schema::Integrator>"))]
     pub(super) integrator: Option<&'a RawValue>,
-    /// Seed of all randomness. Default 0.
+    /// Seed of all random numbers. Default 0.
     pub(super) seed: Option<Whole>,
 
-    /// Light paths of a photon map (of each pass, where maps are made anew), 1 to 2^29. Default: chosen by the integrator.
+    /// Number of light paths of a photon map (of each pass, where maps are built for every pass), 1 to 2^29. Default: chosen by the
+    /// integrator.
     pub(super) photon_count: Option<Whole>,
-    /// `photonCount` in other words.
+    /// Another name of `photonCount`.
     #[serde(rename = "photon_count")]
     pub(super) photon_count_alias: Option<Whole>,
-    /// Radius of a density estimate, scene units, 1e-18 to 1e18; where it shrinks, the first one. Default: 0.1
-    /// for `photon_direct`, else from what a pixel sees.
+    /// Radius of a density estimate, scene units, 1e-18 to 1e18; where the radius shrinks, this is the first one. Default: 0.1 for
+    /// `photon_direct`, otherwise from the extent that a pixel sees.
     pub(super) photon_radius: Option<f64>,
-    /// `photonRadius` in other words.
+    /// Another name of `photonRadius`.
     #[serde(rename = "photon_radius")]
     pub(super) photon_radius_alias: Option<f64>,
-    /// Of `photon_direct`: fewer photons than this within the radius are no estimate, and shadow rays are sent instead,
-    /// 1 to 2^29. Default 10.
+    /// For `photon_direct`: smallest number of photons within the radius that makes an estimate; shadow rays are sent where there
+    /// are fewer; 1 to 2^29. Default 10.
     pub(super) min_photons: Option<Whole>,
-    /// `minPhotons` in other words.
+    /// Another name of `minPhotons`.
     #[serde(rename = "min_photons")]
     pub(super) min_photons_alias: Option<Whole>,
-    /// Light paths of a caustic map, 1 to 2^29. Default: chosen by the integrator.
+    /// Number of light paths of the caustic map, 1 to 2^29. Default: chosen by the integrator.
     pub(super) caustic_count: Option<Whole>,
-    /// Radius of caustics, scene units, 1e-18 to 1e18. Default: from what a pixel sees.
+    /// Radius of density estimates in the caustic map, scene units, 1e-18 to 1e18. Default: from the extent that a pixel sees.
     pub(super) caustic_radius: Option<f64>,
-    /// So many nearest photons make an estimate, those beyond the radius left out, 2 to 65536; 0: all within the
-    /// radius. Default: all within a radius of each pixel's own.
+    /// Number of nearest photons that make an estimate, without those beyond the radius, 2 to 65536; 0: all photons within the
+    /// radius. Default: all photons within a radius, where each pixel has its own radius.
     pub(super) photon_neighbours: Option<Whole>,
-    /// How photons weigh by their distance. Default: `cone` with `photon_direct`, else `epanechnikov`.
+    /// Kernel that weighs photons by their distance. Default: `cone` with `photon_direct`, otherwise `epanechnikov`.
     #[serde(borrow)]
     #[cfg_attr(feature = "schema", schemars(with = "Option<schema::Kernel>"))]
     pub(super) photon_kernel: Option<&'a RawValue>,
-    /// Of `caustic`, `ppm` and `sppm`: the share of photons kept as radii shrink, above 0 and below 1. Default 2/3.
+    /// For `caustic`, `ppm` and `sppm`: share of the photons that is kept as radii shrink, above 0 and below 1. Default 2/3.
     pub(super) photon_alpha: Option<f64>,
-    /// How emitters share the photons. Default `power`.
+    /// How the photons are divided between the emitters. Default `power`.
     #[serde(default, deserialize_with = "json::name")]
     pub(super) photon_sharing: Option<Sharing>,
     /// Whether caustic photons are aimed at the specular surfaces. Default true.
     pub(super) photons_guided: Option<bool>,
-    /// Whether the map of `caustic` is made anew for every pass, with a shrinking radius. Default true.
+    /// Whether the map of `caustic` is built anew for every pass, with a shrinking radius. Default true.
     pub(super) photons_progressive: Option<bool>,
-    /// Of `photon`: rays of a final gather, 1 to 1024. Default 1.
+    /// For `photon`: number of rays of a final gather, 1 to 1024. Default 1.
     pub(super) gather_rays: Option<Whole>,
-    /// Most memory of all maps at a time, MiB, 1 to 2^20. Default 4096.
+    /// Memory limit of all maps that exist at a time, MiB, 1 to 2^20. Default 4096.
     pub(super) photon_memory: Option<Whole>,
-    /// Of `irradiance_cache`: greatest error that is allowed where records are interpolated, above 0 and up to 10.
-    /// Default 0.25.
+    /// For `irradiance_cache`: greatest error of Ward's estimate at which records are interpolated, above 0 and up to 10. Default
+    /// 0.25.
     pub(super) cache_error: Option<f64>,
-    /// Of `irradiance_cache`: rays of a record's final gather, 16 to 2^20. Default 512.
+    /// For `irradiance_cache`: number of rays of a record's final gather, 16 to 2^20. Default 512.
     pub(super) cache_rays: Option<Whole>,
-    /// Of `irradiance_cache`: smallest distance between records, pixels, above 0 and up to 1000. Default 3.
+    /// For `irradiance_cache`: smallest distance over which a record is used, in pixels, above 0 and up to 1000. Default 3.
     pub(super) cache_min_spacing: Option<f64>,
-    /// Of `irradiance_cache`: greatest distance over which a record is used, as a share of the scene's extent, above 0
-    /// and up to 1. Default 0.1.
+    /// For `irradiance_cache`: greatest distance over which a record is used, as a share of the scene's extent, above 0 and up to
+    /// 1. Default 0.1.
     pub(super) cache_max_spacing: Option<f64>,
-    /// Of `irradiance_cache`: what the gather's rays bring back. Default `paths`.
+    /// For `irradiance_cache`: source of the light that gather rays find. Default `paths`.
     #[serde(default, deserialize_with = "json::name")]
     pub(super) cache_source: Option<Source>,
-    /// Of `radiosity`: elements whose longest side is no longer than this are not divided any more, scene units. Default: a
-    /// 64th of the extent of the scene.
+    /// For `radiosity`: elements whose longest side is at most this long are not subdivided, scene units. Default: a 64th of the
+    /// scene's extent.
     pub(super) radiosity_element_size: Option<f64>,
-    /// Of `radiosity`: what one link between elements may be wrong by, in thousandths of all irradiance, above 0 and up to
-    /// 1000. Default 1.
+    /// For `radiosity`: greatest error of one link between elements, in thousandths of all irradiance, above 0 and up to 1000.
+    /// Default 1.
     pub(super) radiosity_error: Option<f64>,
-    /// Of `radiosity`: iterations, 0 to 2^24; null: until what is left is below `radiosityTolerance`. Default null.
+    /// For `radiosity`: number of iterations, 0 to 2^24; null: the iteration ends at `radiosityTolerance`. Default null.
     #[serde(default, deserialize_with = "json::even_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<Whole>"))]
     pub(super) radiosity_iterations: Option<Option<Whole>>,
-    /// Of `radiosity`: share of the solution that may be left to iterate for, above 0 and below 1. Default 0.0001.
+    /// For `radiosity`: fraction of the solution that may be missing when the iteration ends, above 0 and below 1. Default 0.0001.
     pub(super) radiosity_tolerance: Option<f64>,
-    /// Of `radiosity`: how the system is solved. Default `gather`.
+    /// For `radiosity`: how the system is solved. Default `gather`.
     #[serde(default, deserialize_with = "json::name")]
     pub(super) radiosity_solver: Option<Solver>,
-    /// Of `radiosity`: whether a solution stopped by `radiosityIterations` is shown with the mean of the light that was not
-    /// yet distributed. Default false.
+    /// For `radiosity`: whether the image of a solution that `radiosityIterations` has ended includes the mean of the light that
+    /// was not yet distributed. Default false.
     pub(super) radiosity_ambient: Option<bool>,
-    /// Of `radiosity`: whether pictures take indirect light from one ray into the solution at what the camera sees, and direct
-    /// light from light samples. Default false.
+    /// For `radiosity`: whether images take direct light from light samples and indirect light from one ray into the solution,
+    /// instead of interpolating the solution. Default false.
     pub(super) radiosity_final_gather: Option<bool>,
-    /// Of `radiosity`: most memory of elements and links, MiB, 1 to 2^20. Default 1024.
+    /// For `radiosity`: memory limit of elements and links, MiB, 1 to 2^20. Default 1024.
     pub(super) radiosity_memory: Option<Whole>,
 }
 
-/// Where the samples of a pixel come from.
+/// The positions of the samples of a pixel.
 #[derive(Clone, Copy, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -126,22 +127,22 @@ pub(super) enum Sampler {
     Sobol,
     /// Independent random numbers.
     Random,
-    /// n x n cells, one random position in each.
+    /// One random position in each of n x n cells.
     Jittered,
-    /// n x n regular positions, cell centres.
+    /// The centres of n x n cells.
     Grid,
     /// Normally distributed around the pixel's centre.
     Gaussian,
 }
 
-/// Which survival probability Russian roulette ends paths by. Changes noise and time, never the expected image.
+/// The survival probability by which Russian roulette ends paths. The choice changes noise and time, never the expected image.
 #[derive(Clone, Copy, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Roulette {
-    /// The library's own: a path survives in proportion to the throughput that it still carries.
+    /// The library's own probability: a path survives in proportion to the throughput that it still carries.
     Own,
-    /// The `reflectionRate` of the material that the path met, where that has one.
+    /// The `reflectionRate` of the material, where the material has one.
     File,
 }
 
@@ -154,25 +155,25 @@ impl From<Roulette> for RouletteDesc {
     }
 }
 
-/// How emitters share the photons.
+/// How the photons are divided between the emitters.
 #[derive(Clone, Copy, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Sharing {
-    /// By their power, so that all photons carry nearly the same.
+    /// By the emitters' power, so that all photons carry nearly the same power.
     Power,
-    /// By their area, as in the report. Points have none.
+    /// By the emitters' area, as in the report. Point lights have no area.
     Area,
 }
 
-/// What the gather's rays of an irradiance cache bring back.
+/// The source of the light that the gather rays of an irradiance cache find.
 #[derive(Clone, Copy, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Source {
-    /// The light of paths: no bias but the interpolation's.
+    /// Gather rays continue as paths. The only bias is that of the interpolation.
     Paths,
-    /// The light of the global photon map: faster, with its bias.
+    /// Gather rays read the global photon map. This is faster and has the bias of the map.
     Photons,
 }
 
@@ -181,9 +182,9 @@ pub(super) enum Source {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Solver {
-    /// Every element gathers from all others, again and again.
+    /// In each iteration, every element gathers light from all others.
     Gather,
-    /// The body that has most light left shoots it.
+    /// In each step, the body with most unshot light distributes it.
     Shoot,
 }
 
@@ -251,7 +252,7 @@ mod schema {
     #[derive(JsonSchema)]
     #[schemars(tag = "type", rename_all = "kebab-case", deny_unknown_fields)]
     pub enum KernelBlock {
-        /// All photons weigh the same.
+        /// The same weight for all photons.
         Flat,
         /// 1 - d / (k r).
         Cone {
