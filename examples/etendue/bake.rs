@@ -286,12 +286,12 @@ impl BakeRun<'_> {
         let began = Instant::now();
         interrupt::begin();
         let bar = Bar::new(self.args.quiet);
-        let mut look_up = |fraction| {
+        let mut progress = |fraction| {
             let left = console::time_left(fraction, began.elapsed());
             bar.show(fraction, format!("{what}: radiosity{left}"));
             if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let made = by_radiosity(self.scene, sites, &self.settings, spacing, !self.args.back, &mut look_up);
+        let made = by_radiosity(self.scene, sites, &self.settings, spacing, !self.args.back, &mut progress);
         drop(bar);
         let (baked, solution) = match made {
             Err(error) if error.kind() == ErrorKind::Cancelled && interrupt::requested() => return Ok(None),

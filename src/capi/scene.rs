@@ -172,7 +172,7 @@ impl etd_scene {
 }
 
 /// # Safety
-/// As for [`read_sized`]; for the strings in the structure that of [`optional_text`].
+/// The contract of [`read_sized`], and for the strings in the structure that of [`optional_text`].
 unsafe fn read_options<'a>(options: *const etd_scene_options) -> Result<(bool, &'a Path, Option<PathBuf>)> {
     if options.is_null() {
         return Ok((false, Path::new("."), None));
