@@ -18,7 +18,7 @@ fn in_scene(ray: &etd_ray, centre: DVec3) -> (Ray, f32) {
     let origin = (DVec3::from_array(ray.origin.map(f64::from)) - centre).as_vec3a();
     let length = direction.abs().max_element();
     if LENGTHS.contains(&length) {
-        return (Ray { origin, direction, tnear: ray.tnear, tfar: ray.tfar }, 1.0);
+        return (Ray { tnear: ray.tnear, ..Ray::segment(origin, direction, ray.tfar) }, 1.0);
     }
     rescaled(ray, origin, length)
 }
@@ -30,7 +30,7 @@ fn rescaled(ray: &etd_ray, origin: Vec3, length: f32) -> (Ray, f32) {
     let direction = Vec3::from_array(ray.direction.map(|d| (f64::from(d) / scale) as f32));
     // Values beyond single precision become infinite, or 0.
     let (tnear, tfar) = ((f64::from(ray.tnear) * scale) as f32, (f64::from(ray.tfar) * scale) as f32);
-    (Ray { origin, direction, tnear, tfar }, length)
+    (Ray { tnear, ..Ray::segment(origin, direction, tfar) }, length)
 }
 
 /// The result for a ray that hits nothing.

@@ -27,6 +27,14 @@ pub struct IntegratorInfo {
     pub lobes: Option<LobeSupport>,
 }
 
+impl IntegratorInfo {
+    /// Whether the integrator shows the motion of a scene, by rays each of which has a time of its own. What is prepared
+    /// before samples are taken belongs to one moment, so an integrator that prepares anything refuses such a scene.
+    pub const fn shows_motion(&self) -> bool {
+        matches!(self.preparation, Preparation::Nothing | Preparation::Choice)
+    }
+}
+
 /// The difference between the expected image of an integrator and the solution of the rendering equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bias {

@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use super::commit::commit;
 use super::device::Device;
-use super::mesh::{MAX_COORDINATE, TriangleMesh, in_range};
+use super::mesh::{MAX_COORDINATE, TriangleMesh, check_time_steps, in_range};
 use super::scene::{Features, GeometryData, Scene, SceneInner};
 use super::user::{self, UserGeometry, UserGeometryData};
 use super::width::PacketWidth;
 use super::{ray, sys};
-use crate::math::DAffine3;
+use crate::math::{Bounds, DAffine3, DMat3, DVec3};
 use crate::{Cancel, Error, ErrorKind, Result};
 
 /// Effort that is spent on the hierarchy.
@@ -128,25 +128,32 @@ impl SceneBuilder {
     /// # Errors
     /// [`ErrorKind::Device`] or [`ErrorKind::OutOfMemory`].
     pub fn add_triangles(&mut self, mesh: TriangleMesh) -> Result<GeometryId> {
-        let (vertices, indices) = (mesh.vertices().as_ptr(), mesh.indices().as_ptr());
-        let (vertex_stride, index_stride) = (mesh.vertices().stride(), mesh.indices().stride());
-        let (vertex_count, index_count) = (mesh.vertices().len(), mesh.indices().len());
+        let (indices, index_stride, index_count) =
+            (mesh.indices().as_ptr(), mesh.indices().stride(), mesh.indices().len());
+        let time_steps = mesh.time_steps();
+        // A copy of the handles of the buffers, which `data` takes.
+        let owner = mesh.clone();
         let fill = |geometry| {
-            // SAFETY: both buffers hold as many items as said, of the format and at the distance said; they are
+            // SAFETY: all buffers hold as many items as said, of the format and at the distance said; they are
             // immutable and stay where they are for as long as their owners, behind an `Arc` each that `data` holds
-            // until after the scene is released. Indices are below the vertex count (`TriangleMesh`), and 16 bytes can
-            // be read from the last vertex (`VertexBuffer`).
+            // until after the scene is released. Indices are below the vertex count, which is the same at all time
+            // steps (`TriangleMesh`), and 16 bytes can be read from the last vertex (`VertexBuffer`). There are at most
+            // `MAX_TIME_STEPS` time steps.
             unsafe {
-                sys::rtcSetSharedGeometryBuffer(
-                    geometry,
-                    sys::RTC_BUFFER_TYPE_VERTEX,
-                    0,
-                    sys::RTC_FORMAT_FLOAT3,
-                    vertices.cast(),
-                    0,
-                    vertex_stride,
-                    vertex_count,
-                );
+                sys::rtcSetGeometryTimeStepCount(geometry, time_steps as u32);
+                for step in 0..time_steps {
+                    let vertices = owner.vertices_at_step(step);
+                    sys::rtcSetSharedGeometryBuffer(
+                        geometry,
+                        sys::RTC_BUFFER_TYPE_VERTEX,
+                        step as u32,
+                        sys::RTC_FORMAT_FLOAT3,
+                        vertices.as_ptr().cast(),
+                        0,
+                        vertices.stride(),
+                        vertices.len(),
+                    );
+                }
                 sys::rtcSetSharedGeometryBuffer(
                     geometry,
                     sys::RTC_BUFFER_TYPE_INDEX,
@@ -159,7 +166,7 @@ impl SceneBuilder {
                 );
             }
         };
-        let features = Features { triangles: true, ..Features::default() };
+        let features = Features { triangles: true, motion: time_steps > 1, ..Features::default() };
         self.attach(sys::RTC_GEOMETRY_TYPE_TRIANGLE, features, GeometryData::Triangles(mesh), fill)
     }
 
@@ -209,11 +216,13 @@ impl SceneBuilder {
         let data = Arc::new(UserGeometryData::new(geometry, &self.cancel)?);
         let pointer = user::user_pointer(&data);
         let data: Arc<dyn user::ErasedUserData> = data;
-        let count = data.len();
+        let (count, time_steps) = (data.len(), data.time_steps());
         let fill = |geometry| {
             // SAFETY: `pointer` is the `UserGeometryData<G>` that `data` holds until after the scene is released, and
-            // the three functions are those for the same `G`. `count` fits in 32 bits (`UserGeometryData::new`).
+            // the three functions are those for the same `G`. `count` fits in 32 bits, and there are no more time steps
+            // than Embree takes (`UserGeometryData::new`).
             unsafe {
+                sys::rtcSetGeometryTimeStepCount(geometry, time_steps as u32);
                 sys::rtcSetGeometryUserPrimitiveCount(geometry, count as u32);
                 sys::rtcSetGeometryUserData(geometry, pointer);
                 sys::rtcSetGeometryBoundsFunction(geometry, Some(user::on_bounds::<G>), std::ptr::null_mut());
@@ -221,7 +230,7 @@ impl SceneBuilder {
                 sys::rtcSetGeometryOccludedFunction(geometry, Some(user::on_occluded::<G>));
             }
         };
-        let features = Features { user: true, ..Features::default() };
+        let features = Features { user: true, motion: time_steps > 1, ..Features::default() };
         self.attach(sys::RTC_GEOMETRY_TYPE_USER, features, GeometryData::User(data), fill)
     }
 
@@ -232,6 +241,19 @@ impl SceneBuilder {
     /// the scene past [`MAX_COORDINATE`]; [`ErrorKind::Unsupported`] if `scene` has instances itself or belongs to
     /// another device; [`ErrorKind::Device`] or [`ErrorKind::OutOfMemory`].
     pub fn add_instance(&mut self, scene: &Scene, transform: &DAffine3) -> Result<GeometryId> {
+        self.add_moving_instance(scene, std::slice::from_ref(transform))
+    }
+
+    /// Adds another scene, moved by a transform that changes during the shutter interval. `steps` are the transforms at
+    /// moments evenly spaced from time 0 to time 1; between two of them, the elements of the matrix change linearly, so
+    /// that every point moves along a straight line at constant speed. One step is an instance at rest. A rotation
+    /// therefore needs steps so close that the chord serves for the arc.
+    ///
+    /// # Errors
+    /// As for [`SceneBuilder::add_instance`], at each step and in between; [`ErrorKind::InvalidScene`] for no step or
+    /// more than [`super::MAX_TIME_STEPS`].
+    pub fn add_moving_instance(&mut self, scene: &Scene, steps: &[DAffine3]) -> Result<GeometryId> {
+        check_time_steps(steps.len())?;
         if scene.features().instances {
             return Err(Error::new(ErrorKind::Unsupported, "an instance of a scene that has instances itself"));
         }
@@ -241,35 +263,35 @@ impl SceneBuilder {
                 "an instance of a scene that was built with another device",
             ));
         }
-        let columns = transform.to_cols_array().map(|x| x as f32);
-        let rounded = DAffine3::from_cols_array(&columns.map(f64::from));
-        let inverse = rounded.inverse().to_cols_array().map(|x| x as f32);
-        // Embree inverts with products of two elements over the determinant, all in single precision.
-        let determinant = rounded.matrix3.determinant() as f32;
-        let invertible = determinant.is_normal() && inverse.iter().all(|x| x.is_finite());
-        if !columns.iter().all(|&x| in_range(x)) || !invertible {
-            let message = format!("the transform {columns:?} (columns) cannot be inverted in single precision");
-            return Err(Error::new(ErrorKind::InvalidScene, message));
-        }
-        let bounds = scene.bounds().transformed(&rounded);
-        let within = |x: f64| in_range(x as f32);
-        if !bounds.is_empty() && !bounds.corners().iter().all(|p| p.to_array().into_iter().all(within)) {
-            let message =
-                format!("the instance reaches from {} to {}, past {MAX_COORDINATE:e}", bounds.min, bounds.max);
-            return Err(Error::new(ErrorKind::InvalidScene, message));
+        let bounds = scene.bounds();
+        let columns =
+            steps.iter().map(|transform| instance_columns(&bounds, transform)).collect::<Result<Vec<[f32; 12]>>>()?;
+        for (step, pair) in columns.windows(2).enumerate() {
+            let [from, to] = [pair[0], pair[1]].map(|columns| DAffine3::from_cols_array(&columns.map(f64::from)));
+            if collapses_between(from.matrix3, to.matrix3) {
+                let message = format!(
+                    "the instance collapses between time steps {step} and {}: more steps are needed where it turns",
+                    step + 1
+                );
+                return Err(Error::new(ErrorKind::InvalidScene, message));
+            }
         }
         let instanced = scene.inner.raw;
         let fill = |geometry| {
             // SAFETY: the instanced scene is committed, of the same device, and kept alive by `data`; the format is
-            // that of twelve floats, column by column, which are read during the call.
+            // that of twelve floats, column by column, which are read during the call. There are at most
+            // `MAX_TIME_STEPS` steps.
             unsafe {
                 sys::rtcSetGeometryInstancedScene(geometry, instanced);
-                sys::rtcSetGeometryTimeStepCount(geometry, 1);
-                let data = columns.as_ptr().cast::<c_void>();
-                sys::rtcSetGeometryTransform(geometry, 0, sys::RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, data);
+                sys::rtcSetGeometryTimeStepCount(geometry, columns.len() as u32);
+                for (step, columns) in columns.iter().enumerate() {
+                    let data = columns.as_ptr().cast::<c_void>();
+                    sys::rtcSetGeometryTransform(geometry, step as u32, sys::RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, data);
+                }
             }
         };
-        let features = Features { instances: true, ..scene.features() };
+        let moves = steps.len() > 1;
+        let features = Features { instances: true, motion: moves | scene.features().motion, ..scene.features() };
         self.attach(sys::RTC_GEOMETRY_TYPE_INSTANCE, features, GeometryData::Instance(scene.clone()), fill)
     }
 
@@ -314,4 +336,62 @@ impl SceneBuilder {
     pub fn commit(self, progress: Option<&(dyn Fn(f64) -> bool + Sync)>) -> Result<Scene> {
         commit(self.inner, &self.cancel, progress)
     }
+}
+
+/// The transform of an instance as Embree takes it, column by column, checked for a scene with these bounds.
+fn instance_columns(bounds: &Bounds, transform: &DAffine3) -> Result<[f32; 12]> {
+    let columns = transform.to_cols_array().map(|x| x as f32);
+    let rounded = DAffine3::from_cols_array(&columns.map(f64::from));
+    let inverse = rounded.inverse().to_cols_array().map(|x| x as f32);
+    // Embree inverts with products of two elements over the determinant, all in single precision.
+    let determinant = rounded.matrix3.determinant() as f32;
+    let invertible = determinant.is_normal() && inverse.iter().all(|x| x.is_finite());
+    if !columns.iter().all(|&x| in_range(x)) || !invertible {
+        let message = format!("the transform {columns:?} (columns) cannot be inverted in single precision");
+        return Err(Error::new(ErrorKind::InvalidScene, message));
+    }
+    let bounds = bounds.transformed(&rounded);
+    let within = |x: f64| in_range(x as f32);
+    if !bounds.is_empty() && !bounds.corners().iter().all(|p| p.to_array().into_iter().all(within)) {
+        let message = format!("the instance reaches from {} to {}, past {MAX_COORDINATE:e}", bounds.min, bounds.max);
+        return Err(Error::new(ErrorKind::InvalidScene, message));
+    }
+    Ok(columns)
+}
+
+/// Whether the determinant of the matrix that changes linearly from one to another falls below a thousandth of both
+/// ends' smaller determinant in between, so that the object is squeezed flat or turned inside out on its way.
+fn collapses_between(from: DMat3, to: DMat3) -> bool {
+    /// Halvings of the interval, after which the smallest Bernstein coefficient stands for the smallest value.
+    const HALVINGS: u32 = 8;
+    fn reaches([a, b, c, d]: [f64; 4], least: f64, halvings: u32) -> bool {
+        if a.min(d) < least {
+            return true;
+        }
+        // The values lie between the smallest and the largest Bernstein coefficient.
+        if b.min(c) >= least {
+            return false;
+        }
+        if halvings == 0 {
+            return true;
+        }
+        let middle = |x: f64, y: f64| 0.5 * (x + y);
+        let (ab, bc, cd) = (middle(a, b), middle(b, c), middle(c, d));
+        let (abc, bcd) = (middle(ab, bc), middle(bc, cd));
+        let abcd = middle(abc, bcd);
+        reaches([a, ab, abc, abcd], least, halvings - 1) || reaches([abcd, bcd, cd, d], least, halvings - 1)
+    }
+    let start = from.determinant();
+    // The determinant is a cubic polynomial of time. Its Bernstein coefficients are means of the determinants of the
+    // matrices that have some columns of one end and the others of the other end.
+    let ends = [from.to_cols_array_2d().map(DVec3::from), to.to_cols_array_2d().map(DVec3::from)];
+    let mixed =
+        |x: usize, y: usize, z: usize| DMat3::from_cols(ends[x][0], ends[y][1], ends[z][2]).determinant() / start;
+    let coefficients = [
+        1.0,
+        (mixed(1, 0, 0) + mixed(0, 1, 0) + mixed(0, 0, 1)) / 3.0,
+        (mixed(0, 1, 1) + mixed(1, 0, 1) + mixed(1, 1, 0)) / 3.0,
+        mixed(1, 1, 1),
+    ];
+    reaches(coefficients, 1e-3 * coefficients[3].min(1.0), HALVINGS)
 }

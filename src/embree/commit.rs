@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use super::device::{DetachedBuild, lock};
-use super::scene::{GeometryData, Scene, SceneInner};
+use super::scene::{Features, GeometryData, Scene, SceneInner};
 use super::sys;
 use super::user::panic_text;
 use super::width::PacketWidth;
@@ -113,7 +113,10 @@ fn build(mut inner: SceneInner, monitor: &Arc<BuildMonitor>) -> Result<Scene> {
     monitor.advance(1.0);
     inner.bvh_bytes = bvh_bytes;
     inner.mask = inner.features.mask();
-    if !inner.features.user && !inner.features.spheres {
+    // In packets Embree inverts the transforms of moving instances by other operations than for single rays, so that
+    // answers would differ in their last bits.
+    let Features { spheres, user, instances, motion, .. } = inner.features;
+    if !(user || spheres || instances && motion) {
         inner.width = PacketWidth::of(device.raw);
     }
     inner.data.shrink_to_fit();

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
+use super::sys;
 use crate::buffer::Buffer;
+use crate::math::DVec3;
 use crate::{Cancel, Error, ErrorKind, Result};
 
 /// Coordinates must be smaller than this in absolute value: Embree silently drops larger ones.
@@ -10,6 +12,26 @@ pub const MAX_COORDINATE: f32 = 1.844e18;
 
 /// Items between two checks of a [`Cancel`], which take some ten microseconds.
 const ITEMS_PER_CHECK: usize = 1 << 14;
+
+/// The largest number of moments at which moving geometry can be given.
+pub const MAX_TIME_STEPS: usize = sys::RTC_MAX_TIME_STEP_COUNT as usize;
+
+/// Checks a number of moments at which geometry is given.
+pub(super) fn check_time_steps(count: usize) -> Result<()> {
+    if (1..=MAX_TIME_STEPS).contains(&count) {
+        return Ok(());
+    }
+    Err(Error::new(ErrorKind::InvalidScene, format!("{count} time steps: needs 1 to {MAX_TIME_STEPS}")))
+}
+
+/// The two moments that enclose a time in [0, 1], of `count` >= 2 evenly spaced moments, and the weight of the second. It
+/// is what Embree computes, to the last bit.
+pub(crate) fn time_segment(count: usize, time: f32) -> (usize, f32) {
+    let segments = (count - 1) as f32;
+    let scaled = time * segments;
+    let first = scaled.floor().clamp(0.0, segments - 1.0);
+    (first as usize, scaled - first)
+}
 
 /// Whether Embree accepts the coordinate. False for NaN.
 pub(super) fn in_range(x: f32) -> bool {
@@ -140,6 +162,8 @@ impl VertexBuffer {
 pub struct TriangleMesh {
     vertices: Arc<VertexBuffer>,
     indices: Buffer<[u32; 3]>,
+    /// The vertices at the later time steps, where the mesh deforms.
+    later: Option<Arc<[Arc<VertexBuffer>]>>,
 }
 
 impl TriangleMesh {
@@ -177,7 +201,47 @@ impl TriangleMesh {
                 format!("triangle {index} is {triangle:?}: there are only {count} vertices"),
             ));
         }
-        Ok(Self { vertices, indices })
+        Ok(Self { vertices, indices, later: None })
+    }
+
+    /// A mesh that deforms during the shutter interval. `steps` are its vertices at moments evenly spaced from time 0 to
+    /// time 1, between which every vertex moves along a straight line at constant speed. One step is a mesh at rest.
+    ///
+    /// # Errors
+    /// As for [`TriangleMesh::shared`]; [`ErrorKind::InvalidScene`] for no step or more than [`MAX_TIME_STEPS`], and for
+    /// steps with different numbers of vertices.
+    pub fn deforming(steps: &[Arc<VertexBuffer>], indices: impl Into<Buffer<[u32; 3]>>) -> Result<Self> {
+        check_time_steps(steps.len())?;
+        let count = steps[0].len();
+        if let Some(step) = steps.iter().position(|step| step.len() != count) {
+            let message = format!("time step {step} has {} vertices, but the first has {count}", steps[step].len());
+            return Err(Error::new(ErrorKind::InvalidScene, message));
+        }
+        let mesh = Self::shared(Arc::clone(&steps[0]), indices)?;
+        Ok(Self { later: (steps.len() > 1).then(|| steps[1..].into()), ..mesh })
+    }
+
+    /// Number of moments at which the vertices are given; 1 for a mesh at rest.
+    pub fn time_steps(&self) -> usize {
+        1 + self.later.as_ref().map_or(0, |later| later.len())
+    }
+
+    /// Whether the vertices move.
+    #[inline]
+    pub fn is_deforming(&self) -> bool {
+        self.later.is_some()
+    }
+
+    /// The vertices at one of the moments, of which the first is number 0.
+    ///
+    /// # Panics
+    /// If there is no such moment.
+    #[inline]
+    pub fn vertices_at_step(&self, step: usize) -> &Arc<VertexBuffer> {
+        match (step, &self.later) {
+            (0, _) => &self.vertices,
+            (step, later) => &later.as_ref().expect("a mesh at rest has one time step")[step - 1],
+        }
     }
 
     /// The shared vertices.
@@ -202,9 +266,31 @@ impl TriangleMesh {
         self.indices.get(triangle).map(|corner| self.vertices.get(corner as usize))
     }
 
-    /// Bytes of both buffers, without the host's memory.
+    /// The vertices of a triangle at a time in [0, 1], in double precision.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such triangle.
+    #[inline(always)]
+    pub(crate) fn corners_at(&self, triangle: usize, time: f32) -> [DVec3; 3] {
+        let exact = |corners: [[f32; 3]; 3]| corners.map(|corner| DVec3::from(corner.map(f64::from)));
+        if self.later.is_some() { self.moving_corners(triangle, time) } else { exact(self.corners(triangle)) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn moving_corners(&self, triangle: usize, time: f32) -> [DVec3; 3] {
+        let (step, weight) = time_segment(self.time_steps(), time);
+        self.indices.get(triangle).map(|corner| {
+            let at = |step| DVec3::from(self.vertices_at_step(step).get(corner as usize).map(f64::from));
+            at(step).lerp(at(step + 1), f64::from(weight))
+        })
+    }
+
+    /// Bytes of all buffers, without the host's memory.
     pub fn memory_bytes(&self) -> usize {
-        self.vertices.buffer.memory_bytes() + self.indices.memory_bytes()
+        let vertices = |step| self.vertices_at_step(step).buffer.memory_bytes();
+        (0..self.time_steps()).map(vertices).sum::<usize>() + self.indices.memory_bytes()
     }
 }
 

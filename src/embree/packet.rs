@@ -36,7 +36,7 @@ macro_rules! packets {
             /// The rays in Embree's form, each up to its `tfar`; lanes without a ray, or with one that is not
             /// traceable, are not valid.
             #[inline(always)]
-            fn fill(rays: &[Ray], tfar: &impl Fn(usize) -> f32, packet: &mut sys::$Ray) -> Valid {
+            fn fill(scene: &Scene, rays: &[Ray], tfar: &impl Fn(usize) -> f32, packet: &mut sys::$Ray) -> Valid {
                 packet.mask = [u32::MAX; LANES];
                 // Lanes without a ray end before they begin.
                 packet.tfar = [-1.0; LANES];
@@ -57,6 +57,11 @@ macro_rules! packets {
                     packet.dir_z[lanes.clone()].copy_from_slice(&dz);
                     for (lane, end) in packet.tfar[lanes].iter_mut().enumerate().take(four.len()) {
                         *end = tfar(4 * number + lane);
+                    }
+                }
+                if scene.inner.features.motion {
+                    for (time, ray) in packet.time.iter_mut().zip(rays) {
+                        *time = scene.time_of(ray);
                     }
                 }
                 // `ray::is_traceable`, all lanes side by side.
@@ -83,7 +88,7 @@ macro_rules! packets {
             ) {
                 // SAFETY: plain floats and integers, for which all-zero bytes are a value.
                 let mut found: sys::$RayHit = unsafe { std::mem::zeroed() };
-                let valid = fill(rays, tfar, &mut found.ray);
+                let valid = fill(scene, rays, tfar, &mut found.ray);
                 found.hit.geomID = [INVALID; LANES];
                 found.hit.instID[0] = [INVALID; LANES];
                 let mut arguments = scene.intersect_arguments(sys::RTC_RAY_QUERY_FLAG_INCOHERENT);
@@ -113,7 +118,7 @@ macro_rules! packets {
             pub(super) fn occluded(scene: &Scene, rays: &[Ray], blocked: &mut impl FnMut(usize)) {
                 // SAFETY: as in `intersect`.
                 let mut segments: sys::$Ray = unsafe { std::mem::zeroed() };
-                let valid = fill(rays, &|lane| rays[lane].tfar, &mut segments);
+                let valid = fill(scene, rays, &|lane| rays[lane].tfar, &mut segments);
                 let mut arguments = scene.occluded_arguments();
                 // SAFETY: as in `intersect`.
                 unsafe {

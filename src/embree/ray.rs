@@ -44,20 +44,20 @@ pub(super) fn is_traceable(ray: &Ray) -> bool {
     (not_finite == 0.0) & has_direction & (ray.tnear >= 0.0) & (ray.tnear <= ray.tfar)
 }
 
-/// The ray in Embree's form.
+/// The ray in Embree's form, at this time of the shutter interval.
 ///
 /// Embree loads it as three vectors of 16 bytes. Where the fields were stored one by one just before, the processor
 /// cannot forward them to such a load and waits until they reach the cache. They are therefore stored as vectors too.
 #[cfg(target_arch = "x86_64")]
 #[inline]
-pub(super) fn to_embree(ray: &Ray) -> sys::RTCRay {
+pub(super) fn to_embree(ray: &Ray, time: f32) -> sys::RTCRay {
     use std::arch::x86_64::{__m128, _mm_set_ps};
     let (o, d) = (ray.origin, ray.direction);
     // SAFETY: SSE is part of every x86-64 processor.
     let vectors: [__m128; 3] = unsafe {
         [
             _mm_set_ps(ray.tnear, o.z, o.y, o.x),
-            _mm_set_ps(0.0, d.z, d.y, d.x),
+            _mm_set_ps(time, d.z, d.y, d.x),
             _mm_set_ps(0.0, 0.0, f32::from_bits(u32::MAX), ray.tfar),
         ]
     };
@@ -66,10 +66,10 @@ pub(super) fn to_embree(ray: &Ray) -> sys::RTCRay {
     unsafe { std::mem::transmute::<[__m128; 3], sys::RTCRay>(vectors) }
 }
 
-/// The ray in Embree's form.
+/// The ray in Embree's form, at this time of the shutter interval.
 #[cfg(not(target_arch = "x86_64"))]
 #[inline]
-pub(super) fn to_embree(ray: &Ray) -> sys::RTCRay {
+pub(super) fn to_embree(ray: &Ray, time: f32) -> sys::RTCRay {
     sys::RTCRay {
         org_x: ray.origin.x,
         org_y: ray.origin.y,
@@ -78,7 +78,7 @@ pub(super) fn to_embree(ray: &Ray) -> sys::RTCRay {
         dir_x: ray.direction.x,
         dir_y: ray.direction.y,
         dir_z: ray.direction.z,
-        time: 0.0,
+        time,
         tfar: ray.tfar,
         mask: u32::MAX,
         id: 0,
@@ -119,10 +119,10 @@ mod tests {
 
     #[test]
     fn a_ray_arrives_field_by_field() {
-        let ray = Ray { origin: Vec3::new(1.0, 2.0, 3.0), direction: Vec3::new(4.0, 5.0, 6.0), tnear: 7.0, tfar: 8.0 };
-        let r = to_embree(&ray);
+        let ray = Ray { tnear: 7.0, ..Ray::segment(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 5.0, 6.0), 8.0) };
+        let r = to_embree(&ray, 9.0);
         assert_eq!((r.org_x, r.org_y, r.org_z, r.tnear), (1.0, 2.0, 3.0, 7.0));
-        assert_eq!((r.dir_x, r.dir_y, r.dir_z, r.time), (4.0, 5.0, 6.0, 0.0));
+        assert_eq!((r.dir_x, r.dir_y, r.dir_z, r.time), (4.0, 5.0, 6.0, 9.0));
         assert_eq!((r.tfar, r.mask, r.id, r.flags), (8.0, u32::MAX, 0, 0));
     }
 

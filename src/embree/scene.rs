@@ -8,7 +8,7 @@ use super::ray::{Hit, from_embree, is_traceable, no_hit, to_embree};
 use super::user::ErasedUserData;
 use super::width::PacketWidth;
 use super::{Device, sys};
-use crate::math::{Bounds, DVec3, Ray};
+use crate::math::{Bounds, DVec3, Ray, shutter_time};
 use crate::{Error, ErrorKind, Result};
 
 /// The kinds of geometry in a scene, including those inside its instances.
@@ -22,6 +22,8 @@ pub struct Features {
     pub user: bool,
     /// Instances of other scenes.
     pub instances: bool,
+    /// Geometry that moves during the shutter interval, so that a ray's time counts.
+    pub motion: bool,
 }
 
 impl Features {
@@ -31,6 +33,7 @@ impl Features {
             spheres: self.spheres | other.spheres,
             user: self.user | other.user,
             instances: self.instances | other.instances,
+            motion: self.motion | other.motion,
         }
     }
 
@@ -40,6 +43,7 @@ impl Features {
             | flag(self.spheres, sys::RTC_FEATURE_FLAG_SPHERE_POINT)
             | flag(self.user, sys::RTC_FEATURE_FLAG_USER_GEOMETRY_CALLBACK_IN_GEOMETRY)
             | flag(self.instances, sys::RTC_FEATURE_FLAG_INSTANCE)
+            | flag(self.motion, sys::RTC_FEATURE_FLAG_MOTION_BLUR)
     }
 }
 
@@ -139,10 +143,10 @@ impl Scene {
         }
         let t = t / LONGER;
         let longer = Ray {
-            origin: ray.origin,
             direction: ray.direction * LONGER,
             tnear: t * (1.0 - 8.0 * f32::EPSILON),
             tfar: t * (1.0 + 8.0 * f32::EPSILON),
+            ..*ray
         };
         if !is_traceable(&longer) {
             return None;
@@ -154,12 +158,18 @@ impl Scene {
     /// Embree's result for a ray that is traceable.
     #[inline(always)]
     fn query(&self, ray: &Ray) -> Option<Hit> {
-        let mut found = sys::RTCRayHit { ray: to_embree(ray), hit: no_hit() };
+        let mut found = sys::RTCRayHit { ray: to_embree(ray, self.time_of(ray)), hit: no_hit() };
         let mut arguments = self.intersect_arguments(sys::RTC_RAY_QUERY_FLAG_INCOHERENT);
         // SAFETY: the scene is committed (a `Scene` is made by `SceneBuilder::commit` alone); both structures are
         // local, of the layout the build script checked, and aligned by their types.
         unsafe { sys::rtcIntersect1(self.inner.raw, &raw mut found, &raw mut arguments) };
         from_embree(&found)
+    }
+
+    /// The time that Embree reads with the ray: 0 where nothing moves.
+    #[inline(always)]
+    pub(super) fn time_of(&self, ray: &Ray) -> f32 {
+        if self.inner.features.motion { shutter_time(ray.time) } else { 0.0 }
     }
 
     // Made for each query and not kept in the scene: it is five words, and Embree takes it by a pointer it may write
@@ -192,7 +202,7 @@ impl Scene {
         if !is_traceable(ray) {
             return false;
         }
-        let mut segment = to_embree(ray);
+        let mut segment = to_embree(ray, self.time_of(ray));
         let mut arguments = self.occluded_arguments();
         // SAFETY: as in `query`.
         unsafe { sys::rtcOccluded1(self.inner.raw, &raw mut segment, &raw mut arguments) };
@@ -300,7 +310,7 @@ mod tests {
 
         let ray = Ray::new(Vec3::new(0.25, 0.5, 0.0), Vec3::Z);
         for scene in [&child, &parent] {
-            let inside = sys::RTCRayHit { ray: to_embree(&ray), hit: no_hit() };
+            let inside = sys::RTCRayHit { ray: to_embree(&ray, 0.0), hit: no_hit() };
             let mut query = Guarded { before: [CANARY; 8], inside, after: [CANARY; 32] };
             let arguments = scene.intersect_arguments(sys::RTC_RAY_QUERY_FLAG_INCOHERENT);
             let mut arguments = Guarded { before: [CANARY; 8], inside: arguments, after: [CANARY; 32] };
@@ -312,7 +322,7 @@ mod tests {
             assert_eq!(Some(hit), scene.intersect(&ray));
             assert_eq!((hit.t, hit.u, hit.v, hit.prim), (1.0, 0.25, 0.5, 0));
 
-            let mut segment = Guarded { before: [CANARY; 8], inside: to_embree(&ray), after: [CANARY; 32] };
+            let mut segment = Guarded { before: [CANARY; 8], inside: to_embree(&ray, 0.0), after: [CANARY; 32] };
             // SAFETY: as in `occluded`.
             unsafe { sys::rtcOccluded1(scene.inner.raw, &raw mut segment.inside, std::ptr::null_mut()) };
             assert_eq!((segment.before, segment.after), ([CANARY; 8], [CANARY; 32]));

@@ -5,7 +5,7 @@ use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, OnceLock};
 
-use super::mesh::in_range;
+use super::mesh::{check_time_steps, in_range};
 use super::{ray, sys};
 use crate::math::{Ray, Vec3};
 use crate::{Cancel, Error, ErrorKind, Result};
@@ -41,8 +41,22 @@ pub trait UserGeometry: Send + Sync + 'static {
     /// primitive: parts outside of it are not found.
     fn bounds(&self, index: usize) -> ([f32; 3], [f32; 3]);
 
+    /// Number of moments, evenly spaced from time 0 to time 1, at which the primitives have boxes: 1 where nothing moves,
+    /// at most 129; called once.
+    fn time_steps(&self) -> usize {
+        1
+    }
+
+    /// A bounding box as [`UserGeometry::bounds`] gives it, at the moment `step` of [`UserGeometry::time_steps`]; called
+    /// once each. Between two moments the primitive must lie within the box that is interpolated linearly, component by
+    /// component, between the boxes of both.
+    fn bounds_at(&self, index: usize, _step: usize) -> ([f32; 3], [f32; 3]) {
+        self.bounds(index)
+    }
+
     /// The first intersection of `ray` with primitive `index` within `[tnear, tfar]`. In an instance, `ray` is in the
-    /// instance's frame and its direction is not of unit length, so that `t` is the same in both frames.
+    /// instance's frame and its direction is not of unit length, so that `t` is the same in both frames. Where anything in
+    /// the scene moves, the ray has its time; elsewhere its time is 0.
     fn intersect(&self, index: usize, ray: &Ray) -> Option<UserHit>;
 
     /// Whether `ray` intersects primitive `index` at all within `[tnear, tfar]`.
@@ -54,8 +68,10 @@ pub trait UserGeometry: Send + Sync + 'static {
 /// The data to which Embree's pointer for a user geometry points. All threads share it.
 pub(super) struct UserGeometryData<G> {
     geometry: Arc<G>,
-    /// Boxes that were computed once and checked: a hierarchy's input must not change during the build.
+    /// Boxes that were computed once and checked: a hierarchy's input must not change during the build. Those of one
+    /// primitive at all times stand together.
     bounds: Vec<sys::RTCBounds>,
+    time_steps: usize,
     /// The message of the first panic.
     panic: OnceLock<String>,
 }
@@ -64,6 +80,7 @@ pub(super) struct UserGeometryData<G> {
 pub(super) trait ErasedUserData: Send + Sync {
     fn panic_message(&self) -> Option<&str>;
     fn len(&self) -> usize;
+    fn time_steps(&self) -> usize;
     fn memory_bytes(&self) -> usize;
 }
 
@@ -73,7 +90,11 @@ impl<G: UserGeometry> ErasedUserData for UserGeometryData<G> {
     }
 
     fn len(&self) -> usize {
-        self.bounds.len()
+        self.bounds.len() / self.time_steps
+    }
+
+    fn time_steps(&self) -> usize {
+        self.time_steps
     }
 
     fn memory_bytes(&self) -> usize {
@@ -91,15 +112,19 @@ impl<G: UserGeometry> UserGeometryData<G> {
             let message = format!("user geometry with {count} primitives: needs 1 to 2^32 - 1");
             return Err(Error::new(ErrorKind::InvalidScene, message));
         }
+        let time_steps = geometry.time_steps();
+        check_time_steps(time_steps)?;
+        let total = count.saturating_mul(time_steps);
         let mut bounds = Vec::new();
         bounds
-            .try_reserve_exact(count)
-            .map_err(|error| Error::new(ErrorKind::OutOfMemory, format!("no room for {count} boxes")).because(error))?;
-        for index in 0..count {
-            if index % 4096 == 0 {
+            .try_reserve_exact(total)
+            .map_err(|error| Error::new(ErrorKind::OutOfMemory, format!("no room for {total} boxes")).because(error))?;
+        for number in 0..total {
+            if number % 4096 == 0 {
                 cancel.check()?;
             }
-            let (lower, upper) = geometry.bounds(index);
+            let (index, step) = (number / time_steps, number % time_steps);
+            let (lower, upper) = if time_steps == 1 { geometry.bounds(index) } else { geometry.bounds_at(index, step) };
             if !(0..3).all(|i| in_range(lower[i]) && in_range(upper[i]) && lower[i] <= upper[i]) {
                 let message =
                     format!("primitive {index} has the box {lower:?} to {upper:?}: needs finite, ordered corners");
@@ -116,7 +141,7 @@ impl<G: UserGeometry> UserGeometryData<G> {
                 align1: 0.0,
             });
         }
-        Ok(Self { geometry, bounds, panic: OnceLock::new() })
+        Ok(Self { geometry, bounds, time_steps, panic: OnceLock::new() })
     }
 
     /// Runs a test of the geometry; a panic ends here and counts as `missed`.
@@ -149,7 +174,7 @@ pub(super) unsafe extern "C" fn on_bounds<G: UserGeometry>(args: *const sys::RTC
     unsafe {
         let args = &*args;
         let data = &*args.geometryUserPtr.cast_const().cast::<UserGeometryData<G>>();
-        if let Some(bounds) = data.bounds.get(args.primID as usize) {
+        if let Some(bounds) = data.bounds.get(args.primID as usize * data.time_steps + args.timeStep as usize) {
             args.bounds_o.write(*bounds);
         }
     }
@@ -159,6 +184,7 @@ pub(super) unsafe extern "C" fn on_bounds<G: UserGeometry>(args: *const sys::RTC
 mod field {
     pub const TNEAR: usize = 3;
     pub const DIRECTION: usize = 4;
+    pub const TIME: usize = 7;
     pub const TFAR: usize = 8;
     pub const NG: usize = 12;
     pub const U: usize = 15;
@@ -174,6 +200,7 @@ const _: () = {
     assert!(offset_of!(sys::RTCRay, org_x) == 0);
     assert!(offset_of!(sys::RTCRay, tnear) == 4 * field::TNEAR);
     assert!(offset_of!(sys::RTCRay, dir_x) == 4 * field::DIRECTION);
+    assert!(offset_of!(sys::RTCRay, time) == 4 * field::TIME);
     assert!(offset_of!(sys::RTCRay, tfar) == 4 * field::TFAR);
     let hit = offset_of!(sys::RTCRayHit, hit);
     assert!(hit + offset_of!(sys::RTCHit, Ng_x) == 4 * field::NG);
@@ -198,6 +225,7 @@ unsafe fn read_ray(packet: *const f32) -> Ray {
             direction: Vec3::new(at(field::DIRECTION), at(field::DIRECTION + 1), at(field::DIRECTION + 2)),
             tnear: at(field::TNEAR),
             tfar: at(field::TFAR),
+            time: at(field::TIME),
         }
     }
 }

@@ -68,7 +68,7 @@ impl EnvironmentEmitter {
     #[inline]
     pub(super) fn sample_departure(&self, u: [f32; 2]) -> Departure {
         let outwards = warps::uniform_sphere(u);
-        Departure { point: HitPoint { p: self.centre + outwards * self.radius, error: 0.0 }, normal: Some(-outwards) }
+        Departure { point: HitPoint::new(self.centre + outwards * self.radius, 0.0), normal: Some(-outwards) }
     }
 }
 

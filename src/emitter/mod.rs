@@ -86,7 +86,7 @@ impl Emitter {
     #[inline]
     pub fn sample_departure(&self, u: [f32; 2]) -> Departure {
         match self {
-            Self::Point { position, .. } => Departure { point: HitPoint { p: *position, error: 0.0 }, normal: None },
+            Self::Point { position, .. } => Departure { point: HitPoint::new(*position, 0.0), normal: None },
             Self::Triangle(emitter) => emitter.sample_departure(u),
             Self::Sphere(emitter) => emitter.sample_departure(u),
             Self::Environment(emitter) => emitter.sample_departure(u),

@@ -59,8 +59,8 @@ impl SphereEmitter {
         let (point, normal) = self.sphere.project(p.as_dvec3() + (along - half_chord) * direction);
         let point = point.as_vec3a();
         let normal = normal.as_vec3a();
-        let mut target = HitPoint { p: point, error: HitPoint::rounding_error(point, normal) }
-            .seen_from((along - half_chord) as f32);
+        let mut target =
+            HitPoint::new(point, HitPoint::rounding_error(point, normal)).seen_from((along - half_chord) as f32);
         // A shadow ray must not end behind `p`.
         target.error = target.error.min((0.5 * (distance - self.sphere.radius)) as f32);
         let target = target.offset(normal);
@@ -74,7 +74,7 @@ impl SphereEmitter {
         let normal = warps::uniform_sphere(u).as_dvec3();
         let (p, normal) = self.sphere.project(self.sphere.centre + normal * self.sphere.radius);
         let (p, normal) = (p.as_vec3a(), normal.as_vec3a());
-        Departure { point: HitPoint { p, error: HitPoint::rounding_error(p, normal) }, normal: Some(normal) }
+        Departure { point: HitPoint::new(p, HitPoint::rounding_error(p, normal)), normal: Some(normal) }
     }
 
     /// Density per solid angle at `p`, the same for all directions that meet the sphere.

@@ -73,7 +73,7 @@ impl TriangleEmitter {
                 (to_light / distance, triangle.at(b1, b2), pdf_by_area(distance, height))
             }
         };
-        let mut target = HitPoint { p: point, error: self.error }.seen_from(point.distance(p));
+        let mut target = HitPoint::new(point, self.error).seen_from(point.distance(p));
         // A shadow ray must not end behind `p`, as it might where the light is closer than its bound.
         target.error = target.error.min((0.25 * height / f64::from(triangle.area)) as f32);
         let target = target.offset(triangle.normal);
@@ -84,7 +84,7 @@ impl TriangleEmitter {
     #[inline]
     pub(super) fn sample_departure(&self, u: [f32; 2]) -> Departure {
         let [_, b1, b2] = warps::uniform_triangle(u);
-        let point = HitPoint { p: self.triangle.at(b1, b2), error: self.error };
+        let point = HitPoint::new(self.triangle.at(b1, b2), self.error);
         Departure { point, normal: Some(self.triangle.normal) }
     }
 

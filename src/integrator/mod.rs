@@ -19,7 +19,7 @@ mod whitted;
 pub use direct::Direct;
 pub use irradiance::{Irradiance, Piece, Sites};
 pub use path::Path;
-pub use support::check_lobes;
+pub use support::{check_still, check_support};
 pub use tracer::{Context, FirstHit, SceneTracer, Tracer};
 pub use wave::{Sample, Wave};
 pub use whitted::Whitted;

@@ -1,15 +1,19 @@
-//! Which scenes an integrator supports, by the lobes of their surfaces.
+//! Which scenes an integrator supports, by the lobes of their surfaces and by their motion.
 
 use crate::bsdf::Lobes;
 use crate::desc::{IntegratorDesc, LobeSupport, LobeUse};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
-/// Refuses a scene with a surface whose lobes the integrator does not support, according to the table of integrators.
+/// Refuses a scene that moves or has a surface with lobes that the integrator does not support, according to the table of
+/// integrators.
 ///
 /// # Errors
 /// [`ErrorKind::Unsupported`], whose message names the surface and the integrator.
-pub fn check_lobes(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
+pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
+    if !integrator.info().shows_motion() {
+        check_still(scene, integrator.name())?;
+    }
     let Some(support) = integrator.info().lobes else { return Ok(()) };
     let Some((lobes, kind)) = refused(scene.lobes(), support) else { return Ok(()) };
     let surface = scene.surface_with(lobes).map_or_else(String::new, |surface| format!("surfaces[{surface}]: "));
@@ -17,6 +21,19 @@ pub fn check_lobes(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
         "{surface}{} takes no {kind} surfaces; expected an integrator that does, such as path",
         integrator.name()
     );
+    Err(Error::new(ErrorKind::Unsupported, message))
+}
+
+/// Refuses a scene that moves, for a method that sees the scene at one moment only.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`], whose message names the method.
+pub fn check_still(scene: &Scene, method: &str) -> Result<()> {
+    if !scene.has_motion() {
+        return Ok(());
+    }
+    let message =
+        format!("{method} shows no motion; expected an integrator that does, such as path, or a scene at rest");
     Err(Error::new(ErrorKind::Unsupported, message))
 }
 

@@ -241,9 +241,8 @@ impl<C: Spectrum> Vertex<C> {
         } else {
             power_heuristic(light_samples as f32 * light.pdf, bsdf_pdf)
         };
-        let origin = point.offset(self.side(light.wi));
         // The target is offset from the light, by more the farther away it is, so that the light does not occlude itself.
-        let shadow = Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: 1.0 };
+        let shadow = point.leave_to(self.side(light.wi), light.target);
         Some((
             shadow,
             f * C::from_emission(light.radiance, &self.wavelengths)
@@ -306,7 +305,7 @@ impl<C: Spectrum> Vertex<C> {
 
     #[inline]
     fn leave(&self, wi: Vec3) -> Ray {
-        Ray::new(self.surface.point.offset(self.side(wi)), wi)
+        self.surface.point.leave(self.side(wi), wi)
     }
 
     /// The geometric normal on the side into which `wi` leaves.

@@ -5,6 +5,7 @@ mod ray;
 
 pub use frame::Frame;
 pub use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot, Vec2, Vec3A as Vec3, Vec4};
+pub(crate) use ray::shutter_time;
 pub use ray::{HitPoint, ROUNDING, Ray};
 
 /// An axis-aligned box in double precision; `min > max` in any axis means empty.

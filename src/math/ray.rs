@@ -2,7 +2,8 @@
 
 use super::Vec3;
 
-/// A ray segment: `origin + t * direction` for t in `[tnear, tfar]`. The direction need not be of unit length.
+/// A ray segment: `origin + t * direction` for t in `[tnear, tfar]`, at one moment of the shutter interval. The direction
+/// need not be of unit length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Where t is 0.
@@ -13,13 +14,35 @@ pub struct Ray {
     pub tnear: f32,
     /// End of the segment, may be infinite.
     pub tfar: f32,
+    /// The moment at which the ray sees the scene: 0 is the opening of the shutter and 1 its closing. Only scenes with
+    /// motion read it. There a time outside of [0, 1] counts as the nearer end, and NaN counts as 0.
+    pub time: f32,
+}
+
+/// Returns the moment that a scene with motion shows to a ray of this time ([`Ray::time`]).
+#[inline]
+pub(crate) fn shutter_time(time: f32) -> f32 {
+    if time > 0.0 { time.min(1.0) } else { 0.0 }
 }
 
 impl Ray {
-    /// A ray without an end.
+    /// A ray without an end, at time 0.
     #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
-        Self { origin, direction, tnear: 0.0, tfar: f32::INFINITY }
+        Self::segment(origin, direction, f32::INFINITY)
+    }
+
+    /// The segment from the origin to `tfar`, at time 0.
+    #[inline]
+    pub fn segment(origin: Vec3, direction: Vec3, tfar: f32) -> Self {
+        Self { origin, direction, tnear: 0.0, tfar, time: 0.0 }
+    }
+
+    /// The same ray at another time.
+    #[inline]
+    #[must_use]
+    pub fn at_time(self, time: f32) -> Self {
+        Self { time, ..self }
     }
 
     /// The point at parameter `t`.
@@ -58,9 +81,17 @@ pub struct HitPoint {
     pub p: Vec3,
     /// Bound on the distance, along the normal, within which a ray may hit the same primitive again.
     pub error: f32,
+    /// The moment at which the surface is at this point, which rays that leave the point take over: [`Ray::time`].
+    pub time: f32,
 }
 
 impl HitPoint {
+    /// A point on a surface at time 0.
+    #[inline]
+    pub fn new(p: Vec3, error: f32) -> Self {
+        Self { p, error, time: 0.0 }
+    }
+
     /// Bound on the error of a point that was computed in double precision and rounded once, along the unit normal `n`.
     /// The bound is twice that error, since an offset added to the point is rounded too.
     #[inline]
@@ -77,6 +108,19 @@ impl HitPoint {
     #[must_use]
     pub fn seen_from(self, distance: f32) -> Self {
         Self { error: self.error + DISTANCE_ERROR * distance, ..self }
+    }
+
+    /// A ray without an end that leaves into `direction` towards the side `n` (unit normal), at the point's time.
+    #[inline]
+    pub fn leave(&self, n: Vec3, direction: Vec3) -> Ray {
+        Ray::new(self.offset(n), direction).at_time(self.time)
+    }
+
+    /// The segment from the surface on the side `n` (unit normal) to `target`, at the point's time.
+    #[inline]
+    pub fn leave_to(&self, n: Vec3, target: Vec3) -> Ray {
+        let origin = self.offset(n);
+        Ray::segment(origin, target - origin, 1.0).at_time(self.time)
     }
 
     /// Origin of a ray that leaves towards the side `n` (unit normal, flipped towards the ray).

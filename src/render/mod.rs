@@ -35,7 +35,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, TILE};
 use crate::integrator::photon::{Choice, Plan, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
-use crate::integrator::{Irradiance, Path, Sites, check_lobes};
+use crate::integrator::{Irradiance, Path, Sites, check_still, check_support};
 use crate::sampling::Filter;
 use crate::scene::Scene;
 use adaptive::{MIN_PIXELS, PILOT, Stage};
@@ -145,8 +145,9 @@ impl Render {
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
         let choice = (desc.integrator.info().preparation == Preparation::Choice).then(|| choose(scene));
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
-        if method.is_none() {
-            check_lobes(scene, integrator)?;
+        match method {
+            None => check_support(scene, integrator)?,
+            Some(_) => check_still(scene, "irradiance of given points")?,
         }
         let method = method.unwrap_or_else(|| Method::new(integrator));
         let filter = Filter::new(&filter_desc);

@@ -192,6 +192,13 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
             let [x, y] = job.pixel;
             sample.ray = pass.input.camera.ray(x as f32 + 0.5 + job.offset[0], y as f32 + 0.5 + job.offset[1]);
         }
+        if pass.input.scene.has_motion() {
+            // Each sample sees the scene at a moment of its own, spread over the shutter interval.
+            for sample in samples.iter_mut() {
+                let [time, _] = sample.sampler.next_2d();
+                sample.ray.time = time;
+            }
+        }
         if I::IN_WAVES {
             self.0.li_of_many(&pass.input.scene, samples, wave, tracer);
         } else {

@@ -9,7 +9,7 @@ use super::bindings::UnboundGeometry;
 use super::cache::MAX_CACHED_TRIANGLES;
 use super::cost;
 use super::geometry::{Geometry, Part};
-use super::instance_transform::InstanceTransform;
+use super::instance_transform::InstancePath;
 use super::interaction::Triangles;
 use super::lower::{self, Lowered, MeshUse};
 use super::mesh::{self, MeshObject};
@@ -260,7 +260,7 @@ impl Assembler<'_, '_> {
             self.geometries.push(Geometry::Instance {
                 triangles: triangles.clone(),
                 surface: mesh_use.surface as u32,
-                instance_transform: Box::new(InstanceTransform::new(to_scene)),
+                instance_path: Box::new(InstancePath::new(&[to_scene])),
             });
         }
         Ok(())

@@ -28,17 +28,17 @@ struct CachedTriangle {
 
 impl TriangleCache {
     /// Caches all of the triangles and subtracts their number from `room`. Returns `None` where there are more
-    /// triangles than `room`, where the triangles have vertex normals, or where the device's memory allowance is used
+    /// triangles than `room`, where the triangles have vertex normals or move, or where the device's memory allowance is used
     /// up.
     pub(super) fn new(triangles: &Triangles, room: &mut usize, device: &Device) -> Option<Self> {
         let count = triangles.mesh.indices().len();
-        if triangles.normals.is_some() || count > *room {
+        if triangles.normals.is_some() || triangles.mesh.time_steps() > 1 || count > *room {
             return None;
         }
         let charge = device.charge(count * size_of::<CachedTriangle>()).ok()?;
         *room -= count;
         let cache = |primitive: usize| {
-            let (ng, kernel_error) = triangles.point(primitive as u32, 0.0, 0.0).normal_and_error();
+            let (ng, kernel_error) = triangles.point(primitive as u32, 0.0, 0.0, 0.0).normal_and_error();
             CachedTriangle { corners: triangles.mesh.corners(primitive), ng: ng.to_array(), kernel_error }
         };
         Some(Self { triangles: (0..count).map(cache).collect(), _charge: charge })
@@ -51,11 +51,12 @@ impl TriangleCache {
 
     /// Builds the same interaction as [`on_triangle`](super::interaction::on_triangle), to the last bit.
     #[inline(always)]
-    pub(super) fn point_of(&self, owners: &Owners, primitive: u32, u: f32, v: f32) -> SurfaceInteraction {
+    pub(super) fn point_of(&self, owners: &Owners, primitive: u32, u: f32, v: f32, time: f32) -> SurfaceInteraction {
         let CachedTriangle { corners, ng, kernel_error } = &self.triangles[primitive as usize];
         let [v0, v1, v2] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
         let (p, ng) = (at(v0, [v1 - v0, v2 - v0], u, v).as_vec3a(), Vec3::from(*ng));
-        interaction(p, HitPoint::rounding_error(p, ng) + kernel_error, ng, None, owners.of(primitive))
+        let error = HitPoint::rounding_error(p, ng) + kernel_error;
+        interaction(HitPoint { p, error, time }, ng, None, owners.of(primitive))
     }
 }
 
@@ -88,16 +89,16 @@ mod tests {
         let cache = TriangleCache::new(&triangles, &mut 1000, &device).unwrap();
         let owners = Owners::One(Owner { surface: 1, material: 2, emitter: NO_EMITTER });
         let bits = |on: SurfaceInteraction| {
-            let SurfaceInteraction { point: HitPoint { p, error }, ng, ns, .. } = on;
+            let SurfaceInteraction { point: HitPoint { p, error, .. }, ng, ns, .. } = on;
             [p, ng, ns, Vec3::splat(error)].map(|v| v.to_array().map(f32::to_bits))
         };
         let mut compared = 0;
         for primitive in 0..1000 {
             let [u, v, _] = random().to_array().map(|x| 0.5 * x.abs());
-            let found = on_triangle(&triangles, &owners, primitive, u, v);
+            let found = on_triangle(&triangles, &owners, primitive, u, v, 0.0);
             // Triangles without area are skipped, because no scene contains them.
             if found.ng.is_finite() {
-                assert_eq!(bits(cache.point_of(&owners, primitive, u, v)), bits(found), "{primitive}");
+                assert_eq!(bits(cache.point_of(&owners, primitive, u, v, 0.0)), bits(found), "{primitive}");
                 compared += 1;
             }
         }

@@ -82,11 +82,11 @@ impl Scene {
                 let body = match geometry {
                     Geometry::Analytic { shapes, .. } => Body::Shape(shapes.0[primitive as usize].clone()),
                     Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
-                        self.triangle(&facet, triangles.corners(primitive), triangles.normals.is_some())
+                        self.triangle(&facet, triangles.corners(primitive, 0.0), triangles.normals.is_some())
                     }
-                    Geometry::Instance { triangles, instance_transform, .. } => {
-                        let place = |corner| instance_transform.to_scene.transform_point3(corner);
-                        self.triangle(&facet, triangles.corners(primitive).map(place), triangles.normals.is_some())
+                    Geometry::Instance { triangles, instance_path, .. } => {
+                        let place = |corner| instance_path.start().to_scene.transform_point3(corner);
+                        self.triangle(&facet, triangles.corners(primitive, 0.0).map(place), triangles.normals.is_some())
                     }
                 };
                 visit(self.face(body, owners.of(primitive)))?;

@@ -74,7 +74,7 @@ impl Scene {
                         let mirrored = self.record.is_mirrored(mesh.surface);
                         for primitive in range {
                             let facet = Facet::triangle(geometry_number, primitive as u32);
-                            let corners = triangles.corners(primitive as u32).map(|corner| corner + self.centre);
+                            let corners = triangles.corners(primitive as u32, 0.0).map(|corner| corner + self.centre);
                             mesh.add_loose(facet, corners, parts[primitive].half, mirrored);
                         }
                         meshes.push(mesh);
@@ -83,8 +83,8 @@ impl Scene {
                 &Geometry::Flat { ref triangles, surface, .. } => {
                     meshes.push(self.mesh(geometry_number, surface, triangles, |p| p, |n| n, progress)?);
                 }
-                Geometry::Instance { triangles, surface, instance_transform } => {
-                    let to_scene = instance_transform.to_scene;
+                Geometry::Instance { triangles, surface, instance_path } => {
+                    let to_scene = instance_path.start().to_scene;
                     let normals = to_scene.matrix3.inverse().transpose();
                     let place = |p: DVec3| to_scene.transform_point3(p);
                     let turn = |n: Vec3| (normals * n.as_dvec3()).as_vec3a();
@@ -189,7 +189,7 @@ impl Scene {
     /// by the weights of the facet's second and third corner, which are >= 0 and sum up to 1 at most.
     #[inline]
     pub fn facet_point(&self, facet: &Facet, b1: f32, b2: f32) -> SurfaceInteraction {
-        self.point_of(&facet.hit(b1, b2), |shape| facet.near(shape, b1, b2))
+        self.point_of(&facet.hit(b1, b2), 0.0, |shape| facet.near(shape, b1, b2))
     }
 }
 

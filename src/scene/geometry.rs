@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::analytic::AnalyticGeometry;
 use super::cache::{MAX_CACHED_TRIANGLES, TriangleCache};
-use super::instance_transform::InstanceTransform;
+use super::instance_transform::InstancePath;
 use super::interaction::Triangles;
 use crate::embree::Device;
 
@@ -24,8 +24,8 @@ pub(super) enum Geometry {
     Loose { triangles: Triangles, parts: Vec<Part>, cache: Option<TriangleCache> },
     /// A mesh in the scene frame.
     Flat { triangles: Triangles, surface: u32, cache: Option<TriangleCache> },
-    /// A mesh in its own frame, placed by an instance transform.
-    Instance { triangles: Triangles, surface: u32, instance_transform: Box<InstanceTransform> },
+    /// A mesh in its own frame, placed by an instance transform, which may change with time.
+    Instance { triangles: Triangles, surface: u32, instance_path: Box<InstancePath> },
     /// Analytic shapes as user geometry, with the number of the surface of each.
     Analytic { shapes: Arc<AnalyticGeometry>, surfaces: Vec<u32> },
 }

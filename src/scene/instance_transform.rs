@@ -2,11 +2,16 @@
 
 use glam::Vec3Swizzles as _;
 
-use crate::math::{DAffine3, DMat3, DVec3, ROUNDING};
+use crate::embree::time_segment;
+use crate::math::{DAffine3, DMat3, DVec3, ROUNDING, shutter_time};
 
 /// Bound on the error of a coordinate that is transformed into an instance's frame, in units of the summands that make
 /// the coordinate: half a unit in the last place of each summand.
 const PLACEMENT_ERROR: f64 = 0.5 * ROUNDING as f64;
+
+/// Bound on the error of a matrix's element that the kernel interpolates in time, in units of [`PLACEMENT_ERROR`]: of the
+/// weight, its complement, two products and a sum.
+const INTERPOLATION_ERRORS: f64 = 5.0;
 
 /// A matrix is inverted accurately in single precision only while the sum of the magnitudes of its determinant's
 /// products is less than this many times the determinant.
@@ -32,6 +37,71 @@ pub(super) struct InstanceTransform {
     rounding: DMat3,
     /// Bound on the sum of the rounding error and the error of the inverse, in the same units as `rounding`.
     inverting: DMat3,
+    /// The magnitudes between which the kernel interpolates, where the instance moves.
+    interpolated: Option<Magnitudes>,
+}
+
+/// The larger magnitudes of the elements of two transforms.
+#[derive(Clone, Copy, Debug)]
+struct Magnitudes {
+    matrix: DMat3,
+    translation: DVec3,
+}
+
+impl Magnitudes {
+    /// The larger of each element's magnitudes in the two transforms.
+    fn larger(a: &DAffine3, b: &DAffine3) -> Self {
+        let larger = |a: DVec3, b: DVec3| a.abs().max(b.abs());
+        let (m, n) = (a.matrix3, b.matrix3);
+        let matrix =
+            DMat3::from_cols(larger(m.x_axis, n.x_axis), larger(m.y_axis, n.y_axis), larger(m.z_axis, n.z_axis));
+        Self { matrix, translation: larger(a.translation, b.translation) }
+    }
+}
+
+/// The transforms of an instance during the shutter interval.
+#[derive(Debug)]
+pub(super) struct InstancePath {
+    start: InstanceTransform,
+    /// The transforms at moments evenly spaced from time 0 to time 1; empty where the instance is at rest.
+    steps: Box<[DAffine3]>,
+}
+
+impl InstancePath {
+    /// `steps` are the transforms at moments evenly spaced from time 0 to time 1, at least one.
+    pub(super) fn new(steps: &[DAffine3]) -> Self {
+        let start = InstanceTransform::new(steps[0]);
+        let steps = if steps.len() == 1 { [].into() } else { steps.iter().map(rounded).collect() };
+        Self { start, steps }
+    }
+
+    /// The transform at time 0.
+    pub(super) fn start(&self) -> &InstanceTransform {
+        &self.start
+    }
+
+    /// Calls `with` with the transform at this time ([`crate::math::Ray::time`]).
+    #[inline(always)]
+    pub(super) fn with_transform<R>(&self, time: f32, with: impl Fn(&InstanceTransform) -> R) -> R {
+        if self.steps.is_empty() { with(&self.start) } else { with(&self.at(time)) }
+    }
+
+    /// The transform at this time of a moving instance.
+    fn at(&self, time: f32) -> InstanceTransform {
+        let (step, weight) = time_segment(self.steps.len(), shutter_time(time));
+        let (from, to) = (&self.steps[step], &self.steps[step + 1]);
+        let weight = f64::from(weight);
+        let to_scene = DAffine3 {
+            matrix3: from.matrix3 * (1.0 - weight) + to.matrix3 * weight,
+            translation: from.translation.lerp(to.translation, weight),
+        };
+        InstanceTransform { interpolated: Some(Magnitudes::larger(from, to)), ..InstanceTransform::exact(to_scene) }
+    }
+}
+
+/// The transform as the kernel receives it, rounded to single precision.
+fn rounded(transform: &DAffine3) -> DAffine3 {
+    DAffine3::from_cols_array(&transform.to_cols_array().map(|x| f64::from(x as f32)))
 }
 
 /// The parts from which a matrix is inverted in single precision.
@@ -69,7 +139,10 @@ fn magnitudes(m: &DMat3) -> DMat3 {
 impl InstanceTransform {
     /// Stores the transform as the kernel receives it, rounded to single precision.
     pub(super) fn new(to_scene: DAffine3) -> Self {
-        let to_scene = DAffine3::from_cols_array(&to_scene.to_cols_array().map(|x| f64::from(x as f32)));
+        Self::exact(rounded(&to_scene))
+    }
+
+    fn exact(to_scene: DAffine3) -> Self {
         let m = to_scene.matrix3;
         let inverse = m.inverse();
         let rounding = magnitudes(&inverse) * PLACEMENT_ERROR;
@@ -79,17 +152,21 @@ impl InstanceTransform {
         let inverting =
             sums * (PLACEMENT_ERROR / determinant) + magnitudes(&inverse) * (PLACEMENT_ERROR * cancelled) + rounding;
         let stretch = magnitudes(&m);
-        Self { to_scene, normals: inverse.transpose(), stretch, rounding, inverting }
+        Self { to_scene, normals: inverse.transpose(), stretch, rounding, inverting, interpolated: None }
     }
 
     /// Bounds how far, along the normal, a triangle may appear to the kernel from its plane because of the instance's
-    /// transform. The bound is multiplied by the length of the normal after the transform. `p` is the point in the
-    /// scene frame, `ng` the normal and `e1` and `e2` are sides of the triangle in its own frame.
+    /// transform. The bound is multiplied by the length of the normal after the transform. `own` and `p` are the point in
+    /// the triangle's own frame and in the scene frame, `ng` the normal and `e1` and `e2` are sides of the triangle in its
+    /// own frame.
     #[inline]
-    pub(super) fn error(&self, p: DVec3, ng: DVec3, [e1, e2]: [DVec3; 2]) -> f64 {
+    pub(super) fn error(&self, [own, p]: [DVec3; 2], ng: DVec3, [e1, e2]: [DVec3; 2]) -> f64 {
         let translation = self.to_scene.translation;
         let around = (p - translation).abs() + self.stretch * e1.abs().max(e2.abs());
-        let moved = self.rounding * (p.abs() + translation.abs()) + self.inverting * around;
+        let mut moved = self.rounding * (p.abs() + translation.abs()) + self.inverting * around;
+        if let Some(larger) = &self.interpolated {
+            moved += self.rounding * (INTERPOLATION_ERRORS * (larger.matrix * own.abs() + larger.translation));
+        }
         ng.abs().dot(moved)
     }
 }

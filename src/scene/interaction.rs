@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use super::instance_transform::InstanceTransform;
 use crate::buffer::Buffer;
-use crate::embree::{Charge, TriangleMesh};
-use crate::math::{DVec3, HitPoint, ROUNDING, Vec3};
+use crate::embree::{Charge, TriangleMesh, time_segment};
+use crate::math::{DVec3, HitPoint, ROUNDING, Vec3, shutter_time};
 use crate::shape::{Analytic, Triangle};
 
 /// The number that stands for "no emitter".
@@ -20,6 +20,9 @@ const KERNEL_ERROR: f32 = 4.0 * ROUNDING;
 
 /// Bound on the error of the products from which the kernel computes the normal, in units of the products.
 const NORMAL_ERROR: f32 = ROUNDING;
+
+/// Bound on the error of a coordinate that the kernel interpolates in time, in units of [`HitPoint::rounding_error`].
+const INTERPOLATION_ERROR: f32 = 2.0;
 
 /// A triangle whose width is below this share of its own extent is so narrow that the kernel cannot tell its inside
 /// from its outside.
@@ -138,10 +141,24 @@ impl Triangles {
         self.mesh.memory_bytes() + self.normals.as_ref().map_or(0, Buffer::memory_bytes) + original
     }
 
-    /// The positions of a triangle's vertices.
+    /// The positions of a triangle's vertices at a time in [0, 1].
     #[inline(always)]
-    pub(super) fn corners(&self, primitive: u32) -> [DVec3; 3] {
-        self.mesh.corners(primitive as usize).map(|corner| DVec3::from(corner.map(f64::from)))
+    pub(super) fn corners(&self, primitive: u32, time: f32) -> [DVec3; 3] {
+        self.mesh.corners_at(primitive as usize, time)
+    }
+
+    /// Bound on the error, along the unit normal, of the places to which the kernel interpolates the vertices of a triangle
+    /// of a deforming mesh at this time.
+    #[cold]
+    fn interpolation_error(&self, primitive: u32, time: f32, n: Vec3) -> f32 {
+        let (step, _) = time_segment(self.mesh.time_steps(), shutter_time(time));
+        let mut reach = Vec3::ZERO;
+        for corner in self.mesh.indices().get(primitive as usize) {
+            for step in [step, step + 1] {
+                reach = reach.max(Vec3::from(self.mesh.vertices_at_step(step).get(corner as usize)).abs());
+            }
+        }
+        INTERPOLATION_ERROR * HitPoint::rounding_error(reach, n)
     }
 
     /// Prefetches the indices of a triangle's vertices.
@@ -161,10 +178,10 @@ impl Triangles {
         }
     }
 
-    /// Returns the point of a triangle that has these weights of the second and third vertex.
+    /// Returns the point of a triangle that has these weights of the second and third vertex, at a time in [0, 1].
     #[inline(always)]
-    pub(super) fn point(&self, primitive: u32, u: f32, v: f32) -> TrianglePoint {
-        let [v0, v1, v2] = self.corners(primitive);
+    pub(super) fn point(&self, primitive: u32, u: f32, v: f32, time: f32) -> TrianglePoint {
+        let [v0, v1, v2] = self.corners(primitive, time);
         let (e1, e2) = (v1 - v0, v2 - v0);
         let ns = self.normals.as_ref().map(|normals| {
             let [n0, n1, n2] = self.mesh.indices().get(primitive as usize).map(|corner| {
@@ -183,13 +200,13 @@ pub(super) fn at(v0: DVec3, [e1, e2]: [DVec3; 2], u: f32, v: f32) -> DVec3 {
     v0 + f64::from(u) * e1 + f64::from(v) * e2
 }
 
-/// Builds the interaction at a hit from its position, normals and owner.
+/// Builds the interaction at a hit from its point, normals and owner.
 #[inline]
-pub(super) fn interaction(p: Vec3, error: f32, ng: Vec3, ns: Option<Vec3>, owner: Owner) -> SurfaceInteraction {
+pub(super) fn interaction(point: HitPoint, ng: Vec3, ns: Option<Vec3>, owner: Owner) -> SurfaceInteraction {
     // Where vertex normals cancel out, shading is flat.
     let ns = ns.and_then(Vec3::try_normalize).unwrap_or(ng);
     SurfaceInteraction {
-        point: HitPoint { p, error },
+        point,
         ng,
         ns,
         surface: owner.surface,
@@ -206,11 +223,16 @@ pub(super) fn on_triangle(
     primitive: u32,
     u: f32,
     v: f32,
+    time: f32,
 ) -> SurfaceInteraction {
-    let point = triangles.point(primitive, u, v);
+    let point = triangles.point(primitive, u, v, shutter_time(time));
     let p = point.p.as_vec3a();
     let (ng, kernel_error) = point.normal_and_error();
-    interaction(p, HitPoint::rounding_error(p, ng) + kernel_error, ng, point.ns, owners.of(primitive))
+    let mut error = HitPoint::rounding_error(p, ng) + kernel_error;
+    if triangles.mesh.is_deforming() {
+        error += triangles.interpolation_error(primitive, time, ng);
+    }
+    interaction(HitPoint { p, error, time }, ng, point.ns, owners.of(primitive))
 }
 
 /// Builds the interaction at a point on an instanced triangle.
@@ -222,8 +244,9 @@ pub(super) fn on_instance(
     primitive: u32,
     u: f32,
     v: f32,
+    time: f32,
 ) -> SurfaceInteraction {
-    let point = triangles.point(primitive, u, v);
+    let point = triangles.point(primitive, u, v, shutter_time(time));
     let exact = instance_transform.to_scene.transform_point3(point.p);
     let p = exact.as_vec3a();
     let normal = instance_transform.normals * point.ng;
@@ -232,18 +255,22 @@ pub(super) fn on_instance(
     let ns = point.ns.map(|ns| (instance_transform.normals * ns.as_dvec3()).as_vec3a());
     // The error is measured along the object's normal. The transform to the scene scales the normal's length and the
     // error by the same factor.
-    let kernel_error = f64::from(point.normal_and_error().1) * point.ng.length()
-        + instance_transform.error(exact, point.ng, point.sides);
+    let (own_normal, mut own_error) = point.normal_and_error();
+    if triangles.mesh.is_deforming() {
+        own_error += triangles.interpolation_error(primitive, time, own_normal);
+    }
+    let kernel_error =
+        f64::from(own_error) * point.ng.length() + instance_transform.error([point.p, exact], point.ng, point.sides);
     let error = HitPoint::rounding_error(p, ng) + (kernel_error / length) as f32;
-    interaction(p, error, ng, ns, owners.of(primitive))
+    interaction(HitPoint { p, error, time }, ng, ns, owners.of(primitive))
 }
 
 /// Builds the interaction at a point on an analytic shape, from the point that the ray's t gives.
 #[inline]
-pub(super) fn on_analytic(shape: &Analytic, owner: Owner, near: DVec3) -> SurfaceInteraction {
+pub(super) fn on_analytic(shape: &Analytic, owner: Owner, near: DVec3, time: f32) -> SurfaceInteraction {
     let (p, ng) = shape.project(near);
     let (p, ng) = (p.as_vec3a(), ng.as_vec3a());
-    interaction(p, HitPoint::rounding_error(p, ng), ng, None, owner)
+    interaction(HitPoint { p, error: HitPoint::rounding_error(p, ng), time }, ng, None, owner)
 }
 
 /// Bounds how far from its plane a triangle may appear to the kernel, from two of the triangle's sides and twice its

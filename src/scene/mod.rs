@@ -24,6 +24,8 @@ mod interaction;
 mod lower;
 mod material;
 mod mesh;
+#[cfg(test)]
+mod motion;
 mod options;
 mod record;
 mod roulette;
@@ -206,38 +208,38 @@ impl Scene {
     /// same ray and scene.
     #[inline]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
-        self.point_of(hit, |shape| shape.point(ray, hit.t))
+        self.point_of(hit, ray.time, |shape| shape.point(ray, hit.t))
     }
 
     /// Returns the interaction at any point of a primitive. On an analytic shape, `on_shape` gives a position near the
     /// point.
     #[inline(always)]
-    fn point_of(&self, hit: &Hit, on_shape: impl FnOnce(&Analytic) -> DVec3) -> SurfaceInteraction {
+    fn point_of(&self, hit: &Hit, time: f32, on_shape: impl FnOnce(&Analytic) -> DVec3) -> SurfaceInteraction {
         if let Some(cache) = self.geometries.get(hit.geometry as usize).and_then(Geometry::cache) {
             let owners = &self.bindings.owners[hit.geometry as usize];
-            return cache.point_of(owners, hit.primitive, hit.u, hit.v);
+            return cache.point_of(owners, hit.primitive, hit.u, hit.v, time);
         }
-        self.point_elsewhere(hit, on_shape)
+        self.point_elsewhere(hit, time, on_shape)
     }
 
     /// Does the work of [`Scene::point_of`] for primitives that are not in a triangle cache.
-    fn point_elsewhere(&self, hit: &Hit, on_shape: impl FnOnce(&Analytic) -> DVec3) -> SurfaceInteraction {
+    fn point_elsewhere(&self, hit: &Hit, time: f32, on_shape: impl FnOnce(&Analytic) -> DVec3) -> SurfaceInteraction {
         if hit.geometry == IN_LIST {
             let index = hit.primitive as usize;
             let shape = &self.list.shapes()[index];
-            return interaction::on_analytic(shape, self.bindings.list_owners[index], on_shape(shape));
+            return interaction::on_analytic(shape, self.bindings.list_owners[index], on_shape(shape), time);
         }
         let owners = &self.bindings.owners[hit.geometry as usize];
         match &self.geometries[hit.geometry as usize] {
             Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
-                interaction::on_triangle(triangles, owners, hit.primitive, hit.u, hit.v)
+                interaction::on_triangle(triangles, owners, hit.primitive, hit.u, hit.v, time)
             }
-            Geometry::Instance { triangles, instance_transform, .. } => {
-                interaction::on_instance(triangles, owners, instance_transform, hit.primitive, hit.u, hit.v)
-            }
+            Geometry::Instance { triangles, instance_path, .. } => instance_path.with_transform(time, |transform| {
+                interaction::on_instance(triangles, owners, transform, hit.primitive, hit.u, hit.v, time)
+            }),
             Geometry::Analytic { shapes, .. } => {
                 let shape = &shapes.0[hit.primitive as usize];
-                interaction::on_analytic(shape, owners.of(hit.primitive), on_shape(shape))
+                interaction::on_analytic(shape, owners.of(hit.primitive), on_shape(shape), time)
             }
         }
     }
@@ -245,6 +247,12 @@ impl Scene {
     /// The Embree scene, where there is one, for queries that need only the kernel.
     pub fn kernel(&self) -> Option<&embree::Scene> {
         self.embree.as_ref()
+    }
+
+    /// Whether anything moves during the shutter interval, so that rays of different times see different scenes.
+    #[inline]
+    pub fn has_motion(&self) -> bool {
+        self.embree.as_ref().is_some_and(|embree| embree.features().motion)
     }
 
     /// Returns a material by the number that an interaction gives.

@@ -147,7 +147,7 @@ impl Scene {
                 Geometry::Loose { triangles, .. } => {
                     for primitive in 0..triangles.mesh.indices().len() as u32 {
                         if is_specular(owners.of(primitive)) {
-                            let corners = triangles.corners(primitive);
+                            let corners = triangles.corners(primitive, 0.0);
                             let exact = Some(Exact::Triangle(corners));
                             pieces.push(Piece { bounds: Bounds::around(corners), exact });
                         }
@@ -160,9 +160,7 @@ impl Scene {
                     let vertex = |i: usize| DVec3::from(vertices.get(i).map(f64::from));
                     let bounds = Bounds::around((0..vertices.len()).map(vertex));
                     let bounds = match geometry {
-                        Geometry::Instance { instance_transform, .. } => {
-                            bounds.transformed(&instance_transform.to_scene)
-                        }
+                        Geometry::Instance { instance_path, .. } => bounds.transformed(&instance_path.start().to_scene),
                         _ => bounds,
                     };
                     pieces.push(Piece { bounds, exact: None });

@@ -3,6 +3,7 @@
 mod agreement;
 mod build;
 mod limits;
+mod motion;
 mod reference;
 mod special_rays;
 mod threads;

@@ -116,7 +116,7 @@ impl Site {
         for i in 0..WALL_DIRECTIONS {
             let (sin, cos) = (std::f32::consts::TAU * (i as f32 + 0.5) / WALL_DIRECTIONS as f32).sin_cos();
             let direction = (frame.s * cos + frame.t * sin).normalize();
-            let ray = Ray { origin, direction, tnear: 0.0, tfar: radius };
+            let ray = Ray::segment(origin, direction, radius);
             let Some(hit) = tracer.intersect(&ray) else { continue };
             let surface = scene.interaction(&ray, &hit);
             let normal = if surface.ng.dot(direction) > 0.0 { -surface.ng } else { surface.ng };

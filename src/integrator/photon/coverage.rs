@@ -261,7 +261,7 @@ fn is_covered(tracer: &mut SceneTracer, p: Vec3, normal: Vec3, radius: f32) -> b
     (0..DIRECTIONS).all(|i| {
         let (sin, cos) = (TAU * (i as f32 + 0.5) / DIRECTIONS as f32).sin_cos();
         let along = frame.s * cos + frame.t * sin;
-        let level = Ray { origin: above, direction: along * reach, tnear: 0.0, tfar: 1.0 };
+        let level = Ray::segment(above, along * reach, 1.0);
         if !tracer.unoccluded(&level) {
             return false;
         }
@@ -269,7 +269,7 @@ fn is_covered(tracer: &mut SceneTracer, p: Vec3, normal: Vec3, radius: f32) -> b
         let near = if i % 2 == 0 { 0.5 } else { 0.75 };
         [1.0, near].into_iter().all(|share| {
             let origin = above + along * (reach * share);
-            let down = Ray { origin, direction: normal * (-1.5 * height - 2.0 * error), tnear: 0.0, tfar: 1.0 };
+            let down = Ray::segment(origin, normal * (-1.5 * height - 2.0 * error), 1.0);
             !tracer.unoccluded(&down)
         })
     })

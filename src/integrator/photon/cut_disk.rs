@@ -35,12 +35,12 @@ impl CutDisk {
         let ways: [f32; SECTORS] = std::array::from_fn(|line| {
             let (sin, cos) = (TAU * line as f32 / SECTORS as f32).sin_cos();
             let along = frame.s * cos + frame.t * sin;
-            let level = Ray { origin: above, direction: along * radius, tnear: 0.0, tfar: 1.0 };
+            let level = Ray::segment(above, along * radius, 1.0);
             let wall = tracer.intersect(&level).map_or(1.0, |hit| hit.t);
             // The surface must lie below the line.
             let is_there = |share: f32, tracer: &mut T| {
                 let origin = above + along * (radius * share);
-                let down = Ray { origin, direction: normal * (-1.5 * height - 2.0 * error), tnear: 0.0, tfar: 1.0 };
+                let down = Ray::segment(origin, normal * (-1.5 * height - 2.0 * error), 1.0);
                 !tracer.unoccluded(&down)
             };
             let step = |i: usize| wall * (i as f32 + 0.5) / STEPS as f32;

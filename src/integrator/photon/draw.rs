@@ -100,6 +100,6 @@ fn seen(scene: &Scene, camera: &Camera, [width, height]: [u32; 2], photon: &Phot
     let pixel = camera.ray(x, y).direction.distance(camera.ray(x + 1.0, y).direction) * camera.eye_distance(p);
     let from = p + normal * (LIFT * pixel).max(HitPoint::rounding_error(p, normal));
     let to_eye: Vec3 = eye - from;
-    let ray = Ray { origin: from, direction: to_eye, tnear: 0.0, tfar: 1.0 };
+    let ray = Ray::segment(from, to_eye, 1.0);
     scene.unoccluded(&ray).then(|| (row as usize * width as usize + column as usize, distance))
 }

@@ -356,13 +356,13 @@ impl Elements {
         match self.shape(node.patch) {
             None => {
                 let error = self.patches[node.patch as usize].error;
-                (HitPoint { p: p.as_vec3a(), error }, node.normal.as_vec3a())
+                (HitPoint::new(p.as_vec3a(), error), node.normal.as_vec3a())
             }
             Some(shape) => {
                 let (p, outer) = shape.project(p);
                 let n = if self.patches[node.patch as usize].is_front { outer } else { -outer }.as_vec3a();
                 let p = p.as_vec3a();
-                (HitPoint { p, error: HitPoint::rounding_error(p, n) }, n)
+                (HitPoint::new(p, HitPoint::rounding_error(p, n)), n)
             }
         }
     }

@@ -55,7 +55,7 @@ use crate::control::{Parallel, Part};
 use crate::desc::{IntegratorDesc, PhotonSharing, RadiosityDesc, RadiositySolver, check_radiosity};
 use crate::emitter::Receiver;
 use crate::error::Result;
-use crate::integrator::check_lobes;
+use crate::integrator::check_support;
 use crate::integrator::photon::{Aim, Emission};
 use crate::math::{DVec3, Ray, Vec3};
 use crate::sampling::Rng;
@@ -157,11 +157,11 @@ impl Radiosity {
     /// Solves a scene. The result is the same for any number of threads.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::Unsupported`] for surfaces that elements cannot hold (see [`check_lobes`]);
+    /// [`crate::ErrorKind::Unsupported`] for surfaces that elements cannot hold (see [`check_support`]);
     /// [`crate::ErrorKind::InvalidScene`] for settings that no file could have given; `OutOfMemory` where elements and
     /// links take more than `memory` allows; `Cancelled`.
     pub fn solve(scene: &Scene, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> Result<Self> {
-        check_lobes(scene, IntegratorDesc::Radiosity)?;
+        check_support(scene, IntegratorDesc::Radiosity)?;
         let start = Instant::now();
         check_radiosity("render", desc)?;
         parallel.check()?;
@@ -490,7 +490,7 @@ fn estimate_norm(hierarchy: &LinkHierarchy) -> Result<f64> {
             }
             if let Some(light) = emitters.sample(Receiver::facing(at.point.p, normal), rng.next_4d()) {
                 let origin = at.point.offset(normal);
-                let shadow = Ray { origin, direction: light.target - origin, tnear: 0.0, tfar: 1.0 };
+                let shadow = Ray::segment(origin, light.target - origin, 1.0);
                 let cosine = f64::from(normal.dot(light.wi).max(0.0) / light.pdf);
                 let seen = if cosine > 0.0 && scene.unoccluded(&shadow) { cosine } else { 0.0 };
                 sum += seen * (power.to_f64() * light.radiance.to_f64()).max_element();

@@ -90,7 +90,7 @@ impl RefinementOracle {
                 // The ray ends just before the light, as other shadow rays do.
                 let direction = (light.as_vec3a() - origin) * (1.0 - 16.0 * f32::EPSILON);
                 let weight = point_factor(light - p.p.as_dvec3(), n.as_dvec3());
-                (weight, 1.0, Ray { origin, direction, tnear: 0.0, tfar: 1.0 })
+                (weight, 1.0, Ray::segment(origin, direction, 1.0))
             } else {
                 let other = self.sample_point(source, [u[2], u[3]], hash(random, 1), centre);
                 let Some(SampledPoint { at: q, n: m, leaf, weights, area }) = other else { continue };
@@ -101,7 +101,7 @@ impl RefinementOracle {
                 let target = q.seen_from(way.length()).offset(m);
                 let weight = if cosines > 0.0 { cosines / (distance2 * distance2) } else { 0.0 };
                 let b = self.radiosity_at(leaf, weights);
-                (weight * area, b, Ray { origin, direction: target - origin, tnear: 0.0, tfar: 1.0 })
+                (weight * area, b, Ray::segment(origin, target - origin, 1.0))
             };
             if weight > 0.0 && weight.is_finite() {
                 let weight = weight * area;
@@ -132,7 +132,7 @@ impl RefinementOracle {
         let ends = [(0, 1), (1, 2), (2, 0), (0, 4), (1, 5), (2, 3)];
         ends.iter().any(|&(from, to)| {
             let [origin, target] = [across[from], across[to]].map(|p| p.as_vec3a());
-            !self.scene.unoccluded(&Ray { origin, direction: target - origin, tnear: 0.0, tfar: 1.0 })
+            !self.scene.unoccluded(&Ray::segment(origin, target - origin, 1.0))
         })
     }
 

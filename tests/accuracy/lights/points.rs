@@ -103,7 +103,7 @@ fn sides(case: &mut Case) {
         for _ in 0..tries {
             if let Some(sample) = scene.emitters().sample(p, rng.next_4d()) {
                 // A box has faces whose bright sides a point inside it is not before; none of them is reached.
-                let shadow = Ray { origin: p, direction: sample.target - p, tnear: 0.0, tfar: 1.0 };
+                let shadow = Ray::segment(p, sample.target - p, 1.0);
                 sampled += u64::from(scene.unoccluded(&shadow));
             }
             let ray = Ray::new(p, warps::uniform_sphere(rng.next_2d()));
