@@ -2,7 +2,7 @@
 
 use crate::desc::{CameraDesc, FovAxis};
 use crate::error::{Error, Result};
-use crate::math::{DVec3, Ray, Vec3};
+use crate::math::{DVec3, Ray, RayCone, Vec3};
 
 /// A pinhole camera, optionally with a near plane through which its rays start.
 ///
@@ -88,6 +88,13 @@ impl Camera {
         let to_film = self.corner + x * self.dx + y * self.dy;
         let origin = if self.starts_on_plane { self.origin + to_film } else { self.origin };
         Ray::new(origin, to_film.normalize())
+    }
+
+    /// The cone through which a pixel at this film position sees: as wide as the pixel where rays cross the film.
+    pub fn cone(&self, x: f32, y: f32) -> RayCone {
+        let to_film = self.corner + x * self.dx + y * self.dy;
+        let pixel = self.dx.length();
+        RayCone::new(if self.starts_on_plane { pixel } else { 0.0 }, pixel / to_film.length())
     }
 
     /// The film position of a scene-frame point, in pixels as [`Camera::ray`] takes them, possibly beyond the film's

@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::mesh::{check_time_steps, in_range};
 use super::{ray, sys};
-use crate::math::{Ray, Vec3};
+use crate::math::{Ray, RayCone, Vec3};
 use crate::{Cancel, Error, ErrorKind, Result};
 
 /// The intersection of a ray with a primitive of user geometry.
@@ -226,6 +226,7 @@ unsafe fn read_ray(packet: *const f32) -> Ray {
             tnear: at(field::TNEAR),
             tfar: at(field::TFAR),
             time: at(field::TIME),
+            cone: RayCone::default(),
         }
     }
 }

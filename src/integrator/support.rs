@@ -1,12 +1,12 @@
-//! Which scenes an integrator supports, by the lobes of their surfaces and by their motion.
+//! Which scenes an integrator supports, by the lobes and the opacity of their surfaces and by their motion.
 
 use crate::bsdf::Lobes;
 use crate::desc::{IntegratorDesc, LobeSupport, LobeUse};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
-/// Refuses a scene that moves or has a surface with lobes that the integrator does not support, according to the table of
-/// integrators.
+/// Refuses a scene that moves, or has a surface with lobes or an opacity that the integrator does not support, according to
+/// the table of integrators.
 ///
 /// # Errors
 /// [`ErrorKind::Unsupported`], whose message names the surface and the integrator.
@@ -15,6 +15,14 @@ pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
         check_still(scene, integrator.name())?;
     }
     let Some(support) = integrator.info().lobes else { return Ok(()) };
+    // The density of what is stored on a surface is that of the light times the opacity.
+    if support.diffuse == LobeUse::StoredAndGathered && !scene.is_opaque() {
+        let message = format!(
+            "{} takes no surfaces that are not opaque; expected an integrator that does, such as path",
+            integrator.name()
+        );
+        return Err(Error::new(ErrorKind::Unsupported, message));
+    }
     let Some((lobes, kind)) = refused(scene.lobes(), support) else { return Ok(()) };
     let surface = scene.surface_with(lobes).map_or_else(String::new, |surface| format!("surfaces[{surface}]: "));
     let message = format!(

@@ -86,7 +86,7 @@ impl<C: Spectrum> Vertex<C> {
     fn of_path(scene: &Scene, ray: &Ray, hit: &Hit, wavelengths: C::Wavelengths, mode: TransportMode) -> Self {
         // The fields are copied one by one: a copy of the whole would read them in larger pieces than they were just written
         // in, and the processor would stall.
-        let SurfaceInteraction { point, ng, mut ns, surface, material, emitter } = scene.interaction(ray, hit);
+        let SurfaceInteraction { point, ng, mut ns, surface, material, emitter, place } = scene.interaction(ray, hit);
         let wo_scene = -ray.direction;
         // An interpolated normal may face away from a viewer who does see the face; the face's own normal is used then.
         if ns.dot(wo_scene) * ng.dot(wo_scene) <= 0.0 {
@@ -94,9 +94,9 @@ impl<C: Spectrum> Vertex<C> {
         }
         let frame = Frame::from_normal(ns);
         let wo = frame.to_local(wo_scene);
-        let surface = SurfaceInteraction { point, ng, ns, surface, material, emitter };
+        let surface = SurfaceInteraction { point, ng, ns, surface, material, emitter, place };
         let material = scene.material(material);
-        let bsdf = material.at::<C>(&surface, &wavelengths);
+        let bsdf = material.at::<C>(|| scene.detail(&surface), &wavelengths);
         Self { bsdf, survival: material.survival, mode, wavelengths, frame, wo, wo_scene, surface }
     }
 
@@ -165,7 +165,7 @@ impl<C: Spectrum> Vertex<C> {
     /// The albedo, normal and position for the auxiliary layers.
     pub fn first_hit(&self, scene: &Scene) -> FirstHit {
         // As a colour: what the path's wavelengths show of it has densities to be divided by, and an albedo has not.
-        let albedo = scene.material(self.surface.material).at::<Rgb>(&self.surface, &()).albedo();
+        let albedo = scene.material(self.surface.material).at::<Rgb>(|| scene.detail(&self.surface), &()).albedo();
         FirstHit { albedo, normal: self.facing_shading(), p: self.surface.point.p }
     }
 
@@ -262,7 +262,13 @@ impl<C: Spectrum> Vertex<C> {
         let pdf = (!is_specular).then_some(sample.pdf);
         // Errors of the frames would accumulate along a specular path, whereas a diffuse direction is sampled anew.
         let wi = if is_specular { wi.normalize() } else { wi };
-        Some(Bounce { ray: self.leave(wi), weight: sample.weight, pdf, eta: sample.eta })
+        let mut ray = self.leave(wi);
+        if let Some(pdf) = pdf
+            && !ray.cone.is_none()
+        {
+            ray.cone = ray.cone.scattered(pdf);
+        }
+        Some(Bounce { ray, weight: sample.weight, pdf, eta: sample.eta })
     }
 
     /// The ray that leaves into the local direction `wi`; `None` where an interpolated normal would send the ray through the

@@ -1,8 +1,10 @@
 //! Vectors, frames, rays and boxes; uses nothing else of the library.
 
+mod cone;
 mod frame;
 mod ray;
 
+pub use cone::RayCone;
 pub use frame::Frame;
 pub use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot, Vec2, Vec3A as Vec3, Vec4};
 pub(crate) use ray::shutter_time;

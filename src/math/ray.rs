@@ -1,6 +1,6 @@
 //! Rays, and the scale-free offset with which they leave a surface.
 
-use super::Vec3;
+use super::{RayCone, Vec3};
 
 /// A ray segment: `origin + t * direction` for t in `[tnear, tfar]`, at one moment of the shutter interval. The direction
 /// need not be of unit length.
@@ -17,6 +17,8 @@ pub struct Ray {
     /// The moment at which the ray sees the scene: 0 is the opening of the shutter and 1 its closing. Only scenes with
     /// motion read it. There a time outside of [0, 1] counts as the nearer end, and NaN counts as 0.
     pub time: f32,
+    /// What a pixel sees through the ray. Only scenes with materials that ask for footprints keep it.
+    pub cone: RayCone,
 }
 
 /// Returns the moment that a scene with motion shows to a ray of this time ([`Ray::time`]).
@@ -35,7 +37,7 @@ impl Ray {
     /// The segment from the origin to `tfar`, at time 0.
     #[inline]
     pub fn segment(origin: Vec3, direction: Vec3, tfar: f32) -> Self {
-        Self { origin, direction, tnear: 0.0, tfar, time: 0.0 }
+        Self { origin, direction, tnear: 0.0, tfar, time: 0.0, cone: RayCone::default() }
     }
 
     /// The same ray at another time.
@@ -83,13 +85,16 @@ pub struct HitPoint {
     pub error: f32,
     /// The moment at which the surface is at this point, which rays that leave the point take over: [`Ray::time`].
     pub time: f32,
+    /// The cone of the ray that met the surface, from this point on, which rays that leave the point take over:
+    /// [`Ray::cone`].
+    pub cone: RayCone,
 }
 
 impl HitPoint {
     /// A point on a surface at time 0.
     #[inline]
     pub fn new(p: Vec3, error: f32) -> Self {
-        Self { p, error, time: 0.0 }
+        Self { p, error, time: 0.0, cone: RayCone::default() }
     }
 
     /// Bound on the error of a point that was computed in double precision and rounded once, along the unit normal `n`.
@@ -110,17 +115,18 @@ impl HitPoint {
         Self { error: self.error + DISTANCE_ERROR * distance, ..self }
     }
 
-    /// A ray without an end that leaves into `direction` towards the side `n` (unit normal), at the point's time.
+    /// A ray without an end that leaves into `direction` towards the side `n` (unit normal), at the point's time and with
+    /// its cone.
     #[inline]
     pub fn leave(&self, n: Vec3, direction: Vec3) -> Ray {
-        Ray::new(self.offset(n), direction).at_time(self.time)
+        Ray { time: self.time, cone: self.cone, ..Ray::new(self.offset(n), direction) }
     }
 
     /// The segment from the surface on the side `n` (unit normal) to `target`, at the point's time.
     #[inline]
     pub fn leave_to(&self, n: Vec3, target: Vec3) -> Ray {
         let origin = self.offset(n);
-        Ray::segment(origin, target - origin, 1.0).at_time(self.time)
+        Ray { time: self.time, ..Ray::segment(origin, target - origin, 1.0) }
     }
 
     /// Origin of a ray that leaves towards the side `n` (unit normal, flipped towards the ray).

@@ -192,6 +192,12 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
             let [x, y] = job.pixel;
             sample.ray = pass.input.camera.ray(x as f32 + 0.5 + job.offset[0], y as f32 + 0.5 + job.offset[1]);
         }
+        if pass.input.scene.asks_footprints() {
+            for (job, sample) in jobs.iter().zip(samples.iter_mut()) {
+                let [x, y] = job.pixel;
+                sample.ray.cone = pass.input.camera.cone(x as f32 + 0.5, y as f32 + 0.5);
+            }
+        }
         if pass.input.scene.has_motion() {
             // Each sample sees the scene at a moment of its own, spread over the shutter interval.
             for sample in samples.iter_mut() {

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::assemble::{Assembly, assemble};
 use super::bindings::{SurfaceBindings, bindings, rebind_materials};
+use super::material::Asks;
 use super::options::BuildOptions;
 use super::record::AppearanceKey;
 use super::{Material, Scene, SceneInfo, frame, lower, roulette};
@@ -144,7 +145,8 @@ fn complete(
     appearance: AppearanceKey,
     start: Instant,
 ) -> Scene {
-    let materials = desc.materials.iter().map(|material| Material::uniform(Bsdf::new(&material.bsdf))).collect();
+    let materials: Arc<[Material]> =
+        desc.materials.iter().map(|material| Material::uniform(Bsdf::new(&material.bsdf))).collect();
     let mut info = SceneInfo::new(desc, &assembly.record, &bindings.emitters, assembly.embree.is_some());
     let warnings = super::info::warnings(desc, &assembly.record.facts, &bindings.emitters, appearance.dark_lights());
     info.build_time = start.elapsed();
@@ -154,6 +156,7 @@ fn complete(
         is_large: super::geometry::are_large(&assembly.geometries),
         geometries: assembly.geometries,
         bindings,
+        asks: Asks::of(&materials),
         materials,
         camera: desc.camera,
         centre: assembly.centre,

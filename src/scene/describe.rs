@@ -2,8 +2,7 @@
 //! them.
 
 use super::geometry::Geometry;
-use super::interaction::Triangles;
-use super::{Hit, IN_LIST, Scene};
+use super::{Hit, Scene};
 use crate::math::{Ray, Vec3};
 
 /// A hit of a ray in terms of the scene's description.
@@ -36,22 +35,18 @@ impl Scene {
     /// Describes the surface point that `ray` hit. The hit must come from the same ray and scene.
     pub fn describe_hit(&self, ray: &Ray, hit: &Hit) -> HitDescription {
         let interaction = self.interaction(ray, hit);
-        let (barycentric, uv, primitive) = match self.geometries.get(hit.geometry as usize) {
-            Some(Geometry::Loose { parts, .. }) if hit.geometry != IN_LIST => {
+        let uv = self.uv(&hit.place());
+        let (barycentric, primitive) = match self.geometries.get(hit.geometry as usize) {
+            Some(Geometry::Loose { parts, .. }) => {
                 let part = parts[hit.primitive as usize];
-                let barycentric = in_order(self.record.is_mirrored(part.surface), hit);
-                let uv = if self.record.is_quad(part.surface) { quad_uv(part.half, barycentric) } else { barycentric };
-                (barycentric, uv, part.half)
+                (in_order(self.record.is_mirrored(part.surface), [hit.u, hit.v]), part.half)
             }
-            Some(
-                &Geometry::Flat { ref triangles, surface, .. } | &Geometry::Instance { ref triangles, surface, .. },
-            ) => {
-                let barycentric = in_order(triangles.swapped, hit);
-                let uv = self.mesh_uv(surface, triangles, hit).unwrap_or(barycentric);
+            Some(Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. }) => {
                 let original = triangles.original.as_ref();
-                (barycentric, uv, original.map_or(hit.primitive, |original| original[hit.primitive as usize]))
+                let original = original.map_or(hit.primitive, |original| original[hit.primitive as usize]);
+                (in_order(triangles.swapped, [hit.u, hit.v]), original)
             }
-            _ => ([0.0; 2], [0.0; 2], 0),
+            Some(Geometry::Analytic { .. }) | None => ([0.0; 2], 0),
         };
         HitDescription {
             t: hit.t,
@@ -70,28 +65,9 @@ impl Scene {
     pub fn is_traceable(ray: &Ray) -> bool {
         ray.is_valid()
     }
-
-    /// The interpolated texture coordinates of the mesh, where the mesh has its own.
-    fn mesh_uv(&self, surface: u32, triangles: &Triangles, hit: &Hit) -> Option<[f32; 2]> {
-        let mesh = self.record.uv_mesh(surface)?;
-        let corners = triangles.mesh.indices().get(hit.primitive as usize);
-        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
-        let mut uv = [0.0; 2];
-        for (corner, weight) in corners.into_iter().zip(weights) {
-            let [u, v] = mesh.uv(corner as usize)?;
-            uv = [uv[0] + weight * u, uv[1] + weight * v];
-        }
-        Some(uv)
-    }
 }
 
 /// Converts the kernel's barycentric coordinates to the order in which the vertices were given.
-fn in_order(swapped: bool, hit: &Hit) -> [f32; 2] {
-    if swapped { [hit.v, hit.u] } else { [hit.u, hit.v] }
-}
-
-/// Returns the position on a quad whose vertices are (0, 0), (1, 0), (1, 1), (0, 1), from the barycentric coordinates
-/// of its half.
-fn quad_uv(half: u32, [b1, b2]: [f32; 2]) -> [f32; 2] {
-    if half == 0 { [b1 + b2, b2] } else { [b1, b1 + b2] }
+pub(super) fn in_order(swapped: bool, [u, v]: [f32; 2]) -> [f32; 2] {
+    if swapped { [v, u] } else { [u, v] }
 }

@@ -1,16 +1,52 @@
 //! Materials in the form that shading uses.
 
-use super::SurfaceInteraction;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use super::SurfaceDetail;
 use crate::bsdf::{Bsdf, Lobes, Model as _};
 use crate::spectrum::{Rgb, Spectrum};
+
+/// A material that is not the same all over its surfaces.
+///
+/// All rendering threads call the functions concurrently. They have to be functions of their arguments alone.
+pub trait VaryingMaterial: Debug + Send + Sync {
+    /// The Bsdf at a point, as a colour.
+    fn bsdf(&self, at: &SurfaceDetail) -> Bsdf;
+
+    /// The Bsdf whose colours are the means over the surface, for solvers that have one value for each element.
+    fn mean(&self) -> Bsdf;
+
+    /// All lobes that the material has anywhere.
+    fn lobes(&self) -> Lobes {
+        self.mean().lobes()
+    }
+
+    /// Whether the material covers its surfaces everywhere.
+    fn is_opaque(&self) -> bool {
+        true
+    }
+
+    /// The share of the surface that is there around a point, in [0, 1]; called where the material is not opaque.
+    fn opacity(&self, _at: &SurfaceDetail) -> f32 {
+        1.0
+    }
+
+    /// Whether the material reads [`SurfaceDetail::footprint`].
+    fn asks_footprint(&self) -> bool {
+        false
+    }
+}
 
 /// A material whose constants are precomputed. At a hit, [`Material::at`] returns the Bsdf of the surface there.
 ///
 /// A material that is the same all over its surfaces stores its [`Bsdf`] when the scene is built, and every query
 /// returns a copy of that Bsdf.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Material {
+    /// The Bsdf everywhere, or its mean where the material varies.
     pub(super) bsdf: Bsdf,
+    varying: Option<Arc<dyn VaryingMaterial>>,
     /// Probability with which a path survives a bounce at this material, where Russian roulette uses the probability
     /// that the scene states.
     pub survival: Option<f32>,
@@ -19,18 +55,36 @@ pub struct Material {
 impl Material {
     /// Makes a material that is the same everywhere, and at which paths end by the library's own roulette.
     pub fn uniform(bsdf: Bsdf) -> Self {
-        Self { bsdf, survival: None }
+        Self { bsdf, varying: None, survival: None }
     }
 
-    /// Returns the Bsdf of this material at a hit, in the channels of a path.
+    /// Makes a material that is asked at every hit.
+    pub fn varying(varying: Arc<dyn VaryingMaterial>) -> Self {
+        Self { bsdf: varying.mean(), varying: Some(varying), survival: None }
+    }
+
+    /// The same material with this probability of survival.
+    pub(super) fn with_survival(self, survival: Option<f32>) -> Self {
+        Self { survival, ..self }
+    }
+
+    /// Returns the Bsdf of this material at a hit, in the channels of a path. `detail` computes
+    /// [`Scene::detail`](super::Scene::detail) of the hit, and is called only if the material varies.
     #[inline(always)]
-    pub fn at<C: Spectrum>(&self, _interaction: &SurfaceInteraction, wavelengths: &C::Wavelengths) -> Bsdf<C> {
-        self.bsdf.in_spectrum(wavelengths)
+    pub fn at<C: Spectrum>(&self, detail: impl FnOnce() -> SurfaceDetail, wavelengths: &C::Wavelengths) -> Bsdf<C> {
+        match &self.varying {
+            None => self.bsdf.in_spectrum(wavelengths),
+            Some(varying) => ask(&**varying, detail).in_spectrum(wavelengths),
+        }
     }
 
     /// All lobes that the material has anywhere. There are none where the material is black everywhere.
     pub fn lobes(&self) -> Lobes {
-        if self.bsdf.is_black() { Lobes::empty() } else { self.bsdf.lobes() }
+        match &self.varying {
+            Some(varying) => varying.lobes(),
+            None if self.bsdf.is_black() => Lobes::empty(),
+            None => self.bsdf.lobes(),
+        }
     }
 
     /// The Bsdf whose colours are the means over the surface, for solvers that have one value for each element.
@@ -39,7 +93,46 @@ impl Material {
     }
 
     /// The share of the irradiance that the diffuse lobes reflect at a hit, as a colour. Other lobes give 0.
-    pub fn diffuse_albedo(&self, _interaction: &SurfaceInteraction) -> Rgb {
-        if self.bsdf.lobes().have_diffuse() { self.bsdf.albedo() } else { Rgb::ZERO }
+    pub fn diffuse_albedo(&self, detail: impl FnOnce() -> SurfaceDetail) -> Rgb {
+        let bsdf = self.at::<Rgb>(detail, &());
+        if bsdf.lobes().have_diffuse() { bsdf.albedo() } else { Rgb::ZERO }
+    }
+
+    /// Whether rays meet all surfaces of this material.
+    pub fn is_opaque(&self) -> bool {
+        self.varying.as_ref().is_none_or(|varying| varying.is_opaque())
+    }
+
+    /// The probability with which a ray meets the surface at a hit, in [0, 1].
+    pub fn opacity(&self, detail: impl FnOnce() -> SurfaceDetail) -> f32 {
+        match &self.varying {
+            Some(varying) if !varying.is_opaque() => varying.opacity(&detail()),
+            _ => 1.0,
+        }
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn ask(varying: &dyn VaryingMaterial, detail: impl FnOnce() -> SurfaceDetail) -> Bsdf {
+    varying.bsdf(&detail())
+}
+
+/// What any material of a scene asks for; all of it costs nothing where it is not asked for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Asks {
+    /// Opacity, before a hit counts.
+    pub opacity: bool,
+    /// Footprints of rays.
+    pub footprints: bool,
+}
+
+impl Asks {
+    pub(super) fn of(materials: &[Material]) -> Self {
+        let varying = || materials.iter().filter_map(|material| material.varying.as_deref());
+        Self {
+            opacity: varying().any(|material| !material.is_opaque()),
+            footprints: varying().any(VaryingMaterial::asks_footprint),
+        }
     }
 }

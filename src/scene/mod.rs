@@ -13,7 +13,9 @@ mod bindings;
 mod build;
 mod cache;
 mod cost;
+mod cutout;
 mod describe;
+mod detail;
 mod faces;
 mod facets;
 mod frame;
@@ -30,13 +32,16 @@ mod options;
 mod record;
 mod roulette;
 mod specular;
+#[cfg(test)]
+mod varying;
 
 pub use describe::HitDescription;
+pub use detail::SurfaceDetail;
 pub(crate) use faces::{Body, FaceNumbers};
 pub use facets::{Facet, SurfaceMesh};
 pub use info::SceneInfo;
 pub use interaction::SurfaceInteraction;
-pub use material::Material;
+pub use material::{Material, VaryingMaterial};
 pub use options::BuildOptions;
 pub use specular::{Ball, SpecularPart};
 
@@ -50,6 +55,8 @@ use crate::shape::Analytic;
 use analytic::AnalyticList;
 use bindings::SurfaceBindings;
 use geometry::Geometry;
+use interaction::Place;
+use material::Asks;
 use record::{AppearanceKey, GeometryRecord};
 
 /// A hit of a ray, with only the data that [`Scene::interaction`] needs to compute the rest.
@@ -74,6 +81,13 @@ impl From<embree::Hit> for Hit {
     }
 }
 
+impl Hit {
+    #[inline(always)]
+    fn place(&self) -> Place {
+        Place { geometry: self.geometry, primitive: self.primitive, u: self.u, v: self.v }
+    }
+}
+
 /// The geometry number of shapes in the list, which Embree does not hold.
 const IN_LIST: u32 = u32::MAX - 1;
 
@@ -87,6 +101,8 @@ pub struct Scene {
     is_large: bool,
     bindings: SurfaceBindings,
     materials: Arc<[Material]>,
+    /// What any of the materials asks for.
+    asks: Asks,
     camera: CameraDesc,
     centre: DVec3,
     info: Arc<SceneInfo>,
@@ -106,12 +122,20 @@ impl std::fmt::Debug for Scene {
 }
 
 impl Scene {
-    /// Returns the nearest hit along the ray, which is in the scene frame. A ray with a NaN or an infinity in it hits
+    /// Returns the nearest hit along the ray, which is in the scene frame. Where a surface is not opaque, its opacity is the
+    /// probability with which the ray meets it. A ray with a NaN or an infinity in it hits
     /// nothing.
     // The function is always inlined: passing the ray and the hit in memory costs as much as a tenth of a simple
     // scene's traversal.
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        let hit = self.nearest(ray)?;
+        if self.asks.opacity { self.first_opaque(ray, hit) } else { Some(hit) }
+    }
+
+    /// Returns the nearest surface along the ray, whatever its opacity.
+    #[inline(always)]
+    fn nearest(&self, ray: &Ray) -> Option<Hit> {
         let mut ray = *ray;
         let mut nearest = None;
         if !self.list.is_empty()
@@ -151,12 +175,20 @@ impl Scene {
             if let Some(embree) = &self.embree {
                 embree.intersect_many(rays, |number| ends[number], |number, hit| hits[number] = Some(hit.into()));
             }
+            if self.asks.opacity {
+                for (ray, hit) in rays.iter().zip(hits) {
+                    *hit = hit.and_then(|hit| self.first_opaque(ray, hit));
+                }
+            }
         }
     }
 
     /// Returns whether no surface lies in the ray's segment.
     #[inline]
     pub fn unoccluded(&self, ray: &Ray) -> bool {
+        if self.asks.opacity {
+            return self.intersect(ray).is_none();
+        }
         if !self.list.is_empty() && self.list.occluded(ray) {
             return false;
         }
@@ -171,7 +203,9 @@ impl Scene {
     #[inline]
     pub fn unoccluded_many(&self, rays: &[Ray], clear: &mut [bool]) {
         assert_eq!(rays.len(), clear.len(), "rays and answers");
-        if let Some(embree) = &self.embree {
+        if self.asks.opacity {
+            rays.iter().zip(clear).for_each(|(ray, clear)| *clear = self.intersect(ray).is_none());
+        } else if let Some(embree) = &self.embree {
             clear.fill(true);
             embree.occluded_many(rays, |number| clear[number] = false);
             if !self.list.is_empty() {
@@ -208,7 +242,24 @@ impl Scene {
     /// same ray and scene.
     #[inline]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
-        self.point_of(hit, ray.time, |shape| shape.point(ray, hit.t))
+        let mut interaction = self.point_of(hit, ray.time, |shape| shape.point(ray, hit.t));
+        if self.asks.footprints {
+            interaction.point.cone = ray.cone.after(hit.t * ray.direction.length());
+        }
+        interaction
+    }
+
+    /// Whether every ray meets the first surface in its way. In other scenes a ray passes through some surfaces with a
+    /// probability.
+    #[inline]
+    pub fn is_opaque(&self) -> bool {
+        !self.asks.opacity
+    }
+
+    /// Whether a material asks for the footprint of rays, so that rays have to carry cones.
+    #[inline]
+    pub fn asks_footprints(&self) -> bool {
+        self.asks.footprints
     }
 
     /// Returns the interaction at any point of a primitive. On an analytic shape, `on_shape` gives a position near the
@@ -217,7 +268,7 @@ impl Scene {
     fn point_of(&self, hit: &Hit, time: f32, on_shape: impl FnOnce(&Analytic) -> DVec3) -> SurfaceInteraction {
         if let Some(cache) = self.geometries.get(hit.geometry as usize).and_then(Geometry::cache) {
             let owners = &self.bindings.owners[hit.geometry as usize];
-            return cache.point_of(owners, hit.primitive, hit.u, hit.v, time);
+            return cache.point_of(owners, hit.place(), time);
         }
         self.point_elsewhere(hit, time, on_shape)
     }
@@ -227,19 +278,25 @@ impl Scene {
         if hit.geometry == IN_LIST {
             let index = hit.primitive as usize;
             let shape = &self.list.shapes()[index];
-            return interaction::on_analytic(shape, self.bindings.list_owners[index], on_shape(shape), time);
+            return interaction::on_analytic(
+                shape,
+                self.bindings.list_owners[index],
+                on_shape(shape),
+                hit.place(),
+                time,
+            );
         }
         let owners = &self.bindings.owners[hit.geometry as usize];
         match &self.geometries[hit.geometry as usize] {
             Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
-                interaction::on_triangle(triangles, owners, hit.primitive, hit.u, hit.v, time)
+                interaction::on_triangle(triangles, owners, hit.place(), time)
             }
             Geometry::Instance { triangles, instance_path, .. } => instance_path.with_transform(time, |transform| {
-                interaction::on_instance(triangles, owners, transform, hit.primitive, hit.u, hit.v, time)
+                interaction::on_instance(triangles, owners, transform, hit.place(), time)
             }),
             Geometry::Analytic { shapes, .. } => {
                 let shape = &shapes.0[hit.primitive as usize];
-                interaction::on_analytic(shape, owners.of(hit.primitive), on_shape(shape), time)
+                interaction::on_analytic(shape, owners.of(hit.primitive), on_shape(shape), hit.place(), time)
             }
         }
     }
@@ -259,6 +316,15 @@ impl Scene {
     #[inline]
     pub fn material(&self, index: u32) -> &Material {
         &self.materials[index as usize]
+    }
+
+    /// Replaces a material by one that varies.
+    #[cfg(test)]
+    pub(crate) fn set_varying(&mut self, index: usize, varying: Arc<dyn VaryingMaterial>) {
+        let mut materials = self.materials.to_vec();
+        materials[index] = Material::varying(varying);
+        self.asks = Asks::of(&materials);
+        self.materials = materials.into();
     }
 
     /// Replaces the emitters and keeps the surfaces.

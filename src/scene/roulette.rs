@@ -29,7 +29,7 @@ impl Scene {
                     RouletteDesc::Own => None,
                     RouletteDesc::File => *stated,
                 };
-                Material { survival, ..*material }
+                material.clone().with_survival(survival)
             };
             scene.materials = self.materials.iter().zip(stated.iter()).map(with).collect();
         }

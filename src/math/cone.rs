@@ -1,0 +1,96 @@
+//! Ray cones: how wide a path's view is where it meets a surface.
+//!
+//! Source: Akenine-Möller, Crassin, Boksansky, Belcour, Panteleev, Wright 2021, "Improved Shader and Texture Level of Detail
+//! Using Ray Cones".
+
+/// A cone around a ray, through which a pixel sees: its diameter at the ray's origin, and the growth of its diameter with
+/// distance. Both are stored with 8 significant bits, which is plenty for the choice of a filter's width; a ray carries the
+/// cone in bytes that were padding. The default is no cone at all, of diameter 0 everywhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCone {
+    width: u16,
+    spread: u16,
+}
+
+/// The upper half of a number's bits, rounded to the nearest; negative numbers and NaN become 0.
+#[inline]
+fn pack(x: f32) -> u16 {
+    if x > 0.0 { (x.min(f32::MAX / 2.0).to_bits().wrapping_add(1 << 15) >> 16) as u16 } else { 0 }
+}
+
+#[inline]
+fn unpack(bits: u16) -> f32 {
+    f32::from_bits(u32::from(bits) << 16)
+}
+
+impl RayCone {
+    /// A cone with this diameter at the ray's origin, which grows by `spread` for each unit of length (twice the tangent of
+    /// half the cone's angle). Both are >= 0.
+    #[inline]
+    pub fn new(width: f32, spread: f32) -> Self {
+        Self { width: pack(width), spread: pack(spread) }
+    }
+
+    /// The diameter at the ray's origin.
+    #[inline]
+    pub fn width(self) -> f32 {
+        unpack(self.width)
+    }
+
+    /// The growth of the diameter for each unit of length.
+    #[inline]
+    pub fn spread(self) -> f32 {
+        unpack(self.spread)
+    }
+
+    /// Whether there is no cone.
+    #[inline]
+    pub fn is_none(self) -> bool {
+        self == Self::default()
+    }
+
+    /// The cone that begins at this distance along the ray.
+    #[inline]
+    #[must_use]
+    pub fn after(self, distance: f32) -> Self {
+        Self { width: pack(self.width() + self.spread() * distance), spread: self.spread }
+    }
+
+    /// The cone after scattering by a lobe of this density [sr^-1], whose directions fill a solid angle of about 1 / `pdf`:
+    /// no narrower than before.
+    #[inline]
+    #[must_use]
+    pub fn scattered(self, pdf: f32) -> Self {
+        // A cone of solid angle s has the half angle sqrt(s / pi), where s is small.
+        let spread = 2.0 * (std::f32::consts::PI * pdf).sqrt().recip();
+        Self { width: self.width, spread: self.spread.max(pack(spread.min(2.0))) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn diameters_are_kept_to_eight_bits() {
+        for (width, spread) in [(0.0, 1e-3), (3.7, 0.0), (1e-20, 1e20), (1e30, 12.0)] {
+            let cone = RayCone::new(width, spread);
+            for (kept, given) in [(cone.width(), width), (cone.spread(), spread)] {
+                assert!((kept - given).abs() <= given / 256.0, "{kept}, {given}");
+            }
+            let grown = cone.after(2.0).width();
+            assert!((grown / (width + 2.0 * spread) - 1.0).abs() < 0.01, "{grown}");
+        }
+        assert!(RayCone::new(0.0, 0.0).is_none() && RayCone::new(-1.0, f32::NAN).is_none());
+        assert!(RayCone::new(f32::INFINITY, f32::MAX).width().is_finite());
+    }
+
+    #[test]
+    fn lobes_widen_cones() {
+        let cone = RayCone::new(1.0, 0.01);
+        // A direction of a mirror's width has an endless density.
+        assert_eq!(cone.scattered(f32::INFINITY), cone);
+        let diffuse = cone.scattered(std::f32::consts::FRAC_1_PI);
+        assert!(diffuse.spread() > 1.9 && diffuse.width() == 1.0, "{diffuse:?}");
+    }
+}

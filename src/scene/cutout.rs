@@ -1,0 +1,53 @@
+//! Surfaces that are not opaque everywhere: rays pass through them with a probability.
+//!
+//! A surface of opacity a is met by a ray with probability a, which is decided before the hit counts. A ray that passes
+//! goes on behind the surface. The decision is a function of the ray and the hit, so that a ray sees the same each
+//! time; over all rays it is as good as random (Pharr, Jakob, Humphreys 2023, Sec. 7.1.1).
+
+use super::{Hit, IN_LIST, Scene};
+use crate::math::Ray;
+
+impl Scene {
+    /// Returns the first hit along the ray that counts, beginning with this one.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn first_opaque(&self, ray: &Ray, hit: Hit) -> Option<Hit> {
+        let mut hit = hit;
+        loop {
+            if self.meets(ray, &hit) {
+                return Some(hit);
+            }
+            // The segment begins just behind this hit, and has the same origin, so that no distance is rounded anew.
+            hit = self.nearest(&Ray { tnear: hit.t.next_up(), ..*ray })?;
+        }
+    }
+
+    /// Decides whether the ray meets the surface.
+    fn meets(&self, ray: &Ray, hit: &Hit) -> bool {
+        let owner = if hit.geometry == IN_LIST {
+            self.bindings.list_owners[hit.primitive as usize]
+        } else {
+            self.bindings.owners[hit.geometry as usize].of(hit.primitive)
+        };
+        let material = self.material(owner.material);
+        if material.is_opaque() {
+            return true;
+        }
+        let opacity = material.opacity(|| self.detail(&self.interaction(ray, hit)));
+        opacity >= 1.0 || opacity > 0.0 && uniform(ray, hit) < opacity
+    }
+}
+
+/// A number in [0, 1) that the ray, the primitive and the distance determine: a ray may meet a shape twice.
+fn uniform(ray: &Ray, hit: &Hit) -> f32 {
+    let floats = ray.origin.to_array().into_iter().chain(ray.direction.to_array()).chain([ray.time]);
+    let words = floats.map(f32::to_bits).chain([hit.geometry, hit.primitive, hit.t.to_bits()]);
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    for word in words {
+        // The finaliser of SplitMix64, which lets every bit of the input reach every bit of the result.
+        state = (state ^ u64::from(word)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        state = (state ^ (state >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        state ^= state >> 31;
+    }
+    (state >> 40) as f32 / (1 << 24) as f32
+}

@@ -1,0 +1,101 @@
+//! Texture coordinates, tangents and footprints, for materials that ask for them.
+//!
+//! Nothing here is computed for a material that is the same all over its surfaces: [`SurfaceInteraction`] only says where on
+//! which primitive its point lies.
+
+use super::describe::in_order;
+use super::geometry::Geometry;
+use super::interaction::{Place, Triangles};
+use super::{Scene, SurfaceInteraction};
+use crate::math::{DVec3, Frame, Vec3, shutter_time};
+
+/// Where a point lies on its surface, and how much of the surface a pixel sees there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceDetail {
+    /// Texture coordinates. Where a mesh has its own, they are interpolated. Other triangles have the barycentric weights
+    /// of their second and third vertex. Quads have (0, 0), (1, 0), (1, 1) and (0, 1) at their vertices. Spheres, disks and
+    /// quadrics have 0.
+    pub uv: [f32; 2],
+    /// Derivative of the position by the first texture coordinate, scene frame: a tangent. Where texture coordinates do not
+    /// vary, it is any unit vector in the plane.
+    pub dpdu: Vec3,
+    /// Derivative of the position by the second texture coordinate.
+    pub dpdv: Vec3,
+    /// Diameter of the cone of the path's ray where it meets the surface, across the ray; 0 where rays carry no cones.
+    pub footprint: f32,
+}
+
+impl Scene {
+    /// Computes texture coordinates and tangents at a point of this scene, and the diameter of the ray that met it.
+    pub fn detail(&self, at: &SurfaceInteraction) -> SurfaceDetail {
+        let uv = self.uv(&at.place);
+        let [dpdu, dpdv] = self.tangents(at).unwrap_or_else(|| {
+            let frame = Frame::from_normal(at.ng);
+            [frame.s, frame.t]
+        });
+        SurfaceDetail { uv, dpdu, dpdv, footprint: at.point.cone.width() }
+    }
+
+    /// The texture coordinates of a point.
+    pub(super) fn uv(&self, place: &Place) -> [f32; 2] {
+        let Some(corners) = self.corner_uvs(place) else { return [0.0; 2] };
+        let weights = [1.0 - place.u - place.v, place.u, place.v];
+        let mut uv = [0.0; 2];
+        for ([u, v], weight) in corners.into_iter().zip(weights) {
+            uv = [uv[0] + weight * u, uv[1] + weight * v];
+        }
+        uv
+    }
+
+    /// The texture coordinates of a triangle's corners, in the order in which the kernel has them; `None` for other shapes.
+    fn corner_uvs(&self, place: &Place) -> Option<[[f32; 2]; 3]> {
+        let plain = |swapped| [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|weights| in_order(swapped, weights));
+        match self.geometries.get(place.geometry as usize)? {
+            Geometry::Loose { parts, .. } => {
+                let part = parts[place.primitive as usize];
+                let weights = plain(self.record.is_mirrored(part.surface));
+                let is_quad = self.record.is_quad(part.surface);
+                Some(if is_quad { weights.map(|weights| quad_uv(part.half, weights)) } else { weights })
+            }
+            Geometry::Flat { triangles, surface, .. } | Geometry::Instance { triangles, surface, .. } => {
+                Some(self.mesh_uvs(*surface, triangles, place.primitive).unwrap_or_else(|| plain(triangles.swapped)))
+            }
+            Geometry::Analytic { .. } => None,
+        }
+    }
+
+    /// The texture coordinates that a mesh gives to the corners of a triangle, where it has any.
+    fn mesh_uvs(&self, surface: u32, triangles: &Triangles, primitive: u32) -> Option<[[f32; 2]; 3]> {
+        let mesh = self.record.uv_mesh(surface)?;
+        let [a, b, c] = triangles.mesh.indices().get(primitive as usize);
+        Some([mesh.uv(a as usize)?, mesh.uv(b as usize)?, mesh.uv(c as usize)?])
+    }
+
+    /// The derivatives of the position by the texture coordinates; `None` where these do not span the surface.
+    fn tangents(&self, at: &SurfaceInteraction) -> Option<[Vec3; 2]> {
+        let time = at.point.time;
+        let Place { geometry, primitive, .. } = at.place;
+        let sides = |triangles: &Triangles| {
+            let [a, b, c] = triangles.corners(primitive, shutter_time(time));
+            [b - a, c - a]
+        };
+        let [e1, e2] = match self.geometries.get(geometry as usize)? {
+            Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => sides(triangles),
+            Geometry::Instance { triangles, instance_path, .. } => instance_path
+                .with_transform(time, |transform| sides(triangles).map(|side| transform.to_scene.matrix3 * side)),
+            Geometry::Analytic { .. } => return None,
+        };
+        let [a, b, c] = self.corner_uvs(&at.place)?.map(|uv| uv.map(f64::from));
+        let difference = |from: [f64; 2], to: [f64; 2]| [to[0] - from[0], to[1] - from[1]];
+        let ([u1, v1], [u2, v2]) = (difference(a, b), difference(a, c));
+        let determinant = u1 * v2 - u2 * v1;
+        let tangents = [v2 * e1 - v1 * e2, u1 * e2 - u2 * e1].map(|sum: DVec3| (sum / determinant).as_vec3a());
+        tangents.iter().all(|tangent| tangent.is_finite() && *tangent != Vec3::ZERO).then_some(tangents)
+    }
+}
+
+/// Returns the position on a quad whose vertices are (0, 0), (1, 0), (1, 1), (0, 1), from the barycentric coordinates
+/// of its half.
+fn quad_uv(half: u32, [b1, b2]: [f32; 2]) -> [f32; 2] {
+    if half == 0 { [b1 + b2, b2] } else { [b1, b1 + b2] }
+}
