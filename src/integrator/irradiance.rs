@@ -129,7 +129,7 @@ impl Irradiance {
         let (facet, [b1, b2]) = self.sites.point(site % self.sites.len(), place);
         let surface = scene.facet_point(facet, b1, b2);
         let white = Bsdf::Lambert(Lambert::new(Rgb::ONE));
-        let vertex = Vertex::seen_along_normal(surface, white, self.front);
+        let vertex = Vertex::seen_along_normal(surface, &white, self.front);
         let Path { max_depth, shadow_rays } = self.path;
         let mut context = Context { scene, sampler, tracer, wavelengths: () };
         let max_depth = max_depth.map_or(u32::MAX, |depth| depth.saturating_sub(1));

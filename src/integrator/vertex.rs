@@ -10,10 +10,12 @@ use crate::scene::{Hit, Scene, SurfaceInteraction};
 use crate::spectrum::{Rgb, Spectrum};
 
 /// A vertex of a path, ready for shading. Spectra have the channels of the path.
-pub(super) struct Vertex<C: Spectrum = Rgb> {
+pub(super) struct Vertex<'v, C: Spectrum = Rgb> {
     pub surface: SurfaceInteraction,
     /// How the surface scatters here.
-    pub bsdf: Bsdf<C>,
+    pub bsdf: &'v Bsdf<C>,
+    /// The hit; `None` where the vertex was not met by a ray.
+    hit: Option<&'v Hit>,
     /// Probability with which a path survives a bounce at this vertex, where the scene sets one.
     pub survival: Option<f32>,
     mode: TransportMode,
@@ -69,24 +71,43 @@ pub(super) fn escaped<C: Spectrum>(
     radiance
 }
 
-impl<C: Spectrum> Vertex<C> {
-    /// The vertex at the hit of a ray of a camera path.
+impl<'v, C: Spectrum> Vertex<'v, C> {
+    /// The vertex at the hit of a ray of a camera path. `slot` holds the vertex's Bsdf where the scene has none for it.
     #[inline(always)]
-    pub fn new(scene: &Scene, ray: &Ray, hit: &Hit, wavelengths: C::Wavelengths) -> Self {
-        Self::of_path(scene, ray, hit, wavelengths, TransportMode::Radiance)
+    pub fn new(
+        scene: &'v Scene,
+        ray: &Ray,
+        hit: &'v Hit,
+        wavelengths: C::Wavelengths,
+        slot: &'v mut Option<Bsdf<C>>,
+    ) -> Self {
+        Self::of_path(scene, ray, hit, wavelengths, slot, TransportMode::Radiance)
     }
 
     /// The vertex at the hit of a ray of a light path.
     #[inline(always)]
-    pub fn of_light_path(scene: &Scene, ray: &Ray, hit: &Hit, wavelengths: C::Wavelengths) -> Self {
-        Self::of_path(scene, ray, hit, wavelengths, TransportMode::Importance)
+    pub fn of_light_path(
+        scene: &'v Scene,
+        ray: &Ray,
+        hit: &'v Hit,
+        wavelengths: C::Wavelengths,
+        slot: &'v mut Option<Bsdf<C>>,
+    ) -> Self {
+        Self::of_path(scene, ray, hit, wavelengths, slot, TransportMode::Importance)
     }
 
     #[inline(always)]
-    fn of_path(scene: &Scene, ray: &Ray, hit: &Hit, wavelengths: C::Wavelengths, mode: TransportMode) -> Self {
+    fn of_path(
+        scene: &'v Scene,
+        ray: &Ray,
+        hit: &'v Hit,
+        wavelengths: C::Wavelengths,
+        slot: &'v mut Option<Bsdf<C>>,
+        mode: TransportMode,
+    ) -> Self {
         // The fields are copied one by one: a copy of the whole would read them in larger pieces than they were just written
         // in, and the processor would stall.
-        let SurfaceInteraction { point, ng, mut ns, surface, material, emitter, place } = scene.interaction(ray, hit);
+        let SurfaceInteraction { point, ng, mut ns, surface, material, emitter } = scene.interaction(ray, hit);
         let wo_scene = -ray.direction;
         // An interpolated normal may face away from a viewer who does see the face; the face's own normal is used then.
         if ns.dot(wo_scene) * ng.dot(wo_scene) <= 0.0 {
@@ -94,19 +115,20 @@ impl<C: Spectrum> Vertex<C> {
         }
         let frame = Frame::from_normal(ns);
         let wo = frame.to_local(wo_scene);
-        let surface = SurfaceInteraction { point, ng, ns, surface, material, emitter, place };
+        let surface = SurfaceInteraction { point, ng, ns, surface, material, emitter };
         let material = scene.material(material);
-        let bsdf = material.at::<C>(|| scene.detail(&surface), &wavelengths);
-        Self { bsdf, survival: material.survival, mode, wavelengths, frame, wo, wo_scene, surface }
+        let bsdf = material.at::<C>(|| scene.detail(hit, &surface), &wavelengths, slot);
+        Self { bsdf, hit: Some(hit), survival: material.survival, mode, wavelengths, frame, wo, wo_scene, surface }
     }
 
     /// A vertex at a point of a surface with the given Bsdf, seen along its shading normal from the outer side (`front`) or
     /// from the inner side.
     #[inline]
-    pub fn seen_along_normal(surface: SurfaceInteraction, bsdf: Bsdf<C>, front: bool) -> Self {
+    pub fn seen_along_normal(surface: SurfaceInteraction, bsdf: &'v Bsdf<C>, front: bool) -> Self {
         let side = if front { 1.0 } else { -1.0 };
         Self {
             bsdf,
+            hit: None,
             survival: None,
             mode: TransportMode::Radiance,
             wavelengths: C::Wavelengths::default(),
@@ -165,7 +187,13 @@ impl<C: Spectrum> Vertex<C> {
     /// The albedo, normal and position for the auxiliary layers.
     pub fn first_hit(&self, scene: &Scene) -> FirstHit {
         // As a colour: what the path's wavelengths show of it has densities to be divided by, and an albedo has not.
-        let albedo = scene.material(self.surface.material).at::<Rgb>(|| scene.detail(&self.surface), &()).albedo();
+        let material = scene.material(self.surface.material);
+        let mut slot = None;
+        let bsdf = match self.hit {
+            Some(hit) => material.at::<Rgb>(|| scene.detail(hit, &self.surface), &(), &mut slot),
+            None => material.mean(),
+        };
+        let albedo = bsdf.albedo();
         FirstHit { albedo, normal: self.facing_shading(), p: self.surface.point.p }
     }
 

@@ -143,7 +143,7 @@ impl<C: Spectrum> Walk<C> {
     pub fn meet<S: Sampler>(
         &mut self,
         scene: &Scene,
-        vertex: &Vertex<C>,
+        vertex: &Vertex<'_, C>,
         sampler: &mut S,
         limits: &Limits,
         first: &mut impl FnMut(FirstHit),
@@ -174,7 +174,12 @@ impl<C: Spectrum> Walk<C> {
 
     /// Samples the next direction and plays Russian roulette; `None` where the path ends.
     #[inline(always)]
-    pub fn bounce<S: Sampler>(&mut self, vertex: &Vertex<C>, sampler: &mut S, limits: &Limits) -> Option<Bounce<C>> {
+    pub fn bounce<S: Sampler>(
+        &mut self,
+        vertex: &Vertex<'_, C>,
+        sampler: &mut S,
+        limits: &Limits,
+    ) -> Option<Bounce<C>> {
         let u = sampler.next_4d();
         let bounce = vertex.sample_bounce(u)?;
         let depth = self.depth;
@@ -222,7 +227,8 @@ pub(super) fn trace<C: Spectrum, S: Sampler, T: Tracer>(
             walk.escape(context.scene, &ray, limits, &context.wavelengths);
             break;
         };
-        let vertex = Vertex::new(context.scene, &ray, &hit, context.wavelengths);
+        let mut slot = None;
+        let vertex = Vertex::new(context.scene, &ray, &hit, context.wavelengths, &mut slot);
         let Context { scene, sampler, tracer, .. } = context;
         next = walk.meet(scene, &vertex, *sampler, limits, first, |radiance, shadow, sent| {
             if tracer.unoccluded(&shadow) {
@@ -238,7 +244,7 @@ pub(super) fn trace<C: Spectrum, S: Sampler, T: Tracer>(
 /// delta lobes are not included.
 #[inline]
 pub(super) fn scattered_light<C: Spectrum, S: Sampler, T: Tracer>(
-    vertex: &Vertex<C>,
+    vertex: &Vertex<'_, C>,
     context: &mut Context<'_, S, T, C>,
     max_depth: u32,
     shadow_rays: u32,

@@ -104,9 +104,11 @@ impl<C: Spectrum> Wave<C> {
                     walks[number as usize].escape(scene, &rays[i], limits, wavelengths);
                     continue;
                 };
+                let mut slot = None;
+                let vertex = Vertex::new(scene, &rays[i], hit, *wavelengths, &mut slot);
                 let next = walks[number as usize].meet(
                     scene,
-                    &Vertex::new(scene, &rays[i], hit, *wavelengths),
+                    &vertex,
                     sampler,
                     limits,
                     &mut |hit| *first = Some(hit),

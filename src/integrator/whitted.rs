@@ -62,7 +62,8 @@ impl<C: Spectrum> Transport<C> for Whitted {
                 radiance += branch.throughput * escaped::<C>(context.scene, &branch.ray, None, 0, &context.wavelengths);
                 continue;
             };
-            let vertex = Vertex::new(context.scene, &branch.ray, &hit, context.wavelengths);
+            let mut slot = None;
+            let vertex = Vertex::new(context.scene, &branch.ray, &hit, context.wavelengths, &mut slot);
             if branch.depth == 1 {
                 first(vertex.first_hit(context.scene));
             }

@@ -4,7 +4,8 @@
 use crate::embree::{Charge, Device};
 use crate::math::{DVec3, HitPoint, Vec3};
 
-use super::interaction::{Owners, Place, SurfaceInteraction, Triangles, at, interaction};
+use super::Hit;
+use super::interaction::{Owners, SurfaceInteraction, Triangles, at, interaction};
 
 /// Up to this number of triangles of a scene are cached, with 64 bytes each: about as much as fits a processor's
 /// second-level cache.
@@ -51,13 +52,13 @@ impl TriangleCache {
 
     /// Builds the same interaction as [`on_triangle`](super::interaction::on_triangle), to the last bit.
     #[inline(always)]
-    pub(super) fn point_of(&self, owners: &Owners, place: Place, time: f32) -> SurfaceInteraction {
-        let Place { primitive, u, v, .. } = place;
+    pub(super) fn point_of(&self, owners: &Owners, hit: &Hit, time: f32) -> SurfaceInteraction {
+        let &Hit { primitive, u, v, .. } = hit;
         let CachedTriangle { corners, ng, kernel_error } = &self.triangles[primitive as usize];
         let [v0, v1, v2] = corners.map(|corner| DVec3::from(corner.map(f64::from)));
         let (p, ng) = (at(v0, [v1 - v0, v2 - v0], u, v).as_vec3a(), Vec3::from(*ng));
         let error = HitPoint::rounding_error(p, ng) + kernel_error;
-        interaction(HitPoint { time, ..HitPoint::new(p, error) }, ng, None, owners.of(primitive), place)
+        interaction(HitPoint { time, ..HitPoint::new(p, error) }, ng, None, owners.of(primitive))
     }
 }
 
@@ -96,11 +97,11 @@ mod tests {
         let mut compared = 0;
         for primitive in 0..1000 {
             let [u, v, _] = random().to_array().map(|x| 0.5 * x.abs());
-            let place = Place { geometry: 0, primitive, u, v };
-            let found = on_triangle(&triangles, &owners, place, 0.0);
+            let hit = Hit { t: 0.0, geometry: 0, primitive, u, v };
+            let found = on_triangle(&triangles, &owners, &hit, 0.0);
             // Triangles without area are skipped, because no scene contains them.
             if found.ng.is_finite() {
-                assert_eq!(bits(cache.point_of(&owners, place, 0.0)), bits(found), "{primitive}");
+                assert_eq!(bits(cache.point_of(&owners, &hit, 0.0)), bits(found), "{primitive}");
                 compared += 1;
             }
         }

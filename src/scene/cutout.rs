@@ -33,7 +33,7 @@ impl Scene {
         if material.is_opaque() {
             return true;
         }
-        let opacity = material.opacity(|| self.detail(&self.interaction(ray, hit)));
+        let opacity = material.opacity(|| self.detail(hit, &self.interaction(ray, hit)));
         opacity >= 1.0 || opacity > 0.0 && uniform(ray, hit) < opacity
     }
 }

@@ -35,7 +35,7 @@ impl Scene {
     /// Describes the surface point that `ray` hit. The hit must come from the same ray and scene.
     pub fn describe_hit(&self, ray: &Ray, hit: &Hit) -> HitDescription {
         let interaction = self.interaction(ray, hit);
-        let uv = self.uv(&hit.place());
+        let uv = self.uv(hit);
         let (barycentric, primitive) = match self.geometries.get(hit.geometry as usize) {
             Some(Geometry::Loose { parts, .. }) => {
                 let part = parts[hit.primitive as usize];

@@ -1,12 +1,11 @@
 //! Texture coordinates, tangents and footprints, for materials that ask for them.
 //!
-//! Nothing here is computed for a material that is the same all over its surfaces: [`SurfaceInteraction`] only says where on
-//! which primitive its point lies.
+//! Nothing here is computed for a material that is the same all over its surfaces.
 
 use super::describe::in_order;
 use super::geometry::Geometry;
-use super::interaction::{Place, Triangles};
-use super::{Scene, SurfaceInteraction};
+use super::interaction::Triangles;
+use super::{Hit, Scene, SurfaceInteraction};
 use crate::math::{DVec3, Frame, Vec3, shutter_time};
 
 /// Where a point lies on its surface, and how much of the surface a pixel sees there.
@@ -26,10 +25,11 @@ pub struct SurfaceDetail {
 }
 
 impl Scene {
-    /// Computes texture coordinates and tangents at a point of this scene, and the diameter of the ray that met it.
-    pub fn detail(&self, at: &SurfaceInteraction) -> SurfaceDetail {
-        let uv = self.uv(&at.place);
-        let [dpdu, dpdv] = self.tangents(at).unwrap_or_else(|| {
+    /// Computes texture coordinates and tangents at a hit, and the diameter of the ray that met the surface. `at` is the
+    /// interaction of the same hit.
+    pub fn detail(&self, hit: &Hit, at: &SurfaceInteraction) -> SurfaceDetail {
+        let uv = self.uv(hit);
+        let [dpdu, dpdv] = self.tangents(hit, at.point.time).unwrap_or_else(|| {
             let frame = Frame::from_normal(at.ng);
             [frame.s, frame.t]
         });
@@ -37,9 +37,9 @@ impl Scene {
     }
 
     /// The texture coordinates of a point.
-    pub(super) fn uv(&self, place: &Place) -> [f32; 2] {
-        let Some(corners) = self.corner_uvs(place) else { return [0.0; 2] };
-        let weights = [1.0 - place.u - place.v, place.u, place.v];
+    pub(super) fn uv(&self, hit: &Hit) -> [f32; 2] {
+        let Some(corners) = self.corner_uvs(hit) else { return [0.0; 2] };
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
         let mut uv = [0.0; 2];
         for ([u, v], weight) in corners.into_iter().zip(weights) {
             uv = [uv[0] + weight * u, uv[1] + weight * v];
@@ -48,17 +48,17 @@ impl Scene {
     }
 
     /// The texture coordinates of a triangle's corners, in the order in which the kernel has them; `None` for other shapes.
-    fn corner_uvs(&self, place: &Place) -> Option<[[f32; 2]; 3]> {
+    fn corner_uvs(&self, hit: &Hit) -> Option<[[f32; 2]; 3]> {
         let plain = |swapped| [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|weights| in_order(swapped, weights));
-        match self.geometries.get(place.geometry as usize)? {
+        match self.geometries.get(hit.geometry as usize)? {
             Geometry::Loose { parts, .. } => {
-                let part = parts[place.primitive as usize];
+                let part = parts[hit.primitive as usize];
                 let weights = plain(self.record.is_mirrored(part.surface));
                 let is_quad = self.record.is_quad(part.surface);
                 Some(if is_quad { weights.map(|weights| quad_uv(part.half, weights)) } else { weights })
             }
             Geometry::Flat { triangles, surface, .. } | Geometry::Instance { triangles, surface, .. } => {
-                Some(self.mesh_uvs(*surface, triangles, place.primitive).unwrap_or_else(|| plain(triangles.swapped)))
+                Some(self.mesh_uvs(*surface, triangles, hit.primitive).unwrap_or_else(|| plain(triangles.swapped)))
             }
             Geometry::Analytic { .. } => None,
         }
@@ -72,9 +72,8 @@ impl Scene {
     }
 
     /// The derivatives of the position by the texture coordinates; `None` where these do not span the surface.
-    fn tangents(&self, at: &SurfaceInteraction) -> Option<[Vec3; 2]> {
-        let time = at.point.time;
-        let Place { geometry, primitive, .. } = at.place;
+    fn tangents(&self, hit: &Hit, time: f32) -> Option<[Vec3; 2]> {
+        let &Hit { geometry, primitive, .. } = hit;
         let sides = |triangles: &Triangles| {
             let [a, b, c] = triangles.corners(primitive, shutter_time(time));
             [b - a, c - a]
@@ -85,7 +84,7 @@ impl Scene {
                 .with_transform(time, |transform| sides(triangles).map(|side| transform.to_scene.matrix3 * side)),
             Geometry::Analytic { .. } => return None,
         };
-        let [a, b, c] = self.corner_uvs(&at.place)?.map(|uv| uv.map(f64::from));
+        let [a, b, c] = self.corner_uvs(hit)?.map(|uv| uv.map(f64::from));
         let difference = |from: [f64; 2], to: [f64; 2]| [to[0] - from[0], to[1] - from[1]];
         let ([u1, v1], [u2, v2]) = (difference(a, b), difference(a, c));
         let determinant = u1 * v2 - u2 * v1;

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use super::Hit;
 use super::instance_transform::InstanceTransform;
 use crate::buffer::Buffer;
 use crate::embree::{Charge, TriangleMesh, time_segment};
@@ -80,20 +81,6 @@ pub struct SurfaceInteraction {
     pub material: u32,
     /// Number of the emitter, where the surface emits.
     pub emitter: Option<u32>,
-    /// Where on which primitive the point lies, from which [`super::Scene::detail`] computes texture coordinates and
-    /// tangents for the materials that ask for them.
-    pub(crate) place: Place,
-}
-
-/// A point of a primitive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
-    /// Number of the geometry or instance in the Embree scene, or of the list of shapes.
-    pub geometry: u32,
-    pub primitive: u32,
-    /// Weights of the second and third vertex of a triangle.
-    pub u: f32,
-    pub v: f32,
 }
 
 /// Triangles with the data that shading needs. The arrays are the memory that Embree reads, and clones share them.
@@ -216,13 +203,7 @@ pub(super) fn at(v0: DVec3, [e1, e2]: [DVec3; 2], u: f32, v: f32) -> DVec3 {
 
 /// Builds the interaction at a hit from its point, normals and owner.
 #[inline]
-pub(super) fn interaction(
-    point: HitPoint,
-    ng: Vec3,
-    ns: Option<Vec3>,
-    owner: Owner,
-    place: Place,
-) -> SurfaceInteraction {
+pub(super) fn interaction(point: HitPoint, ng: Vec3, ns: Option<Vec3>, owner: Owner) -> SurfaceInteraction {
     // Where vertex normals cancel out, shading is flat.
     let ns = ns.and_then(Vec3::try_normalize).unwrap_or(ng);
     SurfaceInteraction {
@@ -232,14 +213,13 @@ pub(super) fn interaction(
         surface: owner.surface,
         material: owner.material,
         emitter: (owner.emitter != NO_EMITTER).then_some(owner.emitter),
-        place,
     }
 }
 
 /// Builds the interaction at a point on a triangle of the scene frame.
 #[inline]
-pub(super) fn on_triangle(triangles: &Triangles, owners: &Owners, place: Place, time: f32) -> SurfaceInteraction {
-    let Place { primitive, u, v, .. } = place;
+pub(super) fn on_triangle(triangles: &Triangles, owners: &Owners, hit: &Hit, time: f32) -> SurfaceInteraction {
+    let &Hit { primitive, u, v, .. } = hit;
     let point = triangles.point(primitive, u, v, shutter_time(time));
     let p = point.p.as_vec3a();
     let (ng, kernel_error) = point.normal_and_error();
@@ -247,7 +227,7 @@ pub(super) fn on_triangle(triangles: &Triangles, owners: &Owners, place: Place, 
     if triangles.mesh.is_deforming() {
         error += triangles.interpolation_error(primitive, time, ng);
     }
-    interaction(HitPoint { time, ..HitPoint::new(p, error) }, ng, point.ns, owners.of(primitive), place)
+    interaction(HitPoint { time, ..HitPoint::new(p, error) }, ng, point.ns, owners.of(primitive))
 }
 
 /// Builds the interaction at a point on an instanced triangle.
@@ -256,10 +236,10 @@ pub(super) fn on_instance(
     triangles: &Triangles,
     owners: &Owners,
     instance_transform: &InstanceTransform,
-    place: Place,
+    hit: &Hit,
     time: f32,
 ) -> SurfaceInteraction {
-    let Place { primitive, u, v, .. } = place;
+    let &Hit { primitive, u, v, .. } = hit;
     let point = triangles.point(primitive, u, v, shutter_time(time));
     let exact = instance_transform.to_scene.transform_point3(point.p);
     let p = exact.as_vec3a();
@@ -276,15 +256,15 @@ pub(super) fn on_instance(
     let kernel_error =
         f64::from(own_error) * point.ng.length() + instance_transform.error([point.p, exact], point.ng, point.sides);
     let error = HitPoint::rounding_error(p, ng) + (kernel_error / length) as f32;
-    interaction(HitPoint { time, ..HitPoint::new(p, error) }, ng, ns, owners.of(primitive), place)
+    interaction(HitPoint { time, ..HitPoint::new(p, error) }, ng, ns, owners.of(primitive))
 }
 
 /// Builds the interaction at a point on an analytic shape, from the point that the ray's t gives.
 #[inline]
-pub(super) fn on_analytic(shape: &Analytic, owner: Owner, near: DVec3, place: Place, time: f32) -> SurfaceInteraction {
+pub(super) fn on_analytic(shape: &Analytic, owner: Owner, near: DVec3, time: f32) -> SurfaceInteraction {
     let (p, ng) = shape.project(near);
     let (p, ng) = (p.as_vec3a(), ng.as_vec3a());
-    interaction(HitPoint { time, ..HitPoint::new(p, HitPoint::rounding_error(p, ng)) }, ng, None, owner, place)
+    interaction(HitPoint { time, ..HitPoint::new(p, HitPoint::rounding_error(p, ng)) }, ng, None, owner)
 }
 
 /// Bounds how far from its plane a triangle may appear to the kernel, from two of the triangle's sides and twice its

@@ -1,5 +1,6 @@
 //! Materials in the form that shading uses.
 
+use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -70,11 +71,22 @@ impl Material {
 
     /// Returns the Bsdf of this material at a hit, in the channels of a path. `detail` computes
     /// [`Scene::detail`](super::Scene::detail) of the hit, and is called only if the material varies.
+    ///
+    /// The result is the material's own Bsdf where that serves. Otherwise the Bsdf is put into `slot`.
     #[inline(always)]
-    pub fn at<C: Spectrum>(&self, detail: impl FnOnce() -> SurfaceDetail, wavelengths: &C::Wavelengths) -> Bsdf<C> {
+    pub fn at<'a, C: Spectrum>(
+        &'a self,
+        detail: impl FnOnce() -> SurfaceDetail,
+        wavelengths: &C::Wavelengths,
+        slot: &'a mut Option<Bsdf<C>>,
+    ) -> &'a Bsdf<C> {
         match &self.varying {
-            None => self.bsdf.in_spectrum(wavelengths),
-            Some(varying) => ask(&**varying, detail).in_spectrum(wavelengths),
+            // Known to the compiler: the Bsdf of a path that carries colours is that of the scene.
+            None => match (&self.bsdf as &dyn Any).downcast_ref() {
+                Some(bsdf) => bsdf,
+                None => slot.insert(self.bsdf.in_spectrum(wavelengths)),
+            },
+            Some(varying) => slot.insert(ask(&**varying, detail).in_spectrum(wavelengths)),
         }
     }
 
@@ -94,7 +106,8 @@ impl Material {
 
     /// The share of the irradiance that the diffuse lobes reflect at a hit, as a colour. Other lobes give 0.
     pub fn diffuse_albedo(&self, detail: impl FnOnce() -> SurfaceDetail) -> Rgb {
-        let bsdf = self.at::<Rgb>(detail, &());
+        let mut slot = None;
+        let bsdf = self.at::<Rgb>(detail, &(), &mut slot);
         if bsdf.lobes().have_diffuse() { bsdf.albedo() } else { Rgb::ZERO }
     }
 

@@ -55,7 +55,6 @@ use crate::shape::Analytic;
 use analytic::AnalyticList;
 use bindings::SurfaceBindings;
 use geometry::Geometry;
-use interaction::Place;
 use material::Asks;
 use record::{AppearanceKey, GeometryRecord};
 
@@ -78,13 +77,6 @@ impl From<embree::Hit> for Hit {
         // 0.
         let geometry = if hit.inst == embree::Hit::NO_INSTANCE { hit.geom } else { hit.inst };
         Self { t: hit.t, u: hit.u, v: hit.v, primitive: hit.prim, geometry }
-    }
-}
-
-impl Hit {
-    #[inline(always)]
-    fn place(&self) -> Place {
-        Place { geometry: self.geometry, primitive: self.primitive, u: self.u, v: self.v }
     }
 }
 
@@ -268,7 +260,7 @@ impl Scene {
     fn point_of(&self, hit: &Hit, time: f32, on_shape: impl FnOnce(&Analytic) -> DVec3) -> SurfaceInteraction {
         if let Some(cache) = self.geometries.get(hit.geometry as usize).and_then(Geometry::cache) {
             let owners = &self.bindings.owners[hit.geometry as usize];
-            return cache.point_of(owners, hit.place(), time);
+            return cache.point_of(owners, hit, time);
         }
         self.point_elsewhere(hit, time, on_shape)
     }
@@ -278,25 +270,18 @@ impl Scene {
         if hit.geometry == IN_LIST {
             let index = hit.primitive as usize;
             let shape = &self.list.shapes()[index];
-            return interaction::on_analytic(
-                shape,
-                self.bindings.list_owners[index],
-                on_shape(shape),
-                hit.place(),
-                time,
-            );
+            return interaction::on_analytic(shape, self.bindings.list_owners[index], on_shape(shape), time);
         }
         let owners = &self.bindings.owners[hit.geometry as usize];
         match &self.geometries[hit.geometry as usize] {
             Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
-                interaction::on_triangle(triangles, owners, hit.place(), time)
+                interaction::on_triangle(triangles, owners, hit, time)
             }
-            Geometry::Instance { triangles, instance_path, .. } => instance_path.with_transform(time, |transform| {
-                interaction::on_instance(triangles, owners, transform, hit.place(), time)
-            }),
+            Geometry::Instance { triangles, instance_path, .. } => instance_path
+                .with_transform(time, |transform| interaction::on_instance(triangles, owners, transform, hit, time)),
             Geometry::Analytic { shapes, .. } => {
                 let shape = &shapes.0[hit.primitive as usize];
-                interaction::on_analytic(shape, owners.of(hit.primitive), on_shape(shape), hit.place(), time)
+                interaction::on_analytic(shape, owners.of(hit.primitive), on_shape(shape), time)
             }
         }
     }

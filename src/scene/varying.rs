@@ -149,12 +149,12 @@ fn tangents_are_derivatives_of_positions_by_texture_coordinates() {
                 let ray = Ray::new(centre + target + Vec3::Z * 3.0, -Vec3::Z);
                 let Some(hit) = scene.intersect(&ray) else { continue };
                 let at = scene.interaction(&ray, &hit);
-                let detail = scene.detail(&at);
+                let detail = scene.detail(&hit, &at);
                 assert_eq!(detail.uv, scene.describe_hit(&ray, &hit).uv);
                 for tangent in [detail.dpdu, detail.dpdv] {
                     assert!(tangent.dot(at.ng).abs() < 1e-5 * tangent.length(), "{detail:?}");
                 }
-                let place = (at.place.geometry, at.place.primitive);
+                let place = (hit.geometry, hit.primitive);
                 if let Some((other, p, uv)) = last
                     && other == place
                 {
@@ -187,7 +187,7 @@ fn a_material_is_asked_where_a_ray_meets_it() {
         for (i, seen) in image.iter().enumerate() {
             let ray = camera.ray((i % 8) as f32 + 0.5, (i / 8) as f32 + 0.5);
             let Some(hit) = scene.intersect(&ray) else { continue };
-            let [u, v] = scene.detail(&scene.interaction(&ray, &hit)).uv;
+            let [u, v] = scene.detail(&hit, &scene.interaction(&ray, &hit)).uv;
             // Pixels at the edge see past it.
             if !(0.15..0.85).contains(&u) || !(0.15..0.85).contains(&v) {
                 continue;

@@ -50,7 +50,8 @@ pub(super) fn first_diffuse_hits(
         let Some(hit) = tracer.intersect(&ray) else { continue };
         let distance = distance + hit.t;
         // The fraction of the light that passes is that of power, so refraction is that of importance.
-        let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, ());
+        let mut slot = None;
+        let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), &mut slot);
         if vertex.bsdf.lobes().have_diffuse() && !vertex.bsdf.is_black() {
             let facing = vertex.facing();
             let (point, n) = (vertex.surface.point, vertex.facing_shading());

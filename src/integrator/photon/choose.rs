@@ -127,7 +127,8 @@ fn look(scene: &Scene) -> Result<Seen> {
             for hits in 0..MOST_HITS {
                 let Some(hit) = tracer.intersect(&ray) else { break };
                 way += f64::from(hit.t);
-                let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, ());
+                let mut slot = None;
+                let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), &mut slot);
                 let lobes = vertex.bsdf.lobes();
                 if lobes.have_diffuse() || !lobes.have_specular() {
                     if hits > 0 && lobes.have_diffuse() && !vertex.bsdf.is_black() {
@@ -161,7 +162,8 @@ fn look(scene: &Scene) -> Result<Seen> {
                     escaped += 1;
                     break;
                 };
-                let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, ());
+                let mut slot = None;
+                let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), &mut slot);
                 let Some(bounce) = vertex.sample_bounce(rng.next_4d()) else { break };
                 if rng.next_f32() >= bounce.weight.max_element().min(1.0) {
                     break;

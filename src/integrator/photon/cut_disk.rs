@@ -24,7 +24,7 @@ pub(super) struct CutDisk {
 
 impl CutDisk {
     /// Measures the surface around a vertex by rays, up to `radius`.
-    pub fn new<C: Spectrum, T: Tracer>(tracer: &mut T, vertex: &Vertex<C>, radius: f32) -> Self {
+    pub fn new<C: Spectrum, T: Tracer>(tracer: &mut T, vertex: &Vertex<'_, C>, radius: f32) -> Self {
         let normal = vertex.facing();
         let frame = Frame::from_normal(normal);
         let p = vertex.surface.point.p;

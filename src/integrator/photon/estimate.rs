@@ -107,7 +107,7 @@ impl<C: Spectrum> Estimate<C> {
 #[inline]
 pub(super) fn radiance<C: Spectrum>(
     map: &PhotonMap<C>,
-    vertex: &Vertex<C>,
+    vertex: &Vertex<'_, C>,
     query: MapQuery,
     cut: impl Fn(Vec3) -> bool,
     nearest: &mut Nearest,
@@ -134,7 +134,7 @@ struct Gathered<'v, C: Spectrum> {
     normal: Vec3,
     packed_normal: Octahedral,
     /// The vertex that scatters each photon's light; `None` where the Bsdf is constant and scales the sum of powers.
-    scatters: Option<&'v Vertex<C>>,
+    scatters: Option<&'v Vertex<'v, C>>,
     /// Factor of the sum: the constant Bsdf, or 1.
     factor: C,
     /// Sum over the latest photons.
@@ -170,7 +170,7 @@ impl<'v, C: Spectrum> Gathered<'v, C> {
 
     /// Starts sums of the radiance that a vertex scatters back along the path.
     #[inline]
-    fn of_vertex(vertex: &'v Vertex<C>, query: MapQuery) -> Self {
+    fn of_vertex(vertex: &'v Vertex<'v, C>, query: MapQuery) -> Self {
         let is_flat = vertex.surface.ng == vertex.surface.ns;
         let (scatters, factor) = match vertex.bsdf.constant_f() {
             Some(f) if is_flat => (None, f),
@@ -267,7 +267,7 @@ impl<'v, C: Spectrum> Gathered<'v, C> {
 /// instead of per area perpendicular to the shading normal, so the function is multiplied by the ratio of the cosines. The
 /// face is the one that the photon hit, since fewer photons arrive there the more they graze it. To the vertex's own face a
 /// photon on a neighbouring face may be edge-on, and its contribution would be unbounded.
-fn scattered<C: Spectrum>(vertex: &Vertex<C>, photon: &Photon<C>) -> C {
+fn scattered<C: Spectrum>(vertex: &Vertex<'_, C>, photon: &Photon<C>) -> C {
     let wi = photon.wi.get();
     let local = vertex.to_local(wi);
     let f = vertex.f(local);
@@ -282,7 +282,12 @@ fn scattered<C: Spectrum>(vertex: &Vertex<C>, photon: &Photon<C>) -> C {
 /// The report's estimate of direct light: `None` where a shadow photon lies within the radius or fewer than `least` photons
 /// count.
 #[inline]
-pub(super) fn direct<C: Spectrum>(map: &PhotonMap<C>, vertex: &Vertex<C>, query: MapQuery, least: u32) -> Option<C> {
+pub(super) fn direct<C: Spectrum>(
+    map: &PhotonMap<C>,
+    vertex: &Vertex<'_, C>,
+    query: MapQuery,
+    least: u32,
+) -> Option<C> {
     let mut gathered = Gathered::of_vertex(vertex, query);
     let mut in_shadow = false;
     map.within(vertex.surface.point.p, query.radius, |photon, distance2| {

@@ -237,7 +237,8 @@ impl<C: Spectrum> Gather<C> {
             };
             path.since_diffuse += hit.t;
             path.walk.depth += 1;
-            let vertex = Vertex::new(context.scene, &path.ray, &hit, context.wavelengths);
+            let mut slot = None;
+            let vertex = Vertex::new(context.scene, &path.ray, &hit, context.wavelengths, &mut slot);
             if path.walk.depth == 1 {
                 first(vertex.first_hit(context.scene));
             }
@@ -293,7 +294,7 @@ impl<C: Spectrum> Gather<C> {
     fn aimed_caustic<S: Sampler, T: Tracer>(
         &self,
         aims: &Aims,
-        vertex: &Vertex<C>,
+        vertex: &Vertex<'_, C>,
         path: &EyePath<C>,
         context: &mut Context<'_, S, T, C>,
     ) -> C {
@@ -312,7 +313,8 @@ impl<C: Spectrum> Gather<C> {
                 break;
             };
             branch.walk.depth = branch.walk.depth.saturating_add(1);
-            let vertex = Vertex::new(context.scene, &branch.ray, &hit, context.wavelengths);
+            let mut slot = None;
+            let vertex = Vertex::new(context.scene, &branch.ray, &hit, context.wavelengths, &mut slot);
             if way > 0 {
                 let emitted = vertex.emitted(context.scene, None, 1);
                 branch.walk.radiance += branch.walk.throughput * emitted;
@@ -332,7 +334,7 @@ impl<C: Spectrum> Gather<C> {
     /// Light that the delta lobes of a surface scatter where maps give all light of its other lobes.
     fn beside_maps<S: Sampler, T: Tracer>(
         &self,
-        vertex: &Vertex<C>,
+        vertex: &Vertex<'_, C>,
         path: &EyePath<C>,
         counted_caustics: bool,
         context: &mut Context<'_, S, T, C>,
@@ -359,7 +361,7 @@ impl<C: Spectrum> Gather<C> {
     #[inline]
     fn bounce<S: Sampler>(
         &self,
-        vertex: &Vertex<C>,
+        vertex: &Vertex<'_, C>,
         path: &mut EyePath<C>,
         counted_caustics: bool,
         sampler: &mut S,
@@ -380,7 +382,7 @@ impl<C: Spectrum> Gather<C> {
     #[inline]
     fn diffuse<S: Sampler, T: Tracer>(
         &self,
-        vertex: &Vertex<C>,
+        vertex: &Vertex<'_, C>,
         path: &EyePath<C>,
         context: &mut Context<'_, S, T, C>,
         feedback: &mut PixelFeedback<'_, C>,
@@ -455,7 +457,7 @@ impl<C: Spectrum> Gather<C> {
         &self,
         layer: &MapLayer<C>,
         query: MapQuery,
-        vertex: &Vertex<C>,
+        vertex: &Vertex<'_, C>,
         tracer: &mut T,
     ) -> Estimate<C> {
         let estimate = query_map(layer, query, vertex, None);
@@ -473,7 +475,7 @@ impl<C: Spectrum> Gather<C> {
         is_first: bool,
         is_indirect: bool,
         feedback: &mut PixelFeedback<'_, C>,
-        vertex: &Vertex<C>,
+        vertex: &Vertex<'_, C>,
     ) -> MapQuery {
         let (Shrinking::ByPixel { alpha, first }, true, Some(gathering)) =
             (self.shrinking, is_first, feedback.gathering.as_deref_mut())
@@ -520,7 +522,7 @@ impl<C: Spectrum> Gather<C> {
 fn query_map<C: Spectrum>(
     layer: &MapLayer<C>,
     query: MapQuery,
-    vertex: &Vertex<C>,
+    vertex: &Vertex<'_, C>,
     cut: Option<&CutDisk>,
 ) -> Estimate<C> {
     let estimate = |nearest: &mut Nearest| match cut {

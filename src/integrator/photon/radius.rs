@@ -69,7 +69,8 @@ pub(super) fn pixel_size(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -
         for _ in 0..MOST_SPECULAR {
             let Some(hit) = tracer.intersect(&ray) else { break };
             way += hit.t;
-            let vertex = Vertex::<Rgb>::new(scene, &ray, &hit, ());
+            let mut slot = None;
+            let vertex = Vertex::<Rgb>::new(scene, &ray, &hit, (), &mut slot);
             let lobes = vertex.bsdf.lobes();
             if lobes.have_diffuse() || !lobes.have_specular() {
                 if lobes.have_diffuse() && !vertex.bsdf.is_black() {

@@ -232,7 +232,8 @@ impl<C: Spectrum> PhotonTracer<C> {
                 shot.tally.escaped += self.tallied(power);
                 return;
             };
-            let vertex = Vertex::of_light_path(&self.scene, &ray, &hit, self.wavelengths);
+            let mut slot = None;
+            let vertex = Vertex::of_light_path(&self.scene, &ray, &hit, self.wavelengths, &mut slot);
             let lobes = vertex.bsdf.lobes();
             if depth == 1 && self.kind == MapKind::Direct {
                 self.shadows(&ray, &vertex, tracer, shot);
@@ -285,7 +286,7 @@ impl<C: Spectrum> PhotonTracer<C> {
 
     /// Stores shadow photons behind the first surface that the light hit, straight along the ray: at the first hit of each
     /// body behind it, but not on the inside of a body that the light has already entered.
-    fn shadows(&self, ray: &Ray, first: &Vertex<C>, tracer: &mut SceneTracer, shot: &mut PhotonBatch<C>) {
+    fn shadows(&self, ray: &Ray, first: &Vertex<'_, C>, tracer: &mut SceneTracer, shot: &mut PhotonBatch<C>) {
         let mut inside = Vec::new();
         let mut from = first.through(ray.direction);
         let mut entered = first.enters(ray.direction).then_some(first.surface.surface);
@@ -293,7 +294,8 @@ impl<C: Spectrum> PhotonTracer<C> {
             inside.extend(entered.take());
             let ray = Ray::new(from, ray.direction);
             let Some(hit) = tracer.intersect(&ray) else { return };
-            let vertex = Vertex::of_light_path(&self.scene, &ray, &hit, self.wavelengths);
+            let mut slot = None;
+            let vertex = Vertex::of_light_path(&self.scene, &ray, &hit, self.wavelengths, &mut slot);
             let surface = vertex.surface.surface;
             if vertex.enters(ray.direction) {
                 entered = Some(surface);
@@ -317,7 +319,7 @@ impl<C: Spectrum> PhotonTracer<C> {
 /// Most surfaces along a ray that are tested for shadow photons.
 const MOST_SHADOWS: usize = 64;
 
-impl<C: Spectrum> Vertex<C> {
+impl<C: Spectrum> Vertex<'_, C> {
     /// The photon for light of this power that arrived at the vertex.
     #[inline]
     pub(super) fn photon(&self, power: C) -> Photon<C> {

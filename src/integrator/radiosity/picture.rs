@@ -50,7 +50,8 @@ impl Transport<Rgb> for RadiosityPicture {
     ) -> Rgb {
         let scene = context.scene;
         let Some(hit) = context.tracer.intersect(&ray) else { return escaped(scene, &ray, None, 1, &()) };
-        let vertex = Vertex::new(scene, &ray, &hit, ());
+        let mut slot = None;
+        let vertex = Vertex::new(scene, &ray, &hit, (), &mut slot);
         first(vertex.first_hit(scene));
         let mut radiance: Rgb = vertex.emitted(scene, None, 1);
         if !self.final_gather {
@@ -67,7 +68,8 @@ impl Transport<Rgb> for RadiosityPicture {
         let Some(hit) = context.tracer.intersect(&bounce.ray) else {
             return radiance + bounce.weight * escaped::<Rgb>(scene, &bounce.ray, previous, self.shadow_rays, &());
         };
-        let next = Vertex::<Rgb>::new(scene, &bounce.ray, &hit, ());
+        let mut slot = None;
+        let next = Vertex::<Rgb>::new(scene, &bounce.ray, &hit, (), &mut slot);
         let seen = next.emitted(scene, previous, self.shadow_rays) + self.reflected(&bounce.ray, &hit, &next.surface);
         radiance + bounce.weight * seen
     }
