@@ -16,6 +16,8 @@ mod black;
 mod dielectric;
 mod fresnel;
 mod lambert;
+#[cfg(test)]
+mod lobe_mixture;
 mod lobes;
 mod local;
 mod mirror;
@@ -27,6 +29,8 @@ pub use black::Black;
 pub use dielectric::Dielectric;
 pub use fresnel::{fresnel_dielectric, refracted_cosine};
 pub use lambert::Lambert;
+#[cfg(test)]
+pub(crate) use lobe_mixture::LobeMixture;
 pub use lobes::{Lobes, TransportMode};
 pub use mirror::Mirror;
 pub use model::{BsdfSample, Model, SpecularLobes};
@@ -37,13 +41,13 @@ use crate::desc::BsdfDesc;
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
-/// Makes the enumeration of models and hands each question on to the model.
+/// Makes the enumeration of models and hands each question on to the model. A `cfg` of a model follows its documentation.
 macro_rules! models {
-    ($($(#[$doc:meta])* $name:ident($model:ty),)*) => {
+    ($($(#[doc = $doc:literal])* $(#[cfg($cfg:meta)])? $name:ident($model:ty),)*) => {
         /// A scattering model with its constants worked out, in the channels that a path carries.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum Bsdf<C: Spectrum = Rgb> {
-            $($(#[$doc])* $name($model),)*
+            $($(#[doc = $doc])* $(#[cfg($cfg)])? $name($model),)*
         }
 
         impl Bsdf<Rgb> {
@@ -51,7 +55,7 @@ macro_rules! models {
             #[inline(always)]
             pub fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> Bsdf<C> {
                 match self {
-                    $(Self::$name(model) => Bsdf::$name(model.in_spectrum::<C>(wavelengths)),)*
+                    $($(#[cfg($cfg)])? Self::$name(model) => Bsdf::$name(model.in_spectrum::<C>(wavelengths)),)*
                 }
             }
         }
@@ -59,26 +63,27 @@ macro_rules! models {
         impl<C: Spectrum> Model<C> for Bsdf<C> {
             #[inline]
             fn lobes(&self) -> Lobes {
-                match self { $(Self::$name(model) => Model::<C>::lobes(model),)* }
+                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::lobes(model),)* }
             }
 
             #[inline]
             fn albedo(&self) -> C {
-                match self { $(Self::$name(model) => Model::<C>::albedo(model),)* }
+                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::albedo(model),)* }
             }
 
-            fn narrowest(&self) -> f32 {
-                match self { $(Self::$name(model) => Model::<C>::narrowest(model),)* }
+            #[inline]
+            fn diffuse_albedo(&self) -> C {
+                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::diffuse_albedo(model),)* }
             }
 
             #[inline]
             fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
-                match self { $(Self::$name(model) => Model::<C>::f(model, wo, wi, mode),)* }
+                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::f(model, wo, wi, mode),)* }
             }
 
             #[inline]
             fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-                match self { $(Self::$name(model) => Model::<C>::pdf(model, wo, wi),)* }
+                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::pdf(model, wo, wi),)* }
             }
 
             #[inline]
@@ -86,22 +91,22 @@ macro_rules! models {
                 if wo.z == 0.0 || wo.z.is_nan() {
                     return None;
                 }
-                match self { $(Self::$name(model) => model.sample(wo, u, mode),)* }
+                match self { $($(#[cfg($cfg)])? Self::$name(model) => model.sample(wo, u, mode),)* }
             }
 
             #[inline]
             fn constant_f(&self) -> Option<C> {
-                match self { $(Self::$name(model) => Model::<C>::constant_f(model),)* }
+                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::constant_f(model),)* }
             }
 
             #[inline]
             fn mean_f(&self, wo: Vec3) -> Option<C> {
-                match self { $(Self::$name(model) => model.mean_f(wo),)* }
+                match self { $($(#[cfg($cfg)])? Self::$name(model) => model.mean_f(wo),)* }
             }
 
             #[inline]
             fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {
-                match self { $(Self::$name(model) => model.specular_lobes(wo, mode),)* }
+                match self { $($(#[cfg($cfg)])? Self::$name(model) => model.specular_lobes(wo, mode),)* }
             }
         }
     };
@@ -120,6 +125,9 @@ models! {
     Mirror(Mirror<C>),
     /// Smooth dielectric interface.
     Dielectric(Dielectric),
+    /// Any lobes, for tests of integrators.
+    #[cfg(test)]
+    LobeMixture(LobeMixture<C>),
 }
 
 impl Bsdf {

@@ -40,10 +40,11 @@ pub trait Model<C: Spectrum> {
     /// Reflectance colour in [0, 1]: of the facets for rough models, 1 for a dielectric. 0 means that nothing is scattered.
     fn albedo(&self) -> C;
 
-    /// Width of the narrowest lobe, as the width parameter alpha of a microfacet distribution: 0 for a delta lobe, 1 for a
-    /// diffuse one.
-    fn narrowest(&self) -> f32 {
-        if self.lobes().have_specular() { 0.0 } else { 1.0 }
+    /// The part of [`Model::albedo`] that belongs to diffuse reflection; 0 where there is none. Models that have other lobes
+    /// beside it override the default.
+    #[inline]
+    fn diffuse_albedo(&self) -> C {
+        if self.lobes().contains(Lobes::DIFFUSE_REFLECTION) { self.albedo() } else { C::ZERO }
     }
 
     /// The scattering function (sr^-1), without a cosine; 0 for delta lobes and between sides that no lobe connects.
