@@ -107,8 +107,7 @@ impl Material {
     /// The share of the irradiance that the diffuse lobes reflect at a hit, as a colour. Other lobes give 0.
     pub fn diffuse_albedo(&self, detail: impl FnOnce() -> SurfaceDetail) -> Rgb {
         let mut slot = None;
-        let bsdf = self.at::<Rgb>(detail, &(), &mut slot);
-        if bsdf.lobes().have_diffuse() { bsdf.albedo() } else { Rgb::ZERO }
+        self.at::<Rgb>(detail, &(), &mut slot).diffuse_albedo()
     }
 
     /// Whether rays meet all surfaces of this material.

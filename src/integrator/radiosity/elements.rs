@@ -554,14 +554,14 @@ fn curved_area(shape: &Analytic, triangle: &[DVec3; 3]) -> f64 {
     fine + (fine - coarse) / 3.0
 }
 
-/// The fraction of a diffuse surface's irradiance that it reflects where the incident radiance is uniform; 0 for
-/// mirrors and glass.
+/// The fraction of the irradiance that the diffuse lobes of a surface reflect where the incident radiance is uniform; 0
+/// for mirrors and glass.
 pub(super) fn mean_albedo(bsdf: &Bsdf) -> DVec3 {
     if !bsdf.lobes().have_diffuse() || bsdf.is_black() {
         return DVec3::ZERO;
     }
     if bsdf.constant_f().is_some() {
-        return bsdf.albedo().to_f64();
+        return bsdf.diffuse_albedo().to_f64();
     }
     // Cosine-weighted mean of the directional albedo, by the midpoint rule in the squared cosine.
     const STEPS: u32 = 4096;

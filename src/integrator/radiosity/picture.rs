@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Radiosity;
 use super::elements::mean_albedo;
 use crate::bsdf::Model as _;
-use crate::integrator::vertex::{Vertex, escaped};
+use crate::integrator::vertex::Vertex;
 use crate::integrator::{Context, FirstHit, Tracer, Transport};
 use crate::math::Ray;
 use crate::sampling::Sampler;
@@ -49,7 +49,7 @@ impl Transport<Rgb> for RadiosityPicture {
         first: &mut impl FnMut(FirstHit),
     ) -> Rgb {
         let scene = context.scene;
-        let Some(hit) = context.tracer.intersect(&ray) else { return escaped(scene, &ray, None, 1, &()) };
+        let Some(hit) = context.tracer.intersect(&ray) else { return Rgb::ZERO };
         let mut slot = None;
         let vertex = Vertex::new(scene, &ray, &hit, (), &mut slot);
         first(vertex.first_hit(scene));
@@ -64,10 +64,10 @@ impl Transport<Rgb> for RadiosityPicture {
         vertex.add_light_samples(&mut radiance, context, self.shadow_rays, false);
         // All other light, by a ray to a surface whose reflected light the solution gives.
         let Some(bounce) = vertex.sample_bounce(context.sampler.next_4d()) else { return radiance };
-        let previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
-        let Some(hit) = context.tracer.intersect(&bounce.ray) else {
-            return radiance + bounce.weight * escaped::<Rgb>(scene, &bounce.ray, previous, self.shadow_rays, &());
-        };
+        // The solution knows nothing of delta lobes beside the diffuse one: their light is left out here as well.
+        let Some(pdf) = bounce.pdf else { return radiance };
+        let previous = Some((vertex.receiver(), pdf));
+        let Some(hit) = context.tracer.intersect(&bounce.ray) else { return radiance };
         let mut slot = None;
         let next = Vertex::<Rgb>::new(scene, &bounce.ray, &hit, (), &mut slot);
         let seen = next.emitted(scene, previous, self.shadow_rays) + self.reflected(&bounce.ray, &hit, &next.surface);
