@@ -275,6 +275,11 @@ impl EmitterSet {
         pdf * self.probability(index, receiver)
     }
 
+    /// Number of emitters at infinity that emit.
+    pub fn infinite(&self) -> usize {
+        self.infinite.len()
+    }
+
     /// Whether light comes from infinity.
     #[inline(always)]
     pub fn has_infinite(&self) -> bool {

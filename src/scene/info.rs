@@ -8,6 +8,7 @@ use crate::bsdf::{Bsdf, Model as _};
 use crate::desc::{BsdfDesc, IntegratorDesc, RouletteDesc, SceneDesc, SurfaceDesc};
 use crate::emitter::EmitterSet;
 use crate::math::Bounds;
+use crate::spectrum::Rgb;
 
 /// Range of a scene's extent in which products of three lengths, and with them the kernel's tests, neither overflow nor
 /// underflow.
@@ -34,6 +35,8 @@ pub struct SceneInfo {
     pub emitters: usize,
     /// Number of emitters that are point lights.
     pub point_lights: usize,
+    /// Number of emitters at infinity.
+    pub infinite_emitters: usize,
     /// Number of meshes that are shaded smoothly.
     pub smooth_meshes: usize,
     /// Box around all surfaces, in the world frame.
@@ -104,6 +107,7 @@ impl SceneInfo {
             embree_shapes: facts.embree_shapes,
             emitters: emitters.emitters().len(),
             point_lights: emitters.point_lights(),
+            infinite_emitters: emitters.infinite(),
             smooth_meshes: facts.smooth_meshes,
             bounds: facts.bounds,
             geometry_bytes: facts.geometry_bytes,
@@ -152,7 +156,7 @@ pub(super) fn warnings(desc: &SceneDesc, facts: &BuildFacts, emitters: &EmitterS
     if desc.render.integrator == IntegratorDesc::Radiosity {
         warnings.extend(not_diffuse(desc));
     }
-    if desc.surfaces.is_empty() {
+    if desc.surfaces.is_empty() && !emitters.has_infinite() {
         warnings.push("the scene has no surface: the image will be black".to_owned());
     } else if emitters.is_dark() {
         warnings.push("nothing in the scene emits light: the image will be black".to_owned());
@@ -182,28 +186,52 @@ fn named(desc: &SceneDesc, is_such: impl Fn(&SurfaceDesc, &BsdfDesc) -> bool) ->
     (count > 0).then(|| (count, named.join(", ")))
 }
 
-fn is_specular(bsdf: &BsdfDesc) -> bool {
-    Bsdf::new(bsdf).lobes().have_specular()
+/// How radiosity treats a surface that is not Lambertian.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum TakenAs {
+    Black,
+    WithoutSpecular,
+    MeanAlbedo,
+}
+
+impl TakenAs {
+    fn of(bsdf: &Bsdf) -> Option<Self> {
+        match (bsdf.lobes().have_diffuse(), bsdf.lobes().have_specular()) {
+            (false, true) => Some(Self::Black),
+            (true, true) => Some(Self::WithoutSpecular),
+            (true, false) if bsdf.constant_f().is_none() => Some(Self::MeanAlbedo),
+            _ => None,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Black => "black, being mirrors or glass",
+            Self::WithoutSpecular => "diffuse alone, without their mirrors or glass",
+            Self::MeanAlbedo => "Lambert's of the same mean albedo, being rough",
+        }
+    }
+}
+
+/// Whether a surface reflects nothing diffusely.
+fn is_not_diffuse(bsdf: &Bsdf) -> bool {
+    !bsdf.lobes().have_diffuse() || bsdf.diffuse_albedo() == Rgb::ZERO
 }
 
 /// Lists how radiosity treats surfaces that are not Lambertian.
 fn not_diffuse(desc: &SceneDesc) -> Vec<String> {
-    let taken = |(count, names), as_what: &str| format!("radiosity takes {count} surfaces as {as_what}: {names}");
-    let is_rough = |bsdf: &BsdfDesc| {
-        let bsdf = Bsdf::new(bsdf);
-        bsdf.lobes().have_diffuse() && bsdf.constant_f().is_none()
+    let line = |taken: TakenAs| {
+        let (count, names) = named(desc, |_, bsdf| TakenAs::of(&Bsdf::new(bsdf)) == Some(taken))?;
+        Some(format!("radiosity takes {count} surfaces as {}: {names}", taken.name()))
     };
-    let specular = named(desc, |_, bsdf| is_specular(bsdf)).map(|it| taken(it, "black, being mirrors or glass"));
-    let rough =
-        named(desc, |_, bsdf| is_rough(bsdf)).map(|it| taken(it, "Lambert's of the same mean albedo, being rough"));
-    specular.into_iter().chain(rough).collect()
+    [TakenAs::Black, TakenAs::WithoutSpecular, TakenAs::MeanAlbedo].into_iter().filter_map(line).collect()
 }
 
 /// Names the surfaces for which radiosity has no elements.
 fn not_in_radiosity(desc: &SceneDesc) -> Option<String> {
-    let is_black = |bsdf: &BsdfDesc| Bsdf::new(bsdf).is_black();
-    let (count, names) =
-        named(desc, |surface, bsdf| surface.emission.is_none() && (is_specular(bsdf) || is_black(bsdf)))?;
+    let is_absent =
+        |surface: &SurfaceDesc, bsdf: &BsdfDesc| surface.emission.is_none() && is_not_diffuse(&Bsdf::new(bsdf));
+    let (count, names) = named(desc, is_absent)?;
     Some(format!("radiosity finds no irradiance for {count} surfaces, which reflect nothing diffusely: {names}"))
 }
 
@@ -216,7 +244,11 @@ impl fmt::Display for SceneInfo {
             writeln!(f, "instances       {} of {} shared triangles", self.instances, self.shared_triangles)?;
         }
         writeln!(f, "analytic shapes {}", self.listed_shapes + self.embree_shapes)?;
-        writeln!(f, "emitters        {} ({} points)", self.emitters, self.point_lights)?;
+        write!(f, "emitters        {} ({} points", self.emitters, self.point_lights)?;
+        if self.infinite_emitters > 0 {
+            write!(f, ", {} at infinity", self.infinite_emitters)?;
+        }
+        writeln!(f, ")")?;
         if !self.bounds.is_empty() {
             let (min, max) = (self.bounds.min, self.bounds.max);
             writeln!(f, "bounds          [{}, {}, {}] to [{}, {}, {}]", min.x, min.y, min.z, max.x, max.y, max.z)?;
@@ -232,5 +264,63 @@ impl fmt::Display for SceneInfo {
             writeln!(f, "decision        {decision}")?;
         }
         write!(f, "switched off    {}", self.switched_off.join(", "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bsdf::{LobeMixture, Lobes};
+    use crate::desc::{ShapeDesc, SurfaceLook};
+    use crate::emitter::{Emitter, EnvironmentEmitter};
+    use crate::math::{DVec3, Vec3};
+    use crate::scene::{BuildOptions, Scene};
+
+    #[test]
+    fn light_from_infinity_is_no_darkness() {
+        let ball = || ShapeDesc::sphere(DVec3::ZERO, 1.0).unwrap();
+        let mut with_ball = SceneDesc::default();
+        let white = with_ball.add_material("white", BsdfDesc::Lambert { albedo: Rgb::ONE }, None).unwrap();
+        let look = SurfaceLook { material: Some(white), ..SurfaceLook::default() };
+        with_ball.add_surface(ball().0, ball().1, look).unwrap();
+        let environment = |radiance| Emitter::Environment(EnvironmentEmitter::new(radiance, Vec3::ZERO, 2.0));
+        let point = Emitter::Point { position: Vec3::ZERO, intensity: Rgb::ONE };
+        for (desc, black) in [(&SceneDesc::default(), "no surface"), (&with_ball, "nothing in the scene emits")] {
+            let scene = Scene::build(desc, &BuildOptions::default()).unwrap();
+            let of = |emitters: Vec<Emitter>| {
+                let emitters = EmitterSet::new(emitters);
+                let info = SceneInfo::new(desc, &scene.record, &emitters, false);
+                (info, warnings(desc, &scene.record.facts, &emitters, 0))
+            };
+            let (info, warnings) = of(vec![point, environment(Rgb::ONE)]);
+            assert_eq!((info.emitters, info.point_lights, info.infinite_emitters), (2, 1, 1));
+            assert!(warnings.is_empty(), "{warnings:?}");
+            assert!(info.to_string().contains("\nemitters        2 (1 points, 1 at infinity)\n"), "{info}");
+            assert!(!info.switched_off.contains(&"emitter sampling"));
+            for emitters in [vec![], vec![environment(Rgb::ZERO)]] {
+                let (info, warnings) = of(emitters);
+                assert_eq!(info.infinite_emitters, 0);
+                assert!(matches!(&warnings[..], [one] if one.contains(black)), "{warnings:?}");
+                assert!(!info.to_string().contains("infinity"), "{info}");
+            }
+        }
+    }
+
+    #[test]
+    fn radiosity_tells_how_it_takes_mixtures() {
+        let grey = |lobes: &[Lobes]| {
+            let weights: Vec<_> = lobes.iter().map(|lobe| (*lobe, Rgb::splat(0.25))).collect();
+            Bsdf::LobeMixture(LobeMixture::new(&weights, 20.0))
+        };
+        let (diffuse, mirror) = (Lobes::DIFFUSE_REFLECTION, Lobes::SPECULAR_REFLECTION);
+        let cases = [
+            (grey(&[diffuse]), None, false),
+            (grey(&[mirror]), Some(TakenAs::Black), true),
+            (grey(&[diffuse, mirror]), Some(TakenAs::WithoutSpecular), false),
+            (Bsdf::new(&BsdfDesc::Black), None, true),
+        ];
+        for (bsdf, taken, is_absent) in cases {
+            assert_eq!((TakenAs::of(&bsdf), is_not_diffuse(&bsdf)), (taken, is_absent), "{bsdf:?}");
+        }
     }
 }
