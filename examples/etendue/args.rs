@@ -431,20 +431,22 @@ pub enum Sampler {
     Gaussian,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Roulette {
-    /// The library's own, by the throughput that a path still carries.
-    Own,
-    /// The reflectionRate of the scene's materials.
-    File,
-}
+/// A survival probability of Russian roulette, by its name in files.
+#[derive(Clone, Copy, Debug)]
+pub struct Roulette(pub RouletteDesc);
 
-impl From<Roulette> for RouletteDesc {
-    fn from(roulette: Roulette) -> Self {
-        match roulette {
-            Roulette::Own => Self::Own,
-            Roulette::File => Self::File,
-        }
+impl ValueEnum for Roulette {
+    fn value_variants<'a>() -> &'a [Self] {
+        static ALL: LazyLock<Vec<Roulette>> = LazyLock::new(|| RouletteDesc::ALL.map(Roulette).to_vec());
+        &ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self.0 {
+            RouletteDesc::Own => "The library's own, by the throughput that a path still carries",
+            RouletteDesc::File => "The reflectionRate of the scene's materials",
+        };
+        Some(PossibleValue::new(self.0.name()).help(help))
     }
 }
 
@@ -512,7 +514,7 @@ impl RenderArgs {
             integrator: self.integrator.map_or(scene.integrator, |Integrator(integrator)| integrator),
             max_depth: self.max_depth.map_or(scene.max_depth, |depth| depth.0),
             shadow_rays: self.shadow_rays.unwrap_or(scene.shadow_rays),
-            roulette: self.roulette.map_or(scene.roulette, RouletteDesc::from),
+            roulette: self.roulette.map_or(scene.roulette, |roulette| roulette.0),
             photons: PhotonDesc {
                 count: self.photons.or(scene.photons.count),
                 radius: self.photon_radius.or(scene.photons.radius),
