@@ -22,6 +22,8 @@ pub struct IntegratorInfo {
     pub preparation: Preparation,
     /// Whether `maxDepth` limits the length of the integrator's paths.
     pub cut_by_max_depth: bool,
+    /// Whether the integrator takes light from emitters at infinity. It refuses scenes that have any otherwise.
+    pub takes_infinite_emitters: bool,
     /// How the integrator treats each kind of lobe; `None` for an integrator that chooses another one, whose support
     /// then applies.
     pub lobes: Option<LobeSupport>,
@@ -146,6 +148,7 @@ macro_rules! integrators {
             order: $order:expr,
             preparation: $preparation:expr,
             cut_by_max_depth: $cut_by_max_depth:literal,
+            takes_infinite_emitters: $takes_infinite_emitters:literal,
             lobes: $lobes:expr,
         }
     )*) => {
@@ -171,6 +174,7 @@ macro_rules! integrators {
                             order: $order,
                             preparation: $preparation,
                             cut_by_max_depth: $cut_by_max_depth,
+                            takes_infinite_emitters: $takes_infinite_emitters,
                             lobes: $lobes,
                         };
                         &INFO
@@ -198,6 +202,7 @@ integrators! {
         order: SampleOrder::InWaves,
         preparation: Preparation::Nothing,
         cut_by_max_depth: true,
+        takes_infinite_emitters: true,
         lobes: Some(FOLLOWED),
     }
     /// Direct light, perfect mirrors and glass; no diffuse interreflection.
@@ -208,6 +213,7 @@ integrators! {
         order: SampleOrder::OneByOne,
         preparation: Preparation::Nothing,
         cut_by_max_depth: true,
+        takes_infinite_emitters: true,
         lobes: Some(LobeSupport {
             diffuse: LobeUse::DirectLight,
             glossy: LobeUse::DirectLight,
@@ -222,6 +228,7 @@ integrators! {
         order: SampleOrder::InWaves,
         preparation: Preparation::Nothing,
         cut_by_max_depth: false,
+        takes_infinite_emitters: true,
         lobes: Some(LobeSupport {
             diffuse: LobeUse::DirectLight,
             glossy: LobeUse::DirectLight,
@@ -236,6 +243,7 @@ integrators! {
         order: SampleOrder::WithPixelMemory,
         preparation: Preparation::PhotonMaps(PhotonMethod::Direct, MapRenewal::Once),
         cut_by_max_depth: true,
+        takes_infinite_emitters: true,
         lobes: Some(STORED),
     }
     /// Path tracing, with caustics from a photon map.
@@ -246,6 +254,7 @@ integrators! {
         order: SampleOrder::WithPixelMemory,
         preparation: Preparation::PhotonMaps(PhotonMethod::Caustic, MapRenewal::EachPassByDefault),
         cut_by_max_depth: true,
+        takes_infinite_emitters: true,
         lobes: Some(STORED),
     }
     /// A global and a caustic photon map, with final gathering.
@@ -256,6 +265,7 @@ integrators! {
         order: SampleOrder::WithPixelMemory,
         preparation: Preparation::PhotonMaps(PhotonMethod::FinalGather, MapRenewal::Once),
         cut_by_max_depth: true,
+        takes_infinite_emitters: true,
         lobes: Some(STORED),
     }
     /// All light, with indirect diffuse light interpolated between final gathers.
@@ -266,6 +276,7 @@ integrators! {
         order: SampleOrder::WithPixelMemory,
         preparation: Preparation::PhotonMaps(PhotonMethod::IrradianceCache, MapRenewal::Once),
         cut_by_max_depth: true,
+        takes_infinite_emitters: true,
         lobes: Some(STORED),
     }
     /// The diffuse scene solved as a whole, for every view of it.
@@ -276,6 +287,7 @@ integrators! {
         order: SampleOrder::OneByOne,
         preparation: Preparation::RadiositySolution,
         cut_by_max_depth: false,
+        takes_infinite_emitters: false,
         lobes: Some(LobeSupport {
             diffuse: LobeUse::StoredAndGathered,
             glossy: LobeUse::Refused,
@@ -290,6 +302,7 @@ integrators! {
         order: SampleOrder::WithPixelMemory,
         preparation: Preparation::PhotonMaps(PhotonMethod::CommonRadius, MapRenewal::EachPass),
         cut_by_max_depth: true,
+        takes_infinite_emitters: true,
         lobes: Some(STORED),
     }
     /// Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel.
@@ -300,6 +313,7 @@ integrators! {
         order: SampleOrder::WithPixelMemory,
         preparation: Preparation::PhotonMaps(PhotonMethod::PixelRadii, MapRenewal::EachPass),
         cut_by_max_depth: true,
+        takes_infinite_emitters: true,
         lobes: Some(STORED),
     }
     /// Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
@@ -310,6 +324,7 @@ integrators! {
         order: SampleOrder::OfChoice,
         preparation: Preparation::Choice,
         cut_by_max_depth: true,
+        takes_infinite_emitters: true,
         lobes: None,
     }
 }

@@ -1,18 +1,25 @@
-//! Which scenes an integrator supports, by the lobes and the opacity of their surfaces and by their motion.
+//! Which scenes an integrator supports, by the lobes and the opacity of their surfaces, by their emitters and their motion.
 
 use crate::bsdf::Lobes;
 use crate::desc::{IntegratorDesc, LobeSupport, LobeUse};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
-/// Refuses a scene that moves, or has a surface with lobes or an opacity that the integrator does not support, according to
-/// the table of integrators.
+/// Refuses a scene that moves, that has light from infinity, or that has a surface with lobes or an opacity, which the
+/// integrator does not support according to the table of integrators.
 ///
 /// # Errors
-/// [`ErrorKind::Unsupported`], whose message names the surface and the integrator.
+/// [`ErrorKind::Unsupported`], whose message names the integrator and, for lobes, the surface.
 pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
     if !integrator.info().shows_motion() {
         check_still(scene, integrator.name())?;
+    }
+    if scene.emitters().has_infinite() && !integrator.info().takes_infinite_emitters {
+        let message = format!(
+            "{} takes no light from infinity; expected an integrator that does, such as path",
+            integrator.name()
+        );
+        return Err(Error::new(ErrorKind::Unsupported, message));
     }
     let Some(support) = integrator.info().lobes else { return Ok(()) };
     // The density of what is stored on a surface is that of the light times the opacity.

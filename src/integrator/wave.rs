@@ -142,8 +142,10 @@ impl<C: Spectrum> Wave<C> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bsdf::{Bsdf, LobeMixture, Lobes};
     use crate::camera::Camera;
     use crate::desc;
+    use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter};
     use crate::integrator::{Direct, Integrator, Path, SceneTracer};
     use crate::sampling::{Pattern, PatternSampler, SobolSampler};
     use crate::scene::BuildOptions;
@@ -195,5 +197,28 @@ mod tests {
             let dynamic = BuildOptions { dynamic: true, ..BuildOptions::default() };
             compare(&Scene::build(&desc, &dynamic).unwrap(), &Path { max_depth: None, shadow_rays: 1 }, &sobol);
         }
+    }
+
+    /// Paths that leave the scene, and those that scatter by chosen lobes on both sides.
+    #[test]
+    fn a_path_in_a_wave_finds_an_environment_and_all_lobes_as_it_does_alone() {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/quadrics.json");
+        let desc = desc::load(file.as_ref(), None).unwrap();
+        let mut scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
+        let grey = |lobe: Lobes| (lobe, Rgb::splat(0.15));
+        for material in 0..desc.materials.len() {
+            scene.set_bsdf(
+                material,
+                Bsdf::LobeMixture(LobeMixture::new(&Lobes::all().iter().map(grey).collect::<Vec<_>>(), 20.0)),
+            );
+        }
+        let bounds = scene.info().bounds;
+        let (centre, radius) = (scene.to_scene(bounds.centre()), (bounds.max - bounds.min).length() as f32);
+        let mut emitters = scene.emitters().emitters().to_vec();
+        emitters.push(Emitter::Environment(EnvironmentEmitter::new(Rgb::new(0.5, 1.0, 2.0), centre, radius)));
+        scene.set_emitters(EmitterSet::new(emitters));
+        let sobol = SobolSampler::new(3, 64).in_turn(8);
+        compare(&scene, &Path { max_depth: None, shadow_rays: 2 }, &sobol);
+        compare(&scene, &Direct { shadow_rays: 1 }, &sobol);
     }
 }

@@ -20,6 +20,8 @@ mod replay;
 mod report;
 mod schedule;
 mod settings;
+#[cfg(test)]
+mod tests;
 mod worker_pool;
 mod workers;
 

@@ -318,6 +318,14 @@ impl Scene {
         self.bindings.emitters = Arc::new(emitters);
     }
 
+    /// Replaces the Bsdf of a material, by its number in the description.
+    #[cfg(test)]
+    pub(crate) fn set_bsdf(&mut self, material: usize, bsdf: crate::bsdf::Bsdf) {
+        let mut materials = self.materials.to_vec();
+        materials[material].bsdf = bsdf;
+        self.materials = materials.into();
+    }
+
     /// All emitters of the scene.
     #[inline]
     pub fn emitters(&self) -> &EmitterSet {

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::super::vertex::Vertex;
-use super::super::{SceneTracer, Tracer as _};
+use super::super::{SceneTracer, Tracer as _, check_support};
 use super::emit::{Aim, Emission};
 use crate::bsdf::Model as _;
 use crate::desc::{IntegratorDesc, PhotonSharing};
@@ -54,6 +54,10 @@ pub fn choose(scene: &Scene) -> Choice {
     }
     if !lobes.have_diffuse() {
         return choice(IntegratorDesc::Path, "there is no diffuse surface for caustics to fall on".to_owned());
+    }
+    let is_refused = |integrator| check_support(scene, integrator).is_err();
+    if [IntegratorDesc::Caustic, IntegratorDesc::Sppm].into_iter().any(is_refused) {
+        return choice(IntegratorDesc::Path, "photon maps cannot hold the light of all of its surfaces".to_owned());
     }
     let Ok(seen) = look(scene) else {
         return choice(IntegratorDesc::Path, "its lights cannot be followed".to_owned());

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::super::check_support;
 use super::super::irradiance_cache::fill_cache;
 use super::aim::Aims;
 use super::choose::aimed_paths_find_caustics;
@@ -78,7 +79,8 @@ impl Plan {
     /// Prepares the maps of an integrator: checks the settings, and finds radii where none are given.
     ///
     /// # Errors
-    /// [`ErrorKind::InvalidScene`] for settings that a file could not contain, and for an integrator without photon maps.
+    /// [`ErrorKind::InvalidScene`] for settings that a file could not contain, and for an integrator without photon maps;
+    /// [`ErrorKind::Unsupported`] for a scene that the integrator does not take.
     pub fn new(scene: &Scene, camera: &Camera, desc: &Arc<RenderDesc>, integrator: IntegratorDesc) -> Result<Self> {
         Self::in_spectrum(scene, camera, desc, integrator)
     }
@@ -125,6 +127,7 @@ impl<C: Spectrum> Plan<C> {
         let photons = &desc.photons;
         // A host may have set numbers that no file could contain.
         desc.check()?;
+        check_support(scene, integrator)?;
         let pixel = pixel_size(scene, camera, desc.resolution);
         let otherwise = match method {
             PhotonMethod::Direct => REPORT_RADIUS,

@@ -157,7 +157,7 @@ impl Radiosity {
     /// Solves a scene. The result is the same for any number of threads.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::Unsupported`] for surfaces that elements cannot hold (see [`check_support`]);
+    /// [`crate::ErrorKind::Unsupported`] for surfaces and emitters that the method does not take (see [`check_support`]);
     /// [`crate::ErrorKind::InvalidScene`] for settings that no file could have given; `OutOfMemory` where elements and
     /// links take more than `memory` allows; `Cancelled`.
     pub fn solve(scene: &Scene, desc: &RadiosityDesc, parallel: &mut impl Parallel) -> Result<Self> {
