@@ -45,7 +45,7 @@ pub(super) type PreviousBounce = Option<(Receiver, f32)>;
 /// Radiance from infinity along a ray that misses the scene, with the multiple importance sampling weight of Bsdf sampling
 /// against light sampling. The arguments are those of [`Vertex::emitted`].
 ///
-/// All integrators call this function for every ray that misses the scene.
+/// All integrators that take light from infinity call this function for every ray that misses the scene.
 #[inline(always)]
 pub(super) fn escaped<C: Spectrum>(
     scene: &Scene,
