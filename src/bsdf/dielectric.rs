@@ -73,7 +73,8 @@ impl<C: Spectrum> Model<C> for Dielectric {
 
     /// Chooses a lobe with `u[2]`, with probability equal to its share, so that a reflection's weight is 1 and a
     /// refraction's 1, or 1 / eta^2 for radiance.
-    #[inline]
+    // Inlined, it would make the choice among models save and restore registers for every sample of any model.
+    #[inline(never)]
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>> {
         let eta = self.relative_eta(wo);
         let reflectance = fresnel_dielectric(f64::from(wo.z), eta) as f32;

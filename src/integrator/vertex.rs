@@ -2,8 +2,8 @@
 
 use super::tracer::{Context, FirstHit, Tracer};
 use crate::bsdf::{Bsdf, Model, SpecularLobes, TransportMode};
-use crate::emitter::Receiver;
-use crate::math::{Frame, Ray, Vec3};
+use crate::emitter::{EmitterSet, Receiver};
+use crate::math::{Frame, HitPoint, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::sampling::mis::power_heuristic;
 use crate::scene::{Hit, Scene, SurfaceInteraction};
@@ -71,6 +71,26 @@ pub(super) fn escaped<C: Spectrum>(
     radiance
 }
 
+/// [`Vertex::emitted`] of a surface that emits, from its outer normal, the direction back along the path and the point. The
+/// arguments are values, since a reference to the vertex would keep all of it in memory.
+fn emission<C: Spectrum>(
+    emitters: &EmitterSet,
+    emitter: u32,
+    [ng, wo, p]: [Vec3; 3],
+    previous: PreviousBounce,
+    light_samples: u32,
+    wavelengths: &C::Wavelengths,
+) -> C {
+    let le = C::from_emission(emitters.le(emitter, ng, wo), wavelengths);
+    match previous {
+        Some((receiver, pdf)) if le != C::ZERO => {
+            let light_pdf = emitters.pdf(emitter, receiver, p);
+            le * power_heuristic(pdf, light_samples as f32 * light_pdf)
+        }
+        _ => le,
+    }
+}
+
 impl<'v, C: Spectrum> Vertex<'v, C> {
     /// The vertex at the hit of a ray of a camera path. `slot` holds the vertex's Bsdf where the scene has none for it.
     #[inline(always)]
@@ -117,7 +137,9 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         let wo = frame.to_local(wo_scene);
         let surface = SurfaceInteraction { point, ng, ns, surface, material, emitter };
         let material = scene.material(material);
-        let bsdf = material.at::<C>(|| scene.detail(hit, &surface), &wavelengths, slot);
+        // The closure copies what it needs: a reference would keep the whole vertex in memory.
+        let HitPoint { time, cone, .. } = point;
+        let bsdf = material.at::<C>(move || scene.detail_at(hit, ng, time, cone), &wavelengths, slot);
         Self { bsdf, hit: Some(hit), survival: material.survival, mode, wavelengths, frame, wo, wo_scene, surface }
     }
 
@@ -185,12 +207,14 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
     }
 
     /// The albedo, normal and position for the auxiliary layers.
+    #[inline(always)]
     pub fn first_hit(&self, scene: &Scene) -> FirstHit {
         // As a colour: what the path's wavelengths show of it has densities to be divided by, and an albedo has not.
-        let material = scene.material(self.surface.material);
+        let SurfaceInteraction { ng, material, point: HitPoint { time, cone, .. }, .. } = self.surface;
+        let material = scene.material(material);
         let mut slot = None;
         let bsdf = match self.hit {
-            Some(hit) => material.at::<Rgb>(|| scene.detail(hit, &self.surface), &(), &mut slot),
+            Some(hit) => material.at::<Rgb>(move || scene.detail_at(hit, ng, time, cone), &(), &mut slot),
             None => material.mean(),
         };
         let albedo = bsdf.albedo();
@@ -202,17 +226,14 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
     ///
     /// `previous` holds the receiver and density [sr^-1] of the bounce that led here, or `None` when no light sample could
     /// have led here. `light_samples` is the number of light samples taken at that bounce.
-    #[inline]
+    #[inline(always)]
     pub fn emitted(&self, scene: &Scene, previous: PreviousBounce, light_samples: u32) -> C {
-        let Some(emitter) = self.surface.emitter else { return C::ZERO };
-        let le = scene.emitters().le(emitter, self.surface.ng, self.wo_scene);
-        let le = C::from_emission(le, &self.wavelengths);
-        match previous {
-            Some((receiver, pdf)) if le != C::ZERO => {
-                let light_pdf = scene.emitters().pdf(emitter, receiver, self.surface.point.p);
-                le * power_heuristic(pdf, light_samples as f32 * light_pdf)
+        let SurfaceInteraction { emitter, ng, point: HitPoint { p, .. }, .. } = self.surface;
+        match emitter {
+            Some(emitter) => {
+                emission(scene.emitters(), emitter, [ng, self.wo_scene, p], previous, light_samples, &self.wavelengths)
             }
-            _ => le,
+            None => C::ZERO,
         }
     }
 

@@ -4,23 +4,18 @@
 //! Using Ray Cones".
 
 /// A cone around a ray, through which a pixel sees: its diameter at the ray's origin, and the growth of its diameter with
-/// distance. Both are stored with 8 significant bits, which is plenty for the choice of a filter's width; a ray carries the
+/// distance. Both are stored with 8 significant bits, which are plenty for the choice of a filter's width; a ray carries the
 /// cone in bytes that were padding. The default is no cone at all, of diameter 0 everywhere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RayCone {
-    width: u16,
-    spread: u16,
-}
+pub struct RayCone(
+    /// The upper halves of two numbers: the width in the upper 16 bits, the spread in the lower ones.
+    u32,
+);
 
 /// The upper half of a number's bits, rounded to the nearest; negative numbers and NaN become 0.
 #[inline]
-fn pack(x: f32) -> u16 {
-    if x > 0.0 { (x.min(f32::MAX / 2.0).to_bits().wrapping_add(1 << 15) >> 16) as u16 } else { 0 }
-}
-
-#[inline]
-fn unpack(bits: u16) -> f32 {
-    f32::from_bits(u32::from(bits) << 16)
+fn pack(x: f32) -> u32 {
+    if x > 0.0 { (x.min(f32::MAX / 2.0).to_bits() + (1 << 15)) >> 16 } else { 0 }
 }
 
 impl RayCone {
@@ -28,19 +23,19 @@ impl RayCone {
     /// half the cone's angle). Both are >= 0.
     #[inline]
     pub fn new(width: f32, spread: f32) -> Self {
-        Self { width: pack(width), spread: pack(spread) }
+        Self(pack(width) << 16 | pack(spread))
     }
 
     /// The diameter at the ray's origin.
     #[inline]
     pub fn width(self) -> f32 {
-        unpack(self.width)
+        f32::from_bits(self.0 & 0xffff_0000)
     }
 
     /// The growth of the diameter for each unit of length.
     #[inline]
     pub fn spread(self) -> f32 {
-        unpack(self.spread)
+        f32::from_bits(self.0 << 16)
     }
 
     /// Whether there is no cone.
@@ -53,7 +48,7 @@ impl RayCone {
     #[inline]
     #[must_use]
     pub fn after(self, distance: f32) -> Self {
-        Self { width: pack(self.width() + self.spread() * distance), spread: self.spread }
+        Self::new(self.width() + self.spread() * distance, self.spread())
     }
 
     /// The cone after scattering by a lobe of this density [sr^-1], whose directions fill a solid angle of about 1 / `pdf`:
@@ -63,7 +58,7 @@ impl RayCone {
     pub fn scattered(self, pdf: f32) -> Self {
         // A cone of solid angle s has the half angle sqrt(s / pi), where s is small.
         let spread = 2.0 * (std::f32::consts::PI * pdf).sqrt().recip();
-        Self { width: self.width, spread: self.spread.max(pack(spread.min(2.0))) }
+        Self::new(self.width(), self.spread().max(spread.min(2.0)))
     }
 }
 

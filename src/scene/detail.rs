@@ -6,7 +6,7 @@ use super::describe::in_order;
 use super::geometry::Geometry;
 use super::interaction::Triangles;
 use super::{Hit, Scene, SurfaceInteraction};
-use crate::math::{DVec3, Frame, Vec3, shutter_time};
+use crate::math::{DVec3, Frame, RayCone, Vec3, shutter_time};
 
 /// Where a point lies on its surface, and how much of the surface a pixel sees there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,12 +28,17 @@ impl Scene {
     /// Computes texture coordinates and tangents at a hit, and the diameter of the ray that met the surface. `at` is the
     /// interaction of the same hit.
     pub fn detail(&self, hit: &Hit, at: &SurfaceInteraction) -> SurfaceDetail {
+        self.detail_at(hit, at.ng, at.point.time, at.point.cone)
+    }
+
+    /// [`Scene::detail`] from the parts of an interaction that it needs.
+    pub(crate) fn detail_at(&self, hit: &Hit, ng: Vec3, time: f32, cone: RayCone) -> SurfaceDetail {
         let uv = self.uv(hit);
-        let [dpdu, dpdv] = self.tangents(hit, at.point.time).unwrap_or_else(|| {
-            let frame = Frame::from_normal(at.ng);
+        let [dpdu, dpdv] = self.tangents(hit, time).unwrap_or_else(|| {
+            let frame = Frame::from_normal(ng);
             [frame.s, frame.t]
         });
-        SurfaceDetail { uv, dpdu, dpdv, footprint: at.point.cone.width() }
+        SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width() }
     }
 
     /// The texture coordinates of a point.

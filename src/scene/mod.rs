@@ -167,10 +167,10 @@ impl Scene {
             if let Some(embree) = &self.embree {
                 embree.intersect_many(rays, |number| ends[number], |number, hit| hits[number] = Some(hit.into()));
             }
-            if self.asks.opacity {
-                for (ray, hit) in rays.iter().zip(hits) {
-                    *hit = hit.and_then(|hit| self.first_opaque(ray, hit));
-                }
+        }
+        if self.asks.opacity {
+            for (ray, hit) in rays.iter().zip(hits) {
+                *hit = hit.and_then(|hit| self.first_opaque(ray, hit));
             }
         }
     }
@@ -232,7 +232,7 @@ impl Scene {
 
     /// Returns the position, normals, material and emitter of the surface that `ray` hit. The hit must come from the
     /// same ray and scene.
-    #[inline]
+    #[inline(always)]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         let mut interaction = self.point_of(hit, ray.time, |shape| shape.point(ray, hit.t));
         if self.asks.footprints {

@@ -280,10 +280,11 @@ fn footprints_are_what_pixels_see() {
 
 #[test]
 fn what_stores_light_on_surfaces_refuses_those_that_are_not_opaque() {
-    let scene = with(
+    let mut scene = with(
         build(json!([quad("varied", QUAD), quad("white", behind(-1.0))]), &BuildOptions::default()),
         Veil([0.5, 0.5]),
     );
+    scene.set_emitters(EmitterSet::new(Vec::new()));
     for integrator in IntegratorDesc::ALL {
         let desc = RenderDesc { resolution: [4, 4], samples: 1, integrator, ..RenderDesc::default() };
         let made = Render::new(&scene, RenderSettings { desc, threads: 1, ..Default::default() });
