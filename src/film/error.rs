@@ -23,7 +23,9 @@ pub struct ErrorEstimate {
     /// The estimated error.
     pub value: f64,
     /// Standard error of `value`, from the scatter over pixels. The scatter includes the differences between the pixels'
-    /// expectations, so the standard error is rather too large. Light that no sample has met yet is not included.
+    /// expectations, so the standard error is rather too large. Light that no sample has met yet is not included. A
+    /// bright path that one sample has met counts in it as a stray path, by photon methods too, where `value` takes it for what
+    /// is likely.
     pub standard_error: f64,
 }
 
@@ -57,6 +59,15 @@ const REACH: usize = 2;
 /// Number of pixels between two checks for a cancel.
 const CANCEL_INTERVAL: usize = 1 << 12;
 
+/// What a pixel adds to the error of an image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PixelError {
+    /// The pixel's squared error, the mean over channels.
+    pub value: f64,
+    /// The same if a bright path that one sample has met was a stray path. Standard errors are computed from it.
+    pub bound: f64,
+}
+
 /// Sums over the pixels' terms of a mean, from which the mean and its standard error follow.
 #[derive(Clone, Copy, Default)]
 struct Terms {
@@ -66,10 +77,10 @@ struct Terms {
 }
 
 impl Terms {
-    fn add(&mut self, term: f64) {
+    fn add(&mut self, error: PixelError) {
         self.count += 1.0;
-        self.sum += term;
-        self.squares += term * term;
+        self.sum += error.value;
+        self.squares += error.bound * error.bound;
     }
 
     /// The mean and its standard error; `None` if a pixel has no estimate or the image is black.
@@ -155,7 +166,7 @@ impl Film {
         measure: ErrorMeasure,
         is_tame: bool,
         cancel: &Cancel,
-        mut visit: impl FnMut(usize, u32, f64),
+        mut visit: impl FnMut(usize, u32, PixelError),
     ) -> bool {
         let (weighted, share) = (self.options.weighted, self.options.share);
         let is_relative = measure == ErrorMeasure::RelMse;
@@ -176,9 +187,10 @@ impl Film {
         let sum: f64 = means.iter().flatten().copied().map(f64::from).sum();
         let mean = sum / (3 * self.pixel_count()).max(1) as f64;
         let floor = 1e-2 * mean * mean;
-        if !compare_with_surroundings(&mut unknown, &means, self.options.resolution[0] as usize, floor, cancel) {
-            return false;
-        }
+        let width = self.options.resolution[0] as usize;
+        let Some(rare) = compare_with_surroundings(&mut unknown, &means, width, floor, cancel) else { return false };
+        // Where walls scatter light to the camera's paths, their stray paths would hide the reflections' numbers.
+        let repeats = if self.options.gathering { rare.repeats() as f32 } else { 0.0 };
         drop(means);
         self.for_each_unless(cancel, |place, pixel, beside| {
             let biases = beside.gathering.and_then(PixelPhotonState::biases).unwrap_or_default();
@@ -192,20 +204,28 @@ impl Film {
                 };
                 let by_own = relative_to(own);
                 match unknown.binary_search_by_key(&place, |pixel| pixel.place as usize) {
-                    Err(_) => by_own,
+                    Err(_) => PixelError { value: by_own, bound: by_own },
                     Ok(found) => {
                         let UnknownMean { surroundings, weight, .. } = unknown[found];
-                        let by_surroundings = relative_to(surroundings);
-                        // Products of noisy bias estimates may be negative. They have no geometric mean.
-                        if by_own > 0.0 && by_surroundings > 0.0 {
-                            by_own * (by_surroundings / by_own).powf(weight)
-                        } else {
-                            by_surroundings
-                        }
+                        // The mean that the pixel is expected to have: brighter than its surroundings where a bright path that
+                        // one sample has met is more than chance.
+                        let expected =
+                            std::array::from_fn(|i| surroundings[i] + repeats * (own[i] - surroundings[i]).max(0.0));
+                        let [value, bound] = [expected, surroundings].map(|mean| {
+                            let by_others = relative_to(mean);
+                            // Products of noisy bias estimates may be negative. They have no geometric mean.
+                            if by_own > 0.0 && by_others > 0.0 {
+                                by_own * (by_others / by_own).powf(weight)
+                            } else {
+                                by_others
+                            }
+                        });
+                        PixelError { value, bound }
                     }
                 }
             } else {
-                mean_of_channels(|i| display_error2(own[i], squared[i]))
+                let value = mean_of_channels(|i| display_error2(own[i], squared[i]));
+                PixelError { value, bound: value }
             };
             visit(place, pixel.count(), error);
         })
@@ -255,7 +275,7 @@ impl UnknownMean {
 }
 
 /// Compares pixels of unknown mean with their surroundings, sorts them by place, and removes those whose own mean counts
-/// alone. Returns `false` if it was cancelled before the end.
+/// alone. Returns the numbers of rare bright pixels; `None` if it was cancelled before the end.
 ///
 /// relMSE is squared error over the squared *true* mean. If the error were relative to the pixel's own mean, a bright path
 /// that one sample has met would have a large error only in proportion to itself, and no pixel could have a relative error
@@ -275,30 +295,38 @@ fn compare_with_surroundings(
     width: usize,
     floor: f64,
     cancel: &Cancel,
-) -> bool {
-    if WorkProgress::new(cancel).sort(unknown, &|a, b| a.place.cmp(&b.place)).is_err() {
-        return false;
-    }
-    // Sums of the light by which pixels exceed their surroundings. It may be that of bright paths that any pixel could meet.
-    let mut excess = [0.0_f64; 3];
+) -> Option<RarePixels> {
+    WorkProgress::new(cancel).sort(unknown, &|a, b| a.place.cmp(&b.place)).ok()?;
+    // Means below the floor count as equal to it.
+    let lift = |mean: f32| f64::from(mean).hypot(floor.sqrt());
+    // Light of a pixel beyond that of its surroundings, as a multiple of the surroundings' light.
+    let excess = |weight: f64, own: [f32; 3], around: [f32; 3]| -> [f64; 3] {
+        std::array::from_fn(|i| weight * f64::from(own[i] - around[i]) / lift(around[i]))
+    };
+    // Sum over the image. Divided by the number of pixels, it is the share of light that rare bright paths carry, which
+    // surroundings that have met none of them lack. If the same radiance were added everywhere, it would be too much in dark
+    // pixels, which have most of relMSE.
+    let mut strays = [0.0_f64; 3];
+    let mut rare = RarePixels { once: 0.0, often: 0.0 };
     let mut kept = 0;
     for number in 0..unknown.len() {
         if number % CANCEL_INTERVAL == 0 && cancel.is_cancelled() {
-            return false;
+            return None;
         }
         let UnknownMean { place, weight: variance, .. } = unknown[number];
         let own = means[place as usize];
         let square: f64 = own.iter().map(|&mean| f64::from(mean) * f64::from(mean)).sum();
         let surroundings = mean_of_surroundings(means, width, place as usize);
-        // Means below the floor count as equal to it.
-        let ratio = f64::from(luminance(own.into())) / f64::from(luminance(surroundings.into())).hypot(floor.sqrt());
+        let ratio = f64::from(luminance(own.into())) / lift(luminance(surroundings.into()));
         let evidence = (square / variance - 1.0).max(0.0) * ratio.max(1.0).ln();
         let [least, enough] = EVIDENCE;
         // Where there is no light at all, or no variance yet, the evidence is NaN.
         let weight = if evidence.is_nan() { 1.0 } else { ((enough - evidence) / (enough - least)).clamp(0.0, 1.0) };
+        rare.often += 1.0 - weight;
         if weight > 0.0 {
-            for (excess, (own, around)) in excess.iter_mut().zip(own.iter().zip(surroundings)) {
-                *excess += weight * f64::from(own - around);
+            rare.once += weight * (1.0 - 1.0 / ratio.max(1.0));
+            for (stray, excess) in strays.iter_mut().zip(excess(weight, own, surroundings)) {
+                *stray += excess;
             }
             unknown[kept] = UnknownMean { place, surroundings, weight };
             kept += 1;
@@ -307,12 +335,37 @@ fn compare_with_surroundings(
     unknown.truncate(kept);
     let others = means.len().saturating_sub(1).max(1) as f64;
     for UnknownMean { place, surroundings, weight } in unknown {
-        for ((around, own), excess) in surroundings.iter_mut().zip(means[*place as usize]).zip(excess) {
-            // The pixel's own excess is left out, because it is what the surroundings are to judge.
-            *around += ((excess - *weight * f64::from(own - *around)) / others).max(0.0) as f32;
+        let own_excess = excess(*weight, means[*place as usize], *surroundings);
+        for (around, (stray, own_excess)) in surroundings.iter_mut().zip(strays.into_iter().zip(own_excess)) {
+            // The pixel's own excess is left out, because it is what the surroundings are to judge. In an image without light
+            // the difference is NaN, and nothing is added.
+            *around += (lift(*around) * (stray - own_excess) / others).max(0.0) as f32;
         }
     }
-    true
+    Some(rare)
+}
+
+/// Numbers of bright pixels whose mean is not known. A pixel may count in part in both.
+#[derive(Clone, Copy, Debug)]
+struct RarePixels {
+    /// Those that rest on one sample.
+    once: f64,
+    /// Those that rest on more.
+    often: f64,
+}
+
+impl RarePixels {
+    /// How many bright samples are to be expected of a pixel where one is found, at most 1.
+    ///
+    /// By Good and Turing, it is 2 N(2) / N(1), where N(k) pixels rest on k samples: if many are met once and none is met
+    /// twice, they are stray paths. Reflections of all sizes are equally many, so N(k) falls as 1 / k. Eight replicates tell
+    /// two to four samples from more and from fewer, which makes N(2) a little less than `often / 2`. One more pixel of that
+    /// kind is added, since most images have but a few of either.
+    ///
+    /// Source: Good 1953, "The Population Frequencies of Species and the Estimation of Population Parameters".
+    fn repeats(self) -> f64 {
+        ((self.often + 1.0) / self.once.max(1.0)).min(1.0)
+    }
 }
 
 /// The mean of a pixel's neighbours without the pixel itself.
@@ -433,7 +486,9 @@ mod tests {
     /// What a pixel in the middle of the film is relative to, as a mean.
     fn level(film: &Film) -> f64 {
         let (mut errors, mut means, mut variance) = (Vec::new(), 0.0, 0.0);
-        assert!(film.for_each_error(ErrorMeasure::RelMse, false, &Cancel::new(), |_, _, error| errors.push(error)));
+        assert!(
+            film.for_each_error(ErrorMeasure::RelMse, false, &Cancel::new(), |_, _, error| errors.push(error.value))
+        );
         film.for_each(|place, pixel, _| {
             means += f64::from(pixel.mean(false)[0]) / 49.0;
             variance = if place == 24 { pixel.variance(1)[0] } else { variance };
@@ -490,17 +545,92 @@ mod tests {
         let expected = 1.0 + 200.0 / 48.0;
         let (mut variance, mut errors) = (0.0, Vec::new());
         film.for_each(|place, pixel, _| variance = if place == 24 { pixel.variance(1)[0] } else { variance });
-        assert!(film.for_each_error(ErrorMeasure::RelMse, false, &Cancel::new(), |_, _, error| errors.push(error)));
+        assert!(
+            film.for_each_error(ErrorMeasure::RelMse, false, &Cancel::new(), |_, _, error| errors.push(error.value))
+        );
         let floor = 1e-2 * (349.0_f64 / 49.0).powi(2);
         let level = (variance / errors[24] - floor).sqrt();
         assert!((level / expected - 1.0).abs() < 0.01, "{level}, {expected}");
     }
 
     #[test]
+    fn stray_light_is_a_share_of_the_surroundings_light() {
+        // The left of the film is at 0.5, the right at 8; a stray path on either side.
+        let mut others: Vec<([usize; 2], [f32; REPLICATES])> = Vec::new();
+        for (y, x) in (0..7).flat_map(|y| (0..7).map(move |x| (y, x))) {
+            others.push(([x, y], [if x < 4 { 0.5 } else { 8.0 }; REPLICATES]));
+        }
+        for (at, brightness) in [([0, 3], 0.5), ([6, 3], 8.0)] {
+            let hit = std::array::from_fn(|replicate| brightness * if replicate == 0 { 801.0 } else { 1.0 });
+            others.iter_mut().find(|(place, _)| *place == at).unwrap().1 = hit;
+        }
+        let film = grey_but(&others);
+        let (mut means, mut variances, mut errors) = (Vec::new(), Vec::new(), Vec::new());
+        film.for_each(|_, pixel, _| {
+            means.push(f64::from(pixel.mean(false)[0]));
+            variances.push(pixel.variance(1)[0]);
+        });
+        assert!(
+            film.for_each_error(ErrorMeasure::RelMse, false, &Cancel::new(), |_, _, error| errors.push(error.value))
+        );
+        let mean = means.iter().sum::<f64>() / 49.0;
+        let floor = 1e-2 * mean * mean;
+        // Each side is 101 times as bright as its surroundings, and the other pixel's share is 100 or less by the floor.
+        let lift = |level: f64| level.hypot(floor.sqrt());
+        for (at, own, other) in [(3 * 7, 0.5, 8.0), (3 * 7 + 6, 8.0, 0.5)] {
+            let expected = own + lift(own) * 100.0 * other / lift(other) / 48.0;
+            let level = (variances[at] / errors[at] - floor).sqrt();
+            assert!((level / expected - 1.0).abs() < 0.01, "{level}, {expected}");
+        }
+    }
+
+    #[test]
+    fn what_photon_films_meet_once_may_be_met_again() {
+        // Nothing tells, as many of either, and stray paths all over the image.
+        let repeats = |once, often| RarePixels { once, often }.repeats();
+        assert_eq!(
+            (repeats(0.0, 0.0), repeats(1.0, 0.0), repeats(5.0, 4.0), repeats(100.0, 0.0)),
+            (1.0, 1.0, 1.0, 0.01)
+        );
+        let of = |film: &Film, gathering: bool| {
+            let (mut means, mut unknown) = (Vec::new(), Vec::new());
+            film.for_each(|place, pixel, _| {
+                means.push(pixel.mean(false));
+                unknown.extend(UnknownMean::new(place, pixel.mean(false), pixel.variance(1)));
+            });
+            let rare = compare_with_surroundings(&mut unknown, &means, 7, 1e-2, &Cancel::new()).unwrap();
+            let UnknownMean { place, surroundings: [around, ..], weight } = unknown[0];
+            let repeats = if gathering { rare.repeats() as f32 } else { 0.0 };
+            (around, around + repeats * (means[place as usize][0] - around), weight)
+        };
+        let one = grey_but(&[([3, 3], hits(1, 801.0))]);
+        assert_eq!(of(&one, false), (1.0, 1.0, 1.0));
+        assert_eq!(of(&one, true), (1.0, 101.0, 1.0));
+        // Four that one sample has met and one that two have: half.
+        let at = [[0, 0], [6, 0], [0, 6], [6, 6]].map(|at| (at, hits(1, 801.0)));
+        let more = grey_but(&[&at[..], &[([3, 3], hits(2, 801.0))]].concat());
+        let (around, expected, _) = of(&more, true);
+        assert!(((expected - around) / (101.0 - around) - 0.5).abs() < 0.01, "{around}, {expected}");
+    }
+
+    #[test]
+    fn standard_errors_count_what_one_sample_has_met_as_stray() {
+        let mut film = grey_but(&[([3, 3], hits(1, 801.0))]);
+        let by_paths = film.rel_mse().unwrap();
+        film.options.gathering = true;
+        let by_photons = film.rel_mse().unwrap();
+        assert!(by_photons.value < 0.01 * by_paths.value, "{by_photons:?}, {by_paths:?}");
+        assert!((by_photons.standard_error / by_paths.standard_error - 1.0).abs() < 0.02);
+        assert!(by_photons.is_heavy_tailed());
+    }
+
+    #[test]
     fn goals_of_adaptive_samples_know_no_surroundings() {
         let tame = |film: &Film| {
             let mut errors = Vec::new();
-            assert!(film.for_each_error(ErrorMeasure::RelMse, true, &Cancel::new(), |_, _, error| errors.push(error)));
+            assert!(
+                film.for_each_error(ErrorMeasure::RelMse, true, &Cancel::new(), |_, _, error| errors.push(error.value))
+            );
             errors
         };
         // The whole image's mean is the same.

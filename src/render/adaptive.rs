@@ -60,9 +60,9 @@ impl Stage {
         let mut from = vec![0; width * height];
         // Square roots of the variances of one sample.
         let mut deviations = vec![0.0; width * height];
-        let is_whole = film.for_each_error(measure, true, cancel, |place, count, error2| {
+        let is_whole = film.for_each_error(measure, true, cancel, |place, count, error| {
             from[place] = count;
-            let variance = error2 * f64::from(count);
+            let variance = error.value * f64::from(count);
             deviations[place] = if variance > 0.0 && variance.is_finite() { variance.sqrt() } else { 0.0 };
         });
         if !is_whole {
