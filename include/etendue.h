@@ -2422,7 +2422,7 @@ etd_status etd_scene_remove_mesh(struct etd_scene *scene, uint32_t mesh);
  *
  * `options` must contain the resolution. Any number of renders may use the film, one at a time. On `ETD_OK`, `*out_film` is
  * one reference. Errors: `ETD_INVALID_ARGUMENT` for a resolution out of range or a layer that does not exist,
- * `ETD_OUT_OF_MEMORY` if the film exceeds the device's memory limit. A film takes about 150 bytes for each pixel of its tiles
+ * `ETD_OUT_OF_MEMORY` if the film exceeds the device's memory limit. A film takes 240 to 450 bytes for each pixel of its tiles
  * of 16 x 16 pixels, which count as a whole. Mapped images beyond the second do not count. Thread-safe.
  */
 etd_status etd_film_new(struct etd_device *device,

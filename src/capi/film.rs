@@ -17,7 +17,7 @@ use super::types::*;
 use crate::Cancel;
 use crate::desc::MAX_PIXELS;
 use crate::embree::Charge;
-use crate::film::{Film, Image, LayerKind, TILE};
+use crate::film::{Film, Image, LayerKind, TILE, pixel_bytes};
 use crate::output::{self, Attribute, ToneMap, WriteOptions};
 
 /// The layers besides the colour that are images.
@@ -37,9 +37,6 @@ const ALL_LAYERS: u32 = 511;
 /// Layers that need the first hit of each sample.
 const FIRST_HIT: u32 =
     ETD_LAYER_ALBEDO as u32 | ETD_LAYER_NORMAL as u32 | ETD_LAYER_DEPTH as u32 | ETD_LAYER_ALPHA as u32;
-
-/// Bytes of a pixel's sums without and with those of first hits.
-const BYTES_PER_PIXEL: [u64; 2] = [104, 168];
 
 /// A developed image: the colour with alpha, and the layers that the film keeps.
 struct DevelopedImage {
@@ -219,7 +216,7 @@ fn zeros(count: usize) -> Result<Vec<f32>> {
 ///
 /// `options` must contain the resolution. Any number of renders may use the film, one at a time. On `ETD_OK`, `*out_film` is
 /// one reference. Errors: `ETD_INVALID_ARGUMENT` for a resolution out of range or a layer that does not exist,
-/// `ETD_OUT_OF_MEMORY` if the film exceeds the device's memory limit. A film takes about 150 bytes for each pixel of its tiles
+/// `ETD_OUT_OF_MEMORY` if the film exceeds the device's memory limit. A film takes 240 to 450 bytes for each pixel of its tiles
 /// of 16 x 16 pixels, which count as a whole. Mapped images beyond the second do not count. Thread-safe.
 ///
 /// # Safety
@@ -255,7 +252,7 @@ pub unsafe extern "C" fn etd_film_new(
                 .map(|(_, kind)| kind.channels())
                 .sum();
             // The sums and two images: one that is shown and one that is being developed.
-            let bytes = in_tiles * BYTES_PER_PIXEL[usize::from(first_hits)] + pixels * 2 * 4 * (4 + channels as u64);
+            let bytes = in_tiles * pixel_bytes(first_hits) as u64 + pixels * 2 * 4 * (4 + channels as u64);
             let charge = device.budget.try_charge(usize::try_from(bytes).unwrap_or(usize::MAX))?;
             let empty = Arc::new(DevelopedImage { rgba: Vec::new(), layers: Vec::new(), samples: 0 });
             let film = etd_film {

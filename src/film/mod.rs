@@ -13,6 +13,8 @@ mod pixel;
 pub(crate) use error::FEW_PIXELS;
 pub use error::{ErrorEstimate, ErrorMeasure, SampleCounts};
 pub use photon_state::{PixelPhotonState, ShrinkingRadius};
+#[cfg(feature = "capi")]
+pub(crate) use pixel::pixel_bytes;
 pub use pixel::{Auxiliary, Pixel, REPLICATES};
 
 pub use crate::image::{Image, Layer};

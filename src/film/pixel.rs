@@ -113,6 +113,12 @@ impl Pixel {
     }
 }
 
+/// Bytes of a pixel's sums, with or without those of its first hits.
+#[cfg(feature = "capi")]
+pub(crate) const fn pixel_bytes(auxiliary: bool) -> usize {
+    size_of::<Pixel>() + if auxiliary { size_of::<Auxiliary>() } else { 0 }
+}
+
 /// Sums of the first hits' properties.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Auxiliary {
