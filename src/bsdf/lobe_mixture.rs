@@ -99,6 +99,15 @@ impl<C: Spectrum> Model<C> for LobeMixture<C> {
         self.weight(Lobes::DIFFUSE_REFLECTION)
     }
 
+    fn narrowest(&self) -> f32 {
+        match (self.lobes.have_specular(), self.lobes.intersects(Lobes::GLOSSY)) {
+            (true, _) => 0.0,
+            // Walter et al. 2007, Sec. 5.2: the exponent of Blinn's distribution; that of Phong's lobe is about a quarter.
+            (false, true) => (2.0 / (4.0 * self.exponent + 2.0)).sqrt(),
+            (false, false) => 1.0,
+        }
+    }
+
     fn f(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> C {
         let Some([diffuse, glossy]) = Self::smooth_lobes(wo, wi) else { return C::ZERO };
         let phong = (self.exponent + 2.0) / TAU * self.power(wo, wi);

@@ -76,6 +76,10 @@ macro_rules! models {
                 match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::diffuse_albedo(model),)* }
             }
 
+            fn narrowest(&self) -> f32 {
+                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::narrowest(model),)* }
+            }
+
             #[inline]
             fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
                 match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::f(model, wo, wi, mode),)* }

@@ -47,6 +47,12 @@ pub trait Model<C: Spectrum> {
         if self.lobes().contains(Lobes::DIFFUSE_REFLECTION) { self.albedo() } else { C::ZERO }
     }
 
+    /// Width of the narrowest lobe, as the width parameter alpha of a microfacet distribution: 0 for a delta lobe, 1 for a
+    /// diffuse one. Cones of rays are widened by it.
+    fn narrowest(&self) -> f32 {
+        if self.lobes().have_specular() { 0.0 } else { 1.0 }
+    }
+
     /// The scattering function (sr^-1), without a cosine; 0 for delta lobes and between sides that no lobe connects.
     #[inline]
     fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {

@@ -22,7 +22,8 @@ pub struct IntegratorInfo {
     pub preparation: Preparation,
     /// Whether `maxDepth` limits the length of the integrator's paths.
     pub cut_by_max_depth: bool,
-    /// Whether the integrator takes light from emitters at infinity. It refuses scenes that have any otherwise.
+    /// Whether the integrator takes light from emitters at infinity. An integrator that does not refuses scenes with such
+    /// emitters.
     pub takes_infinite_emitters: bool,
     /// How the integrator treats each kind of lobe; `None` for an integrator that chooses another one, whose support
     /// then applies.

@@ -73,7 +73,7 @@ pub(super) struct SceneInner {
     pub(super) data: Vec<GeometryData>,
     pub(super) features: Features,
     pub(super) mask: sys::RTCFeatureFlags,
-    /// User geometry and Embree's spheres are queried with single rays.
+    /// User geometry, Embree's spheres and instances in scenes with motion are queried with single rays.
     pub(super) width: PacketWidth,
     pub(super) bvh_bytes: usize,
     pub(super) device: Arc<DeviceInner>,

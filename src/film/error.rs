@@ -23,9 +23,9 @@ pub struct ErrorEstimate {
     /// The estimated error.
     pub value: f64,
     /// Standard error of `value`, from the scatter over pixels. The scatter includes the differences between the pixels'
-    /// expectations, so the standard error is rather too large. Light that no sample has met yet is not included. A
-    /// bright path that one sample has met counts in it as a stray path, by photon methods too, where `value` takes it for what
-    /// is likely.
+    /// expectations, so the standard error is rather too large. Light that no sample has met yet is not included. For
+    /// photon methods, the standard error counts a bright path that one sample has met as a stray path, although `value`
+    /// counts it as what is likely.
     pub standard_error: f64,
 }
 
@@ -189,7 +189,7 @@ impl Film {
         let floor = 1e-2 * mean * mean;
         let width = self.options.resolution[0] as usize;
         let Some(rare) = compare_with_surroundings(&mut unknown, &means, width, floor, cancel) else { return false };
-        // Where walls scatter light to the camera's paths, their stray paths would hide the reflections' numbers.
+        // Where paths find the light that walls scatter, stray paths are so many that the numbers tell nothing of reflections.
         let repeats = if self.options.gathering { rare.repeats() as f32 } else { 0.0 };
         drop(means);
         self.for_each_unless(cancel, |place, pixel, beside| {
@@ -337,7 +337,7 @@ fn compare_with_surroundings(
     for UnknownMean { place, surroundings, weight } in unknown {
         let own_excess = excess(*weight, means[*place as usize], *surroundings);
         for (around, (stray, own_excess)) in surroundings.iter_mut().zip(strays.into_iter().zip(own_excess)) {
-            // The pixel's own excess is left out, because it is what the surroundings are to judge. In an image without light
+            // The pixel's own excess is left out, because the pixel is to be compared with the others. In an image without light
             // the difference is NaN, and nothing is added.
             *around += (lift(*around) * (stray - own_excess) / others).max(0.0) as f32;
         }
@@ -456,7 +456,7 @@ mod tests {
         }
         drop(tile);
         let mean = 1003.0 / 4.0;
-        // Of 1, 1, 1 and 1000 the third is 1.
+        // The surroundings of the bright pixel have a mean of 1.
         let expected = 1e6 / (1.0 + 1e-2 * mean * mean) / 4.0;
         let found = film.rel_mse().unwrap().value;
         assert!((found / expected - 1.0).abs() < 1e-6, "{found}, {expected}");
@@ -500,12 +500,13 @@ mod tests {
     #[test]
     fn one_bright_sample_is_no_evidence_and_two_are() {
         let mean = |film: &Film| f64::from(film.develop().pixel(3, 3)[0]);
-        // Of one, whatever its brightness, nothing is known but that it is rare.
+        // A single bright sample says only that bright samples are rare, however bright it is.
         for brightness in [8.0, 100.0, 1e4, 1e6] {
             let level = level(&grey_but(&[([3, 3], hits(1, brightness))]));
             assert!((level - 1.0).abs() < 0.01, "{brightness}: {level}");
         }
-        // A reflection that two of eight have met is where it is by right; little more light than around may be chance.
+        // A reflection that two of eight replicates have met counts as light of its pixel. A sample that is a little brighter
+        // than its surroundings may be chance.
         for (count, brightness) in [(2, 1e4), (3, 1e4)] {
             let film = grey_but(&[([3, 3], hits(count, brightness))]);
             let (level, own) = (level(&film), mean(&film));
@@ -586,7 +587,8 @@ mod tests {
 
     #[test]
     fn what_photon_films_meet_once_may_be_met_again() {
-        // Nothing tells, as many of either, and stray paths all over the image.
+        // In this order: there is no rare pixel, there is a single one, both kinds are equally many, and there are only stray
+        // paths.
         let repeats = |once, often| RarePixels { once, often }.repeats();
         assert_eq!(
             (repeats(0.0, 0.0), repeats(1.0, 0.0), repeats(5.0, 4.0), repeats(100.0, 0.0)),

@@ -127,7 +127,10 @@ impl Irradiance {
         tracer: &mut T,
     ) -> Rgb {
         let (facet, [b1, b2]) = self.sites.point(site % self.sites.len(), place);
-        let surface = scene.facet_point(facet, b1, b2);
+        let mut surface = scene.facet_point(facet, b1, b2);
+        if scene.uses_time() {
+            [surface.point.time, _] = sampler.next_2d();
+        }
         let white = Bsdf::Lambert(Lambert::new(Rgb::ONE));
         let vertex = Vertex::seen_along_normal(surface, &white, self.front);
         let Path { max_depth, shadow_rays } = self.path;

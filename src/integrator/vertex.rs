@@ -1,7 +1,7 @@
 //! A vertex of a path: the light that its surface emits, the direct light that reaches it, and the path's next direction.
 
 use super::tracer::{Context, FirstHit, Tracer};
-use crate::bsdf::{Bsdf, Model, SpecularLobes, TransportMode};
+use crate::bsdf::{Bsdf, Lobes, Model, SpecularLobes, TransportMode};
 use crate::emitter::{EmitterSet, Receiver};
 use crate::math::{Frame, HitPoint, Ray, Vec3};
 use crate::sampling::Sampler;
@@ -311,12 +311,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         let pdf = (!is_specular).then_some(sample.pdf);
         // Errors of the frames would accumulate along a specular path, whereas a diffuse direction is sampled anew.
         let wi = if is_specular { wi.normalize() } else { wi };
-        let mut ray = self.leave(wi);
-        if let Some(pdf) = pdf
-            && !ray.cone.is_none()
-        {
-            ray.cone = ray.cone.scattered(pdf);
-        }
+        let ray = self.leave_by(sample.lobe, wi);
         Some(Bounce { ray, weight: sample.weight, pdf, eta: sample.eta })
     }
 
@@ -355,12 +350,23 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
             return None;
         }
         let f = self.f(local);
-        (f != C::ZERO).then(|| (self.leave(wi.normalize()), f * local.z.abs()))
+        (f != C::ZERO).then(|| (self.leave_by(self.bsdf.lobes(), wi.normalize()), f * local.z.abs()))
     }
 
     #[inline]
     fn leave(&self, wi: Vec3) -> Ray {
         self.surface.point.leave(self.side(wi), wi)
+    }
+
+    /// The ray that leaves into the unit direction `wi` of the scene by one of these lobes, with a cone as wide as the lobe.
+    #[inline(always)]
+    fn leave_by(&self, lobes: Lobes, wi: Vec3) -> Ray {
+        let mut ray = self.leave(wi);
+        if !ray.cone.is_none() {
+            let alpha = if lobes.have_diffuse() { 1.0 } else { self.bsdf.narrowest() };
+            ray.cone = ray.cone.scattered(alpha);
+        }
+        ray
     }
 
     /// The geometric normal on the side into which `wi` leaves.

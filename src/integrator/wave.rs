@@ -162,7 +162,9 @@ mod tests {
                 next += 1;
                 sample.sampler.start(pixel, index);
                 let [x, y] = sample.sampler.pixel_2d();
-                sample.ray = camera.ray((pixel % SIDE) as f32 + x, (pixel / SIDE) as f32 + y);
+                let [x, y] = [(pixel % SIDE) as f32 + x, (pixel / SIDE) as f32 + y];
+                sample.ray = camera.ray(x, y).at_time((next % 17) as f32 / 16.0);
+                sample.ray.cone = camera.cone(x, y);
             }
             let (mut together, mut alone) = (SceneTracer::new(scene), SceneTracer::new(scene));
             let before = samples.clone();
@@ -220,5 +222,17 @@ mod tests {
         let sobol = SobolSampler::new(3, 64).in_turn(8);
         compare(&scene, &Path { max_depth: None, shadow_rays: 2 }, &sobol);
         compare(&scene, &Direct { shadow_rays: 1 }, &sobol);
+    }
+
+    /// Rays of different times, rays that pass surfaces, and rays with cones.
+    #[test]
+    fn a_path_in_a_wave_sees_motion_opacity_and_footprints_as_it_does_alone() {
+        use crate::scene::motion::crossing_balls;
+        use crate::scene::varying::{footprints, veiled_floor};
+        let sobol = SobolSampler::new(3, 64).in_turn(8);
+        for scene in [crossing_balls(false), crossing_balls(true), veiled_floor(), footprints()] {
+            compare(&scene, &Path { max_depth: None, shadow_rays: 2 }, &sobol);
+            compare(&scene, &Direct { shadow_rays: 1 }, &sobol);
+        }
     }
 }

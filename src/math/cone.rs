@@ -51,14 +51,12 @@ impl RayCone {
         Self::new(self.width() + self.spread() * distance, self.spread())
     }
 
-    /// The cone after scattering by a lobe of this density [sr^-1], whose directions fill a solid angle of about 1 / `pdf`:
-    /// no narrower than before.
+    /// The cone after scattering by a lobe of this width parameter alpha, in [0, 1]: no narrower than before. Slopes of the
+    /// facets are about `alpha`, so directions lie within about 2 `alpha` of the middle; half of that is taken on either side.
     #[inline]
     #[must_use]
-    pub fn scattered(self, pdf: f32) -> Self {
-        // A cone of solid angle s has the half angle sqrt(s / pi), where s is small.
-        let spread = 2.0 * (std::f32::consts::PI * pdf).sqrt().recip();
-        Self::new(self.width(), self.spread().max(spread.min(2.0)))
+    pub fn scattered(self, alpha: f32) -> Self {
+        Self::new(self.width(), self.spread().max(2.0 * alpha))
     }
 }
 
@@ -83,9 +81,8 @@ mod tests {
     #[test]
     fn lobes_widen_cones() {
         let cone = RayCone::new(1.0, 0.01);
-        // A direction of a mirror's width has an endless density.
-        assert_eq!(cone.scattered(f32::INFINITY), cone);
-        let diffuse = cone.scattered(std::f32::consts::FRAC_1_PI);
-        assert!(diffuse.spread() > 1.9 && diffuse.width() == 1.0, "{diffuse:?}");
+        assert_eq!(cone.scattered(0.0), cone);
+        assert_eq!(cone.scattered(0.25), RayCone::new(1.0, 0.5));
+        assert_eq!(cone.scattered(1.0), RayCone::new(1.0, 2.0));
     }
 }

@@ -85,7 +85,7 @@ pub struct HitPoint {
     pub error: f32,
     /// The moment at which the surface is at this point, which rays that leave the point take over: [`Ray::time`].
     pub time: f32,
-    /// The cone of the ray that met the surface, from this point on, which rays that leave the point take over:
+    /// The cone of the ray that met the surface, from this point on. Rays without an end that leave the point take it over:
     /// [`Ray::cone`].
     pub cone: RayCone,
 }
@@ -122,7 +122,8 @@ impl HitPoint {
         Ray { time: self.time, cone: self.cone, ..Ray::new(self.offset(n), direction) }
     }
 
-    /// The segment from the surface on the side `n` (unit normal) to `target`, at the point's time.
+    /// The segment from the surface on the side `n` (unit normal) to `target`, at the point's time. It carries no cone, since
+    /// nothing is shaded at its end.
     #[inline]
     pub fn leave_to(&self, n: Vec3, target: Vec3) -> Ray {
         let origin = self.offset(n);

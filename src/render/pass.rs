@@ -198,7 +198,7 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
                 sample.ray.cone = pass.input.camera.cone(x as f32 + 0.5, y as f32 + 0.5);
             }
         }
-        if pass.input.scene.has_motion() {
+        if pass.input.scene.uses_time() {
             // Each sample sees the scene at a moment of its own, spread over the shutter interval.
             for sample in samples.iter_mut() {
                 let [time, _] = sample.sampler.next_2d();

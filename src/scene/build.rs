@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::assemble::{Assembly, assemble};
 use super::bindings::{SurfaceBindings, bindings, rebind_materials};
-use super::material::Asks;
+use super::material::MaterialNeeds;
 use super::options::BuildOptions;
 use super::record::AppearanceKey;
 use super::{Material, Scene, SceneInfo, frame, lower, roulette};
@@ -156,7 +156,7 @@ fn complete(
         is_large: super::geometry::are_large(&assembly.geometries),
         geometries: assembly.geometries,
         bindings,
-        asks: Asks::of(&materials),
+        needs: MaterialNeeds::of(&materials),
         materials,
         camera: desc.camera,
         centre: assembly.centre,

@@ -72,7 +72,7 @@ mod tests {
 
     /// Makes triangles of all sizes and shapes, far from the origin and near it.
     #[test]
-    fn what_is_kept_ready_is_what_would_be_found() {
+    fn cached_triangles_give_the_same_interactions() {
         let mut rng = Rng::new(21, 0);
         let mut random = || Vec3::new(rng.next_f32(), rng.next_f32(), rng.next_f32()) * 2.0 - Vec3::ONE;
         let mut vertices = Vec::new();
@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_are_kept_ready_as_there_is_room_for() {
+    fn triangles_are_cached_while_there_is_room() {
         let budget = MemoryBudget::new(64 * 1500);
         let device = Device::new(&DeviceOptions { budget: Some(budget.clone()), ..DeviceOptions::default() }).unwrap();
         let before = budget.used();

@@ -1,10 +1,11 @@
 //! Surfaces that are not opaque everywhere: rays pass through them with a probability.
 //!
 //! A surface of opacity a is met by a ray with probability a, which is decided before the hit counts. A ray that passes
-//! goes on behind the surface. The decision is a function of the ray and the hit, so that a ray sees the same each
-//! time; over all rays it is as good as random (Pharr, Jakob, Humphreys 2023, Sec. 7.1.1).
+//! goes on behind the surface. The decision is a hash of the ray and the hit, so that a ray sees the same surfaces each time
+//! it is traced (Pharr, Jakob, Humphreys 2023, Sec. 7.1.1). In scenes with such surfaces each path has a time of its own even
+//! where nothing moves, so that two samples of a pixel decide independently where they have the same camera ray.
 
-use super::{Hit, IN_LIST, Scene};
+use super::{Hit, IN_LIST, Scene, SurfaceDetail};
 use crate::math::Ray;
 
 impl Scene {
@@ -17,8 +18,11 @@ impl Scene {
             if self.meets(ray, &hit) {
                 return Some(hit);
             }
-            // The segment begins just behind this hit, and has the same origin, so that no distance is rounded anew.
-            hit = self.nearest(&Ray { tnear: hit.t.next_up(), ..*ray })?;
+            // The segment begins just behind this hit, and has the same origin, so that no distance is rounded anew. It
+            // does not begin at a denormal number, which a thread may take for 0. Robust traversal compares the very
+            // distance that it returned, so that no hit is found twice.
+            let tnear = hit.t.next_up().max(f32::MIN_POSITIVE);
+            hit = self.nearest(&Ray { tnear, ..*ray })?;
         }
     }
 
@@ -33,7 +37,8 @@ impl Scene {
         if material.is_opaque() {
             return true;
         }
-        let opacity = material.opacity(|| self.detail(hit, &self.interaction(ray, hit)));
+        let opacity =
+            material.opacity(|| SurfaceDetail { footprint: 0.0, ..self.detail(hit, &self.interaction(ray, hit)) });
         opacity >= 1.0 || opacity > 0.0 && uniform(ray, hit) < opacity
     }
 }

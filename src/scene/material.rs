@@ -28,7 +28,8 @@ pub trait VaryingMaterial: Debug + Send + Sync {
         true
     }
 
-    /// The share of the surface that is there around a point, in [0, 1]; called where the material is not opaque.
+    /// The share of the surface that is there around a point, in [0, 1]; called where the material is not opaque. The
+    /// footprint is 0 here, so that shadow rays, which carry no cones, see the same surface as all other rays.
     fn opacity(&self, _at: &SurfaceDetail) -> f32 {
         1.0
     }
@@ -41,8 +42,8 @@ pub trait VaryingMaterial: Debug + Send + Sync {
 
 /// A material whose constants are precomputed. At a hit, [`Material::at`] returns the Bsdf of the surface there.
 ///
-/// A material that is the same all over its surfaces stores its [`Bsdf`] when the scene is built, and every query
-/// returns a copy of that Bsdf.
+/// A material that is the same all over its surfaces stores its [`Bsdf`] when the scene is built, and paths that carry
+/// colours refer to that Bsdf.
 #[derive(Clone, Debug)]
 pub struct Material {
     /// The Bsdf everywhere, or its mean where the material varies.
@@ -81,7 +82,7 @@ impl Material {
         slot: &'a mut Option<Bsdf<C>>,
     ) -> &'a Bsdf<C> {
         match &self.varying {
-            // Known to the compiler: the Bsdf of a path that carries colours is that of the scene.
+            // The compiler decides this at compile time: a path that carries colours uses the Bsdf of the scene.
             None => match (&self.bsdf as &dyn Any).downcast_ref() {
                 Some(bsdf) => bsdf,
                 None => slot.insert(self.bsdf.in_spectrum(wavelengths)),
@@ -130,16 +131,16 @@ fn ask(varying: &dyn VaryingMaterial, detail: impl FnOnce() -> SurfaceDetail) ->
     varying.bsdf(&detail())
 }
 
-/// What any material of a scene asks for; all of it costs nothing where it is not asked for.
+/// What the materials of a scene need to know of a hit. What none of them needs is not computed.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Asks {
+pub(super) struct MaterialNeeds {
     /// Opacity, before a hit counts.
     pub opacity: bool,
     /// Footprints of rays.
     pub footprints: bool,
 }
 
-impl Asks {
+impl MaterialNeeds {
     pub(super) fn of(materials: &[Material]) -> Self {
         let varying = || materials.iter().filter_map(|material| material.varying.as_deref());
         Self {

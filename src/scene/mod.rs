@@ -27,13 +27,13 @@ mod lower;
 mod material;
 mod mesh;
 #[cfg(test)]
-mod motion;
+pub(crate) mod motion;
 mod options;
 mod record;
 mod roulette;
 mod specular;
 #[cfg(test)]
-mod varying;
+pub(crate) mod varying;
 
 pub use describe::HitDescription;
 pub use detail::SurfaceDetail;
@@ -55,7 +55,7 @@ use crate::shape::Analytic;
 use analytic::AnalyticList;
 use bindings::SurfaceBindings;
 use geometry::Geometry;
-use material::Asks;
+use material::MaterialNeeds;
 use record::{AppearanceKey, GeometryRecord};
 
 /// A hit of a ray, with only the data that [`Scene::interaction`] needs to compute the rest.
@@ -93,8 +93,8 @@ pub struct Scene {
     is_large: bool,
     bindings: SurfaceBindings,
     materials: Arc<[Material]>,
-    /// What any of the materials asks for.
-    asks: Asks,
+    /// What any of the materials needs to know of a hit.
+    needs: MaterialNeeds,
     camera: CameraDesc,
     centre: DVec3,
     info: Arc<SceneInfo>,
@@ -122,7 +122,7 @@ impl Scene {
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let hit = self.nearest(ray)?;
-        if self.asks.opacity { self.first_opaque(ray, hit) } else { Some(hit) }
+        if self.needs.opacity { self.first_opaque(ray, hit) } else { Some(hit) }
     }
 
     /// Returns the nearest surface along the ray, whatever its opacity.
@@ -168,7 +168,7 @@ impl Scene {
                 embree.intersect_many(rays, |number| ends[number], |number, hit| hits[number] = Some(hit.into()));
             }
         }
-        if self.asks.opacity {
+        if self.needs.opacity {
             for (ray, hit) in rays.iter().zip(hits) {
                 *hit = hit.and_then(|hit| self.first_opaque(ray, hit));
             }
@@ -178,7 +178,7 @@ impl Scene {
     /// Returns whether no surface lies in the ray's segment.
     #[inline]
     pub fn unoccluded(&self, ray: &Ray) -> bool {
-        if self.asks.opacity {
+        if self.needs.opacity {
             return self.intersect(ray).is_none();
         }
         if !self.list.is_empty() && self.list.occluded(ray) {
@@ -195,7 +195,7 @@ impl Scene {
     #[inline]
     pub fn unoccluded_many(&self, rays: &[Ray], clear: &mut [bool]) {
         assert_eq!(rays.len(), clear.len(), "rays and answers");
-        if self.asks.opacity {
+        if self.needs.opacity {
             rays.iter().zip(clear).for_each(|(ray, clear)| *clear = self.intersect(ray).is_none());
         } else if let Some(embree) = &self.embree {
             clear.fill(true);
@@ -235,23 +235,29 @@ impl Scene {
     #[inline(always)]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         let mut interaction = self.point_of(hit, ray.time, |shape| shape.point(ray, hit.t));
-        if self.asks.footprints {
+        if self.needs.footprints {
             interaction.point.cone = ray.cone.after(hit.t * ray.direction.length());
         }
         interaction
+    }
+
+    /// Whether the time of a ray counts: for motion, or for the decision whether it meets a surface that is not opaque.
+    #[inline]
+    pub fn uses_time(&self) -> bool {
+        self.has_motion() || !self.is_opaque()
     }
 
     /// Whether every ray meets the first surface in its way. In other scenes a ray passes through some surfaces with a
     /// probability.
     #[inline]
     pub fn is_opaque(&self) -> bool {
-        !self.asks.opacity
+        !self.needs.opacity
     }
 
     /// Whether a material asks for the footprint of rays, so that rays have to carry cones.
     #[inline]
     pub fn asks_footprints(&self) -> bool {
-        self.asks.footprints
+        self.needs.footprints
     }
 
     /// Returns the interaction at any point of a primitive. On an analytic shape, `on_shape` gives a position near the
@@ -308,7 +314,7 @@ impl Scene {
     pub(crate) fn set_varying(&mut self, index: usize, varying: Arc<dyn VaryingMaterial>) {
         let mut materials = self.materials.to_vec();
         materials[index] = Material::varying(varying);
-        self.asks = Asks::of(&materials);
+        self.needs = MaterialNeeds::of(&materials);
         self.materials = materials.into();
     }
 

@@ -141,6 +141,15 @@ fn crossing(surface: u32) -> Motion {
     }
 }
 
+/// Balls that cross each other, one as an instance and one by its vertices; `resting` leaves out the instance's motion.
+pub(crate) fn crossing_balls(resting: bool) -> Scene {
+    let instances = !resting;
+    balls().in_motion(|surface| match crossing(surface) {
+        Motion::Moved(_) if !instances => Motion::Rest,
+        motion => motion,
+    })
+}
+
 /// The same balls at rest where they are at one moment.
 fn frozen(surface: u32, time: f64) -> Motion {
     match crossing(surface) {

@@ -184,6 +184,7 @@ fn a_material_is_asked_where_a_ray_meets_it() {
         IntegratorDesc::Sppm,
     ] {
         let image = render(&scene, integrator, 8, 64);
+        let mut compared = 0;
         for (i, seen) in image.iter().enumerate() {
             let ray = camera.ray((i % 8) as f32 + 0.5, (i / 8) as f32 + 0.5);
             let Some(hit) = scene.intersect(&ray) else { continue };
@@ -192,11 +193,13 @@ fn a_material_is_asked_where_a_ray_meets_it() {
             if !(0.15..0.85).contains(&u) || !(0.15..0.85).contains(&v) {
                 continue;
             }
+            compared += 1;
             for (seen, exact) in seen.iter().zip([u, v, 0.5]) {
                 // Samples are spread over a pixel, a quarter of the quad wide at most; their mean is the middle's.
                 assert!((seen - exact).abs() < 0.02, "{integrator:?}, ({u}, {v}): {seen}, not {exact}");
             }
         }
+        assert!(compared >= 20, "{integrator:?}: {compared} pixels");
     }
 }
 
@@ -230,14 +233,39 @@ fn opacity_is_the_probability_of_meeting_a_surface() {
     }
 }
 
-/// Shadow rays meet a sheet with its opacity too, in waves and alone.
+/// A white floor below a sheet of opacity 1/4.
+pub(crate) fn veiled_floor() -> Scene {
+    let veil = quad("varied", behind(-0.5).map(|[x, y, z]| [50.0 * x, 50.0 * y, z]));
+    with(build(json!([quad("white", behind(-1.0)), veil]), &BuildOptions::default()), Veil([0.25, 0.25]))
+}
+
+/// A sheet whose albedo is the diameter of the cone of the ray that meets it, before a white floor.
+pub(crate) fn footprints() -> Scene {
+    with(build(json!([quad("white", behind(-1.0)), quad("varied", QUAD)]), &BuildOptions::default()), Width)
+}
+
+/// Samples that share a camera ray decide anew whether they meet a veil.
+#[test]
+fn samples_of_one_ray_see_a_veil_with_its_opacity() {
+    let scene = with(build(json!([quad("varied", QUAD)]), &BuildOptions::default()), Veil([0.4, 0.4]));
+    let sampler = crate::desc::SamplerDesc::Grid;
+    let (mut sum, seeds) = (0.0, 2000);
+    for seed in 0..seeds {
+        let desc = RenderDesc { resolution: [1; 2], samples: 1, seed, sampler, ..RenderDesc::default() };
+        let mut render = Render::new(&scene, RenderSettings { desc, threads: 1, ..Default::default() }).unwrap();
+        render.run(&mut |_| ControlFlow::Continue(())).unwrap();
+        sum += f64::from(render.image().rgb[0]) / seeds as f64;
+    }
+    let error = (0.6 * 0.4 / seeds as f64).sqrt();
+    assert!((sum - 0.6).abs() < 4.0 * error, "{sum}, not 0.6");
+}
+
+/// Shadow rays meet a sheet with its opacity too.
 #[test]
 fn shadows_of_sheets_have_their_opacity() {
     let floor = quad("white", behind(-1.0));
-    let far = |corners: [[f64; 3]; 4]| corners.map(|[x, y, z]| [50.0 * x, 50.0 * y, z]);
-    let veil = quad("varied", far(behind(-0.5)));
     let open = build(json!([floor]), &BuildOptions::default());
-    let veiled = with(build(json!([floor, veil]), &BuildOptions::default()), Veil([0.25, 0.25]));
+    let veiled = veiled_floor();
     // The floor is seen from below the veil, so only its light passes the veil.
     let mean = |scene: &Scene| {
         let (mut sampler, mut tracer) = (SobolSampler::new(4, u32::MAX), SceneTracer::new(scene));

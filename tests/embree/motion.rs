@@ -133,13 +133,49 @@ fn a_moving_instance_is_where_its_transform_is_at_the_time_of_the_ray() {
         builder.add_moving_instance(&child, &steps).expect("an instance");
         let scene = builder.commit(None).expect("a build");
         compare(&scene, &mut random, |time| {
-            let transform = between(&steps, time, |a, b, weight| DAffine3 {
-                matrix3: a.matrix3 * (1.0 - weight) + b.matrix3 * weight,
-                translation: a.translation.lerp(b.translation, weight),
-            });
+            let transform = between(&steps, time, blend);
             let at = |corner: u32| transform.transform_point3(vertices[corner as usize]);
             indices.iter().map(|triangle| triangle.map(at)).collect()
         });
+    }
+}
+
+/// A mesh that deforms within an instance that turns and stretches: its points move along parabolas.
+#[test]
+fn a_deforming_mesh_moves_with_its_instance() {
+    let (device, mut random) = (device(), Random(33));
+    let (first, indices) = triangles(&mut random, 40);
+    let exact = |p: DVec3| p.as_vec3a().as_dvec3();
+    let steps: Vec<Vec<DVec3>> =
+        (0..3).map(|_| first.iter().map(|&p| exact(p + random.in_cube(0.2))).collect()).collect();
+    let buffers: Vec<_> = steps.iter().map(|vertices| buffer(vertices)).collect();
+    let mesh = TriangleMesh::deforming(&buffers, indices.clone()).expect("a mesh");
+    let child = mesh_scene(&device, SceneOptions::default(), &mesh);
+    let turned = DAffine3::from_scale_rotation_translation(
+        DVec3::new(1.6, 0.7, 1.1),
+        DQuat::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 1.3),
+        DVec3::new(0.3, -0.2, 0.1),
+    );
+    let transforms = [DAffine3::IDENTITY, turned]
+        .map(|transform| DAffine3::from_cols_array(&transform.to_cols_array().map(|x| f64::from(x as f32))));
+    let mut builder = SceneBuilder::new(&device, SceneOptions::default()).expect("a scene");
+    builder.add_moving_instance(&child, &transforms).expect("an instance");
+    let scene = builder.commit(None).expect("a build");
+    compare(&scene, &mut random, |time| {
+        let transform = between(&transforms, time, blend);
+        let at = |corner: u32| {
+            let places = [0, 1, 2].map(|step: usize| steps[step][corner as usize]);
+            transform.transform_point3(between(&places, time, |a, b, weight| a.lerp(b, weight)))
+        };
+        indices.iter().map(|triangle| triangle.map(at)).collect()
+    });
+}
+
+/// The transform between two others, element by element.
+fn blend(a: DAffine3, b: DAffine3, weight: f64) -> DAffine3 {
+    DAffine3 {
+        matrix3: a.matrix3 * (1.0 - weight) + b.matrix3 * weight,
+        translation: a.translation.lerp(b.translation, weight),
     }
 }
 
