@@ -124,7 +124,7 @@ impl<G: UserGeometry> UserGeometryData<G> {
                 cancel.check()?;
             }
             let (index, step) = (number / time_steps, number % time_steps);
-            let (lower, upper) = if time_steps == 1 { geometry.bounds(index) } else { geometry.bounds_at(index, step) };
+            let (lower, upper) = geometry.bounds_at(index, step);
             if !(0..3).all(|i| in_range(lower[i]) && in_range(upper[i]) && lower[i] <= upper[i]) {
                 let message =
                     format!("primitive {index} has the box {lower:?} to {upper:?}: needs finite, ordered corners");

@@ -9,6 +9,7 @@
 mod error;
 mod photon_state;
 mod pixel;
+mod unknown_mean;
 
 pub(crate) use error::FEW_PIXELS;
 pub use error::{ErrorEstimate, ErrorMeasure, SampleCounts};

@@ -14,29 +14,22 @@ pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
     if !integrator.info().shows_motion() {
         check_still(scene, integrator.name())?;
     }
+    let refuse = |surface: &str, what: &str| {
+        let name = integrator.name();
+        let message = format!("{surface}{name} takes no {what}; expected an integrator that does, such as path");
+        Err(Error::new(ErrorKind::Unsupported, message))
+    };
     if scene.emitters().has_infinite() && !integrator.info().takes_infinite_emitters {
-        let message = format!(
-            "{} takes no light from infinity; expected an integrator that does, such as path",
-            integrator.name()
-        );
-        return Err(Error::new(ErrorKind::Unsupported, message));
+        return refuse("", "light from infinity");
     }
     let Some(support) = integrator.info().lobes else { return Ok(()) };
     // The density of what is stored on a surface is that of the light times the opacity.
     if support.diffuse == LobeUse::StoredAndGathered && !scene.is_opaque() {
-        let message = format!(
-            "{} takes no surfaces that are not opaque; expected an integrator that does, such as path",
-            integrator.name()
-        );
-        return Err(Error::new(ErrorKind::Unsupported, message));
+        return refuse("", "surfaces that are not opaque");
     }
     let Some((lobes, kind)) = refused(scene.lobes(), support) else { return Ok(()) };
     let surface = scene.surface_with(lobes).map_or_else(String::new, |surface| format!("surfaces[{surface}]: "));
-    let message = format!(
-        "{surface}{} takes no {kind} surfaces; expected an integrator that does, such as path",
-        integrator.name()
-    );
-    Err(Error::new(ErrorKind::Unsupported, message))
+    refuse(&surface, &format!("{kind} surfaces"))
 }
 
 /// Refuses a scene that moves, for a method that sees the scene at one moment only.

@@ -148,6 +148,17 @@ impl Triangles {
         self.mesh.corners_at(primitive as usize, time)
     }
 
+    /// [`TrianglePoint::normal_and_error`] of a point of this triangle at this time, with the error of interpolation in time
+    /// where the mesh deforms.
+    #[inline(always)]
+    fn normal_and_error(&self, point: &TrianglePoint, primitive: u32, time: f32) -> (Vec3, f32) {
+        let (ng, mut error) = point.normal_and_error();
+        if self.mesh.is_deforming() {
+            error += self.interpolation_error(primitive, time, ng);
+        }
+        (ng, error)
+    }
+
     /// Bound on the error, along the unit normal, of the places to which the kernel interpolates the vertices of a triangle
     /// of a deforming mesh at this time.
     #[cold]
@@ -222,11 +233,8 @@ pub(super) fn on_triangle(triangles: &Triangles, owners: &Owners, hit: &Hit, tim
     let &Hit { primitive, u, v, .. } = hit;
     let point = triangles.point(primitive, u, v, shutter_time(time));
     let p = point.p.as_vec3a();
-    let (ng, kernel_error) = point.normal_and_error();
-    let mut error = HitPoint::rounding_error(p, ng) + kernel_error;
-    if triangles.mesh.is_deforming() {
-        error += triangles.interpolation_error(primitive, time, ng);
-    }
+    let (ng, kernel_error) = triangles.normal_and_error(&point, primitive, time);
+    let error = HitPoint::rounding_error(p, ng) + kernel_error;
     interaction(HitPoint { time, ..HitPoint::new(p, error) }, ng, point.ns, owners.of(primitive))
 }
 
@@ -249,10 +257,7 @@ pub(super) fn on_instance(
     let ns = point.ns.map(|ns| (instance_transform.normals * ns.as_dvec3()).as_vec3a());
     // The error is measured along the object's normal. The transform to the scene scales the normal's length and the
     // error by the same factor.
-    let (own_normal, mut own_error) = point.normal_and_error();
-    if triangles.mesh.is_deforming() {
-        own_error += triangles.interpolation_error(primitive, time, own_normal);
-    }
+    let (_, own_error) = triangles.normal_and_error(&point, primitive, time);
     let kernel_error =
         f64::from(own_error) * point.ng.length() + instance_transform.error([point.p, exact], point.ng, point.sides);
     let error = HitPoint::rounding_error(p, ng) + (kernel_error / length) as f32;

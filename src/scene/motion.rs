@@ -143,9 +143,8 @@ fn crossing(surface: u32) -> Motion {
 
 /// Balls that cross each other, one as an instance and one by its vertices; `resting` leaves out the instance's motion.
 pub(crate) fn crossing_balls(resting: bool) -> Scene {
-    let instances = !resting;
     balls().in_motion(|surface| match crossing(surface) {
-        Motion::Moved(_) if !instances => Motion::Rest,
+        Motion::Moved(_) if resting => Motion::Rest,
         motion => motion,
     })
 }

@@ -107,7 +107,7 @@ fn with(mut scene: Scene, varying: impl VaryingMaterial + 'static) -> Scene {
     scene
 }
 
-/// The image of a render of square pixels, and the standard error of a pixel whose samples are 0 or 1.
+/// The pixels of a square render, in row order.
 fn render(scene: &Scene, integrator: IntegratorDesc, side: u32, samples: u32) -> Vec<[f32; 3]> {
     let desc =
         RenderDesc { resolution: [side; 2], samples, integrator, filter: FilterDesc::Box, ..RenderDesc::default() };
