@@ -4,7 +4,7 @@
 use crate::embree::{Charge, Device};
 use crate::math::{DVec3, HitPoint, Vec3};
 
-use super::Hit;
+use super::hit::Hit;
 use super::interaction::{Owners, SurfaceInteraction, Triangles, at, interaction};
 
 /// Up to this number of triangles of a scene are cached, with 64 bytes each: about as much as fits a processor's

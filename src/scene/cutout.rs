@@ -5,7 +5,8 @@
 //! it is traced (Pharr, Jakob, Humphreys 2023, Sec. 7.1.1). In scenes with such surfaces each path has a time of its own even
 //! where nothing moves, so that two samples of a pixel decide independently where they have the same camera ray.
 
-use super::{Hit, IN_LIST, Scene, SurfaceDetail};
+use super::hit::{Hit, IN_LIST};
+use super::{Scene, SurfaceDetail};
 use crate::math::Ray;
 
 impl Scene {

@@ -1,8 +1,9 @@
 //! Hits in the terms of the scene's description: surfaces, materials and primitives have the numbers that the host gave
 //! them.
 
+use super::Scene;
 use super::geometry::Geometry;
-use super::{Hit, Scene};
+use super::hit::Hit;
 use crate::math::{Ray, Vec3};
 
 /// A hit of a ray in terms of the scene's description.

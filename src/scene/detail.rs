@@ -4,8 +4,9 @@
 
 use super::describe::in_order;
 use super::geometry::Geometry;
+use super::hit::Hit;
 use super::interaction::Triangles;
-use super::{Hit, Scene, SurfaceInteraction};
+use super::{Scene, SurfaceInteraction};
 use crate::math::{DVec3, Frame, RayCone, Vec3, shutter_time};
 
 /// Where a point lies on its surface, and how much of the surface a pixel sees there.

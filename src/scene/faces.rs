@@ -5,8 +5,9 @@
 //! instead.
 
 use super::geometry::Geometry;
+use super::hit::{Hit, IN_LIST};
 use super::interaction::{NO_EMITTER, Owner};
-use super::{Facet, Hit, IN_LIST, Scene};
+use super::{Facet, Scene};
 use crate::emitter::Emitter;
 use crate::math::{DVec3, Vec3};
 use crate::shape::Analytic;

@@ -5,8 +5,9 @@
 //! rays hit instead.
 
 use super::geometry::Geometry;
+use super::hit::{Hit, IN_LIST};
 use super::interaction::Triangles;
-use super::{Hit, IN_LIST, Scene, SurfaceInteraction};
+use super::{Scene, SurfaceInteraction};
 use crate::control::{Cancel, WorkProgress};
 use crate::error::Result;
 use crate::math::{DVec3, Vec3};

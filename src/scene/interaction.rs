@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::Hit;
+use super::hit::Hit;
 use super::instance_transform::InstanceTransform;
 use crate::buffer::Buffer;
 use crate::embree::{Charge, TriangleMesh, time_segment};

@@ -20,6 +20,7 @@ mod faces;
 mod facets;
 mod frame;
 mod geometry;
+mod hit;
 mod info;
 mod instance_transform;
 mod interaction;
@@ -39,6 +40,7 @@ pub use describe::HitDescription;
 pub use detail::SurfaceDetail;
 pub(crate) use faces::{Body, FaceNumbers};
 pub use facets::{Facet, SurfaceMesh};
+pub use hit::Hit;
 pub use info::SceneInfo;
 pub use interaction::SurfaceInteraction;
 pub use material::{Material, VaryingMaterial};
@@ -55,33 +57,9 @@ use crate::shape::Analytic;
 use analytic::AnalyticList;
 use bindings::SurfaceBindings;
 use geometry::Geometry;
+use hit::IN_LIST;
 use material::MaterialNeeds;
 use record::{AppearanceKey, GeometryRecord};
-
-/// A hit of a ray, with only the data that [`Scene::interaction`] needs to compute the rest.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
-    /// Distance in units of the ray's direction.
-    pub t: f32,
-    u: f32,
-    v: f32,
-    primitive: u32,
-    /// Number of the geometry or instance in the Embree scene, or [`IN_LIST`].
-    geometry: u32,
-}
-
-impl From<embree::Hit> for Hit {
-    #[inline]
-    fn from(hit: embree::Hit) -> Self {
-        // A hit on an instance is identified by the instance's number, since an instance's only geometry has the number
-        // 0.
-        let geometry = if hit.inst == embree::Hit::NO_INSTANCE { hit.geom } else { hit.inst };
-        Self { t: hit.t, u: hit.u, v: hit.v, primitive: hit.prim, geometry }
-    }
-}
-
-/// The geometry number of shapes in the list, which Embree does not hold.
-const IN_LIST: u32 = u32::MAX - 1;
 
 /// A scene that can be rendered: immutable, shared by any number of threads. Cloning one is cheap and shares everything.
 #[derive(Clone)]

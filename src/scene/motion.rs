@@ -7,8 +7,9 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::geometry::Geometry;
+use super::hit::Hit;
 use super::instance_transform::InstancePath;
-use super::{BuildOptions, Hit, Scene};
+use super::{BuildOptions, Scene};
 use crate::camera::Camera;
 use crate::desc::{self, IntegratorDesc, RenderDesc};
 use crate::embree::{SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};

@@ -1,0 +1,28 @@
+//! Hits of rays, before anything is computed from them.
+
+use crate::embree;
+
+/// A hit of a ray, with only the data that [`Scene::interaction`](super::Scene::interaction) needs to compute the rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance in units of the ray's direction.
+    pub t: f32,
+    pub(super) u: f32,
+    pub(super) v: f32,
+    pub(super) primitive: u32,
+    /// Number of the geometry or instance in the Embree scene, or [`IN_LIST`].
+    pub(super) geometry: u32,
+}
+
+impl From<embree::Hit> for Hit {
+    #[inline]
+    fn from(hit: embree::Hit) -> Self {
+        // A hit on an instance is identified by the instance's number, since an instance's only geometry has the number
+        // 0.
+        let geometry = if hit.inst == embree::Hit::NO_INSTANCE { hit.geom } else { hit.inst };
+        Self { t: hit.t, u: hit.u, v: hit.v, primitive: hit.prim, geometry }
+    }
+}
+
+/// The geometry number of shapes in the list, which Embree does not hold.
+pub(super) const IN_LIST: u32 = u32::MAX - 1;
