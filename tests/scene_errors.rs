@@ -5,6 +5,7 @@ mod common;
 use std::path::Path;
 
 use etendue::ErrorKind;
+use etendue::bsdf::{Model as _, TransportMode};
 use etendue::desc::{self, BsdfDesc, SceneDesc, ShapeDesc};
 use etendue::spectrum::Rgb;
 use proptest::prelude::*;
@@ -62,6 +63,12 @@ fn check(scene: &SceneDesc, text: &str) {
             BsdfDesc::OrenNayar { albedo, roughness } => unit(albedo) && (0.0..=1.0).contains(&roughness),
             BsdfDesc::Mirror { reflectance } => unit(reflectance),
             BsdfDesc::Dielectric { ior, exterior_ior } => ior > 0.0 && exterior_ior > 0.0 && ior.is_finite(),
+            // What a Bsdf needs of the others is more than a line: it is finite wherever it is asked.
+            ref other => {
+                let bsdf = etendue::bsdf::Bsdf::of_materials(other, &scene.materials);
+                let wo = etendue::math::Vec3::new(0.6, 0.0, 0.8);
+                bsdf.albedo().is_finite() && bsdf.f(wo, wo, TransportMode::Radiance).is_finite()
+            }
         };
         assert!(fine && material.survival.is_none_or(|rate| rate > 0.0 && rate <= 1.0), "{material:?} from {text}");
     }

@@ -102,7 +102,7 @@ impl<C: Spectrum> Model<C> for Dielectric {
             };
             Self::refraction(wi, C::splat(transmittance), eta)
         });
-        [Some(Self::reflection(wo, C::splat(reflectance))), refraction]
+        [Some(Self::reflection(wo, C::splat(reflectance))), refraction, None]
     }
 }
 

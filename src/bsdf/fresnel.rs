@@ -1,4 +1,4 @@
-//! Fresnel's and Snell's laws for a smooth interface between two dielectrics.
+//! Fresnel's and Snell's laws for smooth interfaces: between two dielectrics, and of a metal.
 
 /// g^2 = eta^2 - 1 + cos^2(theta_i), where g = eta cos(theta_t); negative under total internal reflection.
 ///
@@ -21,20 +21,52 @@ fn refraction_radicand(cos_theta_i: f64, eta: f64) -> f64 {
 /// Source: Born and Wolf, *Principles of Optics*, Sec. 1.5.2.
 #[inline]
 pub fn fresnel_dielectric(cos_theta_i: f64, eta: f64) -> f64 {
+    let [r_s2, r_p2] = fresnel_polarised(cos_theta_i, eta);
+    (0.5 * (r_s2 + r_p2)).min(1.0)
+}
+
+/// [`fresnel_dielectric`] for light that is polarised across the plane of incidence (s), and in it (p).
+#[inline]
+pub fn fresnel_polarised(cos_theta_i: f64, eta: f64) -> [f64; 2] {
     if eta == 1.0 {
-        return 0.0;
+        return [0.0; 2];
     }
     let c = cos_theta_i.abs().min(1.0);
     let radicand = refraction_radicand(c, eta);
     if radicand.is_nan() || radicand <= 0.0 {
-        return 1.0;
+        return [1.0; 2];
     }
     let g = radicand.sqrt();
     let eta2 = eta * eta;
     let difference = (eta - 1.0) * (eta + 1.0);
     let r_s = difference / ((c + g) * (c + g));
     let r_p = difference * ((eta2 + 1.0) * c * c - 1.0) / ((eta2 * c + g) * (eta2 * c + g));
-    (0.5 * (r_s * r_s + r_p * r_p)).min(1.0)
+    [r_s * r_s, r_p * r_p]
+}
+
+/// Share of unpolarised light that a smooth metal reflects, in [0, 1]. `n` and `k`: its complex index of refraction over the
+/// index of what is in front of it; 1 for an infinite `k`, which stands for a perfect reflector.
+///
+/// Source: Born and Wolf, *Principles of Optics*, Sec. 14.2.
+#[inline]
+pub fn fresnel_conductor(cos_theta_i: f32, n: f32, k: f32) -> f32 {
+    if k == f32::INFINITY {
+        return 1.0;
+    }
+    let cos = cos_theta_i.abs().min(1.0);
+    let cos2 = cos * cos;
+    let sin2 = 1.0 - cos2;
+    let (n2, k2) = (n * n, k * k);
+    let difference = n2 - k2 - sin2;
+    let product = 4.0 * n2 * k2;
+    let sum = (difference * difference + product).sqrt();
+    // a^2 = (sum + difference) / 2, of which metals would cancel all digits.
+    let a2 = if difference < 0.0 { 0.5 * product / (sum - difference) } else { 0.5 * (sum + difference) };
+    let t2 = 2.0 * cos * a2.sqrt();
+    let (t1, t3, t4) = (sum + cos2, cos2 * sum + sin2 * sin2, t2 * sin2);
+    let r_s = (t1 - t2) / (t1 + t2);
+    let r_p = r_s * ((t3 - t4) / (t3 + t4));
+    (0.5 * (r_s + r_p)).clamp(0.0, 1.0)
 }
 
 /// Cosine of the angle of refraction by Snell's law, or `None` under total internal reflection. Arguments as in

@@ -164,7 +164,7 @@ impl<C: Spectrum> Model<C> for LobeMixture<C> {
     }
 
     fn specular_lobes(&self, wo: Vec3, _: TransportMode) -> SpecularLobes<C> {
-        [Lobes::SPECULAR_REFLECTION, Lobes::SPECULAR_TRANSMISSION].map(|lobe| self.specular(wo, lobe))
+        [self.specular(wo, Lobes::SPECULAR_REFLECTION), None, self.specular(wo, Lobes::SPECULAR_TRANSMISSION)]
     }
 }
 

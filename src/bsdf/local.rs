@@ -1,5 +1,6 @@
 //! Geometry of the local frame, and sampling that the diffuse models share.
 
+use super::fresnel::refracted_cosine;
 use super::lobes::Lobes;
 use super::model::BsdfSample;
 use crate::math::Vec3;
@@ -28,10 +29,26 @@ pub(super) fn same_side(wo: Vec3, wi: Vec3) -> bool {
     wo.z * wi.z > 0.0
 }
 
+/// The direction mirrored to the outer side.
+#[inline]
+pub(super) fn outward(w: Vec3) -> Vec3 {
+    Vec3::new(w.x, w.y, w.z.abs())
+}
+
 /// The mirror direction about the normal.
 #[inline]
 pub(super) fn reflect(wo: Vec3) -> Vec3 {
     Vec3::new(-wo.x, -wo.y, wo.z)
+}
+
+/// The direction into which a facet with normal `m` refracts, or `None` under total reflection. `m` faces `wo`; `eta` is the
+/// index of refraction behind the facet over that in front of it.
+#[inline]
+pub(super) fn refract_about(wo: Vec3, m: Vec3, eta: f64) -> Option<Vec3> {
+    let cos_o = f64::from(wo.dot(m));
+    let cos_t = refracted_cosine(cos_o, eta)?;
+    let along = (cos_o / eta - cos_t) as f32;
+    Some((m * along - wo * (1.0 / eta) as f32).normalize())
 }
 
 /// pi times the directional albedo of max(0, sin sin cos(phi)) / (pi max(cos, cos)), which the rough diffuse models have in

@@ -50,6 +50,6 @@ impl<C: Spectrum> Model<C> for Mirror<C> {
 
     #[inline]
     fn specular_lobes(&self, wo: Vec3, _: TransportMode) -> SpecularLobes<C> {
-        [Some(self.reflection(wo)), None]
+        [Some(self.reflection(wo)), None, None]
     }
 }

@@ -13,31 +13,58 @@
 //! A new model is a file that implements [`Model`], a line in the list of models below, and an arm in [`Bsdf::new`].
 
 mod black;
+mod coat;
+mod conductor;
 mod dielectric;
+mod diffuse_transmission;
+mod eon;
 mod fresnel;
 mod lambert;
+mod layered;
 #[cfg(test)]
 mod lobe_mixture;
 mod lobes;
 mod local;
+mod metal_facet;
+mod microfacet;
 mod mirror;
+mod mix;
 mod model;
 mod oren_nayar;
 mod oren_nayar_qualitative;
+mod principled;
+mod rough_conductor;
+mod rough_dielectric;
+mod sheen;
+mod thin_dielectric;
+mod tinted;
 
 pub use black::Black;
+pub use coat::Coat;
+pub use conductor::Conductor;
 pub use dielectric::Dielectric;
-pub use fresnel::{fresnel_dielectric, refracted_cosine};
+pub use diffuse_transmission::DiffuseTransmission;
+pub use eon::Eon;
+pub use fresnel::{fresnel_conductor, fresnel_dielectric, fresnel_polarised, refracted_cosine};
 pub use lambert::Lambert;
+pub use layered::{Layer, Layered, LayeredParts};
 #[cfg(test)]
 pub(crate) use lobe_mixture::LobeMixture;
 pub use lobes::{Lobes, TransportMode};
+pub use metal_facet::MetalFacet;
+pub use microfacet::Microfacets;
 pub use mirror::Mirror;
+pub use mix::{Mix, TwoSided};
 pub use model::{BsdfSample, Model, SpecularLobes};
 pub use oren_nayar::OrenNayar;
 pub use oren_nayar_qualitative::OrenNayarQualitative;
+pub use rough_conductor::RoughConductor;
+pub use rough_dielectric::RoughDielectric;
+pub use sheen::Sheen;
+pub use thin_dielectric::ThinDielectric;
+pub use tinted::TintedTransmission;
 
-use crate::desc::BsdfDesc;
+use crate::desc::{BsdfDesc, Masking, MaterialDesc};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -45,7 +72,7 @@ use crate::spectrum::{Rgb, Spectrum};
 macro_rules! models {
     ($($(#[doc = $doc:literal])* $(#[cfg($cfg:meta)])? $name:ident($model:ty),)*) => {
         /// A scattering model with its constants worked out, in the channels that a path carries.
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Debug, PartialEq)]
         pub enum Bsdf<C: Spectrum = Rgb> {
             $($(#[doc = $doc])* $(#[cfg($cfg)])? $name($model),)*
         }
@@ -78,6 +105,10 @@ macro_rules! models {
 
             fn narrowest(&self) -> f32 {
                 match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::narrowest(model),)* }
+            }
+
+            fn share(&self, wo: Vec3) -> f32 {
+                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::share(model, wo),)* }
             }
 
             #[inline]
@@ -129,16 +160,49 @@ models! {
     Mirror(Mirror<C>),
     /// Smooth dielectric interface.
     Dielectric(Dielectric),
+    /// Energy-preserving rough diffuse reflection.
+    Eon(Eon<C>),
+    /// Thin diffuse sheet.
+    DiffuseTransmission(DiffuseTransmission<C>),
+    /// Fibres.
+    Sheen(Sheen<C>),
+    /// Smooth metal.
+    Conductor(Conductor<C>),
+    /// Rough metal.
+    RoughConductor(RoughConductor<C>),
+    /// Rough dielectric interface.
+    RoughDielectric(RoughDielectric<C>),
+    /// Thin sheet of glass.
+    ThinDielectric(ThinDielectric<C>),
+    /// A surface under a coat or fibres.
+    Layered(Layered<C>),
+    /// A sum of two models.
+    Mix(Mix<C>),
+    /// Different models on two sides.
+    TwoSided(TwoSided<C>),
+    /// A factor on what is transmitted.
+    TintedTransmission(TintedTransmission<C>),
     /// Any lobes, for tests of integrators.
     #[cfg(test)]
     LobeMixture(LobeMixture<C>),
 }
 
 impl Bsdf {
-    /// The model of a checked description (numbers finite and in the ranges [`BsdfDesc`] states).
+    /// The model of a checked description that names no other material (numbers finite and in the ranges [`BsdfDesc`]
+    /// states).
     ///
-    /// The rough diffuse models with no roughness become [`Lambert`], to the last bit.
+    /// Models with no roughness become the smooth ones; the rough diffuse models become [`Lambert`], to the last bit.
     pub fn new(desc: &BsdfDesc) -> Self {
+        Self::of_materials(desc, &[])
+    }
+
+    /// As [`Self::new`], for a description that may name others of these materials. A material that is not there is black.
+    pub fn of_materials(desc: &BsdfDesc, materials: &[MaterialDesc]) -> Self {
+        // Named materials come before the ones that name them, so that the recursion ends.
+        let named = |index: usize| match materials.get(index) {
+            Some(material) => Self::of_materials(&material.bsdf, &materials[..index]),
+            None => Self::Black(Black),
+        };
         match *desc {
             BsdfDesc::Black => Self::Black(Black),
             BsdfDesc::Lambert { albedo } => Self::Lambert(Lambert::new(albedo)),
@@ -146,10 +210,43 @@ impl Bsdf {
             BsdfDesc::OrenNayarQualitative { albedo, sigma } => {
                 Self::OrenNayarQualitative(OrenNayarQualitative::new(albedo, sigma))
             }
-            BsdfDesc::OrenNayar { albedo, roughness: 0.0 } => Self::Lambert(Lambert::new(albedo)),
+            BsdfDesc::OrenNayar { albedo, roughness: 0.0 } | BsdfDesc::Eon { albedo, roughness: 0.0 } => {
+                Self::Lambert(Lambert::new(albedo))
+            }
             BsdfDesc::OrenNayar { albedo, roughness } => Self::OrenNayar(OrenNayar::new(albedo, roughness)),
+            BsdfDesc::Eon { albedo, roughness } => Self::Eon(Eon::new(albedo, roughness)),
             BsdfDesc::Mirror { reflectance } => Self::Mirror(Mirror::new(reflectance)),
             BsdfDesc::Dielectric { ior, exterior_ior } => Self::Dielectric(Dielectric::new(ior, exterior_ior)),
+            BsdfDesc::DiffuseTransmission { reflectance, transmittance } => {
+                if reflectance == Rgb::ZERO && transmittance == Rgb::ZERO {
+                    return Self::Black(Black);
+                }
+                Self::DiffuseTransmission(DiffuseTransmission::new(reflectance, transmittance))
+            }
+            BsdfDesc::Sheen { color, roughness } => Self::Sheen(Sheen::new(color, roughness)),
+            BsdfDesc::Conductor { conductor, microfacets } => {
+                let facet = MetalFacet::new(&conductor);
+                match Microfacets::new(&microfacets) {
+                    Some(facets) => {
+                        let is_compensated = microfacets.multiple_scattering && microfacets.masking != Masking::VCavity;
+                        Self::RoughConductor(RoughConductor::new(facet, facets, is_compensated))
+                    }
+                    None => Self::Conductor(Conductor::new(facet)),
+                }
+            }
+            BsdfDesc::RoughDielectric { ior, exterior_ior, microfacets } => {
+                principled::rough_dielectric(ior, exterior_ior, &microfacets)
+            }
+            BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance } => {
+                Self::ThinDielectric(ThinDielectric::new(ior, exterior_ior, transmittance))
+            }
+            BsdfDesc::CoatedDiffuse { albedo, ior, exterior_ior, microfacets } => {
+                let eta = f64::from(ior) / f64::from(exterior_ior);
+                principled::coated_diffuse(Self::Lambert(Lambert::new(albedo)), eta, &microfacets)
+            }
+            BsdfDesc::Principled(ref desc) => principled::principled(desc),
+            BsdfDesc::Mix { materials: parts, weight } => Self::Mix(Mix::new(parts.map(named), weight)),
+            BsdfDesc::TwoSided { front, back } => Self::TwoSided(TwoSided::new([front, back].map(named))),
         }
     }
 }
@@ -159,6 +256,17 @@ impl<C: Spectrum> Bsdf<C> {
     #[inline]
     pub fn is_black(&self) -> bool {
         self.albedo() == C::ZERO
+    }
+
+    /// Only these lobes of the model, with f and densities of their own; `None` where it has none of them. Models that cannot be
+    /// taken apart are returned whole.
+    pub fn restricted(&self, lobes: Lobes) -> Option<Self> {
+        match self {
+            Self::Layered(layered) => layered.restricted(lobes).map(Self::Layered),
+            Self::Mix(mix) => mix.restricted(lobes).map(Self::Mix),
+            Self::TwoSided(two_sided) => two_sided.restricted(lobes).map(Self::TwoSided),
+            whole => whole.lobes().intersects(lobes).then(|| whole.clone()),
+        }
     }
 
     /// [`Model::f`] and [`Model::pdf`] together.

@@ -28,9 +28,9 @@ impl<C: Spectrum> BsdfSample<C> {
     }
 }
 
-/// The delta lobes of a Bsdf for one direction: reflection, refraction. Each sample's weight is the whole share of its lobe,
-/// as if it alone were always taken.
-pub type SpecularLobes<C> = [Option<BsdfSample<C>>; 2];
+/// The delta lobes of a Bsdf for one direction: reflection, refraction, and straight transmission. Each sample's weight is the
+/// whole share of its lobe, as if it alone were always taken.
+pub type SpecularLobes<C> = [Option<BsdfSample<C>>; 3];
 
 /// A scattering model with its constants worked out. Directions are as the module says.
 pub trait Model<C: Spectrum> {
@@ -51,6 +51,13 @@ pub trait Model<C: Spectrum> {
     /// diffuse one. Cones of rays are widened by it.
     fn narrowest(&self) -> f32 {
         if self.lobes().have_specular() { 0.0 } else { 1.0 }
+    }
+
+    /// Estimate of the share of light from `wo` that is scattered, in its largest channel, by which a sum of models chooses
+    /// among its parts. Above 0 wherever something is scattered.
+    fn share(&self, wo: Vec3) -> f32 {
+        let _ = wo;
+        self.albedo().max_element()
     }
 
     /// The scattering function (sr^-1), without a cosine; 0 for delta lobes and between sides that no lobe connects.
@@ -86,6 +93,6 @@ pub trait Model<C: Spectrum> {
     /// All delta lobes at once.
     fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {
         let _ = (wo, mode);
-        [None; 2]
+        [None; 3]
     }
 }

@@ -46,9 +46,15 @@ impl<C: Spectrum> OrenNayar<C> {
         self.albedo * (self.a + self.b * FRAC_1_PI * (bright_side(w) - 2.0 / 3.0 * sine(w)))
     }
 
+    /// Mean of [`Self::directional_albedo`] over the hemisphere, weighed by the cosine.
+    pub fn mean_albedo(&self) -> C {
+        const MEAN: f32 = 2.0 / 3.0 - 28.0 / 15.0 * FRAC_1_PI;
+        self.albedo * (self.a + self.b * MEAN)
+    }
+
     /// pi f: the weight of a cosine-distributed sample.
     #[inline]
-    fn weight(&self, wo: Vec3, wi: Vec3) -> C {
+    pub(super) fn weight(&self, wo: Vec3, wi: Vec3) -> C {
         let s = tangential_dot(wo, wi);
         // t is at most 1: a positive s grows when divided by it, a negative one would fall. The larger of both is s / t by
         // the model's rule, without a branch on a sign that is as good as random.

@@ -103,7 +103,7 @@ pub unsafe extern "C" fn etd_scene_get_material(
         on(scene, |scene| {
             let desc = scene.desc();
             let it = find(&desc.materials, material, "material")?;
-            write_sized(out_material, "out_material", read::material_out(&it.bsdf, it.survival))
+            write_sized(out_material, "out_material", read::material_out(&it.bsdf, it.survival)?)
         })
     }
 }

@@ -95,7 +95,7 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc,
 }
 
 /// Converts a material to the host's structure.
-pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>) -> etd_material {
+pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>) -> Result<etd_material> {
     let mut it = etd_material {
         struct_size: size_of::<etd_material>(),
         bsdf: ETD_BSDF_BLACK.number(),
@@ -129,9 +129,10 @@ pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>) -> etd_materi
             (it.ior, it.exterior_ior) = (ior, exterior_ior);
             ETD_BSDF_DIELECTRIC
         }
+        _ => return Err(Failure::argument("the material's model has no value in this structure")),
     };
     it.bsdf = model.number();
-    it
+    Ok(it)
 }
 
 /// Reads a transform, three rows of four numbers. Twelve zeros stand for the identity.

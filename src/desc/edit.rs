@@ -10,7 +10,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::json::{elided, join};
-use super::{BsdfDesc, CameraDesc, MaterialDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, obj, validate};
+use super::{
+    BsdfDesc, CameraDesc, MaterialDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, material_check, obj, validate,
+};
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
@@ -56,7 +58,7 @@ impl SceneDesc {
     /// `.sigmaDeg`, `.refractionIndex`, `.exteriorIndex` or `.reflectionRate` if it is out of range.
     pub fn add_material(&mut self, name: &str, bsdf: BsdfDesc, survival: Option<f32>) -> Result<usize> {
         let path = format!("materials[{}]", self.materials.len());
-        validate::material(&path, &bsdf, survival)?;
+        material_check::check(&path, &bsdf, survival, &self.materials)?;
         let material = MaterialDesc { name: name.to_owned(), path, bsdf, survival };
         if name.is_empty() {
             self.materials.push(material);
@@ -76,12 +78,26 @@ impl SceneDesc {
             return Err(Error::invalid(format!("materials[{material}]"), message));
         }
         let count = self.materials.len();
-        let Some(known) = self.materials.get_mut(material) else {
+        let Some(known) = self.materials.get(material) else {
             return Err(none_such(&format!("materials[{material}]"), "material", material, count));
         };
-        validate::material(&known.path, &bsdf, survival)?;
+        material_check::check(&known.path, &bsdf, survival, &self.materials[..material])?;
+        let before = (known.bsdf, known.survival);
+        self.set_model(material, (bsdf, survival));
+        // Materials that name this one have conditions of their own.
+        let checked = (material + 1..count).try_for_each(|later| {
+            let it = &self.materials[later];
+            material_check::check(&it.path, &it.bsdf, it.survival, &self.materials[..later])
+        });
+        if checked.is_err() {
+            self.set_model(material, before);
+        }
+        checked
+    }
+
+    fn set_model(&mut self, material: usize, (bsdf, survival): (BsdfDesc, Option<f32>)) {
+        let known = &mut self.materials[material];
         (known.bsdf, known.survival) = (bsdf, survival);
-        Ok(())
     }
 
     /// Adds a point light and returns its number. `intensity` is radiant intensity [W sr^-1], each channel >= 0.

@@ -1,5 +1,6 @@
 //! Descriptions of materials.
 
+use super::{ConductorDesc, MicrofacetsDesc, PrincipledDesc};
 use crate::spectrum::Rgb;
 
 /// A named material.
@@ -52,5 +53,79 @@ pub enum BsdfDesc {
         ior: f32,
         /// Index of refraction on the normal's side, > 0; 1 unless the object is inside another dielectric.
         exterior_ior: f32,
+    },
+    /// Portsmouth, Kutz and Hill's rough diffuse model, whose facets lose no light (EON).
+    Eon {
+        /// Albedo.
+        albedo: Rgb,
+        /// Roughness in [0, 1].
+        roughness: f32,
+    },
+    /// A thin sheet that reflects and transmits light diffusely, such as paper or a leaf.
+    DiffuseTransmission {
+        /// The share of the light that is reflected.
+        reflectance: Rgb,
+        /// The share of the light that is transmitted; both shares sum to 1 at most.
+        transmittance: Rgb,
+    },
+    /// Fibres that stand up from a surface, such as velvet (Estevez and Kulla 2017).
+    Sheen {
+        /// Colour of the fibres.
+        color: Rgb,
+        /// Roughness, in (0, 1].
+        roughness: f32,
+    },
+    /// A metal, smooth or rough.
+    Conductor {
+        /// What its facets reflect.
+        conductor: ConductorDesc,
+        /// The facets.
+        microfacets: MicrofacetsDesc,
+    },
+    /// A rough interface between two dielectrics, such as frosted glass; smooth where its roughness is 0.
+    RoughDielectric {
+        /// Index of refraction on the side opposite to the normal, > 0.
+        ior: f32,
+        /// Index of refraction on the normal's side, > 0.
+        exterior_ior: f32,
+        /// The facets.
+        microfacets: MicrofacetsDesc,
+    },
+    /// A sheet of clear or tinted glass with parallel smooth faces, so thin that its faces count as one surface.
+    ThinDielectric {
+        /// Index of refraction of the sheet, > 0.
+        ior: f32,
+        /// Index of refraction on both sides of it, > 0.
+        exterior_ior: f32,
+        /// The share of the light that is left after it has crossed the sheet once along the normal.
+        transmittance: Rgb,
+    },
+    /// A diffuse surface under a clear smooth or rough coat, such as plastic or varnished wood. Light that bounces between the
+    /// two is included.
+    CoatedDiffuse {
+        /// Albedo of the diffuse surface.
+        albedo: Rgb,
+        /// Index of refraction of the coat, > 0.
+        ior: f32,
+        /// Index of refraction outside, > 0.
+        exterior_ior: f32,
+        /// The facets of the coat.
+        microfacets: MicrofacetsDesc,
+    },
+    /// One model with the parameters of OpenPBR, at which importers of other formats can aim.
+    Principled(PrincipledDesc),
+    /// A sum of two materials.
+    Mix {
+        /// Numbers of the materials, which come before this one.
+        materials: [usize; 2],
+        /// The share of the second, in [0, 1].
+        weight: f32,
+    },
+    /// Different materials on the two sides of a surface.
+    TwoSided {
+        /// Number of the material on the normal's side.
+        front: usize,
+        /// Number of the material on the other side.
+        back: usize,
     },
 }

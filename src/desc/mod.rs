@@ -48,13 +48,17 @@ mod integrator;
 mod json;
 mod light;
 mod material;
+mod material_check;
+mod material_keys;
 mod mcrt;
+mod microfacets;
 mod native;
 mod obj;
 mod object;
 mod params;
 mod photon;
 mod photon_keys;
+mod principled;
 mod quadric;
 mod radiosity;
 mod radiosity_keys;
@@ -79,11 +83,13 @@ pub use integrator::{
 };
 pub use light::PointLightDesc;
 pub use material::{BsdfDesc, MaterialDesc};
+pub use microfacets::{ConductorDesc, Distribution, METALS, Masking, Metal, MicrofacetsDesc};
 pub use object::{HostMesh, MeshDesc, ShapeDesc, SurfaceDesc};
 pub use photon::{
     CacheDesc, CacheSource, KernelDesc, MAX_GATHER_RAYS, MAX_NEIGHBOURS, MAX_PHOTON_MEMORY, MAX_PHOTONS, PhotonDesc,
     PhotonSharing, RADII,
 };
+pub use principled::PrincipledDesc;
 pub use radiosity::{MAX_RADIOSITY_ITERATIONS, MAX_RADIOSITY_MEMORY, RadiosityDesc, RadiositySolver};
 pub(crate) use radiosity_keys::check_radiosity;
 pub use read::{apply_params, apply_render, load, load_params, parse};

@@ -1,4 +1,4 @@
-//! Reads the native scene format, `"etendue": 1`: its top level, camera, lights and materials.
+//! Reads the native scene format, `"etendue": 1`: its top level, camera and lights.
 //!
 //! `docs/scene-format.md` describes every key. The reader first reads the tag (`type`, `geometry`) of each element and
 //! then the element itself, into a plain structure that refuses unknown keys, so every error has an exact path.
@@ -11,9 +11,7 @@ use serde_json::value::RawValue;
 
 use super::builder::Builder;
 use super::json::{self, join};
-use super::{
-    BsdfDesc, CameraDesc, Dialect, FovAxis, MaterialDesc, RenderDesc, SceneDesc, render_keys, surface, validate,
-};
+use super::{CameraDesc, Dialect, FovAxis, RenderDesc, SceneDesc, material_keys, render_keys, surface, validate};
 use crate::math::DVec3;
 use crate::{Error, Result};
 
@@ -136,106 +134,6 @@ enum AreaTag {
     Area,
 }
 
-/// How a diffuse surface scatters.
-#[derive(Clone, Copy, Default, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-enum Brdf {
-    /// The same radiance in all directions.
-    #[default]
-    Lambertian,
-    /// Fujii's improved Oren-Nayar model, by `roughness`.
-    OrenNayar,
-    /// Oren and Nayar's qualitative model, by `sigmaDeg`.
-    OrenNayarQualitative,
-}
-
-/// Scatters light in all directions.
-#[derive(Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename_all = "camelCase")]
-pub(super) struct Diffuse {
-    name: String,
-    #[serde(rename = "type")]
-    _type: DiffuseTag,
-    /// Albedo, [0, 1] per channel.
-    color: [f64; 3],
-    /// `lambertian` (default), `oren-nayar` or `oren-nayar-qualitative`.
-    #[serde(default, deserialize_with = "json::name")]
-    brdf: Option<Brdf>,
-    /// For `oren-nayar`: Fujii's sigma', in [0, 1].
-    roughness: Option<f64>,
-    /// For `oren-nayar-qualitative`: standard deviation of the facets' slope angle, degrees, in [0, 90].
-    sigma_deg: Option<f64>,
-    /// Russian roulette's survival probability, above 0 and up to 1, for renders with `"roulette": "file"`. Changes noise and
-    /// time, never the image.
-    reflection_rate: Option<f64>,
-}
-
-#[derive(Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
-#[serde(rename_all = "kebab-case")]
-enum DiffuseTag {
-    Diffuse,
-}
-
-/// A perfect mirror.
-#[derive(Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub(super) struct Reflective {
-    name: String,
-    #[serde(rename = "type")]
-    _type: ReflectiveTag,
-    /// Reflectance, [0, 1] per channel. Default [1, 1, 1].
-    color: Option<[f64; 3]>,
-}
-
-#[derive(Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
-#[serde(rename_all = "kebab-case")]
-enum ReflectiveTag {
-    Reflective,
-}
-
-/// Smooth clear glass, water and the like.
-#[derive(Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename_all = "camelCase")]
-pub(super) struct Refractive {
-    name: String,
-    #[serde(rename = "type")]
-    _type: RefractiveTag,
-    /// Index of refraction inside, > 0.
-    refraction_index: f64,
-    /// Index of refraction outside, > 0. Default 1.
-    exterior_index: Option<f64>,
-}
-
-#[derive(Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
-#[serde(rename_all = "kebab-case")]
-enum RefractiveTag {
-    Refractive,
-}
-
-/// Absorbs everything.
-#[derive(Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub(super) struct Black {
-    name: String,
-    #[serde(rename = "type")]
-    _type: BlackTag,
-}
-
-#[derive(Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
-#[serde(rename_all = "kebab-case")]
-enum BlackTag {
-    Black,
-}
-
 /// Reads a native scene that has been split at its top.
 pub(super) fn read(document: &RawValue, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> {
     let top: Top<'_> = json::object(document, "")?;
@@ -244,7 +142,7 @@ pub(super) fn read(document: &RawValue, base_dir: &Path, file: Option<&Path>) ->
     if let Some(raw) = top.render {
         builder.scene.render = render_keys::read(raw, "render", &RenderDesc::default())?;
     }
-    json::each(top.materials, "materials", |path, raw| material(raw, path, &mut builder))?;
+    json::each(top.materials, "materials", |path, raw| material_keys::read(raw, path, &mut builder))?;
     json::each(top.meshes, "meshes", |path, raw| surface::shared_mesh(raw, path, &mut builder))?;
     json::each(top.lights, "lights", |path, raw| light(raw, path, &mut builder))?;
     json::each(top.surfaces, "surfaces", |path, raw| surface::read(raw, path, &mut builder))?;
@@ -287,62 +185,4 @@ fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     let factor = light.intensity.unwrap_or(1.0);
     let vertices = [light.vertex_1, light.vertex_2, light.vertex_3].map(DVec3::from_array);
     builder.add_area_light(path, vertices, light.color, factor)
-}
-
-fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
-    let at = |key: &str| join(path, key);
-    let kind = json::tag(raw, path, "type", &["diffuse", "reflective", "refractive", "black"])?;
-    let (name, bsdf, survival) = match kind.as_str() {
-        "diffuse" => diffuse(json::object(raw, path)?, path)?,
-        "reflective" => {
-            let mirror: Reflective = json::object(raw, path)?;
-            let reflectance = validate::reflectance(&at("color"), mirror.color.unwrap_or([1.0; 3]))?;
-            (mirror.name, BsdfDesc::Mirror { reflectance }, None)
-        }
-        "refractive" => {
-            let glass: Refractive = json::object(raw, path)?;
-            let ior = validate::positive(&at("refractionIndex"), glass.refraction_index)? as f32;
-            let outside = glass.exterior_index.unwrap_or(1.0);
-            let exterior_ior = validate::positive(&at("exteriorIndex"), outside)? as f32;
-            (glass.name, BsdfDesc::Dielectric { ior, exterior_ior }, None)
-        }
-        _ => (json::object::<Black>(raw, path)?.name, BsdfDesc::Black, None),
-    };
-    builder.scene.put_material(MaterialDesc { name, path: path.to_owned(), bsdf, survival }).map(|_| ())
-}
-
-fn diffuse(diffuse: Diffuse, path: &str) -> Result<(String, BsdfDesc, Option<f32>)> {
-    let at = |key: &str| join(path, key);
-    let albedo = validate::reflectance(&at("color"), diffuse.color)?;
-    let brdf = diffuse.brdf.unwrap_or_default();
-    // A parameter of another model is an error, because the author was mistaken about which model is used.
-    let misplaced = match brdf {
-        Brdf::Lambertian => [("roughness", diffuse.roughness), ("sigmaDeg", diffuse.sigma_deg)],
-        Brdf::OrenNayar => [("sigmaDeg", diffuse.sigma_deg), ("", None)],
-        Brdf::OrenNayarQualitative => [("roughness", diffuse.roughness), ("", None)],
-    };
-    if let Some((key, _)) = misplaced.into_iter().find(|(_, value)| value.is_some()) {
-        let owner = if key == "roughness" { "oren-nayar" } else { "oren-nayar-qualitative" };
-        return Err(Error::invalid(at(key), format!("only a material with brdf '{owner}' has this key")));
-    }
-    let needed = |key: &str, value: Option<f64>| {
-        value.ok_or_else(|| Error::invalid(path, format!("missing key `{key}`, which this brdf needs")))
-    };
-    let bsdf = match brdf {
-        Brdf::Lambertian => BsdfDesc::Lambert { albedo },
-        Brdf::OrenNayar => {
-            let roughness = needed("roughness", diffuse.roughness)?;
-            BsdfDesc::OrenNayar { albedo, roughness: validate::within(&at("roughness"), roughness, 0.0, 1.0)? }
-        }
-        Brdf::OrenNayarQualitative => {
-            let degrees = needed("sigmaDeg", diffuse.sigma_deg)?;
-            validate::within(&at("sigmaDeg"), degrees, 0.0, 90.0)?;
-            BsdfDesc::OrenNayarQualitative { albedo, sigma: degrees.to_radians() as f32 }
-        }
-    };
-    let survival = match diffuse.reflection_rate {
-        None => None,
-        Some(rate) => Some(validate::survival_rate(&at("reflectionRate"), rate)?),
-    };
-    Ok((diffuse.name, bsdf, survival))
 }

@@ -2,7 +2,7 @@
 
 use schemars::{JsonSchema, Schema};
 
-use super::{native, render_block, surface};
+use super::{material_keys, native, render_block, surface};
 
 /// A scene in Étendue's native format, version 1.
 #[derive(JsonSchema)]
@@ -43,10 +43,18 @@ enum Light {
 #[schemars(untagged)]
 #[expect(dead_code, reason = "only its schema is used")]
 enum Material {
-    Diffuse(native::Diffuse),
-    Reflective(native::Reflective),
-    Refractive(native::Refractive),
-    Black(native::Black),
+    Diffuse(material_keys::Diffuse),
+    Reflective(material_keys::Reflective),
+    Refractive(material_keys::Refractive),
+    Black(material_keys::Black),
+    Conductor(material_keys::Conductor),
+    ThinRefractive(material_keys::ThinRefractive),
+    CoatedDiffuse(material_keys::CoatedDiffuse),
+    Sheen(material_keys::Sheen),
+    DiffuseTransmission(material_keys::DiffuseTransmission),
+    Principled(material_keys::Principled),
+    Mix(material_keys::Mix),
+    TwoSided(material_keys::TwoSided),
 }
 
 #[derive(JsonSchema)]

@@ -1,7 +1,7 @@
 //! Checks of single values: their physical meaning, and that single precision can hold them.
 
 use super::json::{Whole, join};
-use super::{BsdfDesc, CameraDesc, MeshDesc, PointLightDesc, ShapeDesc};
+use super::{CameraDesc, MeshDesc, PointLightDesc, ShapeDesc};
 use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
@@ -198,39 +198,6 @@ pub(super) fn point_light(
     let position = vector(&join(path, "origin"), position)?;
     let intensity = emission(&join(path, "color"), color, factor)?;
     Ok(PointLightDesc { path: path.to_owned(), position, intensity })
-}
-
-/// Checks the parameters of a scattering model that are already in single precision, and the survival probability.
-pub(super) fn material(path: &str, bsdf: &BsdfDesc, survival: Option<f32>) -> Result<()> {
-    let at = |key: &str| join(path, key);
-    match *bsdf {
-        BsdfDesc::Black => {}
-        BsdfDesc::Lambert { albedo: color }
-        | BsdfDesc::OrenNayarQualitative { albedo: color, .. }
-        | BsdfDesc::OrenNayar { albedo: color, .. }
-        | BsdfDesc::Mirror { reflectance: color } => {
-            reflectance(&at("color"), color.to_f64())?;
-        }
-        BsdfDesc::Dielectric { ior, exterior_ior } => {
-            positive(&at("refractionIndex"), ior.into())?;
-            positive(&at("exteriorIndex"), exterior_ior.into())?;
-        }
-    }
-    match *bsdf {
-        BsdfDesc::OrenNayar { roughness, .. } => {
-            within(&at("roughness"), roughness.into(), 0.0, 1.0)?;
-        }
-        // A right angle is excepted, because its value rounded to single precision is slightly more than a right angle.
-        BsdfDesc::OrenNayarQualitative { sigma, .. } if sigma != std::f32::consts::FRAC_PI_2 => {
-            within(&at("sigmaDeg"), f64::from(sigma).to_degrees(), 0.0, 90.0)?;
-        }
-        _ => {}
-    }
-    let Some(rate) = survival else { return Ok(()) };
-    if !matches!(bsdf, BsdfDesc::Lambert { .. } | BsdfDesc::OrenNayarQualitative { .. } | BsdfDesc::OrenNayar { .. }) {
-        return Err(Error::invalid(at("reflectionRate"), "only a diffuse material has a survival probability"));
-    }
-    survival_rate(&at("reflectionRate"), rate.into()).map(|_| ())
 }
 
 /// Checks a probability of survival, which must be above 0 and at most 1.

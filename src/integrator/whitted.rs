@@ -11,7 +11,7 @@
 use super::vertex::{Vertex, escaped};
 use super::walk::{roulette, scattered_light};
 use super::{Context, FirstHit, Tracer, Transport};
-use crate::bsdf::Model as _;
+use crate::bsdf::{BsdfSample, Model as _};
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::spectrum::Spectrum;
@@ -83,14 +83,15 @@ impl<C: Spectrum> Transport<C> for Whitted {
                 continue;
             }
 
-            // Both the reflected and the refracted ray are followed where both carry enough throughput and both can wait.
-            if let [Some(reflected), Some(refracted)] = vertex.specular_lobes()
-                && count + 2 <= WAITING
-            {
+            // All rays are followed where there are several, all carry enough throughput and all can wait.
+            let lobes = vertex.specular_lobes();
+            let branches = lobes.iter().flatten().count();
+            if branches > 1 && count + branches <= WAITING {
                 let carried = branch.throughput.max_element() * branch.eta2;
-                let least = [reflected, refracted].map(|lobe| lobe.weight.max_element() * (lobe.eta * lobe.eta));
-                if carried * least[0].min(least[1]) >= SMALLEST_BRANCH {
-                    for lobe in [reflected, refracted] {
+                let share = |lobe: &BsdfSample<C>| lobe.weight.max_element() * (lobe.eta * lobe.eta);
+                let least = lobes.iter().flatten().map(share).fold(f32::INFINITY, f32::min);
+                if carried * least >= SMALLEST_BRANCH {
+                    for lobe in lobes.into_iter().flatten() {
                         if let Some(ray) = vertex.leave_local(lobe.wi) {
                             waiting[count] = Branch {
                                 ray,

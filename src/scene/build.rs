@@ -12,7 +12,7 @@ use super::{Material, Scene, SceneInfo, frame, lower, roulette};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::control::WorkProgress;
-use crate::desc::{SceneDesc, ShapeDesc};
+use crate::desc::{MaterialDesc, SceneDesc, ShapeDesc};
 use crate::embree::{Device, DeviceOptions};
 use crate::error::{Error, Result};
 
@@ -137,6 +137,12 @@ fn check_emission(desc: &SceneDesc) -> Result<()> {
     Ok(())
 }
 
+/// The Bsdfs of all materials. Those that need integrals over rough surfaces take a few milliseconds each.
+fn bsdfs(desc: &SceneDesc) -> Vec<Bsdf> {
+    let of = |(i, material): (usize, &MaterialDesc)| Bsdf::of_materials(&material.bsdf, &desc.materials[..i]);
+    desc.materials.iter().enumerate().map(of).collect()
+}
+
 fn complete(
     desc: &SceneDesc,
     device: Device,
@@ -145,10 +151,11 @@ fn complete(
     appearance: AppearanceKey,
     start: Instant,
 ) -> Scene {
-    let materials: Arc<[Material]> =
-        desc.materials.iter().map(|material| Material::uniform(Bsdf::new(&material.bsdf))).collect();
-    let mut info = SceneInfo::new(desc, &assembly.record, &bindings.emitters, assembly.embree.is_some());
-    let warnings = super::info::warnings(desc, &assembly.record.facts, &bindings.emitters, appearance.dark_lights());
+    let bsdfs = bsdfs(desc);
+    let mut info = SceneInfo::new(desc, &bsdfs, &assembly.record, &bindings.emitters, assembly.embree.is_some());
+    let warnings =
+        super::info::warnings(desc, &bsdfs, &assembly.record.facts, &bindings.emitters, appearance.dark_lights());
+    let materials: Arc<[Material]> = bsdfs.into_iter().map(Material::uniform).collect();
     info.build_time = start.elapsed();
     Scene {
         embree: assembly.embree,

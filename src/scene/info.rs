@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::record::{BuildFacts, GeometryRecord};
 use crate::bsdf::{Bsdf, Model as _};
-use crate::desc::{BsdfDesc, IntegratorDesc, RouletteDesc, SceneDesc, SurfaceDesc};
+use crate::desc::{IntegratorDesc, RouletteDesc, SceneDesc, SurfaceDesc};
 use crate::emitter::EmitterSet;
 use crate::math::Bounds;
 use crate::spectrum::Rgb;
@@ -61,7 +61,13 @@ pub struct SceneInfo {
 }
 
 impl SceneInfo {
-    pub(super) fn new(desc: &SceneDesc, record: &GeometryRecord, emitters: &EmitterSet, has_kernel: bool) -> Self {
+    pub(super) fn new(
+        desc: &SceneDesc,
+        bsdfs: &[Bsdf],
+        record: &GeometryRecord,
+        emitters: &EmitterSet,
+        has_kernel: bool,
+    ) -> Self {
         let facts = &record.facts;
         let mut decisions = facts.decisions.clone();
         if facts.listed_shapes > 0 {
@@ -114,15 +120,21 @@ impl SceneInfo {
             embree_bytes: facts.embree_bytes,
             build_time: Duration::ZERO,
             decisions,
-            not_diffuse: not_diffuse(desc),
-            not_in_radiosity: not_in_radiosity(desc),
+            not_diffuse: not_diffuse(desc, bsdfs),
+            not_in_radiosity: not_in_radiosity(desc, bsdfs),
             switched_off: off.into_iter().filter_map(|(is_off, name)| is_off.then_some(name)).collect(),
         }
     }
 }
 
 /// Collects warnings about parts of the description that were left out or deserve attention.
-pub(super) fn warnings(desc: &SceneDesc, facts: &BuildFacts, emitters: &EmitterSet, dark_lights: usize) -> Vec<String> {
+pub(super) fn warnings(
+    desc: &SceneDesc,
+    bsdfs: &[Bsdf],
+    facts: &BuildFacts,
+    emitters: &EmitterSet,
+    dark_lights: usize,
+) -> Vec<String> {
     let mut warnings = Vec::new();
     if !facts.dropped.is_empty() {
         let mut dropped: Vec<_> = facts.dropped.iter().collect();
@@ -154,7 +166,7 @@ pub(super) fn warnings(desc: &SceneDesc, facts: &BuildFacts, emitters: &EmitterS
         warnings.push(format!("dropped {dark_lights} point lights without intensity"));
     }
     if desc.render.integrator == IntegratorDesc::Radiosity {
-        warnings.extend(not_diffuse(desc));
+        warnings.extend(not_diffuse(desc, bsdfs));
     }
     if desc.surfaces.is_empty() && !emitters.has_infinite() {
         warnings.push("the scene has no surface: the image will be black".to_owned());
@@ -167,12 +179,11 @@ pub(super) fn warnings(desc: &SceneDesc, facts: &BuildFacts, emitters: &EmitterS
 /// The greatest number of surfaces that one warning names.
 const NAMED: usize = 5;
 
-/// Returns the number of surfaces of a description that satisfy `is_such`, and the names of the first ones; `None`
+/// Returns the number of surfaces of a description, whose materials have these Bsdfs, that satisfy `is_such`, and the names of the first ones; `None`
 /// where there are none.
-fn named(desc: &SceneDesc, is_such: impl Fn(&SurfaceDesc, &BsdfDesc) -> bool) -> Option<(usize, String)> {
+fn named(desc: &SceneDesc, bsdfs: &[Bsdf], is_such: impl Fn(&SurfaceDesc, &Bsdf) -> bool) -> Option<(usize, String)> {
     let such = |surface: &&SurfaceDesc| {
-        let material = desc.materials.get(surface.material);
-        !surface.hidden && material.is_some_and(|material| is_such(surface, &material.bsdf))
+        !surface.hidden && bsdfs.get(surface.material).is_some_and(|bsdf| is_such(surface, bsdf))
     };
     let count = desc.surfaces.iter().filter(such).count();
     let named = desc.surfaces.iter().filter(such).take(NAMED).map(|surface| {
@@ -219,19 +230,18 @@ fn is_not_diffuse(bsdf: &Bsdf) -> bool {
 }
 
 /// Lists how radiosity treats surfaces that are not Lambertian.
-fn not_diffuse(desc: &SceneDesc) -> Vec<String> {
+fn not_diffuse(desc: &SceneDesc, bsdfs: &[Bsdf]) -> Vec<String> {
     let line = |taken: TakenAs| {
-        let (count, names) = named(desc, |_, bsdf| TakenAs::of(&Bsdf::new(bsdf)) == Some(taken))?;
+        let (count, names) = named(desc, bsdfs, |_, bsdf| TakenAs::of(bsdf) == Some(taken))?;
         Some(format!("radiosity takes {count} surfaces as {}: {names}", taken.name()))
     };
     [TakenAs::Black, TakenAs::WithoutSpecular, TakenAs::MeanAlbedo].into_iter().filter_map(line).collect()
 }
 
 /// Names the surfaces for which radiosity has no elements.
-fn not_in_radiosity(desc: &SceneDesc) -> Option<String> {
-    let is_absent =
-        |surface: &SurfaceDesc, bsdf: &BsdfDesc| surface.emission.is_none() && is_not_diffuse(&Bsdf::new(bsdf));
-    let (count, names) = named(desc, is_absent)?;
+fn not_in_radiosity(desc: &SceneDesc, bsdfs: &[Bsdf]) -> Option<String> {
+    let is_absent = |surface: &SurfaceDesc, bsdf: &Bsdf| surface.emission.is_none() && is_not_diffuse(bsdf);
+    let (count, names) = named(desc, bsdfs, is_absent)?;
     Some(format!("radiosity finds no irradiance for {count} surfaces, which reflect nothing diffusely: {names}"))
 }
 
@@ -271,7 +281,7 @@ impl fmt::Display for SceneInfo {
 mod tests {
     use super::*;
     use crate::bsdf::{LobeMixture, Lobes};
-    use crate::desc::{ShapeDesc, SurfaceLook};
+    use crate::desc::{BsdfDesc, ShapeDesc, SurfaceLook};
     use crate::emitter::{Emitter, EnvironmentEmitter};
     use crate::math::{DVec3, Vec3};
     use crate::scene::{BuildOptions, Scene};
@@ -289,8 +299,8 @@ mod tests {
             let scene = Scene::build(desc, &BuildOptions::default()).unwrap();
             let of = |emitters: Vec<Emitter>| {
                 let emitters = EmitterSet::new(emitters);
-                let info = SceneInfo::new(desc, &scene.record, &emitters, false);
-                (info, warnings(desc, &scene.record.facts, &emitters, 0))
+                let info = SceneInfo::new(desc, &[], &scene.record, &emitters, false);
+                (info, warnings(desc, &[], &scene.record.facts, &emitters, 0))
             };
             let (info, warnings) = of(vec![point, environment(Rgb::ONE)]);
             assert_eq!((info.emitters, info.point_lights, info.infinite_emitters), (2, 1, 1));

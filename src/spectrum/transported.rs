@@ -30,7 +30,7 @@ pub trait Spectrum:
     + 'static
 {
     /// What the channels of one path stand for: nothing for RGB, wavelengths and their densities for a sampled spectrum.
-    type Wavelengths: Copy + Debug + Default + Send + Sync + 'static;
+    type Wavelengths: Copy + Debug + Default + PartialEq + Send + Sync + 'static;
 
     /// A value as photons store it, without alignment.
     type Packed: Copy + Debug + Default + PartialEq + Send + Sync + 'static;
@@ -48,6 +48,10 @@ pub trait Spectrum:
 
     /// The largest channel.
     fn max_element(self) -> f32;
+
+    /// 1 over each channel.
+    #[must_use]
+    fn recip(self) -> Self;
 
     /// Whether no channel is infinite or NaN.
     fn is_finite(self) -> bool;
@@ -97,6 +101,11 @@ impl Spectrum for Rgb {
     #[inline(always)]
     fn max_element(self) -> f32 {
         self.max_element()
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        Self::ONE / self
     }
 
     #[inline(always)]

@@ -86,6 +86,8 @@ pub struct DensityCheck {
     pub integral: f64,
     /// p-value of the samples given the density.
     pub p_value: f64,
+    /// Share of the draws that gave nothing, which the integral falls short of 1 by.
+    pub rejected: f64,
     /// Largest relative difference, in magnitude, between the density at a sample and the density that the sampler
     /// itself reported.
     pub mismatch: f64,
@@ -94,13 +96,16 @@ pub struct DensityCheck {
 impl DensityCheck {
     /// Whether the density integrates to 1, agrees with the sampler's own, and explains the samples.
     pub fn passes(&self, significance: f64) -> bool {
-        (self.integral - 1.0).abs() < 1e-3 && self.mismatch < 1e-5 && self.p_value > significance
+        self.rejected == 0.0
+            && (self.integral - 1.0).abs() < 1e-3
+            && self.mismatch < 1e-5
+            && self.p_value > significance
     }
 }
 
 /// Compares samples with a density on a rectangle of `nx` x `ny` cells.
 ///
-/// `draw` returns a point and the density with which it was drawn; `density` is integrated over each cell by the
+/// `draw` returns a point and the density with which it was drawn, or NaN for a draw that gave nothing; `density` is integrated over each cell by the
 /// midpoint rule, with more points where it varies around the cell.
 pub fn check_density(
     (nx, ny): (usize, usize),
@@ -112,8 +117,13 @@ pub fn check_density(
     let (dx, dy) = ((x_range.1 - x_range.0) / nx as f64, (y_range.1 - y_range.0) / ny as f64);
     let mut observed = vec![0_u64; nx * ny];
     let mut mismatch = 0.0_f64;
+    let mut rejected = 0_u64;
     for _ in 0..draws {
         let (x, y, reported) = draw();
+        if x.is_nan() {
+            rejected += 1;
+            continue;
+        }
         let i = (((x - x_range.0) / dx) as usize).min(nx - 1);
         let j = (((y - y_range.0) / dy) as usize).min(ny - 1);
         observed[i * ny + j] += 1;
@@ -159,7 +169,8 @@ pub fn check_density(
         }
     }
     let integral = expected.iter().sum::<f64>() / draws as f64;
-    DensityCheck { integral, p_value: chi_square(&observed, &expected), mismatch }
+    let rejected = rejected as f64 / draws as f64;
+    DensityCheck { integral, rejected, p_value: chi_square(&observed, &expected), mismatch }
 }
 
 /// [`check_density`] over all directions in (cos theta, phi), where densities per solid angle need no factor. 80 x 160

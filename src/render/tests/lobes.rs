@@ -63,7 +63,7 @@ fn a_plate_in_an_environment_sends_its_directional_albedo() {
     for (name, weights, angles) in cases {
         let bsdf = mixture(weights);
         let mut stage = Stage::in_environment();
-        let material = stage.material(bsdf);
+        let material = stage.material(bsdf.clone());
         stage.quad([[-5.0, -5.0, 0.0], [5.0, -5.0, 0.0], [5.0, 5.0, 0.0], [-5.0, 5.0, 0.0]], material, None);
         for &degrees in angles {
             let (sin, cos) = degrees.to_radians().sin_cos();

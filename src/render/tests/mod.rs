@@ -97,7 +97,7 @@ impl Stage {
     fn build(&self) -> Scene {
         let mut scene = Scene::build(&self.desc, &BuildOptions::default()).unwrap();
         for (material, bsdf) in self.bsdfs.iter().enumerate() {
-            scene.set_bsdf(material, *bsdf);
+            scene.set_bsdf(material, bsdf.clone());
         }
         if let Some(radiance) = self.environment {
             let bounds = scene.info().bounds;

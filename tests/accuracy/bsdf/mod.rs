@@ -4,6 +4,7 @@ mod albedo;
 mod fresnel;
 mod glass;
 pub mod inverses;
+mod rough;
 mod samplers;
 mod values;
 
@@ -11,7 +12,8 @@ use crate::common::bsdfs::{diffuse_models, direction, lambert, oren_nayar, oren_
 use crate::record::{Case, Entry, Within};
 
 pub fn cases() -> Vec<Entry> {
-    let topics = [values::cases(), albedo::cases(), fresnel::cases(), samplers::cases(), glass::cases()];
+    let topics =
+        [values::cases(), albedo::cases(), fresnel::cases(), samplers::cases(), glass::cases(), rough::cases()];
     topics.into_iter().flatten().collect()
 }
 

@@ -1,0 +1,54 @@
+//! Smooth metal.
+
+use super::lobes::{Lobes, TransportMode};
+use super::local::reflect;
+use super::metal_facet::MetalFacet;
+use super::model::{BsdfSample, Model, SpecularLobes};
+use crate::math::Vec3;
+use crate::spectrum::{Rgb, Spectrum};
+
+/// A smooth metal: a mirror whose reflectance depends on the angle by Fresnel's equations. It reflects on both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conductor<C: Spectrum = Rgb> {
+    facet: MetalFacet,
+    mean: Rgb,
+    wavelengths: C::Wavelengths,
+}
+
+impl Conductor {
+    /// A metal that reflects by this law.
+    pub fn new(facet: MetalFacet) -> Self {
+        Self { facet, mean: facet.mean_reflectance(), wavelengths: () }
+    }
+
+    #[inline(always)]
+    pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> Conductor<C> {
+        Conductor { facet: self.facet, mean: self.mean, wavelengths: *wavelengths }
+    }
+}
+
+impl<C: Spectrum> Conductor<C> {
+    fn reflection(&self, wo: Vec3) -> BsdfSample<C> {
+        let weight = C::from_reflectance(self.facet.reflectance(wo.z.abs()), &self.wavelengths);
+        BsdfSample { wi: reflect(wo), weight, pdf: 0.0, lobe: Lobes::SPECULAR_REFLECTION, eta: 1.0 }
+    }
+}
+
+impl<C: Spectrum> Model<C> for Conductor<C> {
+    fn lobes(&self) -> Lobes {
+        Lobes::SPECULAR_REFLECTION
+    }
+
+    fn albedo(&self) -> C {
+        C::from_reflectance(self.mean, &self.wavelengths)
+    }
+
+    #[inline(never)]
+    fn sample(&self, wo: Vec3, _: [f32; 3], _: TransportMode) -> Option<BsdfSample<C>> {
+        Some(self.reflection(wo))
+    }
+
+    fn specular_lobes(&self, wo: Vec3, _: TransportMode) -> SpecularLobes<C> {
+        [Some(self.reflection(wo)), None, None]
+    }
+}

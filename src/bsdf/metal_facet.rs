@@ -1,0 +1,74 @@
+//! What a facet of a metal reflects, by colour.
+
+use super::fresnel::fresnel_conductor;
+use super::microfacet::average;
+use crate::desc::ConductorDesc;
+use crate::spectrum::Rgb;
+
+/// The reflectance of a smooth metal by the angle of incidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MetalFacet {
+    /// Fresnel's equations with a complex index of refraction per channel; an infinite extinction reflects everything.
+    Index {
+        /// Index of refraction.
+        eta: [f32; 3],
+        /// Extinction coefficient.
+        k: [f32; 3],
+    },
+    /// Schlick's fit to Fresnel's equations with a tint towards the edge, as OpenPBR has it.
+    ///
+    /// F = F0 + (1 - F0) (1 - mu)^5 - b mu (1 - mu)^6, where b is such that F at the cosine 1/7 is `tint` times that of the fit
+    /// without b. Source: Kutz, Hasan, Edmondson 2021, "Novel Aspects of the Adobe Standard Material", Sec. 2.
+    Tinted {
+        /// Reflectance at normal incidence.
+        f0: Rgb,
+        /// The factor b.
+        b: Rgb,
+        /// Factor on the whole, in [0, 1].
+        weight: f32,
+    },
+}
+
+impl MetalFacet {
+    /// The metal of a checked description, in front of which is air.
+    pub fn new(desc: &ConductorDesc) -> Self {
+        let index = [0, 1, 2].map(|channel| desc.index(channel).unwrap_or([1.0, f32::INFINITY]));
+        Self::Index { eta: index.map(|[eta, _]| eta), k: index.map(|[_, k]| k) }
+    }
+
+    /// A metal with this colour at normal incidence and this tint of the edge, both in [0, 1].
+    pub fn tinted(f0: Rgb, tint: Rgb, weight: f32) -> Self {
+        const EDGE: f32 = 1.0 / 7.0;
+        let at_edge = schlick(f0, EDGE);
+        let scale = EDGE * (1.0 - EDGE).powi(6);
+        Self::Tinted { f0, b: at_edge * (Rgb::ONE - tint) / scale, weight }
+    }
+
+    /// The reflectance at this cosine of the angle of incidence, in [0, 1] per channel.
+    #[inline]
+    pub fn reflectance(&self, cos: f32) -> Rgb {
+        match self {
+            Self::Index { eta, k } => {
+                Rgb::from_array(std::array::from_fn(|channel| fresnel_conductor(cos, eta[channel], k[channel])))
+            }
+            Self::Tinted { f0, b, weight } => {
+                let below = (1.0 - cos).clamp(0.0, 1.0);
+                let power = below.powi(6);
+                (schlick(*f0, cos) - *b * (cos * power)).max(Rgb::ZERO).min(Rgb::ONE) * *weight
+            }
+        }
+    }
+
+    /// The mean reflectance for light from all sides: weighed by the cosine.
+    pub fn mean_reflectance(&self) -> Rgb {
+        Rgb::from_array(std::array::from_fn(|channel| {
+            average(|mu| f64::from(self.reflectance(mu as f32).to_array()[channel])) as f32
+        }))
+    }
+}
+
+/// Source: Schlick 1994, "An Inexpensive BRDF Model for Physically-based Rendering".
+fn schlick(f0: Rgb, cos: f32) -> Rgb {
+    let below = (1.0 - cos).clamp(0.0, 1.0);
+    f0 + (Rgb::ONE - f0) * below.powi(5)
+}

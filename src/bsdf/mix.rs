@@ -1,0 +1,209 @@
+//! Sums of two models, and models for the two sides of a surface.
+
+use std::sync::Arc;
+
+use super::lobes::{Lobes, TransportMode};
+use super::microfacet::choose;
+use super::model::{BsdfSample, Model, SpecularLobes};
+use super::{Black, Bsdf};
+use crate::math::Vec3;
+use crate::spectrum::{Rgb, Spectrum};
+
+/// A weighted sum of two models: (1 - weight) of the first and `weight` of the second.
+///
+/// A direction is drawn from one of the parts, in proportion to what they scatter, and has the density of both.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mix<C: Spectrum = Rgb> {
+    parts: Arc<[Bsdf<C>; 2]>,
+    weights: [f32; 2],
+}
+
+impl<C: Spectrum> Mix<C> {
+    /// A sum. `weight`: the share of the second part, in [0, 1].
+    pub fn new(parts: [Bsdf<C>; 2], weight: f32) -> Self {
+        Self { parts: Arc::new(parts), weights: [1.0 - weight, weight] }
+    }
+
+    /// Only some lobes of the parts; `None` where neither has them.
+    pub(super) fn restricted(&self, lobes: Lobes) -> Option<Self> {
+        let parts = self.parts.each_ref().map(|part| part.restricted(lobes));
+        let is_left = parts.iter().any(Option::is_some);
+        let parts = parts.map(|part| part.unwrap_or(Bsdf::Black(Black)));
+        is_left.then(|| Self { parts: Arc::new(parts), weights: self.weights })
+    }
+
+    /// The probability of the first part.
+    #[inline]
+    fn first(&self, wo: Vec3) -> f32 {
+        let [a, b] = self.shares(wo);
+        if a + b > 0.0 { a / (a + b) } else { 0.5 }
+    }
+
+    #[inline]
+    fn shares(&self, wo: Vec3) -> [f32; 2] {
+        [0, 1].map(|i: usize| if self.weights[i] > 0.0 { self.weights[i] * self.parts[i].share(wo) } else { 0.0 })
+    }
+
+    fn sum(&self, f: impl Fn(&Bsdf<C>) -> C) -> C {
+        f(&self.parts[0]) * self.weights[0] + f(&self.parts[1]) * self.weights[1]
+    }
+}
+
+impl Mix {
+    pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> Mix<C> {
+        let parts = self.parts.each_ref().map(|part| part.in_spectrum::<C>(wavelengths));
+        Mix { parts: Arc::new(parts), weights: self.weights }
+    }
+}
+
+impl<C: Spectrum> Model<C> for Mix<C> {
+    fn lobes(&self) -> Lobes {
+        let of = |i: usize| {
+            if self.weights[i] > 0.0 && !self.parts[i].is_black() { self.parts[i].lobes() } else { Lobes::empty() }
+        };
+        of(0) | of(1)
+    }
+
+    fn albedo(&self) -> C {
+        self.sum(Model::albedo)
+    }
+
+    fn diffuse_albedo(&self) -> C {
+        self.sum(Model::diffuse_albedo)
+    }
+
+    fn narrowest(&self) -> f32 {
+        let of =
+            |i: usize| if self.weights[i] > 0.0 && !self.parts[i].is_black() { self.parts[i].narrowest() } else { 1.0 };
+        of(0).min(of(1))
+    }
+
+    fn share(&self, wo: Vec3) -> f32 {
+        let [a, b] = self.shares(wo);
+        a + b
+    }
+
+    fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
+        self.sum(|part| part.f(wo, wi, mode))
+    }
+
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        let first = self.first(wo);
+        first * self.parts[0].pdf(wo, wi) + (1.0 - first) * self.parts[1].pdf(wo, wi)
+    }
+
+    fn sample(&self, wo: Vec3, mut u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>> {
+        let first = self.first(wo);
+        let (chosen, probability) = if choose(first, &mut u[2]) { (0, first) } else { (1, 1.0 - first) };
+        let sample = self.parts[chosen].sample(wo, u, mode)?;
+        if sample.is_specular() {
+            return Some(BsdfSample { weight: sample.weight * (self.weights[chosen] / probability), ..sample });
+        }
+        // The part that was not chosen could have drawn this direction too.
+        let own = sample.weight * (self.weights[chosen] * sample.pdf);
+        let other = &self.parts[1 - chosen];
+        let others = other.f(wo, sample.wi, mode) * (self.weights[1 - chosen] * sample.wi.z.abs());
+        let pdf = probability * sample.pdf + (1.0 - probability) * other.pdf(wo, sample.wi);
+        Some(BsdfSample { weight: (own + others) / pdf, pdf, ..sample })
+    }
+
+    fn mean_f(&self, wo: Vec3) -> Option<C> {
+        let of = |i: usize| self.parts[i].mean_f(wo).map(|f| f * self.weights[i]);
+        match (of(0), of(1)) {
+            (Some(a), Some(b)) => Some(a + b),
+            (one, other) => one.or(other),
+        }
+    }
+
+    fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {
+        let of = |i: usize| {
+            self.parts[i].specular_lobes(wo, mode).map(|lobe| {
+                lobe.map(|lobe| BsdfSample { weight: lobe.weight * self.weights[i], ..lobe })
+                    .filter(|lobe| lobe.weight != C::ZERO)
+            })
+        };
+        add_lobes(of(0), of(1))
+    }
+}
+
+/// The delta lobes of two parts of one surface. Lobes at the same place have the same direction.
+pub(super) fn add_lobes<C: Spectrum>(a: SpecularLobes<C>, b: SpecularLobes<C>) -> SpecularLobes<C> {
+    std::array::from_fn(|i| match (a[i], b[i]) {
+        (Some(a), Some(b)) => Some(BsdfSample { weight: a.weight + b.weight, ..a }),
+        (one, other) => one.or(other),
+    })
+}
+
+/// One model on the outer side of a surface and another one on the inner side. Neither transmits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TwoSided<C: Spectrum = Rgb> {
+    /// The models of the outer and of the inner side.
+    faces: Arc<[Bsdf<C>; 2]>,
+}
+
+impl<C: Spectrum> TwoSided<C> {
+    /// A surface that has these models on its outer and on its inner side.
+    pub fn new(faces: [Bsdf<C>; 2]) -> Self {
+        Self { faces: Arc::new(faces) }
+    }
+
+    /// Only some lobes of the faces; `None` where neither has them.
+    pub(super) fn restricted(&self, lobes: Lobes) -> Option<Self> {
+        let faces = self.faces.each_ref().map(|face| face.restricted(lobes));
+        let is_left = faces.iter().any(Option::is_some);
+        is_left.then(|| Self { faces: Arc::new(faces.map(|face| face.unwrap_or(Bsdf::Black(Black)))) })
+    }
+
+    #[inline]
+    fn seen(&self, wo: Vec3) -> &Bsdf<C> {
+        &self.faces[usize::from(wo.z < 0.0)]
+    }
+}
+
+impl TwoSided {
+    pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> TwoSided<C> {
+        TwoSided { faces: Arc::new(self.faces.each_ref().map(|face| face.in_spectrum::<C>(wavelengths))) }
+    }
+}
+
+impl<C: Spectrum> Model<C> for TwoSided<C> {
+    fn lobes(&self) -> Lobes {
+        self.faces.iter().filter(|face| !face.is_black()).fold(Lobes::empty(), |lobes, face| lobes | face.lobes())
+    }
+
+    fn albedo(&self) -> C {
+        (self.faces[0].albedo() + self.faces[1].albedo()) * 0.5
+    }
+
+    fn diffuse_albedo(&self) -> C {
+        (self.faces[0].diffuse_albedo() + self.faces[1].diffuse_albedo()) * 0.5
+    }
+
+    fn narrowest(&self) -> f32 {
+        self.faces[0].narrowest().min(self.faces[1].narrowest())
+    }
+
+    fn share(&self, wo: Vec3) -> f32 {
+        self.seen(wo).share(wo)
+    }
+
+    fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
+        self.seen(wo).f(wo, wi, mode)
+    }
+
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.seen(wo).pdf(wo, wi)
+    }
+
+    fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>> {
+        self.seen(wo).sample(wo, u, mode)
+    }
+
+    fn mean_f(&self, wo: Vec3) -> Option<C> {
+        self.seen(wo).mean_f(wo)
+    }
+
+    fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {
+        self.seen(wo).specular_lobes(wo, mode)
+    }
+}

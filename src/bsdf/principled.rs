@@ -1,0 +1,143 @@
+//! One model with the parameters of OpenPBR, put together from the others.
+
+use super::coat::Coat;
+use super::conductor::Conductor;
+use super::layered::{Layer, Layered, LayeredParts};
+use super::metal_facet::MetalFacet;
+use super::microfacet::Microfacets;
+use super::sheen::Sheen;
+use super::{Bsdf, Dielectric, Eon, Lambert, Mix, RoughConductor, RoughDielectric, ThinDielectric, TintedTransmission};
+use crate::desc::{MicrofacetsDesc, PrincipledDesc};
+use crate::spectrum::Rgb;
+
+/// The model of a checked description: fuzz over a coat over a mixture of metal, clear dielectric and dielectric with a
+/// diffuse base.
+pub(super) fn principled(desc: &PrincipledDesc) -> Bsdf {
+    let facets = roughened(desc);
+    let metalness = desc.base_metalness;
+    let dielectric = || {
+        let opaque = || opaque_dielectric(desc, &facets);
+        let clear = || clear_dielectric(desc, &facets);
+        mixed(opaque, clear, desc.transmission_weight)
+    };
+    let metal = || {
+        let colour = desc.base_color * desc.base_weight;
+        let facet = MetalFacet::tinted(colour, desc.specular_color, desc.specular_weight);
+        match Microfacets::new(&facets) {
+            Some(microfacets) => {
+                Bsdf::RoughConductor(RoughConductor::new(facet, microfacets, desc.multiple_scattering))
+            }
+            None => Bsdf::Conductor(Conductor::new(facet)),
+        }
+    };
+    let base = mixed(dielectric, metal, metalness);
+    let coated = if desc.coat_weight > 0.0 {
+        covered(LayeredParts {
+            layer: Layer::Coat(Coat::new(desc.coat_ior.into(), Microfacets::new(&desc.coat_facets()))),
+            base,
+            coverage: desc.coat_weight,
+            // The colour is what is left after the way down and up.
+            tint: root(desc.coat_color),
+            darkening: desc.coat_darkening,
+            is_thin: desc.thin_walled,
+        })
+    } else {
+        base
+    };
+    if desc.fuzz_weight > 0.0 {
+        covered(LayeredParts {
+            layer: Layer::Sheen(Sheen::new(desc.fuzz_color, desc.fuzz_roughness)),
+            base: coated,
+            coverage: desc.fuzz_weight,
+            tint: Rgb::ONE,
+            darkening: 1.0,
+            is_thin: desc.thin_walled,
+        })
+    } else {
+        coated
+    }
+}
+
+/// A surface under a layer, as a Bsdf.
+fn covered(parts: LayeredParts) -> Bsdf {
+    Bsdf::Layered(Layered::new(parts))
+}
+
+/// A diffuse surface under a smooth or rough coat whose index over the one outside is `eta`.
+pub(super) fn coated_diffuse(base: Bsdf, eta: f64, facets: &MicrofacetsDesc) -> Bsdf {
+    covered(LayeredParts {
+        layer: Layer::Coat(Coat::new(eta, Microfacets::new(facets))),
+        base,
+        coverage: 1.0,
+        tint: Rgb::ONE,
+        darkening: 1.0,
+        is_thin: false,
+    })
+}
+
+/// A sum, without parts of weight 0.
+fn mixed(first: impl FnOnce() -> Bsdf, second: impl FnOnce() -> Bsdf, weight: f32) -> Bsdf {
+    if weight <= 0.0 {
+        first()
+    } else if weight >= 1.0 {
+        second()
+    } else {
+        Bsdf::Mix(Mix::new([first(), second()], weight))
+    }
+}
+
+fn root(colour: Rgb) -> Rgb {
+    Rgb::from_array(colour.to_array().map(f32::sqrt))
+}
+
+/// The facets of the base. A rough coat scatters what they reflect (OpenPBR Surface 1.1, "Roughening").
+fn roughened(desc: &PrincipledDesc) -> MicrofacetsDesc {
+    let facets = desc.specular_facets();
+    let wider = (facets.roughness.powi(4) + 2.0 * desc.coat_roughness.powi(4)).min(1.0).powf(0.25);
+    MicrofacetsDesc { roughness: facets.roughness + desc.coat_weight * (wider - facets.roughness), ..facets }
+}
+
+/// The index of the dielectric with the factor on its reflectance at normal incidence, over what is around it.
+fn weighted_eta(eta: f32, weight: f32) -> f32 {
+    let reflected = (weight.sqrt() * (eta - 1.0) / (eta + 1.0)).clamp(-0.999, 0.999);
+    (1.0 + reflected) / (1.0 - reflected)
+}
+
+fn opaque_dielectric(desc: &PrincipledDesc, facets: &MicrofacetsDesc) -> Bsdf {
+    let colour = desc.base_color * desc.base_weight;
+    let base = if desc.base_diffuse_roughness > 0.0 {
+        Bsdf::Eon(Eon::new(colour, desc.base_diffuse_roughness))
+    } else {
+        Bsdf::Lambert(Lambert::new(colour))
+    };
+    // Under a coat the dielectric meets the index of the coat. An index below it would reflect everything at some angle, which
+    // no light that came through the coat does, so its inverse is taken, as OpenPBR does.
+    let around = 1.0 + desc.coat_weight * (desc.coat_ior - 1.0);
+    let eta = desc.specular_ior / around;
+    let eta = weighted_eta(eta.max(1.0 / eta), desc.specular_weight);
+    if eta == 1.0 { base } else { coated_diffuse(base, eta.into(), facets) }
+}
+
+fn clear_dielectric(desc: &PrincipledDesc, facets: &MicrofacetsDesc) -> Bsdf {
+    let eta = weighted_eta(desc.specular_ior, desc.specular_weight);
+    if desc.thin_walled {
+        return Bsdf::ThinDielectric(ThinDielectric::new(eta, 1.0, desc.transmission_color));
+    }
+    let base = rough_dielectric(eta, 1.0, facets);
+    if desc.transmission_color == Rgb::ONE {
+        return base;
+    }
+    // Half of the colour at each of the two interfaces that light crosses on its way through a body.
+    Bsdf::TintedTransmission(TintedTransmission::new(base, root(desc.transmission_color)))
+}
+
+/// A smooth or rough interface.
+pub(super) fn rough_dielectric(ior: f32, exterior_ior: f32, facets: &MicrofacetsDesc) -> Bsdf {
+    match Microfacets::new(facets).filter(|_| ior != exterior_ior) {
+        Some(microfacets) => {
+            let is_compensated = facets.multiple_scattering;
+            Bsdf::RoughDielectric(RoughDielectric::new(ior, exterior_ior, microfacets, is_compensated))
+        }
+        None => Bsdf::Dielectric(Dielectric::new(ior, exterior_ior)),
+    }
+}

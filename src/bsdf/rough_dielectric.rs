@@ -1,0 +1,236 @@
+//! Rough interface between two dielectrics.
+
+use std::f32::consts::FRAC_1_PI;
+use std::marker::PhantomData;
+
+use super::fresnel::fresnel_dielectric;
+use super::lobes::{Lobes, TransportMode};
+use super::local::{outward, refract_about};
+use super::microfacet::{FacetShares, Microfacets, MissingEnergy, average, choose};
+use super::model::{BsdfSample, Model};
+use crate::math::Vec3;
+use crate::sampling::warps;
+use crate::spectrum::{Rgb, Spectrum};
+
+/// A colourless interface of facets, each of which reflects by Fresnel's equations and refracts by Snell's law, and what
+/// facets scatter more than once.
+///
+/// What single scattering loses is spread over both sides, as for metals by (1 - E(wo)) (1 - E(wi)). The shares of the two sides
+/// are those that keep f(i -> o) / n_o^2 = f(o -> i) / n_i^2, so that photons and paths from the camera agree.
+///
+/// Sources: Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces"; Kulla and Conty 2017.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RoughDielectric<C: Spectrum = Rgb> {
+    /// Index on the inner side over index on the outer side.
+    eta: f64,
+    facets: Microfacets,
+    multiple: Option<Multiple>,
+    channels: PhantomData<C>,
+}
+
+/// What is scattered more than once: for light from the outer side, and from the inner side.
+#[derive(Clone, Debug, PartialEq)]
+struct Multiple {
+    missing: [MissingEnergy; 2],
+    /// The share of it that is transmitted.
+    transmitted: [f32; 2],
+}
+
+impl RoughDielectric {
+    /// A rough interface. `ior`: index of refraction on the inner side, `exterior_ior`: on the outer side, different from
+    /// `ior`. `is_compensated`: whether light that is scattered more than once is included.
+    pub fn new(ior: f32, exterior_ior: f32, facets: Microfacets, is_compensated: bool) -> Self {
+        let eta = f64::from(ior) / f64::from(exterior_ior);
+        let multiple = is_compensated.then(|| Multiple::new(eta, &facets)).flatten();
+        Self { eta, facets, multiple, channels: PhantomData }
+    }
+
+    #[inline(always)]
+    pub(super) fn in_spectrum<C: Spectrum>(&self, _: &C::Wavelengths) -> RoughDielectric<C> {
+        RoughDielectric { eta: self.eta, facets: self.facets, multiple: self.multiple.clone(), channels: PhantomData }
+    }
+}
+
+impl Multiple {
+    /// `None` where nothing worth mentioning is scattered more than once.
+    fn new(eta: f64, facets: &Microfacets) -> Option<Self> {
+        let missing = [eta, 1.0 / eta].map(|eta| {
+            MissingEnergy::new(facets, (eta, true), |cos| {
+                let reflected = fresnel_dielectric(cos, eta);
+                FacetShares { reflected, transmitted: Some((1.0 - reflected, eta)) }
+            })
+        });
+        let means = [0, 1].map(|side: usize| f64::from(missing[side].mean()));
+        if means[0].min(means[1]) < 1e-7 {
+            return None;
+        }
+        // Of the light that comes from one side, the share t = kappa n^2 (1 - E_mean) of the other is transmitted, which is
+        // the reciprocal form; kappa is as large as can be without more than a smooth interface transmits.
+        let passes = [eta, 1.0 / eta].map(|eta| 1.0 - average(|mu| fresnel_dielectric(mu, eta)));
+        let own = [means[1] * eta * eta, means[0]];
+        let kappa = (passes[0] / own[0]).min(passes[1] / own[1]);
+        Some(Self { missing, transmitted: own.map(|own| (kappa * own) as f32) })
+    }
+}
+
+impl<C: Spectrum> RoughDielectric<C> {
+    /// 0 on the outer side, 1 on the inner side.
+    #[inline]
+    fn side(wo: Vec3) -> usize {
+        usize::from(wo.z < 0.0)
+    }
+
+    /// Index on the far side over index on `wo`'s side.
+    #[inline]
+    fn relative_eta(&self, wo: Vec3) -> f64 {
+        if wo.z > 0.0 { self.eta } else { 1.0 / self.eta }
+    }
+
+    /// Probability with which a cosine-distributed direction is drawn instead of a facet.
+    #[inline]
+    fn several(&self, wo: Vec3) -> f32 {
+        self.multiple.as_ref().map_or(0.0, |multiple| multiple.missing[Self::side(wo)].at(&self.facets, wo))
+    }
+
+    /// Of what is scattered more than once: f in terms of power, and the probability of `wi`'s side. The directions are on
+    /// one side if `reflects`.
+    #[inline]
+    fn multiple(&self, wo: Vec3, wi: Vec3, reflects: bool) -> (f32, f32) {
+        let Some(Multiple { missing, transmitted }) = &self.multiple else { return (0.0, 0.0) };
+        let side = Self::side(wo);
+        let other = if reflects { side } else { 1 - side };
+        let share = if reflects { 1.0 - transmitted[side] } else { transmitted[side] };
+        let [o, i] = [missing[side].at(&self.facets, wo), missing[other].at(&self.facets, wi)];
+        (share * o * i * FRAC_1_PI / missing[other].mean(), share)
+    }
+
+    /// Factor from f in terms of power to f of what is carried, for light that is transmitted.
+    #[inline]
+    fn transmission_scale(eta: f64, mode: TransportMode) -> f32 {
+        match mode {
+            TransportMode::Radiance => (1.0 / (eta * eta)) as f32,
+            TransportMode::Importance => 1.0,
+        }
+    }
+
+    /// The facet that connects two directions, on the outer side; `wo` is on the outer side. `None` where there is none.
+    #[inline]
+    fn facet(wo: Vec3, wi: Vec3, eta: f64) -> Option<Vec3> {
+        if wi.z > 0.0 {
+            return Some((wo + wi).normalize());
+        }
+        let h = wo.as_dvec3() + eta * wi.as_dvec3();
+        let m = h.normalize_or_zero().as_vec3a();
+        let m = if m.z < 0.0 { -m } else { m };
+        (wo.dot(m) > 0.0 && wi.dot(m) < 0.0).then_some(m)
+    }
+
+    /// f |cos(wi)| in terms of power and the density of single scattering, by the facet that connects the directions. `wo` is
+    /// on the outer side, `wi` on its own.
+    #[inline]
+    fn once(&self, wo: Vec3, wi: Vec3, m: Vec3, eta: f64) -> (f32, f32) {
+        let cos = wo.dot(m);
+        // Of light that is transmitted, the angle in the thinner medium is the one that tells the reflectance to all digits: in the
+        // other one, angles are crowded below the critical angle.
+        let reflectance = if wi.z < 0.0 && eta < 1.0 {
+            fresnel_dielectric(f64::from(wi.dot(m)), 1.0 / eta) as f32
+        } else {
+            fresnel_dielectric(f64::from(cos), eta) as f32
+        };
+        let visible = self.facets.visible_pdf(wo, m);
+        // Masking of both directions over that of wo, which the density has.
+        let seen = visible * wo.z / (self.facets.d(m) * cos);
+        if wi.z > 0.0 {
+            let pdf = reflectance * visible / (4.0 * cos);
+            (pdf * self.facets.g2_reflection(wo, wi, m) / seen, pdf)
+        } else {
+            let (cos_o, cos_i) = (f64::from(cos), f64::from(wi.dot(m)));
+            let sum = cos_o + eta * cos_i;
+            let jacobian = (eta * eta * -cos_i / (sum * sum)) as f32;
+            let pdf = (1.0 - reflectance) * visible * jacobian;
+            (pdf * self.facets.g2_transmission(wo, outward(wi), m) / seen, pdf)
+        }
+    }
+
+    /// f |cos(wi)| for what is carried, and the density, by the facet if there is one.
+    #[inline]
+    fn evaluate(&self, wo: Vec3, wi: Vec3, m: Option<Vec3>, side: f32, mode: TransportMode) -> (f32, f32) {
+        let eta = self.relative_eta(Vec3::new(0.0, 0.0, side));
+        let reflects = wi.z > 0.0;
+        let (once, pdf_once) = m.map_or((0.0, 0.0), |m| self.once(wo, wi, m, eta));
+        let (wo, own) = (Vec3::new(wo.x, wo.y, wo.z.copysign(side)), outward(wi));
+        let (several, share) = self.multiple(wo, wi, reflects);
+        let probability = self.several(wo);
+        let pdf = (1.0 - probability) * pdf_once + probability * share * warps::cosine_hemisphere_pdf(own.z);
+        let scale = if reflects { 1.0 } else { Self::transmission_scale(eta, mode) };
+        // Where D is 0 to the last bit, so is the density, and the share that is seen is 0 over 0.
+        let once = if once.is_finite() { once } else { 0.0 };
+        (scale * (once + several * own.z), if pdf.is_finite() { pdf } else { 0.0 })
+    }
+
+    /// Both directions with `wo` on the outer side; `None` where one lies in the surface.
+    #[inline]
+    fn outwards(wo: Vec3, wi: Vec3) -> Option<(Vec3, Vec3)> {
+        let flip = 1.0_f32.copysign(wo.z);
+        let wi = Vec3::new(wi.x, wi.y, wi.z * flip);
+        (wo.z * wi.z != 0.0).then_some((outward(wo), wi))
+    }
+}
+
+impl<C: Spectrum> Model<C> for RoughDielectric<C> {
+    fn lobes(&self) -> Lobes {
+        Lobes::GLOSSY
+    }
+
+    fn albedo(&self) -> C {
+        C::ONE
+    }
+
+    fn narrowest(&self) -> f32 {
+        self.facets.widths()[1].min(1.0)
+    }
+
+    #[inline(never)]
+    fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
+        let Some((o, i)) = Self::outwards(wo, wi) else { return C::ZERO };
+        let m = Self::facet(o, i, self.relative_eta(wo));
+        C::splat(self.evaluate(o, i, m, wo.z, mode).0 / i.z.abs())
+    }
+
+    #[inline(never)]
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        let Some((o, i)) = Self::outwards(wo, wi) else { return 0.0 };
+        let m = Self::facet(o, i, self.relative_eta(wo));
+        self.evaluate(o, i, m, wo.z, TransportMode::Importance).1
+    }
+
+    #[inline(never)]
+    fn sample(&self, wo: Vec3, mut u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>> {
+        let eta = self.relative_eta(wo);
+        let (o, side) = (outward(wo), wo.z);
+        let several = self.several(wo);
+        let (wi, m) = if several > 0.0 && choose(several, &mut u[2]) {
+            let transmitted = self.multiple.as_ref().map_or(0.0, |multiple| multiple.transmitted[Self::side(wo)]);
+            let up = warps::cosine_hemisphere([u[0], u[1]]);
+            let wi = if u[2] < transmitted { -up } else { up };
+            (wi, Self::facet(o, wi, eta))
+        } else {
+            let m = self.facets.visible_normal(o, &mut u);
+            let cos = o.dot(m);
+            let reflectance = fresnel_dielectric(f64::from(cos), eta) as f32;
+            let reflects = u[2] < reflectance;
+            let wi = if reflects { 2.0 * cos * m - o } else { refract_about(o, m, eta)? };
+            // What a facet scatters to the wrong side meets another one: the light that is made up for.
+            if (wi.z > 0.0) != reflects || wi.z == 0.0 {
+                return None;
+            }
+            (wi.normalize(), Some(m))
+        };
+        let (f_cos, pdf) = self.evaluate(o, wi, m, side, mode);
+        let weight = f_cos / pdf;
+        let (lobe, eta) =
+            if wi.z > 0.0 { (Lobes::GLOSSY_REFLECTION, 1.0) } else { (Lobes::GLOSSY_TRANSMISSION, eta as f32) };
+        let wi = Vec3::new(wi.x, wi.y, wi.z * 1.0_f32.copysign(side));
+        (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample { wi, weight: C::splat(weight), pdf, lobe, eta })
+    }
+}

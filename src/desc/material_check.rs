@@ -1,0 +1,272 @@
+//! Checks of materials whose numbers are already in single precision.
+
+use super::json::join;
+use super::validate::{positive, reflectance, survival_rate, within};
+use super::{BsdfDesc, ConductorDesc, Distribution, Masking, MaterialDesc, MicrofacetsDesc, PrincipledDesc};
+use crate::spectrum::Rgb;
+use crate::{Error, Result};
+
+/// Most models in one material, with those of the materials that it names.
+const MOST_PARTS: usize = 64;
+
+/// Most materials of which one names the next.
+const MOST_LEVELS: usize = 16;
+
+/// Checks a material. It may name `materials`, which come before it.
+pub(super) fn check(path: &str, bsdf: &BsdfDesc, survival: Option<f32>, materials: &[MaterialDesc]) -> Result<()> {
+    model(path, bsdf, materials)?;
+    let Some(rate) = survival else { return Ok(()) };
+    let is_diffuse = matches!(
+        bsdf,
+        BsdfDesc::Lambert { .. }
+            | BsdfDesc::OrenNayarQualitative { .. }
+            | BsdfDesc::OrenNayar { .. }
+            | BsdfDesc::Eon { .. }
+    );
+    if !is_diffuse {
+        let message = "only a diffuse material has a survival probability";
+        return Err(Error::invalid(join(path, "reflectionRate"), message));
+    }
+    survival_rate(&join(path, "reflectionRate"), rate.into()).map(|_| ())
+}
+
+fn model(path: &str, bsdf: &BsdfDesc, materials: &[MaterialDesc]) -> Result<()> {
+    let at = |key: &str| join(path, key);
+    let color = |key: &str, value: Rgb| reflectance(&at(key), value.to_f64()).map(|_| ());
+    let share = |key: &str, value: f32| within(&at(key), value.into(), 0.0, 1.0).map(|_| ());
+    let index = |key: &str, value: f32| positive(&at(key), value.into()).map(|_| ());
+    match *bsdf {
+        BsdfDesc::Black => Ok(()),
+        BsdfDesc::Lambert { albedo } => color("color", albedo),
+        BsdfDesc::Mirror { reflectance } => color("color", reflectance),
+        BsdfDesc::OrenNayar { albedo, roughness } | BsdfDesc::Eon { albedo, roughness } => {
+            color("color", albedo)?;
+            share("roughness", roughness)
+        }
+        BsdfDesc::OrenNayarQualitative { albedo, sigma } => {
+            color("color", albedo)?;
+            // A right angle is excepted, because its value rounded to single precision is slightly more than one.
+            if sigma == std::f32::consts::FRAC_PI_2 {
+                return Ok(());
+            }
+            within(&at("sigmaDeg"), f64::from(sigma).to_degrees(), 0.0, 90.0).map(|_| ())
+        }
+        BsdfDesc::Dielectric { ior, exterior_ior } => {
+            index("refractionIndex", ior)?;
+            index("exteriorIndex", exterior_ior)
+        }
+        BsdfDesc::DiffuseTransmission { reflectance, transmittance } => {
+            color("color", reflectance)?;
+            color("transmittance", transmittance)?;
+            let sum = reflectance + transmittance;
+            match sum.to_array().iter().position(|sum| *sum > 1.0 + f32::EPSILON) {
+                None => Ok(()),
+                Some(i) => {
+                    let sum = sum.to_array()[i];
+                    let message = format!("color and transmittance sum to {sum}, expected 1 at most per channel");
+                    Err(Error::invalid(at(&format!("transmittance[{i}]")), message))
+                }
+            }
+        }
+        BsdfDesc::Sheen { color: fibres, roughness } => {
+            color("color", fibres)?;
+            positive(&at("roughness"), roughness.into())?;
+            share("roughness", roughness)
+        }
+        BsdfDesc::Conductor { conductor, microfacets } => {
+            check_conductor(path, &conductor)?;
+            check_microfacets(path, &microfacets)
+        }
+        BsdfDesc::RoughDielectric { ior, exterior_ior, microfacets } => {
+            index("refractionIndex", ior)?;
+            index("exteriorIndex", exterior_ior)?;
+            check_microfacets(path, &microfacets)
+        }
+        BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance } => {
+            index("refractionIndex", ior)?;
+            index("exteriorIndex", exterior_ior)?;
+            color("transmittance", transmittance)
+        }
+        BsdfDesc::CoatedDiffuse { albedo, ior, exterior_ior, microfacets } => {
+            color("color", albedo)?;
+            index("refractionIndex", ior)?;
+            index("exteriorIndex", exterior_ior)?;
+            check_microfacets(path, &microfacets)
+        }
+        BsdfDesc::Principled(ref desc) => check_principled(path, desc),
+        BsdfDesc::Mix { materials: parts, weight } => {
+            share("weight", weight)?;
+            check_parts(path, bsdf, &[("materials[0]", parts[0]), ("materials[1]", parts[1])], materials)
+        }
+        BsdfDesc::TwoSided { front, back } => {
+            check_parts(path, bsdf, &[("front", front), ("back", back)], materials)?;
+            for (key, part) in [("front", front), ("back", back)] {
+                if transmits(&materials[part].bsdf, materials) {
+                    let message = "a material that transmits light has both sides, expected one that does not";
+                    return Err(Error::invalid(at(key), message));
+                }
+            }
+            Ok(())
+        }
+    }
+}
+
+fn check_conductor(path: &str, conductor: &ConductorDesc) -> Result<()> {
+    match conductor {
+        ConductorDesc::Index { eta, k } => {
+            for (i, (eta, k)) in eta.to_array().into_iter().zip(k.to_array()).enumerate() {
+                positive(&join(path, &format!("eta[{i}]")), eta.into())?;
+                within(&join(path, &format!("eta[{i}]")), eta.into(), 0.0, 1e6)?;
+                within(&join(path, &format!("k[{i}]")), k.into(), 0.0, 1e6)?;
+            }
+            Ok(())
+        }
+        ConductorDesc::Reflectance { normal, edge } => {
+            reflectance(&join(path, "reflectance"), normal.to_f64())?;
+            reflectance(&join(path, "edgeTint"), edge.to_f64()).map(|_| ())
+        }
+    }
+}
+
+fn check_microfacets(path: &str, microfacets: &MicrofacetsDesc) -> Result<()> {
+    let at = |key: &str| join(path, key);
+    within(&at("roughness"), microfacets.roughness.into(), 0.0, 1.0)?;
+    anisotropy(&at("anisotropy"), microfacets.anisotropy)?;
+    within(&at("rotation"), f64::from(microfacets.rotation).to_degrees(), -360.0, 360.0)?;
+    if microfacets.masking == Masking::VCavity && microfacets.multiple_scattering {
+        let message = "light that is reflected more than once is known for Smith's masking only, expected false";
+        return Err(Error::invalid(at("multipleScattering"), message));
+    }
+    debug_assert!(matches!(microfacets.distribution, Distribution::Ggx | Distribution::Beckmann));
+    Ok(())
+}
+
+fn anisotropy(path: &str, value: f32) -> Result<()> {
+    within(path, value.into(), 0.0, 1.0)?;
+    if value > 0.99 {
+        return Err(Error::invalid(path, format!("{value} is out of range, expected a number in [0, 0.99]")));
+    }
+    Ok(())
+}
+
+fn check_principled(path: &str, desc: &PrincipledDesc) -> Result<()> {
+    let at = |key: &str| join(path, key);
+    for (key, value) in [
+        ("base_weight", desc.base_weight),
+        ("base_diffuse_roughness", desc.base_diffuse_roughness),
+        ("base_metalness", desc.base_metalness),
+        ("specular_weight", desc.specular_weight),
+        ("specular_roughness", desc.specular_roughness),
+        ("transmission_weight", desc.transmission_weight),
+        ("coat_weight", desc.coat_weight),
+        ("coat_roughness", desc.coat_roughness),
+        ("coat_darkening", desc.coat_darkening),
+        ("fuzz_weight", desc.fuzz_weight),
+        ("fuzz_roughness", desc.fuzz_roughness),
+    ] {
+        within(&at(key), value.into(), 0.0, 1.0)?;
+    }
+    for (key, value) in [
+        ("base_color", desc.base_color),
+        ("specular_color", desc.specular_color),
+        ("transmission_color", desc.transmission_color),
+        ("coat_color", desc.coat_color),
+        ("fuzz_color", desc.fuzz_color),
+    ] {
+        reflectance(&at(key), value.to_f64())?;
+    }
+    positive(&at("fuzz_roughness"), desc.fuzz_roughness.into())?;
+    for (key, value) in [("specular_ior", desc.specular_ior), ("coat_ior", desc.coat_ior)] {
+        positive(&at(key), value.into())?;
+        within(&at(key), value.into(), 0.0, 100.0)?;
+    }
+    anisotropy(&at("specular_roughness_anisotropy"), desc.specular_roughness_anisotropy)?;
+    anisotropy(&at("coat_roughness_anisotropy"), desc.coat_roughness_anisotropy)?;
+    within(&at("specular_rotation"), f64::from(desc.specular_rotation).to_degrees(), -360.0, 360.0).map(|_| ())
+}
+
+/// Checks the materials that another one names: they come before it, and are not too many.
+fn check_parts(path: &str, whole: &BsdfDesc, parts: &[(&str, usize)], materials: &[MaterialDesc]) -> Result<()> {
+    for (key, part) in parts {
+        if *part >= materials.len() {
+            let message = format!("material {part} is not one of the {} that come before this one", materials.len());
+            return Err(Error::invalid(join(path, key), message));
+        }
+    }
+    let mut tally = Tally::default();
+    tally.add(whole, materials, 0);
+    if tally.is_deep {
+        let message = format!("materials name one another over more than {MOST_LEVELS} levels");
+        return Err(Error::invalid(path, message));
+    }
+    if tally.parts > MOST_PARTS {
+        let message = format!("the material consists of more than {MOST_PARTS} models");
+        return Err(Error::invalid(path, message));
+    }
+    let mut indices = tally.smooth;
+    indices.dedup();
+    if let [first, second, ..] = indices[..] {
+        let message = format!(
+            "smooth dielectrics of indices {first} and {second} refract into different directions; expected one index, or rough ones"
+        );
+        return Err(Error::invalid(path, message));
+    }
+    Ok(())
+}
+
+/// What a material consists of.
+#[derive(Default)]
+struct Tally {
+    parts: usize,
+    is_deep: bool,
+    /// Relative indices of smooth refracting parts.
+    smooth: Vec<f32>,
+}
+
+impl Tally {
+    fn add(&mut self, bsdf: &BsdfDesc, materials: &[MaterialDesc], level: usize) {
+        self.is_deep |= level > MOST_LEVELS;
+        // Beyond these limits nothing more needs to be known.
+        if self.is_deep || self.parts > MOST_PARTS {
+            return;
+        }
+        self.parts += 1;
+        let is_smooth = |microfacets: &MicrofacetsDesc| microfacets.roughness == 0.0;
+        match *bsdf {
+            BsdfDesc::Mix { materials: [first, second], .. } | BsdfDesc::TwoSided { front: first, back: second } => {
+                for part in [first, second] {
+                    if let Some(material) = materials.get(part) {
+                        self.add(&material.bsdf, &materials[..part], level + 1);
+                    }
+                }
+            }
+            BsdfDesc::Dielectric { ior, exterior_ior } => self.smooth.push(ior / exterior_ior),
+            BsdfDesc::RoughDielectric { ior, exterior_ior, ref microfacets } if is_smooth(microfacets) => {
+                self.smooth.push(ior / exterior_ior);
+            }
+            BsdfDesc::Principled(ref desc)
+                if desc.transmission_weight > 0.0 && !desc.thin_walled && desc.specular_roughness == 0.0 =>
+            {
+                self.smooth.push(desc.specular_ior);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Whether light passes a material.
+fn transmits(bsdf: &BsdfDesc, materials: &[MaterialDesc]) -> bool {
+    match *bsdf {
+        BsdfDesc::Dielectric { .. }
+        | BsdfDesc::RoughDielectric { .. }
+        | BsdfDesc::ThinDielectric { .. }
+        | BsdfDesc::DiffuseTransmission { .. } => true,
+        BsdfDesc::Principled(ref desc) => desc.transmission_weight > 0.0 && desc.base_metalness < 1.0,
+        BsdfDesc::Mix { materials: [first, second], .. } | BsdfDesc::TwoSided { front: first, back: second } => {
+            [first, second]
+                .into_iter()
+                .any(|part| materials.get(part).is_some_and(|material| transmits(&material.bsdf, &materials[..part])))
+        }
+        _ => false,
+    }
+}
