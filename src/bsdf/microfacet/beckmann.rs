@@ -102,10 +102,14 @@ fn erf_inv(x: f64) -> f64 {
         ];
         polynomial(tail, w.sqrt() - 3.0)
     };
-    // In the tails erf is 1 to all digits; erfc keeps the difference.
-    let off =
-        if x.abs() < 0.5 { libm::erf(guess) - x } else { x.signum() * ((1.0 - x.abs()) - libm::erfc(guess.abs())) };
-    guess - off / (FRAC_2_SQRT_PI * (-guess * guess).exp())
+    // Beyond what single precision can hold, the fit is a first guess only.
+    let steps = if w < 14.0 { 1 } else { 4 };
+    (0..steps).fold(guess, |guess, _| {
+        // In the tails erf is 1 to all digits; erfc keeps the difference.
+        let off =
+            if x.abs() < 0.5 { libm::erf(guess) - x } else { x.signum() * ((1.0 - x.abs()) - libm::erfc(guess.abs())) };
+        guess - off / (FRAC_2_SQRT_PI * (-guess * guess).exp())
+    })
 }
 
 #[cfg(test)]
