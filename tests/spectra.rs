@@ -81,6 +81,10 @@ impl Spectrum for FourWavelengths {
         self.0.into_iter().fold(f32::MIN, f32::max)
     }
 
+    fn recip(self) -> Self {
+        Self(self.0.map(f32::recip))
+    }
+
     fn is_finite(self) -> bool {
         self.0.iter().all(|value| value.is_finite())
     }

@@ -69,6 +69,10 @@ impl<C: Spectrum> Model<C> for Coat {
         C::splat(self.mean)
     }
 
+    fn is_anisotropic(&self) -> bool {
+        self.rough.as_ref().is_some_and(|(facets, _)| facets.is_anisotropic())
+    }
+
     fn narrowest(&self) -> f32 {
         self.rough.as_ref().map_or(0.0, |(facets, _)| facets.widths()[1].min(1.0))
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::coat::Coat;
 use super::lobes::{Lobes, TransportMode};
-use super::microfacet::{average, choose};
+use super::microfacet::choose;
 use super::mix::add_lobes;
 use super::model::{BsdfSample, Model, SpecularLobes};
 use super::sheen::Sheen;
@@ -47,6 +47,8 @@ pub struct Layered<C: Spectrum = Rgb> {
     on_both_sides: bool,
     /// Lobes that are left of the whole.
     kept: Lobes,
+    /// Mean of T over directions, weighed by the cosine.
+    mean_passage: f32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,6 +83,7 @@ impl Layered {
     pub fn new(parts: LayeredParts) -> Self {
         let LayeredParts { layer, base, coverage, tint, darkening, is_thin } = parts;
         let lobes = base.lobes();
+        let mean_passage = 1.0 - layer.mean_albedo();
         let is_diffuse = !lobes.is_empty() && Lobes::DIFFUSE_REFLECTION.contains(lobes);
         let albedo = base.albedo() * darkening + Rgb::splat(1.0 - darkening);
         let coupling = if is_diffuse {
@@ -107,6 +110,7 @@ impl Layered {
             wavelengths: (),
             on_both_sides,
             kept: Lobes::all(),
+            mean_passage,
         }
     }
 
@@ -131,6 +135,7 @@ impl Layered {
             wavelengths: *wavelengths,
             on_both_sides: self.on_both_sides,
             kept: self.kept,
+            mean_passage: self.mean_passage,
         }
     }
 }
@@ -288,11 +293,7 @@ impl<C: Spectrum> Model<C> for Layered<C> {
 
     fn albedo(&self) -> C {
         let layer = if self.has_layer() { self.layer.model().albedo() * self.coverage } else { C::ZERO };
-        let through = average(|mu| {
-            let wo = Vec3::new((1.0 - mu * mu).max(0.0).sqrt() as f32, 0.0, mu as f32);
-            f64::from(self.passes(wo))
-        });
-        let through = through as f32;
+        let through = self.mean_passage;
         let base = match self.coupling {
             Coupling::Diffuse(factor) => factor * (through * through),
             Coupling::Other(_) => C::splat(through),
@@ -313,6 +314,10 @@ impl<C: Spectrum> Model<C> for Layered<C> {
             factor += self.mean_factor(Vec3::new((1.0 - mu * mu).sqrt(), 0.0, mu));
         }
         layer + self.base.diffuse_albedo() * (factor / N as f32)
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.base.is_anisotropic() || self.layer.model().is_anisotropic()
     }
 
     fn narrowest(&self) -> f32 {

@@ -16,12 +16,24 @@ use crate::spectrum::{Rgb, Spectrum};
 pub struct Mix<C: Spectrum = Rgb> {
     parts: Arc<[Bsdf<C>; 2]>,
     weights: [f32; 2],
+    /// What paths ask for at every hit.
+    lobes: Lobes,
+    albedo: C,
 }
 
 impl<C: Spectrum> Mix<C> {
     /// A sum. `weight`: the share of the second part, in [0, 1].
     pub fn new(parts: [Bsdf<C>; 2], weight: f32) -> Self {
-        Self { parts: Arc::new(parts), weights: [1.0 - weight, weight] }
+        Self::of_weights(parts, [1.0 - weight, weight])
+    }
+
+    fn of_weights(parts: [Bsdf<C>; 2], weights: [f32; 2]) -> Self {
+        let lobes = |i: usize| {
+            if weights[i] > 0.0 && !parts[i].is_black() { parts[i].lobes() } else { Lobes::empty() }
+        };
+        let lobes = lobes(0) | lobes(1);
+        let albedo = parts[0].albedo() * weights[0] + parts[1].albedo() * weights[1];
+        Self { parts: Arc::new(parts), weights, lobes, albedo }
     }
 
     /// Only some lobes of the parts; `None` where neither has them.
@@ -29,7 +41,7 @@ impl<C: Spectrum> Mix<C> {
         let parts = self.parts.each_ref().map(|part| part.restricted(lobes));
         let is_left = parts.iter().any(Option::is_some);
         let parts = parts.map(|part| part.unwrap_or(Bsdf::Black(Black)));
-        is_left.then(|| Self { parts: Arc::new(parts), weights: self.weights })
+        is_left.then(|| Self::of_weights(parts, self.weights))
     }
 
     /// The probability of the first part.
@@ -52,24 +64,25 @@ impl<C: Spectrum> Mix<C> {
 impl Mix {
     pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> Mix<C> {
         let parts = self.parts.each_ref().map(|part| part.in_spectrum::<C>(wavelengths));
-        Mix { parts: Arc::new(parts), weights: self.weights }
+        Mix::of_weights(parts, self.weights)
     }
 }
 
 impl<C: Spectrum> Model<C> for Mix<C> {
     fn lobes(&self) -> Lobes {
-        let of = |i: usize| {
-            if self.weights[i] > 0.0 && !self.parts[i].is_black() { self.parts[i].lobes() } else { Lobes::empty() }
-        };
-        of(0) | of(1)
+        self.lobes
     }
 
     fn albedo(&self) -> C {
-        self.sum(Model::albedo)
+        self.albedo
     }
 
     fn diffuse_albedo(&self) -> C {
         self.sum(Model::diffuse_albedo)
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.parts.iter().any(Model::is_anisotropic)
     }
 
     fn narrowest(&self) -> f32 {
@@ -139,19 +152,21 @@ pub(super) fn add_lobes<C: Spectrum>(a: SpecularLobes<C>, b: SpecularLobes<C>) -
 pub struct TwoSided<C: Spectrum = Rgb> {
     /// The models of the outer and of the inner side.
     faces: Arc<[Bsdf<C>; 2]>,
+    lobes: Lobes,
 }
 
 impl<C: Spectrum> TwoSided<C> {
     /// A surface that has these models on its outer and on its inner side.
     pub fn new(faces: [Bsdf<C>; 2]) -> Self {
-        Self { faces: Arc::new(faces) }
+        let lobes = |face: &Bsdf<C>| if face.is_black() { Lobes::empty() } else { face.lobes() };
+        Self { lobes: lobes(&faces[0]) | lobes(&faces[1]), faces: Arc::new(faces) }
     }
 
     /// Only some lobes of the faces; `None` where neither has them.
     pub(super) fn restricted(&self, lobes: Lobes) -> Option<Self> {
         let faces = self.faces.each_ref().map(|face| face.restricted(lobes));
         let is_left = faces.iter().any(Option::is_some);
-        is_left.then(|| Self { faces: Arc::new(faces.map(|face| face.unwrap_or(Bsdf::Black(Black)))) })
+        is_left.then(|| Self::new(faces.map(|face| face.unwrap_or(Bsdf::Black(Black)))))
     }
 
     #[inline]
@@ -162,13 +177,13 @@ impl<C: Spectrum> TwoSided<C> {
 
 impl TwoSided {
     pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> TwoSided<C> {
-        TwoSided { faces: Arc::new(self.faces.each_ref().map(|face| face.in_spectrum::<C>(wavelengths))) }
+        TwoSided::new(self.faces.each_ref().map(|face| face.in_spectrum::<C>(wavelengths)))
     }
 }
 
 impl<C: Spectrum> Model<C> for TwoSided<C> {
     fn lobes(&self) -> Lobes {
-        self.faces.iter().filter(|face| !face.is_black()).fold(Lobes::empty(), |lobes, face| lobes | face.lobes())
+        self.lobes
     }
 
     fn albedo(&self) -> C {
@@ -177,6 +192,10 @@ impl<C: Spectrum> Model<C> for TwoSided<C> {
 
     fn diffuse_albedo(&self) -> C {
         (self.faces[0].diffuse_albedo() + self.faces[1].diffuse_albedo()) * 0.5
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.faces.iter().any(Model::is_anisotropic)
     }
 
     fn narrowest(&self) -> f32 {

@@ -69,12 +69,19 @@ use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
 /// Makes the enumeration of models and hands each question on to the model. A `cfg` of a model follows its documentation.
+///
+/// The models of the first list answer in line. Those of the second are elaborate: they are called out of line, behind one arm of
+/// the match, so that the code of paths that only meet the first ones is what it would be without them.
 macro_rules! models {
-    ($($(#[doc = $doc:literal])* $(#[cfg($cfg:meta)])? $name:ident($model:ty),)*) => {
+    (
+        in_line { $($(#[doc = $doc:literal])* $name:ident($model:ty),)* }
+        out_of_line { $($(#[doc = $far_doc:literal])* $(#[cfg($cfg:meta)])? $far:ident($far_model:ty),)* }
+    ) => {
         /// A scattering model with its constants worked out, in the channels that a path carries.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Bsdf<C: Spectrum = Rgb> {
-            $($(#[doc = $doc])* $(#[cfg($cfg)])? $name($model),)*
+            $($(#[doc = $doc])* $name($model),)*
+            $($(#[doc = $far_doc])* $(#[cfg($cfg)])? $far($far_model),)*
         }
 
         impl Bsdf<Rgb> {
@@ -82,7 +89,29 @@ macro_rules! models {
             #[inline(always)]
             pub fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> Bsdf<C> {
                 match self {
-                    $($(#[cfg($cfg)])? Self::$name(model) => Bsdf::$name(model.in_spectrum::<C>(wavelengths)),)*
+                    $(Self::$name(model) => Bsdf::$name(model.in_spectrum::<C>(wavelengths)),)*
+                    _ => self.far_in_spectrum::<C>(wavelengths),
+                }
+            }
+
+            #[cold]
+            #[inline(never)]
+            fn far_in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> Bsdf<C> {
+                match self {
+                    $($(#[cfg($cfg)])? Self::$far(model) => Bsdf::$far(model.in_spectrum::<C>(wavelengths)),)*
+                    _ => unreachable!("a model that answers in line"),
+                }
+            }
+        }
+
+        impl<C: Spectrum> Bsdf<C> {
+            /// The model as a trait object, where it is called out of line.
+            #[cold]
+            #[inline(never)]
+            fn far(&self) -> &dyn Model<C> {
+                match self {
+                    $($(#[cfg($cfg)])? Self::$far(model) => model,)*
+                    _ => unreachable!("a model that answers in line"),
                 }
             }
         }
@@ -90,35 +119,63 @@ macro_rules! models {
         impl<C: Spectrum> Model<C> for Bsdf<C> {
             #[inline]
             fn lobes(&self) -> Lobes {
-                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::lobes(model),)* }
+                match self {
+                    $(Self::$name(model) => Model::<C>::lobes(model),)*
+                    _ => self.far().lobes(),
+                }
             }
 
             #[inline]
             fn albedo(&self) -> C {
-                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::albedo(model),)* }
+                match self {
+                    $(Self::$name(model) => Model::<C>::albedo(model),)*
+                    _ => self.far().albedo(),
+                }
             }
 
             #[inline]
             fn diffuse_albedo(&self) -> C {
-                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::diffuse_albedo(model),)* }
+                match self {
+                    $(Self::$name(model) => Model::<C>::diffuse_albedo(model),)*
+                    _ => self.far().diffuse_albedo(),
+                }
             }
 
             fn narrowest(&self) -> f32 {
-                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::narrowest(model),)* }
+                match self {
+                    $(Self::$name(model) => Model::<C>::narrowest(model),)*
+                    _ => self.far().narrowest(),
+                }
+            }
+
+            fn is_anisotropic(&self) -> bool {
+                match self {
+                    $(Self::$name(model) => Model::<C>::is_anisotropic(model),)*
+                    _ => self.far().is_anisotropic(),
+                }
             }
 
             fn share(&self, wo: Vec3) -> f32 {
-                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::share(model, wo),)* }
+                match self {
+                    $(Self::$name(model) => Model::<C>::share(model, wo),)*
+                    _ => self.far().share(wo),
+                }
             }
 
             #[inline]
             fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
-                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::f(model, wo, wi, mode),)* }
+                match self {
+                    $(Self::$name(model) => Model::<C>::f(model, wo, wi, mode),)*
+                    _ => self.far().f(wo, wi, mode),
+                }
             }
 
             #[inline]
             fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::pdf(model, wo, wi),)* }
+                match self {
+                    $(Self::$name(model) => Model::<C>::pdf(model, wo, wi),)*
+                    _ => self.far().pdf(wo, wi),
+                }
             }
 
             #[inline]
@@ -126,28 +183,41 @@ macro_rules! models {
                 if wo.z == 0.0 || wo.z.is_nan() {
                     return None;
                 }
-                match self { $($(#[cfg($cfg)])? Self::$name(model) => model.sample(wo, u, mode),)* }
+                match self {
+                    $(Self::$name(model) => Model::<C>::sample(model, wo, u, mode),)*
+                    _ => self.far().sample(wo, u, mode),
+                }
             }
 
             #[inline]
             fn constant_f(&self) -> Option<C> {
-                match self { $($(#[cfg($cfg)])? Self::$name(model) => Model::<C>::constant_f(model),)* }
+                match self {
+                    $(Self::$name(model) => Model::<C>::constant_f(model),)*
+                    _ => self.far().constant_f(),
+                }
             }
 
             #[inline]
             fn mean_f(&self, wo: Vec3) -> Option<C> {
-                match self { $($(#[cfg($cfg)])? Self::$name(model) => model.mean_f(wo),)* }
+                match self {
+                    $(Self::$name(model) => Model::<C>::mean_f(model, wo),)*
+                    _ => self.far().mean_f(wo),
+                }
             }
 
             #[inline]
             fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {
-                match self { $($(#[cfg($cfg)])? Self::$name(model) => model.specular_lobes(wo, mode),)* }
+                match self {
+                    $(Self::$name(model) => Model::<C>::specular_lobes(model, wo, mode),)*
+                    _ => self.far().specular_lobes(wo, mode),
+                }
             }
         }
     };
 }
 
 models! {
+    in_line {
     /// Absorbs everything.
     Black(Black),
     /// Ideal diffuse reflection.
@@ -160,6 +230,8 @@ models! {
     Mirror(Mirror<C>),
     /// Smooth dielectric interface.
     Dielectric(Dielectric),
+    }
+    out_of_line {
     /// Energy-preserving rough diffuse reflection.
     Eon(Eon<C>),
     /// Thin diffuse sheet.
@@ -185,6 +257,7 @@ models! {
     /// Any lobes, for tests of integrators.
     #[cfg(test)]
     LobeMixture(LobeMixture<C>),
+    }
 }
 
 impl Bsdf {

@@ -53,6 +53,12 @@ pub trait Model<C: Spectrum> {
         if self.lobes().have_specular() { 0.0 } else { 1.0 }
     }
 
+    /// Whether it looks different when the surface is turned about its normal: the x axis of the local frame then has to be the
+    /// surface's tangent. Otherwise it is any direction.
+    fn is_anisotropic(&self) -> bool {
+        false
+    }
+
     /// Estimate of the share of light from `wo` that is scattered, in its largest channel, by which a sum of models chooses
     /// among its parts. Above 0 wherever something is scattered.
     fn share(&self, wo: Vec3) -> f32 {

@@ -186,6 +186,10 @@ impl<C: Spectrum> Model<C> for RoughDielectric<C> {
         C::ONE
     }
 
+    fn is_anisotropic(&self) -> bool {
+        self.facets.is_anisotropic()
+    }
+
     fn narrowest(&self) -> f32 {
         self.facets.widths()[1].min(1.0)
     }

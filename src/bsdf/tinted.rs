@@ -46,6 +46,10 @@ impl<C: Spectrum> Model<C> for TintedTransmission<C> {
         self.base.albedo()
     }
 
+    fn is_anisotropic(&self) -> bool {
+        self.base.is_anisotropic()
+    }
+
     fn narrowest(&self) -> f32 {
         self.base.narrowest()
     }

@@ -133,10 +133,12 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         if ns.dot(wo_scene) * ng.dot(wo_scene) <= 0.0 {
             ns = ng;
         }
-        let frame = Frame::from_normal(ns);
+        let material_number = material;
+        let material = scene.material(material_number);
+        let frame =
+            if material.needs_tangent() { scene.tangent_frame(hit, ns, point.time) } else { Frame::from_normal(ns) };
         let wo = frame.to_local(wo_scene);
-        let surface = SurfaceInteraction { point, ng, ns, surface, material, emitter };
-        let material = scene.material(material);
+        let surface = SurfaceInteraction { point, ng, ns, surface, material: material_number, emitter };
         // The closure copies what it needs: a reference would keep the whole vertex in memory.
         let HitPoint { time, cone, .. } = point;
         let bsdf = material.at::<C>(move || scene.detail_at(hit, ng, time, cone), &wavelengths, slot);

@@ -42,6 +42,30 @@ impl Scene {
         SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width() }
     }
 
+    /// The frame around the shading normal `ns` whose x axis follows the surface's tangent, for materials that look different when
+    /// they are turned.
+    ///
+    /// The tangent is the direction in which the first texture coordinate grows. Where a surface has no texture coordinates of its
+    /// own (spheres, disks, quadrics, and meshes without any), it runs around the world's y axis.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn tangent_frame(&self, hit: &Hit, ns: Vec3, time: f32) -> Frame {
+        let own = if self.has_own_tangents(hit) { self.tangents(hit, time).map(|[dpdu, _]| dpdu) } else { None };
+        let along = own.unwrap_or_else(|| Vec3::Y.cross(ns));
+        Frame::from_normal_and_tangent(ns, along)
+    }
+
+    /// Whether the tangents of a surface are its own: those of texture coordinates, of a triangle or of a quad.
+    fn has_own_tangents(&self, hit: &Hit) -> bool {
+        match self.geometries.get(hit.geometry as usize) {
+            Some(Geometry::Loose { .. }) => true,
+            Some(Geometry::Flat { surface, .. } | Geometry::Instance { surface, .. }) => {
+                self.record.uv_mesh(*surface).is_some()
+            }
+            _ => false,
+        }
+    }
+
     /// The texture coordinates of a point.
     pub(super) fn uv(&self, hit: &Hit) -> [f32; 2] {
         let Some(corners) = self.corner_uvs(hit) else { return [0.0; 2] };

@@ -49,6 +49,8 @@ pub struct Material {
     /// The Bsdf everywhere, or its mean where the material varies.
     pub(super) bsdf: Bsdf,
     varying: Option<Arc<dyn VaryingMaterial>>,
+    /// Whether the local frame of its Bsdf has to follow the tangent of the surface.
+    needs_tangent: bool,
     /// Probability with which a path survives a bounce at this material, where Russian roulette uses the probability
     /// that the scene states.
     pub survival: Option<f32>,
@@ -57,12 +59,13 @@ pub struct Material {
 impl Material {
     /// Makes a material that is the same everywhere, and at which paths end by the library's own roulette.
     pub fn uniform(bsdf: Bsdf) -> Self {
-        Self { bsdf, varying: None, survival: None }
+        Self { needs_tangent: bsdf.is_anisotropic(), bsdf, varying: None, survival: None }
     }
 
     /// Makes a material that is asked at every hit.
     pub fn varying(varying: Arc<dyn VaryingMaterial>) -> Self {
-        Self { bsdf: varying.mean(), varying: Some(varying), survival: None }
+        let bsdf = varying.mean();
+        Self { needs_tangent: bsdf.is_anisotropic(), bsdf, varying: Some(varying), survival: None }
     }
 
     /// The same material with this probability of survival.
@@ -89,6 +92,12 @@ impl Material {
             },
             Some(varying) => slot.insert(ask(&**varying, detail).in_spectrum(wavelengths)),
         }
+    }
+
+    /// Whether the x axis of the local frame has to be the tangent of the surface.
+    #[inline(always)]
+    pub(crate) fn needs_tangent(&self) -> bool {
+        self.needs_tangent
     }
 
     /// All lobes that the material has anywhere. There are none where the material is black everywhere.
