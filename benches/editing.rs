@@ -49,6 +49,7 @@ fn scene(mesh: MeshDesc) -> SceneDesc {
         path: String::new(),
         bsdf: BsdfDesc::Lambert { albedo: Rgb::splat(0.5) },
         survival: None,
+        medium: None,
     };
     SceneDesc {
         camera: CameraDesc::Perspective {

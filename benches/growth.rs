@@ -85,6 +85,7 @@ fn room(triangles: usize) -> SceneDesc {
         path: "materials.wall".into(),
         bsdf: BsdfDesc::Lambert { albedo: Rgb::splat(0.6) },
         survival: None,
+        medium: None,
     });
     desc.meshes.push(landscape(triangles).into());
     let mut add = |shape, emission| {

@@ -70,6 +70,7 @@ fn hall(lights: u32) -> SceneDesc {
             path: format!("materials.{name}"),
             bsdf: BsdfDesc::Lambert { albedo: Rgb::from(albedo) },
             survival: None,
+            medium: None,
         });
     }
     add_box(&mut desc, DVec3::ZERO, SIZE, 0);

@@ -39,6 +39,7 @@ fn add(desc: &mut SceneDesc, shape: ShapeDesc, albedo: f32, emission: Option<Rgb
         path: String::new(),
         bsdf: BsdfDesc::Lambert { albedo: Rgb::splat(albedo) },
         survival: None,
+        medium: None,
     });
     let local = DAffine3::IDENTITY;
     let path = String::new();

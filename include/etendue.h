@@ -47,7 +47,7 @@
 #define ETD_SCENE_OPTIONS_INIT {sizeof(etd_scene_options), ETD_USAGE_STATIC, 0, NULL, NULL}
 #define ETD_CAMERA_INIT \
     {sizeof(etd_camera), ETD_CAMERA_PERSPECTIVE, ETD_FOV_HORIZONTAL, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90}
-#define ETD_MATERIAL_INIT {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0}
+#define ETD_MATERIAL_INIT {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0, {0, 0, 0}, 0}
 #define ETD_MESH_INIT \
     {sizeof(etd_mesh), NULL, 0, 0, 0, NULL, 0, 0, NULL, 0, NULL, 0, ETD_POSITION_FLOAT3, ETD_COPY, NULL, NULL, NULL}
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
@@ -1476,6 +1476,16 @@ typedef struct etd_material {
      * Must be 0.
      */
     uint32_t reserved;
+    /**
+     * Absorption coefficient inside of a dielectric [1 / scene unit], each channel >= 0: after a distance d, exp(-absorption d)
+     * of the light is left.
+     */
+    float absorption[3];
+    /**
+     * Priority of the medium inside of a dielectric. Where bodies overlap, the medium with the largest number fills the overlap;
+     * among equal ones, it is the medium that a ray entered last.
+     */
+    uint32_t priority;
 } etd_material;
 
 /**

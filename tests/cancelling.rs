@@ -66,6 +66,7 @@ fn scene(mesh: MeshDesc, smooth: bool, emission: Option<Rgb>) -> SceneDesc {
             path: String::new(),
             bsdf: BsdfDesc::Black,
             survival: None,
+            medium: None,
         }],
         meshes: vec![Arc::new(mesh)],
         surfaces: vec![SurfaceDesc {

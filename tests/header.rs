@@ -54,7 +54,7 @@ const INITIALISERS: &str = r"/** Stands for no material, no surface. */
 #define ETD_SCENE_OPTIONS_INIT {sizeof(etd_scene_options), ETD_USAGE_STATIC, 0, NULL, NULL}
 #define ETD_CAMERA_INIT \
     {sizeof(etd_camera), ETD_CAMERA_PERSPECTIVE, ETD_FOV_HORIZONTAL, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90}
-#define ETD_MATERIAL_INIT {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0}
+#define ETD_MATERIAL_INIT {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0, {0, 0, 0}, 0}
 #define ETD_MESH_INIT \
     {sizeof(etd_mesh), NULL, 0, 0, 0, NULL, 0, 0, NULL, 0, NULL, 0, ETD_POSITION_FLOAT3, ETD_COPY, NULL, NULL, NULL}
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}

@@ -92,15 +92,25 @@ fn documents_say_what_the_table_of_integrators_says() {
         vec![name(integrator), integrator.info().description.to_owned()]
     });
     check("docs/scene-format.md", "integrators", &names);
-    let heading =
-        ["integrator", "bias", "samples", "made before samples", "`maxDepth`", "light from infinity", "motion"];
+    let heading = [
+        "integrator",
+        "bias",
+        "samples",
+        "made before samples",
+        "`maxDepth`",
+        "light from infinity",
+        "absorbing media",
+        "motion",
+    ];
     let properties = table(&heading, |integrator| {
         let info = integrator.info();
         let depth = if info.cut_by_max_depth { "cuts paths" } else { "has no effect" };
         let infinity = if info.takes_infinite_emitters { "taken" } else { "refused" };
         let (order, made) = (order(info.order).to_owned(), preparation(info.preparation));
         let motion = if info.shows_motion() { "shown" } else { "refused" };
-        vec![name(integrator), bias(info.bias), order, made, depth.to_owned(), infinity.to_owned(), motion.to_owned()]
+        let media = if info.takes_absorption { "taken" } else { "refused" };
+        let rest = [depth, infinity, media, motion].map(str::to_owned);
+        [name(integrator), bias(info.bias), order, made].into_iter().chain(rest).collect()
     });
     check("docs/integrators.md", "properties", &properties);
     let lobes = table(&["integrator", "diffuse", "glossy", "specular"], |integrator| {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use etendue::ErrorKind;
 use etendue::desc::{
     self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, Dialect, FilterDesc, FovAxis, IntegratorDesc, KernelDesc,
-    PhotonDesc, PhotonSharing, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc,
+    MediumDesc, PhotonDesc, PhotonSharing, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc,
 };
 use etendue::math::{DAffine3, DVec3};
 use etendue::spectrum::Rgb;
@@ -248,6 +248,72 @@ fn materials_are_read_with_every_key() {
         assert_eq!((material.name.as_str(), material.path.as_str()), ("m", "materials[0]"));
         assert_eq!((material.bsdf, material.survival), (bsdf, survival));
     }
+}
+
+#[test]
+fn the_inside_of_a_refractive_material_is_a_medium() {
+    let medium = |absorption, priority| Some(MediumDesc { absorption, priority });
+    let cases = [
+        ("", None),
+        (r#", "priority": 0"#, medium(Rgb::ZERO, 0)),
+        (r#", "priority": 7.0"#, medium(Rgb::ZERO, 7)),
+        (r#", "absorption": [0, 0.5, 2], "priority": 4294967295"#, medium(Rgb::new(0.0, 0.5, 2.0), u32::MAX)),
+        (
+            r#", "transmittance": [1, 0.5, 0.25], "transmittanceDistance": 2"#,
+            medium(Rgb::new(0.0, 0.5 * std::f32::consts::LN_2, std::f32::consts::LN_2), 0),
+        ),
+    ];
+    let material = |keys: &str| format!(r#"{{"name": "m", "type": "refractive", "refractionIndex": 1.5{keys}}}"#);
+    for (keys, expected) in cases {
+        let scene = native(&format!("\"materials\": [{}]", material(keys)));
+        assert_eq!(scene.materials[0].medium, expected, "{keys}");
+    }
+    let refused = [
+        (r#", "absorption": [0, -1, 0]"#, "materials[0].absorption[1]", "-1 is negative"),
+        (r#", "absorption": [0, 0, 1e39]"#, "materials[0].absorption[2]", "beyond single precision"),
+        (r#", "priority": 4294967296"#, "materials[0].priority", "out of range"),
+        (r#", "transmittance": [1, 1, 1]"#, "materials[0]", "missing key `transmittanceDistance`"),
+        (
+            r#", "transmittanceDistance": 1"#,
+            "materials[0].transmittanceDistance",
+            "only a material with `transmittance`",
+        ),
+        (
+            r#", "transmittance": [1, 0, 1], "transmittanceDistance": 1"#,
+            "materials[0].transmittance[1]",
+            "0 is out of range",
+        ),
+        (
+            r#", "transmittance": [1, 1, 1.5], "transmittanceDistance": 1"#,
+            "materials[0].transmittance[2]",
+            "1.5 is out of",
+        ),
+        (
+            r#", "transmittance": [1, 1, 1], "transmittanceDistance": 0"#,
+            "materials[0].transmittanceDistance",
+            "not above 0",
+        ),
+        (
+            r#", "transmittance": [0.5, 1, 1], "transmittanceDistance": 1e-38, "absorption": [0, 0, 0]"#,
+            "materials[0].transmittance",
+            "given twice",
+        ),
+        (
+            r#", "transmittance": [1e-30, 1, 1], "transmittanceDistance": 1e-37"#,
+            "materials[0].transmittanceDistance",
+            "too short",
+        ),
+    ];
+    for (keys, path, why) in refused {
+        let text = format!(r#"{{"etendue": 1, "camera": {{}}, "materials": [{}]}}"#, material(keys));
+        let error = etendue::desc::parse(&text, "".as_ref(), None).expect_err(keys);
+        let message = error.to_string();
+        assert!(message.contains(&format!("{path}: ")) && message.contains(why), "{keys}: {message}");
+    }
+    // No other model has an inside.
+    let text = r#"{"etendue": 1, "camera": {}, "materials": [{"name": "m", "type": "reflective", "priority": 1}]}"#;
+    let message = etendue::desc::parse(text, "".as_ref(), None).expect_err("a mirror").to_string();
+    assert!(message.contains("priority"), "{message}");
 }
 
 #[test]

@@ -35,7 +35,8 @@ impl Eon {
         Self {
             once: OrenNayar::new(albedo, roughness),
             white,
-            multiple: several / missing,
+            // A roughness too small for single precision loses nothing.
+            multiple: if missing > 1e-6 { several / missing } else { Rgb::ZERO },
             albedo: albedo * mean + several * missing,
         }
     }
@@ -47,7 +48,11 @@ impl Eon {
         Eon {
             once: self.once.in_spectrum::<C>(wavelengths),
             white: self.white,
-            multiple: C::from_reflectance(self.multiple * missing, wavelengths) / missing,
+            multiple: if missing > 1e-6 {
+                C::from_reflectance(self.multiple * missing, wavelengths) / missing
+            } else {
+                C::ZERO
+            },
             albedo: C::from_reflectance(self.albedo, wavelengths),
         }
     }

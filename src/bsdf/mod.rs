@@ -117,7 +117,7 @@ macro_rules! models {
         }
 
         impl<C: Spectrum> Model<C> for Bsdf<C> {
-            #[inline]
+            #[inline(always)]
             fn lobes(&self) -> Lobes {
                 match self {
                     $(Self::$name(model) => Model::<C>::lobes(model),)*
@@ -125,7 +125,7 @@ macro_rules! models {
                 }
             }
 
-            #[inline]
+            #[inline(always)]
             fn albedo(&self) -> C {
                 match self {
                     $(Self::$name(model) => Model::<C>::albedo(model),)*
@@ -162,7 +162,7 @@ macro_rules! models {
                 }
             }
 
-            #[inline]
+            #[inline(always)]
             fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
                 match self {
                     $(Self::$name(model) => Model::<C>::f(model, wo, wi, mode),)*
@@ -170,7 +170,7 @@ macro_rules! models {
                 }
             }
 
-            #[inline]
+            #[inline(always)]
             fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
                 match self {
                     $(Self::$name(model) => Model::<C>::pdf(model, wo, wi),)*

@@ -60,8 +60,8 @@ pub unsafe extern "C" fn etd_scene_add_material(
         on(scene, |scene| {
             need(out_material, "out_material")?;
             let name = optional_text(name, "name")?;
-            let (bsdf, survival) = read::material(material)?;
-            let number = scene.edit(|desc| desc.add_material(name, bsdf, survival))?;
+            let (bsdf, survival, medium) = read::material(material)?;
+            let number = scene.edit(|desc| desc.add_material_with(name, bsdf, survival, medium))?;
             out_material.write(number as u32);
             Ok(())
         })
@@ -82,8 +82,8 @@ pub unsafe extern "C" fn etd_scene_set_material(
     unsafe {
         on(scene, |scene| {
             find(&scene.desc().materials, material, "material")?;
-            let (bsdf, survival) = read::material(value)?;
-            scene.edit(|desc| desc.set_material(material as usize, bsdf, survival))
+            let (bsdf, survival, medium) = read::material(value)?;
+            scene.edit(|desc| desc.set_material_with(material as usize, bsdf, survival, medium))
         })
     }
 }
@@ -103,7 +103,7 @@ pub unsafe extern "C" fn etd_scene_get_material(
         on(scene, |scene| {
             let desc = scene.desc();
             let it = find(&desc.materials, material, "material")?;
-            write_sized(out_material, "out_material", read::material_out(&it.bsdf, it.survival)?)
+            write_sized(out_material, "out_material", read::material_out(&it.bsdf, it.survival, it.medium)?)
         })
     }
 }

@@ -5,8 +5,8 @@ use super::status::{Failure, Result};
 use super::types::*;
 use crate::Error;
 use crate::desc::{
-    BsdfDesc, CacheDesc, CacheSource, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, KernelDesc, PhotonDesc,
-    PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
+    BsdfDesc, CacheDesc, CacheSource, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, KernelDesc, MediumDesc,
+    PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
 };
 use crate::film::ErrorMeasure;
 use crate::math::{DAffine3, DMat3, DVec3};
@@ -71,7 +71,7 @@ pub(super) fn camera_out(camera: &CameraDesc) -> etd_camera {
 
 /// # Safety
 /// The contract of [`read_sized`].
-pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc, Option<f32>)> {
+pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc, Option<f32>, Option<MediumDesc>)> {
     // SAFETY: the caller keeps this function's contract.
     let it = unsafe { read_sized(pointer, "material") }?;
     if it.reserved != 0 {
@@ -91,11 +91,14 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc,
             BsdfDesc::Dielectric { ior: it.ior, exterior_ior }
         }
     };
-    Ok((bsdf, (it.survival != 0.0).then_some(it.survival)))
+    let medium = MediumDesc { absorption: Rgb::from_array(it.absorption), priority: it.priority };
+    let has_medium = bsdf.interior().is_some() && medium != MediumDesc::default();
+    Ok((bsdf, (it.survival != 0.0).then_some(it.survival), has_medium.then_some(medium)))
 }
 
 /// Converts a material to the host's structure.
-pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>) -> Result<etd_material> {
+pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>, medium: Option<MediumDesc>) -> Result<etd_material> {
+    let medium = medium.unwrap_or_default();
     let mut it = etd_material {
         struct_size: size_of::<etd_material>(),
         bsdf: ETD_BSDF_BLACK.number(),
@@ -106,6 +109,8 @@ pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>) -> Result<etd
         exterior_ior: 0.0,
         survival: survival.unwrap_or(0.0),
         reserved: 0,
+        absorption: medium.absorption.to_array(),
+        priority: medium.priority,
     };
     let model = match *bsdf {
         BsdfDesc::Black => ETD_BSDF_BLACK,

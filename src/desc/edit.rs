@@ -11,7 +11,8 @@ use std::sync::Arc;
 
 use super::json::{elided, join};
 use super::{
-    BsdfDesc, CameraDesc, MaterialDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, material_check, obj, validate,
+    BsdfDesc, CameraDesc, MaterialDesc, MediumDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, material_check, obj,
+    validate,
 };
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
@@ -57,9 +58,23 @@ impl SceneDesc {
     /// [`crate::ErrorKind::InvalidScene`] at `materials[..]`: `.name` if it is taken, `.color`, `.roughness`,
     /// `.sigmaDeg`, `.refractionIndex`, `.exteriorIndex` or `.reflectionRate` if it is out of range.
     pub fn add_material(&mut self, name: &str, bsdf: BsdfDesc, survival: Option<f32>) -> Result<usize> {
+        self.add_material_with(name, bsdf, survival, None)
+    }
+
+    /// [`Self::add_material`] and [`Self::set_medium`] in one call.
+    pub(crate) fn add_material_with(
+        &mut self,
+        name: &str,
+        bsdf: BsdfDesc,
+        survival: Option<f32>,
+        medium: Option<MediumDesc>,
+    ) -> Result<usize> {
         let path = format!("materials[{}]", self.materials.len());
         material_check::check(&path, &bsdf, survival, &self.materials)?;
-        let material = MaterialDesc { name: name.to_owned(), path, bsdf, survival };
+        if let Some(medium) = medium {
+            material_check::medium(&path, &bsdf, medium)?;
+        }
+        let material = MaterialDesc { name: name.to_owned(), path, bsdf, survival, medium };
         if name.is_empty() {
             self.materials.push(material);
             return Ok(self.materials.len() - 1);
@@ -67,12 +82,23 @@ impl SceneDesc {
         self.put_material(material)
     }
 
-    /// Changes a material. The material keeps its name.
+    /// Changes a material. The material keeps its name, and loses its medium.
     ///
     /// # Errors
     /// The errors are those of [`Self::add_material`], and an error for a number that no material has or that is the number
     /// of the black material that surfaces without a material share.
     pub fn set_material(&mut self, material: usize, bsdf: BsdfDesc, survival: Option<f32>) -> Result<()> {
+        self.set_material_with(material, bsdf, survival, None)
+    }
+
+    /// [`Self::set_material`] and [`Self::set_medium`] in one call.
+    pub(crate) fn set_material_with(
+        &mut self,
+        material: usize,
+        bsdf: BsdfDesc,
+        survival: Option<f32>,
+        medium: Option<MediumDesc>,
+    ) -> Result<()> {
         if self.black() == Some(material) {
             let message = "this is what surfaces without a material share, it stays black";
             return Err(Error::invalid(format!("materials[{material}]"), message));
@@ -82,8 +108,11 @@ impl SceneDesc {
             return Err(none_such(&format!("materials[{material}]"), "material", material, count));
         };
         material_check::check(&known.path, &bsdf, survival, &self.materials[..material])?;
-        let before = (known.bsdf, known.survival);
-        self.set_model(material, (bsdf, survival));
+        if let Some(medium) = medium {
+            material_check::medium(&known.path, &bsdf, medium)?;
+        }
+        let before = (known.bsdf, known.survival, known.medium);
+        self.set_model(material, (bsdf, survival, medium));
         // Materials that name this one have conditions of their own.
         let checked = (material + 1..count).try_for_each(|later| {
             let it = &self.materials[later];
@@ -95,9 +124,26 @@ impl SceneDesc {
         checked
     }
 
-    fn set_model(&mut self, material: usize, (bsdf, survival): (BsdfDesc, Option<f32>)) {
+    fn set_model(&mut self, material: usize, (bsdf, survival, medium): (BsdfDesc, Option<f32>, Option<MediumDesc>)) {
         let known = &mut self.materials[material];
-        (known.bsdf, known.survival) = (bsdf, survival);
+        (known.bsdf, known.survival, known.medium) = (bsdf, survival, medium);
+    }
+
+    /// Sets the medium inside bodies of a material, or removes it.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::InvalidScene`] at `materials[..]`: `.absorption[..]` if it is not a number of 0 or more, `.medium`
+    /// for a material whose model has no inside, and an error for a number that no material has.
+    pub fn set_medium(&mut self, material: usize, medium: Option<MediumDesc>) -> Result<()> {
+        let count = self.materials.len();
+        let Some(known) = self.materials.get_mut(material) else {
+            return Err(none_such(&format!("materials[{material}]"), "material", material, count));
+        };
+        if let Some(medium) = medium {
+            material_check::medium(&known.path, &known.bsdf, medium)?;
+        }
+        known.medium = medium;
+        Ok(())
     }
 
     /// Adds a point light and returns its number. `intensity` is radiant intensity [W sr^-1], each channel >= 0.
@@ -389,6 +435,7 @@ impl SceneDesc {
                 path: path.to_owned(),
                 bsdf: BsdfDesc::Black,
                 survival: None,
+                medium: None,
             });
             self.index.black = Some(number);
             number

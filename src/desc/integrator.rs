@@ -25,6 +25,9 @@ pub struct IntegratorInfo {
     /// Whether the integrator takes light from emitters at infinity. An integrator that does not refuses scenes with such
     /// emitters.
     pub takes_infinite_emitters: bool,
+    /// Whether media absorb the light of the integrator's paths. An integrator that does not know media refuses scenes in
+    /// which one absorbs.
+    pub takes_absorption: bool,
     /// How the integrator treats each kind of lobe; `None` for an integrator that chooses another one, whose support
     /// then applies.
     pub lobes: Option<LobeSupport>,
@@ -150,6 +153,7 @@ macro_rules! integrators {
             preparation: $preparation:expr,
             cut_by_max_depth: $cut_by_max_depth:literal,
             takes_infinite_emitters: $takes_infinite_emitters:literal,
+            takes_absorption: $takes_absorption:literal,
             lobes: $lobes:expr,
         }
     )*) => {
@@ -176,6 +180,7 @@ macro_rules! integrators {
                             preparation: $preparation,
                             cut_by_max_depth: $cut_by_max_depth,
                             takes_infinite_emitters: $takes_infinite_emitters,
+                            takes_absorption: $takes_absorption,
                             lobes: $lobes,
                         };
                         &INFO
@@ -204,6 +209,7 @@ integrators! {
         preparation: Preparation::Nothing,
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_absorption: true,
         lobes: Some(FOLLOWED),
     }
     /// Direct light, perfect mirrors and glass; no diffuse interreflection.
@@ -215,6 +221,7 @@ integrators! {
         preparation: Preparation::Nothing,
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_absorption: true,
         lobes: Some(LobeSupport {
             diffuse: LobeUse::DirectLight,
             glossy: LobeUse::DirectLight,
@@ -230,6 +237,7 @@ integrators! {
         preparation: Preparation::Nothing,
         cut_by_max_depth: false,
         takes_infinite_emitters: true,
+        takes_absorption: true,
         lobes: Some(LobeSupport {
             diffuse: LobeUse::DirectLight,
             glossy: LobeUse::DirectLight,
@@ -245,6 +253,7 @@ integrators! {
         preparation: Preparation::PhotonMaps(PhotonMethod::Direct, MapRenewal::Once),
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_absorption: true,
         lobes: Some(STORED),
     }
     /// Path tracing, with caustics from a photon map.
@@ -256,6 +265,7 @@ integrators! {
         preparation: Preparation::PhotonMaps(PhotonMethod::Caustic, MapRenewal::EachPassByDefault),
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_absorption: true,
         lobes: Some(STORED),
     }
     /// A global and a caustic photon map, with final gathering.
@@ -267,6 +277,7 @@ integrators! {
         preparation: Preparation::PhotonMaps(PhotonMethod::FinalGather, MapRenewal::Once),
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_absorption: true,
         lobes: Some(STORED),
     }
     /// All light, with indirect diffuse light interpolated between final gathers.
@@ -278,6 +289,7 @@ integrators! {
         preparation: Preparation::PhotonMaps(PhotonMethod::IrradianceCache, MapRenewal::Once),
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_absorption: true,
         lobes: Some(STORED),
     }
     /// The diffuse scene solved as a whole, for every view of it.
@@ -289,6 +301,7 @@ integrators! {
         preparation: Preparation::RadiositySolution,
         cut_by_max_depth: false,
         takes_infinite_emitters: false,
+        takes_absorption: false,
         lobes: Some(LobeSupport {
             diffuse: LobeUse::StoredAndGathered,
             glossy: LobeUse::Refused,
@@ -304,6 +317,7 @@ integrators! {
         preparation: Preparation::PhotonMaps(PhotonMethod::CommonRadius, MapRenewal::EachPass),
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_absorption: true,
         lobes: Some(STORED),
     }
     /// Stochastic progressive photon mapping: a new map every pass, with radii that shrink pixel by pixel.
@@ -315,6 +329,7 @@ integrators! {
         preparation: Preparation::PhotonMaps(PhotonMethod::PixelRadii, MapRenewal::EachPass),
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_absorption: true,
         lobes: Some(STORED),
     }
     /// Path tracing, path tracing with a caustic map, or stochastic progressive photon mapping, by what the scene holds.
@@ -326,6 +341,7 @@ integrators! {
         preparation: Preparation::Choice,
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_absorption: true,
         lobes: None,
     }
 }

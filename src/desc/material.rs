@@ -16,6 +16,34 @@ pub struct MaterialDesc {
     /// report's `reflectionRate`). Paths use it only with [`super::RouletteDesc::File`]. It changes noise and time, never the
     /// image.
     pub survival: Option<f32>,
+    /// The medium inside bodies of this material; `None` for one that absorbs nothing and has priority 0. Only a
+    /// [`BsdfDesc::Dielectric`] can have a medium, whose index of refraction is its `ior`.
+    pub medium: Option<MediumDesc>,
+}
+
+impl MaterialDesc {
+    /// Whether the material's medium absorbs or has a priority.
+    pub(crate) fn uses_medium(&self) -> bool {
+        self.medium.is_some_and(|medium| medium != MediumDesc::default())
+    }
+}
+
+/// The medium inside bodies of a material, on the side opposite to the normal.
+///
+/// Where bodies overlap, the medium of the highest priority fills the overlap; among equal priorities, it is the medium that a
+/// path entered last. Surfaces at which the medium does not change are not there for rays (Schmidt and Budge 2002, "Simple
+/// Nested Dielectrics in Ray Traced Images").
+///
+/// If any material of a scene has a medium other than the default, all materials that can have a medium have one, and the
+/// index of refraction outside of a body is that of the medium around it. [`BsdfDesc::Dielectric`]'s `exterior_ior` then only
+/// counts where the body lies in no other medium.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MediumDesc {
+    /// Absorption coefficient [1 / scene unit], >= 0 per channel: after a distance d, exp(-absorption d) of the light is left
+    /// (the law of Beer and Lambert).
+    pub absorption: Rgb,
+    /// The priority; larger numbers win.
+    pub priority: u32,
 }
 
 /// A scattering model and its parameters. Reflectances are in [0, 1] per channel.
@@ -128,4 +156,15 @@ pub enum BsdfDesc {
         /// Number of the material on the other side.
         back: usize,
     },
+}
+
+impl BsdfDesc {
+    /// The indices of refraction inside and outside of a body with this surface; `None` for models that have no inside, whose
+    /// materials can have no medium.
+    pub(crate) fn interior(&self) -> Option<[f32; 2]> {
+        match *self {
+            Self::Dielectric { ior, exterior_ior } => Some([ior, exterior_ior]),
+            _ => None,
+        }
+    }
 }

@@ -1,8 +1,10 @@
 //! Checks of materials whose numbers are already in single precision.
 
 use super::json::join;
-use super::validate::{positive, reflectance, survival_rate, within};
-use super::{BsdfDesc, ConductorDesc, Distribution, Masking, MaterialDesc, MicrofacetsDesc, PrincipledDesc};
+use super::validate::{absorption, positive, reflectance, survival_rate, within};
+use super::{
+    BsdfDesc, ConductorDesc, Distribution, Masking, MaterialDesc, MediumDesc, MicrofacetsDesc, PrincipledDesc,
+};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
@@ -28,6 +30,15 @@ pub(super) fn check(path: &str, bsdf: &BsdfDesc, survival: Option<f32>, material
         return Err(Error::invalid(join(path, "reflectionRate"), message));
     }
     survival_rate(&join(path, "reflectionRate"), rate.into()).map(|_| ())
+}
+
+/// Checks the medium of a material with this model.
+pub(super) fn medium(path: &str, bsdf: &BsdfDesc, medium: MediumDesc) -> Result<()> {
+    if bsdf.interior().is_none() {
+        let message = "only a smooth refractive material has a medium inside, expected no absorption and no priority";
+        return Err(Error::invalid(join(path, "medium"), message));
+    }
+    absorption(&join(path, "absorption"), medium.absorption.to_f64()).map(|_| ())
 }
 
 fn model(path: &str, bsdf: &BsdfDesc, materials: &[MaterialDesc]) -> Result<()> {

@@ -4,10 +4,10 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::builder::Builder;
-use super::json::{self, join};
+use super::json::{self, Whole, join};
 use super::{
-    BsdfDesc, ConductorDesc, Distribution, METALS, Masking, MaterialDesc, Metal, MicrofacetsDesc, PrincipledDesc,
-    material_check, validate,
+    BsdfDesc, ConductorDesc, Distribution, METALS, Masking, MaterialDesc, MediumDesc, Metal, MicrofacetsDesc,
+    PrincipledDesc, material_check, validate,
 };
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
@@ -86,8 +86,17 @@ pub(super) struct Refractive {
     _type: RefractiveTag,
     /// Index of refraction inside, > 0.
     refraction_index: f64,
-    /// Index of refraction outside, > 0. Default 1.
+    /// Index of refraction outside, > 0. Default 1. In a scene with `absorption`, `transmittance` or `priority` it only counts
+    /// where the body lies in no other medium.
     exterior_index: Option<f64>,
+    /// Absorption coefficient inside, 1 / scene unit, 0 or more per channel. Default [0, 0, 0].
+    absorption: Option<[f64; 3]>,
+    /// Instead of `absorption`: the share of light that is left after `transmittanceDistance`, above 0 and up to 1 per channel.
+    transmittance: Option<[f64; 3]>,
+    /// The distance after which `transmittance` is left, > 0.
+    transmittance_distance: Option<f64>,
+    /// Which medium fills the overlap of bodies: the one with the larger priority. Default 0.
+    priority: Option<Whole>,
     /// Perceptual roughness in [0, 1]; its square is the width alpha of the facets. Default 0, a smooth surface.
     roughness: Option<f64>,
     /// How much narrower facets are spread across the tangent than along it, in [0, 0.99]. Default 0.
@@ -436,6 +445,7 @@ const KINDS: [&str; 14] = [
 pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     let at = |key: &str| join(path, key);
     let kind = json::tag(raw, path, "type", &KINDS)?;
+    let mut inside = None;
     let (name, bsdf, survival) = match kind.as_str() {
         "diffuse" => diffuse(json::object(raw, path)?, path)?,
         "reflective" => {
@@ -443,7 +453,11 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
             let reflectance = validate::reflectance(&at("color"), mirror.color.unwrap_or([1.0; 3]))?;
             (mirror.name, BsdfDesc::Mirror { reflectance }, None)
         }
-        "refractive" => refractive(json::object(raw, path)?, path)?,
+        "refractive" => {
+            let glass: Refractive = json::object(raw, path)?;
+            inside = medium(&glass, path)?;
+            refractive(glass, path)?
+        }
         "conductor" | "torrance-sparrow" | "cook-torrance" => conductor(json::object(raw, path)?, path)?,
         "thin-refractive" => {
             let sheet: ThinRefractive = json::object(raw, path)?;
@@ -489,7 +503,10 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
         _ => (json::object::<Black>(raw, path)?.name, BsdfDesc::Black, None),
     };
     material_check::check(path, &bsdf, survival, &builder.scene.materials)?;
-    builder.scene.put_material(MaterialDesc { name, path: path.to_owned(), bsdf, survival }).map(|_| ())
+    if let Some(medium) = inside {
+        material_check::medium(path, &bsdf, medium)?;
+    }
+    builder.scene.put_material(MaterialDesc { name, path: path.to_owned(), bsdf, survival, medium: inside }).map(|_| ())
 }
 
 /// A colour with a default for all channels.
@@ -520,7 +537,7 @@ fn facets(
         Some(FacetMasking::VCavity) => Masking::VCavity,
     };
     Ok(MicrofacetsDesc {
-        roughness: number("roughness", roughness)? as f32,
+        roughness: validate::within(&join(path, "roughness"), roughness.unwrap_or(0.0), 0.0, 1.0)?,
         anisotropy: number("anisotropy", anisotropy)? as f32,
         rotation: number("rotation", rotation)?.to_radians() as f32,
         distribution: match distribution {
@@ -543,6 +560,39 @@ fn refractive(glass: Refractive, path: &str) -> Result<(String, BsdfDesc, Option
         BsdfDesc::RoughDielectric { ior, exterior_ior, microfacets }
     };
     Ok((glass.name, bsdf, None))
+}
+
+/// The medium inside a body of glass; `None` where no key says anything of it.
+fn medium(glass: &Refractive, path: &str) -> Result<Option<MediumDesc>> {
+    let at = |key: &str| join(path, key);
+    let absorption = match (glass.absorption, glass.transmittance, glass.transmittance_distance) {
+        (Some(_), Some(_), _) => {
+            let message = "the absorption is given twice, expected `absorption` or `transmittance`";
+            return Err(Error::invalid(at("transmittance"), message));
+        }
+        (Some(absorption), None, None) => Some(validate::absorption(&at("absorption"), absorption)?),
+        (None, Some(share), Some(distance)) => {
+            Some(validate::transmittance([&at("transmittance"), &at("transmittanceDistance")], share, distance)?)
+        }
+        (None, Some(_), None) => {
+            return Err(Error::invalid(path, "missing key `transmittanceDistance`, which `transmittance` needs"));
+        }
+        (_, None, Some(_)) => {
+            return Err(Error::invalid(
+                at("transmittanceDistance"),
+                "only a material with `transmittance` has this key",
+            ));
+        }
+        (None, None, None) => None,
+    };
+    let priority = match glass.priority {
+        None => None,
+        Some(priority) => Some(validate::whole(&at("priority"), priority, 0, u32::MAX.into())?),
+    };
+    if absorption.is_none() && priority.is_none() {
+        return Ok(None);
+    }
+    Ok(Some(MediumDesc { absorption: absorption.unwrap_or(Rgb::ZERO), priority: priority.unwrap_or(0) }))
 }
 
 fn conductor(it: Conductor, path: &str) -> Result<(String, BsdfDesc, Option<f32>)> {

@@ -191,7 +191,10 @@ fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()>
         builder.warn(&at("name"), &again);
         return Ok(());
     }
-    builder.scene.put_material(MaterialDesc { name: material.name, path: path.to_owned(), bsdf, survival }).map(|_| ())
+    builder
+        .scene
+        .put_material(MaterialDesc { name: material.name, path: path.to_owned(), bsdf, survival, medium: None })
+        .map(|_| ())
 }
 
 fn surface(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {

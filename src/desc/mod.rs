@@ -82,7 +82,7 @@ pub use integrator::{
     Bias, IntegratorDesc, IntegratorInfo, LobeSupport, LobeUse, MapRenewal, PhotonMethod, Preparation, SampleOrder,
 };
 pub use light::PointLightDesc;
-pub use material::{BsdfDesc, MaterialDesc};
+pub use material::{BsdfDesc, MaterialDesc, MediumDesc};
 pub use microfacets::{ConductorDesc, Distribution, METALS, Masking, Metal, MicrofacetsDesc};
 pub use object::{HostMesh, MeshDesc, ShapeDesc, SurfaceDesc};
 pub use photon::{

@@ -200,6 +200,37 @@ pub(super) fn point_light(
     Ok(PointLightDesc { path: path.to_owned(), position, intensity })
 }
 
+/// Checks an absorption coefficient, which must be 0 or more per channel.
+pub(super) fn absorption(path: &str, value: impl Into<DVec3>) -> Result<Rgb> {
+    let value = value.into();
+    for (i, channel) in value.to_array().into_iter().enumerate() {
+        let path = format!("{path}[{i}]");
+        number(&path, channel)?;
+        if channel < 0.0 {
+            return Err(Error::invalid(path, format!("{channel} is negative, expected an absorption of 0 or more")));
+        }
+    }
+    Ok(Rgb::from_f64(value))
+}
+
+/// Returns the absorption coefficient of a medium that leaves this share of light after `distance`. The share must be above 0
+/// and at most 1 per channel. `keys` names the two values.
+pub(super) fn transmittance(keys: [&str; 2], value: impl Into<DVec3>, distance: f64) -> Result<Rgb> {
+    let [path, distance_path] = keys;
+    let value = value.into();
+    positive(distance_path, distance)?;
+    for (i, channel) in value.to_array().into_iter().enumerate() {
+        up_to(&format!("{path}[{i}]"), channel, 1.0)?;
+    }
+    let coefficient = -value.map(f64::ln) / distance;
+    if !fits(coefficient.max_element()) {
+        let message = format!("{distance:e} is too short for a transmittance of {value}, expected a longer distance");
+        return Err(Error::invalid(distance_path, message));
+    }
+    // Full transmittance gives -0.
+    Ok(Rgb::from_f64(coefficient + DVec3::ZERO))
+}
+
 /// Checks a probability of survival, which must be above 0 and at most 1.
 pub(super) fn survival_rate(path: &str, rate: f64) -> Result<f32> {
     positive(path, rate)?;

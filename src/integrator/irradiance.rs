@@ -132,7 +132,7 @@ impl Irradiance {
             [surface.point.time, _] = sampler.next_2d();
         }
         let white = Bsdf::Lambert(Lambert::new(Rgb::ONE));
-        let vertex = Vertex::seen_along_normal(surface, &white, self.front);
+        let vertex = Vertex::seen_along_normal(scene, surface, &white, self.front);
         let Path { max_depth, shadow_rays } = self.path;
         let mut context = Context { scene, sampler, tracer, wavelengths: () };
         let max_depth = max_depth.map_or(u32::MAX, |depth| depth.saturating_sub(1));

@@ -6,6 +6,7 @@
 mod direct;
 mod irradiance;
 pub mod irradiance_cache;
+mod media;
 mod path;
 pub mod photon;
 pub mod radiosity;

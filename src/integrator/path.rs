@@ -41,7 +41,7 @@ impl<C: Spectrum> Transport<C> for Path {
         context: &mut Context<'_, S, T, C>,
         first: &mut impl FnMut(FirstHit),
     ) -> C {
-        trace(ray, context, first, &self.limits())
+        trace(ray, context.scene.media_at(&ray), context, first, &self.limits())
     }
 
     const IN_WAVES: bool = true;

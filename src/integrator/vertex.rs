@@ -6,7 +6,7 @@ use crate::emitter::{EmitterSet, Receiver};
 use crate::math::{Frame, HitPoint, Ray, Vec3};
 use crate::sampling::Sampler;
 use crate::sampling::mis::power_heuristic;
-use crate::scene::{Hit, Scene, SurfaceInteraction};
+use crate::scene::{Hit, PathMedia, Scene, SurfaceInteraction};
 use crate::spectrum::{Rgb, Spectrum};
 
 /// A vertex of a path, ready for shading. Spectra have the channels of the path.
@@ -19,7 +19,9 @@ pub(super) struct Vertex<'v, C: Spectrum = Rgb> {
     /// Probability with which a path survives a bounce at this vertex, where the scene sets one.
     pub survival: Option<f32>,
     mode: TransportMode,
-    wavelengths: C::Wavelengths,
+    pub(super) wavelengths: C::Wavelengths,
+    /// The media in which the path arrived.
+    pub(super) media: PathMedia,
     frame: Frame,
     /// Direction back along the path, local frame.
     pub wo: Vec3,
@@ -99,9 +101,10 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         ray: &Ray,
         hit: &'v Hit,
         wavelengths: C::Wavelengths,
+        media: PathMedia,
         slot: &'v mut Option<Bsdf<C>>,
     ) -> Self {
-        Self::of_path(scene, ray, hit, wavelengths, slot, TransportMode::Radiance)
+        Self::of_path(scene, ray, hit, wavelengths, media, slot, TransportMode::Radiance)
     }
 
     /// The vertex at the hit of a ray of a light path.
@@ -111,9 +114,10 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         ray: &Ray,
         hit: &'v Hit,
         wavelengths: C::Wavelengths,
+        media: PathMedia,
         slot: &'v mut Option<Bsdf<C>>,
     ) -> Self {
-        Self::of_path(scene, ray, hit, wavelengths, slot, TransportMode::Importance)
+        Self::of_path(scene, ray, hit, wavelengths, media, slot, TransportMode::Importance)
     }
 
     #[inline(always)]
@@ -122,6 +126,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         ray: &Ray,
         hit: &'v Hit,
         wavelengths: C::Wavelengths,
+        media: PathMedia,
         slot: &'v mut Option<Bsdf<C>>,
         mode: TransportMode,
     ) -> Self {
@@ -141,21 +146,41 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         let surface = SurfaceInteraction { point, ng, ns, surface, material: material_number, emitter };
         // The closure copies what it needs: a reference would keep the whole vertex in memory.
         let HitPoint { time, cone, .. } = point;
-        let bsdf = material.at::<C>(move || scene.detail_at(hit, ng, time, cone), &wavelengths, slot);
-        Self { bsdf, hit: Some(hit), survival: material.survival, mode, wavelengths, frame, wo, wo_scene, surface }
+        let detail = move || scene.detail_at(hit, ng, time, cone);
+        let bsdf = if scene.has_media() && scene.bounds_medium(surface.material) {
+            let mut own = None;
+            let own = material.at::<C>(detail, &wavelengths, &mut own);
+            slot.insert(scene.interface(media, surface.material, ng.dot(wo_scene) > 0.0, own))
+        } else {
+            material.at::<C>(detail, &wavelengths, slot)
+        };
+        Self {
+            bsdf,
+            hit: Some(hit),
+            survival: material.survival,
+            mode,
+            wavelengths,
+            media,
+            frame,
+            wo,
+            wo_scene,
+            surface,
+        }
     }
 
     /// A vertex at a point of a surface with the given Bsdf, seen along its shading normal from the outer side (`front`) or
     /// from the inner side.
     #[inline]
-    pub fn seen_along_normal(surface: SurfaceInteraction, bsdf: &'v Bsdf<C>, front: bool) -> Self {
+    pub fn seen_along_normal(scene: &Scene, surface: SurfaceInteraction, bsdf: &'v Bsdf<C>, front: bool) -> Self {
         let side = if front { 1.0 } else { -1.0 };
+        let media = scene.media_at(&surface.point.leave(side * surface.ng, side * surface.ng));
         Self {
             bsdf,
             hit: None,
             survival: None,
             mode: TransportMode::Radiance,
             wavelengths: C::Wavelengths::default(),
+            media,
             frame: Frame::from_normal(surface.ns),
             wo: Vec3::new(0.0, 0.0, side),
             wo_scene: side * surface.ns,
@@ -257,8 +282,10 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         for _ in 0..light_samples {
             let u = context.sampler.next_4d();
             *radiance += match self.light_sample(context.scene, u, light_samples, only_light_samples) {
-                Some((shadow, light)) if context.tracer.unoccluded(&shadow) => light,
-                _ => C::ZERO,
+                Some((shadow, light)) => {
+                    self.unoccluded(context.scene, context.tracer, &shadow, light).unwrap_or(C::ZERO)
+                }
+                None => C::ZERO,
             };
         }
     }

@@ -4,11 +4,12 @@
 //!
 //! Source: Arvo and Kirk 1990, "Particle Transport and Image Synthesis" (roulette).
 
+use super::media::{arrive, left_after};
 use super::tracer::{Context, FirstHit, Tracer};
 use super::vertex::{Bounce, PreviousBounce, Vertex, escaped};
 use crate::math::Ray;
 use crate::sampling::Sampler;
-use crate::scene::Scene;
+use crate::scene::{Hit, PathMedia, Scene};
 use crate::spectrum::Spectrum;
 
 /// From this bounce on no path survives with certainty, so that every path ends, even among perfect mirrors. Light guides
@@ -127,6 +128,21 @@ impl<C: Spectrum> Walk<C> {
         self.throughput.max_element() * self.eta2
     }
 
+    /// Takes off the throughput what media absorb on the way of the path's ray to its hit, or out of the scene.
+    #[inline(always)]
+    pub fn pass_media(
+        &mut self,
+        scene: &Scene,
+        ray: &Ray,
+        hit: Option<&Hit>,
+        media: PathMedia,
+        wavelengths: &C::Wavelengths,
+    ) {
+        if scene.has_media() {
+            self.throughput *= left_after::<C>(scene, ray, hit, media, wavelengths);
+        }
+    }
+
     /// Adds the radiance from infinity after the path's ray missed the scene.
     #[inline(always)]
     pub fn escape(&mut self, scene: &Scene, ray: &Ray, limits: &Limits, wavelengths: &C::Wavelengths) {
@@ -212,10 +228,11 @@ impl<C: Spectrum> Walk<C> {
     }
 }
 
-/// Traces one path from its first ray to its end.
+/// Traces one path from its first ray, which starts in `media`, to its end.
 #[inline]
 pub(super) fn trace<C: Spectrum, S: Sampler, T: Tracer>(
     ray: Ray,
+    mut media: PathMedia,
     context: &mut Context<'_, S, T, C>,
     first: &mut impl FnMut(FirstHit),
     limits: &Limits,
@@ -223,18 +240,23 @@ pub(super) fn trace<C: Spectrum, S: Sampler, T: Tracer>(
     let mut walk = Walk::new(limits.previous);
     let mut next = Some(ray);
     while let Some(ray) = next {
-        let Some(hit) = context.tracer.intersect(&ray) else {
+        let hit = arrive(context.scene, context.tracer, &ray, &mut media);
+        walk.pass_media(context.scene, &ray, hit.as_ref(), media, &context.wavelengths);
+        let Some(hit) = hit else {
             walk.escape(context.scene, &ray, limits, &context.wavelengths);
             break;
         };
         let mut slot = None;
-        let vertex = Vertex::new(context.scene, &ray, &hit, context.wavelengths, &mut slot);
+        let vertex = Vertex::new(context.scene, &ray, &hit, context.wavelengths, media, &mut slot);
         let Context { scene, sampler, tracer, .. } = context;
         next = walk.meet(scene, &vertex, *sampler, limits, first, |radiance, shadow, sent| {
-            if tracer.unoccluded(&shadow) {
+            if let Some(sent) = vertex.unoccluded(scene, *tracer, &shadow, sent) {
                 *radiance += sent;
             }
         });
+        if let Some(next) = &next {
+            media = vertex.media_beyond(scene, next);
+        }
     }
     walk.radiance
 }
@@ -255,7 +277,8 @@ pub(super) fn scattered_light<C: Spectrum, S: Sampler, T: Tracer>(
     if let Some(bounce) = bounce.filter(|bounce| bounce.pdf.is_some()) {
         let previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
         let limits = Limits { max_depth, previous, ..Limits::new(shadow_rays) };
-        radiance += bounce.weight * trace(bounce.ray, context, &mut |_| {}, &limits);
+        let media = vertex.media_beyond(context.scene, &bounce.ray);
+        radiance += bounce.weight * trace(bounce.ray, media, context, &mut |_| {}, &limits);
     }
     radiance
 }

@@ -5,13 +5,14 @@
 //!
 //! Source: Laine, Karras, Aila 2013, "Megakernels Considered Harmful: Wavefront Path Tracing on GPUs".
 
+use super::media::{light_through, seen};
 use super::tracer::{FirstHit, Tracer};
 use super::vertex::Vertex;
 use super::walk::{Limits, Walk};
 use crate::desc::MAX_SHADOW_RAYS;
 use crate::math::{Ray, Vec3};
 use crate::sampling::Sampler;
-use crate::scene::{Hit, Scene};
+use crate::scene::{Hit, PathMedia, Scene};
 use crate::spectrum::{Rgb, Spectrum};
 
 /// One of several samples that are estimated together.
@@ -54,6 +55,9 @@ pub struct Wave<C: Spectrum = Rgb> {
     shadows: Vec<Ray>,
     lights: Vec<(u32, C)>,
     clear: Vec<bool>,
+    /// The media of each path, and those at the origin of each shadow ray; empty in scenes without media.
+    media: Vec<PathMedia>,
+    shadow_media: Vec<PathMedia>,
 }
 
 impl<C: Spectrum> std::fmt::Debug for Wave<C> {
@@ -72,7 +76,7 @@ impl<C: Spectrum> Wave<C> {
         tracer: &mut T,
         limits: &Limits,
     ) {
-        let Self { walks, active, rays, hits, shadows, lights, clear } = self;
+        let Self { walks, active, rays, hits, shadows, lights, clear, media, shadow_media } = self;
         walks.clear();
         walks.resize(samples.len(), Walk::new(limits.previous));
         active.clear();
@@ -89,6 +93,12 @@ impl<C: Spectrum> Wave<C> {
         lights.clear();
         lights.reserve(most_shadows);
         clear.reserve(most_shadows.saturating_sub(clear.len()));
+        media.clear();
+        if scene.has_media() {
+            media.extend(rays.iter().map(|ray| scene.media_at(ray)));
+            shadow_media.clear();
+            shadow_media.reserve(most_shadows);
+        }
 
         while !active.is_empty() {
             let hits = &mut hits[..active.len()];
@@ -96,6 +106,14 @@ impl<C: Spectrum> Wave<C> {
             scene.prefetch(hits);
             shadows.clear();
             lights.clear();
+            if scene.has_media() {
+                shadow_media.clear();
+                for ((number, ray), hit) in active.iter().zip(&*rays).zip(hits.iter_mut()) {
+                    let number = *number as usize;
+                    *hit = seen(scene, tracer, ray, *hit, &mut media[number]);
+                    walks[number].pass_media(scene, ray, hit.as_ref(), media[number], &samples[number].wavelengths);
+                }
+            }
             let mut kept = 0;
             for (i, hit) in hits.iter().enumerate() {
                 let number = active[i];
@@ -105,7 +123,8 @@ impl<C: Spectrum> Wave<C> {
                     continue;
                 };
                 let mut slot = None;
-                let vertex = Vertex::new(scene, &rays[i], hit, *wavelengths, &mut slot);
+                let arrived_in = if scene.has_media() { media[number as usize] } else { PathMedia::NONE };
+                let vertex = Vertex::new(scene, &rays[i], hit, *wavelengths, arrived_in, &mut slot);
                 let next = walks[number as usize].meet(
                     scene,
                     &vertex,
@@ -113,11 +132,17 @@ impl<C: Spectrum> Wave<C> {
                     limits,
                     &mut |hit| *first = Some(hit),
                     |_, shadow, light| {
+                        if scene.has_media() {
+                            shadow_media.push(vertex.media_beyond(scene, &shadow));
+                        }
                         shadows.push(shadow);
                         lights.push((number, light));
                     },
                 );
                 if let Some(next) = next {
+                    if scene.has_media() {
+                        media[number as usize] = vertex.media_beyond(scene, &next);
+                    }
                     (active[kept], rays[kept]) = (number, next);
                     kept += 1;
                 }
@@ -127,6 +152,15 @@ impl<C: Spectrum> Wave<C> {
 
             clear.resize(shadows.len(), false);
             tracer.unoccluded_many(shadows, clear);
+            if scene.has_media() {
+                for (i, (number, light)) in lights.iter_mut().enumerate() {
+                    let wavelengths = &samples[*number as usize].wavelengths;
+                    let (shadow, media) = (&shadows[i], shadow_media[i]);
+                    let arriving = light_through(scene, tracer, shadow, media, clear[i], *light, wavelengths);
+                    clear[i] = arriving.is_some();
+                    *light = arriving.unwrap_or(C::ZERO);
+                }
+            }
             for ((number, light), clear) in lights.iter().zip(&*clear) {
                 if *clear {
                     walks[*number as usize].radiance += *light;
@@ -222,6 +256,24 @@ mod tests {
         let sobol = SobolSampler::new(3, 64).in_turn(8);
         compare(&scene, &Path { max_depth: None, shadow_rays: 2 }, &sobol);
         compare(&scene, &Direct { shadow_rays: 1 }, &sobol);
+    }
+
+    /// Rays that pass hidden surfaces, shadow rays inside of media, and a camera in a medium.
+    #[test]
+    fn a_path_in_a_wave_passes_media_as_it_does_alone() {
+        use crate::integrator::media::tests::{aquarium, pond};
+        let sobol = SobolSampler::new(3, 64).in_turn(8);
+        let texts = [aquarium(2.6), aquarium(0.6), pond(-0.5)];
+        for text in &texts {
+            let desc = desc::parse(text, "".as_ref(), None).unwrap();
+            let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
+            assert!(scene.has_media());
+            compare(&scene, &Path { max_depth: None, shadow_rays: 2 }, &sobol);
+            if std::ptr::eq(text, &texts[0]) {
+                // Inside of the water, few samples find direct light.
+                compare(&scene, &Direct { shadow_rays: 1 }, &sobol);
+            }
+        }
     }
 
     /// Rays of different times, rays that pass surfaces, and rays with cones.

@@ -8,12 +8,14 @@
 //!
 //! Source: Whitted 1980, "An Improved Illumination Model for Shaded Display".
 
+use super::media::{arrive, left_after};
 use super::vertex::{Vertex, escaped};
 use super::walk::{roulette, scattered_light};
 use super::{Context, FirstHit, Tracer, Transport};
 use crate::bsdf::{BsdfSample, Model as _};
 use crate::math::Ray;
 use crate::sampling::Sampler;
+use crate::scene::PathMedia;
 use crate::spectrum::Spectrum;
 
 /// Least throughput of a branch that is split off.
@@ -40,6 +42,8 @@ struct Branch<C> {
     /// Compensates the radiance scaling of refraction, as in path tracing.
     eta2: f32,
     depth: u32,
+    /// The media in which the ray starts.
+    media: PathMedia,
 }
 
 impl<C: Spectrum> Transport<C> for Whitted {
@@ -51,19 +55,25 @@ impl<C: Spectrum> Transport<C> for Whitted {
         first: &mut impl FnMut(FirstHit),
     ) -> C {
         let max_depth = self.max_depth.unwrap_or(u32::MAX);
-        let start = Branch { ray, throughput: C::ONE, eta2: 1.0, depth: 1 };
+        let start = Branch { ray, throughput: C::ONE, eta2: 1.0, depth: 1, media: context.scene.media_at(&ray) };
         let mut waiting = [start; WAITING];
         let mut count = 1;
         let mut radiance = C::ZERO;
         while count > 0 {
             count -= 1;
-            let branch = waiting[count];
-            let Some(hit) = context.tracer.intersect(&branch.ray) else {
+            let mut branch = waiting[count];
+            let hit = arrive(context.scene, context.tracer, &branch.ray, &mut branch.media);
+            if context.scene.has_media() {
+                let wavelengths = &context.wavelengths;
+                branch.throughput *=
+                    left_after::<C>(context.scene, &branch.ray, hit.as_ref(), branch.media, wavelengths);
+            }
+            let Some(hit) = hit else {
                 radiance += branch.throughput * escaped::<C>(context.scene, &branch.ray, None, 0, &context.wavelengths);
                 continue;
             };
             let mut slot = None;
-            let vertex = Vertex::new(context.scene, &branch.ray, &hit, context.wavelengths, &mut slot);
+            let vertex = Vertex::new(context.scene, &branch.ray, &hit, context.wavelengths, branch.media, &mut slot);
             if branch.depth == 1 {
                 first(vertex.first_hit(context.scene));
             }
@@ -98,6 +108,7 @@ impl<C: Spectrum> Transport<C> for Whitted {
                                 throughput: branch.throughput * lobe.weight,
                                 eta2: branch.eta2 * lobe.eta * lobe.eta,
                                 depth: branch.depth + 1,
+                                media: vertex.media_beyond(context.scene, &ray),
                             };
                             count += 1;
                         }
@@ -120,7 +131,8 @@ impl<C: Spectrum> Transport<C> for Whitted {
             let survival = roulette(throughput.max_element() * eta2 / SMALLEST_BRANCH, branch.depth);
             if u[3] < survival {
                 let throughput = if survival < 1.0 { throughput / survival } else { throughput };
-                waiting[count] = Branch { ray: bounce.ray, throughput, eta2, depth: branch.depth + 1 };
+                let media = vertex.media_beyond(context.scene, &bounce.ray);
+                waiting[count] = Branch { ray: bounce.ray, throughput, eta2, depth: branch.depth + 1, media };
                 count += 1;
             }
         }

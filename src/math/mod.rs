@@ -51,6 +51,11 @@ impl Bounds {
         !self.min.cmple(self.max).all()
     }
 
+    /// Whether it holds a point.
+    pub fn contains(&self, point: DVec3) -> bool {
+        self.min.cmple(point).all() && point.cmple(self.max).all()
+    }
+
     /// Midpoint; meaningless for an empty box.
     pub fn centre(&self) -> DVec3 {
         0.5 * self.min + 0.5 * self.max

@@ -6,6 +6,7 @@ use std::time::Instant;
 use super::assemble::{Assembly, assemble};
 use super::bindings::{SurfaceBindings, bindings, rebind_materials};
 use super::material::MaterialNeeds;
+use super::media::Media;
 use super::options::BuildOptions;
 use super::record::AppearanceKey;
 use super::{Material, Scene, SceneInfo, frame, lower, roulette};
@@ -71,7 +72,7 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
     let assembly = assemble(desc, options, options.dynamic, &device, None, &progress)?;
     let bindings = bindings(desc, assembly.unbound(), &progress)?;
     progress.finish();
-    Ok(complete(desc, device, assembly, bindings, AppearanceKey::new(desc), start))
+    complete(desc, device, assembly, bindings, AppearanceKey::new(desc), start)
 }
 
 fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
@@ -109,7 +110,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
         (assembly, bindings)
     };
     progress.finish();
-    Ok(complete(desc, device, assembly, bindings, appearance, start))
+    complete(desc, device, assembly, bindings, appearance, start)
 }
 
 /// Checks that every surface has a material.
@@ -150,20 +151,21 @@ fn complete(
     bindings: SurfaceBindings,
     appearance: AppearanceKey,
     start: Instant,
-) -> Scene {
+) -> Result<Scene> {
     let bsdfs = bsdfs(desc);
     let mut info = SceneInfo::new(desc, &bsdfs, &assembly.record, &bindings.emitters, assembly.embree.is_some());
     let warnings =
         super::info::warnings(desc, &bsdfs, &assembly.record.facts, &bindings.emitters, appearance.dark_lights());
     let materials: Arc<[Material]> = bsdfs.into_iter().map(Material::uniform).collect();
     info.build_time = start.elapsed();
-    Scene {
+    let scene = Scene {
         embree: assembly.embree,
         list: assembly.list,
         is_large: super::geometry::are_large(&assembly.geometries),
         geometries: assembly.geometries,
         bindings,
         needs: MaterialNeeds::of(&materials),
+        media: Media::new(desc)?,
         materials,
         camera: desc.camera,
         centre: assembly.centre,
@@ -173,6 +175,6 @@ fn complete(
         record: assembly.record,
         appearance: Arc::new(appearance),
         stated_survival: roulette::stated_survival(desc),
-    }
-    .with_roulette(desc.render.roulette)
+    };
+    Ok(scene.with_roulette(desc.render.roulette).with_located_media())
 }

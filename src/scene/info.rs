@@ -95,7 +95,13 @@ impl SceneInfo {
                 RouletteDesc::File => format!("Russian roulette uses the survival probabilities of {stated} materials"),
             });
         }
+        let media = desc.materials.iter().filter(|material| material.uses_medium()).count();
+        if media > 0 {
+            decisions
+                .push(format!("paths follow the media that they are in: {media} materials absorb or have a priority"));
+        }
         let off = [
+            (media == 0, "media"),
             (facts.listed_shapes == 0, "analytic shape list"),
             (facts.embree_shapes == 0, "user geometry"),
             (facts.instances == 0, "instances"),

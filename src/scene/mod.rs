@@ -26,6 +26,7 @@ mod instance_transform;
 mod interaction;
 mod lower;
 mod material;
+mod media;
 mod mesh;
 #[cfg(test)]
 pub(crate) mod motion;
@@ -44,6 +45,7 @@ pub use hit::Hit;
 pub use info::SceneInfo;
 pub use interaction::SurfaceInteraction;
 pub use material::{Material, VaryingMaterial};
+pub(crate) use media::PathMedia;
 pub use options::BuildOptions;
 pub use specular::{Ball, SpecularPart};
 
@@ -59,6 +61,7 @@ use bindings::SurfaceBindings;
 use geometry::Geometry;
 use hit::IN_LIST;
 use material::MaterialNeeds;
+use media::Media;
 use record::{AppearanceKey, GeometryRecord};
 
 /// A scene that can be rendered: immutable, shared by any number of threads. Cloning one is cheap and shares everything.
@@ -73,6 +76,8 @@ pub struct Scene {
     materials: Arc<[Material]>,
     /// What any of the materials needs to know of a hit.
     needs: MaterialNeeds,
+    /// The media inside surfaces, where a medium absorbs or has a priority.
+    media: Option<Arc<Media>>,
     camera: CameraDesc,
     centre: DVec3,
     info: Arc<SceneInfo>,

@@ -16,6 +16,7 @@ mod bsdf;
 mod intersection;
 mod leaving;
 mod lights;
+mod media;
 mod photons;
 mod radiosity;
 mod sampling;
@@ -38,6 +39,7 @@ fn groups() -> Vec<(&'static str, Vec<Entry>)> {
         ("transport", transport::cases()),
         ("photons", photons::cases()),
         ("radiosity", radiosity::cases()),
+        ("media", media::cases()),
         ("arithmetic", arithmetic::cases()),
     ]
 }

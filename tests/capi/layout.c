@@ -270,6 +270,8 @@ static void structures(void) {
     FIELD(etd_material, exterior_ior);
     FIELD(etd_material, survival);
     FIELD(etd_material, reserved);
+    FIELD(etd_material, absorption);
+    FIELD(etd_material, priority);
     STRUCT(etd_surface);
     FIELD(etd_surface, struct_size);
     FIELD(etd_surface, material);

@@ -351,7 +351,7 @@ fn materials(l: &mut List) {
         "unknown material type",
         "{\"name\": \"a\",\n@\"type\": \"difuse\"}",
         "materials[1].type: unknown type 'difuse', \
-         expected one of diffuse, reflective, refractive, black; did you mean 'diffuse'?",
+         expected one of diffuse, reflective, refractive, black, conductor",
     );
     l.material(
         "material without name",
@@ -405,6 +405,97 @@ fn materials(l: &mut List) {
         ("foreign key", "@\"refractionIndex\": 1.5", "materials[1].refractionIndex: unknown key"),
     ] {
         l.material(name, &diffuse(more), expected);
+    }
+    for (name, kind, more, expected) in [
+        ("metal without keys", "@conductor", "", "materials[1]: expected one of: `metal`, `eta` with `k`"),
+        (
+            "unknown metal",
+            "conductor",
+            "@\"metal\": \"Xx\"",
+            "materials[1].metal: unknown metal 'Xx', expected one of Ag",
+        ),
+        ("eta of 0", "conductor", "\"k\": [1, 1, 1],\n@\"eta\": [1, 0, 1]", "materials[1].eta[1]: 0 is not above 0"),
+        ("k below 0", "conductor", "\"eta\": [1, 1, 1],\n@\"k\": [1, 1, -1]", "materials[1].k[2]: -1 is out of range"),
+        (
+            "metal twice",
+            "@conductor",
+            "\"metal\": \"Au\", \"reflectance\": [1, 1, 1]",
+            "materials[1]: expected one of: `metal`",
+        ),
+        ("rough metal", "conductor", "\"metal\": \"Au\",\n@\"roughness\": 1.01", "materials[1].roughness: 1.01"),
+        (
+            "anisotropy 1",
+            "conductor",
+            "\"metal\": \"Au\",\n@\"anisotropy\": 1",
+            "materials[1].anisotropy: 1 is out of range",
+        ),
+        (
+            "grooves that scatter twice",
+            "conductor",
+            "\"metal\": \"Au\", \"masking\": \"v-cavity\",\n@\"multipleScattering\": true",
+            "materials[1].multipleScattering: light that is reflected more than once",
+        ),
+        (
+            "masking of 1982",
+            "cook-torrance",
+            "\"metal\": \"Au\",\n@\"masking\": \"smith\"",
+            "materials[1].masking: the model says",
+        ),
+        ("no fibres", "sheen", "\"color\": [1, 1, 1],\n@\"roughness\": 0", "materials[1].roughness: 0 is not above 0"),
+        (
+            "sheet of more than 1",
+            "diffuse-transmission",
+            "\"color\": [0.6, 0, 0],\n@\"transmittance\": [0.6, 0, 0]",
+            "materials[1].transmittance[0]: color and transmittance sum to 1.2",
+        ),
+        (
+            "tint above 1",
+            "thin-refractive",
+            "\"refractionIndex\": 1.5,\n@\"transmittance\": [2, 0, 0]",
+            "materials[1].transmittance[0]",
+        ),
+        (
+            "coat of index 0",
+            "coated-diffuse",
+            "\"color\": [1, 1, 1],\n@\"refractionIndex\": 0",
+            "materials[1].refractionIndex: 0",
+        ),
+        (
+            "unknown parameter",
+            "principled",
+            "@\"baseColor\": [1, 1, 1]",
+            "materials[1].baseColor: unknown key `baseColor`",
+        ),
+        ("metalness above 1", "principled", "@\"base_metalness\": 2", "materials[1].base_metalness: 2 is out of range"),
+        ("mix of one", "mix", "@\"materials\": [\"white\"]", "materials[1].materials: wrong length 1"),
+        (
+            "mix of nobody",
+            "mix",
+            "\"materials\": [\"white\",\n@\"whit\"]",
+            "materials[1].materials[1]: no material named 'whit'",
+        ),
+        (
+            "mix of itself",
+            "mix",
+            "@\"materials\": [\"a\", \"white\"]",
+            "materials[1].materials[0]: no material named 'a'",
+        ),
+        (
+            "two sides of nobody",
+            "two-sided",
+            "\"front\": \"white\",\n@\"back\": \"x\"",
+            "materials[1].back: no material named 'x'",
+        ),
+        (
+            "frosted absorption",
+            "@refractive",
+            "\"refractionIndex\": 1.5, \"roughness\": 0.5, \"absorption\": [1, 1, 1]",
+            "materials[1].medium: only a smooth refractive material",
+        ),
+    ] {
+        let (before, kind) = kind.strip_prefix('@').map_or(("", kind), |kind| ("@", kind));
+        let more = if more.is_empty() { String::new() } else { format!(",\n{more}") };
+        l.material(name, &format!("{before}{{\"name\": \"a\", \"type\": \"{kind}\"{more}}}"), expected);
     }
     l.material(
         "oren-nayar without roughness",

@@ -28,6 +28,7 @@ pub fn add(desc: &mut SceneDesc, number: usize, shape: ShapeDesc, bsdf: BsdfDesc
         path: format!("materials[{number}]"),
         bsdf,
         survival: None,
+        medium: None,
     });
     desc.surfaces.push(SurfaceDesc {
         path: format!("surfaces[{number}]"),

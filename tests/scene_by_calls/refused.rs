@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use etendue::buffer::Buffer;
-use etendue::desc::{BsdfDesc, CameraDesc, FovAxis, MeshDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceLook};
+use etendue::desc::{
+    BsdfDesc, CameraDesc, FovAxis, MediumDesc, MeshDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceLook,
+};
 use etendue::math::{Bounds, DAffine3, DMat3, DVec3};
 use etendue::spectrum::Rgb;
 use etendue::{Error, ErrorKind, Result};
@@ -64,6 +66,10 @@ fn bad_materials() -> Vec<(&'static str, &'static str, Call)> {
         add("materials[3].reflectionRate", "1.5 is out of range", oren_nayar(0.5), Some(1.5)),
         add("materials[3].reflectionRate", "only a diffuse material", glass(1.5, 1.0), Some(0.5)),
         bad("materials[0].color[1]", "1.5", move |desc| desc.set_material(0, lambert(over), None)),
+        bad("materials[0].medium", "only a smooth refractive material", move |desc| {
+            desc.set_medium(0, Some(MediumDesc { absorption: grey, priority: 0 }))
+        }),
+        bad("materials[9]", "there is no material 9", |desc| desc.set_medium(9, None)),
         bad("materials[0].reflectionRate", "NaN", move |desc| desc.set_material(0, lambert(grey), Some(f32::NAN))),
         bad("materials[2]", "stays black", move |desc| desc.set_material(2, lambert(grey), None)),
         bad("materials[9]", "there is no material 9, expected an index below 3", move |desc| {

@@ -116,6 +116,12 @@ pub struct etd_material {
     pub survival: f32,
     /// Must be 0.
     pub reserved: u32,
+    /// Absorption coefficient inside of a dielectric [1 / scene unit], each channel >= 0: after a distance d, exp(-absorption d)
+    /// of the light is left.
+    pub absorption: [f32; 3],
+    /// Priority of the medium inside of a dielectric. Where bodies overlap, the medium with the largest number fills the overlap;
+    /// among equal ones, it is the medium that a ray entered last.
+    pub priority: u32,
 }
 
 /// The format of an array of positions.

@@ -1,5 +1,6 @@
 //! Sites of records: the first diffuse hits of camera rays, and the light gathered there.
 
+use super::super::media::{arrive, left_after};
 use super::super::photon::Gather;
 use super::super::vertex::Vertex;
 use super::super::{SceneTracer, Tracer as _};
@@ -9,7 +10,7 @@ use crate::bsdf::Model as _;
 use crate::camera::Camera;
 use crate::math::{Frame, Ray, Vec3};
 use crate::sampling::{Sampler as _, SobolSampler};
-use crate::scene::Scene;
+use crate::scene::{PathMedia, Scene};
 use crate::spectrum::Rgb;
 
 /// Throughput below which a branch at glass is not followed.
@@ -32,6 +33,8 @@ pub(super) struct Site {
     pub pixel_size: f32,
     /// Fraction of the pixel's light that comes from here, by what mirrors and glass on the path transmit.
     pub throughput: f32,
+    /// The media in which the site is seen, and in which rays leave it.
+    media: PathMedia,
 }
 
 /// Appends the first diffuse hits behind the film position (x, y). Where a surface reflects and refracts, both branches
@@ -45,18 +48,21 @@ pub(super) fn first_diffuse_hits(
 ) {
     let first = camera.ray(x, y);
     let angle = first.direction.distance(camera.ray(x + 1.0, y).direction);
-    let mut branches = vec![(first, 1.0, 0.0, 0)];
-    while let Some((ray, throughput, distance, bounces)) = branches.pop() {
-        let Some(hit) = tracer.intersect(&ray) else { continue };
+    let mut branches = vec![(first, scene.media_at(&first), 1.0, 0.0, 0)];
+    while let Some((ray, mut media, mut throughput, distance, bounces)) = branches.pop() {
+        let Some(hit) = arrive(scene, tracer, &ray, &mut media) else { continue };
+        if scene.has_media() {
+            throughput *= left_after::<Rgb>(scene, &ray, Some(&hit), media, &()).max_element();
+        }
         let distance = distance + hit.t;
         // The fraction of the light that passes is that of power, so refraction is that of importance.
         let mut slot = None;
-        let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), &mut slot);
+        let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), media, &mut slot);
         if vertex.bsdf.lobes().have_diffuse() && !vertex.bsdf.is_black() {
             let facing = vertex.facing();
             let (point, n) = (vertex.surface.point, vertex.facing_shading());
             let origin = point.offset(facing);
-            sites.push(Site { p: point.p, n, facing, origin, pixel_size: distance * angle, throughput });
+            sites.push(Site { p: point.p, n, facing, origin, pixel_size: distance * angle, throughput, media });
         }
         for lobe in vertex.specular_lobes().into_iter().flatten() {
             let throughput = throughput * lobe.weight.max_element();
@@ -64,7 +70,8 @@ pub(super) fn first_diffuse_hits(
                 && bounces < MAX_SPECULAR_BOUNCES
                 && let Some(ray) = vertex.leave_local(lobe.wi)
             {
-                branches.push((ray, throughput, distance, bounces + 1));
+                let media = vertex.media_beyond(scene, &ray);
+                branches.push((ray, media, throughput, distance, bounces + 1));
             }
         }
     }
@@ -99,7 +106,7 @@ impl Site {
             if wi.dot(self.facing) <= 0.0 {
                 return Incident { radiance: Rgb::ZERO, distance: f32::INFINITY };
             }
-            let (radiance, distance) = source.incident(scene, Ray::new(self.origin, wi), sampler, tracer);
+            let (radiance, distance) = source.incident(scene, Ray::new(self.origin, wi), self.media, sampler, tracer);
             // As in an image, radiance that is not finite counts as black.
             Incident { radiance: if radiance.is_finite() { radiance } else { Rgb::ZERO }, distance }
         };

@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
+use super::super::media::{arrive, left_after};
 use super::super::vertex::Vertex;
-use super::super::{SceneTracer, Tracer as _, check_support};
+use super::super::{SceneTracer, check_support};
 use super::emit::{Aim, Emission};
 use crate::bsdf::Model as _;
 use crate::desc::{IntegratorDesc, PhotonSharing};
@@ -128,11 +129,15 @@ fn look(scene: &Scene) -> Result<Seen> {
             let (u, d) = (rng.next_4d(), rng.next_4d());
             let Some((mut ray, mut power)) = emission.begin(scene, u, d, 1.0) else { continue };
             let mut way = 0.0;
+            let mut media = scene.media_at(&ray);
             for hits in 0..MOST_HITS {
-                let Some(hit) = tracer.intersect(&ray) else { break };
+                let Some(hit) = arrive(scene, &mut tracer, &ray, &mut media) else { break };
+                if scene.has_media() {
+                    power *= left_after::<Rgb>(scene, &ray, Some(&hit), media, &());
+                }
                 way += f64::from(hit.t);
                 let mut slot = None;
-                let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), &mut slot);
+                let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), media, &mut slot);
                 let lobes = vertex.bsdf.lobes();
                 if lobes.have_diffuse() || !lobes.have_specular() {
                     if hits > 0 && lobes.have_diffuse() && !vertex.bsdf.is_black() {
@@ -150,6 +155,7 @@ fn look(scene: &Scene) -> Result<Seen> {
                 let Some(bounce) = vertex.sample_bounce(rng.next_4d()) else { break };
                 power *= bounce.weight;
                 ray = bounce.ray;
+                media = vertex.media_beyond(scene, &ray);
             }
         }
     }
@@ -161,18 +167,26 @@ fn look(scene: &Scene) -> Result<Seen> {
         for path in 0..LOOKS {
             let mut rng = Rng::new(0x6c65_6176, path);
             let Some((mut ray, _)) = begin(&emission, &mut rng) else { continue };
+            let mut media = scene.media_at(&ray);
             for _ in 0..MOST_HITS {
-                let Some(hit) = tracer.intersect(&ray) else {
+                let Some(hit) = arrive(scene, &mut tracer, &ray, &mut media) else {
                     escaped += 1;
                     break;
                 };
+                if scene.has_media() {
+                    let left = left_after::<Rgb>(scene, &ray, Some(&hit), media, &()).max_element();
+                    if left < 1.0 && rng.next_f32() >= left {
+                        break;
+                    }
+                }
                 let mut slot = None;
-                let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), &mut slot);
+                let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), media, &mut slot);
                 let Some(bounce) = vertex.sample_bounce(rng.next_4d()) else { break };
                 if rng.next_f32() >= bounce.weight.max_element().min(1.0) {
                     break;
                 }
                 ray = bounce.ray;
+                media = vertex.media_beyond(scene, &ray);
             }
         }
         seen.escaped = f64::from(escaped) / LOOKS as f64;

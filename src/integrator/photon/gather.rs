@@ -15,6 +15,7 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use super::super::irradiance_cache::IrradianceCache;
+use super::super::media::arrive;
 use super::super::vertex::Vertex;
 use super::super::walk::{Limits, Walk};
 use super::super::{Context, FirstHit, Tracer, Transport};
@@ -27,7 +28,7 @@ use crate::bsdf::{Lobes, Model as _};
 use crate::film::{PixelPhotonState, ShrinkingRadius};
 use crate::math::Ray;
 use crate::sampling::Sampler;
-use crate::scene::{Hit, Scene};
+use crate::scene::{Hit, PathMedia, Scene};
 use crate::spectrum::{Rgb, Spectrum};
 
 /// A photon map and the parameters of its queries.
@@ -102,6 +103,8 @@ thread_local! {
 struct EyePath<C: Spectrum> {
     walk: Walk<C>,
     ray: Ray,
+    /// The media that the path is in.
+    media: PathMedia,
     /// Number of diffuse hits so far.
     diffuse: u32,
     /// Length of the path since the last diffuse hit.
@@ -111,8 +114,8 @@ struct EyePath<C: Spectrum> {
 }
 
 impl<C: Spectrum> EyePath<C> {
-    fn new(ray: Ray) -> Self {
-        Self { walk: Walk::new(None), ray, diffuse: 0, since_diffuse: 0.0, counts_caustics: true }
+    fn new(ray: Ray, media: PathMedia) -> Self {
+        Self { walk: Walk::new(None), ray, media, diffuse: 0, since_diffuse: 0.0, counts_caustics: true }
     }
 }
 
@@ -158,7 +161,7 @@ impl<C: Spectrum> Transport<C> for Gather<C> {
         gathering: Option<&mut PixelPhotonState>,
     ) -> C {
         let mut feedback = PixelFeedback { gathering, bias: C::ZERO };
-        let radiance = self.follow(EyePath::new(ray), context, first, &mut feedback);
+        let radiance = self.follow(EyePath::new(ray, context.scene.media_at(&ray)), context, first, &mut feedback);
         if let Some(gathering) = feedback.gathering {
             gathering.add_bias(self.pass, feedback.bias.to_rgb(&self.wavelengths));
         }
@@ -177,20 +180,21 @@ struct PixelFeedback<'g, C> {
 }
 
 impl Gather {
-    /// Radiance [W m^-2 sr^-1] that arrives at a diffuse surface along a ray that leaves the surface, and the distance to
+    /// Radiance [W m^-2 sr^-1] that arrives at a diffuse surface along a ray that leaves the surface in `media`, and the distance to
     /// the ray's first hit, infinite for a miss. The radiance excludes light that comes straight from the emitters, and
     /// light that comes from the emitters by mirrors and glass only.
     ///
     /// Together with direct light and caustics, this is all light, each contribution once.
-    pub fn incident<S: Sampler, T: Tracer>(
+    pub(in crate::integrator) fn incident<S: Sampler, T: Tracer>(
         &self,
         scene: &Scene,
         ray: Ray,
+        media: PathMedia,
         sampler: &mut S,
         tracer: &mut T,
     ) -> (Rgb, f32) {
         let mut distance = f32::INFINITY;
-        let mut path = EyePath::new(ray);
+        let mut path = EyePath::new(ray, media);
         (path.walk.depth, path.diffuse, path.counts_caustics) = (1, 1, false);
         let tracer = &mut FirstHitDistance { tracer, first: &mut distance };
         let mut feedback = PixelFeedback { gathering: None, bias: Rgb::ZERO };
@@ -199,7 +203,7 @@ impl Gather {
         (radiance, distance)
     }
 
-    /// The same integrator with paths that end only by Russian roulette or absorption: the estimate of [`Gather::incident`]
+    /// The same integrator with paths that end only by Russian roulette or absorption: the estimate of `Gather::incident`
     /// is then unbiased as in path tracing, except for caustics.
     #[must_use]
     pub fn unaided(&self) -> Self {
@@ -229,7 +233,9 @@ impl<C: Spectrum> Gather<C> {
         loop {
             // A map contains the light that reaches a diffuse surface from a light by mirrors and glass only.
             let sees_lights = path.counts_caustics || path.walk.previous.is_some();
-            let Some(hit) = context.tracer.intersect(&path.ray) else {
+            let hit = arrive(context.scene, context.tracer, &path.ray, &mut path.media);
+            path.walk.pass_media(context.scene, &path.ray, hit.as_ref(), path.media, &context.wavelengths);
+            let Some(hit) = hit else {
                 if sees_lights {
                     path.walk.escape(context.scene, &path.ray, &limits, &context.wavelengths);
                 }
@@ -238,7 +244,7 @@ impl<C: Spectrum> Gather<C> {
             path.since_diffuse += hit.t;
             path.walk.depth += 1;
             let mut slot = None;
-            let vertex = Vertex::new(context.scene, &path.ray, &hit, context.wavelengths, &mut slot);
+            let vertex = Vertex::new(context.scene, &path.ray, &hit, context.wavelengths, path.media, &mut slot);
             if path.walk.depth == 1 {
                 first(vertex.first_hit(context.scene));
             }
@@ -279,12 +285,12 @@ impl<C: Spectrum> Gather<C> {
             let one = if rays > 1 { path.walk.split(rays) } else { path.walk };
             for _ in 1..rays {
                 let mut branch = EyePath { walk: one, ..path };
-                if self.bounce(&vertex, &mut branch, counted_caustics, context.sampler, &limits) {
+                if self.bounce(&vertex, &mut branch, counted_caustics, context, &limits) {
                     path.walk.radiance += self.follow(branch, context, first, feedback);
                 }
             }
             path.walk = one.having_brought(path.walk.radiance);
-            if !self.bounce(&vertex, &mut path, counted_caustics, context.sampler, &limits) {
+            if !self.bounce(&vertex, &mut path, counted_caustics, context, &limits) {
                 return path.walk.radiance;
             }
         }
@@ -303,10 +309,13 @@ impl<C: Spectrum> Gather<C> {
             return C::ZERO;
         };
         let Some((ray, f_cos)) = vertex.leave_towards(wi) else { return C::ZERO };
-        let mut branch = EyePath { walk: path.walk.branch(f_cos / pdf), ray, ..*path };
+        let media = vertex.media_beyond(context.scene, &ray);
+        let mut branch = EyePath { walk: path.walk.branch(f_cos / pdf), ray, media, ..*path };
         let limits = self.limits();
         for way in 0.. {
-            let Some(hit) = context.tracer.intersect(&branch.ray) else {
+            let hit = arrive(context.scene, context.tracer, &branch.ray, &mut branch.media);
+            branch.walk.pass_media(context.scene, &branch.ray, hit.as_ref(), branch.media, &context.wavelengths);
+            let Some(hit) = hit else {
                 if way > 0 {
                     branch.walk.escape(context.scene, &branch.ray, &limits, &context.wavelengths);
                 }
@@ -314,14 +323,14 @@ impl<C: Spectrum> Gather<C> {
             };
             branch.walk.depth = branch.walk.depth.saturating_add(1);
             let mut slot = None;
-            let vertex = Vertex::new(context.scene, &branch.ray, &hit, context.wavelengths, &mut slot);
+            let vertex = Vertex::new(context.scene, &branch.ray, &hit, context.wavelengths, branch.media, &mut slot);
             if way > 0 {
                 let emitted = vertex.emitted(context.scene, None, 1);
                 branch.walk.radiance += branch.walk.throughput * emitted;
             }
             if branch.walk.depth > self.max_depth
                 || !vertex.bsdf.lobes().have_specular()
-                || !self.bounce(&vertex, &mut branch, true, context.sampler, &limits)
+                || !self.bounce(&vertex, &mut branch, true, context, &limits)
                 // A lobe with a density: light samples and bounces of the path itself find what lies that way.
                 || branch.walk.previous.is_some()
             {
@@ -349,7 +358,8 @@ impl<C: Spectrum> Gather<C> {
             let Some(ray) = vertex.leave_local(lobe.wi) else { continue };
             let u = context.sampler.next_4d();
             let Some(walk) = path.walk.scattered(lobe.weight, lobe.eta, u[3]) else { continue };
-            let branch = EyePath { walk, ray, counts_caustics: counted_caustics, ..*path };
+            let media = vertex.media_beyond(context.scene, &ray);
+            let branch = EyePath { walk, ray, media, counts_caustics: counted_caustics, ..*path };
             radiance += self.follow(branch, context, first, feedback);
         }
         radiance
@@ -359,16 +369,17 @@ impl<C: Spectrum> Gather<C> {
     /// mirrors and glass counted before this vertex. After a bounce by a delta lobe this remains so, since no map at this
     /// vertex contains the light of delta lobes.
     #[inline]
-    fn bounce<S: Sampler>(
+    fn bounce<S: Sampler, T: Tracer>(
         &self,
         vertex: &Vertex<'_, C>,
         path: &mut EyePath<C>,
         counted_caustics: bool,
-        sampler: &mut S,
+        context: &mut Context<'_, S, T, C>,
         limits: &Limits,
     ) -> bool {
-        let Some(bounce) = path.walk.bounce(vertex, sampler, limits) else { return false };
+        let Some(bounce) = path.walk.bounce(vertex, context.sampler, limits) else { return false };
         path.ray = bounce.ray;
+        path.media = vertex.media_beyond(context.scene, &path.ray);
         if bounce.pdf.is_none() {
             path.counts_caustics = counted_caustics;
         } else if self.direct.is_some() && vertex.bsdf.lobes().have_diffuse() {

@@ -1,7 +1,8 @@
 //! Radii of density estimates: their first values, and how they shrink.
 
+use super::super::SceneTracer;
+use super::super::media::arrive;
 use super::super::vertex::Vertex;
-use super::super::{SceneTracer, Tracer as _};
 use super::{Nearest, PhotonMap};
 use crate::bsdf::Model as _;
 use crate::camera::Camera;
@@ -66,11 +67,12 @@ pub(super) fn pixel_size(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -
         let angle = camera.ray(x, y).direction.distance(camera.ray(x + 1.0, y).direction);
         let mut ray = camera.ray(x, y);
         let mut way = 0.0;
+        let mut media = scene.media_at(&ray);
         for _ in 0..MOST_SPECULAR {
-            let Some(hit) = tracer.intersect(&ray) else { break };
+            let Some(hit) = arrive(scene, &mut tracer, &ray, &mut media) else { break };
             way += hit.t;
             let mut slot = None;
-            let vertex = Vertex::<Rgb>::new(scene, &ray, &hit, (), &mut slot);
+            let vertex = Vertex::<Rgb>::new(scene, &ray, &hit, (), media, &mut slot);
             let lobes = vertex.bsdf.lobes();
             if lobes.have_diffuse() || !lobes.have_specular() {
                 if lobes.have_diffuse() && !vertex.bsdf.is_black() {
@@ -81,6 +83,7 @@ pub(super) fn pixel_size(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -
             // The path passes through glass.
             let Some(bounce) = vertex.sample_bounce([0.5, 0.5, 0.999, 0.0]) else { break };
             ray = bounce.ray;
+            media = vertex.media_beyond(scene, &ray);
         }
     }
     let middle = sizes.len() / 2;

@@ -9,6 +9,7 @@
 
 use std::sync::Arc;
 
+use super::super::media::{arrive, left_after};
 use super::super::vertex::Vertex;
 use super::super::walk::roulette;
 use super::super::{SceneTracer, Tracer as _};
@@ -51,7 +52,7 @@ pub struct Tally {
     pub emitted: DVec3,
     /// Power that left the scene.
     pub escaped: DVec3,
-    /// Power absorbed by surfaces: the incident power less the power that continues, which includes the effect of Russian
+    /// Power absorbed by media, and by surfaces: the incident power less the power that continues, which includes the effect of Russian
     /// roulette.
     pub absorbed: DVec3,
     /// Power that paths still carried when the depth limit cut them, or when they could store no more photons in this map.
@@ -227,13 +228,20 @@ impl<C: Spectrum> PhotonTracer<C> {
     ) {
         let mut was_diffuse = false;
         let mut was_specular = false;
+        let mut media = self.scene.media_at(&ray);
         for depth in 1_u32.. {
-            let Some(hit) = tracer.intersect(&ray) else {
+            let hit = arrive(&self.scene, tracer, &ray, &mut media);
+            if self.scene.has_media() {
+                let left = power * left_after::<C>(&self.scene, &ray, hit.as_ref(), media, &self.wavelengths);
+                shot.tally.absorbed += self.tallied(power) - self.tallied(left);
+                power = left;
+            }
+            let Some(hit) = hit else {
                 shot.tally.escaped += self.tallied(power);
                 return;
             };
             let mut slot = None;
-            let vertex = Vertex::of_light_path(&self.scene, &ray, &hit, self.wavelengths, &mut slot);
+            let vertex = Vertex::of_light_path(&self.scene, &ray, &hit, self.wavelengths, media, &mut slot);
             let lobes = vertex.bsdf.lobes();
             if depth == 1 && self.kind == MapKind::Direct {
                 self.shadows(&ray, &vertex, tracer, shot);
@@ -281,6 +289,7 @@ impl<C: Spectrum> PhotonTracer<C> {
             shot.tally.absorbed += self.tallied(power) - self.tallied(next);
             power = next;
             ray = bounce.ray;
+            media = vertex.media_beyond(&self.scene, &ray);
         }
     }
 
@@ -295,7 +304,7 @@ impl<C: Spectrum> PhotonTracer<C> {
             let ray = Ray::new(from, ray.direction);
             let Some(hit) = tracer.intersect(&ray) else { return };
             let mut slot = None;
-            let vertex = Vertex::of_light_path(&self.scene, &ray, &hit, self.wavelengths, &mut slot);
+            let vertex = Vertex::of_light_path(&self.scene, &ray, &hit, self.wavelengths, first.media, &mut slot);
             let surface = vertex.surface.surface;
             if vertex.enters(ray.direction) {
                 entered = Some(surface);

@@ -10,7 +10,7 @@ use crate::integrator::vertex::Vertex;
 use crate::integrator::{Context, FirstHit, Tracer, Transport};
 use crate::math::Ray;
 use crate::sampling::Sampler;
-use crate::scene::{Hit, Scene, SurfaceInteraction};
+use crate::scene::{Hit, PathMedia, Scene, SurfaceInteraction};
 use crate::spectrum::Rgb;
 
 /// An integrator that shows a solution to the camera.
@@ -51,7 +51,7 @@ impl Transport<Rgb> for RadiosityPicture {
         let scene = context.scene;
         let Some(hit) = context.tracer.intersect(&ray) else { return Rgb::ZERO };
         let mut slot = None;
-        let vertex = Vertex::new(scene, &ray, &hit, (), &mut slot);
+        let vertex = Vertex::new(scene, &ray, &hit, (), PathMedia::NONE, &mut slot);
         first(vertex.first_hit(scene));
         let mut radiance: Rgb = vertex.emitted(scene, None, 1);
         if !self.final_gather {
@@ -69,7 +69,7 @@ impl Transport<Rgb> for RadiosityPicture {
         let previous = Some((vertex.receiver(), pdf));
         let Some(hit) = context.tracer.intersect(&bounce.ray) else { return radiance };
         let mut slot = None;
-        let next = Vertex::<Rgb>::new(scene, &bounce.ray, &hit, (), &mut slot);
+        let next = Vertex::<Rgb>::new(scene, &bounce.ray, &hit, (), PathMedia::NONE, &mut slot);
         let seen = next.emitted(scene, previous, self.shadow_rays) + self.reflected(&bounce.ray, &hit, &next.surface);
         radiance + bounce.weight * seen
     }
