@@ -33,6 +33,12 @@ impl Coat {
         Self { eta, rough, mean }
     }
 
+    /// With its facets turned.
+    pub(super) fn turned(&self, turn: [f32; 2]) -> Self {
+        let rough = self.rough.as_ref().map(|(facets, missing)| (facets.turned(turn), missing.clone()));
+        Self { rough, ..self.clone() }
+    }
+
     /// Index of the coat over index outside.
     pub(super) fn eta(&self) -> f64 {
         self.eta

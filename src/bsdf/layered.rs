@@ -202,6 +202,15 @@ impl<C: Spectrum> Layered<C> {
         })
     }
 
+    /// With all facets turned.
+    pub(super) fn turned(&self, turn: [f32; 2]) -> Self {
+        let layer = match &*self.layer {
+            Layer::Coat(coat) => Layer::Coat(coat.turned(turn)),
+            Layer::Sheen(sheen) => Layer::Sheen(*sheen),
+        };
+        Self { layer: Arc::new(layer), base: Arc::new(self.base.turned(turn)), ..self.clone() }
+    }
+
     /// Whether the layer itself scatters.
     fn has_layer(&self) -> bool {
         self.coverage > 0.0 && self.kept.intersects(self.layer.model().lobes())

@@ -44,6 +44,11 @@ impl<C: Spectrum> Mix<C> {
         is_left.then(|| Self::of_weights(parts, self.weights))
     }
 
+    /// With all facets turned.
+    pub(super) fn turned(&self, turn: [f32; 2]) -> Self {
+        Self { parts: Arc::new(self.parts.each_ref().map(|part| part.turned(turn))), ..self.clone() }
+    }
+
     /// The probability of the first part.
     #[inline]
     fn first(&self, wo: Vec3) -> f32 {
@@ -167,6 +172,11 @@ impl<C: Spectrum> TwoSided<C> {
         let faces = self.faces.each_ref().map(|face| face.restricted(lobes));
         let is_left = faces.iter().any(Option::is_some);
         is_left.then(|| Self::new(faces.map(|face| face.unwrap_or(Bsdf::Black(Black)))))
+    }
+
+    /// With all facets turned.
+    pub(super) fn turned(&self, turn: [f32; 2]) -> Self {
+        Self { faces: Arc::new(self.faces.each_ref().map(|face| face.turned(turn))), ..self.clone() }
     }
 
     #[inline]

@@ -342,6 +342,19 @@ impl<C: Spectrum> Bsdf<C> {
         }
     }
 
+    /// The same model, turned about the normal counter-clockwise by the angle with this cosine and sine.
+    pub fn turned(&self, turn: [f32; 2]) -> Self {
+        match self {
+            Self::RoughConductor(metal) => Self::RoughConductor(metal.turned(turn)),
+            Self::RoughDielectric(glass) => Self::RoughDielectric(glass.turned(turn)),
+            Self::Layered(layered) => Self::Layered(layered.turned(turn)),
+            Self::Mix(mix) => Self::Mix(mix.turned(turn)),
+            Self::TwoSided(two_sided) => Self::TwoSided(two_sided.turned(turn)),
+            Self::TintedTransmission(tinted) => Self::TintedTransmission(tinted.turned(turn)),
+            round => round.clone(),
+        }
+    }
+
     /// [`Model::f`] and [`Model::pdf`] together.
     #[inline]
     pub fn f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {

@@ -53,8 +53,7 @@ pub trait Model<C: Spectrum> {
         if self.lobes().have_specular() { 0.0 } else { 1.0 }
     }
 
-    /// Whether it looks different when the surface is turned about its normal: the x axis of the local frame then has to be the
-    /// surface's tangent. Otherwise it is any direction.
+    /// Whether it looks different when the surface is turned about its normal; it then follows the surface's tangent.
     fn is_anisotropic(&self) -> bool {
         false
     }

@@ -62,6 +62,11 @@ impl RoughConductor {
 }
 
 impl<C: Spectrum> RoughConductor<C> {
+    /// With its facets turned.
+    pub(super) fn turned(&self, turn: [f32; 2]) -> Self {
+        Self { facets: self.facets.turned(turn), ..self.clone() }
+    }
+
     fn colour(&self, reflectance: Rgb) -> C {
         C::from_reflectance(reflectance, &self.wavelengths)
     }

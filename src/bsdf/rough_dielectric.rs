@@ -74,6 +74,11 @@ impl Multiple {
 }
 
 impl<C: Spectrum> RoughDielectric<C> {
+    /// With its facets turned.
+    pub(super) fn turned(&self, turn: [f32; 2]) -> Self {
+        Self { facets: self.facets.turned(turn), ..self.clone() }
+    }
+
     /// 0 on the outer side, 1 on the inner side.
     #[inline]
     fn side(wo: Vec3) -> usize {

@@ -21,6 +21,11 @@ impl<C: Spectrum> TintedTransmission<C> {
         Self { base: Arc::new(base), tint }
     }
 
+    /// With its facets turned.
+    pub(super) fn turned(&self, turn: [f32; 2]) -> Self {
+        Self { base: Arc::new(self.base.turned(turn)), tint: self.tint }
+    }
+
     fn tinted(&self, sample: BsdfSample<C>) -> BsdfSample<C> {
         if Lobes::TRANSMISSION.contains(sample.lobe) {
             BsdfSample { weight: sample.weight * self.tint, ..sample }

@@ -138,19 +138,15 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         if ns.dot(wo_scene) * ng.dot(wo_scene) <= 0.0 {
             ns = ng;
         }
-        let material_number = material;
-        let material = scene.material(material_number);
-        let frame =
-            if material.needs_tangent() { scene.tangent_frame(hit, ns, point.time) } else { Frame::from_normal(ns) };
+        let frame = Frame::from_normal(ns);
         let wo = frame.to_local(wo_scene);
-        let surface = SurfaceInteraction { point, ng, ns, surface, material: material_number, emitter };
+        let surface = SurfaceInteraction { point, ng, ns, surface, material, emitter };
+        let material = scene.material(material);
         // The closure copies what it needs: a reference would keep the whole vertex in memory.
         let HitPoint { time, cone, .. } = point;
-        let detail = move || scene.detail_at(hit, ng, time, cone);
+        let detail = move || scene.detail_at(hit, [ng, ns], time, cone);
         let bsdf = if scene.has_media() && scene.bounds_medium(surface.material) {
-            let mut own = None;
-            let own = material.at::<C>(detail, &wavelengths, &mut own);
-            slot.insert(scene.interface(media, surface.material, ng.dot(wo_scene) > 0.0, own))
+            slot.insert(scene.interface(media, surface.material, ng.dot(wo_scene) > 0.0, &wavelengths, detail))
         } else {
             material.at::<C>(detail, &wavelengths, slot)
         };
@@ -237,11 +233,11 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
     #[inline(always)]
     pub fn first_hit(&self, scene: &Scene) -> FirstHit {
         // As a colour: what the path's wavelengths show of it has densities to be divided by, and an albedo has not.
-        let SurfaceInteraction { ng, material, point: HitPoint { time, cone, .. }, .. } = self.surface;
+        let SurfaceInteraction { ng, ns, material, point: HitPoint { time, cone, .. }, .. } = self.surface;
         let material = scene.material(material);
         let mut slot = None;
         let bsdf = match self.hit {
-            Some(hit) => material.at::<Rgb>(move || scene.detail_at(hit, ng, time, cone), &(), &mut slot),
+            Some(hit) => material.at::<Rgb>(move || scene.detail_at(hit, [ng, ns], time, cone), &(), &mut slot),
             None => material.mean(),
         };
         let albedo = bsdf.albedo();

@@ -29,16 +29,6 @@ impl Frame {
         }
     }
 
-    /// The frame around the unit vector `n` whose first tangent is as near to `tangent` as it can be; any frame around `n` where the
-    /// two are parallel.
-    pub fn from_normal_and_tangent(n: Vec3, tangent: Vec3) -> Self {
-        let along = tangent - n * n.dot(tangent);
-        match along.try_normalize().filter(|_| along.length_squared() > 1e-12 * tangent.length_squared()) {
-            Some(s) => Self { s, t: n.cross(s), n },
-            None => Self::from_normal(n),
-        }
-    }
-
     /// World to local: components along s, t and n.
     #[inline]
     pub fn to_local(&self, v: Vec3) -> Vec3 {

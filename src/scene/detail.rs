@@ -23,36 +23,31 @@ pub struct SurfaceDetail {
     pub dpdv: Vec3,
     /// Diameter of the cone of the path's ray where it meets the surface, across the ray; 0 where rays carry no cones.
     pub footprint: f32,
+    /// The unit shading normal on the outer side. The local frame of a Bsdf is [`Frame::from_normal`] of it.
+    pub ns: Vec3,
+    /// The direction along which an anisotropic surface is brushed, of any length but 0: that in which the first texture coordinate
+    /// grows. Around surfaces that have no texture coordinates of their own (spheres, disks, quadrics, and meshes without any), it
+    /// runs around the world's y axis.
+    pub tangent: Vec3,
 }
 
 impl Scene {
     /// Computes texture coordinates and tangents at a hit, and the diameter of the ray that met the surface. `at` is the
     /// interaction of the same hit.
     pub fn detail(&self, hit: &Hit, at: &SurfaceInteraction) -> SurfaceDetail {
-        self.detail_at(hit, at.ng, at.point.time, at.point.cone)
+        self.detail_at(hit, [at.ng, at.ns], at.point.time, at.point.cone)
     }
 
     /// [`Scene::detail`] from the parts of an interaction that it needs.
-    pub(crate) fn detail_at(&self, hit: &Hit, ng: Vec3, time: f32, cone: RayCone) -> SurfaceDetail {
+    pub(crate) fn detail_at(&self, hit: &Hit, [ng, ns]: [Vec3; 2], time: f32, cone: RayCone) -> SurfaceDetail {
         let uv = self.uv(hit);
         let [dpdu, dpdv] = self.tangents(hit, time).unwrap_or_else(|| {
             let frame = Frame::from_normal(ng);
             [frame.s, frame.t]
         });
-        SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width() }
-    }
-
-    /// The frame around the shading normal `ns` whose x axis follows the surface's tangent, for materials that look different when
-    /// they are turned.
-    ///
-    /// The tangent is the direction in which the first texture coordinate grows. Where a surface has no texture coordinates of its
-    /// own (spheres, disks, quadrics, and meshes without any), it runs around the world's y axis.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn tangent_frame(&self, hit: &Hit, ns: Vec3, time: f32) -> Frame {
-        let own = if self.has_own_tangents(hit) { self.tangents(hit, time).map(|[dpdu, _]| dpdu) } else { None };
-        let along = own.unwrap_or_else(|| Vec3::Y.cross(ns));
-        Frame::from_normal_and_tangent(ns, along)
+        let around = Vec3::Y.cross(ns);
+        let tangent = if self.has_own_tangents(hit) || around == Vec3::ZERO { dpdu } else { around };
+        SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width(), ns, tangent }
     }
 
     /// Whether the tangents of a surface are its own: those of texture coordinates, of a triangle or of a quad.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::SurfaceDetail;
 use crate::bsdf::{Bsdf, Lobes, Model as _};
+use crate::math::Frame;
 use crate::spectrum::{Rgb, Spectrum};
 
 /// A material that is not the same all over its surfaces.
@@ -40,6 +41,24 @@ pub trait VaryingMaterial: Debug + Send + Sync {
     }
 }
 
+/// An anisotropic material: its Bsdf turns with the tangents of the surface.
+#[derive(Debug)]
+struct Turned {
+    bsdf: Bsdf,
+}
+
+impl VaryingMaterial for Turned {
+    fn bsdf(&self, at: &SurfaceDetail) -> Bsdf {
+        let local = Frame::from_normal(at.ns).to_local(at.tangent);
+        let length = local.x.hypot(local.y);
+        if length > 1e-6 { self.bsdf.turned([local.x / length, local.y / length]) } else { self.bsdf.clone() }
+    }
+
+    fn mean(&self) -> Bsdf {
+        self.bsdf.clone()
+    }
+}
+
 /// A material whose constants are precomputed. At a hit, [`Material::at`] returns the Bsdf of the surface there.
 ///
 /// A material that is the same all over its surfaces stores its [`Bsdf`] when the scene is built, and paths that carry
@@ -49,23 +68,22 @@ pub struct Material {
     /// The Bsdf everywhere, or its mean where the material varies.
     pub(super) bsdf: Bsdf,
     varying: Option<Arc<dyn VaryingMaterial>>,
-    /// Whether the local frame of its Bsdf has to follow the tangent of the surface.
-    needs_tangent: bool,
     /// Probability with which a path survives a bounce at this material, where Russian roulette uses the probability
     /// that the scene states.
     pub survival: Option<f32>,
 }
 
 impl Material {
-    /// Makes a material that is the same everywhere, and at which paths end by the library's own roulette.
+    /// Makes a material that is the same everywhere, except that an anisotropic one follows the tangents of its surfaces, and at which paths end by the library's own roulette.
     pub fn uniform(bsdf: Bsdf) -> Self {
-        Self { needs_tangent: bsdf.is_anisotropic(), bsdf, varying: None, survival: None }
+        let varying =
+            bsdf.is_anisotropic().then(|| Arc::new(Turned { bsdf: bsdf.clone() }) as Arc<dyn VaryingMaterial>);
+        Self { bsdf, varying, survival: None }
     }
 
     /// Makes a material that is asked at every hit.
     pub fn varying(varying: Arc<dyn VaryingMaterial>) -> Self {
-        let bsdf = varying.mean();
-        Self { needs_tangent: bsdf.is_anisotropic(), bsdf, varying: Some(varying), survival: None }
+        Self { bsdf: varying.mean(), varying: Some(varying), survival: None }
     }
 
     /// The same material with this probability of survival.
@@ -92,12 +110,6 @@ impl Material {
             },
             Some(varying) => slot.insert(ask(&**varying, detail).in_spectrum(wavelengths)),
         }
-    }
-
-    /// Whether the x axis of the local frame has to be the tangent of the surface.
-    #[inline(always)]
-    pub(crate) fn needs_tangent(&self) -> bool {
-        self.needs_tangent
     }
 
     /// All lobes that the material has anywhere. There are none where the material is black everywhere.

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use super::geometry::Geometry;
 use super::hit::{Hit, IN_LIST};
 use super::interaction::{NO_EMITTER, Owner, Triangles};
-use super::{Scene, SurfaceInteraction};
+use super::{Scene, SurfaceDetail, SurfaceInteraction};
 use crate::bsdf::{Bsdf, Dielectric};
 use crate::camera::Camera;
 use crate::desc::{MaterialDesc, SceneDesc};
@@ -241,7 +241,7 @@ impl Scene {
         self.media.as_deref().is_some_and(|all| all.of_material[material as usize] != 0)
     }
 
-    /// The Bsdf of a boundary between the two media at its sides, from the material's own Bsdf. `front` says whether the path
+    /// The Bsdf of a boundary between the two media at its sides, in place of the material's own Bsdf. `front` says whether the path
     /// arrives on the outer side.
     #[cold]
     #[inline(never)]
@@ -250,8 +250,11 @@ impl Scene {
         media: PathMedia,
         material: u32,
         front: bool,
-        own: &Bsdf<C>,
+        wavelengths: &C::Wavelengths,
+        detail: impl FnOnce() -> SurfaceDetail,
     ) -> Bsdf<C> {
+        let mut slot = None;
+        let own = self.material(material).at::<C>(detail, wavelengths, &mut slot);
         let Some(all) = self.media.as_deref() else { return own.clone() };
         let number = all.of_material[material as usize];
         let Some(medium) = all.medium(number) else { return own.clone() };

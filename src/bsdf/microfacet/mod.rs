@@ -53,6 +53,13 @@ impl Microfacets {
         self.alpha[0] != self.alpha[1]
     }
 
+    /// The same facets, turned counter-clockwise by the angle with this cosine and sine.
+    #[must_use]
+    pub fn turned(&self, [cos, sin]: [f32; 2]) -> Self {
+        let [c, s] = self.turn;
+        Self { turn: [cos * c - sin * s, sin * c + cos * s], ..*self }
+    }
+
     #[inline]
     fn to_facets(&self, w: Vec3) -> Vec3 {
         let [cos, sin] = self.turn;

@@ -376,6 +376,17 @@ fn furnaces(case: &mut Case) {
             }
         }
     }
+    for roughness in [0.3, 1.0] {
+        let bsdf = Bsdf::new(&BsdfDesc::Eon { albedo: Rgb::ONE, roughness });
+        for degrees in angles {
+            pixel += 1;
+            let found = scattered(case, &bsdf, direction(degrees, 20.0), pixel);
+            case.mean(format!("white EON {roughness} at {degrees}°"), found, 1.0, 1e-3);
+        }
+    }
+    let sheet = BsdfDesc::DiffuseTransmission { reflectance: Rgb::splat(0.3), transmittance: Rgb::splat(0.5) };
+    let found = scattered(case, &Bsdf::new(&sheet), direction(50.0, 20.0), pixel + 1);
+    case.mean("diffuse sheet: both shares", found, 0.8, 1e-3);
     // What is put together never gains.
     let mut most = 0.0_f64;
     let mut least = f64::INFINITY;
