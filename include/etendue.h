@@ -47,7 +47,12 @@
 #define ETD_SCENE_OPTIONS_INIT {sizeof(etd_scene_options), ETD_USAGE_STATIC, 0, NULL, NULL}
 #define ETD_CAMERA_INIT \
     {sizeof(etd_camera), ETD_CAMERA_PERSPECTIVE, ETD_FOV_HORIZONTAL, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90}
-#define ETD_MATERIAL_INIT {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0, {0, 0, 0}, 0}
+#define ETD_MATERIAL_INIT \
+    {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0, {0, 0, 0}, 0, 0, 0, \
+     ETD_DISTRIBUTION_GGX, ETD_MASKING_SMITH, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 1, 1}, 0, 0, 0.5f, NULL}
+#define ETD_PRINCIPLED_INIT \
+    {sizeof(etd_principled), 1, {0.8f, 0.8f, 0.8f}, 0, 0, 1, {1, 1, 1}, 0.3f, 0, 0, 1.5f, 0, {1, 1, 1}, 0, {1, 1, 1}, 0, 0, \
+     1.6f, 1, 0, {1, 1, 1}, 0.5f, 0, 0, 0}
 #define ETD_MESH_INIT \
     {sizeof(etd_mesh), NULL, 0, 0, 0, NULL, 0, 0, NULL, 0, NULL, 0, ETD_POSITION_FLOAT3, ETD_COPY, NULL, NULL, NULL}
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
@@ -339,12 +344,108 @@ enum etd_bsdf
      * A smooth dielectric such as clear glass, with `ior` and `exterior_ior`.
      */
     ETD_BSDF_DIELECTRIC = 5,
+    /**
+     * Portsmouth, Kutz and Hill's energy-preserving rough diffuse model (EON), with `color` and `roughness`.
+     */
+    ETD_BSDF_EON = 6,
+    /**
+     * A thin sheet that scatters light diffusely on both sides: `color` is the share that it reflects and `transmittance` the
+     * share that it transmits. Both sum to 1 at most per channel.
+     */
+    ETD_BSDF_DIFFUSE_TRANSMISSION = 7,
+    /**
+     * Fibres that stand up from a surface (Estevez and Kulla 2017), with `color` and `roughness`. A roughness of 0 means 0.5.
+     */
+    ETD_BSDF_SHEEN = 8,
+    /**
+     * A metal, smooth or rough: `eta` and `k`, or `color` and `edge_tint`, and the facets.
+     */
+    ETD_BSDF_CONDUCTOR = 9,
+    /**
+     * A rough dielectric such as frosted glass, with `ior`, `exterior_ior` and the facets.
+     */
+    ETD_BSDF_ROUGH_DIELECTRIC = 10,
+    /**
+     * A thin sheet of clear or tinted glass, with `ior`, `exterior_ior` and `transmittance`.
+     */
+    ETD_BSDF_THIN_DIELECTRIC = 11,
+    /**
+     * A diffuse surface of albedo `color` under a clear coat, such as plastic, with `ior` and `exterior_ior` of the coat and
+     * the coat's facets. `single_scattering` is ignored.
+     */
+    ETD_BSDF_COATED_DIFFUSE = 12,
+    /**
+     * One model with the parameters of OpenPBR, which are in `principled`.
+     */
+    ETD_BSDF_PRINCIPLED = 13,
+    /**
+     * A sum of the materials `first` and `second`, with `weight`.
+     */
+    ETD_BSDF_MIX = 14,
+    /**
+     * The material `first` on the normal's side of a surface and `second` on the other side. Neither may transmit light.
+     */
+    ETD_BSDF_TWO_SIDED = 15,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
 typedef enum etd_bsdf etd_bsdf;
 #else
 typedef uint32_t etd_bsdf;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * How the slopes of facets are distributed.
+ */
+enum etd_distribution
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Trowbridge and Reitz's distribution (GGX), which has long tails.
+     */
+    ETD_DISTRIBUTION_GGX = 0,
+    /**
+     * Beckmann's: a normal distribution of slopes.
+     */
+    ETD_DISTRIBUTION_BECKMANN = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_distribution etd_distribution;
+#else
+typedef uint32_t etd_distribution;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * Which facets hide others.
+ */
+enum etd_masking
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Smith's, correlated by height.
+     */
+    ETD_MASKING_SMITH = 0,
+    /**
+     * Smith's, for the two directions apart.
+     */
+    ETD_MASKING_SMITH_SEPARABLE = 1,
+    /**
+     * Torrance and Sparrow's long symmetric grooves. Light that they scatter more than once is left out.
+     */
+    ETD_MASKING_V_CAVITY = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_masking etd_masking;
+#else
+typedef uint32_t etd_masking;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -1436,7 +1537,118 @@ typedef struct etd_camera {
 } etd_camera;
 
 /**
- * A material. Fields that its model does not use are ignored.
+ * The parameters of a principled material. Names and defaults, which are in the initialiser, are those of OpenPBR Surface 1.1
+ * where it has them. Colours and weights are in [0, 1]; every number is used as it is, also 0.
+ */
+typedef struct etd_principled {
+    /**
+     * `sizeof(etd_principled)`.
+     */
+    size_t struct_size;
+    /**
+     * Factor on `base_color`.
+     */
+    float base_weight;
+    /**
+     * Colour of the diffuse part; reflectance of the metal at normal incidence.
+     */
+    float base_color[3];
+    /**
+     * Roughness of the diffuse part, in [0, 1].
+     */
+    float base_diffuse_roughness;
+    /**
+     * Share of metal.
+     */
+    float base_metalness;
+    /**
+     * Factor on the reflectance of the metal and, at normal incidence, of the dielectric.
+     */
+    float specular_weight;
+    /**
+     * Tint of the edge of the metal.
+     */
+    float specular_color[3];
+    /**
+     * Perceptual roughness of metal and dielectric, in [0, 1].
+     */
+    float specular_roughness;
+    /**
+     * How much narrower highlights are along one direction, in [0, 0.99].
+     */
+    float specular_roughness_anisotropy;
+    /**
+     * Angle of that direction, degrees in [-360, 360].
+     */
+    float specular_rotation_deg;
+    /**
+     * Index of refraction of the dielectric, > 0.
+     */
+    float specular_ior;
+    /**
+     * Share of the dielectric that light passes, instead of being scattered diffusely.
+     */
+    float transmission_weight;
+    /**
+     * Colour of what is transmitted.
+     */
+    float transmission_color[3];
+    /**
+     * Share of the surface that has a coat.
+     */
+    float coat_weight;
+    /**
+     * Colour of what passes the coat down and up again along the normal.
+     */
+    float coat_color[3];
+    /**
+     * Perceptual roughness of the coat, in [0, 1].
+     */
+    float coat_roughness;
+    /**
+     * Anisotropy of the coat, in [0, 0.99].
+     */
+    float coat_roughness_anisotropy;
+    /**
+     * Index of refraction of the coat, > 0.
+     */
+    float coat_ior;
+    /**
+     * How much light that bounces under the coat darkens the base: 1 is the physical darkening.
+     */
+    float coat_darkening;
+    /**
+     * Share of the surface that is covered by fuzz.
+     */
+    float fuzz_weight;
+    /**
+     * Colour of the fuzz.
+     */
+    float fuzz_color[3];
+    /**
+     * Perceptual roughness of the fuzz, in (0, 1].
+     */
+    float fuzz_roughness;
+    /**
+     * 1: the surface is a thin sheet, which does not refract what it transmits (OpenPBR's `geometry_thin_walled`); 0: it is the
+     * boundary of a body.
+     */
+    uint32_t thin_walled;
+    /**
+     * 0: light that facets scatter more than once is included; 1: it is left out.
+     */
+    uint32_t single_scattering;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+} etd_principled;
+
+/**
+ * A material. Fields that its model does not use are ignored; `etd_bsdf` says which fields each model uses.
+ *
+ * The facets of a rough surface are `roughness`, `anisotropy`, `rotation_deg`, `distribution`, `masking` and
+ * `single_scattering`.
  */
 typedef struct etd_material {
     /**
@@ -1452,7 +1664,9 @@ typedef struct etd_material {
      */
     float color[3];
     /**
-     * Fujii's sigma', in [0, 1].
+     * Roughness in [0, 1], as in files: Fujii's sigma' for `ETD_BSDF_OREN_NAYAR`, the roughness of EON and of sheen, and for
+     * facets the perceptual roughness, whose square is the width alpha of their distribution. Facets of roughness 0 are a
+     * smooth surface.
      */
     float roughness;
     /**
@@ -1486,6 +1700,66 @@ typedef struct etd_material {
      * among equal ones, it is the medium that a ray entered last.
      */
     uint32_t priority;
+    /**
+     * How much narrower facets are spread across the tangent than along it, in [0, 0.99].
+     */
+    float anisotropy;
+    /**
+     * Angle from the surface's tangent to the direction of the larger spread of facets, degrees in [-360, 360],
+     * counter-clockwise about the normal.
+     */
+    float rotation_deg;
+    /**
+     * An `etd_distribution`.
+     */
+    etd_distribution distribution;
+    /**
+     * An `etd_masking`.
+     */
+    etd_masking masking;
+    /**
+     * 0: light that facets scatter more than once is included; 1: it is left out. It is always left out with
+     * `ETD_MASKING_V_CAVITY`.
+     */
+    uint32_t single_scattering;
+    /**
+     * `ETD_BSDF_DIFFUSE_TRANSMISSION`: the share of the light that is transmitted, [0, 1] per channel.
+     * `ETD_BSDF_THIN_DIELECTRIC`: what is left of light that crossed the sheet once along the normal, [0, 1] per channel. For
+     * that model, three zeros mean clear glass, as three ones do; a sheet that lets no light through has three times -1.
+     */
+    float transmittance[3];
+    /**
+     * Index of refraction of a conductor per channel, > 0. Three zeros: the conductor is described by `color`, its reflectance
+     * at normal incidence, and `edge_tint`. `etd_metal` has the indices of measured metals.
+     */
+    float eta[3];
+    /**
+     * Extinction coefficient of a conductor per channel, >= 0, used with `eta`.
+     */
+    float k[3];
+    /**
+     * Tint of the edge of a conductor that is described by `color`, [0, 1] per channel (Gulbrandsen 2014). With 1 its
+     * reflectance rises steadily towards grazing angles, and with 0 it falls before it rises. Three zeros are this 0; the
+     * initialiser has ones, the default of files.
+     */
+    float edge_tint[3];
+    /**
+     * `ETD_BSDF_MIX`, `ETD_BSDF_TWO_SIDED`: number of a material, which must be lower than the material's own number.
+     */
+    uint32_t first;
+    /**
+     * As `first`.
+     */
+    uint32_t second;
+    /**
+     * `ETD_BSDF_MIX`: the share of `second`, in [0, 1].
+     */
+    float weight;
+    /**
+     * `ETD_BSDF_PRINCIPLED`: the parameters, which are read during the call only; must not be NULL for this model.
+     * `etd_scene_get_material` sets the pointer to NULL; `etd_scene_get_principled` returns the parameters.
+     */
+    const struct etd_principled *principled;
 } etd_material;
 
 /**
@@ -2186,7 +2460,8 @@ etd_status etd_scene_get_camera(const struct etd_scene *scene, struct etd_camera
  * Adds a material.
  *
  * `name`: name for `etd_scene_find_material`, unique among materials; NULL: none. `*out_material` receives the material's
- * number. Errors: `ETD_INVALID_SCENE` for a value out of its range. Thread-safe.
+ * number. Errors: `ETD_INVALID_SCENE` for a value out of its range, and for a mixture or a two-sided material of materials that
+ * do not exist or come later. Thread-safe.
  */
 etd_status etd_scene_add_material(struct etd_scene *scene,
                                   const char *name,
@@ -2199,9 +2474,12 @@ etd_status etd_scene_add_material(struct etd_scene *scene,
 etd_status etd_scene_set_material(struct etd_scene *scene, uint32_t material, const struct etd_material *value);
 
 /**
- * Returns a material as described now. Thread-safe.
+ * Returns a material as described now, without the parameters of a principled material, which `etd_scene_get_principled`
+ * returns. Thread-safe.
  */
-etd_status etd_scene_get_material(const struct etd_scene *scene, uint32_t material, struct etd_material *out_material);
+etd_status etd_scene_get_material(const struct etd_scene *scene,
+                                  uint32_t material,
+                                  struct etd_material *out_material);
 
 /**
  * Adds a point light, which emits equally in all directions.
@@ -2230,6 +2508,25 @@ etd_status etd_scene_get_point_light(const struct etd_scene *scene,
                                      uint32_t light,
                                      double *out_position,
                                      float *out_intensity);
+
+/**
+ * Returns the parameters of a principled material as described now.
+ *
+ * Errors: `ETD_INVALID_ARGUMENT` for a material of another model. Thread-safe.
+ */
+etd_status etd_scene_get_principled(const struct etd_scene *scene,
+                                    uint32_t material,
+                                    struct etd_principled *out_principled);
+
+/**
+ * Returns the complex index of refraction of a measured metal, for `eta` and `k` of an `ETD_BSDF_CONDUCTOR`.
+ *
+ * `symbol`: Ag, Al, Au, Cr, Cu, Fe, Hg, Ir, Ni, Rh, TiN or W. `*out_eta` and `*out_k` each receive three numbers, at 650, 550
+ * and 450 nm. Errors: `ETD_INVALID_ARGUMENT` for another symbol. Thread-safe.
+ */
+etd_status etd_metal(const char *symbol,
+                     float *out_eta,
+                     float *out_k);
 
 /**
  * Adds a sphere with its normals outwards. `centre`: three numbers; `radius` > 0. A transform that stretches the sphere makes

@@ -44,7 +44,8 @@ pub unsafe extern "C" fn etd_scene_get_camera(scene: *const etd_scene, out_camer
 /// Adds a material.
 ///
 /// `name`: name for `etd_scene_find_material`, unique among materials; NULL: none. `*out_material` receives the material's
-/// number. Errors: `ETD_INVALID_SCENE` for a value out of its range. Thread-safe.
+/// number. Errors: `ETD_INVALID_SCENE` for a value out of its range, and for a mixture or a two-sided material of materials that
+/// do not exist or come later. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -88,7 +89,8 @@ pub unsafe extern "C" fn etd_scene_set_material(
     }
 }
 
-/// Returns a material as described now. Thread-safe.
+/// Returns a material as described now, without the parameters of a principled material, which `etd_scene_get_principled`
+/// returns. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -103,7 +105,7 @@ pub unsafe extern "C" fn etd_scene_get_material(
         on(scene, |scene| {
             let desc = scene.desc();
             let it = find(&desc.materials, material, "material")?;
-            write_sized(out_material, "out_material", read::material_out(&it.bsdf, it.survival, it.medium)?)
+            write_sized(out_material, "out_material", read::material_out(&it.bsdf, it.survival, it.medium))
         })
     }
 }

@@ -1,6 +1,7 @@
 //! Conversion between the plain structures of the host and the types of descriptions, with checks of enumerations.
 
 use super::boundary::read_sized;
+use super::material::{conductor, conductor_out, facets, facets_out, principled, sheet, sheet_out};
 use super::status::{Failure, Result};
 use super::types::*;
 use crate::Error;
@@ -21,6 +22,15 @@ pub(super) fn enumeration<T: Enumeration>(name: &str, number: u32) -> Result<T> 
         let last = T::ALL.last().map_or(0, |last| last.number());
         Failure::argument(format!("{name} is {number}, expected 0 to {last}"))
     })
+}
+
+/// Reads a number that says no (0) or yes (1). `name` is as for [`enumeration`].
+pub(super) fn flag(name: &str, number: u32) -> Result<bool> {
+    match number {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => Err(Failure::argument(format!("{name} is {number}, expected 0 or 1"))),
+    }
 }
 
 /// # Safety
@@ -70,7 +80,7 @@ pub(super) fn camera_out(camera: &CameraDesc) -> etd_camera {
 }
 
 /// # Safety
-/// The contract of [`read_sized`].
+/// The contract of [`read_sized`], for the structure and for the principled parameters that it points to.
 pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc, Option<f32>, Option<MediumDesc>)> {
     // SAFETY: the caller keeps this function's contract.
     let it = unsafe { read_sized(pointer, "material") }?;
@@ -78,6 +88,7 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc,
         return Err(Failure::argument("material.reserved is not 0"));
     }
     let color = Rgb::from_array(it.color);
+    let outside = given(it.exterior_ior).unwrap_or(1.0);
     let bsdf = match enumeration("material.bsdf", it.bsdf)? {
         ETD_BSDF_BLACK => BsdfDesc::Black,
         ETD_BSDF_LAMBERT => BsdfDesc::Lambert { albedo: color },
@@ -86,10 +97,30 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc,
             BsdfDesc::OrenNayarQualitative { albedo: color, sigma: it.sigma_deg.to_radians() }
         }
         ETD_BSDF_MIRROR => BsdfDesc::Mirror { reflectance: color },
-        ETD_BSDF_DIELECTRIC => {
-            let exterior_ior = if it.exterior_ior == 0.0 { 1.0 } else { it.exterior_ior };
-            BsdfDesc::Dielectric { ior: it.ior, exterior_ior }
+        ETD_BSDF_DIELECTRIC => BsdfDesc::Dielectric { ior: it.ior, exterior_ior: outside },
+        ETD_BSDF_EON => BsdfDesc::Eon { albedo: color, roughness: it.roughness },
+        ETD_BSDF_DIFFUSE_TRANSMISSION => {
+            BsdfDesc::DiffuseTransmission { reflectance: color, transmittance: Rgb::from_array(it.transmittance) }
         }
+        ETD_BSDF_SHEEN => BsdfDesc::Sheen { color, roughness: given(it.roughness).unwrap_or(0.5) },
+        ETD_BSDF_CONDUCTOR => BsdfDesc::Conductor { conductor: conductor(&it), microfacets: facets(&it)? },
+        ETD_BSDF_ROUGH_DIELECTRIC => {
+            BsdfDesc::RoughDielectric { ior: it.ior, exterior_ior: outside, microfacets: facets(&it)? }
+        }
+        ETD_BSDF_THIN_DIELECTRIC => {
+            BsdfDesc::ThinDielectric { ior: it.ior, exterior_ior: outside, transmittance: sheet(it.transmittance) }
+        }
+        ETD_BSDF_COATED_DIFFUSE => {
+            // The coat's facets scatter light once, in files too.
+            let microfacets = facets(&etd_material { single_scattering: 1, ..it })?;
+            BsdfDesc::CoatedDiffuse { albedo: color, ior: it.ior, exterior_ior: outside, microfacets }
+        }
+        // SAFETY: the caller keeps this function's contract.
+        ETD_BSDF_PRINCIPLED => BsdfDesc::Principled(unsafe { principled(it.principled) }?),
+        ETD_BSDF_MIX => {
+            BsdfDesc::Mix { materials: [it.first as usize, it.second as usize], weight: it.weight } //
+        }
+        ETD_BSDF_TWO_SIDED => BsdfDesc::TwoSided { front: it.first as usize, back: it.second as usize },
     };
     let medium = MediumDesc { absorption: Rgb::from_array(it.absorption), priority: it.priority };
     let has_medium = bsdf.interior().is_some() && medium != MediumDesc::default();
@@ -97,7 +128,7 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc,
 }
 
 /// Converts a material to the host's structure.
-pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>, medium: Option<MediumDesc>) -> Result<etd_material> {
+pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>, medium: Option<MediumDesc>) -> etd_material {
     let medium = medium.unwrap_or_default();
     let mut it = etd_material {
         struct_size: size_of::<etd_material>(),
@@ -111,6 +142,19 @@ pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>, medium: Optio
         reserved: 0,
         absorption: medium.absorption.to_array(),
         priority: medium.priority,
+        anisotropy: 0.0,
+        rotation_deg: 0.0,
+        distribution: ETD_DISTRIBUTION_GGX.number(),
+        masking: ETD_MASKING_SMITH.number(),
+        single_scattering: 0,
+        transmittance: [0.0; 3],
+        eta: [0.0; 3],
+        k: [0.0; 3],
+        edge_tint: [0.0; 3],
+        first: 0,
+        second: 0,
+        weight: 0.0,
+        principled: std::ptr::null(),
     };
     let model = match *bsdf {
         BsdfDesc::Black => ETD_BSDF_BLACK,
@@ -134,10 +178,49 @@ pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>, medium: Optio
             (it.ior, it.exterior_ior) = (ior, exterior_ior);
             ETD_BSDF_DIELECTRIC
         }
-        _ => return Err(Failure::argument("the material's model has no value in this structure")),
+        BsdfDesc::Eon { albedo, roughness } => {
+            (it.color, it.roughness) = (albedo.to_array(), roughness);
+            ETD_BSDF_EON
+        }
+        BsdfDesc::DiffuseTransmission { reflectance, transmittance } => {
+            (it.color, it.transmittance) = (reflectance.to_array(), transmittance.to_array());
+            ETD_BSDF_DIFFUSE_TRANSMISSION
+        }
+        BsdfDesc::Sheen { color, roughness } => {
+            (it.color, it.roughness) = (color.to_array(), roughness);
+            ETD_BSDF_SHEEN
+        }
+        BsdfDesc::Conductor { ref conductor, ref microfacets } => {
+            conductor_out(conductor, &mut it);
+            facets_out(microfacets, &mut it);
+            ETD_BSDF_CONDUCTOR
+        }
+        BsdfDesc::RoughDielectric { ior, exterior_ior, ref microfacets } => {
+            (it.ior, it.exterior_ior) = (ior, exterior_ior);
+            facets_out(microfacets, &mut it);
+            ETD_BSDF_ROUGH_DIELECTRIC
+        }
+        BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance } => {
+            (it.ior, it.exterior_ior, it.transmittance) = (ior, exterior_ior, sheet_out(transmittance));
+            ETD_BSDF_THIN_DIELECTRIC
+        }
+        BsdfDesc::CoatedDiffuse { albedo, ior, exterior_ior, ref microfacets } => {
+            (it.color, it.ior, it.exterior_ior) = (albedo.to_array(), ior, exterior_ior);
+            facets_out(microfacets, &mut it);
+            ETD_BSDF_COATED_DIFFUSE
+        }
+        BsdfDesc::Principled(_) => ETD_BSDF_PRINCIPLED,
+        BsdfDesc::Mix { materials: [first, second], weight } => {
+            (it.first, it.second, it.weight) = (first as u32, second as u32, weight);
+            ETD_BSDF_MIX
+        }
+        BsdfDesc::TwoSided { front, back } => {
+            (it.first, it.second) = (front as u32, back as u32);
+            ETD_BSDF_TWO_SIDED
+        }
     };
     it.bsdf = model.number();
-    Ok(it)
+    it
 }
 
 /// Reads a transform, three rows of four numbers. Twelve zeros stand for the identity.
@@ -523,8 +606,8 @@ mod tests {
         for bsdf in etd_bsdf::ALL {
             assert_eq!(enumeration::<etd_bsdf>("material.bsdf", bsdf.number()).ok(), Some(*bsdf));
         }
-        let refused = enumeration::<etd_bsdf>("material.bsdf", 6).unwrap_err();
-        assert_eq!(refused.message, "material.bsdf is 6, expected 0 to 5");
+        let refused = enumeration::<etd_bsdf>("material.bsdf", 16).unwrap_err();
+        assert_eq!(refused.message, "material.bsdf is 16, expected 0 to 15");
         let refused = render(&etd_render_options { roulette: 2, ..options() }, [1, 1]).unwrap_err();
         assert_eq!(refused.message, "options.roulette is 2, expected 0 to 1");
     }

@@ -232,6 +232,17 @@ static etd_status n_scene_get_material(void) {
     etd_material *material = AT(1, sized_output(sizeof *material));
     return CALL(etd_scene_get_material(SCENE(0), 0, material));
 }
+static etd_status n_scene_get_principled(void) {
+    etd_principled *principled = AT(1, sized_output(sizeof *principled));
+    uint32_t number = 0;
+    CHECK_OK(etd_scene_find_material(scene, "principled", &number));
+    return CALL(etd_scene_get_principled(SCENE(0), number, principled));
+}
+static etd_status n_metal(void) {
+    float *eta = AT(1, output(3 * sizeof *eta));
+    float *k = AT(2, output(3 * sizeof *k));
+    return CALL(etd_metal(AT(0, "Au"), eta, k));
+}
 static etd_status n_scene_add_point_light(void) {
     uint32_t *number = AT(3, output(sizeof *number));
     return CALL(etd_scene_add_point_light(SCENE(0), AT(1, centre), AT(2, grey), number));
@@ -575,6 +586,8 @@ static const struct {
     {"etd_scene_add_material", n_scene_add_material, 4, 13, 1},
     {"etd_scene_set_material", n_scene_set_material, 2, 3, 1},
     {"etd_scene_get_material", n_scene_get_material, 2, 3, 1},
+    {"etd_scene_get_principled", n_scene_get_principled, 2, 3, 1},
+    {"etd_metal", n_metal, 3, 7, 0},
     {"etd_scene_add_point_light", n_scene_add_point_light, 4, 15, 1},
     {"etd_scene_set_point_light", n_scene_set_point_light, 3, 7, 1},
     {"etd_scene_get_point_light", n_scene_get_point_light, 3, 7, 1},
@@ -727,7 +740,12 @@ int main(int count, char **arguments) {
     {
         etd_mesh mesh = small_mesh();
         etd_surface surface = matt();
+        etd_material material = ETD_MATERIAL_INIT;
+        etd_principled principled = ETD_PRINCIPLED_INIT;
         uint32_t number = 0;
+        material.bsdf = ETD_BSDF_PRINCIPLED;
+        material.principled = &principled;
+        CHECK_OK(etd_scene_add_material(scene, "principled", &material, &number));
         mesh.name = "grid";
         CHECK_OK(etd_scene_add_mesh(scene, &mesh, &mesh_number));
         CHECK_OK(etd_scene_add_mesh_surface(scene, mesh_number, 0, &surface, &number));

@@ -51,6 +51,20 @@ static etd_status s_set_camera(void) { return etd_scene_set_camera(scene, (etd_c
 static etd_status s_get_camera(void) { return etd_scene_get_camera(scene, (etd_camera *)(void *)&structure); }
 static etd_status s_set_material(void) { return etd_scene_set_material(scene, 0, (etd_material *)(void *)&structure); }
 static etd_status s_get_material(void) { return etd_scene_get_material(scene, 0, (etd_material *)(void *)&structure); }
+static uint32_t principled_number(void) {
+    uint32_t number = 0;
+    CHECK_OK(etd_scene_find_material(scene, "principled", &number));
+    return number;
+}
+static etd_status s_set_principled(void) {
+    etd_material material = ETD_MATERIAL_INIT;
+    material.bsdf = ETD_BSDF_PRINCIPLED;
+    material.principled = (etd_principled *)(void *)&structure;
+    return etd_scene_set_material(scene, principled_number(), &material);
+}
+static etd_status s_get_principled(void) {
+    return etd_scene_get_principled(scene, principled_number(), (etd_principled *)(void *)&structure);
+}
 static etd_status s_mesh(void) {
     etd_mesh *mesh = (etd_mesh *)(void *)&structure;
     mesh->positions = small_positions;
@@ -97,6 +111,7 @@ static void i_scene_options(void) { INIT(etd_scene_options, ETD_SCENE_OPTIONS_IN
 static void i_film_options(void) { INIT(etd_film_options, ETD_FILM_OPTIONS_INIT); }
 static void i_camera(void) { INIT(etd_camera, ETD_CAMERA_INIT); }
 static void i_material(void) { INIT(etd_material, ETD_MATERIAL_INIT); }
+static void i_principled(void) { INIT(etd_principled, ETD_PRINCIPLED_INIT); }
 static void i_mesh(void) { INIT(etd_mesh, ETD_MESH_INIT); }
 static void i_surface(void) { INIT(etd_surface, ETD_SURFACE_INIT); }
 static void i_render_options(void) { INIT(etd_render_options, ETD_RENDER_OPTIONS_INIT); }
@@ -126,6 +141,10 @@ static void pass_wrong_sizes(void) {
         {"etd_camera out", i_camera, s_get_camera, sizeof(etd_camera), offsetof(etd_camera, fov_deg), 1},
         {"etd_material in", i_material, s_set_material, sizeof(etd_material), offsetof(etd_material, reserved), 0},
         {"etd_material out", i_material, s_get_material, sizeof(etd_material), offsetof(etd_material, reserved), 1},
+        {"etd_principled in", i_principled, s_set_principled, sizeof(etd_principled),
+         offsetof(etd_principled, reserved), 0},
+        {"etd_principled out", i_principled, s_get_principled, sizeof(etd_principled),
+         offsetof(etd_principled, reserved), 1},
         {"etd_mesh", i_mesh, s_mesh, sizeof(etd_mesh), offsetof(etd_mesh, name), 0},
         {"etd_surface in", i_surface, s_set_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 0},
         {"etd_surface out", i_surface, s_get_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 1},
@@ -202,10 +221,55 @@ static etd_status e_fov_axis(uint32_t value) {
     camera.fov_axis = value;
     return etd_scene_set_camera(scene, &camera);
 }
+/* Of a material that may name another, which is its own before and after. */
+static etd_status set_second(etd_material material) {
+    etd_material before = ETD_MATERIAL_INIT;
+    etd_status status;
+    CHECK_OK(etd_scene_get_material(scene, 1, &before));
+    status = etd_scene_set_material(scene, 1, &material);
+    CHECK_OK(etd_scene_set_material(scene, 1, &before));
+    return status;
+}
 static etd_status e_bsdf(uint32_t value) {
+    const etd_principled principled = ETD_PRINCIPLED_INIT;
     etd_material material = ETD_MATERIAL_INIT;
     material.bsdf = value;
-    return etd_scene_set_material(scene, 0, &material);
+    material.principled = value == ETD_BSDF_PRINCIPLED ? &principled : NULL;
+    return set_second(material);
+}
+static etd_status e_distribution(uint32_t value) {
+    etd_material material = ETD_MATERIAL_INIT;
+    material.bsdf = ETD_BSDF_CONDUCTOR;
+    material.distribution = value;
+    return set_second(material);
+}
+static etd_status e_masking(uint32_t value) {
+    etd_material material = ETD_MATERIAL_INIT;
+    material.bsdf = ETD_BSDF_ROUGH_DIELECTRIC;
+    material.masking = value;
+    return set_second(material);
+}
+static etd_status e_single_scattering(uint32_t value) {
+    etd_material material = ETD_MATERIAL_INIT;
+    material.bsdf = ETD_BSDF_CONDUCTOR;
+    material.single_scattering = value;
+    return set_second(material);
+}
+static etd_status e_principled_single_scattering(uint32_t value) {
+    etd_principled principled = ETD_PRINCIPLED_INIT;
+    etd_material material = ETD_MATERIAL_INIT;
+    material.bsdf = ETD_BSDF_PRINCIPLED;
+    material.principled = &principled;
+    principled.single_scattering = value;
+    return set_second(material);
+}
+static etd_status e_thin_walled(uint32_t value) {
+    etd_principled principled = ETD_PRINCIPLED_INIT;
+    etd_material material = ETD_MATERIAL_INIT;
+    material.bsdf = ETD_BSDF_PRINCIPLED;
+    material.principled = &principled;
+    principled.thin_walled = value;
+    return set_second(material);
 }
 static etd_status e_position_format(uint32_t value) {
     static const double positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
@@ -262,7 +326,12 @@ static void pass_wrong_enumerations(void) {
         {"usage", e_usage, ETD_USAGE_DYNAMIC},
         {"camera_type", e_camera_type, ETD_CAMERA_VIEW_PLANE},
         {"fov_axis", e_fov_axis, ETD_FOV_VERTICAL},
-        {"bsdf", e_bsdf, ETD_BSDF_DIELECTRIC},
+        {"bsdf", e_bsdf, ETD_BSDF_TWO_SIDED},
+        {"distribution", e_distribution, ETD_DISTRIBUTION_BECKMANN},
+        {"masking", e_masking, ETD_MASKING_V_CAVITY},
+        {"single_scattering", e_single_scattering, 1},
+        {"single_scattering of a principled material", e_principled_single_scattering, 1},
+        {"thin_walled", e_thin_walled, 1},
         {"position_format", e_position_format, ETD_POSITION_DOUBLE3},
         {"sharing", e_sharing, ETD_SHARE},
         {"sampler", e_sampler, ETD_SAMPLER_GAUSSIAN},
@@ -448,6 +517,212 @@ static void pass_numbers(void) {
     CHECK(population() == before);
 }
 
+/* A material is refused, as a new one and in the place of another, which it does not change. */
+static void refuse(const etd_material *material, etd_status wanted, const char *what) {
+    etd_material before = ETD_MATERIAL_INIT;
+    etd_material after = ETD_MATERIAL_INIT;
+    uint32_t number = 4321;
+    CHECK_OK(etd_scene_get_material(scene, 1, &before));
+    check_status(etd_scene_add_material(scene, NULL, material, &number), wanted, __FILE__, __LINE__, what);
+    check_status(etd_scene_set_material(scene, 1, material), wanted, __FILE__, __LINE__, what);
+    check_that(number == 4321, __FILE__, __LINE__, what);
+    CHECK_OK(etd_scene_get_material(scene, 1, &after));
+    check_that(memcmp(&before, &after, sizeof before) == 0, __FILE__, __LINE__, what);
+}
+
+/* Every number of every model in turn becomes none, infinite, too small and too large. */
+static void pass_materials(void) {
+    static const struct {
+        const char *name;
+        etd_bsdf model;
+        size_t field;
+        size_t count;
+        float below, above;
+    } numbers[] = {
+#define OF(model, field, count, below, above) \
+    {#model " " #field, model, offsetof(etd_material, field), count, below, above}
+        OF(ETD_BSDF_EON, color, 3, -0.1f, 1.1f),
+        OF(ETD_BSDF_EON, roughness, 1, -0.1f, 1.1f),
+        OF(ETD_BSDF_DIFFUSE_TRANSMISSION, color, 3, -0.1f, 1.1f),
+        OF(ETD_BSDF_DIFFUSE_TRANSMISSION, transmittance, 3, -1, 0.6f),
+        OF(ETD_BSDF_SHEEN, color, 3, -0.1f, 1.1f),
+        OF(ETD_BSDF_SHEEN, roughness, 1, -0.1f, 1.1f),
+        OF(ETD_BSDF_CONDUCTOR, color, 3, -0.1f, 1.1f),
+        OF(ETD_BSDF_CONDUCTOR, edge_tint, 3, -0.1f, 1.1f),
+        OF(ETD_BSDF_CONDUCTOR, eta, 3, -0.1f, 2e6f),
+        OF(ETD_BSDF_CONDUCTOR, roughness, 1, -0.1f, 1.1f),
+        OF(ETD_BSDF_CONDUCTOR, anisotropy, 1, -0.1f, 1),
+        OF(ETD_BSDF_CONDUCTOR, rotation_deg, 1, -361, 361),
+        OF(ETD_BSDF_ROUGH_DIELECTRIC, ior, 1, 0, -1.5f),
+        OF(ETD_BSDF_ROUGH_DIELECTRIC, exterior_ior, 1, -1, -0.1f),
+        OF(ETD_BSDF_ROUGH_DIELECTRIC, roughness, 1, -0.1f, 1.1f),
+        OF(ETD_BSDF_ROUGH_DIELECTRIC, anisotropy, 1, -0.1f, 1),
+        OF(ETD_BSDF_ROUGH_DIELECTRIC, rotation_deg, 1, -361, 361),
+        OF(ETD_BSDF_THIN_DIELECTRIC, ior, 1, 0, -1.5f),
+        OF(ETD_BSDF_THIN_DIELECTRIC, exterior_ior, 1, -1, -0.1f),
+        OF(ETD_BSDF_THIN_DIELECTRIC, transmittance, 3, -1, 1.1f),
+        OF(ETD_BSDF_COATED_DIFFUSE, color, 3, -0.1f, 1.1f),
+        OF(ETD_BSDF_COATED_DIFFUSE, ior, 1, 0, -1.5f),
+        OF(ETD_BSDF_COATED_DIFFUSE, exterior_ior, 1, -1, -0.1f),
+        OF(ETD_BSDF_COATED_DIFFUSE, roughness, 1, -0.1f, 1.1f),
+        OF(ETD_BSDF_COATED_DIFFUSE, anisotropy, 1, -0.1f, 1),
+        OF(ETD_BSDF_COATED_DIFFUSE, rotation_deg, 1, -361, 361),
+        OF(ETD_BSDF_MIX, weight, 1, -0.1f, 1.1f),
+#undef OF
+    };
+    static const struct {
+        const char *name;
+        size_t field;
+        size_t count;
+        float below, above;
+    } parameters[] = {
+#define OF(field, count, below, above) {#field, offsetof(etd_principled, field), count, below, above}
+        OF(base_weight, 1, -0.1f, 1.1f),
+        OF(base_color, 3, -0.1f, 1.1f),
+        OF(base_diffuse_roughness, 1, -0.1f, 1.1f),
+        OF(base_metalness, 1, -0.1f, 1.1f),
+        OF(specular_weight, 1, -0.1f, 1.1f),
+        OF(specular_color, 3, -0.1f, 1.1f),
+        OF(specular_roughness, 1, -0.1f, 1.1f),
+        OF(specular_roughness_anisotropy, 1, -0.1f, 1),
+        OF(specular_rotation_deg, 1, -361, 361),
+        OF(specular_ior, 1, 0, -1.5f),
+        OF(transmission_weight, 1, -0.1f, 1.1f),
+        OF(transmission_color, 3, -0.1f, 1.1f),
+        OF(coat_weight, 1, -0.1f, 1.1f),
+        OF(coat_color, 3, -0.1f, 1.1f),
+        OF(coat_roughness, 1, -0.1f, 1.1f),
+        OF(coat_roughness_anisotropy, 1, -0.1f, 1),
+        OF(coat_ior, 1, 0, -1.5f),
+        OF(coat_darkening, 1, -0.1f, 1.1f),
+        OF(fuzz_weight, 1, -0.1f, 1.1f),
+        OF(fuzz_color, 3, -0.1f, 1.1f),
+        OF(fuzz_roughness, 1, 0, 1.1f),
+#undef OF
+    };
+    const float none = (float)NAN;
+    const float infinite = (float)INFINITY;
+    const uint64_t before = population();
+    const uint32_t nobody[] = {1, 1000000, UINT32_MAX - 1, UINT32_MAX};
+    etd_material material = ETD_MATERIAL_INIT;
+    etd_principled principled = ETD_PRINCIPLED_INIT;
+    uint32_t number = 4321;
+    uint32_t glass = 0;
+    size_t i, at, k;
+    for (i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
+        const float bad[] = {none, infinite, -infinite, numbers[i].below, numbers[i].above};
+        for (at = 0; at < numbers[i].count; ++at) {
+            for (k = 0; k < sizeof bad / sizeof bad[0]; ++k) {
+                material = (etd_material)ETD_MATERIAL_INIT;
+                material.bsdf = numbers[i].model;
+                memcpy((char *)&material + numbers[i].field + at * sizeof(float), &bad[k], sizeof(float));
+                refuse(&material, ETD_INVALID_SCENE, numbers[i].name);
+            }
+        }
+    }
+    for (i = 0; i < 3; ++i) {
+        const float bad[] = {none, infinite, -infinite, -0.1f, 2e6f};
+        for (k = 0; k < sizeof bad / sizeof bad[0]; ++k) {
+            material = (etd_material)ETD_MATERIAL_INIT;
+            material.bsdf = ETD_BSDF_CONDUCTOR;
+            material.eta[0] = material.eta[1] = material.eta[2] = 1;
+            material.k[i] = bad[k];
+            refuse(&material, ETD_INVALID_SCENE, "k");
+        }
+    }
+    /* Three zeros are no index; one zero is a wrong index. */
+    material = (etd_material)ETD_MATERIAL_INIT;
+    material.bsdf = ETD_BSDF_CONDUCTOR;
+    material.eta[1] = 1;
+    refuse(&material, ETD_INVALID_SCENE, "an index of zero in a channel");
+    for (i = 0; i < sizeof parameters / sizeof parameters[0]; ++i) {
+        const float bad[] = {none, infinite, -infinite, parameters[i].below, parameters[i].above};
+        for (at = 0; at < parameters[i].count; ++at) {
+            for (k = 0; k < sizeof bad / sizeof bad[0]; ++k) {
+                principled = (etd_principled)ETD_PRINCIPLED_INIT;
+                material = (etd_material)ETD_MATERIAL_INIT;
+                material.bsdf = ETD_BSDF_PRINCIPLED;
+                material.principled = &principled;
+                memcpy((char *)&principled + parameters[i].field + at * sizeof(float), &bad[k], sizeof(float));
+                refuse(&material, ETD_INVALID_SCENE, parameters[i].name);
+            }
+        }
+    }
+    principled = (etd_principled)ETD_PRINCIPLED_INIT;
+    principled.reserved = 1;
+    refuse(&material, ETD_INVALID_ARGUMENT, "reserved of a principled material");
+    material.principled = NULL;
+    refuse(&material, ETD_INVALID_ARGUMENT, "no parameters");
+
+    /* Materials that do not exist, come later, or are the material itself. */
+    for (i = 0; i < sizeof nobody / sizeof nobody[0]; ++i) {
+        const etd_bsdf models[2] = {ETD_BSDF_MIX, ETD_BSDF_TWO_SIDED};
+        for (k = 0; k < 4; ++k) {
+            material = (etd_material)ETD_MATERIAL_INIT;
+            material.bsdf = models[k / 2];
+            *(k % 2 == 0 ? &material.first : &material.second) = nobody[i];
+            CHECK_STATUS(etd_scene_set_material(scene, 1, &material), ETD_INVALID_SCENE);
+            if (nobody[i] != 1) {
+                refuse(&material, ETD_INVALID_SCENE, "a material that does not exist");
+            }
+        }
+    }
+    material = (etd_material)ETD_MATERIAL_INIT;
+    material.bsdf = ETD_BSDF_MIX;
+    CHECK_STATUS(etd_scene_set_material(scene, 0, &material), ETD_INVALID_SCENE);
+
+    /* A side that transmits light, and a material that begins to, while another has it as a side. */
+    CHECK(population() == before);
+    material = (etd_material)ETD_MATERIAL_INIT;
+    material.bsdf = ETD_BSDF_THIN_DIELECTRIC;
+    CHECK_OK(etd_scene_add_material(scene, NULL, &material, &glass));
+    material.bsdf = ETD_BSDF_TWO_SIDED;
+    material.second = glass;
+    CHECK_STATUS(etd_scene_add_material(scene, NULL, &material, &number), ETD_INVALID_SCENE);
+    material.second = 0;
+    CHECK_OK(etd_scene_set_material(scene, glass, &material));
+    material.bsdf = ETD_BSDF_DIELECTRIC;
+    CHECK_STATUS(etd_scene_set_material(scene, 0, &material), ETD_INVALID_SCENE);
+    CHECK(number == 4321);
+
+    /* What is not principled has no such parameters, and nothing is written. */
+    principled.base_weight = 7;
+    CHECK_STATUS(etd_scene_get_principled(scene, 0, &principled), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_get_principled(scene, 1000000, &principled), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_get_principled(scene, ETD_NONE, &principled), ETD_INVALID_ARGUMENT);
+    CHECK(principled.base_weight == 7);
+    {
+        static const char *const unknown[] = {"", "au", "Au ", "AU", "gold", "\xff\xfe", "Ag\xc3\xa9"};
+        float eta[3] = {7, 7, 7};
+        float extinction[3] = {7, 7, 7};
+        char long_name[4097];
+        memset(long_name, 'x', sizeof long_name - 1);
+        long_name[sizeof long_name - 1] = 0;
+        for (i = 0; i < sizeof unknown / sizeof unknown[0]; ++i) {
+            CHECK_STATUS(etd_metal(unknown[i], eta, extinction), ETD_INVALID_ARGUMENT);
+        }
+        CHECK_STATUS(etd_metal(long_name, eta, extinction), ETD_INVALID_ARGUMENT);
+        CHECK(strlen(etd_last_error_message()) < 256);
+        CHECK(strstr(etd_last_error_message(), "Ag, Al, Au, Cr, Cu, Fe, Hg, Ir, Ni, Rh, TiN, W") != NULL);
+        CHECK(eta[0] == 7 && extinction[2] == 7);
+    }
+    {
+        /* A program of the first version knows neither the fields nor what lies behind its structure. */
+        const size_t first_version = offsetof(etd_material, anisotropy);
+        etd_material old = ETD_MATERIAL_INIT;
+        memset((char *)&old + first_version, 0x5a, sizeof old - first_version);
+        old.struct_size = first_version;
+        CHECK_OK(etd_scene_set_material(scene, 0, &old));
+        CHECK_OK(etd_scene_get_material(scene, 0, &old));
+        CHECK(old.first == 0x5a5a5a5a && old.struct_size == first_version && old.color[0] == 0.5f);
+    }
+    /* All the surfaces that were added until now become glass, of which radiosity takes no time. */
+    material = (etd_material)ETD_MATERIAL_INIT;
+    CHECK_OK(etd_scene_set_material(scene, glass, &material));
+    material.bsdf = ETD_BSDF_DIELECTRIC;
+    CHECK_OK(etd_scene_set_material(scene, 0, &material));
+}
+
 /* Numbers of nothing, and arguments out of their range. */
 static void pass_indices(void) {
     const uint32_t nobody[] = {1000000, UINT32_MAX - 1, UINT32_MAX};
@@ -610,6 +885,7 @@ void misuse_values(void) {
     pass_wrong_sizes();
     pass_wrong_enumerations();
     pass_numbers();
+    pass_materials();
     pass_indices();
     ask_for_errors();
 }

@@ -45,6 +45,7 @@ macro_rules! enumerations {
 mod bake;
 mod device;
 mod film;
+mod material;
 mod query;
 mod render;
 mod scene;
@@ -52,6 +53,7 @@ mod scene;
 pub use bake::*;
 pub use device::*;
 pub use film::*;
+pub use material::*;
 pub use query::*;
 pub use render::*;
 pub use scene::*;
@@ -66,6 +68,10 @@ mod numbers {
     pub type EtdFovAxis = u32;
     /// The enumeration of this name, as a number.
     pub type EtdBsdf = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdDistribution = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdMasking = u32;
     /// The enumeration of this name, as a number.
     pub type EtdPositionFormat = u32;
     /// The enumeration of this name, as a number.

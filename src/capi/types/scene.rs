@@ -3,7 +3,10 @@
 use std::ffi::{c_char, c_void};
 
 use super::device::etd_release_fn;
-use super::numbers::{EtdBsdf, EtdCameraType, EtdFovAxis, EtdPositionFormat, EtdSharing, EtdUsage};
+use super::material::etd_principled;
+use super::numbers::{
+    EtdBsdf, EtdCameraType, EtdDistribution, EtdFovAxis, EtdMasking, EtdPositionFormat, EtdSharing, EtdUsage,
+};
 pub use {etd_bsdf::*, etd_camera_type::*, etd_fov_axis::*, etd_position_format::*, etd_sharing::*, etd_usage::*};
 
 /// How the geometry of a scene is stored.
@@ -91,9 +94,34 @@ pub enum etd_bsdf {
     ETD_BSDF_MIRROR = 4,
     /// A smooth dielectric such as clear glass, with `ior` and `exterior_ior`.
     ETD_BSDF_DIELECTRIC = 5,
+    /// Portsmouth, Kutz and Hill's energy-preserving rough diffuse model (EON), with `color` and `roughness`.
+    ETD_BSDF_EON = 6,
+    /// A thin sheet that scatters light diffusely on both sides: `color` is the share that it reflects and `transmittance` the
+    /// share that it transmits. Both sum to 1 at most per channel.
+    ETD_BSDF_DIFFUSE_TRANSMISSION = 7,
+    /// Fibres that stand up from a surface (Estevez and Kulla 2017), with `color` and `roughness`. A roughness of 0 means 0.5.
+    ETD_BSDF_SHEEN = 8,
+    /// A metal, smooth or rough: `eta` and `k`, or `color` and `edge_tint`, and the facets.
+    ETD_BSDF_CONDUCTOR = 9,
+    /// A rough dielectric such as frosted glass, with `ior`, `exterior_ior` and the facets.
+    ETD_BSDF_ROUGH_DIELECTRIC = 10,
+    /// A thin sheet of clear or tinted glass, with `ior`, `exterior_ior` and `transmittance`.
+    ETD_BSDF_THIN_DIELECTRIC = 11,
+    /// A diffuse surface of albedo `color` under a clear coat, such as plastic, with `ior` and `exterior_ior` of the coat and
+    /// the coat's facets. `single_scattering` is ignored.
+    ETD_BSDF_COATED_DIFFUSE = 12,
+    /// One model with the parameters of OpenPBR, which are in `principled`.
+    ETD_BSDF_PRINCIPLED = 13,
+    /// A sum of the materials `first` and `second`, with `weight`.
+    ETD_BSDF_MIX = 14,
+    /// The material `first` on the normal's side of a surface and `second` on the other side. Neither may transmit light.
+    ETD_BSDF_TWO_SIDED = 15,
 }
 
-/// A material. Fields that its model does not use are ignored.
+/// A material. Fields that its model does not use are ignored; `etd_bsdf` says which fields each model uses.
+///
+/// The facets of a rough surface are `roughness`, `anisotropy`, `rotation_deg`, `distribution`, `masking` and
+/// `single_scattering`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct etd_material {
@@ -103,7 +131,9 @@ pub struct etd_material {
     pub bsdf: EtdBsdf,
     /// Albedo or reflectance, linear, [0, 1] per channel.
     pub color: [f32; 3],
-    /// Fujii's sigma', in [0, 1].
+    /// Roughness in [0, 1], as in files: Fujii's sigma' for `ETD_BSDF_OREN_NAYAR`, the roughness of EON and of sheen, and for
+    /// facets the perceptual roughness, whose square is the width alpha of their distribution. Facets of roughness 0 are a
+    /// smooth surface.
     pub roughness: f32,
     /// Standard deviation of the facets' slope angle, degrees, in [0, 90].
     pub sigma_deg: f32,
@@ -122,6 +152,40 @@ pub struct etd_material {
     /// Priority of the medium inside of a dielectric. Where bodies overlap, the medium with the largest number fills the overlap;
     /// among equal ones, it is the medium that a ray entered last.
     pub priority: u32,
+    /// How much narrower facets are spread across the tangent than along it, in [0, 0.99].
+    pub anisotropy: f32,
+    /// Angle from the surface's tangent to the direction of the larger spread of facets, degrees in [-360, 360],
+    /// counter-clockwise about the normal.
+    pub rotation_deg: f32,
+    /// An `etd_distribution`.
+    pub distribution: EtdDistribution,
+    /// An `etd_masking`.
+    pub masking: EtdMasking,
+    /// 0: light that facets scatter more than once is included; 1: it is left out. It is always left out with
+    /// `ETD_MASKING_V_CAVITY`.
+    pub single_scattering: u32,
+    /// `ETD_BSDF_DIFFUSE_TRANSMISSION`: the share of the light that is transmitted, [0, 1] per channel.
+    /// `ETD_BSDF_THIN_DIELECTRIC`: what is left of light that crossed the sheet once along the normal, [0, 1] per channel. For
+    /// that model, three zeros mean clear glass, as three ones do; a sheet that lets no light through has three times -1.
+    pub transmittance: [f32; 3],
+    /// Index of refraction of a conductor per channel, > 0. Three zeros: the conductor is described by `color`, its reflectance
+    /// at normal incidence, and `edge_tint`. `etd_metal` has the indices of measured metals.
+    pub eta: [f32; 3],
+    /// Extinction coefficient of a conductor per channel, >= 0, used with `eta`.
+    pub k: [f32; 3],
+    /// Tint of the edge of a conductor that is described by `color`, [0, 1] per channel (Gulbrandsen 2014). With 1 its
+    /// reflectance rises steadily towards grazing angles, and with 0 it falls before it rises. Three zeros are this 0; the
+    /// initialiser has ones, the default of files.
+    pub edge_tint: [f32; 3],
+    /// `ETD_BSDF_MIX`, `ETD_BSDF_TWO_SIDED`: number of a material, which must be lower than the material's own number.
+    pub first: u32,
+    /// As `first`.
+    pub second: u32,
+    /// `ETD_BSDF_MIX`: the share of `second`, in [0, 1].
+    pub weight: f32,
+    /// `ETD_BSDF_PRINCIPLED`: the parameters, which are read during the call only; must not be NULL for this model.
+    /// `etd_scene_get_material` sets the pointer to NULL; `etd_scene_get_principled` returns the parameters.
+    pub principled: *const etd_principled,
 }
 
 /// The format of an array of positions.
@@ -207,7 +271,9 @@ enumerations! {
     etd_fov_axis: ETD_FOV_HORIZONTAL, ETD_FOV_VERTICAL;
     etd_bsdf:
         ETD_BSDF_BLACK, ETD_BSDF_LAMBERT, ETD_BSDF_OREN_NAYAR, ETD_BSDF_OREN_NAYAR_QUALITATIVE, ETD_BSDF_MIRROR,
-        ETD_BSDF_DIELECTRIC;
+        ETD_BSDF_DIELECTRIC, ETD_BSDF_EON, ETD_BSDF_DIFFUSE_TRANSMISSION, ETD_BSDF_SHEEN, ETD_BSDF_CONDUCTOR,
+        ETD_BSDF_ROUGH_DIELECTRIC, ETD_BSDF_THIN_DIELECTRIC, ETD_BSDF_COATED_DIFFUSE, ETD_BSDF_PRINCIPLED, ETD_BSDF_MIX,
+        ETD_BSDF_TWO_SIDED;
     etd_position_format: ETD_POSITION_FLOAT3, ETD_POSITION_DOUBLE3;
     etd_sharing: ETD_COPY, ETD_SHARE;
 }
