@@ -173,6 +173,16 @@ inline etd_material material(etd_bsdf bsdf = ETD_BSDF_LAMBERT, const Rgb &color 
     }
     return value;
 }
+/** The parameters of a principled material, with OpenPBR's defaults. */
+inline etd_principled principled() noexcept { return ETD_PRINCIPLED_INIT; }
+/** A principled material. `parameters` must live until the material was added or set. */
+inline etd_material material(const etd_principled &parameters) noexcept {
+    etd_material value = material(ETD_BSDF_PRINCIPLED);
+    value.principled = &parameters;
+    return value;
+}
+/** A temporary would be gone before the material is used. */
+etd_material material(etd_principled &&parameters) = delete;
 /** A surface of this material that emits this radiance. */
 inline etd_surface surface(std::uint32_t material = ETD_NONE, const Rgb &emission = {0, 0, 0}) noexcept {
     etd_surface value = ETD_SURFACE_INIT;
@@ -688,6 +698,32 @@ struct PointLight {
     Rgb intensity = {};
 };
 
+/** The complex index of refraction of a metal, per channel. */
+struct Metal {
+    /** Index of refraction. */
+    Rgb eta = {};
+    /** Extinction coefficient. */
+    Rgb k = {};
+};
+
+/** The index of a measured metal by its symbol, such as "Au". */
+inline Outcome<Metal> metal(const char *symbol) {
+    Metal value;
+    const etd_status status = etd_metal(symbol, value.eta.data(), value.k.data());
+    return detail::give(status, std::move(value));
+}
+
+/** A conductor of this index and perceptual roughness. */
+inline etd_material material(const Metal &metal, float roughness = 0) noexcept {
+    etd_material value = material(ETD_BSDF_CONDUCTOR);
+    for (std::size_t i = 0; i < 3; ++i) {
+        value.eta[i] = metal.eta[i];
+        value.k[i] = metal.k[i];
+    }
+    value.roughness = roughness;
+    return value;
+}
+
 /** A width and a height in pixels. */
 struct Resolution {
     /** Pixels in a row. */
@@ -789,7 +825,13 @@ public:
     Outcome<void> set_material(std::uint32_t number, const etd_material &value) {
         return detail::done(etd_scene_set_material(get(), number, &value));
     }
-    /** A material as it is described now. */
+    /** The parameters of a principled material as it is described now. */
+    Outcome<etd_principled> principled(std::uint32_t number) const {
+        etd_principled value = ETD_PRINCIPLED_INIT;
+        const etd_status status = etd_scene_get_principled(get(), number, &value);
+        return detail::give(status, std::move(value));
+    }
+    /** A material as it is described now; without the parameters of a principled one, which `principled` returns. */
     Outcome<etd_material> material(std::uint32_t number) const {
         etd_material value = ETD_MATERIAL_INIT;
         const etd_status status = etd_scene_get_material(get(), number, &value);

@@ -143,13 +143,22 @@ fn check_microfacets(path: &str, microfacets: &MicrofacetsDesc) -> Result<()> {
     let at = |key: &str| join(path, key);
     within(&at("roughness"), microfacets.roughness.into(), 0.0, 1.0)?;
     anisotropy(&at("anisotropy"), microfacets.anisotropy)?;
-    within(&at("rotation"), f64::from(microfacets.rotation).to_degrees(), -360.0, 360.0)?;
+    rotation(&at("rotation"), microfacets.rotation)?;
     if microfacets.masking == Masking::VCavity && microfacets.multiple_scattering {
         let message = "light that is reflected more than once is known for Smith's masking only, expected false";
         return Err(Error::invalid(at("multipleScattering"), message));
     }
     debug_assert!(matches!(microfacets.distribution, Distribution::Ggx | Distribution::Beckmann));
     Ok(())
+}
+
+/// Checks an angle of up to a whole turn, radians. A whole turn rounded to single precision may be slightly more than one.
+fn rotation(path: &str, value: f32) -> Result<()> {
+    let turn = f64::from(std::f32::consts::TAU);
+    if f64::from(value).abs() <= turn {
+        return Ok(());
+    }
+    within(path, f64::from(value).to_degrees(), -360.0, 360.0).map(|_| ())
 }
 
 fn anisotropy(path: &str, value: f32) -> Result<()> {
@@ -193,7 +202,7 @@ fn check_principled(path: &str, desc: &PrincipledDesc) -> Result<()> {
     }
     anisotropy(&at("specular_roughness_anisotropy"), desc.specular_roughness_anisotropy)?;
     anisotropy(&at("coat_roughness_anisotropy"), desc.coat_roughness_anisotropy)?;
-    within(&at("specular_rotation"), f64::from(desc.specular_rotation).to_degrees(), -360.0, 360.0).map(|_| ())
+    rotation(&at("specular_rotation"), desc.specular_rotation)
 }
 
 /// Checks the materials that another one names: they come before it, and are not too many.

@@ -52,7 +52,7 @@ enum Material {
     CoatedDiffuse(material_keys::CoatedDiffuse),
     Sheen(material_keys::Sheen),
     DiffuseTransmission(material_keys::DiffuseTransmission),
-    Principled(material_keys::Principled),
+    Principled(Box<material_keys::Principled>),
     Mix(material_keys::Mix),
     TwoSided(material_keys::TwoSided),
 }

@@ -322,6 +322,23 @@ void contents() {
     CHECK(status_of([&] { film.copy(ETD_LAYER_COLOR, etd::span<unsigned char>(bytes)); }) == ETD_INVALID_ARGUMENT);
 }
 
+void materials() {
+    const etd::Device device = etd::Device::create();
+    etd::Scene scene = ball(device);
+    const etd::Metal gold = etd::metal("Au");
+    const std::uint32_t metal = scene.add_material(etd::material(gold, 0.25F), "gold");
+    const etd_material found = scene.material(metal);
+    CHECK(found.bsdf == ETD_BSDF_CONDUCTOR && found.roughness == 0.25F);
+    CHECK(found.eta[0] == gold.eta[0] && found.k[2] == gold.k[2] && gold.k[0] > 3);
+    etd_principled parameters = etd::principled();
+    parameters.coat_weight = 1;
+    const std::uint32_t varnished = scene.add_material(etd::material(parameters));
+    CHECK(scene.material(varnished).principled == nullptr);
+    CHECK(scene.principled(varnished).coat_weight == 1 && scene.principled(varnished).specular_roughness == 0.3F);
+    CHECK(status_of([&] { (void)scene.principled(metal); }) == ETD_INVALID_ARGUMENT);
+    CHECK(status_of([&] { (void)etd::metal("gold"); }) == ETD_INVALID_ARGUMENT);
+}
+
 void light_maps() {
     const etd::Device device = etd::Device::create();
     etd::Scene scene = ball(device);
@@ -377,6 +394,7 @@ void all() {
     executors();
     task_in_its_own_function();
     contents();
+    materials();
 }
 
 #else
@@ -395,6 +413,9 @@ void all() {
     etd::Scene scene = std::move(made).value();
     etd::Result<std::uint32_t> material = scene.add_material(etd::material(), "white");
     CHECK(material && *material == 0);
+    CHECK(scene.add_material(etd::material(etd::metal("Cu").value(), 0.5F)).has_value());
+    CHECK(scene.principled(*material).error().status() == ETD_INVALID_ARGUMENT);
+    CHECK(etd::metal("copper").error().message().find("Cu") != std::string::npos);
     CHECK(scene.add_sphere({0, 0, -3}, 1, etd::surface(*material)).has_value());
     CHECK(scene.add_point_light({{2, 2, 0}, {5, 5, 5}}).has_value());
     const etd::Result<void> refused = scene.remove_surface(99);

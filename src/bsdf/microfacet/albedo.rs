@@ -169,7 +169,7 @@ fn albedo(facets: &Microfacets, wo: Vec3, shares: impl Fn(f64) -> FacetShares) -
 /// The direction at this cosine in the facets' own frame, turned by `phi`.
 fn direction(facets: &Microfacets, mu: f64, phi: f64) -> Vec3 {
     let sin = (1.0 - mu * mu).max(0.0).sqrt();
-    facets.from_facets(Vec3::new((sin * phi.cos()) as f32, (sin * phi.sin()) as f32, mu.max(1e-7) as f32))
+    facets.out_of_facets(Vec3::new((sin * phi.cos()) as f32, (sin * phi.sin()) as f32, mu.max(1e-7) as f32))
 }
 
 /// What single scattering loses in each direction, 1 - E(w): nothing, a function of the angle to the normal, or of the
@@ -254,7 +254,7 @@ impl MissingEnergy {
         match self {
             Self::Isotropic { curve, .. } => curve.at(w.z.abs()),
             Self::Anisotropic(it) => {
-                let own = facets.to_facets(w);
+                let own = facets.in_facets(w);
                 let (x2, y2) = (own.x * own.x, own.y * own.y);
                 let sum = x2 + y2;
                 let cos2 = if sum > 0.0 { (x2 - y2) / sum } else { 0.0 };

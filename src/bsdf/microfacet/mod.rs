@@ -61,13 +61,13 @@ impl Microfacets {
     }
 
     #[inline]
-    fn to_facets(&self, w: Vec3) -> Vec3 {
+    fn in_facets(&self, w: Vec3) -> Vec3 {
         let [cos, sin] = self.turn;
         Vec3::new(cos * w.x + sin * w.y, cos * w.y - sin * w.x, w.z)
     }
 
     #[inline]
-    fn from_facets(&self, w: Vec3) -> Vec3 {
+    fn out_of_facets(&self, w: Vec3) -> Vec3 {
         let [cos, sin] = self.turn;
         Vec3::new(cos * w.x - sin * w.y, cos * w.y + sin * w.x, w.z)
     }
@@ -75,7 +75,7 @@ impl Microfacets {
     /// Squared tangential part of a direction, stretched by the widths, over the squared cosine: alpha^2 tan^2.
     #[inline]
     fn stretched_slope2(&self, w: Vec3) -> f32 {
-        let [x, y, z] = self.to_facets(w).to_array();
+        let [x, y, z] = self.in_facets(w).to_array();
         let [ax, ay] = self.alpha;
         let (x, y) = (ax * x / z, ay * y / z);
         x * x + y * y
@@ -86,7 +86,7 @@ impl Microfacets {
     /// In terms of slopes, which do not cancel near the normal for any width. Walter et al. 2007, Eq. 25 and 33.
     #[inline]
     pub fn d(&self, m: Vec3) -> f32 {
-        let [x, y, z] = self.to_facets(m).to_array();
+        let [x, y, z] = self.in_facets(m).to_array();
         let [ax, ay] = self.alpha;
         let (x, y) = (x / ax, y / ay);
         match self.distribution {
@@ -161,7 +161,7 @@ impl Microfacets {
     /// Sampling Microfacet-Based BSDFs using the Distribution of Visible Normals", for Beckmann's facets and for grooves.
     #[inline]
     pub fn visible_normal(&self, wo: Vec3, u: &mut [f32; 3]) -> Vec3 {
-        let wo = self.to_facets(wo);
+        let wo = self.in_facets(wo);
         let m = match (self.masking, self.distribution) {
             (Masking::VCavity, distribution) => grooved_normal(distribution, self.alpha, wo, u),
             (_, Distribution::Ggx) => {
@@ -171,7 +171,7 @@ impl Microfacets {
             }
             (_, Distribution::Beckmann) => beckmann::visible_normal(self.alpha, wo, [u[0], u[1]]),
         };
-        self.from_facets(m)
+        self.out_of_facets(m)
     }
 
     /// Draws the normal of a facet for a reflection of `wo`. Reflections below the horizon are rarer than with
@@ -183,11 +183,11 @@ impl Microfacets {
         if self.masking == Masking::VCavity || self.distribution != Distribution::Ggx {
             return self.visible_normal(wo, u);
         }
-        let wo = self.to_facets(wo);
+        let wo = self.in_facets(wo);
         let standard = self.stretched(wo);
         let bound = self.bound(wo) * standard.z;
         let z = (1.0 - u[1]) * (1.0 + bound) - bound;
-        self.from_facets(self.unstretched(cap(z, u[0]) + standard))
+        self.out_of_facets(self.unstretched(cap(z, u[0]) + standard))
     }
 
     /// Density of the direction `wi` in which a facet drawn by [`Self::reflecting_normal`] reflects `wo` (sr^-1); `m` is the
@@ -197,7 +197,7 @@ impl Microfacets {
         if self.masking == Masking::VCavity || self.distribution != Distribution::Ggx {
             return self.g1(wo, m) * self.d(m) / (4.0 * wo.z);
         }
-        let own = self.to_facets(wo);
+        let own = self.in_facets(wo);
         let [ax, ay] = self.alpha;
         let (x, y) = (ax * own.x, ay * own.y);
         self.d(m) / (2.0 * (self.bound(own) * own.z + (x * x + y * y + own.z * own.z).sqrt()))
