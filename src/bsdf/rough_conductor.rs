@@ -71,14 +71,20 @@ impl<C: Spectrum> RoughConductor<C> {
         C::from_reflectance(reflectance, &self.wavelengths)
     }
 
-    /// Probability with which a cosine-distributed direction is drawn instead of a facet, and f of multiple scattering without
-    /// the colour and the part of `wi`.
+    /// Probability with which a cosine-distributed direction is drawn instead of a facet.
     #[inline]
     fn several(&self, wo: Vec3) -> f32 {
         match &self.missing {
             Some(missing) => missing.at(&self.facets, wo) * self.multiple.max_element(),
             None => 0.0,
         }
+    }
+
+    /// Density of a direction that is drawn by a facet with normal `m`, or by the cosine with probability `several`.
+    #[inline]
+    fn mixed_pdf(&self, wo: Vec3, wi: Vec3, m: Vec3, several: f32) -> f32 {
+        let once = self.facets.reflection_pdf(wo, m);
+        once + several * (warps::cosine_hemisphere_pdf(wi.z) - once)
     }
 
     /// f of the light that is reflected more than once.
@@ -129,8 +135,7 @@ impl<C: Spectrum> Model<C> for RoughConductor<C> {
         }
         let (wo, wi) = (outward(wo), outward(wi));
         let several = self.several(wo);
-        let once = self.facets.reflection_pdf(wo, (wo + wi).normalize());
-        once + several * (warps::cosine_hemisphere_pdf(wi.z) - once)
+        self.mixed_pdf(wo, wi, (wo + wi).normalize(), several)
     }
 
     #[inline(never)]
@@ -150,8 +155,7 @@ impl<C: Spectrum> Model<C> for RoughConductor<C> {
             return None;
         }
         let wi = wi.normalize();
-        let once = self.facets.reflection_pdf(wo, m);
-        let pdf = once + several * (warps::cosine_hemisphere_pdf(wi.z) - once);
+        let pdf = self.mixed_pdf(wo, wi, m, several);
         let facets = self.facets.d(m) * self.facets.g2_reflection(wo, wi, m) / (4.0 * wo.z);
         let weight = (self.colour(self.facet.reflectance(wo.dot(m))) * facets + self.f_multiple(wo, wi) * wi.z) / pdf;
         let wi = Vec3::new(wi.x, wi.y, wi.z.copysign(side));

@@ -114,7 +114,9 @@ impl SceneDesc {
         let before = (known.bsdf, known.survival, known.medium);
         self.set_model(material, (bsdf, survival, medium));
         // Materials that name this one have conditions of their own.
-        let checked = (material + 1..count).try_for_each(|later| {
+        let names_others = |bsdf: &BsdfDesc| matches!(bsdf, BsdfDesc::Mix { .. } | BsdfDesc::TwoSided { .. });
+        let mut later = (material + 1..count).filter(|later| names_others(&self.materials[*later].bsdf));
+        let checked = later.try_for_each(|later| {
             let it = &self.materials[later];
             material_check::check(&it.path, &it.bsdf, it.survival, &self.materials[..later])
         });

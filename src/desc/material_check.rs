@@ -2,9 +2,7 @@
 
 use super::json::join;
 use super::validate::{absorption, positive, reflectance, survival_rate, within};
-use super::{
-    BsdfDesc, ConductorDesc, Distribution, Masking, MaterialDesc, MediumDesc, MicrofacetsDesc, PrincipledDesc,
-};
+use super::{BsdfDesc, ConductorDesc, Masking, MaterialDesc, MediumDesc, MicrofacetsDesc, PrincipledDesc};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
@@ -148,7 +146,6 @@ fn check_microfacets(path: &str, microfacets: &MicrofacetsDesc) -> Result<()> {
         let message = "light that is reflected more than once is known for Smith's masking only, expected false";
         return Err(Error::invalid(at("multipleScattering"), message));
     }
-    debug_assert!(matches!(microfacets.distribution, Distribution::Ggx | Distribution::Beckmann));
     Ok(())
 }
 
