@@ -8,7 +8,7 @@ use std::thread;
 
 use etendue::desc::{CameraDesc, RenderDesc};
 use etendue::film::Image;
-use etendue::integrator::photon::{self, DrawSettings, MapKind, Photon, PhotonBatch, PhotonJob};
+use etendue::integrator::photon::{self, DrawSettings, MapKind, NARROW, Photon, PhotonBatch, PhotonJob};
 use etendue::output::{self, PhotonFormat, WriteOptions};
 use etendue::scene::Scene;
 use etendue::{Error, ErrorKind, Parallel};
@@ -43,6 +43,7 @@ pub fn photons(args: &PhotonsArgs) -> Result<u8, Failure> {
         paths: args.photons.or(desc.photons.count).unwrap_or(PATHS),
         pass: 0,
         most: (desc.photons.memory as usize).saturating_mul(1 << 20) / size,
+        narrow_below: NARROW,
     };
     // Errors of the camera are reported before the work begins.
     let is_drawn = args.output.iter().any(|path| PhotonFormat::from_path(path).is_none());

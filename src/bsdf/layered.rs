@@ -8,7 +8,7 @@ use super::microfacet::choose;
 use super::mix::add_lobes;
 use super::model::{BsdfSample, Model, SpecularLobes};
 use super::sheen::Sheen;
-use super::{Black, Bsdf};
+use super::{Black, Bsdf, Parts};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -45,8 +45,8 @@ pub struct Layered<C: Spectrum = Rgb> {
     wavelengths: C::Wavelengths,
     /// Whether the layer lies on the inner side of the surface too.
     on_both_sides: bool,
-    /// Lobes that are left of the whole.
-    kept: Lobes,
+    /// Whether the light that the layer itself scatters counts: not so in a part of the surface to which the layer does not belong.
+    keeps_layer: bool,
     /// Mean of T over directions, weighed by the cosine.
     mean_passage: f32,
 }
@@ -109,7 +109,7 @@ impl Layered {
             tint,
             wavelengths: (),
             on_both_sides,
-            kept: Lobes::all(),
+            keeps_layer: true,
             mean_passage,
         }
     }
@@ -134,7 +134,7 @@ impl Layered {
             tint: self.tint,
             wavelengths: *wavelengths,
             on_both_sides: self.on_both_sides,
-            kept: self.kept,
+            keeps_layer: self.keeps_layer,
             mean_passage: self.mean_passage,
         }
     }
@@ -190,14 +190,22 @@ impl<C: Spectrum> Layer<C> {
 }
 
 impl<C: Spectrum> Layered<C> {
-    /// Only some lobes of this surface; `None` where it has none of them.
-    pub(super) fn restricted(&self, lobes: Lobes) -> Option<Self> {
-        let kept = self.kept & lobes;
-        let base = self.base.restricted(lobes);
-        let has_layer = kept.intersects(self.layer.model().lobes());
-        (base.is_some() || has_layer).then(|| Self {
+    /// As [`Bsdf::parts`].
+    pub(super) fn parts(&self, narrow_below: f32) -> Parts {
+        self.part_of_layer(narrow_below) | self.base.parts(narrow_below)
+    }
+
+    fn part_of_layer(&self, narrow_below: f32) -> Parts {
+        if self.has_layer() { Parts::of_model(self.layer.model(), narrow_below) } else { Parts::empty() }
+    }
+
+    /// As [`Bsdf::part`].
+    pub(super) fn part(&self, part: Parts, narrow_below: f32) -> Option<Self> {
+        let base = self.base.part(part, narrow_below);
+        let keeps_layer = self.part_of_layer(narrow_below).intersects(part);
+        (base.is_some() || keeps_layer).then(|| Self {
             base: Arc::new(base.unwrap_or(Bsdf::Black(Black))),
-            kept,
+            keeps_layer,
             ..self.clone()
         })
     }
@@ -213,7 +221,7 @@ impl<C: Spectrum> Layered<C> {
 
     /// Whether the layer itself scatters.
     fn has_layer(&self) -> bool {
-        self.coverage > 0.0 && self.kept.intersects(self.layer.model().lobes())
+        self.coverage > 0.0 && self.keeps_layer
     }
 
     /// Whether `w` is on a side that the layer covers.

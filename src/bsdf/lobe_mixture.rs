@@ -5,6 +5,7 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 use super::lobes::{Lobes, TransportMode};
 use super::local::{reflect, same_side};
 use super::model::{BsdfSample, Model, SpecularLobes};
+use super::parts::{Parts, lobes_of};
 use crate::math::{Frame, Vec3};
 use crate::sampling::warps;
 use crate::spectrum::{Rgb, Spectrum};
@@ -53,6 +54,26 @@ impl LobeMixture {
 }
 
 impl<C: Spectrum> LobeMixture<C> {
+    /// Width of the glossy lobes: Walter et al. 2007, Sec. 5.2, gives that of Blinn's distribution of this exponent, and the exponent of
+    /// Phong's lobe is about a quarter of Blinn's.
+    fn width(&self) -> f32 {
+        (2.0 / (4.0 * self.exponent + 2.0)).sqrt()
+    }
+
+    pub(super) fn parts(&self, narrow_below: f32) -> Parts {
+        let has = |part: &Parts| self.lobes.intersects(lobes_of(*part, self.width() < narrow_below));
+        Parts::all().iter().filter(has).collect()
+    }
+
+    pub(super) fn part(&self, part: Parts, narrow_below: f32) -> Option<Self> {
+        let lobes = self.lobes & lobes_of(part, self.width() < narrow_below);
+        let mut weights = self.weights;
+        for lobe in (self.lobes - lobes).iter() {
+            weights[place(lobe)] = C::ZERO;
+        }
+        (!lobes.is_empty()).then_some(Self { weights, lobes, exponent: self.exponent })
+    }
+
     fn weight(&self, lobe: Lobes) -> C {
         self.weights[place(lobe)]
     }
@@ -102,8 +123,7 @@ impl<C: Spectrum> Model<C> for LobeMixture<C> {
     fn narrowest(&self) -> f32 {
         match (self.lobes.have_specular(), self.lobes.intersects(Lobes::GLOSSY)) {
             (true, _) => 0.0,
-            // Walter et al. 2007, Sec. 5.2: the exponent of Blinn's distribution; that of Phong's lobe is about a quarter.
-            (false, true) => (2.0 / (4.0 * self.exponent + 2.0)).sqrt(),
+            (false, true) => self.width(),
             (false, false) => 1.0,
         }
     }

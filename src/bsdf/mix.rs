@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::lobes::{Lobes, TransportMode};
 use super::microfacet::choose;
 use super::model::{BsdfSample, Model, SpecularLobes};
-use super::{Black, Bsdf};
+use super::{Black, Bsdf, Parts};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -36,12 +36,16 @@ impl<C: Spectrum> Mix<C> {
         Self { parts: Arc::new(parts), weights, lobes, albedo }
     }
 
-    /// Only some lobes of the parts; `None` where neither has them.
-    pub(super) fn restricted(&self, lobes: Lobes) -> Option<Self> {
-        let parts = self.parts.each_ref().map(|part| part.restricted(lobes));
-        let is_left = parts.iter().any(Option::is_some);
-        let parts = parts.map(|part| part.unwrap_or(Bsdf::Black(Black)));
-        is_left.then(|| Self::of_weights(parts, self.weights))
+    /// As [`Bsdf::parts`].
+    pub(super) fn parts(&self, narrow_below: f32) -> Parts {
+        let of = |i: usize| if self.weights[i] > 0.0 { self.parts[i].parts(narrow_below) } else { Parts::empty() };
+        of(0) | of(1)
+    }
+
+    /// As [`Bsdf::part`].
+    pub(super) fn part(&self, part: Parts, narrow_below: f32) -> Option<Self> {
+        let parts = one_part(&self.parts, part, narrow_below)?;
+        Some(Self::of_weights(parts, self.weights))
     }
 
     /// With all facets turned.
@@ -144,6 +148,13 @@ impl<C: Spectrum> Model<C> for Mix<C> {
     }
 }
 
+/// One part of each of two models, black where a model has no such part; `None` where neither has.
+fn one_part<C: Spectrum>(models: &[Bsdf<C>; 2], part: Parts, narrow_below: f32) -> Option<[Bsdf<C>; 2]> {
+    let models = models.each_ref().map(|model| model.part(part, narrow_below));
+    let is_left = models.iter().any(Option::is_some);
+    is_left.then(|| models.map(|model| model.unwrap_or(Bsdf::Black(Black))))
+}
+
 /// The delta lobes of two parts of one surface. Lobes at the same place have the same direction.
 pub(super) fn add_lobes<C: Spectrum>(a: SpecularLobes<C>, b: SpecularLobes<C>) -> SpecularLobes<C> {
     std::array::from_fn(|i| match (a[i], b[i]) {
@@ -167,11 +178,14 @@ impl<C: Spectrum> TwoSided<C> {
         Self { lobes: lobes(&faces[0]) | lobes(&faces[1]), faces: Arc::new(faces) }
     }
 
-    /// Only some lobes of the faces; `None` where neither has them.
-    pub(super) fn restricted(&self, lobes: Lobes) -> Option<Self> {
-        let faces = self.faces.each_ref().map(|face| face.restricted(lobes));
-        let is_left = faces.iter().any(Option::is_some);
-        is_left.then(|| Self::new(faces.map(|face| face.unwrap_or(Bsdf::Black(Black)))))
+    /// As [`Bsdf::parts`].
+    pub(super) fn parts(&self, narrow_below: f32) -> Parts {
+        self.faces[0].parts(narrow_below) | self.faces[1].parts(narrow_below)
+    }
+
+    /// As [`Bsdf::part`].
+    pub(super) fn part(&self, part: Parts, narrow_below: f32) -> Option<Self> {
+        one_part(&self.faces, part, narrow_below).map(Self::new)
     }
 
     /// With all facets turned.

@@ -32,6 +32,7 @@ mod mix;
 mod model;
 mod oren_nayar;
 mod oren_nayar_qualitative;
+mod parts;
 mod principled;
 mod rough_conductor;
 mod rough_dielectric;
@@ -58,6 +59,7 @@ pub use mix::{Mix, TwoSided};
 pub use model::{BsdfSample, Model, SpecularLobes};
 pub use oren_nayar::OrenNayar;
 pub use oren_nayar_qualitative::OrenNayarQualitative;
+pub use parts::Parts;
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
 pub use sheen::Sheen;
@@ -329,17 +331,6 @@ impl<C: Spectrum> Bsdf<C> {
     #[inline]
     pub fn is_black(&self) -> bool {
         self.albedo() == C::ZERO
-    }
-
-    /// Only these lobes of the model, with f and densities of their own; `None` where it has none of them. Models that cannot be
-    /// taken apart are returned whole.
-    pub fn restricted(&self, lobes: Lobes) -> Option<Self> {
-        match self {
-            Self::Layered(layered) => layered.restricted(lobes).map(Self::Layered),
-            Self::Mix(mix) => mix.restricted(lobes).map(Self::Mix),
-            Self::TwoSided(two_sided) => two_sided.restricted(lobes).map(Self::TwoSided),
-            whole => whole.lobes().intersects(lobes).then(|| whole.clone()),
-        }
     }
 
     /// The same model, turned about the normal counter-clockwise by the angle with this cosine and sine.

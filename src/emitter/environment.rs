@@ -82,7 +82,7 @@ mod tests {
     use crate::camera::Camera;
     use crate::desc::{BsdfDesc, IntegratorDesc, PhotonDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceLook};
     use crate::emitter::{Emitter, EmitterSet, TriangleEmitter};
-    use crate::integrator::photon::{MapKind, PhotonJob, Plan, shoot};
+    use crate::integrator::photon::{MapKind, NARROW, PhotonJob, Plan, shoot};
     use crate::integrator::{Direct, Integrator, Path, SceneTracer, Whitted};
     use crate::math::Ray;
     use crate::sampling::{Rng, Sampler as _, SobolSampler};
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn photons_bring_the_light_of_the_environment() {
         let scene = ball(BsdfDesc::Lambert { albedo: Rgb::splat(0.5) });
-        let job = PhotonJob { kind: MapKind::Global, paths: 1 << 16, pass: 0, most: usize::MAX };
+        let job = PhotonJob { kind: MapKind::Global, paths: 1 << 16, pass: 0, most: usize::MAX, narrow_below: NARROW };
         let batch = shoot(&scene, &RenderDesc::default(), job, &mut Alone::default()).unwrap();
         let exact = PI * 4.0 * PI * RADIANCE.to_f64();
         let stored: DVec3 = batch.photons.iter().map(|photon| photon.power().to_f64()).sum();

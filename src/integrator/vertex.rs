@@ -184,6 +184,16 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         }
     }
 
+    /// The same vertex with another Bsdf.
+    #[inline]
+    pub fn with_bsdf<'b>(&self, bsdf: &'b Bsdf<C>) -> Vertex<'b, C>
+    where
+        'v: 'b,
+    {
+        let Self { surface, hit, survival, mode, wavelengths, media, frame, wo, wo_scene, .. } = *self;
+        Vertex { surface, bsdf, hit, survival, mode, wavelengths, media, frame, wo, wo_scene }
+    }
+
     /// Direction back along the path, scene frame.
     #[inline]
     pub fn wo_scene(&self) -> Vec3 {

@@ -85,27 +85,19 @@ impl<C: Spectrum> Walk<C> {
         Self { radiance, ..self }
     }
 
+    /// The same path where a choice that had this probability was made.
+    #[inline]
+    pub fn chosen(mut self, probability: f32) -> Self {
+        self.throughput /= probability;
+        self
+    }
+
     /// A second path that continues from here with this weight, into a direction that no light sample could have chosen.
     #[inline]
     pub fn branch(&self, weight: C) -> Self {
         let mut walk = Self { radiance: C::ZERO, throughput: self.throughput * weight, previous: None, ..*self };
         walk.roulette_reference = CERTAIN_FRACTION * walk.carried();
         walk
-    }
-
-    /// A path that goes on from this one by a delta lobe with this weight and relative index; `None` where Russian roulette
-    /// ends it, by `u` in [0, 1).
-    #[inline]
-    pub fn scattered(&self, weight: C, eta: f32, u: f32) -> Option<Self> {
-        let mut walk = self.having_brought(C::ZERO);
-        walk.throughput *= weight;
-        walk.eta2 *= eta * eta;
-        walk.previous = None;
-        if walk.depth == 1 {
-            walk.roulette_reference = CERTAIN_FRACTION * self.carried();
-        }
-        let carried = walk.carried();
-        (carried > 0.0 && walk.survives(carried / walk.roulette_reference, u)).then_some(walk)
     }
 
     /// Plays Russian roulette with `u` in [0, 1): whether the path goes on, with the throughput that makes up for those that do

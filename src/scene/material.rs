@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::SurfaceDetail;
-use crate::bsdf::{Bsdf, Lobes, Model as _};
+use crate::bsdf::{Bsdf, Lobes, Model as _, Parts};
 use crate::math::Frame;
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -124,6 +124,22 @@ impl Material {
     /// The Bsdf whose colours are the means over the surface, for solvers that have one value for each element.
     pub fn mean(&self) -> &Bsdf {
         &self.bsdf
+    }
+
+    /// Whether the Bsdf is another one at every hit.
+    pub(crate) fn is_varying(&self) -> bool {
+        self.varying.is_some()
+    }
+
+    /// Whether glossy lobes below this width or delta lobes scatter light.
+    pub(crate) fn is_narrow(&self, narrow_below: f32) -> bool {
+        self.bsdf.parts(narrow_below).contains(Parts::NARROW)
+    }
+
+    /// Whether glossy lobes below this width scatter light.
+    pub(crate) fn is_narrow_glossy(&self, narrow_below: f32) -> bool {
+        let narrow = self.bsdf.part(Parts::NARROW, narrow_below);
+        narrow.is_some_and(|narrow| narrow.lobes().intersects(Lobes::GLOSSY))
     }
 
     /// The share of the irradiance that the diffuse lobes reflect at a hit, as a colour. Other lobes give 0.

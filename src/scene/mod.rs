@@ -292,6 +292,11 @@ impl Scene {
         &self.materials[index as usize]
     }
 
+    /// All materials, in their order.
+    pub(crate) fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
     /// Replaces a material by one that varies.
     #[cfg(test)]
     pub(crate) fn set_varying(&mut self, index: usize, varying: Arc<dyn VaryingMaterial>) {

@@ -1,8 +1,9 @@
-//! Finds the perfectly specular surfaces and their positions, at which photons for caustics are aimed.
+//! Finds the surfaces that make caustics, and their positions, at which photons for caustics are aimed: those with delta lobes, and
+//! those with lobes so narrow that they count as delta lobes.
 
-use super::Scene;
 use super::geometry::Geometry;
 use super::interaction::{Owner, Owners};
+use super::{Material, Scene};
 use crate::bsdf::Lobes;
 use crate::math::{Bounds, DVec3, Vec3};
 use crate::shape::Analytic;
@@ -41,37 +42,48 @@ enum Exact {
 }
 
 impl Scene {
+    /// The owners of all surfaces, several times where a surface has several primitives.
+    fn owners(&self) -> impl Iterator<Item = &Owner> {
+        let in_embree = self.bindings.owners.iter().flat_map(|owners| match owners {
+            Owners::One(owner) => std::slice::from_ref(owner),
+            Owners::Each(owners) => owners,
+        });
+        self.bindings.list_owners.iter().chain(in_embree)
+    }
+
     /// All lobes of all surfaces of the scene.
     pub fn lobes(&self) -> Lobes {
-        let mut lobes = Lobes::empty();
-        let mut add = |owner: Owner| lobes |= self.material(owner.material).lobes();
-        self.bindings.list_owners.iter().for_each(|owner| add(*owner));
-        for owners in &*self.bindings.owners {
-            match owners {
-                Owners::One(owner) => add(*owner),
-                Owners::Each(owners) => owners.iter().for_each(|owner| add(*owner)),
-            }
-        }
-        lobes
+        self.owners().fold(Lobes::empty(), |lobes, owner| lobes | self.material(owner.material).lobes())
+    }
+
+    /// Whether some surface has delta lobes, or glossy lobes below this width.
+    pub(crate) fn has_narrow(&self, narrow_below: f32) -> bool {
+        self.has_material(|material| material.is_narrow(narrow_below))
+    }
+
+    /// Whether some surface has glossy lobes below this width.
+    pub(crate) fn has_narrow_glossy(&self, narrow_below: f32) -> bool {
+        self.has_material(|material| material.is_narrow_glossy(narrow_below))
+    }
+
+    fn has_material(&self, is_such: impl Fn(&Material) -> bool) -> bool {
+        let such: Vec<bool> = self.materials.iter().map(is_such).collect();
+        such.contains(&true) && self.owners().any(|owner| such[owner.material as usize])
     }
 
     /// Returns the number of the first surface that has one of these lobes.
     pub fn surface_with(&self, lobes: Lobes) -> Option<u32> {
         let of = |owner: &Owner| self.material(owner.material).lobes().intersects(lobes).then_some(owner.surface);
-        let in_embree = self.bindings.owners.iter().flat_map(|owners| match owners {
-            Owners::One(owner) => std::slice::from_ref(owner),
-            Owners::Each(owners) => owners,
-        });
-        self.bindings.list_owners.iter().chain(in_embree).filter_map(of).min()
+        self.owners().filter_map(of).min()
     }
 
-    /// Returns at most `most` (>= 1) parts that together contain every perfectly specular surface. Spheres and loose
-    /// triangles are parts themselves if there are few pieces; otherwise each part is a ball around several pieces.
-    pub fn specular_parts(&self, most: usize) -> Vec<SpecularPart> {
-        let pieces = self.specular_pieces();
+    /// Returns at most `most` (>= 1) parts that together contain every surface with delta lobes or with glossy lobes below this width.
+    /// Spheres and loose triangles are parts themselves if there are few pieces; otherwise each part is a ball around several pieces.
+    pub fn specular_parts(&self, narrow_below: f32, most: usize) -> Vec<SpecularPart> {
+        let pieces = self.specular_pieces(narrow_below);
         let is_few = pieces.len() <= most && pieces.iter().all(|piece| piece.exact.is_some());
         if !is_few {
-            return self.specular_balls(most).into_iter().map(SpecularPart::Ball).collect();
+            return self.specular_balls(narrow_below, most).into_iter().map(SpecularPart::Ball).collect();
         }
         let part = |piece: &Piece| {
             Some(match piece.exact? {
@@ -82,9 +94,9 @@ impl Scene {
         pieces.iter().filter_map(part).collect()
     }
 
-    /// Returns at most `most` (>= 1) balls that together contain every perfectly specular surface.
-    pub fn specular_balls(&self, most: usize) -> Vec<Ball> {
-        let mut pieces = self.specular_pieces();
+    /// Returns at most `most` (>= 1) balls that together contain every surface with delta lobes or with glossy lobes below this width.
+    pub fn specular_balls(&self, narrow_below: f32, most: usize) -> Vec<Ball> {
+        let mut pieces = self.specular_pieces(narrow_below);
         let mut groups: Vec<&mut [Piece]> = Vec::new();
         if !pieces.is_empty() {
             groups.push(&mut pieces);
@@ -127,8 +139,9 @@ impl Scene {
             .collect()
     }
 
-    fn specular_pieces(&self) -> Vec<Piece> {
-        let is_specular = |owner: Owner| self.material(owner.material).lobes().have_specular();
+    fn specular_pieces(&self, narrow_below: f32) -> Vec<Piece> {
+        let such: Vec<bool> = self.materials.iter().map(|material| material.is_narrow(narrow_below)).collect();
+        let is_specular = |owner: Owner| such[owner.material as usize];
         let analytic = |shape: &Analytic| {
             let exact = match shape {
                 Analytic::Sphere(sphere) => Some(Exact::Ball(sphere.centre, sphere.radius)),

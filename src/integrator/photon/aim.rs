@@ -67,9 +67,9 @@ enum Seen {
 }
 
 impl Aims {
-    /// Collects the specular parts of a scene.
-    pub fn new(scene: &Scene) -> Self {
-        Self(scene.specular_parts(MOST_PARTS).into())
+    /// Collects the specular parts of a scene: surfaces with delta lobes, and with glossy lobes below this width.
+    pub fn new(scene: &Scene, narrow_below: f32) -> Self {
+        Self(scene.specular_parts(narrow_below, MOST_PARTS).into())
     }
 
     /// A unit direction from `p`, on the side of the unit normal `n`, towards one of the parts, and its density (sr^-1).

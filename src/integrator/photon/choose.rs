@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::super::media::{arrive, left_after};
 use super::super::vertex::Vertex;
 use super::super::{SceneTracer, check_support};
+use super::division::NARROW;
 use super::emit::{Aim, Emission};
 use crate::bsdf::Model as _;
 use crate::desc::{IntegratorDesc, PhotonSharing};
@@ -50,7 +51,7 @@ pub fn choose(scene: &Scene) -> Choice {
     if scene.emitters().is_dark() {
         return choice(IntegratorDesc::Path, "nothing shines".to_owned());
     }
-    if !lobes.have_specular() {
+    if !scene.has_narrow(NARROW) {
         return choice(IntegratorDesc::Path, "no mirror and no glass could make caustics".to_owned());
     }
     if !lobes.have_diffuse() {
@@ -123,7 +124,7 @@ fn look(scene: &Scene) -> Result<Seen> {
     let mut tracer = SceneTracer::new(scene);
     let begin = |emission: &Emission, rng: &mut Rng| emission.begin(scene, rng.next_4d(), rng.next_4d(), 1.0);
     // The light paths are aimed at specular surfaces, so that small glass is not missed.
-    if let Some(emission) = Emission::new(scene, PhotonSharing::Power, Aim::AtSpecular)? {
+    if let Some(emission) = Emission::new(scene, PhotonSharing::Power, Aim::AtSpecular { narrow_below: NARROW })? {
         for path in 0..LOOKS {
             let mut rng = Rng::new(0x6c6f_6f6b, path);
             let (u, d) = (rng.next_4d(), rng.next_4d());
@@ -139,7 +140,7 @@ fn look(scene: &Scene) -> Result<Seen> {
                 let mut slot = None;
                 let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), media, &mut slot);
                 let lobes = vertex.bsdf.lobes();
-                if lobes.have_diffuse() || !lobes.have_specular() {
+                if lobes.have_diffuse() || vertex.bsdf.narrowest() >= NARROW {
                     if hits > 0 && lobes.have_diffuse() && !vertex.bsdf.is_black() {
                         let power = f64::from(luminance(power));
                         // From the diffuse point, the lamp fills its area over the squared path length, of which a quarter

@@ -43,9 +43,9 @@ impl Emission {
         let emitters = scene.emitters().emitters();
         let balls = match aims {
             Aim::Everywhere => Vec::new(),
-            Aim::AtSpecular => scene.specular_balls(MOST_BALLS),
+            Aim::AtSpecular { narrow_below } => scene.specular_balls(narrow_below, MOST_BALLS),
         };
-        if balls.is_empty() && matches!(aims, Aim::AtSpecular) {
+        if balls.is_empty() && matches!(aims, Aim::AtSpecular { .. }) {
             return Ok(None);
         }
         let weights: Vec<f64> = match sharing {
@@ -148,12 +148,15 @@ fn choice_number(u: [f32; 4], d: [f32; 4]) -> f64 {
 }
 
 /// Where photons are aimed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::integrator) enum Aim {
     /// In all directions of the emitters.
     Everywhere,
-    /// Only at the specular surfaces.
-    AtSpecular,
+    /// Only at surfaces with delta lobes, or with glossy lobes that are narrower than this width.
+    AtSpecular {
+        /// The width, above 0.
+        narrow_below: f32,
+    },
 }
 
 /// The share of an emitter's light that goes to the balls, as seen from the emitter's centre; 1 where there are no balls.

@@ -10,6 +10,8 @@
 //!
 //! Maps are queried only where the surface covers the kernel's disk (see [`super::coverage`]); elsewhere the path continues
 //! as in path tracing.
+//!
+//! Maps hold the light of diffuse lobes. The other lobes of a surface are followed beside them ([`super::division`]).
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -22,9 +24,10 @@ use super::super::{Context, FirstHit, Tracer, Transport};
 use super::aim::Aims;
 use super::coverage::DiskCoverage;
 use super::cut_disk::CutDisk;
+use super::division::{Division, PARTS, choose_part};
 use super::estimate::{Estimate, MapQuery, direct, radiance};
 use super::{Nearest, PhotonMap};
-use crate::bsdf::{Lobes, Model as _};
+use crate::bsdf::{Model as _, Parts};
 use crate::film::{PixelPhotonState, ShrinkingRadius};
 use crate::math::Ray;
 use crate::sampling::Sampler;
@@ -80,6 +83,8 @@ pub struct Gather<C: Spectrum = Rgb> {
     pub(super) later_caustic: Option<MapLayer<C>>,
     /// Where the surface covers the kernel's disk.
     pub(super) coverage: DiskCoverage,
+    /// Which lobes are gathered, and which ones count as delta lobes.
+    pub(super) division: Arc<Division<C>>,
     pub(super) ends: PathEnd,
     pub(super) shrinking: Shrinking,
     /// Index of the pass to which the maps belong.
@@ -256,41 +261,68 @@ impl<C: Spectrum> Gather<C> {
             if path.walk.depth > self.max_depth || vertex.bsdf.is_black() {
                 return path.walk.radiance;
             }
-            let lobes = vertex.bsdf.lobes();
-            let mut rays = 1;
-            let counted_caustics = path.counts_caustics;
-            if lobes.have_diffuse() {
-                path.diffuse += 1;
-                path.counts_caustics = false;
-                let (sent_back, is_over) = self.diffuse(&vertex, &path, context, feedback);
+            // The parts of the surface: what is gathered, and what is followed beside it.
+            let mut apart = None;
+            let divided = self.division.at(&vertex, &mut apart);
+            let mut slots = [None, None, None];
+            let [slot_of_diffuse, slot_of_glossy, slot_of_narrow] = &mut slots;
+            let diffuse = divided.part(Parts::DIFFUSE, &vertex, slot_of_diffuse);
+            let glossy = divided.part(Parts::GLOSSY, &vertex, slot_of_glossy);
+            let narrow = divided.part(Parts::NARROW, &vertex, slot_of_narrow);
+            let mut followed = [None, glossy, narrow];
+            if let Some(vertex) = diffuse {
+                let gathering = EyePath { diffuse: path.diffuse + 1, counts_caustics: false, ..path };
+                let (sent_back, is_over) = self.diffuse(vertex, &gathering, context, feedback);
                 path.walk.radiance += path.walk.throughput * sent_back;
                 if let Some(aims) = &self.aims {
-                    path.walk.radiance += self.aimed_caustic(aims, &vertex, &path, context);
+                    path.walk.radiance += self.aimed_caustic(aims, vertex, &gathering, context);
                 }
-                if is_over {
-                    return path.walk.radiance
-                        + self.beside_maps(&vertex, &path, counted_caustics, context, first, feedback);
+                let rays = match self.ends {
+                    PathEnd::AfterGather if gathering.diffuse == 1 => self.gather_rays,
+                    _ => 1,
+                };
+                if !is_over {
+                    let is_whole = glossy.is_none() && narrow.is_none();
+                    if rays > 1 {
+                        let one = path.walk.split(rays);
+                        // The last ray of a surface that has nothing else is this path itself.
+                        for _ in 0..if is_whole { rays - 1 } else { rays } {
+                            let mut branch = EyePath { walk: one, ..path };
+                            if self.bounce(vertex, Parts::DIFFUSE, &mut branch, context, &limits) {
+                                path.walk.radiance += self.follow(branch, context, first, feedback);
+                            }
+                        }
+                        if is_whole {
+                            path.walk = one.having_brought(path.walk.radiance);
+                        }
+                    }
+                    if rays == 1 || is_whole {
+                        followed[0] = diffuse;
+                    }
                 }
-                if path.diffuse == 1 && self.ends == PathEnd::AfterGather {
-                    rays = self.gather_rays;
-                }
-                path.since_diffuse = 0.0;
-            } else if lobes.intersects(Lobes::GLOSSY) {
-                // No map contains the light on glossy surfaces: light samples and the bounce find all of it.
-                path.counts_caustics = true;
+            }
+            // Light samples for the lobes that are not gathered. The caustic map holds the light of narrow ones where it has been
+            // gathered.
+            let lit = [glossy, narrow.filter(|vertex| path.counts_caustics && vertex.finds_light_samples())];
+            for vertex in lit.into_iter().flatten() {
                 let mut light = C::ZERO;
                 vertex.add_light_samples(&mut light, context, self.shadow_rays, false);
                 path.walk.radiance += path.walk.throughput * light;
             }
-            let one = if rays > 1 { path.walk.split(rays) } else { path.walk };
-            for _ in 1..rays {
-                let mut branch = EyePath { walk: one, ..path };
-                if self.bounce(&vertex, &mut branch, counted_caustics, context, &limits) {
-                    path.walk.radiance += self.follow(branch, context, first, feedback);
-                }
-            }
-            path.walk = one.having_brought(path.walk.radiance);
-            if !self.bounce(&vertex, &mut path, counted_caustics, context, &limits) {
+            let chosen = match followed {
+                [None, None, None] => None,
+                [Some(_), None, None] => Some(0),
+                [None, Some(_), None] => Some(1),
+                [None, None, Some(_)] => Some(2),
+                several => choose_part(several, context.sampler.next_4d()[0]).map(|(chosen, probability)| {
+                    path.walk = path.walk.chosen(probability);
+                    chosen
+                }),
+            };
+            let Some((vertex, part)) = chosen.and_then(|chosen| Some((followed[chosen]?, PARTS[chosen]))) else {
+                return path.walk.radiance;
+            };
+            if !self.bounce(vertex, part, &mut path, context, &limits) {
                 return path.walk.radiance;
             }
         }
@@ -328,62 +360,47 @@ impl<C: Spectrum> Gather<C> {
                 let emitted = vertex.emitted(context.scene, None, 1);
                 branch.walk.radiance += branch.walk.throughput * emitted;
             }
-            if branch.walk.depth > self.max_depth
-                || !vertex.bsdf.lobes().have_specular()
-                || !self.bounce(&vertex, &mut branch, true, context, &limits)
-                // A lobe with a density: light samples and bounces of the path itself find what lies that way.
-                || branch.walk.previous.is_some()
-            {
+            if branch.walk.depth > self.max_depth || !vertex.bsdf.lobes().have_specular() {
                 break;
+            }
+            match branch.walk.bounce(&vertex, context.sampler, &limits) {
+                Some(bounce) if bounce.pdf.is_none() => {
+                    branch.media = vertex.media_beyond(context.scene, &bounce.ray);
+                    branch.ray = bounce.ray;
+                }
+                // A lobe with a density: light samples and bounces of the path itself find what lies that way.
+                _ => break,
             }
         }
         branch.walk.radiance
     }
 
-    /// Light that the delta lobes of a surface scatter where maps give all light of its other lobes.
-    fn beside_maps<S: Sampler, T: Tracer>(
-        &self,
-        vertex: &Vertex<'_, C>,
-        path: &EyePath<C>,
-        counted_caustics: bool,
-        context: &mut Context<'_, S, T, C>,
-        first: &mut impl FnMut(FirstHit),
-        feedback: &mut PixelFeedback<'_, C>,
-    ) -> C {
-        if !vertex.bsdf.lobes().have_specular() || path.walk.depth >= self.max_depth {
-            return C::ZERO;
-        }
-        let mut radiance = C::ZERO;
-        for lobe in vertex.specular_lobes().into_iter().flatten() {
-            let Some(ray) = vertex.leave_local(lobe.wi) else { continue };
-            let u = context.sampler.next_4d();
-            let Some(walk) = path.walk.scattered(lobe.weight, lobe.eta, u[3]) else { continue };
-            let media = vertex.media_beyond(context.scene, &ray);
-            let branch = EyePath { walk, ray, media, counts_caustics: counted_caustics, ..*path };
-            radiance += self.follow(branch, context, first, feedback);
-        }
-        radiance
-    }
-
-    /// Samples the next direction; returns `false` where the path ends. `counted_caustics` says whether emission reached by
-    /// mirrors and glass counted before this vertex. After a bounce by a delta lobe this remains so, since no map at this
-    /// vertex contains the light of delta lobes.
+    /// Samples the next direction by one part of a surface, of which `vertex` has the lobes; returns `false` where the path ends.
     #[inline]
     fn bounce<S: Sampler, T: Tracer>(
         &self,
         vertex: &Vertex<'_, C>,
+        part: Parts,
         path: &mut EyePath<C>,
-        counted_caustics: bool,
         context: &mut Context<'_, S, T, C>,
         limits: &Limits,
     ) -> bool {
         let Some(bounce) = path.walk.bounce(vertex, context.sampler, limits) else { return false };
         path.ray = bounce.ray;
         path.media = vertex.media_beyond(context.scene, &path.ray);
-        if bounce.pdf.is_none() {
-            path.counts_caustics = counted_caustics;
-        } else if self.direct.is_some() && vertex.bsdf.lobes().have_diffuse() {
-            // A bounce must not count emission where the report's map replaces light samples.
+        if part == Parts::DIFFUSE {
+            path.diffuse += 1;
+            path.since_diffuse = 0.0;
+            path.counts_caustics = false;
+            if self.direct.is_some() {
+                // A bounce must not count emission where the report's map replaces light samples.
+                path.walk.previous = None;
+            }
+        } else if part == Parts::GLOSSY {
+            // No map holds the light on glossy surfaces: light samples and the bounce find all of it.
+            path.counts_caustics = true;
+        } else if !path.counts_caustics {
+            // The caustic map holds what lamps send by narrow lobes.
             path.walk.previous = None;
         }
         true
@@ -416,9 +433,7 @@ impl<C: Spectrum> Gather<C> {
         };
         let ending = ending.map(|layer| (layer, self.query(layer, is_first, true, feedback, vertex)));
         let ending = ending.filter(|(_, query)| self.coverage.is_covered(p, facing, query.radius));
-        // A record tells nothing of a narrow lobe: it holds irradiance.
-        let cache = self.cache.as_ref().filter(|_| !vertex.bsdf.lobes().intersects(Lobes::GLOSSY));
-        let cached = cache.and_then(|cache| {
+        let cached = self.cache.as_ref().and_then(|cache| {
             let f = vertex.bsdf.mean_f(vertex.wo)?;
             let irradiance = cache.irradiance(p, vertex.facing_shading())?;
             Some(f * C::from_emission(irradiance, &context.wavelengths))

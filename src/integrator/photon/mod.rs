@@ -1,7 +1,8 @@
 //! Photon mapping: light paths from the emitters, maps of the photons that they store, and eye paths that query the maps.
 //!
 //! `emit` samples the first rays of light paths, `trace` follows light paths and stores photons, and `map` builds photon
-//! maps. `gather` follows eye paths and `estimate` queries maps; `coverage` tests where the surface covers a kernel's disk,
+//! maps. `division` says which
+//! lobes maps hold and which ones paths follow. `gather` follows eye paths and `estimate` queries maps; `coverage` tests where the surface covers a kernel's disk,
 //! and `cut_disk` measures what is left of a disk that is cut off. `plan` decides which maps a method needs and when,
 //! `radius` how wide estimates are, and `choose` which method suits a scene.
 //!
@@ -21,6 +22,7 @@ mod aim;
 mod choose;
 mod coverage;
 mod cut_disk;
+mod division;
 mod draw;
 mod emit;
 mod estimate;
@@ -33,6 +35,7 @@ mod record;
 mod trace;
 
 pub use choose::{Choice, choose};
+pub use division::NARROW;
 pub use draw::{DrawSettings, colour, draw};
 pub(in crate::integrator) use emit::{Aim, Emission};
 pub use estimate::{Kernel, MapQuery, irradiance};

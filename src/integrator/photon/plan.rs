@@ -7,9 +7,10 @@ use super::super::irradiance_cache::fill_cache;
 use super::aim::Aims;
 use super::choose::aimed_paths_find_caustics;
 use super::coverage::DiskCoverage;
+use super::division::{Division, narrow_below};
 use super::estimate::{Kernel, MapQuery};
 use super::gather::{Gather, MapLayer, PathEnd, Shrinking};
-use super::radius::{middle_radius, pixel_size, shrunk};
+use super::radius::{Lengths, measure, middle_radius, shrunk};
 use super::trace::PHOTONS_A_PATH;
 use super::{MapKind, Photon, PhotonBatch, PhotonJob, PhotonMap, Tally, shoot_in};
 use crate::camera::Camera;
@@ -66,6 +67,8 @@ pub struct Plan<C: Spectrum = Rgb> {
     /// First radii.
     caustic_radius: f32,
     radius: f32,
+    /// Width below which glossy lobes count as delta lobes.
+    narrow_below: f32,
     coverage: DiskCoverage,
     /// Maps that have been gathered from already, so that `coverage` may now learn from their photons.
     unlearnt: Vec<Arc<PhotonMap<C>>>,
@@ -128,7 +131,7 @@ impl<C: Spectrum> Plan<C> {
         // A host may have set numbers that no file could contain.
         desc.check()?;
         check_support(scene, integrator)?;
-        let pixel = pixel_size(scene, camera, desc.resolution);
+        let Lengths { pixel, distance } = measure(scene, camera, desc.resolution);
         let otherwise = match method {
             PhotonMethod::Direct => REPORT_RADIUS,
             PhotonMethod::Caustic
@@ -140,6 +143,7 @@ impl<C: Spectrum> Plan<C> {
         // The limits of `desc::RADII` keep squares of radii within single precision.
         let radius = |given: Option<f64>, otherwise: f32| given.map_or(otherwise, |radius| radius as f32);
         let caustic_radius = radius(photons.caustic_radius, CAUSTIC_PIXELS * pixel);
+        let radius = radius(photons.radius, otherwise);
         Ok(Self {
             scene: scene.clone(),
             camera: *camera,
@@ -147,7 +151,8 @@ impl<C: Spectrum> Plan<C> {
             method,
             renewal,
             caustic_radius,
-            radius: radius(photons.radius, otherwise),
+            radius,
+            narrow_below: narrow_below(radius, distance),
             coverage: DiskCoverage::default(),
             unlearnt: Vec::new(),
             made: None,
@@ -285,9 +290,11 @@ impl<C: Spectrum> Plan<C> {
         let is_asked_for = photons.caustic_count.is_some() || photons.caustic_radius.is_some();
         let finds_caustics = self.method == PhotonMethod::IrradianceCache
             && self.scene.lobes().have_specular()
+            // Aimed rays follow delta lobes only.
+            && !self.scene.has_narrow_glossy(self.narrow_below)
             && !is_asked_for
             && aimed_paths_find_caustics(&self.scene)?;
-        Ok(finds_caustics.then(|| Aims::new(&self.scene)))
+        Ok(finds_caustics.then(|| Aims::new(&self.scene, self.narrow_below)))
     }
 
     /// Number of photons in an estimate, where the user sets it: 0 means none, except that pixels then have no radii of
@@ -328,10 +335,9 @@ impl<C: Spectrum> Plan<C> {
             PhotonMethod::Caustic => vec![caustic],
         };
         // Photons are stored only on diffuse surfaces, and caustics need mirrors or glass.
-        let lobes = self.scene.lobes();
-        maps.retain(|map| {
-            lobes.have_diffuse() && (map.kind != MapKind::Caustic || (lobes.have_specular() && !is_aimed))
-        });
+        let is_lit = self.scene.lobes().have_diffuse();
+        let has_caustics = self.scene.has_narrow(self.narrow_below) && !is_aimed;
+        maps.retain(|map| is_lit && (map.kind != MapKind::Caustic || has_caustics));
         maps
     }
 
@@ -356,7 +362,7 @@ impl<C: Spectrum> Plan<C> {
                 return Err(Error::new(ErrorKind::OutOfMemory, format!("{memory} MiB hold no photon map")));
             }
             let WantedMap { kind, paths, .. } = wanted;
-            let job = PhotonJob { kind, paths, pass, most };
+            let job = PhotonJob { kind, paths, pass, most, narrow_below: self.narrow_below };
             let batch = shoot_in::<C>(&self.scene, &self.desc, job, self.wavelengths(pass), parallel)?;
             self.rays += batch.tally.rays;
             if let Some(planned) = batch.cut_from
@@ -403,7 +409,8 @@ impl<C: Spectrum> Plan<C> {
                 self.rays += coverage.learn(&self.scene, layer.map.photons(), radius, is_once, parallel)?;
             } else if pass == 0 {
                 // The photons belong to no pass, since no earlier pass exists.
-                let job = PhotonJob { kind, paths: paths.div_ceil(SCOUTS), pass: u32::MAX, most };
+                let paths = paths.div_ceil(SCOUTS);
+                let job = PhotonJob { kind, paths, pass: u32::MAX, most, narrow_below: self.narrow_below };
                 let scouts = shoot_in::<C>(&self.scene, &self.desc, job, self.wavelengths(pass), parallel)?;
                 self.rays += scouts.tally.rays;
                 self.rays += coverage.learn(&self.scene, &scouts.photons, radius, is_once, parallel)?;
@@ -438,8 +445,10 @@ impl<C: Spectrum> Plan<C> {
             PhotonMethod::FinalGather => PathEnd::AfterGather,
             PhotonMethod::Direct | PhotonMethod::Caustic | PhotonMethod::IrradianceCache => PathEnd::Never,
         };
+        let division = Arc::new(Division::new(&self.scene, self.narrow_below, &self.wavelengths(pass)));
         Ok(Gather {
             cache: None,
+            division,
             later_caustic: caustic.as_ref().map(|layer| thinned(layer, cancel)).transpose()?,
             caustic,
             diffuse,

@@ -1,8 +1,8 @@
 //! Radii of density estimates: their first values, and how they shrink.
 
-use super::super::SceneTracer;
 use super::super::media::arrive;
 use super::super::vertex::Vertex;
+use super::super::{SceneTracer, Tracer as _};
 use super::{Nearest, PhotonMap};
 use crate::bsdf::Model as _;
 use crate::camera::Camera;
@@ -55,12 +55,21 @@ const LOOKS: u32 = 32;
 /// Greatest number of successive mirrors and glass surfaces through which a pixel is followed.
 const MOST_SPECULAR: u32 = 16;
 
-/// The median size of a pixel on the diffuse surfaces that are seen: distance times the angle of a pixel. Where no diffuse
-/// surface is seen, a thousandth of the scene's extent.
-pub(super) fn pixel_size(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -> f32 {
+/// Lengths by which radii are chosen.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lengths {
+    /// The median size of a pixel on the diffuse surfaces that are seen: distance times the angle of a pixel. Where no diffuse
+    /// surface is seen, a thousandth of the scene's extent.
+    pub pixel: f32,
+    /// The median distance from these surfaces to the next ones, in random directions. Where there is none, the scene's extent.
+    pub distance: f32,
+}
+
+/// Measures a scene as a camera sees it.
+pub(super) fn measure(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -> Lengths {
     let [width, height] = resolution.map(|n| n as f32);
     let mut tracer = SceneTracer::new(scene);
-    let mut sizes = Vec::new();
+    let (mut sizes, mut distances) = (Vec::new(), Vec::new());
     for i in 0..LOOKS * LOOKS {
         let at = |k: u32, size: f32| (k as f32 + 0.5) / LOOKS as f32 * size;
         let (x, y) = (at(i % LOOKS, width), at(i / LOOKS, height));
@@ -77,6 +86,13 @@ pub(super) fn pixel_size(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -
             if lobes.have_diffuse() || !lobes.have_specular() {
                 if lobes.have_diffuse() && !vertex.bsdf.is_black() {
                     sizes.push(way * angle);
+                    let u =
+                        [i, i.wrapping_mul(0x9e37_79b9)].map(|i| (i.reverse_bits() >> 8) as f32 * 2.0_f32.powi(-24));
+                    if let Some(bounce) = vertex.sample_bounce([u[0], u[1], 0.5, 0.0])
+                        && let Some(next) = tracer.intersect(&bounce.ray)
+                    {
+                        distances.push(next.t);
+                    }
                 }
                 break;
             }
@@ -86,11 +102,11 @@ pub(super) fn pixel_size(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -
             media = vertex.media_beyond(scene, &ray);
         }
     }
-    let middle = sizes.len() / 2;
-    if sizes.is_empty() {
-        let bounds = &scene.info().bounds;
-        let extent = if bounds.is_empty() { 1.0 } else { (bounds.max - bounds.min).length() };
-        return (1e-3 * extent) as f32;
-    }
-    *sizes.select_nth_unstable_by(middle, f32::total_cmp).1
+    let bounds = &scene.info().bounds;
+    let extent = if bounds.is_empty() { 1.0 } else { (bounds.max - bounds.min).length() };
+    let median = |mut lengths: Vec<f32>, otherwise: f64| match lengths.len() / 2 {
+        0 if lengths.is_empty() => otherwise as f32,
+        middle => *lengths.select_nth_unstable_by(middle, f32::total_cmp).1,
+    };
+    Lengths { pixel: median(sizes, 1e-3 * extent), distance: median(distances, extent) }
 }

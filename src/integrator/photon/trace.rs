@@ -14,8 +14,9 @@ use super::super::vertex::Vertex;
 use super::super::walk::roulette;
 use super::super::{SceneTracer, Tracer as _};
 use super::Photon;
+use super::division::{Division, PARTS, choose_part};
 use super::emit::{Aim, Emission};
-use crate::bsdf::Model as _;
+use crate::bsdf::{Model as _, Parts};
 use crate::control::Parallel;
 use crate::desc::RenderDesc;
 use crate::error::Result;
@@ -29,7 +30,7 @@ use crate::spectrum::{Rgb, Spectrum};
 pub enum MapKind {
     /// Light straight from the emitters, and shadow photons on the surfaces behind the first hit.
     Direct,
-    /// Light that came by mirrors and glass only (LS+D).
+    /// Light that came by mirrors and glass only (LS+D), or by lobes that count as mirrors.
     Caustic,
     /// Light that was scattered diffusely before it arrived.
     Indirect,
@@ -109,6 +110,8 @@ pub struct PhotonJob {
     pub pass: u32,
     /// Most photons that are kept, whatever the number of paths.
     pub most: usize,
+    /// Width below which glossy lobes count as delta lobes, as that of [`crate::bsdf::Model::narrowest`]; above 0.
+    pub narrow_below: f32,
 }
 
 /// Traces light paths and stores photons. The batch is empty where nothing emits light or no photon could be of this kind.
@@ -131,7 +134,7 @@ pub fn shoot_in<C: Spectrum>(
     parallel: &mut impl Parallel,
 ) -> Result<PhotonBatch<C>> {
     let aims = match job.kind {
-        MapKind::Caustic if desc.photons.guided => Aim::AtSpecular,
+        MapKind::Caustic if desc.photons.guided => Aim::AtSpecular { narrow_below: job.narrow_below },
         _ => Aim::Everywhere,
     };
     let Some(emission) = Emission::new(scene, desc.photons.sharing, aims)? else { return Ok(PhotonBatch::default()) };
@@ -140,6 +143,7 @@ pub fn shoot_in<C: Spectrum>(
         wavelengths,
         scene: scene.clone(),
         emission,
+        division: Division::new(scene, job.narrow_below, &wavelengths),
         kind: job.kind,
         // Each kind of map has its own family of random numbers, apart from those of the pixels.
         sampler: SobolSampler::new(desc.seed ^ (0x0070_686f_746f_6e00 + kind), u32::MAX),
@@ -187,6 +191,7 @@ struct PhotonTracer<C: Spectrum> {
     wavelengths: C::Wavelengths,
     scene: Scene,
     emission: Emission,
+    division: Division<C>,
     kind: MapKind,
     sampler: SobolSampler,
     pass: u32,
@@ -242,11 +247,17 @@ impl<C: Spectrum> PhotonTracer<C> {
             };
             let mut slot = None;
             let vertex = Vertex::of_light_path(&self.scene, &ray, &hit, self.wavelengths, media, &mut slot);
-            let lobes = vertex.bsdf.lobes();
+            let mut apart = None;
+            let divided = self.division.at(&vertex, &mut apart);
+            let mut slots = [None, None, None];
+            let [slot_of_diffuse, slot_of_glossy, slot_of_narrow] = &mut slots;
+            let diffuse = divided.part(Parts::DIFFUSE, &vertex, slot_of_diffuse);
+            let glossy = divided.part(Parts::GLOSSY, &vertex, slot_of_glossy);
+            let narrow = divided.part(Parts::NARROW, &vertex, slot_of_narrow);
             if depth == 1 && self.kind == MapKind::Direct {
                 self.shadows(&ray, &vertex, tracer, shot);
             }
-            if lobes.have_diffuse() && !vertex.bsdf.is_black() {
+            if let Some(vertex) = diffuse {
                 let is_wanted = match self.kind {
                     MapKind::Direct => !was_diffuse && !was_specular,
                     MapKind::Caustic => !was_diffuse && was_specular,
@@ -262,22 +273,31 @@ impl<C: Spectrum> PhotonTracer<C> {
             // any more.
             let is_over = match self.kind {
                 MapKind::Direct => true,
-                MapKind::Caustic => was_diffuse || (!vertex.bsdf.is_black() && !lobes.have_specular()),
+                MapKind::Caustic => was_diffuse || (narrow.is_none() && !vertex.bsdf.is_black()),
                 MapKind::Indirect | MapKind::Global => false,
             };
             if is_over || depth >= self.max_depth {
                 shot.tally.left += self.tallied(power);
                 return;
             }
+            let parts = [diffuse, glossy, narrow];
+            let chosen = match parts.iter().flatten().count() {
+                0 | 1 => parts.iter().position(Option::is_some).map(|part| (part, 1.0)),
+                _ => choose_part(parts, sampler.next_4d()[0]),
+            };
             let u = sampler.next_4d();
-            let Some(bounce) = vertex.sample_bounce(u) else {
+            let bounce = chosen.and_then(|(part, probability)| {
+                let vertex = parts[part]?;
+                Some((vertex, PARTS[part], probability, vertex.sample_bounce(u)?))
+            });
+            let Some((vertex, part, probability, bounce)) = bounce else {
                 shot.tally.absorbed += self.tallied(power);
                 return;
             };
-            let is_specular = bounce.pdf.is_none();
-            was_specular |= is_specular;
-            was_diffuse |= !is_specular;
-            let scattered = power * bounce.weight * vertex.shading_adjoint(bounce.ray.direction);
+            was_specular |= part == Parts::NARROW;
+            was_diffuse |= part != Parts::NARROW;
+            let weight = if probability < 1.0 { bounce.weight / probability } else { bounce.weight };
+            let scattered = power * weight * vertex.shading_adjoint(bounce.ray.direction);
             // Scattered power may exceed the incident power where the Bsdf does not conserve energy for one direction; the
             // path then survives with certainty.
             let survival = roulette(scattered.max_element() / power.max_element(), depth);

@@ -14,7 +14,7 @@ use etendue::Cancel;
 use etendue::bsdf::fresnel_dielectric;
 use etendue::desc::{BsdfDesc, IntegratorDesc, MediumDesc, RenderDesc, SceneDesc};
 use etendue::film::Image;
-use etendue::integrator::photon::{MapKind, PhotonJob, shoot};
+use etendue::integrator::photon::{MapKind, NARROW, PhotonJob, shoot};
 use etendue::integrator::{Irradiance, Path, Piece, SceneTracer, Sites};
 use etendue::math::DVec3;
 use etendue::sampling::{Sampler as _, SobolSampler};
@@ -274,7 +274,7 @@ fn photons(case: &mut Case) {
     let runs: Vec<[f64; 3]> = (1..=16)
         .map(|seed| {
             let desc = RenderDesc { seed, ..RenderDesc::default() };
-            let job = PhotonJob { kind: MapKind::Caustic, paths, pass: 0, most: usize::MAX };
+            let job = PhotonJob { kind: MapKind::Caustic, paths, pass: 0, most: usize::MAX, narrow_below: NARROW };
             let shot = shoot(&scene, &desc, job, &mut Alone::default()).expect("nothing stops it");
             let tally = shot.tally;
             let found = tally.absorbed + tally.escaped + tally.left;

@@ -8,7 +8,7 @@ use crate::record::{Case, Entry, Within};
 use crate::transport::{ball, glass, grey, mirror, parallelogram, pick};
 use etendue::Alone;
 use etendue::desc::{BsdfDesc, PhotonDesc, PhotonSharing, RenderDesc, ShapeDesc};
-use etendue::integrator::photon::{MapKind, Photon, PhotonBatch, PhotonJob, shoot};
+use etendue::integrator::photon::{MapKind, NARROW, Photon, PhotonBatch, PhotonJob, shoot};
 use etendue::math::DVec3;
 use etendue::scene::Scene;
 use etendue::spectrum::Rgb;
@@ -271,7 +271,7 @@ fn memory(case: &mut Case) {
     let found: Vec<f64> = (1..=u64::from(RUNS / 2))
         .map(|seed| {
             // Room for half of it at most.
-            let job = PhotonJob { kind: MapKind::Global, paths, pass: 0, most: paths as usize };
+            let job = PhotonJob { kind: MapKind::Global, paths, pass: 0, most: paths as usize, narrow_below: NARROW };
             let shot = shoot(&scene, &seeded(seed), job, &mut Alone::default()).expect("nothing stops it");
             cut += u64::from(shot.cut_from == Some(u64::from(paths)) && shot.photons.len() <= job.most);
             stored(&shot)

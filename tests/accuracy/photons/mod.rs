@@ -23,7 +23,7 @@ use etendue::Cancel;
 use etendue::desc::{BsdfDesc, IntegratorDesc, KernelDesc, PhotonDesc, RenderDesc, SceneDesc, ShapeDesc};
 use etendue::film::Image;
 use etendue::integrator::photon::{
-    Kernel, MapKind, MapQuery, Nearest, PhotonBatch, PhotonJob, PhotonMap, irradiance, shoot,
+    Kernel, MapKind, MapQuery, NARROW, Nearest, PhotonBatch, PhotonJob, PhotonMap, irradiance, shoot,
 };
 use etendue::math::{DVec3, Vec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -70,7 +70,7 @@ fn load(name: &str) -> SceneDesc {
 
 /// Light paths of a kind, on the calling thread.
 fn shot(scene: &Scene, desc: &RenderDesc, kind: MapKind, paths: u32) -> PhotonBatch {
-    let job = PhotonJob { kind, paths, pass: 0, most: usize::MAX };
+    let job = PhotonJob { kind, paths, pass: 0, most: usize::MAX, narrow_below: NARROW };
     shoot(scene, desc, job, &mut Alone::default()).expect("nothing stops it")
 }
 
