@@ -78,3 +78,110 @@ pub(super) fn lobes_of(part: Parts, glossy_is_narrow: bool) -> Lobes {
     }
     lobes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bsdf::TransportMode;
+    use crate::desc::{BsdfDesc, ConductorDesc, MicrofacetsDesc, PrincipledDesc};
+    use crate::math::Vec3;
+    use crate::sampling::Rng;
+    use crate::sampling::warps;
+    use crate::spectrum::Rgb;
+
+    fn facets(roughness: f32) -> MicrofacetsDesc {
+        MicrofacetsDesc { roughness, ..MicrofacetsDesc::default() }
+    }
+
+    fn models() -> Vec<(&'static str, Bsdf, Parts)> {
+        let albedo = Rgb::new(0.7, 0.4, 0.2);
+        let coated = |roughness| {
+            Bsdf::new(&BsdfDesc::CoatedDiffuse { albedo, ior: 1.5, exterior_ior: 1.0, microfacets: facets(roughness) })
+        };
+        let metal = |roughness| {
+            let conductor = ConductorDesc::Reflectance { normal: albedo, edge: Rgb::ONE };
+            Bsdf::new(&BsdfDesc::Conductor { conductor, microfacets: facets(roughness) })
+        };
+        let paint = PrincipledDesc {
+            base_color: albedo,
+            base_metalness: 0.3,
+            specular_roughness: 0.7,
+            coat_weight: 0.6,
+            coat_roughness: 0.2,
+            fuzz_weight: 0.4,
+            ..PrincipledDesc::default()
+        };
+        let lambert = || Bsdf::new(&BsdfDesc::Lambert { albedo });
+        vec![
+            ("lambert", lambert(), Parts::DIFFUSE),
+            ("mirror", Bsdf::new(&BsdfDesc::Mirror { reflectance: albedo }), Parts::NARROW),
+            ("black", Bsdf::new(&BsdfDesc::Black), Parts::empty()),
+            ("narrow metal", metal(0.2), Parts::NARROW),
+            ("metal", metal(0.5), Parts::GLOSSY),
+            ("smooth coat", coated(0.0), Parts::DIFFUSE | Parts::NARROW),
+            ("narrow coat", coated(0.2), Parts::DIFFUSE | Parts::NARROW),
+            ("rough coat", coated(0.6), Parts::DIFFUSE | Parts::GLOSSY),
+            ("paint", Bsdf::new(&BsdfDesc::Principled(paint)), Parts::all()),
+            ("faces", Bsdf::TwoSided(crate::bsdf::TwoSided::new([coated(0.2), metal(0.5)])), Parts::all()),
+            ("mix", Bsdf::Mix(crate::bsdf::Mix::new([lambert(), metal(0.2)], 0.3)), Parts::DIFFUSE | Parts::NARROW),
+        ]
+    }
+
+    /// Between 0.04 and 0.25, the widths of roughnesses of 0.2 and 0.5.
+    const NARROW_BELOW: f32 = 0.1;
+
+    #[test]
+    fn the_parts_of_a_bsdf_sum_up_to_it() {
+        const MODE: TransportMode = TransportMode::Radiance;
+        let mut rng = Rng::new(1, 0);
+        for (name, bsdf, expected) in models() {
+            let parts = bsdf.parts(NARROW_BELOW);
+            assert_eq!(parts, expected, "{name}");
+            let alone = Parts::all().iter().map(|part| (part, bsdf.part(part, NARROW_BELOW))).collect::<Vec<_>>();
+            for (part, alone) in &alone {
+                assert_eq!(alone.is_some(), parts.contains(*part), "{name}: {part:?}");
+                let Some(alone) = alone else { continue };
+                assert_eq!(alone.parts(NARROW_BELOW), *part, "{name}: {part:?}");
+            }
+            let sum = |f: &dyn Fn(&Bsdf) -> Rgb| {
+                alone.iter().filter_map(|(_, part)| part.as_ref()).fold(Rgb::ZERO, |sum, part| sum + f(part))
+            };
+            let near = |what: &str, got: Rgb, expected: Rgb| {
+                let error = (got - expected).to_f64().abs().max_element();
+                let size = f64::from(expected.max_element());
+                assert!(error <= 1e-5 * size, "{name}, {what}: {got:?} and not {expected:?}");
+            };
+            for _ in 0..200 {
+                let [a, b, c, d] = rng.next_4d();
+                let (mut wo, wi) = (warps::cosine_hemisphere([a, b]), warps::cosine_hemisphere([c, d]));
+                for side in [1.0, -1.0] {
+                    (wo.x, wo.y) = (wo.x * side, wo.y * side);
+                    let (wo, wi) = (side * wo, side * wi);
+                    near("f", sum(&|part| part.f(wo, wi, MODE)), bsdf.f(wo, wi, MODE));
+                    let specular = |bsdf: &Bsdf| {
+                        let lobes = bsdf.specular_lobes(wo, MODE);
+                        lobes.iter().flatten().fold(Rgb::ZERO, |sum, lobe| sum + lobe.weight)
+                    };
+                    near("delta lobes", sum(&specular), specular(&bsdf));
+                    let mean = |bsdf: &Bsdf| bsdf.mean_f(wo).unwrap_or(Rgb::ZERO);
+                    near("mean of f", sum(&mean), mean(&bsdf));
+                }
+            }
+            // A part has the densities of its own samples.
+            for (part, alone) in alone.iter().filter_map(|(part, alone)| Some((part, alone.as_ref()?))) {
+                for _ in 0..200 {
+                    let [a, b, c, d] = rng.next_4d();
+                    let wo: Vec3 = warps::cosine_hemisphere([a, d]);
+                    let Some(sample) = alone.sample(wo, [a, b, c], MODE).filter(|sample| !sample.is_specular()) else {
+                        continue;
+                    };
+                    let pdf = alone.pdf(wo, sample.wi);
+                    assert!((sample.pdf - pdf).abs() <= 2e-3 * pdf, "{name}, {part:?}: {} {pdf}", sample.pdf);
+                    let weight = alone.f(wo, sample.wi, MODE) * (sample.wi.z.abs() / pdf);
+                    let error = (weight - sample.weight).to_f64().abs().max_element();
+                    assert!(error <= 5e-3 * f64::from(weight.max_element()), "{name}, {part:?}: {weight:?}");
+                }
+            }
+        }
+    }
+}

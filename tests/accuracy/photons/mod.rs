@@ -7,6 +7,7 @@ mod density;
 mod edges;
 mod flux;
 mod lamps;
+mod materials;
 mod odd;
 mod passes;
 mod rooms;
@@ -37,6 +38,7 @@ pub fn cases() -> Vec<Entry> {
         shadows::cases(),
         lamps::cases(),
         rooms::cases(),
+        materials::cases(),
         water::cases(),
         odd::cases(),
         passes::cases(),
