@@ -1,0 +1,54 @@
+//! Keys of materials that consist of others, and of the black one.
+
+use super::super::builder::Builder;
+use super::super::json::join;
+use super::super::{BsdfDesc, validate};
+use super::{Kind, material};
+use crate::Result;
+
+material!(
+    /// Absorbs everything.
+    Black, Black, {
+});
+
+material!(
+    /// Two materials, mixed.
+    Mix, Mix, {
+    /// Names of two materials that come before this one.
+    materials: [String; 2],
+    /// Share of the second, in [0, 1]. Default 0.5.
+    weight: Option<f64>,
+});
+
+material!(
+    /// Different materials on the two sides of a surface.
+    TwoSided, TwoSided, {
+    /// Name of the material on the normal's side, which comes before this one and does not transmit light.
+    front: String,
+    /// Name of the material on the other side.
+    back: String,
+});
+
+impl Kind for Black {
+    fn bsdf(&self, _: &str, _: &Builder<'_>) -> Result<BsdfDesc> {
+        Ok(BsdfDesc::Black)
+    }
+}
+
+impl Kind for Mix {
+    fn bsdf(&self, path: &str, builder: &Builder<'_>) -> Result<BsdfDesc> {
+        let at = |key: &str| join(path, key);
+        let [first, second] = &self.materials;
+        let materials = [builder.material(&at("materials[0]"), first)?, builder.material(&at("materials[1]"), second)?];
+        let weight = validate::within(&at("weight"), self.weight.unwrap_or(0.5), 0.0, 1.0)?;
+        Ok(BsdfDesc::Mix { materials, weight })
+    }
+}
+
+impl Kind for TwoSided {
+    fn bsdf(&self, path: &str, builder: &Builder<'_>) -> Result<BsdfDesc> {
+        let front = builder.material(&join(path, "front"), &self.front)?;
+        let back = builder.material(&join(path, "back"), &self.back)?;
+        Ok(BsdfDesc::TwoSided { front, back })
+    }
+}

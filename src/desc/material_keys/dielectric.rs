@@ -1,0 +1,128 @@
+//! Keys of dielectrics: glass, smooth or rough, thin sheets of it, and coats of it over diffuse surfaces.
+
+use super::super::builder::Builder;
+use super::super::json::{Whole, join};
+use super::super::{BsdfDesc, MediumDesc, material_check, validate};
+use super::{Kind, color, material};
+use crate::spectrum::Rgb;
+use crate::{Error, Result};
+
+material!(
+    /// Clear glass, water and the like, smooth or rough.
+    #[serde(rename_all = "camelCase")]
+    Refractive, Refractive, facets, {
+    /// Index of refraction inside, > 0.
+    refraction_index: f64,
+    /// Index of refraction outside, > 0. Default 1. In a scene with `absorption`, `transmittance` or `priority` it only counts
+    /// where the body lies in no other medium.
+    exterior_index: Option<f64>,
+    /// Absorption coefficient inside, 1 / scene unit, 0 or more per channel. Default [0, 0, 0].
+    absorption: Option<[f64; 3]>,
+    /// Instead of `absorption`: the share of light that is left after `transmittanceDistance`, above 0 and up to 1 per channel.
+    transmittance: Option<[f64; 3]>,
+    /// The distance after which `transmittance` is left, > 0.
+    transmittance_distance: Option<f64>,
+    /// Which medium fills the overlap of bodies: the one with the larger priority. Default 0.
+    priority: Option<Whole>,
+    /// Whether light that facets scatter more than once is made up for. Default true, except with `v-cavity`.
+    multiple_scattering: Option<bool>,
+});
+
+material!(
+    /// A thin sheet of clear or tinted glass.
+    #[serde(rename_all = "camelCase")]
+    ThinRefractive, ThinRefractive, {
+    /// Index of refraction of the sheet, > 0.
+    refraction_index: f64,
+    /// Index of refraction around it, > 0. Default 1.
+    exterior_index: Option<f64>,
+    /// What is left of light that crossed the sheet once along its normal, [0, 1] per channel. Default [1, 1, 1].
+    transmittance: Option<[f64; 3]>,
+});
+
+material!(
+    /// A diffuse surface under a clear coat, such as plastic.
+    #[serde(rename_all = "camelCase")]
+    CoatedDiffuse, CoatedDiffuse, facets, {
+    /// Albedo of the diffuse surface, [0, 1] per channel.
+    color: [f64; 3],
+    /// Index of refraction of the coat, > 0. Default 1.5.
+    refraction_index: Option<f64>,
+    /// Index of refraction outside, > 0. Default 1.
+    exterior_index: Option<f64>,
+});
+
+impl Kind for Refractive {
+    fn bsdf(&self, path: &str, _: &Builder<'_>) -> Result<BsdfDesc> {
+        let [ior, exterior_ior] = indices(path, self.refraction_index, self.exterior_index)?;
+        let microfacets = self.facet_keys(self.multiple_scattering).read(path)?;
+        let rough = BsdfDesc::RoughDielectric { ior, exterior_ior, microfacets };
+        if microfacets.roughness == 0.0 {
+            material_check::check(path, &rough, None, &[])?;
+            return Ok(BsdfDesc::Dielectric { ior, exterior_ior });
+        }
+        Ok(rough)
+    }
+
+    fn medium(&self, path: &str) -> Result<Option<MediumDesc>> {
+        medium(self, path)
+    }
+}
+
+impl Kind for ThinRefractive {
+    fn bsdf(&self, path: &str, _: &Builder<'_>) -> Result<BsdfDesc> {
+        let [ior, exterior_ior] = indices(path, self.refraction_index, self.exterior_index)?;
+        let transmittance = color(&join(path, "transmittance"), self.transmittance, 1.0)?;
+        Ok(BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance })
+    }
+}
+
+impl Kind for CoatedDiffuse {
+    fn bsdf(&self, path: &str, _: &Builder<'_>) -> Result<BsdfDesc> {
+        let [ior, exterior_ior] = indices(path, self.refraction_index.unwrap_or(1.5), self.exterior_index)?;
+        let microfacets = self.facet_keys(Some(false)).read(path)?;
+        let albedo = validate::reflectance(&join(path, "color"), self.color)?;
+        Ok(BsdfDesc::CoatedDiffuse { albedo, ior, exterior_ior, microfacets })
+    }
+}
+
+/// The medium inside a body of glass; `None` where no key says anything of it.
+fn medium(glass: &Refractive, path: &str) -> Result<Option<MediumDesc>> {
+    let at = |key: &str| join(path, key);
+    let absorption = match (glass.absorption, glass.transmittance, glass.transmittance_distance) {
+        (Some(_), Some(_), _) => {
+            let message = "the absorption is given twice, expected `absorption` or `transmittance`";
+            return Err(Error::invalid(at("transmittance"), message));
+        }
+        (Some(absorption), None, None) => Some(validate::absorption(&at("absorption"), absorption)?),
+        (None, Some(share), Some(distance)) => {
+            Some(validate::transmittance([&at("transmittance"), &at("transmittanceDistance")], share, distance)?)
+        }
+        (None, Some(_), None) => {
+            return Err(Error::invalid(path, "missing key `transmittanceDistance`, which `transmittance` needs"));
+        }
+        (_, None, Some(_)) => {
+            return Err(Error::invalid(
+                at("transmittanceDistance"),
+                "only a material with `transmittance` has this key",
+            ));
+        }
+        (None, None, None) => None,
+    };
+    let priority = match glass.priority {
+        None => None,
+        Some(priority) => Some(validate::whole(&at("priority"), priority, 0, u32::MAX.into())?),
+    };
+    if absorption.is_none() && priority.is_none() {
+        return Ok(None);
+    }
+    Ok(Some(MediumDesc { absorption: absorption.unwrap_or(Rgb::ZERO), priority: priority.unwrap_or(0) }))
+}
+
+/// The indices of refraction inside and outside.
+fn indices(path: &str, inside: f64, outside: Option<f64>) -> Result<[f32; 2]> {
+    Ok([
+        validate::positive(&join(path, "refractionIndex"), inside)? as f32,
+        validate::positive(&join(path, "exteriorIndex"), outside.unwrap_or(1.0))? as f32,
+    ])
+}

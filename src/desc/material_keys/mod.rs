@@ -1,0 +1,190 @@
+//! Reads materials of the native format, a file for each family.
+
+mod combined;
+mod dielectric;
+mod diffuse;
+mod facets;
+mod metal;
+mod principled;
+
+use serde::de::DeserializeOwned;
+use serde_json::value::RawValue;
+
+use super::builder::Builder;
+use super::json;
+use super::{BsdfDesc, MaterialDesc, MediumDesc, material_check, validate};
+use crate::Result;
+use crate::spectrum::Rgb;
+
+#[cfg(feature = "schema")]
+pub(super) use combined::{Black, Mix, TwoSided};
+#[cfg(feature = "schema")]
+pub(super) use dielectric::{CoatedDiffuse, Refractive, ThinRefractive};
+#[cfg(feature = "schema")]
+pub(super) use diffuse::{Diffuse, DiffuseTransmission, Sheen};
+#[cfg(feature = "schema")]
+pub(super) use metal::{Conductor, Reflective};
+#[cfg(feature = "schema")]
+pub(super) use principled::Principled;
+
+/// Declares the keys of one kind of material, after those that all kinds share: `material!(Name, Tag, { keys })`, or
+/// `material!(Name, Tag, facets, { keys })` for a kind with the keys of facets as well.
+macro_rules! material {
+    ($(#[$meta:meta])* $name:ident, $tag:ident, facets, { $($keys:tt)* }) => {
+        material! {
+            $(#[$meta])* $name, $tag, {
+                $($keys)*
+                /// Perceptual roughness in [0, 1]; its square is the width alpha of the facets. Default 0, a smooth surface.
+                roughness: Option<f64>,
+                /// How much narrower facets are spread across the tangent than along it, in [0, 0.99]. Default 0.
+                anisotropy: Option<f64>,
+                /// Angle from the tangent to the direction of the larger spread, degrees. Default 0.
+                rotation: Option<f64>,
+                /// `ggx` (default) or `beckmann`.
+                #[serde(default, deserialize_with = "crate::desc::json::name")]
+                distribution: Option<super::facets::FacetDistribution>,
+                /// `smith` (default), `smith-separable` or `v-cavity`.
+                #[serde(default, deserialize_with = "crate::desc::json::name")]
+                masking: Option<super::facets::FacetMasking>,
+            }
+        }
+
+        impl $name {
+            fn facet_keys(&self, multiple_scattering: Option<bool>) -> super::facets::FacetKeys {
+                super::facets::FacetKeys {
+                    numbers: [self.roughness, self.anisotropy, self.rotation],
+                    distribution: self.distribution,
+                    masking: self.masking,
+                    multiple_scattering,
+                }
+            }
+        }
+    };
+    ($(#[$meta:meta])* $name:ident, $tag:ident, { $($keys:tt)* }) => {
+        #[derive(serde::Deserialize)]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+        #[serde(deny_unknown_fields)]
+        $(#[$meta])*
+        pub(in crate::desc) struct $name {
+            name: String,
+            #[serde(rename = "type")]
+            _type: super::tags::$tag,
+            $($keys)*
+        }
+
+        impl super::Shared for $name {
+            fn shared(self) -> super::SharedKeys {
+                super::SharedKeys { name: self.name }
+            }
+        }
+    };
+}
+use material;
+
+/// The values of `type`, one type each so that the schema ties keys to kinds.
+mod tags {
+    macro_rules! tags {
+        ($($tag:ident)*) => {$(
+            #[derive(serde::Deserialize)]
+            #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+            #[serde(rename_all = "kebab-case")]
+            pub(in crate::desc) enum $tag {
+                $tag,
+            }
+        )*};
+    }
+    tags!(Diffuse Reflective Refractive Black ThinRefractive CoatedDiffuse Sheen DiffuseTransmission Mix TwoSided);
+    tags!(Principled);
+
+    /// Kinds of metals.
+    #[derive(serde::Deserialize)]
+    #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+    #[serde(rename_all = "kebab-case")]
+    pub(in crate::desc) enum Metal {
+        /// Today's microfacet model.
+        Conductor,
+        /// Torrance and Sparrow 1967: facets in symmetric grooves.
+        TorranceSparrow,
+        /// Cook and Torrance 1982: Beckmann's facets in symmetric grooves.
+        CookTorrance,
+    }
+}
+
+/// The keys that all kinds of materials have.
+struct SharedKeys {
+    name: String,
+}
+
+trait Shared {
+    fn shared(self) -> SharedKeys;
+}
+
+/// The keys of one kind of material.
+trait Kind: Shared + DeserializeOwned {
+    /// The scattering model. `builder` finds the materials that this one names.
+    fn bsdf(&self, path: &str, builder: &Builder<'_>) -> Result<BsdfDesc>;
+
+    /// The stated probability of survival.
+    fn survival(&self, _path: &str) -> Result<Option<f32>> {
+        Ok(None)
+    }
+
+    /// The medium inside.
+    fn medium(&self, _path: &str) -> Result<Option<MediumDesc>> {
+        Ok(None)
+    }
+}
+
+/// The kinds of materials, by `type`.
+const KINDS: [&str; 14] = [
+    "diffuse",
+    "reflective",
+    "refractive",
+    "black",
+    "conductor",
+    "torrance-sparrow",
+    "cook-torrance",
+    "thin-refractive",
+    "coated-diffuse",
+    "sheen",
+    "diffuse-transmission",
+    "principled",
+    "mix",
+    "two-sided",
+];
+
+/// Reads one of `materials`.
+pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
+    match json::tag(raw, path, "type", &KINDS)?.as_str() {
+        "diffuse" => add::<diffuse::Diffuse>(raw, path, builder),
+        "reflective" => add::<metal::Reflective>(raw, path, builder),
+        "refractive" => add::<dielectric::Refractive>(raw, path, builder),
+        "conductor" | "torrance-sparrow" | "cook-torrance" => add::<metal::Conductor>(raw, path, builder),
+        "thin-refractive" => add::<dielectric::ThinRefractive>(raw, path, builder),
+        "coated-diffuse" => add::<dielectric::CoatedDiffuse>(raw, path, builder),
+        "sheen" => add::<diffuse::Sheen>(raw, path, builder),
+        "diffuse-transmission" => add::<diffuse::DiffuseTransmission>(raw, path, builder),
+        "principled" => add::<principled::Principled>(raw, path, builder),
+        "mix" => add::<combined::Mix>(raw, path, builder),
+        "two-sided" => add::<combined::TwoSided>(raw, path, builder),
+        _ => add::<combined::Black>(raw, path, builder),
+    }
+}
+
+fn add<K: Kind>(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
+    let keys: K = json::object(raw, path)?;
+    let medium = keys.medium(path)?;
+    let bsdf = keys.bsdf(path, builder)?;
+    let survival = keys.survival(path)?;
+    material_check::check(path, &bsdf, survival, &builder.scene.materials)?;
+    if let Some(medium) = medium {
+        material_check::medium(path, &bsdf, medium)?;
+    }
+    let SharedKeys { name } = keys.shared();
+    builder.scene.put_material(MaterialDesc { name, path: path.to_owned(), bsdf, survival, medium }).map(|_| ())
+}
+
+/// A colour with a default for all channels.
+fn color(path: &str, value: Option<[f64; 3]>, default: f64) -> Result<Rgb> {
+    validate::reflectance(path, value.unwrap_or([default; 3]))
+}
