@@ -48,8 +48,7 @@ fn scene(mesh: MeshDesc) -> SceneDesc {
         name: name.to_owned(),
         path: String::new(),
         bsdf: BsdfDesc::Lambert { albedo: Rgb::splat(0.5) },
-        survival: None,
-        medium: None,
+        ..MaterialDesc::default()
     };
     SceneDesc {
         camera: CameraDesc::Perspective {

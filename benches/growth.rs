@@ -84,8 +84,7 @@ fn room(triangles: usize) -> SceneDesc {
         name: "wall".into(),
         path: "materials.wall".into(),
         bsdf: BsdfDesc::Lambert { albedo: Rgb::splat(0.6) },
-        survival: None,
-        medium: None,
+        ..MaterialDesc::default()
     });
     desc.meshes.push(landscape(triangles).into());
     let mut add = |shape, emission| {

@@ -69,8 +69,7 @@ fn hall(lights: u32) -> SceneDesc {
             name: name.into(),
             path: format!("materials.{name}"),
             bsdf: BsdfDesc::Lambert { albedo: Rgb::from(albedo) },
-            survival: None,
-            medium: None,
+            ..MaterialDesc::default()
         });
     }
     add_box(&mut desc, DVec3::ZERO, SIZE, 0);

@@ -38,8 +38,7 @@ fn add(desc: &mut SceneDesc, shape: ShapeDesc, albedo: f32, emission: Option<Rgb
         name: String::new(),
         path: String::new(),
         bsdf: BsdfDesc::Lambert { albedo: Rgb::splat(albedo) },
-        survival: None,
-        medium: None,
+        ..MaterialDesc::default()
     });
     let local = DAffine3::IDENTITY;
     let path = String::new();

@@ -49,7 +49,8 @@
     {sizeof(etd_camera), ETD_CAMERA_PERSPECTIVE, ETD_FOV_HORIZONTAL, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90}
 #define ETD_MATERIAL_INIT \
     {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0, {0, 0, 0}, 0, 0, 0, \
-     ETD_DISTRIBUTION_GGX, ETD_MASKING_SMITH, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 1, 1}, 0, 0, 0.5f, NULL}
+     ETD_DISTRIBUTION_GGX, ETD_MASKING_SMITH, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 1, 1}, 0, 0, 0.5f, NULL, 1, \
+     {0, 0, 0}}
 #define ETD_PRINCIPLED_INIT \
     {sizeof(etd_principled), 1, {0.8f, 0.8f, 0.8f}, 0, 0, 1, {1, 1, 1}, 0.3f, 0, 0, 1.5f, 0, {1, 1, 1}, 0, {1, 1, 1}, 0, 0, \
      1.6f, 1, 0, {1, 1, 1}, 0.5f, 0, 0, 0}
@@ -1760,6 +1761,16 @@ typedef struct etd_material {
      * `etd_scene_get_material` sets the pointer to NULL; `etd_scene_get_principled` returns the parameters.
      */
     const struct etd_principled *principled;
+    /**
+     * Probability with which a ray meets a surface of the material, in [0, 1]; other rays pass straight on. 0 means 1, and -1
+     * stands for 0. A material that emits light is opaque.
+     */
+    float opacity;
+    /**
+     * Emitted radiance on the normal's side [W m^-2 sr^-1], each channel >= 0, of all surfaces of the material that have no
+     * emission of their own. Three zeros: none. Quadrics and disks cannot have a material that emits.
+     */
+    float emission[3];
 } etd_material;
 
 /**
@@ -2663,17 +2674,19 @@ etd_status etd_scene_set_surface_material(struct etd_scene *scene,
 
 /**
  * Sets the radiance that a surface emits [W m^-2 sr^-1]. `radiance`: three numbers >= 0; NULL or three zeros for a surface
- * that does not emit. Thread-safe.
+ * that has no emission of its own. Thread-safe.
  */
 etd_status etd_scene_set_emission(struct etd_scene *scene,
                                   uint32_t surface,
                                   const float *radiance);
 
 /**
- * Returns material, emission and transform of a surface as described now. It is an error if the surface was removed.
+ * Returns material, own emission and transform of a surface as described now. It is an error if the surface was removed.
  * Thread-safe.
  */
-etd_status etd_scene_get_surface(const struct etd_scene *scene, uint32_t surface, struct etd_surface *out_surface);
+etd_status etd_scene_get_surface(const struct etd_scene *scene,
+                                 uint32_t surface,
+                                 struct etd_surface *out_surface);
 
 /**
  * Returns the number of the material with a name. Thread-safe.

@@ -65,8 +65,7 @@ fn scene(mesh: MeshDesc, smooth: bool, emission: Option<Rgb>) -> SceneDesc {
             name: String::new(),
             path: String::new(),
             bsdf: BsdfDesc::Black,
-            survival: None,
-            medium: None,
+            ..MaterialDesc::default()
         }],
         meshes: vec![Arc::new(mesh)],
         surfaces: vec![SurfaceDesc {

@@ -58,7 +58,8 @@ const INITIALISERS: &str = r"/** Stands for no material, no surface. */
     {sizeof(etd_camera), ETD_CAMERA_PERSPECTIVE, ETD_FOV_HORIZONTAL, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90}
 #define ETD_MATERIAL_INIT \
     {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0, {0, 0, 0}, 0, 0, 0, \
-     ETD_DISTRIBUTION_GGX, ETD_MASKING_SMITH, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 1, 1}, 0, 0, 0.5f, NULL}
+     ETD_DISTRIBUTION_GGX, ETD_MASKING_SMITH, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 1, 1}, 0, 0, 0.5f, NULL, 1, \
+     {0, 0, 0}}
 #define ETD_PRINCIPLED_INIT \
     {sizeof(etd_principled), 1, {0.8f, 0.8f, 0.8f}, 0, 0, 1, {1, 1, 1}, 0.3f, 0, 0, 1.5f, 0, {1, 1, 1}, 0, {1, 1, 1}, 0, 0, \
      1.6f, 1, 0, {1, 1, 1}, 0.5f, 0, 0, 0}

@@ -11,6 +11,7 @@ use super::read;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
 use super::types::{etd_camera, etd_material};
+use crate::desc::MaterialDesc;
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 
@@ -61,8 +62,8 @@ pub unsafe extern "C" fn etd_scene_add_material(
         on(scene, |scene| {
             need(out_material, "out_material")?;
             let name = optional_text(name, "name")?;
-            let (bsdf, survival, medium) = read::material(material)?;
-            let number = scene.edit(|desc| desc.add_material_with(name, bsdf, survival, medium))?;
+            let it = MaterialDesc { name: name.to_owned(), ..read::material(material)? };
+            let number = scene.edit(|desc| desc.add_material_desc(it))?;
             out_material.write(number as u32);
             Ok(())
         })
@@ -83,8 +84,8 @@ pub unsafe extern "C" fn etd_scene_set_material(
     unsafe {
         on(scene, |scene| {
             find(&scene.desc().materials, material, "material")?;
-            let (bsdf, survival, medium) = read::material(value)?;
-            scene.edit(|desc| desc.set_material_with(material as usize, bsdf, survival, medium))
+            let it = read::material(value)?;
+            scene.edit(|desc| desc.set_material_desc(material as usize, it))
         })
     }
 }
@@ -105,7 +106,7 @@ pub unsafe extern "C" fn etd_scene_get_material(
         on(scene, |scene| {
             let desc = scene.desc();
             let it = find(&desc.materials, material, "material")?;
-            write_sized(out_material, "out_material", read::material_out(&it.bsdf, it.survival, it.medium))
+            write_sized(out_material, "out_material", read::material_out(it))
         })
     }
 }

@@ -228,10 +228,11 @@ fn principled_out(it: &PrincipledDesc) -> etd_principled {
 mod tests {
     use super::*;
     use crate::capi::read::{material, material_out};
+    use crate::desc::MaterialDesc;
 
     /// The description after it went out to the host's structures and came back.
     fn back(bsdf: &BsdfDesc) -> BsdfDesc {
-        let mut it = material_out(bsdf, None, None);
+        let mut it = material_out(&MaterialDesc { bsdf: *bsdf, ..MaterialDesc::default() });
         assert!(it.principled.is_null());
         let parameters;
         if let BsdfDesc::Principled(desc) = bsdf {
@@ -239,7 +240,7 @@ mod tests {
             it.principled = &raw const parameters;
         }
         // SAFETY: both structures live and have their sizes.
-        unsafe { material(&raw const it) }.unwrap().0
+        unsafe { material(&raw const it) }.unwrap().bsdf
     }
 
     #[test]
@@ -317,8 +318,22 @@ mod tests {
     }
 
     #[test]
+    fn opacity_and_emission_are_the_same_after_a_round_trip() {
+        for (opacity, emission) in [(1.0, None), (0.25, None), (0.0, None), (1.0, Some(Rgb::new(0.0, 2.0, 3.0)))] {
+            let desc = MaterialDesc { opacity, emission, ..MaterialDesc::default() };
+            let it = material_out(&desc);
+            // SAFETY: the structure lives and has its size.
+            assert_eq!(unsafe { material(&raw const it) }.unwrap(), desc);
+        }
+        // What a program sends that knows neither is opaque and dark.
+        let old = etd_material { opacity: 0.0, ..material_out(&MaterialDesc::default()) };
+        // SAFETY: as above.
+        assert_eq!(unsafe { material(&raw const old) }.unwrap(), MaterialDesc::default());
+    }
+
+    #[test]
     fn grooves_always_scatter_once() {
-        let mut it = material_out(&BsdfDesc::Black, None, None);
+        let mut it = material_out(&MaterialDesc::default());
         (it.masking, it.single_scattering) = (ETD_MASKING_V_CAVITY.number(), 0);
         assert!(!facets(&it).unwrap().multiple_scattering);
     }

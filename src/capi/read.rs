@@ -6,8 +6,8 @@ use super::status::{Failure, Result};
 use super::types::*;
 use crate::Error;
 use crate::desc::{
-    BsdfDesc, CacheDesc, CacheSource, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, KernelDesc, MediumDesc,
-    PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
+    BsdfDesc, CacheDesc, CacheSource, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, KernelDesc, MaterialDesc,
+    MediumDesc, PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
 };
 use crate::film::ErrorMeasure;
 use crate::math::{DAffine3, DMat3, DVec3};
@@ -81,7 +81,7 @@ pub(super) fn camera_out(camera: &CameraDesc) -> etd_camera {
 
 /// # Safety
 /// The contract of [`read_sized`], for the structure and for the principled parameters that it points to.
-pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc, Option<f32>, Option<MediumDesc>)> {
+pub(super) unsafe fn material(pointer: *const etd_material) -> Result<MaterialDesc> {
     // SAFETY: the caller keeps this function's contract.
     let it = unsafe { read_sized(pointer, "material") }?;
     if it.reserved != 0 {
@@ -124,12 +124,19 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<(BsdfDesc,
     };
     let medium = MediumDesc { absorption: Rgb::from_array(it.absorption), priority: it.priority };
     let has_medium = bsdf.interior().is_some() && medium != MediumDesc::default();
-    Ok((bsdf, (it.survival != 0.0).then_some(it.survival), has_medium.then_some(medium)))
+    Ok(MaterialDesc {
+        bsdf,
+        survival: given(it.survival),
+        medium: has_medium.then_some(medium),
+        opacity: if it.opacity == -1.0 { 0.0 } else { given(it.opacity).unwrap_or(1.0) },
+        emission: emission(it.emission),
+        ..MaterialDesc::default()
+    })
 }
 
 /// Converts a material to the host's structure.
-pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>, medium: Option<MediumDesc>) -> etd_material {
-    let medium = medium.unwrap_or_default();
+pub(super) fn material_out(material: &MaterialDesc) -> etd_material {
+    let medium = material.medium.unwrap_or_default();
     let mut it = etd_material {
         struct_size: size_of::<etd_material>(),
         bsdf: ETD_BSDF_BLACK.number(),
@@ -138,7 +145,7 @@ pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>, medium: Optio
         sigma_deg: 0.0,
         ior: 0.0,
         exterior_ior: 0.0,
-        survival: survival.unwrap_or(0.0),
+        survival: material.survival.unwrap_or(0.0),
         reserved: 0,
         absorption: medium.absorption.to_array(),
         priority: medium.priority,
@@ -155,8 +162,10 @@ pub(super) fn material_out(bsdf: &BsdfDesc, survival: Option<f32>, medium: Optio
         second: 0,
         weight: 0.0,
         principled: std::ptr::null(),
+        opacity: if material.opacity == 0.0 { -1.0 } else { material.opacity },
+        emission: emission_out(material.emission),
     };
-    let model = match *bsdf {
+    let model = match material.bsdf {
         BsdfDesc::Black => ETD_BSDF_BLACK,
         BsdfDesc::Lambert { albedo } => {
             it.color = albedo.to_array();
@@ -243,6 +252,11 @@ pub(super) fn transform_out(transform: &DAffine3) -> [f64; 12] {
 /// Reads an emission; three zeros stand for none.
 pub(super) fn emission(radiance: [f32; 3]) -> Option<Rgb> {
     (radiance != [0.0; 3]).then(|| Rgb::from_array(radiance))
+}
+
+/// Converts an emission to the host's field.
+pub(super) fn emission_out(emission: Option<Rgb>) -> [f32; 3] {
+    emission.map_or([0.0; 3], |radiance| radiance.to_array())
 }
 
 /// Reads the render settings of a description from options. Time limit, target error and callbacks are no part of them.

@@ -285,7 +285,7 @@ pub unsafe extern "C" fn etd_scene_set_surface_material(
 }
 
 /// Sets the radiance that a surface emits [W m^-2 sr^-1]. `radiance`: three numbers >= 0; NULL or three zeros for a surface
-/// that does not emit. Thread-safe.
+/// that has no emission of its own. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -305,7 +305,7 @@ pub unsafe extern "C" fn etd_scene_set_emission(
     }
 }
 
-/// Returns material, emission and transform of a surface as described now. It is an error if the surface was removed.
+/// Returns material, own emission and transform of a surface as described now. It is an error if the surface was removed.
 /// Thread-safe.
 ///
 /// # Safety
@@ -327,7 +327,7 @@ pub unsafe extern "C" fn etd_scene_get_surface(
             let value = etd_surface {
                 struct_size: size_of::<etd_surface>(),
                 material: it.material as u32,
-                emission: it.emission.map_or([0.0; 3], |emission| emission.to_array()),
+                emission: read::emission_out(it.emission),
                 transform: read::transform_out(&it.transform),
             };
             write_sized(out_surface, "out_surface", value)

@@ -58,47 +58,47 @@ impl SceneDesc {
     /// [`crate::ErrorKind::InvalidScene`] at `materials[..]`: `.name` if it is taken, `.color`, `.roughness`,
     /// `.sigmaDeg`, `.refractionIndex`, `.exteriorIndex` or `.reflectionRate` if it is out of range.
     pub fn add_material(&mut self, name: &str, bsdf: BsdfDesc, survival: Option<f32>) -> Result<usize> {
-        self.add_material_with(name, bsdf, survival, None)
+        let name = name.to_owned();
+        self.add_material_desc(MaterialDesc { name, bsdf, survival, ..MaterialDesc::default() })
     }
 
-    /// [`Self::add_material`] and [`Self::set_medium`] in one call.
-    pub(crate) fn add_material_with(
-        &mut self,
-        name: &str,
-        bsdf: BsdfDesc,
-        survival: Option<f32>,
-        medium: Option<MediumDesc>,
-    ) -> Result<usize> {
-        let path = format!("materials[{}]", self.materials.len());
-        material_check::check(&path, &bsdf, survival, &self.materials)?;
-        if let Some(medium) = medium {
-            material_check::medium(&path, &bsdf, medium)?;
-        }
-        let material = MaterialDesc { name: name.to_owned(), path, bsdf, survival, medium };
-        if name.is_empty() {
+    /// Adds a material with all that a file can say of it, and returns its number. Its `path` is not read.
+    ///
+    /// # Errors
+    /// The errors are those of [`Self::add_material`] and [`Self::set_medium`], and [`crate::ErrorKind::InvalidScene`] at
+    /// `materials[..]`: `.opacity` or `.emission[..]` for a number out of range, `.opacity` for a material that emits light and
+    /// is not opaque.
+    pub fn add_material_desc(&mut self, mut material: MaterialDesc) -> Result<usize> {
+        material.path = format!("materials[{}]", self.materials.len());
+        self.put_any(material)
+    }
+
+    /// Checks a material and adds it, under its name if it has one.
+    fn put_any(&mut self, mut material: MaterialDesc) -> Result<usize> {
+        material_check::check(&mut material, &self.materials)?;
+        if material.name.is_empty() {
             self.materials.push(material);
             return Ok(self.materials.len() - 1);
         }
         self.put_material(material)
     }
 
-    /// Changes a material. The material keeps its name, and loses its medium.
+    /// Changes a material. The material keeps its name, and loses its medium, its opacity and its emission.
     ///
     /// # Errors
     /// The errors are those of [`Self::add_material`], and an error for a number that no material has or that is the number
     /// of the black material that surfaces without a material share.
     pub fn set_material(&mut self, material: usize, bsdf: BsdfDesc, survival: Option<f32>) -> Result<()> {
-        self.set_material_with(material, bsdf, survival, None)
+        self.set_material_desc(material, MaterialDesc { bsdf, survival, ..MaterialDesc::default() })
     }
 
-    /// [`Self::set_material`] and [`Self::set_medium`] in one call.
-    pub(crate) fn set_material_with(
-        &mut self,
-        material: usize,
-        bsdf: BsdfDesc,
-        survival: Option<f32>,
-        medium: Option<MediumDesc>,
-    ) -> Result<()> {
+    /// Changes all of a material but its name and path, which are not read. Where a material becomes an emitter or loses its
+    /// opacity, the time grows with the number of surfaces.
+    ///
+    /// # Errors
+    /// The errors are those of [`Self::add_material_desc`] and [`Self::set_material`]; an error at `materials[..].emission` for a
+    /// material of a surface that cannot emit, and at `materials[..].opacity` for that of a surface with an emission.
+    pub fn set_material_desc(&mut self, material: usize, to: MaterialDesc) -> Result<()> {
         if self.black() == Some(material) {
             let message = "this is what surfaces without a material share, it stays black";
             return Err(Error::invalid(format!("materials[{material}]"), message));
@@ -107,28 +107,29 @@ impl SceneDesc {
         let Some(known) = self.materials.get(material) else {
             return Err(none_such(&format!("materials[{material}]"), "material", material, count));
         };
-        material_check::check(&known.path, &bsdf, survival, &self.materials[..material])?;
-        if let Some(medium) = medium {
-            material_check::medium(&known.path, &bsdf, medium)?;
+        let mut to = MaterialDesc { name: known.name.clone(), path: known.path.clone(), ..to };
+        material_check::check(&mut to, &self.materials[..material])?;
+        if to.emission.is_some() && known.emission.is_none() || !to.is_opaque() && known.is_opaque() {
+            for user in self.surfaces.iter().filter(|surface| !surface.hidden && surface.material == material) {
+                validate::look(&user.path, user.emission, &to, &user.shape, &user.to_world()).map_err(|error| {
+                    let key = if to.emission.is_some() { "emission" } else { "opacity" };
+                    let message = format!("{} cannot have this material: {}", user.path, error.message());
+                    Error::new(error.kind(), message).at(join(&to.path, key))
+                })?;
+            }
         }
-        let before = (known.bsdf, known.survival, known.medium);
-        self.set_model(material, (bsdf, survival, medium));
+        let before = std::mem::replace(&mut self.materials[material], to);
         // Materials that name this one have conditions of their own.
         let names_others = |bsdf: &BsdfDesc| matches!(bsdf, BsdfDesc::Mix { .. } | BsdfDesc::TwoSided { .. });
         let mut later = (material + 1..count).filter(|later| names_others(&self.materials[*later].bsdf));
         let checked = later.try_for_each(|later| {
             let it = &self.materials[later];
-            material_check::check(&it.path, &it.bsdf, it.survival, &self.materials[..later])
+            material_check::model(&it.path, &it.bsdf, &self.materials[..later])
         });
         if checked.is_err() {
-            self.set_model(material, before);
+            self.materials[material] = before;
         }
         checked
-    }
-
-    fn set_model(&mut self, material: usize, (bsdf, survival, medium): (BsdfDesc, Option<f32>, Option<MediumDesc>)) {
-        let known = &mut self.materials[material];
-        (known.bsdf, known.survival, known.medium) = (bsdf, survival, medium);
     }
 
     /// Sets the medium inside bodies of a material, or removes it.
@@ -277,8 +278,10 @@ impl SceneDesc {
     /// a removed surface.
     pub fn set_transform(&mut self, surface: usize, transform: DAffine3) -> Result<()> {
         let known = self.live_surface(surface)?;
-        let (shape, local, emits) = (known.shape, known.local, known.emission.is_some());
-        self.check_place(&self.surfaces[surface].path.clone(), &shape, &local, &transform, emits)?;
+        let (shape, local, material, emission) = (known.shape, known.local, known.material, known.emission);
+        let path = known.path.clone();
+        self.check_place(&path, &shape, &local, &transform)?;
+        self.check_look(&path, emission, Some(material), &shape, &(transform * local))?;
         self.surfaces[surface].transform = transform;
         Ok(())
     }
@@ -293,12 +296,14 @@ impl SceneDesc {
         let known = self.live_surface(surface)?;
         let path = known.path.clone();
         self.check_material(&path, material, known.emission.is_some())?;
+        self.check_look(&path, known.emission, material, &known.shape, &known.to_world())?;
         self.surfaces[surface].material = material.unwrap_or_else(|| self.shared_black(&path));
         Ok(())
     }
 
     /// Sets the emission of a surface: radiance [W m^-2 sr^-1] on the normal's side, each channel >= 0. `None` removes
-    /// the emission; a surface that had no material then stays black.
+    /// the emission; a surface that had no material then stays black, and one whose material emits light has the emission of
+    /// the material.
     ///
     /// # Errors
     /// At `surfaces[..].emission`, [`crate::ErrorKind::InvalidScene`] for a number out of range and
@@ -307,9 +312,7 @@ impl SceneDesc {
     pub fn set_emission(&mut self, surface: usize, emission: Option<Rgb>) -> Result<()> {
         let known = self.live_surface(surface)?;
         let emission = check_emission(&known.path, emission)?;
-        if emission.is_some() {
-            validate::emitter(&known.path, &known.shape, &known.to_world())?;
-        }
+        self.check_look(&known.path, emission, Some(known.material), &known.shape, &known.to_world())?;
         self.surfaces[surface].emission = emission;
         Ok(())
     }
@@ -373,7 +376,8 @@ impl SceneDesc {
         let emission = check_emission(path, look.emission)?;
         // An emission allows a surface without a material, even if the emission is zero.
         self.check_material(path, look.material, look.emission.is_some())?;
-        self.check_place(path, &shape, &local, &look.transform, emission.is_some())?;
+        self.check_place(path, &shape, &local, &look.transform)?;
+        self.check_look(path, emission, look.material, &shape, &(look.transform * local))?;
         let material = look.material.unwrap_or_else(|| self.shared_black(path));
         self.surfaces.push(SurfaceDesc {
             path: path.to_owned(),
@@ -398,16 +402,41 @@ impl SceneDesc {
         }
     }
 
-    /// Checks that the placement is invertible, that its coordinates fit single precision, and that the shape can emit
-    /// there if the surface has an emission.
-    fn check_place(
-        &mut self,
+    /// Checks the opacity and emission of every material, and that they agree with the surfaces, for a description that is put
+    /// together by hand. Materials of surfaces must exist.
+    pub(crate) fn check_looks(&self) -> Result<()> {
+        for (number, material) in self.materials.iter().enumerate() {
+            if material.emission.is_some() || !material.is_opaque() {
+                material_check::check(&mut material.clone(), &self.materials[..number])?;
+            }
+        }
+        for surface in self.surfaces.iter().filter(|surface| !surface.hidden) {
+            let material = &self.materials[surface.material];
+            if material.emission.is_some() || !material.is_opaque() {
+                validate::look(&surface.path, surface.emission, material, &surface.shape, &surface.to_world())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that the shape can emit where the surface or its material emits, and that what emits is opaque.
+    fn check_look(
+        &self,
         path: &str,
+        emission: Option<Rgb>,
+        material: Option<usize>,
         shape: &ShapeDesc,
-        local: &DAffine3,
-        transform: &DAffine3,
-        emits: bool,
+        to_world: &DAffine3,
     ) -> Result<()> {
+        match material.and_then(|material| self.materials.get(material)) {
+            Some(material) => validate::look(path, emission, material, shape, to_world),
+            None if emission.is_some() => validate::emitter(path, shape, to_world),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that the placement is invertible and that its coordinates fit single precision.
+    fn check_place(&mut self, path: &str, shape: &ShapeDesc, local: &DAffine3, transform: &DAffine3) -> Result<()> {
         let to_world = *transform * *local;
         validate::invertible(path, local)?;
         if *transform != DAffine3::IDENTITY {
@@ -417,8 +446,7 @@ impl SceneDesc {
         }
         let extent =
             shape.extent(|mesh| self.meshes.get(mesh).map_or(Bounds::EMPTY, |data| self.index.extent(mesh, data)));
-        validate::extent(path, &extent, &to_world)?;
-        if emits { validate::emitter(path, shape, &to_world) } else { Ok(()) }
+        validate::extent(path, &extent, &to_world)
     }
 
     /// The number of the material that surfaces without a material share, if that material exists yet.
@@ -435,9 +463,7 @@ impl SceneDesc {
             self.materials.push(MaterialDesc {
                 name: BLACK.to_owned(),
                 path: path.to_owned(),
-                bsdf: BsdfDesc::Black,
-                survival: None,
-                medium: None,
+                ..MaterialDesc::default()
             });
             self.index.black = Some(number);
             number

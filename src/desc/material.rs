@@ -19,9 +19,35 @@ pub struct MaterialDesc {
     /// The medium inside bodies of this material; `None` for one that absorbs nothing and has priority 0. Only a
     /// [`BsdfDesc::Dielectric`] can have a medium, whose index of refraction is its `ior`.
     pub medium: Option<MediumDesc>,
+    /// The probability with which a ray meets a surface of this material, in [0, 1]; other rays pass straight on. Only materials
+    /// that are named by surfaces have an opacity, and parts of other materials have none.
+    pub opacity: f32,
+    /// Emitted radiance [W m^-2 sr^-1] on the normal's side of all surfaces of this material that have no emission of their own.
+    /// The same materials as for [`Self::opacity`] can emit, and only opaque ones.
+    pub emission: Option<Rgb>,
+}
+
+impl Default for MaterialDesc {
+    /// An opaque black material without a name.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            path: String::new(),
+            bsdf: BsdfDesc::Black,
+            survival: None,
+            medium: None,
+            opacity: 1.0,
+            emission: None,
+        }
+    }
 }
 
 impl MaterialDesc {
+    /// Whether rays meet all surfaces of this material.
+    pub fn is_opaque(&self) -> bool {
+        self.opacity >= 1.0
+    }
+
     /// Whether the material's medium absorbs or has a priority.
     pub(crate) fn uses_medium(&self) -> bool {
         self.medium.is_some_and(|medium| medium != MediumDesc::default())

@@ -1,7 +1,7 @@
 //! Checks of materials whose numbers are already in single precision.
 
-use super::json::join;
-use super::validate::{absorption, positive, reflectance, survival_rate, within};
+use super::json::{elided, join};
+use super::validate::{absorption, emission, positive, reflectance, survival_rate, within};
 use super::{BsdfDesc, ConductorDesc, Masking, MaterialDesc, MediumDesc, MicrofacetsDesc, PrincipledDesc};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
@@ -12,22 +12,40 @@ const MOST_PARTS: usize = 64;
 /// Most materials of which one names the next.
 const MOST_LEVELS: usize = 16;
 
-/// Checks a material. It may name `materials`, which come before it.
-pub(super) fn check(path: &str, bsdf: &BsdfDesc, survival: Option<f32>, materials: &[MaterialDesc]) -> Result<()> {
+/// Checks a material. It may name `materials`, which come before it. An emission without any light becomes `None`.
+pub(super) fn check(material: &mut MaterialDesc, materials: &[MaterialDesc]) -> Result<()> {
+    let MaterialDesc { path, bsdf, survival, medium: inside, .. } = &*material;
+    let at = |key: &str| join(path, key);
     model(path, bsdf, materials)?;
-    let Some(rate) = survival else { return Ok(()) };
-    let is_diffuse = matches!(
-        bsdf,
-        BsdfDesc::Lambert { .. }
-            | BsdfDesc::OrenNayarQualitative { .. }
-            | BsdfDesc::OrenNayar { .. }
-            | BsdfDesc::Eon { .. }
-    );
-    if !is_diffuse {
-        let message = "only a diffuse material has a survival probability";
-        return Err(Error::invalid(join(path, "reflectionRate"), message));
+    if let Some(rate) = *survival {
+        let is_diffuse = matches!(
+            bsdf,
+            BsdfDesc::Lambert { .. }
+                | BsdfDesc::OrenNayarQualitative { .. }
+                | BsdfDesc::OrenNayar { .. }
+                | BsdfDesc::Eon { .. }
+        );
+        if !is_diffuse {
+            let message = "only a diffuse material has a survival probability";
+            return Err(Error::invalid(at("reflectionRate"), message));
+        }
+        survival_rate(&at("reflectionRate"), rate.into())?;
     }
-    survival_rate(&join(path, "reflectionRate"), rate.into()).map(|_| ())
+    if let Some(inside) = *inside {
+        medium(path, bsdf, inside)?;
+    }
+    within(&at("opacity"), material.opacity.into(), 0.0, 1.0)?;
+    if let Some(radiance) = material.emission {
+        emission(&at("emission"), radiance.to_f64(), 1.0)?;
+        if radiance == Rgb::ZERO {
+            material.emission = None;
+        } else if !material.is_opaque() {
+            let opacity = material.opacity;
+            let message = format!("a material that emits light has an opacity of {opacity}, expected 1");
+            return Err(Error::invalid(at("opacity"), message));
+        }
+    }
+    Ok(())
 }
 
 /// Checks the medium of a material with this model.
@@ -39,7 +57,8 @@ pub(super) fn medium(path: &str, bsdf: &BsdfDesc, medium: MediumDesc) -> Result<
     absorption(&join(path, "absorption"), medium.absorption.to_f64()).map(|_| ())
 }
 
-fn model(path: &str, bsdf: &BsdfDesc, materials: &[MaterialDesc]) -> Result<()> {
+/// Checks that the numbers of a scattering model are in range, and which of `materials` it names.
+pub(super) fn model(path: &str, bsdf: &BsdfDesc, materials: &[MaterialDesc]) -> Result<()> {
     let at = |key: &str| join(path, key);
     let color = |key: &str, value: Rgb| reflectance(&at(key), value.to_f64()).map(|_| ());
     let share = |key: &str, value: f32| within(&at(key), value.into(), 0.0, 1.0).map(|_| ());
@@ -207,6 +226,17 @@ fn check_parts(path: &str, whole: &BsdfDesc, parts: &[(&str, usize)], materials:
     for (key, part) in parts {
         if *part >= materials.len() {
             let message = format!("material {part} is not one of the {} that come before this one", materials.len());
+            return Err(Error::invalid(join(path, key), message));
+        }
+    }
+    for (key, part) in parts {
+        let part = &materials[*part];
+        let has = if part.is_opaque() { "an emission" } else { "an opacity" };
+        if !part.is_opaque() || part.emission.is_some() {
+            let message = format!(
+                "the material '{}' has {has}, expected a part without: the whole material has one",
+                elided(&part.name)
+            );
             return Err(Error::invalid(join(path, key), message));
         }
     }

@@ -193,7 +193,13 @@ fn material(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()>
     }
     builder
         .scene
-        .put_material(MaterialDesc { name: material.name, path: path.to_owned(), bsdf, survival, medium: None })
+        .put_material(MaterialDesc {
+            name: material.name,
+            path: path.to_owned(),
+            bsdf,
+            survival,
+            ..MaterialDesc::default()
+        })
         .map(|_| ())
 }
 

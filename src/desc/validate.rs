@@ -1,7 +1,7 @@
 //! Checks of single values: their physical meaning, and that single precision can hold them.
 
-use super::json::{Whole, join};
-use super::{CameraDesc, MeshDesc, PointLightDesc, ShapeDesc};
+use super::json::{Whole, elided, join};
+use super::{CameraDesc, MaterialDesc, MeshDesc, PointLightDesc, ShapeDesc};
 use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
@@ -387,4 +387,32 @@ pub(super) fn emitter(path: &str, shape: &ShapeDesc, to_world: &DAffine3) -> Res
         _ => return Ok(()),
     };
     Err(Error::new(ErrorKind::Unsupported, message).at(join(path, "emission")))
+}
+
+/// Checks the emission of a surface, its own or that of its material. `to_world` is as for [`emitter`].
+pub(super) fn look(
+    path: &str,
+    emission: Option<Rgb>,
+    material: &MaterialDesc,
+    shape: &ShapeDesc,
+    to_world: &DAffine3,
+) -> Result<()> {
+    let name = elided(&material.name);
+    if emission.is_some() {
+        if !material.is_opaque() {
+            let message = format!(
+                "the material '{name}' has an opacity of {}, expected an opaque one where a surface emits light",
+                material.opacity
+            );
+            return Err(Error::invalid(join(path, "emission"), message));
+        }
+        return emitter(path, shape, to_world);
+    }
+    if material.emission.is_none() {
+        return Ok(());
+    }
+    emitter(path, shape, to_world).map_err(|error| {
+        let message = format!("the material '{name}' emits light: {}", error.message());
+        Error::new(error.kind(), message).at(join(path, "material"))
+    })
 }

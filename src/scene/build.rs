@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::assemble::{Assembly, assemble};
 use super::bindings::{SurfaceBindings, bindings, rebind_materials};
+use super::emissive::with_emission_of_materials;
 use super::material::MaterialNeeds;
 use super::media::Media;
 use super::options::BuildOptions;
@@ -58,6 +59,7 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
     let start = Instant::now();
     options.cancel.check()?;
     check_materials(desc)?;
+    let desc = &*with_emission_of_materials(desc)?;
     let device = match &options.device {
         Some(device) => device.clone(),
         None => {
@@ -79,6 +81,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
     let start = Instant::now();
     options.cancel.check()?;
     check_materials(desc)?;
+    let desc = &*with_emission_of_materials(desc)?;
     let progress = WorkProgress::by_steps(&options.cancel, options.progress.as_deref());
     let device = old.device.clone();
     let appearance = AppearanceKey::new(desc);
@@ -156,7 +159,9 @@ fn complete(
     let mut info = SceneInfo::new(desc, &bsdfs, &assembly.record, &bindings.emitters, assembly.embree.is_some());
     let warnings =
         super::info::warnings(desc, &bsdfs, &assembly.record.facts, &bindings.emitters, appearance.dark_lights());
-    let materials: Arc<[Material]> = bsdfs.into_iter().map(Material::uniform).collect();
+    let opacities = desc.materials.iter().map(|material| material.opacity);
+    let materials: Arc<[Material]> =
+        bsdfs.into_iter().zip(opacities).map(|(bsdf, opacity)| Material::uniform(bsdf).with_opacity(opacity)).collect();
     info.build_time = start.elapsed();
     let scene = Scene {
         embree: assembly.embree,

@@ -100,7 +100,17 @@ impl SceneInfo {
             decisions
                 .push(format!("paths follow the media that they are in: {media} materials absorb or have a priority"));
         }
+        let see_through = desc.materials.iter().filter(|material| !material.is_opaque()).count();
+        if see_through > 0 {
+            decisions.push(format!("rays pass surfaces by their opacity: {see_through} materials are not opaque"));
+        }
+        let lamps = desc.materials.iter().filter(|material| material.emission.is_some()).count();
+        if lamps > 0 {
+            decisions
+                .push(format!("surfaces of {lamps} materials are emitters, unless they have an emission of their own"));
+        }
         let off = [
+            (see_through == 0, "opacity"),
             (media == 0, "media"),
             (facts.listed_shapes == 0, "analytic shape list"),
             (facts.embree_shapes == 0, "user geometry"),

@@ -71,6 +71,8 @@ pub struct Material {
     /// Probability with which a path survives a bounce at this material, where Russian roulette uses the probability
     /// that the scene states.
     pub survival: Option<f32>,
+    /// The opacity everywhere, where it does not vary.
+    opacity: f32,
 }
 
 impl Material {
@@ -78,12 +80,17 @@ impl Material {
     pub fn uniform(bsdf: Bsdf) -> Self {
         let varying =
             bsdf.is_anisotropic().then(|| Arc::new(Turned { bsdf: bsdf.clone() }) as Arc<dyn VaryingMaterial>);
-        Self { bsdf, varying, survival: None }
+        Self { bsdf, varying, survival: None, opacity: 1.0 }
     }
 
     /// Makes a material that is asked at every hit.
     pub fn varying(varying: Arc<dyn VaryingMaterial>) -> Self {
-        Self { bsdf: varying.mean(), varying: Some(varying), survival: None }
+        Self { bsdf: varying.mean(), varying: Some(varying), survival: None, opacity: 1.0 }
+    }
+
+    /// The same material with this opacity, which is a factor on the opacity of a material that varies.
+    pub(super) fn with_opacity(self, opacity: f32) -> Self {
+        Self { opacity, ..self }
     }
 
     /// The same material with this probability of survival.
@@ -150,14 +157,14 @@ impl Material {
 
     /// Whether rays meet all surfaces of this material.
     pub fn is_opaque(&self) -> bool {
-        self.varying.as_ref().is_none_or(|varying| varying.is_opaque())
+        self.opacity >= 1.0 && self.varying.as_ref().is_none_or(|varying| varying.is_opaque())
     }
 
     /// The probability with which a ray meets the surface at a hit, in [0, 1].
     pub fn opacity(&self, detail: impl FnOnce() -> SurfaceDetail) -> f32 {
         match &self.varying {
-            Some(varying) if !varying.is_opaque() => varying.opacity(&detail()),
-            _ => 1.0,
+            Some(varying) if !varying.is_opaque() => self.opacity * varying.opacity(&detail()),
+            _ => self.opacity,
         }
     }
 }
@@ -179,10 +186,10 @@ pub(super) struct MaterialNeeds {
 
 impl MaterialNeeds {
     pub(super) fn of(materials: &[Material]) -> Self {
-        let varying = || materials.iter().filter_map(|material| material.varying.as_deref());
+        let mut varying = materials.iter().filter_map(|material| material.varying.as_deref());
         Self {
-            opacity: varying().any(|material| !material.is_opaque()),
-            footprints: varying().any(VaryingMaterial::asks_footprint),
+            opacity: materials.iter().any(|material| !material.is_opaque()),
+            footprints: varying.any(VaryingMaterial::asks_footprint),
         }
     }
 }

@@ -16,6 +16,7 @@ mod cost;
 mod cutout;
 mod describe;
 mod detail;
+mod emissive;
 mod faces;
 mod facets;
 mod frame;

@@ -1,5 +1,5 @@
-//! Tests of materials that vary over their surfaces. No scene description has one yet; the tests replace materials of
-//! scenes that were built.
+//! Tests of materials that vary over their surfaces. No scene description has one yet, apart from a constant opacity; the tests
+//! replace materials of scenes that were built.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;

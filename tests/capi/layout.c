@@ -302,6 +302,8 @@ static void structures(void) {
     FIELD(etd_material, second);
     FIELD(etd_material, weight);
     FIELD(etd_material, principled);
+    FIELD(etd_material, opacity);
+    FIELD(etd_material, emission);
     STRUCT(etd_principled);
     FIELD(etd_principled, struct_size);
     FIELD(etd_principled, base_weight);

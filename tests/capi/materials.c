@@ -119,6 +119,9 @@ CASE(principled) {
 CASE(mix) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_MIX; m->first = 0; m->second = 1; m->weight = 0.25f; }
 CASE(mix_default) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_MIX; m->first = 1; }
 CASE(mix_of_first) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_MIX; m->second = 1; m->weight = 0; }
+CASE(veil) { ONLY_MATERIAL; set3(m->color, 0.75f, 0.5f, 0.25f); m->opacity = 0.25f; }
+CASE(invisible) { ONLY_MATERIAL; m->opacity = -1; }
+CASE(opaque) { ONLY_MATERIAL; m->opacity = 0; }
 CASE(two_sided) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_TWO_SIDED; m->first = 1; }
 
 static const struct {
@@ -170,6 +173,9 @@ static const struct {
     {"mix", mix, "\"type\": \"mix\", \"materials\": [\"floor\", \"metal\"], \"weight\": 0.25"},
     {"mix, default", mix_default, "\"type\": \"mix\", \"materials\": [\"metal\", \"floor\"]"},
     {"mix of the first", mix_of_first, "\"type\": \"mix\", \"materials\": [\"floor\", \"metal\"], \"weight\": 0"},
+    {"veil", veil, "\"type\": \"diffuse\", \"color\": [0.75, 0.5, 0.25], \"opacity\": 0.25"},
+    {"invisible", invisible, "\"type\": \"diffuse\", \"color\": [0.5, 0.5, 0.5], \"opacity\": 0"},
+    {"opaque", opaque, "\"type\": \"diffuse\", \"color\": [0.5, 0.5, 0.5]"},
     {"two-sided", two_sided, "\"type\": \"two-sided\", \"front\": \"metal\", \"back\": \"floor\""},
 };
 
@@ -281,6 +287,34 @@ int main(void) {
         compare(found, expected, name);
         etd_scene_release(calls);
         etd_scene_release(file);
+    }
+    {
+        /* The emission of a material is that of its surfaces. */
+        const float radiance[3] = {4, 4, 4};
+        etd_material lamp = ETD_MATERIAL_INIT;
+        etd_principled unused = ETD_PRINCIPLED_INIT;
+        etd_scene *own = scene_of_file(device, "\"type\": \"black\"");
+        etd_scene *scene = scene_of_file(device, "\"type\": \"black\"");
+        uint32_t number = 0;
+        CHECK_OK(etd_scene_set_emission(own, 0, radiance));
+        set3(lamp.emission, 4, 4, 4);
+        CHECK(etd_scene_set_material(scene, 2, &lamp) == ETD_UNSUPPORTED); /* the cylinder's */
+        CHECK_OK(etd_scene_add_material(scene, "lamp", &lamp, &number));
+        CHECK(etd_scene_set_surface_material(scene, 1, number) == ETD_UNSUPPORTED);
+        CHECK_OK(etd_scene_set_surface_material(scene, 0, number));
+        memset(&lamp, 0xff, sizeof lamp);
+        lamp = read_back(scene, number, &unused);
+        CHECK(lamp.emission[0] == 4 && lamp.emission[1] == 4 && lamp.emission[2] == 4 && lamp.opacity == 1);
+        render(device, own, expected);
+        render(device, scene, found);
+        compare(found, expected, "emission");
+        lamp.opacity = 0.5f;
+        CHECK(etd_scene_set_material(scene, number, &lamp) == ETD_INVALID_SCENE);
+        lamp.opacity = 1;
+        lamp.emission[1] = -1;
+        CHECK(etd_scene_set_material(scene, number, &lamp) == ETD_INVALID_SCENE);
+        etd_scene_release(own);
+        etd_scene_release(scene);
     }
     {
         static const char *const metals[] = {"Ag", "Al", "Au", "Cr", "Cu", "Fe", "Hg", "Ir", "Ni", "Rh", "TiN", "W"};

@@ -345,6 +345,26 @@ fn renders(l: &mut List) {
 }
 
 fn materials(l: &mut List) {
+    let black = |more: &str| format!("{{\"name\": \"a\", \"type\": \"black\",\n{more}}}");
+    for (name, more, expected) in [
+        ("opacity above 1", "@\"opacity\": 1.5", "opacity: 1.5 is out of range"),
+        ("opacity negative", "@\"opacity\": -0.5", "opacity: -0.5 is out of range"),
+        ("opacity a string", "@\"opacity\": \"half\"", "opacity: invalid type: string"),
+        ("opacity an array", "@\"opacity\": [1]", "opacity: invalid type: an array"),
+        ("opacity of a lamp", "\"emission\": [1, 0, 0],\n@\"opacity\": 0.5", "opacity: a material that emits light"),
+        ("emission of a material negative", "\"emission\": [0, 1,\n@-1]", "emission[2]: -1 is negative"),
+        ("emission of a material a number", "@\"emission\": 1", "emission: invalid type: integer `1`"),
+        ("emission of a material too large", "\"emission\": [\n@1e39, 1, 1]", "emission[0]: 1e39 is beyond single"),
+    ] {
+        l.material(name, &black(more), &format!("materials[1].{expected}"));
+    }
+    for (name, more, expected) in [
+        ("mix of a veil", "\"opacity\": 0.5", "the material 'a' has an opacity"),
+        ("mix of a lamp", "\"emission\": [1, 1, 1]", "the material 'a' has an emission"),
+    ] {
+        let mix = "{\"name\": \"b\", \"type\": \"mix\", \"materials\": [\"white\",\n@\"a\"]}";
+        l.material(name, &format!("{},\n{mix}", black(more)), &format!("materials[2].materials[1]: {expected}"));
+    }
     l.material("material not an object", "@\"white\"", "materials[1]: expected an object, found a string");
     l.material("material without type", "@{\"name\": \"a\", \"color\": [1, 1, 1]}", "materials[1]: missing key `type`");
     l.material(

@@ -27,8 +27,7 @@ pub fn add(desc: &mut SceneDesc, number: usize, shape: ShapeDesc, bsdf: BsdfDesc
         name: format!("material {number}"),
         path: format!("materials[{number}]"),
         bsdf,
-        survival: None,
-        medium: None,
+        ..MaterialDesc::default()
     });
     desc.surfaces.push(SurfaceDesc {
         path: format!("surfaces[{number}]"),

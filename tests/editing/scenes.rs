@@ -119,7 +119,7 @@ pub fn surface(desc: &SceneDesc, shape: ShapeDesc, transform: DAffine3, emission
 }
 
 fn material(number: usize, bsdf: BsdfDesc) -> MaterialDesc {
-    MaterialDesc { name: format!("{number}"), path: format!("materials[{number}]"), bsdf, survival: None, medium: None }
+    MaterialDesc { name: format!("{number}"), path: format!("materials[{number}]"), bsdf, ..MaterialDesc::default() }
 }
 
 /// Everything but what a test is about: a camera, materials, a light, a lamp.

@@ -35,7 +35,7 @@ fn rebuilt(from: &SceneDesc) -> Result<SceneDesc> {
     desc.set_camera(from.camera)?;
     let is_black = |number: usize| from.materials[number].name == "(black)";
     for (number, material) in from.materials.iter().enumerate().filter(|(number, _)| !is_black(*number)) {
-        assert_eq!(desc.add_material(&material.name, material.bsdf, material.survival)?, number);
+        assert_eq!(desc.add_material_desc(material.clone())?, number);
     }
     for mesh in &from.meshes {
         desc.add_mesh(mesh.as_ref().clone())?;

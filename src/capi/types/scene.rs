@@ -186,6 +186,12 @@ pub struct etd_material {
     /// `ETD_BSDF_PRINCIPLED`: the parameters, which are read during the call only; must not be NULL for this model.
     /// `etd_scene_get_material` sets the pointer to NULL; `etd_scene_get_principled` returns the parameters.
     pub principled: *const etd_principled,
+    /// Probability with which a ray meets a surface of the material, in [0, 1]; other rays pass straight on. 0 means 1, and -1
+    /// stands for 0. A material that emits light is opaque.
+    pub opacity: f32,
+    /// Emitted radiance on the normal's side [W m^-2 sr^-1], each channel >= 0, of all surfaces of the material that have no
+    /// emission of their own. Three zeros: none. Quadrics and disks cannot have a material that emits.
+    pub emission: [f32; 3],
 }
 
 /// The format of an array of positions.

@@ -58,7 +58,7 @@ impl Kind for Refractive {
         let microfacets = self.facet_keys(self.multiple_scattering).read(path)?;
         let rough = BsdfDesc::RoughDielectric { ior, exterior_ior, microfacets };
         if microfacets.roughness == 0.0 {
-            material_check::check(path, &rough, None, &[])?;
+            material_check::model(path, &rough, &[])?;
             return Ok(BsdfDesc::Dielectric { ior, exterior_ior });
         }
         Ok(rough)

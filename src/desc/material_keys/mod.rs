@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 use serde_json::value::RawValue;
 
 use super::builder::Builder;
-use super::json;
+use super::json::{self, join};
 use super::{BsdfDesc, MaterialDesc, MediumDesc, material_check, validate};
 use crate::Result;
 use crate::spectrum::Rgb;
@@ -69,12 +69,17 @@ macro_rules! material {
             name: String,
             #[serde(rename = "type")]
             _type: super::tags::$tag,
+            /// Probability with which a ray meets a surface of this material, in [0, 1]; other rays pass straight on. Default 1.
+            opacity: Option<f64>,
+            /// Emitted radiance on the normal's side, W/(m^2 sr) per channel, of all surfaces of this material that have no
+            /// emission of their own. Default: none.
+            emission: Option<[f64; 3]>,
             $($keys)*
         }
 
         impl super::Shared for $name {
             fn shared(self) -> super::SharedKeys {
-                super::SharedKeys { name: self.name }
+                super::SharedKeys { name: self.name, opacity: self.opacity, emission: self.emission }
             }
         }
     };
@@ -113,6 +118,8 @@ mod tags {
 /// The keys that all kinds of materials have.
 struct SharedKeys {
     name: String,
+    opacity: Option<f64>,
+    emission: Option<[f64; 3]>,
 }
 
 trait Shared {
@@ -176,12 +183,12 @@ fn add<K: Kind>(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result
     let medium = keys.medium(path)?;
     let bsdf = keys.bsdf(path, builder)?;
     let survival = keys.survival(path)?;
-    material_check::check(path, &bsdf, survival, &builder.scene.materials)?;
-    if let Some(medium) = medium {
-        material_check::medium(path, &bsdf, medium)?;
-    }
-    let SharedKeys { name } = keys.shared();
-    builder.scene.put_material(MaterialDesc { name, path: path.to_owned(), bsdf, survival, medium }).map(|_| ())
+    let SharedKeys { name, opacity, emission } = keys.shared();
+    let opacity = validate::within(&join(path, "opacity"), opacity.unwrap_or(1.0), 0.0, 1.0)?;
+    let emission = emission.map(|radiance| validate::emission(&join(path, "emission"), radiance, 1.0)).transpose()?;
+    let mut material = MaterialDesc { name, path: path.to_owned(), bsdf, survival, medium, opacity, emission };
+    material_check::check(&mut material, &builder.scene.materials)?;
+    builder.scene.put_material(material).map(|_| ())
 }
 
 /// A colour with a default for all channels.

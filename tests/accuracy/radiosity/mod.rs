@@ -164,8 +164,7 @@ fn cornell(case: &mut Case) {
         name: "front".into(),
         path: "materials.front".into(),
         bsdf: BsdfDesc::Lambert { albedo: Rgb::splat(albedo) },
-        survival: None,
-        medium: None,
+        ..etendue::desc::MaterialDesc::default()
     });
     let mut front = desc.surfaces[0].clone();
     front.shape = parallelogram(DVec3::new(-10.0, -10.0, -1e-3), DVec3::Y * 580.0, DVec3::X * 580.0);
