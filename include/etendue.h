@@ -2652,6 +2652,24 @@ etd_status etd_scene_add_mesh_surface(struct etd_scene *scene,
                                       uint32_t *out_surface);
 
 /**
+ * Adds the surfaces of a Wavefront OBJ file with the materials that the file names (`usemtl`) in its material libraries
+ * (`mtllib`): a mesh, a material and a surface for each material that faces have.
+ *
+ * `path`: UTF-8, relative to the current folder. `smooth` is as in `etd_scene_add_mesh_surface`. `transform`: three rows of four
+ * numbers, invertible; NULL: the identity. `*out_first` receives the number of the first surface and `*out_count` how many
+ * there are; their numbers follow one another, and `etd_scene_get_surface` returns the number of their material. A material is
+ * named after the file and the library's name for it, as in `car.obj:paint`; where that name is taken, it has none.
+ * Errors: `ETD_IO` for a file that cannot be read, `ETD_INVALID_SCENE` for a face without a material, for a material that no
+ * library has, and for a file with invalid content. Thread-safe.
+ */
+etd_status etd_scene_add_file_surfaces(struct etd_scene *scene,
+                                       const char *path,
+                                       uint32_t smooth,
+                                       const double *transform,
+                                       uint32_t *out_first,
+                                       uint32_t *out_count);
+
+/**
  * Removes a surface. Its number is not used again, and the numbers of other surfaces do not change. Thread-safe.
  */
 etd_status etd_scene_remove_surface(struct etd_scene *scene, uint32_t surface);

@@ -999,6 +999,16 @@ public:
         const etd_status status = etd_scene_add_mesh_file(get(), name, path.c_str(), &number);
         return detail::give(status, std::move(number));
     }
+    /**
+     * Adds the surfaces of a Wavefront OBJ file with the file's own materials; the number of the first surface, and how many there
+     * are.
+     */
+    Outcome<std::pair<std::uint32_t, std::uint32_t>> add_file_surfaces(const std::string &path, bool smooth = false) {
+        std::pair<std::uint32_t, std::uint32_t> numbers{ETD_NONE, 0};
+        const etd_status status =
+            etd_scene_add_file_surfaces(get(), path.c_str(), smooth ? 1 : 0, nullptr, &numbers.first, &numbers.second);
+        return detail::give(status, std::move(numbers));
+    }
     /** Replaces a mesh by other arrays. */
     Outcome<void> set_mesh(std::uint32_t number, const etd_mesh &mesh) {
         return detail::done(etd_scene_set_mesh(get(), number, &mesh));

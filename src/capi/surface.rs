@@ -1,6 +1,7 @@
 //! Calls that add, change and remove surfaces, and calls that find elements by name. The rules of `describe` hold here too.
 
 use std::ffi::c_char;
+use std::path::Path;
 
 use super::boundary::{array, need, on, read_sized, text, write_sized};
 use super::describe::{find, vector};
@@ -220,6 +221,46 @@ pub unsafe extern "C" fn etd_scene_add_mesh_surface(
     let shape = ShapeDesc::Mesh { mesh: mesh as usize, smooth: smooth != 0 };
     // SAFETY: the caller keeps this function's contract.
     unsafe { add(scene, surface, out_surface, || Ok((shape, DAffine3::IDENTITY))) }
+}
+
+/// Adds the surfaces of a Wavefront OBJ file with the materials that the file names (`usemtl`) in its material libraries
+/// (`mtllib`): a mesh, a material and a surface for each material that faces have.
+///
+/// `path`: UTF-8, relative to the current folder. `smooth` is as in `etd_scene_add_mesh_surface`. `transform`: three rows of four
+/// numbers, invertible; NULL: the identity. `*out_first` receives the number of the first surface and `*out_count` how many
+/// there are; their numbers follow one another, and `etd_scene_get_surface` returns the number of their material. A material is
+/// named after the file and the library's name for it, as in `car.obj:paint`; where that name is taken, it has none.
+/// Errors: `ETD_IO` for a file that cannot be read, `ETD_INVALID_SCENE` for a face without a material, for a material that no
+/// library has, and for a file with invalid content. Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type, and `transform` to twelve.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_add_file_surfaces(
+    scene: *mut etd_scene,
+    path: *const c_char,
+    smooth: u32,
+    transform: *const f64,
+    out_first: *mut u32,
+    out_count: *mut u32,
+) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            need(out_first, "out_first")?;
+            need(out_count, "out_count")?;
+            let path = text(path, "path")?;
+            let rows = if transform.is_null() { [0.0; 12] } else { array(transform, "transform")? };
+            if !transform.is_null() && rows == [0.0; 12] {
+                return Err(Failure::argument("transform is all zero"));
+            }
+            let transform = read::transform(&rows);
+            let numbers = scene.edit(|desc| desc.add_file_surfaces(Path::new(path), smooth != 0, transform))?;
+            out_first.write(numbers.start as u32);
+            out_count.write(numbers.len() as u32);
+            Ok(())
+        })
+    }
 }
 
 /// Removes a surface. Its number is not used again, and the numbers of other surfaces do not change. Thread-safe.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::warnings::warn;
-use super::{Dialect, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook, json, obj, validate};
+use super::{Dialect, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook, json, obj, obj_parts, validate};
 use crate::math::DVec3;
 use crate::{Error, Result};
 
@@ -12,12 +12,14 @@ pub(super) struct Builder<'a> {
     pub scene: SceneDesc,
     base_dir: &'a Path,
     files: HashMap<PathBuf, usize>,
+    /// The parts of the files whose own materials are used: pairs of a material and a mesh.
+    divided_files: HashMap<PathBuf, Vec<[usize; 2]>>,
 }
 
 impl<'a> Builder<'a> {
     pub fn new(dialect: Dialect, base_dir: &'a Path, file: Option<&Path>) -> Self {
         let scene = SceneDesc { dialect, file: file.map(Path::to_owned), ..SceneDesc::default() };
-        Self { scene, base_dir, files: HashMap::new() }
+        Self { scene, base_dir, files: HashMap::new(), divided_files: HashMap::new() }
     }
 
     pub fn warn(&mut self, path: &str, message: &str) {
@@ -50,20 +52,39 @@ impl<'a> Builder<'a> {
 
     /// Returns the number of the mesh in an OBJ file. The file is read at its first use.
     pub fn mesh_file(&mut self, path: &str, file: &str) -> Result<usize> {
-        obj::check_name(path, Path::new(file))?;
-        let file = self.base_dir.join(file);
-        let identity = file.canonicalize().unwrap_or_else(|_| file.clone());
+        let [file, identity] = self.identified(path, file)?;
         if let Some(mesh) = self.files.get(&identity) {
             return Ok(*mesh);
-        }
-        if self.scene.file.as_deref().and_then(|scene| scene.canonicalize().ok()).is_some_and(|own| own == identity) {
-            return Err(Error::invalid(path, "the mesh file is the scene file itself, expected a Wavefront OBJ file"));
         }
         let mesh = obj::load(&file, path, &mut self.scene.warnings)?;
         let mesh = self.scene.put_mesh(mesh);
         self.scene.files.push(file);
         self.files.insert(identity, mesh);
         Ok(mesh)
+    }
+
+    /// Returns the numbers of the materials and meshes of an OBJ file that is divided by its own materials. The file is read at
+    /// its first use.
+    pub fn divided_file(&mut self, path: &str, file: &str) -> Result<Vec<[usize; 2]>> {
+        let [file, identity] = self.identified(path, file)?;
+        if let Some(parts) = self.divided_files.get(&identity) {
+            return Ok(parts.clone());
+        }
+        let parts = obj_parts::load(&file, path, &mut self.scene.warnings)?;
+        let parts = self.scene.put_parts(&file, parts)?;
+        self.divided_files.insert(identity, parts.clone());
+        Ok(parts)
+    }
+
+    /// Returns the path of a mesh file, and the path by which it is known again.
+    fn identified(&self, path: &str, file: &str) -> Result<[PathBuf; 2]> {
+        obj::check_name(path, Path::new(file))?;
+        let file = self.base_dir.join(file);
+        let identity = file.canonicalize().unwrap_or_else(|_| file.clone());
+        if self.scene.file.as_deref().and_then(|scene| scene.canonicalize().ok()).is_some_and(|own| own == identity) {
+            return Err(Error::invalid(path, "the mesh file is the scene file itself, expected a Wavefront OBJ file"));
+        }
+        Ok([file, identity])
     }
 
     /// Adds a triangle that emits radiance `color` times `factor` on the side of its normal and reflects nothing.

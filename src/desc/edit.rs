@@ -6,13 +6,16 @@
 //! Errors give the same JSON path as the format would (`surfaces[3].radius`, `meshes[0].triangles[7][2]`); for an
 //! element that a file described, the path is the one in that file.
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
 use super::json::{elided, join};
+use super::obj_parts::{Part, Parts};
+use super::warnings::warn;
 use super::{
     BsdfDesc, CameraDesc, MaterialDesc, MediumDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, material_check, obj,
-    validate,
+    obj_parts, validate,
 };
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
@@ -212,6 +215,58 @@ impl SceneDesc {
         let number = self.put_mesh(mesh);
         self.index.name_mesh(name.to_owned(), number);
         Ok(number)
+    }
+
+    /// Adds the surfaces of a Wavefront OBJ file whose materials are those of the file: a mesh and a surface for each material that
+    /// its faces have (`usemtl`), and these materials from the material libraries that the file names (`mtllib`). The materials are
+    /// named after the file and the library's name for them, as in `car.obj:paint`, where no other has this name. Returns the numbers of the surfaces; materials
+    /// and meshes can be found by them. `smooth` is as in [`ShapeDesc::Mesh`]. The file is read at each call; a relative path is
+    /// resolved from the process's working directory.
+    ///
+    /// # Errors
+    /// The errors are those of [`Self::add_mesh_file`] and [`Self::add_surface`]; [`crate::ErrorKind::Io`] for a library that cannot
+    /// be read, [`crate::ErrorKind::InvalidScene`] for a face without a material, a material that no library has, and a library
+    /// with invalid content, with the file and the line.
+    pub fn add_file_surfaces(&mut self, file: &Path, smooth: bool, transform: DAffine3) -> Result<Range<usize>> {
+        let path = format!("surfaces[{}]", self.surfaces.len());
+        let at = join(&path, "file");
+        obj::check_name(&at, file)?;
+        validate::invertible(&join(&path, "transform"), &transform)?;
+        let mut warnings = Vec::new();
+        let parts = obj_parts::load(file, &at, &mut warnings)?;
+        for part in &parts.parts {
+            validate::extent(&path, &part.mesh.bounds(), &transform)?;
+        }
+        let parts = self.put_parts(file, parts)?;
+        warnings.into_iter().for_each(|warning| warn(&mut self.warnings, warning));
+        let first = self.surfaces.len();
+        for [material, mesh] in parts {
+            let look = SurfaceLook { material: Some(material), emission: None, transform };
+            self.put_surface(&path, ShapeDesc::Mesh { mesh, smooth }, DAffine3::IDENTITY, look)?;
+        }
+        Ok(first..self.surfaces.len())
+    }
+
+    /// Adds the materials and meshes of a divided file. Returns the numbers of the material and the mesh of each part. A material
+    /// whose name is taken has none.
+    pub(super) fn put_parts(&mut self, file: &Path, parts: Parts) -> Result<Vec<[usize; 2]>> {
+        self.files.push(file.to_owned());
+        self.files.extend(parts.files);
+        let first = self.materials.len();
+        let put = |part: Part| {
+            let mut number = first;
+            for mut material in part.materials {
+                if self.find_material(&material.name).is_some() {
+                    material.name.clear();
+                }
+                if let BsdfDesc::Mix { materials, .. } = &mut material.bsdf {
+                    materials.iter_mut().for_each(|part| *part += first);
+                }
+                number = self.put_any(material)?;
+            }
+            Ok([number, self.put_mesh(part.mesh)])
+        };
+        parts.parts.into_iter().map(put).collect()
     }
 
     /// Replaces the data of a mesh, for all surfaces that use the mesh. The mesh keeps its name; the name and path in

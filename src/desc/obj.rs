@@ -1,14 +1,15 @@
 //! Reads Wavefront OBJ files with `tobj`, behind a reader that checks every line first.
 //!
 //! The check adds line numbers to errors, keeps indices and counts in a range in which nothing overflows, joins
-//! continued lines, and passes on geometry only (`v`, `vt`, `vn`, `f`). Groups and objects are merged into one mesh,
-//! materials are ignored, and names and comments may have any encoding.
+//! continued lines, and passes on geometry only (`v`, `vt`, `vn`, `f`). Groups and objects are merged into one mesh, and names
+//! and comments may have any encoding. Materials are ignored, or the mesh is divided by them (`obj_parts.rs`).
 
 use std::io::{self, BufRead, Read};
 use std::path::Path;
 
 use super::MeshDesc;
 use super::file::open;
+use super::obj_parts::MaterialUses;
 use super::warnings::warn;
 use crate::math::DVec3;
 use crate::{Error, Result};
@@ -34,10 +35,21 @@ pub(super) fn check_name(json_path: &str, file: &Path) -> Result<()> {
 
 /// Reads the file at `path`; `json_path` says where the scene names it.
 pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<MeshDesc> {
+    read(path, json_path, None, warnings).map(|(mesh, _)| mesh)
+}
+
+/// Reads a file as [`load`] does, and which material each triangle has if `uses` is given.
+pub(super) fn read(
+    path: &Path,
+    json_path: &str,
+    uses: Option<MaterialUses>,
+    warnings: &mut Vec<String>,
+) -> Result<(MeshDesc, Option<MaterialUses>)> {
     let file = open(path, SIZE_LIMIT).map_err(|error| error.at(json_path))?;
     // The limit is one byte more than allowed, so that a file that grows during reading is distinguished from a file
     // that ends here.
     let mut lines = Lines::new(io::BufReader::with_capacity(1 << 16, file.take(SIZE_LIMIT + 1)));
+    lines.uses = uses;
     let fail = |line: usize, message: String| Error::invalid(json_path, message).in_file(Some(path), line);
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let loaded = tobj::load_obj_buf(&mut lines, &options, |_| Err(tobj::LoadError::OpenFileFailed));
@@ -84,7 +96,7 @@ pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> 
             mesh.uvs = Vec::new();
         }
     }
-    Ok(mesh)
+    Ok((mesh, lines.uses))
 }
 
 /// Merges all objects and groups into one mesh.
@@ -132,6 +144,8 @@ struct Lines<R> {
     /// The numbers of corners that have a position, a texture coordinate and a normal.
     corners_with: [usize; 3],
     small_faces: usize,
+    /// The materials of faces, if they are asked for.
+    uses: Option<MaterialUses>,
     /// The error in the current line.
     broken: Option<String>,
     failed: Option<io::Error>,
@@ -149,6 +163,7 @@ impl<R: BufRead> Lines<R> {
             corners: 0,
             corners_with: [0; 3],
             small_faces: 0,
+            uses: None,
             broken: None,
             failed: None,
         }
@@ -200,6 +215,12 @@ impl<R: BufRead> Lines<R> {
             b"vt" => 1,
             b"vn" => 2,
             b"f" => return self.face(),
+            b"mtllib" | b"usemtl" => {
+                if let Some(uses) = &mut self.uses {
+                    uses.read(line, self.line)?;
+                }
+                return Ok(None);
+            }
             _ => return Ok(None),
         };
         // A comment may follow on the same line.
@@ -278,6 +299,9 @@ impl<R: BufRead> Lines<R> {
         if self.corners > CORNER_LIMIT {
             return Err(format!("the file has more than {CORNER_LIMIT} face corners"));
         }
+        if let Some(uses) = &mut self.uses {
+            uses.face(corners, self.line);
+        }
         checked.push('\n');
         Ok(Some(checked.into_bytes()))
     }
@@ -319,7 +343,7 @@ impl<R: BufRead> BufRead for Lines<R> {
 }
 
 /// Returns whether the text is a decimal number: a text that Rust parses, without Rust's words for infinity and NaN.
-fn is_number(text: &str) -> bool {
+pub(super) fn is_number(text: &str) -> bool {
     !text.bytes().any(|byte| matches!(byte, b'n' | b'N' | b'i' | b'I')) && text.parse::<f64>().is_ok_and(f64::is_finite)
 }
 

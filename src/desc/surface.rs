@@ -117,6 +117,9 @@ surface!(
     normals: Option<Vec<[f64; 3]>>,
     /// One texture coordinate per vertex.
     uvs: Option<Vec<[f64; 2]>>,
+    /// `from-file`: the materials that `file` names in its material libraries, instead of `material`. Default: none.
+    #[serde(default, deserialize_with = "json::name")]
+    materials: Option<MaterialsOf>,
     /// `flat` (default) or `smooth`.
     #[serde(default, deserialize_with = "json::name")]
     shading: Option<Shading>,
@@ -198,6 +201,15 @@ surface!(
     height: f64,
 });
 
+/// Where the materials of a mesh are described.
+#[derive(Clone, Copy, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+enum MaterialsOf {
+    /// In the material libraries (.mtl) of its Wavefront OBJ file.
+    FromFile,
+}
+
 /// Flat faces, or normals interpolated between vertices.
 #[derive(Clone, Copy, Default, Deserialize, PartialEq, Eq)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -273,6 +285,11 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
             let origin = vector("origin", it.origin.unwrap_or_default())?;
             let radians = vector("rotate", it.rotate.unwrap_or_default())?;
             let scale = transform::factors(&at("scale"), it.scale.map(Scale::Uniform))?;
+            let smooth = it.shading.unwrap_or_default() == Shading::Smooth;
+            let local = transform::place(scale, radians, origin);
+            if it.materials.is_some() {
+                return it.place_parts(path, smooth, local, builder);
+            }
             let source = MeshSource {
                 name: it.mesh.take(),
                 file: it.file.take(),
@@ -282,8 +299,6 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
                 uvs: it.uvs.take(),
             };
             let mesh = source.resolve(path, path, builder)?;
-            let smooth = it.shading.unwrap_or_default() == Shading::Smooth;
-            let local = transform::place(scale, radians, origin);
             it.place(path, Ok((ShapeDesc::Mesh { mesh, smooth }, local)), builder)
         }
         "quadric" => {
@@ -317,6 +332,36 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
             let it: Paraboloid = json::object(raw, path)?;
             it.place(path, ShapeDesc::paraboloid(point(it.apex), point(it.axis), it.radius, it.height), builder)
         }
+    }
+}
+
+impl Mesh<'_> {
+    /// Adds a surface for each material that the file of the mesh names.
+    fn place_parts(&self, path: &str, smooth: bool, local: DAffine3, builder: &mut Builder<'_>) -> Result<()> {
+        let at = |key: &str| join(path, key);
+        for (key, given) in [
+            ("material", self.material.is_some()),
+            ("emission", self.emission.is_some()),
+            ("mesh", self.mesh.is_some()),
+            ("positions", self.positions.is_some()),
+            ("triangles", self.triangles.is_some()),
+            ("normals", self.normals.is_some()),
+            ("uvs", self.uvs.is_some()),
+        ] {
+            if given {
+                let message = "the materials are those of the file (`materials`), expected a surface without this key";
+                return Err(Error::invalid(at(key), message));
+            }
+        }
+        let Some(file) = &self.file else {
+            return Err(Error::invalid(path, "missing key `file`, whose materials are asked for"));
+        };
+        let transform = transform::read(self.transform, &at("transform"))?;
+        for [material, mesh] in builder.divided_file(&at("file"), file)? {
+            let look = SurfaceLook { material: Some(material), emission: None, transform };
+            builder.scene.put_surface(path, ShapeDesc::Mesh { mesh, smooth }, local, look)?;
+        }
+        Ok(())
     }
 }
 

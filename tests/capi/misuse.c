@@ -348,6 +348,12 @@ static etd_status n_scene_add_mesh_file(void) {
     snprintf(name, sizeof name, "file %u", ++count);
     return CALL(etd_scene_add_mesh_file(SCENE(0), AT(1, name), AT(2, "misuse-mesh.obj"), number));
 }
+static etd_status n_scene_add_file_surfaces(void) {
+    static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    uint32_t *first = AT(3, output(sizeof *first));
+    uint32_t *many = AT(4, output(sizeof *many));
+    return CALL(etd_scene_add_file_surfaces(SCENE(0), AT(1, "misuse-mesh.obj"), 1, AT(2, identity), first, many));
+}
 static etd_status n_scene_set_mesh(void) {
     etd_mesh mesh = small_mesh();
     return CALL(etd_scene_set_mesh(SCENE(0), mesh_number, AT(1, &mesh)));
@@ -611,6 +617,7 @@ static const struct {
     {"etd_scene_find_surface", n_scene_find_surface, 3, 7, 1},
     {"etd_scene_add_mesh", n_scene_add_mesh, 3, 7, 1},
     {"etd_scene_add_mesh_file", n_scene_add_mesh_file, 4, 13, 1},
+    {"etd_scene_add_file_surfaces", n_scene_add_file_surfaces, 5, 27, 1},
     {"etd_scene_set_mesh", n_scene_set_mesh, 2, 3, 1},
     {"etd_scene_remove_mesh", n_scene_remove_mesh, 1, 1, 1},
     {"etd_film_new", n_film_new, 3, 7, 1},
@@ -732,7 +739,8 @@ int main(int count, char **arguments) {
     const int quick = count > 1 && strcmp(arguments[1], "--quick") == 0;
     etd_render_options options = short_render(1);
     write_text("misuse-scene.json", one_sphere);
-    write_text("misuse-mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write_text("misuse-mesh.obj", "mtllib misuse-mesh.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+    write_text("misuse-mesh.mtl", "newmtl red\nKd 0.75 0.25 0.25\n");
 
     device = new_device(1);
     scene = new_scene(device);
@@ -772,6 +780,7 @@ int main(int count, char **arguments) {
     misuse_life(quick);
     remove("misuse-scene.json");
     remove("misuse-mesh.obj");
+    remove("misuse-mesh.mtl");
     remove("misuse.pfm");
     remove("misuse.png");
     return check_report("misuse");

@@ -838,6 +838,14 @@ static void pass_indices(void) {
         CHECK_STATUS(etd_scene_from_json(device, "{}", (size_t)-1, NULL, &no_scene), ETD_INVALID_ARGUMENT);
         CHECK(no_device == NULL && no_scene == NULL);
         CHECK_STATUS(etd_scene_add_mesh_file(scene, NULL, "no-such-file.obj", &number), ETD_IO);
+        CHECK_STATUS(etd_scene_add_file_surfaces(scene, "no-such-file.obj", 0, NULL, &number, &number), ETD_IO);
+        {
+            static const double flat[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0};
+            static const double none[12] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+            CHECK_STATUS(etd_scene_add_file_surfaces(scene, "misuse-mesh.obj", 0, flat, &number, &number), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_add_file_surfaces(scene, "misuse-mesh.obj", 0, none, &number, &number),
+                         ETD_INVALID_ARGUMENT);
+        }
         CHECK_STATUS(etd_scene_find_material(scene, "nobody", &number), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_find_mesh(scene, "nobody", &number), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_find_surface(scene, "surfaces[99999]", &number), ETD_INVALID_ARGUMENT);

@@ -1,0 +1,205 @@
+//! Divides the mesh of an OBJ file by the materials that the file names (`mtllib`, `usemtl`), and describes these materials.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::Path;
+
+use super::json::{did_you_mean, elided};
+use super::mtl::{Library, keyword};
+use super::{MaterialDesc, MeshDesc, obj};
+use crate::{Error, ErrorKind, Result};
+
+/// Most material libraries of one file.
+const LIBRARY_LIMIT: usize = 64;
+/// Most materials of one file.
+const NAME_LIMIT: usize = 1 << 16;
+
+/// The triangles of one material.
+#[derive(Debug)]
+pub(super) struct Part {
+    /// The material, after the materials that it consists of, which have no names. They name one another by the numbers that they
+    /// have when they follow all materials of the parts before, the first of which has the number 0.
+    pub materials: Vec<MaterialDesc>,
+    pub mesh: MeshDesc,
+}
+
+/// The parts of a file.
+#[derive(Debug)]
+pub(super) struct Parts {
+    pub parts: Vec<Part>,
+    /// The material libraries that were read.
+    pub files: Vec<std::path::PathBuf>,
+}
+
+/// Which faces of a file have which material.
+#[derive(Debug, Default)]
+pub(super) struct MaterialUses {
+    /// Names after `mtllib`, with their lines.
+    libraries: Vec<(Vec<u8>, usize)>,
+    /// Names after `usemtl`, with the lines where they are used first.
+    names: Vec<(String, usize)>,
+    numbers: HashMap<String, usize>,
+    /// The material from here on.
+    current: Option<usize>,
+    /// Triangles that follow one another and have the same material.
+    runs: Vec<(usize, Range<usize>)>,
+    triangles: usize,
+    /// The line of the first face without a material.
+    bare: Option<usize>,
+}
+
+impl MaterialUses {
+    /// Reads `mtllib` or `usemtl`.
+    pub fn read(&mut self, text: &[u8], line: usize) -> Result<(), String> {
+        let (key, rest) = keyword(text);
+        if rest.is_empty() {
+            return Err(format!("{} without a name", String::from_utf8_lossy(key)));
+        }
+        if key == b"mtllib" {
+            if self.libraries.len() == LIBRARY_LIMIT {
+                return Err(format!("the file names more than {LIBRARY_LIMIT} material libraries"));
+            }
+            self.libraries.push((rest.to_owned(), line));
+            return Ok(());
+        }
+        let name = String::from_utf8_lossy(rest);
+        let number = match self.numbers.get(name.as_ref()) {
+            Some(number) => *number,
+            None if self.names.len() == NAME_LIMIT => {
+                return Err(format!("the file names more than {NAME_LIMIT} materials"));
+            }
+            None => {
+                let number = self.names.len();
+                self.numbers.insert(name.clone().into_owned(), number);
+                self.names.push((name.into_owned(), line));
+                number
+            }
+        };
+        self.current = Some(number);
+        Ok(())
+    }
+
+    /// Notes the material of a face, which becomes a fan of triangles.
+    pub fn face(&mut self, corners: usize, line: usize) {
+        let from = self.triangles;
+        self.triangles += corners - 2;
+        let Some(material) = self.current else {
+            self.bare.get_or_insert(line);
+            return;
+        };
+        match self.runs.last_mut() {
+            Some((last, run)) if *last == material && run.end == from => run.end = self.triangles,
+            _ => self.runs.push((material, from..self.triangles)),
+        }
+    }
+
+    /// Reads all libraries that the file at `path` names.
+    fn library(&self, path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<Library> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut library = Library::default();
+        for (names, line) in &self.libraries {
+            let names = String::from_utf8_lossy(names);
+            let find = |name: &str| {
+                let as_given = folder.join(name);
+                let is_there = |path: &Path| path.symlink_metadata().is_ok();
+                if is_there(&as_given) || !name.contains('\\') {
+                    return is_there(&as_given).then_some(as_given);
+                }
+                Some(folder.join(name.replace('\\', "/"))).filter(|path| is_there(path))
+            };
+            // A name may hold blanks, and a line may hold several names.
+            let files = match find(&names) {
+                Some(file) => vec![file],
+                None => {
+                    let each = |name: &str| {
+                        find(name).ok_or_else(|| {
+                            let message = format!("there is no material library '{}'", elided(name));
+                            Error::new(ErrorKind::Io, message).at(json_path).in_file(Some(path), *line)
+                        })
+                    };
+                    names.split_ascii_whitespace().map(each).collect::<Result<_>>()?
+                }
+            };
+            for file in files {
+                if library.files.len() == LIBRARY_LIMIT {
+                    let message = format!("the file names more than {LIBRARY_LIMIT} material libraries");
+                    return Err(Error::invalid(json_path, message).in_file(Some(path), *line));
+                }
+                library.read(&file, json_path, warnings)?;
+            }
+        }
+        Ok(library)
+    }
+}
+
+/// Reads the file at `path` and the material libraries that it names, with a part for each material that a face has, in the order
+/// of their first faces. `json_path` says where the scene names the file.
+pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<Parts> {
+    let fail = |line: usize, message: String| Error::invalid(json_path, message).in_file(Some(path), line);
+    let mut noted = Vec::new();
+    let (mesh, uses) = obj::read(path, json_path, Some(MaterialUses::default()), &mut noted)?;
+    let uses = uses.unwrap_or_default();
+    if let Some(line) = uses.bare {
+        return Err(fail(line, "the face has no material, expected a usemtl before it".to_owned()));
+    }
+    if uses.triangles != mesh.triangles.len() {
+        let message = format!("{} triangles were made of {}", mesh.triangles.len(), uses.triangles);
+        return Err(Error::new(ErrorKind::Internal, message).at(json_path));
+    }
+    let library = uses.library(path, json_path, &mut noted)?;
+    let mut runs: Vec<Vec<Range<usize>>> = vec![Vec::new(); uses.names.len()];
+    for (material, run) in uses.runs {
+        runs[material].push(run);
+    }
+    let mut numbered: Vec<_> = uses.names.iter().zip(runs).filter(|(_, runs)| !runs.is_empty()).collect();
+    numbered.sort_by_key(|(_, runs)| runs[0].start);
+    let mut split = Splitter { vertices: vec![u32::MAX; mesh.positions.len()], mesh: &mesh };
+    let (mut parts, mut first) = (Vec::with_capacity(numbered.len()), 0);
+    for ((name, line), runs) in numbered {
+        let entry = library.find(name).ok_or_else(|| {
+            let hint = did_you_mean(name, library.names());
+            let message = format!("no material named '{}' in its material libraries{hint}", elided(name));
+            fail(*line, message)
+        })?;
+        let materials = entry.describe(&format!("{}:{name}", path.display()), json_path, first, &mut noted);
+        first += materials.len();
+        parts.push(Part { materials, mesh: split.part(&runs, name) });
+    }
+    // The caller's description stays as it is where an error occurs.
+    noted.into_iter().for_each(|warning| super::warnings::warn(warnings, warning));
+    Ok(Parts { parts, files: library.files })
+}
+
+/// Takes parts out of a mesh.
+struct Splitter<'a> {
+    mesh: &'a MeshDesc,
+    /// The new number of each vertex in the part that is being made.
+    vertices: Vec<u32>,
+}
+
+impl Splitter<'_> {
+    fn part(&mut self, runs: &[Range<usize>], name: &str) -> MeshDesc {
+        let whole = self.mesh;
+        let mut part =
+            MeshDesc { name: format!("{}:{name}", whole.name), path: whole.path.clone(), ..MeshDesc::default() };
+        let mut used = Vec::new();
+        for triangle in runs.iter().flat_map(|run| &whole.triangles[run.clone()]) {
+            part.triangles.push(triangle.map(|vertex| {
+                let number = &mut self.vertices[vertex as usize];
+                if *number == u32::MAX {
+                    *number = used.len() as u32;
+                    used.push(vertex);
+                }
+                *number
+            }));
+        }
+        for vertex in used {
+            let vertex = vertex as usize;
+            self.vertices[vertex] = u32::MAX;
+            part.positions.push(whole.positions[vertex]);
+            part.normals.extend(whole.normals.get(vertex));
+            part.uvs.extend(whole.uvs.get(vertex));
+        }
+        part
+    }
+}
