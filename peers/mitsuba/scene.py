@@ -11,11 +11,9 @@ import sys
 import tempfile
 
 import backend  # First, for its message when something is missing.
+import materials
 import numpy as np
-
-
-class Unsupported(Exception):
-    """A part of the scene that Mitsuba cannot express here."""
+from materials import Unsupported
 
 
 def vec(value):
@@ -108,10 +106,10 @@ def read_obj(path):
     return positions, normals, np.array(triangles, dtype=np.int64)
 
 
-def write_ply(path, positions, normals, triangles):
+def write_ply(path, positions, normals, triangles, uvs=None):
     """A binary PLY that Mitsuba reads, in single precision."""
-    names = ["x", "y", "z"] + (["nx", "ny", "nz"] if normals is not None else [])
-    columns = [positions] + ([normals] if normals is not None else [])
+    names = ["x", "y", "z"] + (["nx", "ny", "nz"] if normals is not None else []) + (["u", "v"] if uvs is not None else [])
+    columns = [positions] + [extra for extra in (normals, uvs) if extra is not None]
     header = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(positions)}\n"
     header += "".join(f"property float {n}\n" for n in names)
     header += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
@@ -230,11 +228,8 @@ class Converter:
                 color = {"type": "rgb", "value": [self.mirror] * 3}
             mirror = {"type": "conductor", "material": "none", "specular_reflectance": color}
             return {"type": "twosided", "bsdf": mirror}
-        if kind == "refractive":
-            inside, outside = material["refractionIndex"], material.get("exteriorIndex", 1.0)
-            return {"type": "dielectric", "int_ior": float(inside), "ext_ior": float(outside)}
         if kind != "diffuse":
-            raise Unsupported(f"material type {kind}")
+            return materials.bsdf(material, self.materials)
         brdf = material.get("brdf", "lambertian")
         if brdf == "lambertian" or self.fujii == "lambertian":
             return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": color}}
@@ -256,7 +251,7 @@ class Converter:
         self.shapes[f"shape_{self.count}"] = shape
         self.count += 1
 
-    def add_mesh(self, positions, normals, triangles, matrix, smooth, material, emission):
+    def add_mesh(self, positions, normals, triangles, matrix, smooth, material, emission, uvs=None):
         """Adds a mesh already read, placed by `matrix`."""
         positions = positions @ matrix[:3, :3].T + matrix[:3, 3]
         if np.linalg.det(matrix[:3, :3]) < 0:
@@ -266,12 +261,12 @@ class Converter:
             normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
         else:
             normals = None
-        self.add_placed(positions, normals, triangles, smooth, material, emission)
+        self.add_placed(positions, normals, triangles, smooth, material, emission, uvs)
 
-    def add_placed(self, positions, normals, triangles, smooth, material, emission):
+    def add_placed(self, positions, normals, triangles, smooth, material, emission, uvs=None):
         """Adds a mesh in the world's frame. `normals`: None where it is flat or has none."""
         file = pathlib.Path(self.folder.name) / f"{self.count}.ply"
-        write_ply(file, positions, normals, triangles)
+        write_ply(file, positions, normals, triangles, uvs)
         self.add_shape({"type": "ply", "filename": str(file), "face_normals": not smooth}, material, emission)
 
     def add_polygon(self, vertices, matrix, material, emission):
@@ -298,13 +293,20 @@ class Converter:
         elif kind == "mesh":
             smooth = self.native and s.get("shading", "flat") == "smooth"
             source = self.meshes[s["mesh"]] if "mesh" in s else s
-            self.add_mesh(*self.read_mesh(source), matrix @ placement_of(s), smooth, material, emission)
+            # Texture coordinates say where the facets' tangents point.
+            uvs = vec(source["uvs"]) if "uvs" in source else None
+            self.add_mesh(*self.read_mesh(source), matrix @ placement_of(s), smooth, material, emission, uvs)
         elif kind == "sphere":
             a = matrix[:3, :3]
             scale = np.cbrt(abs(np.linalg.det(a)))
             if np.allclose(a.T @ a, scale**2 * np.eye(3), rtol=1e-9):
                 centre = a @ vec(s["origin"]) + matrix[:3, 3]
-                shape = {"type": "sphere", "center": [float(x) for x in centre], "radius": float(s["radius"] * scale)}
+                # Its tangents run around z, ours around the world's y.
+                place = np.array([[0, 1, 0, 0], [0, 0, 1, 0], [1, 0, 0, 0], [0, 0, 0, 1]], dtype=np.float64)
+                place[:3] *= s["radius"] * scale
+                place[:3, 3] = centre
+                to_world = backend.mitsuba().ScalarTransform4f(place.tolist())
+                shape = {"type": "sphere", "to_world": to_world}
                 self.add_shape(shape, material, emission)
             else:
                 mesh, local = quadric(s)

@@ -57,7 +57,7 @@ impl Apart<Rgb> {
 enum Kind<C: Spectrum> {
     /// All of it belongs to one part, or there is none.
     Whole(Parts),
-    Apart(Apart<C>),
+    Apart(Box<Apart<C>>),
     /// The Bsdf is known at hits only.
     AtHit,
 }
@@ -80,7 +80,7 @@ impl<C: Spectrum> Division<C> {
             let bsdf = material.mean();
             let parts = bsdf.parts(narrow_below);
             if parts.iter().count() > 1 {
-                Kind::Apart(Apart::new(bsdf, narrow_below).in_spectrum(wavelengths))
+                Kind::Apart(Box::new(Apart::new(bsdf, narrow_below).in_spectrum(wavelengths)))
             } else {
                 Kind::Whole(parts)
             }

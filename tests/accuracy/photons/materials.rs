@@ -17,7 +17,7 @@ const SIDE: usize = 4;
 /// Means over the regions of an image, all channels together.
 fn regions(image: &Image) -> Vec<f64> {
     let (width, height) = (image.width as usize, image.height as usize);
-    let mut found = vec![0.0; SIDE * SIDE];
+    let mut found = [0.0; SIDE * SIDE];
     for (pixel, rgb) in image.rgb.chunks_exact(3).enumerate() {
         let region = |at: usize, size: usize| at * SIDE / size;
         let (x, y) = (region(pixel % width, width), region(pixel / width, height));
