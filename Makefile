@@ -11,7 +11,7 @@ IMAGES ?= out/$(basename $(notdir $(SCENE))).png out/$(basename $(notdir $(SCENE
 INSTALL = CARGO='$(CARGO)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh
 ETENDUE = $(CARGO) run --quiet --release --locked --example etendue --
 
-.PHONY: all setup render test accuracy mutations bench bench-rays build install uninstall deb meshes clean
+.PHONY: all setup render test accuracy mutations bench bench-rays peers-materials build install uninstall deb meshes clean
 all: render
 
 # Installs Embree, libclang and a C compiler where they are missing, with a line that says why.
@@ -48,6 +48,13 @@ bench: setup meshes
 bench-rays: setup meshes
 	$(CARGO) bench --locked --bench rays --bench spheres --bench editing --bench robust --bench photons --bench lights --bench growth --bench errors
 	$(CARGO) bench --locked --features capi --bench hosts
+
+# Pictures of every material beside Mitsuba 3's of the same meaning: fails where one is not the same but for noise. About a
+# quarter of an hour. PEER is a Python with Mitsuba and numpy (peers/README.md).
+PEER ?= peer/bin/python
+peers-materials: setup
+	$(CARGO) build --quiet --release --locked --example etendue
+	$(PEER) peers/mitsuba/compare_materials.py $(ARGS)
 
 # Generated meshes that are too large to store.
 meshes: out/million.obj

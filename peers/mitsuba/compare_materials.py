@@ -1,9 +1,11 @@
 """Renders one room with each of our materials and with Mitsuba's of the same meaning: are the pictures the same but for noise?
 
 Every picture is rendered several times by both, with other seeds, so that standard errors come from independent images. The
-means of the channels must agree within 0.3 % and 4 standard errors. The picture is cut into blocks of 16 x 16 pixels; the
+means of the channels must agree within 0.3 %, known to 0.1 %. The picture is cut into blocks of 16 x 16 pixels; the
 difference of each block and channel over its standard error is z, and z must be distributed as noise: no |z| above 4.5 (one
 picture in five hundred has a larger one by chance), and a mean of z^2 near 1, by picture and over all pictures together.
+Mitsuba's masking of Beckmann's facets is Walter's rational fit, 0.04 to 0.3 % too bright in terms of albedo (alpha 0.49, up to
+60 degrees), so that z of the means grows with the samples there; differences of that size stay within the bounds.
 Where the two models differ by design (Fresnel's equations by polarisation in thin sheets, masking in `principled`), a case
 compares what they share, or another way to the same physics.
 
@@ -244,8 +246,10 @@ class Result:
     def wrong(self):
         """What is wrong, or an empty string."""
         found = []
-        if np.abs(self.off).max() > MEAN_BOUND or np.abs(self.z).max() > 4.0:
+        if np.abs(self.off).max() > MEAN_BOUND:
             found.append("means")
+        if self.error.max() > MEAN_BOUND / 3.0:
+            found.append("means too noisy to tell")
         if self.worst() > 4.5:
             found.append("a block")
         if abs(self.square - 1.0) > 4.0 * math.sqrt(2.0 / self.count):
