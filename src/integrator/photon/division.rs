@@ -114,20 +114,21 @@ pub(super) enum Divided<'a, C: Spectrum> {
 }
 
 impl<'a, C: Spectrum> Divided<'a, C> {
-    /// The vertex with the lobes of this part only; `None` where there are none. `slot` holds the vertex where the part is not all
-    /// of it.
+    /// The vertex with the lobes of each of [`PARTS`] only; `None` where there are none. `slots` hold the vertices of parts that are
+    /// not all of it.
     #[inline]
-    pub fn part<'s>(
+    pub fn parts<'s>(
         &self,
-        part: Parts,
         vertex: &'s Vertex<'a, C>,
-        slot: &'s mut Option<Vertex<'a, C>>,
-    ) -> Option<&'s Vertex<'a, C>> {
+        slots: &'s mut [Option<Vertex<'a, C>>; 3],
+    ) -> [Option<&'s Vertex<'a, C>>; 3] {
         match *self {
-            Self::Whole(parts) => parts.contains(part).then_some(vertex),
+            Self::Whole(parts) => PARTS.map(|part| parts.contains(part).then_some(vertex)),
             Self::Apart(Apart(parts)) => {
-                let bsdf = parts[part.bits().trailing_zeros() as usize].as_ref()?;
-                Some(slot.insert(vertex.with_bsdf(bsdf)))
+                for (slot, bsdf) in slots.iter_mut().zip(parts) {
+                    *slot = bsdf.as_ref().map(|bsdf| vertex.with_bsdf(bsdf));
+                }
+                slots.each_ref().map(Option::as_ref)
             }
         }
     }

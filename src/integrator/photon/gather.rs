@@ -265,10 +265,7 @@ impl<C: Spectrum> Gather<C> {
             let mut apart = None;
             let divided = self.division.at(&vertex, &mut apart);
             let mut slots = [None, None, None];
-            let [slot_of_diffuse, slot_of_glossy, slot_of_narrow] = &mut slots;
-            let diffuse = divided.part(Parts::DIFFUSE, &vertex, slot_of_diffuse);
-            let glossy = divided.part(Parts::GLOSSY, &vertex, slot_of_glossy);
-            let narrow = divided.part(Parts::NARROW, &vertex, slot_of_narrow);
+            let [diffuse, glossy, narrow] = divided.parts(&vertex, &mut slots);
             let mut followed = [None, glossy, narrow];
             if let Some(vertex) = diffuse {
                 let gathering = EyePath { diffuse: path.diffuse + 1, counts_caustics: false, ..path };

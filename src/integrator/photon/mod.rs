@@ -1,10 +1,10 @@
 //! Photon mapping: light paths from the emitters, maps of the photons that they store, and eye paths that query the maps.
 //!
 //! `emit` samples the first rays of light paths, `trace` follows light paths and stores photons, and `map` builds photon
-//! maps. `division` says which
-//! lobes maps hold and which ones paths follow. `gather` follows eye paths and `estimate` queries maps; `coverage` tests where the surface covers a kernel's disk,
-//! and `cut_disk` measures what is left of a disk that is cut off. `plan` decides which maps a method needs and when,
-//! `radius` how wide estimates are, and `choose` which method suits a scene.
+//! maps. `division` says which lobes maps hold and which ones paths follow. `gather` follows eye paths and `estimate`
+//! queries maps; `coverage` tests where the surface covers a kernel's disk, and `cut_disk` measures what is left of a
+//! disk that is cut off. `plan` decides which maps a method needs and when, `radius` how wide estimates are, and `choose`
+//! which method suits a scene.
 //!
 //! Photon mapping suits scenes where light reaches diffuse surfaces by mirrors and glass from small lights, and scenes with
 //! smooth indirect light. It does not suit open scenes, where most photons leave the scene, or glossy surfaces, where no
