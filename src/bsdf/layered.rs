@@ -304,8 +304,7 @@ impl<C: Spectrum> Layered<C> {
 impl<C: Spectrum> Model<C> for Layered<C> {
     fn lobes(&self) -> Lobes {
         let layer = if self.has_layer() { self.layer.model().lobes() } else { Lobes::empty() };
-        let base = if self.base.is_black() { Lobes::empty() } else { self.base.lobes() };
-        layer | base
+        layer | self.base.lit_lobes()
     }
 
     fn albedo(&self) -> C {

@@ -29,7 +29,7 @@ impl<C: Spectrum> Mix<C> {
 
     fn of_weights(parts: [Bsdf<C>; 2], weights: [f32; 2]) -> Self {
         let lobes = |i: usize| {
-            if weights[i] > 0.0 && !parts[i].is_black() { parts[i].lobes() } else { Lobes::empty() }
+            if weights[i] > 0.0 { parts[i].lit_lobes() } else { Lobes::empty() }
         };
         let lobes = lobes(0) | lobes(1);
         let albedo = parts[0].albedo() * weights[0] + parts[1].albedo() * weights[1];
@@ -174,8 +174,7 @@ pub struct TwoSided<C: Spectrum = Rgb> {
 impl<C: Spectrum> TwoSided<C> {
     /// A surface that has these models on its outer and on its inner side.
     pub fn new(faces: [Bsdf<C>; 2]) -> Self {
-        let lobes = |face: &Bsdf<C>| if face.is_black() { Lobes::empty() } else { face.lobes() };
-        Self { lobes: lobes(&faces[0]) | lobes(&faces[1]), faces: Arc::new(faces) }
+        Self { lobes: faces[0].lit_lobes() | faces[1].lit_lobes(), faces: Arc::new(faces) }
     }
 
     /// As [`Bsdf::parts`].

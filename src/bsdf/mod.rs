@@ -107,6 +107,22 @@ macro_rules! models {
         }
 
         impl<C: Spectrum> Bsdf<C> {
+            /// [`Model::f`] and [`Model::pdf`] together.
+            #[inline(always)]
+            pub fn f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
+                match self {
+                    $(Self::$name(model) => (Model::<C>::f(model, wo, wi, mode), Model::<C>::pdf(model, wo, wi)),)*
+                    _ => self.far_f_pdf(wo, wi, mode),
+                }
+            }
+
+            #[cold]
+            #[inline(never)]
+            fn far_f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
+                let model = self.far();
+                (model.f(wo, wi, mode), model.pdf(wo, wi))
+            }
+
             /// The model as a trait object, where it is called out of line.
             #[cold]
             #[inline(never)]
@@ -333,6 +349,12 @@ impl<C: Spectrum> Bsdf<C> {
         self.albedo() == C::ZERO
     }
 
+    /// The lobes that scatter any light: none where the Bsdf is black.
+    #[inline]
+    pub fn lit_lobes(&self) -> Lobes {
+        if self.is_black() { Lobes::empty() } else { self.lobes() }
+    }
+
     /// The same model, turned about the normal counter-clockwise by the angle with this cosine and sine.
     pub fn turned(&self, turn: [f32; 2]) -> Self {
         match self {
@@ -344,12 +366,6 @@ impl<C: Spectrum> Bsdf<C> {
             Self::TintedTransmission(tinted) => Self::TintedTransmission(tinted.turned(turn)),
             round => round.clone(),
         }
-    }
-
-    /// [`Model::f`] and [`Model::pdf`] together.
-    #[inline]
-    pub fn f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
-        (self.f(wo, wi, mode), self.pdf(wo, wi))
     }
 }
 

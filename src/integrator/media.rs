@@ -1,6 +1,6 @@
 //! Paths through media: surfaces that are hidden in a medium, and the light that a medium absorbs.
 //!
-//! A path knows the media that it is in ([`PathMedia`]). Where it arrives at a surface at which the medium does not change, it
+//! A path knows the media that it is in: [`PathMedia`], or `None` in scenes without media, where every question ends at once. Where it arrives at a surface at which the medium does not change, it
 //! goes on behind the surface; this is no vertex. Shadow rays do the same, so that light samples and Bsdf samples find the same
 //! lamps.
 
@@ -12,9 +12,17 @@ use crate::spectrum::Spectrum;
 
 /// Traces a path's ray: the nearest surface that is not hidden in the media that the path is in.
 #[inline(always)]
-pub(super) fn arrive<T: Tracer>(scene: &Scene, tracer: &mut T, ray: &Ray, media: &mut PathMedia) -> Option<Hit> {
+pub(super) fn arrive<T: Tracer>(
+    scene: &Scene,
+    tracer: &mut T,
+    ray: &Ray,
+    media: &mut Option<PathMedia>,
+) -> Option<Hit> {
     let hit = tracer.intersect(ray);
-    if scene.has_media() { seen(scene, tracer, ray, hit, media) } else { hit }
+    match media {
+        Some(media) => seen(scene, tracer, ray, hit, media),
+        None => hit,
+    }
 }
 
 /// The nearest surface that is not hidden, from the nearest one of all. `media` become those in which the ray arrives.
@@ -43,12 +51,10 @@ pub(super) fn left_after<C: Spectrum>(
     scene: &Scene,
     ray: &Ray,
     hit: Option<&Hit>,
-    media: PathMedia,
+    media: Option<PathMedia>,
     wavelengths: &C::Wavelengths,
 ) -> C {
-    if media.is_empty() {
-        return C::ONE;
-    }
+    let Some(media) = media.filter(|media| !media.is_empty()) else { return C::ONE };
     let length = hit.map_or(f32::INFINITY, |hit| hit.t * ray.direction.length());
     scene.transmittance(media, length, wavelengths)
 }
@@ -83,11 +89,15 @@ pub(super) fn light_through<T: Tracer, C: Spectrum>(
 impl<C: Spectrum> Vertex<'_, C> {
     /// The media that a path is in after it left the vertex into `direction`.
     #[inline(always)]
-    pub fn media_beyond(&self, scene: &Scene, ray: &Ray) -> PathMedia {
-        if scene.has_media() {
-            scene.media_beyond(self.media, &self.surface, self.wo_scene(), ray.direction)
-        } else {
-            PathMedia::NONE
+    pub fn media_beyond(&self, scene: &Scene, ray: &Ray) -> Option<PathMedia> {
+        // The arguments are values, since a reference to the vertex would keep all of it in memory.
+        match self.media {
+            Some(media) => {
+                let front = self.wo_scene().dot(self.surface.ng) > 0.0;
+                let crosses = (ray.direction.dot(self.surface.ng) > 0.0) != front;
+                Some(if crosses { scene.media_behind(media, self.surface.material, front) } else { media })
+            }
+            None => None,
         }
     }
 
@@ -95,11 +105,9 @@ impl<C: Spectrum> Vertex<'_, C> {
     #[inline(always)]
     pub fn unoccluded<T: Tracer>(&self, scene: &Scene, tracer: &mut T, shadow: &Ray, light: C) -> Option<C> {
         let is_clear = tracer.unoccluded(shadow);
-        if scene.has_media() {
-            let media = self.media_beyond(scene, shadow);
-            light_through(scene, tracer, shadow, media, is_clear, light, &self.wavelengths)
-        } else {
-            is_clear.then_some(light)
+        match self.media_beyond(scene, shadow) {
+            Some(media) => light_through(scene, tracer, shadow, media, is_clear, light, &self.wavelengths),
+            None => is_clear.then_some(light),
         }
     }
 }
@@ -175,7 +183,7 @@ pub(super) mod tests {
     /// What the medium at a point leaves of light after the distance 1.
     fn left(scene: &Scene, [x, y, z]: [f64; 3]) -> Rgb {
         let ray = Ray::new(scene.to_scene(DVec3::new(x, y, z)), Vec3::Z);
-        scene.transmittance(scene.media_at(&ray), 1.0, &())
+        scene.transmittance(scene.media_at(&ray).unwrap(), 1.0, &())
     }
 
     #[test]

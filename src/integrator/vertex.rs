@@ -14,14 +14,16 @@ pub(super) struct Vertex<'v, C: Spectrum = Rgb> {
     pub surface: SurfaceInteraction,
     /// How the surface scatters here.
     pub bsdf: &'v Bsdf<C>,
+    /// The lobes of the Bsdf that scatter any light.
+    pub lobes: Lobes,
     /// The hit; `None` where the vertex was not met by a ray.
     hit: Option<&'v Hit>,
     /// Probability with which a path survives a bounce at this vertex, where the scene sets one.
     pub survival: Option<f32>,
     mode: TransportMode,
     pub(super) wavelengths: C::Wavelengths,
-    /// The media in which the path arrived.
-    pub(super) media: PathMedia,
+    /// The media in which the path arrived; `None` in a scene that has no media.
+    pub(super) media: Option<PathMedia>,
     frame: Frame,
     /// Direction back along the path, local frame.
     pub wo: Vec3,
@@ -101,7 +103,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         ray: &Ray,
         hit: &'v Hit,
         wavelengths: C::Wavelengths,
-        media: PathMedia,
+        media: Option<PathMedia>,
         slot: &'v mut Option<Bsdf<C>>,
     ) -> Self {
         Self::of_path(scene, ray, hit, wavelengths, media, slot, TransportMode::Radiance)
@@ -114,7 +116,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         ray: &Ray,
         hit: &'v Hit,
         wavelengths: C::Wavelengths,
-        media: PathMedia,
+        media: Option<PathMedia>,
         slot: &'v mut Option<Bsdf<C>>,
     ) -> Self {
         Self::of_path(scene, ray, hit, wavelengths, media, slot, TransportMode::Importance)
@@ -126,7 +128,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         ray: &Ray,
         hit: &'v Hit,
         wavelengths: C::Wavelengths,
-        media: PathMedia,
+        media: Option<PathMedia>,
         slot: &'v mut Option<Bsdf<C>>,
         mode: TransportMode,
     ) -> Self {
@@ -145,13 +147,17 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         // The closure copies what it needs: a reference would keep the whole vertex in memory.
         let HitPoint { time, cone, .. } = point;
         let detail = move || scene.detail_at(hit, [ng, ns], time, cone);
-        let bsdf = if scene.has_media() && scene.bounds_medium(surface.material) {
-            slot.insert(scene.interface(media, surface.material, ng.dot(wo_scene) > 0.0, &wavelengths, detail))
-        } else {
-            material.at::<C>(detail, &wavelengths, slot)
+        let (bsdf, lobes) = match media {
+            Some(media) if scene.bounds_medium(surface.material) => {
+                let front = ng.dot(wo_scene) > 0.0;
+                let bsdf = &*slot.insert(scene.interface(media, surface.material, front, &wavelengths, detail));
+                (bsdf, bsdf.lit_lobes())
+            }
+            _ => material.at::<C>(detail, &wavelengths, slot),
         };
         Self {
             bsdf,
+            lobes,
             hit: Some(hit),
             survival: material.survival,
             mode,
@@ -172,6 +178,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         let media = scene.media_at(&surface.point.leave(side * surface.ng, side * surface.ng));
         Self {
             bsdf,
+            lobes: bsdf.lit_lobes(),
             hit: None,
             survival: None,
             mode: TransportMode::Radiance,
@@ -191,7 +198,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         'v: 'b,
     {
         let Self { surface, hit, survival, mode, wavelengths, media, frame, wo, wo_scene, .. } = *self;
-        Vertex { surface, bsdf, hit, survival, mode, wavelengths, media, frame, wo, wo_scene }
+        Vertex { surface, bsdf, lobes: bsdf.lit_lobes(), hit, survival, mode, wavelengths, media, frame, wo, wo_scene }
     }
 
     /// Direction back along the path, scene frame.
@@ -211,7 +218,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
     #[inline]
     pub fn receiver(&self) -> Receiver {
         let p = self.surface.point.p;
-        if self.bsdf.lobes().have_smooth_transmission() { p.into() } else { Receiver::facing(p, self.facing_shading()) }
+        if self.lobes.have_smooth_transmission() { p.into() } else { Receiver::facing(p, self.facing_shading()) }
     }
 
     /// The geometric normal on the side that the ray came from.
@@ -247,7 +254,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         let material = scene.material(material);
         let mut slot = None;
         let bsdf = match self.hit {
-            Some(hit) => material.at::<Rgb>(move || scene.detail_at(hit, [ng, ns], time, cone), &(), &mut slot),
+            Some(hit) => material.at::<Rgb>(move || scene.detail_at(hit, [ng, ns], time, cone), &(), &mut slot).0,
             None => material.mean(),
         };
         let albedo = bsdf.albedo();
@@ -361,7 +368,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
     /// Whether light samples can contribute at this vertex: whether the Bsdf has lobes that are not delta lobes.
     #[inline(always)]
     pub fn finds_light_samples(&self) -> bool {
-        self.bsdf.lobes().are_sampled_by_lights()
+        self.lobes.are_sampled_by_lights()
     }
 
     /// The scattering function for light from the local direction `wi` (sr^-1).
@@ -385,7 +392,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
             return None;
         }
         let f = self.f(local);
-        (f != C::ZERO).then(|| (self.leave_by(self.bsdf.lobes(), wi.normalize()), f * local.z.abs()))
+        (f != C::ZERO).then(|| (self.leave_by(self.lobes, wi.normalize()), f * local.z.abs()))
     }
 
     #[inline]

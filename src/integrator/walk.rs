@@ -127,10 +127,10 @@ impl<C: Spectrum> Walk<C> {
         scene: &Scene,
         ray: &Ray,
         hit: Option<&Hit>,
-        media: PathMedia,
+        media: Option<PathMedia>,
         wavelengths: &C::Wavelengths,
     ) {
-        if scene.has_media() {
+        if media.is_some() {
             self.throughput *= left_after::<C>(scene, ray, hit, media, wavelengths);
         }
     }
@@ -165,7 +165,7 @@ impl<C: Spectrum> Walk<C> {
         // Emission of the surface itself.
         let shadow_rays = limits.shadow_rays;
         self.radiance += self.throughput * vertex.emitted(scene, self.previous, shadow_rays);
-        if self.depth > limits.max_depth || vertex.bsdf.is_black() {
+        if self.depth > limits.max_depth || vertex.lobes.is_empty() {
             return None;
         }
 
@@ -224,7 +224,7 @@ impl<C: Spectrum> Walk<C> {
 #[inline]
 pub(super) fn trace<C: Spectrum, S: Sampler, T: Tracer>(
     ray: Ray,
-    mut media: PathMedia,
+    mut media: Option<PathMedia>,
     context: &mut Context<'_, S, T, C>,
     first: &mut impl FnMut(FirstHit),
     limits: &Limits,

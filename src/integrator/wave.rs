@@ -76,6 +76,35 @@ impl<C: Spectrum> Wave<C> {
         tracer: &mut T,
         limits: &Limits,
     ) {
+        if scene.has_media() {
+            self.trace_in_media(scene, samples, tracer, limits);
+        } else {
+            self.trace_in::<false, S, T>(scene, samples, tracer, limits);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn trace_in_media<S: Sampler, T: Tracer>(
+        &mut self,
+        scene: &Scene,
+        samples: &mut [Sample<S, C>],
+        tracer: &mut T,
+        limits: &Limits,
+    ) {
+        self.trace_in::<true, S, T>(scene, samples, tracer, limits);
+    }
+
+    /// [`Self::trace`] in a scene with media (`MEDIA`) or in one without. The compiler makes both, so that a scene without
+    /// media pays nothing for them.
+    #[inline(always)]
+    fn trace_in<const MEDIA: bool, S: Sampler, T: Tracer>(
+        &mut self,
+        scene: &Scene,
+        samples: &mut [Sample<S, C>],
+        tracer: &mut T,
+        limits: &Limits,
+    ) {
         let Self { walks, active, rays, hits, shadows, lights, clear, media, shadow_media } = self;
         walks.clear();
         walks.resize(samples.len(), Walk::new(limits.previous));
@@ -94,8 +123,8 @@ impl<C: Spectrum> Wave<C> {
         lights.reserve(most_shadows);
         clear.reserve(most_shadows.saturating_sub(clear.len()));
         media.clear();
-        if scene.has_media() {
-            media.extend(rays.iter().map(|ray| scene.media_at(ray)));
+        if MEDIA {
+            media.extend(rays.iter().filter_map(|ray| scene.media_at(ray)));
             shadow_media.clear();
             shadow_media.reserve(most_shadows);
         }
@@ -106,12 +135,18 @@ impl<C: Spectrum> Wave<C> {
             scene.prefetch(hits);
             shadows.clear();
             lights.clear();
-            if scene.has_media() {
+            if MEDIA {
                 shadow_media.clear();
                 for ((number, ray), hit) in active.iter().zip(&*rays).zip(hits.iter_mut()) {
                     let number = *number as usize;
                     *hit = seen(scene, tracer, ray, *hit, &mut media[number]);
-                    walks[number].pass_media(scene, ray, hit.as_ref(), media[number], &samples[number].wavelengths);
+                    walks[number].pass_media(
+                        scene,
+                        ray,
+                        hit.as_ref(),
+                        Some(media[number]),
+                        &samples[number].wavelengths,
+                    );
                 }
             }
             let mut kept = 0;
@@ -123,7 +158,7 @@ impl<C: Spectrum> Wave<C> {
                     continue;
                 };
                 let mut slot = None;
-                let arrived_in = if scene.has_media() { media[number as usize] } else { PathMedia::NONE };
+                let arrived_in = MEDIA.then(|| media[number as usize]);
                 let vertex = Vertex::new(scene, &rays[i], hit, *wavelengths, arrived_in, &mut slot);
                 let next = walks[number as usize].meet(
                     scene,
@@ -132,16 +167,16 @@ impl<C: Spectrum> Wave<C> {
                     limits,
                     &mut |hit| *first = Some(hit),
                     |_, shadow, light| {
-                        if scene.has_media() {
-                            shadow_media.push(vertex.media_beyond(scene, &shadow));
+                        if MEDIA {
+                            shadow_media.extend(vertex.media_beyond(scene, &shadow));
                         }
                         shadows.push(shadow);
                         lights.push((number, light));
                     },
                 );
                 if let Some(next) = next {
-                    if scene.has_media() {
-                        media[number as usize] = vertex.media_beyond(scene, &next);
+                    if MEDIA && let Some(beyond) = vertex.media_beyond(scene, &next) {
+                        media[number as usize] = beyond;
                     }
                     (active[kept], rays[kept]) = (number, next);
                     kept += 1;
@@ -152,7 +187,7 @@ impl<C: Spectrum> Wave<C> {
 
             clear.resize(shadows.len(), false);
             tracer.unoccluded_many(shadows, clear);
-            if scene.has_media() {
+            if MEDIA {
                 for (i, (number, light)) in lights.iter_mut().enumerate() {
                     let wavelengths = &samples[*number as usize].wavelengths;
                     let (shadow, media) = (&shadows[i], shadow_media[i]);

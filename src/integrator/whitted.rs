@@ -12,7 +12,7 @@ use super::media::{arrive, left_after};
 use super::vertex::{Vertex, escaped};
 use super::walk::{roulette, scattered_light};
 use super::{Context, FirstHit, Tracer, Transport};
-use crate::bsdf::{BsdfSample, Model as _};
+use crate::bsdf::BsdfSample;
 use crate::math::Ray;
 use crate::sampling::Sampler;
 use crate::scene::PathMedia;
@@ -43,7 +43,7 @@ struct Branch<C> {
     eta2: f32,
     depth: u32,
     /// The media in which the ray starts.
-    media: PathMedia,
+    media: Option<PathMedia>,
 }
 
 impl<C: Spectrum> Transport<C> for Whitted {
@@ -63,7 +63,7 @@ impl<C: Spectrum> Transport<C> for Whitted {
             count -= 1;
             let mut branch = waiting[count];
             let hit = arrive(context.scene, context.tracer, &branch.ray, &mut branch.media);
-            if context.scene.has_media() {
+            if branch.media.is_some() {
                 let wavelengths = &context.wavelengths;
                 branch.throughput *=
                     left_after::<C>(context.scene, &branch.ray, hit.as_ref(), branch.media, wavelengths);
@@ -78,14 +78,14 @@ impl<C: Spectrum> Transport<C> for Whitted {
                 first(vertex.first_hit(context.scene));
             }
             radiance += branch.throughput * vertex.emitted(context.scene, None, 0);
-            if vertex.bsdf.is_black() {
+            if vertex.lobes.is_empty() {
                 continue;
             }
             if vertex.finds_light_samples() {
                 if !context.scene.emitters().is_dark() {
                     radiance += branch.throughput * scattered_light(&vertex, context, 0, self.shadow_rays);
                 }
-                if !vertex.bsdf.lobes().have_specular() {
+                if !vertex.lobes.have_specular() {
                     continue;
                 }
             }

@@ -66,7 +66,9 @@ impl VaryingMaterial for Turned {
 #[derive(Clone, Debug)]
 pub struct Material {
     /// The Bsdf everywhere, or its mean where the material varies.
-    pub(super) bsdf: Bsdf,
+    bsdf: Bsdf,
+    /// The lobes of this Bsdf that scatter any light.
+    lobes: Lobes,
     varying: Option<Arc<dyn VaryingMaterial>>,
     /// Probability with which a path survives a bounce at this material, where Russian roulette uses the probability
     /// that the scene states.
@@ -80,12 +82,13 @@ impl Material {
     pub fn uniform(bsdf: Bsdf) -> Self {
         let varying =
             bsdf.is_anisotropic().then(|| Arc::new(Turned { bsdf: bsdf.clone() }) as Arc<dyn VaryingMaterial>);
-        Self { bsdf, varying, survival: None, opacity: 1.0 }
+        Self { lobes: bsdf.lit_lobes(), bsdf, varying, survival: None, opacity: 1.0 }
     }
 
     /// Makes a material that is asked at every hit.
     pub fn varying(varying: Arc<dyn VaryingMaterial>) -> Self {
-        Self { bsdf: varying.mean(), varying: Some(varying), survival: None, opacity: 1.0 }
+        let bsdf = varying.mean();
+        Self { lobes: bsdf.lit_lobes(), bsdf, varying: Some(varying), survival: None, opacity: 1.0 }
     }
 
     /// The same material with this opacity, which is a factor on the opacity of a material that varies.
@@ -101,30 +104,31 @@ impl Material {
     /// Returns the Bsdf of this material at a hit, in the channels of a path. `detail` computes
     /// [`Scene::detail`](super::Scene::detail) of the hit, and is called only if the material varies.
     ///
-    /// The result is the material's own Bsdf where that serves. Otherwise the Bsdf is put into `slot`.
+    /// The result is the material's own Bsdf where that serves. Otherwise the Bsdf is put into `slot`. The lobes are those that
+    /// scatter any light.
     #[inline(always)]
     pub fn at<'a, C: Spectrum>(
         &'a self,
         detail: impl FnOnce() -> SurfaceDetail,
         wavelengths: &C::Wavelengths,
         slot: &'a mut Option<Bsdf<C>>,
-    ) -> &'a Bsdf<C> {
-        match &self.varying {
+    ) -> (&'a Bsdf<C>, Lobes) {
+        let bsdf: &Bsdf<C> = match &self.varying {
             // The compiler decides this at compile time: a path that carries colours uses the Bsdf of the scene.
             None => match (&self.bsdf as &dyn Any).downcast_ref() {
-                Some(bsdf) => bsdf,
+                Some(bsdf) => return (bsdf, self.lobes),
                 None => slot.insert(self.bsdf.in_spectrum(wavelengths)),
             },
             Some(varying) => slot.insert(ask(&**varying, detail).in_spectrum(wavelengths)),
-        }
+        };
+        (bsdf, bsdf.lit_lobes())
     }
 
     /// All lobes that the material has anywhere. There are none where the material is black everywhere.
     pub fn lobes(&self) -> Lobes {
         match &self.varying {
             Some(varying) => varying.lobes(),
-            None if self.bsdf.is_black() => Lobes::empty(),
-            None => self.bsdf.lobes(),
+            None => self.lobes,
         }
     }
 
@@ -152,7 +156,7 @@ impl Material {
     /// The share of the irradiance that the diffuse lobes reflect at a hit, as a colour. Other lobes give 0.
     pub fn diffuse_albedo(&self, detail: impl FnOnce() -> SurfaceDetail) -> Rgb {
         let mut slot = None;
-        self.at::<Rgb>(detail, &(), &mut slot).diffuse_albedo()
+        self.at::<Rgb>(detail, &(), &mut slot).0.diffuse_albedo()
     }
 
     /// Whether rays meet all surfaces of this material.

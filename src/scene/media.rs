@@ -12,7 +12,7 @@ use std::sync::Arc;
 use super::geometry::Geometry;
 use super::hit::{Hit, IN_LIST};
 use super::interaction::{NO_EMITTER, Owner, Triangles};
-use super::{Scene, SurfaceDetail, SurfaceInteraction};
+use super::{Scene, SurfaceDetail};
 use crate::bsdf::{Bsdf, Dielectric};
 use crate::camera::Camera;
 use crate::desc::{MaterialDesc, SceneDesc};
@@ -215,24 +215,17 @@ impl Scene {
         None
     }
 
-    /// The media that a path is in after it left a surface into `direction`, where it arrived in `media` from the direction
-    /// `wo`.
+    /// The media that a path in `media` is in after it passed a surface of a material from its outer side (`front`) or from its
+    /// inner side.
     #[cold]
     #[inline(never)]
-    pub(crate) fn media_beyond(
-        &self,
-        media: PathMedia,
-        surface: &SurfaceInteraction,
-        wo: Vec3,
-        direction: Vec3,
-    ) -> PathMedia {
-        let Some(all) = self.media.as_deref() else { return media };
-        let medium = all.of_material[surface.material as usize];
-        let front = wo.dot(surface.ng) > 0.0;
-        if medium == 0 || (direction.dot(surface.ng) > 0.0) == front {
-            return media;
+    pub(crate) fn media_behind(&self, media: PathMedia, material: u32, front: bool) -> PathMedia {
+        match self.media.as_deref() {
+            Some(all) if all.of_material[material as usize] != 0 => {
+                all.crossing(media, all.of_material[material as usize], front).after
+            }
+            _ => media,
         }
-        all.crossing(media, medium, front).after
     }
 
     /// Whether surfaces of a material bound a medium.
@@ -254,7 +247,7 @@ impl Scene {
         detail: impl FnOnce() -> SurfaceDetail,
     ) -> Bsdf<C> {
         let mut slot = None;
-        let own = self.material(material).at::<C>(detail, wavelengths, &mut slot);
+        let (own, _) = self.material(material).at::<C>(detail, wavelengths, &mut slot);
         let Some(all) = self.media.as_deref() else { return own.clone() };
         let number = all.of_material[material as usize];
         let Some(medium) = all.medium(number) else { return own.clone() };
@@ -281,10 +274,10 @@ impl Scene {
         C::from_reflectance(Rgb::from_array(absorption.to_array().map(of)), wavelengths)
     }
 
-    /// The media at the origin of a ray.
+    /// The media at the origin of a ray; `None` in a scene that has no media.
     #[inline(always)]
-    pub(crate) fn media_at(&self, ray: &Ray) -> PathMedia {
-        if self.has_media() { self.probed_media(ray.origin, ray.time) } else { PathMedia::NONE }
+    pub(crate) fn media_at(&self, ray: &Ray) -> Option<PathMedia> {
+        self.has_media().then(|| self.probed_media(ray.origin, ray.time))
     }
 
     /// The media at a point, from the surfaces that probes meet: two of three probes have to agree.

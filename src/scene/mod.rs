@@ -317,7 +317,7 @@ impl Scene {
     #[cfg(test)]
     pub(crate) fn set_bsdf(&mut self, material: usize, bsdf: crate::bsdf::Bsdf) {
         let mut materials = self.materials.to_vec();
-        materials[material].bsdf = bsdf;
+        materials[material] = Material::uniform(bsdf);
         self.materials = materials.into();
     }
 

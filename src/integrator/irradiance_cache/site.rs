@@ -6,7 +6,6 @@ use super::super::vertex::Vertex;
 use super::super::{SceneTracer, Tracer as _};
 use super::hemisphere::{Incident, Strata};
 use super::record::MAX_WALLS;
-use crate::bsdf::Model as _;
 use crate::camera::Camera;
 use crate::math::{Frame, Ray, Vec3};
 use crate::sampling::{Sampler as _, SobolSampler};
@@ -34,7 +33,7 @@ pub(super) struct Site {
     /// Fraction of the pixel's light that comes from here, by what mirrors and glass on the path transmit.
     pub throughput: f32,
     /// The media in which the site is seen, and in which rays leave it.
-    media: PathMedia,
+    media: Option<PathMedia>,
 }
 
 /// Appends the first diffuse hits behind the film position (x, y). Where a surface reflects and refracts, both branches
@@ -51,14 +50,14 @@ pub(super) fn first_diffuse_hits(
     let mut branches = vec![(first, scene.media_at(&first), 1.0, 0.0, 0)];
     while let Some((ray, mut media, mut throughput, distance, bounces)) = branches.pop() {
         let Some(hit) = arrive(scene, tracer, &ray, &mut media) else { continue };
-        if scene.has_media() {
+        if media.is_some() {
             throughput *= left_after::<Rgb>(scene, &ray, Some(&hit), media, &()).max_element();
         }
         let distance = distance + hit.t;
         // The fraction of the light that passes is that of power, so refraction is that of importance.
         let mut slot = None;
         let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), media, &mut slot);
-        if vertex.bsdf.lobes().have_diffuse() && !vertex.bsdf.is_black() {
+        if vertex.lobes.have_diffuse() {
             let facing = vertex.facing();
             let (point, n) = (vertex.surface.point, vertex.facing_shading());
             let origin = point.offset(facing);

@@ -133,15 +133,15 @@ fn look(scene: &Scene) -> Result<Seen> {
             let mut media = scene.media_at(&ray);
             for hits in 0..MOST_HITS {
                 let Some(hit) = arrive(scene, &mut tracer, &ray, &mut media) else { break };
-                if scene.has_media() {
+                if media.is_some() {
                     power *= left_after::<Rgb>(scene, &ray, Some(&hit), media, &());
                 }
                 way += f64::from(hit.t);
                 let mut slot = None;
                 let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), media, &mut slot);
-                let lobes = vertex.bsdf.lobes();
+                let lobes = vertex.lobes;
                 if lobes.have_diffuse() || vertex.bsdf.narrowest() >= NARROW {
-                    if hits > 0 && lobes.have_diffuse() && !vertex.bsdf.is_black() {
+                    if hits > 0 && lobes.have_diffuse() {
                         let power = f64::from(luminance(power));
                         // From the diffuse point, the lamp fills its area over the squared path length, of which a quarter
                         // faces the point.
@@ -174,7 +174,7 @@ fn look(scene: &Scene) -> Result<Seen> {
                     escaped += 1;
                     break;
                 };
-                if scene.has_media() {
+                if media.is_some() {
                     let left = left_after::<Rgb>(scene, &ray, Some(&hit), media, &()).max_element();
                     if left < 1.0 && rng.next_f32() >= left {
                         break;

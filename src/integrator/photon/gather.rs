@@ -109,7 +109,7 @@ struct EyePath<C: Spectrum> {
     walk: Walk<C>,
     ray: Ray,
     /// The media that the path is in.
-    media: PathMedia,
+    media: Option<PathMedia>,
     /// Number of diffuse hits so far.
     diffuse: u32,
     /// Length of the path since the last diffuse hit.
@@ -119,7 +119,7 @@ struct EyePath<C: Spectrum> {
 }
 
 impl<C: Spectrum> EyePath<C> {
-    fn new(ray: Ray, media: PathMedia) -> Self {
+    fn new(ray: Ray, media: Option<PathMedia>) -> Self {
         Self { walk: Walk::new(None), ray, media, diffuse: 0, since_diffuse: 0.0, counts_caustics: true }
     }
 }
@@ -194,7 +194,7 @@ impl Gather {
         &self,
         scene: &Scene,
         ray: Ray,
-        media: PathMedia,
+        media: Option<PathMedia>,
         sampler: &mut S,
         tracer: &mut T,
     ) -> (Rgb, f32) {
@@ -258,7 +258,7 @@ impl<C: Spectrum> Gather<C> {
                 let emitted = vertex.emitted(context.scene, path.walk.previous, self.shadow_rays);
                 path.walk.radiance += path.walk.throughput * emitted;
             }
-            if path.walk.depth > self.max_depth || vertex.bsdf.is_black() {
+            if path.walk.depth > self.max_depth || vertex.lobes.is_empty() {
                 return path.walk.radiance;
             }
             // The parts of the surface: what is gathered, and what is followed beside it.
@@ -357,7 +357,7 @@ impl<C: Spectrum> Gather<C> {
                 let emitted = vertex.emitted(context.scene, None, 1);
                 branch.walk.radiance += branch.walk.throughput * emitted;
             }
-            if branch.walk.depth > self.max_depth || !vertex.bsdf.lobes().have_specular() {
+            if branch.walk.depth > self.max_depth || !vertex.lobes.have_specular() {
                 break;
             }
             match branch.walk.bounce(&vertex, context.sampler, &limits) {

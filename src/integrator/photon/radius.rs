@@ -4,7 +4,6 @@ use super::super::media::arrive;
 use super::super::vertex::Vertex;
 use super::super::{SceneTracer, Tracer as _};
 use super::{Nearest, PhotonMap};
-use crate::bsdf::Model as _;
 use crate::camera::Camera;
 use crate::scene::Scene;
 use crate::spectrum::{Rgb, Spectrum};
@@ -82,9 +81,9 @@ pub(super) fn measure(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -> L
             way += hit.t;
             let mut slot = None;
             let vertex = Vertex::<Rgb>::new(scene, &ray, &hit, (), media, &mut slot);
-            let lobes = vertex.bsdf.lobes();
+            let lobes = vertex.lobes;
             if lobes.have_diffuse() || !lobes.have_specular() {
-                if lobes.have_diffuse() && !vertex.bsdf.is_black() {
+                if lobes.have_diffuse() {
                     sizes.push(way * angle);
                     let u =
                         [i, i.wrapping_mul(0x9e37_79b9)].map(|i| (i.reverse_bits() >> 8) as f32 * 2.0_f32.powi(-24));

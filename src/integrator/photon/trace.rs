@@ -16,7 +16,7 @@ use super::super::{SceneTracer, Tracer as _};
 use super::Photon;
 use super::division::{Division, PARTS, choose_part};
 use super::emit::{Aim, Emission};
-use crate::bsdf::{Model as _, Parts};
+use crate::bsdf::Parts;
 use crate::control::Parallel;
 use crate::desc::RenderDesc;
 use crate::error::Result;
@@ -236,7 +236,7 @@ impl<C: Spectrum> PhotonTracer<C> {
         let mut media = self.scene.media_at(&ray);
         for depth in 1_u32.. {
             let hit = arrive(&self.scene, tracer, &ray, &mut media);
-            if self.scene.has_media() {
+            if media.is_some() {
                 let left = power * left_after::<C>(&self.scene, &ray, hit.as_ref(), media, &self.wavelengths);
                 shot.tally.absorbed += self.tallied(power) - self.tallied(left);
                 power = left;
@@ -270,7 +270,7 @@ impl<C: Spectrum> PhotonTracer<C> {
             // any more.
             let is_over = match self.kind {
                 MapKind::Direct => true,
-                MapKind::Caustic => was_diffuse || (narrow.is_none() && !vertex.bsdf.is_black()),
+                MapKind::Caustic => was_diffuse || (narrow.is_none() && !vertex.lobes.is_empty()),
                 MapKind::Indirect | MapKind::Global => false,
             };
             if is_over || depth >= self.max_depth {
@@ -333,7 +333,7 @@ impl<C: Spectrum> PhotonTracer<C> {
                 }
                 _ => false,
             };
-            if !exits && vertex.bsdf.lobes().have_diffuse() && !vertex.bsdf.is_black() {
+            if !exits && vertex.lobes.have_diffuse() {
                 shot.photons.push(vertex.photon(C::ZERO));
                 shot.tally.shadows += 1;
             }

@@ -557,7 +557,7 @@ fn curved_area(shape: &Analytic, triangle: &[DVec3; 3]) -> f64 {
 /// The fraction of the irradiance that the diffuse lobes of a surface reflect where the incident radiance is uniform; 0
 /// for mirrors and glass.
 pub(super) fn mean_albedo(bsdf: &Bsdf) -> DVec3 {
-    if !bsdf.lobes().have_diffuse() || bsdf.is_black() {
+    if !bsdf.lit_lobes().have_diffuse() {
         return DVec3::ZERO;
     }
     if bsdf.constant_f().is_some() {

@@ -5,12 +5,11 @@ use std::sync::Arc;
 
 use super::Radiosity;
 use super::elements::mean_albedo;
-use crate::bsdf::Model as _;
 use crate::integrator::vertex::Vertex;
 use crate::integrator::{Context, FirstHit, Tracer, Transport};
 use crate::math::Ray;
 use crate::sampling::Sampler;
-use crate::scene::{Hit, PathMedia, Scene, SurfaceInteraction};
+use crate::scene::{Hit, Scene, SurfaceInteraction};
 use crate::spectrum::Rgb;
 
 /// An integrator that shows a solution to the camera.
@@ -51,13 +50,13 @@ impl Transport<Rgb> for RadiosityPicture {
         let scene = context.scene;
         let Some(hit) = context.tracer.intersect(&ray) else { return Rgb::ZERO };
         let mut slot = None;
-        let vertex = Vertex::new(scene, &ray, &hit, (), PathMedia::NONE, &mut slot);
+        let vertex = Vertex::new(scene, &ray, &hit, (), None, &mut slot);
         first(vertex.first_hit(scene));
         let mut radiance: Rgb = vertex.emitted(scene, None, 1);
         if !self.final_gather {
             return radiance + self.reflected(&ray, &hit, &vertex.surface);
         }
-        if !vertex.bsdf.lobes().have_diffuse() || vertex.bsdf.is_black() {
+        if !vertex.lobes.have_diffuse() {
             return radiance;
         }
         // Direct light, by light samples and by the ray that follows, with multiple importance sampling.
@@ -69,7 +68,7 @@ impl Transport<Rgb> for RadiosityPicture {
         let previous = Some((vertex.receiver(), pdf));
         let Some(hit) = context.tracer.intersect(&bounce.ray) else { return radiance };
         let mut slot = None;
-        let next = Vertex::<Rgb>::new(scene, &bounce.ray, &hit, (), PathMedia::NONE, &mut slot);
+        let next = Vertex::<Rgb>::new(scene, &bounce.ray, &hit, (), None, &mut slot);
         let seen = next.emitted(scene, previous, self.shadow_rays) + self.reflected(&bounce.ray, &hit, &next.surface);
         radiance + bounce.weight * seen
     }
