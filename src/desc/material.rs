@@ -189,8 +189,19 @@ impl BsdfDesc {
     /// materials can have no medium.
     pub(crate) fn interior(&self) -> Option<[f32; 2]> {
         match *self {
-            Self::Dielectric { ior, exterior_ior } => Some([ior, exterior_ior]),
+            Self::Dielectric { ior, exterior_ior } | Self::RoughDielectric { ior, exterior_ior, .. } => {
+                Some([ior, exterior_ior])
+            }
             _ => None,
         }
+    }
+
+    /// The same body, with another index of refraction around it.
+    pub(crate) fn with_exterior(&self, around: f32) -> Self {
+        let mut it = *self;
+        if let Self::Dielectric { exterior_ior, .. } | Self::RoughDielectric { exterior_ior, .. } = &mut it {
+            *exterior_ior = around;
+        }
+        it
     }
 }

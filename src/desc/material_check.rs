@@ -51,7 +51,7 @@ pub(super) fn check(material: &mut MaterialDesc, materials: &[MaterialDesc]) -> 
 /// Checks the medium of a material with this model.
 pub(super) fn medium(path: &str, bsdf: &BsdfDesc, medium: MediumDesc) -> Result<()> {
     if bsdf.interior().is_none() {
-        let message = "only a smooth refractive material has a medium inside, expected no absorption and no priority";
+        let message = "only a refractive material has a medium inside, expected no absorption and no priority";
         return Err(Error::invalid(join(path, "medium"), message));
     }
     absorption(&join(path, "absorption"), medium.absorption.to_f64()).map(|_| ())

@@ -7,7 +7,7 @@
 //!
 //! Source: Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images".
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::geometry::Geometry;
 use super::hit::{Hit, IN_LIST};
@@ -15,7 +15,7 @@ use super::interaction::{NO_EMITTER, Owner, Triangles};
 use super::{Scene, SurfaceDetail};
 use crate::bsdf::{Bsdf, Dielectric};
 use crate::camera::Camera;
-use crate::desc::{MaterialDesc, SceneDesc};
+use crate::desc::{BsdfDesc, MaterialDesc, SceneDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, Ray, Vec3};
 use crate::sampling::hash;
@@ -96,12 +96,28 @@ pub(super) struct Media {
     media: Vec<Medium>,
     /// The medium of each material. Materials with equal media share one.
     of_material: Vec<Number>,
+    /// For each material of rough glass, by the medium around it: the Bsdf there, which is made where a path first meets one.
+    rough: Vec<Option<RoughInterface>>,
     /// Whether the boundaries of all media are known to be closed.
     is_closed: bool,
     /// Box around the boundaries of all media, scene frame.
     bounds: Bounds,
     /// The position of the scene's own camera and the media there.
     camera: Option<(Vec3, PathMedia)>,
+}
+
+/// A rough boundary of a medium, whose Bsdf has tables of their own for each pair of indices.
+#[derive(Clone, Debug)]
+struct RoughInterface {
+    desc: BsdfDesc,
+    around: Box<[OnceLock<Bsdf>]>,
+}
+
+impl RoughInterface {
+    /// The Bsdf between the body and the medium of this number around it, which has this index of refraction.
+    fn within(&self, medium: Number, exterior_ior: f32) -> &Bsdf {
+        self.around[usize::from(medium)].get_or_init(|| Bsdf::new(&self.desc.with_exterior(exterior_ior)))
+    }
 }
 
 /// What happens to the media of a path that passes through a surface.
@@ -140,8 +156,14 @@ impl Media {
             }
             of_material.push((place + 1) as Number);
         }
-        let bounds = Bounds::default();
-        Ok(Some(Arc::new(Self { media, of_material, is_closed: false, bounds, camera: None })))
+        let rough = desc.materials.iter().map(|material| {
+            matches!(material.bsdf, BsdfDesc::RoughDielectric { .. }).then(|| RoughInterface {
+                desc: material.bsdf,
+                around: (0..=media.len()).map(|_| OnceLock::new()).collect(),
+            })
+        });
+        let (rough, bounds) = (rough.collect(), Bounds::default());
+        Ok(Some(Arc::new(Self { media, of_material, rough, is_closed: false, bounds, camera: None })))
     }
 
     fn medium(&self, number: Number) -> Option<&Medium> {
@@ -254,9 +276,15 @@ impl Scene {
         let Crossing { filling, .. } = all.crossing(media, number, front);
         let [here, beyond] = filling.map(|number| all.medium(number).map_or(medium.exterior_ior, |medium| medium.ior));
         let (inner, outer) = if front { (beyond, here) } else { (here, beyond) };
-        match own {
-            Bsdf::Dielectric(_) => Bsdf::Dielectric(Dielectric::new(inner, outer)),
-            other => other.clone(),
+        // Where the medium does not change, nothing is refracted, however rough the surface is.
+        let Some(rough) = all.rough[material as usize].as_ref().filter(|_| filling[0] != filling[1]) else {
+            return Bsdf::Dielectric(Dielectric::new(inner, outer));
+        };
+        // A boundary at which the medium changes has its own medium on the inner side.
+        let around = if front { filling[0] } else { filling[1] };
+        match (rough.within(around, outer).in_spectrum::<C>(wavelengths), own) {
+            (Bsdf::RoughDielectric(glass), Bsdf::RoughDielectric(own)) => Bsdf::RoughDielectric(glass.turned_as(own)),
+            (glass, _) => glass,
         }
     }
 

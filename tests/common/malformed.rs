@@ -510,7 +510,7 @@ fn materials(l: &mut List) {
             "frosted absorption",
             "@refractive",
             "\"refractionIndex\": 1.5, \"roughness\": 0.5, \"absorption\": [1, 1, 1]",
-            "materials[1].medium: only a smooth refractive material",
+            "materials[1].medium: only a refractive material",
         ),
     ] {
         let (before, kind) = kind.strip_prefix('@').map_or(("", kind), |kind| ("@", kind));

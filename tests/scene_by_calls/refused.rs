@@ -66,7 +66,7 @@ fn bad_materials() -> Vec<(&'static str, &'static str, Call)> {
         add("materials[3].reflectionRate", "1.5 is out of range", oren_nayar(0.5), Some(1.5)),
         add("materials[3].reflectionRate", "only a diffuse material", glass(1.5, 1.0), Some(0.5)),
         bad("materials[0].color[1]", "1.5", move |desc| desc.set_material(0, lambert(over), None)),
-        bad("materials[0].medium", "only a smooth refractive material", move |desc| {
+        bad("materials[0].medium", "only a refractive material", move |desc| {
             desc.set_medium(0, Some(MediumDesc { absorption: grey, priority: 0 }))
         }),
         bad("materials[9]", "there is no material 9", |desc| desc.set_medium(9, None)),

@@ -1,5 +1,6 @@
 //! A liquid in a glass: bodies that overlap, against the interfaces between their media.
 
+use super::rough::frosted;
 use super::*;
 use etendue::desc::{PhotonDesc, ShapeDesc, SurfaceLook};
 
@@ -8,6 +9,8 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "A7", title: "straight through a liquid in a glass", run: straight },
         Entry { id: "A8", title: "overlap and interfaces", run: interfaces },
         Entry { id: "A9", title: "coloured liquid, by all methods", run: methods },
+        Entry { id: "A11", title: "overlap and interfaces, rough", run: rough_interfaces },
+        Entry { id: "A12", title: "coloured liquid in rough glass, by all methods", run: rough_methods },
     ]
 }
 
@@ -70,7 +73,8 @@ const TOP: f64 = 0.55;
 const RIM: f64 = 0.8;
 
 /// A glass with a liquid, as two bodies that overlap, or as the interfaces between three media.
-fn tumbler(quads: &mut Quads, overlaps: bool, absorption: [Rgb; 2]) {
+fn tumbler(quads: &mut Quads, overlaps: bool, absorption: [Rgb; 2], roughness: f32) {
+    let glass = |ior, exterior_ior| frosted(ior, exterior_ior, roughness);
     let glass_in_air = quads.material("glass in air", glass(GLASS, 1.0));
     quads.walls(OUTER, [0.0, RIM], 1.0, glass_in_air);
     quads.level(OUTER, 0.0, -1.0, glass_in_air, None);
@@ -95,7 +99,7 @@ fn tumbler(quads: &mut Quads, overlaps: bool, absorption: [Rgb; 2]) {
 }
 
 /// A tumbler in a room with a lamp.
-fn room(overlaps: bool, absorption: [Rgb; 2]) -> SceneDesc {
+fn room(overlaps: bool, absorption: [Rgb; 2], roughness: f32) -> SceneDesc {
     let view = camera(DVec3::new(0.35, 0.9, 1.3), DVec3::new(0.0, 0.35, 0.0), 60.0);
     let mut quads = Quads { desc: SceneDesc { camera: view, ..SceneDesc::default() } };
     let wall = quads.material("wall", grey(0.6));
@@ -103,7 +107,7 @@ fn room(overlaps: bool, absorption: [Rgb; 2]) -> SceneDesc {
     quads.level(1.5, -0.2, 1.0, wall, None);
     quads.level(1.5, 2.3, -1.0, wall, None);
     quads.level(1.4, 2.2, -1.0, wall, Some(Rgb::splat(3.0)));
-    tumbler(&mut quads, overlaps, absorption);
+    tumbler(&mut quads, overlaps, absorption, roughness);
     quads.desc
 }
 
@@ -126,7 +130,7 @@ fn layers(indices: &[f64], left: &[f64]) -> f64 {
 fn straight(case: &mut Case) {
     let tints = [Rgb::new(0.5, 1.0, 3.0), Rgb::new(2.0, 0.3, 1.0)];
     let mut quads = Quads { desc: SceneDesc::default() };
-    tumbler(&mut quads, true, tints);
+    tumbler(&mut quads, true, tints, 0.0);
     let black = quads.material("black", BsdfDesc::Black);
     let corner = |x: f64, y: f64| DVec3::new(9.0 * x, 9.0 * y, -3.0);
     let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
@@ -229,15 +233,18 @@ fn mean_of(values: &[[f64; 6]]) -> [(f64, f64); 6] {
 }
 
 fn interfaces(case: &mut Case) {
-    let [overlap, exact] = [true, false].map(|overlaps| build(&room(overlaps, [Rgb::ZERO; 2])));
-    let methods = [
-        IntegratorDesc::Path,
-        IntegratorDesc::Whitted,
-        IntegratorDesc::Sppm,
-        IntegratorDesc::Photon,
-        IntegratorDesc::Caustic,
-    ];
-    for integrator in methods {
+    compare_interfaces(case, &[IntegratorDesc::Whitted], 0.0);
+}
+
+/// Rough boundaries, whose Bsdf between two media is made when a path first meets it.
+fn rough_interfaces(case: &mut Case) {
+    compare_interfaces(case, &[], 0.4);
+}
+
+fn compare_interfaces(case: &mut Case, more: &[IntegratorDesc], roughness: f32) {
+    let [overlap, exact] = [true, false].map(|overlaps| build(&room(overlaps, [Rgb::ZERO; 2], roughness)));
+    let methods = [IntegratorDesc::Path, IntegratorDesc::Sppm, IntegratorDesc::Photon, IntegratorDesc::Caustic];
+    for integrator in more.iter().copied().chain(methods) {
         let effort = [case.count(16, 256), case.count(4_000, 60_000), case.count(8, 32)];
         let [a, b] = [&overlap, &exact].map(|scene| means(scene, integrator, effort));
         for (i, part) in [(0, "whole"), (3, "middle")] {
@@ -250,8 +257,16 @@ fn interfaces(case: &mut Case) {
 }
 
 fn methods(case: &mut Case) {
-    let scene = build(&room(true, [Rgb::new(0.3, 0.1, 0.2), Rgb::new(0.5, 1.0, 2.0)]));
-    let runs = case.count(12, 32);
+    compare_methods(case, 1, 0.0);
+}
+
+fn rough_methods(case: &mut Case) {
+    compare_methods(case, 3, 0.4);
+}
+
+fn compare_methods(case: &mut Case, more: u64, roughness: f32) {
+    let scene = build(&room(true, [Rgb::new(0.3, 0.1, 0.2), Rgb::new(0.5, 1.0, 2.0)], roughness));
+    let runs = more * case.count(12, 32);
     let expected = mean_of(&means(&scene, IntegratorDesc::Path, [case.count(96, 1024), 1, runs]));
     let methods = [
         (IntegratorDesc::Caustic, 0.0),

@@ -1,6 +1,7 @@
 //! Media inside surfaces: what they absorb, and which of them fills the overlap of bodies.
 
 mod liquid;
+mod rough;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -30,7 +31,7 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "A5", title: "photons through an absorbing slab", run: photons },
         Entry { id: "A6", title: "irradiance under an absorbing slab", run: irradiance },
     ];
-    own.into_iter().chain(liquid::cases()).collect()
+    own.into_iter().chain(liquid::cases()).chain(rough::cases()).collect()
 }
 
 /// Absorption coefficients: different ones in the channels.
@@ -153,6 +154,11 @@ fn inside(case: &mut Case) {
 }
 
 fn furnace(case: &mut Case) {
+    nested(case, &[IntegratorDesc::Path, IntegratorDesc::Whitted, IntegratorDesc::Sppm], 1, 0.0);
+}
+
+/// Bodies of this roughness that overlap, in a furnace; `effort` multiplies the samples.
+fn nested(case: &mut Case, integrators: &[IntegratorDesc], effort: u64, roughness: f32) {
     let view = camera(DVec3::new(0.3, 0.5, 2.7), DVec3::new(0.1, 0.0, 0.0), 40.0);
     let balls = [
         (DVec3::new(0.0, 0.0, 0.0), 0.8, 1.5, 1),
@@ -161,7 +167,9 @@ fn furnace(case: &mut Case) {
         (DVec3::new(-0.2, 0.1, -0.1), 0.3, 1.2, 1),
         (DVec3::new(0.3, -0.5, 0.4), 0.4, 1.33, 0),
     ];
-    let surfaces = balls.iter().map(|(centre, radius, ior, _)| (ball(*centre, *radius), glass(*ior, 1.0), None));
+    let surfaces = balls
+        .iter()
+        .map(|(centre, radius, ior, _)| (ball(*centre, *radius), rough::frosted(*ior, 1.0, roughness), None));
     let mut desc = scene(view, surfaces.chain([(MESH, BsdfDesc::Black, Some(Rgb::ONE))]).collect());
     desc.meshes.push(Arc::new(box_inside(DVec3::splat(-3.0), DVec3::splat(3.0))));
     for (material, (.., priority)) in balls.iter().enumerate() {
@@ -183,8 +191,8 @@ fn furnace(case: &mut Case) {
             desc.surfaces[1].shape = MESH;
         }
         let scene = build(&desc);
-        for integrator in [IntegratorDesc::Path, IntegratorDesc::Whitted, IntegratorDesc::Sppm] {
-            let image = image(&scene, integrator, case.count(64, 1024), 1);
+        for integrator in integrators {
+            let image = image(&scene, *integrator, effort * case.count(64, 1024), 1);
             let what = format!("{what}, {}", integrator.name());
             case.mean(what, channel(&image, 0), exact, pick(case, 4e-3, 1e-3));
         }
