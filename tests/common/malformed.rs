@@ -508,9 +508,9 @@ fn materials(l: &mut List) {
         ),
         (
             "frosted absorption",
-            "@refractive",
-            "\"refractionIndex\": 1.5, \"roughness\": 0.5, \"absorption\": [1, 1, 1]",
-            "materials[1].medium: only a refractive material",
+            "refractive",
+            "\"refractionIndex\": 1.5, \"roughness\": 0.5,\n@\"absorption\": [1, -1, 1]",
+            "materials[1].absorption[1]: -1 is negative",
         ),
     ] {
         let (before, kind) = kind.strip_prefix('@').map_or(("", kind), |kind| ("@", kind));
