@@ -11,7 +11,7 @@ IMAGES ?= out/$(basename $(notdir $(SCENE))).png out/$(basename $(notdir $(SCENE
 INSTALL = CARGO='$(CARGO)' PREFIX='$(PREFIX)' LIBDIR='$(LIBDIR)' DESTDIR='$(DESTDIR)' scripts/install.sh
 ETENDUE = $(CARGO) run --quiet --release --locked --example etendue --
 
-.PHONY: all setup render test accuracy mutations bench bench-rays peers-materials build install uninstall deb meshes clean
+.PHONY: all setup render test accuracy mutations bench bench-rays peers-materials gallery build install uninstall deb meshes clean
 all: render
 
 # Installs Embree, libclang and a C compiler where they are missing, with a line that says why.
@@ -55,6 +55,11 @@ PEER ?= peer/bin/python
 peers-materials: setup
 	$(CARGO) build --quiet --release --locked --example etendue
 	$(PEER) peers/mitsuba/compare_materials.py $(ARGS)
+
+# The pictures of docs/materials.md, one for each kind of material. About five minutes.
+gallery: setup
+	$(CARGO) build --quiet --release --locked --example etendue
+	scripts/gallery.pl $${CARGO_TARGET_DIR:-target}/release/examples/etendue $(ARGS)
 
 # Generated meshes that are too large to store.
 meshes: out/million.obj

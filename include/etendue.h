@@ -1591,7 +1591,7 @@ typedef struct etd_principled {
      */
     float transmission_weight;
     /**
-     * Colour of what is transmitted.
+     * Colour of what is transmitted: of light that has entered and left, or that has travelled `transmission_depth` inside.
      */
     float transmission_color[3];
     /**
@@ -1640,9 +1640,10 @@ typedef struct etd_principled {
      */
     uint32_t single_scattering;
     /**
-     * Must be 0.
+     * The distance inside a body after which `transmission_color` is left [scene unit], >= 0. With 0 the colour belongs to the
+     * surface. A thin sheet has no inside.
      */
-    uint32_t reserved;
+    float transmission_depth;
 } etd_principled;
 
 /**

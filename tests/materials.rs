@@ -304,3 +304,92 @@ fn what_emits_is_opaque_and_can_emit() {
         }
     }
 }
+
+/// The gallery of `docs/materials.md`: each entry of `scenes/gallery/materials.json` is a scene, a picture and a cell of the table
+/// (`ETENDUE_WRITE=1` writes the table), and no kind of material is without one.
+#[test]
+fn the_gallery_shows_every_kind_of_material() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let read = |file: &str| std::fs::read_to_string(root.join(file)).expect(file);
+    let value = |file: &str| -> Value { serde_json::from_str(&read(file)).expect(file) };
+    let (ball, entries) = (value("scenes/gallery/ball.json"), value("scenes/gallery/materials.json"));
+    let mut kinds = std::collections::BTreeSet::new();
+    let mut cells = Vec::new();
+    for entry in entries.as_array().expect("a list") {
+        let [picture, what] = ["picture", "what"].map(|key| entry[key].as_str().expect("a string"));
+        let mut scene = ball.clone();
+        let materials = scene["materials"].as_array_mut().expect("a list");
+        materials.retain(|material| material["name"] != "shown");
+        let shown = entry["materials"].as_array().expect("a list");
+        kinds.extend(shown.iter().flat_map(|shown| ["type", "brdf"].map(|key| shown[key].as_str())).flatten());
+        materials.extend(shown.iter().cloned());
+        let desc = desc::parse(&scene.to_string(), &root.join("scenes/gallery"), None);
+        let desc = desc.unwrap_or_else(|error| panic!("{picture}: {error}"));
+        Scene::build(&desc, &BuildOptions::default()).unwrap_or_else(|error| panic!("{picture}: {error}"));
+        let file = format!("docs/gallery/{picture}.png");
+        assert!(root.join(&file).exists(), "{file} is missing: make gallery");
+        cells.push(format!("![{picture}](gallery/{picture}.png)<br>{what}"));
+    }
+
+    let mut table = "|  |  |  |  |\n|---|---|---|---|\n".to_owned();
+    for row in cells.chunks(4) {
+        let row: Vec<&str> = row.iter().map(String::as_str).chain(std::iter::repeat("")).take(4).collect();
+        table += &format!("| {} |\n", row.join(" | "));
+    }
+    let (before, rest) = read("docs/materials.md")
+        .split_once("<!-- gallery -->\n")
+        .map(|(a, b)| (a.to_owned(), b.to_owned()))
+        .expect("its place");
+    let (_, after) = rest.split_once("<!-- end gallery -->").expect("its end");
+    let expected = format!("{before}<!-- gallery -->\n{table}<!-- end gallery -->{after}");
+    if std::env::var_os("ETENDUE_WRITE").is_some() {
+        std::fs::write(root.join("docs/materials.md"), &expected).expect("the page can be written");
+    }
+    assert!(read("docs/materials.md") == expected, "the table is out of date: write it with ETENDUE_WRITE=1");
+
+    // Every kind that the schema knows.
+    let schema = read("docs/scene.schema.json");
+    let schema: Value = serde_json::from_str(&schema).expect("JSON");
+    let mut known = Vec::new();
+    let kinds_of = |schema: &Value| -> Vec<String> {
+        let list = |key: &str| schema[key].as_array().cloned().unwrap_or_default();
+        let named = list("oneOf").into_iter().map(|one| one["const"].clone());
+        named.chain(list("enum")).filter_map(|kind| kind.as_str().map(str::to_owned)).collect()
+    };
+    for model in schema["$defs"]["Material"]["anyOf"].as_array().expect("models") {
+        let name = model["$ref"].as_str().and_then(|link| link.rsplit('/').next()).expect("a link");
+        known.extend(kinds_of(&schema["$defs"][name]["properties"]["type"]));
+    }
+    known.extend(kinds_of(&schema["$defs"]["Brdf"]).into_iter().filter(|brdf| brdf != "lambertian"));
+    assert!(known.len() > 16, "{known:?}");
+    let missing: Vec<_> = known.iter().filter(|kind| !kinds.contains(kind.as_str())).collect();
+    assert!(missing.is_empty(), "kinds of materials without a picture: {missing:?}");
+}
+
+/// A clear principled body whose colour has a depth is a body of absorbing glass, smooth or rough.
+#[test]
+fn a_transmission_depth_is_a_medium() {
+    let image = |material: Value| {
+        let scene = json!({"etendue": 1,
+        "camera": {"origin": [0, 0, 4], "lookAt": [0, 0, 0], "fieldOfView": 40},
+        "materials": [material],
+        "surfaces": [
+            {"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "material": "body"},
+            quad(9.0, -3.0, &json!({"emission": [1, 1, 1]})),
+        ]});
+        let job = Job { resolution: [24; 2], samples: 16, integrator: IntegratorDesc::Path, ..Job::default() };
+        render_scene(&build(&scene), job.desc()).0.rgb
+    };
+    for roughness in [0.0, 0.4] {
+        let principled = |depth: f64| {
+            image(
+                json!({"name": "body", "type": "principled", "transmission_weight": 1, "specular_roughness": roughness,
+                "transmission_color": [0.25, 0.5, 1], "transmission_depth": depth}),
+            )
+        };
+        let glass = image(json!({"name": "body", "type": "refractive", "refractionIndex": 1.5, "roughness": roughness,
+            "transmittance": [0.25, 0.5, 1], "transmittanceDistance": 0.5}));
+        assert!(principled(0.5) == glass, "roughness {roughness}");
+        assert!(principled(0.6) != glass);
+    }
+}

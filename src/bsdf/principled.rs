@@ -124,7 +124,8 @@ fn clear_dielectric(desc: &PrincipledDesc, facets: &MicrofacetsDesc) -> Bsdf {
         return Bsdf::ThinDielectric(ThinDielectric::new(eta, 1.0, desc.transmission_color));
     }
     let base = rough_dielectric(eta, 1.0, facets);
-    if desc.transmission_color == Rgb::ONE {
+    // With a depth, the colour is that of the medium inside.
+    if desc.transmission_color == Rgb::ONE || desc.transmission_depth > 0.0 {
         return base;
     }
     // Half of the colour at each of the two interfaces that light crosses on its way through a body.

@@ -163,9 +163,6 @@ pub(super) fn sheet_out(transmittance: Rgb) -> [f32; 3] {
 pub(super) unsafe fn principled(pointer: *const etd_principled) -> Result<PrincipledDesc> {
     // SAFETY: the caller keeps this function's contract.
     let it = unsafe { read_sized(pointer, "material.principled") }?;
-    if it.reserved != 0 {
-        return Err(Failure::argument("material.principled.reserved is not 0"));
-    }
     Ok(PrincipledDesc {
         base_weight: it.base_weight,
         base_color: Rgb::from_array(it.base_color),
@@ -179,6 +176,7 @@ pub(super) unsafe fn principled(pointer: *const etd_principled) -> Result<Princi
         specular_ior: it.specular_ior,
         transmission_weight: it.transmission_weight,
         transmission_color: Rgb::from_array(it.transmission_color),
+        transmission_depth: it.transmission_depth,
         coat_weight: it.coat_weight,
         coat_color: Rgb::from_array(it.coat_color),
         coat_roughness: it.coat_roughness,
@@ -209,6 +207,7 @@ fn principled_out(it: &PrincipledDesc) -> etd_principled {
         specular_ior: it.specular_ior,
         transmission_weight: it.transmission_weight,
         transmission_color: it.transmission_color.to_array(),
+        transmission_depth: it.transmission_depth,
         coat_weight: it.coat_weight,
         coat_color: it.coat_color.to_array(),
         coat_roughness: it.coat_roughness,
@@ -220,7 +219,6 @@ fn principled_out(it: &PrincipledDesc) -> etd_principled {
         fuzz_roughness: it.fuzz_roughness,
         thin_walled: u32::from(it.thin_walled),
         single_scattering: u32::from(!it.multiple_scattering),
-        reserved: 0,
     }
 }
 
@@ -283,6 +281,7 @@ mod tests {
                 specular_ior: 1.07,
                 transmission_weight: 0.08,
                 transmission_color: Rgb::new(0.7, 0.8, 0.9),
+                transmission_depth: 0.085,
                 coat_weight: 0.09,
                 coat_color: Rgb::new(0.71, 0.81, 0.91),
                 coat_roughness: 0.10,

@@ -50,7 +50,16 @@ impl MaterialDesc {
 
     /// Whether the material's medium absorbs or has a priority.
     pub(crate) fn uses_medium(&self) -> bool {
-        self.medium.is_some_and(|medium| medium != MediumDesc::default())
+        self.inside().is_some_and(|medium| medium != MediumDesc::default())
+    }
+
+    /// The medium inside bodies of the material: the stated one, or the one that the model's own numbers describe.
+    pub(crate) fn inside(&self) -> Option<MediumDesc> {
+        let own = match &self.bsdf {
+            BsdfDesc::Principled(it) => it.absorption().map(|absorption| MediumDesc { absorption, priority: 0 }),
+            _ => None,
+        };
+        self.medium.or(own)
     }
 }
 
@@ -192,6 +201,7 @@ impl BsdfDesc {
             Self::Dielectric { ior, exterior_ior } | Self::RoughDielectric { ior, exterior_ior, .. } => {
                 Some([ior, exterior_ior])
             }
+            Self::Principled(ref it) => it.absorption().map(|_| [it.specular_ior, 1.0]),
             _ => None,
         }
     }

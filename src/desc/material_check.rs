@@ -211,6 +211,17 @@ fn check_principled(path: &str, desc: &PrincipledDesc) -> Result<()> {
     ] {
         reflectance(&at(key), value.to_f64())?;
     }
+    if desc.transmission_depth != 0.0 {
+        positive(&at("transmission_depth"), desc.transmission_depth.into())?;
+        if desc.absorption().is_some() {
+            let paths = [at("transmission_color"), at("transmission_depth")];
+            super::validate::transmittance(
+                [&paths[0], &paths[1]],
+                desc.transmission_color.to_f64().to_array(),
+                desc.transmission_depth.into(),
+            )?;
+        }
+    }
     positive(&at("fuzz_roughness"), desc.fuzz_roughness.into())?;
     for (key, value) in [("specular_ior", desc.specular_ior), ("coat_ior", desc.coat_ior)] {
         positive(&at(key), value.into())?;

@@ -29,8 +29,11 @@ pub struct PrincipledDesc {
     pub specular_ior: f32,
     /// Share of the dielectric that light passes, instead of being scattered diffusely.
     pub transmission_weight: f32,
-    /// Colour of what is transmitted.
+    /// Colour of what is transmitted: of light that has entered and left, or of light that has travelled `transmission_depth`.
     pub transmission_color: Rgb,
+    /// The distance inside a body after which `transmission_color` is left [scene unit]; 0 colours light at the surface instead.
+    /// A thin sheet has no inside.
+    pub transmission_depth: f32,
     /// Share of the surface that has a coat.
     pub coat_weight: f32,
     /// Colour of what passes the coat down and up again along the normal.
@@ -70,6 +73,7 @@ impl Default for PrincipledDesc {
             specular_ior: 1.5,
             transmission_weight: 0.0,
             transmission_color: Rgb::ONE,
+            transmission_depth: 0.0,
             coat_weight: 0.0,
             coat_color: Rgb::ONE,
             coat_roughness: 0.0,
@@ -86,6 +90,14 @@ impl Default for PrincipledDesc {
 }
 
 impl PrincipledDesc {
+    /// The absorption coefficient inside bodies [1 / scene unit]; `None` for a surface without an inside, or whose colour is its own.
+    pub(crate) fn absorption(&self) -> Option<Rgb> {
+        let has_inside = self.transmission_weight > 0.0 && self.base_metalness < 1.0 && !self.thin_walled;
+        let of = |left: f32| (-f64::from(left).ln() / f64::from(self.transmission_depth)).max(0.0) as f32;
+        (has_inside && self.transmission_depth > 0.0)
+            .then(|| Rgb::from_array(self.transmission_color.to_array().map(of)))
+    }
+
     /// The facets of the metal and of the dielectric.
     pub fn specular_facets(&self) -> MicrofacetsDesc {
         MicrofacetsDesc {

@@ -96,14 +96,25 @@ pub(super) struct Media {
     media: Vec<Medium>,
     /// The medium of each material. Materials with equal media share one.
     of_material: Vec<Number>,
-    /// For each material of rough glass, by the medium around it: the Bsdf there, which is made where a path first meets one.
-    rough: Vec<Option<RoughInterface>>,
+    /// How each material is an interface between the media on its sides.
+    interfaces: Vec<Interface>,
     /// Whether the boundaries of all media are known to be closed.
     is_closed: bool,
     /// Box around the boundaries of all media, scene frame.
     bounds: Bounds,
     /// The position of the scene's own camera and the media there.
     camera: Option<(Vec3, PathMedia)>,
+}
+
+/// What the Bsdf of a boundary is, in dependence of the media on its sides.
+#[derive(Clone, Debug)]
+enum Interface {
+    /// A smooth one of the two indices.
+    Smooth,
+    /// A rough one of the two indices.
+    Rough(RoughInterface),
+    /// The material's own, which has the same index around it everywhere.
+    Own,
 }
 
 /// A rough boundary of a medium, whose Bsdf has tables of their own for each pair of indices.
@@ -144,7 +155,7 @@ impl Media {
                 of_material.push(0);
                 continue;
             };
-            let given = material.medium.unwrap_or_default();
+            let given = material.inside().unwrap_or_default();
             let medium = Medium { ior, exterior_ior, absorption: given.absorption, priority: given.priority };
             let place = media.iter().position(|other| *other == medium).unwrap_or_else(|| {
                 media.push(medium);
@@ -156,14 +167,16 @@ impl Media {
             }
             of_material.push((place + 1) as Number);
         }
-        let rough = desc.materials.iter().map(|material| {
-            matches!(material.bsdf, BsdfDesc::RoughDielectric { .. }).then(|| RoughInterface {
-                desc: material.bsdf,
-                around: (0..=media.len()).map(|_| OnceLock::new()).collect(),
-            })
-        });
-        let (rough, bounds) = (rough.collect(), Bounds::default());
-        Ok(Some(Arc::new(Self { media, of_material, rough, is_closed: false, bounds, camera: None })))
+        let around = || (0..=media.len()).map(|_| OnceLock::new()).collect();
+        let interface = |material: &MaterialDesc| match material.bsdf {
+            BsdfDesc::Dielectric { .. } => Interface::Smooth,
+            BsdfDesc::RoughDielectric { .. } => {
+                Interface::Rough(RoughInterface { desc: material.bsdf, around: around() })
+            }
+            _ => Interface::Own,
+        };
+        let (interfaces, bounds) = (desc.materials.iter().map(interface).collect(), Bounds::default());
+        Ok(Some(Arc::new(Self { media, of_material, interfaces, is_closed: false, bounds, camera: None })))
     }
 
     fn medium(&self, number: Number) -> Option<&Medium> {
@@ -276,15 +289,23 @@ impl Scene {
         let Crossing { filling, .. } = all.crossing(media, number, front);
         let [here, beyond] = filling.map(|number| all.medium(number).map_or(medium.exterior_ior, |medium| medium.ior));
         let (inner, outer) = if front { (beyond, here) } else { (here, beyond) };
-        // Where the medium does not change, nothing is refracted, however rough the surface is.
-        let Some(rough) = all.rough[material as usize].as_ref().filter(|_| filling[0] != filling[1]) else {
-            return Bsdf::Dielectric(Dielectric::new(inner, outer));
-        };
-        // A boundary at which the medium changes has its own medium on the inner side.
-        let around = if front { filling[0] } else { filling[1] };
-        match (rough.within(around, outer).in_spectrum::<C>(wavelengths), own) {
-            (Bsdf::RoughDielectric(glass), Bsdf::RoughDielectric(own)) => Bsdf::RoughDielectric(glass.turned_as(own)),
-            (glass, _) => glass,
+        let is_hidden = filling[0] == filling[1];
+        let interface = &all.interfaces[material as usize];
+        match interface {
+            // Several lobes, of which none is told what is around the body.
+            Interface::Own => own.clone(),
+            // Where the medium does not change, nothing is refracted, however rough the surface is.
+            Interface::Rough(rough) if !is_hidden => {
+                // A boundary at which the medium changes has its own medium on the inner side.
+                let around = if front { filling[0] } else { filling[1] };
+                match (rough.within(around, outer).in_spectrum::<C>(wavelengths), own) {
+                    (Bsdf::RoughDielectric(glass), Bsdf::RoughDielectric(own)) => {
+                        Bsdf::RoughDielectric(glass.turned_as(own))
+                    }
+                    (glass, _) => glass,
+                }
+            }
+            Interface::Rough(_) | Interface::Smooth => Bsdf::Dielectric(Dielectric::new(inner, outer)),
         }
     }
 

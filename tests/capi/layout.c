@@ -329,7 +329,7 @@ static void structures(void) {
     FIELD(etd_principled, fuzz_roughness);
     FIELD(etd_principled, thin_walled);
     FIELD(etd_principled, single_scattering);
-    FIELD(etd_principled, reserved);
+    FIELD(etd_principled, transmission_depth);
     STRUCT(etd_surface);
     FIELD(etd_surface, struct_size);
     FIELD(etd_surface, material);

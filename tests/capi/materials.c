@@ -104,6 +104,7 @@ CASE(principled) {
     p->specular_ior = 1.75f;
     p->transmission_weight = 0.25f;
     set3(p->transmission_color, 0.5f, 1, 0.5f);
+    p->transmission_depth = 0.125f;
     p->coat_weight = 0.5f;
     set3(p->coat_color, 1, 0.75f, 0.5f);
     p->coat_roughness = 0.25f;
@@ -166,7 +167,7 @@ static const struct {
      "\"base_diffuse_roughness\": 0.5, \"base_metalness\": 0.25, \"specular_weight\": 0.5, "
      "\"specular_color\": [0.25, 0.5, 0.75], \"specular_roughness\": 0.5, \"specular_roughness_anisotropy\": 0.25, "
      "\"specular_rotation\": 30, \"specular_ior\": 1.75, \"transmission_weight\": 0.25, "
-     "\"transmission_color\": [0.5, 1, 0.5], \"coat_weight\": 0.5, \"coat_color\": [1, 0.75, 0.5], "
+     "\"transmission_color\": [0.5, 1, 0.5], \"transmission_depth\": 0.125, \"coat_weight\": 0.5, \"coat_color\": [1, 0.75, 0.5], "
      "\"coat_roughness\": 0.25, \"coat_roughness_anisotropy\": 0.5, \"coat_ior\": 1.5, \"coat_darkening\": 0.5, "
      "\"fuzz_weight\": 0.25, \"fuzz_color\": [0.5, 0.75, 1], \"fuzz_roughness\": 0.75, \"thin_walled\": true, "
      "\"multipleScattering\": false"},

@@ -589,6 +589,7 @@ static void pass_materials(void) {
         OF(specular_ior, 1, 0, -1.5f),
         OF(transmission_weight, 1, -0.1f, 1.1f),
         OF(transmission_color, 3, -0.1f, 1.1f),
+        OF(transmission_depth, 1, -0.1f, -1e30f),
         OF(coat_weight, 1, -0.1f, 1.1f),
         OF(coat_color, 3, -0.1f, 1.1f),
         OF(coat_roughness, 1, -0.1f, 1.1f),

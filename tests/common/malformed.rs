@@ -506,6 +506,13 @@ fn materials(l: &mut List) {
             "\"front\": \"white\",\n@\"back\": \"x\"",
             "materials[1].back: no material named 'x'",
         ),
+        ("negative depth", "principled", "@\"transmission_depth\": -1", "materials[1].transmission_depth: -1 is "),
+        (
+            "black depth",
+            "principled",
+            "\"transmission_weight\": 1, \"transmission_depth\": 2,\n@\"transmission_color\": [1, 0, 1]",
+            "materials[1].transmission_color[1]: 0 is ",
+        ),
         (
             "frosted absorption",
             "refractive",

@@ -53,7 +53,7 @@ pub struct etd_principled {
     pub specular_ior: f32,
     /// Share of the dielectric that light passes, instead of being scattered diffusely.
     pub transmission_weight: f32,
-    /// Colour of what is transmitted.
+    /// Colour of what is transmitted: of light that has entered and left, or that has travelled `transmission_depth` inside.
     pub transmission_color: [f32; 3],
     /// Share of the surface that has a coat.
     pub coat_weight: f32,
@@ -78,8 +78,9 @@ pub struct etd_principled {
     pub thin_walled: u32,
     /// 0: light that facets scatter more than once is included; 1: it is left out.
     pub single_scattering: u32,
-    /// Must be 0.
-    pub reserved: u32,
+    /// The distance inside a body after which `transmission_color` is left [scene unit], >= 0. With 0 the colour belongs to the
+    /// surface. A thin sheet has no inside.
+    pub transmission_depth: f32,
 }
 
 enumerations! {
@@ -88,5 +89,5 @@ enumerations! {
 }
 
 versioned! {
-    etd_principled, reserved;
+    etd_principled, transmission_depth;
 }

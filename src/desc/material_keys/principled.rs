@@ -32,8 +32,10 @@ material!(
     specular_ior: Option<f64>,
     /// Share of the dielectric that is clear. Default 0.
     transmission_weight: Option<f64>,
-    /// Colour of what is left of light that enters and leaves. Default [1, 1, 1].
+    /// Colour of what is left of light that enters and leaves, or that travels `transmission_depth` inside. Default [1, 1, 1].
     transmission_color: Option<[f64; 3]>,
+    /// The distance after which `transmission_color` is left, scene units. Default 0: the colour belongs to the surface.
+    transmission_depth: Option<f64>,
     /// Share of the surface that has a coat. Default 0.
     coat_weight: Option<f64>,
     /// Colour of what is left of light that passes the coat down and up. Default [1, 1, 1].
@@ -88,6 +90,7 @@ impl Kind for Principled {
             specular_ior: number("specular_ior", self.specular_ior, default.specular_ior)?,
             transmission_weight: number("transmission_weight", self.transmission_weight, default.transmission_weight)?,
             transmission_color: color("transmission_color", self.transmission_color, default.transmission_color)?,
+            transmission_depth: number("transmission_depth", self.transmission_depth, default.transmission_depth)?,
             coat_weight: number("coat_weight", self.coat_weight, default.coat_weight)?,
             coat_color: color("coat_color", self.coat_color, default.coat_color)?,
             coat_roughness: number("coat_roughness", self.coat_roughness, default.coat_roughness)?,
