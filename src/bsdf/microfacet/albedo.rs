@@ -1,19 +1,12 @@
-//! Directional albedos of rough surfaces, integrated once for a material and stored as short series.
-//!
-//! Light that one facet reflects onto another is not in the models of single scattering, which are therefore too dark. What
-//! is missing, 1 - E(w), is what [`MissingEnergy`] stores, and models give it back as Kulla and Conty do.
+//! Directional albedos of rough surfaces by quadrature, and series in the cosine.
 
-use std::collections::HashMap;
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use std::sync::LazyLock;
 
-use super::{Distribution, Masking, Microfacets};
-use crate::math::Vec3;
+use super::{Distribution, Microfacets};
+use crate::math::{DVec3, Vec3};
 
 /// Terms of a series in the cosine.
 const TERMS: usize = 24;
-
-/// Terms of a series in the azimuth, for facets of two widths.
-const TURNS: usize = 8;
 
 /// A function of the cosine in [0, 1] to the normal, as a Chebyshev series.
 ///
@@ -80,8 +73,11 @@ pub fn average(f: impl Fn(f64) -> f64) -> f64 {
 /// Nodes in [0, 1] and weights of Gauss and Legendre's rule.
 static GAUSS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss(96));
 
-/// Nodes for the other number that chooses a facet.
-const ACROSS: usize = 40;
+/// As [`GAUSS`], with few nodes that are dense at both ends, where functions may be roots.
+static BETWEEN: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
+    let nodes = gauss(16).into_iter();
+    nodes.map(|(x, weight)| (x * x * (3.0 - 2.0 * x), weight * 6.0 * x * (1.0 - x))).collect()
+});
 
 fn gauss(n: usize) -> Vec<(f64, f64)> {
     let node = |i: usize| {
@@ -101,35 +97,112 @@ fn gauss(n: usize) -> Vec<(f64, f64)> {
     (0..n).map(node).collect()
 }
 
-/// The mean of `f` over the facets that are seen from `wo`.
-///
-/// Slopes of facets are unbounded at an end of the unit square of random numbers, where the rule's points are densest.
-fn over_visible_normals(facets: &Microfacets, wo: Vec3, f: impl Fn(Vec3) -> f64) -> f64 {
-    let mut sum = 0.0;
-    // Turned normals are as many on either side of the plane of incidence only where widths are equal.
-    let half = if facets.is_anisotropic() { 1.0 } else { 0.5 };
-    for (t, weight) in GAUSS.iter() {
-        for i in 0..ACROSS {
-            // A function of the angle is periodic, and midpoints are as good as any rule.
-            let (s, turn) = ((i as f64 + 0.5) / ACROSS as f64, 1.0 / ACROSS as f64);
-            let (u, density) = match facets.distribution {
-                Distribution::Ggx => ([half * s, 1.0 - t * t], 2.0 * t),
-                Distribution::Beckmann => {
-                    let ends = |x: f64| {
-                        (
-                            0.5 - 0.5 * (std::f64::consts::PI * x).cos(),
-                            std::f64::consts::FRAC_PI_2 * (std::f64::consts::PI * x).sin(),
-                        )
-                    };
-                    let ((a, da), (b, db)) = (ends(*t), ends(s));
-                    ([a, b], da * db)
+/// An interval, cut where a function has edges.
+struct Edges {
+    at: [f64; 6],
+    pieces: usize,
+}
+
+impl Edges {
+    /// The interval is cut at the roots of these quadratic polynomials (highest coefficient first), mapped by `to`.
+    fn new((low, high): (f64, f64), polynomials: [[f64; 3]; 2], to: impl Fn(f64) -> f64) -> Self {
+        let (mut at, mut pieces) = ([high; 6], 1);
+        at[0] = low;
+        for [a, b, c] in polynomials {
+            let inside = b * b - 4.0 * a * c;
+            if inside <= 0.0 {
+                continue;
+            }
+            // Without a difference of what is nearly the same.
+            let sum = -0.5 * (b + inside.sqrt().copysign(b));
+            for root in [sum / a, c / sum] {
+                let root = to(root);
+                if root > low && root < high {
+                    at[pieces] = root;
+                    pieces += 1;
                 }
-            };
-            let m = facets.visible_normal(wo, &mut [u[0] as f32, u[1] as f32, 0.5]);
-            sum += weight * turn * density * f(m);
+            }
+        }
+        at[1..pieces].sort_unstable_by(f64::total_cmp);
+        Self { at, pieces }
+    }
+
+    /// Calls `f` with the nodes and weights of [`BETWEEN`] in every piece.
+    fn each(&self, mut f: impl FnMut(f64, f64)) {
+        for ends in self.at[..=self.pieces].windows(2) {
+            let wide = ends[1] - ends[0];
+            for (t, weight) in BETWEEN.iter() {
+                f(ends[0] + wide * t, weight * wide);
+            }
         }
     }
-    sum
+}
+
+/// The mean of `f` over the facets that are seen from `wo`, which is in the facets' frame. `f` may have edges where facets
+/// begin to reflect totally, at the cosine `critical` (0 if they do not), and where they reflect along the horizon.
+///
+/// In the stretched frame slopes p towards `wo` and q across have the density max(0, cos + sin p) times exp(-p^2 - q^2) for
+/// Beckmann's facets, (1 + p^2 + q^2)^-2 for Trowbridge and Reitz's; all up to a factor. For each p, the edges lie at roots q
+/// of quadratic equations, and `f` is smooth between them.
+fn over_visible_normals(facets: &Microfacets, wo: Vec3, critical: f64, f: impl Fn(Vec3) -> f64) -> f64 {
+    use std::f64::consts::FRAC_PI_2;
+    let [ax, ay] = facets.alpha.map(f64::from);
+    let wo = wo.as_dvec3();
+    let stretched = DVec3::new(ax * wo.x, ay * wo.y, wo.z);
+    let length = stretched.length();
+    let (sin, cos) = (stretched.x.hypot(stretched.y) / length, stretched.z / length);
+    let (c, s) = if sin > 0.0 { (stretched.x / (length * sin), stretched.y / (length * sin)) } else { (1.0, 0.0) };
+    let is_ggx = facets.distribution == Distribution::Ggx;
+    // 1 + the squared slope is square q^2 + mixed p q + 1 + rest p^2. With N = length (cos + sin p) it is (N / critical)^2 and
+    // 2 N / cos(wo) at the edges; the equation has one root q at the lowest and highest p of an edge.
+    let square = ax * ax * s * s + ay * ay * c * c;
+    let mixed = 2.0 * c * s * (ay * ay - ax * ax);
+    let rest = ax * ax * c * c + ay * ay * s * s;
+    let level = if critical > 0.0 { (length / critical).powi(2) } else { 0.0 };
+    let below = 0.25 * mixed * mixed - square * rest;
+    // p = tan a.
+    let outer = Edges::new(
+        (-cos.min(1.0).asin(), FRAC_PI_2),
+        [
+            [below + square * level * sin * sin, 2.0 * square * level * cos * sin, square * (level * cos * cos - 1.0)],
+            [below, 2.0 * square * length * sin / wo.z, square],
+        ],
+        f64::atan,
+    );
+    let (mut sum, mut whole) = (0.0, 0.0);
+    outer.each(|a, weight| {
+        let (sine, cosine) = a.sin_cos();
+        let cosine = cosine.max(1e-15);
+        let p = sine / cosine;
+        let seen = (cos + sin * p).max(0.0);
+        // Across, the slope is q = root y / sqrt(1 - y^2).
+        let (root, density) = match facets.distribution {
+            Distribution::Ggx => (1.0 / cosine, seen * cosine),
+            Distribution::Beckmann => (1.0, seen * (-p * p).exp() / (cosine * cosine)),
+        };
+        let weight = weight * density;
+        let (linear, rest) = (mixed * p, 1.0 + rest * p * p);
+        let inner = Edges::new(
+            // Where widths are equal, both halves are alike.
+            (if facets.is_anisotropic() { -1.0 } else { 0.0 }, 1.0),
+            [[square, linear, rest - level * seen * seen], [square, linear, rest - 2.0 * length * seen / wo.z]],
+            |q| q / root.hypot(q),
+        );
+        inner.each(|y, part| {
+            let below = ((1.0 - y) * (1.0 + y)).max(1e-30);
+            let root_below = below.sqrt();
+            let across = y / root_below;
+            let density =
+                weight * part * if is_ggx { root_below } else { (-across * across).exp() / (below * root_below) };
+            if density > 0.0 {
+                let q = root * across;
+                let m = DVec3::new(ax * (c * p - s * q), ay * (s * p + c * q), 1.0).normalize();
+                sum += density * f(m.as_vec3a());
+                whole += density;
+            }
+        });
+    });
+    sum / whole
 }
 
 /// What a facet with its normal at this cosine to the light reflects and transmits, and the index of refraction of the far
@@ -141,10 +214,11 @@ pub struct FacetShares {
     pub transmitted: Option<(f64, f64)>,
 }
 
-/// The share of the light from `wo` that leaves the surface again after a single facet. `shares` says what a facet does.
-fn albedo(facets: &Microfacets, wo: Vec3, shares: impl Fn(f64) -> FacetShares) -> f64 {
+/// The share of the light from `wo` that leaves the surface again after a single facet. `shares` says what a facet does, and
+/// `critical` is the cosine at which it begins to reflect totally (0 if it does not). The facets are not turned.
+pub(super) fn albedo(facets: &Microfacets, wo: Vec3, critical: f64, shares: impl Fn(f64) -> FacetShares) -> f64 {
     let seen = f64::from(1.0 / (1.0 + facets.lambda(wo)));
-    over_visible_normals(facets, wo, |m| {
+    over_visible_normals(facets, wo, critical, |m| {
         let cos = wo.dot(m);
         if cos <= 0.0 {
             return 0.0;
@@ -167,141 +241,7 @@ fn albedo(facets: &Microfacets, wo: Vec3, shares: impl Fn(f64) -> FacetShares) -
 }
 
 /// The direction at this cosine in the facets' own frame, turned by `phi`.
-fn direction(facets: &Microfacets, mu: f64, phi: f64) -> Vec3 {
+pub(super) fn direction(facets: &Microfacets, mu: f64, phi: f64) -> Vec3 {
     let sin = (1.0 - mu * mu).max(0.0).sqrt();
     facets.out_of_facets(Vec3::new((sin * phi.cos()) as f32, (sin * phi.sin()) as f32, mu.max(1e-7) as f32))
-}
-
-/// What single scattering loses in each direction, 1 - E(w): nothing, a function of the angle to the normal, or of the
-/// azimuth too.
-#[derive(Clone, Debug, PartialEq)]
-pub enum MissingEnergy {
-    /// Facets of one width.
-    Isotropic {
-        /// 1 - E by the cosine.
-        curve: AlbedoCurve,
-        /// Its mean, weighed by the cosine.
-        mean: f32,
-    },
-    /// Facets of two widths.
-    Anisotropic(Arc<AnisotropicMissing>),
-}
-
-/// See [`MissingEnergy::Anisotropic`].
-#[derive(Debug, PartialEq)]
-pub struct AnisotropicMissing {
-    /// Curves whose values are the coefficients of a Chebyshev series in cos(2 phi).
-    curves: [AlbedoCurve; TURNS],
-    mean: f32,
-}
-
-/// What is asked of a rough surface, as a key: distribution, masking, widths, and the bits of the index of refraction.
-type Key = (Distribution, Masking, [u32; 2], u64, bool);
-
-/// Series that were integrated before, by the parameters they depend on. Emptied when full.
-static KNOWN: LazyLock<Mutex<HashMap<Key, MissingEnergy>>> = LazyLock::new(Mutex::default);
-
-/// Most series that are remembered, of 100 bytes each.
-const MOST_KNOWN: usize = 4096;
-
-impl MissingEnergy {
-    /// 1 - E of these facets. `index` is the index of refraction that the shares depend on, 0 where they depend on none, and
-    /// `transmits` whether they transmit: both distinguish what is remembered.
-    pub fn new(facets: &Microfacets, (index, transmits): (f64, bool), shares: impl Fn(f64) -> FacetShares) -> Self {
-        // The angle by which facets are turned does not matter here.
-        let facets = Microfacets { turn: [1.0, 0.0], ..*facets };
-        let key = (facets.distribution, facets.masking, facets.alpha.map(f32::to_bits), index.to_bits(), transmits);
-        let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = known().get(&key) {
-            return found.clone();
-        }
-        let missing = |mu: f64, phi: f64| (1.0 - albedo(&facets, direction(&facets, mu, phi), &shares)).max(0.0);
-        let width = 0.5 * (facets.alpha[0] + facets.alpha[1]);
-        let made = if facets.is_anisotropic() {
-            let n = TURNS as f64;
-            let angle = |j: usize| std::f64::consts::PI * (j as f64 + 0.5) / n;
-            let samples: Vec<AlbedoCurve> =
-                (0..TURNS).map(|j| AlbedoCurve::new(width, |mu| missing(mu, 0.5 * angle(j)))).collect();
-            let curves = std::array::from_fn(|k| {
-                let coefficients = std::array::from_fn(|i| {
-                    let sum: f64 = samples
-                        .iter()
-                        .enumerate()
-                        .map(|(j, curve)| f64::from(curve.coefficients[i]) * (k as f64 * angle(j)).cos())
-                        .sum();
-                    (sum * if k == 0 { 1.0 } else { 2.0 } / n) as f32
-                });
-                AlbedoCurve { coefficients, warp: samples[0].warp }
-            });
-            // The mean over azimuths of a series in cos(2 phi) is its first coefficient.
-            let mean = average(|mu| f64::from(curves[0].at(mu as f32))) as f32;
-            Self::Anisotropic(Arc::new(AnisotropicMissing { curves, mean }))
-        } else {
-            let curve = AlbedoCurve::new(width, |mu| missing(mu, 0.0));
-            Self::Isotropic { mean: curve.mean(), curve }
-        };
-        let mut known = known();
-        if known.len() >= MOST_KNOWN {
-            known.clear();
-        }
-        known.insert(key, made.clone());
-        made
-    }
-
-    /// 1 - E of a direction of the local frame of the facets; the sign of its cosine does not matter.
-    #[inline]
-    pub fn at(&self, facets: &Microfacets, w: Vec3) -> f32 {
-        match self {
-            Self::Isotropic { curve, .. } => curve.at(w.z.abs()),
-            Self::Anisotropic(it) => {
-                let own = facets.in_facets(w);
-                let (x2, y2) = (own.x * own.x, own.y * own.y);
-                let sum = x2 + y2;
-                let cos2 = if sum > 0.0 { (x2 - y2) / sum } else { 0.0 };
-                let warp = it.curves[0].warp;
-                let mu = w.z.abs();
-                let x = 2.0 * (mu * (1.0 + warp) / (mu + warp)).sqrt() - 1.0;
-                let turns: [f32; TURNS] = std::array::from_fn(|k| clenshaw(&it.curves[k].coefficients, x));
-                clenshaw(&turns, cos2).clamp(0.0, 1.0)
-            }
-        }
-    }
-
-    /// The mean of 1 - E over the hemisphere, weighed by the cosine.
-    #[inline]
-    pub fn mean(&self) -> f32 {
-        match self {
-            Self::Isotropic { mean, .. } => *mean,
-            Self::Anisotropic(it) => it.mean,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::desc::MicrofacetsDesc;
-
-    #[test]
-    fn albedos_of_white_facets_are_those_known() {
-        // 1 - ln 2, and quadratures to nine digits.
-        let known = [
-            (1.0, 1.0, 0.306_852_819),
-            (1.0, 0.5, 0.450_693_856),
-            (1.0, 0.1, 0.760_210_473),
-            (0.5, 0.5, 0.698_250_697),
-            (0.25, 0.5, 0.857_263_0),
-            (0.2, 1.0, 0.947_657_779),
-        ];
-        for (alpha, mu, expected) in known {
-            let desc = MicrofacetsDesc { roughness: f32::sqrt(alpha), ..MicrofacetsDesc::default() };
-            let facets = Microfacets::new(&desc).unwrap();
-            let white = |_| FacetShares { reflected: 1.0, transmitted: None };
-            let found = albedo(&facets, direction(&facets, mu, 0.0), white);
-            assert!((found - expected).abs() < 3e-4, "alpha {alpha}, cosine {mu}: {found} and not {expected}");
-            let missing = MissingEnergy::new(&facets, (0.0, false), white);
-            let found = 1.0 - f64::from(missing.at(&facets, direction(&facets, mu, 0.0)));
-            assert!((found - expected).abs() < 5e-4, "series, alpha {alpha}, cosine {mu}: {found} and not {expected}");
-        }
-    }
 }

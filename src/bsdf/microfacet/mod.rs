@@ -8,8 +8,10 @@
 
 mod albedo;
 mod beckmann;
+mod missing;
 
-pub(super) use albedo::{AlbedoCurve, FacetShares, MissingEnergy, average};
+pub(super) use albedo::{AlbedoCurve, FacetShares, average};
+pub(super) use missing::MissingEnergy;
 
 use std::f32::consts::{PI, TAU};
 
