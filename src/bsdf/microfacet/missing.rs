@@ -17,8 +17,7 @@ const PLACES: usize = 48;
 /// Rows of a table along the azimuth, for facets of two widths.
 const ROWS: usize = 32;
 
-/// Cosines and azimuths at which the albedo is integrated; the table holds the series through these values.
-const COSINES: usize = 32;
+/// Azimuths at which the albedo is integrated; the rows hold the series through these values.
 const AZIMUTHS: usize = 16;
 
 type Row = [f32; PLACES];
@@ -159,14 +158,8 @@ impl MissingEnergy {
     fn integrated(facets: &Microfacets, critical: f64, missing: impl Fn(f64, f64) -> f64) -> Self {
         let [ax, ay] = facets.alpha;
         let scale = Scale::new((ax * ay).sqrt(), critical as f32);
-        let last = (PLACES - 1) as f64;
-        // A series in the place, which is looked up more cheaply in a table of its values.
-        let row = |phi: f64| -> [f64; PLACES] {
-            let place = |i: usize| 0.5 * last * (1.0 - node(i, COSINES).cos());
-            let values: Vec<f64> = (0..COSINES).map(|i| missing(scale.cosine(place(i)), phi)).collect();
-            let series = series(&values);
-            std::array::from_fn(|i| sum_of(&series, (1.0 - 2.0 * i as f64 / last).acos()))
-        };
+        let cosines: [f64; PLACES] = std::array::from_fn(|i| scale.cosine(i as f64));
+        let row = |phi: f64| cosines.map(|mu| missing(mu, phi));
         let values = if facets.is_anisotropic() {
             // The azimuth as it is half way between the facets' own frame and the one in which widths are equal.
             let k = f64::from(ay / ax).sqrt();

@@ -421,7 +421,7 @@ fn limits(case: &mut Case) {
     ] {
         let (smooth, rough) = (make(0.0), make(0.0101));
         let mut rng = Rng::new(53, 1);
-        let (mut off, mut weights, mut bad) = (0.0_f64, 0.0_f64, 0);
+        let (mut off, mut weights, mut bad) = (0, 0.0_f64, 0);
         let tries = case.count(20_000, 200_000);
         for _ in 0..tries {
             let u = uniform_3d(&mut rng);
@@ -431,7 +431,7 @@ fn limits(case: &mut Case) {
                 continue;
             };
             if a.wi.z * b.wi.z > 0.0 {
-                off = off.max(f64::from(a.wi.distance(b.wi).min(0.1)));
+                off += u64::from(a.wi.distance(b.wi) > 0.01);
                 weights = weights.max(f64::from((a.weight - b.weight).abs().max_element()));
             }
             let (f, pdf) = bsdf_values(&rough, wo, b.wi);
@@ -442,7 +442,9 @@ fn limits(case: &mut Case) {
         case.exact(format!("{name} of width 1e-4: albedo"), sum, 1.0, Within::Absolute(1e-4));
         case.rarely(format!("{name} of width 1e-4: lost or not finite"), bad, tries, 1e-4);
         case.at_most(format!("{name} of width 1e-4: weight off the smooth one's"), weights, 1e-2);
-        case.at_most(format!("{name} of width 1e-4: direction off the smooth one's (tails cut)"), off, 0.1);
+        // Trowbridge and Reitz's distribution has tails: alpha^2 / (alpha^2 + s^2) of the facets are steeper than s, which is
+        // 4e-4 of them beyond half of this angle.
+        case.rarely(format!("{name} of width 1e-4: direction off the smooth one's by 0.01"), off, tries, 1e-3);
     }
 }
 
