@@ -142,9 +142,9 @@ static void pass_wrong_sizes(void) {
         {"etd_material in", i_material, s_set_material, sizeof(etd_material), offsetof(etd_material, reserved), 0},
         {"etd_material out", i_material, s_get_material, sizeof(etd_material), offsetof(etd_material, reserved), 1},
         {"etd_principled in", i_principled, s_set_principled, sizeof(etd_principled),
-         offsetof(etd_principled, reserved), 0},
+         offsetof(etd_principled, transmission_depth), 0},
         {"etd_principled out", i_principled, s_get_principled, sizeof(etd_principled),
-         offsetof(etd_principled, reserved), 1},
+         offsetof(etd_principled, transmission_depth), 1},
         {"etd_mesh", i_mesh, s_mesh, sizeof(etd_mesh), offsetof(etd_mesh, name), 0},
         {"etd_surface in", i_surface, s_set_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 0},
         {"etd_surface out", i_surface, s_get_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 1},
@@ -649,9 +649,6 @@ static void pass_materials(void) {
             }
         }
     }
-    principled = (etd_principled)ETD_PRINCIPLED_INIT;
-    principled.reserved = 1;
-    refuse(&material, ETD_INVALID_ARGUMENT, "reserved of a principled material");
     material.principled = NULL;
     refuse(&material, ETD_INVALID_ARGUMENT, "no parameters");
 
