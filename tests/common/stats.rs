@@ -133,20 +133,9 @@ pub fn check_density(
             mismatch = mismatch.max((found / reported - 1.0).abs());
         }
     }
-    // Mean, least and greatest density over m x n midpoints of a cell.
-    let midpoints = |i: usize, j: usize, (m, n): (usize, usize)| -> (f64, f64, f64) {
-        let (mut sum, mut low, mut high) = (0.0, f64::INFINITY, 0.0_f64);
-        for k in 0..m * n {
-            let x = x_range.0 + (i as f64 + ((k / n) as f64 + 0.5) / m as f64) * dx;
-            let y = y_range.0 + (j as f64 + ((k % n) as f64 + 0.5) / n as f64) * dy;
-            let value = density(x, y);
-            sum += value;
-            low = low.min(value);
-            high = high.max(value);
-        }
-        (sum / (m * n) as f64, low, high)
-    };
-    let coarse: Vec<_> = (0..nx * ny).map(|cell| midpoints(cell / ny, cell % ny, (6, 7))).collect();
+    let at = |x: f64, y: f64| density(x_range.0 + x * dx, y_range.0 + y * dy);
+    let coarse: Vec<_> =
+        (0..nx * ny).map(|cell| midpoints(&at, ((cell / ny) as f64, (cell % ny) as f64), 1.0, (6, 7))).collect();
     let mut expected = Vec::with_capacity(nx * ny);
     for i in 0..nx {
         for j in 0..ny {
@@ -157,11 +146,12 @@ pub fn check_density(
                     (low, high) = (low.min(cell.1), high.max(cell.2));
                 }
             }
-            // Different numbers along both axes, so that no diagonal edge meets midpoints along its whole length.
+            let corner = (i as f64, j as f64);
             let mean = if low == 0.0 && high > 0.0 {
-                midpoints(i, j, (64, 65)).0
+                // A bulge of the edge between all points holds less than this.
+                mean_at_edge(&at, corner, 1.0, 3).max(1e-4 * high)
             } else if high > 1.1 * low {
-                midpoints(i, j, (8, 9)).0
+                midpoints(&at, corner, 1.0, (8, 9)).0
             } else {
                 coarse[i * ny + j].0
             };
@@ -171,6 +161,49 @@ pub fn check_density(
     let integral = expected.iter().sum::<f64>() / draws as f64;
     let rejected = rejected as f64 / draws as f64;
     DensityCheck { integral, rejected, p_value: chi_square(&observed, &expected), mismatch }
+}
+
+/// Mean, least and greatest density over m x n midpoints of a square with the given corner and side. Different numbers
+/// along both axes, so that no diagonal edge of a support meets midpoints along its whole length.
+fn midpoints(
+    density: &impl Fn(f64, f64) -> f64,
+    corner: (f64, f64),
+    side: f64,
+    (m, n): (usize, usize),
+) -> (f64, f64, f64) {
+    let (mut sum, mut low, mut high) = (0.0, f64::INFINITY, 0.0_f64);
+    for k in 0..m * n {
+        let x = corner.0 + side * ((k / n) as f64 + 0.5) / m as f64;
+        let y = corner.1 + side * ((k % n) as f64 + 0.5) / n as f64;
+        let value = density(x, y);
+        sum += value;
+        low = low.min(value);
+        high = high.max(value);
+    }
+    (sum / (m * n) as f64, low, high)
+}
+
+/// Mean density of a square that an edge of the support may cross: its quarters, and again those quarters of them that the
+/// edge is seen to cross, `depth` times more. Points on the border of a quarter count too, so that a thin strip along it is
+/// seen.
+fn mean_at_edge(density: &impl Fn(f64, f64) -> f64, corner: (f64, f64), side: f64, depth: u32) -> f64 {
+    let half = side / 2.0;
+    let mut sum = 0.0;
+    for (u, v) in [(0.0, 0.0), (0.0, half), (half, 0.0), (half, half)] {
+        let corner = (corner.0 + u, corner.1 + v);
+        let (mean, low, high) = midpoints(density, corner, half, (4, 5));
+        let is_crossed = || {
+            let inside = (0..16).map(|k| {
+                let t = f64::from(k % 4) / 4.0 * half;
+                let (x, y) = [(t, 0.0), (half, t), (half - t, half), (0.0, half - t)][k as usize / 4];
+                density(corner.0 + x, corner.1 + y) > 0.0
+            });
+            let inside = inside.filter(|&is| is).count() + usize::from(low > 0.0) + usize::from(high > 0.0);
+            inside != 0 && inside != 18
+        };
+        sum += if depth > 0 && is_crossed() { mean_at_edge(density, corner, half, depth - 1) } else { mean };
+    }
+    sum / 4.0
 }
 
 /// [`check_density`] over all directions in (cos theta, phi), where densities per solid angle need no factor. 80 x 160
