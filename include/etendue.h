@@ -367,7 +367,7 @@ enum etd_bsdf
      */
     ETD_BSDF_ROUGH_DIELECTRIC = 10,
     /**
-     * A thin sheet of clear or tinted glass, with `ior`, `exterior_ior` and `transmittance`.
+     * A thin sheet of clear or tinted glass, smooth or rough, with `ior`, `exterior_ior`, `transmittance` and the facets.
      */
     ETD_BSDF_THIN_DIELECTRIC = 11,
     /**

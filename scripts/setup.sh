@@ -5,7 +5,8 @@
 #
 #   scripts/setup.sh          what rendering needs
 #   scripts/setup.sh test     also what the C and C++ hosts are tested with: Clang, CMake, Doxygen, Valgrind; and the
-#                             browser in which reports are opened (a download of 62 MiB, one minute)
+#                             browser in which reports are opened (a download of 62 MiB, one minute); files of other programs
+#                             that are read (23 MiB)
 #
 # EMBREE_DIR=/prefix uses an Embree unpacked there and installs none.
 set -eu
@@ -62,6 +63,8 @@ if [ "$purpose" = test ]; then
     have doxygen || { wanted="$wanted doxygen"; why="$why doxygen (the C and C++ reference);"; }
     have chromium-headless-shell || have chromium || [ -n "${CHROMIUM:-}" ] ||
         { wanted="$wanted chromium-headless-shell"; why="$why chromium-headless-shell (benchmark reports are opened in it);"; }
+    [ -d /usr/share/assimp/models ] ||
+        { wanted="$wanted assimp-testmodels"; why="$why assimp-testmodels (files of other programs that are read);"; }
     have valgrind || { wanted="$wanted valgrind libc6-dbg"; why="$why valgrind (memory errors of the hosts);"; }
 fi
 embree_wanted=no

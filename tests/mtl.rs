@@ -281,15 +281,47 @@ fn what_has_no_meaning_is_warned_of_once() {
     assert_eq!(of_library(&many).warnings.len(), 100);
 }
 
+/// Files whose library, or whose material, is not there are read all the same, with a grey material.
+#[test]
+fn faces_without_a_known_material_are_grey() {
+    let obj = |head: &str| format!("{head}\n{TRIANGLE}");
+    let fine = "newmtl m\nKd 1 1 1\n";
+    let grey = native(&[json!({"type": "diffuse", "color": [0.8, 0.8, 0.8]})])[0].bsdf;
+    let unknown = "no material named 'm' in its material libraries";
+    for (obj, mtl, expected) in [
+        (obj("mtllib m.mtl\nusemtl m"), "", vec![format!("m.obj:2: {unknown}; a grey")]),
+        (obj("mtllib m.mtl\nusemtl m"), "newmtl M\n", vec![format!("m.obj:2: {unknown}; a grey")]),
+        (
+            obj("mtllib no.mtl\nusemtl m"),
+            fine,
+            vec!["m.obj:1: there is no material library 'no.mtl'".to_owned(), format!("m.obj:2: {unknown}")],
+        ),
+        (obj("mtllib\nusemtl m"), fine, vec![format!("m.obj:2: {unknown}")]),
+        (obj("mtllib m.mtl\nusemtl"), fine, vec!["m.obj:2: faces have no material; a grey".to_owned()]),
+        (obj("mtllib m.mtl"), fine, vec!["m.obj:5: faces have no material; a grey".to_owned()]),
+        (TRIANGLE.to_owned(), fine, vec!["m.obj:4: faces have no material; a grey".to_owned()]),
+    ] {
+        let scene = load(obj.as_bytes(), mtl.as_bytes()).unwrap();
+        assert_eq!(scene.materials.iter().map(|material| material.bsdf).collect::<Vec<_>>(), [grey], "{obj}");
+        assert_eq!(scene.warnings.len(), expected.len(), "{obj}: {:#?}", scene.warnings);
+        for (said, expected) in scene.warnings.iter().zip(expected) {
+            assert!(said.starts_with("surfaces[0].file: ") && said.contains(&expected), "{said}\nnot {expected}");
+        }
+    }
+    // Some faces have one, and others do not.
+    let both = format!("mtllib m.mtl no.mtl\n{TRIANGLE}usemtl m\nf 1 2 3\nf 1 3 2\nusemtl\nf 2 1 3\n");
+    let scene = load(both.as_bytes(), fine.as_bytes()).unwrap();
+    assert_eq!((scene.materials.len(), scene.meshes.len(), scene.warnings.len()), (2, 2, 2), "{:?}", scene.warnings);
+    assert_eq!(scene.meshes.iter().map(|mesh| mesh.triangles.len()).collect::<Vec<_>>(), [2, 2]);
+}
+
 #[test]
 fn broken_libraries_are_refused_with_file_line_and_reason() {
     let obj = |head: &str| format!("{head}\n{TRIANGLE}");
     let fine = "newmtl m\nKd 1 1 1\n";
     let given = obj("mtllib m.mtl\nusemtl m");
     for (obj, mtl, expected) in [
-        (given.as_str(), "", "m.obj:2: surfaces[0].file: no material named 'm' in its material libraries"),
-        (&given, "newmtl M\n", "m.obj:2: surfaces[0].file: no material named 'm' in its material libraries"),
-        (&given, "newmtl m\nKd 1 x 1\n", "m.mtl:2: surfaces[0].file: Kd: 'x' is not a finite number"),
+        (given.as_str(), "newmtl m\nKd 1 x 1\n", "m.mtl:2: surfaces[0].file: Kd: 'x' is not a finite number"),
         (&given, "newmtl m\nKd 1 nan 1\n", "m.mtl:2: surfaces[0].file: Kd: 'nan' is not a finite number"),
         (&given, "newmtl m\nKd 1 1e999 1\n", "m.mtl:2: surfaces[0].file: Kd: '1e999' is not a finite number"),
         (&given, "newmtl m\nKd 1 1\n", "m.mtl:2: surfaces[0].file: Kd: a colour has three numbers, found 2"),
@@ -302,21 +334,6 @@ fn broken_libraries_are_refused_with_file_line_and_reason() {
         ),
         (&given, "newmtl\n", "m.mtl:1: surfaces[0].file: the material has no name"),
         (&given, "Kd 1 1 1\n", "m.mtl:1: surfaces[0].file: 'Kd' before the first newmtl; is it a material library?"),
-        (&obj("mtllib no.mtl\nusemtl m"), fine, "m.obj:1: surfaces[0].file: there is no material library 'no.mtl'"),
-        (
-            &obj("mtllib m.mtl no.mtl\nusemtl m"),
-            fine,
-            "m.obj:1: surfaces[0].file: there is no material library 'no.mtl'",
-        ),
-        (&obj("mtllib\nusemtl m"), fine, "m.obj:1: surfaces[0].file: mtllib without a name"),
-        (&obj("mtllib m.mtl\nusemtl"), fine, "m.obj:2: surfaces[0].file: usemtl without a name"),
-        (
-            &obj("mtllib m.mtl"),
-            fine,
-            "m.obj:5: surfaces[0].file: the face has no material, expected a usemtl before it",
-        ),
-        (TRIANGLE, fine, "m.obj:4: surfaces[0].file: the face has no material"),
-        (&obj("mtllib ."), fine, "m.obj:5: surfaces[0].file: the face has no material"),
     ] {
         let error = load(obj.as_bytes(), mtl.as_bytes()).unwrap_err().to_string();
         assert!(error.contains(expected), "{error}\nnot {expected}");
@@ -412,5 +429,5 @@ fn files_of_other_programs_are_read() {
         }
     }
     eprintln!("{read} files were read, {refused} refused");
-    assert!(read > 0);
+    assert!(read >= 10, "most of them can be read");
 }

@@ -58,11 +58,12 @@ impl Coat {
         self.mean
     }
 
-    /// Half of f cos and the density of a facet's reflection; both directions are on the outer side.
+    /// f cos and the density of a facet's reflection; both directions are on the outer side.
+    #[inline]
     fn facet(&self, facets: &Microfacets, wo: Vec3, wi: Vec3, m: Vec3) -> (f32, f32) {
         let reflected = fresnel_dielectric(f64::from(wo.dot(m)), self.eta) as f32;
-        let f_cos = reflected * facets.d(m) * facets.g2_reflection(wo, wi, m) / (4.0 * wo.z);
-        (f_cos, facets.reflection_pdf(wo, m))
+        let (f_cos, pdf) = facets.reflection(wo, wi, m);
+        (reflected * f_cos, pdf)
     }
 }
 
@@ -87,16 +88,20 @@ impl<C: Spectrum> Model<C> for Coat {
         self.directional_albedo(wo)
     }
 
-    fn f(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> C {
-        let Some((facets, _)) = self.rough.as_ref().filter(|_| same_side(wo, wi)) else { return C::ZERO };
-        let (wo, wi) = (outward(wo), outward(wi));
-        C::splat(self.facet(facets, wo, wi, (wo + wi).normalize()).0 / wi.z)
+    fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
+        Model::<C>::f_pdf(self, wo, wi, mode).0
     }
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        let Some((facets, _)) = self.rough.as_ref().filter(|_| same_side(wo, wi)) else { return 0.0 };
+        Model::<C>::f_pdf(self, wo, wi, TransportMode::Radiance).1
+    }
+
+    #[inline(never)]
+    fn f_pdf(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> (C, f32) {
+        let Some((facets, _)) = self.rough.as_ref().filter(|_| same_side(wo, wi)) else { return (C::ZERO, 0.0) };
         let (wo, wi) = (outward(wo), outward(wi));
-        facets.reflection_pdf(wo, (wo + wi).normalize())
+        let (f_cos, pdf) = self.facet(facets, wo, wi, (wo + wi).normalize());
+        (C::splat(f_cos / wi.z), pdf)
     }
 
     #[inline(never)]

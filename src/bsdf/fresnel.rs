@@ -1,5 +1,7 @@
 //! Fresnel's and Snell's laws for smooth interfaces: between two dielectrics, and of a metal.
 
+use crate::math::Vec3;
+
 /// g^2 = eta^2 - 1 + cos^2(theta_i), where g = eta cos(theta_t); negative under total internal reflection.
 ///
 /// Formed from the cosine, which is exact at grazing incidence, and from a product that does not cancel near eta = 1.
@@ -50,23 +52,28 @@ pub fn fresnel_polarised(cos_theta_i: f64, eta: f64) -> [f64; 2] {
 /// Source: Born and Wolf, *Principles of Optics*, Sec. 14.2.
 #[inline]
 pub fn fresnel_conductor(cos_theta_i: f32, n: f32, k: f32) -> f32 {
-    if k == f32::INFINITY {
-        return 1.0;
-    }
+    fresnel_conductors(cos_theta_i, Vec3::splat(n), Vec3::splat(k)).x
+}
+
+/// [`fresnel_conductor`] for three metals at once, or for three channels of one.
+#[inline]
+pub fn fresnel_conductors(cos_theta_i: f32, n: Vec3, k: Vec3) -> Vec3 {
     let cos = cos_theta_i.abs().min(1.0);
     let cos2 = cos * cos;
     let sin2 = 1.0 - cos2;
     let (n2, k2) = (n * n, k * k);
-    let difference = n2 - k2 - sin2;
+    let difference = n2 - k2 - Vec3::splat(sin2);
     let product = 4.0 * n2 * k2;
     let sum = (difference * difference + product).sqrt();
-    // a^2 = (sum + difference) / 2, of which metals would cancel all digits.
-    let a2 = if difference < 0.0 { 0.5 * product / (sum - difference) } else { 0.5 * (sum + difference) };
+    // a^2 = (sum + difference) / 2, of which metals would cancel all digits: with b^2 = (sum - difference) / 2, (a b)^2 is product / 4.
+    let larger = 0.5 * (sum + difference.abs());
+    let a2 = Vec3::select(difference.cmplt(Vec3::ZERO), 0.25 * product / larger, larger);
     let t2 = 2.0 * cos * a2.sqrt();
-    let (t1, t3, t4) = (sum + cos2, cos2 * sum + sin2 * sin2, t2 * sin2);
+    let (t1, t3, t4) = (sum + Vec3::splat(cos2), cos2 * sum + Vec3::splat(sin2 * sin2), t2 * sin2);
     let r_s = (t1 - t2) / (t1 + t2);
     let r_p = r_s * ((t3 - t4) / (t3 + t4));
-    (0.5 * (r_s + r_p)).clamp(0.0, 1.0)
+    let reflectance = (0.5 * (r_s + r_p)).max(Vec3::ZERO).min(Vec3::ONE);
+    Vec3::select(k.cmplt(Vec3::INFINITY), reflectance, Vec3::ONE)
 }
 
 /// Cosine of the angle of refraction by Snell's law, or `None` under total internal reflection. Arguments as in

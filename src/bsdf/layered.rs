@@ -366,6 +366,22 @@ impl<C: Spectrum> Model<C> for Layered<C> {
     }
 
     #[inline(never)]
+    fn f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
+        let first = self.first(wo);
+        let (base, base_pdf) = self.base.f_pdf(wo, wi, mode);
+        let (mut f, mut pdf) = (base, if first < 1.0 { (1.0 - first) * base_pdf } else { 0.0 });
+        if base != C::ZERO {
+            f *= self.factor(wo, wi);
+        }
+        if self.has_layer() && self.is_covered(wo) {
+            let (layer, layer_pdf) = self.layer.model().f_pdf(wo, wi, mode);
+            f += layer * self.coverage;
+            pdf += first * layer_pdf;
+        }
+        (f, pdf)
+    }
+
+    #[inline(never)]
     fn sample(&self, wo: Vec3, mut u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>> {
         let first = self.first(wo);
         if choose(first, &mut u[2]) {
@@ -376,9 +392,9 @@ impl<C: Spectrum> Model<C> for Layered<C> {
             }
             let (mut f_cos, mut pdf) = (weight * sample.pdf, first * sample.pdf);
             if first < 1.0 {
-                let base = self.base.f(wo, sample.wi, mode) * sample.wi.z.abs();
-                f_cos += base * self.factor(wo, sample.wi);
-                pdf += (1.0 - first) * self.base.pdf(wo, sample.wi);
+                let (base, base_pdf) = self.base.f_pdf(wo, sample.wi, mode);
+                f_cos += base * sample.wi.z.abs() * self.factor(wo, sample.wi);
+                pdf += (1.0 - first) * base_pdf;
             }
             Some(BsdfSample { weight: f_cos / pdf, pdf, ..sample })
         } else {
@@ -390,8 +406,9 @@ impl<C: Spectrum> Model<C> for Layered<C> {
             }
             let (mut f_cos, mut pdf) = (weight * sample.pdf, probability * sample.pdf);
             if first > 0.0 {
-                f_cos += self.layer.model().f(wo, sample.wi, mode) * (self.coverage * sample.wi.z.abs());
-                pdf += first * self.layer.model().pdf(wo, sample.wi);
+                let (layer, layer_pdf) = self.layer.model().f_pdf(wo, sample.wi, mode);
+                f_cos += layer * (self.coverage * sample.wi.z.abs());
+                pdf += first * layer_pdf;
             }
             Some(BsdfSample { weight: f_cos / pdf, pdf, ..sample })
         }

@@ -1,8 +1,9 @@
 //! What a facet of a metal reflects, by colour.
 
-use super::fresnel::fresnel_conductor;
+use super::fresnel::fresnel_conductors;
 use super::microfacet::average;
 use crate::desc::ConductorDesc;
+use crate::math::Vec3;
 use crate::spectrum::Rgb;
 
 /// The reflectance of a smooth metal by the angle of incidence.
@@ -11,9 +12,9 @@ pub enum MetalFacet {
     /// Fresnel's equations with a complex index of refraction per channel; an infinite extinction reflects everything.
     Index {
         /// Index of refraction.
-        eta: [f32; 3],
+        eta: Vec3,
         /// Extinction coefficient.
-        k: [f32; 3],
+        k: Vec3,
     },
     /// Schlick's fit to Fresnel's equations with a tint towards the edge, as OpenPBR has it.
     ///
@@ -33,7 +34,7 @@ impl MetalFacet {
     /// The metal of a checked description, in front of which is air.
     pub fn new(desc: &ConductorDesc) -> Self {
         let index = [0, 1, 2].map(|channel| desc.index(channel).unwrap_or([1.0, f32::INFINITY]));
-        Self::Index { eta: index.map(|[eta, _]| eta), k: index.map(|[_, k]| k) }
+        Self::Index { eta: index.map(|[eta, _]| eta).into(), k: index.map(|[_, k]| k).into() }
     }
 
     /// A metal with this colour at normal incidence and this tint of the edge, both in [0, 1].
@@ -48,9 +49,7 @@ impl MetalFacet {
     #[inline]
     pub fn reflectance(&self, cos: f32) -> Rgb {
         match self {
-            Self::Index { eta, k } => {
-                Rgb::from_array(std::array::from_fn(|channel| fresnel_conductor(cos, eta[channel], k[channel])))
-            }
+            Self::Index { eta, k } => Rgb::from_array(fresnel_conductors(cos, *eta, *k).to_array()),
             Self::Tinted { f0, b, weight } => {
                 let below = (1.0 - cos).clamp(0.0, 1.0);
                 let power = below.powi(6);

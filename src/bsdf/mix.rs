@@ -114,6 +114,12 @@ impl<C: Spectrum> Model<C> for Mix<C> {
         first * self.parts[0].pdf(wo, wi) + (1.0 - first) * self.parts[1].pdf(wo, wi)
     }
 
+    fn f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
+        let first = self.first(wo);
+        let [(f0, pdf0), (f1, pdf1)] = self.parts.each_ref().map(|part| part.f_pdf(wo, wi, mode));
+        (f0 * self.weights[0] + f1 * self.weights[1], first * pdf0 + (1.0 - first) * pdf1)
+    }
+
     fn sample(&self, wo: Vec3, mut u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>> {
         let first = self.first(wo);
         let (chosen, probability) = if choose(first, &mut u[2]) { (0, first) } else { (1, 1.0 - first) };
@@ -123,9 +129,9 @@ impl<C: Spectrum> Model<C> for Mix<C> {
         }
         // The part that was not chosen could have drawn this direction too.
         let own = sample.weight * (self.weights[chosen] * sample.pdf);
-        let other = &self.parts[1 - chosen];
-        let others = other.f(wo, sample.wi, mode) * (self.weights[1 - chosen] * sample.wi.z.abs());
-        let pdf = probability * sample.pdf + (1.0 - probability) * other.pdf(wo, sample.wi);
+        let (f, other_pdf) = self.parts[1 - chosen].f_pdf(wo, sample.wi, mode);
+        let others = f * (self.weights[1 - chosen] * sample.wi.z.abs());
+        let pdf = probability * sample.pdf + (1.0 - probability) * other_pdf;
         Some(BsdfSample { weight: (own + others) / pdf, pdf, ..sample })
     }
 
@@ -235,6 +241,10 @@ impl<C: Spectrum> Model<C> for TwoSided<C> {
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         self.seen(wo).pdf(wo, wi)
+    }
+
+    fn f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
+        self.seen(wo).f_pdf(wo, wi, mode)
     }
 
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>> {

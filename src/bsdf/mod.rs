@@ -36,6 +36,7 @@ mod parts;
 mod principled;
 mod rough_conductor;
 mod rough_dielectric;
+mod rough_thin_dielectric;
 mod sheen;
 mod thin_dielectric;
 mod tinted;
@@ -46,7 +47,7 @@ pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse_transmission::DiffuseTransmission;
 pub use eon::Eon;
-pub use fresnel::{fresnel_conductor, fresnel_dielectric, fresnel_polarised, refracted_cosine};
+pub use fresnel::{fresnel_conductor, fresnel_conductors, fresnel_dielectric, fresnel_polarised, refracted_cosine};
 pub use lambert::Lambert;
 pub use layered::{Layer, Layered, LayeredParts};
 #[cfg(test)]
@@ -62,8 +63,9 @@ pub use oren_nayar_qualitative::OrenNayarQualitative;
 pub use parts::Parts;
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
+pub use rough_thin_dielectric::RoughThinDielectric;
 pub use sheen::Sheen;
-pub use thin_dielectric::ThinDielectric;
+pub use thin_dielectric::{Sheet, ThinDielectric};
 pub use tinted::TintedTransmission;
 
 use crate::desc::{BsdfDesc, Masking, MaterialDesc};
@@ -107,22 +109,6 @@ macro_rules! models {
         }
 
         impl<C: Spectrum> Bsdf<C> {
-            /// [`Model::f`] and [`Model::pdf`] together.
-            #[inline(always)]
-            pub fn f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
-                match self {
-                    $(Self::$name(model) => (Model::<C>::f(model, wo, wi, mode), Model::<C>::pdf(model, wo, wi)),)*
-                    _ => self.far_f_pdf(wo, wi, mode),
-                }
-            }
-
-            #[cold]
-            #[inline(never)]
-            fn far_f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
-                let model = self.far();
-                (model.f(wo, wi, mode), model.pdf(wo, wi))
-            }
-
             /// The model as a trait object, where it is called out of line.
             #[cold]
             #[inline(never)]
@@ -196,6 +182,14 @@ macro_rules! models {
                 }
             }
 
+            #[inline(always)]
+            fn f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
+                match self {
+                    $(Self::$name(model) => Model::<C>::f_pdf(model, wo, wi, mode),)*
+                    _ => self.far().f_pdf(wo, wi, mode),
+                }
+            }
+
             #[inline]
             fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>> {
                 if wo.z == 0.0 || wo.z.is_nan() {
@@ -264,6 +258,8 @@ models! {
     RoughDielectric(RoughDielectric<C>),
     /// Thin sheet of glass.
     ThinDielectric(ThinDielectric<C>),
+    /// Thin sheet of frosted glass.
+    RoughThinDielectric(RoughThinDielectric<C>),
     /// A surface under a coat or fibres.
     Layered(Layered<C>),
     /// A sum of two models.
@@ -328,8 +324,8 @@ impl Bsdf {
             BsdfDesc::RoughDielectric { ior, exterior_ior, microfacets } => {
                 principled::rough_dielectric(ior, exterior_ior, &microfacets)
             }
-            BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance } => {
-                Self::ThinDielectric(ThinDielectric::new(ior, exterior_ior, transmittance))
+            BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance, ref microfacets } => {
+                principled::thin_dielectric(ior, exterior_ior, transmittance, microfacets)
             }
             BsdfDesc::CoatedDiffuse { albedo, ior, exterior_ior, microfacets } => {
                 let eta = f64::from(ior) / f64::from(exterior_ior);
@@ -360,6 +356,7 @@ impl<C: Spectrum> Bsdf<C> {
         match self {
             Self::RoughConductor(metal) => Self::RoughConductor(metal.turned(turn)),
             Self::RoughDielectric(glass) => Self::RoughDielectric(glass.turned(turn)),
+            Self::RoughThinDielectric(sheet) => Self::RoughThinDielectric(sheet.turned(turn)),
             Self::Layered(layered) => Self::Layered(layered.turned(turn)),
             Self::Mix(mix) => Self::Mix(mix.turned(turn)),
             Self::TwoSided(two_sided) => Self::TwoSided(two_sided.turned(turn)),

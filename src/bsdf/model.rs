@@ -79,6 +79,12 @@ pub trait Model<C: Spectrum> {
         0.0
     }
 
+    /// [`Model::f`] and [`Model::pdf`] together, which share most of their work where facets scatter.
+    #[inline(always)]
+    fn f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
+        (self.f(wo, wi, mode), self.pdf(wo, wi))
+    }
+
     /// Draws a direction. `wo.z` is neither 0 nor NaN; `u` is uniform in [0, 1)^3: the first two choose the direction, the
     /// third the lobe. `None` where nothing is scattered.
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>>;

@@ -102,6 +102,10 @@ mod tests {
             let conductor = ConductorDesc::Reflectance { normal: albedo, edge: Rgb::ONE };
             Bsdf::new(&BsdfDesc::Conductor { conductor, microfacets: facets(roughness) })
         };
+        let frosted = |roughness| {
+            let microfacets = facets(roughness);
+            Bsdf::new(&BsdfDesc::ThinDielectric { ior: 1.5, exterior_ior: 1.0, transmittance: albedo, microfacets })
+        };
         let paint = PrincipledDesc {
             base_color: albedo,
             base_metalness: 0.3,
@@ -121,6 +125,8 @@ mod tests {
             ("smooth coat", coated(0.0), Parts::DIFFUSE | Parts::NARROW),
             ("narrow coat", coated(0.2), Parts::DIFFUSE | Parts::NARROW),
             ("rough coat", coated(0.6), Parts::DIFFUSE | Parts::GLOSSY),
+            ("frosted sheet", frosted(0.5), Parts::GLOSSY),
+            ("narrow sheet", frosted(0.2), Parts::NARROW),
             ("paint", Bsdf::new(&BsdfDesc::Principled(paint)), Parts::all()),
             ("faces", Bsdf::TwoSided(crate::bsdf::TwoSided::new([coated(0.2), metal(0.5)])), Parts::all()),
             ("mix", Bsdf::Mix(crate::bsdf::Mix::new([lambert(), metal(0.2)], 0.3)), Parts::DIFFUSE | Parts::NARROW),

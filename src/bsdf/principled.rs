@@ -6,7 +6,10 @@ use super::layered::{Layer, Layered, LayeredParts};
 use super::metal_facet::MetalFacet;
 use super::microfacet::Microfacets;
 use super::sheen::Sheen;
-use super::{Bsdf, Dielectric, Eon, Lambert, Mix, RoughConductor, RoughDielectric, ThinDielectric, TintedTransmission};
+use super::{
+    Bsdf, Dielectric, Eon, Lambert, Mix, RoughConductor, RoughDielectric, RoughThinDielectric, Sheet, ThinDielectric,
+    TintedTransmission,
+};
 use crate::desc::{MicrofacetsDesc, PrincipledDesc};
 use crate::spectrum::Rgb;
 
@@ -121,7 +124,7 @@ fn opaque_dielectric(desc: &PrincipledDesc, facets: &MicrofacetsDesc) -> Bsdf {
 fn clear_dielectric(desc: &PrincipledDesc, facets: &MicrofacetsDesc) -> Bsdf {
     let eta = weighted_eta(desc.specular_ior, desc.specular_weight);
     if desc.thin_walled {
-        return Bsdf::ThinDielectric(ThinDielectric::new(eta, 1.0, desc.transmission_color));
+        return thin_dielectric(eta, 1.0, desc.transmission_color, facets);
     }
     let base = rough_dielectric(eta, 1.0, facets);
     // With a depth, the colour is that of the medium inside.
@@ -130,6 +133,18 @@ fn clear_dielectric(desc: &PrincipledDesc, facets: &MicrofacetsDesc) -> Bsdf {
     }
     // Half of the colour at each of the two interfaces that light crosses on its way through a body.
     Bsdf::TintedTransmission(TintedTransmission::new(base, root(desc.transmission_color)))
+}
+
+/// A smooth or rough thin sheet.
+pub(super) fn thin_dielectric(ior: f32, exterior_ior: f32, transmittance: Rgb, facets: &MicrofacetsDesc) -> Bsdf {
+    let sheet = Sheet::new(ior, exterior_ior, transmittance);
+    match Microfacets::new(facets).filter(|_| ior != exterior_ior) {
+        Some(microfacets) => {
+            let is_compensated = facets.multiple_scattering;
+            Bsdf::RoughThinDielectric(RoughThinDielectric::new(sheet, microfacets, is_compensated))
+        }
+        None => Bsdf::ThinDielectric(ThinDielectric::new(sheet)),
+    }
 }
 
 /// A smooth or rough interface.

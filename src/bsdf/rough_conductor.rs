@@ -71,32 +71,29 @@ impl<C: Spectrum> RoughConductor<C> {
         C::from_reflectance(reflectance, &self.wavelengths)
     }
 
+    /// What single scattering loses of light from `w`; 0 without compensation.
+    #[inline]
+    fn missing(&self, w: Vec3) -> f32 {
+        self.missing.as_ref().map_or(0.0, |missing| missing.at(&self.facets, w))
+    }
+
     /// Probability with which a cosine-distributed direction is drawn instead of a facet.
     #[inline]
-    fn several(&self, wo: Vec3) -> f32 {
-        match &self.missing {
-            Some(missing) => missing.at(&self.facets, wo) * self.multiple.max_element(),
-            None => 0.0,
-        }
+    fn several(&self, missing: f32) -> f32 {
+        missing * self.multiple.max_element()
     }
 
-    /// Density of a direction that is drawn by a facet with normal `m`, or by the cosine with probability `several`.
+    /// f cos(wi) and the density. Both directions are on the outer side, `m` is the normal of the facet between them, and
+    /// `missing` is that of `wo`.
     #[inline]
-    fn mixed_pdf(&self, wo: Vec3, wi: Vec3, m: Vec3, several: f32) -> f32 {
-        let once = self.facets.reflection_pdf(wo, m);
-        once + several * (warps::cosine_hemisphere_pdf(wi.z) - once)
-    }
-
-    /// f of the light that is reflected more than once.
-    #[inline]
-    fn f_multiple(&self, wo: Vec3, wi: Vec3) -> C {
-        match &self.missing {
-            Some(missing) => {
-                let [o, i] = [wo, wi].map(|w| missing.at(&self.facets, w));
-                self.colour(self.multiple) * (o * i * FRAC_1_PI / missing.mean())
-            }
-            None => C::ZERO,
-        }
+    fn evaluate(&self, wo: Vec3, wi: Vec3, m: Vec3, missing: f32) -> (C, f32) {
+        let (once, pdf_once) = self.facets.reflection(wo, wi, m);
+        let once = self.colour(self.facet.reflectance(wo.dot(m))) * once;
+        let Some(lost) = &self.missing else { return (once, pdf_once) };
+        let back = missing * lost.at(&self.facets, wi) * FRAC_1_PI / lost.mean();
+        let several = self.several(missing);
+        let pdf = pdf_once + several * (warps::cosine_hemisphere_pdf(wi.z) - pdf_once);
+        (once + self.colour(self.multiple) * (back * wi.z), pdf)
     }
 }
 
@@ -117,32 +114,30 @@ impl<C: Spectrum> Model<C> for RoughConductor<C> {
         self.facets.widths()[1].min(1.0)
     }
 
-    #[inline(never)]
-    fn f(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> C {
-        if !same_side(wo, wi) {
-            return C::ZERO;
-        }
-        let (wo, wi) = (outward(wo), outward(wi));
-        let m = (wo + wi).normalize();
-        let once = self.facets.d(m) * self.facets.g2_reflection(wo, wi, m) / (4.0 * wo.z * wi.z);
-        self.colour(self.facet.reflectance(wo.dot(m))) * once + self.f_multiple(wo, wi)
+    fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
+        self.f_pdf(wo, wi, mode).0
+    }
+
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.f_pdf(wo, wi, TransportMode::Radiance).1
     }
 
     #[inline(never)]
-    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+    fn f_pdf(&self, wo: Vec3, wi: Vec3, _: TransportMode) -> (C, f32) {
         if !same_side(wo, wi) {
-            return 0.0;
+            return (C::ZERO, 0.0);
         }
         let (wo, wi) = (outward(wo), outward(wi));
-        let several = self.several(wo);
-        self.mixed_pdf(wo, wi, (wo + wi).normalize(), several)
+        let (f_cos, pdf) = self.evaluate(wo, wi, (wo + wi).normalize(), self.missing(wo));
+        (f_cos / wi.z, pdf)
     }
 
     #[inline(never)]
     fn sample(&self, wo: Vec3, mut u: [f32; 3], _: TransportMode) -> Option<BsdfSample<C>> {
         let side = wo.z;
         let wo = outward(wo);
-        let several = self.several(wo);
+        let missing = self.missing(wo);
+        let several = self.several(missing);
         let (wi, m) = if several > 0.0 && choose(several, &mut u[2]) {
             let wi = warps::cosine_hemisphere([u[0], u[1]]);
             (wi, (wo + wi).normalize())
@@ -155,9 +150,8 @@ impl<C: Spectrum> Model<C> for RoughConductor<C> {
             return None;
         }
         let wi = wi.normalize();
-        let pdf = self.mixed_pdf(wo, wi, m, several);
-        let facets = self.facets.d(m) * self.facets.g2_reflection(wo, wi, m) / (4.0 * wo.z);
-        let weight = (self.colour(self.facet.reflectance(wo.dot(m))) * facets + self.f_multiple(wo, wi) * wi.z) / pdf;
+        let (f_cos, pdf) = self.evaluate(wo, wi, m, missing);
+        let weight = f_cos / pdf;
         let wi = Vec3::new(wi.x, wi.y, wi.z.copysign(side));
         // At the edge of what single precision holds a density can be infinite or 0.
         (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample {

@@ -96,22 +96,22 @@ impl<C: Spectrum> RoughDielectric<C> {
         if wo.z > 0.0 { self.eta } else { 1.0 / self.eta }
     }
 
-    /// Probability with which a cosine-distributed direction is drawn instead of a facet.
+    /// What single scattering loses of light from `wo`, which is the probability with which a cosine-distributed direction is
+    /// drawn instead of a facet; 0 without compensation.
     #[inline]
     fn several(&self, wo: Vec3) -> f32 {
         self.multiple.as_ref().map_or(0.0, |multiple| multiple.missing[Self::side(wo)].at(&self.facets, wo))
     }
 
-    /// Of what is scattered more than once: f in terms of power, and the probability of `wi`'s side. The directions are on
-    /// one side if `reflects`.
+    /// Of what is scattered more than once: f in terms of power, and the probability of `wi`'s side. `wo` is on this side and loses
+    /// the share `several`; the directions are on one side if `reflects`.
     #[inline]
-    fn multiple(&self, wo: Vec3, wi: Vec3, reflects: bool) -> (f32, f32) {
+    fn multiple(&self, side: usize, several: f32, wi: Vec3, reflects: bool) -> (f32, f32) {
         let Some(Multiple { missing, transmitted }) = &self.multiple else { return (0.0, 0.0) };
-        let side = Self::side(wo);
         let other = if reflects { side } else { 1 - side };
         let share = if reflects { 1.0 - transmitted[side] } else { transmitted[side] };
-        let [o, i] = [missing[side].at(&self.facets, wo), missing[other].at(&self.facets, wi)];
-        (share * o * i * FRAC_1_PI / missing[other].mean(), share)
+        let arriving = missing[other].at(&self.facets, wi);
+        (share * several * arriving * FRAC_1_PI / missing[other].mean(), share)
     }
 
     /// Factor from f in terms of power to f of what is carried, for light that is transmitted.
@@ -147,35 +147,42 @@ impl<C: Spectrum> RoughDielectric<C> {
         } else {
             fresnel_dielectric(f64::from(cos), eta) as f32
         };
-        let visible = self.facets.visible_pdf(wo, m);
-        // Masking of both directions over that of wo, which the density has.
-        let seen = visible * wo.z / (self.facets.d(m) * cos);
         if wi.z > 0.0 {
-            let pdf = reflectance * visible / (4.0 * cos);
-            (pdf * self.facets.g2_reflection(wo, wi, m) / seen, pdf)
+            let (g1, g2) = self.facets.reflection_masking(wo, wi, m);
+            let once = reflectance * self.facets.d(m) / (4.0 * wo.z);
+            (once * g2, once * g1)
         } else {
+            let (g1, g2) = self.facets.transmission_masking(wo, outward(wi), m);
             let (cos_o, cos_i) = (f64::from(cos), f64::from(wi.dot(m)));
             let sum = cos_o + eta * cos_i;
             let jacobian = (eta * eta * -cos_i / (sum * sum)) as f32;
-            let pdf = (1.0 - reflectance) * visible * jacobian;
-            (pdf * self.facets.g2_transmission(wo, outward(wi), m) / seen, pdf)
+            let once = (1.0 - reflectance) * self.facets.d(m) * cos.max(0.0) * jacobian / wo.z;
+            (once * g2, once * g1)
         }
     }
 
-    /// f |cos(wi)| for what is carried, and the density, by the facet if there is one.
+    /// f |cos(wi)| for what is carried, and the density, by the facet if there is one. `wo` is on the outer side, `side` is the
+    /// sign of its own cosine, and `several` is what it loses.
     #[inline]
-    fn evaluate(&self, wo: Vec3, wi: Vec3, m: Option<Vec3>, side: f32, mode: TransportMode) -> (f32, f32) {
-        let eta = self.relative_eta(Vec3::new(0.0, 0.0, side));
+    fn evaluate(
+        &self,
+        wo: Vec3,
+        wi: Vec3,
+        m: Option<Vec3>,
+        (side, several): (f32, f32),
+        mode: TransportMode,
+    ) -> (f32, f32) {
+        let axis = Vec3::new(0.0, 0.0, side);
+        let eta = self.relative_eta(axis);
         let reflects = wi.z > 0.0;
         let (once, pdf_once) = m.map_or((0.0, 0.0), |m| self.once(wo, wi, m, eta));
-        let (wo, own) = (Vec3::new(wo.x, wo.y, wo.z.copysign(side)), outward(wi));
-        let (several, share) = self.multiple(wo, wi, reflects);
-        let probability = self.several(wo);
-        let pdf = (1.0 - probability) * pdf_once + probability * share * warps::cosine_hemisphere_pdf(own.z);
+        let own = outward(wi);
+        let (f_several, share) = self.multiple(Self::side(axis), several, wi, reflects);
+        let pdf = (1.0 - several) * pdf_once + several * share * warps::cosine_hemisphere_pdf(own.z);
         let scale = if reflects { 1.0 } else { Self::transmission_scale(eta, mode) };
-        // Where D is 0 to the last bit, so is the density, and the share that is seen is 0 over 0.
+        // At the edge of what single precision holds, a density can be 0 times infinity.
         let once = if once.is_finite() { once } else { 0.0 };
-        (scale * (once + several * own.z), if pdf.is_finite() { pdf } else { 0.0 })
+        (scale * (once + f_several * own.z), if pdf.is_finite() { pdf } else { 0.0 })
     }
 
     /// Both directions with `wo` on the outer side; `None` where one lies in the surface.
@@ -204,18 +211,21 @@ impl<C: Spectrum> Model<C> for RoughDielectric<C> {
         self.facets.widths()[1].min(1.0)
     }
 
-    #[inline(never)]
     fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
-        let Some((o, i)) = Self::outwards(wo, wi) else { return C::ZERO };
-        let m = Self::facet(o, i, self.relative_eta(wo));
-        C::splat(self.evaluate(o, i, m, wo.z, mode).0 / i.z.abs())
+        self.f_pdf(wo, wi, mode).0
+    }
+
+    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        let (_, pdf): (C, f32) = self.f_pdf(wo, wi, TransportMode::Importance);
+        pdf
     }
 
     #[inline(never)]
-    fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
-        let Some((o, i)) = Self::outwards(wo, wi) else { return 0.0 };
+    fn f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
+        let Some((o, i)) = Self::outwards(wo, wi) else { return (C::ZERO, 0.0) };
         let m = Self::facet(o, i, self.relative_eta(wo));
-        self.evaluate(o, i, m, wo.z, TransportMode::Importance).1
+        let (f_cos, pdf) = self.evaluate(o, i, m, (wo.z, self.several(wo)), mode);
+        (C::splat(f_cos / i.z.abs()), pdf)
     }
 
     #[inline(never)]
@@ -240,7 +250,7 @@ impl<C: Spectrum> Model<C> for RoughDielectric<C> {
             }
             (wi.normalize(), Some(m))
         };
-        let (f_cos, pdf) = self.evaluate(o, wi, m, side, mode);
+        let (f_cos, pdf) = self.evaluate(o, wi, m, (side, several), mode);
         let weight = f_cos / pdf;
         let (lobe, eta) =
             if wi.z > 0.0 { (Lobes::GLOSSY_REFLECTION, 1.0) } else { (Lobes::GLOSSY_TRANSMISSION, eta as f32) };

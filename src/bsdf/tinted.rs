@@ -26,6 +26,12 @@ impl<C: Spectrum> TintedTransmission<C> {
         Self { base: Arc::new(self.base.turned(turn)), tint: self.tint }
     }
 
+    /// f of the base, tinted if the directions are on two sides.
+    #[inline]
+    fn on_its_side(&self, wo: Vec3, wi: Vec3, f: C) -> C {
+        if wo.z * wi.z < 0.0 { f * self.tint } else { f }
+    }
+
     fn tinted(&self, sample: BsdfSample<C>) -> BsdfSample<C> {
         if Lobes::TRANSMISSION.contains(sample.lobe) {
             BsdfSample { weight: sample.weight * self.tint, ..sample }
@@ -60,12 +66,16 @@ impl<C: Spectrum> Model<C> for TintedTransmission<C> {
     }
 
     fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
-        let f = self.base.f(wo, wi, mode);
-        if wo.z * wi.z < 0.0 { f * self.tint } else { f }
+        self.on_its_side(wo, wi, self.base.f(wo, wi, mode))
     }
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         self.base.pdf(wo, wi)
+    }
+
+    fn f_pdf(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> (C, f32) {
+        let (f, pdf) = self.base.f_pdf(wo, wi, mode);
+        (self.on_its_side(wo, wi, f), pdf)
     }
 
     fn sample(&self, wo: Vec3, u: [f32; 3], mode: TransportMode) -> Option<BsdfSample<C>> {

@@ -296,7 +296,9 @@ mod tests {
             }),
         ];
         for transmittance in [a, Rgb::ONE, Rgb::ZERO, Rgb::new(0.0, 1.0, 0.0)] {
-            all.push(BsdfDesc::ThinDielectric { ior: 1.5, exterior_ior: 1.1, transmittance });
+            for microfacets in [smooth, rough, grooves] {
+                all.push(BsdfDesc::ThinDielectric { ior: 1.5, exterior_ior: 1.1, transmittance, microfacets });
+            }
         }
         for microfacets in [smooth, rough, grooves] {
             all.push(BsdfDesc::RoughDielectric { ior: 1.5, exterior_ior: 1.0, microfacets });

@@ -108,7 +108,8 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<MaterialDe
             BsdfDesc::RoughDielectric { ior: it.ior, exterior_ior: outside, microfacets: facets(&it)? }
         }
         ETD_BSDF_THIN_DIELECTRIC => {
-            BsdfDesc::ThinDielectric { ior: it.ior, exterior_ior: outside, transmittance: sheet(it.transmittance) }
+            let (transmittance, microfacets) = (sheet(it.transmittance), facets(&it)?);
+            BsdfDesc::ThinDielectric { ior: it.ior, exterior_ior: outside, transmittance, microfacets }
         }
         ETD_BSDF_COATED_DIFFUSE => {
             // The coat's facets scatter light once, in files too.
@@ -209,8 +210,9 @@ pub(super) fn material_out(material: &MaterialDesc) -> etd_material {
             facets_out(microfacets, &mut it);
             ETD_BSDF_ROUGH_DIELECTRIC
         }
-        BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance } => {
+        BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance, ref microfacets } => {
             (it.ior, it.exterior_ior, it.transmittance) = (ior, exterior_ior, sheet_out(transmittance));
+            facets_out(microfacets, &mut it);
             ETD_BSDF_THIN_DIELECTRIC
         }
         BsdfDesc::CoatedDiffuse { albedo, ior, exterior_ior, ref microfacets } => {

@@ -154,7 +154,7 @@ pub enum BsdfDesc {
         /// The facets.
         microfacets: MicrofacetsDesc,
     },
-    /// A sheet of clear or tinted glass with parallel smooth faces, so thin that its faces count as one surface.
+    /// A sheet of clear or tinted glass with parallel faces, smooth or rough, so thin that its faces count as one surface.
     ThinDielectric {
         /// Index of refraction of the sheet, > 0.
         ior: f32,
@@ -162,6 +162,8 @@ pub enum BsdfDesc {
         exterior_ior: f32,
         /// The share of the light that is left after it has crossed the sheet once along the normal.
         transmittance: Rgb,
+        /// The facets, each of which is a thin sheet.
+        microfacets: MicrofacetsDesc,
     },
     /// A diffuse surface under a clear smooth or rough coat, such as plastic or varnished wood. Light that bounces between the
     /// two is included.
@@ -194,6 +196,26 @@ pub enum BsdfDesc {
 }
 
 impl BsdfDesc {
+    /// The kind of material, as files call it (`type`).
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Black => "black",
+            Self::Lambert { .. } | Self::OrenNayarQualitative { .. } | Self::OrenNayar { .. } | Self::Eon { .. } => {
+                "diffuse"
+            }
+            Self::Mirror { .. } => "reflective",
+            Self::Dielectric { .. } | Self::RoughDielectric { .. } => "refractive",
+            Self::DiffuseTransmission { .. } => "diffuse-transmission",
+            Self::Sheen { .. } => "sheen",
+            Self::Conductor { .. } => "conductor",
+            Self::ThinDielectric { .. } => "thin-refractive",
+            Self::CoatedDiffuse { .. } => "coated-diffuse",
+            Self::Principled(_) => "principled",
+            Self::Mix { .. } => "mix",
+            Self::TwoSided { .. } => "two-sided",
+        }
+    }
+
     /// The indices of refraction inside and outside of a body with this surface; `None` for models that have no inside, whose
     /// materials can have no medium.
     pub(crate) fn interior(&self) -> Option<[f32; 2]> {

@@ -110,10 +110,11 @@ pub(super) fn model(path: &str, bsdf: &BsdfDesc, materials: &[MaterialDesc]) -> 
             index("exteriorIndex", exterior_ior)?;
             check_microfacets(path, &microfacets)
         }
-        BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance } => {
+        BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance, microfacets } => {
             index("refractionIndex", ior)?;
             index("exteriorIndex", exterior_ior)?;
-            color("transmittance", transmittance)
+            color("transmittance", transmittance)?;
+            check_microfacets(path, &microfacets)
         }
         BsdfDesc::CoatedDiffuse { albedo, ior, exterior_ior, microfacets } => {
             color("color", albedo)?;

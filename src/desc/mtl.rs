@@ -280,7 +280,12 @@ impl Entry {
         }
         if self.is_sheet() {
             let (ior, transmittance) = (self.index(), rgb(filter));
-            return Model::One(BsdfDesc::ThinDielectric { ior, exterior_ior: 1.0, transmittance });
+            return Model::One(BsdfDesc::ThinDielectric {
+                ior,
+                exterior_ior: 1.0,
+                transmittance,
+                microfacets: MicrofacetsDesc::default(),
+            });
         }
         let ks = self.ks.unwrap_or_default();
         let kd = self.kd.unwrap_or(if self.ks.is_some() { [0.0; 3] } else { GREY });

@@ -1,4 +1,7 @@
 //! Divides the mesh of an OBJ file by the materials that the file names (`mtllib`, `usemtl`), and describes these materials.
+//!
+//! Files often name a material that no library has, a library that did not come along, or no material at all. Faces without a known
+//! material get a grey diffuse one, with a warning.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -6,7 +9,9 @@ use std::path::Path;
 
 use super::json::{did_you_mean, elided};
 use super::mtl::{Library, keyword};
-use super::{MaterialDesc, MeshDesc, obj};
+use super::warnings::warn;
+use super::{BsdfDesc, MaterialDesc, MeshDesc, obj};
+use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
 
 /// Most material libraries of one file.
@@ -36,7 +41,7 @@ pub(super) struct Parts {
 pub(super) struct MaterialUses {
     /// Names after `mtllib`, with their lines.
     libraries: Vec<(Vec<u8>, usize)>,
-    /// Names after `usemtl`, with the lines where they are used first.
+    /// Names after `usemtl`, with the lines where they are used first; an empty one for faces that have no material.
     names: Vec<(String, usize)>,
     numbers: HashMap<String, usize>,
     /// The material from here on.
@@ -44,18 +49,16 @@ pub(super) struct MaterialUses {
     /// Triangles that follow one another and have the same material.
     runs: Vec<(usize, Range<usize>)>,
     triangles: usize,
-    /// The line of the first face without a material.
-    bare: Option<usize>,
 }
 
 impl MaterialUses {
     /// Reads `mtllib` or `usemtl`.
     pub fn read(&mut self, text: &[u8], line: usize) -> Result<(), String> {
         let (key, rest) = keyword(text);
-        if rest.is_empty() {
-            return Err(format!("{} without a name", String::from_utf8_lossy(key)));
-        }
         if key == b"mtllib" {
+            if rest.is_empty() {
+                return Ok(());
+            }
             if self.libraries.len() == LIBRARY_LIMIT {
                 return Err(format!("the file names more than {LIBRARY_LIMIT} material libraries"));
             }
@@ -63,30 +66,29 @@ impl MaterialUses {
             return Ok(());
         }
         let name = String::from_utf8_lossy(rest);
-        let number = match self.numbers.get(name.as_ref()) {
-            Some(number) => *number,
-            None if self.names.len() == NAME_LIMIT => {
-                return Err(format!("the file names more than {NAME_LIMIT} materials"));
-            }
-            None => {
-                let number = self.names.len();
-                self.numbers.insert(name.clone().into_owned(), number);
-                self.names.push((name.into_owned(), line));
-                number
-            }
-        };
-        self.current = Some(number);
+        if self.names.len() == NAME_LIMIT && !self.numbers.contains_key(name.as_ref()) {
+            return Err(format!("the file names more than {NAME_LIMIT} materials"));
+        }
+        self.current = Some(self.number(&name, line));
         Ok(())
+    }
+
+    /// The number of a name, which is used on this line.
+    fn number(&mut self, name: &str, line: usize) -> usize {
+        if let Some(number) = self.numbers.get(name) {
+            return *number;
+        }
+        let number = self.names.len();
+        self.numbers.insert(name.to_owned(), number);
+        self.names.push((name.to_owned(), line));
+        number
     }
 
     /// Notes the material of a face, which becomes a fan of triangles.
     pub fn face(&mut self, corners: usize, line: usize) {
         let from = self.triangles;
         self.triangles += corners - 2;
-        let Some(material) = self.current else {
-            self.bare.get_or_insert(line);
-            return;
-        };
+        let material = self.current.unwrap_or_else(|| self.number("", line));
         match self.runs.last_mut() {
             Some((last, run)) if *last == material && run.end == from => run.end = self.triangles,
             _ => self.runs.push((material, from..self.triangles)),
@@ -108,18 +110,21 @@ impl MaterialUses {
                 Some(folder.join(name.replace('\\', "/"))).filter(|path| is_there(path))
             };
             // A name may hold blanks, and a line may hold several names.
-            let files = match find(&names) {
-                Some(file) => vec![file],
+            let mut files = Vec::new();
+            match find(&names) {
+                Some(file) => files.push(file),
                 None => {
-                    let each = |name: &str| {
-                        find(name).ok_or_else(|| {
-                            let message = format!("there is no material library '{}'", elided(name));
-                            Error::new(ErrorKind::Io, message).at(json_path).in_file(Some(path), *line)
-                        })
-                    };
-                    names.split_ascii_whitespace().map(each).collect::<Result<_>>()?
+                    for name in names.split_ascii_whitespace() {
+                        match find(name) {
+                            Some(file) => files.push(file),
+                            None => {
+                                let missing = format!("there is no material library '{}'", elided(name));
+                                warn(warnings, format!("{json_path}: {}:{line}: {missing}", path.display()));
+                            }
+                        }
+                    }
                 }
-            };
+            }
             for file in files {
                 if library.files.len() == LIBRARY_LIMIT {
                     let message = format!("the file names more than {LIBRARY_LIMIT} material libraries");
@@ -135,13 +140,9 @@ impl MaterialUses {
 /// Reads the file at `path` and the material libraries that it names, with a part for each material that a face has, in the order
 /// of their first faces. `json_path` says where the scene names the file.
 pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<Parts> {
-    let fail = |line: usize, message: String| Error::invalid(json_path, message).in_file(Some(path), line);
     let mut noted = Vec::new();
     let (mesh, uses) = obj::read(path, json_path, Some(MaterialUses::default()), &mut noted)?;
     let uses = uses.unwrap_or_default();
-    if let Some(line) = uses.bare {
-        return Err(fail(line, "the face has no material, expected a usemtl before it".to_owned()));
-    }
     if uses.triangles != mesh.triangles.len() {
         let message = format!("{} triangles were made of {}", mesh.triangles.len(), uses.triangles);
         return Err(Error::new(ErrorKind::Internal, message).at(json_path));
@@ -156,17 +157,27 @@ pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> 
     let mut split = Splitter { vertices: vec![u32::MAX; mesh.positions.len()], mesh: &mesh };
     let (mut parts, mut first) = (Vec::with_capacity(numbered.len()), 0);
     for ((name, line), runs) in numbered {
-        let entry = library.find(name).ok_or_else(|| {
-            let hint = did_you_mean(name, library.names());
-            let message = format!("no material named '{}' in its material libraries{hint}", elided(name));
-            fail(*line, message)
-        })?;
-        let materials = entry.describe(&format!("{}:{name}", path.display()), json_path, first, &mut noted);
+        let full_name = format!("{}:{name}", path.display());
+        let materials = match library.find(name) {
+            Some(entry) => entry.describe(&full_name, json_path, first, &mut noted),
+            None => {
+                let why = if name.is_empty() {
+                    "faces have no material".to_owned()
+                } else {
+                    let hint = did_you_mean(name, library.names());
+                    format!("no material named '{}' in its material libraries{hint}", elided(name))
+                };
+                let text = format!("{json_path}: {}:{line}: {why}; a grey diffuse one is taken", path.display());
+                warn(&mut noted, text);
+                let bsdf = BsdfDesc::Lambert { albedo: Rgb::splat(0.8) };
+                vec![MaterialDesc { name: full_name, path: json_path.to_owned(), bsdf, ..MaterialDesc::default() }]
+            }
+        };
         first += materials.len();
         parts.push(Part { materials, mesh: split.part(&runs, name) });
     }
     // The caller's description stays as it is where an error occurs.
-    noted.into_iter().for_each(|warning| super::warnings::warn(warnings, warning));
+    noted.into_iter().for_each(|warning| warn(warnings, warning));
     Ok(Parts { parts, files: library.files })
 }
 

@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use super::record::{BuildFacts, GeometryRecord};
-use crate::bsdf::{Bsdf, Model as _};
+use crate::bsdf::{Bsdf, Lobes, Model as _};
 use crate::desc::{IntegratorDesc, RouletteDesc, SceneDesc, SurfaceDesc};
 use crate::emitter::EmitterSet;
 use crate::math::Bounds;
@@ -21,6 +21,8 @@ pub struct SceneInfo {
     pub surfaces: usize,
     /// Number of materials described.
     pub materials: usize,
+    /// Kinds of these materials, as files call them, and the number of each, in the order in which the description has them.
+    pub kinds: Vec<(&'static str, usize)>,
     /// Number of triangles that Embree holds in the scene frame.
     pub triangles: usize,
     /// Number of instances: uses of meshes that have hierarchies of their own.
@@ -95,6 +97,21 @@ impl SceneInfo {
                 RouletteDesc::File => format!("Russian roulette uses the survival probabilities of {stated} materials"),
             });
         }
+        let glossy = bsdfs.iter().filter(|bsdf| bsdf.lit_lobes().intersects(Lobes::GLOSSY));
+        let widths: Vec<f32> = glossy.map(Bsdf::narrowest).collect();
+        if !widths.is_empty() {
+            let of = |pick: fn(f32, f32) -> f32| widths.iter().copied().reduce(pick).unwrap_or_default();
+            decisions.push(format!(
+                "{} materials have glossy lobes; the narrowest lobe of each has a width alpha of {} to {}",
+                widths.len(),
+                of(f32::min),
+                of(f32::max)
+            ));
+        }
+        let anisotropic = bsdfs.iter().filter(|bsdf| bsdf.is_anisotropic()).count();
+        if anisotropic > 0 {
+            decisions.push(format!("tangents are found at hits of {anisotropic} anisotropic materials"));
+        }
         let media = desc.materials.iter().filter(|material| material.uses_medium()).count();
         if media > 0 {
             decisions
@@ -112,6 +129,8 @@ impl SceneInfo {
         let off = [
             (see_through == 0, "opacity"),
             (media == 0, "media"),
+            (widths.is_empty(), "glossy lobes"),
+            (anisotropic == 0, "tangents"),
             (facts.listed_shapes == 0, "analytic shape list"),
             (facts.embree_shapes == 0, "user geometry"),
             (facts.instances == 0, "instances"),
@@ -122,6 +141,7 @@ impl SceneInfo {
         Self {
             surfaces: desc.surfaces.len(),
             materials: desc.materials.len(),
+            kinds: kinds(desc),
             triangles: facts.triangles,
             instances: facts.instances,
             shared_triangles: facts.shared_triangles,
@@ -141,6 +161,18 @@ impl SceneInfo {
             switched_off: off.into_iter().filter_map(|(is_off, name)| is_off.then_some(name)).collect(),
         }
     }
+}
+
+/// Counts materials by their kinds.
+fn kinds(desc: &SceneDesc) -> Vec<(&'static str, usize)> {
+    let mut kinds: Vec<(&'static str, usize)> = Vec::new();
+    for kind in desc.materials.iter().map(|material| material.bsdf.kind()) {
+        match kinds.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, count)) => *count += 1,
+            None => kinds.push((kind, 1)),
+        }
+    }
+    kinds
 }
 
 /// Collects warnings about parts of the description that were left out or deserve attention.
@@ -265,6 +297,10 @@ impl fmt::Display for SceneInfo {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mebibytes = |bytes: usize| bytes as f64 / (1024.0 * 1024.0);
         writeln!(f, "surfaces        {} of {} materials", self.surfaces, self.materials)?;
+        if !self.kinds.is_empty() {
+            let kinds: Vec<String> = self.kinds.iter().map(|(kind, count)| format!("{count} {kind}")).collect();
+            writeln!(f, "materials       {}", kinds.join(", "))?;
+        }
         writeln!(f, "triangles       {}", self.triangles)?;
         if self.instances > 0 {
             writeln!(f, "instances       {} of {} shared triangles", self.instances, self.shared_triangles)?;
@@ -296,8 +332,8 @@ impl fmt::Display for SceneInfo {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bsdf::{LobeMixture, Lobes};
-    use crate::desc::{BsdfDesc, ShapeDesc, SurfaceLook};
+    use crate::bsdf::LobeMixture;
+    use crate::desc::{BsdfDesc, MicrofacetsDesc, ShapeDesc, SurfaceLook};
     use crate::emitter::{Emitter, EnvironmentEmitter};
     use crate::math::{DVec3, Vec3};
     use crate::scene::{BuildOptions, Scene};
@@ -330,6 +366,29 @@ mod tests {
                 assert!(!info.to_string().contains("infinity"), "{info}");
             }
         }
+    }
+
+    #[test]
+    fn materials_are_told_by_kind_and_width() {
+        let mut desc = SceneDesc::default();
+        let facets = |roughness, anisotropy| MicrofacetsDesc { anisotropy, ..MicrofacetsDesc::rough(roughness) };
+        let glass = |microfacets| BsdfDesc::RoughDielectric { ior: 1.5, exterior_ior: 1.0, microfacets };
+        let white = BsdfDesc::Lambert { albedo: Rgb::ONE };
+        for bsdf in [white, glass(facets(0.5, 0.0)), white, glass(facets(0.1, 0.0)), glass(facets(0.0, 0.0))] {
+            desc.add_material("", bsdf, None).unwrap();
+        }
+        let info = Scene::build(&desc, &BuildOptions::default()).unwrap().info().to_string();
+        assert!(info.contains("\nmaterials       2 diffuse, 3 refractive\n"), "{info}");
+        assert!(
+            info.contains("2 materials have glossy lobes; the narrowest lobe of each has a width alpha of 0.01"),
+            "{info}"
+        );
+        assert!(info.ends_with(
+            "tangents, analytic shape list, user geometry, instances, smooth normals, Embree, emitter sampling"
+        ));
+        desc.add_material("brushed", glass(facets(0.5, 0.5)), None).unwrap();
+        let info = Scene::build(&desc, &BuildOptions::default()).unwrap().info().to_string();
+        assert!(info.contains("tangents are found at hits of 1 anisotropic materials"), "{info}");
     }
 
     #[test]

@@ -81,6 +81,7 @@ CASE(rough_dielectric) {
 }
 CASE(thin_clear) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_THIN_DIELECTRIC; m->ior = 1.5f; }
 CASE(thin_tinted) { thin_clear(m, p); set3(m->transmittance, 0.5f, 0, 0.25f); m->exterior_ior = 1.25f; }
+CASE(thin_frosted) { thin_tinted(m, p); m->roughness = 0.5f; m->anisotropy = 0.25f; m->single_scattering = 1; }
 CASE(thin_black) { thin_clear(m, p); set3(m->transmittance, -1, -1, -1); }
 CASE(coated_diffuse) {
     ONLY_MATERIAL;
@@ -157,6 +158,9 @@ static const struct {
     {"thin, clear", thin_clear, "\"type\": \"thin-refractive\", \"refractionIndex\": 1.5"},
     {"thin, tinted", thin_tinted,
      "\"type\": \"thin-refractive\", \"refractionIndex\": 1.5, \"exteriorIndex\": 1.25, \"transmittance\": [0.5, 0, 0.25]"},
+    {"thin, frosted", thin_frosted,
+     "\"type\": \"thin-refractive\", \"refractionIndex\": 1.5, \"exteriorIndex\": 1.25, \"transmittance\": [0.5, 0, 0.25], "
+     "\"roughness\": 0.5, \"anisotropy\": 0.25, \"multipleScattering\": false"},
     {"thin, black", thin_black, "\"type\": \"thin-refractive\", \"refractionIndex\": 1.5, \"transmittance\": [0, 0, 0]"},
     {"coated diffuse", coated_diffuse,
      "\"type\": \"coated-diffuse\", \"color\": [0.75, 0.5, 0.25], \"refractionIndex\": 1.75, \"roughness\": 0.5, "

@@ -227,14 +227,14 @@ pub(super) fn albedo(facets: &Microfacets, wo: Vec3, critical: f64, shares: impl
         let mut sum = 0.0;
         let wi = 2.0 * cos * m - wo;
         if wi.z > 0.0 {
-            sum += shares.reflected * f64::from(facets.g2_reflection(wo, wi, m)) / seen;
+            sum += shares.reflected * f64::from(facets.reflection_masking(wo, wi, m).1) / seen;
         }
         if let Some((transmitted, eta)) = shares.transmitted
             && let Some(wi) = super::super::local::refract_about(wo, m, eta)
             && wi.z < 0.0
         {
             let mirrored = Vec3::new(wi.x, wi.y, -wi.z);
-            sum += transmitted * f64::from(facets.g2_transmission(wo, mirrored, m)) / seen;
+            sum += transmitted * f64::from(facets.transmission_masking(wo, mirrored, m).1) / seen;
         }
         sum
     })

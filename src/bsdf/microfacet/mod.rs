@@ -123,31 +123,42 @@ impl Microfacets {
         }
     }
 
-    /// The share of the facets with normal `m` that is seen from both directions, which are on one side of the surface.
+    /// The share of the facets with normal `m` that is seen from `wo`, and the share that is seen from both directions, which are on
+    /// one side of the surface.
     ///
     /// Smith's masking is correlated by height, Heitz 2014, Eq. 99, or taken as independent. Torrance and Sparrow's grooves
     /// hide the larger of both shadows.
     #[inline]
-    pub fn g2_reflection(&self, wo: Vec3, wi: Vec3, m: Vec3) -> f32 {
-        match self.masking {
-            Masking::Smith => 1.0 / (1.0 + self.lambda(wo) + self.lambda(wi)),
-            Masking::SmithSeparable => 1.0 / ((1.0 + self.lambda(wo)) * (1.0 + self.lambda(wi))),
-            Masking::VCavity => self.g1(wo, m).min(self.g1(wi, m)),
+    pub fn reflection_masking(&self, wo: Vec3, wi: Vec3, m: Vec3) -> (f32, f32) {
+        if self.masking == Masking::VCavity {
+            let g1 = self.g1(wo, m);
+            return (g1, g1.min(self.g1(wi, m)));
         }
+        let [o, i] = [wo, wi].map(|w| self.lambda(w));
+        let g2 = match self.masking {
+            Masking::SmithSeparable => 1.0 / ((1.0 + o) * (1.0 + i)),
+            _ => 1.0 / (1.0 + o + i),
+        };
+        (1.0 / (1.0 + o), g2)
     }
 
-    /// As [`Self::g2_reflection`], for directions on two sides of the surface; `wi` is given mirrored to the outer side.
+    /// As [`Self::reflection_masking`], for directions on two sides of the surface; `wi` is given mirrored to the outer side.
     ///
     /// Of facets at one height, those that are rarely hidden from above are often hidden from below: the mean over heights is
     /// the beta function B(1 + Lambda_o, 1 + Lambda_i).
     #[inline]
-    pub fn g2_transmission(&self, wo: Vec3, wi: Vec3, m: Vec3) -> f32 {
-        match self.masking {
-            Masking::Smith => beta(1.0 + self.lambda(wo), 1.0 + self.lambda(wi)),
-            Masking::SmithSeparable => 1.0 / ((1.0 + self.lambda(wo)) * (1.0 + self.lambda(wi))),
+    pub fn transmission_masking(&self, wo: Vec3, wi: Vec3, m: Vec3) -> (f32, f32) {
+        if self.masking == Masking::VCavity {
             // The groove of wi is that of the other side, whose facets are the same seen from behind.
-            Masking::VCavity => self.g1(wo, m).min(self.g1(wi, Vec3::new(-m.x, -m.y, m.z))),
+            let g1 = self.g1(wo, m);
+            return (g1, g1.min(self.g1(wi, Vec3::new(-m.x, -m.y, m.z))));
         }
+        let [o, i] = [wo, wi].map(|w| self.lambda(w));
+        let g2 = match self.masking {
+            Masking::SmithSeparable => 1.0 / ((1.0 + o) * (1.0 + i)),
+            _ => beta(1.0 + o, 1.0 + i),
+        };
+        (1.0 / (1.0 + o), g2)
     }
 
     /// Density of the normals that [`Self::visible_normal`] draws: D(m) G1 cos(wo, m) / cos(wo) (sr^-1).
@@ -192,24 +203,38 @@ impl Microfacets {
         self.out_of_facets(self.unstretched(cap(z, u[0]) + standard))
     }
 
-    /// Density of the direction `wi` in which a facet drawn by [`Self::reflecting_normal`] reflects `wo` (sr^-1); `m` is the
-    /// normal between the two.
+    /// f cos(wi) of facets that reflect everything (sr^-1), D G2 / (4 cos(wo)), and the density of the direction `wi` in which a facet
+    /// drawn by [`Self::reflecting_normal`] reflects `wo` (sr^-1). `m` is the normal between the two.
     #[inline]
-    pub fn reflection_pdf(&self, wo: Vec3, m: Vec3) -> f32 {
+    pub fn reflection(&self, wo: Vec3, wi: Vec3, m: Vec3) -> (f32, f32) {
+        let d = self.d(m);
         if self.masking == Masking::VCavity || self.distribution != Distribution::Ggx {
-            return self.g1(wo, m) * self.d(m) / (4.0 * wo.z);
+            let (g1, g2) = self.reflection_masking(wo, wi, m);
+            let once = d / (4.0 * wo.z);
+            return (once * g2, once * g1);
         }
+        // With the lengths of the stretched directions, 1 + 2 Lambda is a length over a cosine, and the cosines cancel.
         let own = self.in_facets(wo);
-        let [ax, ay] = self.alpha;
-        let (x, y) = (ax * own.x, ay * own.y);
-        self.d(m) / (2.0 * (self.bound(own) * own.z + (x * x + y * y + own.z * own.z).sqrt()))
+        let (o, i) = (self.stretched_length(own), self.stretched_length(self.in_facets(wi)));
+        let seen = match self.masking {
+            Masking::SmithSeparable => (o + wo.z) * (i + wi.z),
+            _ => 2.0 * (o * wi.z + i * wo.z),
+        };
+        (d * wi.z / seen, d / (2.0 * (self.bound(own) * wo.z + o)))
+    }
+
+    /// Length of a direction in the facets' frame, stretched to the frame in which they are those of a hemisphere.
+    #[inline]
+    fn stretched_length(&self, w: Vec3) -> f32 {
+        let (x, y) = (self.alpha[0] * w.x, self.alpha[1] * w.y);
+        (x * x + y * y + w.z * w.z).sqrt()
     }
 
     /// The factor by which the cap of normals that reflect above the horizon is lower. `wo` is in the facets' frame.
     #[inline]
     fn bound(&self, wo: Vec3) -> f32 {
         let a = self.alpha[0].min(self.alpha[1]).min(1.0);
-        let s = 1.0 + wo.x.hypot(wo.y);
+        let s = 1.0 + (wo.x * wo.x + wo.y * wo.y).sqrt();
         let (a2, s2) = (a * a, s * s);
         (1.0 - a2) * s2 / (s2 + a2 * wo.z * wo.z)
     }
@@ -260,16 +285,20 @@ pub(super) fn choose(probability: f32, u: &mut f32) -> bool {
     chosen
 }
 
-/// Euler's beta function for x, y >= 1, to six digits.
+/// Euler's beta function for x, y >= 1, to a part in 10^6 of it and of the exponent.
 #[inline]
 fn beta(x: f32, y: f32) -> f32 {
-    let (x, y) = (f64::from(x), f64::from(y));
     // Stirling's series at x + 1 and y + 1.
     let shift = (x + y) * (x + y + 1.0) / (x * y);
-    let (x, y) = (x + 1.0, y + 1.0);
-    let s = x + y;
-    let series = |x: f64| (1.0 / 12.0 - (1.0 / 360.0 - 1.0 / (1260.0 * x * x)) / (x * x)) / x;
-    let power = (x - 0.5) * (-y / s).ln_1p() + (y - 0.5) * (-x / s).ln_1p() - 0.5 * s.ln();
-    let root = (std::f64::consts::TAU).sqrt();
-    (shift * root * (power + series(x) + series(y) - series(s)).exp()) as f32
+    let (large, small) = (x.max(y) + 1.0, x.min(y) + 1.0);
+    let s = large + small;
+    let series = |x: f32| {
+        let r = 1.0 / x;
+        r * (1.0 / 12.0 - r * r * (1.0 / 360.0 - r * r * (1.0 / 1260.0)))
+    };
+    // The logarithm that has a large factor is that of a number near 1.
+    let share = small / s;
+    let power = (large - 0.5) * (-share).ln_1p() + (small - 0.5) * share.ln() - 0.5 * s.ln();
+    const ROOT: f32 = 2.506_628_3;
+    shift * ROOT * (power + series(large) + series(small) - series(s)).exp()
 }

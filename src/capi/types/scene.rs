@@ -105,7 +105,7 @@ pub enum etd_bsdf {
     ETD_BSDF_CONDUCTOR = 9,
     /// A rough dielectric such as frosted glass, with `ior`, `exterior_ior` and the facets.
     ETD_BSDF_ROUGH_DIELECTRIC = 10,
-    /// A thin sheet of clear or tinted glass, with `ior`, `exterior_ior` and `transmittance`.
+    /// A thin sheet of clear or tinted glass, smooth or rough, with `ior`, `exterior_ior`, `transmittance` and the facets.
     ETD_BSDF_THIN_DIELECTRIC = 11,
     /// A diffuse surface of albedo `color` under a clear coat, such as plastic, with `ior` and `exterior_ior` of the coat and
     /// the coat's facets. `single_scattering` is ignored.

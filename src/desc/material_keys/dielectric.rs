@@ -29,15 +29,17 @@ material!(
 });
 
 material!(
-    /// A thin sheet of clear or tinted glass.
+    /// A thin sheet of clear or tinted glass, smooth or rough.
     #[serde(rename_all = "camelCase")]
-    ThinRefractive, ThinRefractive, {
+    ThinRefractive, ThinRefractive, facets, {
     /// Index of refraction of the sheet, > 0.
     refraction_index: f64,
     /// Index of refraction around it, > 0. Default 1.
     exterior_index: Option<f64>,
     /// What is left of light that crossed the sheet once along its normal, [0, 1] per channel. Default [1, 1, 1].
     transmittance: Option<[f64; 3]>,
+    /// Whether light that facets scatter more than once is made up for. Default true, except with `v-cavity`.
+    multiple_scattering: Option<bool>,
 });
 
 material!(
@@ -73,7 +75,8 @@ impl Kind for ThinRefractive {
     fn bsdf(&self, path: &str, _: &Builder<'_>) -> Result<BsdfDesc> {
         let [ior, exterior_ior] = indices(path, self.refraction_index, self.exterior_index)?;
         let transmittance = color(&join(path, "transmittance"), self.transmittance, 1.0)?;
-        Ok(BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance })
+        let microfacets = self.facet_keys(self.multiple_scattering).read(path)?;
+        Ok(BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance, microfacets })
     }
 }
 

@@ -36,6 +36,11 @@ fn metal(conductor: ConductorDesc, microfacets: MicrofacetsDesc) -> Bsdf {
     Bsdf::new(&BsdfDesc::Conductor { conductor, microfacets })
 }
 
+/// A rough thin sheet.
+fn frosted(transmittance: Rgb, microfacets: MicrofacetsDesc) -> Bsdf {
+    Bsdf::new(&BsdfDesc::ThinDielectric { ior: 1.5, exterior_ior: 1.0, transmittance, microfacets })
+}
+
 fn white() -> ConductorDesc {
     ConductorDesc::Reflectance { normal: Rgb::ONE, edge: Rgb::ONE }
 }
@@ -196,6 +201,8 @@ fn models(r: f32) -> Vec<(String, Bsdf)> {
         named("bubble", glass(1.0 / 1.5, facets)),
         named("coated diffuse", coated(facets)),
         named("principled", principled(all)),
+        named("frosted sheet", frosted(color, facets)),
+        named("frosted sheet, two widths", frosted(Rgb::ONE, turned)),
     ]
 }
 
@@ -274,7 +281,11 @@ struct Sampled {
 
 impl Sampled {
     fn new(name: &str, bsdfs: &[Bsdf], stream: usize, draws: usize) -> Self {
-        let ior = if name == "bubble" { 1.0 / 1.5 } else { 1.5 };
+        let ior = match name {
+            "bubble" => 1.0 / 1.5,
+            _ if name.starts_with("frosted sheet") => 1.0,
+            _ => 1.5,
+        };
         let mut worst = Self { p_value: 1.0, integral: 0.0, mismatch: 0.0, weight: 0.0 };
         for (k, bsdf) in bsdfs.iter().enumerate() {
             for (j, degrees) in ANGLES.into_iter().enumerate() {
@@ -362,6 +373,7 @@ fn furnaces(case: &mut Case) {
                     ("white metal", metal(white(), facets), 0.0, 1.0),
                     ("glass from outside", glass(1.5, facets), 0.0, 1.0),
                     ("glass from inside", glass(1.5, facets), 180.0, -1.0),
+                    ("frosted sheet", frosted(Rgb::ONE, facets), 0.0, 1.0),
                 ];
                 for (what, bsdf, turn, sign) in models {
                     if anisotropy > 0.0 && !case.is_full() && r != 0.6 {
@@ -430,6 +442,7 @@ fn limits(case: &mut Case) {
     for (name, make) in [
         ("metal", Box::new(|r: f32| metal(white(), MicrofacetsDesc::rough(r))) as Box<dyn Fn(f32) -> Bsdf>),
         ("glass", Box::new(|r: f32| glass(1.5, MicrofacetsDesc::rough(r)))),
+        ("sheet", Box::new(|r: f32| frosted(Rgb::ONE, MicrofacetsDesc::rough(r)))),
     ] {
         let (smooth, rough) = (make(0.0), make(0.0101));
         let mut rng = Rng::new(53, 1);
@@ -466,7 +479,7 @@ fn bsdf_values(bsdf: &Bsdf, wo: Vec3, wi: Vec3) -> (f64, f64) {
 }
 
 fn thin_sheet(case: &mut Case) {
-    let sheet = |transmittance| Bsdf::new(&BsdfDesc::ThinDielectric { ior: 1.5, exterior_ior: 1.0, transmittance });
+    let sheet = |transmittance| frosted(transmittance, MicrofacetsDesc::default());
     // (1 - R) / (1 + R), by polarisation and not by the mean of both: at 60 degrees the two differ.
     for (degrees, exact) in [(0.0_f64, 12.0 / 13.0), (30.0, f64::NAN), (60.0, f64::NAN), (85.0, f64::NAN)] {
         let cos = degrees.to_radians().cos();
@@ -500,6 +513,19 @@ fn thin_sheet(case: &mut Case) {
     for (lobe, exact, name) in [(lobes[0], sums[0], "reflected"), (lobes[2], sums[1], "transmitted")] {
         let found = f64::from(lobe.expect("is there").weight.g());
         case.exact(format!("tinted, 60°: {name}"), found, exact, Within::Relative(1e-5));
+    }
+    // Frosted: one facet has the shares of the smooth sheet at the angle to it, on either side.
+    let rough = frosted(Rgb::splat(0.5), once(MicrofacetsDesc::rough(0.5)));
+    let white = metal(white(), once(MicrofacetsDesc::rough(0.5)));
+    let (wo, wi) = (direction(50.0, 10.0), direction(35.0, 230.0));
+    let cos = wo.dot((wo + wi).normalize());
+    let at_facet = sheet(Rgb::splat(0.5))
+        .specular_lobes(direction(f64::from(cos).acos().to_degrees(), 0.0), TransportMode::Radiance);
+    let facets = f64::from(white.f(wo, wi, TransportMode::Radiance).r());
+    for (lobe, z, name) in [(at_facet[0], 1.0, "reflected"), (at_facet[2], -1.0, "transmitted")] {
+        let exact = facets * f64::from(lobe.expect("is there").weight.r());
+        let found = f64::from(rough.f(wo, Vec3::new(wi.x, wi.y, z * wi.z), TransportMode::Radiance).r());
+        case.exact(format!("frosted: f of what is {name}"), found, exact, Within::Relative(1e-5));
     }
 }
 

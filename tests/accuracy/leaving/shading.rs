@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use etendue::camera::Camera;
-use etendue::desc::{BsdfDesc, IntegratorDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{BsdfDesc, ConductorDesc, IntegratorDesc, MicrofacetsDesc, SceneDesc, ShapeDesc};
 use etendue::math::{DAffine3, DQuat, DVec3, EulerRot, Ray, Vec3};
 use etendue::sampling::Rng;
 use etendue::scene::{Scene, SurfaceInteraction};
@@ -14,6 +14,7 @@ use super::instances::ball_mesh;
 use super::spawn::{LIST, away, build, random_direction, signed};
 use crate::common::scenes::{Job, add, box_inside, camera, mean_and_error, point_light, render, render_scene, scene};
 use crate::record::{Case, Entry, Within};
+use crate::transport::pick;
 
 pub fn cases() -> Vec<Entry> {
     vec![
@@ -21,6 +22,7 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "S26a", title: "terminator of a ball of facets", run: facets },
         Entry { id: "S26b", title: "shadow rays onto far, oblique lights", run: oblique_light },
         Entry { id: "S26c", title: "inside and outside of glass", run: glass },
+        Entry { id: "S26d", title: "smooth white meshes in a furnace", run: smooth_furnace },
     ]
 }
 
@@ -99,6 +101,35 @@ fn facets(case: &mut Case) {
         }
         case.never(format!("{rings} rings: black facets"), black, facets);
         case.never(format!("{rings} rings: pixels with light from behind"), leaks, behind);
+    }
+}
+
+/// What interpolated normals lose: little, less on a finer mesh, and nothing is gained.
+fn smooth_furnace(case: &mut Case) {
+    let metal = |roughness| BsdfDesc::Conductor {
+        conductor: ConductorDesc::Reflectance { normal: Rgb::ONE, edge: Rgb::ONE },
+        microfacets: MicrofacetsDesc::rough(roughness),
+    };
+    let models = [
+        ("Lambert", WHITE),
+        ("mirror", BsdfDesc::Mirror { reflectance: Rgb::ONE }),
+        ("metal 0.3", metal(0.3)),
+        ("metal 0.7", metal(0.7)),
+    ];
+    for (name, bsdf) in models {
+        for (rings, most) in [(8, 1.5e-2), (16, 5e-3), (60, 5e-4)] {
+            let mesh = |mesh, smooth| ShapeDesc::Mesh { mesh, smooth };
+            let surfaces = vec![(mesh(0, true), bsdf, None), (mesh(1, false), BsdfDesc::Black, Some(Rgb::ONE))];
+            let mut desc = scene(camera(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, 23.0), surfaces);
+            desc.meshes.push(ball_mesh(rings, 2 * rings).into());
+            desc.meshes.push(box_inside(DVec3::splat(-10.0), DVec3::splat(10.0)).into());
+            let samples = case.count(64, 1024) as u32;
+            let (image, _) = render(&desc, &Job { resolution: [64; 2], samples, ..Job::default() });
+            let (mean, error) = mean_and_error(&image);
+            case.at_most(format!("{name}, {rings} rings: gained beyond 4 s"), mean - 1.0 - 4.0 * error, 1e-4);
+            case.at_most(format!("{name}, {rings} rings: lost beyond 4 s"), 1.0 - mean - 4.0 * error, most);
+            case.at_most(format!("{name}, {rings} rings: standard error"), error, pick(case, 2e-3, 5e-4));
+        }
     }
 }
 
