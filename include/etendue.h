@@ -1583,7 +1583,7 @@ typedef struct etd_principled {
      */
     float specular_rotation_deg;
     /**
-     * Index of refraction of the dielectric, > 0.
+     * Index of refraction of the dielectric, above 0 and up to 100.
      */
     float specular_ior;
     /**
@@ -1611,7 +1611,7 @@ typedef struct etd_principled {
      */
     float coat_roughness_anisotropy;
     /**
-     * Index of refraction of the coat, > 0.
+     * Index of refraction of the coat, in [1, 100].
      */
     float coat_ior;
     /**

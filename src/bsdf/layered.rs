@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::coat::Coat;
 use super::lobes::{Lobes, TransportMode};
 use super::microfacet::choose;
-use super::mix::add_lobes;
+use super::mix::{Mix, add_lobes};
 use super::model::{BsdfSample, Model, SpecularLobes};
 use super::sheen::Sheen;
 use super::{Black, Bsdf, Parts};
@@ -79,28 +79,57 @@ pub struct LayeredParts {
 }
 
 impl Layered {
-    /// A covered surface.
-    pub fn new(parts: LayeredParts) -> Self {
+    /// A covered surface, as one model or as a sum of two.
+    ///
+    /// Where the base has diffuse and other lobes, g is not the same for all of them: the sum has one model for the diffuse ones under
+    /// the layer, and one for all others under a layer that only lets light pass.
+    pub fn cover(parts: LayeredParts) -> Bsdf {
+        /// Any width will do: all lobes that are not diffuse go together.
+        const NARROW_BELOW: f32 = 1.0;
+        let LayeredParts { base, coverage, .. } = &parts;
+        let diffuse = base.part(Parts::DIFFUSE, NARROW_BELOW);
+        let others = base.part(Parts::GLOSSY | Parts::NARROW, NARROW_BELOW);
+        match (diffuse, others) {
+            (Some(diffuse), Some(others)) if *coverage > 0.0 => {
+                let of = |base: Bsdf, keeps_layer: bool| {
+                    let layer = parts.layer.clone();
+                    let whole = &parts.base;
+                    Bsdf::Layered(Self { keeps_layer, ..Self::new(LayeredParts { layer, base, ..parts }, whole) })
+                };
+                Bsdf::Mix(Mix::sum([of(diffuse, true), of(others, false)]))
+            }
+            _ => {
+                let whole = parts.base.clone();
+                Bsdf::Layered(Self::new(parts, &whole))
+            }
+        }
+    }
+
+    /// A covered surface whose base is the `whole` one, or a part of it.
+    fn new(parts: LayeredParts, whole: &Bsdf) -> Self {
         let LayeredParts { layer, base, coverage, tint, darkening, is_thin } = parts;
         let lobes = base.lobes();
         let mean_passage = 1.0 - layer.mean_albedo();
         let is_diffuse = !lobes.is_empty() && Lobes::DIFFUSE_REFLECTION.contains(lobes);
-        let albedo = base.albedo() * darkening + Rgb::splat(1.0 - darkening);
+        let albedo = whole.albedo() * darkening + Rgb::splat(1.0 - darkening);
         let coupling = if is_diffuse {
-            let passes = 1.0 - layer.mean_albedo();
-            let inside = match &layer {
-                Layer::Coat(coat) => (1.0 - passes / (coat.eta() * coat.eta()) as f32).max(0.0),
+            // 1 - r, which is too near to 0 for high indices to be told from a rounded r.
+            let leaves = match &layer {
+                Layer::Coat(coat) => (f64::from(mean_passage) / (coat.eta() * coat.eta())).min(1.0),
                 // Between fibres and the base nothing bounces: there is no interface.
-                Layer::Sheen(_) => 0.0,
+                Layer::Sheen(_) => 1.0,
             };
-            let most = greatest_passage(&layer, &base).max(passes).max(1e-6);
-            let factor = |rho: f32| (1.0 - inside) / ((1.0 - rho * inside) * most);
+            let most = f64::from(greatest_passage(&layer, &base).max(mean_passage).max(1e-6));
+            let factor = |rho: f32| {
+                let rho = f64::from(rho);
+                if leaves > 0.0 { (leaves / ((1.0 - rho + rho * leaves) * most)) as f32 } else { 0.0 }
+            };
             Coupling::Diffuse(Rgb::from_array(albedo.to_array().map(factor)))
         } else {
             Coupling::Other(albedo)
         };
         let tint = (tint != Rgb::ONE).then_some(tint);
-        let on_both_sides = is_thin || !lobes.intersects(Lobes::TRANSMISSION);
+        let on_both_sides = is_thin || !whole.lobes().intersects(Lobes::TRANSMISSION);
         Self {
             layer: Arc::new(layer),
             base: Arc::new(base),
@@ -146,23 +175,26 @@ fn greatest_passage(layer: &Layer, base: &Bsdf) -> f32 {
     if base.constant_f().is_some() {
         return 0.0;
     }
-    const N: usize = 24;
+    /// Views, and the angles to the normal and azimuths of the directions that are summed up for each.
+    const VIEWS: usize = 16;
+    const ANGLES: usize = 64;
+    const AZIMUTHS: usize = 12;
     let at = |mu: f32, phi: f32| {
         let sin = (1.0 - mu * mu).sqrt();
         Vec3::new(sin * phi.cos(), sin * phi.sin(), mu)
     };
-    let share = |i: usize| (i as f32 + 0.5) / N as f32;
+    let share = |i: usize, n: usize| (i as f32 + 0.5) / n as f32;
     let passage = |wo: Vec3| {
         let (mut sent, mut passed) = (0.0, 0.0);
-        for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
-            let wi = at(share(i).sqrt(), std::f32::consts::PI * share(j));
+        for (i, j) in (0..ANGLES).flat_map(|i| (0..AZIMUTHS).map(move |j| (i, j))) {
+            let wi = at(share(i, ANGLES).sqrt(), std::f32::consts::PI * share(j, AZIMUTHS));
             let f = base.f(wo, wi, TransportMode::Radiance).max_element();
             sent += f;
             passed += f * (1.0 - layer.directional_albedo(wi));
         }
         passed / sent.max(f32::MIN_POSITIVE)
     };
-    (0..N).map(|i| passage(at(share(i), 0.0))).fold(0.0, f32::max)
+    (0..VIEWS).map(|i| passage(at(share(i, VIEWS), 0.0))).fold(0.0, f32::max)
 }
 
 impl<C: Spectrum> Layer<C> {
@@ -256,6 +288,9 @@ impl<C: Spectrum> Layered<C> {
 
     /// The factor on f of the base.
     fn factor(&self, wo: Vec3, wi: Vec3) -> C {
+        if !self.is_covered(wo) && !self.is_covered(wi) {
+            return C::ONE;
+        }
         let (a, b) = (self.passes(wo), self.passes(wi));
         let g = match self.coupling {
             Coupling::Diffuse(factor) => factor * (a * b),

@@ -27,6 +27,11 @@ impl<C: Spectrum> Mix<C> {
         Self::of_weights(parts, [1.0 - weight, weight])
     }
 
+    /// The sum of two models, which scatter no more than all light together.
+    pub(super) fn sum(parts: [Bsdf<C>; 2]) -> Self {
+        Self::of_weights(parts, [1.0; 2])
+    }
+
     fn of_weights(parts: [Bsdf<C>; 2], weights: [f32; 2]) -> Self {
         let lobes = |i: usize| {
             if weights[i] > 0.0 { parts[i].lit_lobes() } else { Lobes::empty() }
@@ -65,7 +70,7 @@ impl<C: Spectrum> Mix<C> {
         [0, 1].map(|i: usize| if self.weights[i] > 0.0 { self.weights[i] * self.parts[i].share(wo) } else { 0.0 })
     }
 
-    fn sum(&self, f: impl Fn(&Bsdf<C>) -> C) -> C {
+    fn weighted(&self, f: impl Fn(&Bsdf<C>) -> C) -> C {
         f(&self.parts[0]) * self.weights[0] + f(&self.parts[1]) * self.weights[1]
     }
 }
@@ -87,7 +92,7 @@ impl<C: Spectrum> Model<C> for Mix<C> {
     }
 
     fn diffuse_albedo(&self) -> C {
-        self.sum(Model::diffuse_albedo)
+        self.weighted(Model::diffuse_albedo)
     }
 
     fn is_anisotropic(&self) -> bool {
@@ -106,7 +111,7 @@ impl<C: Spectrum> Model<C> for Mix<C> {
     }
 
     fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {
-        self.sum(|part| part.f(wo, wi, mode))
+        self.weighted(|part| part.f(wo, wi, mode))
     }
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {

@@ -285,9 +285,15 @@ impl Bsdf {
 
     /// As [`Self::new`], for a description that may name others of these materials. A material that is not there is black.
     pub fn of_materials(desc: &BsdfDesc, materials: &[MaterialDesc]) -> Self {
+        Self::within(desc, materials, None)
+    }
+
+    /// As [`Self::of_materials`], for the surface of a body in a medium of this index of refraction instead of the one that its
+    /// description states. Surfaces without an inside are what they are anywhere.
+    pub(crate) fn within(desc: &BsdfDesc, materials: &[MaterialDesc], around: Option<f32>) -> Self {
         // Named materials come before the ones that name them, so that the recursion ends.
         let named = |index: usize| match materials.get(index) {
-            Some(material) => Self::of_materials(&material.bsdf, &materials[..index]),
+            Some(material) => Self::within(&material.bsdf, &materials[..index], around),
             None => Self::Black(Black),
         };
         match *desc {
@@ -303,7 +309,9 @@ impl Bsdf {
             BsdfDesc::OrenNayar { albedo, roughness } => Self::OrenNayar(OrenNayar::new(albedo, roughness)),
             BsdfDesc::Eon { albedo, roughness } => Self::Eon(Eon::new(albedo, roughness)),
             BsdfDesc::Mirror { reflectance } => Self::Mirror(Mirror::new(reflectance)),
-            BsdfDesc::Dielectric { ior, exterior_ior } => Self::Dielectric(Dielectric::new(ior, exterior_ior)),
+            BsdfDesc::Dielectric { ior, exterior_ior } => {
+                Self::Dielectric(Dielectric::new(ior, around.unwrap_or(exterior_ior)))
+            }
             BsdfDesc::DiffuseTransmission { reflectance, transmittance } => {
                 if reflectance == Rgb::ZERO && transmittance == Rgb::ZERO {
                     return Self::Black(Black);
@@ -322,7 +330,7 @@ impl Bsdf {
                 }
             }
             BsdfDesc::RoughDielectric { ior, exterior_ior, microfacets } => {
-                principled::rough_dielectric(ior, exterior_ior, &microfacets)
+                principled::rough_dielectric(ior, around.unwrap_or(exterior_ior), &microfacets)
             }
             BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance, ref microfacets } => {
                 principled::thin_dielectric(ior, exterior_ior, transmittance, microfacets)
@@ -331,7 +339,13 @@ impl Bsdf {
                 let eta = f64::from(ior) / f64::from(exterior_ior);
                 principled::coated_diffuse(Self::Lambert(Lambert::new(albedo)), eta, &microfacets)
             }
-            BsdfDesc::Principled(ref desc) => principled::principled(desc),
+            BsdfDesc::Principled(ref desc) => {
+                let outside = around.filter(|_| desc.has_inside()).unwrap_or(1.0);
+                principled::principled(desc, outside)
+            }
+            // A part of no weight would be worked out for nothing.
+            BsdfDesc::Mix { materials: [first, _], weight: 0.0 } => named(first),
+            BsdfDesc::Mix { materials: [_, second], weight: 1.0 } => named(second),
             BsdfDesc::Mix { materials: parts, weight } => Self::Mix(Mix::new(parts.map(named), weight)),
             BsdfDesc::TwoSided { front, back } => Self::TwoSided(TwoSided::new([front, back].map(named))),
         }

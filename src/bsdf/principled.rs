@@ -10,17 +10,17 @@ use super::{
     Bsdf, Dielectric, Eon, Lambert, Mix, RoughConductor, RoughDielectric, RoughThinDielectric, Sheet, ThinDielectric,
     TintedTransmission,
 };
-use crate::desc::{MicrofacetsDesc, PrincipledDesc};
+use crate::desc::{MicrofacetsDesc, PrincipledDesc, weighted_eta};
 use crate::spectrum::Rgb;
 
 /// The model of a checked description: fuzz over a coat over a mixture of metal, clear dielectric and dielectric with a
-/// diffuse base.
-pub(super) fn principled(desc: &PrincipledDesc) -> Bsdf {
+/// diffuse base. `outside`: index of refraction of what is around it.
+pub(super) fn principled(desc: &PrincipledDesc, outside: f32) -> Bsdf {
     let facets = roughened(desc);
     let metalness = desc.base_metalness;
     let dielectric = || {
-        let opaque = || opaque_dielectric(desc, &facets);
-        let clear = || clear_dielectric(desc, &facets);
+        let opaque = || opaque_dielectric(desc, outside, &facets);
+        let clear = || clear_dielectric(desc, outside, &facets);
         mixed(opaque, clear, desc.transmission_weight)
     };
     let metal = || {
@@ -35,8 +35,11 @@ pub(super) fn principled(desc: &PrincipledDesc) -> Bsdf {
     };
     let base = mixed(dielectric, metal, metalness);
     let coated = if desc.coat_weight > 0.0 {
-        covered(LayeredParts {
-            layer: Layer::Coat(Coat::new(desc.coat_ior.into(), Microfacets::new(&desc.coat_facets()))),
+        Layered::cover(LayeredParts {
+            layer: Layer::Coat(Coat::new(
+                f64::from(desc.coat_ior) / f64::from(outside),
+                Microfacets::new(&desc.coat_facets()),
+            )),
             base,
             coverage: desc.coat_weight,
             // The colour is what is left after the way down and up.
@@ -48,7 +51,7 @@ pub(super) fn principled(desc: &PrincipledDesc) -> Bsdf {
         base
     };
     if desc.fuzz_weight > 0.0 {
-        covered(LayeredParts {
+        Layered::cover(LayeredParts {
             layer: Layer::Sheen(Sheen::new(desc.fuzz_color, desc.fuzz_roughness)),
             base: coated,
             coverage: desc.fuzz_weight,
@@ -61,14 +64,9 @@ pub(super) fn principled(desc: &PrincipledDesc) -> Bsdf {
     }
 }
 
-/// A surface under a layer, as a Bsdf.
-fn covered(parts: LayeredParts) -> Bsdf {
-    Bsdf::Layered(Layered::new(parts))
-}
-
 /// A diffuse surface under a smooth or rough coat whose index over the one outside is `eta`.
 pub(super) fn coated_diffuse(base: Bsdf, eta: f64, facets: &MicrofacetsDesc) -> Bsdf {
-    covered(LayeredParts {
+    Layered::cover(LayeredParts {
         layer: Layer::Coat(Coat::new(eta, Microfacets::new(facets))),
         base,
         coverage: 1.0,
@@ -100,13 +98,7 @@ fn roughened(desc: &PrincipledDesc) -> MicrofacetsDesc {
     MicrofacetsDesc { roughness: facets.roughness + desc.coat_weight * (wider - facets.roughness), ..facets }
 }
 
-/// The index of the dielectric with the factor on its reflectance at normal incidence, over what is around it.
-fn weighted_eta(eta: f32, weight: f32) -> f32 {
-    let reflected = (weight.sqrt() * (eta - 1.0) / (eta + 1.0)).clamp(-0.999, 0.999);
-    (1.0 + reflected) / (1.0 - reflected)
-}
-
-fn opaque_dielectric(desc: &PrincipledDesc, facets: &MicrofacetsDesc) -> Bsdf {
+fn opaque_dielectric(desc: &PrincipledDesc, outside: f32, facets: &MicrofacetsDesc) -> Bsdf {
     let colour = desc.base_color * desc.base_weight;
     let base = if desc.base_diffuse_roughness > 0.0 {
         Bsdf::Eon(Eon::new(colour, desc.base_diffuse_roughness))
@@ -115,14 +107,14 @@ fn opaque_dielectric(desc: &PrincipledDesc, facets: &MicrofacetsDesc) -> Bsdf {
     };
     // Under a coat the dielectric meets the index of the coat. An index below it would reflect everything at some angle, which
     // no light that came through the coat does, so its inverse is taken, as OpenPBR does.
-    let around = 1.0 + desc.coat_weight * (desc.coat_ior - 1.0);
+    let around = outside + desc.coat_weight * (desc.coat_ior - outside);
     let eta = desc.specular_ior / around;
     let eta = weighted_eta(eta.max(1.0 / eta), desc.specular_weight);
     if eta == 1.0 { base } else { coated_diffuse(base, eta.into(), facets) }
 }
 
-fn clear_dielectric(desc: &PrincipledDesc, facets: &MicrofacetsDesc) -> Bsdf {
-    let eta = weighted_eta(desc.specular_ior, desc.specular_weight);
+fn clear_dielectric(desc: &PrincipledDesc, outside: f32, facets: &MicrofacetsDesc) -> Bsdf {
+    let eta = desc.clear_eta(outside);
     if desc.thin_walled {
         return thin_dielectric(eta, 1.0, desc.transmission_color, facets);
     }

@@ -79,11 +79,6 @@ impl<C: Spectrum> RoughDielectric<C> {
         Self { facets: self.facets.turned(turn), ..self.clone() }
     }
 
-    /// With its facets turned as those of another interface of the same facets.
-    pub(crate) fn turned_as(self, other: &Self) -> Self {
-        Self { facets: other.facets, ..self }
-    }
-
     /// 0 on the outer side, 1 on the inner side.
     #[inline]
     fn side(wo: Vec3) -> usize {

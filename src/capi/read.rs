@@ -123,7 +123,9 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<MaterialDe
         }
         ETD_BSDF_TWO_SIDED => BsdfDesc::TwoSided { front: it.first as usize, back: it.second as usize },
     };
-    let medium = MediumDesc { absorption: Rgb::from_array(it.absorption), priority: it.priority };
+    // What a principled body absorbs is said by its parameters.
+    let stated = if matches!(bsdf, BsdfDesc::Principled(_)) { [0.0; 3] } else { it.absorption };
+    let medium = MediumDesc { absorption: Rgb::from_array(stated), priority: it.priority };
     let has_medium = bsdf.interior().is_some() && medium != MediumDesc::default();
     Ok(MaterialDesc {
         bsdf,

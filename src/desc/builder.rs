@@ -35,6 +35,14 @@ impl<'a> Builder<'a> {
         })
     }
 
+    /// Returns the number of a material that another one consists of, which has to come before it.
+    pub fn part(&self, path: &str, name: &str) -> Result<usize> {
+        self.material(path, name).map_err(|error| {
+            let message = format!("{} among the materials before this one", error.message());
+            Error::invalid(path, message)
+        })
+    }
+
     /// Returns the number of the mesh with this name.
     pub fn mesh_named(&self, path: &str, name: &str) -> Result<usize> {
         self.scene.find_mesh(name).ok_or_else(|| {

@@ -16,8 +16,9 @@ pub struct MaterialDesc {
     /// report's `reflectionRate`). Paths use it only with [`super::RouletteDesc::File`]. It changes noise and time, never the
     /// image.
     pub survival: Option<f32>,
-    /// The medium inside bodies of this material; `None` for one that absorbs nothing and has priority 0. Only a
-    /// [`BsdfDesc::Dielectric`] can have a medium, whose index of refraction is its `ior`.
+    /// The medium inside bodies of this material; `None` for one that absorbs nothing and has priority 0. Only models that have an
+    /// inside can have a medium: [`BsdfDesc::Dielectric`], [`BsdfDesc::RoughDielectric`], and a [`BsdfDesc::Principled`] one that
+    /// transmits and is not thin, whose own absorption is added.
     pub medium: Option<MediumDesc>,
     /// The probability with which a ray meets a surface of this material, in [0, 1]; other rays pass straight on. Only materials
     /// that are named by surfaces have an opacity, and parts of other materials have none.
@@ -48,18 +49,59 @@ impl MaterialDesc {
         self.opacity >= 1.0
     }
 
-    /// Whether the material's medium absorbs or has a priority.
-    pub(crate) fn uses_medium(&self) -> bool {
-        self.inside().is_some_and(|medium| medium != MediumDesc::default())
+    /// What fills bodies of this material, whose parts are among `materials`; `None` for surfaces that have no inside.
+    ///
+    /// A mixture has the body of its parts. Where they have different ones, it is that of the first; scenes that follow media
+    /// refuse such mixtures ([`Self::is_one_body`]).
+    pub(crate) fn body(&self, materials: &[Self]) -> Option<Body> {
+        let mut found = None;
+        self.each_body(materials, &mut |body| {
+            found.get_or_insert(body);
+        });
+        found
     }
 
-    /// The medium inside bodies of the material: the stated one, or the one that the model's own numbers describe.
-    pub(crate) fn inside(&self) -> Option<MediumDesc> {
-        let own = match &self.bsdf {
-            BsdfDesc::Principled(it) => it.absorption().map(|absorption| MediumDesc { absorption, priority: 0 }),
-            _ => None,
-        };
-        self.medium.or(own)
+    /// Whether all parts that have an inside have the same one.
+    pub(crate) fn is_one_body(&self, materials: &[Self]) -> bool {
+        let (mut first, mut is_one) = (None, true);
+        self.each_body(materials, &mut |body| is_one &= *first.get_or_insert(body) == body);
+        is_one
+    }
+
+    fn each_body(&self, materials: &[Self], each: &mut dyn FnMut(Body)) {
+        if let BsdfDesc::Mix { materials: parts, weight } = self.bsdf {
+            for (part, weight) in parts.into_iter().zip([1.0 - weight, weight]) {
+                if let Some(material) = materials.get(part).filter(|_| weight > 0.0) {
+                    material.each_body(&materials[..part], each);
+                }
+            }
+        } else if let Some([ior, exterior_ior]) = self.bsdf.interior() {
+            let MediumDesc { absorption, priority } = self.medium.unwrap_or_default();
+            // That of a principled material comes from its own colour and depth.
+            let own = match &self.bsdf {
+                BsdfDesc::Principled(it) => it.absorption().unwrap_or(Rgb::ZERO),
+                _ => Rgb::ZERO,
+            };
+            each(Body { ior, exterior_ior, medium: MediumDesc { absorption: absorption + own, priority } });
+        }
+    }
+}
+
+/// What fills a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Body {
+    /// Index of refraction.
+    pub ior: f32,
+    /// Index of refraction around it, where it lies in no other medium.
+    pub exterior_ior: f32,
+    /// Absorption and priority.
+    pub medium: MediumDesc,
+}
+
+impl Body {
+    /// Whether the medium absorbs or has a priority.
+    pub fn uses_medium(&self) -> bool {
+        self.medium != MediumDesc::default()
     }
 }
 
@@ -69,7 +111,7 @@ impl MaterialDesc {
 /// path entered last. Surfaces at which the medium does not change are not there for rays (Schmidt and Budge 2002, "Simple
 /// Nested Dielectrics in Ray Traced Images").
 ///
-/// If any material of a scene has a medium other than the default, all materials that can have a medium have one, and the
+/// If any material that a surface has has a medium other than the default, all materials that can have a medium have one, and the
 /// index of refraction outside of a body is that of the medium around it. [`BsdfDesc::Dielectric`]'s `exterior_ior` then only
 /// counts where the body lies in no other medium.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -223,17 +265,8 @@ impl BsdfDesc {
             Self::Dielectric { ior, exterior_ior } | Self::RoughDielectric { ior, exterior_ior, .. } => {
                 Some([ior, exterior_ior])
             }
-            Self::Principled(ref it) => it.absorption().map(|_| [it.specular_ior, 1.0]),
+            Self::Principled(ref it) => it.has_inside().then_some([it.specular_ior, 1.0]),
             _ => None,
         }
-    }
-
-    /// The same body, with another index of refraction around it.
-    pub(crate) fn with_exterior(&self, around: f32) -> Self {
-        let mut it = *self;
-        if let Self::Dielectric { exterior_ior, .. } | Self::RoughDielectric { exterior_ior, .. } = &mut it {
-            *exterior_ior = around;
-        }
-        it
     }
 }

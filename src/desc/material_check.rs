@@ -35,6 +35,7 @@ pub(super) fn check(material: &mut MaterialDesc, materials: &[MaterialDesc]) -> 
         medium(path, bsdf, inside)?;
     }
     within(&at("opacity"), material.opacity.into(), 0.0, 1.0)?;
+    check_body(material, materials)?;
     if let Some(radiance) = material.emission {
         emission(&at("emission"), radiance.to_f64(), 1.0)?;
         if radiance == Rgb::ZERO {
@@ -48,10 +49,24 @@ pub(super) fn check(material: &mut MaterialDesc, materials: &[MaterialDesc]) -> 
     Ok(())
 }
 
+/// Refuses bodies of which some rays pass the surface unrefracted: refracted on their way out, they would bring more or less light
+/// than entered. A body of opacity 0 is not there.
+fn check_body(material: &MaterialDesc, materials: &[MaterialDesc]) -> Result<()> {
+    if material.is_opaque() || material.opacity == 0.0 || material.body(materials).is_none() {
+        return Ok(());
+    }
+    let message = format!(
+        "a body that refracts light has an opacity of {}, expected 1 or 0; thin sheets of glass may have any opacity",
+        material.opacity
+    );
+    Err(Error::invalid(join(&material.path, "opacity"), message))
+}
+
 /// Checks the medium of a material with this model.
 pub(super) fn medium(path: &str, bsdf: &BsdfDesc, medium: MediumDesc) -> Result<()> {
     if bsdf.interior().is_none() {
-        let message = "only a refractive material has a medium inside, expected no absorption and no priority";
+        let message = "only a refractive material, or a principled one that transmits and is not thin, has a medium inside; \
+             expected no absorption and no priority";
         return Err(Error::invalid(join(path, "medium"), message));
     }
     absorption(&join(path, "absorption"), medium.absorption.to_f64()).map(|_| ())
@@ -175,15 +190,15 @@ fn rotation(path: &str, value: f32) -> Result<()> {
     if f64::from(value).abs() <= turn {
         return Ok(());
     }
-    within(path, f64::from(value).to_degrees(), -360.0, 360.0).map(|_| ())
+    // In single precision, as it was stored: the digits of a product with pi beyond these say nothing.
+    within(path, f64::from(value.to_degrees()), -360.0, 360.0).map(|_| ())
 }
 
 fn anisotropy(path: &str, value: f32) -> Result<()> {
-    within(path, value.into(), 0.0, 1.0)?;
-    if value > 0.99 {
-        return Err(Error::invalid(path, format!("{value} is out of range, expected a number in [0, 0.99]")));
+    if (0.0..=0.99).contains(&value) {
+        return Ok(());
     }
-    Ok(())
+    Err(Error::invalid(path, format!("{value} is out of range, expected a number in [0, 0.99]")))
 }
 
 fn check_principled(path: &str, desc: &PrincipledDesc) -> Result<()> {
@@ -224,10 +239,13 @@ fn check_principled(path: &str, desc: &PrincipledDesc) -> Result<()> {
         }
     }
     positive(&at("fuzz_roughness"), desc.fuzz_roughness.into())?;
-    for (key, value) in [("specular_ior", desc.specular_ior), ("coat_ior", desc.coat_ior)] {
-        positive(&at(key), value.into())?;
-        within(&at(key), value.into(), 0.0, 100.0)?;
+    positive(&at("specular_ior"), desc.specular_ior.into())?;
+    if desc.specular_ior > 100.0 {
+        let message = format!("{} is out of range, expected a number above 0 and up to 100", desc.specular_ior);
+        return Err(Error::invalid(at("specular_ior"), message));
     }
+    // Under a coat thinner than air, most light from within would be reflected where the model takes it for lost.
+    within(&at("coat_ior"), desc.coat_ior.into(), 1.0, 100.0)?;
     anisotropy(&at("specular_roughness_anisotropy"), desc.specular_roughness_anisotropy)?;
     anisotropy(&at("coat_roughness_anisotropy"), desc.coat_roughness_anisotropy)?;
     rotation(&at("specular_rotation"), desc.specular_rotation)
@@ -252,7 +270,7 @@ fn check_parts(path: &str, whole: &BsdfDesc, parts: &[(&str, usize)], materials:
             return Err(Error::invalid(join(path, key), message));
         }
     }
-    let mut tally = Tally::default();
+    let mut tally = Tally { parts: 0, counts: true, is_deep: false, smooth: Vec::new() };
     tally.add(whole, materials, 0);
     if tally.is_deep {
         let message = format!("materials name one another over more than {MOST_LEVELS} levels");
@@ -266,7 +284,8 @@ fn check_parts(path: &str, whole: &BsdfDesc, parts: &[(&str, usize)], materials:
     indices.dedup();
     if let [first, second, ..] = indices[..] {
         let message = format!(
-            "smooth dielectrics of indices {first} and {second} refract into different directions; expected one index, or rough ones"
+            "smooth dielectrics of the relative indices {first} and {second} refract into different directions; expected one index, \
+             or rough ones"
         );
         return Err(Error::invalid(path, message));
     }
@@ -274,15 +293,32 @@ fn check_parts(path: &str, whole: &BsdfDesc, parts: &[(&str, usize)], materials:
 }
 
 /// What a material consists of.
-#[derive(Default)]
 struct Tally {
     parts: usize,
+    /// Whether the part that is being added has any weight.
+    counts: bool,
     is_deep: bool,
     /// Relative indices of smooth refracting parts.
     smooth: Vec<f32>,
 }
 
 impl Tally {
+    /// Adds a part; `counts` says whether it has any weight.
+    fn add_part(&mut self, part: usize, materials: &[MaterialDesc], level: usize, counts: bool) {
+        let Some(material) = materials.get(part) else { return };
+        let counted = self.counts;
+        self.counts &= counts;
+        self.add(&material.bsdf, &materials[..part], level + 1);
+        self.counts = counted;
+    }
+
+    /// Notes a smooth refracting part, unless light passes it straight.
+    fn refracts(&mut self, eta: f32) {
+        if self.counts {
+            self.smooth.push(eta);
+        }
+    }
+
     fn add(&mut self, bsdf: &BsdfDesc, materials: &[MaterialDesc], level: usize) {
         self.is_deep |= level > MOST_LEVELS;
         // Beyond these limits nothing more needs to be known.
@@ -290,23 +326,21 @@ impl Tally {
             return;
         }
         self.parts += 1;
-        let is_smooth = |microfacets: &MicrofacetsDesc| microfacets.roughness == 0.0;
         match *bsdf {
-            BsdfDesc::Mix { materials: [first, second], .. } | BsdfDesc::TwoSided { front: first, back: second } => {
-                for part in [first, second] {
-                    if let Some(material) = materials.get(part) {
-                        self.add(&material.bsdf, &materials[..part], level + 1);
-                    }
-                }
+            BsdfDesc::Mix { materials: [first, second], weight } => {
+                self.add_part(first, materials, level, weight < 1.0);
+                self.add_part(second, materials, level, weight > 0.0);
             }
-            BsdfDesc::Dielectric { ior, exterior_ior } => self.smooth.push(ior / exterior_ior),
-            BsdfDesc::RoughDielectric { ior, exterior_ior, ref microfacets } if is_smooth(microfacets) => {
-                self.smooth.push(ior / exterior_ior);
+            BsdfDesc::TwoSided { front, back } => {
+                self.add_part(front, materials, level, true);
+                self.add_part(back, materials, level, true);
             }
-            BsdfDesc::Principled(ref desc)
-                if desc.transmission_weight > 0.0 && !desc.thin_walled && desc.specular_roughness == 0.0 =>
-            {
-                self.smooth.push(desc.specular_ior);
+            BsdfDesc::Dielectric { ior, exterior_ior } => self.refracts(ior / exterior_ior),
+            BsdfDesc::RoughDielectric { ior, exterior_ior, ref microfacets } if microfacets.are_smooth() => {
+                self.refracts(ior / exterior_ior);
+            }
+            BsdfDesc::Principled(ref desc) if desc.has_inside() && desc.specular_facets().are_smooth() => {
+                self.refracts(desc.clear_eta(1.0));
             }
             _ => {}
         }
@@ -321,10 +355,9 @@ fn transmits(bsdf: &BsdfDesc, materials: &[MaterialDesc]) -> bool {
         | BsdfDesc::ThinDielectric { .. }
         | BsdfDesc::DiffuseTransmission { .. } => true,
         BsdfDesc::Principled(ref desc) => desc.transmission_weight > 0.0 && desc.base_metalness < 1.0,
-        BsdfDesc::Mix { materials: [first, second], .. } | BsdfDesc::TwoSided { front: first, back: second } => {
-            [first, second]
-                .into_iter()
-                .any(|part| materials.get(part).is_some_and(|material| transmits(&material.bsdf, &materials[..part])))
+        BsdfDesc::Mix { materials: [first, second], weight } => {
+            let of = |part: usize| materials.get(part).is_some_and(|it| transmits(&it.bsdf, &materials[..part]));
+            weight < 1.0 && of(first) || weight > 0.0 && of(second)
         }
         _ => false,
     }

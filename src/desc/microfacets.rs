@@ -61,6 +61,14 @@ impl MicrofacetsDesc {
         Self { roughness, ..Self::default() }
     }
 
+    /// Whether the facets are so narrow that the surface counts as smooth: directions in single precision cannot tell the difference.
+    pub fn are_smooth(&self) -> bool {
+        self.alphas().iter().all(|alpha| *alpha < Self::SMOOTHEST)
+    }
+
+    /// The width alpha below which a surface counts as smooth.
+    pub const SMOOTHEST: f32 = 1e-4;
+
     /// The widths alpha along the direction of the larger spread and across it.
     ///
     /// This is the only place where roughness is squared. The mean of the squared widths does not change with the anisotropy

@@ -84,6 +84,7 @@ pub use integrator::{
     Bias, IntegratorDesc, IntegratorInfo, LobeSupport, LobeUse, MapRenewal, PhotonMethod, Preparation, SampleOrder,
 };
 pub use light::PointLightDesc;
+pub(crate) use material::Body;
 pub use material::{BsdfDesc, MaterialDesc, MediumDesc};
 pub use microfacets::{ConductorDesc, Distribution, METALS, Masking, Metal, MicrofacetsDesc};
 pub use object::{HostMesh, MeshDesc, ShapeDesc, SurfaceDesc};
@@ -92,6 +93,7 @@ pub use photon::{
     PhotonSharing, RADII,
 };
 pub use principled::PrincipledDesc;
+pub(crate) use principled::weighted_eta;
 pub use radiosity::{MAX_RADIOSITY_ITERATIONS, MAX_RADIOSITY_MEMORY, RadiosityDesc, RadiositySolver};
 pub(crate) use radiosity_keys::check_radiosity;
 pub use read::{apply_params, apply_render, load, load_params, parse};

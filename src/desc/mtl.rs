@@ -383,7 +383,7 @@ impl Values<'_, '_, '_> {
         if (low..=high).contains(&value) {
             return Ok(value);
         }
-        let most = if high > 1e9 { String::new() } else { format!(" to {high}") };
+        let most = if high > 1e9 { " or more".to_owned() } else { format!(" to {high}") };
         self.warn(&format!("is out of range, expected {low}{most}; the nearest number in range is used"));
         Ok(value.clamp(low, high))
     }

@@ -42,7 +42,7 @@ pub struct PrincipledDesc {
     pub coat_roughness: f32,
     /// Anisotropy of the coat, in [0, 1).
     pub coat_roughness_anisotropy: f32,
-    /// Index of refraction of the coat, > 0.
+    /// Index of refraction of the coat, in [1, 100].
     pub coat_ior: f32,
     /// How much a coat darkens what is under it, by light that bounces between the two: 1 is the physical darkening.
     pub coat_darkening: f32,
@@ -90,11 +90,20 @@ impl Default for PrincipledDesc {
 }
 
 impl PrincipledDesc {
+    /// Whether light that is refracted into it is inside of a body.
+    pub(crate) fn has_inside(&self) -> bool {
+        self.transmission_weight > 0.0 && self.base_metalness < 1.0 && !self.thin_walled
+    }
+
+    /// The index of refraction of the clear part over the one around it, with the factor on its reflectance at normal incidence.
+    pub(crate) fn clear_eta(&self, around: f32) -> f32 {
+        weighted_eta(self.specular_ior / around, self.specular_weight)
+    }
+
     /// The absorption coefficient inside bodies [1 / scene unit]; `None` for a surface without an inside, or whose colour is its own.
     pub(crate) fn absorption(&self) -> Option<Rgb> {
-        let has_inside = self.transmission_weight > 0.0 && self.base_metalness < 1.0 && !self.thin_walled;
         let of = |left: f32| (-f64::from(left).ln() / f64::from(self.transmission_depth)).max(0.0) as f32;
-        (has_inside && self.transmission_depth > 0.0)
+        (self.has_inside() && self.transmission_depth > 0.0)
             .then(|| Rgb::from_array(self.transmission_color.to_array().map(of)))
     }
 
@@ -116,4 +125,10 @@ impl PrincipledDesc {
             ..MicrofacetsDesc::rough(self.coat_roughness)
         }
     }
+}
+
+/// The index of a dielectric with this factor on its reflectance at normal incidence, over what is around it.
+pub(crate) fn weighted_eta(eta: f32, weight: f32) -> f32 {
+    let reflected = (weight.sqrt() * (eta - 1.0) / (eta + 1.0)).clamp(-0.999, 0.999);
+    (1.0 + reflected) / (1.0 - reflected)
 }

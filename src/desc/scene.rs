@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::camera::CameraDesc;
 use super::index::SceneIndex;
 use super::light::PointLightDesc;
-use super::material::MaterialDesc;
+use super::material::{Body, MaterialDesc};
 use super::object::{MeshDesc, SurfaceDesc};
 use super::render::RenderDesc;
 
@@ -36,6 +36,29 @@ pub struct SceneDesc {
     pub warnings: Vec<String>,
     /// The index by which the calls find elements. A description that is put together by hand has the default index.
     pub index: SceneIndex,
+}
+
+impl SceneDesc {
+    /// For each material, whether a surface has it. A scene is made for these materials alone; parts of others count as theirs.
+    pub(crate) fn used_materials(&self) -> Vec<bool> {
+        let mut used = vec![false; self.materials.len()];
+        for surface in self.surfaces.iter().filter(|surface| !surface.hidden) {
+            if let Some(used) = used.get_mut(surface.material) {
+                *used = true;
+            }
+        }
+        used
+    }
+
+    /// For each material, what fills bodies of it; `None` where it has no inside, or where no surface has it.
+    pub(crate) fn bodies(&self) -> Vec<Option<Body>> {
+        let used = self.used_materials().into_iter();
+        let materials = self.materials.iter().enumerate();
+        materials
+            .zip(used)
+            .map(|((i, material), used)| used.then(|| material.body(&self.materials[..i])).flatten())
+            .collect()
+    }
 }
 
 /// The rules by which a scene file was read.

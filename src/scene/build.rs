@@ -11,7 +11,7 @@ use super::media::Media;
 use super::options::BuildOptions;
 use super::record::AppearanceKey;
 use super::{Material, Scene, SceneInfo, frame, lower, roulette};
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Black, Bsdf};
 use crate::camera::Camera;
 use crate::control::WorkProgress;
 use crate::desc::{MaterialDesc, SceneDesc, ShapeDesc};
@@ -141,9 +141,12 @@ fn check_emission(desc: &SceneDesc) -> Result<()> {
     Ok(())
 }
 
-/// The Bsdfs of all materials. Those that need integrals over rough surfaces take a few milliseconds each.
-fn bsdfs(desc: &SceneDesc) -> Vec<Bsdf> {
-    let of = |(i, material): (usize, &MaterialDesc)| Bsdf::of_materials(&material.bsdf, &desc.materials[..i]);
+/// The Bsdfs of all materials that surfaces have; others are black. Those that need integrals over rough surfaces take a few
+/// milliseconds each.
+fn bsdfs(desc: &SceneDesc, used: &[bool]) -> Vec<Bsdf> {
+    let of = |(i, material): (usize, &MaterialDesc)| {
+        if used[i] { Bsdf::of_materials(&material.bsdf, &desc.materials[..i]) } else { Bsdf::Black(Black) }
+    };
     desc.materials.iter().enumerate().map(of).collect()
 }
 
@@ -155,11 +158,12 @@ fn complete(
     appearance: AppearanceKey,
     start: Instant,
 ) -> Result<Scene> {
-    let bsdfs = bsdfs(desc);
+    let used = desc.used_materials();
+    let bsdfs = bsdfs(desc, &used);
     let mut info = SceneInfo::new(desc, &bsdfs, &assembly.record, &bindings.emitters, assembly.embree.is_some());
     let warnings =
         super::info::warnings(desc, &bsdfs, &assembly.record.facts, &bindings.emitters, appearance.dark_lights());
-    let opacities = desc.materials.iter().map(|material| material.opacity);
+    let opacities = desc.materials.iter().zip(used).map(|(material, used)| if used { material.opacity } else { 1.0 });
     let materials: Arc<[Material]> =
         bsdfs.into_iter().zip(opacities).map(|(bsdf, opacity)| Material::uniform(bsdf).with_opacity(opacity)).collect();
     info.build_time = start.elapsed();

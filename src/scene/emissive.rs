@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use crate::desc::{MaterialDesc, SceneDesc};
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// Returns the description in which every surface of a material that emits light has the material's emission, unless the surface
 /// has one of its own. A description without such materials is returned as it is.
@@ -13,7 +13,6 @@ pub(super) fn with_emission_of_materials(desc: &SceneDesc) -> Result<Cow<'_, Sce
         return Ok(Cow::Borrowed(desc));
     }
     desc.check_looks()?;
-    check_bodies(desc)?;
     if !emits {
         return Ok(Cow::Borrowed(desc));
     }
@@ -22,22 +21,4 @@ pub(super) fn with_emission_of_materials(desc: &SceneDesc) -> Result<Cow<'_, Sce
         surface.emission = surface.emission.or(desc.materials[surface.material].emission);
     }
     Ok(Cow::Owned(lit))
-}
-
-/// Refuses bodies that are not opaque in a scene whose rays know the media that they are in: a ray that passes their surface would
-/// not know that it is inside.
-fn check_bodies(desc: &SceneDesc) -> Result<()> {
-    if !desc.materials.iter().any(MaterialDesc::uses_medium) {
-        return Ok(());
-    }
-    match desc.materials.iter().find(|material| !material.is_opaque() && material.bsdf.interior().is_some()) {
-        None => Ok(()),
-        Some(material) => {
-            let message = format!(
-                "a body has an opacity of {}, expected 1 in a scene whose media absorb or have priorities",
-                material.opacity
-            );
-            Err(Error::invalid(format!("{}.opacity", material.path), message))
-        }
-    }
 }

@@ -47,11 +47,16 @@ struct Turned {
     bsdf: Bsdf,
 }
 
+/// The Bsdf turned with the tangents of the surface.
+pub(super) fn turned_with_tangents(bsdf: &Bsdf, at: &SurfaceDetail) -> Bsdf {
+    let local = Frame::from_normal(at.ns).to_local(at.tangent);
+    let length = local.x.hypot(local.y);
+    if length > 1e-6 { bsdf.turned([local.x / length, local.y / length]) } else { bsdf.clone() }
+}
+
 impl VaryingMaterial for Turned {
     fn bsdf(&self, at: &SurfaceDetail) -> Bsdf {
-        let local = Frame::from_normal(at.ns).to_local(at.tangent);
-        let length = local.x.hypot(local.y);
-        if length > 1e-6 { self.bsdf.turned([local.x / length, local.y / length]) } else { self.bsdf.clone() }
+        turned_with_tangents(&self.bsdf, at)
     }
 
     fn mean(&self) -> Bsdf {

@@ -12,10 +12,11 @@ use std::sync::{Arc, OnceLock};
 use super::geometry::Geometry;
 use super::hit::{Hit, IN_LIST};
 use super::interaction::{NO_EMITTER, Owner, Triangles};
+use super::material::turned_with_tangents;
 use super::{Scene, SurfaceDetail};
-use crate::bsdf::{Bsdf, Dielectric};
+use crate::bsdf::{Black, Bsdf, Dielectric, Model as _};
 use crate::camera::Camera;
-use crate::desc::{BsdfDesc, MaterialDesc, SceneDesc};
+use crate::desc::{Body, BsdfDesc, MaterialDesc, SceneDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, Ray, Vec3};
 use crate::sampling::hash;
@@ -42,9 +43,12 @@ const MOST_CROSSINGS: u32 = 256;
 const MOST_REFLECTIONS: u32 = 16;
 
 /// The media that a point lies in, in the order in which a path entered them: the last one in the lowest byte, 0 in unused
-/// bytes. A ninth medium makes the path forget the first one.
+/// bytes. A medium more than [`MOST_NESTED`] makes the path forget the first one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct PathMedia(u64);
+pub(crate) struct PathMedia(u128);
+
+/// Most media that a path knows to be in at once.
+const MOST_NESTED: usize = 16;
 
 impl PathMedia {
     /// No medium.
@@ -57,7 +61,7 @@ impl PathMedia {
     }
 
     fn entered(self, medium: Number) -> Self {
-        Self(self.0 << 8 | u64::from(medium))
+        Self(self.0 << 8 | u128::from(medium))
     }
 
     /// The media from the last entered one on.
@@ -68,14 +72,14 @@ impl PathMedia {
     /// Without the last entered medium of this number.
     fn left(self, medium: Number) -> Self {
         let Some(place) = self.numbers().position(|number| number == medium) else { return self };
-        let below = (1_u64 << (8 * place)) - 1;
+        let below = (1_u128 << (8 * place)) - 1;
         Self(self.0 & below | (self.0 >> 8) & !below)
     }
 
     /// With a medium that was entered before all others.
     fn with_outermost(self, medium: Number) -> Self {
-        let place = self.numbers().count().min(7);
-        Self(self.0 & !(0xff << (8 * place)) | u64::from(medium) << (8 * place))
+        let place = self.numbers().count().min(MOST_NESTED - 1);
+        Self(self.0 & !(0xff << (8 * place)) | u128::from(medium) << (8 * place))
     }
 }
 
@@ -98,6 +102,8 @@ pub(super) struct Media {
     of_material: Vec<Number>,
     /// How each material is an interface between the media on its sides.
     interfaces: Vec<Interface>,
+    /// The descriptions that interfaces are made from.
+    materials: Arc<[MaterialDesc]>,
     /// Whether the boundaries of all media are known to be closed.
     is_closed: bool,
     /// Box around the boundaries of all media, scene frame.
@@ -109,26 +115,10 @@ pub(super) struct Media {
 /// What the Bsdf of a boundary is, in dependence of the media on its sides.
 #[derive(Clone, Debug)]
 enum Interface {
-    /// A smooth one of the two indices.
+    /// That of the two indices alone, which is made at each hit.
     Smooth,
-    /// A rough one of the two indices.
-    Rough(RoughInterface),
-    /// The material's own, which has the same index around it everywhere.
-    Own,
-}
-
-/// A rough boundary of a medium, whose Bsdf has tables of their own for each pair of indices.
-#[derive(Clone, Debug)]
-struct RoughInterface {
-    desc: BsdfDesc,
-    around: Box<[OnceLock<Bsdf>]>,
-}
-
-impl RoughInterface {
-    /// The Bsdf between the body and the medium of this number around it, which has this index of refraction.
-    fn within(&self, medium: Number, exterior_ior: f32) -> &Bsdf {
-        self.around[usize::from(medium)].get_or_init(|| Bsdf::new(&self.desc.with_exterior(exterior_ior)))
-    }
+    /// One that takes work to make: with the number of the medium around the body as index, made where a path first meets it.
+    Made(Box<[OnceLock<Bsdf>]>),
 }
 
 /// What happens to the media of a path that passes through a surface.
@@ -145,38 +135,40 @@ impl Media {
     /// # Errors
     /// [`ErrorKind::Unsupported`] for more than 255 different media.
     pub fn new(desc: &SceneDesc) -> Result<Option<Arc<Self>>> {
-        if !desc.materials.iter().any(MaterialDesc::uses_medium) {
+        let bodies = desc.bodies();
+        if !bodies.iter().flatten().any(Body::uses_medium) {
             return Ok(None);
         }
         let mut media: Vec<Medium> = Vec::new();
         let mut of_material = Vec::with_capacity(desc.materials.len());
-        for material in &desc.materials {
-            let Some([ior, exterior_ior]) = material.bsdf.interior() else {
+        for (i, (material, body)) in desc.materials.iter().zip(bodies).enumerate() {
+            let Some(Body { ior, exterior_ior, medium: given }) = body else {
                 of_material.push(0);
                 continue;
             };
-            let given = material.inside().unwrap_or_default();
+            let fail = |message| Err(Error::new(ErrorKind::Unsupported, message).at(material.path.clone()));
+            if !material.is_one_body(&desc.materials[..i]) {
+                let message = "the parts of the mixture are bodies of different media, expected one in a scene whose media \
+                     absorb or have priorities";
+                return fail(message.to_owned());
+            }
             let medium = Medium { ior, exterior_ior, absorption: given.absorption, priority: given.priority };
             let place = media.iter().position(|other| *other == medium).unwrap_or_else(|| {
                 media.push(medium);
                 media.len() - 1
             });
             if place >= MOST_MEDIA {
-                let message = format!("the scene has more than {MOST_MEDIA} different media");
-                return Err(Error::new(ErrorKind::Unsupported, message).at(material.path.clone()));
+                return fail(format!("the scene has more than {MOST_MEDIA} different media"));
             }
             of_material.push((place + 1) as Number);
         }
-        let around = || (0..=media.len()).map(|_| OnceLock::new()).collect();
         let interface = |material: &MaterialDesc| match material.bsdf {
             BsdfDesc::Dielectric { .. } => Interface::Smooth,
-            BsdfDesc::RoughDielectric { .. } => {
-                Interface::Rough(RoughInterface { desc: material.bsdf, around: around() })
-            }
-            _ => Interface::Own,
+            _ => Interface::Made((0..=media.len()).map(|_| OnceLock::new()).collect()),
         };
         let (interfaces, bounds) = (desc.materials.iter().map(interface).collect(), Bounds::default());
-        Ok(Some(Arc::new(Self { media, of_material, interfaces, is_closed: false, bounds, camera: None })))
+        let materials = desc.materials.clone().into();
+        Ok(Some(Arc::new(Self { media, of_material, interfaces, materials, is_closed: false, bounds, camera: None })))
     }
 
     fn medium(&self, number: Number) -> Option<&Medium> {
@@ -281,31 +273,30 @@ impl Scene {
         wavelengths: &C::Wavelengths,
         detail: impl FnOnce() -> SurfaceDetail,
     ) -> Bsdf<C> {
-        let mut slot = None;
-        let (own, _) = self.material(material).at::<C>(detail, wavelengths, &mut slot);
-        let Some(all) = self.media.as_deref() else { return own.clone() };
+        let own = || self.material(material).mean().in_spectrum::<C>(wavelengths);
+        let Some(all) = self.media.as_deref() else { return own() };
         let number = all.of_material[material as usize];
-        let Some(medium) = all.medium(number) else { return own.clone() };
+        let Some(medium) = all.medium(number) else { return own() };
         let Crossing { filling, .. } = all.crossing(media, number, front);
         let [here, beyond] = filling.map(|number| all.medium(number).map_or(medium.exterior_ior, |medium| medium.ior));
         let (inner, outer) = if front { (beyond, here) } else { (here, beyond) };
         let is_hidden = filling[0] == filling[1];
-        let interface = &all.interfaces[material as usize];
-        match interface {
-            // Several lobes, of which none is told what is around the body.
-            Interface::Own => own.clone(),
+        match &all.interfaces[material as usize] {
             // Where the medium does not change, nothing is refracted, however rough the surface is.
-            Interface::Rough(rough) if !is_hidden => {
+            Interface::Made(around) if !is_hidden => {
                 // A boundary at which the medium changes has its own medium on the inner side.
-                let around = if front { filling[0] } else { filling[1] };
-                match (rough.within(around, outer).in_spectrum::<C>(wavelengths), own) {
-                    (Bsdf::RoughDielectric(glass), Bsdf::RoughDielectric(own)) => {
-                        Bsdf::RoughDielectric(glass.turned_as(own))
-                    }
-                    (glass, _) => glass,
+                let place = usize::from(if front { filling[0] } else { filling[1] });
+                let bsdf = around[place].get_or_init(|| {
+                    let (before, rest) = all.materials.split_at(material as usize);
+                    rest.first().map_or(Bsdf::Black(Black), |own| Bsdf::within(&own.bsdf, before, Some(outer)))
+                });
+                if bsdf.is_anisotropic() {
+                    turned_with_tangents(bsdf, &detail()).in_spectrum::<C>(wavelengths)
+                } else {
+                    bsdf.in_spectrum::<C>(wavelengths)
                 }
             }
-            Interface::Rough(_) | Interface::Smooth => Bsdf::Dielectric(Dielectric::new(inner, outer)),
+            Interface::Made(_) | Interface::Smooth => Bsdf::Dielectric(Dielectric::new(inner, outer)),
         }
     }
 
@@ -505,12 +496,13 @@ mod tests {
         assert_eq!(of(&[1]).left(1), PathMedia::NONE);
         assert_eq!(of(&[1, 2]).left(3), of(&[1, 2]));
         assert_eq!(of(&[2, 3]).with_outermost(1), of(&[1, 2, 3]));
-        let full = of(&[1, 2, 3, 4, 5, 6, 7, 8]);
+        let numbers: Vec<Number> = (1..=MOST_NESTED as Number).collect();
+        let full = of(&numbers);
         // The first medium is forgotten.
-        assert_eq!(full.entered(9), of(&[2, 3, 4, 5, 6, 7, 8, 9]));
-        assert_eq!(full.with_outermost(9), of(&[9, 2, 3, 4, 5, 6, 7, 8]));
-        assert_eq!(full.left(8), of(&[1, 2, 3, 4, 5, 6, 7]));
-        assert_eq!(full.left(1), of(&[2, 3, 4, 5, 6, 7, 8]));
+        assert_eq!(full.entered(99), of(&[&numbers[1..], &[99]].concat()));
+        assert_eq!(full.with_outermost(99), of(&[&[99], &numbers[1..]].concat()));
+        assert_eq!(full.left(MOST_NESTED as Number), of(&numbers[..MOST_NESTED - 1]));
+        assert_eq!(full.left(1), of(&numbers[1..]));
     }
 
     #[test]

@@ -18,16 +18,13 @@ use std::f32::consts::{PI, TAU};
 use crate::desc::{Distribution, Masking, MicrofacetsDesc};
 use crate::math::Vec3;
 
-/// Below this alpha a surface counts as smooth: directions in single precision cannot tell the difference.
-pub(super) const SMOOTHEST: f32 = 1e-4;
-
 /// The statistics of a rough surface's facets. Directions are in the local frame of the Bsdf, on the outer side (z > 0), and
 /// `m` is the normal of a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Microfacets {
     distribution: Distribution,
     masking: Masking,
-    /// Width along the facets' own x and y axis, >= [`SMOOTHEST`].
+    /// Width along the facets' own x and y axis, >= [`MicrofacetsDesc::SMOOTHEST`].
     alpha: [f32; 2],
     /// Cosine and sine of the angle by which the facets' x axis is turned from the local one, counter-clockwise.
     turn: [f32; 2],
@@ -36,13 +33,18 @@ pub struct Microfacets {
 impl Microfacets {
     /// The facets of a checked description; `None` where it is so smooth that it has none.
     pub fn new(desc: &MicrofacetsDesc) -> Option<Self> {
-        let alpha = desc.alphas();
-        if alpha[0] < SMOOTHEST && alpha[1] < SMOOTHEST {
+        if desc.are_smooth() {
             return None;
         }
+        let alpha = desc.alphas();
         let (sin, cos) = if alpha[0] == alpha[1] { (0.0, 1.0) } else { desc.rotation.sin_cos() };
         let (distribution, masking) = (desc.distribution, desc.masking);
-        Some(Self { distribution, masking, alpha: alpha.map(|alpha| alpha.max(SMOOTHEST)), turn: [cos, sin] })
+        Some(Self {
+            distribution,
+            masking,
+            alpha: alpha.map(|alpha| alpha.max(MicrofacetsDesc::SMOOTHEST)),
+            turn: [cos, sin],
+        })
     }
 
     /// The larger and the smaller width.
@@ -188,7 +190,8 @@ impl Microfacets {
     }
 
     /// Draws the normal of a facet for a reflection of `wo`. Reflections below the horizon are rarer than with
-    /// [`Self::visible_normal`]. Reflected directions have the density [`Self::reflection_pdf`].
+    /// [`Self::visible_normal`]. Reflected directions have the density that
+    /// [`Self::reflection`] returns.
     ///
     /// Source: Eto and Tokuyoshi 2023, "Bounded VNDF Sampling for Smith-GGX Reflections".
     #[inline]

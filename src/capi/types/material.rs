@@ -49,7 +49,7 @@ pub struct etd_principled {
     pub specular_roughness_anisotropy: f32,
     /// Angle of that direction, degrees in [-360, 360].
     pub specular_rotation_deg: f32,
-    /// Index of refraction of the dielectric, > 0.
+    /// Index of refraction of the dielectric, above 0 and up to 100.
     pub specular_ior: f32,
     /// Share of the dielectric that light passes, instead of being scattered diffusely.
     pub transmission_weight: f32,
@@ -63,7 +63,7 @@ pub struct etd_principled {
     pub coat_roughness: f32,
     /// Anisotropy of the coat, in [0, 0.99].
     pub coat_roughness_anisotropy: f32,
-    /// Index of refraction of the coat, > 0.
+    /// Index of refraction of the coat, in [1, 100].
     pub coat_ior: f32,
     /// How much light that bounces under the coat darkens the base: 1 is the physical darkening.
     pub coat_darkening: f32,

@@ -39,7 +39,7 @@ impl Kind for Mix {
     fn bsdf(&self, path: &str, builder: &Builder<'_>) -> Result<BsdfDesc> {
         let at = |key: &str| join(path, key);
         let [first, second] = &self.materials;
-        let materials = [builder.material(&at("materials[0]"), first)?, builder.material(&at("materials[1]"), second)?];
+        let materials = [builder.part(&at("materials[0]"), first)?, builder.part(&at("materials[1]"), second)?];
         let weight = validate::within(&at("weight"), self.weight.unwrap_or(0.5), 0.0, 1.0)?;
         Ok(BsdfDesc::Mix { materials, weight })
     }
@@ -47,8 +47,8 @@ impl Kind for Mix {
 
 impl Kind for TwoSided {
     fn bsdf(&self, path: &str, builder: &Builder<'_>) -> Result<BsdfDesc> {
-        let front = builder.material(&join(path, "front"), &self.front)?;
-        let back = builder.material(&join(path, "back"), &self.back)?;
+        let front = builder.part(&join(path, "front"), &self.front)?;
+        let back = builder.part(&join(path, "back"), &self.back)?;
         Ok(BsdfDesc::TwoSided { front, back })
     }
 }

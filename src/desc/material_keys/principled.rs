@@ -1,8 +1,8 @@
 //! Keys of the principled material.
 
 use super::super::builder::Builder;
-use super::super::json::join;
-use super::super::{BsdfDesc, PrincipledDesc, validate};
+use super::super::json::{Whole, join};
+use super::super::{BsdfDesc, MediumDesc, PrincipledDesc, validate};
 use super::{Kind, material};
 use crate::Result;
 use crate::spectrum::Rgb;
@@ -44,7 +44,7 @@ material!(
     coat_roughness: Option<f64>,
     /// In [0, 0.99]. Default 0.
     coat_roughness_anisotropy: Option<f64>,
-    /// Index of refraction of the coat, > 0. Default 1.6.
+    /// Index of refraction of the coat, in [1, 100]. Default 1.6.
     coat_ior: Option<f64>,
     /// How much light that bounces under the coat darkens the base. Default 1.
     coat_darkening: Option<f64>,
@@ -56,6 +56,8 @@ material!(
     fuzz_roughness: Option<f64>,
     /// Whether the surface is a thin sheet, which refracts nothing. Default false. OpenPBR calls it `geometry_thin_walled`.
     thin_walled: Option<bool>,
+    /// Which medium fills the overlap of bodies that transmit: the one with the larger priority. Default 0.
+    priority: Option<Whole>,
     /// Whether light that facets scatter more than once is made up for. Default true.
     #[serde(rename = "multipleScattering")]
     multiple_scattering: Option<bool>,
@@ -104,5 +106,11 @@ impl Kind for Principled {
             multiple_scattering: self.multiple_scattering.unwrap_or(default.multiple_scattering),
         };
         Ok(BsdfDesc::Principled(desc))
+    }
+
+    fn medium(&self, path: &str) -> Result<Option<MediumDesc>> {
+        let Some(priority) = self.priority else { return Ok(None) };
+        let priority = validate::whole(&join(path, "priority"), priority, 0, u32::MAX.into())?;
+        Ok((priority > 0).then(|| MediumDesc { priority, ..MediumDesc::default() }))
     }
 }
