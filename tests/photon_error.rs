@@ -125,6 +125,75 @@ fn auto_looks_for_lamps_that_paths_do_not_find() {
     assert_eq!(bulb.integrator, IntegratorDesc::Sppm, "{}", bulb.why);
 }
 
+/// What is glass or a mirror beside something diffuse makes caustics as well: in a closed room with a small lamp, photons are
+/// chosen for it as for glass alone, and the irradiance cache shows its caustics by a map.
+#[test]
+fn auto_sees_caustics_of_what_is_also_diffuse() {
+    use etendue::desc::{BsdfDesc, MicrofacetsDesc, PrincipledDesc, SceneDesc, ShapeDesc, SurfaceLook};
+    use etendue::integrator::photon::choose;
+    use etendue::math::DVec3;
+
+    let albedo = Rgb::splat(0.5);
+    let smooth = MicrofacetsDesc { roughness: 0.0, ..MicrofacetsDesc::default() };
+    let glass = |transmission_weight, thin_walled| {
+        let specular_roughness = 0.0;
+        let desc = PrincipledDesc { transmission_weight, thin_walled, specular_roughness, ..PrincipledDesc::default() };
+        BsdfDesc::Principled(desc)
+    };
+    let plastic = || BsdfDesc::CoatedDiffuse { albedo, ior: 1.5, exterior_ior: 1.0, microfacets: smooth };
+    let grey = || BsdfDesc::Lambert { albedo };
+    let mix = |weight| BsdfDesc::Mix { materials: [0, 1], weight };
+    let dielectric = BsdfDesc::Dielectric { ior: 1.5, exterior_ior: 1.0 };
+    let room = |ball: BsdfDesc, walls: BsdfDesc, lamp: f64| {
+        let mut scene = SceneDesc::default();
+        let mut add = |name, bsdf| scene.add_material(name, bsdf, None).unwrap();
+        // The mix is of the first two.
+        add("glass", dielectric);
+        add("plastic", plastic());
+        let [mixed, walls, black] =
+            [("ball", ball), ("walls", walls), ("lamp", BsdfDesc::Black)].map(|(name, it)| add(name, it));
+        let ball = |x: f64, radius: f64| ShapeDesc::sphere(DVec3::new(x, 0.0, 0.0), radius).unwrap();
+        for ((shape, local), material, emission) in [
+            (ball(0.0, 2.0), walls, None),
+            (ball(-0.5, 0.3), mixed, None),
+            (ball(0.9, lamp), black, Some(Rgb::splat(1.0 / (lamp * lamp) as f32))),
+        ] {
+            let look = SurfaceLook { material: Some(material), emission, ..SurfaceLook::default() };
+            scene.add_surface(shape, local, look).unwrap();
+        }
+        Scene::build(&scene, &BuildOptions::default()).unwrap()
+    };
+    for (name, ball, walls, lamp, expected) in [
+        ("glass", glass(1.0, false), grey(), 0.01, IntegratorDesc::Sppm),
+        ("almost glass", glass(0.99, false), grey(), 0.01, IntegratorDesc::Sppm),
+        ("half glass", glass(0.5, false), grey(), 0.01, IntegratorDesc::Sppm),
+        ("almost a sheet of glass", glass(0.99, true), grey(), 0.01, IntegratorDesc::Sppm),
+        ("plastic", plastic(), grey(), 0.01, IntegratorDesc::Sppm),
+        ("glass and plastic", mix(0.5), grey(), 0.01, IntegratorDesc::Sppm),
+        ("almost glass, plastic walls", glass(0.99, false), plastic(), 0.01, IntegratorDesc::Sppm),
+        ("almost glass, large lamp", glass(0.99, false), grey(), 0.5, IntegratorDesc::Path),
+    ] {
+        let scene = room(ball, walls, lamp);
+        let choice = choose(&scene);
+        println!("{name}: {:?}: {}", choice.integrator, choice.why);
+        assert_eq!(choice.integrator, expected, "{name}: {}", choice.why);
+        assert!(!choice.why.contains("none of"), "{name}: {}", choice.why);
+        if !name.starts_with("almost glass") {
+            continue;
+        }
+        let desc = RenderDesc {
+            resolution: [4; 2],
+            samples: 1,
+            integrator: IntegratorDesc::IrradianceCache,
+            ..RenderDesc::default()
+        };
+        let mut render = Render::new(&scene, RenderSettings { desc, ..RenderSettings::default() }).unwrap();
+        let notes = render.run(&mut |_| ControlFlow::Continue(())).unwrap().notes;
+        let has_map = notes.iter().any(|note| note.contains("caustic photon map"));
+        assert_eq!(has_map, expected == IntegratorDesc::Sppm, "{name}: {notes:?}");
+    }
+}
+
 /// Threads, passes and stops in the middle of them change nothing.
 #[test]
 fn a_render_in_many_goes_is_the_same() {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use common::scenes::{add, box_inside, camera, point_light};
 use etendue::desc::{
-    BsdfDesc, IntegratorDesc, MeshDesc, RadiosityDesc, RadiositySolver, RenderDesc, SceneDesc, ShapeDesc,
+    BsdfDesc, IntegratorDesc, MaterialDesc, MeshDesc, RadiosityDesc, RadiositySolver, RenderDesc, SceneDesc, ShapeDesc,
 };
 use etendue::integrator::radiosity::Radiosity;
 use etendue::integrator::radiosity::form_factor::{point_to_polygon, polygon_to_polygon};
@@ -272,6 +272,77 @@ fn integrating_sphere() {
     }
     // 2 * 36 * 72 triangles are 5000, less those at the poles.
     assert!(errors[1] < 0.01 && errors[1] < 0.6 * errors[0], "{errors:?}");
+}
+
+/// A closed box with a point light inside, on one side of walls that reflect differently on the other: its mean irradiance is
+/// Phi / (A (1 - rho)) with the albedo of the inside alone, and pictures of it are as bright as paths make them.
+#[test]
+fn walls_of_two_albedos() {
+    let coarse = RadiosityDesc { error: 2.0, ..RadiosityDesc::default() };
+    let rough = BsdfDesc::OrenNayar { albedo: Rgb::splat(0.8), roughness: 0.7 };
+    let alone = furnace(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)), 0.5, None);
+    let mean_irradiance = |desc: &SceneDesc, front: bool| {
+        let mesh = solve(desc, &coarse).mesh(Some(0), front);
+        let (mut sum, mut area) = (0.0, 0.0);
+        for corners in &mesh.triangles {
+            let [a, b, c] = corners.map(|i| mesh.positions[i as usize]);
+            let own = 0.5 * (b - a).cross(c - a).length();
+            let mean = corners.iter().map(|&i| f64::from(mesh.irradiance[i as usize].r())).sum::<f64>() / 3.0;
+            (sum, area) = (sum + own * mean, area + own);
+        }
+        sum / area
+    };
+    let room = |walls: Option<[BsdfDesc; 2]>, is_front: bool| {
+        let mut desc = alone.clone();
+        desc.camera = camera(DVec3::new(0.9, 0.8, 0.9), DVec3::new(-0.3, -0.2, -0.4), 80.0);
+        desc.lights.push(point_light(DVec3::new(0.3, 0.2, 0.4), 2.0));
+        if !is_front {
+            let mut mesh = (*desc.meshes[0]).clone();
+            mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+            desc.meshes = vec![Arc::new(mesh)];
+        }
+        if let Some([front, back]) = walls {
+            for (number, bsdf) in [(1, front), (2, back)] {
+                let name = format!("wall {number}");
+                desc.materials.insert(number - 1, MaterialDesc { name, bsdf, ..MaterialDesc::default() });
+            }
+            desc.materials[2].bsdf = BsdfDesc::TwoSided { front: 0, back: 1 };
+            desc.surfaces[0].material = 2;
+        }
+        desc
+    };
+    for is_front in [true, false] {
+        for (name, inside, outside, albedo) in [
+            ("bright inside", lambert(0.8), lambert(0.1), Some(0.8)),
+            ("dark inside", lambert(0.1), lambert(0.8), Some(0.1)),
+            ("black outside", lambert(0.8), BsdfDesc::Black, Some(0.8)),
+            ("rough inside", rough, lambert(0.1), None),
+        ] {
+            let desc = room(Some(if is_front { [inside, outside] } else { [outside, inside] }), is_front);
+            let mean = mean_irradiance(&desc, is_front);
+            let expected = match albedo {
+                Some(albedo) => 4.0 * PI * 2.0 / (24.0 * (1.0 - albedo)),
+                None => {
+                    let mut whole = room(None, is_front);
+                    whole.materials[0].bsdf = inside;
+                    mean_irradiance(&whole, is_front)
+                }
+            };
+            let scene = build(&desc);
+            let base = RenderDesc { resolution: [24, 24], samples: 256, ..RenderDesc::default() };
+            let brightness = |integrator| {
+                let desc = RenderDesc { integrator, radiosity: coarse.clone(), ..base.clone() };
+                let rgb = picture(&scene, desc, 2);
+                rgb.iter().map(|v| f64::from(*v)).sum::<f64>() / rgb.len() as f64
+            };
+            let [seen, paths] = [IntegratorDesc::Radiosity, IntegratorDesc::Path].map(brightness);
+            println!("{name}, front {is_front}: {mean:.4} of {expected:.4}, picture {seen:.4}, by paths {paths:.4}");
+            assert!((mean / expected - 1.0).abs() < 5e-3, "{name}, front {is_front}: {mean} and not {expected}");
+            // A rough wall sends more light back towards the lamp, which a mean albedo does not know.
+            let allowed = if albedo.is_some() { 0.01 } else { 0.05 };
+            assert!((seen / paths - 1.0).abs() < allowed, "{name}, front {is_front}: {seen}, by paths {paths}");
+        }
+    }
 }
 
 /// Case 58: two plates as good as without end, one of which emits 1 W m^-2: 1 / (1 - rho1 rho2) and rho2 times that.

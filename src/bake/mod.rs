@@ -125,11 +125,12 @@ impl Bake {
     }
 }
 
-/// Reflectance of a facet's outer side, where it is diffuse, and the radiosity that it emits [W m^-2].
-fn reflection(scene: &Scene, facet: &Facet) -> (Rgb, Rgb) {
+/// Reflectance of a facet's outer and of its inner side, where they are diffuse, and the radiosity that it emits on the outer
+/// side [W m^-2].
+fn reflection(scene: &Scene, facet: &Facet) -> ([Rgb; 2], Rgb) {
     let at = scene.facet_point(facet, 1.0 / 3.0, 1.0 / 3.0);
     let hit = facet.hit(1.0 / 3.0, 1.0 / 3.0);
-    let reflectance = scene.material(at.material).diffuse_albedo(|| scene.detail(&hit, &at));
+    let reflectances = scene.material(at.material).diffuse_albedos(|| scene.detail(&hit, &at));
     let emitted = at.emitter.map_or(Rgb::ZERO, |emitter| scene.emitters().le(emitter, at.ng, at.ng));
-    (reflectance, std::f32::consts::PI * emitted)
+    (reflectances, std::f32::consts::PI * emitted)
 }

@@ -58,8 +58,8 @@ pub struct Vertices {
     numbers: Vec<u32>,
     /// Area of each site.
     areas: Vec<f64>,
-    /// Reflectance and emitted radiosity of each surface that has vertices.
-    reflections: HashMap<u32, (Rgb, Rgb)>,
+    /// Reflectance on the outer and on the inner side, and emitted radiosity, of each surface that has vertices.
+    reflections: HashMap<u32, ([Rgb; 2], Rgb)>,
     _charge: Option<Arc<Charge>>,
 }
 
@@ -206,7 +206,8 @@ impl Vertices {
     /// reflect nothing here.
     pub fn radiosity(&self, irradiance: &[[f32; 3]], front: bool) -> Vec<[f32; 3]> {
         let of = |(vertex, irradiance): (&LitVertex, &[f32; 3])| {
-            let (reflectance, emitted) = self.reflections.get(&vertex.surface).copied().unwrap_or_default();
+            let (reflectances, emitted) = self.reflections.get(&vertex.surface).copied().unwrap_or_default();
+            let reflectance = reflectances[usize::from(!front)];
             let emitted = if front { emitted } else { Rgb::ZERO };
             (reflectance * Rgb::from(*irradiance) + emitted).to_array()
         };

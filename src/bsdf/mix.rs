@@ -53,6 +53,11 @@ impl<C: Spectrum> Mix<C> {
         Some(Self::of_weights(parts, self.weights))
     }
 
+    /// As [`Bsdf::on_side`].
+    pub(super) fn on_side(&self, front: bool) -> Self {
+        Self::of_weights(self.parts.each_ref().map(|part| part.on_side(front)), self.weights)
+    }
+
     /// With all facets turned.
     pub(super) fn turned(&self, turn: [f32; 2]) -> Self {
         Self { parts: Arc::new(self.parts.each_ref().map(|part| part.turned(turn))), ..self.clone() }
@@ -201,6 +206,11 @@ impl<C: Spectrum> TwoSided<C> {
     /// With all facets turned.
     pub(super) fn turned(&self, turn: [f32; 2]) -> Self {
         Self { faces: Arc::new(self.faces.each_ref().map(|face| face.turned(turn))), ..self.clone() }
+    }
+
+    /// The model of the outer side (`front`) or of the inner one.
+    pub(super) fn face(&self, front: bool) -> &Bsdf<C> {
+        &self.faces[usize::from(!front)]
     }
 
     #[inline]

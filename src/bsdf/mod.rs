@@ -365,6 +365,16 @@ impl<C: Spectrum> Bsdf<C> {
         if self.is_black() { Lobes::empty() } else { self.lobes() }
     }
 
+    /// The model that scatters on the outer side of a surface (`front`) or on the inner one. It answers for directions on this
+    /// side as the whole does; a two-sided material gives way to that of its two models which is on this side.
+    pub fn on_side(&self, front: bool) -> Self {
+        match self {
+            Self::TwoSided(two_sided) => two_sided.face(front).on_side(front),
+            Self::Mix(mix) => Self::Mix(mix.on_side(front)),
+            same => same.clone(),
+        }
+    }
+
     /// The same model, turned about the normal counter-clockwise by the angle with this cosine and sine.
     pub fn turned(&self, turn: [f32; 2]) -> Self {
         match self {

@@ -57,8 +57,8 @@ pub struct SceneInfo {
     pub switched_off: Vec<&'static str>,
     /// How radiosity treats surfaces that are not Lambertian, with one line for each kind.
     pub not_diffuse: Vec<String>,
-    /// Surfaces for which radiosity computes no irradiance, if there are any: they reflect nothing diffusely and do not
-    /// emit.
+    /// Surfaces for which radiosity computes no irradiance, on one side or on both, if there are any: they reflect nothing
+    /// diffusely there and do not emit.
     pub not_in_radiosity: Option<String>,
 }
 
@@ -229,12 +229,10 @@ pub(super) fn warnings(
 /// The greatest number of surfaces that one warning names.
 const NAMED: usize = 5;
 
-/// Returns the number of surfaces of a description, whose materials have these Bsdfs, that satisfy `is_such`, and the names of the first ones; `None`
-/// where there are none.
-fn named(desc: &SceneDesc, bsdfs: &[Bsdf], is_such: impl Fn(&SurfaceDesc, &Bsdf) -> bool) -> Option<(usize, String)> {
-    let such = |surface: &&SurfaceDesc| {
-        !surface.hidden && bsdfs.get(surface.material).is_some_and(|bsdf| is_such(surface, bsdf))
-    };
+/// Returns the number of surfaces of a description that satisfy `is_such`, and the names of the first ones; `None` where there
+/// are none.
+fn named(desc: &SceneDesc, is_such: impl Fn(&SurfaceDesc) -> bool) -> Option<(usize, String)> {
+    let such = |surface: &&SurfaceDesc| !surface.hidden && is_such(surface);
     let count = desc.surfaces.iter().filter(such).count();
     let named = desc.surfaces.iter().filter(such).take(NAMED).map(|surface| {
         let material = &desc.materials[surface.material].name;
@@ -260,7 +258,7 @@ impl TakenAs {
         match (bsdf.lobes().have_diffuse(), bsdf.lobes().have_specular()) {
             (false, true) => Some(Self::Black),
             (true, true) => Some(Self::WithoutSpecular),
-            (true, false) if bsdf.constant_f().is_none() => Some(Self::MeanAlbedo),
+            (true, false) if sides(bsdf).iter().any(is_rough) => Some(Self::MeanAlbedo),
             _ => None,
         }
     }
@@ -274,15 +272,26 @@ impl TakenAs {
     }
 }
 
-/// Whether a surface reflects nothing diffusely.
+/// The models of the outer and of the inner side of a surface.
+fn sides(bsdf: &Bsdf) -> [Bsdf; 2] {
+    [true, false].map(|front| bsdf.on_side(front))
+}
+
+/// Whether the diffuse lobes on one side are not Lambert's.
+fn is_rough(side: &Bsdf) -> bool {
+    side.lit_lobes().have_diffuse() && side.constant_f().is_none()
+}
+
+/// Whether a surface, or one side of it, reflects nothing diffusely.
 fn is_not_diffuse(bsdf: &Bsdf) -> bool {
     !bsdf.lobes().have_diffuse() || bsdf.diffuse_albedo() == Rgb::ZERO
 }
 
 /// Lists how radiosity treats surfaces that are not Lambertian.
 fn not_diffuse(desc: &SceneDesc, bsdfs: &[Bsdf]) -> Vec<String> {
+    let of_material: Vec<Option<TakenAs>> = bsdfs.iter().map(TakenAs::of).collect();
     let line = |taken: TakenAs| {
-        let (count, names) = named(desc, bsdfs, |_, bsdf| TakenAs::of(bsdf) == Some(taken))?;
+        let (count, names) = named(desc, |surface| of_material.get(surface.material) == Some(&Some(taken)))?;
         Some(format!("radiosity takes {count} surfaces as {}: {names}", taken.name()))
     };
     [TakenAs::Black, TakenAs::WithoutSpecular, TakenAs::MeanAlbedo].into_iter().filter_map(line).collect()
@@ -290,9 +299,19 @@ fn not_diffuse(desc: &SceneDesc, bsdfs: &[Bsdf]) -> Vec<String> {
 
 /// Names the surfaces for which radiosity has no elements.
 fn not_in_radiosity(desc: &SceneDesc, bsdfs: &[Bsdf]) -> Option<String> {
-    let is_absent = |surface: &SurfaceDesc, bsdf: &Bsdf| surface.emission.is_none() && is_not_diffuse(bsdf);
-    let (count, names) = named(desc, bsdfs, is_absent)?;
-    Some(format!("radiosity finds no irradiance for {count} surfaces, which reflect nothing diffusely: {names}"))
+    let of_material: Vec<[bool; 2]> = bsdfs.iter().map(|bsdf| sides(bsdf).each_ref().map(is_not_diffuse)).collect();
+    let line = |absent: [bool; 2], what: &str| {
+        let is_absent =
+            |surface: &SurfaceDesc| surface.emission.is_none() && of_material.get(surface.material) == Some(&absent);
+        let (count, names) = named(desc, is_absent)?;
+        Some(format!("{what} {count} surfaces, which reflect nothing diffusely: {names}"))
+    };
+    let lines = [
+        line([true; 2], "radiosity finds no irradiance for"),
+        line([true, false], "radiosity finds no irradiance on the outer sides of"),
+        line([false, true], "radiosity finds no irradiance on the inner sides of"),
+    ];
+    lines.into_iter().flatten().reduce(|all, line| format!("{all}; {line}"))
 }
 
 impl fmt::Display for SceneInfo {
@@ -413,5 +432,37 @@ mod tests {
         for (bsdf, taken, is_absent) in cases {
             assert_eq!((TakenAs::of(&bsdf), is_not_diffuse(&bsdf)), (taken, is_absent), "{bsdf:?}");
         }
+    }
+
+    #[test]
+    fn radiosity_tells_how_it_takes_sides() {
+        let told = |bsdfs: [BsdfDesc; 2]| {
+            let mut desc = SceneDesc::default();
+            for bsdf in bsdfs {
+                desc.add_material("", bsdf, None).unwrap();
+            }
+            let lined = desc.add_material("lined", BsdfDesc::TwoSided { front: 0, back: 1 }, None).unwrap();
+            let look = SurfaceLook { material: Some(lined), ..SurfaceLook::default() };
+            let (shape, local) = ShapeDesc::sphere(DVec3::ZERO, 1.0).unwrap();
+            desc.add_surface(shape, local, look).unwrap();
+            let info = Scene::build(&desc, &BuildOptions::default()).unwrap().info().clone();
+            (info.not_diffuse.concat(), info.not_in_radiosity.unwrap_or_default())
+        };
+        let albedo = Rgb::splat(0.5);
+        let (grey, dark) = (BsdfDesc::Lambert { albedo }, BsdfDesc::Lambert { albedo: Rgb::splat(0.1) });
+        let rough = BsdfDesc::OrenNayar { albedo, roughness: 0.5 };
+        assert_eq!(told([grey, dark]), Default::default());
+        for faces in [[grey, rough], [rough, dark]] {
+            let (taken, absent) = told(faces);
+            assert!(taken.contains("1 surfaces as Lambert's of the same mean albedo, being rough"), "{taken}");
+            assert!(absent.is_empty(), "{absent}");
+        }
+        let mirror = BsdfDesc::Mirror { reflectance: albedo };
+        for (faces, side) in [([mirror, grey], "outer"), ([grey, BsdfDesc::Black], "inner")] {
+            let (_, absent) = told(faces);
+            assert!(absent.contains(&format!("no irradiance on the {side} sides of 1 surfaces")), "{absent}");
+        }
+        let (_, absent) = told([mirror, mirror]);
+        assert!(absent.contains("no irradiance for 1 surfaces"), "{absent}");
     }
 }

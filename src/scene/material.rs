@@ -158,10 +158,12 @@ impl Material {
         narrow.is_some_and(|narrow| narrow.lobes().intersects(Lobes::GLOSSY))
     }
 
-    /// The share of the irradiance that the diffuse lobes reflect at a hit, as a colour. Other lobes give 0.
-    pub fn diffuse_albedo(&self, detail: impl FnOnce() -> SurfaceDetail) -> Rgb {
+    /// The share of the irradiance that the diffuse lobes reflect at a hit, as a colour, on the outer and on the inner side.
+    /// Other lobes give 0.
+    pub fn diffuse_albedos(&self, detail: impl FnOnce() -> SurfaceDetail) -> [Rgb; 2] {
         let mut slot = None;
-        self.at::<Rgb>(detail, &(), &mut slot).0.diffuse_albedo()
+        let (bsdf, _) = self.at::<Rgb>(detail, &(), &mut slot);
+        [true, false].map(|front| bsdf.on_side(front).diffuse_albedo())
     }
 
     /// Whether rays meet all surfaces of this material.

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use etendue::bake::{Bake, Baked, by_radiosity};
-use etendue::desc::{BsdfDesc, SceneDesc, ShapeDesc};
+use etendue::bake::{Bake, Baked, VertexOptions, Vertices, by_radiosity};
+use etendue::desc::{BsdfDesc, MaterialDesc, SceneDesc, ShapeDesc};
 use etendue::integrator::Sites;
 use etendue::math::{DVec3, Vec3};
 use etendue::render::Ended;
@@ -155,6 +155,42 @@ fn furnace_by_radiosity() {
     let none =
         by_radiosity(&scene, &Arc::default(), &settings(1, None), None, true, &mut |_| ControlFlow::Continue(()));
     assert_eq!(none.unwrap_err().kind(), etendue::ErrorKind::InvalidScene);
+}
+
+/// A closed box with a point light inside whose walls are darker outside: the irradiance of either side by radiosity, and what
+/// its vertices reflect.
+#[test]
+fn two_sided_walls_by_radiosity() {
+    for (front, albedos) in [(true, [0.8, 0.1]), (false, [0.1, 0.8])] {
+        let mut room = scenes::box_inside(DVec3::splat(-1.0), DVec3::splat(1.0));
+        if !front {
+            room.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        let mut desc = one_mesh(room, None);
+        desc.lights = vec![scenes::point_light(DVec3::new(0.3, 0.2, 0.4), 2.0)];
+        for (number, albedo) in albedos.into_iter().enumerate() {
+            let bsdf = BsdfDesc::Lambert { albedo: Rgb::splat(albedo) };
+            desc.materials.insert(number, MaterialDesc { bsdf, ..desc.materials[0].clone() });
+        }
+        desc.materials[2].bsdf = BsdfDesc::TwoSided { front: 0, back: 1 };
+        desc.surfaces[0].material = 2;
+        let scene = build(&desc);
+        let options = VertexOptions { spacing: Some(0.25), ..VertexOptions::default() };
+        let vertices = Vertices::new(&scene, &options, &Cancel::new()).unwrap();
+        let go = &mut |_| ControlFlow::Continue(());
+        let (baked, _) = by_radiosity(&scene, vertices.sites(), &settings(1, None), None, front, go).unwrap();
+        let received: f64 =
+            vertices.areas().iter().zip(&baked.irradiance).map(|(area, e)| area * f64::from(e[0])).sum();
+        // All that is absorbed is all that is sent.
+        let (sent, absorbed) = (4.0 * PI * 2.0, 0.2 * received);
+        println!("front {front}: {absorbed} of {sent}");
+        assert!((absorbed / sent - 1.0).abs() < 0.01, "front {front}: {absorbed} W of {sent} W");
+        let irradiance = vertices.spread(&baked.irradiance);
+        for (side, albedo) in [true, false].into_iter().zip(albedos) {
+            let reflected = vertices.radiosity(&irradiance, side);
+            assert!(reflected.iter().zip(&irradiance).all(|(b, e)| *b == e.map(|e| albedo * e)), "front {side}");
+        }
+    }
 }
 
 /// Rooms with shadows, by both methods at their defaults: channel means, and the root of the mean square of what texels differ

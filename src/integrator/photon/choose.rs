@@ -5,9 +5,8 @@ use std::f64::consts::PI;
 use super::super::media::{arrive, left_after};
 use super::super::vertex::Vertex;
 use super::super::{SceneTracer, check_support};
-use super::division::NARROW;
+use super::division::{Division, NARROW, shares};
 use super::emit::{Aim, Emission};
-use crate::bsdf::Model as _;
 use crate::desc::{IntegratorDesc, PhotonSharing};
 use crate::emitter::Emitter;
 use crate::error::Result;
@@ -93,7 +92,7 @@ pub fn choose(scene: &Scene) -> Choice {
 const WORTH_AIMED: f64 = 0.1;
 
 /// Whether lamps are so large that paths aimed at mirrors and glass find them there. Paths cannot hit point lights by
-/// chance.
+/// chance. Where no light path finds a caustic, there is none to be mapped.
 pub(super) fn aimed_paths_find_caustics(scene: &Scene) -> Result<bool> {
     if scene.emitters().point_lights() > 0 {
         return Ok(false);
@@ -104,7 +103,8 @@ pub(super) fn aimed_paths_find_caustics(scene: &Scene) -> Result<bool> {
 
 /// Statistics of the light paths.
 struct Seen {
-    /// Power that came to diffuse surfaces by mirrors and glass only, in any unit.
+    /// Power that came to diffuse parts of surfaces by mirrors and glass only, in any unit. Where a surface is both, its mirror
+    /// or glass passes its share of the power on.
     caustic: f64,
     /// The part of this power that comes from lamps too small to be found by chance.
     hidden: f64,
@@ -121,6 +121,7 @@ const MOST_HITS: u32 = 16;
 fn look(scene: &Scene) -> Result<Seen> {
     let mut seen = Seen { caustic: 0.0, hidden: 0.0, share: 0.0, escaped: 0.0 };
     let areas = areas(scene.emitters().emitters());
+    let division = Division::<Rgb>::new(scene, NARROW, &());
     let mut tracer = SceneTracer::new(scene);
     let begin = |emission: &Emission, rng: &mut Rng| emission.begin(scene, rng.next_4d(), rng.next_4d(), 1.0);
     // The light paths are aimed at specular surfaces, so that small glass is not missed.
@@ -139,20 +140,25 @@ fn look(scene: &Scene) -> Result<Seen> {
                 way += f64::from(hit.t);
                 let mut slot = None;
                 let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), media, &mut slot);
-                let lobes = vertex.lobes;
-                if lobes.have_diffuse() || vertex.bsdf.narrowest() >= NARROW {
-                    if hits > 0 && lobes.have_diffuse() {
-                        let power = f64::from(luminance(power));
-                        // From the diffuse point, the lamp fills its area over the squared path length, of which a quarter
-                        // faces the point.
-                        let area = areas[emission.chosen(u, d)];
-                        let share = (0.25 * area / (4.0 * PI * way * way)).min(1.0);
-                        seen.caustic += power;
-                        seen.hidden += if share < LARGE { power } else { 0.0 };
-                        seen.share += power * share;
-                    }
-                    break;
+                let mut apart = None;
+                let divided = division.at(&vertex, &mut apart);
+                let mut slots = [None, None, None];
+                let parts = divided.parts(&vertex, &mut slots);
+                let scattered = shares(parts);
+                if hits > 0 && scattered[0] > 0.0 {
+                    // A caustic shows as far as the diffuse part makes up the surface.
+                    let shown = scattered[0] / scattered.iter().sum::<f32>();
+                    let power = f64::from(shown * luminance(power));
+                    // From the diffuse point, the lamp fills its area over the squared path length, of which a quarter
+                    // faces the point.
+                    let area = areas[emission.chosen(u, d)];
+                    let share = (0.25 * area / (4.0 * PI * way * way)).min(1.0);
+                    seen.caustic += power;
+                    seen.hidden += if share < LARGE { power } else { 0.0 };
+                    seen.share += power * share;
                 }
+                // The narrow part scatters its share of the power, as if it alone were the surface.
+                let Some(vertex) = parts[2] else { break };
                 let Some(bounce) = vertex.sample_bounce(rng.next_4d()) else { break };
                 power *= bounce.weight;
                 ray = bounce.ray;

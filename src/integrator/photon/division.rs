@@ -134,11 +134,17 @@ impl<'a, C: Spectrum> Divided<'a, C> {
     }
 }
 
+/// What each of the parts that are there scatters, as they are chosen by it.
+#[inline]
+pub(super) fn shares<C: Spectrum>(parts: [Option<&Vertex<'_, C>>; 3]) -> [f32; 3] {
+    parts.map(|part| part.map_or(0.0, |vertex| vertex.bsdf.share(vertex.wo).max(0.0)))
+}
+
 /// Chooses one of the parts that are there, in proportion to what they scatter, by `u` in [0, 1), and returns its number and its
 /// probability; `None` where nothing is scattered.
 #[inline]
 pub(super) fn choose_part<C: Spectrum>(parts: [Option<&Vertex<'_, C>>; 3], u: f32) -> Option<(usize, f32)> {
-    let shares = parts.map(|part| part.map_or(0.0, |vertex| vertex.bsdf.share(vertex.wo).max(0.0)));
+    let shares = shares(parts);
     let total: f32 = shares.iter().sum();
     if total.is_nan() || total <= 0.0 {
         return None;

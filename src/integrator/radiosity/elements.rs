@@ -129,12 +129,11 @@ impl Elements {
         let least = size.unwrap_or(extent / 64.0);
         let mut elements = Self { min_side2: least * least, limit, top: NONE, ..Self::default() };
         elements.check(2 * scene.face_count() * BYTES_PER_PATCH)?;
-        let albedos: Vec<DVec3> =
-            (0..scene.info().materials).map(|i| mean_albedo(scene.material(i as u32).mean())).collect();
+        let albedos: Vec<[DVec3; 2]> =
+            (0..scene.info().materials).map(|i| mean_albedos(scene.material(i as u32).mean())).collect();
         let mut welds = Welds::new();
         let mut roots = Vec::new();
         scene.each_face(|face| {
-            let albedo = albedos[face.material as usize];
             let emitted = std::f64::consts::PI * face.emission.to_f64();
             let (triangles, outer, error, shape, is_smooth) = match face.body {
                 Body::Triangle { corners, normal, error, is_smooth } => {
@@ -147,7 +146,8 @@ impl Elements {
                 }
             };
             let mut sides = [PatchRange::default(); 2];
-            for (is_front, side) in [true, false].into_iter().zip(&mut sides) {
+            let each_albedo = albedos[face.material as usize];
+            for ((is_front, albedo), side) in [true, false].into_iter().zip(each_albedo).zip(&mut sides) {
                 let emitted = if is_front { emitted } else { DVec3::ZERO };
                 if albedo == DVec3::ZERO && emitted == DVec3::ZERO {
                     continue;
@@ -554,9 +554,14 @@ fn curved_area(shape: &Analytic, triangle: &[DVec3; 3]) -> f64 {
     fine + (fine - coarse) / 3.0
 }
 
-/// The fraction of the irradiance that the diffuse lobes of a surface reflect where the incident radiance is uniform; 0
-/// for mirrors and glass.
-pub(super) fn mean_albedo(bsdf: &Bsdf) -> DVec3 {
+/// The fraction of the irradiance that the diffuse lobes of a surface reflect where the incident radiance is uniform, on
+/// its outer and on its inner side; 0 for mirrors and glass.
+pub(super) fn mean_albedos(bsdf: &Bsdf) -> [DVec3; 2] {
+    [(true, 1.0), (false, -1.0)].map(|(is_front, z)| mean_albedo(&bsdf.on_side(is_front), z))
+}
+
+/// One of [`mean_albedos`], on the side where directions have a third component of this sign.
+fn mean_albedo(bsdf: &Bsdf, side: f64) -> DVec3 {
     if !bsdf.lit_lobes().have_diffuse() {
         return DVec3::ZERO;
     }
@@ -567,7 +572,7 @@ pub(super) fn mean_albedo(bsdf: &Bsdf) -> DVec3 {
     const STEPS: u32 = 4096;
     let at = |i: u32| {
         let cos2 = (f64::from(i) + 0.5) / f64::from(STEPS);
-        let wo = DVec3::new((1.0 - cos2).sqrt(), 0.0, cos2.sqrt()).as_vec3a();
+        let wo = DVec3::new((1.0 - cos2).sqrt(), 0.0, side * cos2.sqrt()).as_vec3a();
         bsdf.mean_f(wo).map_or(DVec3::ZERO, |f| f.to_f64() * std::f64::consts::PI)
     };
     (0..STEPS).map(at).sum::<DVec3>() / f64::from(STEPS)

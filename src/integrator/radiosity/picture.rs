@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 use super::Radiosity;
-use super::elements::mean_albedo;
+use super::elements::mean_albedos;
 use crate::integrator::vertex::Vertex;
 use crate::integrator::{Context, FirstHit, Tracer, Transport};
 use crate::math::Ray;
@@ -16,26 +16,27 @@ use crate::spectrum::Rgb;
 #[derive(Clone, Debug)]
 pub(crate) struct RadiosityPicture {
     solution: Arc<Radiosity>,
-    /// Mean albedo over pi of each material.
-    reflected: Arc<[Rgb]>,
+    /// Mean albedo over pi of each material, on its outer and on its inner side.
+    reflected: Arc<[[Rgb; 2]]>,
     final_gather: bool,
     shadow_rays: u32,
 }
 
 impl RadiosityPicture {
     pub fn new(scene: &Scene, solution: Arc<Radiosity>, final_gather: bool, shadow_rays: u32) -> Self {
-        let one = |i: usize| Rgb::from_f64(mean_albedo(scene.material(i as u32).mean())) * FRAC_1_PI;
-        let reflected = (0..scene.info().materials).map(one).collect();
+        let of =
+            |i: usize| mean_albedos(scene.material(i as u32).mean()).map(|albedo| Rgb::from_f64(albedo) * FRAC_1_PI);
+        let reflected = (0..scene.info().materials).map(of).collect();
         Self { solution, reflected, final_gather, shadow_rays }
     }
 
     /// Light that the surface reflects, according to the solution.
     fn reflected(&self, ray: &Ray, hit: &Hit, surface: &SurfaceInteraction) -> Rgb {
-        let albedo = self.reflected[surface.material as usize];
+        let front = ray.direction.dot(surface.ng) < 0.0;
+        let albedo = self.reflected[surface.material as usize][usize::from(!front)];
         if albedo == Rgb::ZERO {
             return Rgb::ZERO;
         }
-        let front = ray.direction.dot(surface.ng) < 0.0;
         albedo * self.solution.irradiance(hit, surface.point.p, front)
     }
 }
