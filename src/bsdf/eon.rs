@@ -98,4 +98,8 @@ impl<C: Spectrum> Model<C> for Eon<C> {
         let several = self.multiple * (self.missing(wo) * missing);
         Some((self.once.directional_albedo(wo) + several) * FRAC_1_PI)
     }
+
+    fn is_even(&self) -> bool {
+        false
+    }
 }

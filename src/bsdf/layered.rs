@@ -460,6 +460,11 @@ impl<C: Spectrum> Model<C> for Layered<C> {
         }
     }
 
+    fn is_even(&self) -> bool {
+        let is_sheen = matches!(&*self.layer, Layer::Sheen(_));
+        self.base.is_even() && (!is_sheen || !self.keeps_layer || self.coverage == 0.0)
+    }
+
     fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {
         let base = self
             .base

@@ -153,6 +153,10 @@ impl<C: Spectrum> Model<C> for Mix<C> {
         }
     }
 
+    fn is_even(&self) -> bool {
+        self.parts.iter().all(Model::is_even)
+    }
+
     fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {
         let of = |i: usize| {
             self.parts[i].specular_lobes(wo, mode).map(|lobe| {
@@ -268,6 +272,10 @@ impl<C: Spectrum> Model<C> for TwoSided<C> {
 
     fn mean_f(&self, wo: Vec3) -> Option<C> {
         self.seen(wo).mean_f(wo)
+    }
+
+    fn is_even(&self) -> bool {
+        self.faces.iter().all(Model::is_even)
     }
 
     fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {

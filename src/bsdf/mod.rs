@@ -218,6 +218,14 @@ macro_rules! models {
             }
 
             #[inline]
+            fn is_even(&self) -> bool {
+                match self {
+                    $(Self::$name(model) => Model::<C>::is_even(model),)*
+                    _ => self.far().is_even(),
+                }
+            }
+
+            #[inline]
             fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {
                 match self {
                     $(Self::$name(model) => Model::<C>::specular_lobes(model, wo, mode),)*

@@ -101,6 +101,12 @@ pub trait Model<C: Spectrum> {
         None
     }
 
+    /// Whether light from all directions counts alike for the diffuse lobes, but for what a coat over them lets through: then
+    /// [`Model::mean_f`] times the irradiance is what they reflect, wherever the light comes from.
+    fn is_even(&self) -> bool {
+        true
+    }
+
     /// All delta lobes at once.
     fn specular_lobes(&self, wo: Vec3, mode: TransportMode) -> SpecularLobes<C> {
         let _ = (wo, mode);

@@ -88,4 +88,8 @@ impl<C: Spectrum> Model<C> for OrenNayarQualitative<C> {
     fn mean_f(&self, wo: Vec3) -> Option<C> {
         Some(self.directional_albedo(wo) * FRAC_1_PI)
     }
+
+    fn is_even(&self) -> bool {
+        false
+    }
 }

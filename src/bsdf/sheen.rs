@@ -142,4 +142,8 @@ impl<C: Spectrum> Model<C> for Sheen<C> {
     fn mean_f(&self, wo: Vec3) -> Option<C> {
         Some(self.color * (self.white_albedo(wo) * FRAC_1_PI))
     }
+
+    fn is_even(&self) -> bool {
+        false
+    }
 }

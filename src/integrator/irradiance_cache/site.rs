@@ -6,6 +6,7 @@ use super::super::vertex::Vertex;
 use super::super::{SceneTracer, Tracer as _};
 use super::hemisphere::{Incident, Strata};
 use super::record::MAX_WALLS;
+use crate::bsdf::Model as _;
 use crate::camera::Camera;
 use crate::math::{Frame, Ray, Vec3};
 use crate::sampling::{Sampler as _, SobolSampler};
@@ -36,7 +37,7 @@ pub(super) struct Site {
     media: Option<PathMedia>,
 }
 
-/// Appends the first diffuse hits behind the film position (x, y). Where a surface reflects and refracts, both branches
+/// Appends the first diffuse hits that read the cache behind the film position (x, y). Where a surface reflects and refracts, both branches
 /// are followed.
 pub(super) fn first_diffuse_hits(
     scene: &Scene,
@@ -57,7 +58,7 @@ pub(super) fn first_diffuse_hits(
         // The fraction of the light that passes is that of power, so refraction is that of importance.
         let mut slot = None;
         let vertex = Vertex::<Rgb>::of_light_path(scene, &ray, &hit, (), media, &mut slot);
-        if vertex.lobes.have_diffuse() {
+        if vertex.lobes.have_diffuse() && vertex.bsdf.is_even() {
             let facing = vertex.facing();
             let (point, n) = (vertex.surface.point, vertex.facing_shading());
             let origin = point.offset(facing);

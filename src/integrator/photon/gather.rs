@@ -430,7 +430,8 @@ impl<C: Spectrum> Gather<C> {
         };
         let ending = ending.map(|layer| (layer, self.query(layer, is_first, true, feedback, vertex)));
         let ending = ending.filter(|(_, query)| self.coverage.is_covered(p, facing, query.radius));
-        let cached = self.cache.as_ref().and_then(|cache| {
+        // Records know no directions: where these matter, the path goes on.
+        let cached = self.cache.as_ref().filter(|_| vertex.bsdf.is_even()).and_then(|cache| {
             let f = vertex.bsdf.mean_f(vertex.wo)?;
             let irradiance = cache.irradiance(p, vertex.facing_shading())?;
             Some(f * C::from_emission(irradiance, &context.wavelengths))

@@ -62,6 +62,7 @@ fn room(case: &mut Case) {
         }
         case.p_value(format!("{name}: regions, beyond 0.005"), smallest, (METHODS.len() + 1) * SIDE * SIDE);
         case.at_most(format!("{name}: largest difference of a region"), largest, pick(case, 0.05, 0.01));
-        case.at_most(format!("{name}: largest error of a region"), error_of_region, pick(case, 0.015, 2.5e-3));
+        // A region that is 2 % off is then 1.5 % beyond the allowance, four of these errors.
+        case.at_most(format!("{name}: largest error of a region"), error_of_region, pick(case, 0.015, 3.75e-3));
     }
 }
