@@ -213,12 +213,12 @@ impl ImageTexture {
     }
 
     fn stochastic(&self, uv: [f32; 2], axes: &[[f32; 2]; 2]) -> Texel {
-        let [u1, u2] = hashed(uv, axes);
+        let [u1, u2, s, t] = hashed(uv, axes);
         let place = self.place(0, uv);
+        // Bilinear weights as probabilities.
+        let near = |[x, y]: [f32; 2]| self.texel(0, [(x + s).floor() as i64, (y + t).floor() as i64]);
         let Some([long, short]) = self.ellipse(axes) else {
-            // Bilinear weights as probabilities.
-            let at = [0, 1].map(|i: usize| (place[i] + [u1, u2][i]).floor() as i64);
-            return self.texel(0, at);
+            return near(place);
         };
         // The Gaussian of the filter, cut off at the edge of the ellipse like the other; with the widening by a texel.
         let r2 = -(1.0 - u1 * (1.0 - (-FALLOFF).exp())).ln() / FALLOFF;
@@ -229,8 +229,7 @@ impl ImageTexture {
             axis.map(|x| x * factor)
         };
         let (a, b) = (wider(long), wider(short));
-        let at = [0, 1].map(|i: usize| (place[i] + r * (cos * a[i] + sin * b[i]) + 0.5).floor() as i64);
-        self.texel(0, at)
+        near([0, 1].map(|i: usize| place[i] + r * (cos * a[i] + sin * b[i])))
     }
 }
 
@@ -242,16 +241,21 @@ fn gaussian(r2: f32) -> f32 {
     TABLE[((r2 * 256.0) as usize).min(255)]
 }
 
-/// Two numbers in [0, 1) that a lookup determines, so that the same path reads the same texel on any thread.
-fn hashed(uv: [f32; 2], axes: &[[f32; 2]; 2]) -> [f32; 2] {
+/// Four numbers in [0, 1) that a lookup determines, so that the same path reads the same texel on any thread.
+fn hashed(uv: [f32; 2], axes: &[[f32; 2]; 2]) -> [f32; 4] {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-    for word in uv.into_iter().chain(axes.iter().flatten().copied()) {
-        state = (state ^ u64::from(word.to_bits())).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let mut mix = |word: u32| {
+        state = (state ^ u64::from(word)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         state = (state ^ (state >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         state ^= state >> 31;
-    }
+        state
+    };
+    uv.into_iter().chain(axes.iter().flatten().copied()).for_each(|x| {
+        mix(x.to_bits());
+    });
     let part = |bits: u64| (bits & 0xff_ffff) as f32 / (1 << 24) as f32;
-    [part(state >> 40), part(state >> 8)]
+    let [a, b] = [mix(1), mix(2)];
+    [part(a >> 40), part(a >> 8), part(b >> 40), part(b >> 8)]
 }
 
 /// The mean of the texels and the range of each channel.

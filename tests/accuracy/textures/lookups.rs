@@ -125,7 +125,7 @@ fn ellipses(case: &mut Case) {
     let of = |filter| texture(&wave, ColorSpace::Raw, Wrap::Repeat, filter);
     let [bilinear, ewa, stochastic] = [TextureFilter::Bilinear, TextureFilter::Ewa, TextureFilter::Stochastic].map(of);
     let mut rng = Rng::new(4, 0);
-    let draws = case.count(4_000, 100_000);
+    let draws = case.count(20_000, 100_000);
     let mut p_values = Vec::new();
     let (mut largest, mut count) = (0.0_f64, 0);
     for (length, share) in [(0.05, 1.0), (0.1, 0.5), (0.2, 0.25), (0.3, 0.1)] {
