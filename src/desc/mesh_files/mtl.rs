@@ -7,11 +7,11 @@ use std::collections::{HashMap, HashSet};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use super::file::open;
-use super::json::elided;
-use super::obj::is_number;
-use super::warnings::warn;
-use super::{BsdfDesc, ConductorDesc, MaterialDesc, MicrofacetsDesc, PrincipledDesc};
+use super::{Place, is_number};
+use crate::desc::file::open;
+use crate::desc::json::elided;
+use crate::desc::warnings::warn;
+use crate::desc::{BsdfDesc, ConductorDesc, MaterialDesc, MicrofacetsDesc, PrincipledDesc};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
@@ -75,8 +75,8 @@ impl Source<'_> {
     /// Warns of a key for the first time that it occurs.
     fn warn(&mut self, line: usize, key: &str, message: &str) {
         if self.warned.len() < KEY_LIMIT && self.warned.insert(format!("{key} {message}")) {
-            let file = self.file.display();
-            warn(self.warnings, format!("{}: {file}:{line}: {key} {message}", self.json_path));
+            let place = Place { path: self.file, json_path: self.json_path };
+            place.warn(self.warnings, line, &format!("{key} {message}"));
         }
     }
 }
