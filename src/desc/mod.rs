@@ -41,8 +41,10 @@
 mod builder;
 mod camera;
 mod edit;
+mod environment;
 mod file;
 mod filter;
+mod framing;
 mod index;
 mod integrator;
 mod json;
@@ -67,6 +69,7 @@ mod render;
 mod render_block;
 mod render_keys;
 mod scene;
+mod scene_file;
 #[cfg(feature = "schema")]
 mod schema;
 mod shape;
@@ -77,6 +80,7 @@ mod warnings;
 
 pub use camera::{CameraDesc, FovAxis};
 pub use edit::SurfaceLook;
+pub use environment::EnvironmentDesc;
 pub use index::SceneIndex;
 pub use integrator::{
     Bias, IntegratorDesc, IntegratorInfo, LobeSupport, LobeUse, MapRenewal, PhotonMethod, Preparation, SampleOrder,

@@ -37,6 +37,7 @@ struct Scene<'a> {
 enum Light {
     Point(native::PointLight),
     Area(native::AreaLight),
+    Environment(native::Environment),
 }
 
 #[derive(JsonSchema)]

@@ -325,14 +325,15 @@ impl Entry {
     /// Describes the material, after the materials that it consists of. `first` is the number that the first of them will have.
     pub fn describe(&self, name: &str, path: &str, first: usize, warnings: &mut Vec<String>) -> Vec<MaterialDesc> {
         let emission = self.ke.filter(|ke| *ke != [0.0; 3]).map(rgb);
+        let at = if path.is_empty() { String::new() } else { format!("{path}: ") };
         let is_clear = self.refracts() || self.is_sheet();
         let mut opacity = if is_clear { 1.0 } else { self.opacity() as f32 };
         if emission.is_some() && opacity < 1.0 {
-            warn(warnings, format!("{path}: the material '{}' emits light (Ke); it is opaque", elided(name)));
+            warn(warnings, format!("{at}the material '{}' emits light (Ke); it is opaque", elided(name)));
             opacity = 1.0;
         }
         if opacity == 0.0 {
-            warn(warnings, format!("{path}: the material '{}' is invisible, its opacity is 0", elided(name)));
+            warn(warnings, format!("{at}the material '{}' is invisible, its opacity is 0", elided(name)));
         }
         let part = |bsdf| MaterialDesc { path: path.to_owned(), bsdf, ..MaterialDesc::default() };
         let whole = |bsdf| MaterialDesc { name: name.to_owned(), opacity, emission, ..part(bsdf) };

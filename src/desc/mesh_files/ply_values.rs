@@ -142,6 +142,14 @@ fn text_number(word: &[u8], kind: Scalar) -> Result<f64, Trouble> {
         return Err(Trouble::Bad(format!("'{}' is not a finite number", shortened(&word))));
     }
     let value: f64 = word.parse().unwrap_or(0.0);
+    if kind == Scalar::F32 {
+        // The type of the number decides, as in a binary file.
+        let rounded = value as f32;
+        if rounded.is_finite() {
+            return Ok(rounded.into());
+        }
+        return Err(Trouble::Bad(format!("'{}' is beyond single precision", shortened(&word))));
+    }
     match kind.range() {
         Some([low, high]) if value.fract() != 0.0 || !(low..=high).contains(&value) => {
             Err(Trouble::Bad(format!("'{}' is not a whole number from {low} to {high}", shortened(&word))))

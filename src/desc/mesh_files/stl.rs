@@ -56,7 +56,7 @@ pub(super) fn read(mut source: Source<'_>, warnings: &mut Vec<String>) -> Result
 
 fn binary(source: &mut Source<'_>, count: u32, triangles: &mut Triangles<'_>) -> Result<()> {
     let (place, size) = (source.place(), source.size);
-    let room = (size - HEADER as u64) / TRIANGLE as u64;
+    let room = size.saturating_sub(HEADER as u64) / TRIANGLE as u64;
     if u64::from(count) > room {
         let message = format!("the file says that it has {count} triangles, but ends after {room}; is it an STL file?");
         return Err(place.fail(0, message));
@@ -78,7 +78,7 @@ fn binary(source: &mut Source<'_>, count: u32, triangles: &mut Triangles<'_>) ->
     if coloured > 0 {
         triangles.notes.push(format!("{coloured} triangles have attributes (colours), which are not used"));
     }
-    let after = size - HEADER as u64 - TRIANGLE as u64 * u64::from(count);
+    let after = size.saturating_sub(HEADER as u64 + TRIANGLE as u64 * u64::from(count));
     if after > 0 {
         triangles.notes.push(format!("{after} bytes after the last triangle left out"));
     }
