@@ -24,9 +24,10 @@ pub(super) fn read(source: Source<'_>, warnings: &mut Vec<String>) -> Result<Mes
     let header = Header::read(&mut input).map_err(|error| place.unreadable(error))?;
     let header = header.map_err(|(line, message)| place.fail(line, message))?;
     check_sizes(&header, size.saturating_sub(header.bytes)).map_err(|message| place.fail(0, message))?;
+    let notes =
+        Vec::from_iter(header.unknown.map(|line| format!("line {line} of the header means nothing; it is left out")));
     let values = Values::new(input, header.encoding, header.lines);
-    let mut reader =
-        Reader { place, values, mesh: place.mesh(), greatest: None, corners: 0, small: 0, notes: Vec::new() };
+    let mut reader = Reader { place, values, mesh: place.mesh(), greatest: None, corners: 0, small: 0, notes };
     for element in &header.elements {
         match element.name.as_str() {
             "vertex" => reader.vertices(element)?,

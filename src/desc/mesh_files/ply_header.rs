@@ -101,6 +101,8 @@ impl Element {
 pub(super) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
+    /// The first line that means nothing.
+    pub unknown: Option<usize>,
     /// Lines and bytes that the header takes.
     pub lines: usize,
     pub bytes: u64,
@@ -109,7 +111,7 @@ pub(super) struct Header {
 impl Header {
     /// Reads a header up to and with `end_header`. The outer error is one of reading the file; the inner one has the line.
     pub fn read(reader: &mut impl BufRead) -> std::io::Result<Result<Self, (usize, String)>> {
-        let mut parser = Parser { encoding: None, elements: Vec::new() };
+        let mut parser = Parser { encoding: None, elements: Vec::new(), unknown: None };
         let (mut bytes, mut text) = (0, Vec::new());
         let mut line = 0;
         loop {
@@ -132,10 +134,10 @@ impl Header {
                 Ok(true) => {}
                 Err(message) => return Ok(Err((line, message))),
                 Ok(false) => {
-                    let Parser { encoding: Some(encoding), elements } = parser else {
+                    let Parser { encoding: Some(encoding), elements, unknown } = parser else {
                         return Ok(Err((line, "the header has no line 'format'".to_owned())));
                     };
-                    return Ok(Ok(Self { encoding, elements, lines: line, bytes: bytes as u64 }));
+                    return Ok(Ok(Self { encoding, elements, unknown, lines: line, bytes: bytes as u64 }));
                 }
             }
         }
@@ -145,6 +147,7 @@ impl Header {
 struct Parser {
     encoding: Option<Encoding>,
     elements: Vec<Element>,
+    unknown: Option<usize>,
 }
 
 impl Parser {
@@ -188,6 +191,11 @@ impl Parser {
             }
             ["property", kind, name] => self.property(None, kind, name)?,
             ["property", "list", count, kind, name] => self.property(Some(count), kind, name)?,
+            // Some programs write comments without the word. Behind an element the line may be a property, without which all
+            // numbers would be taken for others.
+            [word, ..] if self.elements.is_empty() && !["format", "element", "property"].contains(&word) => {
+                self.unknown.get_or_insert(number);
+            }
             [word, ..] => {
                 let expected = "format, comment, obj_info, element, property or end_header";
                 return Err(format!("'{}' is no line of a PLY header, expected {expected}", shortened(word)));
