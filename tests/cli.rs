@@ -514,7 +514,7 @@ fn a_mesh_is_a_scene_by_itself() {
     assert_eq!(names(folder.path()), ["a.ply", "a.png"]);
     fs::write(folder.path().join("b.ply"), &ply[..ply.len() - 3]).unwrap();
     let run = etendue(folder.path(), ["render", "b.ply", "-o", "b.png"]);
-    run.assert_refused("b.ply:15: face 0, vertex_indices: the line has no more values");
+    run.assert_refused("b.ply:14: face 0, vertex_indices: the line has no more values");
     let run = etendue(folder.path(), ["render", "a.ply", "-o", "b.png", "--integrator", "radiosity"]);
     run.assert_refused("radiosity takes no light from infinity");
     assert_eq!(names(folder.path()), ["a.ply", "a.png", "b.ply"]);

@@ -227,8 +227,11 @@ impl Model {
     }
 }
 
+/// Bits of the position, the normal and the texture coordinate of a corner.
+type Corner = ([u32; 3], Option<[u32; 3]>, Option<[u32; 2]>);
+
 /// All that a triangle's corners are, whatever the numbers of vertices.
-fn corners(mesh: &MeshDesc) -> Vec<([u32; 3], Option<[u32; 3]>, Option<[u32; 2]>)> {
+fn corners(mesh: &MeshDesc) -> Vec<Corner> {
     let of = |vertex: u32| {
         let vertex = vertex as usize;
         let position = mesh.positions[vertex].as_vec3().to_array().map(f32::to_bits);
