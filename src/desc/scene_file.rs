@@ -10,8 +10,8 @@ use crate::Result;
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::spectrum::Rgb;
 
-/// Albedo of surfaces of which a file says nothing but their shape.
-const GREY: f32 = 0.8;
+/// Albedo of surfaces of which a file says nothing but their shape: dark enough to stand out from the sky.
+const GREY: f32 = 0.5;
 
 /// Reads a scene file of any format, by the extension of its name. What has no extension of another format is text: a scene of
 /// either dialect.
