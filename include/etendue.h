@@ -2386,6 +2386,9 @@ etd_status etd_scene_from_json(struct etd_device *device,
 /**
  * Reads a scene from a file. Paths of mesh files are relative to the file's folder, and `options->base_dir` is ignored.
  *
+ * A file whose name ends in `.obj`, `.ply` or `.stl` is a scene by itself: its surfaces, seen as a whole by a camera that is
+ * made for them, under an even sky where nothing in them emits light. All other files are read as JSON.
+ *
  * `path`: UTF-8. All else is as for `etd_scene_from_json`. Thread-safe.
  */
 etd_status etd_scene_from_file(struct etd_device *device,
@@ -2520,6 +2523,20 @@ etd_status etd_scene_get_point_light(const struct etd_scene *scene,
                                      uint32_t light,
                                      double *out_position,
                                      float *out_intensity);
+
+/**
+ * Sets the light that comes from infinity, the same from all directions: a sky.
+ *
+ * `radiance`: three numbers, radiance [W m^-2 sr^-1], each >= 0; NULL: none. Radiosity does not render a scene with an
+ * environment. Thread-safe.
+ */
+etd_status etd_scene_set_environment(struct etd_scene *scene, const float *radiance);
+
+/**
+ * Returns the radiance that comes from infinity as described now, three numbers: 0 where there is no environment.
+ * Thread-safe.
+ */
+etd_status etd_scene_get_environment(const struct etd_scene *scene, float *out_radiance);
 
 /**
  * Returns the parameters of a principled material as described now.
@@ -2735,7 +2752,7 @@ etd_status etd_scene_add_mesh(struct etd_scene *scene,
                               uint32_t *out_mesh);
 
 /**
- * Adds a mesh from a Wavefront OBJ file. `name`: name for `etd_scene_find_mesh`, unique among meshes; NULL: none. `path`:
+ * Adds a mesh from a Wavefront OBJ, PLY or STL file, told apart by the name's extension or else by the content. `name`: name for `etd_scene_find_mesh`, unique among meshes; NULL: none. `path`:
  * UTF-8, relative to the current folder. `*out_mesh` receives the mesh's number. Thread-safe.
  */
 etd_status etd_scene_add_mesh_file(struct etd_scene *scene,

@@ -858,6 +858,19 @@ public:
         return detail::give(status, std::move(light));
     }
 
+    /** Sets the light from infinity: radiance, the same from all directions. Radiosity does not render such a scene. */
+    Outcome<void> set_environment(const Rgb &radiance) {
+        return detail::done(etd_scene_set_environment(get(), radiance.data()));
+    }
+    /** Removes the light from infinity. */
+    Outcome<void> remove_environment() { return detail::done(etd_scene_set_environment(get(), nullptr)); }
+    /** The radiance from infinity as it is described now; 0 where there is none. */
+    Outcome<Rgb> environment() const {
+        Rgb radiance = {};
+        const etd_status status = etd_scene_get_environment(get(), radiance.data());
+        return detail::give(status, std::move(radiance));
+    }
+
     /** Adds a sphere; its number as a surface, as from all that add a surface. */
     Outcome<std::uint32_t> add_sphere(const Vec3 &centre, double radius, const etd_surface &surface) {
         std::uint32_t number = ETD_NONE;
@@ -993,7 +1006,7 @@ public:
         });
         return detail::give(status, std::move(number));
     }
-    /** Adds a mesh from a Wavefront OBJ file; its number. `name`: NULL for none. */
+    /** Adds a mesh from a Wavefront OBJ, PLY or STL file; its number. `name`: NULL for none. */
     Outcome<std::uint32_t> add_mesh_file(const std::string &path, const char *name = nullptr) {
         std::uint32_t number = ETD_NONE;
         const etd_status status = etd_scene_add_mesh_file(get(), name, path.c_str(), &number);

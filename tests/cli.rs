@@ -499,6 +499,29 @@ fn info_says_what_a_scene_holds() {
 }
 
 #[test]
+fn a_mesh_is_a_scene_by_itself() {
+    let folder = folder();
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+        property uchar red\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+        0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n";
+    fs::write(folder.path().join("a.ply"), ply).unwrap();
+    let run = etendue(folder.path(), ["info", "a.ply"]);
+    run.assert_done();
+    assert!(run.stdout.starts_with("read            a.ply: 3 vertices, 1 triangles\n"), "{}", run.stdout);
+    assert!(run.stdout.contains("emitters        1 (0 points, 1 at infinity)"), "{}", run.stdout);
+    assert!(run.stderr.contains("a.ply: properties of each vertex that are not used: red"), "{}", run.stderr);
+    etendue(folder.path(), small_render("a.ply", &["-o", "a.png"])).assert_done();
+    assert_eq!(names(folder.path()), ["a.ply", "a.png"]);
+    fs::write(folder.path().join("b.ply"), &ply[..ply.len() - 3]).unwrap();
+    let run = etendue(folder.path(), ["render", "b.ply", "-o", "b.png"]);
+    run.assert_refused("b.ply:14: face 0, vertex_indices: the line has no more values");
+    let run = etendue(folder.path(), ["render", "a.ply", "-o", "b.png", "--integrator", "radiosity"]);
+    assert_eq!(run.code, Some(2), "{}", run.stderr);
+    assert!(run.stderr.contains("error: radiosity takes no light from infinity"), "{}", run.stderr);
+    assert_eq!(names(folder.path()), ["a.ply", "a.png", "b.ply"]);
+}
+
+#[test]
 fn an_unknown_material_is_named_with_its_place() {
     let folder = folder();
     let cornell: serde_json::Value = serde_json::from_str(&fs::read_to_string(scene("cornell.json")).unwrap()).unwrap();

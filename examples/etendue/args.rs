@@ -47,7 +47,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// Scene file (JSON).
+    /// Scene file: JSON, or a mesh that is a scene by itself (.obj, .ply, .stl).
     pub scene: PathBuf,
     /// Parameter file of a scene of the 2017 report.
     pub params: Option<PathBuf>,
@@ -151,7 +151,7 @@ pub struct RenderArgs {
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Scene file (JSON).
+    /// Scene file: JSON, or a mesh that is a scene by itself (.obj, .ply, .stl).
     pub scene: PathBuf,
     /// Parameter file of a scene of the 2017 report.
     pub params: Option<PathBuf>,
@@ -162,7 +162,7 @@ pub struct InfoArgs {
 
 #[derive(Debug, Args)]
 pub struct PhotonsArgs {
-    /// Scene file (JSON).
+    /// Scene file: JSON, or a mesh that is a scene by itself (.obj, .ply, .stl).
     pub scene: PathBuf,
     /// Parameter file of a scene of the 2017 report.
     pub params: Option<PathBuf>,
@@ -212,7 +212,7 @@ pub struct PhotonsArgs {
 
 #[derive(Debug, Args)]
 pub struct BakeArgs {
-    /// Scene file (JSON).
+    /// Scene file: JSON, or a mesh that is a scene by itself (.obj, .ply, .stl).
     pub scene: PathBuf,
     /// Parameter file of a scene of the 2017 report.
     pub params: Option<PathBuf>,

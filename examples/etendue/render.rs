@@ -3,9 +3,10 @@
 use std::collections::HashSet;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
-use etendue::desc::{self, IntegratorDesc, RenderDesc, RouletteDesc, SceneDesc};
+use etendue::desc::{self, IntegratorDesc, MeshDesc, RenderDesc, RouletteDesc, SceneDesc};
 use etendue::film::Image;
 use etendue::integrator::photon::{Choice, choose};
 use etendue::output::{self, Attribute, Format, WriteOptions};
@@ -25,9 +26,31 @@ pub fn info(args: &InfoArgs) -> Result<u8, Failure> {
     let is_auto = asked == IntegratorDesc::Auto;
     let would = if is_auto { "auto chooses" } else { "auto would choose" };
     let own = if is_auto { String::new() } else { format!("{}; ", asked.name()) };
+    let files = files(&description);
     let line = format!("integrator      {own}{would} {}: {why}", integrator.name());
-    console::print(&format!("{}\n{line}", scene.info().to_string().trim_end()))?;
+    console::print(&format!("{files}{}\n{line}", scene.info().to_string().trim_end()))?;
     Ok(0)
+}
+
+/// The greatest number of meshes that `info` names.
+const NAMED_MESHES: usize = 20;
+
+/// What was read from mesh files, a line for each mesh.
+fn files(scene: &SceneDesc) -> String {
+    let is_read =
+        |mesh: &&Arc<MeshDesc>| scene.files.iter().any(|file| mesh.name.starts_with(&*file.to_string_lossy()));
+    let of = |mesh: &Arc<MeshDesc>| {
+        let normals = if mesh.has_normals() { ", normals" } else { "" };
+        let uvs = if mesh.has_uvs() { ", texture coordinates" } else { "" };
+        let (vertices, triangles) = (mesh.vertex_count(), mesh.triangle_count());
+        format!("read            {}: {vertices} vertices, {triangles} triangles{normals}{uvs}\n", mesh.name)
+    };
+    let mut lines: String = scene.meshes.iter().filter(is_read).take(NAMED_MESHES).map(of).collect();
+    let count = scene.meshes.iter().filter(is_read).count();
+    if count > NAMED_MESHES {
+        lines += &format!("read            {} more meshes\n", count - NAMED_MESHES);
+    }
+    lines
 }
 
 /// Renders and writes; returns [`interrupt::EXIT_CODE`] after a run that was stopped.

@@ -22,6 +22,7 @@ enum Call {
     SetMaterial { material: u8, bsdf: u8, color: [f32; 3], numbers: [f32; 5] },
     AddLight { position: [f64; 3], intensity: [f32; 3] },
     SetLight { light: u8, position: [f64; 3], intensity: [f32; 3] },
+    Environment { radiance: Option<[f32; 3]> },
     AddShape { kind: u8, numbers: [f64; 12], material: u8, emission: [f32; 3], transform: Option<[f64; 12]> },
     SaneShape { kind: u8, numbers: [i8; 12], material: u8, glow: u8, shift: [i8; 3] },
     AddMesh { vertices: Vec<[f32; 3]>, triangles: Vec<[u8; 3]>, flags: u8, stride: u8 },
@@ -246,6 +247,10 @@ impl World {
                 }
                 Call::SetLight { light, position, intensity } => {
                     fine(etd_scene_set_point_light(scene, u32::from(light), position.as_ptr(), intensity.as_ptr()));
+                }
+                Call::Environment { radiance } => {
+                    let radiance = radiance.as_ref().map_or(null(), |radiance| radiance.as_ptr());
+                    fine(etd_scene_set_environment(scene, radiance));
                 }
                 Call::AddShape { kind, numbers, material, emission, transform } => {
                     fine(self.shape(kind, &numbers, &look(material, emission, transform.unwrap_or_default())));

@@ -60,7 +60,7 @@ pub unsafe extern "C" fn etd_scene_add_mesh(
     }
 }
 
-/// Adds a mesh from a Wavefront OBJ file. `name`: name for `etd_scene_find_mesh`, unique among meshes; NULL: none. `path`:
+/// Adds a mesh from a Wavefront OBJ, PLY or STL file, told apart by the name's extension or else by the content. `name`: name for `etd_scene_find_mesh`, unique among meshes; NULL: none. `path`:
 /// UTF-8, relative to the current folder. `*out_mesh` receives the mesh's number. Thread-safe.
 ///
 /// # Safety

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::warnings::warn;
-use super::{Dialect, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook, json, obj, obj_parts, validate};
+use super::{Dialect, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook, json, mesh_files, validate};
 use crate::math::DVec3;
 use crate::texture::{ColorSpace, TexelImage, read_image};
 use crate::{Error, Result};
@@ -87,13 +87,13 @@ impl<'a> Builder<'a> {
         Ok(self.scene.put_mesh(mesh))
     }
 
-    /// Returns the number of the mesh in an OBJ file. The file is read at its first use.
+    /// Returns the number of the mesh in a file. The file is read at its first use.
     pub fn mesh_file(&mut self, path: &str, file: &str) -> Result<usize> {
         let [file, identity] = self.identified(path, file)?;
         if let Some(mesh) = self.files.get(&identity) {
             return Ok(*mesh);
         }
-        let mesh = obj::load(&file, path, &mut self.scene.warnings)?;
+        let mesh = mesh_files::load(&file, path, &mut self.scene.warnings)?;
         let mesh = self.scene.put_mesh(mesh);
         self.scene.files.push(file);
         self.files.insert(identity, mesh);
@@ -107,7 +107,7 @@ impl<'a> Builder<'a> {
         if let Some(parts) = self.divided_files.get(&identity) {
             return Ok(parts.clone());
         }
-        let parts = obj_parts::load(&file, path, &mut self.scene.warnings)?;
+        let parts = mesh_files::load_parts(&file, path, &mut self.scene.warnings)?;
         let parts = self.scene.put_parts(&file, parts)?;
         self.divided_files.insert(identity, parts.clone());
         Ok(parts)
@@ -115,11 +115,11 @@ impl<'a> Builder<'a> {
 
     /// Returns the path of a mesh file, and the path by which it is known again.
     fn identified(&self, path: &str, file: &str) -> Result<[PathBuf; 2]> {
-        obj::check_name(path, Path::new(file))?;
+        mesh_files::check_name(path, Path::new(file))?;
         let file = self.base_dir.join(file);
         let identity = file.canonicalize().unwrap_or_else(|_| file.clone());
         if self.scene.file.as_deref().and_then(|scene| scene.canonicalize().ok()).is_some_and(|own| own == identity) {
-            return Err(Error::invalid(path, "the mesh file is the scene file itself, expected a Wavefront OBJ file"));
+            return Err(Error::invalid(path, "the mesh file is the scene file itself, expected another file"));
         }
         Ok([file, identity])
     }

@@ -11,12 +11,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::json::{elided, join};
-use super::obj_parts::{Part, Parts};
+use super::mesh_files::{self, Part, Parts};
 use super::texture_check;
 use super::warnings::warn;
 use super::{
-    BsdfDesc, CameraDesc, MaterialDesc, MediumDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, material_check, obj,
-    obj_parts, validate,
+    BsdfDesc, CameraDesc, MaterialDesc, MediumDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, material_check,
+    validate,
 };
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
@@ -179,6 +179,20 @@ impl SceneDesc {
         Ok(())
     }
 
+    /// Sets the light that comes from infinity, the same from all directions: radiance [W m^-2 sr^-1], each channel >= 0. `None`
+    /// removes it. The environment of a file keeps its path.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::InvalidScene`] at `environment.color[..]`.
+    pub fn set_environment(&mut self, radiance: Option<Rgb>) -> Result<()> {
+        let path = self.environment.as_ref().map_or("environment", |known| known.path.as_str());
+        self.environment = match radiance {
+            Some(radiance) => Some(validate::environment(path, radiance.to_f64(), 1.0)?),
+            None => None,
+        };
+        Ok(())
+    }
+
     /// Adds a mesh, which consists of vectors or of the host's arrays, and returns its number. A mesh with an empty
     /// name has no name. The mesh's `path` is not read.
     ///
@@ -199,7 +213,7 @@ impl SceneDesc {
         Ok(number)
     }
 
-    /// Adds the mesh in a Wavefront OBJ file and returns its number. The file is read at each call; a relative path is
+    /// Adds the mesh in a Wavefront OBJ, PLY or STL file and returns its number. The file is read at each call; a relative path is
     /// resolved from the process's working directory. A mesh with an empty name has no name. The parts of the file that
     /// are left out are listed in `warnings`.
     ///
@@ -212,9 +226,9 @@ impl SceneDesc {
             self.check_mesh_name(&path, name)?;
         }
         let at = join(&path, "file");
-        obj::check_name(&at, file)?;
+        mesh_files::check_name(&at, file)?;
         // The loader adds warnings only once no error can occur any more.
-        let mesh = obj::load(file, &at, &mut self.warnings)?;
+        let mesh = mesh_files::load(file, &at, &mut self.warnings)?;
         self.files.push(file.to_owned());
         let number = self.put_mesh(mesh);
         self.index.name_mesh(name.to_owned(), number);
@@ -234,10 +248,10 @@ impl SceneDesc {
     pub fn add_file_surfaces(&mut self, file: &Path, smooth: bool, transform: DAffine3) -> Result<Range<usize>> {
         let path = format!("surfaces[{}]", self.surfaces.len());
         let at = join(&path, "file");
-        obj::check_name(&at, file)?;
+        mesh_files::check_name(&at, file)?;
         validate::invertible(&join(&path, "transform"), &transform)?;
         let mut warnings = Vec::new();
-        let parts = obj_parts::load(file, &at, &mut warnings)?;
+        let parts = mesh_files::load_parts(file, &at, &mut warnings)?;
         for part in &parts.parts {
             validate::extent(&path, &part.mesh.bounds(), &transform)?;
         }

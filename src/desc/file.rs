@@ -7,7 +7,7 @@ use std::path::Path;
 use super::json::line_at;
 use crate::{Error, ErrorKind, Result};
 
-/// Largest scene or parameter file that is read, 512 MiB. Large meshes belong in OBJ files.
+/// Largest scene or parameter file that is read, 512 MiB. Large meshes belong in mesh files.
 const SIZE_LIMIT: u64 = 512 << 20;
 
 /// Opens a regular file of at most `limit` bytes. Pipes, devices and folders are refused before they can block.

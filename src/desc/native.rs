@@ -138,6 +138,26 @@ enum AreaTag {
     Area,
 }
 
+/// Light from infinity, the same from all directions. A scene has one environment at most.
+#[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub(super) struct Environment {
+    #[serde(rename = "type")]
+    _type: EnvironmentTag,
+    /// Times `intensity`: radiance, W/(m^2 sr) per channel.
+    color: [f64; 3],
+    /// Factor on `color`. Default 1.
+    intensity: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+#[serde(rename_all = "kebab-case")]
+enum EnvironmentTag {
+    Environment,
+}
+
 /// Reads a native scene that has been split at its top.
 pub(super) fn read(document: &RawValue, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> {
     let top: Top<'_> = json::object(document, "")?;
@@ -180,14 +200,28 @@ fn camera(raw: &RawValue, path: &str) -> Result<CameraDesc> {
 }
 
 fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
-    if json::tag(raw, path, "type", &["point", "area"])? == "point" {
-        let light: PointLight = json::object(raw, path)?;
-        let factor = light.intensity.unwrap_or(1.0);
-        builder.scene.lights.push(validate::point_light(path, light.origin, light.color, factor)?);
-        return Ok(());
+    match json::tag(raw, path, "type", &["point", "area", "environment"])?.as_str() {
+        "point" => {
+            let light: PointLight = json::object(raw, path)?;
+            let factor = light.intensity.unwrap_or(1.0);
+            builder.scene.lights.push(validate::point_light(path, light.origin, light.color, factor)?);
+            Ok(())
+        }
+        "area" => {
+            let light: AreaLight = json::object(raw, path)?;
+            let factor = light.intensity.unwrap_or(1.0);
+            let vertices = [light.vertex_1, light.vertex_2, light.vertex_3].map(DVec3::from_array);
+            builder.add_area_light(path, vertices, light.color, factor)
+        }
+        _ => {
+            let light: Environment = json::object(raw, path)?;
+            if let Some(first) = &builder.scene.environment {
+                let message = format!("{} is an environment already, expected one at most", first.path);
+                return Err(Error::invalid(path, message));
+            }
+            let factor = light.intensity.unwrap_or(1.0);
+            builder.scene.environment = Some(validate::environment(path, light.color, factor)?);
+            Ok(())
+        }
     }
-    let light: AreaLight = json::object(raw, path)?;
-    let factor = light.intensity.unwrap_or(1.0);
-    let vertices = [light.vertex_1, light.vertex_2, light.vertex_3].map(DVec3::from_array);
-    builder.add_area_light(path, vertices, light.color, factor)
 }

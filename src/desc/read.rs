@@ -7,23 +7,25 @@ use serde_json::value::RawValue;
 
 use super::file::read_text;
 use super::json::{self, line_of};
+use super::scene_file::scene_from_file;
 use super::{RenderDesc, SceneDesc, mcrt, native, params, render_keys};
 use crate::{Error, ErrorKind, Result};
 
 /// Reads a scene file, and the parameter file if there is one.
 ///
-/// A native scene contains `"etendue": 1`; any other scene is read as one of the report's renderer. Values of the
+/// A native scene contains `"etendue": 1`; any other text is read as one of the report's renderer. Values of the
 /// parameter file override those of the scene's `render` block. Paths of mesh files are relative to the scene file's
 /// folder.
+///
+/// A file whose name ends in `.obj`, `.ply` or `.stl` is a scene by itself: its surfaces, seen as a whole by a camera that is
+/// made for them, under an even sky where nothing in them emits light.
 ///
 /// # Errors
 ///
 /// [`ErrorKind::Io`] if a file cannot be read or is not a regular file, [`ErrorKind::Unsupported`] for features that
 /// this version does not have, otherwise [`ErrorKind::InvalidScene`]; with file, line and JSON path.
 pub fn load(path: &Path, params: Option<&Path>) -> Result<SceneDesc> {
-    let text = read_text(path)?;
-    let base_dir = path.parent().unwrap_or(Path::new(""));
-    let mut scene = parse(&text, base_dir, Some(path))?;
+    let mut scene = scene_from_file(path)?;
     if let Some(params) = params {
         load_params(params, &mut scene)?;
     }

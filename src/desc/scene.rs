@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::camera::CameraDesc;
+use super::environment::EnvironmentDesc;
 use super::index::SceneIndex;
 use super::light::PointLightDesc;
 use super::material::{Body, MaterialDesc};
@@ -26,6 +27,8 @@ pub struct SceneDesc {
     pub lights: Vec<PointLightDesc>,
     /// Textures, named by index from materials.
     pub textures: Vec<Arc<TextureDesc>>,
+    /// Light from infinity, where there is any.
+    pub environment: Option<EnvironmentDesc>,
     /// Materials, named by index from surfaces.
     pub materials: Vec<MaterialDesc>,
     /// Meshes, named by index from surfaces. One mesh may be used many times. A mesh that is the same `Arc` in the

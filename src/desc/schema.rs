@@ -39,6 +39,7 @@ struct Scene<'a> {
 enum Light {
     Point(native::PointLight),
     Area(native::AreaLight),
+    Environment(native::Environment),
 }
 
 #[derive(JsonSchema)]

@@ -107,7 +107,7 @@ surface!(
     Mesh, Mesh, {
     /// Name of one of `meshes`.
     mesh: Option<String>,
-    /// Wavefront OBJ file, relative to the scene file's folder.
+    /// Wavefront OBJ, PLY or STL file, relative to the scene file's folder.
     file: Option<String>,
     /// One position per vertex.
     positions: Option<Vec<[f64; 3]>>,
@@ -240,7 +240,7 @@ pub(super) struct Clip {
 pub(super) struct SharedMesh {
     /// What surfaces call it.
     name: String,
-    /// Wavefront OBJ file, relative to the scene file's folder.
+    /// Wavefront OBJ, PLY or STL file, relative to the scene file's folder.
     file: Option<String>,
     /// One position per vertex.
     positions: Option<Vec<[f64; 3]>>,

@@ -1,7 +1,7 @@
 //! Checks of single values: their physical meaning, and that single precision can hold them.
 
 use super::json::{Whole, elided, join};
-use super::{CameraDesc, MaterialDesc, MeshDesc, PointLightDesc, ShapeDesc};
+use super::{CameraDesc, EnvironmentDesc, MaterialDesc, MeshDesc, PointLightDesc, ShapeDesc};
 use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
@@ -198,6 +198,12 @@ pub(super) fn point_light(
     let position = vector(&join(path, "origin"), position)?;
     let intensity = emission(&join(path, "color"), color, factor)?;
     Ok(PointLightDesc { path: path.to_owned(), position, intensity })
+}
+
+/// Makes an environment of radiance `color` times `factor`, the same from all directions.
+pub(super) fn environment(path: &str, color: impl Into<DVec3>, factor: f64) -> Result<EnvironmentDesc> {
+    let factor = intensity(&join(path, "intensity"), factor)?;
+    Ok(EnvironmentDesc { path: path.to_owned(), radiance: emission(&join(path, "color"), color, factor)? })
 }
 
 /// Checks an absorption coefficient, which must be 0 or more per channel.

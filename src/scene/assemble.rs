@@ -43,6 +43,7 @@ impl Assembly {
             list: &self.list,
             list_surfaces: &self.record.list_surfaces,
             centre: self.centre,
+            bounds: self.record.facts.bounds,
         }
     }
 }

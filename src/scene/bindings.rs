@@ -11,11 +11,14 @@ use super::interaction::{NO_EMITTER, Owner, Owners, Triangles};
 use super::record::AppearanceKey;
 use crate::control::WorkProgress;
 use crate::desc::SceneDesc;
-use crate::emitter::{Emitter, EmitterSet, SphereEmitter, TriangleEmitter};
+use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter, SphereEmitter, TriangleEmitter};
 use crate::error::{Error, Result};
-use crate::math::{DVec3, Vec3};
+use crate::math::{Bounds, DVec3, Vec3};
 use crate::shape::{Analytic, Triangle};
 use crate::spectrum::Rgb;
+
+/// Room between the surfaces and the ball from which the light of an environment comes, relative to the ball's radius.
+const BALL_MARGIN: f64 = 1e-3;
 
 /// The tables of owners, in the order of the geometries, and the emitters that the owners refer to.
 #[derive(Clone)]
@@ -32,6 +35,8 @@ pub(super) struct UnboundGeometry<'a> {
     pub list: &'a AnalyticList,
     pub list_surfaces: &'a [u32],
     pub centre: DVec3,
+    /// Box around all surfaces, world frame.
+    pub bounds: Bounds,
 }
 
 /// Returns the largest number of units of work that the emitters of a description's loose triangles and shapes can
@@ -46,6 +51,7 @@ pub(super) fn bindings(desc: &SceneDesc, unbound: UnboundGeometry, progress: &Wo
     dresser.point_lights(unbound.centre)?;
     let owners = unbound.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
     let list_owners = dresser.analytic(unbound.list.shapes(), unbound.list_surfaces);
+    dresser.environment(&unbound);
     let emitters = EmitterSet::cancellable(dresser.emitters, &progress.cancel)?;
     Ok(SurfaceBindings { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
 }
@@ -91,6 +97,27 @@ impl BindingBuilder<'_, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Adds the light from infinity, around a ball that holds all surfaces.
+    fn environment(&mut self, unbound: &UnboundGeometry<'_>) {
+        let Some(environment) = &self.desc.environment else { return };
+        if environment.radiance == Rgb::ZERO {
+            return;
+        }
+        // Coordinates of the scene frame are rounded, and so may lie outside of the box that was measured before.
+        let (middle, radius) = if unbound.bounds.is_empty() {
+            (DVec3::ZERO, 1.0)
+        } else {
+            let bounds = unbound.bounds;
+            (bounds.centre() - unbound.centre, 0.5 * (bounds.max - bounds.min).length() * (1.0 + BALL_MARGIN))
+        };
+        let radius = (radius as f32).max(f32::MIN_POSITIVE);
+        self.emitters.push(Emitter::Environment(EnvironmentEmitter::new(
+            environment.radiance,
+            middle.as_vec3a(),
+            radius,
+        )));
     }
 
     fn geometry(&mut self, geometry: &Geometry) -> Result<Owners> {

@@ -277,6 +277,9 @@ pub(super) fn warnings(
     if dark_lights > 0 {
         warnings.push(format!("dropped {dark_lights} point lights without intensity"));
     }
+    if desc.environment.as_ref().is_some_and(|environment| environment.radiance == Rgb::ZERO) {
+        warnings.push("dropped an environment without radiance".to_owned());
+    }
     if desc.render.integrator == IntegratorDesc::Radiosity {
         warnings.extend(not_diffuse(desc, bsdfs));
     }

@@ -165,6 +165,7 @@ pub(super) struct AppearanceKey {
     pub materials: Vec<u32>,
     emissions: Vec<Option<Rgb>>,
     lights: Vec<(DVec3, Rgb)>,
+    environment: Option<Rgb>,
 }
 
 impl AppearanceKey {
@@ -173,12 +174,13 @@ impl AppearanceKey {
             materials: desc.surfaces.iter().map(|surface| surface.material as u32).collect(),
             emissions: desc.surfaces.iter().map(|surface| surface.emission).collect(),
             lights: desc.lights.iter().map(|light| (light.position, light.intensity)).collect(),
+            environment: desc.environment.as_ref().map(|environment| environment.radiance),
         }
     }
 
     /// Returns whether both descriptions have the same emitters with the same radiance or intensity.
     pub(super) fn has_same_emitters(&self, other: &Self) -> bool {
-        self.emissions == other.emissions && self.lights == other.lights
+        self.emissions == other.emissions && self.lights == other.lights && self.environment == other.environment
     }
 
     /// The number of point lights that give no light.

@@ -304,6 +304,11 @@ void contents() {
     const etd_surface at = scene.surface(0);
     CHECK(at.material == 0);
     CHECK(scene.point_light(0).intensity[2] == 5);
+    CHECK(scene.environment()[0] == 0);
+    scene.set_environment({0.25F, 0.5F, 1});
+    CHECK(scene.environment()[1] == 0.5F);
+    scene.remove_environment();
+    CHECK(scene.environment()[1] == 0);
     CHECK(scene.resolution().width == 256);
     CHECK(scene.commit() == ETD_OK);
     CHECK(scene.info().surfaces == 1);

@@ -255,6 +255,11 @@ static etd_status n_scene_get_point_light(void) {
     float *intensity = AT(2, output(3 * sizeof *intensity));
     return CALL(etd_scene_get_point_light(SCENE(0), 0, position, intensity));
 }
+static etd_status n_scene_set_environment(void) { return CALL(etd_scene_set_environment(SCENE(0), AT(1, grey))); }
+static etd_status n_scene_get_environment(void) {
+    float *radiance = AT(1, output(3 * sizeof *radiance));
+    return CALL(etd_scene_get_environment(SCENE(0), radiance));
+}
 static etd_status n_scene_add_sphere(void) {
     etd_surface surface = matt();
     uint32_t *number = AT(3, output(sizeof *number));
@@ -597,6 +602,8 @@ static const struct {
     {"etd_scene_add_point_light", n_scene_add_point_light, 4, 15, 1},
     {"etd_scene_set_point_light", n_scene_set_point_light, 3, 7, 1},
     {"etd_scene_get_point_light", n_scene_get_point_light, 3, 7, 1},
+    {"etd_scene_set_environment", n_scene_set_environment, 2, 1, 1},
+    {"etd_scene_get_environment", n_scene_get_environment, 2, 3, 1},
     {"etd_scene_add_sphere", n_scene_add_sphere, 4, 15, 1},
     {"etd_scene_add_triangle", n_scene_add_triangle, 4, 15, 1},
     {"etd_scene_add_quad", n_scene_add_quad, 4, 15, 1},

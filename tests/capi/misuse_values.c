@@ -436,6 +436,7 @@ static void pass_numbers(void) {
             floats[i] = bad[k];
             CHECK_STATUS(etd_scene_add_point_light(scene, centre, floats, &number), ETD_INVALID_SCENE);
             CHECK_STATUS(etd_scene_set_point_light(scene, 0, centre, floats), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_set_environment(scene, floats), ETD_INVALID_SCENE);
             CHECK_STATUS(etd_scene_set_emission(scene, 2, floats), ETD_INVALID_SCENE);
             glowing.emission[i] = bad[k];
             CHECK_STATUS(etd_scene_add_sphere(scene, centre, 1, &glowing, &number), ETD_INVALID_SCENE);

@@ -561,7 +561,7 @@ fn lights(l: &mut List) {
         (
             "light without type",
             "@{\"origin\": [0, 0, 0]}",
-            "lights[0]: missing key `type`, expected one of point, area",
+            "lights[0]: missing key `type`, expected one of point, area, environment",
         ),
         ("unknown light", "{\n@\"type\": \"sun\"}", "lights[0].type: unknown type 'sun'"),
         ("light type null", "{\n\"origin\": 0, \"type\": null}", "lights[0]: missing key `type`"),

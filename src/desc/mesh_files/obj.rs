@@ -5,62 +5,32 @@
 //! and comments may have any encoding. Materials are ignored, or the mesh is divided by them (`obj_parts.rs`).
 
 use std::io::{self, BufRead, Read};
-use std::path::Path;
 
-use super::MeshDesc;
-use super::file::open;
 use super::obj_parts::MaterialUses;
-use super::warnings::warn;
+use super::{CORNER_LIMIT, LINE_LIMIT, Place, Source, finite, is_number, shortened};
+use crate::Result;
+use crate::desc::MeshDesc;
 use crate::math::DVec3;
-use crate::{Error, Result};
 
-/// Size of the largest file that is read, 2 GiB.
-pub(super) const SIZE_LIMIT: u64 = 2 << 30;
-/// Length of the longest line after joining. A face of this length has more than a million corners.
-const LINE_LIMIT: usize = 16 << 20;
-/// Greatest number of face corners in one file. A corner takes about 30 bytes while reading.
-const CORNER_LIMIT: usize = 1 << 27;
-
-/// Checks that a file name is possible.
-pub(super) fn check_name(json_path: &str, file: &Path) -> Result<()> {
-    let name = file.as_os_str();
-    if name.is_empty() {
-        return Err(Error::invalid(json_path, "the file name is empty, expected a Wavefront OBJ file"));
-    }
-    if name.as_encoded_bytes().contains(&0) {
-        return Err(Error::invalid(json_path, "the file name holds a zero byte"));
-    }
-    Ok(())
-}
-
-/// Reads the file at `path`; `json_path` says where the scene names it.
-pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<MeshDesc> {
-    read(path, json_path, None, warnings).map(|(mesh, _)| mesh)
-}
-
-/// Reads a file as [`load`] does, and which material each triangle has if `uses` is given.
+/// Reads a file, and which material each triangle has if `uses` is given.
 pub(super) fn read(
-    path: &Path,
-    json_path: &str,
+    source: Source<'_>,
     uses: Option<MaterialUses>,
     warnings: &mut Vec<String>,
 ) -> Result<(MeshDesc, Option<MaterialUses>)> {
-    let file = open(path, SIZE_LIMIT).map_err(|error| error.at(json_path))?;
-    // The limit is one byte more than allowed, so that a file that grows during reading is distinguished from a file
-    // that ends here.
-    let mut lines = Lines::new(io::BufReader::with_capacity(1 << 16, file.take(SIZE_LIMIT + 1)));
+    let place = source.place();
+    let mut lines = Lines::new(source.reader);
     lines.uses = uses;
-    let fail = |line: usize, message: String| Error::invalid(json_path, message).in_file(Some(path), line);
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let loaded = tobj::load_obj_buf(&mut lines, &options, |_| Err(tobj::LoadError::OpenFileFailed));
     if let Some(broken) = lines.broken.take() {
-        return Err(fail(lines.line, broken));
+        return Err(place.fail(lines.line, broken));
     }
     if let Some(error) = lines.failed.take() {
-        return Err(Error::io(path, "cannot read the mesh", error).at(json_path));
+        return Err(place.unreadable(error));
     }
     if lines.inner.get_ref().limit() == 0 {
-        return Err(fail(0, format!("the file is larger than {SIZE_LIMIT} bytes")));
+        return Err(place.too_large());
     }
     // Indices may refer to later elements, so they can be checked only at the end.
     for (what, limit, (index, line)) in [
@@ -69,17 +39,16 @@ pub(super) fn read(
         ("normal", lines.counts[2], lines.greatest[2]),
     ] {
         if index > limit {
-            return Err(fail(line, format!("the face refers to {what} {index}, but there are {limit}")));
+            return Err(place.fail(line, format!("the face refers to {what} {index}, but there are {limit}")));
         }
     }
     if lines.corners == 0 {
-        return Err(fail(0, "the file holds no faces; is it a Wavefront OBJ file?".to_owned()));
+        return Err(place.fail(0, "the file holds no faces; is it a Wavefront OBJ file?".to_owned()));
     }
-    let (models, _) = loaded.map_err(|error| fail(lines.line, format!("not a Wavefront OBJ file: {error}")))?;
-    let mut mesh = merge(models, path, json_path).map_err(|message| fail(0, message))?;
+    let (models, _) = loaded.map_err(|error| place.fail(lines.line, format!("not a Wavefront OBJ file: {error}")))?;
+    let mut mesh = merge(models, place).map_err(|message| place.fail(0, message))?;
     if lines.small_faces > 0 {
-        let count = lines.small_faces;
-        warn(warnings, format!("{json_path}: {}: {count} faces with fewer than 3 corners left out", path.display()));
+        place.warn(warnings, 0, &format!("{} faces with fewer than 3 corners left out", lines.small_faces));
     }
     // The reader below stores no entry for a vertex without a normal (or uv), so it cannot recognise a mixture.
     for (what, with, complete) in [
@@ -89,7 +58,7 @@ pub(super) fn read(
         if with == 0 || (with == lines.corners && complete) {
             continue;
         }
-        warn(warnings, format!("{json_path}: {}: only some corners have {what}; all are left out", path.display()));
+        place.warn(warnings, 0, &format!("only some corners have {what}; all are left out"));
         if what == "normals" {
             mesh.normals = Vec::new();
         } else {
@@ -100,8 +69,8 @@ pub(super) fn read(
 }
 
 /// Merges all objects and groups into one mesh.
-fn merge(models: Vec<tobj::Model>, path: &Path, json_path: &str) -> Result<MeshDesc, String> {
-    let mut mesh = MeshDesc { name: path.display().to_string(), path: json_path.to_owned(), ..MeshDesc::default() };
+fn merge(models: Vec<tobj::Model>, place: Place<'_>) -> Result<MeshDesc, String> {
+    let mut mesh = place.mesh();
     for model in models.into_iter().map(|model| model.mesh) {
         let first = u32::try_from(mesh.positions.len()).map_err(|_| "the mesh has too many vertices".to_owned())?;
         for p in model.positions.as_chunks::<3>().0 {
@@ -120,12 +89,6 @@ fn merge(models: Vec<tobj::Model>, path: &Path, json_path: &str) -> Result<MeshD
         mesh.triangles.extend(model.indices.as_chunks::<3>().0.iter().map(|t| t.map(|index| index + first)));
     }
     Ok(mesh)
-}
-
-/// Rounds values to single precision. Returns `None` where a value does not fit.
-pub(super) fn finite<const N: usize>(values: [f64; N]) -> Option<[f32; N]> {
-    let rounded = values.map(|value| value as f32);
-    rounded.iter().all(|value| value.is_finite()).then_some(rounded)
 }
 
 /// A line-wise reader that passes on only checked geometry.
@@ -340,14 +303,4 @@ impl<R: BufRead> BufRead for Lines<R> {
     fn consume(&mut self, count: usize) {
         self.taken = (self.taken + count).min(self.ready.len());
     }
-}
-
-/// Returns whether the text is a decimal number: a text that Rust parses, without Rust's words for infinity and NaN.
-pub(super) fn is_number(text: &str) -> bool {
-    !text.bytes().any(|byte| matches!(byte, b'n' | b'N' | b'i' | b'I')) && text.parse::<f64>().is_ok_and(f64::is_finite)
-}
-
-/// Returns the beginning of an invalid word, which is long enough to find the word in the file.
-fn shortened(text: &str) -> &str {
-    text.char_indices().nth(40).map_or(text, |(end, _)| &text[..end])
 }

@@ -7,10 +7,11 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
-use super::json::{did_you_mean, elided};
 use super::mtl::{Library, keyword};
-use super::warnings::warn;
-use super::{BsdfDesc, MaterialDesc, MeshDesc, obj};
+use super::{Place, Source, obj};
+use crate::desc::json::{did_you_mean, elided};
+use crate::desc::warnings::warn;
+use crate::desc::{BsdfDesc, MaterialDesc, MeshDesc};
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
 
@@ -21,7 +22,7 @@ const NAME_LIMIT: usize = 1 << 16;
 
 /// The triangles of one material.
 #[derive(Debug)]
-pub(super) struct Part {
+pub(in crate::desc) struct Part {
     /// The material, after the materials that it consists of, which have no names. They name one another by the numbers that they
     /// have when they follow all materials of the parts before, the first of which has the number 0.
     pub materials: Vec<MaterialDesc>,
@@ -30,7 +31,7 @@ pub(super) struct Part {
 
 /// The parts of a file.
 #[derive(Debug)]
-pub(super) struct Parts {
+pub(in crate::desc) struct Parts {
     pub parts: Vec<Part>,
     /// The material libraries that were read.
     pub files: Vec<std::path::PathBuf>,
@@ -96,7 +97,8 @@ impl MaterialUses {
     }
 
     /// Reads all libraries that the file at `path` names.
-    fn library(&self, path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<Library> {
+    fn library(&self, place: Place<'_>, warnings: &mut Vec<String>) -> Result<Library> {
+        let Place { path, json_path } = place;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut library = Library::default();
         for (names, line) in &self.libraries {
@@ -119,7 +121,7 @@ impl MaterialUses {
                             Some(file) => files.push(file),
                             None => {
                                 let missing = format!("there is no material library '{}'", elided(name));
-                                warn(warnings, format!("{json_path}: {}:{line}: {missing}", path.display()));
+                                place.warn(warnings, *line, &missing);
                             }
                         }
                     }
@@ -137,17 +139,19 @@ impl MaterialUses {
     }
 }
 
-/// Reads the file at `path` and the material libraries that it names, with a part for each material that a face has, in the order
-/// of their first faces. `json_path` says where the scene names the file.
-pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<Parts> {
+/// Reads the file and the material libraries that it names, with a part for each material that a face has, in the order of their
+/// first faces.
+pub(super) fn load(source: Source<'_>, warnings: &mut Vec<String>) -> Result<Parts> {
+    let place = source.place();
+    let (path, json_path) = (place.path, place.json_path);
     let mut noted = Vec::new();
-    let (mesh, uses) = obj::read(path, json_path, Some(MaterialUses::default()), &mut noted)?;
+    let (mesh, uses) = obj::read(source, Some(MaterialUses::default()), &mut noted)?;
     let uses = uses.unwrap_or_default();
     if uses.triangles != mesh.triangles.len() {
         let message = format!("{} triangles were made of {}", mesh.triangles.len(), uses.triangles);
         return Err(Error::new(ErrorKind::Internal, message).at(json_path));
     }
-    let library = uses.library(path, json_path, &mut noted)?;
+    let library = uses.library(place, &mut noted)?;
     let mut runs: Vec<Vec<Range<usize>>> = vec![Vec::new(); uses.names.len()];
     for (material, run) in uses.runs {
         runs[material].push(run);
@@ -167,8 +171,7 @@ pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> 
                     let hint = did_you_mean(name, library.names());
                     format!("no material named '{}' in its material libraries{hint}", elided(name))
                 };
-                let text = format!("{json_path}: {}:{line}: {why}; a grey diffuse one is taken", path.display());
-                warn(&mut noted, text);
+                place.warn(&mut noted, *line, &format!("{why}; a grey diffuse one is taken"));
                 let bsdf = BsdfDesc::Lambert { albedo: Rgb::splat(0.8) };
                 vec![MaterialDesc { name: full_name, path: json_path.to_owned(), bsdf, ..MaterialDesc::default() }]
             }

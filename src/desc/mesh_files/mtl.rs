@@ -7,11 +7,11 @@ use std::collections::{HashMap, HashSet};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use super::file::open;
-use super::json::elided;
-use super::obj::is_number;
-use super::warnings::warn;
-use super::{BsdfDesc, ConductorDesc, MaterialDesc, MicrofacetsDesc, PrincipledDesc};
+use super::{Place, is_number};
+use crate::desc::file::open;
+use crate::desc::json::elided;
+use crate::desc::warnings::warn;
+use crate::desc::{BsdfDesc, ConductorDesc, MaterialDesc, MicrofacetsDesc, PrincipledDesc};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
@@ -75,8 +75,8 @@ impl Source<'_> {
     /// Warns of a key for the first time that it occurs.
     fn warn(&mut self, line: usize, key: &str, message: &str) {
         if self.warned.len() < KEY_LIMIT && self.warned.insert(format!("{key} {message}")) {
-            let file = self.file.display();
-            warn(self.warnings, format!("{}: {file}:{line}: {key} {message}", self.json_path));
+            let place = Place { path: self.file, json_path: self.json_path };
+            place.warn(self.warnings, line, &format!("{key} {message}"));
         }
     }
 }
@@ -325,14 +325,15 @@ impl Entry {
     /// Describes the material, after the materials that it consists of. `first` is the number that the first of them will have.
     pub fn describe(&self, name: &str, path: &str, first: usize, warnings: &mut Vec<String>) -> Vec<MaterialDesc> {
         let emission = self.ke.filter(|ke| *ke != [0.0; 3]).map(rgb);
+        let at = if path.is_empty() { String::new() } else { format!("{path}: ") };
         let is_clear = self.refracts() || self.is_sheet();
         let mut opacity = if is_clear { 1.0 } else { self.opacity() as f32 };
         if emission.is_some() && opacity < 1.0 {
-            warn(warnings, format!("{path}: the material '{}' emits light (Ke); it is opaque", elided(name)));
+            warn(warnings, format!("{at}the material '{}' emits light (Ke); it is opaque", elided(name)));
             opacity = 1.0;
         }
         if opacity == 0.0 {
-            warn(warnings, format!("{path}: the material '{}' is invisible, its opacity is 0", elided(name)));
+            warn(warnings, format!("{at}the material '{}' is invisible, its opacity is 0", elided(name)));
         }
         let part = |bsdf| MaterialDesc { path: path.to_owned(), bsdf, ..MaterialDesc::default() };
         let whole = |bsdf| MaterialDesc { name: name.to_owned(), opacity, emission, ..part(bsdf) };

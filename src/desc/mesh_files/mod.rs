@@ -1,0 +1,204 @@
+//! Reads meshes from files that other programs made.
+//!
+//! Wavefront OBJ, PLY and STL are told apart by the name's extension, or by the content where the extension says nothing. All readers
+//! have the same limits, check every number before it is used, and allocate only for data that the file has.
+
+mod mtl;
+mod obj;
+mod obj_parts;
+mod ply;
+mod ply_header;
+mod ply_values;
+mod stl;
+mod stl_text;
+
+use std::fs::File;
+use std::io::{self, BufRead as _, Read, Take};
+use std::path::Path;
+
+use super::MeshDesc;
+use super::file::open;
+use super::warnings::warn;
+use crate::{Error, Result};
+
+pub(super) use obj_parts::{Part, Parts};
+
+/// Size of the largest file that is read, 2 GiB.
+const SIZE_LIMIT: u64 = 2 << 30;
+/// Greatest number of face corners in one file. A corner takes about 30 bytes while reading.
+const CORNER_LIMIT: usize = 1 << 27;
+/// Length of the longest line. A face of this length has more than a million corners.
+const LINE_LIMIT: usize = 16 << 20;
+
+/// What readers of mesh files expect, for messages.
+const EXPECTED: &str = "a Wavefront OBJ, PLY or STL file";
+
+/// A file format of meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MeshFormat {
+    /// Wavefront OBJ.
+    Obj,
+    /// The Stanford polygon format, as text or in either byte order.
+    Ply,
+    /// Stereolithography, as text or binary.
+    Stl,
+}
+
+impl MeshFormat {
+    /// The format that the extension of a name says, in upper or lower case.
+    pub fn of_name(file: &Path) -> Option<Self> {
+        let extension = file.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "obj" => Some(Self::Obj),
+            "ply" => Some(Self::Ply),
+            "stl" => Some(Self::Stl),
+            _ => None,
+        }
+    }
+
+    /// The format of a file whose name says nothing, by its beginning and its size. What is nothing else is taken for
+    /// Wavefront OBJ, which has no beginning of its own.
+    fn of_content(beginning: &[u8], size: u64) -> Self {
+        if beginning.starts_with(b"ply\n") || beginning.starts_with(b"ply\r") {
+            Self::Ply
+        } else if stl::is_text(beginning) || stl::is_binary_of_size(beginning, size) {
+            Self::Stl
+        } else {
+            Self::Obj
+        }
+    }
+}
+
+/// Checks that a file name is possible.
+pub(super) fn check_name(json_path: &str, file: &Path) -> Result<()> {
+    let name = file.as_os_str();
+    if name.is_empty() {
+        return Err(Error::invalid(json_path, format!("the file name is empty, expected {EXPECTED}")));
+    }
+    if name.as_encoded_bytes().contains(&0) {
+        return Err(Error::invalid(json_path, "the file name holds a zero byte"));
+    }
+    Ok(())
+}
+
+/// Reads the mesh in the file at `path`; `json_path` says where the scene names it. Adds warnings only where no error occurs.
+pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<MeshDesc> {
+    let mut source = Source::open(path, json_path)?;
+    let format = match MeshFormat::of_name(path) {
+        Some(format) => format,
+        None => source.format()?,
+    };
+    match format {
+        MeshFormat::Obj => obj::read(source, None, warnings).map(|(mesh, _)| mesh),
+        MeshFormat::Ply => ply::read(source, warnings),
+        MeshFormat::Stl => stl::read(source, warnings),
+    }
+}
+
+/// Reads the file at `path` and the material libraries that it names, with a part for each material that a face has.
+pub(super) fn load_parts(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<Parts> {
+    let mut source = Source::open(path, json_path)?;
+    let format = match MeshFormat::of_name(path) {
+        Some(format) => format,
+        None => source.format()?,
+    };
+    let other = match format {
+        MeshFormat::Obj => return obj_parts::load(source, warnings),
+        MeshFormat::Ply => "PLY",
+        MeshFormat::Stl => "STL",
+    };
+    let message = format!("a {other} file names no materials, expected a Wavefront OBJ file");
+    Err(Error::invalid(json_path, message).in_file(Some(path), 0))
+}
+
+/// An open file, and where messages about it come from.
+struct Source<'a> {
+    path: &'a Path,
+    json_path: &'a str,
+    /// Size of the file when it was opened.
+    size: u64,
+    reader: io::BufReader<Take<File>>,
+}
+
+impl<'a> Source<'a> {
+    fn open(path: &'a Path, json_path: &'a str) -> Result<Self> {
+        let file = open(path, SIZE_LIMIT).map_err(|error| error.at(json_path))?;
+        let size = file.metadata().map_err(|error| Error::io(path, "cannot open the file", error).at(json_path))?.len();
+        // The limit is one byte more than allowed, so that a file that grows during reading is distinguished from a file
+        // that ends here.
+        Ok(Self { path, json_path, size, reader: io::BufReader::with_capacity(1 << 16, file.take(SIZE_LIMIT + 1)) })
+    }
+
+    /// The format by the content.
+    fn format(&mut self) -> Result<MeshFormat> {
+        let (place, size) = (self.place(), self.size);
+        let beginning = self.reader.fill_buf().map_err(|error| place.unreadable(error))?;
+        Ok(MeshFormat::of_content(beginning, size))
+    }
+
+    fn place(&self) -> Place<'a> {
+        Place { path: self.path, json_path: self.json_path }
+    }
+}
+
+/// Where messages come from.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    path: &'a Path,
+    json_path: &'a str,
+}
+
+impl Place<'_> {
+    /// An error in the file; line 0 where there are no lines.
+    fn fail(&self, line: usize, message: impl Into<String>) -> Error {
+        Error::invalid(self.json_path, message).in_file(Some(self.path), line)
+    }
+
+    fn unreadable(&self, error: io::Error) -> Error {
+        Error::io(self.path, "cannot read the mesh", error).at(self.json_path)
+    }
+
+    fn too_large(&self) -> Error {
+        self.fail(0, format!("the file is larger than {SIZE_LIMIT} bytes"))
+    }
+
+    /// Adds a warning about the file.
+    fn warn(&self, warnings: &mut Vec<String>, line: usize, message: &str) {
+        let mut place = self.path.display().to_string();
+        if line > 0 {
+            place = format!("{place}:{line}");
+        }
+        if !self.json_path.is_empty() {
+            place = format!("{}: {place}", self.json_path);
+        }
+        warn(warnings, format!("{place}: {message}"));
+    }
+
+    /// A mesh without content, named after the file.
+    fn mesh(&self) -> MeshDesc {
+        MeshDesc { name: self.path.display().to_string(), path: self.json_path.to_owned(), ..MeshDesc::default() }
+    }
+}
+
+/// Rounds values to single precision. Returns `None` where a value does not fit.
+fn finite<const N: usize>(values: [f64; N]) -> Option<[f32; N]> {
+    let rounded = values.map(|value| value as f32);
+    rounded.iter().all(|value| value.is_finite()).then_some(rounded)
+}
+
+/// Returns whether the text is a decimal number: a text that Rust parses, without Rust's words for infinity and NaN.
+fn is_number(text: &str) -> bool {
+    !text.bytes().any(|byte| matches!(byte, b'n' | b'N' | b'i' | b'I')) && text.parse::<f64>().is_ok_and(f64::is_finite)
+}
+
+/// Returns the beginning of an invalid word, which is long enough to find the word in the file.
+fn shortened(text: &str) -> &str {
+    text.char_indices().nth(40).map_or(text, |(end, _)| &text[..end])
+}
+
+/// Reads the next line, with its end, into `line`; an empty one at the end of the file. `Ok(false)` for a line that is too long.
+fn read_line(reader: &mut impl io::BufRead, line: &mut Vec<u8>) -> io::Result<bool> {
+    line.clear();
+    reader.by_ref().take(LINE_LIMIT as u64 + 1).read_until(b'\n', line)?;
+    Ok(line.len() <= LINE_LIMIT)
+}

@@ -1,0 +1,67 @@
+//! Scenes from files: which format a file has, and the scene of a file that holds surfaces alone.
+
+use std::path::Path;
+
+use super::file::read_text;
+use super::mesh_files::{self, MeshFormat};
+use super::read::parse;
+use super::{BsdfDesc, MaterialDesc, SceneDesc, ShapeDesc, SurfaceLook, framing};
+use crate::Result;
+use crate::math::{DAffine3, DMat3, DVec3};
+use crate::spectrum::Rgb;
+
+/// Albedo of surfaces of which a file says nothing but their shape: dark enough to stand out from the sky.
+const GREY: f32 = 0.5;
+
+/// Reads a scene file of any format, by the extension of its name. What has no extension of another format is text: a scene of
+/// either dialect.
+///
+/// A mesh becomes a scene by itself: grey, or with the materials that an OBJ file names, smooth where the file has normals, seen
+/// as a whole, under an even sky where nothing else emits light.
+pub(super) fn scene_from_file(path: &Path) -> Result<SceneDesc> {
+    let mut scene = match MeshFormat::of_name(path) {
+        None => return text(path),
+        Some(MeshFormat::Obj) => with_own_materials(path)?,
+        Some(MeshFormat::Ply) => grey(path, DAffine3::IDENTITY)?,
+        Some(MeshFormat::Stl) => grey(path, z_to_y())?,
+    };
+    scene.file = Some(path.to_owned());
+    framing::light(&mut scene);
+    framing::frame(&mut scene);
+    Ok(scene)
+}
+
+fn text(path: &Path) -> Result<SceneDesc> {
+    parse(&read_text(path)?, path.parent().unwrap_or(Path::new("")), Some(path))
+}
+
+/// Turns z, which is up in the programs that write STL, to y, which is up in all other formats: +z becomes +y, and what is in
+/// front (-y) comes towards +z.
+fn z_to_y() -> DAffine3 {
+    DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::Y))
+}
+
+fn grey(path: &Path, transform: DAffine3) -> Result<SceneDesc> {
+    let mut scene = SceneDesc::default();
+    let mesh = mesh_files::load(path, "", &mut scene.warnings)?;
+    scene.files.push(path.to_owned());
+    let smooth = mesh.has_normals();
+    let bsdf = BsdfDesc::Lambert { albedo: Rgb::splat(GREY) };
+    let grey = MaterialDesc { name: "grey".to_owned(), bsdf, ..MaterialDesc::default() };
+    let material = Some(scene.add_material_desc(grey)?);
+    let mesh = scene.put_mesh(mesh);
+    let look = SurfaceLook { material, emission: None, transform };
+    scene.add_surface(ShapeDesc::Mesh { mesh, smooth }, DAffine3::IDENTITY, look)?;
+    Ok(scene)
+}
+
+fn with_own_materials(path: &Path) -> Result<SceneDesc> {
+    let mut scene = SceneDesc::default();
+    let parts = mesh_files::load_parts(path, "", &mut scene.warnings)?;
+    for [material, mesh] in scene.put_parts(path, parts)? {
+        let smooth = scene.meshes[mesh].has_normals();
+        let look = SurfaceLook { material: Some(material), ..SurfaceLook::default() };
+        scene.add_surface(ShapeDesc::Mesh { mesh, smooth }, DAffine3::IDENTITY, look)?;
+    }
+    Ok(scene)
+}

@@ -1,0 +1,190 @@
+//! An even sky: what files and calls say of it, and that every integrator which takes it gives the known answer.
+
+mod common;
+
+use std::path::Path;
+
+use common::scenes::{Job, render_scene};
+use etendue::ErrorKind;
+use etendue::desc::{self, BsdfDesc, IntegratorDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceLook};
+use etendue::math::{DAffine3, DVec3};
+use etendue::render::{Render, RenderSettings};
+use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
+use serde_json::{Value, json};
+
+fn parse(lights: &Value) -> Result<SceneDesc, etendue::Error> {
+    let scene = json!({"etendue": 1, "camera": {"origin": [0, 0, 4], "fieldOfView": 40}, "lights": lights,
+        "materials": [{"name": "white", "type": "diffuse", "color": [1, 1, 1]}],
+        "surfaces": [{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "material": "white"}]});
+    desc::parse(&scene.to_string(), Path::new(""), None)
+}
+
+#[test]
+fn a_file_has_one_environment_at_most() {
+    let scene = parse(&json!([{"type": "environment", "color": [0.5, 1, 2], "intensity": 3}])).unwrap();
+    let environment = scene.environment.expect("an environment");
+    assert_eq!((environment.path.as_str(), environment.radiance), ("lights[0]", Rgb::new(1.5, 3.0, 6.0)));
+    assert_eq!(
+        parse(&json!([{"type": "environment", "color": [0.5, 1, 2]}])).unwrap().environment.unwrap().radiance.b(),
+        2.0
+    );
+    assert!(parse(&json!([])).unwrap().environment.is_none());
+    for (lights, place, message) in [
+        (json!([{"type": "environment"}]), "lights[0]", "missing key `color`"),
+        (json!([{"type": "environment", "color": [1, -1, 1]}]), "lights[0].color[1]", "-1 is negative"),
+        (
+            json!([{"type": "environment", "color": [1, 1, 1], "intensity": -1}]),
+            "lights[0].intensity",
+            "-1 is negative",
+        ),
+        (json!([{"type": "environment", "color": [1e30, 1, 1], "intensity": 1e30}]), "lights[0].color[0]", "precision"),
+        (
+            json!([{"type": "environment", "color": [1, 1, 1], "origin": [0, 0, 0]}]),
+            "lights[0]",
+            "unknown key `origin`",
+        ),
+        (
+            json!([{"type": "environment", "color": [1, 1, 1]}, {"type": "environment", "color": [1, 1, 1]}]),
+            "lights[1]",
+            "lights[0] is an environment already, expected one at most",
+        ),
+        (json!([{"type": "enviroment", "color": [1, 1, 1]}]), "lights[0].type", "did you mean 'environment'?"),
+    ] {
+        let error = parse(&lights).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::InvalidScene);
+        assert!(error.location().json_path.starts_with(place) && error.message().contains(message), "{error}");
+    }
+}
+
+/// A Lambert ball of this albedo in a sky of radiance 1, filling the picture. A floor far below is for photons to land on.
+fn furnace(albedo: f32, integrator: IntegratorDesc) -> SceneDesc {
+    let mut scene = parse(&json!([{"type": "environment", "color": [1, 1, 1]}])).unwrap();
+    scene.set_material(0, BsdfDesc::Lambert { albedo: Rgb::splat(albedo) }, None).unwrap();
+    scene.render = RenderDesc { integrator, ..job(16) };
+    scene
+}
+
+fn job(samples: u32) -> RenderDesc {
+    Job { resolution: [8, 8], samples, ..Job::default() }.desc()
+}
+
+fn picture(scene: &SceneDesc) -> Vec<f32> {
+    let built = Scene::build(scene, &BuildOptions::default()).unwrap();
+    render_scene(&built, scene.render.clone()).0.rgb
+}
+
+fn mean(rgb: &[f32]) -> f64 {
+    rgb.iter().map(|value| f64::from(*value)).sum::<f64>() / rgb.len() as f64
+}
+
+/// What absorbs nothing cannot be seen in an even sky.
+#[test]
+fn a_white_ball_cannot_be_seen() {
+    for integrator in IntegratorDesc::ALL {
+        let mut scene = furnace(1.0, integrator);
+        if integrator == IntegratorDesc::Radiosity {
+            let built = Scene::build(&scene, &BuildOptions::default()).unwrap();
+            let settings = RenderSettings { desc: scene.render.clone(), ..RenderSettings::default() };
+            let error = Render::new(&built, settings).err().expect("radiosity has no place for a sky");
+            assert_eq!(error.kind(), ErrorKind::Unsupported);
+            assert!(error.message().starts_with("radiosity takes no light from infinity"), "{error}");
+            continue;
+        }
+        // Estimates from the density of photons lose what lies beyond the silhouette, so these look at its middle.
+        if matches!(integrator, IntegratorDesc::PhotonDirect) {
+            scene.render.photons.count = Some(1 << 18);
+            let closer = json!({"etendue": 1, "camera": {"origin": [0, 0, 4], "fieldOfView": 10}});
+            scene.camera = desc::parse(&closer.to_string(), Path::new(""), None).unwrap().camera;
+        } else {
+            scene.render.photons.count = Some(1 << 14);
+        }
+        let rgb = picture(&scene);
+        let tolerance = if integrator == IntegratorDesc::PhotonDirect { 0.03 } else { 5e-3 };
+        let mean = mean(&rgb);
+        assert!((mean - 1.0).abs() < tolerance, "{}: {mean}", integrator.name());
+    }
+}
+
+/// In a valley, light goes to and fro: the methods agree on how much of it.
+#[test]
+fn photons_agree_with_paths_under_a_sky() {
+    let of = |integrator, samples| {
+        let mut scene = furnace(0.7, integrator);
+        let wall = |scene: &mut SceneDesc, corners: [[f64; 3]; 4]| {
+            let (shape, local) = ShapeDesc::quad(corners.map(DVec3::from_array)).unwrap();
+            let look = SurfaceLook { material: Some(0), ..SurfaceLook::default() };
+            scene.add_surface(shape, local, look).unwrap();
+        };
+        wall(&mut scene, [[-3.0, -1.0, 3.0], [3.0, -1.0, 3.0], [3.0, -1.0, -2.0], [-3.0, -1.0, -2.0]]);
+        wall(&mut scene, [[-3.0, -1.0, -2.0], [3.0, -1.0, -2.0], [3.0, 4.0, -2.0], [-3.0, 4.0, -2.0]]);
+        scene.render.samples = samples;
+        scene.render.photons.count = Some(1 << 17);
+        mean(&picture(&scene))
+    };
+    let exact = of(IntegratorDesc::Path, 1024);
+    assert!((0.3..0.9).contains(&exact), "{exact}");
+    for integrator in
+        [IntegratorDesc::Photon, IntegratorDesc::Caustic, IntegratorDesc::Sppm, IntegratorDesc::IrradianceCache]
+    {
+        let found = of(integrator, 64);
+        assert!((found / exact - 1.0).abs() < 0.03, "{}: {found}, not {exact}", integrator.name());
+    }
+}
+
+#[test]
+fn an_edited_sky_is_that_of_a_new_scene() {
+    let mut scene = furnace(0.5, IntegratorDesc::Path);
+    let mut built = Scene::build(&scene, &BuildOptions::default()).unwrap();
+    let check = |built: &mut Scene, scene: &SceneDesc| {
+        *built = built.rebuild(scene, &BuildOptions::default()).unwrap();
+        let bits = |rgb: Vec<f32>| rgb.into_iter().map(f32::to_bits).collect::<Vec<_>>();
+        let rebuilt = bits(render_scene(built, scene.render.clone()).0.rgb);
+        assert!(rebuilt == bits(picture(scene)));
+        rebuilt
+    };
+    let mut seen = std::collections::HashSet::new();
+    assert!(seen.insert(check(&mut built, &scene)));
+    scene.set_environment(Some(Rgb::new(0.25, 0.5, 1.0))).unwrap();
+    assert_eq!(scene.environment.as_ref().unwrap().path, "lights[0]");
+    assert!(seen.insert(check(&mut built, &scene)));
+    // The ball around the scene grows with it.
+    let (shape, local) = ShapeDesc::sphere(DVec3::new(0.0, 30.0, 0.0), 20.0).unwrap();
+    let look = SurfaceLook { material: Some(0), ..SurfaceLook::default() };
+    let moon = scene.add_surface(shape, local, look).unwrap();
+    assert!(seen.insert(check(&mut built, &scene)));
+    scene.set_transform(moon, DAffine3::from_translation(DVec3::Y * 100.0)).unwrap();
+    assert!(seen.insert(check(&mut built, &scene)));
+    scene.set_environment(None).unwrap();
+    let black = check(&mut built, &scene);
+    assert!(black.iter().all(|value| *value == 0) && built.warnings()[0].contains("nothing in the scene emits light"));
+    scene.set_environment(Some(Rgb::ZERO)).unwrap();
+    assert!(check(&mut built, &scene) == black);
+    assert!(built.warnings()[0].contains("dropped an environment without radiance"), "{:?}", built.warnings());
+    // A call that fails changes nothing.
+    for bad in [Rgb::splat(-1.0), Rgb::splat(f32::NAN), Rgb::splat(f32::INFINITY)] {
+        let error = scene.set_environment(Some(bad)).unwrap_err();
+        assert_eq!(
+            error.location().json_path,
+            "lights[0].color[0]".replace("lights[0]", &scene.environment.as_ref().unwrap().path)
+        );
+        assert_eq!(scene.environment.as_ref().unwrap().radiance, Rgb::ZERO);
+    }
+    assert!(
+        SceneDesc::default()
+            .set_environment(Some(Rgb::splat(-1.0)))
+            .unwrap_err()
+            .to_string()
+            .contains("environment.color[0]")
+    );
+}
+
+/// A sky without anything in it.
+#[test]
+fn an_empty_scene_shows_its_sky() {
+    let mut scene = SceneDesc { render: job(1), ..SceneDesc::default() };
+    scene.set_environment(Some(Rgb::new(0.5, 1.0, 2.0))).unwrap();
+    let rgb = picture(&scene);
+    assert!(rgb.as_chunks::<3>().0.iter().all(|pixel| *pixel == [0.5, 1.0, 2.0]), "{rgb:?}");
+    assert!(Scene::build(&scene, &BuildOptions::default()).unwrap().warnings().is_empty());
+}
