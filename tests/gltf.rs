@@ -640,7 +640,7 @@ fn every_container_gives_the_picture_of_the_native_scene() {
     file.root["materials"] =
         json!([{"pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.4, 0.2, 1], "metallicFactor": 0}}]);
     file.root["meshes"][0]["primitives"][0]["material"] = json!(0);
-    file.root["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 683}]}});
+    file.root["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 68300}]}});
     file.root["cameras"] =
         json!([{"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 1, "znear": 0.1}}]);
     file.root["nodes"] = json!([
@@ -662,7 +662,7 @@ fn every_container_gives_the_picture_of_the_native_scene() {
     let native = json!({"etendue": 1,
         "camera": {"origin": [-0.3, 0.3, 4], "lookAt": [-0.3, 0.3, 0], "up": [0, 1, 0], "fieldOfView": 0.5_f64.to_degrees(),
             "fieldOfViewAxis": "vertical"},
-        "lights": [{"type": "point", "origin": [0, 0, 1], "color": [1, 1, 1], "intensity": 1}],
+        "lights": [{"type": "point", "origin": [0, 0, 1], "color": [1, 1, 1], "intensity": 100}],
         "materials": [{"name": "m", "type": "principled", "base_color": [0.8, 0.4, 0.2], "specular_roughness": 1}],
         "surfaces": [{"geometry": "mesh", "material": "m", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]],
             "triangles": [[0, 1, 2]], "transform": {"scale": [-1, 1, 1]}}],
@@ -720,7 +720,7 @@ fn broken_files_are_refused_at_the_element() {
         (Box::new(set("/scene", json!("a"))), "scene: invalid type: string".into()),
         (Box::new(set("/nodes/0/mesh", json!(1))), "nodes[0].mesh: there is no meshes[1], expected an index below 1".into()),
         (Box::new(set("/nodes/0/mesh", json!(4_294_967_296_u64))), "nodes[0].mesh: there is no meshes[4294967296]".into()),
-        (Box::new(set("/nodes/0/mesh", json!(-1))), "nodes[0].mesh: invalid value".into()),
+        (Box::new(set("/nodes/0/mesh", json!(-1))), "nodes[0].mesh: invalid value: integer `-1`, expected a whole number".into()),
         (Box::new(set("/nodes/0/rotation", json!([0, 0, 0, 0]))), "nodes[0].rotation: [0.0, 0.0, 0.0, 0.0] is no rotation".into()),
         (Box::new(set("/nodes/0/scale", json!([1e39, 1, 1]))), "nodes[0].scale[0]: 1e39 is beyond single precision".into()),
         (Box::new(set("/nodes/0/matrix", json!([1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]))), "nodes[0].matrix: its last row".into()),
@@ -927,7 +927,7 @@ fn files_of_other_programs_are_read_or_refused() {
         eprintln!("SKIPPED: {} is not there (package assimp-testmodels)", models.join("glTF2").display());
         return;
     }
-    for (folder, least_read) in [("glTF2", 30), ("glTF", 0), ("invalid", 0)] {
+    for (folder, least_read) in [("glTF2", 22), ("glTF", 0), ("invalid", 0)] {
         let (mut read, mut refused, mut warnings) = (0, 0, 0);
         for path in files_below(&models.join(folder)) {
             match desc::load(&path, None) {
@@ -949,6 +949,6 @@ fn files_of_other_programs_are_read_or_refused() {
             }
         }
         eprintln!("| {folder} | {read} read | {refused} refused | {warnings} warnings |");
-        assert!(read >= least_read, "{folder}: most of them can be read");
+        assert!(read >= least_read, "{folder}: fewer are read than can be");
     }
 }

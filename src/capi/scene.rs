@@ -248,7 +248,8 @@ pub unsafe extern "C" fn etd_scene_from_json(
     }
 }
 
-/// Reads a scene from a file. Paths of mesh files are relative to the file's folder, and `options->base_dir` is ignored.
+/// Reads a scene from a file: of glTF 2.0 where its name ends in `.gltf` or `.glb`, otherwise JSON. Paths of mesh files are relative
+/// to the file's folder, and `options->base_dir` is ignored.
 ///
 /// `path`: UTF-8. All else is as for `etd_scene_from_json`. Thread-safe.
 ///

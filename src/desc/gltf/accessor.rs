@@ -1,11 +1,16 @@
 //! Reads the numbers of accessors. Sizes are checked against the bytes that are there before anything is allocated.
 
+use std::cell::Cell;
+
 use super::buffers::Buffers;
 use super::document::{Accessor, Document, SparsePart, element, missing};
 use crate::{Error, ErrorKind, Result};
 
 /// Most elements of an accessor that has no bytes of its own: all of its elements are zero but for the sparse ones.
 const ZEROS_LIMIT: u64 = 1 << 24;
+
+/// Most elements that are read in all. Many parts of a file may name one accessor, so that its size alone bounds no time.
+const READ_LIMIT: u64 = 1 << 31;
 
 /// The types of components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,12 +106,30 @@ pub(super) struct Accessors<'a> {
     document: &'a Document<'a>,
     buffers: &'a Buffers<'a>,
     quantized: bool,
+    /// How many more elements may be read.
+    left: Cell<u64>,
 }
 
 impl<'a> Accessors<'a> {
     pub fn new(document: &'a Document<'a>, buffers: &'a Buffers<'a>) -> Self {
         let mut used = document.extensions_used.iter().chain(&document.extensions_required);
-        Self { document, buffers, quantized: used.any(|name| name == "KHR_mesh_quantization") }
+        Self {
+            document,
+            buffers,
+            quantized: used.any(|name| name == "KHR_mesh_quantization"),
+            left: Cell::new(READ_LIMIT),
+        }
+    }
+
+    /// Counts elements before they are read.
+    pub fn spend(&self, path: &str, elements: u64) -> Result<()> {
+        let left = self.left.get().checked_sub(elements).ok_or_else(|| {
+            let message =
+                format!("parts of the file are used too often, expected {READ_LIMIT} elements to read at most");
+            Error::invalid(path, message)
+        })?;
+        self.left.set(left);
+        Ok(())
     }
 
     /// The number of elements of the accessor that `path` names.
@@ -151,6 +174,7 @@ impl<'a> Accessors<'a> {
             // Columns of matrices whose components have fewer than four bytes are padded; none of them is read here.
             std::array::from_fn(|i| convert(component, &bytes[i * component.size()..]))
         };
+        self.spend(path, accessor.count)?;
         let count = usize::try_from(accessor.count)
             .map_err(|_| Error::invalid(&at, format!("{} elements are too many", accessor.count)))?;
         let mut values = match accessor.buffer_view {

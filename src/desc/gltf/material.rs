@@ -6,8 +6,8 @@ use super::super::json::elided;
 use super::super::{BsdfDesc, MaterialDesc, MediumDesc, PrincipledDesc, SceneDesc, material_check};
 use super::document::{Document, Material, TextureInfo, element};
 use super::material_extensions::{
-    self, Anisotropy, Clearcoat, DiffuseTransmission, EmissiveStrength, Ior, Sheen, Specular, SpecularGlossiness,
-    Transmission, Volume,
+    self, Anisotropy, Clearcoat, DiffuseTransmission, EmissiveStrength, Extension, Ior, Sheen, Specular,
+    SpecularGlossiness, Transmission, Volume,
 };
 use super::texture::{self, Slot, Textures};
 use crate::spectrum::Rgb;
@@ -331,6 +331,9 @@ impl Reader<'_> {
         desc: &mut PrincipledDesc,
     ) -> Result<Option<MediumDesc>> {
         let Some((at, it)) = material_extensions::read::<Transmission<'_>>(path, &material.extensions)? else {
+            if material.extensions.contains_key(Volume::NAME) {
+                self.notes.note("a volume behind a surface that light does not pass clearly is left out", path);
+            }
             return Ok(None);
         };
         desc.transmission_weight = self.notes.share(&at, "transmissionFactor", it.transmission_factor, 0.0) as f32;

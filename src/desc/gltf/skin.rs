@@ -16,6 +16,7 @@ pub(super) fn joints(
 ) -> Result<Vec<DAffine3>> {
     let (number, skin) = element(&document.skins, "skins", path, index)?;
     let path = format!("skins[{number}]");
+    accessors.spend(&path, skin.joints.len() as u64)?;
     let at = format!("{path}.inverseBindMatrices");
     let inverse = match skin.inverse_bind_matrices {
         Some(index) => accessors.floats::<16>(&at, index, Allowed::Floats)?,

@@ -130,6 +130,7 @@ impl Adding<'_> {
         let document = self.document;
         for (i, primitive) in primitives(&document.meshes[mesh], mesh)?.iter().enumerate() {
             let at = format!("meshes[{mesh}].primitives[{i}]");
+            self.meshes.accessors.spend(&at, 1)?;
             let material = self.materials.of(&at, primitive.material, self.scene)?;
             let Some(mut geometry) = self.meshes.read(&at, primitive, weights, self.materials.uv_set(material))? else {
                 continue;
@@ -151,6 +152,7 @@ impl Adding<'_> {
         let document = self.document;
         for (i, primitive) in primitives(&document.meshes[mesh], mesh)?.iter().enumerate() {
             let at = format!("meshes[{mesh}].primitives[{i}]");
+            self.meshes.accessors.spend(&at, 1)?;
             let material = self.materials.of(&at, primitive.material, self.scene)?;
             if let Some(geometry) = self.meshes.read(&at, primitive, weights, self.materials.uv_set(material))? {
                 parts.push(self.part(&at, mesh, i, material, geometry)?);
