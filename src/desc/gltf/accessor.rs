@@ -253,7 +253,7 @@ impl<'a> Accessors<'a> {
         };
         // The offset of the view is counted as well: what has to be aligned is the place in the buffer.
         let view_offset = self.document.buffer_views.get(view as usize).map_or(0, |view| view.byte_offset);
-        if offset.wrapping_add(view_offset) % size as u64 != 0 {
+        if !offset.wrapping_add(view_offset).is_multiple_of(size as u64) {
             let place = u128::from(offset) + u128::from(view_offset);
             let message = format!(
                 "elements of {} begin at byte {place} of the buffer, which is misaligned; expected a multiple of {size}",
