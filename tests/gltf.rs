@@ -715,6 +715,7 @@ fn broken_files_are_refused_at_the_element() {
     let cases: Vec<(Change, String)> = vec![
         (Box::new(set("/asset/version", json!("1.0"))), "asset.version: the file is of glTF version 1.0".into()),
         (Box::new(set("/asset/minVersion", json!("3.1"))), "asset.minVersion: the file is of glTF version 3.1".into()),
+        (Box::new(set("/asset/version", json!(1))), "asset.version: the file is of glTF version 1, this library".into()),
         (Box::new(set("/asset", json!({}))), "asset: missing key `version`".into()),
         (Box::new(set("/scene", json!(4))), "scene: there is no scenes[4]".into()),
         (Box::new(set("/scene", json!("a"))), "scene: invalid type: string".into()),

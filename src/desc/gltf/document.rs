@@ -255,20 +255,24 @@ pub(super) fn read(text: &str) -> Result<Document<'_>> {
     }
     #[derive(Deserialize)]
     #[serde(rename_all = "camelCase")]
-    struct Asset {
-        version: Option<String>,
-        min_version: Option<String>,
+    struct Asset<'a> {
+        #[serde(borrow)]
+        version: Option<&'a RawValue>,
+        #[serde(borrow)]
+        min_version: Option<&'a RawValue>,
     }
     let raw = json::document(text)?;
     let Some(asset) = json::object::<Probe<'_>>(raw, "")?.asset else {
         return Err(Error::invalid("", "missing key `asset`, which every glTF document has"));
     };
-    let Asset { version, min_version } = json::object(asset, "asset")?;
+    let Asset { version, min_version }: Asset<'_> = json::object(asset, "asset")?;
     let version = version.ok_or_else(|| Error::invalid("asset", "missing key `version`, expected 2.0"))?;
     for (key, version) in [("asset.version", Some(version)), ("asset.minVersion", min_version)] {
+        // Files of version 1 also have it as a number.
+        let version = version.map(|raw| raw.get().trim_matches('"'));
         if let Some(version) = version.filter(|it| it.split('.').next() != Some("2")) {
             let message =
-                format!("the file is of glTF version {}, this library reads version 2.0", json::elided(&version));
+                format!("the file is of glTF version {}, this library reads version 2.0", json::elided(version));
             return Err(Error::new(ErrorKind::Unsupported, message).at(key));
         }
     }
