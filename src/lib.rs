@@ -48,6 +48,7 @@ pub mod sampling;
 pub mod scene;
 pub mod shape;
 pub mod spectrum;
+pub mod texture;
 
 pub use control::{Alone, Cancel, Parallel};
 pub use error::{Error, ErrorKind, Location, Result};

@@ -3,6 +3,7 @@
 use super::fresnel::fresnel_dielectric;
 use super::lobes::{Lobes, TransportMode};
 use super::local::{outward, reflect, same_side};
+use super::memo::memo;
 use super::microfacet::{FacetShares, Microfacets, MissingEnergy, average};
 use super::model::{BsdfSample, Model, SpecularLobes};
 use crate::math::Vec3;
@@ -18,6 +19,11 @@ pub struct Coat {
     mean: f32,
 }
 
+memo!(
+    /// Mean share that smooth coats reflect, by their relative index.
+    SMOOTH: u64 => f32, 1024
+);
+
 impl Coat {
     /// A coat. `eta`: its index of refraction over the index outside, > 0. `facets`: those of its surface, if it is rough.
     pub fn new(eta: f64, facets: Option<Microfacets>) -> Self {
@@ -28,7 +34,7 @@ impl Coat {
         });
         let mean = match &rough {
             Some((_, missing)) => 1.0 - missing.mean(),
-            None => average(reflected) as f32,
+            None => SMOOTH.get(&eta.to_bits(), || average(reflected) as f32),
         };
         Self { eta, rough, mean }
     }
@@ -37,6 +43,14 @@ impl Coat {
     pub(super) fn turned(&self, turn: [f32; 2]) -> Self {
         let rough = self.rough.as_ref().map(|(facets, missing)| (facets.turned(turn), missing.clone()));
         Self { rough, ..self.clone() }
+    }
+
+    /// Appends the parameters.
+    pub(super) fn put_shape(&self, key: &mut Vec<u64>) {
+        key.extend([1, self.eta.to_bits()]);
+        if let Some((facets, _)) = &self.rough {
+            facets.put_shape(key);
+        }
     }
 
     /// Index of the coat over index outside.

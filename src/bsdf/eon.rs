@@ -41,6 +41,25 @@ impl Eon {
         }
     }
 
+    /// What does not depend on the colour.
+    pub(super) fn shape(&self) -> [f32; 2] {
+        self.white.shape()
+    }
+
+    /// White facets, and what they scatter once.
+    pub(super) fn once_white(&self) -> OrenNayar {
+        self.white
+    }
+
+    /// The same with white facets.
+    pub(super) fn white(&self) -> Self {
+        let mean = self.white.mean_albedo().r();
+        let missing = 1.0 - mean;
+        // As in `new`, with an albedo of 1: mean / (1 - missing) is 1.
+        let multiple = if missing > 1e-6 { Rgb::splat(1.0 / missing) } else { Rgb::ZERO };
+        Self { once: self.white, white: self.white, multiple, albedo: Rgb::ONE }
+    }
+
     #[inline(always)]
     pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> Eon<C> {
         // The factor of multiple scattering may exceed 1: as a reflectance it is the colour without the mean.

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use super::coat::Coat;
 use super::lobes::{Lobes, TransportMode};
+use super::memo::memo;
 use super::microfacet::choose;
 use super::mix::{Mix, add_lobes};
 use super::model::{BsdfSample, Model, SpecularLobes};
 use super::sheen::Sheen;
-use super::{Black, Bsdf, Parts};
+use super::{Black, Bsdf, Lambert, Parts};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -73,6 +74,8 @@ pub struct LayeredParts {
     /// How much of the light that bounces inside is lost as it really is, in [0, 1]: 1 for a real layer, 0 for one that
     /// does not darken its base.
     pub darkening: f32,
+    /// Whether the base is one of many of the same shape, of which textures vary the colours.
+    pub varies: bool,
     /// Whether the base is a thin sheet, with a layer on either side. A base that does not transmit is always covered on both
     /// sides.
     pub is_thin: bool,
@@ -107,7 +110,7 @@ impl Layered {
 
     /// A covered surface whose base is the `whole` one, or a part of it.
     fn new(parts: LayeredParts, whole: &Bsdf) -> Self {
-        let LayeredParts { layer, base, coverage, tint, darkening, is_thin } = parts;
+        let LayeredParts { layer, base, coverage, tint, darkening, varies, is_thin } = parts;
         let lobes = base.lobes();
         let mean_passage = 1.0 - layer.mean_albedo();
         let is_diffuse = !lobes.is_empty() && Lobes::DIFFUSE_REFLECTION.contains(lobes);
@@ -119,7 +122,9 @@ impl Layered {
                 // Between fibres and the base nothing bounces: there is no interface.
                 Layer::Sheen(_) => 1.0,
             };
-            let most = f64::from(greatest_passage(&layer, &base).max(mean_passage).max(1e-6));
+            let greatest =
+                if varies { greatest_passage_of_shape(&layer, &base) } else { greatest_passage(&layer, &base) };
+            let most = f64::from(greatest.max(mean_passage).max(1e-6));
             let factor = |rho: f32| {
                 let rho = f64::from(rho);
                 if leaves > 0.0 { (leaves / ((1.0 - rho + rho * leaves) * most)) as f32 } else { 0.0 }
@@ -195,6 +200,79 @@ fn greatest_passage(layer: &Layer, base: &Bsdf) -> f32 {
         passed / sent.max(f32::MIN_POSITIVE)
     };
     (0..VIEWS).map(|i| passage(at(share(i, VIEWS), 0.0))).fold(0.0, f32::max)
+}
+
+memo!(
+    /// See [`greatest_passage_of_shape`].
+    PASSAGES: Vec<u64> => f32, 4096
+);
+
+/// At least the [`greatest_passage`] of all bases of this shape, whatever their colours: these mix what the base scatters once and what
+/// it scatters more often, and the greatest share of the mixture is none greater than that of either.
+fn greatest_passage_of_shape(layer: &Layer, base: &Bsdf) -> f32 {
+    if base.constant_f().is_some() {
+        return 0.0;
+    }
+    let mut key = Vec::new();
+    layer.put_shape(&mut key);
+    if !put_shape(base, &mut key) {
+        return greatest_passage(layer, base);
+    }
+    PASSAGES.get(&key, || uncoloured(base).iter().map(|base| greatest_passage(layer, base)).fold(0.0, f32::max))
+}
+
+/// Appends the parameters of a diffuse model but its colours; `false` where it is of another kind.
+fn put_shape(base: &Bsdf, key: &mut Vec<u64>) -> bool {
+    let put = |key: &mut Vec<u64>, kind: u64, [a, b]: [f32; 2]| {
+        key.extend([kind, u64::from(a.to_bits()) << 32 | u64::from(b.to_bits())]);
+        true
+    };
+    match base {
+        Bsdf::Black(_) => put(key, 9, [0.0; 2]),
+        Bsdf::Lambert(_) => put(key, 10, [0.0; 2]),
+        Bsdf::OrenNayar(it) => put(key, 11, it.shape()),
+        Bsdf::OrenNayarQualitative(it) => put(key, 12, it.shape()),
+        Bsdf::Eon(it) => put(key, 13, it.shape()),
+        Bsdf::Layered(it) => {
+            let tint = it.tint.unwrap_or(Rgb::ONE).to_array();
+            put(key, 14, [it.coverage, tint[0]]);
+            put(key, u64::from(it.keeps_layer) << 1 | u64::from(it.on_both_sides), [tint[1], tint[2]]);
+            it.layer.put_shape(key);
+            put_shape(&it.base, key)
+        }
+        // The greatest share of a sum is none greater than that of either part, whatever their weights.
+        Bsdf::Mix(it) => {
+            put(key, 15, [0.0; 2]);
+            it.models().iter().all(|part| put_shape(part, key))
+        }
+        _ => false,
+    }
+}
+
+/// The white model that scatters once and the one that scatters more often, where they are not the same.
+fn uncoloured(base: &Bsdf) -> Vec<Bsdf> {
+    match base {
+        Bsdf::OrenNayar(it) => vec![Bsdf::OrenNayar(it.white())],
+        Bsdf::OrenNayarQualitative(it) => vec![Bsdf::OrenNayarQualitative(it.white())],
+        Bsdf::Eon(it) => vec![Bsdf::OrenNayar(it.once_white()), Bsdf::Eon(it.white())],
+        Bsdf::Layered(it) => {
+            let with = |base: Bsdf| Bsdf::Layered(Layered { base: Arc::new(base), ..it.clone() });
+            uncoloured(&it.base).into_iter().map(with).collect()
+        }
+        Bsdf::Mix(it) => it.models().iter().flat_map(uncoloured).collect(),
+        Bsdf::Black(_) => Vec::new(),
+        _ => vec![Bsdf::Lambert(Lambert::new(Rgb::ONE))],
+    }
+}
+
+impl Layer {
+    /// Appends the parameters but the colours.
+    fn put_shape(&self, key: &mut Vec<u64>) {
+        match self {
+            Self::Coat(coat) => coat.put_shape(key),
+            Self::Sheen(sheen) => key.extend([2, sheen.shape().into()]),
+        }
+    }
 }
 
 impl<C: Spectrum> Layer<C> {

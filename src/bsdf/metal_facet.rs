@@ -1,7 +1,7 @@
 //! What a facet of a metal reflects, by colour.
 
 use super::fresnel::fresnel_conductors;
-use super::microfacet::average;
+use super::microfacet::average_of;
 use crate::desc::ConductorDesc;
 use crate::math::Vec3;
 use crate::spectrum::Rgb;
@@ -60,9 +60,7 @@ impl MetalFacet {
 
     /// The mean reflectance for light from all sides: weighed by the cosine.
     pub fn mean_reflectance(&self) -> Rgb {
-        Rgb::from_array(std::array::from_fn(|channel| {
-            average(|mu| f64::from(self.reflectance(mu as f32).to_array()[channel])) as f32
-        }))
+        Rgb::from_f64(average_of(|mu| self.reflectance(mu as f32).to_f64()))
     }
 }
 

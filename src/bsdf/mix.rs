@@ -27,6 +27,11 @@ impl<C: Spectrum> Mix<C> {
         Self::of_weights(parts, [1.0 - weight, weight])
     }
 
+    /// The two models.
+    pub(super) fn models(&self) -> &[Bsdf<C>; 2] {
+        &self.parts
+    }
+
     /// The sum of two models, which scatter no more than all light together.
     pub(super) fn sum(parts: [Bsdf<C>; 2]) -> Self {
         Self::of_weights(parts, [1.0; 2])

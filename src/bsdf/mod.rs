@@ -25,6 +25,7 @@ mod layered;
 mod lobe_mixture;
 mod lobes;
 mod local;
+mod memo;
 mod metal_facet;
 mod microfacet;
 mod mirror;
@@ -304,6 +305,17 @@ impl Bsdf {
             Some(material) => Self::within(&material.bsdf, &materials[..index], around),
             None => Self::Black(Black),
         };
+        Self::of_parts(desc, &named, around, false)
+    }
+
+    /// As [`Self::new`], for a description that textures have changed at a point and that names no other material: what its tables
+    /// need is remembered by its numbers, and does not depend on its colours.
+    pub(crate) fn at_point(desc: &BsdfDesc) -> Self {
+        Self::of_parts(desc, &|_| Self::Black(Black), None, true)
+    }
+
+    /// The model of a description whose other materials are `named`. `varies`: whether textures vary it.
+    fn of_parts(desc: &BsdfDesc, named: &dyn Fn(usize) -> Self, around: Option<f32>, varies: bool) -> Self {
         match *desc {
             BsdfDesc::Black => Self::Black(Black),
             BsdfDesc::Lambert { albedo } => Self::Lambert(Lambert::new(albedo)),
@@ -345,11 +357,11 @@ impl Bsdf {
             }
             BsdfDesc::CoatedDiffuse { albedo, ior, exterior_ior, microfacets } => {
                 let eta = f64::from(ior) / f64::from(exterior_ior);
-                principled::coated_diffuse(Self::Lambert(Lambert::new(albedo)), eta, &microfacets)
+                principled::coated_diffuse(Self::Lambert(Lambert::new(albedo)), eta, &microfacets, varies)
             }
             BsdfDesc::Principled(ref desc) => {
                 let outside = around.filter(|_| desc.has_inside()).unwrap_or(1.0);
-                principled::principled(desc, outside)
+                principled::principled(desc, outside, varies)
             }
             // A part of no weight would be worked out for nothing.
             BsdfDesc::Mix { materials: [first, _], weight: 0.0 } => named(first),

@@ -26,6 +26,16 @@ pub struct OrenNayar<C: Spectrum = Rgb> {
 }
 
 impl OrenNayar {
+    /// What does not depend on the colour.
+    pub(super) fn shape(&self) -> [f32; 2] {
+        [self.a, self.b]
+    }
+
+    /// The same with white facets.
+    pub(super) fn white(&self) -> Self {
+        Self { albedo: Rgb::ONE, ..*self }
+    }
+
     #[inline(always)]
     pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> OrenNayar<C> {
         OrenNayar { albedo: C::from_reflectance(self.albedo, wavelengths), a: self.a, b: self.b }

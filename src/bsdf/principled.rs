@@ -14,12 +14,12 @@ use crate::desc::{MicrofacetsDesc, PrincipledDesc, weighted_eta};
 use crate::spectrum::Rgb;
 
 /// The model of a checked description: fuzz over a coat over a mixture of metal, clear dielectric and dielectric with a
-/// diffuse base. `outside`: index of refraction of what is around it.
-pub(super) fn principled(desc: &PrincipledDesc, outside: f32) -> Bsdf {
+/// diffuse base. `outside`: index of refraction of what is around it. `varies`: whether textures vary it.
+pub(super) fn principled(desc: &PrincipledDesc, outside: f32, varies: bool) -> Bsdf {
     let facets = roughened(desc);
     let metalness = desc.base_metalness;
     let dielectric = || {
-        let opaque = || opaque_dielectric(desc, outside, &facets);
+        let opaque = || opaque_dielectric(desc, outside, &facets, varies);
         let clear = || clear_dielectric(desc, outside, &facets);
         mixed(opaque, clear, desc.transmission_weight)
     };
@@ -45,6 +45,7 @@ pub(super) fn principled(desc: &PrincipledDesc, outside: f32) -> Bsdf {
             // The colour is what is left after the way down and up.
             tint: root(desc.coat_color),
             darkening: desc.coat_darkening,
+            varies,
             is_thin: desc.thin_walled,
         })
     } else {
@@ -57,6 +58,7 @@ pub(super) fn principled(desc: &PrincipledDesc, outside: f32) -> Bsdf {
             coverage: desc.fuzz_weight,
             tint: Rgb::ONE,
             darkening: 1.0,
+            varies,
             is_thin: desc.thin_walled,
         })
     } else {
@@ -65,13 +67,14 @@ pub(super) fn principled(desc: &PrincipledDesc, outside: f32) -> Bsdf {
 }
 
 /// A diffuse surface under a smooth or rough coat whose index over the one outside is `eta`.
-pub(super) fn coated_diffuse(base: Bsdf, eta: f64, facets: &MicrofacetsDesc) -> Bsdf {
+pub(super) fn coated_diffuse(base: Bsdf, eta: f64, facets: &MicrofacetsDesc, varies: bool) -> Bsdf {
     Layered::cover(LayeredParts {
         layer: Layer::Coat(Coat::new(eta, Microfacets::new(facets))),
         base,
         coverage: 1.0,
         tint: Rgb::ONE,
         darkening: 1.0,
+        varies,
         is_thin: false,
     })
 }
@@ -98,7 +101,7 @@ fn roughened(desc: &PrincipledDesc) -> MicrofacetsDesc {
     MicrofacetsDesc { roughness: facets.roughness + desc.coat_weight * (wider - facets.roughness), ..facets }
 }
 
-fn opaque_dielectric(desc: &PrincipledDesc, outside: f32, facets: &MicrofacetsDesc) -> Bsdf {
+fn opaque_dielectric(desc: &PrincipledDesc, outside: f32, facets: &MicrofacetsDesc, varies: bool) -> Bsdf {
     let colour = desc.base_color * desc.base_weight;
     let base = if desc.base_diffuse_roughness > 0.0 {
         Bsdf::Eon(Eon::new(colour, desc.base_diffuse_roughness))
@@ -110,7 +113,7 @@ fn opaque_dielectric(desc: &PrincipledDesc, outside: f32, facets: &MicrofacetsDe
     let around = outside + desc.coat_weight * (desc.coat_ior - outside);
     let eta = desc.specular_ior / around;
     let eta = weighted_eta(eta.max(1.0 / eta), desc.specular_weight);
-    if eta == 1.0 { base } else { coated_diffuse(base, eta.into(), facets) }
+    if eta == 1.0 { base } else { coated_diffuse(base, eta.into(), facets, varies) }
 }
 
 fn clear_dielectric(desc: &PrincipledDesc, outside: f32, facets: &MicrofacetsDesc) -> Bsdf {

@@ -6,6 +6,7 @@ use std::marker::PhantomData;
 use super::fresnel::fresnel_dielectric;
 use super::lobes::{Lobes, TransportMode};
 use super::local::{outward, refract_about};
+use super::memo::memo;
 use super::microfacet::{FacetShares, Microfacets, MissingEnergy, average, choose};
 use super::model::{BsdfSample, Model};
 use crate::math::Vec3;
@@ -51,6 +52,11 @@ impl RoughDielectric {
     }
 }
 
+memo!(
+    /// Mean share that smooth interfaces let pass, by their relative index.
+    PASSES: u64 => f64, 1024
+);
+
 impl Multiple {
     /// `None` where nothing worth mentioning is scattered more than once.
     fn new(eta: f64, facets: &Microfacets) -> Option<Self> {
@@ -66,7 +72,8 @@ impl Multiple {
         }
         // Of the light that comes from one side, the share t = kappa n^2 (1 - E_mean) of the other is transmitted, which is
         // the reciprocal form; kappa is as large as can be without more than a smooth interface transmits.
-        let passes = [eta, 1.0 / eta].map(|eta| 1.0 - average(|mu| fresnel_dielectric(mu, eta)));
+        let passes =
+            [eta, 1.0 / eta].map(|eta| PASSES.get(&eta.to_bits(), || 1.0 - average(|mu| fresnel_dielectric(mu, eta))));
         let own = [means[1] * eta * eta, means[0]];
         let kappa = (passes[0] / own[0]).min(passes[1] / own[1]);
         Some(Self { missing, transmitted: own.map(|own| (kappa * own) as f32) })

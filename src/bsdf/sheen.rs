@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 
 use super::lobes::{Lobes, TransportMode};
 use super::local::{outward, same_side};
+use super::memo::memo;
 use super::microfacet::AlbedoCurve;
 use super::model::{BsdfSample, Model};
 use crate::math::Vec3;
@@ -32,6 +33,11 @@ pub struct Sheen<C: Spectrum = Rgb> {
     scale: f32,
 }
 
+memo!(
+    /// White fibres by alpha.
+    FIBRES: u32 => Sheen, 1024
+);
+
 impl Sheen {
     /// Fibres of this colour in [0, 1] and this perceptual roughness in (0, 1], of which alpha is the square.
     pub fn new(color: Rgb, roughness: f32) -> Self {
@@ -40,12 +46,21 @@ impl Sheen {
         let ends =
             [(25.3245, 21.5473), (3.32435, 3.82987), (0.16801, 0.19823), (-1.27393, -1.97760), (-4.85967, -4.32054)];
         let fit = ends.map(|(rough, smooth): (f32, f32)| between * rough + (1.0 - between) * smooth);
-        let mut fibres = Self { color, exponent: 1.0 / alpha, fit, albedo: AlbedoCurve::zero(), mean: 0.0, scale: 1.0 };
-        let greatest = (1..=256).map(|i| fibres.integrated(f64::from(i) / 256.0)).fold(0.0, f64::max);
-        fibres.scale = (1.0 / greatest).min(1.0) as f32;
-        fibres.albedo = AlbedoCurve::new(0.25, |mu| fibres.integrated(mu));
-        fibres.mean = fibres.albedo.mean();
-        fibres
+        let fibres = || {
+            let (albedo, mean) = (AlbedoCurve::zero(), 0.0);
+            let mut fibres = Self { color: Rgb::ONE, exponent: 1.0 / alpha, fit, albedo, mean, scale: 1.0 };
+            let greatest = (1..=256).map(|i| fibres.integrated(f64::from(i) / 256.0)).fold(0.0, f64::max);
+            fibres.scale = (1.0 / greatest).min(1.0) as f32;
+            fibres.albedo = AlbedoCurve::new(0.25, |mu| fibres.integrated(mu));
+            fibres.mean = fibres.albedo.mean();
+            fibres
+        };
+        Self { color, ..FIBRES.get(&alpha.to_bits(), fibres) }
+    }
+
+    /// The roughness, as bits.
+    pub(super) fn shape(&self) -> u32 {
+        self.exponent.to_bits()
     }
 
     /// Albedo of white fibres at this cosine, by quadrature.

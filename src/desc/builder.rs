@@ -2,16 +2,19 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::warnings::warn;
 use super::{Dialect, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook, json, obj, obj_parts, validate};
 use crate::math::DVec3;
+use crate::texture::{ColorSpace, TexelImage, read_image};
 use crate::{Error, Result};
 
 pub(super) struct Builder<'a> {
     pub scene: SceneDesc,
     base_dir: &'a Path,
     files: HashMap<PathBuf, usize>,
+    images: HashMap<PathBuf, (Arc<TexelImage>, ColorSpace)>,
     /// The parts of the files whose own materials are used: pairs of a material and a mesh.
     divided_files: HashMap<PathBuf, Vec<[usize; 2]>>,
 }
@@ -19,7 +22,7 @@ pub(super) struct Builder<'a> {
 impl<'a> Builder<'a> {
     pub fn new(dialect: Dialect, base_dir: &'a Path, file: Option<&Path>) -> Self {
         let scene = SceneDesc { dialect, file: file.map(Path::to_owned), ..SceneDesc::default() };
-        Self { scene, base_dir, files: HashMap::new(), divided_files: HashMap::new() }
+        Self { scene, base_dir, files: HashMap::new(), images: HashMap::new(), divided_files: HashMap::new() }
     }
 
     pub fn warn(&mut self, path: &str, message: &str) {
@@ -50,6 +53,32 @@ impl<'a> Builder<'a> {
             let hint = json::did_you_mean(name, known);
             Error::invalid(path, format!("no mesh named '{}'{hint}", json::elided(name)))
         })
+    }
+
+    /// Returns the number of the texture with this name.
+    pub fn texture(&self, path: &str, name: &str) -> Result<usize> {
+        self.scene.find_texture(name).ok_or_else(|| {
+            let known = self.scene.index.textures.keys().map(String::as_str);
+            let hint = json::did_you_mean(name, known);
+            Error::invalid(path, format!("no texture named '{}'{hint}", json::elided(name)))
+        })
+    }
+
+    /// Returns the path of an image, its texels, and the colour space that its format suggests. The file is read at its first use.
+    pub fn image_file(&mut self, path: &str, file: &str) -> Result<(PathBuf, Arc<TexelImage>, ColorSpace)> {
+        if file.is_empty() || file.contains('\0') {
+            return Err(Error::invalid(path, "not a file name, expected that of an image"));
+        }
+        let file = self.base_dir.join(file);
+        let identity = file.canonicalize().unwrap_or_else(|_| file.clone());
+        if let Some((image, space)) = self.images.get(&identity) {
+            return Ok((file, Arc::clone(image), *space));
+        }
+        let (image, space) = read_image(&file).map_err(|error| error.at(path))?;
+        let image = Arc::new(image);
+        self.scene.files.push(file.clone());
+        self.images.insert(identity, (Arc::clone(&image), space));
+        Ok((file, image, space))
     }
 
     /// Adds a mesh that is given inside the scene file.

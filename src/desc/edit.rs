@@ -12,6 +12,7 @@ use std::sync::Arc;
 
 use super::json::{elided, join};
 use super::obj_parts::{Part, Parts};
+use super::texture_check;
 use super::warnings::warn;
 use super::{
     BsdfDesc, CameraDesc, MaterialDesc, MediumDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, material_check, obj,
@@ -79,6 +80,7 @@ impl SceneDesc {
     /// Checks a material and adds it, under its name if it has one.
     fn put_any(&mut self, mut material: MaterialDesc) -> Result<usize> {
         material_check::check(&mut material, &self.materials)?;
+        texture_check::bindings(&material, &self.textures, &self.materials)?;
         if material.name.is_empty() {
             self.materials.push(material);
             return Ok(self.materials.len() - 1);
@@ -112,6 +114,7 @@ impl SceneDesc {
         };
         let mut to = MaterialDesc { name: known.name.clone(), path: known.path.clone(), ..to };
         material_check::check(&mut to, &self.materials[..material])?;
+        texture_check::bindings(&to, &self.textures, &self.materials[..material])?;
         if to.emission.is_some() && known.emission.is_none() || !to.is_opaque() && known.is_opaque() {
             for user in self.surfaces.iter().filter(|surface| !surface.hidden && surface.material == material) {
                 validate::look(&user.path, user.emission, &to, &user.shape, &user.to_world()).map_err(|error| {
@@ -127,7 +130,8 @@ impl SceneDesc {
         let mut later = (material + 1..count).filter(|later| names_others(&self.materials[*later].bsdf));
         let checked = later.try_for_each(|later| {
             let it = &self.materials[later];
-            material_check::model(&it.path, &it.bsdf, &self.materials[..later])
+            material_check::model(&it.path, &it.bsdf, &self.materials[..later])?;
+            texture_check::bindings(it, &self.textures, &self.materials[..later])
         });
         if checked.is_err() {
             self.materials[material] = before;

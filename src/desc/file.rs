@@ -11,7 +11,7 @@ use crate::{Error, ErrorKind, Result};
 const SIZE_LIMIT: u64 = 512 << 20;
 
 /// Opens a regular file of at most `limit` bytes. Pipes, devices and folders are refused before they can block.
-pub(super) fn open(path: &Path, limit: u64) -> Result<File> {
+pub(crate) fn open(path: &Path, limit: u64) -> Result<File> {
     let fail = |error| Error::io(path, "cannot open the file", error);
     let refuse = |message: String| Error::new(ErrorKind::Io, message).in_file(Some(path), 0);
     let check = |metadata: std::fs::Metadata| {

@@ -15,6 +15,8 @@ use crate::math::Bounds;
 pub struct SceneIndex {
     /// Numbers of the named materials.
     pub(super) materials: BTreeMap<String, usize>,
+    /// Numbers of the named textures.
+    pub(super) textures: BTreeMap<String, usize>,
     /// Numbers of the named meshes. Several names may refer to one mesh.
     pub(super) meshes: BTreeMap<String, usize>,
     /// The number of the material of surfaces without a material.

@@ -1,6 +1,6 @@
 //! Descriptions of materials.
 
-use super::{ConductorDesc, MicrofacetsDesc, PrincipledDesc};
+use super::{ConductorDesc, MicrofacetsDesc, PrincipledDesc, TextureBinding, TextureKey};
 use crate::spectrum::Rgb;
 
 /// A named material.
@@ -26,6 +26,9 @@ pub struct MaterialDesc {
     /// Emitted radiance [W m^-2 sr^-1] on the normal's side of all surfaces of this material that have no emission of their own.
     /// The same materials as for [`Self::opacity`] can emit, and only opaque ones.
     pub emission: Option<Rgb>,
+    /// The parameters that textures vary, each at most once. Textures that vary the normal or the opacity belong to materials that are
+    /// named by surfaces, not to parts of other materials.
+    pub textures: Vec<TextureBinding>,
 }
 
 impl Default for MaterialDesc {
@@ -39,6 +42,7 @@ impl Default for MaterialDesc {
             medium: None,
             opacity: 1.0,
             emission: None,
+            textures: Vec::new(),
         }
     }
 }
@@ -46,7 +50,12 @@ impl Default for MaterialDesc {
 impl MaterialDesc {
     /// Whether rays meet all surfaces of this material.
     pub fn is_opaque(&self) -> bool {
-        self.opacity >= 1.0
+        self.opacity >= 1.0 && self.textured(TextureKey::Opacity).is_none()
+    }
+
+    /// The texture that varies a parameter.
+    pub fn textured(&self, key: TextureKey) -> Option<&TextureBinding> {
+        self.textures.iter().find(|binding| binding.key == key)
     }
 
     /// What fills bodies of this material, whose parts are among `materials`; `None` for surfaces that have no inside.

@@ -41,6 +41,7 @@
 mod builder;
 mod camera;
 mod edit;
+mod edit_textures;
 mod file;
 mod filter;
 mod gltf;
@@ -74,12 +75,16 @@ mod scene;
 mod schema;
 mod shape;
 mod surface;
+mod texture;
+mod texture_check;
+mod texture_keys;
 mod transform;
 mod validate;
 mod warnings;
 
 pub use camera::{CameraDesc, FovAxis};
 pub use edit::SurfaceLook;
+pub(crate) use file::open as open_file;
 pub use index::SceneIndex;
 pub use integrator::{
     Bias, IntegratorDesc, IntegratorInfo, LobeSupport, LobeUse, MapRenewal, PhotonMethod, Preparation, SampleOrder,
@@ -102,3 +107,7 @@ pub use render::{FilterDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, RouletteDe
 pub use scene::{Dialect, SceneDesc};
 #[cfg(feature = "schema")]
 pub use schema::schema;
+pub(crate) use texture::Parameter;
+pub use texture::{
+    ImageTextureDesc, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
+};

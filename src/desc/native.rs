@@ -11,7 +11,9 @@ use serde_json::value::RawValue;
 
 use super::builder::Builder;
 use super::json::{self, join};
-use super::{CameraDesc, Dialect, FovAxis, RenderDesc, SceneDesc, material_keys, render_keys, surface, validate};
+use super::{
+    CameraDesc, Dialect, FovAxis, RenderDesc, SceneDesc, material_keys, render_keys, surface, texture_keys, validate,
+};
 use crate::math::DVec3;
 use crate::{Error, Result};
 
@@ -30,6 +32,8 @@ struct Top<'a> {
     render: Option<&'a RawValue>,
     #[serde(borrow)]
     lights: Option<&'a RawValue>,
+    #[serde(borrow)]
+    textures: Option<&'a RawValue>,
     #[serde(borrow)]
     materials: Option<&'a RawValue>,
     #[serde(borrow)]
@@ -142,6 +146,7 @@ pub(super) fn read(document: &RawValue, base_dir: &Path, file: Option<&Path>) ->
     if let Some(raw) = top.render {
         builder.scene.render = render_keys::read(raw, "render", &RenderDesc::default())?;
     }
+    json::each(top.textures, "textures", |path, raw| texture_keys::read(raw, path, &mut builder))?;
     json::each(top.materials, "materials", |path, raw| material_keys::read(raw, path, &mut builder))?;
     json::each(top.meshes, "meshes", |path, raw| surface::shared_mesh(raw, path, &mut builder))?;
     json::each(top.lights, "lights", |path, raw| light(raw, path, &mut builder))?;

@@ -9,6 +9,7 @@ use super::light::PointLightDesc;
 use super::material::{Body, MaterialDesc};
 use super::object::{MeshDesc, SurfaceDesc};
 use super::render::RenderDesc;
+use super::texture::TextureDesc;
 
 /// A whole scene and its render settings.
 #[derive(Clone, Debug, Default)]
@@ -23,6 +24,8 @@ pub struct SceneDesc {
     pub camera: CameraDesc,
     /// Lights without a surface. Area lights are surfaces with an emission.
     pub lights: Vec<PointLightDesc>,
+    /// Textures, named by index from materials.
+    pub textures: Vec<Arc<TextureDesc>>,
     /// Materials, named by index from surfaces.
     pub materials: Vec<MaterialDesc>,
     /// Meshes, named by index from surfaces. One mesh may be used many times. A mesh that is the same `Arc` in the

@@ -2,7 +2,7 @@
 
 use schemars::{JsonSchema, Schema};
 
-use super::{material_keys, native, render_block, surface};
+use super::{material_keys, native, render_block, surface, texture_keys};
 
 /// A scene in Étendue's native format, version 1.
 #[derive(JsonSchema)]
@@ -23,6 +23,8 @@ struct Scene<'a> {
     render: Option<render_block::Render<'a>>,
     /// Lights. Surfaces with an emission are lights too.
     lights: Option<Vec<Light>>,
+    /// Images and patterns, by name.
+    textures: Option<Vec<Texture>>,
     /// Materials, by name.
     materials: Option<Vec<Material>>,
     /// Meshes that several surfaces can use, by name.
@@ -37,6 +39,14 @@ struct Scene<'a> {
 enum Light {
     Point(native::PointLight),
     Area(native::AreaLight),
+}
+
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum Texture {
+    Image(texture_keys::Image),
+    Pattern(texture_keys::PatternTexture),
 }
 
 #[derive(JsonSchema)]

@@ -190,9 +190,14 @@ fn text(string: &str) -> Text {
 
 /// Reads the image and its layers. `file_size` in bytes limits the sizes that a header may claim.
 pub(super) fn decode(reader: impl Read + Seek, file_size: u64) -> Result<Image> {
+    collect(decode_parts(reader, file_size)?)
+}
+
+/// Reads all parts with their channels as they are stored, within the limits of [`decode`].
+pub(crate) fn decode_parts(reader: impl Read + Seek, file_size: u64) -> Result<FlatImage> {
     // The decoder checks what it reads, and still indexes and unwraps in places: a damaged file must not end the
     // program. It runs on this thread for the same reason, since a panic in a thread pool aborts.
-    let file = catch_unwind(AssertUnwindSafe(|| {
+    catch_unwind(AssertUnwindSafe(|| {
         let reader = ::exr::block::read(reader, false).map_err(unreadable)?;
         check_headers(reader.headers(), file_size)?;
         ::exr::image::read::read()
@@ -205,8 +210,7 @@ pub(super) fn decode(reader: impl Read + Seek, file_size: u64) -> Result<Image> 
             .from_chunks(reader)
             .map_err(unreadable)
     }))
-    .unwrap_or_else(|_| Err(damaged("its decoder failed")))?;
-    collect(file)
+    .unwrap_or_else(|_| Err(damaged("its decoder failed")))
 }
 
 fn unreadable(error: ::exr::error::Error) -> Error {

@@ -13,5 +13,6 @@ pub(crate) mod png;
 pub use check::MAX_PIXELS;
 pub(crate) use check::check_image;
 pub use exr::Attribute;
+pub(crate) use exr::decode_parts as decode_exr_parts;
 pub use file::{Format, read};
 pub use pixels::{Image, Layer};

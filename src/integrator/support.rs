@@ -30,6 +30,12 @@ pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
     if support.diffuse == LobeUse::StoredAndGathered && !scene.is_opaque() {
         return refuse("", "surfaces that are not opaque");
     }
+    // An element has one albedo.
+    if integrator == IntegratorDesc::Radiosity
+        && let Some(surface) = scene.textured_diffuse_surface()
+    {
+        return refuse(&format!("surfaces[{surface}]: "), "diffuse surfaces with textures");
+    }
     let Some((lobes, kind)) = refused(scene.lobes(), support) else { return Ok(()) };
     let surface = scene.surface_with(lobes).map_or_else(String::new, |surface| format!("surfaces[{surface}]: "));
     refuse(&surface, &format!("{kind} surfaces"))

@@ -140,13 +140,21 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         if ns.dot(wo_scene) * ng.dot(wo_scene) <= 0.0 {
             ns = ng;
         }
+        let shaded = scene.material(material);
+        // The closures copy what they need: a reference would keep the whole vertex in memory.
+        let HitPoint { p, time, cone, .. } = point;
+        let detail_of = move |ns: Vec3| scene.detail_at(hit, [ng, ns, p, wo_scene], time, cone);
+        if let Some(own) = shaded.normal(move || detail_of(ns))
+            // As with interpolated normals, one that faces away from the viewer does not count.
+            && own.dot(wo_scene) * ng.dot(wo_scene) > 0.0
+        {
+            ns = own;
+        }
         let frame = Frame::from_normal(ns);
         let wo = frame.to_local(wo_scene);
         let surface = SurfaceInteraction { point, ng, ns, surface, material, emitter };
-        let material = scene.material(material);
-        // The closure copies what it needs: a reference would keep the whole vertex in memory.
-        let HitPoint { time, cone, .. } = point;
-        let detail = move || scene.detail_at(hit, [ng, ns], time, cone);
+        let material = shaded;
+        let detail = move || detail_of(ns);
         let (bsdf, lobes) = match media {
             Some(media) if scene.bounds_medium(surface.material) => {
                 let front = ng.dot(wo_scene) > 0.0;
@@ -250,11 +258,14 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
     #[inline(always)]
     pub fn first_hit(&self, scene: &Scene) -> FirstHit {
         // As a colour: what the path's wavelengths show of it has densities to be divided by, and an albedo has not.
-        let SurfaceInteraction { ng, ns, material, point: HitPoint { time, cone, .. }, .. } = self.surface;
+        let SurfaceInteraction { ng, ns, material, point: HitPoint { p, time, cone, .. }, .. } = self.surface;
+        let wo_scene = self.wo_scene;
         let material = scene.material(material);
         let mut slot = None;
         let bsdf = match self.hit {
-            Some(hit) => material.at::<Rgb>(move || scene.detail_at(hit, [ng, ns], time, cone), &(), &mut slot).0,
+            Some(hit) => {
+                material.at::<Rgb>(move || scene.detail_at(hit, [ng, ns, p, wo_scene], time, cone), &(), &mut slot).0
+            }
             None => material.mean(),
         };
         let albedo = bsdf.albedo();

@@ -10,7 +10,8 @@ use super::material::MaterialNeeds;
 use super::media::Media;
 use super::options::BuildOptions;
 use super::record::AppearanceKey;
-use super::{Material, Scene, SceneInfo, frame, lower, roulette};
+use super::textured::{PreparedTextures, Textured};
+use super::{Material, Scene, SceneInfo, VaryingMaterial as _, frame, lower, roulette};
 use crate::bsdf::{Black, Bsdf};
 use crate::camera::Camera;
 use crate::control::WorkProgress;
@@ -59,6 +60,7 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
     let start = Instant::now();
     options.cancel.check()?;
     check_materials(desc)?;
+    desc.check_textures()?;
     let desc = &*with_emission_of_materials(desc)?;
     let device = match &options.device {
         Some(device) => device.clone(),
@@ -74,13 +76,14 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
     let assembly = assemble(desc, options, options.dynamic, &device, None, &progress)?;
     let bindings = bindings(desc, assembly.unbound(), &progress)?;
     progress.finish();
-    complete(desc, device, assembly, bindings, AppearanceKey::new(desc), start)
+    complete(desc, device, assembly, bindings, AppearanceKey::new(desc), None, start)
 }
 
 fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
     let start = Instant::now();
     options.cancel.check()?;
     check_materials(desc)?;
+    desc.check_textures()?;
     let desc = &*with_emission_of_materials(desc)?;
     let progress = WorkProgress::by_steps(&options.cancel, options.progress.as_deref());
     let device = old.device.clone();
@@ -113,7 +116,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
         (assembly, bindings)
     };
     progress.finish();
-    complete(desc, device, assembly, bindings, appearance, start)
+    complete(desc, device, assembly, bindings, appearance, Some(old), start)
 }
 
 /// Checks that every surface has a material.
@@ -156,16 +159,32 @@ fn complete(
     assembly: Assembly,
     bindings: SurfaceBindings,
     appearance: AppearanceKey,
+    old: Option<&Scene>,
     start: Instant,
 ) -> Result<Scene> {
     let used = desc.used_materials();
-    let bsdfs = bsdfs(desc, &used);
-    let mut info = SceneInfo::new(desc, &bsdfs, &assembly.record, &bindings.emitters, assembly.embree.is_some());
+    let mut bsdfs = bsdfs(desc, &used);
+    let mut textures = PreparedTextures::default();
+    let before = old.map(|old| &*old.textures);
+    let mut textured = Vec::with_capacity(bsdfs.len());
+    for (i, bsdf) in bsdfs.iter_mut().enumerate() {
+        let varying = used[i].then(|| Textured::new(desc, i, assembly.centre, &mut textures, before)).flatten();
+        if let Some(varying) = &varying {
+            *bsdf = varying.mean();
+        }
+        textured.push(varying);
+    }
+    let has_kernel = assembly.embree.is_some();
+    let mut info = SceneInfo::new(desc, &bsdfs, &assembly.record, &bindings.emitters, &textures, has_kernel);
     let warnings =
         super::info::warnings(desc, &bsdfs, &assembly.record.facts, &bindings.emitters, appearance.dark_lights());
-    let opacities = desc.materials.iter().zip(used).map(|(material, used)| if used { material.opacity } else { 1.0 });
-    let materials: Arc<[Material]> =
-        bsdfs.into_iter().zip(opacities).map(|(bsdf, opacity)| Material::uniform(bsdf).with_opacity(opacity)).collect();
+    let made = bsdfs.into_iter().zip(textured).zip(desc.materials.iter().zip(used));
+    let materials: Arc<[Material]> = made
+        .map(|((bsdf, textured), (desc, used))| {
+            let material = textured.map_or_else(|| Material::uniform(bsdf), |it| Material::varying(Arc::new(it)));
+            material.with_opacity(if used { desc.opacity } else { 1.0 })
+        })
+        .collect();
     info.build_time = start.elapsed();
     let scene = Scene {
         embree: assembly.embree,
@@ -176,6 +195,7 @@ fn complete(
         needs: MaterialNeeds::of(&materials),
         media: Media::new(desc)?,
         materials,
+        textures: Arc::new(textures),
         camera: desc.camera,
         centre: assembly.centre,
         info: Arc::new(info),

@@ -13,8 +13,8 @@ use crate::math::{DVec3, Frame, RayCone, Vec3, shutter_time};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceDetail {
     /// Texture coordinates. Where a mesh has its own, they are interpolated. Other triangles have the barycentric weights
-    /// of their second and third vertex. Quads have (0, 0), (1, 0), (1, 1) and (0, 1) at their vertices. Spheres, disks and
-    /// quadrics have 0.
+    /// of their second and third vertex. Quads have (0, 0), (1, 0), (1, 1) and (0, 1) at their vertices. Those of spheres, disks and
+    /// quadrics are in `docs/scene-format.md`.
     pub uv: [f32; 2],
     /// Derivative of the position by the first texture coordinate, scene frame: a tangent. Where texture coordinates do not
     /// vary, it is any unit vector in the plane.
@@ -23,6 +23,10 @@ pub struct SurfaceDetail {
     pub dpdv: Vec3,
     /// Diameter of the cone of the path's ray where it meets the surface, across the ray; 0 where rays carry no cones.
     pub footprint: f32,
+    /// The point, scene frame.
+    pub p: Vec3,
+    /// Unit direction back along the path, scene frame.
+    pub wo: Vec3,
     /// The unit shading normal on the outer side. The local frame of a Bsdf is [`Frame::from_normal`] of it.
     pub ns: Vec3,
     /// The direction along which an anisotropic surface is brushed, of any length but 0: that in which the first texture coordinate
@@ -31,23 +35,49 @@ pub struct SurfaceDetail {
     pub tangent: Vec3,
 }
 
+impl SurfaceDetail {
+    /// The axes of the ellipse that the cone of the path's ray covers on the surface, in texture coordinates: the changes of the
+    /// coordinates along its full diameters. Across the ray the ellipse is as wide as the cone, along it as much longer as the
+    /// surface is seen at an angle.
+    pub fn uv_axes(&self) -> [[f32; 2]; 2] {
+        /// Where the surface is seen along its edge, an ellipse is this much longer than wide at most.
+        const LONGEST: f32 = 1e4;
+        let cos = self.wo.dot(self.ns).abs().max(1.0 / LONGEST);
+        let across = self.ns.cross(self.wo).try_normalize().unwrap_or_else(|| self.ns.any_orthonormal_vector());
+        let along = across.cross(self.ns);
+        // Lengths along the surface in terms of dpdu and dpdv.
+        let (u, v) = (self.dpdu, self.dpdv);
+        let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
+        let determinant = uu * vv - uv * uv;
+        if determinant.is_nan() || determinant <= 0.0 {
+            return [[0.0; 2]; 2];
+        }
+        [along * (self.footprint / cos), across * self.footprint].map(|axis| {
+            let (au, av) = (axis.dot(u), axis.dot(v));
+            [(vv * au - uv * av) / determinant, (uu * av - uv * au) / determinant]
+        })
+    }
+}
+
 impl Scene {
     /// Computes texture coordinates and tangents at a hit, and the diameter of the ray that met the surface. `at` is the
     /// interaction of the same hit.
     pub fn detail(&self, hit: &Hit, at: &SurfaceInteraction) -> SurfaceDetail {
-        self.detail_at(hit, [at.ng, at.ns], at.point.time, at.point.cone)
+        self.detail_at(hit, [at.ng, at.ns, at.point.p, at.ns], at.point.time, at.point.cone)
     }
 
-    /// [`Scene::detail`] from the parts of an interaction that it needs.
-    pub(crate) fn detail_at(&self, hit: &Hit, [ng, ns]: [Vec3; 2], time: f32, cone: RayCone) -> SurfaceDetail {
-        let uv = self.uv(hit);
-        let [dpdu, dpdv] = self.tangents(hit, time).unwrap_or_else(|| {
+    /// [`Scene::detail`] from the parts of an interaction that it needs: the two normals, the point, and the direction back along
+    /// the path.
+    pub(crate) fn detail_at(&self, hit: &Hit, [ng, ns, p, wo]: [Vec3; 4], time: f32, cone: RayCone) -> SurfaceDetail {
+        let (uv, tangents) =
+            self.analytic_parameters(hit, p).unwrap_or_else(|| (self.uv(hit), self.tangents(hit, time)));
+        let [dpdu, dpdv] = tangents.unwrap_or_else(|| {
             let frame = Frame::from_normal(ng);
             [frame.s, frame.t]
         });
         let around = Vec3::Y.cross(ns);
         let tangent = if self.has_own_tangents(hit) || around == Vec3::ZERO { dpdu } else { around };
-        SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width(), ns, tangent }
+        SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width(), p, wo, ns, tangent }
     }
 
     /// Whether the tangents of a surface are its own: those of texture coordinates, of a triangle or of a quad.

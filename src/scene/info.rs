@@ -1,11 +1,13 @@
 //! Information about a scene: its contents, the structures that were built for it, and the reasons for them.
 
 use std::fmt;
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::record::{BuildFacts, GeometryRecord};
+use super::textured::PreparedTextures;
 use crate::bsdf::{Bsdf, Lobes, Model as _};
-use crate::desc::{IntegratorDesc, RouletteDesc, SceneDesc, SurfaceDesc};
+use crate::desc::{IntegratorDesc, RouletteDesc, SceneDesc, SurfaceDesc, TextureSource};
 use crate::emitter::EmitterSet;
 use crate::math::Bounds;
 use crate::spectrum::Rgb;
@@ -49,6 +51,10 @@ pub struct SceneInfo {
     /// Bytes that Embree holds for this scene's hierarchies, including those that it shares with the scene it was
     /// rebuilt from.
     pub embree_bytes: usize,
+    /// Number of textures that materials of surfaces use.
+    pub textures: usize,
+    /// Bytes of the images of these textures and of their smaller levels. The images are those of the description.
+    pub texture_bytes: usize,
     /// Time that the whole build took.
     pub build_time: Duration,
     /// The decisions that the build made, one per line.
@@ -68,6 +74,7 @@ impl SceneInfo {
         bsdfs: &[Bsdf],
         record: &GeometryRecord,
         emitters: &EmitterSet,
+        textures: &PreparedTextures,
         has_kernel: bool,
     ) -> Self {
         let facts = &record.facts;
@@ -117,6 +124,8 @@ impl SceneInfo {
             decisions
                 .push(format!("paths follow the media that they are in: {media} materials absorb or have a priority"));
         }
+        let images = TextureFacts::new(desc, textures);
+        decisions.extend(images.lines);
         let used = desc.used_materials();
         let on_surfaces = || desc.materials.iter().zip(&used).filter(|(_, used)| **used).map(|(material, _)| material);
         let see_through = on_surfaces().filter(|material| !material.is_opaque()).count();
@@ -130,6 +139,7 @@ impl SceneInfo {
         }
         let off = [
             (see_through == 0, "opacity"),
+            (textures.len() == 0, "textures"),
             (media == 0, "media"),
             (widths.is_empty(), "glossy lobes"),
             (anisotropic == 0, "tangents"),
@@ -156,6 +166,8 @@ impl SceneInfo {
             bounds: facts.bounds,
             geometry_bytes: facts.geometry_bytes,
             embree_bytes: facts.embree_bytes,
+            textures: textures.len(),
+            texture_bytes: images.bytes,
             build_time: Duration::ZERO,
             decisions,
             not_diffuse: not_diffuse(desc, bsdfs),
@@ -163,6 +175,56 @@ impl SceneInfo {
             switched_off: off.into_iter().filter_map(|(is_off, name)| is_off.then_some(name)).collect(),
         }
     }
+}
+
+/// What there is to say about textures.
+struct TextureFacts {
+    bytes: usize,
+    lines: Vec<String>,
+}
+
+impl TextureFacts {
+    fn new(desc: &SceneDesc, prepared: &PreparedTextures) -> Self {
+        if prepared.len() == 0 {
+            return Self { bytes: 0, lines: Vec::new() };
+        }
+        let mut bytes = prepared.bytes();
+        let mut images = std::collections::HashMap::new();
+        for (texture, space) in prepared.each() {
+            if let TextureSource::Image(it) = &texture.source {
+                images
+                    .entry(Arc::as_ptr(&it.image))
+                    .or_insert_with(|| (Arc::clone(&it.image), Vec::new()))
+                    .1
+                    .push(space);
+            }
+        }
+        let mut spaces = [0; 3];
+        for (image, of_image) in images.values() {
+            bytes += image.texels().bytes();
+            for space in of_image {
+                spaces[*space as usize] += 1;
+            }
+        }
+        let patterns = prepared.len() - spaces.iter().sum::<usize>();
+        let lines = vec![
+            format!(
+                "textures: {} images of {:.1} MB with their levels ({} as sRGB, {} as linear light, {} as numbers), {patterns} patterns",
+                images.len(),
+                bytes as f64 / 1e6,
+                spaces[0],
+                spaces[1],
+                spaces[2]
+            ),
+            format!("{} materials are asked at every hit for what their textures say", textured(desc)),
+        ];
+        Self { bytes, lines }
+    }
+}
+
+/// Number of materials with textures.
+fn textured(desc: &SceneDesc) -> usize {
+    desc.materials.iter().filter(|material| !material.textures.is_empty()).count()
 }
 
 /// Counts materials by their kinds.
@@ -372,7 +434,7 @@ mod tests {
             let scene = Scene::build(desc, &BuildOptions::default()).unwrap();
             let of = |emitters: Vec<Emitter>| {
                 let emitters = EmitterSet::new(emitters);
-                let info = SceneInfo::new(desc, &[], &scene.record, &emitters, false);
+                let info = SceneInfo::new(desc, &[], &scene.record, &emitters, &PreparedTextures::default(), false);
                 (info, warnings(desc, &[], &scene.record.facts, &emitters, 0))
             };
             let (info, warnings) = of(vec![point, environment(Rgb::ONE)]);
@@ -410,7 +472,7 @@ mod tests {
             info.contains("2 materials have glossy lobes; the narrowest lobe of each has a width alpha of 0.01"),
             "{info}"
         );
-        assert!(info.contains("switched off    opacity, media, tangents, "), "{info}");
+        assert!(info.contains("switched off    opacity, textures, media, tangents, "), "{info}");
         add(&mut desc, glass(facets(0.5, 0.5)));
         let info = Scene::build(&desc, &BuildOptions::default()).unwrap().info().to_string();
         assert!(info.contains("tangents are found at hits of 1 anisotropic materials"), "{info}");

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::SurfaceDetail;
 use crate::bsdf::{Bsdf, Lobes, Model as _, Parts};
-use crate::math::Frame;
+use crate::math::{Frame, Vec3};
 use crate::spectrum::{Rgb, Spectrum};
 
 /// A material that is not the same all over its surfaces.
@@ -18,6 +18,11 @@ pub trait VaryingMaterial: Debug + Send + Sync {
 
     /// The Bsdf whose colours are the means over the surface, for solvers that have one value for each element.
     fn mean(&self) -> Bsdf;
+
+    /// Bsdfs among which are those with the narrowest lobes that the material has anywhere.
+    fn extremes(&self) -> Vec<Bsdf> {
+        vec![self.mean()]
+    }
 
     /// All lobes that the material has anywhere.
     fn lobes(&self) -> Lobes {
@@ -33,6 +38,22 @@ pub trait VaryingMaterial: Debug + Send + Sync {
     /// footprint is 0 here, so that shadow rays, which carry no cones, see the same surface as all other rays.
     fn opacity(&self, _at: &SurfaceDetail) -> f32 {
         1.0
+    }
+
+    /// Whether what the material reflects depends on the place.
+    fn is_textured(&self) -> bool {
+        false
+    }
+
+    /// Whether the material has shading normals of its own.
+    fn has_normals(&self) -> bool {
+        false
+    }
+
+    /// The unit shading normal at a point, on the outer side; called where the material has some. [`SurfaceDetail::ns`] is that of the
+    /// surface. The local frame of [`Self::bsdf`] is that of the result.
+    fn normal(&self, at: &SurfaceDetail) -> Vec3 {
+        at.ns
     }
 
     /// Whether the material reads [`SurfaceDetail::footprint`].
@@ -149,13 +170,35 @@ impl Material {
 
     /// Whether glossy lobes below this width or delta lobes scatter light.
     pub(crate) fn is_narrow(&self, narrow_below: f32) -> bool {
-        self.bsdf.parts(narrow_below).contains(Parts::NARROW)
+        self.anywhere(|bsdf| bsdf.parts(narrow_below).contains(Parts::NARROW))
     }
 
     /// Whether glossy lobes below this width scatter light.
     pub(crate) fn is_narrow_glossy(&self, narrow_below: f32) -> bool {
-        let narrow = self.bsdf.part(Parts::NARROW, narrow_below);
-        narrow.is_some_and(|narrow| narrow.lobes().intersects(Lobes::GLOSSY))
+        self.anywhere(|bsdf| {
+            let narrow = bsdf.part(Parts::NARROW, narrow_below);
+            narrow.is_some_and(|narrow| narrow.lobes().intersects(Lobes::GLOSSY))
+        })
+    }
+
+    /// Whether textures vary a material with diffuse lobes.
+    pub(super) fn is_textured_diffuse(&self) -> bool {
+        self.varying.as_ref().is_some_and(|varying| varying.is_textured() && varying.lobes().have_diffuse())
+    }
+
+    /// Whether something holds for the Bsdf anywhere.
+    fn anywhere(&self, holds: impl Fn(&Bsdf) -> bool) -> bool {
+        match &self.varying {
+            Some(varying) => varying.extremes().iter().any(holds),
+            None => holds(&self.bsdf),
+        }
+    }
+
+    /// The shading normal at a hit, where the material has its own.
+    #[inline(always)]
+    pub(crate) fn normal(&self, detail: impl FnOnce() -> SurfaceDetail) -> Option<Vec3> {
+        let varying = self.varying.as_deref()?;
+        own_normal(varying, detail)
     }
 
     /// The share of the irradiance that the diffuse lobes reflect at a hit, as a colour, on the outer and on the inner side.
@@ -178,6 +221,12 @@ impl Material {
             _ => self.opacity,
         }
     }
+}
+
+#[cold]
+#[inline(never)]
+fn own_normal(varying: &dyn VaryingMaterial, detail: impl FnOnce() -> SurfaceDetail) -> Option<Vec3> {
+    varying.has_normals().then(|| varying.normal(&detail()))
 }
 
 #[cold]

@@ -152,6 +152,11 @@ impl Media {
                      absorb or have priorities";
                 return fail(message.to_owned());
             }
+            if super::textured::varies(material, &desc.materials[..i]) {
+                let message = "a texture varies the model of a body in a scene whose media absorb or have priorities, expected a \
+                     body without textures, or only for its opacity and its normal";
+                return fail(message.to_owned());
+            }
             let medium = Medium { ior, exterior_ior, absorption: given.absorption, priority: given.priority };
             let place = media.iter().position(|other| *other == medium).unwrap_or_else(|| {
                 media.push(medium);

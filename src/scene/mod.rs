@@ -8,6 +8,7 @@
 //! scene is built, so that a scene far from the world's origin loses no precision.
 
 mod analytic;
+mod analytic_uv;
 mod assemble;
 mod bindings;
 mod build;
@@ -35,6 +36,7 @@ mod options;
 mod record;
 mod roulette;
 mod specular;
+mod textured;
 #[cfg(test)]
 pub(crate) mod varying;
 
@@ -75,6 +77,8 @@ pub struct Scene {
     is_large: bool,
     bindings: SurfaceBindings,
     materials: Arc<[Material]>,
+    /// The textures of the materials, for [`Scene::rebuild`].
+    textures: Arc<textured::PreparedTextures>,
     /// What any of the materials needs to know of a hit.
     needs: MaterialNeeds,
     /// The media inside surfaces, where a medium absorbs or has a priority.

@@ -128,6 +128,12 @@ impl GeometryRecord {
         }
     }
 
+    /// The shape of a surface in its own frame, and the transform of that frame to the world.
+    pub(super) fn placed(&self, surface: u32) -> Option<(&ShapeDesc, DAffine3)> {
+        let placed = self.surfaces.get(surface as usize)?;
+        Some((&placed.shape, placed.transform * placed.local))
+    }
+
     /// Whether a surface is a quad.
     pub(super) fn is_quad(&self, surface: u32) -> bool {
         self.surfaces.get(surface as usize).is_some_and(|placed| matches!(placed.shape, ShapeDesc::Quad(_)))

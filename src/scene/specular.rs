@@ -77,6 +77,12 @@ impl Scene {
         self.owners().filter_map(of).min()
     }
 
+    /// Returns the number of the first surface with diffuse lobes that textures vary.
+    pub fn textured_diffuse_surface(&self) -> Option<u32> {
+        let of = |owner: &Owner| self.material(owner.material).is_textured_diffuse().then_some(owner.surface);
+        self.owners().filter_map(of).min()
+    }
+
     /// Returns at most `most` (>= 1) parts that together contain every surface with delta lobes or with glossy lobes below this width.
     /// Spheres and loose triangles are parts themselves if there are few pieces; otherwise each part is a ball around several pieces.
     pub fn specular_parts(&self, narrow_below: f32, most: usize) -> Vec<SpecularPart> {

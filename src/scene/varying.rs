@@ -227,7 +227,7 @@ fn opacity_is_the_probability_of_meeting_a_surface() {
     let ball = json!([{"geometry": "sphere", "material": "varied", "origin": [0, 0, 0], "radius": 1.0}]);
     for listed_shapes in [None, Some(0)] {
         let scene = build(ball.clone(), &BuildOptions { listed_shapes, ..BuildOptions::default() });
-        let [seen, ..] = render(&with(scene, Veil([0.4, 0.0])), IntegratorDesc::Path, 4, SAMPLES)[5].map(f64::from);
+        let [seen, ..] = render(&with(scene, Veil([0.4, 0.4])), IntegratorDesc::Path, 4, SAMPLES)[5].map(f64::from);
         let error = (0.36 * 0.64 / f64::from(SAMPLES)).sqrt();
         assert!((seen - 0.36).abs() <= 4.0 * error, "{listed_shapes:?}: {seen}, not 0.36");
     }

@@ -20,6 +20,7 @@ mod media;
 mod photons;
 mod radiosity;
 mod sampling;
+mod textures;
 mod transport;
 
 use std::process::ExitCode;
@@ -40,6 +41,7 @@ fn groups() -> Vec<(&'static str, Vec<Entry>)> {
         ("photons", photons::cases()),
         ("radiosity", radiosity::cases()),
         ("media", media::cases()),
+        ("textures", textures::cases()),
         ("arithmetic", arithmetic::cases()),
     ]
 }

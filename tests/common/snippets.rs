@@ -23,11 +23,16 @@ pub fn snippets() -> Vec<(String, String, String)> {
 /// A fragment of a kind, within the smallest scene that contains it.
 fn complete(kind: &str, snippet: &str) -> String {
     let white = r#"{"name": "white", "type": "diffuse", "color": [0.5, 0.5, 0.5]}"#;
+    let bricks = r#"{"name": "bricks", "type": "image", "file": "bricks.png"}"#;
     match kind {
         "scene" | "params" => snippet.to_owned(),
         "camera" => format!("{{\"etendue\": 1,\n\"camera\":\n{snippet}\n}}"),
         "render" => format!("{{\"etendue\": 1, \"camera\": {{}},\n\"render\":\n{snippet}\n}}"),
         "light" => format!("{{\"etendue\": 1, \"camera\": {{}},\n\"lights\": [\n{snippet}\n]}}"),
+        "texture" => format!("{{\"etendue\": 1, \"camera\": {{}},\n\"textures\": [\n{snippet}\n]}}"),
+        "material" if snippet.contains("\"bricks\"") => {
+            format!("{{\"etendue\": 1, \"camera\": {{}},\n\"textures\": [{bricks}],\n\"materials\": [\n{snippet}\n]}}")
+        }
         "material" => format!("{{\"etendue\": 1, \"camera\": {{}},\n\"materials\": [\n{snippet}\n]}}"),
         "surface" => {
             format!("{{\"etendue\": 1, \"camera\": {{}},\n\"materials\": [{white}],\n\"surfaces\": [\n{snippet}\n]}}")

@@ -70,6 +70,11 @@ pub fn average(f: impl Fn(f64) -> f64) -> f64 {
     GAUSS.iter().map(|(t, weight)| weight * 4.0 * t * t * t * f(t * t)).sum()
 }
 
+/// As [`average`], for three functions at once.
+pub fn average_of(f: impl Fn(f64) -> DVec3) -> DVec3 {
+    GAUSS.iter().map(|(t, weight)| weight * 4.0 * t * t * t * f(t * t)).sum()
+}
+
 /// Nodes in [0, 1] and weights of Gauss and Legendre's rule.
 static GAUSS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss(96));
 

@@ -3,10 +3,10 @@
 //! Light that one facet reflects onto another is not in the models of single scattering, which are therefore too dark. What
 //! is missing, 1 - E(w), is what [`MissingEnergy`] stores, and models give it back as Kulla and Conty do.
 
-use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use std::sync::Arc;
 
+use super::super::memo::memo;
 use super::albedo::{FacetShares, albedo, direction};
 use super::{Distribution, Masking, Microfacets};
 use crate::math::Vec3;
@@ -126,11 +126,10 @@ fn node(i: usize, n: usize) -> f64 {
 /// What is asked of a rough surface, as a key: distribution, masking, widths, and the bits of the index of refraction.
 type Key = (Distribution, Masking, [u32; 2], u64, bool);
 
-/// Tables that were integrated before, by the parameters they depend on. Emptied when full.
-static KNOWN: LazyLock<Mutex<HashMap<Key, MissingEnergy>>> = LazyLock::new(Mutex::default);
-
-/// Most tables that are remembered, of 200 bytes each, or 6 kB for facets of two widths.
-const MOST_KNOWN: usize = 4096;
+memo!(
+    /// Tables that were integrated before, of 200 bytes each, or 6 kB for facets of two widths.
+    KNOWN: Key => MissingEnergy, 8192
+);
 
 impl MissingEnergy {
     /// 1 - E of these facets. `index` is the index of refraction behind a facet over that in front of it, 0 where the shares
@@ -139,20 +138,12 @@ impl MissingEnergy {
         // The angle by which facets are turned does not matter here.
         let facets = Microfacets { turn: [1.0, 0.0], ..*facets };
         let key = (facets.distribution, facets.masking, facets.alpha.map(f32::to_bits), index.to_bits(), transmits);
-        let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = known().get(&key) {
-            return found.clone();
-        }
-        let critical = if index > 0.0 && index < 1.0 { (1.0 - index * index).sqrt() } else { 0.0 };
-        let made = Self::integrated(&facets, critical, |mu, phi| {
-            (1.0 - albedo(&facets, direction(&facets, mu, phi), critical, &shares)).max(0.0)
-        });
-        let mut known = known();
-        if known.len() >= MOST_KNOWN {
-            known.clear();
-        }
-        known.insert(key, made.clone());
-        made
+        KNOWN.get(&key, || {
+            let critical = if index > 0.0 && index < 1.0 { (1.0 - index * index).sqrt() } else { 0.0 };
+            Self::integrated(&facets, critical, |mu, phi| {
+                (1.0 - albedo(&facets, direction(&facets, mu, phi), critical, &shares)).max(0.0)
+            })
+        })
     }
 
     fn integrated(facets: &Microfacets, critical: f64, missing: impl Fn(f64, f64) -> f64) -> Self {

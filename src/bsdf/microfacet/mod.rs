@@ -10,7 +10,7 @@ mod albedo;
 mod beckmann;
 mod missing;
 
-pub(super) use albedo::{AlbedoCurve, FacetShares, average};
+pub(super) use albedo::{AlbedoCurve, FacetShares, average, average_of};
 pub(super) use missing::MissingEnergy;
 
 use std::f32::consts::{PI, TAU};
@@ -45,6 +45,12 @@ impl Microfacets {
             alpha: alpha.map(|alpha| alpha.max(MicrofacetsDesc::SMOOTHEST)),
             turn: [cos, sin],
         })
+    }
+
+    /// Appends the parameters.
+    pub fn put_shape(&self, key: &mut Vec<u64>) {
+        let pair = |[a, b]: [f32; 2]| u64::from(a.to_bits()) << 32 | u64::from(b.to_bits());
+        key.extend([self.distribution as u64 | (self.masking as u64) << 8, pair(self.alpha), pair(self.turn)]);
     }
 
     /// The larger and the smaller width.

@@ -7,12 +7,14 @@ mod facets;
 mod metal;
 mod principled;
 
+use std::collections::BTreeMap;
+
 use serde::de::DeserializeOwned;
 use serde_json::value::RawValue;
 
 use super::builder::Builder;
 use super::json::{self, join};
-use super::{BsdfDesc, MaterialDesc, MediumDesc, material_check, validate};
+use super::{BsdfDesc, MaterialDesc, MediumDesc, material_check, texture_check, texture_keys, validate};
 use crate::Result;
 use crate::spectrum::Rgb;
 
@@ -74,12 +76,21 @@ macro_rules! material {
             /// Emitted radiance on the normal's side, W/(m^2 sr) per channel, of all surfaces of this material that have no
             /// emission of their own. Default: none.
             emission: Option<[f64; 3]>,
+            /// Textures that vary parameters of this material, by the names of the parameters: the name of a texture, or an object. The
+            /// value of the parameter is then a factor on that of the texture.
+            #[cfg_attr(feature = "schema", schemars(with = "Option<std::collections::BTreeMap<String, crate::desc::texture_keys::BindingOrName>>"))]
+            textures: Option<std::collections::BTreeMap<String, Box<serde_json::value::RawValue>>>,
             $($keys)*
         }
 
         impl super::Shared for $name {
             fn shared(self) -> super::SharedKeys {
-                super::SharedKeys { name: self.name, opacity: self.opacity, emission: self.emission }
+                super::SharedKeys {
+                    name: self.name,
+                    opacity: self.opacity,
+                    emission: self.emission,
+                    textures: self.textures,
+                }
             }
         }
     };
@@ -120,6 +131,7 @@ struct SharedKeys {
     name: String,
     opacity: Option<f64>,
     emission: Option<[f64; 3]>,
+    textures: Option<BTreeMap<String, Box<RawValue>>>,
 }
 
 trait Shared {
@@ -183,11 +195,14 @@ fn add<K: Kind>(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result
     let medium = keys.medium(path)?;
     let bsdf = keys.bsdf(path, builder)?;
     let survival = keys.survival(path)?;
-    let SharedKeys { name, opacity, emission } = keys.shared();
+    let SharedKeys { name, opacity, emission, textures } = keys.shared();
+    let textures = texture_keys::bindings(textures.as_ref(), path, builder)?;
     let opacity = validate::within(&join(path, "opacity"), opacity.unwrap_or(1.0), 0.0, 1.0)?;
     let emission = emission.map(|radiance| validate::emission(&join(path, "emission"), radiance, 1.0)).transpose()?;
-    let mut material = MaterialDesc { name, path: path.to_owned(), bsdf, survival, medium, opacity, emission };
+    let mut material =
+        MaterialDesc { name, path: path.to_owned(), bsdf, survival, medium, opacity, emission, textures };
     material_check::check(&mut material, &builder.scene.materials)?;
+    texture_check::bindings(&material, &builder.scene.textures, &builder.scene.materials)?;
     builder.scene.put_material(material).map(|_| ())
 }
 

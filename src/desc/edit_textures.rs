@@ -1,0 +1,87 @@
+//! Calls that add and change textures of a description.
+
+use std::sync::Arc;
+
+use super::json::{elided, join};
+use super::{SceneDesc, TextureBinding, TextureDesc, material_check, texture_check};
+use crate::{Error, Result};
+
+impl SceneDesc {
+    /// Adds a named texture and returns its number. The path of the description is not read.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::InvalidScene`] at `textures[..]` for a name given twice or a number out of range.
+    pub fn add_texture(&mut self, texture: TextureDesc) -> Result<usize> {
+        let texture = TextureDesc { path: format!("textures[{}]", self.textures.len()), ..texture };
+        texture_check::texture(&texture)?;
+        self.put_texture(texture)
+    }
+
+    /// Changes all of a texture but its name: the materials that it varies see the new one. Only this texture is prepared again
+    /// when the scene is rebuilt.
+    ///
+    /// # Errors
+    /// Those of [`Self::add_texture`], and an error at `textures[..]` for a number that no texture has. The description is then as it was.
+    pub fn set_texture(&mut self, texture: usize, to: TextureDesc) -> Result<()> {
+        let count = self.textures.len();
+        let Some(known) = self.textures.get(texture) else {
+            let message = format!("there is no texture {texture}, the scene has {count}");
+            return Err(Error::invalid(format!("textures[{texture}]"), message));
+        };
+        let to = TextureDesc { name: known.name.clone(), path: known.path.clone(), ..to };
+        texture_check::texture(&to)?;
+        let before = std::mem::replace(&mut self.textures[texture], Arc::new(to));
+        // What a parameter may take depends on the texture.
+        let mut users = self.materials.iter().enumerate();
+        let checked =
+            users.try_for_each(|(i, user)| texture_check::bindings(user, &self.textures, &self.materials[..i]));
+        if checked.is_err() {
+            self.textures[texture] = before;
+        }
+        checked
+    }
+
+    /// Sets all textures of a material.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::InvalidScene`] at `materials[..].textures` for a parameter that this material does not have or that has two
+    /// textures, and for a texture that does not exist. The description is then as it was.
+    pub fn set_material_textures(&mut self, material: usize, textures: Vec<TextureBinding>) -> Result<()> {
+        let count = self.materials.len();
+        let Some(known) = self.materials.get(material) else {
+            let message = format!("there is no material {material}, the scene has {count}");
+            return Err(Error::invalid(format!("materials[{material}]"), message));
+        };
+        let to = super::MaterialDesc { textures, ..known.clone() };
+        self.set_material_desc(material, to)
+    }
+
+    /// Returns the number of the texture to which a file or a call gave this name.
+    pub fn find_texture(&self, name: &str) -> Option<usize> {
+        self.index.textures.get(name).copied().filter(|number| *number < self.textures.len())
+    }
+
+    /// Adds a texture whose numbers have been checked.
+    pub(super) fn put_texture(&mut self, texture: TextureDesc) -> Result<usize> {
+        if self.find_texture(&texture.name).is_some() {
+            let message = format!("the texture name '{}' is given twice", elided(&texture.name));
+            return Err(Error::invalid(join(&texture.path, "name"), message));
+        }
+        let number = self.textures.len();
+        self.index.textures.insert(texture.name.clone(), number);
+        self.textures.push(Arc::new(texture));
+        Ok(number)
+    }
+
+    /// Checks the textures of all materials, for a description that is put together by hand.
+    pub(crate) fn check_textures(&self) -> Result<()> {
+        for texture in &self.textures {
+            texture_check::texture(texture)?;
+        }
+        for (i, material) in self.materials.iter().enumerate().filter(|(_, material)| !material.textures.is_empty()) {
+            material_check::check(&mut material.clone(), &self.materials[..i])?;
+            texture_check::bindings(material, &self.textures, &self.materials[..i])?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,116 @@
+//! Checks of textures, and of what materials do with them.
+
+use std::sync::Arc;
+
+use super::json::{elided, join};
+use super::validate::{number, reflectance};
+use super::{MaterialDesc, TextureDesc, TextureKey, TextureMapping, TextureSource};
+use crate::texture::{Pattern, TextureFilter};
+use crate::{Error, Result};
+
+/// Most octaves of noise: beyond, their size is below single precision.
+const MOST_OCTAVES: u32 = 16;
+
+/// Checks the numbers of a texture.
+pub(super) fn texture(texture: &TextureDesc) -> Result<()> {
+    let TextureDesc { path, source, mapping, .. } = texture;
+    let at = |key: &str| join(path, key);
+    match *mapping {
+        TextureMapping::Uv { scale, rotation, offset } => {
+            for (i, value) in scale.into_iter().enumerate() {
+                number(&at(&format!("scale[{i}]")), value)?;
+            }
+            number(&at("rotation"), rotation)?;
+            for (i, value) in offset.into_iter().enumerate() {
+                number(&at(&format!("offset[{i}]")), value)?;
+            }
+        }
+        TextureMapping::Space { scale, offset } => {
+            super::validate::vector(&at("scale"), scale.to_array())?;
+            super::validate::vector(&at("offset"), offset.to_array())?;
+        }
+    }
+    let TextureSource::Procedural(procedural) = source else {
+        if matches!(mapping, TextureMapping::Space { .. }) {
+            return Err(Error::invalid(at("coordinates"), "an image lies on surfaces, expected 'uv'"));
+        }
+        return Ok(());
+    };
+    for (i, color) in procedural.colors.into_iter().enumerate() {
+        reflectance(&at(&format!("colors[{i}]")), color.to_f64())?;
+    }
+    let octaves = |octaves: u32| {
+        if (1..=MOST_OCTAVES).contains(&octaves) {
+            return Ok(());
+        }
+        let message = format!("{octaves} is out of range, expected a whole number from 1 to {MOST_OCTAVES}");
+        Err(Error::invalid(at("octaves"), message))
+    };
+    match procedural.pattern {
+        Pattern::Checker | Pattern::Gradient => Ok(()),
+        Pattern::Grid { width } => super::validate::within(&at("lineWidth"), width.into(), 0.0, 1.0).map(|_| ()),
+        Pattern::Noise { octaves: count, .. } => octaves(count),
+        Pattern::Marble { octaves: count, turbulence } | Pattern::Wood { octaves: count, turbulence } => {
+            octaves(count)?;
+            number(&at("turbulence"), turbulence.into()).map(|_| ())
+        }
+    }
+}
+
+/// Checks the textures of a material. Its model has been checked, as have `materials`, which come before it.
+pub(super) fn bindings(
+    material: &MaterialDesc,
+    textures: &[Arc<TextureDesc>],
+    materials: &[MaterialDesc],
+) -> Result<()> {
+    let mut model = material.bsdf;
+    for (i, binding) in material.textures.iter().enumerate() {
+        let key = binding.key;
+        let at = join(&join(&material.path, "textures"), key.name());
+        let Some(texture) = textures.get(binding.texture) else {
+            let message = format!("texture {} of {} does not exist", binding.texture, textures.len());
+            return Err(Error::invalid(at, message));
+        };
+        if material.textures[..i].iter().any(|other| other.key == key) {
+            return Err(Error::invalid(at, "this parameter has a texture already"));
+        }
+        if !key.is_of_surface() && model.parameter(key).is_none() {
+            let names: Vec<_> = model.parameters().into_iter().map(TextureKey::name).collect();
+            let message = format!(
+                "a texture cannot vary `{}` of this {} material, expected one of {}",
+                key.name(),
+                material.bsdf.kind(),
+                names.join(", ")
+            );
+            return Err(Error::invalid(at, message));
+        }
+        number(&join(&at, "strength"), binding.strength.into())?;
+        if key == TextureKey::Opacity
+            && let TextureSource::Image(image) = &texture.source
+            && image.filter == TextureFilter::Stochastic
+        {
+            // Shadow rays would see another surface than the paths that they belong to.
+            return Err(Error::invalid(at, "an opacity cannot be filtered stochastically, expected another filter"));
+        }
+    }
+    if material.textured(TextureKey::Normal).is_some() && material.textured(TextureKey::Bump).is_some() {
+        let at = join(&join(&material.path, "textures"), "bump");
+        return Err(Error::invalid(at, "the normal has a texture already, expected one of `normal` and `bump`"));
+    }
+    let [front, back] = match material.bsdf {
+        super::BsdfDesc::Mix { materials, .. } => materials,
+        super::BsdfDesc::TwoSided { front, back } => [front, back],
+        _ => return Ok(()),
+    };
+    for part in [front, back].into_iter().filter_map(|part| materials.get(part)) {
+        if let Some(binding) = part.textures.iter().find(|binding| binding.key.is_of_surface()) {
+            let message = format!(
+                "the material '{}' has a texture for `{}`, expected a part without: the whole material has one",
+                elided(&part.name),
+                binding.key.name()
+            );
+            return Err(Error::invalid(&material.path, message));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,436 @@
+//! Materials of which textures vary parameters, opacity or normals.
+
+use std::sync::Arc;
+
+use super::material::turned_with_tangents;
+use super::{SurfaceDetail, VaryingMaterial};
+use crate::bsdf::{Black, Bsdf, Lobes, Mix, Model as _, TwoSided};
+use crate::desc::{
+    BsdfDesc, ImageTextureDesc, MaterialDesc, Parameter, SceneDesc, TextureBinding, TextureChannel, TextureDesc,
+    TextureKey, TextureMapping, TextureSource,
+};
+use crate::math::{DVec3, Vec3};
+use crate::spectrum::Rgb;
+use crate::texture::{ColorSpace, ImageTexture, Texel, Texture, TexturePoint};
+
+/// A texture as it was prepared, for scenes that are built from the same description again.
+#[derive(Clone, Debug)]
+pub(super) struct PreparedTexture {
+    desc: Arc<TextureDesc>,
+    space: ColorSpace,
+    texture: Arc<Texture>,
+}
+
+/// The textures that materials of a scene use.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PreparedTextures(Vec<PreparedTexture>);
+
+impl PreparedTextures {
+    /// The texture for this use, prepared or taken from `before`.
+    fn get(&mut self, desc: &Arc<TextureDesc>, is_color: bool, before: Option<&Self>) -> Arc<Texture> {
+        let space = match &desc.source {
+            TextureSource::Image(image) => color_space(image, is_color),
+            TextureSource::Procedural(_) => ColorSpace::Linear,
+        };
+        let known = |all: &Self| {
+            let same = |it: &&PreparedTexture| it.space == space && it.desc.source == desc.source;
+            all.0.iter().find(same).map(|it| Arc::clone(&it.texture))
+        };
+        if let Some(texture) = known(self) {
+            return texture;
+        }
+        let texture = before.and_then(known).unwrap_or_else(|| {
+            Arc::new(match &desc.source {
+                TextureSource::Image(it) => {
+                    Texture::Image(ImageTexture::new(Arc::clone(&it.image), space, it.wrap, it.filter))
+                }
+                TextureSource::Procedural(it) => Texture::Procedural(*it),
+            })
+        });
+        self.0.push(PreparedTexture { desc: Arc::clone(desc), space, texture: Arc::clone(&texture) });
+        texture
+    }
+
+    /// Each texture and what its numbers mean.
+    pub fn each(&self) -> impl Iterator<Item = (&TextureDesc, ColorSpace)> {
+        self.0.iter().map(|it| (&*it.desc, it.space))
+    }
+
+    /// Bytes of memory beyond the images themselves.
+    pub fn bytes(&self) -> usize {
+        self.0.iter().map(|it| it.texture.bytes()).sum()
+    }
+
+    /// Number of textures, where one image with two colour spaces counts as two.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+}
+
+/// What the numbers of an image mean where it is a colour or not.
+pub(super) fn color_space(image: &ImageTextureDesc, is_color: bool) -> ColorSpace {
+    image.color_space.unwrap_or(if is_color { image.suggested_space } else { ColorSpace::Raw })
+}
+
+/// Where a texture lies, from texture coordinates or points of the scene frame.
+#[derive(Clone, Copy, Debug)]
+enum Placement {
+    /// The matrix by rows, and what is added.
+    Uv { matrix: [[f32; 2]; 2], offset: [f32; 2] },
+    /// Factors, and what is added to a point of the scene frame times these.
+    Space { scale: DVec3, offset: DVec3 },
+}
+
+impl Placement {
+    fn new(mapping: &TextureMapping, centre: DVec3) -> Self {
+        match *mapping {
+            TextureMapping::Uv { scale: [su, sv], rotation, offset } => {
+                let (sin, cos) = rotation.sin_cos();
+                let matrix = [[cos * su, -sin * sv], [sin * su, cos * sv]];
+                Self::Uv { matrix: matrix.map(|row| row.map(|x| x as f32)), offset: offset.map(|x| x as f32) }
+            }
+            TextureMapping::Space { scale, offset } => Self::Space { scale, offset: offset + centre * scale },
+        }
+    }
+
+    fn point(&self, at: &SurfaceDetail, with_axes: bool) -> TexturePoint {
+        match self {
+            Self::Uv { matrix, offset } => {
+                let turned = |[u, v]: [f32; 2]| matrix.map(|[a, b]| a * u + b * v);
+                let [u, v] = turned(at.uv);
+                let axes = if with_axes { at.uv_axes().map(turned) } else { [[0.0; 2]; 2] };
+                TexturePoint { uv: [u + offset[0], v + offset[1]], axes, ..TexturePoint::default() }
+            }
+            Self::Space { scale, offset } => {
+                let p = at.p.as_dvec3() * scale + offset;
+                TexturePoint { p: p.as_vec3a(), width: at.footprint, ..TexturePoint::default() }
+            }
+        }
+    }
+}
+
+/// A texture bound to a parameter.
+#[derive(Clone, Debug)]
+struct Bound {
+    key: TextureKey,
+    texture: Arc<Texture>,
+    placement: Placement,
+    channel: usize,
+    /// Whether the parameter, if it is a colour, takes all channels.
+    is_whole: bool,
+    strength: f32,
+    asks_footprint: bool,
+    /// Number of steps between 0 and 1 to which the parameter is rounded; 0 for none.
+    steps: f32,
+}
+
+impl Bound {
+    fn texel(&self, at: &SurfaceDetail) -> Texel {
+        self.texture.at(&self.placement.point(at, self.asks_footprint))
+    }
+
+    fn number(&self, texel: &Texel) -> f32 {
+        texel[self.channel]
+    }
+
+    fn color(&self, texel: &Texel) -> Rgb {
+        if self.is_whole { Rgb::new(texel[0], texel[1], texel[2]) } else { Rgb::splat(texel[self.channel]) }
+    }
+
+    /// Sets the parameter of a model, of which the description is the factor.
+    fn apply(&self, desc: &mut BsdfDesc, texel: &Texel) {
+        match desc.parameter(self.key) {
+            Some(Parameter::Color(color)) => {
+                *color = (*color * self.color(texel)).max(Rgb::ZERO).min(Rgb::ONE);
+            }
+            Some(Parameter::Number(number, [low, high])) => {
+                let value = *number * self.number(texel);
+                let value = if self.steps > 0.0 { (value * self.steps).round() / self.steps } else { value };
+                *number = value.clamp(low, high);
+            }
+            None => {}
+        }
+    }
+}
+
+/// Steps to which parameters of tables are rounded, by how many of them vary: the product of steps is the number of tables.
+const STEPS: [f32; 3] = [256.0, 64.0, 16.0];
+
+/// Binds the textures of a material.
+struct Binder<'a> {
+    desc: &'a SceneDesc,
+    prepared: &'a mut PreparedTextures,
+    before: Option<&'a PreparedTextures>,
+    centre: DVec3,
+}
+
+impl Binder<'_> {
+    fn bind(&mut self, binding: &TextureBinding, steps: f32) -> Option<Bound> {
+        let desc = self.desc.textures.get(binding.texture)?;
+        let texture = self.prepared.get(desc, binding.key.is_color(), self.before);
+        let is_opaque = match &desc.source {
+            TextureSource::Image(it) => !it.image.has_opacity(),
+            TextureSource::Procedural(_) => true,
+        };
+        let channel = match binding.channel {
+            TextureChannel::Default if binding.key == TextureKey::Opacity && !is_opaque => 3,
+            TextureChannel::Default | TextureChannel::Red => 0,
+            TextureChannel::Green => 1,
+            TextureChannel::Blue => 2,
+            TextureChannel::Alpha => 3,
+        };
+        Some(Bound {
+            key: binding.key,
+            asks_footprint: texture.asks_footprint(),
+            texture,
+            placement: Placement::new(&desc.mapping, self.centre),
+            channel,
+            is_whole: binding.channel == TextureChannel::Default,
+            strength: binding.strength,
+            steps,
+        })
+    }
+
+    /// The textures of a material's model.
+    fn of_model(&mut self, material: &MaterialDesc) -> Box<[Bound]> {
+        let own = material.textures.iter().filter(|binding| !binding.key.is_of_surface());
+        let tables = own.clone().filter(|binding| binding.key.is_of_tables()).count();
+        let steps = STEPS[tables.clamp(1, STEPS.len()) - 1];
+        own.filter_map(|it| self.bind(it, if it.key.is_of_tables() { steps } else { 0.0 })).collect()
+    }
+
+    fn recipe(&mut self, number: usize) -> Recipe {
+        let (before, rest) = self.desc.materials.split_at(number.min(self.desc.materials.len()));
+        let Some(material) = rest.first() else { return Recipe::Fixed(Box::new(Bsdf::Black(Black))) };
+        match material.bsdf {
+            _ if !varies(material, before) => Recipe::Fixed(Box::new(Bsdf::of_materials(&material.bsdf, before))),
+            BsdfDesc::Mix { materials, .. } => {
+                let parts = materials.map(|part| self.recipe(part));
+                Recipe::Mix { desc: material.bsdf, parts: Box::new(parts), weight: self.of_model(material) }
+            }
+            BsdfDesc::TwoSided { front, back } => {
+                Recipe::TwoSided(Box::new([front, back].map(|part| self.recipe(part))))
+            }
+            desc => Recipe::Model { desc, bound: self.of_model(material) },
+        }
+    }
+}
+
+/// Whether textures vary the model of a material or of one of its parts.
+pub(super) fn varies(material: &MaterialDesc, materials: &[MaterialDesc]) -> bool {
+    let part_varies = |part: usize| materials.get(part).is_some_and(|it| varies(it, &materials[..part]));
+    material.textures.iter().any(|binding| !binding.key.is_of_surface())
+        || match material.bsdf {
+            BsdfDesc::Mix { materials: [a, b], .. } | BsdfDesc::TwoSided { front: a, back: b } => {
+                part_varies(a) || part_varies(b)
+            }
+            _ => false,
+        }
+}
+
+/// How the Bsdf at a point is made.
+#[derive(Debug)]
+enum Recipe {
+    /// The same everywhere.
+    Fixed(Box<Bsdf>),
+    /// A model with its parameters.
+    Model { desc: BsdfDesc, bound: Box<[Bound]> },
+    /// A mixture.
+    Mix { desc: BsdfDesc, parts: Box<[Recipe; 2]>, weight: Box<[Bound]> },
+    /// A model for each side.
+    TwoSided(Box<[Recipe; 2]>),
+}
+
+impl Recipe {
+    /// The Bsdf where the textures have the texels that `texel` gives.
+    fn bsdf(&self, texel: &dyn Fn(&Bound) -> Texel) -> Bsdf {
+        match self {
+            Self::Fixed(bsdf) => Bsdf::clone(bsdf),
+            Self::Model { desc, bound } => Bsdf::at_point(&applied(desc, bound, texel)),
+            Self::Mix { desc, parts, weight } => {
+                let BsdfDesc::Mix { weight, .. } = applied(desc, weight, texel) else { return Bsdf::Black(Black) };
+                match weight {
+                    0.0 => parts[0].bsdf(texel),
+                    1.0 => parts[1].bsdf(texel),
+                    weight => Bsdf::Mix(Mix::new(parts.each_ref().map(|part| part.bsdf(texel)), weight)),
+                }
+            }
+            Self::TwoSided(faces) => Bsdf::TwoSided(TwoSided::new(faces.each_ref().map(|face| face.bsdf(texel)))),
+        }
+    }
+
+    fn each(&self, f: &mut dyn FnMut(&Bound)) {
+        match self {
+            Self::Fixed(_) => {}
+            Self::Model { bound, .. } => bound.iter().for_each(f),
+            Self::Mix { parts, weight, .. } => {
+                weight.iter().for_each(&mut *f);
+                parts.iter().for_each(|part| part.each(f));
+            }
+            Self::TwoSided(faces) => faces.iter().for_each(|face| face.each(f)),
+        }
+    }
+}
+
+/// The description of a model at a point.
+fn applied(desc: &BsdfDesc, bound: &[Bound], texel: &dyn Fn(&Bound) -> Texel) -> BsdfDesc {
+    let mut desc = *desc;
+    for bound in bound {
+        bound.apply(&mut desc, &texel(bound));
+    }
+    if let BsdfDesc::DiffuseTransmission { reflectance, transmittance } = &mut desc {
+        // Two textures may sum to more than all light.
+        let scale = (*reflectance + *transmittance).to_array().map(|sum| 1.0 / sum.max(1.0));
+        let scale = Rgb::from_array(scale);
+        (*reflectance, *transmittance) = (*reflectance * scale, *transmittance * scale);
+    }
+    desc
+}
+
+/// A material of which textures vary something.
+#[derive(Debug)]
+pub(super) struct Textured {
+    recipe: Recipe,
+    opacity: Option<Bound>,
+    normal: Option<Bound>,
+    mean: Bsdf,
+    extremes: Vec<Bsdf>,
+    lobes: Lobes,
+    asks_footprint: bool,
+}
+
+impl Textured {
+    /// The material of this number; `None` where no texture varies it.
+    pub fn new(
+        desc: &SceneDesc,
+        number: usize,
+        centre: DVec3,
+        prepared: &mut PreparedTextures,
+        before: Option<&PreparedTextures>,
+    ) -> Option<Self> {
+        let material = &desc.materials[number];
+        let of_surface = material.textures.iter().any(|binding| binding.key.is_of_surface());
+        if !of_surface && !varies(material, &desc.materials[..number]) {
+            return None;
+        }
+        let mut binder = Binder { desc, prepared, before, centre };
+        let recipe = binder.recipe(number);
+        let mut surface = |key| material.textured(key).and_then(|binding| binder.bind(binding, 0.0));
+        let opacity = surface(TextureKey::Opacity);
+        let normal = surface(TextureKey::Normal).or_else(|| surface(TextureKey::Bump));
+        let mean = recipe.bsdf(&|bound| bound.texture.mean());
+        // Each texture at its smallest and largest, the others at their means, then all together.
+        let mut textures = Vec::new();
+        let mut asks_footprint = normal.as_ref().is_some_and(|bound| bound.asks_footprint);
+        recipe.each(&mut |bound| {
+            textures.push(Arc::clone(&bound.texture));
+            asks_footprint |= bound.asks_footprint;
+        });
+        let mut extremes = vec![mean.clone()];
+        for end in [0, 1] {
+            for texture in &textures {
+                let texel = |bound: &Bound| {
+                    if Arc::ptr_eq(&bound.texture, texture) { bound.texture.range()[end] } else { bound.texture.mean() }
+                };
+                extremes.push(recipe.bsdf(&texel));
+            }
+            extremes.push(recipe.bsdf(&|bound| bound.texture.range()[end]));
+        }
+        let lobes = extremes.iter().map(|bsdf| bsdf.lit_lobes()).fold(Lobes::empty(), |all, some| all | some);
+        Some(Self { recipe, opacity, normal, mean, extremes, lobes, asks_footprint })
+    }
+}
+
+impl VaryingMaterial for Textured {
+    fn bsdf(&self, at: &SurfaceDetail) -> Bsdf {
+        let bsdf = self.recipe.bsdf(&|bound| bound.texel(at));
+        if bsdf.is_anisotropic() { turned_with_tangents(&bsdf, at) } else { bsdf }
+    }
+
+    fn mean(&self) -> Bsdf {
+        self.mean.clone()
+    }
+
+    fn extremes(&self) -> Vec<Bsdf> {
+        self.extremes.clone()
+    }
+
+    fn lobes(&self) -> Lobes {
+        self.lobes
+    }
+
+    fn is_opaque(&self) -> bool {
+        self.opacity.is_none()
+    }
+
+    fn opacity(&self, at: &SurfaceDetail) -> f32 {
+        self.opacity.as_ref().map_or(1.0, |bound| bound.number(&bound.texel(at)).clamp(0.0, 1.0))
+    }
+
+    fn asks_footprint(&self) -> bool {
+        self.asks_footprint
+    }
+
+    fn is_textured(&self) -> bool {
+        true
+    }
+
+    fn has_normals(&self) -> bool {
+        self.normal.is_some()
+    }
+
+    fn normal(&self, at: &SurfaceDetail) -> Vec3 {
+        let Some(bound) = &self.normal else { return at.ns };
+        let normal = if bound.key == TextureKey::Normal { mapped(bound, at) } else { bumped(bound, at) };
+        normal.try_normalize().filter(|n| n.is_finite() && n.dot(at.ns) > 0.0).unwrap_or(at.ns)
+    }
+}
+
+/// The normal of a normal map: its x along the tangent, its y to the side to which the second texture coordinate grows.
+fn mapped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
+    let [x, y, z, _] = bound.texel(at);
+    let (x, y, z) = (bound.strength * (2.0 * x - 1.0), bound.strength * (2.0 * y - 1.0), 2.0 * z - 1.0);
+    let Some(tangent) = (at.dpdu - at.dpdu.dot(at.ns) * at.ns).try_normalize() else { return at.ns };
+    let across = at.ns.cross(tangent);
+    let across = if across.dot(at.dpdv) < 0.0 { -across } else { across };
+    x * tangent + y * across + z * at.ns
+}
+
+/// The normal of a surface that is raised by a height (Blinn 1978): ns - dh/ds over the two directions of the surface.
+fn bumped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
+    let Some(s) = (at.dpdu - at.dpdu.dot(at.ns) * at.ns).try_normalize() else { return at.ns };
+    let t = at.ns.cross(s);
+    // Half a texel, or as much less as differences in single precision are good for.
+    let step = match &*bound.texture {
+        Texture::Image(image) => 0.5 / image.texels_across() as f32,
+        Texture::Procedural(_) => 1e-3,
+    };
+    let height = |at: &SurfaceDetail| bound.number(&bound.texel(at));
+    // The step is in texture coordinates, or in lengths for patterns in space.
+    let (along, across) = match bound.placement {
+        Placement::Uv { matrix, .. } => {
+            let size = matrix.iter().flatten().fold(0.0_f32, |most, x| most.max(x.abs())).max(1e-6);
+            let step = step / size;
+            let moved = |du: f32, dv: f32| {
+                let there = SurfaceDetail { uv: [at.uv[0] + du, at.uv[1] + dv], ..*at };
+                let back = SurfaceDetail { uv: [at.uv[0] - du, at.uv[1] - dv], ..*at };
+                bound.strength * (height(&there) - height(&back)) / (2.0 * step)
+            };
+            let [hu, hv] = [moved(step, 0.0), moved(0.0, step)];
+            // The gradient on the surface: of the two that texture coordinates span.
+            let (u, v) = ([at.dpdu.dot(s), at.dpdu.dot(t)], [at.dpdv.dot(s), at.dpdv.dot(t)]);
+            let determinant = u[0] * v[1] - u[1] * v[0];
+            ((hu * v[1] - hv * u[1]) / determinant, (hv * u[0] - hu * v[0]) / determinant)
+        }
+        Placement::Space { scale, .. } => {
+            let step = step / scale.abs().max_element().max(1e-6) as f32;
+            let slope = |direction: Vec3| {
+                let there = SurfaceDetail { p: at.p + step * direction, ..*at };
+                let back = SurfaceDetail { p: at.p - step * direction, ..*at };
+                bound.strength * (height(&there) - height(&back)) / (2.0 * step)
+            };
+            (slope(s), slope(t))
+        }
+    };
+    at.ns - along * s - across * t
+}

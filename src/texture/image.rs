@@ -1,0 +1,284 @@
+//! Images as textures: lookups and filters.
+
+use std::sync::{Arc, LazyLock};
+
+use super::pyramid::{Pyramid, wrapped};
+use super::texels::{ColorSpace, TexelImage};
+use super::{Texel, TextureFilter, TexturePoint, Wrap};
+
+/// Most times that the longer axis of a footprint may be the shorter one; beyond, the shorter one is widened, which blurs and bounds
+/// the texels of a lookup.
+const MOST_ANISOTROPY: f32 = 16.0;
+
+/// Radius of the filter in standard deviations of its Gaussian is 2: the weight exp(-2 r^2) at the edge of the ellipse.
+const FALLOFF: f32 = 2.0;
+
+/// An image with what is needed to read it.
+#[derive(Clone, Debug)]
+pub struct ImageTexture {
+    image: Arc<TexelImage>,
+    space: ColorSpace,
+    wrap: [Wrap; 2],
+    filter: TextureFilter,
+    pyramid: Option<Arc<Pyramid>>,
+    mean: Texel,
+    range: [Texel; 2],
+}
+
+impl ImageTexture {
+    /// Prepares an image: filters of levels make these levels.
+    pub fn new(image: Arc<TexelImage>, space: ColorSpace, wrap: [Wrap; 2], filter: TextureFilter) -> Self {
+        let pyramid =
+            matches!(filter, TextureFilter::Mip | TextureFilter::Ewa).then(|| Arc::new(Pyramid::new(&image, space)));
+        let (mean, range) = statistics(&image, space);
+        Self { image, space, wrap, filter, pyramid, mean, range }
+    }
+
+    /// How it is filtered.
+    pub fn filter(&self) -> TextureFilter {
+        self.filter
+    }
+
+    /// The larger of the numbers of columns and rows.
+    pub fn texels_across(&self) -> u32 {
+        self.image.width().max(self.image.height())
+    }
+
+    pub(super) fn mean(&self) -> Texel {
+        self.mean
+    }
+
+    pub(super) fn range(&self) -> [Texel; 2] {
+        // Beyond the edges lies black without opacity.
+        if self.wrap.contains(&Wrap::Black) { [[0.0; 4], self.range[1]] } else { self.range }
+    }
+
+    pub(super) fn pyramid_bytes(&self) -> usize {
+        self.pyramid.as_ref().map_or(0, |pyramid| pyramid.bytes())
+    }
+
+    /// Size of a level; level 0 is the image.
+    fn size(&self, level: usize) -> [u32; 2] {
+        match &self.pyramid {
+            Some(pyramid) if level > 0 => pyramid.size(level),
+            _ => [self.image.width(), self.image.height()],
+        }
+    }
+
+    /// A texel of a level, columns to the right and rows down, which may lie beyond the edges.
+    #[inline]
+    fn texel(&self, level: usize, at: [i64; 2]) -> Texel {
+        let Some([x, y]) = wrapped(self.wrap, self.size(level), at) else { return [0.0; 4] };
+        match &self.pyramid {
+            Some(pyramid) if level > 0 => pyramid.texel(level, x, y),
+            _ => self.image.texel(x, y, self.space),
+        }
+    }
+
+    pub(super) fn at(&self, at: &TexturePoint) -> Texel {
+        let uv = at.uv.map(|c| if c.is_finite() { c } else { 0.0 });
+        match self.filter {
+            TextureFilter::Nearest => self.nearest(uv),
+            TextureFilter::Bilinear => self.bilinear(0, uv),
+            TextureFilter::Mip => self.mip(uv, &at.axes),
+            TextureFilter::Ewa => self.ewa(uv, &at.axes),
+            TextureFilter::Stochastic => self.stochastic(uv, &at.axes),
+        }
+    }
+
+    /// The place in texels of a level; the centre of the first is 0.
+    #[inline]
+    fn place(&self, level: usize, [u, v]: [f32; 2]) -> [f32; 2] {
+        let [width, height] = self.size(level).map(|n| n as f32);
+        [u * width - 0.5, (1.0 - v) * height - 0.5]
+    }
+
+    fn nearest(&self, uv: [f32; 2]) -> Texel {
+        self.texel(0, self.place(0, uv).map(|x| (x + 0.5).floor() as i64))
+    }
+
+    #[inline]
+    fn bilinear(&self, level: usize, uv: [f32; 2]) -> Texel {
+        let place = self.place(level, uv);
+        let [x, y] = place.map(|x| x.floor() as i64);
+        let [s, t] = [place[0] - x as f32, place[1] - y as f32];
+        let (left, right) = (1.0 - s, s);
+        let rows = [0, 1].map(|j| {
+            let [a, b] = [0, 1].map(|i| self.texel(level, [x + i, y + j]));
+            std::array::from_fn(|c| left * a[c] + right * b[c])
+        });
+        let [upper, lower]: [Texel; 2] = rows;
+        std::array::from_fn(|c| (1.0 - t) * upper[c] + t * lower[c])
+    }
+
+    fn mip(&self, uv: [f32; 2], axes: &[[f32; 2]; 2]) -> Texel {
+        let size = self.size(0).map(|n| n as f32);
+        let length = |[u, v]: [f32; 2]| (u * size[0]).hypot(v * size[1]);
+        self.between_levels(uv, length(axes[0]).max(length(axes[1])))
+    }
+
+    /// Between the two levels whose texels are about `width` texels of the image wide.
+    fn between_levels(&self, uv: [f32; 2], width: f32) -> Texel {
+        let last = self.pyramid.as_ref().map_or(0, |pyramid| pyramid.len());
+        let level = width.max(1.0).log2().min(last as f32);
+        if level.is_nan() || level <= 0.0 {
+            return self.bilinear(0, uv);
+        }
+        let lower = (level.floor() as usize).min(last);
+        let share = level - lower as f32;
+        let a = self.bilinear(lower, uv);
+        if share == 0.0 {
+            return a;
+        }
+        let b = self.bilinear((lower + 1).min(last), uv);
+        std::array::from_fn(|c| a[c] + share * (b[c] - a[c]))
+    }
+
+    /// The axes in texels of the image, the longer first, with the shorter one widened.
+    fn ellipse(&self, axes: &[[f32; 2]; 2]) -> Option<[[f32; 2]; 2]> {
+        let [width, height] = self.size(0).map(|n| n as f32);
+        // v grows up, rows grow down.
+        let mut axes = axes.map(|[u, v]| [u * width, -v * height]);
+        let length = |[x, y]: [f32; 2]| x.hypot(y);
+        if length(axes[0]) < length(axes[1]) {
+            axes.swap(0, 1);
+        }
+        let [long, short] = axes.map(length);
+        if !long.is_finite() || long <= 0.0 {
+            return None;
+        }
+        // The axes of an ellipse are across each other; those of a footprint on a texture that is skewed are not. The short one is
+        // therefore what is left of it across the long one.
+        let along = [axes[0][0] / long, axes[0][1] / long];
+        let across = [-along[1], along[0]];
+        let part = (axes[1][0] * across[0] + axes[1][1] * across[1]).abs().min(short);
+        let part = part.max(long / MOST_ANISOTROPY);
+        Some([axes[0], across.map(|x| x * part)])
+    }
+
+    fn ewa(&self, uv: [f32; 2], axes: &[[f32; 2]; 2]) -> Texel {
+        let Some([long, short]) = self.ellipse(axes) else { return self.bilinear(0, uv) };
+        // In the lower level the short axis is two texels or more, so that its ellipses hold enough of them.
+        let width = 0.5 * short[0].hypot(short[1]);
+        let last = self.pyramid.as_ref().map_or(0, |pyramid| pyramid.len());
+        let level = width.max(1.0).log2().min(last as f32);
+        let lower = (level.floor() as usize).min(last);
+        let share = level - lower as f32;
+        let a = self.ellipse_mean(lower, uv, long, short);
+        if share == 0.0 || lower == last {
+            return a;
+        }
+        let b = self.ellipse_mean(lower + 1, uv, long, short);
+        std::array::from_fn(|c| a[c] + share * (b[c] - a[c]))
+    }
+
+    /// The mean over an ellipse with the given half axes (in texels of the image), weighed by a Gaussian.
+    fn ellipse_mean(&self, level: usize, uv: [f32; 2], long: [f32; 2], short: [f32; 2]) -> Texel {
+        let (size, whole) = (self.size(level), self.size(0));
+        let scale = [0, 1].map(|i: usize| size[i] as f32 / whole[i] as f32);
+        let [a, b] = [long, short].map(|[x, y]| [x * scale[0], y * scale[1]]);
+        // The ellipse A x^2 + B x y + C y^2 = F. Its axes are wider by a texel of the image, so that it holds the centre of one (Heckbert
+        // 1989); what the texels of the level, which are means over squares, blur by themselves is taken off. A Gaussian that is exp(-2)
+        // at its edge has the variance r^2 / 4, a square 1/12.
+        let own = scale.map(|s| s * s - (1.0 - s * s) / 3.0);
+        let (mut qa, mut qb, mut qc) = (
+            a[1] * a[1] + b[1] * b[1] + own[1],
+            -2.0 * (a[0] * a[1] + b[0] * b[1]),
+            a[0] * a[0] + b[0] * b[0] + own[0],
+        );
+        let inverse = 1.0 / (qa * qc - 0.25 * qb * qb);
+        (qa, qb, qc) = (qa * inverse, qb * inverse, qc * inverse);
+        let below = 4.0 * qa * qc - qb * qb;
+        let reach = [2.0 * (qc / below).sqrt(), 2.0 * (qa / below).sqrt()];
+        let place = self.place(level, uv);
+        if !reach.iter().chain(&place).all(|x| x.is_finite()) {
+            return self.mean;
+        }
+        let range = |i: usize| (place[i] - reach[i]).ceil() as i64..=(place[i] + reach[i]).floor() as i64;
+        let (mut sum, mut weights) = ([0.0; 4], 0.0);
+        for y in range(1) {
+            let dy = y as f32 - place[1];
+            for x in range(0) {
+                let dx = x as f32 - place[0];
+                let r2 = qa * dx * dx + qb * dx * dy + qc * dy * dy;
+                if r2 < 1.0 {
+                    let weight = gaussian(r2);
+                    let texel = self.texel(level, [x, y]);
+                    sum = std::array::from_fn(|c| sum[c] + weight * texel[c]);
+                    weights += weight;
+                }
+            }
+        }
+        if weights > 0.0 { sum.map(|v| v / weights) } else { self.bilinear(level, uv) }
+    }
+
+    fn stochastic(&self, uv: [f32; 2], axes: &[[f32; 2]; 2]) -> Texel {
+        let [u1, u2] = hashed(uv, axes);
+        let place = self.place(0, uv);
+        let Some([long, short]) = self.ellipse(axes) else {
+            // Bilinear weights as probabilities.
+            let at = [0, 1].map(|i: usize| (place[i] + [u1, u2][i]).floor() as i64);
+            return self.texel(0, at);
+        };
+        // The Gaussian of the filter, cut off at the edge of the ellipse like the other; with the widening by a texel.
+        let r2 = -(1.0 - u1 * (1.0 - (-FALLOFF).exp())).ln() / FALLOFF;
+        let (r, (sin, cos)) = (r2.sqrt(), (std::f32::consts::TAU * u2).sin_cos());
+        let wider = |axis: [f32; 2]| {
+            let length = axis[0].hypot(axis[1]);
+            let factor = if length > 0.0 { (length * length + 1.0).sqrt() / length } else { 0.0 };
+            axis.map(|x| x * factor)
+        };
+        let (a, b) = (wider(long), wider(short));
+        let at = [0, 1].map(|i: usize| (place[i] + r * (cos * a[i] + sin * b[i]) + 0.5).floor() as i64);
+        self.texel(0, at)
+    }
+}
+
+/// The weight at this square of the radius. It does not fall to 0 at the edge, so that the stochastic filter draws from the same.
+#[inline]
+fn gaussian(r2: f32) -> f32 {
+    static TABLE: LazyLock<[f32; 256]> =
+        LazyLock::new(|| std::array::from_fn(|i| (-FALLOFF * (i as f32 + 0.5) / 256.0).exp()));
+    TABLE[((r2 * 256.0) as usize).min(255)]
+}
+
+/// Two numbers in [0, 1) that a lookup determines, so that the same path reads the same texel on any thread.
+fn hashed(uv: [f32; 2], axes: &[[f32; 2]; 2]) -> [f32; 2] {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    for word in uv.into_iter().chain(axes.iter().flatten().copied()) {
+        state = (state ^ u64::from(word.to_bits())).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        state = (state ^ (state >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        state ^= state >> 31;
+    }
+    let part = |bits: u64| (bits & 0xff_ffff) as f32 / (1 << 24) as f32;
+    [part(state >> 40), part(state >> 8)]
+}
+
+/// The mean of the texels and the range of each channel.
+fn statistics(image: &TexelImage, space: ColorSpace) -> (Texel, [Texel; 2]) {
+    use rayon::prelude::*;
+    let row = |y: u32| {
+        let (mut sum, mut low, mut high) = ([0.0_f64; 4], [f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
+        for x in 0..image.width() {
+            let texel = image.texel(x, y, space);
+            for c in 0..4 {
+                sum[c] += f64::from(texel[c]);
+                low[c] = low[c].min(texel[c]);
+                high[c] = high[c].max(texel[c]);
+            }
+        }
+        (sum, low, high)
+    };
+    let rows: Vec<_> = (0..image.height()).into_par_iter().map(row).collect();
+    // Sums are taken row by row in order: the same on any number of threads.
+    let count = f64::from(image.width()) * f64::from(image.height());
+    let (mut sum, mut low, mut high) = ([0.0_f64; 4], [f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
+    for (s, l, h) in rows {
+        for c in 0..4 {
+            sum[c] += s[c];
+            low[c] = low[c].min(l[c]);
+            high[c] = high[c].max(h[c]);
+        }
+    }
+    (sum.map(|s| (s / count) as f32), [low, high])
+}

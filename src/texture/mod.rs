@@ -1,0 +1,93 @@
+//! Textures: values that vary over surfaces, from images or from formulas.
+//!
+//! A [`Texture`] gives four numbers (red, green, blue, opacity) at a point of a surface. Images stay in memory as they were stored
+//! ([`TexelImage`]); colours are decoded to linear light where a texel is read. What a texture reads (texture coordinates, the point,
+//! the size of a pixel on the surface) is in a [`TexturePoint`].
+//!
+//! The default filter interpolates between the four nearest texels, so that the mean over a pixel's samples is the mean of the texture
+//! over the pixel, without bias. The other filters average over the footprint of a pixel first: fewer texels are read and there is less
+//! noise, at the price of a blur that `docs/design/textures.md` measures.
+
+mod image;
+mod lookup;
+mod noise;
+mod procedural;
+mod pyramid;
+mod read;
+mod texels;
+
+pub use image::ImageTexture;
+pub use lookup::{TextureFilter, Wrap};
+pub use procedural::{Pattern, Procedural};
+pub use read::{read_image, read_image_bytes};
+pub use texels::{ColorSpace, TexelFormat, TexelImage, Texels};
+
+use crate::math::Vec3;
+
+/// Four numbers of a texture: red, green, blue in linear light, and opacity.
+pub type Texel = [f32; 4];
+
+/// A point of a surface, as a texture sees it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TexturePoint {
+    /// Texture coordinates; u to the right and v up in the image.
+    pub uv: [f32; 2],
+    /// The two axes of the ellipse that a pixel covers, in texture coordinates: the changes of `uv` from one pixel to the next along
+    /// either. 0 where it is not known.
+    pub axes: [[f32; 2]; 2],
+    /// The point in space, for patterns in space.
+    pub p: Vec3,
+    /// Diameter of what a pixel covers, in the units of `p`.
+    pub width: f32,
+}
+
+/// A texture that is ready to be read.
+#[derive(Clone, Debug)]
+pub enum Texture {
+    /// An image.
+    Image(ImageTexture),
+    /// A formula.
+    Procedural(Procedural),
+}
+
+impl Texture {
+    /// The value at a point.
+    pub fn at(&self, at: &TexturePoint) -> Texel {
+        match self {
+            Self::Image(image) => image.at(at),
+            Self::Procedural(pattern) => pattern.at(at),
+        }
+    }
+
+    /// The mean over the texture, where each part of it counts alike.
+    pub fn mean(&self) -> Texel {
+        match self {
+            Self::Image(image) => image.mean(),
+            Self::Procedural(pattern) => pattern.mean(),
+        }
+    }
+
+    /// The smallest and the largest value of each channel.
+    pub fn range(&self) -> [Texel; 2] {
+        match self {
+            Self::Image(image) => image.range(),
+            Self::Procedural(pattern) => pattern.range(),
+        }
+    }
+
+    /// Whether the texture reads [`TexturePoint::axes`] or [`TexturePoint::width`].
+    pub fn asks_footprint(&self) -> bool {
+        match self {
+            Self::Image(image) => image.filter().asks_footprint(),
+            Self::Procedural(_) => false,
+        }
+    }
+
+    /// Bytes of memory that this texture holds beyond its image.
+    pub fn bytes(&self) -> usize {
+        match self {
+            Self::Image(image) => image.pyramid_bytes(),
+            Self::Procedural(_) => 0,
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Smaller and smaller images of an image, each half the size of the one before: its mean is the same at every level.
+
+use rayon::prelude::*;
+
+use super::texels::{ColorSpace, TexelFormat, TexelImage};
+use super::{Texel, Wrap};
+
+/// The levels above an image, in linear light. Those of integer images have 16 bits a channel, the others single precision.
+#[derive(Clone, Debug)]
+pub(super) struct Pyramid {
+    levels: Vec<Level>,
+}
+
+#[derive(Clone, Debug)]
+struct Level {
+    width: u32,
+    height: u32,
+    channels: usize,
+    values: Values,
+}
+
+#[derive(Clone, Debug)]
+enum Values {
+    U16(Box<[u16]>),
+    F32(Box<[f32]>),
+}
+
+impl Pyramid {
+    /// The pyramid over an image.
+    pub fn new(image: &TexelImage, space: ColorSpace) -> Self {
+        let channels = image.channels() as usize;
+        let is_integer = matches!(image.texels().format(), TexelFormat::U8 | TexelFormat::U16);
+        // The means are taken from unrounded ones: rounding errors do not add up over the levels.
+        let mut size = [image.width(), image.height()];
+        let stored = |texel: Texel, channel: usize| match (channels, channel) {
+            (2, 1) => texel[3],
+            _ => texel[channel],
+        };
+        let mut below: Vec<f32> = Vec::new();
+        let mut levels = Vec::new();
+        while size != [1, 1] {
+            let [width, height] = size.map(|n| n.div_ceil(2));
+            let [whole_width, _] = size;
+            let shares = size.map(halves);
+            let row = |y: u32| {
+                let mut row = Vec::with_capacity(width as usize * channels);
+                for x in 0..width {
+                    for channel in 0..channels {
+                        let mut sum = 0.0_f64;
+                        for (sy, wy) in shares[1](y) {
+                            for (sx, wx) in shares[0](x) {
+                                let value = if levels.is_empty() {
+                                    stored(image.texel(sx, sy, space), channel)
+                                } else {
+                                    below[(sy as usize * whole_width as usize + sx as usize) * channels + channel]
+                                };
+                                sum += f64::from(wx * wy * value);
+                            }
+                        }
+                        row.push(sum as f32);
+                    }
+                }
+                row
+            };
+            let values: Vec<f32> = (0..height).into_par_iter().flat_map_iter(row).collect();
+            levels.push(Level {
+                width,
+                height,
+                channels,
+                values: if is_integer {
+                    Values::U16(values.iter().map(|v| (v * 65535.0).round() as u16).collect())
+                } else {
+                    Values::F32(values.clone().into())
+                },
+            });
+            (below, size) = (values, [width, height]);
+        }
+        Self { levels }
+    }
+
+    /// Number of levels above the image.
+    pub fn len(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// Columns and rows of level `level`, counted from 1.
+    pub fn size(&self, level: usize) -> [u32; 2] {
+        let level = &self.levels[level - 1];
+        [level.width, level.height]
+    }
+
+    /// A texel of a level that is counted from 1.
+    #[inline]
+    pub fn texel(&self, level: usize, x: u32, y: u32) -> Texel {
+        let level = &self.levels[level - 1];
+        let first = (y as usize * level.width as usize + x as usize) * level.channels;
+        let at = |channel: usize| match &level.values {
+            Values::U16(values) => f32::from(values[first + channel]) / 65535.0,
+            Values::F32(values) => values[first + channel],
+        };
+        match level.channels {
+            1 => [at(0), at(0), at(0), 1.0],
+            2 => [at(0), at(0), at(0), at(1)],
+            3 => [at(0), at(1), at(2), 1.0],
+            _ => [at(0), at(1), at(2), at(3)],
+        }
+    }
+
+    /// Bytes of memory.
+    pub fn bytes(&self) -> usize {
+        let bytes = |level: &Level| match &level.values {
+            Values::U16(values) => 2 * values.len(),
+            Values::F32(values) => 4 * values.len(),
+        };
+        self.levels.iter().map(bytes).sum()
+    }
+}
+
+/// The texels of `n` of which the texels of half as many, rounded up, are the means, with their weights. Where `n` is odd, three
+/// texels count for each, so that every texel counts the same in the whole (Guthe and Heckbert 2005).
+fn halves(n: u32) -> impl Fn(u32) -> Vec<(u32, f32)> {
+    let half = n.div_ceil(2);
+    move |i: u32| {
+        // A texel of the level covers n / half texels below, from i n / half on.
+        let (from, to) = (u64::from(i) * u64::from(n), u64::from(i + 1) * u64::from(n));
+        let half = u64::from(half);
+        let first = from / half;
+        let last = (to - 1) / half;
+        (first..=last)
+            .map(|j| {
+                let covered = to.min((j + 1) * half) - from.max(j * half);
+                (j as u32, (covered as f64 / f64::from(n)) as f32)
+            })
+            .collect()
+    }
+}
+
+/// The place of a texel of a level, for lookups with a wrap.
+#[inline]
+pub(super) fn wrapped(wrap: [Wrap; 2], size: [u32; 2], [x, y]: [i64; 2]) -> Option<[u32; 2]> {
+    Some([wrap[0].place(x, size[0])?, wrap[1].place(y, size[1])?])
+}

@@ -1,0 +1,55 @@
+//! Textures: what a lookup returns, and what a scene with textures shows.
+
+mod lookups;
+mod scenes;
+
+use std::sync::Arc;
+
+use etendue::desc::{ImageTextureDesc, TextureDesc, TextureMapping, TextureSource};
+use etendue::texture::{ColorSpace, ImageTexture, TexelImage, Texels, Texture, TextureFilter, Wrap};
+
+use crate::record::Entry;
+
+pub fn cases() -> Vec<Entry> {
+    lookups::cases().into_iter().chain(scenes::cases()).collect()
+}
+
+const FILTERS: [TextureFilter; 5] = [
+    TextureFilter::Nearest,
+    TextureFilter::Bilinear,
+    TextureFilter::Mip,
+    TextureFilter::Ewa,
+    TextureFilter::Stochastic,
+];
+
+/// An image of single-precision numbers, rows from the top.
+fn image(width: u32, height: u32, channels: u32, value: impl Fn(u32, u32, u32) -> f32) -> Arc<TexelImage> {
+    let mut values = Vec::new();
+    for y in 0..height {
+        for x in 0..width {
+            values.extend((0..channels).map(|c| value(x, y, c)));
+        }
+    }
+    Arc::new(TexelImage::new(width, height, channels, Texels::F32(values.into())).expect("an image of the test"))
+}
+
+fn texture(image: &Arc<TexelImage>, space: ColorSpace, wrap: Wrap, filter: TextureFilter) -> Texture {
+    Texture::Image(ImageTexture::new(Arc::clone(image), space, [wrap; 2], filter))
+}
+
+/// A texture of a scene.
+fn described(name: &str, image: &Arc<TexelImage>, space: ColorSpace, filter: TextureFilter, scale: f64) -> TextureDesc {
+    TextureDesc {
+        name: name.to_owned(),
+        path: String::new(),
+        source: TextureSource::Image(ImageTextureDesc {
+            image: Arc::clone(image),
+            file: None,
+            color_space: Some(space),
+            suggested_space: space,
+            wrap: [Wrap::Repeat; 2],
+            filter,
+        }),
+        mapping: TextureMapping::Uv { scale: [scale; 2], rotation: 0.0, offset: [0.0; 2] },
+    }
+}
