@@ -493,7 +493,8 @@ fn materials_become_what_the_table_says() {
     file.root["images"] = json!([{"uri": "a.png"}]);
     let said = file.load().unwrap().warnings.join("\n");
     for expected in [
-        "textures are not drawn yet: materials[0].pbrMetallicRoughness.baseColorTexture",
+        "textures whose image is not read are not drawn: materials[0].pbrMetallicRoughness.baseColorTexture",
+        "images are not read: /nowhere/a.png: images[0].uri: cannot open the file",
         "in range are used: materials[0].pbrMetallicRoughness.metallicFactor (2)",
         "iridescence is not drawn: materials[0]",
         "dispersion is not drawn: materials[0]",
@@ -695,6 +696,152 @@ fn every_container_gives_the_picture_of_the_native_scene() {
     let options = LoadOptions { time: Some(1.0), ..LoadOptions::default() };
     let error = desc::load_with(&path, None, &options).unwrap_err();
     assert_eq!(error.kind(), ErrorKind::Unsupported, "{error}");
+}
+
+/// A square of 2 x 2 texels as an image file.
+fn four_texels(format: image::ImageFormat) -> Vec<u8> {
+    let texels = [[255, 0, 0, 255], [0, 255, 0, 128], [0, 0, 255, 255], [255, 255, 0, 0]];
+    let texel = |x: u32, y: u32| image::Rgba(texels[(2 * y + x) as usize]);
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image::RgbaImage::from_fn(2, 2, texel).write_to(&mut bytes, format).expect("an image");
+    bytes.into_inner()
+}
+
+/// A square with the given texture coordinates and material, whose texture is the first image.
+fn textured(uvs: &[[f32; 2]; 4], material: &Value) -> File {
+    let mut file = File::new();
+    let positions = file.floats(3, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
+    let uvs = file.floats(2, uvs.as_flattened());
+    let indices = file.whole(UNSIGNED_BYTE, 1, &[0, 1, 2, 0, 2, 3]);
+    let image = file.view(&four_texels(image::ImageFormat::Png));
+    file.push("images", json!({"bufferView": image, "mimeType": "image/png"}));
+    file.push("samplers", json!({"magFilter": 9728, "wrapS": 10497, "wrapT": 33071}));
+    file.push("textures", json!({"source": 0, "sampler": 0}));
+    file.push("materials", material.clone());
+    file.push(
+        "meshes",
+        json!({"primitives": [{"indices": indices, "material": 0,
+        "attributes": {"POSITION": positions, "TEXCOORD_0": uvs}}]}),
+    );
+    file.push("nodes", json!({"mesh": 0}));
+    file.root["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 68300}]}});
+    file.push("nodes", json!({"extensions": {"KHR_lights_punctual": {"light": 0}}, "translation": [0.5, 0.5, 3]}));
+    file.push("cameras", json!({"type": "perspective", "perspective": {"yfov": 0.35, "aspectRatio": 1, "znear": 0.1}}));
+    file.push("nodes", json!({"camera": 0, "translation": [0.5, 0.5, 3]}));
+    file.root["scenes"] = json!([{"nodes": [0, 1, 2]}]);
+    file
+}
+
+/// The colours of the quarters of the square: top left, top right, bottom left, bottom right.
+fn quarters(scene: &SceneDesc) -> [[f32; 3]; 4] {
+    let mut scene = scene.clone();
+    scene.render.resolution = [16, 16];
+    scene.render.samples = 16;
+    let built = Scene::build(&scene, &BuildOptions::default()).expect("a scene");
+    let image = render_scene(&built, scene.render).0;
+    [[5, 5], [10, 5], [5, 10], [10, 10]].map(|[x, y]| image.pixel(x, y))
+}
+
+/// Which of the four texels a pixel shows: the numbers of those in the file.
+fn texel([r, g, b]: [f32; 3]) -> u32 {
+    let most = r.max(g).max(b);
+    match [r, g, b].map(|channel| channel > 0.5 * most) {
+        [true, false, false] => 0,
+        [false, true, false] => 1,
+        [false, false, true] => 2,
+        [true, true, false] => 3,
+        other => panic!("{other:?} of {r} {g} {b}"),
+    }
+}
+
+const UPRIGHT: [[f32; 2]; 4] = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+
+#[test]
+fn textures_lie_as_the_specification_says() {
+    let plain = json!({"pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0}}});
+    let upright = textured(&UPRIGHT, &plain).load().unwrap();
+    assert!(upright.warnings.is_empty(), "{:?}", upright.warnings);
+    assert_eq!(quarters(&upright).map(texel), [0, 1, 2, 3]);
+    // The extension gives the picture of coordinates that were changed by its formula.
+    for (offset, rotation, scale) in [
+        ([0.25_f32, 0.0], 0.0_f32, [0.5_f32, 1.0]),
+        ([0.0, 1.0], std::f32::consts::FRAC_PI_2, [1.0, 1.0]),
+        ([0.1, 0.7], 0.6, [0.8, 0.6]),
+    ] {
+        let (sin, cos) = rotation.sin_cos();
+        let moved = UPRIGHT.map(|[u, v]| {
+            let [u, v] = [scale[0] * u, scale[1] * v];
+            [offset[0] + cos * u + sin * v, offset[1] - sin * u + cos * v]
+        });
+        let mut material = plain.clone();
+        material["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] =
+            json!({"KHR_texture_transform": {"offset": offset, "rotation": rotation, "scale": scale}});
+        let by_extension = quarters(&textured(&UPRIGHT, &material).load().unwrap());
+        let by_coordinates = quarters(&textured(&moved, &plain).load().unwrap());
+        for (a, b) in by_extension.as_flattened().iter().zip(by_coordinates.as_flattened()) {
+            assert!((a - b).abs() < 0.02 * (1.0 + b), "{by_extension:?}\nnot {by_coordinates:?}");
+        }
+    }
+    // Data URIs, WebP images by their extension, and a second set of coordinates.
+    let mut file = textured(&UPRIGHT, &plain);
+    let data =
+        base64::Engine::encode(&base64::engine::general_purpose::STANDARD, four_texels(image::ImageFormat::WebP));
+    file.root["extensionsRequired"] = json!(["EXT_texture_webp"]);
+    file.push("images", json!({"uri": format!("data:image/webp;base64,{data}")}));
+    file.root["textures"][0] = json!({"sampler": 0, "extensions": {"EXT_texture_webp": {"source": 1}}});
+    let attributes = &mut file.root["meshes"][0]["primitives"][0]["attributes"];
+    attributes["TEXCOORD_1"] = attributes["TEXCOORD_0"].take();
+    attributes.as_object_mut().expect("an object").remove("TEXCOORD_0");
+    file.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = json!(1);
+    let scene = file.load().unwrap();
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    assert_eq!(quarters(&scene).map(texel), [0, 1, 2, 3]);
+}
+
+#[test]
+fn textures_vary_what_the_specification_says() {
+    use desc::TextureChannel::{Alpha, Blue, Default, Green, Red};
+    use desc::TextureKey as Key;
+    let info = || json!({"index": 0});
+    let material = json!({
+        "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5], "baseColorTexture": info(), "metallicRoughnessTexture": info()},
+        "normalTexture": {"index": 0, "scale": 0.5}, "occlusionTexture": info(), "emissiveTexture": info(),
+        "emissiveFactor": [1, 1, 1], "alphaMode": "BLEND",
+        "extensions": {
+            "KHR_materials_transmission": {"transmissionFactor": 0.5, "transmissionTexture": info()},
+            "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatTexture": info(), "clearcoatRoughnessTexture": info(),
+                "clearcoatNormalTexture": info()},
+            "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1], "sheenColorTexture": info(), "sheenRoughnessTexture": info()},
+            "KHR_materials_specular": {"specularTexture": info(), "specularColorTexture": info()},
+        },
+    });
+    let scene = textured(&UPRIGHT, &material).load().unwrap();
+    let mut found: Vec<_> = scene.materials[0].textures.iter().map(|it| (it.key, it.channel, it.strength)).collect();
+    found.sort_by_key(|(key, ..)| *key);
+    let mut expected = vec![
+        (Key::BaseColor, Default, 1.0),
+        (Key::SpecularRoughness, Green, 1.0),
+        (Key::BaseMetalness, Blue, 1.0),
+        (Key::Normal, Default, 0.5),
+        (Key::TransmissionWeight, Red, 1.0),
+        (Key::TransmissionColor, Default, 1.0),
+        (Key::CoatWeight, Red, 1.0),
+        (Key::CoatRoughness, Green, 1.0),
+        (Key::FuzzColor, Default, 1.0),
+        (Key::FuzzRoughness, Alpha, 1.0),
+        (Key::SpecularWeight, Alpha, 1.0),
+        (Key::Opacity, Alpha, 1.0),
+    ];
+    expected.sort_by_key(|(key, ..)| *key);
+    assert_eq!(found, expected);
+    assert_eq!((scene.materials[0].opacity, scene.materials[0].emission), (0.5, None));
+    // Colours and numbers are two textures of one image.
+    assert_eq!(scene.textures.len(), 2);
+    let said = scene.warnings.join("\n");
+    for left_out in ["occlusionTexture", "emissiveTexture", "clearcoatNormalTexture", "specularColorTexture"] {
+        assert!(said.contains("not drawn: ") && said.contains(left_out), "{said}");
+    }
+    Scene::build(&scene, &BuildOptions::default()).expect("a scene");
 }
 
 /// What is broken is one error at the element.

@@ -44,8 +44,8 @@ pub(super) struct Document<'a> {
     pub buffer_views: Vec<BufferView<'a>>,
     #[serde(default)]
     pub cameras: Vec<Camera>,
-    #[serde(default)]
-    pub images: Vec<Image>,
+    #[serde(borrow, default)]
+    pub images: Vec<Image<'a>>,
     #[serde(borrow, default)]
     pub materials: Vec<Material<'a>>,
     #[serde(borrow, default)]
@@ -115,7 +115,11 @@ elements! {
         yfov: Option<f64>,
     }
     /// An image.
-    Image {}
+    Image<'a> {
+        #[serde(borrow)]
+        uri: Option<&'a RawValue>,
+        buffer_view: Option<u64>,
+    }
     /// A material.
     Material<'a> {
         name: Option<String>,

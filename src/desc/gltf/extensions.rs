@@ -6,8 +6,9 @@ use super::document::Document;
 use crate::Result;
 
 /// The extensions that are read.
-const KNOWN: [&str; 15] = [
+const KNOWN: [&str; 16] = [
     "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",

@@ -3,7 +3,11 @@
 use std::collections::HashMap;
 
 use super::super::json::elided;
-use super::super::{BsdfDesc, MaterialDesc, MediumDesc, PrincipledDesc, SceneDesc, material_check};
+use super::super::{
+    BsdfDesc, MaterialDesc, MediumDesc, PrincipledDesc, SceneDesc, TextureBinding, TextureChannel, TextureKey,
+    material_check, texture_check,
+};
+use super::buffers::Buffers;
 use super::document::{Document, Material, TextureInfo, element};
 use super::material_extensions::{
     self, Anisotropy, Clearcoat, DiffuseTransmission, EmissiveStrength, Extension, Ior, Sheen, Specular,
@@ -22,7 +26,9 @@ pub(super) struct Materials {
     numbers: Vec<usize>,
     /// The material of primitives without one, once there is such a primitive.
     default: Option<usize>,
-    textures: Textures,
+    /// Sets of texture coordinates, of materials with textures.
+    uv_sets: HashMap<usize, u64>,
+    left_out: Vec<String>,
     notes: Notes,
 }
 
@@ -49,13 +55,13 @@ impl Materials {
     }
 
     /// Which set of texture coordinates the textures of a material use.
-    pub fn uv_set(&self, _material: usize) -> u64 {
-        0
+    pub fn uv_set(&self, material: usize) -> u64 {
+        self.uv_sets.get(&material).copied().unwrap_or(0)
     }
 
     /// Warns of what was left out of materials.
     pub fn warn(self, warnings: &mut Vec<String>) {
-        self.textures.warn(warnings);
+        self.left_out.into_iter().for_each(|warning| super::warn(warnings, warning));
         self.notes.warn(warnings);
     }
 }
@@ -112,19 +118,22 @@ impl Notes {
 }
 
 /// Adds all materials of a document.
-pub(super) fn add(document: &Document<'_>, scene: &mut SceneDesc) -> Result<Materials> {
-    let mut reader = Reader { document, textures: Textures::default(), notes: Notes::default() };
-    let mut numbers = Vec::with_capacity(document.materials.len());
+pub(super) fn add(document: &Document<'_>, buffers: &Buffers<'_>, scene: &mut SceneDesc) -> Result<Materials> {
+    let mut reader = Reader { document, textures: Textures::new(document, buffers), notes: Notes::default() };
+    let (mut numbers, mut uv_sets) = (Vec::with_capacity(document.materials.len()), HashMap::new());
     for (i, material) in document.materials.iter().enumerate() {
-        numbers.push(reader.add(&format!("materials[{i}]"), material, scene)?);
+        let number = reader.add(&format!("materials[{i}]"), material, scene)?;
+        numbers.push(number);
+        uv_sets.extend(reader.textures.uv_set.take().map(|set| (number, set)));
     }
     let Reader { textures, notes, .. } = reader;
-    Ok(Materials { numbers, default: None, textures, notes })
+    Ok(Materials { numbers, default: None, uv_sets, left_out: textures.warnings(), notes })
 }
 
 /// Checks a material and adds it. One whose name is taken has none.
 fn put(scene: &mut SceneDesc, mut material: MaterialDesc) -> Result<usize> {
     material_check::check(&mut material, &scene.materials)?;
+    texture_check::bindings(&material, &scene.textures, &scene.materials)?;
     if !material.name.is_empty() && scene.find_material(&material.name).is_none() {
         return scene.put_material(material);
     }
@@ -135,14 +144,14 @@ fn put(scene: &mut SceneDesc, mut material: MaterialDesc) -> Result<usize> {
 
 struct Reader<'a> {
     document: &'a Document<'a>,
-    textures: Textures,
+    textures: Textures<'a>,
     notes: Notes,
 }
 
 impl Reader<'_> {
     fn texture(&mut self, path: &str, key: &str, info: Option<&TextureInfo<'_>>, slot: Slot) -> Result<()> {
         if let Some(it) = texture::read(self.document, format!("{path}.{key}"), info, slot)? {
-            self.textures.bind(it);
+            self.textures.bind(it)?;
         }
         Ok(())
     }
@@ -157,7 +166,7 @@ impl Reader<'_> {
         let emission = self.emission(path, material)?;
         let opacity = self.opacity(path, material, base[3])?;
         self.texture(path, "normalTexture", material.normal_texture.as_ref(), Slot::Normal)?;
-        self.texture(path, "occlusionTexture", material.occlusion_texture.as_ref(), Slot::Occlusion)?;
+        self.texture(path, "occlusionTexture", material.occlusion_texture.as_ref(), Slot::NotDrawn)?;
         for (name, why) in [
             ("KHR_materials_iridescence", "iridescence is not drawn"),
             ("KHR_materials_dispersion", "dispersion is not drawn"),
@@ -166,13 +175,33 @@ impl Reader<'_> {
                 self.notes.note(why, path);
             }
         }
+        self.textures.put(scene)?;
+        let mut textures = std::mem::take(&mut self.textures.bindings);
+        let of_base = textures.iter().find(|it| it.key == TextureKey::BaseColor).copied();
+        if let Some(binding) = of_base.filter(|_| desc.transmission_weight > 0.0) {
+            textures.push(TextureBinding { key: TextureKey::TransmissionColor, ..binding });
+        }
         let name = material.name.clone().unwrap_or_default();
         let whole = MaterialDesc { name, path: path.to_owned(), medium, opacity, emission, ..MaterialDesc::default() };
         let mut whole = if material.extensions.contains_key("KHR_materials_unlit") {
-            self.unlit(path, base, whole)
+            self.unlit(path, base, of_base, whole)
         } else {
-            MaterialDesc { bsdf: BsdfDesc::Principled(desc), ..whole }
+            MaterialDesc { bsdf: BsdfDesc::Principled(desc), textures, ..whole }
         };
+        // The alpha of a texture is an opacity where the surface may have one.
+        let alpha = of_base.filter(|it| self.textures.has_opacity(it.texture));
+        if let Some(binding) = alpha.filter(|_| !matches!(material.alpha_mode.as_deref(), None | Some("OPAQUE"))) {
+            if whole.emission.is_some() || whole.body(&scene.materials).is_some() {
+                self.notes.note("the opacity of textures is left out where light is emitted or refracted", path);
+            } else {
+                if material.alpha_mode.as_deref() == Some("MASK") {
+                    self.notes.note("alpha of textures is the opacity, without the cutoff of masks", path);
+                }
+                whole.opacity = base[3] as f32;
+                let (key, channel) = (TextureKey::Opacity, TextureChannel::Alpha);
+                whole.textures.push(TextureBinding { key, channel, ..binding });
+            }
+        }
         if whole.opacity < 1.0 && whole.emission.is_some() {
             self.notes.note("materials that emit light are opaque", path);
             whole.opacity = 1.0;
@@ -222,8 +251,8 @@ impl Reader<'_> {
         let diffuse = self.notes.color(path, "diffuseFactor", it.diffuse_factor, [1.0; 4], 1.0);
         let specular = self.notes.color(path, "specularFactor", it.specular_factor, [1.0; 3], 1.0);
         let glossiness = self.notes.share(path, "glossinessFactor", it.glossiness_factor, 1.0);
-        self.texture(path, "diffuseTexture", it.diffuse_texture.as_ref(), Slot::Other)?;
-        self.texture(path, "specularGlossinessTexture", it.specular_glossiness_texture.as_ref(), Slot::Other)?;
+        self.texture(path, "diffuseTexture", it.diffuse_texture.as_ref(), Slot::BaseColor)?;
+        self.texture(path, "specularGlossinessTexture", it.specular_glossiness_texture.as_ref(), Slot::NotDrawn)?;
         let brightness = |c: [f64; 3]| (0.299 * c[0] * c[0] + 0.587 * c[1] * c[1] + 0.114 * c[2] * c[2]).sqrt();
         let not_specular = 1.0 - specular.into_iter().fold(0.0, f64::max);
         let [of_diffuse, of_specular] = [brightness([diffuse[0], diffuse[1], diffuse[2]]), brightness(specular)];
@@ -262,8 +291,8 @@ impl Reader<'_> {
             let factor = self.notes.share(&path, "specularFactor", it.specular_factor, 1.0);
             let color =
                 self.notes.color(&path, "specularColorFactor", it.specular_color_factor, [1.0; 3], f64::from(f32::MAX));
-            self.texture(&path, "specularTexture", it.specular_texture.as_ref(), Slot::Other)?;
-            self.texture(&path, "specularColorTexture", it.specular_color_texture.as_ref(), Slot::Other)?;
+            self.texture(&path, "specularTexture", it.specular_texture.as_ref(), Slot::SpecularWeight)?;
+            self.texture(&path, "specularColorTexture", it.specular_color_texture.as_ref(), Slot::NotDrawn)?;
             if color[0] != color[1] || color[1] != color[2] {
                 self.notes
                     .note("the colour of reflection is taken for its mean", &format!("{path}.specularColorFactor"));
@@ -281,7 +310,7 @@ impl Reader<'_> {
         desc.specular_ior = ior as f32;
         if let Some((path, it)) = material_extensions::read::<Anisotropy<'_>>(path, &material.extensions)? {
             let strength = self.notes.share(&path, "anisotropyStrength", it.anisotropy_strength, 0.0);
-            self.texture(&path, "anisotropyTexture", it.anisotropy_texture.as_ref(), Slot::Other)?;
+            self.texture(&path, "anisotropyTexture", it.anisotropy_texture.as_ref(), Slot::NotDrawn)?;
             // Both widths as glTF has them give the roughness and the anisotropy that have these widths.
             let alpha = f64::from(desc.specular_roughness).powi(2);
             let along = alpha + (1.0 - alpha) * strength * strength;
@@ -301,15 +330,20 @@ impl Reader<'_> {
             desc.coat_weight = self.notes.share(&path, "clearcoatFactor", it.clearcoat_factor, 0.0) as f32;
             desc.coat_roughness =
                 self.notes.share(&path, "clearcoatRoughnessFactor", it.clearcoat_roughness_factor, 0.0) as f32;
-            self.texture(&path, "clearcoatTexture", it.clearcoat_texture.as_ref(), Slot::Other)?;
-            self.texture(&path, "clearcoatRoughnessTexture", it.clearcoat_roughness_texture.as_ref(), Slot::Other)?;
-            self.texture(&path, "clearcoatNormalTexture", it.clearcoat_normal_texture.as_ref(), Slot::Other)?;
+            self.texture(&path, "clearcoatTexture", it.clearcoat_texture.as_ref(), Slot::Coat)?;
+            self.texture(
+                &path,
+                "clearcoatRoughnessTexture",
+                it.clearcoat_roughness_texture.as_ref(),
+                Slot::CoatRoughness,
+            )?;
+            self.texture(&path, "clearcoatNormalTexture", it.clearcoat_normal_texture.as_ref(), Slot::NotDrawn)?;
         }
         if let Some((path, it)) = material_extensions::read::<Sheen<'_>>(path, &material.extensions)? {
             let color = self.notes.color(&path, "sheenColorFactor", it.sheen_color_factor, [0.0; 3], 1.0);
             let roughness = self.notes.share(&path, "sheenRoughnessFactor", it.sheen_roughness_factor, 0.0);
-            self.texture(&path, "sheenColorTexture", it.sheen_color_texture.as_ref(), Slot::Other)?;
-            self.texture(&path, "sheenRoughnessTexture", it.sheen_roughness_texture.as_ref(), Slot::Other)?;
+            self.texture(&path, "sheenColorTexture", it.sheen_color_texture.as_ref(), Slot::SheenColor)?;
+            self.texture(&path, "sheenRoughnessTexture", it.sheen_roughness_texture.as_ref(), Slot::SheenRoughness)?;
             // glTF's fibres take light from what is below by the largest channel of their colour.
             let weight = color.into_iter().fold(0.0, f64::max);
             if weight > 0.0 {
@@ -337,7 +371,7 @@ impl Reader<'_> {
             return Ok(None);
         };
         desc.transmission_weight = self.notes.share(&at, "transmissionFactor", it.transmission_factor, 0.0) as f32;
-        self.texture(&at, "transmissionTexture", it.transmission_texture.as_ref(), Slot::Other)?;
+        self.texture(&at, "transmissionTexture", it.transmission_texture.as_ref(), Slot::Transmission)?;
         desc.transmission_color = rgb(base);
         desc.thin_walled = true;
         let Some((at, it)) = material_extensions::read::<Volume<'_>>(path, &material.extensions)? else {
@@ -345,7 +379,7 @@ impl Reader<'_> {
         };
         let most = f64::from(f32::MAX);
         let thickness = self.notes.number(&at, "thicknessFactor", it.thickness_factor, 0.0, [0.0, most]);
-        self.texture(&at, "thicknessTexture", it.thickness_texture.as_ref(), Slot::Other)?;
+        self.texture(&at, "thicknessTexture", it.thickness_texture.as_ref(), Slot::NotDrawn)?;
         // A thickness of 0 is a thin sheet. Of any other, rays find how thick a body is.
         desc.thin_walled = thickness == 0.0;
         let color = self.notes.color(&at, "attenuationColor", it.attenuation_color, [1.0; 3], 1.0);
@@ -359,11 +393,15 @@ impl Reader<'_> {
 
     fn emission(&mut self, path: &str, material: &Material<'_>) -> Result<Option<Rgb>> {
         let factor = self.notes.color(path, "emissiveFactor", material.emissive_factor, [0.0; 3], 1.0);
-        self.texture(path, "emissiveTexture", material.emissive_texture.as_ref(), Slot::Emissive)?;
+        self.texture(path, "emissiveTexture", material.emissive_texture.as_ref(), Slot::NotDrawn)?;
         let mut strength = 1.0;
         if let Some((path, it)) = material_extensions::read::<EmissiveStrength<'_>>(path, &material.extensions)? {
             strength =
                 self.notes.number(&path, "emissiveStrength", it.emissive_strength, 1.0, [0.0, f64::from(f32::MAX)]);
+        }
+        if material.emissive_texture.is_some() {
+            // Without its texture, which is dark in most places, all of the surface would shine.
+            return Ok(None);
         }
         let radiance = rgb(factor.map(|channel| channel * strength));
         Ok((radiance != Rgb::ZERO).then_some(radiance))
@@ -386,12 +424,19 @@ impl Reader<'_> {
     }
 
     /// A surface that shows its colour whatever the light: it emits this colour and reflects nothing. Where that cannot be, because
-    /// what emits has to be opaque, it is a diffuse surface.
-    fn unlit(&mut self, path: &str, base: [f64; 4], whole: MaterialDesc) -> MaterialDesc {
+    /// what emits has to be opaque and of one colour, it is a diffuse surface.
+    fn unlit(
+        &mut self,
+        path: &str,
+        base: [f64; 4],
+        of_base: Option<TextureBinding>,
+        whole: MaterialDesc,
+    ) -> MaterialDesc {
         let whole = MaterialDesc { medium: None, ..whole };
-        if whole.opacity < 1.0 {
-            self.notes.note("unlit materials that are not opaque are diffuse", path);
-            return MaterialDesc { bsdf: BsdfDesc::Lambert { albedo: rgb(base) }, emission: None, ..whole };
+        if whole.opacity < 1.0 || of_base.is_some() {
+            self.notes.note("unlit materials that have a texture or are not opaque are diffuse", path);
+            let textures = of_base.into_iter().map(|it| TextureBinding { key: TextureKey::Color, ..it }).collect();
+            return MaterialDesc { bsdf: BsdfDesc::Lambert { albedo: rgb(base) }, emission: None, textures, ..whole };
         }
         MaterialDesc { bsdf: BsdfDesc::Black, emission: Some(rgb(base)), ..whole }
     }
@@ -410,14 +455,18 @@ impl Reader<'_> {
         let factor = self.notes.share(&at, "diffuseTransmissionFactor", it.diffuse_transmission_factor, 0.0);
         let given = it.diffuse_transmission_color_factor;
         let color = self.notes.color(&at, "diffuseTransmissionColorFactor", given, [1.0; 3], 1.0);
-        self.texture(&at, "diffuseTransmissionTexture", it.diffuse_transmission_texture.as_ref(), Slot::Other)?;
+        self.texture(&at, "diffuseTransmissionTexture", it.diffuse_transmission_texture.as_ref(), Slot::NotDrawn)?;
         let of_color = it.diffuse_transmission_color_texture.as_ref();
-        self.texture(&at, "diffuseTransmissionColorTexture", of_color, Slot::Other)?;
+        self.texture(&at, "diffuseTransmissionColorTexture", of_color, Slot::NotDrawn)?;
         if factor == 0.0 {
             return put(scene, whole);
         }
         let part = |bsdf| MaterialDesc { path: path.to_owned(), bsdf, ..MaterialDesc::default() };
-        let first = put(scene, MaterialDesc { medium: whole.medium, ..part(whole.bsdf) })?;
+        let mut whole = whole;
+        // Normals and opacity are those of the mixture.
+        let (of_surface, of_model) = whole.textures.drain(..).partition(|it| it.key.is_of_surface());
+        whole.textures = of_surface;
+        let first = put(scene, MaterialDesc { medium: whole.medium, textures: of_model, ..part(whole.bsdf) })?;
         let transmittance = rgb(color);
         let second = put(scene, part(BsdfDesc::DiffuseTransmission { reflectance: Rgb::ZERO, transmittance }))?;
         let bsdf = BsdfDesc::Mix { materials: [first, second], weight: factor as f32 };

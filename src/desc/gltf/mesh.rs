@@ -132,6 +132,8 @@ impl<'a> Meshes<'a> {
         if let Some(index) = primitive.attributes.get(&uv_key) {
             per_vertex(&uv_key, accessors.count(&at(&uv_key), *index)? as usize)?;
             uvs = accessors.floats::<2>(&at(&uv_key), *index, Allowed::Fractions)?;
+            // glTF counts v from the upper edge of an image, and scenes from the lower one.
+            uvs.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
         }
         for key in primitive.attributes.keys() {
             let is_read = ["POSITION", "NORMAL", &uv_key].contains(&key.as_str());

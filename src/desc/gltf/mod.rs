@@ -88,7 +88,7 @@ fn scene(
             None => animation::Pose::default(),
         };
         let nodes = nodes::place(document, &pose, &mut scene.warnings)?;
-        let materials = material::add(document, &mut scene)?;
+        let materials = material::add(document, &buffers, &mut scene)?;
         surfaces::add(document, &accessors, &nodes, &pose, materials, &mut scene)?;
         light::add(document, &nodes, &mut scene)?;
         if scene.surfaces.is_empty() {

@@ -1,10 +1,22 @@
 //! Where materials name textures: the image, how it is repeated and transformed, and which parameter it changes.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use serde::Deserialize;
 
-use super::super::json;
+use super::super::json::{self, elided};
+use super::super::{
+    ImageTextureDesc, SceneDesc, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
+    TextureSource, texture_check,
+};
+use super::buffers::{Buffers, Uri};
 use super::document::{Document, TextureInfo, element};
+use crate::texture::{ColorSpace, TexelImage, TextureFilter, Wrap, read_image_bytes};
 use crate::{Error, Result};
+
+/// Most texels of all images of a document.
+const TEXELS_LIMIT: u64 = 1 << 30;
 
 /// The extension that moves texture coordinates.
 const TRANSFORM: &str = "KHR_texture_transform";
@@ -17,29 +29,46 @@ struct Webp {
     source: Option<u64>,
 }
 
-/// The parameter of a material that a texture changes.
+/// What a texture changes of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Slot {
     BaseColor,
+    /// Green is the roughness, blue the metalness.
     MetallicRoughness,
     Normal,
-    Occlusion,
-    Emissive,
-    /// A parameter of an extension.
-    Other,
+    Transmission,
+    Coat,
+    CoatRoughness,
+    SheenColor,
+    SheenRoughness,
+    SpecularWeight,
+    /// Something that textures cannot vary.
+    NotDrawn,
 }
 
-/// How a texture goes on beyond its edge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wrap {
-    Clamp,
-    Mirror,
-    Repeat,
+impl Slot {
+    /// The keys that it varies, and by which numbers of the texture.
+    fn keys(self) -> &'static [(TextureKey, TextureChannel)] {
+        match self {
+            Self::BaseColor => &[(TextureKey::BaseColor, TextureChannel::Default)],
+            Self::MetallicRoughness => &[
+                (TextureKey::SpecularRoughness, TextureChannel::Green),
+                (TextureKey::BaseMetalness, TextureChannel::Blue),
+            ],
+            Self::Normal => &[(TextureKey::Normal, TextureChannel::Default)],
+            Self::Transmission => &[(TextureKey::TransmissionWeight, TextureChannel::Red)],
+            Self::Coat => &[(TextureKey::CoatWeight, TextureChannel::Red)],
+            Self::CoatRoughness => &[(TextureKey::CoatRoughness, TextureChannel::Green)],
+            Self::SheenColor => &[(TextureKey::FuzzColor, TextureChannel::Default)],
+            Self::SheenRoughness => &[(TextureKey::FuzzRoughness, TextureChannel::Alpha)],
+            Self::SpecularWeight => &[(TextureKey::SpecularWeight, TextureChannel::Alpha)],
+            Self::NotDrawn => &[],
+        }
+    }
 }
 
 /// A reference to a texture.
 #[derive(Clone, Debug)]
-#[expect(dead_code, reason = "what binds a texture to a key of a material reads them")]
 pub(super) struct TextureUse {
     /// The path of the reference.
     pub path: String,
@@ -129,22 +158,169 @@ fn wrap_of(path: &str, code: Option<u32>) -> Result<Wrap> {
     }
 }
 
-/// The textures of a document's materials.
-#[derive(Debug, Default)]
-pub(super) struct Textures {
-    not_drawn: Vec<String>,
+impl TextureUse {
+    /// Where the image lies. glTF has v downwards from the upper edge, and turns, before it moves, from u towards the top of the image;
+    /// here v goes upwards, as in the vertices that were read.
+    fn mapping(&self) -> TextureMapping {
+        let Some(Transform { offset, rotation, scale, .. }) = self.transform else { return TextureMapping::default() };
+        let (sin, cos) = rotation.sin_cos();
+        let offset = [offset[0] + sin * scale[1], 1.0 - offset[1] - cos * scale[1]];
+        TextureMapping::Uv { scale, rotation, offset }
+    }
 }
 
-impl Textures {
-    /// Puts a texture on a parameter of a material. Until materials have textures, it is named in a warning.
-    pub fn bind(&mut self, it: TextureUse) {
-        self.not_drawn.push(it.path);
+/// An image that was read, and what its format says of its colours.
+type Read = (Arc<TexelImage>, ColorSpace);
+
+/// The textures of a document's materials.
+pub(super) struct Textures<'a> {
+    document: &'a Document<'a>,
+    buffers: &'a Buffers<'a>,
+    /// The images that were read; `None` for those that cannot be.
+    images: HashMap<usize, Option<Read>>,
+    texels_left: u64,
+    /// The textures of the scene, which are put into it before the materials that have them.
+    made: Vec<TextureDesc>,
+    put: usize,
+    /// What the material that is being read has.
+    pub bindings: Vec<TextureBinding>,
+    /// Which set of texture coordinates the textures of this material use.
+    pub uv_set: Option<u64>,
+    left_out: Vec<(&'static str, Vec<String>)>,
+    unread: Vec<String>,
+}
+
+impl<'a> Textures<'a> {
+    pub fn new(document: &'a Document<'a>, buffers: &'a Buffers<'a>) -> Self {
+        Self {
+            document,
+            buffers,
+            images: HashMap::new(),
+            texels_left: TEXELS_LIMIT,
+            made: Vec::new(),
+            put: 0,
+            bindings: Vec::new(),
+            uv_set: None,
+            left_out: Vec::new(),
+            unread: Vec::new(),
+        }
     }
 
-    /// Warns of what is not drawn, in one sentence.
-    pub fn warn(self, warnings: &mut Vec<String>) {
-        if !self.not_drawn.is_empty() {
-            super::warn(warnings, format!("textures are not drawn yet: {}", super::listed(self.not_drawn)));
+    /// Puts a texture on what it changes of a material.
+    pub fn bind(&mut self, it: TextureUse) -> Result<()> {
+        let keys = it.slot.keys();
+        if keys.is_empty() {
+            self.leave_out("textures of these parameters are not drawn", it.path);
+            return Ok(());
         }
+        if *self.uv_set.get_or_insert(it.tex_coord) != it.tex_coord {
+            self.leave_out("textures by a further set of coordinates of their material are not drawn", it.path);
+            return Ok(());
+        }
+        let Some((image, suggested_space)) = it.image.and_then(|image| self.image(image)) else {
+            self.leave_out("textures whose image is not read are not drawn", it.path);
+            return Ok(());
+        };
+        let color_space = match it.slot {
+            Slot::BaseColor | Slot::SheenColor => ColorSpace::Srgb,
+            _ => ColorSpace::Raw,
+        };
+        let filter = if it.nearest { TextureFilter::Nearest } else { TextureFilter::default() };
+        let mapping = it.mapping();
+        let image = ImageTextureDesc {
+            image,
+            file: None,
+            color_space: Some(color_space),
+            suggested_space,
+            wrap: it.wrap,
+            filter,
+        };
+        let source = TextureSource::Image(image);
+        let known = self.made.iter().position(|known| known.source == source && known.mapping == mapping);
+        let texture = known.unwrap_or(self.made.len());
+        if known.is_none() {
+            let made = TextureDesc { name: format!("texture {texture}"), path: it.path, source, mapping };
+            texture_check::texture(&made)?;
+            self.made.push(made);
+        }
+        let strength = if it.slot == Slot::Normal { it.factor as f32 } else { 1.0 };
+        self.bindings.extend(keys.iter().map(|&(key, channel)| TextureBinding { key, texture, channel, strength }));
+        Ok(())
+    }
+
+    /// Whether the image of a texture that was bound says how opaque it is.
+    pub fn has_opacity(&self, texture: usize) -> bool {
+        match self.made.get(texture).map(|texture| &texture.source) {
+            Some(TextureSource::Image(it)) => it.image.has_opacity(),
+            _ => false,
+        }
+    }
+
+    /// Puts the textures that were made into the scene.
+    pub fn put(&mut self, scene: &mut SceneDesc) -> Result<()> {
+        for texture in &self.made[self.put..] {
+            scene.put_texture(texture.clone())?;
+        }
+        self.put = self.made.len();
+        Ok(())
+    }
+
+    /// The texels of an image, which is read once.
+    fn image(&mut self, number: usize) -> Option<Read> {
+        if let Some(known) = self.images.get(&number) {
+            return known.clone();
+        }
+        let read = match self.read_image(number) {
+            Ok(read) => Some(read),
+            Err(error) => {
+                self.unread.push(elided(&error.to_string()));
+                None
+            }
+        };
+        self.images.insert(number, read.clone());
+        read
+    }
+
+    fn read_image(&mut self, number: usize) -> Result<Read> {
+        let path = format!("images[{number}]");
+        let (document, buffers) = (self.document, self.buffers);
+        let image = &document.images[number];
+        let (image, space) = match (image.uri, image.buffer_view) {
+            (Some(uri), _) => {
+                let path = format!("{path}.uri");
+                match buffers.uri(&path, uri)? {
+                    Uri::Data(bytes) => read_image_bytes(&bytes, None),
+                    Uri::File(file) => {
+                        let extension = file.extension().and_then(|it| it.to_str());
+                        read_image_bytes(&buffers.file(&path, &file, None)?, extension)
+                    }
+                }
+            }
+            (None, Some(view)) => read_image_bytes(buffers.view(&format!("{path}.bufferView"), view)?.0, None),
+            (None, None) => return Err(super::document::missing(&path, "uri")),
+        }
+        .map_err(|error| error.at(&path))?;
+        let texels = u64::from(image.width()) * u64::from(image.height());
+        self.texels_left = self.texels_left.checked_sub(texels).ok_or_else(|| {
+            Error::invalid(&path, format!("the images are too large, expected {TEXELS_LIMIT} texels of all at most"))
+        })?;
+        Ok((Arc::new(image), space))
+    }
+
+    fn leave_out(&mut self, why: &'static str, path: String) {
+        match self.left_out.iter_mut().find(|(known, _)| *known == why) {
+            Some((_, places)) => places.push(path),
+            None => self.left_out.push((why, vec![path])),
+        }
+    }
+
+    /// What is not drawn, in one sentence for each reason.
+    pub fn warnings(self) -> Vec<String> {
+        let mut warnings: Vec<_> =
+            self.left_out.into_iter().map(|(why, places)| format!("{why}: {}", super::listed(places))).collect();
+        if !self.unread.is_empty() {
+            warnings.push(format!("images are not read: {}", super::listed(self.unread)));
+        }
+        warnings
     }
 }
