@@ -27,7 +27,7 @@ pub fn load(path: &Path, params: Option<&Path>) -> Result<SceneDesc> {
 /// What is taken from a file that describes more than one picture. Only glTF files do.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadOptions {
-    /// The time at which an animation is seen [s]. `None` leaves everything where the file has it without an animation.
+    /// The time at which an animation is seen, in seconds. `None` leaves everything where the file has it without an animation.
     pub time: Option<f64>,
     /// Name or number of the animation; `None` for the first one. It is read where there is a `time`.
     pub animation: Option<String>,
