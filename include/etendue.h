@@ -2384,7 +2384,8 @@ etd_status etd_scene_from_json(struct etd_device *device,
                                struct etd_scene **out_scene);
 
 /**
- * Reads a scene from a file. Paths of mesh files are relative to the file's folder, and `options->base_dir` is ignored.
+ * Reads a scene from a file: of glTF 2.0 where its name ends in `.gltf` or `.glb`, otherwise JSON. Paths of mesh files are relative
+ * to the file's folder, and `options->base_dir` is ignored.
  *
  * A file whose name ends in `.obj`, `.ply` or `.stl` is a scene by itself: its surfaces, seen as a whole by a camera that is
  * made for them, under an even sky where nothing in them emits light. All other files are read as JSON.

@@ -534,6 +534,48 @@ fn an_unknown_material_is_named_with_its_place() {
     assert_eq!(names(folder.path()), ["broken.json"]);
 }
 
+/// A glTF file whose triangle leaves the picture within a second.
+#[test]
+fn a_gltf_file_is_seen_at_a_time_by_a_camera() {
+    let folder = folder();
+    let numbers =
+        [[0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].as_slice(), &[0.0, 1.0], &[0.0, 0.0, 0.0, 100.0, 0.0, 0.0]];
+    let bytes: Vec<u8> = numbers.concat().into_iter().flat_map(f32::to_le_bytes).collect();
+    let data = base64::Engine::encode(&base64::engine::general_purpose::STANDARD, &bytes);
+    let accessor = |offset: u32, count: u32, kind: &str| serde_json::json!({"bufferView": 0, "byteOffset": offset, "componentType": 5126, "count": count, "type": kind});
+    let camera = |name: &str| serde_json::json!({"name": name, "type": "perspective", "perspective": {"yfov": 0.5}});
+    let file = serde_json::json!({
+        "asset": {"version": "2.0"},
+        "buffers": [{"uri": format!("data:;base64,{data}"), "byteLength": bytes.len()}],
+        "bufferViews": [{"buffer": 0, "byteLength": bytes.len()}],
+        "accessors": [accessor(0, 3, "VEC3"), accessor(36, 2, "SCALAR"), accessor(44, 2, "VEC3")],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "cameras": [camera("front"), camera("away")],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 7000}]}},
+        "animations": [{"name": "leave", "samplers": [{"input": 1, "output": 2}],
+            "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}],
+        "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0.3, 0.3, 3]},
+            {"camera": 1, "translation": [0.3, 0.3, -9], "rotation": [0, 0, 0, 1]},
+            {"translation": [0.3, 0.3, 2], "extensions": {"KHR_lights_punctual": {"light": 0}}}],
+    });
+    fs::write(folder.path().join("m.gltf"), file.to_string()).expect("a file");
+    let mean = |more: &[&str]| {
+        let run = etendue(folder.path(), small_render("m.gltf", &[["-o", "m.pfm"].as_slice(), more].concat()));
+        run.assert_done();
+        output::read(&folder.path().join("m.pfm")).expect("an image").mean()[0]
+    };
+    assert!(mean(&[]) > 0.01);
+    assert!(mean(&["--at", "0", "--animation", "leave"]) > 0.01);
+    assert_eq!(mean(&["--at", "0.5"]), 0.0);
+    assert_eq!(mean(&["--camera", "away"]), 0.0);
+    let refused = |scene: &str, more: &[&str], what: &str| {
+        let all = [["-o", "n.pfm"].as_slice(), more].concat();
+        etendue(folder.path(), small_render(scene, &all)).assert_refused(what);
+    };
+    refused("m.gltf", &["--camera", "awy"], "none of cameras is named 'awy'; did you mean 'away'?");
+    refused(&scene("cornell.json"), &["--at", "0"], "which only glTF files have");
+}
+
 #[test]
 fn time_limits_a_run() {
     let folder = folder();

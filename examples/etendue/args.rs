@@ -8,7 +8,7 @@ use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use etendue::bake::{MAX_GUTTER, MAX_SIDE};
 use etendue::desc::{
-    FilterDesc, IntegratorDesc, MAX_PHOTONS, MAX_RADIOSITY_ITERATIONS, MAX_SHADOW_RAYS, PhotonDesc, RADII,
+    FilterDesc, IntegratorDesc, LoadOptions, MAX_PHOTONS, MAX_RADIOSITY_ITERATIONS, MAX_SHADOW_RAYS, PhotonDesc, RADII,
     RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
 };
 use etendue::film::ErrorMeasure;
@@ -47,7 +47,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct RenderArgs {
-    /// Scene file: JSON, or a mesh that is a scene by itself (.obj, .ply, .stl).
+    /// Scene file: JSON, glTF 2.0 (.gltf, .glb), or a mesh that is a scene by itself (.obj, .ply, .stl).
     pub scene: PathBuf,
     /// Parameter file of a scene of the 2017 report.
     pub params: Option<PathBuf>,
@@ -58,6 +58,15 @@ pub struct RenderArgs {
     /// Threads; 0 takes all there are.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
     pub threads: usize,
+    /// Name or number of the camera of a glTF file, in place of the first one of its scene.
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Seconds after the beginning of the animation of a glTF file at which the scene is seen.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub at: Option<f64>,
+    /// Name or number of the animation of a glTF file, in place of the first one.
+    #[arg(long, value_name = "NAME", requires = "at")]
+    pub animation: Option<String>,
     /// Samples per pixel, in place of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
@@ -494,6 +503,11 @@ impl RenderArgs {
     pub fn target(&self) -> Option<(ErrorMeasure, f64)> {
         let relative = self.target_error.map(|target| (ErrorMeasure::RelMse, target));
         relative.or(self.target_display.map(|target| (ErrorMeasure::Display, target)))
+    }
+
+    /// What is taken from a file that describes more than one picture.
+    pub fn choices(&self) -> LoadOptions {
+        LoadOptions { time: self.at, animation: self.animation.clone(), camera: self.camera.clone() }
     }
 
     /// The scene's settings with those of the command line in their place.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use etendue::desc::{self, IntegratorDesc, MeshDesc, RenderDesc, RouletteDesc, SceneDesc};
+use etendue::desc::{self, IntegratorDesc, LoadOptions, MeshDesc, RenderDesc, RouletteDesc, SceneDesc};
 use etendue::film::Image;
 use etendue::integrator::photon::{Choice, choose};
 use etendue::output::{self, Attribute, Format, WriteOptions};
@@ -59,7 +59,7 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
     let layers = check_outputs(args)?;
     interrupt::install()?;
     let began = Instant::now();
-    let (description, scene) = load(&args.scene, args.params.as_deref(), args.threads)?;
+    let (description, scene) = load_with(&args.scene, args.params.as_deref(), &args.choices(), args.threads)?;
     let build_time = began.elapsed();
     let desc = args.settings(&description.render);
     let workers = Workers::pool(args.threads)?;
@@ -119,7 +119,17 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
 
 /// Reads and builds the scene, and prints every warning.
 pub fn load(scene: &Path, params: Option<&Path>, threads: usize) -> Result<(SceneDesc, Scene), Failure> {
-    let description = desc::load(scene, params)?;
+    load_with(scene, params, &LoadOptions::default(), threads)
+}
+
+/// Reads and builds what is chosen of a scene, and prints every warning.
+fn load_with(
+    scene: &Path,
+    params: Option<&Path>,
+    options: &LoadOptions,
+    threads: usize,
+) -> Result<(SceneDesc, Scene), Failure> {
+    let description = desc::load_with(scene, params, options)?;
     description.warnings.iter().for_each(console::warn);
     let scene = Scene::build(&description, &BuildOptions { threads, ..BuildOptions::default() })?;
     scene.warnings().iter().for_each(console::warn);

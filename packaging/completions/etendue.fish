@@ -35,6 +35,9 @@ complete -c etendue -n "__fish_etendue_needs_command" -f -a "bench" -d 'Measure 
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
 complete -c etendue -n "__fish_etendue_using_subcommand render" -s o -l output -d 'Image files to write, by extension: .exr, .pfm or .png. Put them after the scene, or repeat the option' -r -F
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l threads -d 'Threads; 0 takes all there are' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l camera -d 'Name or number of the camera of a glTF file, in place of the first one of its scene' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l at -d 'Seconds after the beginning of the animation of a glTF file at which the scene is seen' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l animation -d 'Name or number of the animation of a glTF file, in place of the first one' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l spp -d 'Samples per pixel, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l time -d 'Stop after so many seconds. With --spp, at whichever comes first; without, the scene\'s samples do not count' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l target-error -d 'Stop when the estimated relMSE of the image is no larger than this, such as 0.001' -r

@@ -132,6 +132,7 @@ fn complaint(error: &serde_json::Error, path: &str) -> Error {
         ("duplicate field", "key given twice:"),
         ("expected f64", "expected a number"),
         ("expected u32", "expected a whole number from 0 to 4294967295"),
+        ("expected u64", "expected a whole number, zero or more"),
         ("expected a sequence", "expected an array"),
         ("invalid type: sequence", "invalid type: an array"),
         ("invalid type: map", "invalid type: an object"),

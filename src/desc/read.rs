@@ -8,12 +8,13 @@ use serde_json::value::RawValue;
 use super::file::read_text;
 use super::json::{self, line_of};
 use super::scene_file::scene_from_file;
-use super::{RenderDesc, SceneDesc, mcrt, native, params, render_keys};
+use super::{RenderDesc, SceneDesc, gltf, mcrt, native, params, render_keys};
 use crate::{Error, ErrorKind, Result};
 
 /// Reads a scene file, and the parameter file if there is one.
 ///
-/// A native scene contains `"etendue": 1`; any other text is read as one of the report's renderer. Values of the
+/// A file whose name ends in `.gltf` or `.glb` is read as glTF 2.0 (`docs/gltf.md`). A native scene contains `"etendue": 1`; any other
+/// text is read as one of the report's renderer. Values of the
 /// parameter file override those of the scene's `render` block. Paths of mesh files are relative to the scene file's
 /// folder.
 ///
@@ -25,7 +26,28 @@ use crate::{Error, ErrorKind, Result};
 /// [`ErrorKind::Io`] if a file cannot be read or is not a regular file, [`ErrorKind::Unsupported`] for features that
 /// this version does not have, otherwise [`ErrorKind::InvalidScene`]; with file, line and JSON path.
 pub fn load(path: &Path, params: Option<&Path>) -> Result<SceneDesc> {
-    let mut scene = scene_from_file(path)?;
+    load_with(path, params, &LoadOptions::default())
+}
+
+/// What is taken from a file that describes more than one picture. Only glTF files do.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadOptions {
+    /// The time at which an animation is seen, in seconds. `None` leaves everything where the file has it without an animation.
+    pub time: Option<f64>,
+    /// Name or number of the animation; `None` for the first one. It is read where there is a `time`.
+    pub animation: Option<String>,
+    /// Name or number of the camera; `None` for the first one of the scene.
+    pub camera: Option<String>,
+}
+
+/// Reads a scene file as [`load`] does, with a choice of what is taken from it.
+///
+/// # Errors
+///
+/// Those of [`load`]; [`ErrorKind::InvalidScene`] for a camera or an animation that the file does not have, and
+/// [`ErrorKind::Unsupported`] for choices in a file that is no glTF file.
+pub fn load_with(path: &Path, params: Option<&Path>, options: &LoadOptions) -> Result<SceneDesc> {
+    let mut scene = scene_from_file(path, options)?;
     if let Some(params) = params {
         load_params(params, &mut scene)?;
     }
@@ -40,6 +62,17 @@ pub fn load(path: &Path, params: Option<&Path>) -> Result<SceneDesc> {
 pub fn load_params(params: &Path, scene: &mut SceneDesc) -> Result<()> {
     let text = read_text(params)?;
     apply_params(&text, Some(params), scene)
+}
+
+/// Reads a glTF file from its bytes, text or binary.
+///
+/// Files that it names are relative to `base_dir`. `file` is used in messages.
+///
+/// # Errors
+///
+/// The errors are those of [`load_with`], with the path of the element (`meshes[2].primitives[0].attributes.POSITION`).
+pub fn parse_gltf(bytes: &[u8], base_dir: &Path, file: Option<&Path>, options: &LoadOptions) -> Result<SceneDesc> {
+    gltf::parse(bytes, base_dir, file, options)
 }
 
 /// Reads a scene from a string.

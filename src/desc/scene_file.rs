@@ -5,10 +5,10 @@ use std::path::Path;
 use super::file::read_text;
 use super::mesh_files::{self, MeshFormat};
 use super::read::parse;
-use super::{BsdfDesc, MaterialDesc, SceneDesc, ShapeDesc, SurfaceLook, framing};
-use crate::Result;
+use super::{BsdfDesc, LoadOptions, MaterialDesc, SceneDesc, ShapeDesc, SurfaceLook, framing, gltf};
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::spectrum::Rgb;
+use crate::{Error, ErrorKind, Result};
 
 /// Albedo of surfaces of which a file says nothing but their shape: dark enough to stand out from the sky.
 const GREY: f32 = 0.5;
@@ -18,7 +18,17 @@ const GREY: f32 = 0.5;
 ///
 /// A mesh becomes a scene by itself: grey, or with the materials that an OBJ file names, smooth where the file has normals, seen
 /// as a whole, under an even sky where nothing else emits light.
-pub(super) fn scene_from_file(path: &Path) -> Result<SceneDesc> {
+///
+/// # Errors
+/// Those of the format; [`ErrorKind::Unsupported`] for choices in a file that is no glTF file.
+pub(super) fn scene_from_file(path: &Path, options: &LoadOptions) -> Result<SceneDesc> {
+    if gltf::is_named(path) {
+        return gltf::load(path, options);
+    }
+    if *options != LoadOptions::default() {
+        let message = "a time, an animation or a camera is chosen, which only glTF files have";
+        return Err(Error::new(ErrorKind::Unsupported, message).in_file(Some(path), 0));
+    }
     let mut scene = match MeshFormat::of_name(path) {
         None => return text(path),
         Some(MeshFormat::Obj) => with_own_materials(path)?,

@@ -1,0 +1,230 @@
+//! Primitives of meshes as triangles: their attributes, their indices and the shapes of their morph targets.
+
+use std::collections::BTreeMap;
+
+use super::super::json::elided;
+use super::accessor::{Accessors, Allowed, unsupported};
+use super::document::{Primitive, missing};
+use crate::math::DVec3;
+use crate::{Error, Result};
+
+/// Most vertices and most triangles of all meshes of a document, each mesh counted as often as it is deformed.
+const VERTEX_LIMIT: usize = 1 << 26;
+const TRIANGLE_LIMIT: usize = 1 << 27;
+
+/// The triangles of a primitive in the frame of its mesh.
+#[derive(Clone, Debug)]
+pub(super) struct Geometry {
+    pub positions: Vec<DVec3>,
+    /// Empty, or one per vertex.
+    pub normals: Vec<DVec3>,
+    /// Empty, or one per vertex.
+    pub uvs: Vec<[f32; 2]>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// What was left out of the meshes of a document, and how much more of them may be made.
+pub(super) struct Meshes<'a> {
+    pub accessors: &'a Accessors<'a>,
+    vertices_left: usize,
+    triangles_left: usize,
+    /// Places of what is left out, by the reason.
+    left_out: BTreeMap<String, Vec<String>>,
+}
+
+impl<'a> Meshes<'a> {
+    pub fn new(accessors: &'a Accessors<'a>) -> Self {
+        Self { accessors, vertices_left: VERTEX_LIMIT, triangles_left: TRIANGLE_LIMIT, left_out: BTreeMap::new() }
+    }
+
+    /// Notes that something is left out.
+    pub fn leave_out(&mut self, why: &str, path: &str) {
+        let places = self.left_out.entry(why.to_owned()).or_default();
+        // A mesh that is used twice is named once.
+        if !places.iter().any(|known| known == path) && places.len() < 100 {
+            places.push(path.to_owned());
+        }
+    }
+
+    /// One warning for each reason why something was left out.
+    pub fn warn(self, warnings: &mut Vec<String>) {
+        for (why, places) in self.left_out {
+            super::warn(warnings, format!("{why}: {}", super::listed(places)));
+        }
+    }
+
+    /// Counts vertices and triangles before they are made.
+    pub fn spend(&mut self, path: &str, vertices: usize, triangles: usize) -> Result<()> {
+        let left = self.vertices_left.checked_sub(vertices).zip(self.triangles_left.checked_sub(triangles));
+        let Some((vertices, triangles)) = left else {
+            let message = format!(
+                "the meshes of the file are too large, expected {VERTEX_LIMIT} vertices and {TRIANGLE_LIMIT} triangles at most"
+            );
+            return Err(Error::invalid(path, message));
+        };
+        (self.vertices_left, self.triangles_left) = (vertices, triangles);
+        Ok(())
+    }
+
+    /// Reads a primitive with the weights of its morph targets; `None` where it has no triangles. `uv_set` is the set of texture
+    /// coordinates that the textures of its material use.
+    pub fn read(
+        &mut self,
+        path: &str,
+        primitive: &Primitive<'_>,
+        weights: &[f64],
+        uv_set: u64,
+    ) -> Result<Option<Geometry>> {
+        let what = match primitive.mode.unwrap_or(4) {
+            0 => "points",
+            1..=3 => "lines",
+            mode @ 4..=6 => return self.triangles_of(path, primitive, mode, weights, uv_set),
+            other => {
+                let message = format!("{other} is no mode, expected a whole number from 0 to 6");
+                return Err(Error::invalid(format!("{path}.mode"), message));
+            }
+        };
+        self.leave_out(&format!("{what} are not drawn"), path);
+        Ok(None)
+    }
+
+    fn triangles_of(
+        &mut self,
+        path: &str,
+        primitive: &Primitive<'_>,
+        mode: u32,
+        weights: &[f64],
+        uv_set: u64,
+    ) -> Result<Option<Geometry>> {
+        let at = |key: &str| format!("{path}.attributes.{key}");
+        let accessors = self.accessors;
+        let Some(&positions) = primitive.attributes.get("POSITION") else {
+            self.leave_out("primitives without POSITION are not drawn", path);
+            return Ok(None);
+        };
+        if primitive.extensions.contains_key("KHR_draco_mesh_compression")
+            && !accessors.has_bytes(&at("POSITION"), positions)?
+        {
+            let message = "the primitive is compressed (KHR_draco_mesh_compression), which this library does not read";
+            return Err(unsupported(path, message));
+        }
+        let count = usize::try_from(accessors.count(&at("POSITION"), positions)?).unwrap_or(usize::MAX);
+        let corners = match primitive.indices {
+            Some(index) => usize::try_from(accessors.count(&format!("{path}.indices"), index)?).unwrap_or(usize::MAX),
+            None => count,
+        };
+        let triangle_count = if mode == 4 { corners / 3 } else { corners.saturating_sub(2) };
+        self.spend(path, count, triangle_count)?;
+        let positions: Vec<_> =
+            accessors.floats::<3>(&at("POSITION"), positions, Allowed::Floats)?.into_iter().map(double).collect();
+        let per_vertex = |key: &str, found: usize| match found == count {
+            true => Ok(()),
+            false => Err(Error::invalid(at(key), format!("{found} elements for {count} positions, expected one each"))),
+        };
+        let mut normals = Vec::new();
+        if let Some(index) = primitive.attributes.get("NORMAL") {
+            per_vertex("NORMAL", accessors.count(&at("NORMAL"), *index)? as usize)?;
+            let read = accessors.floats::<3>(&at("NORMAL"), *index, Allowed::Floats)?;
+            normals = read.into_iter().map(double).collect();
+        }
+        let uv_key = format!("TEXCOORD_{uv_set}");
+        let mut uvs = Vec::new();
+        if let Some(index) = primitive.attributes.get(&uv_key) {
+            per_vertex(&uv_key, accessors.count(&at(&uv_key), *index)? as usize)?;
+            uvs = accessors.floats::<2>(&at(&uv_key), *index, Allowed::Fractions)?;
+            // glTF counts v from the upper edge of an image, and scenes from the lower one.
+            uvs.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
+        }
+        for key in primitive.attributes.keys() {
+            let is_read = ["POSITION", "NORMAL", &uv_key].contains(&key.as_str());
+            // Joints and weights are read with the skin, and names that begin with an underscore mean something to programs alone.
+            let is_elsewhere = key.starts_with("JOINTS_") || key.starts_with("WEIGHTS_") || key.starts_with('_');
+            if !is_read && !is_elsewhere {
+                self.leave_out(&format!("the attribute {} is left out", elided(key)), path);
+            }
+        }
+        let mut geometry = Geometry { positions, normals, uvs, triangles: Vec::new() };
+        self.morph(path, primitive, weights, &mut geometry)?;
+        let indices = match primitive.indices {
+            Some(index) => {
+                let path = format!("{path}.indices");
+                let indices = accessors.whole::<1>(&path, index, Allowed::Whole)?;
+                if let Some(i) = indices.iter().position(|[index]| *index as usize >= count) {
+                    let message = format!("element {i} is {}, expected an index below {count}", indices[i][0]);
+                    return Err(Error::invalid(path, message));
+                }
+                Some(indices)
+            }
+            None => None,
+        };
+        let corner = |i: usize| indices.as_ref().map_or(i as u32, |indices| indices[i][0]);
+        geometry.triangles = (0..triangle_count)
+            .map(|i| match mode {
+                4 => [corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)],
+                // Every other triangle of a strip begins with its second corner, so that all have the same side in front.
+                5 if i % 2 == 1 => [corner(i + 1), corner(i), corner(i + 2)],
+                5 => [corner(i), corner(i + 1), corner(i + 2)],
+                _ => [corner(i + 1), corner(i + 2), corner(0)],
+            })
+            .collect();
+        if mode == 4 && corners % 3 != 0 {
+            self.leave_out("the corners after the last whole triangle are left out", path);
+        }
+        if geometry.triangles.is_empty() {
+            self.leave_out("primitives without triangles are not drawn", path);
+            return Ok(None);
+        }
+        Ok(Some(geometry))
+    }
+
+    /// Adds the morph targets by their weights.
+    fn morph(&mut self, path: &str, primitive: &Primitive<'_>, weights: &[f64], geometry: &mut Geometry) -> Result<()> {
+        for (i, (target, weight)) in primitive.targets.iter().zip(weights).enumerate() {
+            if *weight == 0.0 {
+                continue;
+            }
+            for (key, index) in target {
+                let path = format!("{path}.targets[{i}].{key}");
+                let values = match key.as_str() {
+                    "POSITION" => &mut geometry.positions,
+                    "NORMAL" => &mut geometry.normals,
+                    _ => {
+                        self.leave_out(&format!("the morphed attribute {} is left out", elided(key)), &path);
+                        continue;
+                    }
+                };
+                // Normals that are only morphed, without any to start from, have no meaning.
+                if values.is_empty() {
+                    continue;
+                }
+                let found = self.accessors.count(&path, *index)?;
+                if found != values.len() as u64 {
+                    let message = format!("{found} elements for {} vertices, expected one each", values.len());
+                    return Err(Error::invalid(path, message));
+                }
+                let offsets = self.accessors.floats::<3>(&path, *index, Allowed::Floats)?;
+                values.iter_mut().zip(offsets).for_each(|(value, offset)| *value += *weight * double(offset));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The weights of a mesh's morph targets: those of an animation, of the node, or of the mesh.
+pub(super) fn weights<'a>(
+    animated: Option<&'a Vec<f64>>,
+    node: Option<&'a Vec<f64>>,
+    mesh: Option<&'a Vec<f64>>,
+) -> &'a [f64] {
+    animated.or(node).or(mesh).map_or(&[], Vec::as_slice)
+}
+
+/// The accessor of an attribute that another one needs.
+pub(super) fn needed(path: &str, primitive: &Primitive<'_>, key: &str) -> Result<u64> {
+    let found = primitive.attributes.get(key).copied();
+    found.ok_or_else(|| missing(&format!("{path}.attributes"), key))
+}
+
+fn double(value: [f32; 3]) -> DVec3 {
+    DVec3::from_array(value.map(f64::from))
+}

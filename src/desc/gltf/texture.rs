@@ -1,0 +1,326 @@
+//! Where materials name textures: the image, how it is repeated and transformed, and which parameter it changes.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use serde::Deserialize;
+
+use super::super::json::{self, elided};
+use super::super::{
+    ImageTextureDesc, SceneDesc, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
+    TextureSource, texture_check,
+};
+use super::buffers::{Buffers, Uri};
+use super::document::{Document, TextureInfo, element};
+use crate::texture::{ColorSpace, TexelImage, TextureFilter, Wrap, read_image_bytes};
+use crate::{Error, Result};
+
+/// Most texels of all images of a document.
+const TEXELS_LIMIT: u64 = 1 << 30;
+
+/// The extension that moves texture coordinates.
+const TRANSFORM: &str = "KHR_texture_transform";
+
+/// The extension that names an image in the WebP format.
+const WEBP: &str = "EXT_texture_webp";
+
+#[derive(Deserialize)]
+struct Webp {
+    source: Option<u64>,
+}
+
+/// What a texture changes of a material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Slot {
+    BaseColor,
+    /// Green is the roughness, blue the metalness.
+    MetallicRoughness,
+    Normal,
+    Transmission,
+    Coat,
+    CoatRoughness,
+    SheenColor,
+    SheenRoughness,
+    SpecularWeight,
+    /// Something that textures cannot vary.
+    NotDrawn,
+}
+
+impl Slot {
+    /// The keys that it varies, and by which numbers of the texture.
+    fn keys(self) -> &'static [(TextureKey, TextureChannel)] {
+        match self {
+            Self::BaseColor => &[(TextureKey::BaseColor, TextureChannel::Default)],
+            Self::MetallicRoughness => &[
+                (TextureKey::SpecularRoughness, TextureChannel::Green),
+                (TextureKey::BaseMetalness, TextureChannel::Blue),
+            ],
+            Self::Normal => &[(TextureKey::Normal, TextureChannel::Default)],
+            Self::Transmission => &[(TextureKey::TransmissionWeight, TextureChannel::Red)],
+            Self::Coat => &[(TextureKey::CoatWeight, TextureChannel::Red)],
+            Self::CoatRoughness => &[(TextureKey::CoatRoughness, TextureChannel::Green)],
+            Self::SheenColor => &[(TextureKey::FuzzColor, TextureChannel::Default)],
+            Self::SheenRoughness => &[(TextureKey::FuzzRoughness, TextureChannel::Alpha)],
+            Self::SpecularWeight => &[(TextureKey::SpecularWeight, TextureChannel::Alpha)],
+            Self::NotDrawn => &[],
+        }
+    }
+}
+
+/// A reference to a texture.
+#[derive(Clone, Debug)]
+pub(super) struct TextureUse {
+    /// The path of the reference.
+    pub path: String,
+    pub slot: Slot,
+    /// Index into the document's images; `None` for a texture that only extensions describe.
+    pub image: Option<usize>,
+    /// Which set of texture coordinates is used.
+    pub tex_coord: u64,
+    pub wrap: [Wrap; 2],
+    /// Whether texels are shown as squares.
+    pub nearest: bool,
+    /// Applied to texture coordinates: a scale, a rotation [radian] from u to -v, and an offset.
+    pub transform: Option<Transform>,
+    /// Factor on the slopes of normal maps, or the strength of occlusion.
+    pub factor: f64,
+}
+
+/// A change of texture coordinates.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Transform {
+    #[serde(default)]
+    pub offset: [f64; 2],
+    #[serde(default)]
+    pub rotation: f64,
+    #[serde(default = "one")]
+    pub scale: [f64; 2],
+    tex_coord: Option<u64>,
+}
+
+fn one() -> [f64; 2] {
+    [1.0; 2]
+}
+
+/// Reads a reference to a texture, which may be missing.
+pub(super) fn read(
+    document: &Document<'_>,
+    path: String,
+    info: Option<&TextureInfo<'_>>,
+    slot: Slot,
+) -> Result<Option<TextureUse>> {
+    let Some(info) = info else { return Ok(None) };
+    let at = |key: &str| format!("{path}.{key}");
+    let index = info.index.ok_or_else(|| super::document::missing(&path, "index"))?;
+    let (number, texture) = element(&document.textures, "textures", &at("index"), index)?;
+    let at_texture = format!("textures[{number}]");
+    // An image of the extension is the one to take where there are two; it can be read wherever the other can.
+    let (image, image_path) = match texture.extensions.get(WEBP) {
+        Some(raw) => {
+            let path = format!("{at_texture}.extensions.{WEBP}");
+            (json::object::<Webp>(raw, &path)?.source, format!("{path}.source"))
+        }
+        None => (texture.source, format!("{at_texture}.source")),
+    };
+    let image = image.map(|index| element(&document.images, "images", &image_path, index)).transpose()?.map(|(i, _)| i);
+    let (mut wrap, mut nearest) = ([Wrap::Repeat; 2], false);
+    if let Some(index) = texture.sampler {
+        let path = format!("textures[{number}].sampler");
+        let (number, sampler) = element(&document.samplers, "samplers", &path, index)?;
+        let path = format!("samplers[{number}]");
+        wrap = [wrap_of(&format!("{path}.wrapS"), sampler.wrap_s)?, wrap_of(&format!("{path}.wrapT"), sampler.wrap_t)?];
+        nearest = sampler.mag_filter == Some(9728);
+    }
+    let transform = match info.extensions.get(TRANSFORM) {
+        Some(raw) => {
+            let path = at(&format!("extensions.{TRANSFORM}"));
+            let it: Transform = json::object(raw, &path)?;
+            let numbers = [it.offset[0], it.offset[1], it.rotation, it.scale[0], it.scale[1]];
+            for number in numbers {
+                super::super::validate::number(&path, number)?;
+            }
+            Some(it)
+        }
+        None => None,
+    };
+    let tex_coord = transform.and_then(|it| it.tex_coord).unwrap_or(info.tex_coord);
+    let factor = info.scale.or(info.strength).unwrap_or(1.0);
+    Ok(Some(TextureUse { path, slot, image, tex_coord, wrap, nearest, transform, factor }))
+}
+
+fn wrap_of(path: &str, code: Option<u32>) -> Result<Wrap> {
+    match code {
+        None | Some(10497) => Ok(Wrap::Repeat),
+        Some(33071) => Ok(Wrap::Clamp),
+        Some(33648) => Ok(Wrap::Mirror),
+        Some(other) => Err(Error::invalid(path, format!("{other} is no wrapping, expected 33071, 33648 or 10497"))),
+    }
+}
+
+impl TextureUse {
+    /// Where the image lies. glTF has v downwards from the upper edge, and turns, before it moves, from u towards the top of the image;
+    /// here v goes upwards, as in the vertices that were read.
+    fn mapping(&self) -> TextureMapping {
+        let Some(Transform { offset, rotation, scale, .. }) = self.transform else { return TextureMapping::default() };
+        let (sin, cos) = rotation.sin_cos();
+        let offset = [offset[0] + sin * scale[1], 1.0 - offset[1] - cos * scale[1]];
+        TextureMapping::Uv { scale, rotation, offset }
+    }
+}
+
+/// An image that was read, and what its format says of its colours.
+type Read = (Arc<TexelImage>, ColorSpace);
+
+/// The textures of a document's materials.
+pub(super) struct Textures<'a> {
+    document: &'a Document<'a>,
+    buffers: &'a Buffers<'a>,
+    /// The images that were read; `None` for those that cannot be.
+    images: HashMap<usize, Option<Read>>,
+    texels_left: u64,
+    /// The textures of the scene, which are put into it before the materials that have them.
+    made: Vec<TextureDesc>,
+    put: usize,
+    /// What the material that is being read has.
+    pub bindings: Vec<TextureBinding>,
+    /// Which set of texture coordinates the textures of this material use.
+    pub uv_set: Option<u64>,
+    left_out: Vec<(&'static str, Vec<String>)>,
+    unread: Vec<String>,
+}
+
+impl<'a> Textures<'a> {
+    pub fn new(document: &'a Document<'a>, buffers: &'a Buffers<'a>) -> Self {
+        Self {
+            document,
+            buffers,
+            images: HashMap::new(),
+            texels_left: TEXELS_LIMIT,
+            made: Vec::new(),
+            put: 0,
+            bindings: Vec::new(),
+            uv_set: None,
+            left_out: Vec::new(),
+            unread: Vec::new(),
+        }
+    }
+
+    /// Puts a texture on what it changes of a material.
+    pub fn bind(&mut self, it: TextureUse) -> Result<()> {
+        let keys = it.slot.keys();
+        if keys.is_empty() {
+            self.leave_out("textures of these parameters are not drawn", it.path);
+            return Ok(());
+        }
+        if *self.uv_set.get_or_insert(it.tex_coord) != it.tex_coord {
+            self.leave_out("textures by a further set of coordinates of their material are not drawn", it.path);
+            return Ok(());
+        }
+        let Some((image, suggested_space)) = it.image.and_then(|image| self.image(image)) else {
+            self.leave_out("textures whose image is not read are not drawn", it.path);
+            return Ok(());
+        };
+        let color_space = match it.slot {
+            Slot::BaseColor | Slot::SheenColor => ColorSpace::Srgb,
+            _ => ColorSpace::Raw,
+        };
+        let filter = if it.nearest { TextureFilter::Nearest } else { TextureFilter::default() };
+        let mapping = it.mapping();
+        let image = ImageTextureDesc {
+            image,
+            file: None,
+            color_space: Some(color_space),
+            suggested_space,
+            wrap: it.wrap,
+            filter,
+        };
+        let source = TextureSource::Image(image);
+        let known = self.made.iter().position(|known| known.source == source && known.mapping == mapping);
+        let texture = known.unwrap_or(self.made.len());
+        if known.is_none() {
+            let made = TextureDesc { name: format!("texture {texture}"), path: it.path, source, mapping };
+            texture_check::texture(&made)?;
+            self.made.push(made);
+        }
+        let strength = if it.slot == Slot::Normal { it.factor as f32 } else { 1.0 };
+        self.bindings.extend(keys.iter().map(|&(key, channel)| TextureBinding { key, texture, channel, strength }));
+        Ok(())
+    }
+
+    /// Whether the image of a texture that was bound says how opaque it is.
+    pub fn has_opacity(&self, texture: usize) -> bool {
+        match self.made.get(texture).map(|texture| &texture.source) {
+            Some(TextureSource::Image(it)) => it.image.has_opacity(),
+            _ => false,
+        }
+    }
+
+    /// Puts the textures that were made into the scene.
+    pub fn put(&mut self, scene: &mut SceneDesc) -> Result<()> {
+        for texture in &self.made[self.put..] {
+            scene.put_texture(texture.clone())?;
+        }
+        self.put = self.made.len();
+        Ok(())
+    }
+
+    /// The texels of an image, which is read once.
+    fn image(&mut self, number: usize) -> Option<Read> {
+        if let Some(known) = self.images.get(&number) {
+            return known.clone();
+        }
+        let read = match self.read_image(number) {
+            Ok(read) => Some(read),
+            Err(error) => {
+                self.unread.push(elided(&error.to_string()));
+                None
+            }
+        };
+        self.images.insert(number, read.clone());
+        read
+    }
+
+    fn read_image(&mut self, number: usize) -> Result<Read> {
+        let path = format!("images[{number}]");
+        let (document, buffers) = (self.document, self.buffers);
+        let image = &document.images[number];
+        let (image, space) = match (image.uri, image.buffer_view) {
+            (Some(uri), _) => {
+                let path = format!("{path}.uri");
+                match buffers.uri(&path, uri)? {
+                    Uri::Data(bytes) => read_image_bytes(&bytes, None),
+                    Uri::File(file) => {
+                        let extension = file.extension().and_then(|it| it.to_str());
+                        read_image_bytes(&buffers.file(&path, &file, None)?, extension)
+                    }
+                }
+            }
+            (None, Some(view)) => read_image_bytes(buffers.view(&format!("{path}.bufferView"), view)?.0, None),
+            (None, None) => return Err(super::document::missing(&path, "uri")),
+        }
+        .map_err(|error| error.at(&path))?;
+        let texels = u64::from(image.width()) * u64::from(image.height());
+        self.texels_left = self.texels_left.checked_sub(texels).ok_or_else(|| {
+            Error::invalid(&path, format!("the images are too large, expected {TEXELS_LIMIT} texels of all at most"))
+        })?;
+        Ok((Arc::new(image), space))
+    }
+
+    fn leave_out(&mut self, why: &'static str, path: String) {
+        match self.left_out.iter_mut().find(|(known, _)| *known == why) {
+            Some((_, places)) => places.push(path),
+            None => self.left_out.push((why, vec![path])),
+        }
+    }
+
+    /// What is not drawn, in one sentence for each reason.
+    pub fn warnings(self) -> Vec<String> {
+        let mut warnings: Vec<_> =
+            self.left_out.into_iter().map(|(why, places)| format!("{why}: {}", super::listed(places))).collect();
+        if !self.unread.is_empty() {
+            warnings.push(format!("images are not read: {}", super::listed(self.unread)));
+        }
+        warnings
+    }
+}
