@@ -234,9 +234,12 @@ fn put_shape(base: &Bsdf, key: &mut Vec<u64>) -> bool {
         Bsdf::OrenNayarQualitative(it) => put(key, 12, it.shape()),
         Bsdf::Eon(it) => put(key, 13, it.shape()),
         Bsdf::Layered(it) => {
-            let tint = it.tint.unwrap_or(Rgb::ONE).to_array();
-            put(key, 14, [it.coverage, tint[0]]);
-            put(key, u64::from(it.keeps_layer) << 1 | u64::from(it.on_both_sides), [tint[1], tint[2]]);
+            if it.keeps_layer && matches!(*it.layer, Layer::Sheen(_)) {
+                return false;
+            }
+            let [r, g, b] = darkened(it.tint).to_array();
+            put(key, 14, [r, g]);
+            put(key, u64::from(it.on_both_sides), [b, 0.0]);
             it.layer.put_shape(key);
             put_shape(&it.base, key)
         }
@@ -249,6 +252,13 @@ fn put_shape(base: &Bsdf, key: &mut Vec<u64>) -> bool {
     }
 }
 
+/// The tint of a layer in few steps, so that there are few shapes. A darker one lets more of the light pass along the normal, where
+/// most passes the layer above.
+fn darkened(tint: Option<Rgb>) -> Rgb {
+    const STEPS: f32 = 16.0;
+    Rgb::from_array(tint.unwrap_or(Rgb::ONE).to_array().map(|t| (t * STEPS).floor().max(1.0) / STEPS))
+}
+
 /// The white model that scatters once and the one that scatters more often, where they are not the same.
 fn uncoloured(base: &Bsdf) -> Vec<Bsdf> {
     match base {
@@ -256,8 +266,14 @@ fn uncoloured(base: &Bsdf) -> Vec<Bsdf> {
         Bsdf::OrenNayarQualitative(it) => vec![Bsdf::OrenNayarQualitative(it.white())],
         Bsdf::Eon(it) => vec![Bsdf::OrenNayar(it.once_white()), Bsdf::Eon(it.white())],
         Bsdf::Layered(it) => {
-            let with = |base: Bsdf| Bsdf::Layered(Layered { base: Arc::new(base), ..it.clone() });
-            uncoloured(&it.base).into_iter().map(with).collect()
+            // Between no layer and a whole one, whose coupling is a constant factor, lie all that cover a share.
+            let whole = |base: &Bsdf| {
+                let (tint, base) = (Some(darkened(it.tint)), Arc::new(base.clone()));
+                let coupling = Coupling::Diffuse(Rgb::ONE);
+                Bsdf::Layered(Layered { tint, base, coupling, coverage: 1.0, keeps_layer: false, ..it.clone() })
+            };
+            let bases = uncoloured(&it.base);
+            bases.iter().map(whole).chain(bases.iter().cloned()).collect()
         }
         Bsdf::Mix(it) => it.models().iter().flat_map(uncoloured).collect(),
         Bsdf::Black(_) => Vec::new(),

@@ -75,10 +75,14 @@ impl SceneDesc {
 
     /// Checks the textures of all materials, for a description that is put together by hand.
     pub(crate) fn check_textures(&self) -> Result<()> {
+        if self.materials.iter().all(|material| material.textures.is_empty()) {
+            return Ok(());
+        }
         for texture in &self.textures {
             texture_check::texture(texture)?;
         }
-        for (i, material) in self.materials.iter().enumerate().filter(|(_, material)| !material.textures.is_empty()) {
+        // All of them, since a part that comes after the whole would have no end.
+        for (i, material) in self.materials.iter().enumerate() {
             material_check::check(&mut material.clone(), &self.materials[..i])?;
             texture_check::bindings(material, &self.textures, &self.materials[..i])?;
         }

@@ -79,15 +79,26 @@ impl MaterialDesc {
 
     fn each_body(&self, materials: &[Self], each: &mut dyn FnMut(Body)) {
         if let BsdfDesc::Mix { materials: parts, weight } = self.bsdf {
+            // A texture makes the weight anything from 0 to its own.
+            let is_textured = self.textured(TextureKey::Weight).is_some();
             for (part, weight) in parts.into_iter().zip([1.0 - weight, weight]) {
-                if let Some(material) = materials.get(part).filter(|_| weight > 0.0) {
+                if let Some(material) = materials.get(part).filter(|_| weight > 0.0 || is_textured) {
                     material.each_body(&materials[..part], each);
                 }
             }
-        } else if let Some([ior, exterior_ior]) = self.bsdf.interior() {
+            return;
+        }
+        let mut bsdf = self.bsdf;
+        if let BsdfDesc::Principled(it) = &mut bsdf
+            && self.textured(TextureKey::BaseMetalness).is_some()
+        {
+            // Where the texture is dark there is no metal.
+            it.base_metalness = 0.0;
+        }
+        if let Some([ior, exterior_ior]) = bsdf.interior() {
             let MediumDesc { absorption, priority } = self.medium.unwrap_or_default();
             // That of a principled material comes from its own colour and depth.
-            let own = match &self.bsdf {
+            let own = match &bsdf {
                 BsdfDesc::Principled(it) => it.absorption().unwrap_or(Rgb::ZERO),
                 _ => Rgb::ZERO,
             };

@@ -36,6 +36,12 @@ pub(super) fn texture(texture: &TextureDesc) -> Result<()> {
         }
         return Ok(());
     };
+    if procedural.in_space != matches!(mapping, TextureMapping::Space { .. }) {
+        return Err(Error::invalid(
+            at("coordinates"),
+            "the pattern and its mapping disagree, expected both in space or neither",
+        ));
+    }
     for (i, color) in procedural.colors.into_iter().enumerate() {
         reflectance(&at(&format!("colors[{i}]")), color.to_f64())?;
     }
@@ -85,12 +91,13 @@ pub(super) fn bindings(
             return Err(Error::invalid(at, message));
         }
         number(&join(&at, "strength"), binding.strength.into())?;
-        if key == TextureKey::Opacity
+        // Shadow rays would see another surface than the paths that they belong to, and slopes would be those of noise.
+        if matches!(key, TextureKey::Opacity | TextureKey::Bump)
             && let TextureSource::Image(image) = &texture.source
             && image.filter == TextureFilter::Stochastic
         {
-            // Shadow rays would see another surface than the paths that they belong to.
-            return Err(Error::invalid(at, "an opacity cannot be filtered stochastically, expected another filter"));
+            let message = format!("`{}` cannot be filtered stochastically, expected another filter", key.name());
+            return Err(Error::invalid(at, message));
         }
     }
     if material.textured(TextureKey::Normal).is_some() && material.textured(TextureKey::Bump).is_some() {

@@ -27,6 +27,8 @@ pub struct SurfaceDetail {
     pub p: Vec3,
     /// Unit direction back along the path, scene frame.
     pub wo: Vec3,
+    /// The unit normal of the face on the outer side.
+    pub ng: Vec3,
     /// The unit shading normal on the outer side. The local frame of a Bsdf is [`Frame::from_normal`] of it.
     pub ns: Vec3,
     /// The direction along which an anisotropic surface is brushed, of any length but 0: that in which the first texture coordinate
@@ -42,9 +44,9 @@ impl SurfaceDetail {
     pub fn uv_axes(&self) -> [[f32; 2]; 2] {
         /// Where the surface is seen along its edge, an ellipse is this much longer than wide at most.
         const LONGEST: f32 = 1e4;
-        let cos = self.wo.dot(self.ns).abs().max(1.0 / LONGEST);
-        let across = self.ns.cross(self.wo).try_normalize().unwrap_or_else(|| self.ns.any_orthonormal_vector());
-        let along = across.cross(self.ns);
+        let cos = self.wo.dot(self.ng).abs().max(1.0 / LONGEST);
+        let across = self.ng.cross(self.wo).try_normalize().unwrap_or_else(|| self.ng.any_orthonormal_vector());
+        let along = across.cross(self.ng);
         // Lengths along the surface in terms of dpdu and dpdv.
         let (u, v) = (self.dpdu, self.dpdv);
         let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
@@ -77,7 +79,7 @@ impl Scene {
         });
         let around = Vec3::Y.cross(ns);
         let tangent = if self.has_own_tangents(hit) || around == Vec3::ZERO { dpdu } else { around };
-        SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width(), p, wo, ns, tangent }
+        SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width(), p, wo, ng, ns, tangent }
     }
 
     /// Whether the tangents of a surface are its own: those of texture coordinates, of a triangle or of a quad.

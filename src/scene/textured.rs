@@ -44,7 +44,7 @@ impl PreparedTextures {
                 TextureSource::Image(it) => {
                     Texture::Image(ImageTexture::new(Arc::clone(&it.image), space, it.wrap, it.filter))
                 }
-                TextureSource::Procedural(it) => Texture::Procedural(*it),
+                TextureSource::Procedural(it) => Texture::procedural(*it),
             })
         });
         self.0.push(PreparedTexture { desc: Arc::clone(desc), space, texture: Arc::clone(&texture) });
@@ -91,6 +91,14 @@ impl Placement {
             }
             TextureMapping::Space { scale, offset } => Self::Space { scale, offset: offset + centre * scale },
         }
+    }
+
+    /// The derivatives of the position by the coordinates of the image, which may be turned and mirrored on the surface.
+    fn tangents(&self, at: &SurfaceDetail) -> [Vec3; 2] {
+        let Self::Uv { matrix: [[a, b], [c, d]], .. } = *self else { return [at.dpdu, at.dpdv] };
+        let determinant = a * d - b * c;
+        let tangents = [(d * at.dpdu - c * at.dpdv) / determinant, (a * at.dpdv - b * at.dpdu) / determinant];
+        if tangents.iter().all(|it| it.is_finite()) { tangents } else { [at.dpdu, at.dpdv] }
     }
 
     fn point(&self, at: &SurfaceDetail, with_axes: bool) -> TexturePoint {
@@ -145,8 +153,13 @@ impl Bound {
             }
             Some(Parameter::Number(number, [low, high])) => {
                 let value = *number * self.number(texel);
-                let value = if self.steps > 0.0 { (value * self.steps).round() / self.steps } else { value };
-                *number = value.clamp(low, high);
+                let value = match self.steps {
+                    0.0 => value,
+                    // What is not smooth stays rough.
+                    steps if value > 0.0 => (value * steps).round().max(1.0) / steps,
+                    steps => (value * steps).round() / steps,
+                };
+                *number = if value.is_nan() { low } else { value.clamp(low, high) };
             }
             None => {}
         }
@@ -154,7 +167,7 @@ impl Bound {
 }
 
 /// Steps to which parameters of tables are rounded, by how many of them vary: the product of steps is the number of tables.
-const STEPS: [f32; 3] = [256.0, 64.0, 16.0];
+const STEPS: [f32; 4] = [256.0, 64.0, 16.0, 8.0];
 
 /// Binds the textures of a material.
 struct Binder<'a> {
@@ -199,17 +212,22 @@ impl Binder<'_> {
         own.filter_map(|it| self.bind(it, if it.key.is_of_tables() { steps } else { 0.0 })).collect()
     }
 
+    /// The recipe of a part, which comes before the whole.
+    fn part(&mut self, part: usize, whole: usize) -> Recipe {
+        if part < whole { self.recipe(part) } else { Recipe::Fixed(Box::new(Bsdf::Black(Black))) }
+    }
+
     fn recipe(&mut self, number: usize) -> Recipe {
         let (before, rest) = self.desc.materials.split_at(number.min(self.desc.materials.len()));
         let Some(material) = rest.first() else { return Recipe::Fixed(Box::new(Bsdf::Black(Black))) };
         match material.bsdf {
             _ if !varies(material, before) => Recipe::Fixed(Box::new(Bsdf::of_materials(&material.bsdf, before))),
             BsdfDesc::Mix { materials, .. } => {
-                let parts = materials.map(|part| self.recipe(part));
+                let parts = materials.map(|part| self.part(part, number));
                 Recipe::Mix { desc: material.bsdf, parts: Box::new(parts), weight: self.of_model(material) }
             }
             BsdfDesc::TwoSided { front, back } => {
-                Recipe::TwoSided(Box::new([front, back].map(|part| self.recipe(part))))
+                Recipe::TwoSided(Box::new([front, back].map(|part| self.part(part, number))))
             }
             desc => Recipe::Model { desc, bound: self.of_model(material) },
         }
@@ -319,22 +337,26 @@ impl Textured {
         let opacity = surface(TextureKey::Opacity);
         let normal = surface(TextureKey::Normal).or_else(|| surface(TextureKey::Bump));
         let mean = recipe.bsdf(&|bound| bound.texture.mean());
-        // Each texture at its smallest and largest, the others at their means, then all together.
-        let mut textures = Vec::new();
+        // Each parameter at its smallest and largest while the others are at their means; all together; and those of rough surfaces
+        // at their smallest while all others are at either end.
+        let mut bound_at = Vec::new();
         let mut asks_footprint = normal.as_ref().is_some_and(|bound| bound.asks_footprint);
         recipe.each(&mut |bound| {
-            textures.push(Arc::clone(&bound.texture));
+            bound_at.push(std::ptr::from_ref(bound).addr());
             asks_footprint |= bound.asks_footprint;
         });
         let mut extremes = vec![mean.clone()];
         for end in [0, 1] {
-            for texture in &textures {
+            for one in &bound_at {
+                let is_it = |bound: &Bound| std::ptr::from_ref(bound).addr() == *one;
                 let texel = |bound: &Bound| {
-                    if Arc::ptr_eq(&bound.texture, texture) { bound.texture.range()[end] } else { bound.texture.mean() }
+                    if is_it(bound) { bound.texture.range()[end] } else { bound.texture.mean() }
                 };
                 extremes.push(recipe.bsdf(&texel));
             }
             extremes.push(recipe.bsdf(&|bound| bound.texture.range()[end]));
+            let smoothest = |bound: &Bound| bound.texture.range()[if bound.key.is_of_tables() { 0 } else { end }];
+            extremes.push(recipe.bsdf(&smoothest));
         }
         let lobes = extremes.iter().map(|bsdf| bsdf.lit_lobes()).fold(Lobes::empty(), |all, some| all | some);
         Some(Self { recipe, opacity, normal, mean, extremes, lobes, asks_footprint })
@@ -390,9 +412,10 @@ impl VaryingMaterial for Textured {
 fn mapped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
     let [x, y, z, _] = bound.texel(at);
     let (x, y, z) = (bound.strength * (2.0 * x - 1.0), bound.strength * (2.0 * y - 1.0), 2.0 * z - 1.0);
-    let Some(tangent) = (at.dpdu - at.dpdu.dot(at.ns) * at.ns).try_normalize() else { return at.ns };
+    let [dpdu, dpdv] = bound.placement.tangents(at);
+    let Some(tangent) = (dpdu - dpdu.dot(at.ns) * at.ns).try_normalize() else { return at.ns };
     let across = at.ns.cross(tangent);
-    let across = if across.dot(at.dpdv) < 0.0 { -across } else { across };
+    let across = if across.dot(dpdv) < 0.0 { -across } else { across };
     x * tangent + y * across + z * at.ns
 }
 
@@ -400,23 +423,27 @@ fn mapped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
 fn bumped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
     let Some(s) = (at.dpdu - at.dpdu.dot(at.ns) * at.ns).try_normalize() else { return at.ns };
     let t = at.ns.cross(s);
-    // Half a texel, or as much less as differences in single precision are good for.
+    /// Smallest step, of a coordinate.
+    const FINEST_STEP: f32 = 1.0 / (1 << 18) as f32;
+    // Half a texel.
     let step = match &*bound.texture {
         Texture::Image(image) => 0.5 / image.texels_across() as f32,
-        Texture::Procedural(_) => 1e-3,
+        Texture::Procedural(..) => 1e-3,
     };
     let height = |at: &SurfaceDetail| bound.number(&bound.texel(at));
     // The step is in texture coordinates, or in lengths for patterns in space.
     let (along, across) = match bound.placement {
         Placement::Uv { matrix, .. } => {
             let size = matrix.iter().flatten().fold(0.0_f32, |most, x| most.max(x.abs())).max(1e-6);
-            let step = step / size;
-            let moved = |du: f32, dv: f32| {
-                let there = SurfaceDetail { uv: [at.uv[0] + du, at.uv[1] + dv], ..*at };
-                let back = SurfaceDetail { uv: [at.uv[0] - du, at.uv[1] - dv], ..*at };
-                bound.strength * (height(&there) - height(&back)) / (2.0 * step)
+            let moved = |i: usize| {
+                // Far from 0 single precision knows no smaller steps; the one that was taken counts.
+                let step = (step / size).max(at.uv[i].abs() * FINEST_STEP);
+                let (mut there, mut back) = (*at, *at);
+                there.uv[i] += step;
+                back.uv[i] -= step;
+                bound.strength * (height(&there) - height(&back)) / (there.uv[i] - back.uv[i])
             };
-            let [hu, hv] = [moved(step, 0.0), moved(0.0, step)];
+            let [hu, hv] = [0, 1].map(moved);
             // The gradient on the surface: of the two that texture coordinates span.
             let (u, v) = ([at.dpdu.dot(s), at.dpdu.dot(t)], [at.dpdv.dot(s), at.dpdv.dot(t)]);
             let determinant = u[0] * v[1] - u[1] * v[0];
@@ -424,6 +451,7 @@ fn bumped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
         }
         Placement::Space { scale, .. } => {
             let step = step / scale.abs().max_element().max(1e-6) as f32;
+            let step = step.max(at.p.abs().max_element() * FINEST_STEP);
             let slope = |direction: Vec3| {
                 let there = SurfaceDetail { p: at.p + step * direction, ..*at };
                 let back = SurfaceDetail { p: at.p - step * direction, ..*at };

@@ -10,6 +10,12 @@ use super::{Texel, TextureFilter, TexturePoint, Wrap};
 /// the texels of a lookup.
 const MOST_ANISOTROPY: f32 = 16.0;
 
+/// Most texels that a lookup sums up; a footprint of more is looked up in coarser levels instead.
+const MOST_TEXELS: f32 = 8192.0;
+
+/// Largest texture coordinate.
+const MOST_COORDINATE: f32 = 1e9;
+
 /// Radius of the filter in standard deviations of its Gaussian is 2: the weight exp(-2 r^2) at the edge of the ellipse.
 const FALLOFF: f32 = 2.0;
 
@@ -76,7 +82,8 @@ impl ImageTexture {
     }
 
     pub(super) fn at(&self, at: &TexturePoint) -> Texel {
-        let uv = at.uv.map(|c| if c.is_finite() { c } else { 0.0 });
+        // Beyond these coordinates single precision knows no texels.
+        let uv = at.uv.map(|c| if c.is_finite() { c.clamp(-MOST_COORDINATE, MOST_COORDINATE) } else { 0.0 });
         match self.filter {
             TextureFilter::Nearest => self.nearest(uv),
             TextureFilter::Bilinear => self.bilinear(0, uv),
@@ -193,6 +200,9 @@ impl ImageTexture {
         let place = self.place(level, uv);
         if !reach.iter().chain(&place).all(|x| x.is_finite()) {
             return self.mean;
+        }
+        if 4.0 * reach[0] * reach[1] > MOST_TEXELS {
+            return self.between_levels(uv, long[0].hypot(long[1]));
         }
         let range = |i: usize| (place[i] - reach[i]).ceil() as i64..=(place[i] + reach[i]).floor() as i64;
         let (mut sum, mut weights) = ([0.0; 4], 0.0);

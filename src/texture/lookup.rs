@@ -49,7 +49,7 @@ pub enum TextureFilter {
     Mip,
     /// A Gaussian over the elliptical footprint, in the level where the shorter axis is a texel or more (Greene and Heckbert 1986).
     Ewa,
-    /// One texel of the full image, drawn from that Gaussian (Pharr, Wronski, Salvi, Fajardo 2024): the same mean as `Ewa` with few reads,
+    /// One texel of the full image, drawn from that Gaussian (Pharr, Wronski, Salvi, Fajardo 2024): nearly the mean of `Ewa` with one read,
     /// and noise.
     Stochastic,
 }

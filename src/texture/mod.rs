@@ -46,16 +46,21 @@ pub struct TexturePoint {
 pub enum Texture {
     /// An image.
     Image(ImageTexture),
-    /// A formula.
-    Procedural(Procedural),
+    /// A formula, and its mean.
+    Procedural(Procedural, Texel),
 }
 
 impl Texture {
+    /// A texture by a formula.
+    pub fn procedural(pattern: Procedural) -> Self {
+        Self::Procedural(pattern, pattern.mean())
+    }
+
     /// The value at a point.
     pub fn at(&self, at: &TexturePoint) -> Texel {
         match self {
             Self::Image(image) => image.at(at),
-            Self::Procedural(pattern) => pattern.at(at),
+            Self::Procedural(pattern, _) => pattern.at(at),
         }
     }
 
@@ -63,7 +68,7 @@ impl Texture {
     pub fn mean(&self) -> Texel {
         match self {
             Self::Image(image) => image.mean(),
-            Self::Procedural(pattern) => pattern.mean(),
+            Self::Procedural(_, mean) => *mean,
         }
     }
 
@@ -71,7 +76,7 @@ impl Texture {
     pub fn range(&self) -> [Texel; 2] {
         match self {
             Self::Image(image) => image.range(),
-            Self::Procedural(pattern) => pattern.range(),
+            Self::Procedural(pattern, _) => pattern.range(),
         }
     }
 
@@ -79,7 +84,7 @@ impl Texture {
     pub fn asks_footprint(&self) -> bool {
         match self {
             Self::Image(image) => image.filter().asks_footprint(),
-            Self::Procedural(_) => false,
+            Self::Procedural(..) => false,
         }
     }
 
@@ -87,7 +92,7 @@ impl Texture {
     pub fn bytes(&self) -> usize {
         match self {
             Self::Image(image) => image.pyramid_bytes(),
-            Self::Procedural(_) => 0,
+            Self::Procedural(..) => 0,
         }
     }
 }

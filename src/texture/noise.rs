@@ -11,7 +11,9 @@ static PERLIN: LazyLock<Perlin> = LazyLock::new(|| Perlin::new(0));
 
 /// Perlin's gradient noise (2002), about -1 to 1, mean 0.
 pub(super) fn perlin(p: DVec3) -> f64 {
-    PERLIN.get(p.to_array())
+    // The noise repeats itself after 256 units. Within them, places are whole numbers of a machine and a fraction, however large p was.
+    let within = DVec3::from_array(p.to_array().map(|x| x.rem_euclid(256.0)));
+    PERLIN.get(within.to_array())
 }
 
 /// Sum of octaves, each of twice the frequency and half the amplitude of the one before, divided by the sum of amplitudes.

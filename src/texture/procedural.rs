@@ -100,21 +100,27 @@ impl Procedural {
 
     /// The mean over many periods.
     pub(super) fn mean(&self) -> Texel {
-        /// Points along each axis, and the periods over which they are spread; the fraction avoids a beat with the period.
-        const POINTS: u32 = 48;
-        let step = |i: u32| (f64::from(i) + 0.5) / f64::from(POINTS);
-        let (mut sum, mut count) = (0.0, 0.0);
-        for i in 0..POINTS {
-            for j in 0..POINTS {
-                for k in 0..if self.in_space { POINTS } else { 1 } {
-                    // A gradient's mean is that of its one rise.
-                    let periods = if self.pattern == Pattern::Gradient { 1.0 } else { 8.0 };
-                    sum += self.share(DVec3::new(periods * step(i), periods * step(j), periods * step(k)));
-                    count += 1.0;
-                }
+        let share = match self.pattern {
+            Pattern::Checker | Pattern::Gradient => 0.5,
+            Pattern::Grid { width } => {
+                let free = 1.0 - f64::from(width);
+                1.0 - if self.in_space { free.powi(3) } else { free.powi(2) }
             }
-        }
-        self.mixed((sum / count) as f32)
+            Pattern::Noise { .. } | Pattern::Marble { .. } | Pattern::Wood { .. } => {
+                /// Points of a sequence that fills a cube evenly (Roberts 2018), and the length of its edge.
+                const POINTS: u32 = 4096;
+                const EDGE: f64 = 16.0;
+                let plastic = 1.220_744_084_605_759_5_f64;
+                let steps = DVec3::new(plastic.powi(-1), plastic.powi(-2), plastic.powi(-3));
+                let place = |i: u32| {
+                    let p = (f64::from(i) + 0.5) * steps;
+                    let p = EDGE * (p - p.floor());
+                    if self.in_space { p } else { p.with_z(0.0) }
+                };
+                (0..POINTS).map(|i| self.share(place(i))).sum::<f64>() / f64::from(POINTS)
+            }
+        };
+        self.mixed(share as f32)
     }
 
     pub(super) fn range(&self) -> [Texel; 2] {

@@ -116,8 +116,8 @@ impl Pyramid {
     }
 }
 
-/// The texels of `n` of which the texels of half as many, rounded up, are the means, with their weights. Where `n` is odd, three
-/// texels count for each, so that every texel counts the same in the whole (Guthe and Heckbert 2005).
+/// The texels of `n` of which the texels of half as many, rounded up, are the means, with their weights. Where `n` is odd, a texel
+/// may count in part for each of two, so that every texel counts the same in the whole (Guthe and Heckbert 2005).
 fn halves(n: u32) -> impl Fn(u32) -> Vec<(u32, f32)> {
     let half = n.div_ceil(2);
     move |i: u32| {

@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use etendue::sampling::Rng;
-use etendue::texture::{ColorSpace, TexelImage, Texels, TextureFilter, TexturePoint, Wrap};
+use etendue::spectrum::Rgb;
+use etendue::texture::{
+    ColorSpace, Pattern, Procedural, TexelImage, Texels, Texture, TextureFilter, TexturePoint, Wrap,
+};
 
 use super::{FILTERS, image, texture};
 use crate::record::{Case, Entry, Within};
@@ -16,6 +19,8 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "X3", title: "mean of every level", run: levels },
         Entry { id: "X4", title: "elliptical footprints against brute force", run: ellipses },
         Entry { id: "X5", title: "numbers as they are stored", run: stored },
+        Entry { id: "X11", title: "coordinates and footprints of any size", run: anywhere },
+        Entry { id: "X12", title: "means of patterns", run: patterns },
     ]
 }
 
@@ -197,4 +202,76 @@ fn stored(case: &mut Case) {
     let image = Arc::new(TexelImage::new(2, 1, 1, Texels::U8(vec![0, 255].into())).expect("an image of the test"));
     let mean = texture(&image, ColorSpace::Srgb, Wrap::Clamp, TextureFilter::Bilinear).at(&at(0.5, 0.5))[0];
     case.exact("between black and white, sRGB", mean.into(), 0.5, Within::Absolute(1e-6));
+}
+
+/// Whatever the coordinates and the footprint are, a lookup ends, and gives a number between the smallest and the largest texel.
+fn anywhere(case: &mut Case) {
+    let numbers = [0.0_f32, 1.0, -1.0, 0.3, 1e-30, 1e5, -1e9, 1e18, -1e30, f32::MAX, f32::INFINITY, f32::NAN];
+    let long = image(512, 1, 2, |x, _, _| (x % 7) as f32 / 6.0);
+    let small = image(3, 5, 2, |x, y, _| ((x + y) % 2) as f32);
+    for filter in FILTERS {
+        let (mut bad, mut tried) = (0, 0);
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp, Wrap::Black] {
+            for texture in [&long, &small].map(|image| texture(image, ColorSpace::Raw, wrap, filter)) {
+                for (i, u) in numbers.into_iter().enumerate() {
+                    for (j, v) in numbers.into_iter().enumerate() {
+                        let size = numbers[(i + 3 * j) % numbers.len()];
+                        let axes = [[size, v], [0.2 * v, u]];
+                        let [r, .., a] = texture.at(&TexturePoint { uv: [u, v], axes, ..TexturePoint::default() });
+                        tried += 1;
+                        bad += u64::from(![r, a].iter().all(|x| (-1e-5..=1.00001).contains(x)));
+                    }
+                }
+            }
+        }
+        case.never(format!("{filter:?}: lookups without a value"), bad, tried);
+    }
+    let (mut bad, mut tried) = (0, 0);
+    for pattern in PATTERNS {
+        for in_space in [false, true] {
+            let texture = Texture::procedural(Procedural { pattern, colors: [Rgb::ZERO, Rgb::ONE], in_space });
+            for x in numbers {
+                for y in numbers {
+                    let p = etendue::math::Vec3::new(x, y, -x);
+                    let [value, ..] = texture.at(&TexturePoint { uv: [x, y], p, ..TexturePoint::default() });
+                    tried += 1;
+                    bad += u64::from(!(0.0..=1.0).contains(&value));
+                }
+            }
+        }
+    }
+    case.never("patterns: lookups without a value", bad, tried);
+}
+
+const PATTERNS: [Pattern; 7] = [
+    Pattern::Checker,
+    Pattern::Grid { width: 0.1 },
+    Pattern::Gradient,
+    Pattern::Noise { octaves: 16, turbulent: false },
+    Pattern::Noise { octaves: 3, turbulent: true },
+    Pattern::Marble { octaves: 4, turbulence: 1.0 },
+    Pattern::Wood { octaves: 4, turbulence: 0.2 },
+];
+
+/// The mean that a pattern states is that of points drawn over many periods.
+fn patterns(case: &mut Case) {
+    let points = case.count(20_000, 1_000_000);
+    for pattern in PATTERNS {
+        for in_space in [false, true] {
+            let texture = Texture::procedural(Procedural { pattern, colors: [Rgb::ZERO, Rgb::ONE], in_space });
+            let mut rng = Rng::new(12, 0);
+            let periods = if pattern == Pattern::Gradient { 1.0 } else { 64.0 };
+            let values: Vec<f64> = (0..points)
+                .map(|_| {
+                    let [x, y, z, _] = rng.next_4d().map(|x| periods * x);
+                    let p = etendue::math::Vec3::new(x, y, z);
+                    f64::from(texture.at(&TexturePoint { uv: [x, y], p, ..TexturePoint::default() })[0])
+                })
+                .collect();
+            let [stated, ..] = texture.mean().map(f64::from);
+            let what = format!("{pattern:?}, {}", if in_space { "in space" } else { "on surfaces" });
+            // Means without a closed form are those of 4096 points of an even sequence.
+            case.biased_mean(what, stats::mean_and_error(&values), stated, (0.02, 0.02));
+        }
+    }
 }

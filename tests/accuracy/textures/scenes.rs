@@ -121,6 +121,18 @@ fn tilted(case: &mut Case) {
         let texture = described("normals", &map_image, ColorSpace::Raw, TextureFilter::Bilinear, 1.0);
         shown(&format!("map of ({x}, {y})"), DVec3::new(x, map.z, -y), TextureKey::Normal, texture, 1.0);
     }
+    // An image that is mirrored on the surface shows the normals in the mirror, one that is turned by a right angle turned ones.
+    let map = DVec3::new(0.5, 0.2, (1.0_f64 - 0.29).sqrt());
+    let encoded = (0.5 * map + DVec3::splat(0.5)).to_array();
+    let map_image = image(1, 1, 3, |_, _, c| encoded[c as usize] as f32);
+    let texture = described("normals", &map_image, ColorSpace::Raw, TextureFilter::Bilinear, 1.0);
+    let mirrored = TextureMapping::Uv { scale: [-1.0, 1.0], rotation: 0.0, offset: [0.0; 2] };
+    let mirrored = TextureDesc { mapping: mirrored, ..texture.clone() };
+    shown("mirrored map", DVec3::new(-map.x, map.z, -map.y), TextureKey::Normal, mirrored, 1.0);
+    // Coordinates that are turned counter-clockwise show the image turned clockwise: its x is -v here and its y is u.
+    let turned = TextureMapping::Uv { scale: [1.0; 2], rotation: 0.5 * PI, offset: [0.0; 2] };
+    let turned = TextureDesc { mapping: turned, ..texture };
+    shown("turned map", DVec3::new(map.y, map.z, map.x), TextureKey::Normal, turned, 1.0);
     // From end to end the ramp is four long.
     for strength in [0.8_f32, -1.5] {
         let ramp = TextureDesc {
