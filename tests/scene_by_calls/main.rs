@@ -23,6 +23,7 @@ fn content(desc: &SceneDesc) -> String {
     let mut desc = SceneDesc { file: None, files: Vec::new(), index: SceneIndex::default(), ..desc.clone() };
     desc.lights.iter_mut().for_each(|light| light.path.clear());
     desc.materials.iter_mut().for_each(|material| material.path.clear());
+    desc.textures.iter_mut().for_each(|texture| Arc::make_mut(texture).path.clear());
     desc.meshes.iter_mut().for_each(|mesh| Arc::make_mut(mesh).path.clear());
     desc.surfaces.iter_mut().for_each(|surface| surface.path.clear());
     format!("{desc:?}")
@@ -33,6 +34,9 @@ fn rebuilt(from: &SceneDesc) -> Result<SceneDesc> {
     let mut desc = SceneDesc { render: from.render.clone(), ..SceneDesc::default() };
     desc.render.check()?;
     desc.set_camera(from.camera)?;
+    for (number, texture) in from.textures.iter().enumerate() {
+        assert_eq!(desc.add_texture(texture.as_ref().clone())?, number);
+    }
     let is_black = |number: usize| from.materials[number].name == "(black)";
     for (number, material) in from.materials.iter().enumerate().filter(|(number, _)| !is_black(*number)) {
         assert_eq!(desc.add_material_desc(material.clone())?, number);
