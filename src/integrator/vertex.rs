@@ -3,7 +3,7 @@
 use super::tracer::{Context, FirstHit, Tracer};
 use crate::bsdf::{Bsdf, Lobes, Model, SpecularLobes, TransportMode};
 use crate::emitter::{EmitterSet, Receiver};
-use crate::math::{Frame, HitPoint, Ray, Vec3};
+use crate::math::{Frame, HitPoint, Ray, RayCone, Vec3};
 use crate::sampling::Sampler;
 use crate::sampling::mis::power_heuristic;
 use crate::scene::{Hit, PathMedia, Scene, SurfaceInteraction};
@@ -95,6 +95,40 @@ fn emission<C: Spectrum>(
     }
 }
 
+/// The shading normal, the Bsdf and its lit lobes at a hit where the scene has no Bsdf that serves as it is. `ns` is the normal
+/// that the shape has there. The arguments are values, since a reference to them would keep them in memory at every vertex.
+#[inline(never)]
+#[expect(clippy::too_many_arguments, reason = "they are values that a vertex has in registers")]
+fn asked<'v, C: Spectrum>(
+    scene: &'v Scene,
+    hit: &'v Hit,
+    index: u32,
+    [ng, mut ns, p, wo]: [Vec3; 4],
+    (time, cone): (f32, RayCone),
+    wavelengths: C::Wavelengths,
+    media: Option<PathMedia>,
+    slot: &'v mut Option<Bsdf<C>>,
+) -> (Vec3, &'v Bsdf<C>, Lobes) {
+    let material = scene.material(index);
+    let detail_of = |ns: Vec3| scene.detail_at(hit, [ng, ns, p, wo], time, cone);
+    if let Some(own) = material.normal(|| detail_of(ns))
+        // As with interpolated normals, one that faces away from the viewer does not count.
+        && own.dot(wo) * ng.dot(wo) > 0.0
+    {
+        ns = own;
+    }
+    let detail = || detail_of(ns);
+    let (bsdf, lobes) = match media {
+        Some(media) if scene.bounds_medium(index) => {
+            let front = ng.dot(wo) > 0.0;
+            let bsdf = &*slot.insert(scene.interface(media, index, front, &wavelengths, detail));
+            (bsdf, bsdf.lit_lobes())
+        }
+        _ => material.at::<C>(detail, &wavelengths, slot),
+    };
+    (ns, bsdf, lobes)
+}
+
 impl<'v, C: Spectrum> Vertex<'v, C> {
     /// The vertex at the hit of a ray of a camera path. `slot` holds the vertex's Bsdf where the scene has none for it.
     #[inline(always)]
@@ -141,33 +175,25 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
             ns = ng;
         }
         let shaded = scene.material(material);
-        // The closures copy what they need: a reference would keep the whole vertex in memory.
-        let HitPoint { p, time, cone, .. } = point;
-        let detail_of = move |ns: Vec3| scene.detail_at(hit, [ng, ns, p, wo_scene], time, cone);
-        if let Some(own) = shaded.normal(move || detail_of(ns))
-            // As with interpolated normals, one that faces away from the viewer does not count.
-            && own.dot(wo_scene) * ng.dot(wo_scene) > 0.0
-        {
-            ns = own;
-        }
+        // One test leads past all that few scenes have: materials that vary, media, paths that do not carry colours.
+        let (bsdf, lobes) = match (shaded.constant::<C>(), &media) {
+            (Some(constant), None) => constant,
+            _ => {
+                let HitPoint { p, time, cone, .. } = point;
+                let vectors = [ng, ns, p, wo_scene];
+                let (own, bsdf, lobes) = asked(scene, hit, material, vectors, (time, cone), wavelengths, media, slot);
+                ns = own;
+                (bsdf, lobes)
+            }
+        };
         let frame = Frame::from_normal(ns);
         let wo = frame.to_local(wo_scene);
         let surface = SurfaceInteraction { point, ng, ns, surface, material, emitter };
-        let material = shaded;
-        let detail = move || detail_of(ns);
-        let (bsdf, lobes) = match media {
-            Some(media) if scene.bounds_medium(surface.material) => {
-                let front = ng.dot(wo_scene) > 0.0;
-                let bsdf = &*slot.insert(scene.interface(media, surface.material, front, &wavelengths, detail));
-                (bsdf, bsdf.lit_lobes())
-            }
-            _ => material.at::<C>(detail, &wavelengths, slot),
-        };
         Self {
             bsdf,
             lobes,
             hit: Some(hit),
-            survival: material.survival,
+            survival: shaded.survival,
             mode,
             wavelengths,
             media,

@@ -139,15 +139,22 @@ impl Material {
         wavelengths: &C::Wavelengths,
         slot: &'a mut Option<Bsdf<C>>,
     ) -> (&'a Bsdf<C>, Lobes) {
+        if let Some(constant) = self.constant() {
+            return constant;
+        }
         let bsdf: &Bsdf<C> = match &self.varying {
-            // The compiler decides this at compile time: a path that carries colours uses the Bsdf of the scene.
-            None => match (&self.bsdf as &dyn Any).downcast_ref() {
-                Some(bsdf) => return (bsdf, self.lobes),
-                None => slot.insert(self.bsdf.in_spectrum(wavelengths)),
-            },
+            None => slot.insert(self.bsdf.in_spectrum(wavelengths)),
             Some(varying) => slot.insert(ask(&**varying, detail).in_spectrum(wavelengths)),
         };
         (bsdf, bsdf.lit_lobes())
+    }
+
+    /// The material's own Bsdf and its lit lobes, where it is the same everywhere and paths carry colours.
+    #[inline(always)]
+    pub(crate) fn constant<C: Spectrum>(&self) -> Option<(&Bsdf<C>, Lobes)> {
+        // The compiler decides this at compile time: a path that carries colours uses the Bsdf of the scene.
+        let bsdf = (&self.bsdf as &dyn Any).downcast_ref()?;
+        if self.varying.is_none() { Some((bsdf, self.lobes)) } else { None }
     }
 
     /// All lobes that the material has anywhere. There are none where the material is black everywhere.
