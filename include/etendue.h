@@ -56,6 +56,11 @@
      1.6f, 1, 0, {1, 1, 1}, 0.5f, 0, 0, 0}
 #define ETD_MESH_INIT \
     {sizeof(etd_mesh), NULL, 0, 0, 0, NULL, 0, 0, NULL, 0, NULL, 0, ETD_POSITION_FLOAT3, ETD_COPY, NULL, NULL, NULL}
+#define ETD_TEXTURE_INIT \
+    {sizeof(etd_texture), ETD_TEXTURE_IMAGE, ETD_COLOR_SPACE_BY_USE, NULL, NULL, 0, 0, 0, 0, ETD_TEXEL_UINT8, ETD_COPY, \
+     ETD_TEXTURE_FILTER_BILINEAR, NULL, NULL, ETD_WRAP_REPEAT, ETD_WRAP_REPEAT, {{0, 0, 0}, {1, 1, 1}}, 0.1f, 1, 4, 0, \
+     {1, 1, 1}, 0, {0, 0, 0}}
+#define ETD_TEXTURE_BINDING_INIT {sizeof(etd_texture_binding), ETD_NONE, ETD_CHANNEL_DEFAULT, 1, 0}
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_RENDER_OPTIONS_INIT \
     {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \
@@ -71,7 +76,7 @@
 #define ETD_ATLAS_OPTIONS_INIT {sizeof(etd_atlas_options), 0, 0, 0, 0, ETD_ATLAS_LAYOUT_AUTO, 0, 0, NULL, NULL}
 #define ETD_ATLAS_INFO_INIT {sizeof(etd_atlas_info), 0, 0, 0, 0, 0, 0, 0, 0}
 #define ETD_BAKE_TARGET_INIT {sizeof(etd_bake_target), NULL, NULL, 0, 0, 0, ETD_SIDE_FRONT, 0}
-#define ETD_SCENE_INFO_INIT {sizeof(etd_scene_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, 0}
+#define ETD_SCENE_INFO_INIT {sizeof(etd_scene_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, {0, 0, 0}, {0, 0, 0}, 0, 0, 0}
 
 
 /**
@@ -1028,6 +1033,229 @@ typedef uint32_t etd_side;
 #endif // __cplusplus
 
 /**
+ * What a texture shows.
+ */
+enum etd_texture_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * An image, from a file or from memory.
+     */
+    ETD_TEXTURE_IMAGE = 0,
+    /**
+     * Squares (cubes in space) of side 1, in turns.
+     */
+    ETD_TEXTURE_CHECKER = 1,
+    /**
+     * Lines of the second colour along the edges of squares of side 1.
+     */
+    ETD_TEXTURE_GRID = 2,
+    /**
+     * From the first colour at 0 to the second at 1 along the first coordinate.
+     */
+    ETD_TEXTURE_GRADIENT = 3,
+    /**
+     * Perlin's noise, summed over octaves.
+     */
+    ETD_TEXTURE_NOISE = 4,
+    /**
+     * Its magnitude, summed over octaves.
+     */
+    ETD_TEXTURE_TURBULENCE = 5,
+    /**
+     * Veins across the first coordinate.
+     */
+    ETD_TEXTURE_MARBLE = 6,
+    /**
+     * Rings around the second axis of space.
+     */
+    ETD_TEXTURE_WOOD = 7,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_texture_kind etd_texture_kind;
+#else
+typedef uint32_t etd_texture_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * The number format of texels.
+ */
+enum etd_texel_format
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * `uint8_t`; 255 is 1.
+     */
+    ETD_TEXEL_UINT8 = 0,
+    /**
+     * `uint16_t`; 65535 is 1.
+     */
+    ETD_TEXEL_UINT16 = 1,
+    /**
+     * Half precision (IEEE 754 binary16), 2 bytes.
+     */
+    ETD_TEXEL_HALF = 2,
+    /**
+     * `float`.
+     */
+    ETD_TEXEL_FLOAT = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_texel_format etd_texel_format;
+#else
+typedef uint32_t etd_texel_format;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * What the numbers of an image mean.
+ */
+enum etd_color_space
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * For colours, sRGB where texels are integers and linear light where they are floating-point numbers; for all else,
+     * numbers as they are.
+     */
+    ETD_COLOR_SPACE_BY_USE = 0,
+    /**
+     * Colours with the curve of sRGB. Opacity is linear.
+     */
+    ETD_COLOR_SPACE_SRGB = 1,
+    /**
+     * Colours in linear light.
+     */
+    ETD_COLOR_SPACE_LINEAR = 2,
+    /**
+     * No colours, but numbers as they are.
+     */
+    ETD_COLOR_SPACE_RAW = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_color_space etd_color_space;
+#else
+typedef uint32_t etd_color_space;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * What lies beyond the edges of an image.
+ */
+enum etd_wrap
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * The image again.
+     */
+    ETD_WRAP_REPEAT = 0,
+    /**
+     * The image in a mirror.
+     */
+    ETD_WRAP_MIRROR = 1,
+    /**
+     * The texels of the edge.
+     */
+    ETD_WRAP_CLAMP = 2,
+    /**
+     * Black, without opacity.
+     */
+    ETD_WRAP_BLACK = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_wrap etd_wrap;
+#else
+typedef uint32_t etd_wrap;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * How an image is filtered.
+ */
+enum etd_texture_filter
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Linear between the four nearest texels: no bias.
+     */
+    ETD_TEXTURE_FILTER_BILINEAR = 0,
+    /**
+     * The nearest texel.
+     */
+    ETD_TEXTURE_FILTER_NEAREST = 1,
+    /**
+     * Smaller images for smaller pixels; blurs.
+     */
+    ETD_TEXTURE_FILTER_MIP = 2,
+    /**
+     * A Gaussian over the ellipse that a pixel covers.
+     */
+    ETD_TEXTURE_FILTER_EWA = 3,
+    /**
+     * One texel drawn from that Gaussian.
+     */
+    ETD_TEXTURE_FILTER_STOCHASTIC = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_texture_filter etd_texture_filter;
+#else
+typedef uint32_t etd_texture_filter;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * Which number of a texture a parameter takes.
+ */
+enum etd_texture_channel
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Colours take red, green and blue; an opacity takes the texture's opacity if it has one; other numbers take red.
+     */
+    ETD_CHANNEL_DEFAULT = 0,
+    /**
+     * Red.
+     */
+    ETD_CHANNEL_RED = 1,
+    /**
+     * Green.
+     */
+    ETD_CHANNEL_GREEN = 2,
+    /**
+     * Blue.
+     */
+    ETD_CHANNEL_BLUE = 3,
+    /**
+     * Opacity.
+     */
+    ETD_CHANNEL_ALPHA = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_texture_channel etd_texture_channel;
+#else
+typedef uint32_t etd_texture_channel;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
  * The layout of a light map, and the scene for which it was made.
  */
 typedef struct etd_atlas etd_atlas;
@@ -1290,6 +1518,14 @@ typedef struct etd_scene_info {
      * Seconds that the last build took.
      */
     double build_time;
+    /**
+     * Number of textures that materials of surfaces use.
+     */
+    uint64_t textures;
+    /**
+     * Bytes of the images of these textures and of their smaller levels, without texels that the host keeps.
+     */
+    uint64_t texture_bytes;
 } etd_scene_info;
 
 /**
@@ -1877,6 +2113,138 @@ typedef struct etd_mesh {
      */
     const char *name;
 } etd_mesh;
+
+/**
+ * A texture: an image or a pattern of two colours, and where it lies.
+ */
+typedef struct etd_texture {
+    /**
+     * `sizeof(etd_texture)`.
+     */
+    size_t struct_size;
+    /**
+     * An `etd_texture_kind`.
+     */
+    etd_texture_kind kind;
+    /**
+     * Of an image: an `etd_color_space`.
+     */
+    etd_color_space color_space;
+    /**
+     * Of an image: PNG, JPEG, TGA, BMP, WebP, TIFF, Radiance HDR or OpenEXR file, UTF-8, relative to the current folder; NULL:
+     * the image is at `texels`.
+     */
+    const char *file;
+    /**
+     * Of an image without a file: the numbers, row after row from the top, channels beside each other. The lower left corner
+     * of the image is at the texture coordinates (0, 0), the upper right one at (1, 1).
+     */
+    const void *texels;
+    /**
+     * Bytes from one row to the next; 0: rows without gaps.
+     */
+    size_t row_stride;
+    /**
+     * Number of columns, at least 1; the image has at most 2^28 texels.
+     */
+    uint32_t width;
+    /**
+     * Number of rows, at least 1.
+     */
+    uint32_t height;
+    /**
+     * 1: grey; 2: grey and opacity; 3: red, green and blue; 4: these and opacity.
+     */
+    uint32_t channels;
+    /**
+     * An `etd_texel_format`.
+     */
+    etd_texel_format texel_format;
+    /**
+     * An `etd_sharing`. Shared texels are read in place. They must not be freed until `release` is called, and may be written
+     * to only while no build and no render of the scene runs, with `etd_scene_update_texture` afterwards.
+     */
+    etd_sharing sharing;
+    /**
+     * Of an image: an `etd_texture_filter`.
+     */
+    etd_texture_filter filter;
+    /**
+     * With `ETD_SHARE`: called once the texels are no longer read; may be NULL. It is not called if the call fails.
+     */
+    etd_release_fn release;
+    /**
+     * Passed to `release`.
+     */
+    void *user_data;
+    /**
+     * Of an image: an `etd_wrap`, to the sides.
+     */
+    etd_wrap wrap_u;
+    /**
+     * Of an image: an `etd_wrap`, up and down.
+     */
+    etd_wrap wrap_v;
+    /**
+     * Of a pattern: the two colours, [0, 1] per channel.
+     */
+    float colors[2][3];
+    /**
+     * `ETD_TEXTURE_GRID`: width of the lines, in [0, 1] of a square.
+     */
+    float line_width;
+    /**
+     * `ETD_TEXTURE_MARBLE`, `ETD_TEXTURE_WOOD`: how far veins are turned, in periods, or rings, in rings.
+     */
+    float turbulence;
+    /**
+     * Of noise, turbulence, marble and wood: number of octaves, 1 to 16; 0: 4.
+     */
+    uint32_t octaves;
+    /**
+     * Of a pattern. 0: it lies on the surface, by texture coordinates; 1: it lies in world space.
+     */
+    uint32_t in_space;
+    /**
+     * Factors on the coordinates, applied first; the third is used in space only. Three zeros: 1.
+     */
+    double scale[3];
+    /**
+     * Angle by which texture coordinates are then turned about (0, 0), degrees, counter-clockwise; 0 in space.
+     */
+    double rotation_deg;
+    /**
+     * Added to the coordinates at last; the third is used in space only.
+     */
+    double offset[3];
+} etd_texture;
+
+/**
+ * A texture of a parameter of a material. The parameter is that of the material times the texture.
+ */
+typedef struct etd_texture_binding {
+    /**
+     * `sizeof(etd_texture_binding)`.
+     */
+    size_t struct_size;
+    /**
+     * Number of the texture; `ETD_NONE`: none.
+     */
+    uint32_t texture;
+    /**
+     * An `etd_texture_channel`.
+     */
+    etd_texture_channel channel;
+    /**
+     * For the parameter "normal": factor on the slopes. For "bump": height of a 1 in the texture [scene unit]. Not used by
+     * others.
+     */
+    float strength;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+} etd_texture_binding;
 
 /**
  * Options of a film.
@@ -2485,9 +2853,12 @@ etd_status etd_scene_add_material(struct etd_scene *scene,
                                   uint32_t *out_material);
 
 /**
- * Replaces a material, for all surfaces that have it. The change does not require geometry to be rebuilt. Thread-safe.
+ * Replaces a material, for all surfaces that have it. The change does not require geometry to be rebuilt. The material keeps its
+ * textures; a model that does not have a parameter that one of them varies is an error. Thread-safe.
  */
-etd_status etd_scene_set_material(struct etd_scene *scene, uint32_t material, const struct etd_material *value);
+etd_status etd_scene_set_material(struct etd_scene *scene,
+                                  uint32_t material,
+                                  const struct etd_material *value);
 
 /**
  * Returns a material as described now, without the parameters of a principled material, which `etd_scene_get_principled`
@@ -2773,6 +3144,67 @@ etd_status etd_scene_set_mesh(struct etd_scene *scene,
  * Removes a mesh that no surface uses any more, and frees its memory. Its number is not used again. Thread-safe.
  */
 etd_status etd_scene_remove_mesh(struct etd_scene *scene, uint32_t mesh);
+
+/**
+ * Adds a texture, which materials may then use (`etd_scene_set_material_texture`).
+ *
+ * `name`: name for `etd_scene_find_texture`, unique among textures; NULL: none. `*out_texture` receives the texture's number.
+ * Errors: `ETD_INVALID_ARGUMENT` for sizes, strides or pointers that are not possible, `ETD_IO` and `ETD_UNSUPPORTED` for a
+ * file, `ETD_INVALID_SCENE` for a number out of range or a texel that is not finite. Thread-safe.
+ */
+etd_status etd_scene_add_texture(struct etd_scene *scene,
+                                 const char *name,
+                                 const struct etd_texture *texture,
+                                 uint32_t *out_texture);
+
+/**
+ * Replaces a texture, for all materials that use it. Only this texture is prepared again in the next build. Texels that were
+ * shared before are released once no build and no render reads them any more. Thread-safe.
+ */
+etd_status etd_scene_set_texture(struct etd_scene *scene,
+                                 uint32_t texture,
+                                 const struct etd_texture *value);
+
+/**
+ * Takes note that the host has changed texels that it shares with this texture. Only this texture is prepared again in the
+ * next build. Errors: `ETD_INVALID_SCENE` for a pattern, and for a texel that is not finite. Thread-safe.
+ */
+etd_status etd_scene_update_texture(struct etd_scene *scene,
+                                    uint32_t texture);
+
+/**
+ * Returns a texture as described now. `file`, `texels`, `release` and `user_data` are NULL; size, channels and format are
+ * those of the image. Thread-safe.
+ */
+etd_status etd_scene_get_texture(const struct etd_scene *scene,
+                                 uint32_t texture,
+                                 struct etd_texture *out_texture);
+
+/**
+ * Returns the number of the texture with a name. Thread-safe.
+ */
+etd_status etd_scene_find_texture(const struct etd_scene *scene, const char *name, uint32_t *out_texture);
+
+/**
+ * Sets the texture of one parameter of a material, or removes it.
+ *
+ * `parameter`: the name that scene files use in a material's `textures`, such as "color", "roughness", "base_color",
+ * "opacity", "normal". `binding`: NULL, or a texture of `ETD_NONE`, for none. Errors: `ETD_INVALID_SCENE` for a parameter that
+ * the material does not have. `etd_scene_set_material` keeps the textures of a material. Thread-safe.
+ */
+etd_status etd_scene_set_material_texture(struct etd_scene *scene,
+                                          uint32_t material,
+                                          const char *parameter,
+                                          const struct etd_texture_binding *binding);
+
+/**
+ * Returns the texture of one parameter of a material as described now: `ETD_NONE` where it has none. `parameter`: as for
+ * `etd_scene_set_material_texture`. Thread-safe.
+ */
+etd_status etd_scene_get_material_texture(const struct etd_scene *scene,
+                                          uint32_t material,
+                                          const char *parameter,
+                                          struct etd_texture_binding *out_binding);
 
 /**
  * Makes a film. The film is black and has no samples.

@@ -1035,6 +1035,65 @@ public:
     /** Removes a mesh that no surface uses any more. */
     Outcome<void> remove_mesh(std::uint32_t number) { return detail::done(etd_scene_remove_mesh(get(), number)); }
 
+    /** Adds a texture; its number. `name`: NULL for none. */
+    Outcome<std::uint32_t> add_texture(const etd_texture &texture, const char *name = nullptr) {
+        std::uint32_t number = ETD_NONE;
+        const etd_status status = etd_scene_add_texture(get(), name, &texture, &number);
+        return detail::give(status, std::move(number));
+    }
+    /** Adds a texture whose texels are read in place; `owner` as in `add_mesh`. */
+    Outcome<std::uint32_t> add_texture(const etd_texture &texture, std::shared_ptr<const void> owner,
+                                       const char *name = nullptr) {
+        std::uint32_t number = ETD_NONE;
+        const etd_status status = with_owner(texture, std::move(owner), [&](const etd_texture *shared) {
+            return etd_scene_add_texture(get(), name, shared, &number);
+        });
+        return detail::give(status, std::move(number));
+    }
+    /** Replaces a texture. */
+    Outcome<void> set_texture(std::uint32_t number, const etd_texture &texture) {
+        return detail::done(etd_scene_set_texture(get(), number, &texture));
+    }
+    /** Replaces a texture by texels that are read in place; see `add_texture`. */
+    Outcome<void> set_texture(std::uint32_t number, const etd_texture &texture, std::shared_ptr<const void> owner) {
+        return detail::done(with_owner(texture, std::move(owner), [&](const etd_texture *shared) {
+            return etd_scene_set_texture(get(), number, shared);
+        }));
+    }
+    /** Takes note that shared texels were changed. */
+    Outcome<void> update_texture(std::uint32_t number) {
+        return detail::done(etd_scene_update_texture(get(), number));
+    }
+    /** A texture as it is described now, without its texels. */
+    Outcome<etd_texture> texture(std::uint32_t number) const {
+        etd_texture value = ETD_TEXTURE_INIT;
+        const etd_status status = etd_scene_get_texture(get(), number, &value);
+        return detail::give(status, std::move(value));
+    }
+    /** The number of the texture of this name. */
+    Outcome<std::uint32_t> find_texture(const char *name) const {
+        std::uint32_t number = ETD_NONE;
+        const etd_status status = etd_scene_find_texture(get(), name, &number);
+        return detail::give(status, std::move(number));
+    }
+    /** Sets the texture of a parameter of a material, which is called as in scene files. */
+    Outcome<void> set_material_texture(std::uint32_t material, const char *parameter,
+                                       const etd_texture_binding &binding) {
+        return detail::done(etd_scene_set_material_texture(get(), material, parameter, &binding));
+    }
+    /** The same for all of a texture. */
+    Outcome<void> set_material_texture(std::uint32_t material, const char *parameter, std::uint32_t texture) {
+        etd_texture_binding binding = ETD_TEXTURE_BINDING_INIT;
+        binding.texture = texture;
+        return set_material_texture(material, parameter, binding);
+    }
+    /** The texture of a parameter of a material. */
+    Outcome<etd_texture_binding> material_texture(std::uint32_t material, const char *parameter) const {
+        etd_texture_binding value = ETD_TEXTURE_BINDING_INIT;
+        const etd_status status = etd_scene_get_material_texture(get(), material, parameter, &value);
+        return detail::give(status, std::move(value));
+    }
+
     /** Finds what each ray meets first; there must be room for as many hits as there are rays. */
     Outcome<void> intersect(span<const etd_ray> rays, span<etd_hit> hits) const {
         const std::size_t count = rays.size() < hits.size() ? rays.size() : hits.size();
@@ -1070,13 +1129,14 @@ private:
 
     static void let_go(void *owner) noexcept { delete static_cast<std::shared_ptr<const void> *>(owner); }
 
-    template <class F>
-    static etd_status with_owner(etd_mesh mesh, std::shared_ptr<const void> &&owner, F &&call) {
+    /** `T`: etd_mesh or etd_texture. */
+    template <class T, class F>
+    static etd_status with_owner(T value, std::shared_ptr<const void> &&owner, F &&call) {
         auto kept = std::make_unique<std::shared_ptr<const void>>(std::move(owner));
-        mesh.sharing = ETD_SHARE;
-        mesh.release = let_go;
-        mesh.user_data = kept.get();
-        const etd_status status = call(&mesh);
+        value.sharing = ETD_SHARE;
+        value.release = let_go;
+        value.user_data = kept.get();
+        const etd_status status = call(&value);
         if (status == ETD_OK) {
             // `let_go` has it now, and may have deleted it already.
             static_cast<void>(kept.release());

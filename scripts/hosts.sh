@@ -107,6 +107,7 @@ run_tests() {
     run "$bin/async" 5
     run "$bin/process"
     run "$bin/materials"
+    run "$bin/textures"
     run "$bin/layer"
     run "$bin/layer_returning"
     cd "$root"

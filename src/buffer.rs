@@ -1,6 +1,6 @@
 //! Shared immutable arrays, which may be the host's own memory, read in place.
 //!
-//! Geometry is stored in [`Buffer`]s. A buffer is made of a vector, or of memory of the program that links this
+//! Geometry and texels are stored in [`Buffer`]s. A buffer is made of a vector, or of memory of the program that links this
 //! library; the host's memory is not moved and is read with its own stride. Cloning a buffer shares it. Nothing here
 //! writes to the memory.
 #![allow(unsafe_code)]
@@ -10,9 +10,11 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+use half::f16;
+
 use crate::{Error, ErrorKind, Result};
 
-/// Types that a [`Buffer`] may hold: plain numbers of four or eight bytes, for which every bit pattern is a value.
+/// Types that a [`Buffer`] may hold: plain numbers of one to eight bytes, for which every bit pattern is a value.
 pub trait Element: Copy + Send + Sync + sealed::Plain + 'static {}
 
 mod sealed {
@@ -25,7 +27,7 @@ macro_rules! elements {
         impl Element for $type {}
     )*};
 }
-elements!([f32; 2], [f32; 3], [f64; 3], [u32; 3]);
+elements!([f32; 2], [f32; 3], [f64; 3], [u32; 3], u8, u16, f16, f32);
 
 /// Immutable items at a fixed distance from each other, shared by clones.
 #[derive(Clone)]
@@ -139,6 +141,18 @@ impl<T: Element> Buffer<T> {
     /// Bytes of this library's memory behind it; 0 for foreign memory.
     pub fn memory_bytes(&self) -> usize {
         if self.is_foreign { 0 } else { self.len * self.stride }
+    }
+}
+
+impl<T: Element + PartialEq> PartialEq for Buffer<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.len == other.len && self.iter().eq(other.iter())
+    }
+}
+
+impl<T: Element> FromIterator<T> for Buffer<T> {
+    fn from_iter<I: IntoIterator<Item = T>>(items: I) -> Self {
+        items.into_iter().collect::<Vec<T>>().into()
     }
 }
 

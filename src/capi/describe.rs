@@ -70,7 +70,8 @@ pub unsafe extern "C" fn etd_scene_add_material(
     }
 }
 
-/// Replaces a material, for all surfaces that have it. The change does not require geometry to be rebuilt. Thread-safe.
+/// Replaces a material, for all surfaces that have it. The change does not require geometry to be rebuilt. The material keeps its
+/// textures; a model that does not have a parameter that one of them varies is an error. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -83,8 +84,8 @@ pub unsafe extern "C" fn etd_scene_set_material(
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            find(&scene.desc().materials, material, "material")?;
-            let it = read::material(value)?;
+            let textures = find(&scene.desc().materials, material, "material")?.textures.clone();
+            let it = MaterialDesc { textures, ..read::material(value)? };
             scene.edit(|desc| desc.set_material_desc(material as usize, it))
         })
     }

@@ -4,36 +4,20 @@ use std::any::Any;
 use std::ffi::c_char;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::boundary::{UserData, need, on, optional_text, read_sized, text};
 use super::describe::find;
 use super::read::enumeration;
 use super::scene::etd_scene;
+use super::sharing::shared;
 use super::status::{Failure, Result, etd_status};
-use super::types::{ETD_COPY, ETD_POSITION_DOUBLE3, ETD_POSITION_FLOAT3, ETD_SHARE, etd_mesh, etd_release_fn};
+use super::types::{ETD_COPY, ETD_POSITION_DOUBLE3, ETD_POSITION_FLOAT3, ETD_SHARE, etd_mesh};
 use crate::buffer::{Buffer, Element};
 use crate::desc::{HostMesh, MeshDesc};
 use crate::math::DVec3;
 
 /// Number of bytes that Embree loads for each vertex.
 const LAST_LOAD: usize = 16;
-
-/// Calls the host's release function, once its arrays are no longer read, if the mesh was accepted.
-struct Sharing {
-    release: etd_release_fn,
-    user_data: UserData,
-    accepted: AtomicBool,
-}
-
-impl Drop for Sharing {
-    fn drop(&mut self) {
-        if let (Some(release), true) = (self.release, *self.accepted.get_mut()) {
-            // SAFETY: the host provided the function for these calls.
-            unsafe { release(self.user_data.0) }
-        }
-    }
-}
 
 /// Adds a mesh from arrays. `*out_mesh` receives its number, for `etd_scene_add_mesh_surface`.
 ///
@@ -155,22 +139,10 @@ unsafe fn with_mesh<R>(pointer: *const etd_mesh, take: impl FnOnce(MeshDesc) -> 
             return Err(Failure::argument(message));
         }
     }
-    let sharing = Arc::new(Sharing {
-        release: if is_shared { it.release } else { None },
-        user_data: UserData(it.user_data),
-        accepted: AtomicBool::new(true),
-    });
-    let owner: Arc<dyn Any + Send + Sync> = sharing.clone();
-    let refused = |failure: Failure| {
-        sharing.accepted.store(false, Ordering::Release);
-        failure
-    };
+    let release = if is_shared { it.release } else { None };
     // SAFETY: the caller keeps this function's contract; copies are finished before this function ends.
-    let desc = unsafe { read_arrays(&it, name, is_double, is_shared, &owner) }.map_err(refused)?;
-    drop(owner);
-
-    // Another thread may drop the mesh at once. `sharing` is held here until it is known whether the mesh was accepted.
-    take(desc).inspect_err(|_| sharing.accepted.store(false, Ordering::Release))
+    let read = |owner: &_| unsafe { read_arrays(&it, name, is_double, is_shared, owner) };
+    shared(release, UserData(it.user_data), read, take)
 }
 
 /// Reads the arrays of a mesh, in place or copied.

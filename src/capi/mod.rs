@@ -23,9 +23,11 @@ mod progress;
 mod query;
 mod read;
 mod scene;
+mod sharing;
 mod status;
 mod surface;
 mod task;
+mod texture;
 mod types;
 mod work;
 
@@ -41,4 +43,5 @@ pub use scene::*;
 pub use status::*;
 pub use surface::*;
 pub use task::*;
+pub use texture::*;
 pub use types::*;

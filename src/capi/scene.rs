@@ -384,6 +384,8 @@ pub unsafe extern "C" fn etd_scene_get_info(scene: *const etd_scene, out_info: *
                     bounds_min: min.to_array(),
                     bounds_max: max.to_array(),
                     build_time: info.build_time.as_secs_f64(),
+                    textures: info.textures as u64,
+                    texture_bytes: info.texture_bytes as u64,
                 }
             })?;
             write_sized(out_info, "out_info", info)

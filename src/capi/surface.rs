@@ -420,7 +420,7 @@ pub unsafe extern "C" fn etd_scene_find_surface(
 
 /// # Safety
 /// The contract of the three functions above.
-unsafe fn find_number(
+pub(super) unsafe fn find_number(
     scene: *const etd_scene,
     name: *const c_char,
     out: *mut u32,

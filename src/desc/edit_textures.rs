@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::json::{elided, join};
-use super::{SceneDesc, TextureBinding, TextureDesc, material_check, texture_check};
+use super::{SceneDesc, TextureBinding, TextureDesc, TextureKey, TextureSource, material_check, texture_check};
 use crate::{Error, Result};
 
 impl SceneDesc {
@@ -41,6 +41,37 @@ impl SceneDesc {
         checked
     }
 
+    /// Takes note that the program has changed texels that lie in its own memory ([`crate::texture::Texels`] of a foreign buffer):
+    /// this texture alone is prepared again when the scene is rebuilt.
+    ///
+    /// # Errors
+    /// An error at `textures[..]` for a number that no texture has, for a pattern, and for a texel that is not finite.
+    pub fn update_texture(&mut self, texture: usize) -> Result<()> {
+        let count = self.textures.len();
+        let Some(known) = self.textures.get(texture) else {
+            let message = format!("there is no texture {texture}, the scene has {count}");
+            return Err(Error::invalid(format!("textures[{texture}]"), message));
+        };
+        let TextureSource::Image(image) = &known.source else {
+            return Err(Error::invalid(&known.path, "a pattern has no texels that change"));
+        };
+        // Another `Arc` is another image: what was prepared for the old one is not used again.
+        let changed = image.image.changed().map_err(|message| Error::invalid(&known.path, message))?;
+        let source = TextureSource::Image(super::ImageTextureDesc { image: Arc::new(changed), ..image.clone() });
+        self.textures[texture] = Arc::new(TextureDesc { source, ..TextureDesc::clone(known) });
+        Ok(())
+    }
+
+    /// Sets the texture of one parameter of a material; `None` removes it.
+    ///
+    /// # Errors
+    /// Those of [`Self::set_material_textures`].
+    pub fn set_material_texture(&mut self, material: usize, key: TextureKey, to: Option<TextureBinding>) -> Result<()> {
+        let known = self.materials.get(material).map(|material| material.textures.clone()).unwrap_or_default();
+        let others = known.into_iter().filter(|binding| binding.key != key);
+        self.set_material_textures(material, others.chain(to).collect())
+    }
+
     /// Sets all textures of a material.
     ///
     /// # Errors
@@ -63,12 +94,14 @@ impl SceneDesc {
 
     /// Adds a texture whose numbers have been checked.
     pub(super) fn put_texture(&mut self, texture: TextureDesc) -> Result<usize> {
-        if self.find_texture(&texture.name).is_some() {
+        if !texture.name.is_empty() && self.find_texture(&texture.name).is_some() {
             let message = format!("the texture name '{}' is given twice", elided(&texture.name));
             return Err(Error::invalid(join(&texture.path, "name"), message));
         }
         let number = self.textures.len();
-        self.index.textures.insert(texture.name.clone(), number);
+        if !texture.name.is_empty() {
+            self.index.textures.insert(texture.name.clone(), number);
+        }
         self.textures.push(Arc::new(texture));
         Ok(number)
     }

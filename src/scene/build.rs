@@ -168,7 +168,10 @@ fn complete(
     let before = old.map(|old| &*old.textures);
     let mut textured = Vec::with_capacity(bsdfs.len());
     for (i, bsdf) in bsdfs.iter_mut().enumerate() {
-        let varying = used[i].then(|| Textured::new(desc, i, assembly.centre, &mut textures, before)).flatten();
+        let varying = match used[i] {
+            true => Textured::new(desc, i, assembly.centre, &device, &mut textures, before)?,
+            false => None,
+        };
         if let Some(varying) = &varying {
             *bsdf = varying.mean();
         }

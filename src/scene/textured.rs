@@ -9,9 +9,11 @@ use crate::desc::{
     BsdfDesc, ImageTextureDesc, MaterialDesc, Parameter, SceneDesc, TextureBinding, TextureChannel, TextureDesc,
     TextureKey, TextureMapping, TextureSource,
 };
+use crate::embree::{Charge, Device};
 use crate::math::{DVec3, Vec3};
 use crate::spectrum::Rgb;
 use crate::texture::{ColorSpace, ImageTexture, Texel, Texture, TexturePoint};
+use crate::{Error, Result};
 
 /// A texture as it was prepared, for scenes that are built from the same description again.
 #[derive(Clone, Debug)]
@@ -19,6 +21,9 @@ pub(super) struct PreparedTexture {
     desc: Arc<TextureDesc>,
     space: ColorSpace,
     texture: Arc<Texture>,
+    /// What the texture takes of the device's allowance, and what its image takes, which other textures may share.
+    _levels: Option<Arc<Charge>>,
+    image: Option<Arc<Charge>>,
 }
 
 /// The textures that materials of a scene use.
@@ -26,29 +31,57 @@ pub(super) struct PreparedTexture {
 pub(super) struct PreparedTextures(Vec<PreparedTexture>);
 
 impl PreparedTextures {
-    /// The texture for this use, prepared or taken from `before`.
-    fn get(&mut self, desc: &Arc<TextureDesc>, is_color: bool, before: Option<&Self>) -> Arc<Texture> {
+    /// The texture for this use, prepared or taken from `before`. Its bytes are charged to the allowance of `device`.
+    fn get(
+        &mut self,
+        desc: &Arc<TextureDesc>,
+        is_color: bool,
+        before: Option<&Self>,
+        device: &Device,
+    ) -> Result<Arc<Texture>> {
         let space = match &desc.source {
             TextureSource::Image(image) => color_space(image, is_color),
             TextureSource::Procedural(_) => ColorSpace::Linear,
         };
-        let known = |all: &Self| {
-            let same = |it: &&PreparedTexture| it.space == space && it.desc.source == desc.source;
-            all.0.iter().find(same).map(|it| Arc::clone(&it.texture))
-        };
-        if let Some(texture) = known(self) {
-            return texture;
+        let same = |it: &&PreparedTexture| it.space == space && it.desc.source == desc.source;
+        if let Some(known) = self.0.iter().find(same) {
+            return Ok(Arc::clone(&known.texture));
         }
-        let texture = before.and_then(known).unwrap_or_else(|| {
-            Arc::new(match &desc.source {
-                TextureSource::Image(it) => {
-                    Texture::Image(ImageTexture::new(Arc::clone(&it.image), space, it.wrap, it.filter))
-                }
-                TextureSource::Procedural(it) => Texture::procedural(*it),
-            })
-        });
-        self.0.push(PreparedTexture { desc: Arc::clone(desc), space, texture: Arc::clone(&texture) });
-        texture
+        let prepared = match before.and_then(|before| before.0.iter().find(same)) {
+            Some(known) => PreparedTexture { desc: Arc::clone(desc), ..known.clone() },
+            None => self.prepare(desc, space, before, device).map_err(|error| error.at(&desc.path))?,
+        };
+        let texture = Arc::clone(&prepared.texture);
+        self.0.push(prepared);
+        Ok(texture)
+    }
+
+    fn prepare(
+        &self,
+        desc: &Arc<TextureDesc>,
+        space: ColorSpace,
+        before: Option<&Self>,
+        device: &Device,
+    ) -> Result<PreparedTexture> {
+        let charge = |bytes: usize| device.charge(bytes).map(|charge| charge.map(Arc::new));
+        let (texture, image, levels) = match &desc.source {
+            TextureSource::Image(it) => {
+                let is_shared = |other: &&PreparedTexture| match &other.desc.source {
+                    TextureSource::Image(other) => Arc::ptr_eq(&other.image, &it.image),
+                    TextureSource::Procedural(_) => false,
+                };
+                let mut all = self.0.iter().chain(before.iter().flat_map(|before| &before.0));
+                let image = match all.find(is_shared) {
+                    Some(other) => other.image.clone(),
+                    None => charge(it.image.texels().bytes())?,
+                };
+                let levels = charge(ImageTexture::bytes_of_levels(&it.image, it.filter))?;
+                let texture = ImageTexture::new(Arc::clone(&it.image), space, it.wrap, it.filter);
+                (Texture::Image(texture), image, levels)
+            }
+            TextureSource::Procedural(it) => (Texture::procedural(*it), None, None),
+        };
+        Ok(PreparedTexture { desc: Arc::clone(desc), space, texture: Arc::new(texture), image, _levels: levels })
     }
 
     /// Each texture and what its numbers mean.
@@ -174,13 +207,16 @@ struct Binder<'a> {
     desc: &'a SceneDesc,
     prepared: &'a mut PreparedTextures,
     before: Option<&'a PreparedTextures>,
+    device: &'a Device,
     centre: DVec3,
 }
 
 impl Binder<'_> {
-    fn bind(&mut self, binding: &TextureBinding, steps: f32) -> Option<Bound> {
-        let desc = self.desc.textures.get(binding.texture)?;
-        let texture = self.prepared.get(desc, binding.key.is_color(), self.before);
+    fn bind(&mut self, binding: &TextureBinding, steps: f32) -> Result<Bound> {
+        let Some(desc) = self.desc.textures.get(binding.texture) else {
+            return Err(Error::invalid(format!("textures[{}]", binding.texture), "there is no such texture"));
+        };
+        let texture = self.prepared.get(desc, binding.key.is_color(), self.before, self.device)?;
         let is_opaque = match &desc.source {
             TextureSource::Image(it) => !it.image.has_opacity(),
             TextureSource::Procedural(_) => true,
@@ -192,7 +228,7 @@ impl Binder<'_> {
             TextureChannel::Blue => 2,
             TextureChannel::Alpha => 3,
         };
-        Some(Bound {
+        Ok(Bound {
             key: binding.key,
             asks_footprint: texture.asks_footprint(),
             texture,
@@ -205,32 +241,33 @@ impl Binder<'_> {
     }
 
     /// The textures of a material's model.
-    fn of_model(&mut self, material: &MaterialDesc) -> Box<[Bound]> {
+    fn of_model(&mut self, material: &MaterialDesc) -> Result<Box<[Bound]>> {
         let own = material.textures.iter().filter(|binding| !binding.key.is_of_surface());
         let tables = own.clone().filter(|binding| binding.key.is_of_tables()).count();
         let steps = STEPS[tables.clamp(1, STEPS.len()) - 1];
-        own.filter_map(|it| self.bind(it, if it.key.is_of_tables() { steps } else { 0.0 })).collect()
+        own.map(|it| self.bind(it, if it.key.is_of_tables() { steps } else { 0.0 })).collect()
     }
 
-    /// The recipe of a part, which comes before the whole.
-    fn part(&mut self, part: usize, whole: usize) -> Recipe {
-        if part < whole { self.recipe(part) } else { Recipe::Fixed(Box::new(Bsdf::Black(Black))) }
+    /// The recipes of two parts, which come before the whole.
+    fn parts(&mut self, parts: [usize; 2], whole: usize) -> Result<Box<[Recipe; 2]>> {
+        let mut part = |part: usize| {
+            if part < whole { self.recipe(part) } else { Ok(Recipe::Fixed(Box::new(Bsdf::Black(Black)))) }
+        };
+        Ok(Box::new([part(parts[0])?, part(parts[1])?]))
     }
 
-    fn recipe(&mut self, number: usize) -> Recipe {
+    fn recipe(&mut self, number: usize) -> Result<Recipe> {
         let (before, rest) = self.desc.materials.split_at(number.min(self.desc.materials.len()));
-        let Some(material) = rest.first() else { return Recipe::Fixed(Box::new(Bsdf::Black(Black))) };
-        match material.bsdf {
+        let Some(material) = rest.first() else { return Ok(Recipe::Fixed(Box::new(Bsdf::Black(Black)))) };
+        Ok(match material.bsdf {
             _ if !varies(material, before) => Recipe::Fixed(Box::new(Bsdf::of_materials(&material.bsdf, before))),
             BsdfDesc::Mix { materials, .. } => {
-                let parts = materials.map(|part| self.part(part, number));
-                Recipe::Mix { desc: material.bsdf, parts: Box::new(parts), weight: self.of_model(material) }
+                let parts = self.parts(materials, number)?;
+                Recipe::Mix { desc: material.bsdf, parts, weight: self.of_model(material)? }
             }
-            BsdfDesc::TwoSided { front, back } => {
-                Recipe::TwoSided(Box::new([front, back].map(|part| self.part(part, number))))
-            }
-            desc => Recipe::Model { desc, bound: self.of_model(material) },
-        }
+            BsdfDesc::TwoSided { front, back } => Recipe::TwoSided(self.parts([front, back], number)?),
+            desc => Recipe::Model { desc, bound: self.of_model(material)? },
+        })
     }
 }
 
@@ -319,23 +356,29 @@ pub(super) struct Textured {
 
 impl Textured {
     /// The material of this number; `None` where no texture varies it.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::OutOfMemory`] where the textures are past the allowance of `device`.
     pub fn new(
         desc: &SceneDesc,
         number: usize,
         centre: DVec3,
+        device: &Device,
         prepared: &mut PreparedTextures,
         before: Option<&PreparedTextures>,
-    ) -> Option<Self> {
+    ) -> Result<Option<Self>> {
         let material = &desc.materials[number];
         let of_surface = material.textures.iter().any(|binding| binding.key.is_of_surface());
         if !of_surface && !varies(material, &desc.materials[..number]) {
-            return None;
+            return Ok(None);
         }
-        let mut binder = Binder { desc, prepared, before, centre };
-        let recipe = binder.recipe(number);
-        let mut surface = |key| material.textured(key).and_then(|binding| binder.bind(binding, 0.0));
-        let opacity = surface(TextureKey::Opacity);
-        let normal = surface(TextureKey::Normal).or_else(|| surface(TextureKey::Bump));
+        let mut binder = Binder { desc, prepared, before, device, centre };
+        let recipe = binder.recipe(number)?;
+        let mut surface =
+            |binding: Option<&TextureBinding>| binding.map(|binding| binder.bind(binding, 0.0)).transpose();
+        let opacity = surface(material.textured(TextureKey::Opacity))?;
+        let normal = material.textured(TextureKey::Normal).or_else(|| material.textured(TextureKey::Bump));
+        let normal = surface(normal)?;
         let mean = recipe.bsdf(&|bound| bound.texture.mean());
         // Each parameter at its smallest and largest while the others are at their means; all together; and those of rough surfaces
         // at their smallest while all others are at either end.
@@ -359,7 +402,7 @@ impl Textured {
             extremes.push(recipe.bsdf(&smoothest));
         }
         let lobes = extremes.iter().map(|bsdf| bsdf.lit_lobes()).fold(Lobes::empty(), |all, some| all | some);
-        Some(Self { recipe, opacity, normal, mean, extremes, lobes, asks_footprint })
+        Ok(Some(Self { recipe, opacity, normal, mean, extremes, lobes, asks_footprint }))
     }
 }
 

@@ -40,6 +40,11 @@ impl ImageTexture {
         Self { image, space, wrap, filter, pyramid, mean, range }
     }
 
+    /// Bytes that the levels of an image take with this filter, at most.
+    pub(crate) fn bytes_of_levels(image: &TexelImage, filter: TextureFilter) -> usize {
+        if matches!(filter, TextureFilter::Mip | TextureFilter::Ewa) { Pyramid::bytes_over(image) } else { 0 }
+    }
+
     /// How it is filtered.
     pub fn filter(&self) -> TextureFilter {
         self.filter

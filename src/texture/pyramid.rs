@@ -26,6 +26,17 @@ enum Values {
 }
 
 impl Pyramid {
+    /// Bytes of the pyramid over an image.
+    pub fn bytes_over(image: &TexelImage) -> usize {
+        let each = if matches!(image.texels().format(), TexelFormat::U8 | TexelFormat::U16) { 2 } else { 4 };
+        let (mut size, mut texels) = ([image.width() as usize, image.height() as usize], 0);
+        while size != [1, 1] {
+            size = size.map(|n| n.div_ceil(2));
+            texels += size[0] * size[1];
+        }
+        texels * image.channels() as usize * each
+    }
+
     /// The pyramid over an image.
     pub fn new(image: &TexelImage, space: ColorSpace) -> Self {
         let channels = image.channels() as usize;

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use half::f16;
 
 use super::Texel;
+use crate::buffer::Buffer;
 use crate::spectrum::srgb_decode;
 
 /// What the numbers of an image mean.
@@ -32,17 +33,17 @@ pub enum TexelFormat {
     F32,
 }
 
-/// The numbers of an image, row after row from the top, channels beside each other.
+/// The numbers of an image, row after row from the top, channels beside each other. They may lie in the host's memory.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texels {
     /// See [`TexelFormat::U8`].
-    U8(Box<[u8]>),
+    U8(Buffer<u8>),
     /// See [`TexelFormat::U16`].
-    U16(Box<[u16]>),
+    U16(Buffer<u16>),
     /// See [`TexelFormat::F16`].
-    F16(Box<[f16]>),
+    F16(Buffer<f16>),
     /// See [`TexelFormat::F32`].
-    F32(Box<[f32]>),
+    F32(Buffer<f32>),
 }
 
 impl Texels {
@@ -71,13 +72,13 @@ impl Texels {
         }
     }
 
-    /// Bytes of memory.
+    /// Bytes of this library's memory: none where they lie in the host's.
     pub fn bytes(&self) -> usize {
         match self {
-            Self::U8(values) => values.len(),
-            Self::U16(values) => 2 * values.len(),
-            Self::F16(values) => 2 * values.len(),
-            Self::F32(values) => 4 * values.len(),
+            Self::U8(values) => values.memory_bytes(),
+            Self::U16(values) => values.memory_bytes(),
+            Self::F16(values) => values.memory_bytes(),
+            Self::F32(values) => values.memory_bytes(),
         }
     }
 
@@ -85,10 +86,10 @@ impl Texels {
     #[inline]
     fn value(&self, index: usize) -> f32 {
         match self {
-            Self::U8(values) => f32::from(values[index]) / 255.0,
-            Self::U16(values) => f32::from(values[index]) / 65535.0,
-            Self::F16(values) => values[index].to_f32(),
-            Self::F32(values) => values[index],
+            Self::U8(values) => f32::from(values.get(index)) / 255.0,
+            Self::U16(values) => f32::from(values.get(index)) / 65535.0,
+            Self::F16(values) => values.get(index).to_f32(),
+            Self::F32(values) => values.get(index),
         }
     }
 
@@ -96,11 +97,11 @@ impl Texels {
     #[inline]
     fn decoded(&self, index: usize) -> f32 {
         match self {
-            Self::U8(values) => SRGB_8[usize::from(values[index])],
-            Self::U16(values) => SRGB_16[usize::from(values[index])],
+            Self::U8(values) => SRGB_8[usize::from(values.get(index))],
+            Self::U16(values) => SRGB_16[usize::from(values.get(index))],
             // Values beyond 1 go on along the curve.
-            Self::F16(values) => srgb_decode(values[index].to_f32().max(0.0)),
-            Self::F32(values) => srgb_decode(values[index].max(0.0)),
+            Self::F16(values) => srgb_decode(values.get(index).to_f32().max(0.0)),
+            Self::F32(values) => srgb_decode(values.get(index).max(0.0)),
         }
     }
 }
@@ -116,6 +117,8 @@ pub struct TexelImage {
     width: u32,
     height: u32,
     channels: u32,
+    /// Values from one row to the next.
+    row: usize,
     texels: Texels,
 }
 
@@ -128,28 +131,58 @@ impl TexelImage {
     /// # Errors
     /// A sentence that says what is wrong.
     pub fn new(width: u32, height: u32, channels: u32, texels: Texels) -> Result<Self, String> {
+        Self::with_rows(width, height, channels, width as usize * channels as usize, texels)
+    }
+
+    /// As [`Self::new`], where a row begins `row` values after the one above. The last row has no gap after it.
+    ///
+    /// # Errors
+    /// Those of [`Self::new`], and one for rows that overlap.
+    pub fn with_rows(width: u32, height: u32, channels: u32, row: usize, texels: Texels) -> Result<Self, String> {
         check_size(width, height)?;
         if !(1..=4).contains(&channels) {
             return Err(format!("the image has {channels} channels, expected 1 to 4"));
         }
-        let expected = u64::from(width) * u64::from(height) * u64::from(channels);
-        if texels.len() as u64 != expected {
+        let used = width as usize * channels as usize;
+        if row < used {
+            return Err(format!("rows begin {row} values apart, expected {used} or more"));
+        }
+        let expected = (height as usize - 1).checked_mul(row).and_then(|before| before.checked_add(used));
+        if expected != Some(texels.len()) {
             return Err(format!(
-                "the image has {} values, expected {width} x {height} texels of {channels} channels, which are {expected}",
+                "the image has {} values, expected those of {width} x {height} texels of {channels} channels",
                 texels.len()
             ));
         }
-        let broken = match &texels {
-            Texels::U8(_) | Texels::U16(_) => None,
-            Texels::F16(values) => values.iter().position(|v| !v.is_finite()),
-            Texels::F32(values) => values.iter().position(|v| !v.is_finite()),
+        let image = Self { width, height, channels, row, texels };
+        image.check_values()?;
+        Ok(image)
+    }
+
+    /// The same image after the host has changed texels that lie in its own memory.
+    ///
+    /// # Errors
+    /// A sentence that says which texel is not finite.
+    pub(crate) fn changed(&self) -> Result<Self, String> {
+        self.check_values()?;
+        Ok(self.clone())
+    }
+
+    /// Checks that all texels are finite.
+    fn check_values(&self) -> Result<(), String> {
+        let used = self.width as usize * self.channels as usize;
+        let broken = |is_finite: &dyn Fn(usize) -> bool| {
+            let places = (0..self.height as usize).flat_map(|y| (0..used).map(move |x| (x, y)));
+            let broken = places.into_iter().find(|&(x, y)| !is_finite(y * self.row + x));
+            broken.map_or(Ok(()), |(x, y)| {
+                Err(format!("the texel at column {}, row {y} is not finite", x / self.channels as usize))
+            })
         };
-        if let Some(index) = broken {
-            let texel = index as u64 / u64::from(channels);
-            let (x, y) = (texel % u64::from(width), texel / u64::from(width));
-            return Err(format!("the texel at column {x}, row {y} is not finite"));
+        match &self.texels {
+            Texels::U8(_) | Texels::U16(_) => Ok(()),
+            Texels::F16(values) => broken(&|i| values.get(i).is_finite()),
+            Texels::F32(values) => broken(&|i| values.get(i).is_finite()),
         }
-        Ok(Self { width, height, channels, texels })
     }
 
     /// Number of columns.
@@ -180,7 +213,7 @@ impl TexelImage {
     /// The texel of a column and a row from the top, both in range. Images of one channel have the same in red, green and blue.
     #[inline]
     pub fn texel(&self, x: u32, y: u32, space: ColorSpace) -> Texel {
-        let first = (y as usize * self.width as usize + x as usize) * self.channels as usize;
+        let first = y as usize * self.row + x as usize * self.channels as usize;
         let color = |channel: usize| match space {
             ColorSpace::Srgb => self.texels.decoded(first + channel),
             ColorSpace::Linear | ColorSpace::Raw => self.texels.value(first + channel),

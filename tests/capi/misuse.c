@@ -369,6 +369,36 @@ static etd_status n_scene_remove_mesh(void) {
     CHECK_OK(etd_scene_add_mesh(scene, &mesh, &number));
     return CALL(etd_scene_remove_mesh(SCENE(0), number));
 }
+static etd_status n_scene_add_texture(void) {
+    etd_texture texture = small_texture();
+    uint32_t *number = AT(3, output(sizeof *number));
+    return CALL(etd_scene_add_texture(SCENE(0), AT(1, NULL), AT(2, &texture), number));
+}
+static etd_status n_scene_set_texture(void) {
+    etd_texture texture = small_texture();
+    return CALL(etd_scene_set_texture(SCENE(0), 0, AT(1, &texture)));
+}
+static etd_status n_scene_update_texture(void) {
+    const etd_texture texture = small_texture();
+    CHECK_OK(etd_scene_set_texture(scene, 0, &texture));
+    return CALL(etd_scene_update_texture(SCENE(0), 0));
+}
+static etd_status n_scene_get_texture(void) {
+    etd_texture *texture = AT(1, sized_output(sizeof *texture));
+    return CALL(etd_scene_get_texture(SCENE(0), 0, texture));
+}
+static etd_status n_scene_find_texture(void) {
+    uint32_t *number = AT(2, output(sizeof *number));
+    return CALL(etd_scene_find_texture(SCENE(0), AT(1, "leaf"), number));
+}
+static etd_status n_scene_set_material_texture(void) {
+    etd_texture_binding binding = ETD_TEXTURE_BINDING_INIT;
+    return CALL(etd_scene_set_material_texture(SCENE(0), 0, AT(1, "color"), AT(2, &binding)));
+}
+static etd_status n_scene_get_material_texture(void) {
+    etd_texture_binding *binding = AT(2, sized_output(sizeof *binding));
+    return CALL(etd_scene_get_material_texture(SCENE(0), 0, AT(1, "color"), binding));
+}
 static etd_status n_film_new(void) {
     etd_film_options options = ETD_FILM_OPTIONS_INIT;
     etd_film **out = AT(2, output(sizeof *out));
@@ -627,6 +657,13 @@ static const struct {
     {"etd_scene_add_file_surfaces", n_scene_add_file_surfaces, 5, 27, 1},
     {"etd_scene_set_mesh", n_scene_set_mesh, 2, 3, 1},
     {"etd_scene_remove_mesh", n_scene_remove_mesh, 1, 1, 1},
+    {"etd_scene_add_texture", n_scene_add_texture, 4, 13, 1},
+    {"etd_scene_set_texture", n_scene_set_texture, 2, 3, 1},
+    {"etd_scene_update_texture", n_scene_update_texture, 1, 1, 1},
+    {"etd_scene_get_texture", n_scene_get_texture, 2, 3, 1},
+    {"etd_scene_find_texture", n_scene_find_texture, 3, 7, 1},
+    {"etd_scene_set_material_texture", n_scene_set_material_texture, 3, 3, 1},
+    {"etd_scene_get_material_texture", n_scene_get_material_texture, 3, 7, 1},
     {"etd_film_new", n_film_new, 3, 7, 1},
     {"etd_film_retain", n_film_retain, 1, 1, 1},
     {"etd_film_release", n_film_release, 1, 0, 1},
@@ -763,6 +800,11 @@ int main(int count, char **arguments) {
         CHECK_OK(etd_scene_add_material(scene, "principled", &material, &number));
         mesh.name = "grid";
         CHECK_OK(etd_scene_add_mesh(scene, &mesh, &mesh_number));
+        {
+            const etd_texture texture = small_texture();
+            CHECK_OK(etd_scene_add_texture(scene, "leaf", &texture, &number));
+            CHECK(number == 0);
+        }
         CHECK_OK(etd_scene_add_mesh_surface(scene, mesh_number, 0, &surface, &number));
     }
     CHECK_OK(etd_render_start(scene, film, &options, &task));

@@ -49,6 +49,16 @@ static inline etd_mesh small_mesh(void) {
     return mesh;
 }
 
+static const float small_texels[16];
+
+static inline etd_texture small_texture(void) {
+    etd_texture texture = ETD_TEXTURE_INIT;
+    texture.texels = small_texels;
+    texture.width = texture.height = 2;
+    texture.channels = 4;
+    return texture;
+}
+
 static inline etd_surface matt(void) {
     etd_surface surface = ETD_SURFACE_INIT;
     surface.material = 0;

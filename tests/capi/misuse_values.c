@@ -73,6 +73,20 @@ static etd_status s_mesh(void) {
     mesh->triangle_count = 1;
     return etd_scene_set_mesh(scene, mesh_number, mesh);
 }
+static etd_status s_texture(void) {
+    etd_texture *texture = (etd_texture *)(void *)&structure;
+    texture->kind = ETD_TEXTURE_CHECKER;
+    return etd_scene_set_texture(scene, 0, texture);
+}
+static etd_status s_get_texture(void) {
+    return etd_scene_get_texture(scene, 0, (etd_texture *)(void *)&structure);
+}
+static etd_status s_binding(void) {
+    return etd_scene_set_material_texture(scene, 0, "color", (etd_texture_binding *)(void *)&structure);
+}
+static etd_status s_get_binding(void) {
+    return etd_scene_get_material_texture(scene, 0, "color", (etd_texture_binding *)(void *)&structure);
+}
 static etd_status s_set_surface(void) {
     uint32_t number;
     ((etd_surface *)(void *)&structure)->material = 0;
@@ -113,6 +127,8 @@ static void i_camera(void) { INIT(etd_camera, ETD_CAMERA_INIT); }
 static void i_material(void) { INIT(etd_material, ETD_MATERIAL_INIT); }
 static void i_principled(void) { INIT(etd_principled, ETD_PRINCIPLED_INIT); }
 static void i_mesh(void) { INIT(etd_mesh, ETD_MESH_INIT); }
+static void i_texture(void) { INIT(etd_texture, ETD_TEXTURE_INIT); }
+static void i_binding(void) { INIT(etd_texture_binding, ETD_TEXTURE_BINDING_INIT); }
 static void i_surface(void) { INIT(etd_surface, ETD_SURFACE_INIT); }
 static void i_render_options(void) { INIT(etd_render_options, ETD_RENDER_OPTIONS_INIT); }
 static void i_progress(void) { INIT(etd_progress, ETD_PROGRESS_INIT); }
@@ -146,6 +162,12 @@ static void pass_wrong_sizes(void) {
         {"etd_principled out", i_principled, s_get_principled, sizeof(etd_principled),
          offsetof(etd_principled, transmission_depth), 1},
         {"etd_mesh", i_mesh, s_mesh, sizeof(etd_mesh), offsetof(etd_mesh, name), 0},
+        {"etd_texture in", i_texture, s_texture, sizeof(etd_texture), offsetof(etd_texture, offset), 0},
+        {"etd_texture out", i_texture, s_get_texture, sizeof(etd_texture), offsetof(etd_texture, offset), 1},
+        {"etd_texture_binding in", i_binding, s_binding, sizeof(etd_texture_binding),
+         offsetof(etd_texture_binding, reserved), 0},
+        {"etd_texture_binding out", i_binding, s_get_binding, sizeof(etd_texture_binding),
+         offsetof(etd_texture_binding, reserved), 1},
         {"etd_surface in", i_surface, s_set_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 0},
         {"etd_surface out", i_surface, s_get_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 1},
         {"etd_render_options in", i_render_options, s_set_render_options, sizeof(etd_render_options),
@@ -284,6 +306,30 @@ static etd_status e_sharing(uint32_t value) {
     mesh.position_bytes = sizeof small_positions;
     return etd_scene_set_mesh(scene, mesh_number, &mesh);
 }
+#define TEXTURE_FIELD(name, field)                   \
+    static etd_status name(uint32_t value) {         \
+        etd_texture texture = small_texture();       \
+        texture.field = value;                       \
+        return etd_scene_set_texture(scene, 0, &texture); \
+    }
+TEXTURE_FIELD(e_texture_kind, kind)
+TEXTURE_FIELD(e_texel_format, texel_format)
+TEXTURE_FIELD(e_color_space, color_space)
+TEXTURE_FIELD(e_texture_filter, filter)
+TEXTURE_FIELD(e_wrap_u, wrap_u)
+TEXTURE_FIELD(e_wrap_v, wrap_v)
+TEXTURE_FIELD(e_texture_sharing, sharing)
+static etd_status e_in_space(uint32_t value) {
+    etd_texture texture = small_texture();
+    texture.kind = ETD_TEXTURE_CHECKER;
+    texture.in_space = value;
+    return etd_scene_set_texture(scene, 0, &texture);
+}
+static etd_status e_texture_channel(uint32_t value) {
+    etd_texture_binding binding = ETD_TEXTURE_BINDING_INIT;
+    binding.channel = value;
+    return etd_scene_set_material_texture(scene, 0, "color", &binding);
+}
 static etd_status e_sampler(uint32_t value) {
     etd_render_options options = short_render(1);
     options.sampler = value;
@@ -334,6 +380,15 @@ static void pass_wrong_enumerations(void) {
         {"thin_walled", e_thin_walled, 1},
         {"position_format", e_position_format, ETD_POSITION_DOUBLE3},
         {"sharing", e_sharing, ETD_SHARE},
+        {"kind", e_texture_kind, ETD_TEXTURE_WOOD},
+        {"texel_format", e_texel_format, ETD_TEXEL_FLOAT},
+        {"color_space", e_color_space, ETD_COLOR_SPACE_RAW},
+        {"filter of a texture", e_texture_filter, ETD_TEXTURE_FILTER_STOCHASTIC},
+        {"wrap_u", e_wrap_u, ETD_WRAP_BLACK},
+        {"wrap_v", e_wrap_v, ETD_WRAP_BLACK},
+        {"sharing of texels", e_texture_sharing, ETD_SHARE},
+        {"in_space", e_in_space, 1},
+        {"channel", e_texture_channel, ETD_CHANNEL_ALPHA},
         {"sampler", e_sampler, ETD_SAMPLER_GAUSSIAN},
         {"filter", e_filter, ETD_FILTER_MITCHELL},
         {"format", e_format, ETD_FORMAT_RGBA8},

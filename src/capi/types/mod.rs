@@ -49,6 +49,7 @@ mod material;
 mod query;
 mod render;
 mod scene;
+mod texture;
 
 pub use bake::*;
 pub use device::*;
@@ -57,6 +58,7 @@ pub use material::*;
 pub use query::*;
 pub use render::*;
 pub use scene::*;
+pub use texture::*;
 
 /// Types of numbers that C passes for enumerations. In the header, they have the names of the enumerations.
 mod numbers {
@@ -108,6 +110,18 @@ mod numbers {
     pub type EtdAtlasLayout = u32;
     /// The enumeration of this name, as a number.
     pub type EtdSide = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdTextureKind = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdTexelFormat = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdColorSpace = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdWrap = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdTextureFilter = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdTextureChannel = u32;
 }
 pub use numbers::*;
 

@@ -74,6 +74,10 @@ pub struct etd_scene_info {
     pub bounds_max: [f64; 3],
     /// Seconds that the last build took.
     pub build_time: f64,
+    /// Number of textures that materials of surfaces use.
+    pub textures: u64,
+    /// Bytes of the images of these textures and of their smaller levels, without texels that the host keeps.
+    pub texture_bytes: u64,
 }
 
 /// A text about a scene.

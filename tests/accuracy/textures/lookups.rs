@@ -196,7 +196,7 @@ fn stored(case: &mut Case) {
         case.at_most(format!("16 bits, {space:?}"), worst(&got, &|i| curve(16.0 * i as f64 / 65535.0)), 1e-6);
     }
     let values = [0.0_f32, 1e-6, 0.25, 1.0, 3.5, 1e4];
-    let got = read(Texels::F32(values.into()), 6, ColorSpace::Linear);
+    let got = read(Texels::F32(values.to_vec().into()), 6, ColorSpace::Linear);
     case.exact("single precision", worst(&got, &|i| values[i].into()), 0.0, Within::Absolute(0.0));
     // The mean of an sRGB image is that of its light, not of its numbers.
     let image = Arc::new(TexelImage::new(2, 1, 1, Texels::U8(vec![0, 255].into())).expect("an image of the test"));

@@ -1,0 +1,422 @@
+/* Textures of memory, of files and of patterns: the picture is that of a file with the same texture, texels are shared and
+ * changed in place, and wrong ones are refused. */
+#define _POSIX_C_SOURCE 200809L
+#include "check.h"
+
+#include <math.h>
+
+CHECK_MAIN;
+
+#define SIDE 16
+#define PIXELS (SIDE * SIDE * 4)
+
+/* A square with texture coordinates, and above it a lamp. The material of the square is number 0. */
+static etd_scene *scene_of(etd_device *device, const char *textures, const char *bindings) {
+    char json[2048];
+    etd_scene *scene = NULL;
+    snprintf(json, sizeof json,
+             "{\"etendue\": 1, \"camera\": {\"origin\": [0, 0, 4], \"lookAt\": [0, 0, 0], \"up\": [0, 1, 0], "
+             "\"fieldOfView\": 50}, \"textures\": [%s], \"materials\": [{\"name\": \"square\", \"type\": \"diffuse\", "
+             "\"color\": [0.8, 0.7, 0.6], \"textures\": {%s}}], \"surfaces\": ["
+             "{\"geometry\": \"quad\", \"vertex-1\": [-1.5, -1.5, 0], \"vertex-2\": [1.5, -1.5, 0], "
+             "\"vertex-3\": [1.5, 1.5, 0], \"vertex-4\": [-1.5, 1.5, 0], \"material\": \"square\"}, "
+             "{\"geometry\": \"quad\", \"vertex-1\": [-1, 3, 1], \"vertex-2\": [1, 3, 1], \"vertex-3\": [1, 3, 3], "
+             "\"vertex-4\": [-1, 3, 3], \"emission\": [8, 8, 8]}]}",
+             textures, bindings);
+    if (!CHECK_OK(etd_scene_from_json(device, json, strlen(json), NULL, &scene))) {
+        fprintf(stderr, "%s\n", json);
+    }
+    return scene;
+}
+
+static void render(etd_device *device, etd_scene *scene, float *pixels) {
+    etd_film *film = new_film(device, SIDE, SIDE, 0);
+    etd_render_options options = short_render(4);
+    etd_image_options image = ETD_IMAGE_OPTIONS_INIT;
+    CHECK_OK(etd_render(scene, film, &options));
+    CHECK_OK(etd_film_copy(film, ETD_LAYER_COLOR, &image, pixels, PIXELS * sizeof *pixels, 0));
+    etd_film_release(film);
+}
+
+static int is_same(const float *a, const float *b) { return memcmp(a, b, PIXELS * sizeof *a) == 0; }
+
+/* Gives the square's colour this texture. */
+static void bind(etd_scene *scene, uint32_t texture) {
+    etd_texture_binding binding = ETD_TEXTURE_BINDING_INIT;
+    binding.texture = texture;
+    CHECK_OK(etd_scene_set_material_texture(scene, 0, "color", &binding));
+}
+
+/* The picture of a square with this texture. */
+static void render_texture(etd_device *device, const etd_texture *texture, float *pixels) {
+    etd_scene *scene = scene_of(device, "", "");
+    uint32_t number = 7;
+    if (CHECK_OK(etd_scene_add_texture(scene, NULL, texture, &number))) {
+        CHECK(number == 0);
+        bind(scene, number);
+        render(device, scene, pixels);
+    }
+    etd_scene_release(scene);
+}
+
+/* Patterns look as those of files do, and are read back as they were set. */
+static void patterns(etd_device *device) {
+    static const struct {
+        etd_texture_kind kind;
+        uint32_t in_space;
+        const char *json;
+    } cases[] = {
+        {ETD_TEXTURE_CHECKER, 0, "\"type\": \"checker\", \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
+        {ETD_TEXTURE_CHECKER, 1,
+         "\"type\": \"checker\", \"coordinates\": \"space\", \"scale\": [4, 2, 3], \"offset\": [0.25, 0.5, 0.125]"},
+        {ETD_TEXTURE_GRID, 0, "\"type\": \"grid\", \"lineWidth\": 0.25, \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
+        {ETD_TEXTURE_GRADIENT, 0, "\"type\": \"gradient\", \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
+        {ETD_TEXTURE_NOISE, 0,
+         "\"type\": \"noise\", \"octaves\": 3, \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
+        {ETD_TEXTURE_TURBULENCE, 1,
+         "\"type\": \"turbulence\", \"octaves\": 3, \"coordinates\": \"space\", \"scale\": [4, 2, 3], "
+         "\"offset\": [0.25, 0.5, 0.125]"},
+        {ETD_TEXTURE_MARBLE, 0,
+         "\"type\": \"marble\", \"octaves\": 3, \"turbulence\": 0.5, \"scale\": [4, 2], \"offset\": [0.25, 0.5], "
+         "\"rotation\": 30"},
+        {ETD_TEXTURE_WOOD, 1,
+         "\"type\": \"wood\", \"octaves\": 3, \"turbulence\": 0.5, \"coordinates\": \"space\", \"scale\": [4, 2, 3], "
+         "\"offset\": [0.25, 0.5, 0.125]"},
+    };
+    static float expected[PIXELS], found[PIXELS];
+    size_t i;
+    for (i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char json[512];
+        etd_texture texture = ETD_TEXTURE_INIT;
+        etd_texture read = ETD_TEXTURE_INIT;
+        etd_texture_binding binding = ETD_TEXTURE_BINDING_INIT;
+        etd_scene *file;
+        uint32_t number = 7;
+        snprintf(json, sizeof json, "{\"name\": \"pattern\", \"colors\": [[0.25, 0.5, 0.75], [1, 0.5, 0]], %s}", cases[i].json);
+        file = scene_of(device, json, "\"color\": \"pattern\"");
+        if (file == NULL) {
+            break;
+        }
+        render(device, file, expected);
+        texture.kind = cases[i].kind;
+        texture.in_space = cases[i].in_space;
+        texture.colors[0][0] = 0.25f;
+        texture.colors[0][1] = 0.5f;
+        texture.colors[0][2] = 0.75f;
+        texture.colors[1][1] = 0.5f;
+        texture.colors[1][2] = 0;
+        texture.line_width = 0.25f;
+        texture.turbulence = 0.5f;
+        texture.octaves = 3;
+        texture.scale[0] = 4;
+        texture.scale[1] = 2;
+        texture.offset[0] = 0.25;
+        texture.offset[1] = 0.5;
+        if (cases[i].in_space) {
+            texture.scale[2] = 3;
+            texture.offset[2] = 0.125;
+        } else {
+            texture.rotation_deg = 30;
+        }
+        render_texture(device, &texture, found);
+        check_that(is_same(found, expected), __FILE__, __LINE__, cases[i].json);
+
+        /* What was read from the file is the same, and looks the same once it was set again. */
+        CHECK_OK(etd_scene_find_texture(file, "pattern", &number));
+        CHECK_OK(etd_scene_get_texture(file, number, &read));
+        check_that(read.kind == texture.kind && read.in_space == texture.in_space &&
+                       memcmp(read.colors, texture.colors, sizeof read.colors) == 0 &&
+                       memcmp(read.scale, texture.scale, sizeof read.scale) == 0 &&
+                       memcmp(read.offset, texture.offset, sizeof read.offset) == 0 &&
+                       fabs(read.rotation_deg - texture.rotation_deg) < 1e-12,
+                   __FILE__, __LINE__, cases[i].json);
+        CHECK_OK(etd_scene_set_texture(file, number, &read));
+        render(device, file, found);
+        check_that(is_same(found, expected), __FILE__, __LINE__, cases[i].json);
+        CHECK_OK(etd_scene_get_material_texture(file, 0, "color", &binding));
+        CHECK(binding.texture == number && binding.channel == ETD_CHANNEL_DEFAULT && binding.strength == 1);
+        etd_scene_release(file);
+    }
+}
+
+/* An image of 3 x 2 texels with gaps between its rows, in four formats of the same numbers. */
+static const uint8_t bytes[2][12] = {{255, 0, 51, 102, 204, 255, 51, 153, 0, 9, 9, 9},
+                                     {0, 255, 0, 153, 102, 51, 255, 204, 153, 9, 9, 9}};
+static uint16_t shorts[2][12];
+static uint16_t halves[2][12];
+static float floats[2][12];
+
+/* The half of a number in [0, 1] that is a multiple of 1/5 of which the test has six. */
+static uint16_t half_of(uint8_t value) {
+    switch (value) {
+    case 0: return 0x0000;
+    case 51: return 0x3266;
+    case 102: return 0x3666;
+    case 153: return 0x38cd;
+    case 204: return 0x3a66;
+    default: return 0x3c00;
+    }
+}
+
+static etd_texture image_of(const void *texels, etd_texel_format format, size_t row_stride) {
+    etd_texture texture = ETD_TEXTURE_INIT;
+    texture.color_space = ETD_COLOR_SPACE_RAW;
+    texture.texels = texels;
+    texture.texel_format = format;
+    texture.row_stride = row_stride;
+    texture.width = 3;
+    texture.height = 2;
+    texture.channels = 3;
+    texture.filter = ETD_TEXTURE_FILTER_NEAREST;
+    return texture;
+}
+
+static void formats(etd_device *device) {
+    static float expected[PIXELS], found[PIXELS];
+    static uint8_t dense[2][9];
+    int x, y, i;
+    double difference = 0;
+    etd_texture texture;
+    FILE *file;
+    for (y = 0; y < 2; ++y) {
+        for (x = 0; x < 12; ++x) {
+            shorts[y][x] = (uint16_t)(257 * bytes[y][x]);
+            halves[y][x] = half_of(bytes[y][x]);
+            floats[y][x] = (float)bytes[y][x] / 255.0f;
+        }
+        memcpy(dense[y], bytes[y], sizeof dense[y]);
+    }
+    texture = image_of(bytes, ETD_TEXEL_UINT8, 12);
+    render_texture(device, &texture, expected);
+    texture = image_of(dense, ETD_TEXEL_UINT8, 0);
+    render_texture(device, &texture, found);
+    CHECK(is_same(found, expected));
+    texture = image_of(shorts, ETD_TEXEL_UINT16, sizeof shorts[0]);
+    render_texture(device, &texture, found);
+    CHECK(is_same(found, expected));
+    texture = image_of(floats, ETD_TEXEL_FLOAT, sizeof floats[0]);
+    render_texture(device, &texture, found);
+    CHECK(is_same(found, expected));
+    texture = image_of(halves, ETD_TEXEL_HALF, sizeof halves[0]);
+    render_texture(device, &texture, found);
+    for (i = 0; i < PIXELS; ++i) {
+        difference = fmax(difference, fabs((double)found[i] - (double)expected[i]) / (0.01 + fabs((double)expected[i])));
+    }
+    CHECK(difference > 0 && difference < 1e-3); /* a half has 11 bits */
+
+    /* The same image from a file: a bitmap, whose rows begin below and whose colours are in the order blue, green, red. */
+    file = fopen("textures-test.bmp", "wb");
+    if (CHECK(file != NULL)) {
+        static const uint8_t head[54] = {'B', 'M', 78, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0, 40, 0, 0, 0,
+                                         3, 0, 0, 0, 2, 0, 0, 0, 1, 0, 24, 0, 0, 0, 0, 0, 24, 0, 0, 0};
+        fwrite(head, 1, sizeof head, file);
+        for (y = 1; y >= 0; --y) {
+            for (x = 0; x < 3; ++x) {
+                fputc(bytes[y][3 * x + 2], file);
+                fputc(bytes[y][3 * x + 1], file);
+                fputc(bytes[y][3 * x], file);
+            }
+            fputc(0, file);
+            fputc(0, file);
+            fputc(0, file);
+        }
+        fclose(file);
+        texture = image_of(NULL, ETD_TEXEL_UINT8, 0);
+        texture.file = "textures-test.bmp";
+        texture.width = texture.height = texture.channels = 0; /* the file says it */
+        render_texture(device, &texture, found);
+        CHECK(is_same(found, expected));
+        remove("textures-test.bmp");
+    }
+    /* As colours of sRGB, 8 bits are guessed to be that, and differ from linear light. */
+    texture = image_of(bytes, ETD_TEXEL_UINT8, 12);
+    texture.color_space = ETD_COLOR_SPACE_SRGB;
+    render_texture(device, &texture, found);
+    CHECK(!is_same(found, expected));
+    texture.color_space = ETD_COLOR_SPACE_BY_USE;
+    render_texture(device, &texture, expected);
+    CHECK(is_same(found, expected));
+}
+
+static void count_release(void *user_data) { ++*(int *)user_data; }
+
+/* Shared texels are read in place and released once; a change in place is seen after it was said. */
+static void sharing(etd_device *device) {
+    static float expected[PIXELS], found[PIXELS];
+    uint8_t texels[2][12];
+    int released = 0, other_released = 0;
+    uint32_t number = 7;
+    etd_scene_info info = ETD_SCENE_INFO_INIT;
+    etd_texture texture, read = ETD_TEXTURE_INIT;
+    etd_scene *scene = scene_of(device, "", "");
+    memcpy(texels, bytes, sizeof texels);
+    texture = image_of(bytes, ETD_TEXEL_UINT8, 12);
+    render_texture(device, &texture, expected);
+    texture.texels = texels;
+    texture.sharing = ETD_SHARE;
+    texture.release = count_release;
+    texture.user_data = &released;
+    CHECK_OK(etd_scene_add_texture(scene, "shared", &texture, &number));
+    CHECK_STATUS(etd_scene_add_texture(scene, "shared", &texture, &number), ETD_INVALID_SCENE);
+    CHECK(released == 0);
+    CHECK_OK(etd_scene_get_texture(scene, number, &read));
+    CHECK(read.sharing == ETD_SHARE && read.texels == NULL && read.width == 3 && read.height == 2 && read.channels == 3 &&
+          read.filter == ETD_TEXTURE_FILTER_NEAREST && read.color_space == ETD_COLOR_SPACE_RAW);
+    bind(scene, number);
+    render(device, scene, found);
+    CHECK(is_same(found, expected));
+    CHECK_OK(etd_scene_get_info(scene, &info));
+    CHECK(info.textures == 1 && info.texture_bytes == 0);
+
+    memset(texels, 128, sizeof texels);
+    CHECK_OK(etd_scene_update_texture(scene, number));
+    render(device, scene, found);
+    texture.sharing = ETD_COPY;
+    texture.release = NULL;
+    render_texture(device, &texture, expected);
+    CHECK(is_same(found, expected));
+
+    /* Another texture in its place lets go of the first, once it is built. */
+    texture.sharing = ETD_SHARE;
+    texture.release = count_release;
+    texture.user_data = &other_released;
+    CHECK_OK(etd_scene_set_texture(scene, number, &texture));
+    render(device, scene, found);
+    CHECK(is_same(found, expected) && released == 1 && other_released == 0);
+    etd_scene_release(scene);
+    CHECK(released == 1 && other_released == 1);
+}
+
+/* Texels are charged to the allowance of the device. */
+static void memory(void) {
+    static uint8_t texels[1024 * 1024];
+    etd_device_options options = ETD_DEVICE_OPTIONS_INIT;
+    uint64_t limits[2] = {0, 1 << 20};
+    int i;
+    for (i = 0; i < 2; ++i) {
+        etd_device *device = NULL;
+        etd_scene *scene;
+        etd_texture texture = ETD_TEXTURE_INIT;
+        etd_scene_info info = ETD_SCENE_INFO_INIT;
+        uint64_t before = 0, after = 0;
+        uint32_t number = 0;
+        etd_status status;
+        options.threads = 1;
+        options.memory_limit = limits[i];
+        CHECK_OK(etd_device_new(&options, &device));
+        scene = scene_of(device, "", "");
+        texture.texels = texels;
+        texture.width = texture.height = 1024;
+        texture.channels = 1;
+        texture.filter = ETD_TEXTURE_FILTER_MIP;
+        CHECK_OK(etd_scene_commit(scene, NULL, NULL));
+        CHECK_OK(etd_device_memory(device, &before, NULL));
+        CHECK_OK(etd_scene_add_texture(scene, NULL, &texture, &number));
+        bind(scene, number);
+        status = etd_scene_commit(scene, NULL, NULL);
+        CHECK_OK(etd_device_memory(device, &after, NULL));
+        if (i == 0) {
+            /* 8 bits a texel, and levels of 16 bits of a third as many. */
+            CHECK_OK(status);
+            CHECK(after - before >= 1747000 && after - before <= 1749000);
+            CHECK_OK(etd_scene_get_info(scene, &info));
+            CHECK(info.texture_bytes >= 1747000 && info.texture_bytes <= 1749000);
+        } else {
+            CHECK_STATUS(status, ETD_OUT_OF_MEMORY);
+        }
+        etd_scene_release(scene);
+        etd_device_release(device);
+    }
+}
+
+/* What is wrong is refused, and nothing is released or changed. */
+static void errors(etd_device *device) {
+    int released = 0;
+    float broken[18] = {0};
+    uint32_t number = 7;
+    size_t i;
+    etd_texture texture = image_of(bytes, ETD_TEXEL_UINT8, 12);
+    etd_texture_binding binding = ETD_TEXTURE_BINDING_INIT;
+    etd_material material = ETD_MATERIAL_INIT;
+    etd_scene *scene = scene_of(device, "", "");
+    texture.sharing = ETD_SHARE;
+    texture.release = count_release;
+    texture.user_data = &released;
+#define REFUSED(change, status)                                                             \
+    do {                                                                                    \
+        etd_texture wrong = texture;                                                        \
+        change;                                                                             \
+        CHECK_STATUS(etd_scene_add_texture(scene, NULL, &wrong, &number), status);          \
+        CHECK(number == 7 && released == 0);                                                \
+    } while (0)
+    REFUSED(wrong.width = 0, ETD_INVALID_ARGUMENT);
+    REFUSED(wrong.height = 0, ETD_INVALID_ARGUMENT);
+    REFUSED(wrong.channels = 0, ETD_INVALID_ARGUMENT);
+    REFUSED(wrong.channels = 5, ETD_INVALID_ARGUMENT);
+    REFUSED(wrong.row_stride = 8, ETD_INVALID_ARGUMENT);
+    REFUSED(wrong.texels = NULL, ETD_INVALID_ARGUMENT);
+    REFUSED((wrong.texel_format = ETD_TEXEL_UINT16, wrong.row_stride = 19), ETD_INVALID_ARGUMENT);
+    REFUSED((wrong.texel_format = ETD_TEXEL_FLOAT, wrong.texels = bytes[0] + 1, wrong.row_stride = 0), ETD_INVALID_ARGUMENT);
+    REFUSED((wrong.width = wrong.height = UINT32_MAX, wrong.row_stride = SIZE_MAX / 2), ETD_INVALID_ARGUMENT);
+    REFUSED((wrong.width = wrong.height = 1 << 15, wrong.row_stride = 0), ETD_INVALID_SCENE);
+    REFUSED(wrong.in_space = 1, ETD_INVALID_ARGUMENT);
+    REFUSED(wrong.file = "no-such-file.png", ETD_IO);
+    REFUSED(wrong.scale[1] = (double)NAN, ETD_INVALID_SCENE);
+    for (i = 0; i < 18; i += 17) {
+        broken[i] = INFINITY;
+        REFUSED((wrong.texel_format = ETD_TEXEL_FLOAT, wrong.texels = broken, wrong.row_stride = 0), ETD_INVALID_SCENE);
+        broken[i] = 0;
+    }
+    texture.sharing = ETD_COPY;
+    REFUSED((wrong.kind = ETD_TEXTURE_CHECKER, wrong.colors[1][2] = 2), ETD_INVALID_SCENE);
+    REFUSED((wrong.kind = ETD_TEXTURE_GRID, wrong.line_width = -1), ETD_INVALID_SCENE);
+    REFUSED((wrong.kind = ETD_TEXTURE_NOISE, wrong.octaves = 17), ETD_INVALID_SCENE);
+    REFUSED((wrong.kind = ETD_TEXTURE_WOOD, wrong.turbulence = NAN), ETD_INVALID_SCENE);
+    REFUSED((wrong.kind = ETD_TEXTURE_CHECKER, wrong.in_space = 1, wrong.rotation_deg = 1), ETD_INVALID_ARGUMENT);
+
+    CHECK_OK(etd_scene_add_texture(scene, "own", &texture, &number));
+    CHECK(number == 0);
+    CHECK_STATUS(etd_scene_set_texture(scene, 1, &texture), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_update_texture(scene, 1), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_find_texture(scene, "other", &number), ETD_INVALID_ARGUMENT);
+    binding.texture = 0;
+    CHECK_STATUS(etd_scene_set_material_texture(scene, 0, "colour", &binding), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_scene_set_material_texture(scene, 0, "base_color", &binding), ETD_INVALID_SCENE);
+    CHECK_STATUS(etd_scene_set_material_texture(scene, 99, "color", &binding), ETD_INVALID_ARGUMENT);
+    binding.texture = 1;
+    CHECK_STATUS(etd_scene_set_material_texture(scene, 0, "color", &binding), ETD_INVALID_SCENE);
+    binding.texture = 0;
+    binding.reserved = 1;
+    CHECK_STATUS(etd_scene_set_material_texture(scene, 0, "color", &binding), ETD_INVALID_ARGUMENT);
+    binding.reserved = 0;
+    binding.strength = NAN;
+    CHECK_STATUS(etd_scene_set_material_texture(scene, 0, "color", &binding), ETD_INVALID_SCENE);
+    CHECK_OK(etd_scene_get_material_texture(scene, 0, "color", &binding));
+    CHECK(binding.texture == ETD_NONE);
+
+    /* A material keeps its textures where it can; they go by name. */
+    bind(scene, 0);
+    CHECK_OK(etd_scene_set_material(scene, 0, &material));
+    CHECK_OK(etd_scene_get_material_texture(scene, 0, "color", &binding));
+    CHECK(binding.texture == 0);
+    material.bsdf = ETD_BSDF_BLACK;
+    CHECK_STATUS(etd_scene_set_material(scene, 0, &material), ETD_INVALID_SCENE);
+    CHECK_OK(etd_scene_set_material_texture(scene, 0, "color", NULL));
+    CHECK_OK(etd_scene_set_material(scene, 0, &material));
+    texture.kind = ETD_TEXTURE_CHECKER;
+    CHECK_OK(etd_scene_set_texture(scene, 0, &texture));
+    CHECK_STATUS(etd_scene_update_texture(scene, 0), ETD_INVALID_SCENE);
+    etd_scene_release(scene);
+    CHECK(released == 0);
+}
+
+int main(void) {
+    etd_device *device = new_device(1);
+    patterns(device);
+    formats(device);
+    sharing(device);
+    memory();
+    errors(device);
+    etd_device_release(device);
+    return check_report("textures");
+}
