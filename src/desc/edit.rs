@@ -265,12 +265,19 @@ impl SceneDesc {
         Ok(first..self.surfaces.len())
     }
 
-    /// Adds the materials and meshes of a divided file. Returns the numbers of the material and the mesh of each part. A material
-    /// whose name is taken has none.
+    /// Adds the textures, materials and meshes of a divided file. Returns the numbers of the material and the mesh of each part.
+    /// What has a name that is taken gets none.
     pub(super) fn put_parts(&mut self, file: &Path, parts: Parts) -> Result<Vec<[usize; 2]>> {
         self.files.push(file.to_owned());
         self.files.extend(parts.files);
         let first = self.materials.len();
+        let first_texture = self.textures.len();
+        for mut texture in parts.textures {
+            if self.find_texture(&texture.name).is_some() {
+                texture.name.clear();
+            }
+            self.put_texture(texture)?;
+        }
         let put = |part: Part| {
             let mut number = first;
             for mut material in part.materials {
@@ -280,6 +287,7 @@ impl SceneDesc {
                 if let BsdfDesc::Mix { materials, .. } = &mut material.bsdf {
                     materials.iter_mut().for_each(|part| *part += first);
                 }
+                material.textures.iter_mut().for_each(|binding| binding.texture += first_texture);
                 number = self.put_any(material)?;
             }
             Ok([number, self.put_mesh(part.mesh)])

@@ -4,6 +4,7 @@
 //! have the same limits, check every number before it is used, and allocate only for data that the file has.
 
 mod mtl;
+mod mtl_maps;
 mod obj;
 mod obj_parts;
 mod ply;

@@ -1,12 +1,12 @@
 //! Reads material libraries of Wavefront OBJ files (.mtl), and makes descriptions of their materials.
 //!
-//! What a key becomes is in the table of `docs/materials.md`. Keys without a meaning here, such as textures, and numbers out of
-//! range are warned of once for each file and key; a number out of range becomes the nearest one that is in range.
+//! What a key becomes is in the table of `docs/materials.md`. Keys without a meaning here, and numbers out of range, are warned of once for each file and key; a number out of range becomes the nearest one that is in range.
 
 use std::collections::{HashMap, HashSet};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
+use super::mtl_maps::{Map, Slot};
 use super::{Place, is_number};
 use crate::desc::file::open;
 use crate::desc::json::elided;
@@ -48,6 +48,7 @@ pub(super) struct Entry {
     pcr: Option<f64>,
     aniso: Option<f64>,
     anisor: Option<f64>,
+    maps: Vec<Map>,
 }
 
 /// The materials of the libraries of one mesh file, by name.
@@ -59,8 +60,8 @@ pub(super) struct Library {
 }
 
 /// Where messages about a library come from.
-struct Source<'a> {
-    file: &'a Path,
+pub(super) struct Source<'a> {
+    pub(super) file: &'a Path,
     json_path: &'a str,
     warnings: &'a mut Vec<String>,
     /// What has been warned of.
@@ -73,7 +74,7 @@ impl Source<'_> {
     }
 
     /// Warns of a key for the first time that it occurs.
-    fn warn(&mut self, line: usize, key: &str, message: &str) {
+    pub(super) fn warn(&mut self, line: usize, key: &str, message: &str) {
         if self.warned.len() < KEY_LIMIT && self.warned.insert(format!("{key} {message}")) {
             let place = Place { path: self.file, json_path: self.json_path };
             place.warn(self.warnings, line, &format!("{key} {message}"));
@@ -163,6 +164,13 @@ impl Entry {
     fn set(&mut self, key: &str, rest: &[u8], line: usize, source: &mut Source<'_>) -> Result<()> {
         let rest = rest.split(|byte| *byte == b'#').next().unwrap_or_default();
         let lower = key.to_ascii_lowercase();
+        if let Some(slot) = Slot::by_key(&lower) {
+            if let Some(map) = Map::read(slot, key, rest, line, source) {
+                self.maps.retain(|other| other.slot != slot);
+                self.maps.push(map);
+            }
+            return Ok(());
+        }
         let words: Vec<&[u8]> = rest.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).take(4).collect();
         let mut reader = Values { key, words: &words, line, source };
         match lower.as_str() {
@@ -236,24 +244,40 @@ impl Entry {
 
     fn is_physical(&self) -> bool {
         [self.pr, self.pm, self.ps, self.pc, self.pcr, self.aniso, self.anisor].iter().any(Option::is_some)
+            || self.maps.iter().any(|map| map.slot.is_physical())
+    }
+
+    /// The images that vary the material.
+    pub fn maps(&self) -> &[Map] {
+        &self.maps
+    }
+
+    /// What takes the place of a value that the library does not have: 1 where a map varies it, else the default.
+    fn missing<T>(&self, slot: Slot, one: T, default: T) -> T {
+        if self.maps.iter().any(|map| map.slot == slot) { one } else { default }
     }
 
     fn physical(&self) -> BsdfDesc {
         let default = PrincipledDesc::default();
         let share = |value: Option<f64>| value.unwrap_or(0.0) as f32;
+        let mapped = |value: Option<f64>, slot: Slot| value.unwrap_or(self.missing(slot, 1.0, 0.0)) as f32;
+        let roughness = self.pr.map(|pr| pr as f32).or(self.roughness());
         let is_clear = self.refracts() || self.is_sheet();
         BsdfDesc::Principled(PrincipledDesc {
-            base_color: rgb(self.kd.unwrap_or(GREY)),
-            base_metalness: share(self.pm),
-            specular_roughness: self.pr.map(|pr| pr as f32).or(self.roughness()).unwrap_or(ROUGHNESS),
+            base_color: rgb(self.kd.unwrap_or(self.missing(Slot::Kd, [1.0; 3], GREY))),
+            base_metalness: mapped(self.pm, Slot::Pm),
+            specular_roughness: match self.pr {
+                None if self.missing(Slot::Pr, true, false) => 1.0,
+                _ => roughness.unwrap_or(ROUGHNESS),
+            },
             specular_roughness_anisotropy: share(self.aniso),
             specular_rotation: (share(self.anisor) * 360.0).to_radians(),
             specular_ior: self.coat_index(),
             transmission_weight: if is_clear { 1.0 } else { 0.0 },
             transmission_color: rgb(self.tf.filter(|_| is_clear).unwrap_or([1.0; 3])),
-            coat_weight: share(self.pc),
-            coat_roughness: share(self.pcr),
-            fuzz_weight: share(self.ps),
+            coat_weight: mapped(self.pc, Slot::Pc),
+            coat_roughness: mapped(self.pcr, Slot::Pcr),
+            fuzz_weight: mapped(self.ps, Slot::Ps),
             ..default
         })
     }
@@ -287,8 +311,9 @@ impl Entry {
                 microfacets: MicrofacetsDesc::default(),
             });
         }
-        let ks = self.ks.unwrap_or_default();
-        let kd = self.kd.unwrap_or(if self.ks.is_some() { [0.0; 3] } else { GREY });
+        let ks = self.ks.unwrap_or(self.missing(Slot::Ks, [1.0; 3], [0.0; 3]));
+        let no_kd = if self.ks.is_some() { [0.0; 3] } else { GREY };
+        let kd = self.kd.unwrap_or(self.missing(Slot::Kd, [1.0; 3], no_kd));
         let [most_kd, most_ks] = [kd, ks].map(|color| color.into_iter().fold(0.0, f64::max));
         if most_ks == 0.0 || matches!(self.illum, Some(0 | 1 | 10)) {
             return Model::One(BsdfDesc::Lambert { albedo: rgb(kd) });

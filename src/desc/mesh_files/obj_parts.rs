@@ -8,10 +8,11 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::mtl::{Library, keyword};
+use super::mtl_maps::{Ground, Maps};
 use super::{Place, Source, obj};
 use crate::desc::json::{did_you_mean, elided};
 use crate::desc::warnings::warn;
-use crate::desc::{BsdfDesc, MaterialDesc, MeshDesc};
+use crate::desc::{BsdfDesc, MaterialDesc, MeshDesc, TextureDesc};
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
 
@@ -33,7 +34,9 @@ pub(in crate::desc) struct Part {
 #[derive(Debug)]
 pub(in crate::desc) struct Parts {
     pub parts: Vec<Part>,
-    /// The material libraries that were read.
+    /// The textures of the materials, which name them by their place here.
+    pub textures: Vec<TextureDesc>,
+    /// The material libraries and images that were read.
     pub files: Vec<std::path::PathBuf>,
 }
 
@@ -160,10 +163,19 @@ pub(super) fn load(source: Source<'_>, warnings: &mut Vec<String>) -> Result<Par
     numbered.sort_by_key(|(_, runs)| runs[0].start);
     let mut split = Splitter { vertices: vec![u32::MAX; mesh.positions.len()], mesh: &mesh };
     let (mut parts, mut first) = (Vec::with_capacity(numbered.len()), 0);
+    let mut maps = Maps::new(place);
+    let bounds = mesh.bounds();
+    let diagonal = (bounds.max - bounds.min).length();
     for ((name, line), runs) in numbered {
         let full_name = format!("{}:{name}", path.display());
+        let part = split.part(&runs, name);
         let materials = match library.find(name) {
-            Some(entry) => entry.describe(&full_name, json_path, first, &mut noted),
+            Some(entry) => {
+                let mut materials = entry.describe(&full_name, json_path, first, &mut noted);
+                let ground = Ground { has_uvs: !part.uvs.is_empty(), diagonal };
+                maps.bind(entry.maps(), &mut materials, ground, &mut noted)?;
+                materials
+            }
             None => {
                 let why = if name.is_empty() {
                     "faces have no material".to_owned()
@@ -177,11 +189,12 @@ pub(super) fn load(source: Source<'_>, warnings: &mut Vec<String>) -> Result<Par
             }
         };
         first += materials.len();
-        parts.push(Part { materials, mesh: split.part(&runs, name) });
+        parts.push(Part { materials, mesh: part });
     }
     // The caller's description stays as it is where an error occurs.
     noted.into_iter().for_each(|warning| warn(warnings, warning));
-    Ok(Parts { parts, files: library.files })
+    let files = library.files.into_iter().chain(maps.files).collect();
+    Ok(Parts { parts, textures: maps.textures, files })
 }
 
 /// Takes parts out of a mesh.
