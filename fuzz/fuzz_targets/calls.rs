@@ -29,6 +29,10 @@ enum Call {
     SetMesh { mesh: u8, vertices: Vec<[i8; 3]>, triangles: Vec<[u8; 3]>, flags: u8 },
     RemoveMesh { mesh: u8 },
     AddMeshSurface { mesh: u8, smooth: u8, material: u8, glow: u8, shift: [i8; 3] },
+    AddTexture { kind: u8, size: [u8; 3], format: u8, numbers: [f32; 8], texels: Vec<u8>, name: Option<u8> },
+    SetTexture { texture: u8, kind: u8, size: [u8; 3], format: u8, numbers: [f32; 8], texels: Vec<u8> },
+    UpdateTexture { texture: u8 },
+    BindTexture { material: u8, parameter: u8, texture: u8, channel: u8, strength: f32 },
     RemoveSurface { surface: u8 },
     SetTransform { surface: u8, rows: [f64; 12] },
     SaneTransform { surface: u8, shift: [i8; 3], scale: i8 },
@@ -110,6 +114,37 @@ fn material(bsdf: u8, color: [f32; 3], n: [f32; 5]) -> etd_material {
         ior: n[2],
         exterior_ior: n[3],
         survival: n[4],
+        ..sized()
+    }
+}
+
+/// The names of parameters, and one that is none.
+const PARAMETERS: [&std::ffi::CStr; 8] =
+    [c"color", c"roughness", c"base_color", c"opacity", c"normal", c"bump", c"weight", c"hue"];
+
+/// A texture whose texels are in `texels`, which is made large enough.
+fn texture(kind: u8, size: [u8; 3], format: u8, n: [f32; 8], texels: &mut Vec<u8>) -> etd_texture {
+    let [width, height, channels] = size.map(u32::from);
+    let channels = channels % 6;
+    texels.resize(width as usize * height as usize * channels as usize * 4 + 8, 7);
+    let [a, b, c, d, e, f, g, h] = n;
+    etd_texture {
+        kind: u32::from(kind % 9),
+        color_space: u32::from(format >> 2 & 3),
+        texels: texels.as_ptr().wrapping_add(texels.as_ptr().align_offset(4)).cast(),
+        width,
+        height,
+        channels,
+        texel_format: u32::from(format & 3),
+        filter: u32::from(format >> 4 & 7),
+        wrap_u: u32::from(kind >> 4 & 3),
+        wrap_v: u32::from(kind >> 6),
+        colors: [[a, b, c], [d, e, f]],
+        line_width: g,
+        turbulence: h,
+        octaves: u32::from(format >> 4),
+        in_space: u32::from(format >> 7),
+        scale: [g.into(), h.into(), 1.0],
         ..sized()
     }
 }
@@ -267,6 +302,31 @@ impl World {
                     let vertices = vertices.into_iter().map(|v| v.map(|n| f32::from(n) / 16.0)).collect();
                     self.mesh(Some(mesh), vertices, &triangles, flags, 16);
                 }
+                Call::AddTexture { kind, size, format, numbers, mut texels, name } => {
+                    let it = texture(kind, size, format, numbers, &mut texels);
+                    let name = name.map(|name| CString::new(vec![name.max(1)]).expect("no zero byte"));
+                    let name = name.as_ref().map_or(null(), |name| name.as_ptr());
+                    fine(etd_scene_add_texture(scene, name, &raw const it, &raw mut number));
+                }
+                Call::SetTexture { texture: at, kind, size, format, numbers, mut texels } => {
+                    let it = texture(kind, size, format, numbers, &mut texels);
+                    fine(etd_scene_set_texture(scene, u32::from(at % 4), &raw const it));
+                }
+                Call::UpdateTexture { texture } => {
+                    fine(etd_scene_update_texture(scene, u32::from(texture % 4)));
+                }
+                Call::BindTexture { material, parameter, texture, channel, strength } => {
+                    let it = etd_texture_binding {
+                        texture: if texture == 255 { ETD_NONE } else { u32::from(texture % 4) },
+                        channel: u32::from(channel % 6),
+                        strength,
+                        ..sized()
+                    };
+                    let parameter = PARAMETERS[usize::from(parameter) % PARAMETERS.len()].as_ptr();
+                    fine(etd_scene_set_material_texture(scene, u32::from(material % 4), parameter, &raw const it));
+                    let mut out: etd_texture_binding = sized();
+                    fine(etd_scene_get_material_texture(scene, u32::from(material % 4), parameter, &raw mut out));
+                }
                 Call::RemoveMesh { mesh } => {
                     fine(etd_scene_remove_mesh(scene, u32::from(mesh)));
                 }
@@ -420,7 +480,8 @@ impl World {
 }
 
 fn as_rays(numbers: &[[f32; 8]]) -> Vec<etd_ray> {
-    let ray = |n: &[f32; 8]| etd_ray { origin: [n[0], n[1], n[2]], tnear: n[3], direction: [n[4], n[5], n[6]], tfar: n[7] };
+    let ray =
+        |n: &[f32; 8]| etd_ray { origin: [n[0], n[1], n[2]], tnear: n[3], direction: [n[4], n[5], n[6]], tfar: n[7] };
     numbers.iter().map(ray).collect()
 }
 

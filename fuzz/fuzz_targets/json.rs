@@ -53,8 +53,13 @@ fuzz_target!(|data: &[u8]| {
     scene_options.base_dir = c"/nowhere".as_ptr();
     // SAFETY: the pointers are to what they say.
     unsafe {
-        let read =
-            etd_scene_from_json(device(), data.as_ptr().cast::<c_char>(), data.len(), &raw const scene_options, &raw mut scene);
+        let read = etd_scene_from_json(
+            device(),
+            data.as_ptr().cast::<c_char>(),
+            data.len(),
+            &raw const scene_options,
+            &raw mut scene,
+        );
         assert!(!matches!(read, ETD_PANIC | ETD_INTERNAL), "{read:?}");
         if read != ETD_OK {
             assert!(scene.is_null());
@@ -64,8 +69,13 @@ fuzz_target!(|data: &[u8]| {
         let built = etd_scene_commit(scene, None, null_mut());
         assert!(!matches!(built, ETD_PANIC | ETD_INTERNAL), "{built:?}");
         if built == ETD_OK {
-            let film_options =
-                etd_film_options { struct_size: size_of::<etd_film_options>(), width: 4, height: 3, layers: 255, reserved: 0 };
+            let film_options = etd_film_options {
+                struct_size: size_of::<etd_film_options>(),
+                width: 4,
+                height: 3,
+                layers: 255,
+                reserved: 0,
+            };
             let mut film = null_mut();
             assert_eq!(etd_film_new(device(), &raw const film_options, &raw mut film), ETD_OK);
             let mut options: etd_render_options = std::mem::zeroed();
