@@ -58,8 +58,8 @@
     {sizeof(etd_mesh), NULL, 0, 0, 0, NULL, 0, 0, NULL, 0, NULL, 0, ETD_POSITION_FLOAT3, ETD_COPY, NULL, NULL, NULL}
 #define ETD_TEXTURE_INIT \
     {sizeof(etd_texture), ETD_TEXTURE_IMAGE, ETD_COLOR_SPACE_BY_USE, NULL, NULL, 0, 0, 0, 0, ETD_TEXEL_UINT8, ETD_COPY, \
-     ETD_TEXTURE_FILTER_BILINEAR, NULL, NULL, ETD_WRAP_REPEAT, ETD_WRAP_REPEAT, {{0, 0, 0}, {1, 1, 1}}, 0.1f, 1, 4, 0, \
-     {1, 1, 1}, 0, {0, 0, 0}}
+     ETD_TEXTURE_FILTER_BILINEAR, NULL, NULL, ETD_WRAP_REPEAT, ETD_WRAP_REPEAT, {{0, 0, 0}, {1, 1, 1}}, 0.1f, 1, 4, \
+     ETD_COORDINATES_UV, {1, 1, 1}, 0, {0, 0, 0}}
 #define ETD_TEXTURE_BINDING_INIT {sizeof(etd_texture_binding), ETD_NONE, ETD_CHANNEL_DEFAULT, 1, 0}
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_RENDER_OPTIONS_INIT \
@@ -1182,6 +1182,47 @@ typedef uint32_t etd_wrap;
 #endif // __cplusplus
 
 /**
+ * Where a texture lies.
+ */
+enum etd_coordinates
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * On the surface, by its texture coordinates.
+     */
+    ETD_COORDINATES_UV = 0,
+    /**
+     * In world space; patterns only.
+     */
+    ETD_COORDINATES_SPACE = 1,
+    /**
+     * On the surface, by the world's coordinates from the side of a box that the face looks to, in scene units.
+     */
+    ETD_COORDINATES_BOX = 2,
+    /**
+     * On the surface, by the world's coordinates along the x axis: u is -z, v is y.
+     */
+    ETD_COORDINATES_PLANAR_X = 3,
+    /**
+     * On the surface, by the world's coordinates from above: u is x, v is -z.
+     */
+    ETD_COORDINATES_PLANAR_Y = 4,
+    /**
+     * On the surface, by the world's coordinates along the z axis: u is x, v is y.
+     */
+    ETD_COORDINATES_PLANAR_Z = 5,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_coordinates etd_coordinates;
+#else
+typedef uint32_t etd_coordinates;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
  * How an image is filtered.
  */
 enum etd_texture_filter
@@ -2202,9 +2243,9 @@ typedef struct etd_texture {
      */
     uint32_t octaves;
     /**
-     * Of a pattern. 0: it lies on the surface, by texture coordinates; 1: it lies in world space.
+     * An `etd_coordinates`.
      */
-    uint32_t in_space;
+    etd_coordinates coordinates;
     /**
      * Factors on the coordinates, applied first; the third is used in space only. Three zeros: 1.
      */

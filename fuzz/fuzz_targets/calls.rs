@@ -143,7 +143,7 @@ fn texture(kind: u8, size: [u8; 3], format: u8, n: [f32; 8], texels: &mut Vec<u8
         line_width: g,
         turbulence: h,
         octaves: u32::from(format >> 4),
-        in_space: u32::from(format >> 7),
+        coordinates: u32::from(format >> 5),
         scale: [g.into(), h.into(), 1.0],
         ..sized()
     }

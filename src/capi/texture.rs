@@ -9,7 +9,7 @@ use half::f16;
 
 use super::boundary::{UserData, need, on, optional_text, read_sized, text, write_sized};
 use super::describe::find;
-use super::read::{enumeration, flag};
+use super::read::enumeration;
 use super::scene::etd_scene;
 use super::sharing::shared;
 use super::status::{ETD_OUT_OF_MEMORY, Failure, Result, etd_status};
@@ -17,7 +17,8 @@ use super::surface::find_number;
 use super::types::*;
 use crate::buffer::{Buffer, Element};
 use crate::desc::{
-    ImageTextureDesc, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
+    ImageTextureDesc, Projection, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
+    TextureSource,
 };
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
@@ -224,8 +225,8 @@ unsafe fn with_texture<R>(pointer: *const etd_texture, take: impl FnOnce(Texture
     if enumeration::<etd_texture_kind>("texture.kind", it.kind)? != ETD_TEXTURE_IMAGE {
         return take(made(TextureSource::Procedural(pattern(&it)?))?);
     }
-    if flag("texture.in_space", it.in_space)? {
-        return Err(Failure::argument("texture.in_space is 1, but an image lies on surfaces"));
+    if enumeration::<etd_coordinates>("texture.coordinates", it.coordinates)? == ETD_COORDINATES_SPACE {
+        return Err(Failure::argument("texture.coordinates are those of space, but an image lies on surfaces"));
     }
     // SAFETY: the caller keeps this function's contract.
     let file = unsafe { optional_text(it.file, "texture.file") }?;
@@ -373,22 +374,30 @@ fn pattern(it: &etd_texture) -> Result<Procedural> {
         ETD_TEXTURE_MARBLE => Pattern::Marble { octaves, turbulence },
         ETD_TEXTURE_WOOD => Pattern::Wood { octaves, turbulence },
     };
-    let in_space = flag("texture.in_space", it.in_space)?;
+    let in_space = enumeration::<etd_coordinates>("texture.coordinates", it.coordinates)? == ETD_COORDINATES_SPACE;
     Ok(Procedural { pattern, colors: it.colors.map(Rgb::from_array), in_space })
 }
 
 /// Reads where a texture lies.
 fn mapping(it: &etd_texture) -> Result<TextureMapping> {
     let scale = if it.scale == [0.0; 3] { [1.0; 3] } else { it.scale };
-    if flag("texture.in_space", it.in_space)? {
-        if it.rotation_deg != 0.0 {
-            return Err(Failure::argument("texture.rotation_deg is not 0: only texture coordinates are turned"));
+    let ([su, sv, _], [u, v, _]) = (scale, it.offset);
+    let (scale2, offset2, rotation) = ([su, sv], [u, v], it.rotation_deg.to_radians());
+    let projection = match enumeration("texture.coordinates", it.coordinates)? {
+        ETD_COORDINATES_UV => return Ok(TextureMapping::Uv { scale: scale2, rotation, offset: offset2 }),
+        ETD_COORDINATES_SPACE if it.rotation_deg != 0.0 => {
+            return Err(Failure::argument("texture.rotation_deg is not 0: only coordinates on surfaces are turned"));
         }
-        return Ok(TextureMapping::Space { scale: DVec3::from_array(scale), offset: DVec3::from_array(it.offset) });
-    }
-    let [su, sv, _] = scale;
-    let [u, v, _] = it.offset;
-    Ok(TextureMapping::Uv { scale: [su, sv], rotation: it.rotation_deg.to_radians(), offset: [u, v] })
+        ETD_COORDINATES_SPACE => {
+            let (scale, offset) = (DVec3::from_array(scale), DVec3::from_array(it.offset));
+            return Ok(TextureMapping::Space { scale, offset });
+        }
+        ETD_COORDINATES_BOX => Projection::Box,
+        ETD_COORDINATES_PLANAR_X => Projection::X,
+        ETD_COORDINATES_PLANAR_Y => Projection::Y,
+        ETD_COORDINATES_PLANAR_Z => Projection::Z,
+    };
+    Ok(TextureMapping::Projected { projection, scale: scale2, rotation, offset: offset2 })
 }
 
 /// Converts a texture to the host's structure.
@@ -414,19 +423,31 @@ fn texture_out(texture: &TextureDesc) -> etd_texture {
         line_width: 0.1,
         turbulence: 1.0,
         octaves: 4,
-        in_space: 0,
+        coordinates: ETD_COORDINATES_UV.number(),
         scale: [1.0; 3],
         rotation_deg: 0.0,
         offset: [0.0; 3],
     };
     match texture.mapping {
-        TextureMapping::Uv { scale: [su, sv], rotation, offset: [u, v] } => {
+        TextureMapping::Uv { scale: [su, sv], rotation, offset: [u, v] }
+        | TextureMapping::Projected { scale: [su, sv], rotation, offset: [u, v], .. } => {
             (it.scale, it.offset, it.rotation_deg) = ([su, sv, 1.0], [u, v, 0.0], rotation.to_degrees());
         }
         TextureMapping::Space { scale, offset } => {
-            (it.scale, it.offset, it.in_space) = (scale.to_array(), offset.to_array(), 1);
+            (it.scale, it.offset) = (scale.to_array(), offset.to_array());
         }
     }
+    it.coordinates = match texture.mapping {
+        TextureMapping::Uv { .. } => ETD_COORDINATES_UV,
+        TextureMapping::Space { .. } => ETD_COORDINATES_SPACE,
+        TextureMapping::Projected { projection, .. } => match projection {
+            Projection::Box => ETD_COORDINATES_BOX,
+            Projection::X => ETD_COORDINATES_PLANAR_X,
+            Projection::Y => ETD_COORDINATES_PLANAR_Y,
+            Projection::Z => ETD_COORDINATES_PLANAR_Z,
+        },
+    }
+    .number();
     match &texture.source {
         TextureSource::Image(desc) => image_out(desc, &mut it),
         TextureSource::Procedural(desc) => pattern_out(desc, &mut it),

@@ -111,5 +111,6 @@ pub use scene::{Dialect, SceneDesc};
 pub use schema::schema;
 pub(crate) use texture::Parameter;
 pub use texture::{
-    ImageTextureDesc, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
+    ImageTextureDesc, Projection, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
+    TextureSource,
 };

@@ -83,6 +83,18 @@ pub enum TextureMapping {
         /// Added at last.
         offset: [f64; 2],
     },
+    /// By coordinates that a projection of the world gives, which are then scaled, turned and moved as those of [`Self::Uv`]. For
+    /// surfaces without texture coordinates of their own.
+    Projected {
+        /// The projection.
+        projection: Projection,
+        /// Factors on u and v: repeats for each scene unit.
+        scale: [f64; 2],
+        /// The angle, radians.
+        rotation: f64,
+        /// Added at last.
+        offset: [f64; 2],
+    },
     /// By the point in world space: scaled, then moved. For formulas.
     Space {
         /// Factors on x, y and z.
@@ -90,6 +102,26 @@ pub enum TextureMapping {
         /// Added at last.
         offset: DVec3,
     },
+}
+
+/// How the world is projected to texture coordinates, in scene units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Projection {
+    /// From the six sides of a box: along the axis that the face's normal is closest to, from outside. The coordinates grow to the right
+    /// and upwards (y up), as seen from there; on top and below, x goes to the right.
+    Box,
+    /// Along the x axis, seen from its positive end: u is -z, v is y.
+    X,
+    /// Along the y axis, seen from above: u is x, v is -z.
+    Y,
+    /// Along the z axis, seen from its positive end: u is x, v is y.
+    Z,
+}
+
+impl Projection {
+    /// All of them, with what files call them.
+    pub const ALL: [(Self, &'static str); 4] =
+        [(Self::Box, "box"), (Self::X, "planar-x"), (Self::Y, "planar-y"), (Self::Z, "planar-z")];
 }
 
 impl Default for TextureMapping {

@@ -16,7 +16,7 @@ pub(super) fn texture(texture: &TextureDesc) -> Result<()> {
     let TextureDesc { path, source, mapping, .. } = texture;
     let at = |key: &str| join(path, key);
     match *mapping {
-        TextureMapping::Uv { scale, rotation, offset } => {
+        TextureMapping::Uv { scale, rotation, offset } | TextureMapping::Projected { scale, rotation, offset, .. } => {
             for (i, value) in scale.into_iter().enumerate() {
                 number(&at(&format!("scale[{i}]")), value)?;
             }
@@ -32,7 +32,10 @@ pub(super) fn texture(texture: &TextureDesc) -> Result<()> {
     }
     let TextureSource::Procedural(procedural) = source else {
         if matches!(mapping, TextureMapping::Space { .. }) {
-            return Err(Error::invalid(at("coordinates"), "an image lies on surfaces, expected 'uv'"));
+            return Err(Error::invalid(
+                at("coordinates"),
+                "an image lies on surfaces, expected `uv`, `box` or `planar-…`",
+            ));
         }
         return Ok(());
     };

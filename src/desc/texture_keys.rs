@@ -8,8 +8,8 @@ use serde_json::value::RawValue;
 use super::builder::Builder;
 use super::json::{self, Whole, join};
 use super::{
-    ImageTextureDesc, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
-    texture_check, validate,
+    ImageTextureDesc, Projection, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
+    TextureSource, texture_check, validate,
 };
 use crate::math::DVec3;
 use crate::texture::{ColorSpace, Pattern, Procedural, TextureFilter, Wrap};
@@ -65,7 +65,7 @@ pub(super) enum FilterKey {
     Stochastic,
 }
 
-/// Where a pattern lies.
+/// Where a texture lies.
 #[derive(Clone, Copy, Default, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -73,6 +73,14 @@ pub(super) enum Coordinates {
     /// On the surface, by its texture coordinates.
     #[default]
     Uv,
+    /// On the surface, by the world's coordinates from the side of a box that the face looks to.
+    Box,
+    /// On the surface, by the world's coordinates along the x axis.
+    PlanarX,
+    /// On the surface, by the world's coordinates from above.
+    PlanarY,
+    /// On the surface, by the world's coordinates along the z axis.
+    PlanarZ,
     /// In world space.
     Space,
 }
@@ -121,6 +129,9 @@ pub(super) struct Image {
     /// `nearest`, `bilinear` (default), `mip`, `ewa` or `stochastic`.
     #[serde(default, deserialize_with = "json::name")]
     filter: Option<FilterKey>,
+    /// `uv` (default), or for surfaces without texture coordinates `box`, `planar-x`, `planar-y` or `planar-z`.
+    #[serde(default, deserialize_with = "json::name")]
+    coordinates: Option<Coordinates>,
     /// Factors on u and v, applied first. Default [1, 1].
     scale: Option<[f64; 2]>,
     /// Degrees by which texture coordinates are turned about (0, 0), counter-clockwise. Default 0.
@@ -140,7 +151,7 @@ pub(super) struct PatternTexture {
     r#type: PatternTag,
     /// The two colours, [0, 1] per channel. Default black and white.
     colors: Option<[[f64; 3]; 2]>,
-    /// `uv` (default) or `space`.
+    /// `uv` (default), `space`, or `box`, `planar-x`, `planar-y` or `planar-z`.
     #[serde(default, deserialize_with = "json::name")]
     coordinates: Option<Coordinates>,
     /// Of a `grid`: width of the lines, in [0, 1] of a square. Default 0.1.
@@ -149,11 +160,11 @@ pub(super) struct PatternTexture {
     octaves: Option<Whole>,
     /// Of marble and wood: how far veins or rings are turned. Default 1 and 0.2.
     turbulence: Option<f64>,
-    /// Factors on the coordinates, applied first: two for `uv`, three for `space`. Default 1.
+    /// Factors on the coordinates, applied first: three for `space`, two for all others. Default 1.
     scale: Option<Vec<f64>>,
-    /// Of `uv`: degrees by which texture coordinates are turned. Default 0.
+    /// Of all but `space`: degrees by which texture coordinates are turned. Default 0.
     rotation: Option<f64>,
-    /// Added at last: two numbers for `uv`, three for `space`. Default 0.
+    /// Added at last: three numbers for `space`, two for all others. Default 0.
     offset: Option<Vec<f64>>,
 }
 
@@ -236,12 +247,26 @@ fn image(keys: Image, path: &str, builder: &mut Builder<'_>) -> Result<TextureDe
             FilterKey::Stochastic => TextureFilter::Stochastic,
         },
     });
-    let mapping = TextureMapping::Uv {
-        scale: keys.scale.unwrap_or([1.0; 2]),
-        rotation: keys.rotation.unwrap_or(0.0).to_radians(),
-        offset: keys.offset.unwrap_or_default(),
+    let (scale, offset) = (keys.scale.unwrap_or([1.0; 2]), keys.offset.unwrap_or_default());
+    let rotation = keys.rotation.unwrap_or(0.0).to_radians();
+    let mapping = match keys.coordinates.unwrap_or_default() {
+        // Refused by the check that follows, with its reason.
+        Coordinates::Space => TextureMapping::Space { scale: DVec3::ONE, offset: DVec3::ZERO },
+        on_surface => mapping(on_surface, scale, rotation, offset),
     };
     Ok(TextureDesc { name: keys.name, path: path.to_owned(), source, mapping })
+}
+
+/// The mapping of a texture that lies on surfaces.
+fn mapping(coordinates: Coordinates, scale: [f64; 2], rotation: f64, offset: [f64; 2]) -> TextureMapping {
+    let projection = match coordinates {
+        Coordinates::Uv | Coordinates::Space => return TextureMapping::Uv { scale, rotation, offset },
+        Coordinates::Box => Projection::Box,
+        Coordinates::PlanarX => Projection::X,
+        Coordinates::PlanarY => Projection::Y,
+        Coordinates::PlanarZ => Projection::Z,
+    };
+    TextureMapping::Projected { projection, scale, rotation, offset }
 }
 
 fn pattern(keys: PatternTexture, path: &str) -> Result<TextureDesc> {
@@ -281,7 +306,7 @@ fn pattern(keys: PatternTexture, path: &str) -> Result<TextureDesc> {
         if keys.rotation.is_some() {
             return Err(Error::invalid(
                 at("rotation"),
-                "only texture coordinates are turned, expected coordinates 'uv'",
+                "only coordinates on surfaces are turned, expected coordinates other than 'space'",
             ));
         }
         TextureMapping::Space {
@@ -289,11 +314,10 @@ fn pattern(keys: PatternTexture, path: &str) -> Result<TextureDesc> {
             offset: DVec3::from_array(list(&at("offset"), keys.offset, 0.0)?),
         }
     } else {
-        TextureMapping::Uv {
-            scale: list(&at("scale"), keys.scale, 1.0)?,
-            rotation: keys.rotation.unwrap_or(0.0).to_radians(),
-            offset: list(&at("offset"), keys.offset, 0.0)?,
-        }
+        let scale = list(&at("scale"), keys.scale, 1.0)?;
+        let offset = list(&at("offset"), keys.offset, 0.0)?;
+        let rotation = keys.rotation.unwrap_or(0.0).to_radians();
+        mapping(keys.coordinates.unwrap_or_default(), scale, rotation, offset)
     };
     Ok(TextureDesc { name: keys.name, path: path.to_owned(), source, mapping })
 }

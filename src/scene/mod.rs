@@ -33,6 +33,7 @@ mod mesh;
 #[cfg(test)]
 pub(crate) mod motion;
 mod options;
+mod projection;
 mod record;
 mod roulette;
 mod specular;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::material::turned_with_tangents;
+use super::projection::Projected;
 use super::{SurfaceDetail, VaryingMaterial};
 use crate::bsdf::{Black, Bsdf, Lobes, Mix, Model as _, TwoSided};
 use crate::desc::{
@@ -117,7 +118,8 @@ enum Placement {
 impl Placement {
     fn new(mapping: &TextureMapping, centre: DVec3) -> Self {
         match *mapping {
-            TextureMapping::Uv { scale: [su, sv], rotation, offset } => {
+            TextureMapping::Uv { scale: [su, sv], rotation, offset }
+            | TextureMapping::Projected { scale: [su, sv], rotation, offset, .. } => {
                 let (sin, cos) = rotation.sin_cos();
                 let matrix = [[cos * su, -sin * sv], [sin * su, cos * sv]];
                 Self::Uv { matrix: matrix.map(|row| row.map(|x| x as f32)), offset: offset.map(|x| x as f32) }
@@ -155,6 +157,8 @@ impl Placement {
 struct Bound {
     key: TextureKey,
     texture: Arc<Texture>,
+    /// What gives texture coordinates where they are not those of the surface.
+    projected: Option<Projected>,
     placement: Placement,
     channel: usize,
     /// Whether the parameter, if it is a colour, takes all channels.
@@ -167,6 +171,14 @@ struct Bound {
 
 impl Bound {
     fn texel(&self, at: &SurfaceDetail) -> Texel {
+        match &self.projected {
+            None => self.texel_at(at),
+            Some(projected) => self.texel_at(&projected.apply(at)),
+        }
+    }
+
+    /// The texel where `at` has the texture's own coordinates.
+    fn texel_at(&self, at: &SurfaceDetail) -> Texel {
         self.texture.at(&self.placement.point(at, self.asks_footprint))
     }
 
@@ -232,6 +244,10 @@ impl Binder<'_> {
             key: binding.key,
             asks_footprint: texture.asks_footprint(),
             texture,
+            projected: match desc.mapping {
+                TextureMapping::Projected { projection, .. } => Some(Projected { projection, centre: self.centre }),
+                TextureMapping::Uv { .. } | TextureMapping::Space { .. } => None,
+            },
             placement: Placement::new(&desc.mapping, self.centre),
             channel,
             is_whole: binding.channel == TextureChannel::Default,
@@ -446,14 +462,15 @@ impl VaryingMaterial for Textured {
 
     fn normal(&self, at: &SurfaceDetail) -> Vec3 {
         let Some(bound) = &self.normal else { return at.ns };
-        let normal = if bound.key == TextureKey::Normal { mapped(bound, at) } else { bumped(bound, at) };
+        let own = bound.projected.map_or(*at, |projected| projected.apply(at));
+        let normal = if bound.key == TextureKey::Normal { mapped(bound, &own) } else { bumped(bound, &own) };
         normal.try_normalize().filter(|n| n.is_finite() && n.dot(at.ns) > 0.0).unwrap_or(at.ns)
     }
 }
 
 /// The normal of a normal map: its x along the tangent, its y to the side to which the second texture coordinate grows.
 fn mapped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
-    let [x, y, z, _] = bound.texel(at);
+    let [x, y, z, _] = bound.texel_at(at);
     let (x, y, z) = (bound.strength * (2.0 * x - 1.0), bound.strength * (2.0 * y - 1.0), 2.0 * z - 1.0);
     let [dpdu, dpdv] = bound.placement.tangents(at);
     let Some(tangent) = (dpdu - dpdu.dot(at.ns) * at.ns).try_normalize() else { return at.ns };
@@ -473,7 +490,7 @@ fn bumped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
         Texture::Image(image) => 0.5 / image.texels_across() as f32,
         Texture::Procedural(..) => 1e-3,
     };
-    let height = |at: &SurfaceDetail| bound.number(&bound.texel(at));
+    let height = |at: &SurfaceDetail| bound.number(&bound.texel_at(at));
     // The step is in texture coordinates, or in lengths for patterns in space.
     let (along, across) = match bound.placement {
         Placement::Uv { matrix, .. } => {

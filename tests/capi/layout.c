@@ -125,6 +125,13 @@ static void enumerations(void) {
     VALUE(ETD_TEXTURE_FILTER_MIP);
     VALUE(ETD_TEXTURE_FILTER_EWA);
     VALUE(ETD_TEXTURE_FILTER_STOCHASTIC);
+    ENUM(etd_coordinates);
+    VALUE(ETD_COORDINATES_UV);
+    VALUE(ETD_COORDINATES_SPACE);
+    VALUE(ETD_COORDINATES_BOX);
+    VALUE(ETD_COORDINATES_PLANAR_X);
+    VALUE(ETD_COORDINATES_PLANAR_Y);
+    VALUE(ETD_COORDINATES_PLANAR_Z);
     ENUM(etd_texture_channel);
     VALUE(ETD_CHANNEL_DEFAULT);
     VALUE(ETD_CHANNEL_RED);
@@ -389,7 +396,7 @@ static void structures(void) {
     FIELD(etd_texture, line_width);
     FIELD(etd_texture, turbulence);
     FIELD(etd_texture, octaves);
-    FIELD(etd_texture, in_space);
+    FIELD(etd_texture, coordinates);
     FIELD(etd_texture, scale);
     FIELD(etd_texture, rotation_deg);
     FIELD(etd_texture, offset);

@@ -319,10 +319,10 @@ TEXTURE_FIELD(e_texture_filter, filter)
 TEXTURE_FIELD(e_wrap_u, wrap_u)
 TEXTURE_FIELD(e_wrap_v, wrap_v)
 TEXTURE_FIELD(e_texture_sharing, sharing)
-static etd_status e_in_space(uint32_t value) {
+static etd_status e_coordinates(uint32_t value) {
     etd_texture texture = small_texture();
     texture.kind = ETD_TEXTURE_CHECKER;
-    texture.in_space = value;
+    texture.coordinates = value;
     return etd_scene_set_texture(scene, 0, &texture);
 }
 static etd_status e_texture_channel(uint32_t value) {
@@ -387,7 +387,7 @@ static void pass_wrong_enumerations(void) {
         {"wrap_u", e_wrap_u, ETD_WRAP_BLACK},
         {"wrap_v", e_wrap_v, ETD_WRAP_BLACK},
         {"sharing of texels", e_texture_sharing, ETD_SHARE},
-        {"in_space", e_in_space, 1},
+        {"coordinates", e_coordinates, ETD_COORDINATES_PLANAR_Z},
         {"channel", e_texture_channel, ETD_CHANNEL_ALPHA},
         {"sampler", e_sampler, ETD_SAMPLER_GAUSSIAN},
         {"filter", e_filter, ETD_FILTER_MITCHELL},

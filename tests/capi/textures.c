@@ -63,23 +63,31 @@ static void render_texture(etd_device *device, const etd_texture *texture, float
 static void patterns(etd_device *device) {
     static const struct {
         etd_texture_kind kind;
-        uint32_t in_space;
+        etd_coordinates coordinates;
         const char *json;
     } cases[] = {
-        {ETD_TEXTURE_CHECKER, 0, "\"type\": \"checker\", \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
-        {ETD_TEXTURE_CHECKER, 1,
+        {ETD_TEXTURE_CHECKER, ETD_COORDINATES_UV, "\"type\": \"checker\", \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
+        {ETD_TEXTURE_CHECKER, ETD_COORDINATES_SPACE,
          "\"type\": \"checker\", \"coordinates\": \"space\", \"scale\": [4, 2, 3], \"offset\": [0.25, 0.5, 0.125]"},
-        {ETD_TEXTURE_GRID, 0, "\"type\": \"grid\", \"lineWidth\": 0.25, \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
-        {ETD_TEXTURE_GRADIENT, 0, "\"type\": \"gradient\", \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
-        {ETD_TEXTURE_NOISE, 0,
+        {ETD_TEXTURE_CHECKER, ETD_COORDINATES_BOX,
+         "\"type\": \"checker\", \"coordinates\": \"box\", \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
+        {ETD_TEXTURE_GRADIENT, ETD_COORDINATES_PLANAR_Z,
+         "\"type\": \"gradient\", \"coordinates\": \"planar-z\", \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
+        {ETD_TEXTURE_GRADIENT, ETD_COORDINATES_PLANAR_X,
+         "\"type\": \"gradient\", \"coordinates\": \"planar-x\", \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
+        {ETD_TEXTURE_GRADIENT, ETD_COORDINATES_PLANAR_Y,
+         "\"type\": \"gradient\", \"coordinates\": \"planar-y\", \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
+        {ETD_TEXTURE_GRID, ETD_COORDINATES_UV, "\"type\": \"grid\", \"lineWidth\": 0.25, \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
+        {ETD_TEXTURE_GRADIENT, ETD_COORDINATES_UV, "\"type\": \"gradient\", \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
+        {ETD_TEXTURE_NOISE, ETD_COORDINATES_UV,
          "\"type\": \"noise\", \"octaves\": 3, \"scale\": [4, 2], \"offset\": [0.25, 0.5], \"rotation\": 30"},
-        {ETD_TEXTURE_TURBULENCE, 1,
+        {ETD_TEXTURE_TURBULENCE, ETD_COORDINATES_SPACE,
          "\"type\": \"turbulence\", \"octaves\": 3, \"coordinates\": \"space\", \"scale\": [4, 2, 3], "
          "\"offset\": [0.25, 0.5, 0.125]"},
-        {ETD_TEXTURE_MARBLE, 0,
+        {ETD_TEXTURE_MARBLE, ETD_COORDINATES_UV,
          "\"type\": \"marble\", \"octaves\": 3, \"turbulence\": 0.5, \"scale\": [4, 2], \"offset\": [0.25, 0.5], "
          "\"rotation\": 30"},
-        {ETD_TEXTURE_WOOD, 1,
+        {ETD_TEXTURE_WOOD, ETD_COORDINATES_SPACE,
          "\"type\": \"wood\", \"octaves\": 3, \"turbulence\": 0.5, \"coordinates\": \"space\", \"scale\": [4, 2, 3], "
          "\"offset\": [0.25, 0.5, 0.125]"},
     };
@@ -99,7 +107,7 @@ static void patterns(etd_device *device) {
         }
         render(device, file, expected);
         texture.kind = cases[i].kind;
-        texture.in_space = cases[i].in_space;
+        texture.coordinates = cases[i].coordinates;
         texture.colors[0][0] = 0.25f;
         texture.colors[0][1] = 0.5f;
         texture.colors[0][2] = 0.75f;
@@ -112,7 +120,7 @@ static void patterns(etd_device *device) {
         texture.scale[1] = 2;
         texture.offset[0] = 0.25;
         texture.offset[1] = 0.5;
-        if (cases[i].in_space) {
+        if (cases[i].coordinates == ETD_COORDINATES_SPACE) {
             texture.scale[2] = 3;
             texture.offset[2] = 0.125;
         } else {
@@ -124,7 +132,7 @@ static void patterns(etd_device *device) {
         /* What was read from the file is the same, and looks the same once it was set again. */
         CHECK_OK(etd_scene_find_texture(file, "pattern", &number));
         CHECK_OK(etd_scene_get_texture(file, number, &read));
-        check_that(read.kind == texture.kind && read.in_space == texture.in_space &&
+        check_that(read.kind == texture.kind && read.coordinates == texture.coordinates &&
                        memcmp(read.colors, texture.colors, sizeof read.colors) == 0 &&
                        memcmp(read.scale, texture.scale, sizeof read.scale) == 0 &&
                        memcmp(read.offset, texture.offset, sizeof read.offset) == 0 &&
@@ -359,7 +367,7 @@ static void errors(etd_device *device) {
     REFUSED((wrong.texel_format = ETD_TEXEL_FLOAT, wrong.texels = bytes[0] + 1, wrong.row_stride = 0), ETD_INVALID_ARGUMENT);
     REFUSED((wrong.width = wrong.height = UINT32_MAX, wrong.row_stride = SIZE_MAX / 2), ETD_INVALID_ARGUMENT);
     REFUSED((wrong.width = wrong.height = 1 << 15, wrong.row_stride = 0), ETD_INVALID_SCENE);
-    REFUSED(wrong.in_space = 1, ETD_INVALID_ARGUMENT);
+    REFUSED(wrong.coordinates = ETD_COORDINATES_SPACE, ETD_INVALID_ARGUMENT);
     REFUSED(wrong.file = "no-such-file.png", ETD_IO);
     REFUSED(wrong.scale[1] = (double)NAN, ETD_INVALID_SCENE);
     for (i = 0; i < 18; i += 17) {
@@ -372,7 +380,7 @@ static void errors(etd_device *device) {
     REFUSED((wrong.kind = ETD_TEXTURE_GRID, wrong.line_width = -1), ETD_INVALID_SCENE);
     REFUSED((wrong.kind = ETD_TEXTURE_NOISE, wrong.octaves = 17), ETD_INVALID_SCENE);
     REFUSED((wrong.kind = ETD_TEXTURE_WOOD, wrong.turbulence = NAN), ETD_INVALID_SCENE);
-    REFUSED((wrong.kind = ETD_TEXTURE_CHECKER, wrong.in_space = 1, wrong.rotation_deg = 1), ETD_INVALID_ARGUMENT);
+    REFUSED((wrong.kind = ETD_TEXTURE_CHECKER, wrong.coordinates = ETD_COORDINATES_SPACE, wrong.rotation_deg = 1), ETD_INVALID_ARGUMENT);
 
     CHECK_OK(etd_scene_add_texture(scene, "own", &texture, &number));
     CHECK(number == 0);

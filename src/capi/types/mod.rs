@@ -119,6 +119,8 @@ mod numbers {
     /// The enumeration of this name, as a number.
     pub type EtdWrap = u32;
     /// The enumeration of this name, as a number.
+    pub type EtdCoordinates = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdTextureFilter = u32;
     /// The enumeration of this name, as a number.
     pub type EtdTextureChannel = u32;

@@ -4,11 +4,12 @@ use std::ffi::{c_char, c_void};
 
 use super::device::etd_release_fn;
 use super::numbers::{
-    EtdColorSpace, EtdSharing, EtdTexelFormat, EtdTextureChannel, EtdTextureFilter, EtdTextureKind, EtdWrap,
+    EtdColorSpace, EtdCoordinates, EtdSharing, EtdTexelFormat, EtdTextureChannel, EtdTextureFilter, EtdTextureKind,
+    EtdWrap,
 };
 pub use {
-    etd_color_space::*, etd_texel_format::*, etd_texture_channel::*, etd_texture_filter::*, etd_texture_kind::*,
-    etd_wrap::*,
+    etd_color_space::*, etd_coordinates::*, etd_texel_format::*, etd_texture_channel::*, etd_texture_filter::*,
+    etd_texture_kind::*, etd_wrap::*,
 };
 
 /// What a texture shows.
@@ -92,6 +93,24 @@ pub enum etd_texture_filter {
     ETD_TEXTURE_FILTER_STOCHASTIC = 4,
 }
 
+/// Where a texture lies.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_coordinates {
+    /// On the surface, by its texture coordinates.
+    ETD_COORDINATES_UV = 0,
+    /// In world space; patterns only.
+    ETD_COORDINATES_SPACE = 1,
+    /// On the surface, by the world's coordinates from the side of a box that the face looks to, in scene units.
+    ETD_COORDINATES_BOX = 2,
+    /// On the surface, by the world's coordinates along the x axis: u is -z, v is y.
+    ETD_COORDINATES_PLANAR_X = 3,
+    /// On the surface, by the world's coordinates from above: u is x, v is -z.
+    ETD_COORDINATES_PLANAR_Y = 4,
+    /// On the surface, by the world's coordinates along the z axis: u is x, v is y.
+    ETD_COORDINATES_PLANAR_Z = 5,
+}
+
 /// Which number of a texture a parameter takes.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -155,8 +174,8 @@ pub struct etd_texture {
     pub turbulence: f32,
     /// Of noise, turbulence, marble and wood: number of octaves, 1 to 16; 0: 4.
     pub octaves: u32,
-    /// Of a pattern. 0: it lies on the surface, by texture coordinates; 1: it lies in world space.
-    pub in_space: u32,
+    /// An `etd_coordinates`.
+    pub coordinates: EtdCoordinates,
     /// Factors on the coordinates, applied first; the third is used in space only. Three zeros: 1.
     pub scale: [f64; 3],
     /// Angle by which texture coordinates are then turned about (0, 0), degrees, counter-clockwise; 0 in space.
@@ -193,6 +212,9 @@ enumerations! {
     etd_texture_filter:
         ETD_TEXTURE_FILTER_BILINEAR, ETD_TEXTURE_FILTER_NEAREST, ETD_TEXTURE_FILTER_MIP, ETD_TEXTURE_FILTER_EWA,
         ETD_TEXTURE_FILTER_STOCHASTIC;
+    etd_coordinates:
+        ETD_COORDINATES_UV, ETD_COORDINATES_SPACE, ETD_COORDINATES_BOX, ETD_COORDINATES_PLANAR_X,
+        ETD_COORDINATES_PLANAR_Y, ETD_COORDINATES_PLANAR_Z;
     etd_texture_channel:
         ETD_CHANNEL_DEFAULT, ETD_CHANNEL_RED, ETD_CHANNEL_GREEN, ETD_CHANNEL_BLUE, ETD_CHANNEL_ALPHA;
 }

@@ -1,6 +1,7 @@
 //! Textures: what a lookup returns, and what a scene with textures shows.
 
 mod lookups;
+mod projections;
 mod scenes;
 
 use std::sync::Arc;
@@ -11,7 +12,7 @@ use etendue::texture::{ColorSpace, ImageTexture, TexelImage, Texels, Texture, Te
 use crate::record::Entry;
 
 pub fn cases() -> Vec<Entry> {
-    lookups::cases().into_iter().chain(scenes::cases()).collect()
+    lookups::cases().into_iter().chain(scenes::cases()).chain(projections::cases()).collect()
 }
 
 const FILTERS: [TextureFilter; 5] = [
