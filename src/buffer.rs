@@ -104,6 +104,17 @@ impl<T: Element> Buffer<T> {
         unsafe { self.start.add(index * self.stride).cast::<T>().read() }
     }
 
+    /// `N` items from `first` on.
+    ///
+    /// # Panics
+    /// If there are fewer.
+    #[inline]
+    pub(crate) fn array<const N: usize>(&self, first: usize) -> [T; N] {
+        assert!(first <= self.len && N <= self.len - first, "items from {first} on of {}", self.len);
+        // SAFETY: as in `get`, for each of the items.
+        std::array::from_fn(|i| unsafe { self.start.add((first + i) * self.stride).cast::<T>().read() })
+    }
+
     /// Prefetches the beginning of the item `index` into the processor's cache. Does nothing where there is no such
     /// item, or on processors other than x86-64.
     #[inline]

@@ -130,7 +130,7 @@ impl Bake {
 fn reflection(scene: &Scene, facet: &Facet) -> ([Rgb; 2], Rgb) {
     let at = scene.facet_point(facet, 1.0 / 3.0, 1.0 / 3.0);
     let hit = facet.hit(1.0 / 3.0, 1.0 / 3.0);
-    let reflectances = scene.material(at.material).diffuse_albedos(|| scene.detail(&hit, &at));
+    let reflectances = scene.material(at.material).diffuse_albedos(|_| scene.detail(&hit, &at));
     let emitted = at.emitter.map_or(Rgb::ZERO, |emitter| scene.emitters().le(emitter, at.ng, at.ng));
     (reflectances, std::f32::consts::PI * emitted)
 }

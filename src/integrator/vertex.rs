@@ -1,5 +1,7 @@
 //! A vertex of a path: the light that its surface emits, the direct light that reaches it, and the path's next direction.
 
+use std::any::Any;
+
 use super::tracer::{Context, FirstHit, Tracer};
 use crate::bsdf::{Bsdf, Lobes, Model, SpecularLobes, TransportMode};
 use crate::emitter::{EmitterSet, Receiver};
@@ -110,14 +112,14 @@ fn asked<'v, C: Spectrum>(
     slot: &'v mut Option<Bsdf<C>>,
 ) -> (Vec3, &'v Bsdf<C>, Lobes) {
     let material = scene.material(index);
-    let detail_of = |ns: Vec3| scene.detail_at(hit, [ng, ns, p, wo], time, cone);
-    if let Some(own) = material.normal(|| detail_of(ns))
+    let detail_of = |ns: Vec3, with_tangents| scene.detail_at(hit, [ng, ns, p, wo], time, cone, with_tangents);
+    if let Some(own) = material.normal(|with_tangents| detail_of(ns, with_tangents))
         // As with interpolated normals, one that faces away from the viewer does not count.
         && own.dot(wo) * ng.dot(wo) > 0.0
     {
         ns = own;
     }
-    let detail = || detail_of(ns);
+    let detail = |with_tangents| detail_of(ns, with_tangents);
     let (bsdf, lobes) = match media {
         Some(media) if scene.bounds_medium(index) => {
             let front = ng.dot(wo) > 0.0;
@@ -288,11 +290,15 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         let wo_scene = self.wo_scene;
         let material = scene.material(material);
         let mut slot = None;
-        let bsdf = match self.hit {
-            Some(hit) => {
-                material.at::<Rgb>(move || scene.detail_at(hit, [ng, ns, p, wo_scene], time, cone), &(), &mut slot).0
+        let bsdf = match (self.hit, (self.bsdf as &dyn Any).downcast_ref()) {
+            // It has been asked already.
+            (Some(_), Some(own)) if self.media.is_none() => own,
+            (Some(hit), _) => {
+                let vectors = [ng, ns, p, wo_scene];
+                let detail = move |with_tangents| scene.detail_at(hit, vectors, time, cone, with_tangents);
+                material.at::<Rgb>(detail, &(), &mut slot).0
             }
-            None => material.mean(),
+            (None, _) => material.mean(),
         };
         let albedo = bsdf.albedo();
         FirstHit { albedo, normal: self.facing_shading(), p: self.surface.point.p }

@@ -38,8 +38,12 @@ impl Scene {
         if material.is_opaque() {
             return true;
         }
-        let opacity =
-            material.opacity(|| SurfaceDetail { footprint: 0.0, ..self.detail(hit, &self.interaction(ray, hit)) });
+        let opacity = material.opacity(|_| {
+            // Without a footprint nothing reads the tangents.
+            let at = self.interaction(ray, hit);
+            let vectors = [at.ng, at.ns, at.point.p, at.ns];
+            SurfaceDetail { footprint: 0.0, ..self.detail_at(hit, vectors, at.point.time, at.point.cone, false) }
+        });
         opacity >= 1.0 || opacity > 0.0 && uniform(ray, hit) < opacity
     }
 }

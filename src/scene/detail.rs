@@ -65,12 +65,24 @@ impl Scene {
     /// Computes texture coordinates and tangents at a hit, and the diameter of the ray that met the surface. `at` is the
     /// interaction of the same hit.
     pub fn detail(&self, hit: &Hit, at: &SurfaceInteraction) -> SurfaceDetail {
-        self.detail_at(hit, [at.ng, at.ns, at.point.p, at.ns], at.point.time, at.point.cone)
+        self.detail_at(hit, [at.ng, at.ns, at.point.p, at.ns], at.point.time, at.point.cone, true)
     }
 
     /// [`Scene::detail`] from the parts of an interaction that it needs: the two normals, the point, and the direction back along
-    /// the path.
-    pub(crate) fn detail_at(&self, hit: &Hit, [ng, ns, p, wo]: [Vec3; 4], time: f32, cone: RayCone) -> SurfaceDetail {
+    /// the path. Tangents are 0 unless they are asked for.
+    pub(crate) fn detail_at(
+        &self,
+        hit: &Hit,
+        [ng, ns, p, wo]: [Vec3; 4],
+        time: f32,
+        cone: RayCone,
+        with_tangents: bool,
+    ) -> SurfaceDetail {
+        if !with_tangents {
+            let uv = self.analytic_parameters(hit, p).map_or_else(|| self.uv(hit), |(uv, _)| uv);
+            let (footprint, none) = (cone.width(), Vec3::ZERO);
+            return SurfaceDetail { uv, dpdu: none, dpdv: none, footprint, p, wo, ng, ns, tangent: none };
+        }
         let (uv, tangents) =
             self.analytic_parameters(hit, p).unwrap_or_else(|| (self.uv(hit), self.tangents(hit, time)));
         let [dpdu, dpdv] = tangents.unwrap_or_else(|| {

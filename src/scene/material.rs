@@ -56,6 +56,11 @@ pub trait VaryingMaterial: Debug + Send + Sync {
         at.ns
     }
 
+    /// Whether the material reads the tangents of [`SurfaceDetail`].
+    fn asks_tangents(&self) -> bool {
+        true
+    }
+
     /// Whether the material reads [`SurfaceDetail::footprint`].
     fn asks_footprint(&self) -> bool {
         false
@@ -128,14 +133,15 @@ impl Material {
     }
 
     /// Returns the Bsdf of this material at a hit, in the channels of a path. `detail` computes
-    /// [`Scene::detail`](super::Scene::detail) of the hit, and is called only if the material varies.
+    /// [`Scene::detail`](super::Scene::detail) of the hit, with tangents where they are asked for, and is called only if the
+    /// material varies.
     ///
     /// The result is the material's own Bsdf where that serves. Otherwise the Bsdf is put into `slot`. The lobes are those that
     /// scatter any light.
     #[inline(always)]
     pub fn at<'a, C: Spectrum>(
         &'a self,
-        detail: impl FnOnce() -> SurfaceDetail,
+        detail: impl FnOnce(bool) -> SurfaceDetail,
         wavelengths: &C::Wavelengths,
         slot: &'a mut Option<Bsdf<C>>,
     ) -> (&'a Bsdf<C>, Lobes) {
@@ -203,14 +209,14 @@ impl Material {
 
     /// The shading normal at a hit, where the material has its own.
     #[inline(always)]
-    pub(crate) fn normal(&self, detail: impl FnOnce() -> SurfaceDetail) -> Option<Vec3> {
+    pub(crate) fn normal(&self, detail: impl FnOnce(bool) -> SurfaceDetail) -> Option<Vec3> {
         let varying = self.varying.as_deref()?;
         own_normal(varying, detail)
     }
 
     /// The share of the irradiance that the diffuse lobes reflect at a hit, as a colour, on the outer and on the inner side.
     /// Other lobes give 0.
-    pub fn diffuse_albedos(&self, detail: impl FnOnce() -> SurfaceDetail) -> [Rgb; 2] {
+    pub fn diffuse_albedos(&self, detail: impl FnOnce(bool) -> SurfaceDetail) -> [Rgb; 2] {
         let mut slot = None;
         let (bsdf, _) = self.at::<Rgb>(detail, &(), &mut slot);
         [true, false].map(|front| bsdf.on_side(front).diffuse_albedo())
@@ -222,9 +228,9 @@ impl Material {
     }
 
     /// The probability with which a ray meets the surface at a hit, in [0, 1].
-    pub fn opacity(&self, detail: impl FnOnce() -> SurfaceDetail) -> f32 {
+    pub fn opacity(&self, detail: impl FnOnce(bool) -> SurfaceDetail) -> f32 {
         match &self.varying {
-            Some(varying) if !varying.is_opaque() => self.opacity * varying.opacity(&detail()),
+            Some(varying) if !varying.is_opaque() => self.opacity * varying.opacity(&detail(varying.asks_tangents())),
             _ => self.opacity,
         }
     }
@@ -232,14 +238,14 @@ impl Material {
 
 #[cold]
 #[inline(never)]
-fn own_normal(varying: &dyn VaryingMaterial, detail: impl FnOnce() -> SurfaceDetail) -> Option<Vec3> {
-    varying.has_normals().then(|| varying.normal(&detail()))
+fn own_normal(varying: &dyn VaryingMaterial, detail: impl FnOnce(bool) -> SurfaceDetail) -> Option<Vec3> {
+    varying.has_normals().then(|| varying.normal(&detail(true)))
 }
 
 #[cold]
 #[inline(never)]
-fn ask(varying: &dyn VaryingMaterial, detail: impl FnOnce() -> SurfaceDetail) -> Bsdf {
-    varying.bsdf(&detail())
+fn ask(varying: &dyn VaryingMaterial, detail: impl FnOnce(bool) -> SurfaceDetail) -> Bsdf {
+    varying.bsdf(&detail(varying.asks_tangents()))
 }
 
 /// What the materials of a scene need to know of a hit. What none of them needs is not computed.

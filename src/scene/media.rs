@@ -276,7 +276,7 @@ impl Scene {
         material: u32,
         front: bool,
         wavelengths: &C::Wavelengths,
-        detail: impl FnOnce() -> SurfaceDetail,
+        detail: impl FnOnce(bool) -> SurfaceDetail,
     ) -> Bsdf<C> {
         let own = || self.material(material).mean().in_spectrum::<C>(wavelengths);
         let Some(all) = self.media.as_deref() else { return own() };
@@ -296,7 +296,7 @@ impl Scene {
                     rest.first().map_or(Bsdf::Black(Black), |own| Bsdf::within(&own.bsdf, before, Some(outer)))
                 });
                 if bsdf.is_anisotropic() {
-                    turned_with_tangents(bsdf, &detail()).in_spectrum::<C>(wavelengths)
+                    turned_with_tangents(bsdf, &detail(true)).in_spectrum::<C>(wavelengths)
                 } else {
                     bsdf.in_spectrum::<C>(wavelengths)
                 }

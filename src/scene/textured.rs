@@ -368,6 +368,7 @@ pub(super) struct Textured {
     extremes: Vec<Bsdf>,
     lobes: Lobes,
     asks_footprint: bool,
+    asks_tangents: bool,
 }
 
 impl Textured {
@@ -418,7 +419,9 @@ impl Textured {
             extremes.push(recipe.bsdf(&smoothest));
         }
         let lobes = extremes.iter().map(|bsdf| bsdf.lit_lobes()).fold(Lobes::empty(), |all, some| all | some);
-        Ok(Some(Self { recipe, opacity, normal, mean, extremes, lobes, asks_footprint }))
+        // Footprints are ellipses in the tangents.
+        let asks_tangents = asks_footprint || normal.is_some() || extremes.iter().any(|bsdf| bsdf.is_anisotropic());
+        Ok(Some(Self { recipe, opacity, normal, mean, extremes, lobes, asks_footprint, asks_tangents }))
     }
 }
 
@@ -450,6 +453,10 @@ impl VaryingMaterial for Textured {
 
     fn asks_footprint(&self) -> bool {
         self.asks_footprint
+    }
+
+    fn asks_tangents(&self) -> bool {
+        self.asks_tangents
     }
 
     fn is_textured(&self) -> bool {

@@ -79,7 +79,15 @@ impl ImageTexture {
     /// A texel of a level, columns to the right and rows down, which may lie beyond the edges.
     #[inline]
     fn texel(&self, level: usize, at: [i64; 2]) -> Texel {
-        let Some([x, y]) = wrapped(self.wrap, self.size(level), at) else { return [0.0; 4] };
+        match wrapped(self.wrap, self.size(level), at) {
+            Some([x, y]) => self.stored(level, x, y),
+            None => [0.0; 4],
+        }
+    }
+
+    /// A texel of a level within its edges.
+    #[inline]
+    fn stored(&self, level: usize, x: u32, y: u32) -> Texel {
         match &self.pyramid {
             Some(pyramid) if level > 0 => pyramid.texel(level, x, y),
             _ => self.image.texel(x, y, self.space),
@@ -88,7 +96,12 @@ impl ImageTexture {
 
     pub(super) fn at(&self, at: &TexturePoint) -> Texel {
         // Beyond these coordinates single precision knows no texels.
-        let uv = at.uv.map(|c| if c.is_finite() { c.clamp(-MOST_COORDINATE, MOST_COORDINATE) } else { 0.0 });
+        let uv = [0, 1].map(|i: usize| {
+            let c = at.uv[i];
+            let c = if c.is_finite() { c.clamp(-MOST_COORDINATE, MOST_COORDINATE) } else { 0.0 };
+            // Near 0 single precision is finest, and texels need no division to be found.
+            if self.wrap[i] == Wrap::Repeat { c - c.floor() } else { c }
+        });
         match self.filter {
             TextureFilter::Nearest => self.nearest(uv),
             TextureFilter::Bilinear => self.bilinear(0, uv),
@@ -115,8 +128,14 @@ impl ImageTexture {
         let [x, y] = place.map(|x| x.floor() as i64);
         let [s, t] = [place[0] - x as f32, place[1] - y as f32];
         let (left, right) = (1.0 - s, s);
-        let rows = [0, 1].map(|j| {
-            let [a, b] = [0, 1].map(|i| self.texel(level, [x + i, y + j]));
+        let size = self.size(level);
+        let [columns, rows] = [(x, 0), (y, 1)]
+            .map(|(first, i): (i64, usize)| [first, first + 1].map(|place| self.wrap[i].place(place, size[i])));
+        let rows = rows.map(|row| {
+            let [a, b] = columns.map(|column| match (column, row) {
+                (Some(x), Some(y)) => self.stored(level, x, y),
+                _ => [0.0; 4],
+            });
             std::array::from_fn(|c| left * a[c] + right * b[c])
         });
         let [upper, lower]: [Texel; 2] = rows;

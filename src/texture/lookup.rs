@@ -20,6 +20,8 @@ impl Wrap {
     pub(super) fn place(self, i: i64, n: u32) -> Option<u32> {
         let count = i64::from(n);
         let within = match self {
+            // Most are in range; a division takes long.
+            Self::Repeat if (0..count).contains(&i) => i,
             Self::Repeat => i.rem_euclid(count),
             Self::Mirror => {
                 let i = i.rem_euclid(2 * count);

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use half::f16;
 
 use super::Texel;
-use crate::buffer::Buffer;
+use crate::buffer::{Buffer, Element};
 use crate::spectrum::srgb_decode;
 
 /// What the numbers of an image mean.
@@ -79,29 +79,6 @@ impl Texels {
             Self::U16(values) => values.memory_bytes(),
             Self::F16(values) => values.memory_bytes(),
             Self::F32(values) => values.memory_bytes(),
-        }
-    }
-
-    /// A value as it is stored, in [0, 1] for integers.
-    #[inline]
-    fn value(&self, index: usize) -> f32 {
-        match self {
-            Self::U8(values) => f32::from(values.get(index)) / 255.0,
-            Self::U16(values) => f32::from(values.get(index)) / 65535.0,
-            Self::F16(values) => values.get(index).to_f32(),
-            Self::F32(values) => values.get(index),
-        }
-    }
-
-    /// A value that has the curve of sRGB, in linear light.
-    #[inline]
-    fn decoded(&self, index: usize) -> f32 {
-        match self {
-            Self::U8(values) => SRGB_8[usize::from(values.get(index))],
-            Self::U16(values) => SRGB_16[usize::from(values.get(index))],
-            // Values beyond 1 go on along the curve.
-            Self::F16(values) => srgb_decode(values.get(index).to_f32().max(0.0)),
-            Self::F32(values) => srgb_decode(values.get(index).max(0.0)),
         }
     }
 }
@@ -214,24 +191,68 @@ impl TexelImage {
     #[inline]
     pub fn texel(&self, x: u32, y: u32, space: ColorSpace) -> Texel {
         let first = y as usize * self.row + x as usize * self.channels as usize;
-        let color = |channel: usize| match space {
-            ColorSpace::Srgb => self.texels.decoded(first + channel),
-            ColorSpace::Linear | ColorSpace::Raw => self.texels.value(first + channel),
-        };
-        let other = |channel: usize| self.texels.value(first + channel);
+        // The format and the space are asked once for all channels.
+        let is_srgb = space == ColorSpace::Srgb;
+        match &self.texels {
+            Texels::U8(values) if is_srgb => {
+                let table: &[f32] = &SRGB_8;
+                self.read(values, first, |v| table[usize::from(v)], u8_value)
+            }
+            Texels::U8(values) => self.read(values, first, u8_value, u8_value),
+            Texels::U16(values) if is_srgb => {
+                let table: &[f32] = &SRGB_16;
+                self.read(values, first, |v| table[usize::from(v)], u16_value)
+            }
+            Texels::U16(values) => self.read(values, first, u16_value, u16_value),
+            // Values beyond 1 go on along the curve.
+            Texels::F16(values) if is_srgb => {
+                self.read(values, first, |v| srgb_decode(v.to_f32().max(0.0)), f16::to_f32)
+            }
+            Texels::F16(values) => self.read(values, first, f16::to_f32, f16::to_f32),
+            Texels::F32(values) if is_srgb => self.read(values, first, |v| srgb_decode(v.max(0.0)), |v| v),
+            Texels::F32(values) => self.read(values, first, |v| v, |v| v),
+        }
+    }
+
+    /// The texel whose values begin at `first`: colours and opacity by these functions.
+    #[inline(always)]
+    fn read<T: Element>(
+        &self,
+        values: &Buffer<T>,
+        first: usize,
+        color: impl Fn(T) -> f32,
+        opacity: impl Fn(T) -> f32,
+    ) -> Texel {
         match self.channels {
             1 => {
-                let grey = color(0);
+                let grey = color(values.get(first));
                 [grey, grey, grey, 1.0]
             }
             2 => {
-                let grey = color(0);
-                [grey, grey, grey, other(1)]
+                let [grey, a] = values.array(first);
+                let grey = color(grey);
+                [grey, grey, grey, opacity(a)]
             }
-            3 => [color(0), color(1), color(2), 1.0],
-            _ => [color(0), color(1), color(2), other(3)],
+            3 => {
+                let [r, g, b] = values.array(first);
+                [color(r), color(g), color(b), 1.0]
+            }
+            _ => {
+                let [r, g, b, a] = values.array(first);
+                [color(r), color(g), color(b), opacity(a)]
+            }
         }
     }
+}
+
+/// A number of 8 bits, of which 255 is 1.
+fn u8_value(value: u8) -> f32 {
+    f32::from(value) / 255.0
+}
+
+/// A number of 16 bits, of which 65535 is 1.
+fn u16_value(value: u16) -> f32 {
+    f32::from(value) / 65535.0
 }
 
 /// Checks the size of an image before it is decoded.
