@@ -806,7 +806,7 @@ fn textures_vary_what_the_specification_says() {
     let material = json!({
         "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5], "baseColorTexture": info(), "metallicRoughnessTexture": info()},
         "normalTexture": {"index": 0, "scale": 0.5}, "occlusionTexture": info(), "emissiveTexture": info(),
-        "emissiveFactor": [1, 1, 1], "alphaMode": "BLEND",
+        "alphaMode": "BLEND",
         "extensions": {
             "KHR_materials_transmission": {"transmissionFactor": 0.5, "transmissionTexture": info()},
             "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatTexture": info(), "clearcoatRoughnessTexture": info(),
@@ -838,10 +838,43 @@ fn textures_vary_what_the_specification_says() {
     // Colours and numbers are two textures of one image.
     assert_eq!(scene.textures.len(), 2);
     let said = scene.warnings.join("\n");
-    for left_out in ["occlusionTexture", "emissiveTexture", "clearcoatNormalTexture", "specularColorTexture"] {
+    for left_out in ["occlusionTexture", "clearcoatNormalTexture", "specularColorTexture"] {
         assert!(said.contains("not drawn: ") && said.contains(left_out), "{said}");
     }
     Scene::build(&scene, &BuildOptions::default()).expect("a scene");
+}
+
+#[test]
+fn textures_vary_emission() {
+    let emission_of = |material: &Value| {
+        let scene = textured(&UPRIGHT, material).load().unwrap();
+        Scene::build(&scene, &BuildOptions::default()).expect("a scene");
+        let it = &scene.materials[0];
+        let keys: Vec<_> = it.textures.iter().map(|binding| (binding.key, binding.channel)).collect();
+        (it.emission.map(|radiance| radiance.to_array()), keys, it.bsdf)
+    };
+    let of_texture = vec![(desc::TextureKey::Emission, desc::TextureChannel::Default)];
+    let material = json!({
+        "emissiveTexture": {"index": 0}, "emissiveFactor": [1, 0.5, 1],
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}},
+    });
+    let (emission, textures, _) = emission_of(&material);
+    assert_eq!((emission, &textures), (Some([4.0, 2.0, 4.0]), &of_texture));
+    // A factor of 0, the default, is dark whatever the texture.
+    let (emission, textures, _) = emission_of(&json!({"emissiveTexture": {"index": 0}}));
+    assert_eq!((emission, textures), (None, Vec::new()));
+    // A surface that shows its texture whatever the light.
+    let material = json!({
+        "pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 1, 1], "baseColorTexture": {"index": 0}},
+        "extensions": {"KHR_materials_unlit": {}},
+    });
+    let (emission, textures, bsdf) = emission_of(&material);
+    assert_eq!((emission, textures, bsdf), (Some([0.5, 1.0, 1.0]), of_texture, desc::BsdfDesc::Black));
+    // Without its image, which is dark in most places, nothing shines.
+    let mut file = textured(&UPRIGHT, &json!({"emissiveTexture": {"index": 0}, "emissiveFactor": [1, 1, 1]}));
+    file.root["images"][0] = json!({"uri": "missing.png"});
+    let scene = file.load().unwrap();
+    assert_eq!((scene.materials[0].emission, scene.materials[0].textures.len()), (None, 0));
 }
 
 /// What is broken is one error at the element.

@@ -348,6 +348,8 @@ fn maps_vary_parameters() {
                 (TextureKey::CoatRoughness, "red.png", all, 1.0),
             ],
         ),
+        ("Ke 2 2 2\nmap_Ke red.png", vec![(TextureKey::Emission, "red.png", all, 1.0)]),
+        ("map_Ke red.png", vec![(TextureKey::Emission, "red.png", all, 1.0)]),
         // An image that is opaque everywhere holds the opacity in its colour.
         ("map_d leaf.png", vec![(TextureKey::Opacity, "leaf.png", all, 1.0)]),
         ("map_d maps/two words.png", vec![(TextureKey::Opacity, "two words.png", TextureChannel::Red, 1.0)]),
@@ -403,6 +405,8 @@ fn maps_that_mean_nothing_here_are_left_out_with_a_warning() {
         ("Ke 1 1 1\nmap_d leaf.png", "map_d 'leaf.png' is the opacity of a material that emits or refracts light"),
         ("illum 7\nmap_d leaf.png", "map_d 'leaf.png' is the opacity of a material that emits or refracts light"),
         ("norm normals.png\nbump red.png", "bump 'red.png' is a second map for the normal; it is left out"),
+        ("Ke 0 0 0\nmap_Ke red.png", "map_Ke 'red.png' varies an emission (Ke) that is 0; it is left out"),
+        ("map_Ke no.png", "map_Ke 'no.png' does not exist; it is left out"),
         ("map_Ns red.png", "m.mtl:2: map_Ns has no meaning here; it is left out"),
         ("disp red.png", "m.mtl:2: disp has no meaning here; it is left out"),
     ] {

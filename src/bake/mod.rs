@@ -131,6 +131,6 @@ fn reflection(scene: &Scene, facet: &Facet) -> ([Rgb; 2], Rgb) {
     let at = scene.facet_point(facet, 1.0 / 3.0, 1.0 / 3.0);
     let hit = facet.hit(1.0 / 3.0, 1.0 / 3.0);
     let reflectances = scene.material(at.material).diffuse_albedos(|_| scene.detail(&hit, &at));
-    let emitted = at.emitter.map_or(Rgb::ZERO, |emitter| scene.emitters().le(emitter, at.ng, at.ng));
+    let emitted = at.emitter.map_or(Rgb::ZERO, |emitter| scene.emitters().le(emitter, at.ng, at.ng, at.point.p));
     (reflectances, std::f32::consts::PI * emitted)
 }

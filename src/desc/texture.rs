@@ -235,6 +235,8 @@ keys! {
     FuzzRoughness = "fuzz_roughness",
     /// The opacity of any material.
     Opacity = "opacity",
+    /// The emission of a material that has one, as a factor: also values above 1.
+    Emission = "emission",
     /// The shading normal of any material: red, green and blue are (x + 1) / 2, (y + 1) / 2 and (z + 1) / 2 of a normal in the frame of the
     /// tangents (x along u, y along v).
     Normal = "normal",
@@ -250,7 +252,7 @@ impl TextureKey {
 
     /// Whether it is not a parameter of the scattering model.
     pub fn is_of_surface(self) -> bool {
-        matches!(self, Self::Opacity | Self::Normal | Self::Bump)
+        matches!(self, Self::Opacity | Self::Emission | Self::Normal | Self::Bump)
     }
 
     /// Whether it is a colour.
@@ -266,6 +268,7 @@ impl TextureKey {
                 | Self::TransmissionColor
                 | Self::CoatColor
                 | Self::FuzzColor
+                | Self::Emission
         )
     }
 

@@ -93,6 +93,10 @@ pub(super) fn bindings(
             );
             return Err(Error::invalid(at, message));
         }
+        if key == TextureKey::Emission && material.emission.is_none() {
+            let message = "the material has no emission, on which the texture is a factor";
+            return Err(Error::invalid(at, message));
+        }
         number(&join(&at, "strength"), binding.strength.into())?;
         // Shadow rays would see another surface than the paths that they belong to, and slopes would be those of noise.
         if matches!(key, TextureKey::Opacity | TextureKey::Bump)

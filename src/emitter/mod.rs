@@ -9,6 +9,7 @@ mod environment;
 mod receiver;
 mod sample;
 mod sphere;
+mod textured;
 mod tree;
 mod triangle;
 
@@ -16,18 +17,20 @@ pub use environment::EnvironmentEmitter;
 pub use receiver::Receiver;
 pub use sample::{Departure, EmitterSample};
 pub use sphere::SphereEmitter;
+pub use textured::{TextureCorners, TexturedTriangle};
 pub use triangle::TriangleEmitter;
 
 use std::f64::consts::PI;
 
 use crate::math::{DVec3, HitPoint, Vec3};
 use crate::sampling::Distribution1D;
+use crate::shape::Triangle;
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
 use crate::{Cancel, Result};
 use tree::LightTree;
 
 /// A light source in the scene frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Emitter {
     /// A point with the same radiant intensity in all directions.
     Point {
@@ -38,6 +41,8 @@ pub enum Emitter {
     },
     /// A one-sided triangle.
     Triangle(TriangleEmitter),
+    /// A one-sided triangle whose radiance a texture varies.
+    Textured(Box<TexturedTriangle>),
     /// A sphere that emits outwards.
     Sphere(SphereEmitter),
     /// Light from infinity.
@@ -50,7 +55,8 @@ impl Emitter {
     pub fn power(&self) -> DVec3 {
         match self {
             Self::Point { intensity, .. } => 4.0 * PI * intensity.to_f64(),
-            Self::Triangle(emitter) => PI * f64::from(emitter.triangle.area) * emitter.radiance.to_f64(),
+            Self::Triangle(emitter) => emitter.power(),
+            Self::Textured(emitter) => emitter.mean.power(),
             Self::Sphere(emitter) => PI * emitter.sphere.area() * emitter.radiance.to_f64(),
             Self::Environment(emitter) => emitter.power(),
         }
@@ -61,8 +67,18 @@ impl Emitter {
         match self {
             Self::Point { .. } => 0.0,
             Self::Triangle(emitter) => f64::from(emitter.triangle.area),
+            Self::Textured(emitter) => f64::from(emitter.mean.triangle.area),
             Self::Sphere(emitter) => emitter.sphere.area(),
             Self::Environment(emitter) => emitter.area(),
+        }
+    }
+
+    /// The shape of a triangle that emits.
+    pub fn triangle(&self) -> Option<&Triangle> {
+        match self {
+            Self::Triangle(emitter) => Some(&emitter.triangle),
+            Self::Textured(emitter) => Some(&emitter.mean.triangle),
+            Self::Point { .. } | Self::Sphere(_) | Self::Environment(_) => None,
         }
     }
 
@@ -71,8 +87,18 @@ impl Emitter {
         match self {
             Self::Point { position, .. } => *position,
             Self::Triangle(emitter) => emitter.triangle.at(1.0 / 3.0, 1.0 / 3.0),
+            Self::Textured(emitter) => emitter.mean.triangle.at(1.0 / 3.0, 1.0 / 3.0),
             Self::Sphere(emitter) => emitter.sphere.centre.as_vec3a(),
             Self::Environment(emitter) => emitter.centre(),
+        }
+    }
+
+    /// The power \[W\] that all photons of the emitter together would have if each were like one that leaves from this sampled point.
+    #[inline]
+    pub fn power_from(&self, departure: &Departure) -> DVec3 {
+        match self {
+            Self::Textured(emitter) => emitter.power_from(departure.point.p),
+            _ => self.power(),
         }
     }
 
@@ -88,6 +114,7 @@ impl Emitter {
         match self {
             Self::Point { position, .. } => Departure { point: HitPoint::new(*position, 0.0), normal: None },
             Self::Triangle(emitter) => emitter.sample_departure(u),
+            Self::Textured(emitter) => emitter.sample_departure(u),
             Self::Sphere(emitter) => emitter.sample_departure(u),
             Self::Environment(emitter) => emitter.sample_departure(u),
         }
@@ -236,6 +263,7 @@ impl EmitterSet {
                 }
             }
             Emitter::Triangle(emitter) => emitter.sample(p, [u[1], u[2]])?,
+            Emitter::Textured(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Sphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Environment(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
         };
@@ -270,6 +298,7 @@ impl EmitterSet {
         let pdf = match &self.emitters[index as usize] {
             Emitter::Point { .. } | Emitter::Environment(_) => 0.0,
             Emitter::Triangle(emitter) => emitter.pdf(p, hit),
+            Emitter::Textured(emitter) => emitter.pdf(p, hit),
             Emitter::Sphere(emitter) => emitter.pdf(p),
         };
         pdf * self.probability(index, receiver)
@@ -310,15 +339,16 @@ impl EmitterSet {
         }
     }
 
-    /// Radiance that emitter `index` sends along `wo` (unit, leaving it) from a point with outward normal `ng`.
+    /// Radiance that emitter `index` sends along `wo` (unit, leaving it) from the point `p` with outward normal `ng`.
     #[inline]
-    pub fn le(&self, index: u32, ng: Vec3, wo: Vec3) -> Rgb {
+    pub fn le(&self, index: u32, ng: Vec3, wo: Vec3, p: Vec3) -> Rgb {
         if ng.dot(wo) <= 0.0 {
             return Rgb::ZERO;
         }
         match &self.emitters[index as usize] {
             Emitter::Point { .. } | Emitter::Environment(_) => Rgb::ZERO,
             Emitter::Triangle(emitter) => emitter.radiance,
+            Emitter::Textured(emitter) => emitter.radiance(p),
             Emitter::Sphere(emitter) => emitter.radiance,
         }
     }

@@ -1,7 +1,9 @@
 //! Triangles that emit.
 
+use std::f64::consts::PI;
+
 use super::{Departure, EmitterSample};
-use crate::math::{HitPoint, Vec3};
+use crate::math::{DVec3, HitPoint, Vec3};
 use crate::sampling::{SphericalTriangle, warps};
 use crate::shape::Triangle;
 use crate::spectrum::Rgb;
@@ -37,6 +39,11 @@ impl TriangleEmitter {
         let near2 = (AREA_SAMPLING_DISTANCE2 * triangle.area).max(AREA_SAMPLING_LENGTH2 * longest2);
         let centroid = triangle.at(1.0 / 3.0, 1.0 / 3.0);
         Self { triangle, radiance, centroid, near2, error }
+    }
+
+    /// Emitted power \[W\].
+    pub(super) fn power(&self) -> DVec3 {
+        PI * f64::from(self.triangle.area) * self.radiance.to_f64()
     }
 
     /// The triangle as seen from `p`, where directions are sampled by solid angle. `sample` and `pdf` must make the

@@ -87,7 +87,7 @@ fn emission<C: Spectrum>(
     light_samples: u32,
     wavelengths: &C::Wavelengths,
 ) -> C {
-    let le = C::from_emission(emitters.le(emitter, ng, wo), wavelengths);
+    let le = C::from_emission(emitters.le(emitter, ng, wo, p), wavelengths);
     match previous {
         Some((receiver, pdf)) if le != C::ZERO => {
             let light_pdf = emitters.pdf(emitter, receiver, p);

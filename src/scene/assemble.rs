@@ -40,6 +40,7 @@ impl Assembly {
     pub(super) fn unbound(&self) -> UnboundGeometry<'_> {
         UnboundGeometry {
             geometries: &self.geometries,
+            record: &self.record,
             list: &self.list,
             list_surfaces: &self.record.list_surfaces,
             centre: self.centre,

@@ -8,7 +8,8 @@ use super::cost;
 use super::geometry::Geometry;
 use super::interaction;
 use super::interaction::{NO_EMITTER, Owner, Owners, Triangles};
-use super::record::AppearanceKey;
+use super::record::{AppearanceKey, GeometryRecord};
+use super::textured_emission::{EmissionTexture, MOST_PIECES, emission_textures};
 use crate::control::WorkProgress;
 use crate::desc::SceneDesc;
 use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter, SphereEmitter, TriangleEmitter};
@@ -32,6 +33,7 @@ pub(super) struct SurfaceBindings {
 #[derive(Clone, Copy)]
 pub(super) struct UnboundGeometry<'a> {
     pub geometries: &'a [Geometry],
+    pub record: &'a GeometryRecord,
     pub list: &'a AnalyticList,
     pub list_surfaces: &'a [u32],
     pub centre: DVec3,
@@ -47,7 +49,15 @@ pub(super) fn triangles_cost(count: usize) -> f64 {
 
 /// Builds the tables of owners and the emitters of a scene from its description.
 pub(super) fn bindings(desc: &SceneDesc, unbound: UnboundGeometry, progress: &WorkProgress) -> Result<SurfaceBindings> {
-    let mut dresser = BindingBuilder { desc, progress, emitters: Vec::new() };
+    let textures = emission_textures(desc, unbound.centre)?;
+    let mut dresser = BindingBuilder {
+        desc,
+        progress,
+        record: unbound.record,
+        textures,
+        pieces_left: MOST_PIECES,
+        emitters: Vec::new(),
+    };
     dresser.point_lights(unbound.centre)?;
     let owners = unbound.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
     let list_owners = dresser.analytic(unbound.list.shapes(), unbound.list_surfaces);
@@ -73,6 +83,11 @@ pub(super) fn rebind_materials(old: &SurfaceBindings, appearance: &AppearanceKey
 struct BindingBuilder<'a, 'p> {
     desc: &'a SceneDesc,
     progress: &'a WorkProgress<'p>,
+    record: &'a GeometryRecord,
+    /// Of materials; empty where no texture varies an emission.
+    textures: Vec<Option<EmissionTexture>>,
+    /// Room for parts of textured triangles.
+    pieces_left: usize,
     emitters: Vec<Emitter>,
 }
 
@@ -127,7 +142,9 @@ impl BindingBuilder<'_, '_> {
                 let mut owners = Vec::with_capacity(parts.len());
                 progress.each(parts.len(), cost::EMITTER, |i| {
                     let surface = parts[i].surface;
-                    let emitter = self.emission(surface).and_then(|radiance| self.emit(triangles, i, radiance));
+                    let emitter = self
+                        .emission(surface)
+                        .and_then(|radiance| self.emit(geometry, triangles, i, surface, radiance));
                     owners.push(self.owner(surface, emitter.unwrap_or(NO_EMITTER)));
                 })?;
                 Ok(Owners::Each(owners))
@@ -137,7 +154,7 @@ impl BindingBuilder<'_, '_> {
                 if let Some(radiance) = self.emission(surface) {
                     first = self.emitters.len() as u32;
                     progress.each(triangles.mesh.indices().len(), cost::EMITTER, |i| {
-                        self.emit(triangles, i, radiance);
+                        self.emit(geometry, triangles, i, surface, radiance);
                     })?;
                 }
                 Ok(Owners::One(self.owner(surface, first)))
@@ -149,12 +166,27 @@ impl BindingBuilder<'_, '_> {
 
     /// Makes an emitter of a triangle in the scene frame and returns its number. Every triangle has an area here,
     /// because degenerate ones were dropped before.
-    fn emit(&mut self, triangles: &Triangles, index: usize, radiance: Rgb) -> Option<u32> {
+    fn emit(
+        &mut self,
+        geometry: &Geometry,
+        triangles: &Triangles,
+        index: usize,
+        surface: u32,
+        radiance: Rgb,
+    ) -> Option<u32> {
         let corners = triangles.mesh.indices().get(index);
         let vertices = triangles.mesh.vertices();
         let triangle = Triangle::new(corners.map(|corner| Vec3::from(vertices.get(corner as usize))))?;
         let error = interaction::triangle_error(&triangle);
-        self.emitters.push(Emitter::Triangle(TriangleEmitter::new(triangle, radiance, error)));
+        let material = self.desc.surfaces[surface as usize].material;
+        let emitter = match self.textures.get(material) {
+            Some(Some(texture)) => {
+                let uvs = self.record.corner_uvs(geometry, index as u32).unwrap_or_default();
+                texture.emitter(triangle, error, radiance, uvs, &mut self.pieces_left)
+            }
+            _ => Emitter::Triangle(TriangleEmitter::new(triangle, radiance, error)),
+        };
+        self.emitters.push(emitter);
         Some((self.emitters.len() - 1) as u32)
     }
 

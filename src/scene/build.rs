@@ -168,6 +168,9 @@ fn complete(
     let before = old.map(|old| &*old.textures);
     let mut textured = Vec::with_capacity(bsdfs.len());
     for (i, bsdf) in bsdfs.iter_mut().enumerate() {
+        if used[i] {
+            textures.add_emission(desc, &desc.materials[i], before, &device)?;
+        }
         let varying = match used[i] {
             true => Textured::new(desc, i, assembly.centre, &device, &mut textures, before)?,
             false => None,

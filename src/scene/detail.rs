@@ -6,6 +6,7 @@ use super::describe::in_order;
 use super::geometry::Geometry;
 use super::hit::Hit;
 use super::interaction::Triangles;
+use super::record::GeometryRecord;
 use super::{Scene, SurfaceInteraction};
 use crate::math::{DVec3, Frame, RayCone, Vec3, shutter_time};
 
@@ -118,26 +119,7 @@ impl Scene {
 
     /// The texture coordinates of a triangle's corners, in the order in which the kernel has them; `None` for other shapes.
     fn corner_uvs(&self, hit: &Hit) -> Option<[[f32; 2]; 3]> {
-        let plain = |swapped| [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|weights| in_order(swapped, weights));
-        match self.geometries.get(hit.geometry as usize)? {
-            Geometry::Loose { parts, .. } => {
-                let part = parts[hit.primitive as usize];
-                let weights = plain(self.record.is_mirrored(part.surface));
-                let is_quad = self.record.is_quad(part.surface);
-                Some(if is_quad { weights.map(|weights| quad_uv(part.half, weights)) } else { weights })
-            }
-            Geometry::Flat { triangles, surface, .. } | Geometry::Instance { triangles, surface, .. } => {
-                Some(self.mesh_uvs(*surface, triangles, hit.primitive).unwrap_or_else(|| plain(triangles.swapped)))
-            }
-            Geometry::Analytic { .. } => None,
-        }
-    }
-
-    /// The texture coordinates that a mesh gives to the corners of a triangle, where it has any.
-    fn mesh_uvs(&self, surface: u32, triangles: &Triangles, primitive: u32) -> Option<[[f32; 2]; 3]> {
-        let mesh = self.record.uv_mesh(surface)?;
-        let [a, b, c] = triangles.mesh.indices().get(primitive as usize);
-        Some([mesh.uv(a as usize)?, mesh.uv(b as usize)?, mesh.uv(c as usize)?])
+        self.record.corner_uvs(self.geometries.get(hit.geometry as usize)?, hit.primitive)
     }
 
     /// The derivatives of the position by the texture coordinates; `None` where these do not span the surface.
@@ -159,6 +141,32 @@ impl Scene {
         let determinant = u1 * v2 - u2 * v1;
         let tangents = [v2 * e1 - v1 * e2, u1 * e2 - u2 * e1].map(|sum: DVec3| (sum / determinant).as_vec3a());
         tangents.iter().all(|tangent| tangent.is_finite() && *tangent != Vec3::ZERO).then_some(tangents)
+    }
+}
+
+impl GeometryRecord {
+    /// The texture coordinates of a triangle's corners, in the order in which the kernel has them; `None` for other shapes.
+    pub(super) fn corner_uvs(&self, geometry: &Geometry, primitive: u32) -> Option<[[f32; 2]; 3]> {
+        let plain = |swapped| [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|weights| in_order(swapped, weights));
+        match geometry {
+            Geometry::Loose { parts, .. } => {
+                let part = parts[primitive as usize];
+                let weights = plain(self.is_mirrored(part.surface));
+                let is_quad = self.is_quad(part.surface);
+                Some(if is_quad { weights.map(|weights| quad_uv(part.half, weights)) } else { weights })
+            }
+            Geometry::Flat { triangles, surface, .. } | Geometry::Instance { triangles, surface, .. } => {
+                Some(self.mesh_uvs(*surface, triangles, primitive).unwrap_or_else(|| plain(triangles.swapped)))
+            }
+            Geometry::Analytic { .. } => None,
+        }
+    }
+
+    /// The texture coordinates that a mesh gives to the corners of a triangle, where it has any.
+    fn mesh_uvs(&self, surface: u32, triangles: &Triangles, primitive: u32) -> Option<[[f32; 2]; 3]> {
+        let mesh = self.uv_mesh(surface)?;
+        let [a, b, c] = triangles.mesh.indices().get(primitive as usize);
+        Some([mesh.uv(a as usize)?, mesh.uv(b as usize)?, mesh.uv(c as usize)?])
     }
 }
 

@@ -108,6 +108,7 @@ impl Scene {
     fn face(&self, body: Body, owner: Owner) -> Face {
         let emission = match self.emitters().emitters().get(owner.emitter as usize) {
             Some(Emitter::Triangle(emitter)) if owner.emitter != NO_EMITTER => emitter.radiance,
+            Some(Emitter::Textured(emitter)) if owner.emitter != NO_EMITTER => emitter.mean.radiance,
             Some(Emitter::Sphere(emitter)) if owner.emitter != NO_EMITTER => emitter.radiance,
             _ => Rgb::ZERO,
         };

@@ -440,7 +440,7 @@ mod tests {
                 let info = SceneInfo::new(desc, &[], &scene.record, &emitters, &PreparedTextures::default(), false);
                 (info, warnings(desc, &[], &scene.record.facts, &emitters, 0))
             };
-            let (info, warnings) = of(vec![point, environment(Rgb::ONE)]);
+            let (info, warnings) = of(vec![point.clone(), environment(Rgb::ONE)]);
             assert_eq!((info.emitters, info.point_lights, info.infinite_emitters), (2, 1, 1));
             assert!(warnings.is_empty(), "{warnings:?}");
             assert!(info.to_string().contains("\nemitters        2 (1 points, 1 at infinity)\n"), "{info}");

@@ -38,6 +38,7 @@ mod record;
 mod roulette;
 mod specular;
 mod textured;
+mod textured_emission;
 #[cfg(test)]
 pub(crate) mod varying;
 

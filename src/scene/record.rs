@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 
 use super::mesh::MeshObject;
-use crate::desc::{MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
+use super::textured_emission::binding_of;
+use crate::desc::{MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, TextureChannel, TextureDesc, TextureKey};
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
 
@@ -164,13 +165,21 @@ pub(super) struct AppearanceKey {
     /// Material of each surface.
     pub materials: Vec<u32>,
     emissions: Vec<Option<Rgb>>,
+    /// The textures that vary emissions, of each surface; empty where there are none.
+    emission_textures: Vec<Option<(Arc<TextureDesc>, TextureChannel)>>,
     lights: Vec<(DVec3, Rgb)>,
     environment: Option<Rgb>,
 }
 
 impl AppearanceKey {
     pub(super) fn new(desc: &SceneDesc) -> Self {
+        let is_textured = desc.materials.iter().any(|material| material.textured(TextureKey::Emission).is_some());
+        let texture_of = |surface: &SurfaceDesc| {
+            let binding = binding_of(desc, surface)?;
+            Some((Arc::clone(desc.textures.get(binding.texture)?), binding.channel))
+        };
         Self {
+            emission_textures: if is_textured { desc.surfaces.iter().map(texture_of).collect() } else { Vec::new() },
             materials: desc.surfaces.iter().map(|surface| surface.material as u32).collect(),
             emissions: desc.surfaces.iter().map(|surface| surface.emission).collect(),
             lights: desc.lights.iter().map(|light| (light.position, light.intensity)).collect(),
@@ -180,7 +189,10 @@ impl AppearanceKey {
 
     /// Returns whether both descriptions have the same emitters with the same radiance or intensity.
     pub(super) fn has_same_emitters(&self, other: &Self) -> bool {
-        self.emissions == other.emissions && self.lights == other.lights && self.environment == other.environment
+        self.emissions == other.emissions
+            && self.emission_textures == other.emission_textures
+            && self.lights == other.lights
+            && self.environment == other.environment
     }
 
     /// The number of point lights that give no light.

@@ -32,6 +32,19 @@ pub(super) struct PreparedTexture {
 pub(super) struct PreparedTextures(Vec<PreparedTexture>);
 
 impl PreparedTextures {
+    /// Charges the texture of a material's emission, which emitters read.
+    pub fn add_emission(
+        &mut self,
+        desc: &SceneDesc,
+        material: &MaterialDesc,
+        before: Option<&Self>,
+        device: &Device,
+    ) -> Result<()> {
+        let binding = material.textured(TextureKey::Emission);
+        let Some(texture) = binding.and_then(|binding| desc.textures.get(binding.texture)) else { return Ok(()) };
+        self.get(texture, true, before, device).map(|_| ())
+    }
+
     /// The texture for this use, prepared or taken from `before`. Its bytes are charged to the allowance of `device`.
     fn get(
         &mut self,
@@ -101,6 +114,17 @@ impl PreparedTextures {
     }
 }
 
+/// The place of a channel in a texel; `None` for the default.
+pub(super) fn channel_of(channel: TextureChannel) -> Option<usize> {
+    match channel {
+        TextureChannel::Default => None,
+        TextureChannel::Red => Some(0),
+        TextureChannel::Green => Some(1),
+        TextureChannel::Blue => Some(2),
+        TextureChannel::Alpha => Some(3),
+    }
+}
+
 /// What the numbers of an image mean where it is a colour or not.
 pub(super) fn color_space(image: &ImageTextureDesc, is_color: bool) -> ColorSpace {
     image.color_space.unwrap_or(if is_color { image.suggested_space } else { ColorSpace::Raw })
@@ -108,7 +132,7 @@ pub(super) fn color_space(image: &ImageTextureDesc, is_color: bool) -> ColorSpac
 
 /// Where a texture lies, from texture coordinates or points of the scene frame.
 #[derive(Clone, Copy, Debug)]
-enum Placement {
+pub(super) enum Placement {
     /// The matrix by rows, and what is added.
     Uv { matrix: [[f32; 2]; 2], offset: [f32; 2] },
     /// Factors, and what is added to a point of the scene frame times these.
@@ -116,7 +140,7 @@ enum Placement {
 }
 
 impl Placement {
-    fn new(mapping: &TextureMapping, centre: DVec3) -> Self {
+    pub fn new(mapping: &TextureMapping, centre: DVec3) -> Self {
         match *mapping {
             TextureMapping::Uv { scale: [su, sv], rotation, offset }
             | TextureMapping::Projected { scale: [su, sv], rotation, offset, .. } => {
@@ -136,7 +160,7 @@ impl Placement {
         if tangents.iter().all(|it| it.is_finite()) { tangents } else { [at.dpdu, at.dpdv] }
     }
 
-    fn point(&self, at: &SurfaceDetail, with_axes: bool) -> TexturePoint {
+    pub fn point(&self, at: &SurfaceDetail, with_axes: bool) -> TexturePoint {
         match self {
             Self::Uv { matrix, offset } => {
                 let turned = |[u, v]: [f32; 2]| matrix.map(|[a, b]| a * u + b * v);
@@ -233,13 +257,8 @@ impl Binder<'_> {
             TextureSource::Image(it) => !it.image.has_opacity(),
             TextureSource::Procedural(_) => true,
         };
-        let channel = match binding.channel {
-            TextureChannel::Default if binding.key == TextureKey::Opacity && !is_opaque => 3,
-            TextureChannel::Default | TextureChannel::Red => 0,
-            TextureChannel::Green => 1,
-            TextureChannel::Blue => 2,
-            TextureChannel::Alpha => 3,
-        };
+        let is_of_opacity = binding.key == TextureKey::Opacity && !is_opaque;
+        let channel = channel_of(binding.channel).unwrap_or(if is_of_opacity { 3 } else { 0 });
         Ok(Bound {
             key: binding.key,
             asks_footprint: texture.asks_footprint(),
@@ -385,7 +404,11 @@ impl Textured {
         before: Option<&PreparedTextures>,
     ) -> Result<Option<Self>> {
         let material = &desc.materials[number];
-        let of_surface = material.textures.iter().any(|binding| binding.key.is_of_surface());
+        // Emission is that of emitters.
+        let of_surface = material
+            .textures
+            .iter()
+            .any(|binding| matches!(binding.key, TextureKey::Opacity | TextureKey::Normal | TextureKey::Bump));
         if !of_surface && !varies(material, &desc.materials[..number]) {
             return Ok(None);
         }

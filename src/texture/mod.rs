@@ -80,6 +80,14 @@ impl Texture {
         }
     }
 
+    /// The larger of the numbers of columns and rows; of a pattern, a number that resolves its squares.
+    pub fn texels_across(&self) -> u32 {
+        match self {
+            Self::Image(image) => image.texels_across(),
+            Self::Procedural(..) => 32,
+        }
+    }
+
     /// Whether the texture reads [`TexturePoint::axes`] or [`TexturePoint::width`].
     pub fn asks_footprint(&self) -> bool {
         match self {

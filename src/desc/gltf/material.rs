@@ -184,13 +184,15 @@ impl Reader<'_> {
         let name = material.name.clone().unwrap_or_default();
         let whole = MaterialDesc { name, path: path.to_owned(), medium, opacity, emission, ..MaterialDesc::default() };
         let mut whole = if material.extensions.contains_key("KHR_materials_unlit") {
-            self.unlit(path, base, of_base, whole)
+            let has_alpha = of_base.is_some_and(|it| self.textures.has_opacity(it.texture));
+            let is_opaque = whole.opacity >= 1.0 && (!has_alpha || ignores_alpha(material));
+            self.unlit(path, base, of_base, is_opaque, whole)
         } else {
             MaterialDesc { bsdf: BsdfDesc::Principled(desc), textures, ..whole }
         };
         // The alpha of a texture is an opacity where the surface may have one.
         let alpha = of_base.filter(|it| self.textures.has_opacity(it.texture));
-        if let Some(binding) = alpha.filter(|_| !matches!(material.alpha_mode.as_deref(), None | Some("OPAQUE"))) {
+        if let Some(binding) = alpha.filter(|_| !ignores_alpha(material)) {
             if whole.emission.is_some() || whole.body(&scene.materials).is_some() {
                 self.notes.note("the opacity of textures is left out where light is emitted or refracted", path);
             } else {
@@ -393,18 +395,23 @@ impl Reader<'_> {
 
     fn emission(&mut self, path: &str, material: &Material<'_>) -> Result<Option<Rgb>> {
         let factor = self.notes.color(path, "emissiveFactor", material.emissive_factor, [0.0; 3], 1.0);
-        self.texture(path, "emissiveTexture", material.emissive_texture.as_ref(), Slot::NotDrawn)?;
         let mut strength = 1.0;
         if let Some((path, it)) = material_extensions::read::<EmissiveStrength<'_>>(path, &material.extensions)? {
             strength =
                 self.notes.number(&path, "emissiveStrength", it.emissive_strength, 1.0, [0.0, f64::from(f32::MAX)]);
         }
-        if material.emissive_texture.is_some() {
-            // Without its texture, which is dark in most places, all of the surface would shine.
+        let radiance = rgb(factor.map(|channel| channel * strength));
+        if radiance == Rgb::ZERO {
             return Ok(None);
         }
-        let radiance = rgb(factor.map(|channel| channel * strength));
-        Ok((radiance != Rgb::ZERO).then_some(radiance))
+        if let Some(texture) = &material.emissive_texture {
+            self.texture(path, "emissiveTexture", Some(texture), Slot::Emission)?;
+            if self.textures.bindings.iter().all(|binding| binding.key != TextureKey::Emission) {
+                // Without its texture, which is dark in most places, all of the surface would shine.
+                return Ok(None);
+            }
+        }
+        Ok(Some(radiance))
     }
 
     fn opacity(&mut self, path: &str, material: &Material<'_>, alpha: f64) -> Result<f32> {
@@ -424,21 +431,23 @@ impl Reader<'_> {
     }
 
     /// A surface that shows its colour whatever the light: it emits this colour and reflects nothing. Where that cannot be, because
-    /// what emits has to be opaque and of one colour, it is a diffuse surface.
+    /// what emits has to be opaque, it is a diffuse surface.
     fn unlit(
         &mut self,
         path: &str,
         base: [f64; 4],
         of_base: Option<TextureBinding>,
+        is_opaque: bool,
         whole: MaterialDesc,
     ) -> MaterialDesc {
         let whole = MaterialDesc { medium: None, ..whole };
-        if whole.opacity < 1.0 || of_base.is_some() {
-            self.notes.note("unlit materials that have a texture or are not opaque are diffuse", path);
+        if !is_opaque {
+            self.notes.note("unlit materials that are not opaque are diffuse", path);
             let textures = of_base.into_iter().map(|it| TextureBinding { key: TextureKey::Color, ..it }).collect();
             return MaterialDesc { bsdf: BsdfDesc::Lambert { albedo: rgb(base) }, emission: None, textures, ..whole };
         }
-        MaterialDesc { bsdf: BsdfDesc::Black, emission: Some(rgb(base)), ..whole }
+        let textures = of_base.into_iter().map(|it| TextureBinding { key: TextureKey::Emission, ..it }).collect();
+        MaterialDesc { bsdf: BsdfDesc::Black, emission: Some(rgb(base)), textures, ..whole }
     }
 
     /// Adds a material. A part of its diffuse light passes, where it has the extension for that: it is then mixed with a sheet that
@@ -477,4 +486,9 @@ impl Reader<'_> {
 /// The colour of the first three channels.
 fn rgb<const N: usize>(channels: [f64; N]) -> Rgb {
     Rgb::from_array(std::array::from_fn(|i| channels[i].min(f64::from(f32::MAX)) as f32))
+}
+
+/// Whether the alpha of a material means nothing.
+fn ignores_alpha(material: &Material<'_>) -> bool {
+    matches!(material.alpha_mode.as_deref(), None | Some("OPAQUE"))
 }

@@ -42,6 +42,7 @@ pub(super) enum Slot {
     SheenColor,
     SheenRoughness,
     SpecularWeight,
+    Emission,
     /// Something that textures cannot vary.
     NotDrawn,
 }
@@ -62,6 +63,7 @@ impl Slot {
             Self::SheenColor => &[(TextureKey::FuzzColor, TextureChannel::Default)],
             Self::SheenRoughness => &[(TextureKey::FuzzRoughness, TextureChannel::Alpha)],
             Self::SpecularWeight => &[(TextureKey::SpecularWeight, TextureChannel::Alpha)],
+            Self::Emission => &[(TextureKey::Emission, TextureChannel::Default)],
             Self::NotDrawn => &[],
         }
     }
@@ -222,7 +224,7 @@ impl<'a> Textures<'a> {
             return Ok(());
         };
         let color_space = match it.slot {
-            Slot::BaseColor | Slot::SheenColor => ColorSpace::Srgb,
+            Slot::BaseColor | Slot::SheenColor | Slot::Emission => ColorSpace::Srgb,
             _ => ColorSpace::Raw,
         };
         let filter = if it.nearest { TextureFilter::Nearest } else { TextureFilter::default() };

@@ -349,7 +349,8 @@ impl Entry {
 
     /// Describes the material, after the materials that it consists of. `first` is the number that the first of them will have.
     pub fn describe(&self, name: &str, path: &str, first: usize, warnings: &mut Vec<String>) -> Vec<MaterialDesc> {
-        let emission = self.ke.filter(|ke| *ke != [0.0; 3]).map(rgb);
+        let ke = self.ke.or(self.missing(Slot::Ke, Some([1.0; 3]), None));
+        let emission = ke.filter(|ke| *ke != [0.0; 3]).map(rgb);
         let at = if path.is_empty() { String::new() } else { format!("{path}: ") };
         let is_clear = self.refracts() || self.is_sheet();
         let mut opacity = if is_clear { 1.0 } else { self.opacity() as f32 };

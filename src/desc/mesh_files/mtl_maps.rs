@@ -27,6 +27,7 @@ const HEIGHT: f64 = 0.01;
 pub(super) enum Slot {
     Kd,
     Ks,
+    Ke,
     D,
     Pr,
     Pm,
@@ -45,6 +46,7 @@ impl Slot {
         Some(match key {
             "map_kd" => Self::Kd,
             "map_ks" => Self::Ks,
+            "map_ke" => Self::Ke,
             "map_d" | "map_opacity" => Self::D,
             "map_pr" => Self::Pr,
             "map_pm" => Self::Pm,
@@ -235,6 +237,9 @@ impl<'a> Maps<'a> {
             };
             if !ground.has_uvs {
                 leave_out("lies on a mesh without texture coordinates");
+                if let (Slot::Ke, Some(whole)) = (map.slot, materials.last_mut()) {
+                    whole.emission = None;
+                }
                 continue;
             }
             let Some(whole) = materials.last() else { return Ok(()) };
@@ -244,7 +249,11 @@ impl<'a> Maps<'a> {
                 leave_out("is the opacity of a material that emits or refracts light");
                 continue;
             }
-            let is_surface = matches!(map.slot, Slot::D | Slot::Bump | Slot::Norm);
+            if map.slot == Slot::Ke && whole.emission.is_none() {
+                leave_out("varies an emission (Ke) that is 0");
+                continue;
+            }
+            let is_surface = matches!(map.slot, Slot::D | Slot::Ke | Slot::Bump | Slot::Norm);
             let target = materials.iter().rposition(|it| is_surface || map.slot.parameter(&it.bsdf).is_some());
             let Some(target) = target else {
                 leave_out("varies nothing that the material has");
@@ -254,12 +263,17 @@ impl<'a> Maps<'a> {
                 Ok(read) => read,
                 Err(why) => {
                     leave_out(&why);
+                    if let (Slot::Ke, Some(whole)) = (map.slot, materials.last_mut()) {
+                        // Without its map, which is dark in most places, all of the surface would shine.
+                        whole.emission = None;
+                    }
                     continue;
                 }
             };
             let holds_normals = map.slot == Slot::Norm || map.slot == Slot::Bump && looks_like_normals(&image);
             let (key, strength) = match map.slot {
                 Slot::D => (TextureKey::Opacity, 1.0),
+                Slot::Ke => (TextureKey::Emission, 1.0),
                 Slot::Bump | Slot::Norm if holds_normals => (TextureKey::Normal, map.multiplier),
                 Slot::Bump | Slot::Norm => (TextureKey::Bump, map.multiplier * HEIGHT * ground.diagonal),
                 slot => match slot.parameter(&materials[target].bsdf) {

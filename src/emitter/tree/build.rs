@@ -94,33 +94,39 @@ struct SubtreeBounds {
 
 /// Bounding sphere of an emitter and cone of its normals.
 fn bound(emitter: &Emitter) -> (DVec3, f64, Cone) {
+    if let Some(triangle) = emitter.triangle() {
+        let corners = triangle.vertices.map(Vec3::as_dvec3);
+        let centre = Bounds::around(corners).centre();
+        let radius = corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
+        return (centre, radius, Cone::along(triangle.normal.as_dvec3().normalize()));
+    }
     match emitter {
         Emitter::Point { position, .. } => (position.as_dvec3(), 0.0, Cone::ALL),
-        Emitter::Triangle(emitter) => {
-            let corners = emitter.triangle.vertices.map(Vec3::as_dvec3);
-            let centre = Bounds::around(corners).centre();
-            let radius = corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
-            (centre, radius, Cone::along(emitter.triangle.normal.as_dvec3().normalize()))
-        }
         Emitter::Sphere(emitter) => (emitter.sphere.centre, emitter.sphere.radius, Cone::ALL),
         // What is at infinity is given to no tree.
-        Emitter::Environment(_) => (emitter.centre().as_dvec3(), 0.0, Cone::ALL),
+        Emitter::Environment(_) | Emitter::Triangle(_) | Emitter::Textured(_) => {
+            (emitter.centre().as_dvec3(), 0.0, Cone::ALL)
+        }
     }
 }
 
 fn bounds(emitter: &Emitter) -> Bounds {
+    if let Some(triangle) = emitter.triangle() {
+        return Bounds::around(triangle.vertices.map(Vec3::as_dvec3));
+    }
     match emitter {
         Emitter::Point { position, .. } => Bounds::around([position.as_dvec3()]),
-        Emitter::Triangle(emitter) => Bounds::around(emitter.triangle.vertices.map(Vec3::as_dvec3)),
         Emitter::Sphere(emitter) => emitter.sphere.bounds(),
-        Emitter::Environment(_) => Bounds::around([emitter.centre().as_dvec3()]),
+        Emitter::Environment(_) | Emitter::Triangle(_) | Emitter::Textured(_) => {
+            Bounds::around([emitter.centre().as_dvec3()])
+        }
     }
 }
 
 /// Radiant intensity in the brightest direction over the emitted power.
 fn intensity_per_power(emitter: &Emitter) -> f64 {
     let per_pi = match emitter {
-        Emitter::Triangle(_) => 1.0,
+        Emitter::Triangle(_) | Emitter::Textured(_) => 1.0,
         Emitter::Point { .. } | Emitter::Sphere(_) | Emitter::Environment(_) => 0.25,
     };
     per_pi / std::f64::consts::PI
@@ -152,10 +158,7 @@ impl LightTree {
                 let bounds = bounds(emitter);
                 let intensity = (intensity_per_power(emitter) * powers[i as usize] / total) as f32;
                 let intensity = intensity.max(MIN_INTENSITY);
-                let aim = match emitter {
-                    Emitter::Triangle(emitter) => intensity * emitter.triangle.normal,
-                    _ => Vec3::ZERO,
-                };
+                let aim = emitter.triangle().map_or(Vec3::ZERO, |triangle| intensity * triangle.normal);
                 let (min, max) = (frame.to_tree(bounds.min).as_vec3a(), frame.to_tree(bounds.max).as_vec3a());
                 BuildItem { min, max, aim, intensity, emitter: i }
             }));

@@ -99,7 +99,7 @@ impl Emission {
             return None;
         }
         let origin = departure.normal.map_or(p, |normal| departure.point.offset(normal));
-        let power = emitter.power() * (ratio * share / f64::from(probability));
+        let power = emitter.power_from(&departure) * (ratio * share / f64::from(probability));
         Some((Ray::new(origin, direction.normalize()), Rgb::from_f64(power)))
     }
 

@@ -111,7 +111,8 @@ fn sides(case: &mut Case) {
                 let surface = scene.interaction(&ray, &hit);
                 let emitter = surface.emitter.expect("the only surface shines");
                 hits += 1;
-                met += u64::from(scene.emitters().le(emitter, surface.ng, -ray.direction) != Rgb::ZERO);
+                met +=
+                    u64::from(scene.emitters().le(emitter, surface.ng, -ray.direction, surface.point.p) != Rgb::ZERO);
             }
         }
         case.never(format!("{name}: light samples from its dark side"), sampled, tries);

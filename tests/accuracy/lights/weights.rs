@@ -94,7 +94,7 @@ fn direct(scene: &Scene, bsdf: &Bsdf, light: Weight, scattering: Weight, size: u
             if let Some(hit) = scene.intersect(&ray) {
                 let surface = scene.interaction(&ray, &hit);
                 let emitter = surface.emitter.expect("the only surface shines");
-                let le = scene.emitters().le(emitter, surface.ng, -ray.direction);
+                let le = scene.emitters().le(emitter, surface.ng, -ray.direction, surface.point.p);
                 let pdf = scene.emitters().pdf(emitter, p, surface.point.p);
                 radiance += f64::from(sample.weight.r() * le.r() * scattering(sample.pdf, pdf));
             }

@@ -1,5 +1,6 @@
 //! Textures: what a lookup returns, and what a scene with textures shows.
 
+mod emission;
 mod lookups;
 mod projections;
 mod scenes;
@@ -12,7 +13,7 @@ use etendue::texture::{ColorSpace, ImageTexture, TexelImage, Texels, Texture, Te
 use crate::record::Entry;
 
 pub fn cases() -> Vec<Entry> {
-    lookups::cases().into_iter().chain(scenes::cases()).chain(projections::cases()).collect()
+    lookups::cases().into_iter().chain(scenes::cases()).chain(emission::cases()).chain(projections::cases()).collect()
 }
 
 const FILTERS: [TextureFilter; 5] = [

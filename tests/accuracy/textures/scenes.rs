@@ -33,12 +33,12 @@ fn bind(key: TextureKey, texture: usize) -> TextureBinding {
     TextureBinding { key, texture, channel: TextureChannel::Default, strength: 1.0 }
 }
 
-fn quad(corners: [[f64; 3]; 4]) -> ShapeDesc {
+pub(super) fn quad(corners: [[f64; 3]; 4]) -> ShapeDesc {
     ShapeDesc::Quad(corners.map(DVec3::from_array))
 }
 
 /// Adds a texture and binds it to a parameter of a material.
-fn vary(desc: &mut SceneDesc, material: usize, key: TextureKey, texture: TextureDesc) {
+pub(super) fn vary(desc: &mut SceneDesc, material: usize, key: TextureKey, texture: TextureDesc) {
     let texture = desc.add_texture(texture).expect("a texture of the test");
     let mut textures = desc.materials[material].textures.clone();
     textures.push(bind(key, texture));

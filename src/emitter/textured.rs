@@ -1,0 +1,282 @@
+//! Triangles whose radiance a texture varies.
+
+use std::sync::Arc;
+
+use super::{Departure, EmitterSample, TriangleEmitter};
+use crate::math::{DVec3, Vec3};
+use crate::sampling::Distribution1D;
+use crate::shape::Triangle;
+use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
+use crate::texture::{Texture, TexturePoint};
+
+/// What the texture of an emitter reads at the corners of its triangle: texture coordinates, or points of the pattern's space.
+#[derive(Clone, Copy, Debug)]
+pub enum TextureCorners {
+    /// Texture coordinates, after all mappings.
+    Uv([[f32; 2]; 3]),
+    /// Points in the space of a pattern.
+    Space([Vec3; 3]),
+}
+
+/// Equal parts of a triangle, of which one is chosen by its share of the light.
+#[derive(Clone, Debug)]
+struct Pieces {
+    /// Parts along a side.
+    count: usize,
+    /// Two for each square of the grid over both sides: the upright one, and the one on its tip.
+    shapes: Box<[Option<TriangleEmitter>]>,
+    choice: Distribution1D,
+}
+
+/// A triangle that emits the same radiance in all directions of its normal's side, but not at all of its points.
+///
+/// Where the texture varies much over the triangle, a light sample (or a photon) first chooses a part of the triangle by its share of the
+/// light, then a point of this part; otherwise any point.
+#[derive(Clone, Debug)]
+pub struct TexturedTriangle {
+    /// Shape, and the mean of the radiance.
+    pub mean: TriangleEmitter,
+    pieces: Option<Pieces>,
+    texture: Arc<Texture>,
+    corners: TextureCorners,
+    /// The radiance is this times the texture.
+    factor: Rgb,
+    /// The number that all channels take; `None` for one each.
+    channel: Option<usize>,
+}
+
+/// Most points of the rule for the mean, along a side.
+const MOST_STEPS: u32 = 512;
+
+/// The mean that chooses emitters is not below this share of the brightest radiance, unless all is dark: what the rule missed is found
+/// all the same.
+const LEAST_SHARE: f32 = 1e-3;
+
+/// Fewest and most parts along a side.
+const PIECES: [usize; 2] = [3, 32];
+
+/// A triangle has parts where the brightest part has this many times the mean radiance.
+const CONTRAST: f64 = 1.5;
+
+/// Share of the choices of parts that is uniform.
+const UNIFORM_SHARE: f64 = 0.1;
+
+impl TexturedTriangle {
+    /// An emitter; `error` is the bound of [`crate::math::HitPoint`] for points on it.
+    pub fn new(
+        triangle: Triangle,
+        error: f32,
+        factor: Rgb,
+        texture: Arc<Texture>,
+        channel: Option<usize>,
+        corners: TextureCorners,
+    ) -> Self {
+        let mut emitter = Self {
+            mean: TriangleEmitter::new(triangle, Rgb::ZERO, error),
+            pieces: None,
+            texture,
+            corners,
+            factor,
+            channel,
+        };
+        emitter.mean.radiance = emitter.mean_radiance();
+        emitter
+    }
+
+    /// The same emitter with parts, where they pay; they are taken from `left`, the number that there is room for.
+    pub fn divided(mut self, error: f32, left: &mut usize) -> Self {
+        let texels = match &self.corners {
+            TextureCorners::Uv(_) => 0.5 * self.steps(),
+            TextureCorners::Space(_) => 16.0,
+        };
+        let count = (texels as usize).min(PIECES[1]);
+        if count < PIECES[0] || 2 * count * count > *left || self.is_dark() {
+            return self;
+        }
+        let step = 1.0 / count as f32;
+        let (mut shapes, mut weights) = (Vec::with_capacity(2 * count * count), Vec::with_capacity(2 * count * count));
+        for place in 0..2 * count * count {
+            let (square, is_tip) = (place / 2, place % 2 == 1);
+            let [i, j] = [(square / count) as f32, (square % count) as f32].map(|k| k * step);
+            let corners = if is_tip {
+                [[i + step, j], [i + step, j + step], [i, j + step]]
+            } else {
+                [[i, j], [i + step, j], [i, j + step]]
+            };
+            let is_inside = square / count + square % count + usize::from(is_tip) < count;
+            let shape = is_inside
+                .then(|| Triangle::new(corners.map(|[s, t]| self.mean.triangle.at(s, t))))
+                .flatten()
+                .map(|triangle| TriangleEmitter::new(triangle, Rgb::ZERO, error));
+            weights.push(if shape.is_some() { self.mean_over(&corners) } else { 0.0 });
+            shapes.push(shape);
+        }
+        let inside = shapes.iter().flatten().count() as f64;
+        let (sum, most) = (weights.iter().sum::<f64>(), weights.iter().copied().fold(0.0, f64::max));
+        if most * inside < CONTRAST * sum || sum <= 0.0 {
+            return self;
+        }
+        for (weight, shape) in weights.iter_mut().zip(&shapes) {
+            let uniform = if shape.is_some() { sum / inside } else { 0.0 };
+            *weight = (1.0 - UNIFORM_SHARE) * *weight + UNIFORM_SHARE * uniform;
+        }
+        *left -= 2 * count * count;
+        self.pieces = Distribution1D::new(&weights).map(|choice| Pieces { count, shapes: shapes.into(), choice });
+        self
+    }
+
+    /// The luminance of the mean over a part, of which the corners are given by their weights.
+    fn mean_over(&self, corners: &[[f32; 2]; 3]) -> f64 {
+        const STEPS: u32 = 4;
+        let step = 1.0 / (3.0 * STEPS as f32);
+        let mut sum = DVec3::ZERO;
+        for i in 0..STEPS {
+            for j in 0..STEPS - i {
+                let (a, b) = ((3 * i + 1) as f32 * step, (3 * j + 1) as f32 * step);
+                let tip = (i + j + 1 < STEPS).then_some((a + step, b + step));
+                for (a, b) in [Some((a, b)), tip].into_iter().flatten() {
+                    let [s, t] =
+                        [0, 1].map(|c: usize| (1.0 - a - b) * corners[0][c] + a * corners[1][c] + b * corners[2][c]);
+                    sum += self.from_weights([1.0 - s - t, s, t]).to_f64();
+                }
+            }
+        }
+        sum.dot(LUMINANCE_WEIGHTS.to_f64()) / f64::from(STEPS * STEPS)
+    }
+
+    /// The part of the triangle that a point is on, with the probability of its choice.
+    fn piece_at<'p>(&self, pieces: &'p Pieces, p: Vec3) -> Option<(&'p TriangleEmitter, f32)> {
+        let [_, s, t] = self.weights(p)?;
+        let count = pieces.count as f32;
+        let last = pieces.count - 1;
+        let [i, j] = [s, t].map(|x| ((x * count).max(0.0) as usize).min(last));
+        let is_tip = s * count - i as f32 + (t * count - j as f32) > 1.0;
+        let square = i * pieces.count + j;
+        let mut place = 2 * square + usize::from(is_tip);
+        if pieces.shapes[place].is_none() {
+            // Rounded over the long side.
+            place = 2 * square;
+        }
+        let shape = pieces.shapes[place].as_ref();
+        shape.map(|shape| (shape, pieces.choice.pmf(place)))
+    }
+
+    /// Samples a direction from `p`; `None` where `p` is behind the triangle or in its plane.
+    pub(super) fn sample(&self, p: Vec3, [u, v]: [f32; 2]) -> Option<EmitterSample> {
+        let (sample, share) = match &self.pieces {
+            None => (self.mean.sample(p, [u, v])?, 1.0),
+            Some(pieces) => {
+                let (place, share, rest) = pieces.choice.sample(u);
+                (pieces.shapes[place].as_ref()?.sample(p, [rest as f32, v])?, share)
+            }
+        };
+        Some(EmitterSample { radiance: self.radiance(sample.target), pdf: sample.pdf * share, ..sample })
+    }
+
+    /// Samples a point from which light leaves.
+    pub(super) fn sample_departure(&self, [u, v]: [f32; 2]) -> Departure {
+        let Some(pieces) = &self.pieces else { return self.mean.sample_departure([u, v]) };
+        let (place, _, rest) = pieces.choice.sample(u);
+        let shape = pieces.shapes[place].as_ref().unwrap_or(&self.mean);
+        Departure { normal: Some(self.mean.triangle.normal), ..shape.sample_departure([rest as f32, v]) }
+    }
+
+    /// Density per solid angle at `p` of the direction that meets the triangle in `hit`; 0 where `p` is not in front.
+    pub(super) fn pdf(&self, p: Vec3, hit: Vec3) -> f32 {
+        let piece = self.pieces.as_ref().and_then(|pieces| self.piece_at(pieces, hit));
+        piece.map_or_else(|| self.mean.pdf(p, hit), |(shape, share)| share * shape.pdf(p, hit))
+    }
+
+    /// The power \[W\] of a path that leaves from a sampled point: radiance over density, times pi.
+    pub(super) fn power_from(&self, p: Vec3) -> DVec3 {
+        let area = match self.pieces.as_ref().and_then(|pieces| self.piece_at(pieces, p)) {
+            Some((shape, share)) => f64::from(shape.triangle.area) / f64::from(share),
+            None => f64::from(self.mean.triangle.area),
+        };
+        std::f64::consts::PI * area * self.radiance(p).to_f64()
+    }
+
+    /// Whether the triangle emits no light anywhere.
+    pub fn is_dark(&self) -> bool {
+        self.mean.radiance == Rgb::ZERO
+    }
+
+    fn at(&self, [a, b, c]: [f32; 3]) -> TexturePoint {
+        match &self.corners {
+            TextureCorners::Uv([u, v, w]) => {
+                let uv = [0, 1].map(|i| a * u[i] + b * v[i] + c * w[i]);
+                TexturePoint { uv, ..TexturePoint::default() }
+            }
+            TextureCorners::Space([p, q, r]) => TexturePoint { p: a * *p + b * *q + c * *r, ..TexturePoint::default() },
+        }
+    }
+
+    fn from_weights(&self, weights: [f32; 3]) -> Rgb {
+        let texel = self.texture.at(&self.at(weights));
+        self.colored(texel)
+    }
+
+    fn colored(&self, texel: crate::texture::Texel) -> Rgb {
+        let color = match self.channel {
+            None => Rgb::new(texel[0], texel[1], texel[2]),
+            Some(channel) => Rgb::splat(texel[channel]),
+        };
+        (self.factor * color).max(Rgb::ZERO)
+    }
+
+    /// Radiance from a point on the triangle, or off it along its normal.
+    pub fn radiance(&self, p: Vec3) -> Rgb {
+        self.weights(p).map_or(self.mean.radiance, |weights| self.from_weights(weights))
+    }
+
+    /// The barycentric weights of a point.
+    fn weights(&self, p: Vec3) -> Option<[f32; 3]> {
+        let [e1, e2] = self.mean.triangle.sides();
+        let to = p - self.mean.triangle.vertices[0];
+        // In double precision: slivers have small determinants.
+        let [e1, e2, to] = [e1, e2, to].map(Vec3::as_dvec3);
+        let (a, b, c) = (e1.length_squared(), e1.dot(e2), e2.length_squared());
+        let (d, e) = (to.dot(e1), to.dot(e2));
+        let determinant = a * c - b * b;
+        let (s, t) = ((c * d - b * e) / determinant, (a * e - b * d) / determinant);
+        (s.is_finite() && t.is_finite()).then_some([(1.0 - s - t) as f32, s as f32, t as f32])
+    }
+
+    /// Points of the rule for the mean along a side: two for each texel.
+    fn steps(&self) -> f32 {
+        match &self.corners {
+            TextureCorners::Uv([a, b, c]) => {
+                let across = self.texture.texels_across() as f32;
+                let side = |p: &[f32; 2], q: &[f32; 2]| (2.0 * (p[0] - q[0]).hypot(p[1] - q[1]) * across).ceil();
+                side(a, b).max(side(b, c)).max(side(c, a)).max(4.0)
+            }
+            TextureCorners::Space(_) => 64.0,
+        }
+    }
+
+    /// The mean over the triangle, by the rule of the middle over small triangles.
+    fn mean_radiance(&self) -> Rgb {
+        let wanted = self.steps();
+        let steps = wanted.min(MOST_STEPS as f32) as u32;
+        let mut sum = [0.0_f64; 3];
+        let step = 1.0 / (3.0 * steps as f32);
+        for i in 0..steps {
+            for j in 0..steps - i {
+                // The middles of the upright small triangle, and of the one beside it that stands on its tip.
+                let (s, t) = ((3 * i + 1) as f32 * step, (3 * j + 1) as f32 * step);
+                let tip = (i + j + 1 < steps).then_some((s + step, t + step));
+                for (s, t) in [Some((s, t)), tip].into_iter().flatten() {
+                    let value = self.from_weights([1.0 - s - t, s, t]).to_array();
+                    sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += f64::from(value));
+                }
+            }
+        }
+        let count = f64::from(steps) * f64::from(steps);
+        let mean = Rgb::from_array(sum.map(|sum| (sum / count) as f32));
+        if mean == Rgb::ZERO && wanted <= MOST_STEPS as f32 {
+            return mean;
+        }
+        let brightest = self.colored(self.texture.range()[1]);
+        mean.max(brightest * LEAST_SHARE)
+    }
+}

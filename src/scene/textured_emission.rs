@@ -1,0 +1,114 @@
+//! Textures of emission: what of them lies on each triangle that emits.
+
+use std::sync::Arc;
+
+use super::SurfaceDetail;
+use super::projection::Projected;
+use super::textured::{Placement, channel_of, color_space};
+use crate::desc::{SceneDesc, ShapeDesc, SurfaceDesc, TextureBinding, TextureKey, TextureMapping, TextureSource};
+use crate::emitter::{Emitter, TextureCorners, TexturedTriangle};
+use crate::error::{Error, ErrorKind, Result};
+use crate::math::{DVec3, Vec3};
+use crate::shape::Triangle;
+use crate::spectrum::Rgb;
+use crate::texture::{ImageTexture, Texture, TextureFilter};
+
+/// Most parts of triangles in a scene: a hundred megabytes.
+pub(super) const MOST_PIECES: usize = 1 << 20;
+
+/// The texture of a material's emission.
+#[derive(Clone, Debug)]
+pub(super) struct EmissionTexture {
+    texture: Arc<Texture>,
+    projected: Option<Projected>,
+    placement: Placement,
+    channel: Option<usize>,
+}
+
+/// The texture that varies the emission of a surface, if any does.
+pub(super) fn binding_of<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc) -> Option<&'a TextureBinding> {
+    surface.emission.and(desc.materials.get(surface.material)?.textured(TextureKey::Emission))
+}
+
+/// The textures of emission by material; empty where there are none. `centre` is the origin of the scene frame.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`] for a sphere whose emission a texture varies.
+pub(super) fn emission_textures(desc: &SceneDesc, centre: DVec3) -> Result<Vec<Option<EmissionTexture>>> {
+    if desc.materials.iter().all(|material| material.textured(TextureKey::Emission).is_none()) {
+        return Ok(Vec::new());
+    }
+    let mut surfaces = desc.surfaces.iter().filter(|surface| !surface.hidden);
+    let is_ball = |surface: &&SurfaceDesc| {
+        matches!(surface.shape, ShapeDesc::Sphere { .. }) && binding_of(desc, surface).is_some()
+    };
+    if let Some(ball) = surfaces.find(is_ball) {
+        let message = "a texture cannot vary the emission of a sphere, expected a mesh";
+        return Err(Error::new(ErrorKind::Unsupported, message).at(format!("{}.emission", ball.path)));
+    }
+    let of = |binding: &TextureBinding| EmissionTexture::new(desc, binding, centre);
+    let all = desc.materials.iter().map(|material| material.textured(TextureKey::Emission).and_then(of));
+    Ok(all.collect())
+}
+
+impl EmissionTexture {
+    fn new(desc: &SceneDesc, binding: &TextureBinding, centre: DVec3) -> Option<Self> {
+        let texture = desc.textures.get(binding.texture)?;
+        let shown = match &texture.source {
+            TextureSource::Image(it) => {
+                // Light samples, rays and photons have to see the same radiance, and know no footprints.
+                let filter = if it.filter.asks_footprint() { TextureFilter::Bilinear } else { it.filter };
+                Texture::Image(ImageTexture::new(Arc::clone(&it.image), color_space(it, true), it.wrap, filter))
+            }
+            TextureSource::Procedural(it) => Texture::procedural(*it),
+        };
+        Some(Self {
+            texture: Arc::new(shown),
+            projected: match texture.mapping {
+                TextureMapping::Projected { projection, .. } => Some(Projected { projection, centre }),
+                TextureMapping::Uv { .. } | TextureMapping::Space { .. } => None,
+            },
+            placement: Placement::new(&texture.mapping, centre),
+            channel: channel_of(binding.channel),
+        })
+    }
+
+    /// The emitter of a triangle whose corners have these texture coordinates.
+    /// `pieces_left` is the room for parts of triangles.
+    pub fn emitter(
+        &self,
+        triangle: Triangle,
+        error: f32,
+        factor: Rgb,
+        uvs: [[f32; 2]; 3],
+        pieces_left: &mut usize,
+    ) -> Emitter {
+        let ng = triangle.normal;
+        let points = [0, 1, 2].map(|i: usize| {
+            let none = Vec3::ZERO;
+            let at = SurfaceDetail {
+                uv: uvs[i],
+                dpdu: none,
+                dpdv: none,
+                footprint: 0.0,
+                p: triangle.vertices[i],
+                wo: ng,
+                ng,
+                ns: ng,
+                tangent: none,
+            };
+            self.placement.point(&self.projected.map_or(at, |projected| projected.apply(&at)), false)
+        });
+        let corners = match self.placement {
+            Placement::Uv { .. } => TextureCorners::Uv(points.map(|point| point.uv)),
+            Placement::Space { .. } => TextureCorners::Space(points.map(|point| point.p)),
+        };
+        let texture = Arc::clone(&self.texture);
+        let emitter = TexturedTriangle::new(triangle, error, factor, texture, self.channel, corners);
+        if emitter.is_dark() {
+            // It keeps its number, but nothing asks its texture.
+            return Emitter::Triangle(emitter.mean);
+        }
+        Emitter::Textured(Box::new(emitter.divided(error, pieces_left)))
+    }
+}

@@ -1,0 +1,147 @@
+//! Lamps whose radiance a texture varies.
+
+use etendue::desc::{BsdfDesc, IntegratorDesc, Projection, SceneDesc, TextureDesc, TextureKey, TextureMapping};
+use etendue::math::{DVec3, Vec3};
+use etendue::sampling::Rng;
+use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
+use etendue::texture::{ColorSpace, TextureFilter};
+
+use super::scenes::{quad, vary};
+use super::{described, image};
+use crate::common::scenes::{Job, camera, mean_and_error, render, scene};
+use crate::lights::polygon_factor;
+use crate::record::{Case, Entry, Within};
+
+pub fn cases() -> Vec<Entry> {
+    vec![
+        Entry { id: "X13", title: "textured lamps, by points", run: points },
+        Entry { id: "X14", title: "textured lamps, whole pictures", run: pictures },
+    ]
+}
+
+/// The radiances of 4 x 4 squares, some of which are dark and few bright, columns to the right and rows from the top.
+fn radiance(x: u32, y: u32) -> f64 {
+    match 4 * y + x {
+        2 => 20.0,
+        7 => 6.0,
+        i if i % 3 == 0 => 0.0,
+        i => 0.1 * f64::from(i),
+    }
+}
+
+/// A lamp of these squares over [-1, 1]^2 at the height 1, which shines down; u along x and v along z. On its floor, which is white.
+fn lamp(mapping: Option<Projection>) -> SceneDesc {
+    let texels = image(4, 4, 3, |x, y, c| radiance(x, y) as f32 * [1.0, 0.5, 0.25][c as usize]);
+    let corners = [[-1.0, 1.0, -1.0], [1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]];
+    let floor = quad([[-4.0, 0.0, 4.0], [4.0, 0.0, 4.0], [4.0, 0.0, -4.0], [-4.0, 0.0, -4.0]]);
+    let white = BsdfDesc::Lambert { albedo: Rgb::splat(0.5) };
+    let mut desc = scene(
+        camera(0.9 * DVec3::Y, DVec3::ZERO, 90.0),
+        vec![(quad(corners), BsdfDesc::Black, None), (floor, white, None)],
+    );
+    desc.materials[0].emission = Some(Rgb::splat(2.0));
+    let texture = described("lamp", &texels, ColorSpace::Linear, TextureFilter::Nearest, 1.0);
+    let texture = match mapping {
+        // Seen from above u is x, and v is -z: turned over.
+        Some(projection) => TextureDesc {
+            mapping: TextureMapping::Projected { projection, scale: [0.5, -0.5], rotation: 0.0, offset: [0.5; 2] },
+            ..texture
+        },
+        None => texture,
+    };
+    vary(&mut desc, 0, TextureKey::Emission, texture);
+    desc
+}
+
+/// Irradiance in red at a point that looks up, from the squares one by one.
+fn exact(p: DVec3, n: DVec3) -> f64 {
+    let edge = |i: u32| 0.5 * f64::from(i) - 1.0;
+    let all = (0..4).flat_map(|x| (0..4).map(move |y| (x, y)));
+    all.map(|(x, y)| {
+        // Rows are counted from the top, where v, and so z, is largest.
+        let (z0, z1) = (edge(3 - y), edge(4 - y));
+        let corners = [[edge(x), z0], [edge(x + 1), z0], [edge(x + 1), z1], [edge(x), z1]];
+        let corners = corners.map(|[x, z]| DVec3::new(x, 1.0, z));
+        2.0 * radiance(x, y) * std::f64::consts::PI * polygon_factor(p, n, &corners)
+    })
+    .sum()
+}
+
+/// Light samples at points of the floor, and rays that meet the lamp, have the closed form as their mean; and so have powers.
+fn points(case: &mut Case) {
+    let count = case.count(200_000, 4_000_000) as u32;
+    for mapping in [None, Some(Projection::Y)] {
+        let how = if mapping.is_some() { "projected" } else { "by its own coordinates" };
+        let built = Scene::build(&lamp(mapping), &BuildOptions::default()).expect("a scene of the test");
+        let power: f64 = built.emitters().emitters().iter().map(|emitter| emitter.power().x).sum();
+        let sum: f64 = (0..16).map(|i| 2.0 * radiance(i % 4, i / 4)).sum();
+        case.exact(
+            format!("power of the lamp, {how}"),
+            power,
+            std::f64::consts::PI * 0.25 * sum,
+            Within::Relative(5e-3),
+        );
+        let mut rng = Rng::new(11, 0);
+        for (x, z) in [(0.0, 0.0), (0.7, -0.4), (-1.5, 1.2)] {
+            let p = DVec3::new(x, 0.0, z);
+            let at = built.to_scene(p);
+            let (mut light, mut squares, mut met, mut met_squares) = (0.0, 0.0, 0.0, 0.0);
+            for _ in 0..count {
+                let u = [rng.next_f32(), rng.next_f32(), rng.next_f32(), rng.next_f32()];
+                if let Some(sample) = built.emitters().sample(at, u) {
+                    let value = f64::from(sample.radiance.r() * sample.wi.y.max(0.0) / sample.pdf);
+                    (light, squares) = (light + value, squares + value * value);
+                }
+                // Directions by the cosine.
+                let (r, phi) = (f64::from(u[1]).sqrt(), std::f64::consts::TAU * f64::from(u[2]));
+                let wi = DVec3::new(r * phi.cos(), (1.0 - r * r).sqrt(), r * phi.sin()).as_vec3a();
+                let ray = etendue::math::Ray::new(at + 1e-4 * Vec3::Y, wi);
+                let Some(hit) = built.intersect(&ray) else { continue };
+                let surface = built.interaction(&ray, &hit);
+                let Some(emitter) = surface.emitter else { continue };
+                let le = built.emitters().le(emitter, surface.ng, -wi, surface.point.p);
+                let value = std::f64::consts::PI * f64::from(le.r());
+                (met, met_squares) = (met + value, met_squares + value * value);
+            }
+            let n = f64::from(count);
+            let estimate = |sum: f64, squares: f64| (sum / n, ((squares / n - (sum / n).powi(2)) / n).sqrt());
+            let exact = exact(p, DVec3::Y);
+            case.mean(&format!("light samples at ({x}, {z}), {how}"), estimate(light, squares), exact, 4e-3);
+            case.mean(&format!("rays from ({x}, {z}), {how}"), estimate(met, met_squares), exact, 3e-2);
+        }
+    }
+}
+
+/// The lamp's image, and the floor below it by all methods that draw it.
+fn pictures(case: &mut Case) {
+    let samples = case.count(64, 4096) as u32;
+    let mut seen = lamp(None);
+    // From half way up, so that the lamp fills the picture.
+    let angle = 2.0 * 2.0_f64.atan().to_degrees();
+    seen.set_camera(camera(0.5 * DVec3::Y, DVec3::Y, angle)).expect("a camera of the test");
+    let (image, _) = render(&seen, &Job { samples, ..Job::default() });
+    let mean: f64 = (0..16).map(|i| 2.0 * radiance(i % 4, i / 4)).sum::<f64>() / 16.0;
+    case.mean("the lamp itself", mean_and_error(&image), mean * (1.0 + 0.5 + 0.25) / 3.0, 4e-3);
+
+    // The part of the floor that the camera sees; the floor goes on around it.
+    const N: u32 = 128;
+    let place = |i: u32| 0.9 * (2.0 * (f64::from(i) + 0.5) / f64::from(N) - 1.0);
+    let all = (0..N).flat_map(|i| (0..N).map(move |j| (i, j)));
+    let sum: f64 = all.map(|(i, j)| exact(DVec3::new(place(i), 0.0, place(j)), DVec3::Y)).sum();
+    let reflected = 0.5 / std::f64::consts::PI * sum / f64::from(N * N);
+    let floor = lamp(None);
+    for (integrator, within) in [
+        (IntegratorDesc::Path, 4e-3),
+        (IntegratorDesc::Direct, 4e-3),
+        (IntegratorDesc::Whitted, 4e-3),
+        (IntegratorDesc::Caustic, 4e-3),
+        (IntegratorDesc::IrradianceCache, 5e-3),
+        (IntegratorDesc::Photon, 1e-2),
+        (IntegratorDesc::Sppm, 1e-2),
+    ] {
+        let (image, _) = render(&floor, &Job { samples, integrator, ..Job::default() });
+        let name = format!("the floor by {integrator:?}");
+        case.mean(&name, mean_and_error(&image), reflected * (1.0 + 0.5 + 0.25) / 3.0, within);
+    }
+}
