@@ -44,6 +44,7 @@ pub mod integrator;
 pub mod math;
 pub mod output;
 pub mod render;
+mod replace;
 pub mod sampling;
 pub mod scene;
 pub mod shape;

@@ -90,7 +90,7 @@ fn names(folder: &Path) -> Vec<String> {
 fn help_and_version_go_to_standard_output() {
     let folder = folder();
     for (args, expected) in [
-        (vec!["--help"], vec!["render", "info", "photons", "bake", "compare", "bench", "Exit codes"]),
+        (vec!["--help"], vec!["render", "convert", "info", "photons", "bake", "compare", "bench", "Exit codes"]),
         (vec!["render", "--help"], vec!["--output", "--spp", "--max-depth", "--tone-map", "--progressive", "--time"]),
         (vec!["compare", "--help"], vec!["--json", "reference"]),
         (vec!["--version"], vec![env!("CARGO_PKG_VERSION")]),
@@ -114,6 +114,8 @@ fn bad_usage_has_exit_code_2() {
         vec!["render"],
         vec!["render", "s.json"],
         vec!["info"],
+        vec!["convert", "s.json"],
+        vec!["convert", "s.glb", "t.json", "--animation", "Walk"],
         vec!["compare", "a.pfm"],
         vec!["render", "s.json", "-o", "a.png", "--fast"],
         with("--spp", "0"),
@@ -496,6 +498,60 @@ fn info_says_what_a_scene_holds() {
     run.assert_done();
     assert!(run.stdout.lines().count() >= 3, "{}", run.stdout);
     assert_eq!(names(folder.path()), [""; 0]);
+}
+
+/// A scene and its converted form give the same file, and a scene file is replaced as an image is.
+#[test]
+fn a_converted_scene_gives_the_same_image() {
+    let folder = folder();
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/parts.obj");
+    let data = data.to_str().unwrap();
+    let params = folder.path().join("params.json");
+    fs::write(&params, r#"{"maxRayDepth": 3}"#).unwrap();
+    let textures = scene("textures.json");
+    for (scene, options) in [(data, &[][..]), (textures.as_str(), &["--params", "params.json"])] {
+        let mut args = vec!["convert", scene, "c.json"];
+        args.extend(options);
+        let run = etendue(folder.path(), &args);
+        run.assert_done();
+        assert!(run.stderr.contains("c.json written: ") && run.stdout.is_empty(), "{}", run.stderr);
+        let mut before = vec!["render", scene];
+        before.extend(options.last());
+        before.extend(["--resolution", "16x12", "--spp", "4", "-o", "before.pfm"]);
+        etendue(folder.path(), before).assert_done();
+        etendue(folder.path(), small_render("c.json", &["-o", "after.pfm"])).assert_done();
+        let bytes = |name: &str| fs::read(folder.path().join(name)).unwrap();
+        assert!(bytes("before.pfm") == bytes("after.pfm"), "{scene}: the images differ");
+    }
+    // A scene of GLTF at a time, quietly.
+    let gltf = r#"{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0, 1]}], "cameras": [{"name": "Near", "type": "perspective",
+        "perspective": {"yfov": 0.5, "znear": 0.1}}], "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 3]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36,
+        "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"#;
+    fs::write(folder.path().join("t.gltf"), gltf).unwrap();
+    let run = etendue(folder.path(), ["convert", "t.gltf", "c.json", "--camera", "Near", "-q"]);
+    run.assert_done();
+    assert_eq!(run.stderr, "");
+    assert!(fs::read_to_string(folder.path().join("c.json")).unwrap().contains(r#""origin": [0, 0, 3]"#));
+    // Of the images of the scene before, nothing is left.
+    let files = names(&folder.path().join("c.files"));
+    assert!(matches!(&files[..], [mesh] if mesh.starts_with("mesh-0-") && mesh.ends_with(".ply")), "{files:?}");
+    let before = names(folder.path());
+    let refused =
+        |args: &[&str], what: &str| etendue(folder.path(), [&["convert"], args].concat()).assert_refused(what);
+    refused(&["c.json", "./c.json"], "./c.json: this file is read as a part of the scene and cannot be written");
+    refused(&[data, "params.json", "--params", "params.json"], "params.json: this file is read");
+    refused(
+        &[&format!("c.files/{}", files[0]), "c.json"],
+        "c.json: a file in the folder of its meshes and images is read",
+    );
+    refused(&[data, "no/c.json"], "no/c.json: cannot write the file into its folder");
+    refused(&[data, "c.glb"], "c.glb: the name of a native scene file ends in .json");
+    refused(&[data, "c.json", "--at", "1"], "which only glTF files have");
+    refused(&["t.gltf", "c.json", "--camera", "Far"], "Far");
+    assert_eq!(names(folder.path()), before);
 }
 
 #[test]

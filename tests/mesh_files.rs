@@ -518,6 +518,44 @@ fn broken_stl_text_is_refused_with_its_line() {
     assert!(refusal("m.stl", long.as_bytes()).contains("1: the line is longer than 16777216 bytes"));
 }
 
+/// A shared mesh may keep what is left out otherwise, and is then another mesh than that of the same file without.
+#[test]
+fn degenerate_triangles_are_kept_where_a_scene_asks_for_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = TRIANGLE.replace("face 1", "face 3").replace("vertex 3", "vertex 4");
+    std::fs::write(folder.path().join("m.ply"), ply(&file, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 1 1 2\n3 0 1 2\n2 0 1\n"))
+        .unwrap();
+    std::fs::write(folder.path().join("m.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let read = |meshes: &str| {
+        let text = format!("{{\"etendue\": 1, \"camera\": {{}}, \"meshes\": [{meshes}]}}");
+        desc::parse(&text, folder.path(), None)
+    };
+    let scene = read(
+        r#"{"name": "all", "file": "m.ply", "keepDegenerate": true}, {"name": "some", "file": "m.ply"},
+           {"name": "again", "file": "m.ply", "keepDegenerate": false}, {"name": "too", "file": "m.ply", "keepDegenerate": true}"#,
+    )
+    .unwrap();
+    let triangles: Vec<_> = scene.meshes.iter().map(|mesh| mesh.triangles.clone()).collect();
+    assert_eq!(triangles, [vec![[1, 1, 2], [0, 1, 2]], vec![[0, 1, 2]]]);
+    assert_eq!(["all", "some", "again", "too"].map(|name| scene.find_mesh(name)), [0, 1, 1, 0].map(Some));
+    let counts: Vec<_> = scene.warnings.iter().map(|warning| warning.rsplit(": ").next().unwrap()).collect();
+    let left_out = |count: usize| format!("{count} faces with fewer than 3 different corners left out");
+    assert_eq!(counts, [left_out(1), left_out(2)]);
+    for (mesh, message) in [
+        (
+            r#"{"name": "m", "file": "m.obj", "keepDegenerate": true}"#,
+            "degenerate triangles are kept of PLY files alone",
+        ),
+        (
+            r#"{"name": "m", "positions": [[0, 0, 0]], "triangles": [[0, 0, 0]], "keepDegenerate": true}"#,
+            "meshes[0].keepDegenerate: only a mesh in a file has this key",
+        ),
+    ] {
+        let error = read(mesh).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+}
+
 #[test]
 fn degenerate_polygons_are_left_out_and_counted() {
     let header = TRIANGLE.replace("face 1", "face 4").replace("vertex 3", "vertex 4");

@@ -33,6 +33,8 @@ pub struct Cli {
 pub enum Command {
     /// Render a scene to image files.
     Render(RenderArgs),
+    /// Write any scene as a scene file of the native format, with its meshes and images beside it.
+    Convert(ConvertArgs),
     /// Say what a scene holds, what was built for it and why.
     Info(InfoArgs),
     /// Write the photons of a map, or draw them.
@@ -154,6 +156,29 @@ pub struct RenderArgs {
     #[arg(allow_negative_numbers = true, value_parser = parse_exposure)]
     pub exposure: f32,
     /// No progress and no summary; warnings and errors stay.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    /// Scene file: JSON, glTF 2.0 (.gltf, .glb), or a mesh that is a scene by itself (.obj, .ply, .stl).
+    pub scene: PathBuf,
+    /// Scene file to write (.json). Meshes and images go into a folder beside it: room.files for room.json.
+    pub output: PathBuf,
+    /// Parameter file of a scene of the 2017 report.
+    #[arg(long, value_name = "FILE")]
+    pub params: Option<PathBuf>,
+    /// Name or number of the camera of a glTF file, in place of the first one of its scene.
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+    /// Seconds after the beginning of the animation of a glTF file at which the scene is seen.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    pub at: Option<f64>,
+    /// Name or number of the animation of a glTF file, in place of the first one.
+    #[arg(long, value_name = "NAME", requires = "at")]
+    pub animation: Option<String>,
+    /// No summary; warnings and errors stay.
     #[arg(short, long)]
     pub quiet: bool,
 }

@@ -1,5 +1,5 @@
-//! The command line: renders a scene file to image files, prints properties of a scene, writes and draws photons, bakes
-//! light maps, compares images, measures time and error.
+//! The command line: renders a scene file to image files, converts scenes, prints properties of a scene, writes and draws
+//! photons, bakes light maps, compares images, measures time and error.
 //!
 //! `cargo run --release --example etendue -- render scenes/cornell.json -o cornell.exr`; docs/cli.md is the manual. The
 //! program uses only what any other host could use.
@@ -9,6 +9,7 @@ mod bake;
 mod bench;
 mod compare;
 mod console;
+mod convert;
 mod interrupt;
 mod photons;
 mod render;
@@ -54,6 +55,7 @@ impl From<Error> for Failure {
 fn main() -> ExitCode {
     let outcome = match Cli::parse().command {
         Command::Render(args) => render::render(&args),
+        Command::Convert(args) => convert::convert(&args),
         Command::Info(args) => render::info(&args),
         Command::Photons(args) => photons::photons(&args),
         Command::Bake(args) => bake::bake(&args),

@@ -25,6 +25,9 @@ _etendue() {
             etendue,compare)
                 cmd="etendue__subcmd__compare"
                 ;;
+            etendue,convert)
+                cmd="etendue__subcmd__convert"
+                ;;
             etendue,help)
                 cmd="etendue__subcmd__help"
                 ;;
@@ -46,6 +49,9 @@ _etendue() {
             etendue__subcmd__help,compare)
                 cmd="etendue__subcmd__help__subcmd__compare"
                 ;;
+            etendue__subcmd__help,convert)
+                cmd="etendue__subcmd__help__subcmd__convert"
+                ;;
             etendue__subcmd__help,help)
                 cmd="etendue__subcmd__help__subcmd__help"
                 ;;
@@ -65,7 +71,7 @@ _etendue() {
 
     case "${cmd}" in
         etendue)
-            opts="-h -V --help --version render info photons bake compare bench help"
+            opts="-h -V --help --version render convert info photons bake compare bench help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -256,8 +262,38 @@ _etendue() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        etendue__subcmd__convert)
+            opts="-q -h --params --camera --at --animation --quiet --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --params)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --camera)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --at)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --animation)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         etendue__subcmd__help)
-            opts="render info photons bake compare bench help"
+            opts="render convert info photons bake compare bench help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -299,6 +335,20 @@ _etendue() {
             return 0
             ;;
         etendue__subcmd__help__subcmd__compare)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        etendue__subcmd__help__subcmd__convert)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )

@@ -27,6 +27,7 @@ end
 complete -c etendue -n "__fish_etendue_needs_command" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c etendue -n "__fish_etendue_needs_command" -s V -l version -d 'Print version'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "render" -d 'Render a scene to image files'
+complete -c etendue -n "__fish_etendue_needs_command" -f -a "convert" -d 'Write any scene as a scene file of the native format, with its meshes and images beside it'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "photons" -d 'Write the photons of a map, or draw them'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "bake" -d 'Bake light maps: the irradiance of all surfaces, in texels and at vertices'
@@ -89,6 +90,12 @@ complete -c etendue -n "__fish_etendue_using_subcommand render" -l exposure -d '
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l progressive -d 'Rewrite the images after each pass'
 complete -c etendue -n "__fish_etendue_using_subcommand render" -s q -l quiet -d 'No progress and no summary; warnings and errors stay'
 complete -c etendue -n "__fish_etendue_using_subcommand render" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c etendue -n "__fish_etendue_using_subcommand convert" -l params -d 'Parameter file of a scene of the 2017 report' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand convert" -l camera -d 'Name or number of the camera of a glTF file, in place of the first one of its scene' -r
+complete -c etendue -n "__fish_etendue_using_subcommand convert" -l at -d 'Seconds after the beginning of the animation of a glTF file at which the scene is seen' -r
+complete -c etendue -n "__fish_etendue_using_subcommand convert" -l animation -d 'Name or number of the animation of a glTF file, in place of the first one' -r
+complete -c etendue -n "__fish_etendue_using_subcommand convert" -s q -l quiet -d 'No summary; warnings and errors stay'
+complete -c etendue -n "__fish_etendue_using_subcommand convert" -s h -l help -d 'Print help'
 complete -c etendue -n "__fish_etendue_using_subcommand info" -l threads -d 'Threads to build with; 0 takes all there are' -r
 complete -c etendue -n "__fish_etendue_using_subcommand info" -s h -l help -d 'Print help'
 complete -c etendue -n "__fish_etendue_using_subcommand photons" -s o -l output -d 'Files to write, by extension: tables (.csv), point clouds (.ply), pictures (.png, .exr, .pfm). Put them after the scene, or repeat the option' -r -F
@@ -166,10 +173,11 @@ complete -c etendue -n "__fish_etendue_using_subcommand bench" -l report-only -d
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -l tables -d 'Markdown file in which the tables between <!-- bench GROUP --> and <!-- /bench --> are written anew' -r -F
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -s q -l quiet -d 'No progress and no summary; warnings and errors stay'
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -s h -l help -d 'Print help (see more with \'--help\')'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "render" -d 'Render a scene to image files'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "photons" -d 'Write the photons of a map, or draw them'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "bake" -d 'Bake light maps: the irradiance of all surfaces, in texels and at vertices'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "compare" -d 'Measure how far image A is from the reference B'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "bench" -d 'Measure time and error of scenes against references, and write a report'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render info photons bake compare bench help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "render" -d 'Render a scene to image files'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "convert" -d 'Write any scene as a scene file of the native format, with its meshes and images beside it'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "photons" -d 'Write the photons of a map, or draw them'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "bake" -d 'Bake light maps: the irradiance of all surfaces, in texels and at vertices'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "compare" -d 'Measure how far image A is from the reference B'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "bench" -d 'Measure time and error of scenes against references, and write a report'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'

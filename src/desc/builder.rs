@@ -13,7 +13,8 @@ use crate::{Error, Result};
 pub(super) struct Builder<'a> {
     pub scene: SceneDesc,
     base_dir: &'a Path,
-    files: HashMap<PathBuf, usize>,
+    /// Meshes by their files, and by whether their degenerate triangles are kept.
+    files: HashMap<(PathBuf, bool), usize>,
     images: HashMap<PathBuf, (Arc<TexelImage>, ColorSpace)>,
     /// The parts of the files whose own materials are used: pairs of a material and a mesh.
     divided_files: HashMap<PathBuf, Vec<[usize; 2]>>,
@@ -87,13 +88,15 @@ impl<'a> Builder<'a> {
         Ok(self.scene.put_mesh(mesh))
     }
 
-    /// Returns the number of the mesh in a file. The file is read at its first use.
-    pub fn mesh_file(&mut self, path: &str, file: &str) -> Result<usize> {
+    /// Returns the number of the mesh in a file, with or without its degenerate triangles. The file is read at its first use.
+    pub fn mesh_file(&mut self, path: &str, file: &str, keep_degenerate: bool) -> Result<usize> {
         let [file, identity] = self.identified(path, file)?;
+        let identity = (identity, keep_degenerate);
         if let Some(mesh) = self.files.get(&identity) {
             return Ok(*mesh);
         }
-        let mesh = mesh_files::load(&file, path, &mut self.scene.warnings)?;
+        let load = if keep_degenerate { mesh_files::load_whole } else { mesh_files::load };
+        let mesh = load(&file, path, &mut self.scene.warnings)?;
         let mesh = self.scene.put_mesh(mesh);
         self.scene.files.push(file);
         self.files.insert(identity, mesh);

@@ -8,7 +8,7 @@ use super::json::line_at;
 use crate::{Error, ErrorKind, Result};
 
 /// Largest scene or parameter file that is read, 512 MiB. Large meshes belong in mesh files.
-const SIZE_LIMIT: u64 = 512 << 20;
+pub(super) const SIZE_LIMIT: u64 = 512 << 20;
 
 /// Opens a regular file of at most `limit` bytes. Pipes, devices and folders are refused before they can block.
 pub(crate) fn open(path: &Path, limit: u64) -> Result<File> {

@@ -1,10 +1,11 @@
-//! Reads pixel filters of the native format.
+//! Reads and writes pixel filters of the native format.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::json::{self, Plain, join};
-use super::{FilterDesc, validate};
+use super::numbers::single;
+use super::{FilterDesc, save, validate};
 use crate::Result;
 
 /// What `filter` accepts, for the schema.
@@ -56,7 +57,7 @@ pub(super) mod schema {
 
 const FILTERS: [&str; 5] = ["box", "tent", "gaussian", "blackman-harris", "mitchell"];
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct Gaussian {
     #[serde(rename = "type")]
@@ -64,7 +65,7 @@ struct Gaussian {
     sigma: Option<f64>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct Mitchell {
     #[serde(rename = "type")]
@@ -119,6 +120,22 @@ pub(super) fn read(raw: &RawValue, path: &str) -> Result<FilterDesc> {
                 "blackman-harris" => FilterDesc::BlackmanHarris,
                 _ => FilterDesc::Box,
             })
+        }
+    }
+}
+
+/// Writes a filter, whose numbers have been checked.
+pub(super) fn write(filter: FilterDesc) -> Result<Box<RawValue>> {
+    match filter {
+        FilterDesc::Box => save::raw(&"box"),
+        FilterDesc::Tent => save::raw(&"tent"),
+        FilterDesc::BlackmanHarris => save::raw(&"blackman-harris"),
+        FilterDesc::Gaussian { sigma } => {
+            save::raw(&Gaussian { _type: "gaussian".to_owned(), sigma: Some(single(sigma)) })
+        }
+        FilterDesc::Mitchell { b, c } => {
+            let [b, c] = [b, c].map(|number| Some(single(number)));
+            save::raw(&Mitchell { _type: "mitchell".to_owned(), b, c })
         }
     }
 }

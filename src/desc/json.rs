@@ -1,7 +1,7 @@
 //! Reads JSON into typed structures. Every error gives an exact path, and the line of a path in the text can be found.
 
-use serde::Deserialize;
 use serde::de::{self, Deserializer, IntoDeserializer, SeqAccess, Unexpected, Visitor};
+use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use std::fmt;
 
@@ -247,7 +247,7 @@ struct Type {
 }
 
 /// A whole number, also where a file writes it as 7.0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transparent))]
 pub(super) struct Whole(pub u64);
 
@@ -278,8 +278,9 @@ impl<'de> Deserialize<'de> for Whole {
 }
 
 /// A factor for all axes, or one per axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(untagged))]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(untagged)]
 pub(super) enum Scale {
     /// The same for all axes.
     Uniform(f64),

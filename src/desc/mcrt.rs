@@ -224,7 +224,7 @@ fn surface(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> 
             let scale = transform::factors(&at("scale"), it.scale.map(Scale::Uniform))?;
             let local = transform::place(scale, radians, origin);
             validate::invertible(path, &local)?;
-            let mesh = builder.mesh_file(&at("file"), &it.file)?;
+            let mesh = builder.mesh_file(&at("file"), &it.file, false)?;
             (ShapeDesc::Mesh { mesh, smooth: false }, local, it.material)
         }
     };

@@ -18,6 +18,8 @@
 //! # Ok::<(), etendue::Error>(())
 //! ```
 //!
+//! [`SceneDesc::save`] writes a description as a scene file, whatever it was made from.
+//!
 //! Everything that a file can describe can also be described by calls, with the same checks:
 //! [`SceneDesc::add_material`], [`SceneDesc::add_surface`] and so on, with shapes from [`ShapeDesc::sphere`] and the
 //! other constructors.
@@ -58,6 +60,7 @@ mod mcrt;
 mod mesh_files;
 mod microfacets;
 mod native;
+mod numbers;
 mod object;
 mod params;
 mod photon;
@@ -70,6 +73,8 @@ mod read;
 mod render;
 mod render_block;
 mod render_keys;
+mod render_write;
+mod save;
 mod scene;
 mod scene_file;
 #[cfg(feature = "schema")]

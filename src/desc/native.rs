@@ -1,18 +1,19 @@
-//! Reads the native scene format, `"etendue": 1`: its top level, camera and lights.
+//! Reads the native scene format, `"etendue": 1`: its top level, camera and lights. Writes camera and lights.
 //!
 //! `docs/scene-format.md` describes every key. The reader first reads the tag (`type`, `geometry`) of each element and
 //! then the element itself, into a plain structure that refuses unknown keys, so every error has an exact path.
 
 use std::path::Path;
 
-use serde::Deserialize;
 use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::builder::Builder;
 use super::json::{self, join};
 use super::{
-    CameraDesc, Dialect, FovAxis, RenderDesc, SceneDesc, material_keys, render_keys, surface, texture_keys, validate,
+    CameraDesc, Dialect, EnvironmentDesc, FovAxis, PointLightDesc, RenderDesc, SceneDesc, material_keys, numbers,
+    render_keys, save, surface, texture_keys, validate,
 };
 use crate::math::DVec3;
 use crate::{Error, Result};
@@ -43,7 +44,7 @@ struct Top<'a> {
 }
 
 /// Which kind of camera; a pinhole unless it says otherwise.
-#[derive(Clone, Copy, Default, Deserialize)]
+#[derive(Clone, Copy, Default, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 enum CameraType {
@@ -55,7 +56,7 @@ enum CameraType {
 }
 
 /// The side of the image that `fieldOfView` spans.
-#[derive(Clone, Copy, Default, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Default, Deserialize, Serialize, PartialEq, Eq)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 enum Axis {
@@ -67,7 +68,7 @@ enum Axis {
 }
 
 /// Where the scene is seen from.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename_all = "camelCase")]
 pub(super) struct Camera {
@@ -88,7 +89,7 @@ pub(super) struct Camera {
 }
 
 /// A light that shines from a point, the same in all directions.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct PointLight {
@@ -102,7 +103,7 @@ pub(super) struct PointLight {
     intensity: Option<f64>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
 #[serde(rename_all = "kebab-case")]
 enum PointTag {
@@ -110,7 +111,7 @@ enum PointTag {
 }
 
 /// A triangle that shines on the side of (v2 - v1) x (v3 - v1) and reflects nothing.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct AreaLight {
@@ -131,7 +132,7 @@ pub(super) struct AreaLight {
     intensity: Option<f64>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
 #[serde(rename_all = "kebab-case")]
 enum AreaTag {
@@ -139,7 +140,7 @@ enum AreaTag {
 }
 
 /// Light from infinity, the same from all directions. A scene has one environment at most.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Environment {
@@ -151,7 +152,7 @@ pub(super) struct Environment {
     intensity: Option<f64>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
 #[serde(rename_all = "kebab-case")]
 enum EnvironmentTag {
@@ -197,6 +198,45 @@ fn camera(raw: &RawValue, path: &str) -> Result<CameraDesc> {
             Ok(camera)
         }
     }
+}
+
+/// Writes a camera, whose numbers have been checked.
+pub(super) fn write_camera(camera: &CameraDesc) -> Result<Box<RawValue>> {
+    let (kind, origin, look_at, up, fov_deg, fov_axis) = match *camera {
+        CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis } => {
+            (CameraType::Perspective, eye, look_at, up, fov_deg, fov_axis)
+        }
+        CameraDesc::ViewPlane { centre, look_at, up, fov_deg } => {
+            (CameraType::ViewPlane, centre, look_at, up, fov_deg, FovAxis::Horizontal)
+        }
+    };
+    save::raw(&Camera {
+        r#type: Some(kind),
+        origin: Some(origin.to_array()),
+        look_at: Some(look_at.to_array()),
+        up: Some(up.to_array()),
+        field_of_view: Some(fov_deg),
+        field_of_view_axis: (fov_axis == FovAxis::Vertical).then_some(Axis::Vertical),
+    })
+}
+
+/// Writes a point light, whose numbers have been checked.
+pub(super) fn write_point_light(light: &PointLightDesc) -> Result<Box<RawValue>> {
+    save::raw(&PointLight {
+        _type: PointTag::Point,
+        origin: light.position.to_array(),
+        color: numbers::color(light.intensity),
+        intensity: None,
+    })
+}
+
+/// Writes an environment, whose numbers have been checked.
+pub(super) fn write_environment(environment: &EnvironmentDesc) -> Result<Box<RawValue>> {
+    save::raw(&Environment {
+        _type: EnvironmentTag::Environment,
+        color: numbers::color(environment.radiance),
+        intensity: None,
+    })
 }
 
 fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {

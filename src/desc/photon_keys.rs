@@ -1,14 +1,15 @@
 //! Reads the settings of photon maps and of the irradiance cache in the `render` block, and checks the limits on their
 //! numbers.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::json::{self, Plain, Whole, join};
+use super::numbers::single;
 use super::render_block::{Render, Sharing, Source};
 use super::{
     CacheDesc, CacheSource, KernelDesc, MAX_GATHER_RAYS, MAX_NEIGHBOURS, MAX_PHOTON_MEMORY, MAX_PHOTONS, PhotonDesc,
-    PhotonSharing, validate,
+    PhotonSharing, save, validate,
 };
 use crate::{Error, Result};
 
@@ -21,7 +22,7 @@ const GATHER_RAYS: Limits = (1, MAX_GATHER_RAYS);
 const MEMORY: Limits = (1, MAX_PHOTON_MEMORY);
 const CACHE_RAYS: Limits = (16, 1 << 20);
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct Cone {
     #[serde(rename = "type")]
@@ -144,4 +145,13 @@ fn kernel(raw: &RawValue, path: &str) -> Result<KernelDesc> {
         json::object::<Plain>(raw, path)?;
     }
     Ok(if name == "flat" { KernelDesc::Flat } else { KernelDesc::Epanechnikov })
+}
+
+/// Writes a kernel, whose number has been checked.
+pub(super) fn write_kernel(kernel: KernelDesc) -> Result<Box<RawValue>> {
+    match kernel {
+        KernelDesc::Flat => save::raw(&"flat"),
+        KernelDesc::Epanechnikov => save::raw(&"epanechnikov"),
+        KernelDesc::Cone { k } => save::raw(&Cone { _type: "cone".to_owned(), k: Some(single(k)) }),
+    }
 }

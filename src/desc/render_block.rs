@@ -1,13 +1,13 @@
 //! The `render` block of the native format as it is written: its keys and the names that they accept.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::RouletteDesc;
 use super::json::{self, Whole};
 
 /// How to render; every key is optional.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename_all = "camelCase")]
 pub(super) struct Render<'a> {
@@ -119,7 +119,7 @@ pub(super) struct Render<'a> {
 }
 
 /// The positions of the samples of a pixel.
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Sampler {
@@ -136,7 +136,7 @@ pub(super) enum Sampler {
 }
 
 /// The survival probability by which Russian roulette ends paths. The choice changes noise and time, never the expected image.
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Roulette {
@@ -156,7 +156,7 @@ impl From<Roulette> for RouletteDesc {
 }
 
 /// How the photons are divided between the emitters.
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Sharing {
@@ -167,7 +167,7 @@ pub(super) enum Sharing {
 }
 
 /// The source of the light that the gather rays of an irradiance cache find.
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Source {
@@ -178,7 +178,7 @@ pub(super) enum Source {
 }
 
 /// How a radiosity system is solved, in a file.
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Solver {

@@ -1,5 +1,7 @@
 //! JSON Schema of the native scene format, from the structures that read it.
 
+use schemars::generate::SchemaSettings;
+use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 
 use super::{material_keys, native, render_block, surface, texture_keys};
@@ -88,5 +90,11 @@ enum Surface<'a> {
 ///
 /// It checks keys, types and names; what numbers mean (a camera's frame, a flat quad) only reading a scene checks.
 pub fn schema() -> Schema {
-    schemars::schema_for!(Scene<'_>)
+    // A key may be null wherever it may be left out; that null is its default says nothing more.
+    let without_null = RecursiveTransform(|schema: &mut Schema| {
+        if schema.get("default").is_some_and(serde_json::Value::is_null) {
+            schema.remove("default");
+        }
+    });
+    SchemaSettings::default().with_transform(without_null).into_generator().into_root_schema_for::<Scene<'_>>()
 }

@@ -8,6 +8,9 @@ use crate::{Error, Result};
 /// Greatest difference between 1 and the length of a disk's normal.
 const UNIT: f64 = 1e-6;
 
+/// Difference between 1 and the length of a vector that was made a unit vector, from rounding.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Constructors for the shapes that the scene format calls by name.
 ///
 /// Each constructor returns a shape and its [`super::SurfaceDesc::local`] frame, both of which are arguments of
@@ -45,7 +48,10 @@ impl ShapeDesc {
     /// # Errors
     /// At `origin[..]`, `normal` or `radius`.
     pub fn disk(centre: DVec3, normal: DVec3, radius: f64) -> Result<(Self, DAffine3)> {
-        checked(Self::Disk { centre, normal: validate::direction("normal", normal)?, radius })
+        let unit = validate::direction("normal", normal)?;
+        // A vector that has been made a unit vector before stays as it is.
+        let normal = if (normal.length() - 1.0).abs() <= ROUNDING { normal } else { unit };
+        checked(Self::Disk { centre, normal, radius })
     }
 
     /// Makes the quadric a x^2 + b y^2 + c z^2 + 2d xy + 2e yz + 2f xz + 2g x + 2h y + 2i z + j = 0 inside a box. Its

@@ -1,6 +1,8 @@
-//! Reads surfaces and shared meshes of the native format.
+//! Reads surfaces and shared meshes of the native format, and writes them.
 
-use serde::Deserialize;
+mod write;
+
+use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::builder::Builder;
@@ -9,11 +11,13 @@ use super::{MeshDesc, ShapeDesc, SurfaceLook, transform, validate};
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::{Error, Result};
 
+pub(super) use write::{write, write_mesh};
+
 /// Declares one kind of surface: its own keys after the ones all kinds share, and how to get at those.
 macro_rules! surface {
     ($(#[$doc:meta])* $name:ident, $tag:ident, { $($(#[$field_doc:meta])* $field:ident: $type:ty,)* }) => {
         $(#[$doc])*
-        #[derive(Deserialize)]
+        #[derive(Deserialize, Serialize)]
         #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
         #[serde(deny_unknown_fields)]
         pub(super) struct $name<'a> {
@@ -48,7 +52,7 @@ macro_rules! surface {
 mod tags {
     macro_rules! tags {
         ($($tag:ident)*) => {$(
-            #[derive(serde::Deserialize)]
+            #[derive(serde::Deserialize, serde::Serialize)]
             #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
             #[serde(rename_all = "kebab-case")]
             pub(super) enum $tag {
@@ -202,7 +206,7 @@ surface!(
 });
 
 /// Where the materials of a mesh are described.
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 enum MaterialsOf {
@@ -211,7 +215,7 @@ enum MaterialsOf {
 }
 
 /// Flat faces, or normals interpolated between vertices.
-#[derive(Clone, Copy, Default, Deserialize, PartialEq, Eq)]
+#[derive(Clone, Copy, Default, Deserialize, Serialize, PartialEq, Eq)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 enum Shading {
@@ -223,7 +227,7 @@ enum Shading {
 }
 
 /// A box, axis-aligned in the quadric's frame.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Clip {
@@ -234,7 +238,7 @@ pub(super) struct Clip {
 }
 
 /// A mesh that several surfaces can use.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct SharedMesh {
@@ -242,6 +246,9 @@ pub(super) struct SharedMesh {
     name: String,
     /// Wavefront OBJ, PLY or STL file, relative to the scene file's folder.
     file: Option<String>,
+    /// Of a PLY file: whether triangles that name a vertex twice are kept. They are never seen, but have numbers. Default false.
+    #[serde(rename = "keepDegenerate")]
+    keep_degenerate: Option<bool>,
     /// One position per vertex.
     positions: Option<Vec<[f64; 3]>>,
     /// Three vertex indices per triangle, from 0, counter-clockwise seen from outside.
@@ -368,8 +375,15 @@ impl Mesh<'_> {
 /// Reads one of `meshes`.
 pub(super) fn shared_mesh(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     let mesh: SharedMesh = json::object(raw, path)?;
-    let SharedMesh { name, file, positions, triangles, normals, uvs } = mesh;
-    let index = MeshSource { name: None, file, positions, triangles, normals, uvs }.resolve(path, &name, builder)?;
+    let SharedMesh { name, file, keep_degenerate, positions, triangles, normals, uvs } = mesh;
+    let index = match (keep_degenerate, &file, positions.is_some() || triangles.is_some()) {
+        (Some(true), Some(file), false) => builder.mesh_file(&join(path, "file"), file, true)?,
+        (Some(true), ..) => {
+            let message = "only a mesh in a file has this key, a mesh given in place keeps all triangles";
+            return Err(Error::invalid(join(path, "keepDegenerate"), message));
+        }
+        _ => MeshSource { name: None, file, positions, triangles, normals, uvs }.resolve(path, &name, builder)?,
+    };
     builder.scene.check_mesh_name(path, &name)?;
     builder.scene.index.meshes.insert(name, index);
     Ok(())
@@ -403,7 +417,7 @@ impl MeshSource {
             self.positions.is_some() || self.triangles.is_some() || self.normals.is_some() || self.uvs.is_some();
         match (self.name, self.file) {
             (Some(shared), None) if !inline => builder.mesh_named(&join(path, "mesh"), &shared),
-            (None, Some(file)) if !inline => builder.mesh_file(&join(path, "file"), &file),
+            (None, Some(file)) if !inline => builder.mesh_file(&join(path, "file"), &file, false),
             (None, None) if inline => {
                 let missing = |key: &str| Error::invalid(path, format!("missing key `{key}` of a mesh given in place"));
                 let positions = self.positions.ok_or_else(|| missing("positions"))?;

@@ -1,25 +1,27 @@
-//! Reads textures of the native format, and the `textures` of a material.
+//! Reads and writes textures of the native format, and the `textures` of a material.
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::builder::Builder;
 use super::json::{self, Whole, join};
+use super::numbers::{self, shortest, single, unless};
+use super::save::{self, Names};
 use super::{
     ImageTextureDesc, Projection, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
     TextureSource, texture_check, validate,
 };
 use crate::math::DVec3;
-use crate::texture::{ColorSpace, Pattern, Procedural, TextureFilter, Wrap};
+use crate::texture::{ColorSpace, Pattern, Procedural, TexelFormat, TextureFilter, Wrap};
 use crate::{Error, Result};
 
 /// The kinds of textures, by `type`.
 const KINDS: [&str; 8] = ["image", "checker", "grid", "gradient", "noise", "turbulence", "marble", "wood"];
 
 /// What the numbers of an image mean.
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Space {
@@ -32,7 +34,7 @@ pub(super) enum Space {
 }
 
 /// What lies beyond the edges of an image.
-#[derive(Clone, Copy, Default, Deserialize)]
+#[derive(Clone, Copy, Default, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum WrapKey {
@@ -48,7 +50,7 @@ pub(super) enum WrapKey {
 }
 
 /// How an image is filtered.
-#[derive(Clone, Copy, Default, Deserialize)]
+#[derive(Clone, Copy, Default, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum FilterKey {
@@ -66,7 +68,7 @@ pub(super) enum FilterKey {
 }
 
 /// Where a texture lies.
-#[derive(Clone, Copy, Default, Deserialize)]
+#[derive(Clone, Copy, Default, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum Coordinates {
@@ -85,14 +87,14 @@ pub(super) enum Coordinates {
     Space,
 }
 
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
 #[serde(rename_all = "kebab-case")]
 enum ImageTag {
     Image,
 }
 
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
 #[serde(rename_all = "kebab-case")]
 enum PatternTag {
@@ -106,7 +108,7 @@ enum PatternTag {
 }
 
 /// An image on surfaces.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename_all = "camelCase")]
 pub(super) struct Image {
@@ -141,7 +143,7 @@ pub(super) struct Image {
 }
 
 /// A pattern of two colours.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename_all = "camelCase")]
 pub(super) struct PatternTexture {
@@ -169,7 +171,7 @@ pub(super) struct PatternTexture {
 }
 
 /// What a parameter takes from a texture.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Binding {
@@ -183,7 +185,7 @@ pub(super) struct Binding {
 }
 
 /// One number of a texture.
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum ChannelKey {
@@ -362,4 +364,161 @@ pub(super) fn bindings(
         })
     };
     raw.into_iter().flatten().map(|(name, raw)| one((name, raw))).collect()
+}
+
+/// Writes a texture, whose numbers have been checked, under this name; `file` is the name of the file of its image.
+pub(super) fn write(texture: &TextureDesc, name: &str, file: &str) -> Result<Box<RawValue>> {
+    let TextureDesc { path, source, mapping, .. } = texture;
+    match source {
+        TextureSource::Image(image) => {
+            let [across, up] = image.wrap.map(|wrap| match wrap {
+                Wrap::Repeat => WrapKey::Repeat,
+                Wrap::Mirror => WrapKey::Mirror,
+                Wrap::Clamp => WrapKey::Clamp,
+                Wrap::Black => WrapKey::Black,
+            });
+            let MappingKeys { coordinates, scale, rotation, offset } = MappingKeys::of(path, mapping)?;
+            let pair = |list: Option<Vec<f64>>| list.and_then(|list| <[f64; 2]>::try_from(list).ok());
+            save::raw(&Image {
+                name: name.to_owned(),
+                _type: ImageTag::Image,
+                file: file.to_owned(),
+                color_space: space_key(path, image)?,
+                wrap: (image.wrap[0] != Wrap::default()).then_some(across),
+                wrap_v: (image.wrap[1] != image.wrap[0]).then_some(up),
+                filter: match image.filter {
+                    TextureFilter::Nearest => Some(FilterKey::Nearest),
+                    TextureFilter::Bilinear => None,
+                    TextureFilter::Mip => Some(FilterKey::Mip),
+                    TextureFilter::Ewa => Some(FilterKey::Ewa),
+                    TextureFilter::Stochastic => Some(FilterKey::Stochastic),
+                },
+                coordinates,
+                scale: pair(scale),
+                rotation,
+                offset: pair(offset),
+            })
+        }
+        TextureSource::Procedural(procedural) => {
+            let (tag, octaves, turbulence) = match procedural.pattern {
+                Pattern::Checker => (PatternTag::Checker, None, None),
+                Pattern::Grid { .. } => (PatternTag::Grid, None, None),
+                Pattern::Gradient => (PatternTag::Gradient, None, None),
+                Pattern::Noise { octaves, turbulent: false } => (PatternTag::Noise, Some(octaves), None),
+                Pattern::Noise { octaves, turbulent: true } => (PatternTag::Turbulence, Some(octaves), None),
+                Pattern::Marble { octaves, turbulence } => (PatternTag::Marble, Some(octaves), Some(turbulence)),
+                Pattern::Wood { octaves, turbulence } => (PatternTag::Wood, Some(octaves), Some(turbulence)),
+            };
+            let MappingKeys { coordinates, scale, rotation, offset } = MappingKeys::of(path, mapping)?;
+            save::raw(&PatternTexture {
+                name: name.to_owned(),
+                r#type: tag,
+                colors: Some(procedural.colors.map(numbers::color)),
+                coordinates,
+                line_width: match procedural.pattern {
+                    Pattern::Grid { width } => Some(single(width)),
+                    _ => None,
+                },
+                octaves: octaves.map(|octaves| Whole(octaves.into())),
+                turbulence: turbulence.map(single),
+                scale,
+                rotation,
+                offset,
+            })
+        }
+    }
+}
+
+/// The keys of a mapping that differ from their defaults.
+struct MappingKeys {
+    coordinates: Option<Coordinates>,
+    scale: Option<Vec<f64>>,
+    rotation: Option<f64>,
+    offset: Option<Vec<f64>>,
+}
+
+impl MappingKeys {
+    fn of(path: &str, mapping: &TextureMapping) -> Result<Self> {
+        let list = |values: &[f64], default: f64| {
+            values.iter().any(|value| value.to_bits() != default.to_bits()).then(|| values.to_vec())
+        };
+        let coordinates = match mapping {
+            TextureMapping::Uv { .. } => None,
+            TextureMapping::Space { .. } => Some(Coordinates::Space),
+            TextureMapping::Projected { projection, .. } => Some(match projection {
+                Projection::Box => Coordinates::Box,
+                Projection::X => Coordinates::PlanarX,
+                Projection::Y => Coordinates::PlanarY,
+                Projection::Z => Coordinates::PlanarZ,
+            }),
+        };
+        match *mapping {
+            TextureMapping::Uv { scale, rotation, offset }
+            | TextureMapping::Projected { scale, rotation, offset, .. } => {
+                let degrees = unless(rotation, 0.0).map(|radians| turned_degrees(radians, scale)).transpose();
+                let rotation = degrees.map_err(|message| Error::invalid(join(path, "rotation"), message))?;
+                Ok(Self { coordinates, scale: list(&scale, 1.0), rotation, offset: list(&offset, 0.0) })
+            }
+            TextureMapping::Space { scale, offset } => {
+                let (scale, offset) = (list(&scale.to_array(), 1.0), list(&offset.to_array(), 0.0));
+                Ok(Self { coordinates, scale, rotation: None, offset })
+            }
+        }
+    }
+}
+
+/// The degrees that are read as this rotation. One in ten angles in radians lies between those that degrees of double precision give;
+/// for these it is the nearest ones, which turn texture coordinates, of single precision, in the same way.
+fn turned_degrees(radians: f64, scale: [f64; 2]) -> Result<f64, String> {
+    let matrix = |radians: f64| {
+        let (sin, cos) = radians.sin_cos();
+        [cos * scale[0], sin * scale[1], sin * scale[0], cos * scale[1]].map(|x| (x as f32).to_bits())
+    };
+    let exact = radians.to_degrees();
+    shortest(exact, |degrees| degrees.to_radians().to_bits() == radians.to_bits())
+        .or_else(|| shortest(exact, |degrees| matrix(degrees.to_radians()) == matrix(radians)))
+        .ok_or_else(|| format!("no angle in degrees is exactly {radians} radians, expected another angle"))
+}
+
+/// The colour space of an image in a file that keeps its texels: an integer format, which suggests sRGB, or a floating-point one.
+fn space_key(path: &str, image: &ImageTextureDesc) -> Result<Option<Space>> {
+    let is_integer = matches!(image.image.texels().format(), TexelFormat::U8 | TexelFormat::U16);
+    match (image.color_space, image.suggested_space) {
+        (Some(ColorSpace::Srgb), _) => Ok(Some(Space::Srgb)),
+        (Some(ColorSpace::Linear), _) => Ok(Some(Space::Linear)),
+        (Some(ColorSpace::Raw), _) => Ok(Some(Space::Raw)),
+        (None, suggested) if (suggested == ColorSpace::Srgb) == is_integer => Ok(None),
+        // What is taken as it is, is the same as a colour in linear light.
+        (None, ColorSpace::Linear | ColorSpace::Raw) => Ok(Some(Space::Linear)),
+        (None, ColorSpace::Srgb) => {
+            let message =
+                "floating-point texels are sRGB where they are colours and raw where not, expected a colour space";
+            Err(Error::invalid(join(path, "colorSpace"), message))
+        }
+    }
+}
+
+/// Writes the `textures` of a material.
+pub(super) fn write_bindings(
+    bindings: &[TextureBinding],
+    names: &Names,
+) -> Result<Option<BTreeMap<String, Box<RawValue>>>> {
+    let one = |binding: &TextureBinding| {
+        let texture = names.textures[binding.texture].clone();
+        let channel = match binding.channel {
+            TextureChannel::Default => None,
+            TextureChannel::Red => Some(ChannelKey::R),
+            TextureChannel::Green => Some(ChannelKey::G),
+            TextureChannel::Blue => Some(ChannelKey::B),
+            TextureChannel::Alpha => Some(ChannelKey::A),
+        };
+        let strength = unless(single(binding.strength), 1.0);
+        let value = match (channel, strength) {
+            (None, None) => save::raw(&texture)?,
+            _ => save::raw(&Binding { texture, channel, strength })?,
+        };
+        Ok((binding.key.name().to_owned(), value))
+    };
+    let written: BTreeMap<_, _> = bindings.iter().map(one).collect::<Result<_>>()?;
+    Ok((!written.is_empty()).then_some(written))
 }

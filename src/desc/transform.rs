@@ -1,15 +1,16 @@
-//! Placement of surfaces: a matrix, or scale, rotation and translation, or several of them in a row.
+//! Reads and writes the placement of surfaces: a matrix, or scale, rotation and translation, or several of them in a row.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::json::{self, Scale, join};
-use super::validate;
+use super::numbers::unless;
+use super::{save, validate};
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::{Error, Result};
 
 /// One step of a `transform`: either `matrix`, or any of the others (applied as scale, rotate, translate).
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Step {
@@ -76,6 +77,45 @@ fn step(raw: &RawValue, path: &str) -> Result<DAffine3> {
     let degrees = validate::vector(&join(path, "rotate"), step.rotate.unwrap_or_default())?;
     let scale = factors(&join(path, "scale"), step.scale)?;
     Ok(place(scale, degrees * (std::f64::consts::PI / 180.0), translate))
+}
+
+/// Writes a transform that is invertible; `None` for the identity. It is written as a scale and a translation where it is made of
+/// these, and otherwise as a matrix.
+pub(super) fn write(transform: &DAffine3) -> Result<Option<Box<RawValue>>> {
+    if same_bits(transform, &DAffine3::IDENTITY) {
+        return Ok(None);
+    }
+    let DAffine3 { matrix3: DMat3 { x_axis, y_axis, z_axis }, translation } = *transform;
+    let scale = DVec3::new(x_axis.x, y_axis.y, z_axis.z);
+    let step = if same_bits(transform, &place(scale, DVec3::ZERO, translation)) && scale.cmpne(DVec3::ZERO).all() {
+        Step {
+            matrix: None,
+            translate: unless_zero(translation),
+            rotate: None,
+            scale: if scale == DVec3::splat(scale.x) {
+                unless(scale.x, 1.0).map(Scale::Uniform)
+            } else {
+                Some(Scale::PerAxis(scale.to_array()))
+            },
+        }
+    } else {
+        let row = |i: usize| [x_axis[i], y_axis[i], z_axis[i], translation[i]];
+        let [[a, b, c, d], [e, f, g, h], [i, j, k, l]] = [0, 1, 2].map(row);
+        let matrix = [a, b, c, d, e, f, g, h, i, j, k, l, 0.0, 0.0, 0.0, 1.0];
+        Step { matrix: Some(matrix), translate: None, rotate: None, scale: None }
+    };
+    save::raw(&step).map(Some)
+}
+
+/// Whether two transforms have the same bits, down to the signs of zeros.
+pub(super) fn same_bits(a: &DAffine3, b: &DAffine3) -> bool {
+    a.to_cols_array().map(f64::to_bits) == b.to_cols_array().map(f64::to_bits)
+}
+
+/// The value of a key that may be left out; `None` for zeros.
+pub(super) fn unless_zero(value: DVec3) -> Option<[f64; 3]> {
+    let is_zero = value.to_array().iter().all(|x| x.to_bits() == 0);
+    (!is_zero).then(|| value.to_array())
 }
 
 /// Returns the factors of a `scale`, or 1 where there is none. Zero is refused, because it would flatten the object.

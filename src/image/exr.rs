@@ -79,7 +79,27 @@ pub(crate) fn encode(
         other: attributes.iter().filter_map(attribute).collect(),
         ..LayerAttributes::default()
     };
-    let size = Vec2(image.width as usize, image.height as usize);
+    encode_layer(channels, [image.width, image.height], attributes, threads, file)
+}
+
+/// Writes channels as they are, compressed without loss by so many threads.
+pub(crate) fn encode_channels(
+    channels: Vec<AnyChannel<FlatSamples>>,
+    size: [u32; 2],
+    threads: usize,
+    file: &mut BufWriter<&mut File>,
+) -> Result<()> {
+    encode_layer(channels, size, LayerAttributes::default(), threads, file)
+}
+
+fn encode_layer(
+    channels: Vec<AnyChannel<FlatSamples>>,
+    [width, height]: [u32; 2],
+    attributes: LayerAttributes,
+    threads: usize,
+    file: &mut BufWriter<&mut File>,
+) -> Result<()> {
+    let size = Vec2(width as usize, height as usize);
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };

@@ -19,6 +19,29 @@ pub(crate) fn encode(pixels: &[u8], [width, height]: [u32; 2], file: &mut impl W
         .map_err(|error| Error::new(ErrorKind::Io, format!("cannot write the image: {error}")).because(error))
 }
 
+/// Writes `[height][width][channels]` numbers of 8 or 16 bits, the latter in the machine's order of bytes.
+pub(crate) fn encode_texels(
+    bytes: &[u8],
+    [width, height]: [u32; 2],
+    channels: u32,
+    bits: u32,
+    file: &mut impl Write,
+) -> Result<()> {
+    let kind = match (channels, bits) {
+        (1, 8) => ExtendedColorType::L8,
+        (2, 8) => ExtendedColorType::La8,
+        (3, 8) => ExtendedColorType::Rgb8,
+        (_, 8) => ExtendedColorType::Rgba8,
+        (1, _) => ExtendedColorType::L16,
+        (2, _) => ExtendedColorType::La16,
+        (3, _) => ExtendedColorType::Rgb16,
+        (_, _) => ExtendedColorType::Rgba16,
+    };
+    PngEncoder::new_with_quality(file, CompressionType::Default, FilterType::Adaptive)
+        .write_image(bytes, width, height, kind)
+        .map_err(|error| Error::new(ErrorKind::Io, format!("cannot write the image: {error}")).because(error))
+}
+
 /// Reads any PNG as linear colour without alpha.
 pub(super) fn decode(reader: impl BufRead + Seek) -> Result<Image> {
     let mut limits = Limits::no_limits();

@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::path::Path;
 
-use super::replace::{self, Target};
 use crate::bake::{Atlas, LightMap, Vertices};
 use crate::film::{Image, Layer};
+use crate::replace::{self, Target};
 use crate::spectrum::srgb_encode;
 use crate::{Error, ErrorKind, Result};
 

@@ -30,14 +30,13 @@ mod attributes;
 mod bake;
 mod metrics;
 mod photons;
-mod replace;
 mod tone;
 
 use std::path::Path;
 use std::thread;
 
 use crate::image::{Image, check_image, exr, pfm, png};
-use crate::{Error, ErrorKind, Result};
+use crate::{Error, ErrorKind, Result, replace};
 
 pub use crate::image::{Attribute, Format, MAX_PIXELS, read};
 pub use attributes::summary_attributes;

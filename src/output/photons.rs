@@ -4,7 +4,7 @@ use std::fmt;
 use std::io::Write;
 use std::path::Path;
 
-use super::replace::{self, Target};
+use crate::replace::{self, Target};
 
 use crate::integrator::photon::{Photon, colour};
 use crate::math::DVec3;

@@ -15,12 +15,14 @@ mod procedural;
 mod pyramid;
 mod read;
 mod texels;
+mod write;
 
 pub use image::ImageTexture;
 pub use lookup::{TextureFilter, Wrap};
 pub use procedural::{Pattern, Procedural};
 pub use read::{read_image, read_image_bytes};
 pub use texels::{ColorSpace, TexelFormat, TexelImage, Texels};
+pub(crate) use write::{extension, write_image};
 
 use crate::math::Vec3;
 

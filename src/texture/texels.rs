@@ -182,6 +182,22 @@ impl TexelImage {
         &self.texels
     }
 
+    /// The stored values without the gaps between rows, of which `values` are those of the image.
+    pub(crate) fn without_gaps<T: Element>(&self, values: &Buffer<T>) -> impl Iterator<Item = T> + Clone {
+        let used = self.width as usize * self.channels as usize;
+        let values = values.clone();
+        let row = self.row;
+        (0..self.height as usize).flat_map(move |y| {
+            let values = values.clone();
+            (y * row..y * row + used).map(move |i| values.get(i))
+        })
+    }
+
+    /// Number of values without the gaps between rows.
+    pub(crate) fn value_count(&self) -> usize {
+        self.width as usize * self.height as usize * self.channels as usize
+    }
+
     /// Whether the image has an opacity.
     pub fn has_opacity(&self) -> bool {
         self.channels.is_multiple_of(2)

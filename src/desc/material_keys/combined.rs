@@ -2,8 +2,9 @@
 
 use super::super::builder::Builder;
 use super::super::json::join;
+use super::super::numbers::single;
 use super::super::{BsdfDesc, validate};
-use super::{Kind, material};
+use super::{Kind, SharedKeys, keys, material, tags};
 use crate::Result;
 
 material!(
@@ -28,6 +29,33 @@ material!(
     /// Name of the material on the other side.
     back: String,
 });
+
+impl Black {
+    /// The keys of a black material.
+    pub(super) fn of(shared: SharedKeys) -> Self {
+        keys!(Self, tags::Black::Black, shared, {})
+    }
+}
+
+impl Mix {
+    /// The keys of a mixture of the materials of these names.
+    pub(super) fn of(shared: SharedKeys, materials: [String; 2], weight: f32) -> Self {
+        keys!(Self, tags::Mix::Mix, shared, {
+            materials: materials,
+            weight: Some(single(weight)),
+        })
+    }
+}
+
+impl TwoSided {
+    /// The keys of a material with the materials of these names on its sides.
+    pub(super) fn of(shared: SharedKeys, front: String, back: String) -> Self {
+        keys!(Self, tags::TwoSided::TwoSided, shared, {
+            front: front,
+            back: back,
+        })
+    }
+}
 
 impl Kind for Black {
     fn bsdf(&self, _: &str, _: &Builder<'_>) -> Result<BsdfDesc> {

@@ -2,8 +2,10 @@
 
 use super::super::builder::Builder;
 use super::super::json::{Whole, join};
-use super::super::{BsdfDesc, MediumDesc, material_check, validate};
-use super::{Kind, color, material};
+use super::super::numbers::{self, single, unless, unless_color};
+use super::super::{BsdfDesc, MediumDesc, MicrofacetsDesc, TextureKey, material_check, validate};
+use super::facets::FacetKeys;
+use super::{Kind, SharedKeys, color, keys, material, tags};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
@@ -54,12 +56,72 @@ material!(
     exterior_index: Option<f64>,
 });
 
+impl Refractive {
+    /// The keys of glass with these indices inside and outside.
+    pub(super) fn of(
+        shared: SharedKeys,
+        [ior, exterior_ior]: [f32; 2],
+        microfacets: &MicrofacetsDesc,
+        medium: Option<MediumDesc>,
+    ) -> Self {
+        let facets = FacetKeys::of(microfacets);
+        keys!(Self, tags::Refractive::Refractive, shared, facets facets, {
+            refraction_index: single(ior),
+            exterior_index: unless(single(exterior_ior), 1.0),
+            absorption: medium.map(|medium| numbers::color(medium.absorption)),
+            transmittance: None,
+            transmittance_distance: None,
+            priority: medium.map(|medium| Whole(medium.priority.into())),
+            multiple_scattering: facets.multiple_scattering,
+        })
+    }
+}
+
+impl ThinRefractive {
+    /// The keys of a sheet with these indices inside and outside.
+    pub(super) fn of(
+        shared: SharedKeys,
+        [ior, exterior_ior]: [f32; 2],
+        transmittance: Rgb,
+        microfacets: &MicrofacetsDesc,
+    ) -> Self {
+        let facets = FacetKeys::of(microfacets);
+        keys!(Self, tags::ThinRefractive::ThinRefractive, shared, facets facets, {
+            refraction_index: single(ior),
+            exterior_index: unless(single(exterior_ior), 1.0),
+            transmittance: unless_color(transmittance, Rgb::ONE),
+            multiple_scattering: facets.multiple_scattering,
+        })
+    }
+}
+
+impl CoatedDiffuse {
+    /// The keys of a coat with these indices inside and outside. Whether it makes up for light that its facets scatter more than
+    /// once has no key, because it never does.
+    pub(super) fn of(
+        shared: SharedKeys,
+        [ior, exterior_ior]: [f32; 2],
+        albedo: Rgb,
+        microfacets: &MicrofacetsDesc,
+    ) -> Self {
+        let facets = FacetKeys::of(microfacets);
+        keys!(Self, tags::CoatedDiffuse::CoatedDiffuse, shared, facets facets, {
+            color: numbers::color(albedo),
+            refraction_index: Some(single(ior)),
+            exterior_index: unless(single(exterior_ior), 1.0),
+        })
+    }
+}
+
 impl Kind for Refractive {
     fn bsdf(&self, path: &str, _: &Builder<'_>) -> Result<BsdfDesc> {
         let [ior, exterior_ior] = indices(path, self.refraction_index, self.exterior_index)?;
         let microfacets = self.facet_keys(self.multiple_scattering).read(path)?;
         let rough = BsdfDesc::RoughDielectric { ior, exterior_ior, microfacets };
-        if microfacets.roughness == 0.0 {
+        // A parameter of facets that has a texture needs facets, even where the texture is a factor on 0.
+        let is_of_facets = |name: &String| TextureKey::by_name(name).is_some_and(|key| !key.is_of_surface());
+        let has_textures = self.textures.iter().flat_map(|textures| textures.keys()).any(is_of_facets);
+        if microfacets.roughness == 0.0 && !has_textures {
             material_check::model(path, &rough, &[])?;
             return Ok(BsdfDesc::Dielectric { ior, exterior_ior });
         }

@@ -1,15 +1,17 @@
 //! Keys of diffuse materials, of sheets that transmit diffusely, and of fibres.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::super::builder::Builder;
 use super::super::json::join;
+use super::super::numbers::{self, degrees, single, unless_color};
 use super::super::{BsdfDesc, validate};
-use super::{Kind, color, material};
+use super::{Kind, SharedKeys, color, keys, material, tags};
+use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
 /// How a diffuse surface scatters.
-#[derive(Clone, Copy, Default, Deserialize)]
+#[derive(Clone, Copy, Default, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::desc) enum Brdf {
@@ -59,6 +61,41 @@ material!(
     /// Perceptual roughness, above 0 and up to 1. Default 0.5.
     roughness: Option<f64>,
 });
+
+impl Diffuse {
+    /// The keys of a diffuse material: Lambert's without a model, or another model with its one number.
+    pub(super) fn of(shared: SharedKeys, albedo: Rgb, model: Option<(Brdf, f32)>, survival: Option<f32>) -> Self {
+        let is_by_angle = matches!(model, Some((Brdf::OrenNayarQualitative, _)));
+        let number = |by_angle: bool| model.filter(|_| is_by_angle == by_angle).map(|(_, number)| number);
+        keys!(Self, tags::Diffuse::Diffuse, shared, {
+            color: numbers::color(albedo),
+            brdf: model.map(|(brdf, _)| brdf),
+            roughness: number(false).map(single),
+            sigma_deg: number(true).map(degrees),
+            reflection_rate: survival.map(single),
+        })
+    }
+}
+
+impl DiffuseTransmission {
+    /// The keys of a sheet.
+    pub(super) fn of(shared: SharedKeys, reflectance: Rgb, transmittance: Rgb) -> Self {
+        keys!(Self, tags::DiffuseTransmission::DiffuseTransmission, shared, {
+            color: unless_color(reflectance, Rgb::ZERO),
+            transmittance: numbers::color(transmittance),
+        })
+    }
+}
+
+impl Sheen {
+    /// The keys of fibres.
+    pub(super) fn of(shared: SharedKeys, color: Rgb, roughness: f32) -> Self {
+        keys!(Self, tags::Sheen::Sheen, shared, {
+            color: numbers::color(color),
+            roughness: Some(single(roughness)),
+        })
+    }
+}
 
 impl Kind for Diffuse {
     fn bsdf(&self, path: &str, _: &Builder<'_>) -> Result<BsdfDesc> {

@@ -1,13 +1,14 @@
 //! Keys of the facets of rough surfaces.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::super::json::join;
+use super::super::numbers::{degrees, single, unless};
 use super::super::{Distribution, Masking, MicrofacetsDesc, validate};
 use crate::Result;
 
 /// The distribution of facets.
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::desc) enum FacetDistribution {
@@ -18,7 +19,7 @@ pub(in crate::desc) enum FacetDistribution {
 }
 
 /// Which facets hide others.
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::desc) enum FacetMasking {
@@ -40,6 +41,26 @@ pub(super) struct FacetKeys {
 }
 
 impl FacetKeys {
+    /// The keys that describe these facets.
+    pub fn of(facets: &MicrofacetsDesc) -> Self {
+        let multiple_scattering = facets.multiple_scattering;
+        Self {
+            numbers: [single(facets.roughness), single(facets.anisotropy), degrees(facets.rotation)]
+                .map(|number| unless(number, 0.0)),
+            distribution: match facets.distribution {
+                Distribution::Ggx => None,
+                Distribution::Beckmann => Some(FacetDistribution::Beckmann),
+            },
+            masking: match facets.masking {
+                Masking::Smith => None,
+                Masking::SmithSeparable => Some(FacetMasking::SmithSeparable),
+                Masking::VCavity => Some(FacetMasking::VCavity),
+            },
+            multiple_scattering: (multiple_scattering == (facets.masking == Masking::VCavity))
+                .then_some(multiple_scattering),
+        }
+    }
+
     /// The facets that the keys describe.
     pub fn read(self, path: &str) -> Result<MicrofacetsDesc> {
         let number = |key: &str, value: Option<f64>| validate::number(&join(path, key), value.unwrap_or(0.0));

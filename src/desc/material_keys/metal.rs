@@ -2,9 +2,10 @@
 
 use super::super::builder::Builder;
 use super::super::json::{self, join};
-use super::super::{BsdfDesc, ConductorDesc, METALS, Metal, validate};
+use super::super::numbers::{self, unless_color};
+use super::super::{BsdfDesc, ConductorDesc, METALS, Metal, MicrofacetsDesc, validate};
 use super::facets::{FacetDistribution, FacetKeys, FacetMasking};
-use super::{Kind, color, material, tags};
+use super::{Kind, SharedKeys, color, keys, material, tags};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
@@ -40,6 +41,37 @@ struct MetalKeys<'a> {
     k: Option<[f64; 3]>,
     reflectance: Option<[f64; 3]>,
     edge_tint: Option<[f64; 3]>,
+}
+
+impl Reflective {
+    /// The keys of a mirror.
+    pub(super) fn of(shared: SharedKeys, reflectance: Rgb) -> Self {
+        let color = unless_color(reflectance, Rgb::ONE);
+        keys!(Self, tags::Reflective::Reflective, shared, { color: color, })
+    }
+}
+
+impl Conductor {
+    /// The keys of a metal.
+    pub(super) fn of(shared: SharedKeys, conductor: &ConductorDesc, microfacets: &MicrofacetsDesc) -> Self {
+        let facets = FacetKeys::of(microfacets);
+        let measured = METALS.iter().find(|metal| metal.conductor() == *conductor);
+        let ([eta, k], [reflectance, edge_tint]) = match *conductor {
+            ConductorDesc::Index { .. } if measured.is_some() => ([None; 2], [None; 2]),
+            ConductorDesc::Index { eta, k } => ([eta, k].map(|it| Some(numbers::color(it))), [None; 2]),
+            ConductorDesc::Reflectance { normal, edge } => {
+                ([None; 2], [Some(numbers::color(normal)), unless_color(edge, Rgb::ONE)])
+            }
+        };
+        keys!(Self, tags::Metal::Conductor, shared, facets facets, {
+            metal: measured.map(|metal| metal.symbol.to_owned()),
+            eta: eta,
+            k: k,
+            reflectance: reflectance,
+            edge_tint: edge_tint,
+            multiple_scattering: facets.multiple_scattering,
+        })
+    }
 }
 
 impl Kind for Reflective {

@@ -1,4 +1,4 @@
-//! Reads materials of the native format, a file for each family.
+//! Reads and writes materials of the native format, a file for each family.
 
 mod combined;
 mod dielectric;
@@ -14,19 +14,19 @@ use serde_json::value::RawValue;
 
 use super::builder::Builder;
 use super::json::{self, join};
-use super::{BsdfDesc, MaterialDesc, MediumDesc, material_check, texture_check, texture_keys, validate};
+use super::numbers::{self, single, unless};
+use super::save::{Names, raw};
+use super::{
+    BsdfDesc, MaterialDesc, MediumDesc, MicrofacetsDesc, material_check, texture_check, texture_keys, validate,
+};
 use crate::Result;
 use crate::spectrum::Rgb;
 
-#[cfg(feature = "schema")]
 pub(super) use combined::{Black, Mix, TwoSided};
-#[cfg(feature = "schema")]
 pub(super) use dielectric::{CoatedDiffuse, Refractive, ThinRefractive};
-#[cfg(feature = "schema")]
+use diffuse::Brdf;
 pub(super) use diffuse::{Diffuse, DiffuseTransmission, Sheen};
-#[cfg(feature = "schema")]
 pub(super) use metal::{Conductor, Reflective};
-#[cfg(feature = "schema")]
 pub(super) use principled::Principled;
 
 /// Declares the keys of one kind of material, after those that all kinds share: `material!(Name, Tag, { keys })`, or
@@ -63,7 +63,7 @@ macro_rules! material {
         }
     };
     ($(#[$meta:meta])* $name:ident, $tag:ident, { $($keys:tt)* }) => {
-        #[derive(serde::Deserialize)]
+        #[derive(serde::Deserialize, serde::Serialize)]
         #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
         #[serde(deny_unknown_fields)]
         $(#[$meta])*
@@ -97,11 +97,38 @@ macro_rules! material {
 }
 use material;
 
+/// The keys of a kind of material: `keys!(Name, tag, shared keys, { keys })`, or with `facets` before the keys for a kind that has
+/// those of facets.
+macro_rules! keys {
+    ($name:ident, $tag:expr, $shared:expr, facets $facets:expr, { $($field:ident: $value:expr,)* }) => {{
+        let [roughness, anisotropy, rotation] = $facets.numbers;
+        keys!($name, $tag, $shared, {
+            $($field: $value,)*
+            roughness: roughness,
+            anisotropy: anisotropy,
+            rotation: rotation,
+            distribution: $facets.distribution,
+            masking: $facets.masking,
+        })
+    }};
+    ($name:ident, $tag:expr, $shared:expr, { $($field:ident: $value:expr,)* }) => {
+        $name {
+            name: $shared.name,
+            _type: $tag,
+            opacity: $shared.opacity,
+            emission: $shared.emission,
+            textures: $shared.textures,
+            $($field: $value,)*
+        }
+    };
+}
+use keys;
+
 /// The values of `type`, one type each so that the schema ties keys to kinds.
 mod tags {
     macro_rules! tags {
         ($($tag:ident)*) => {$(
-            #[derive(serde::Deserialize)]
+            #[derive(serde::Deserialize, serde::Serialize)]
             #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
             #[serde(rename_all = "kebab-case")]
             pub(in crate::desc) enum $tag {
@@ -113,7 +140,7 @@ mod tags {
     tags!(Principled);
 
     /// Kinds of metals.
-    #[derive(serde::Deserialize)]
+    #[derive(serde::Deserialize, serde::Serialize)]
     #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
     #[serde(rename_all = "kebab-case")]
     pub(in crate::desc) enum Metal {
@@ -204,6 +231,49 @@ fn add<K: Kind>(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result
     material_check::check(&mut material, &builder.scene.materials)?;
     texture_check::bindings(&material, &builder.scene.textures, &builder.scene.materials)?;
     builder.scene.put_material(material).map(|_| ())
+}
+
+/// Writes a material whose parts and textures have these names. Its numbers have been checked.
+pub(super) fn write(number: usize, material: &MaterialDesc, names: &Names) -> Result<Box<RawValue>> {
+    let shared = SharedKeys {
+        name: names.materials[number].clone(),
+        opacity: unless(single(material.opacity), 1.0),
+        emission: material.emission.map(numbers::color),
+        textures: texture_keys::write_bindings(&material.textures, names)?,
+    };
+    let name_of = |part: usize| names.materials[part].clone();
+    let diffuse = |shared, albedo, model| raw(&Diffuse::of(shared, albedo, model, material.survival));
+    match material.bsdf {
+        BsdfDesc::Black => raw(&Black::of(shared)),
+        BsdfDesc::Lambert { albedo } => diffuse(shared, albedo, None),
+        BsdfDesc::OrenNayar { albedo, roughness } => diffuse(shared, albedo, Some((Brdf::OrenNayar, roughness))),
+        BsdfDesc::Eon { albedo, roughness } => diffuse(shared, albedo, Some((Brdf::Eon, roughness))),
+        BsdfDesc::OrenNayarQualitative { albedo, sigma } => {
+            diffuse(shared, albedo, Some((Brdf::OrenNayarQualitative, sigma)))
+        }
+        BsdfDesc::Mirror { reflectance } => raw(&Reflective::of(shared, reflectance)),
+        BsdfDesc::Dielectric { ior, exterior_ior } => {
+            let smooth = MicrofacetsDesc::default();
+            raw(&Refractive::of(shared, [ior, exterior_ior], &smooth, material.medium))
+        }
+        BsdfDesc::RoughDielectric { ior, exterior_ior, ref microfacets } => {
+            raw(&Refractive::of(shared, [ior, exterior_ior], microfacets, material.medium))
+        }
+        BsdfDesc::DiffuseTransmission { reflectance, transmittance } => {
+            raw(&DiffuseTransmission::of(shared, reflectance, transmittance))
+        }
+        BsdfDesc::Sheen { color, roughness } => raw(&Sheen::of(shared, color, roughness)),
+        BsdfDesc::Conductor { ref conductor, ref microfacets } => raw(&Conductor::of(shared, conductor, microfacets)),
+        BsdfDesc::ThinDielectric { ior, exterior_ior, transmittance, ref microfacets } => {
+            raw(&ThinRefractive::of(shared, [ior, exterior_ior], transmittance, microfacets))
+        }
+        BsdfDesc::CoatedDiffuse { albedo, ior, exterior_ior, ref microfacets } => {
+            raw(&CoatedDiffuse::of(shared, [ior, exterior_ior], albedo, microfacets))
+        }
+        BsdfDesc::Principled(ref it) => raw(&Principled::of(shared, it, material.medium)),
+        BsdfDesc::Mix { materials, weight } => raw(&Mix::of(shared, materials.map(name_of), weight)),
+        BsdfDesc::TwoSided { front, back } => raw(&TwoSided::of(shared, name_of(front), name_of(back))),
+    }
 }
 
 /// A colour with a default for all channels.

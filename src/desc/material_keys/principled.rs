@@ -2,8 +2,9 @@
 
 use super::super::builder::Builder;
 use super::super::json::{Whole, join};
+use super::super::numbers::{degrees, single, unless, unless_color};
 use super::super::{BsdfDesc, MediumDesc, PrincipledDesc, validate};
-use super::{Kind, material};
+use super::{Kind, SharedKeys, keys, material, tags};
 use crate::Result;
 use crate::spectrum::Rgb;
 
@@ -58,10 +59,51 @@ material!(
     thin_walled: Option<bool>,
     /// Which medium fills the overlap of bodies that transmit: the one with the larger priority. Default 0.
     priority: Option<Whole>,
+    /// Absorption coefficient inside bodies that transmit, 1 / scene unit, 0 or more per channel, in addition to that of
+    /// `transmission_depth`. Default [0, 0, 0].
+    absorption: Option<[f64; 3]>,
     /// Whether light that facets scatter more than once is made up for. Default true.
     #[serde(rename = "multipleScattering")]
     multiple_scattering: Option<bool>,
 });
+
+impl Principled {
+    /// The keys that differ from their defaults.
+    pub(super) fn of(shared: SharedKeys, it: &PrincipledDesc, medium: Option<MediumDesc>) -> Self {
+        let default = PrincipledDesc::default();
+        let MediumDesc { absorption, priority } = medium.unwrap_or_default();
+        let number = |value: f32, default: f32| unless(single(value), single(default));
+        let flag = |value: bool, default: bool| (value != default).then_some(value);
+        keys!(Self, tags::Principled::Principled, shared, {
+            base_weight: number(it.base_weight, default.base_weight),
+            base_color: unless_color(it.base_color, default.base_color),
+            base_diffuse_roughness: number(it.base_diffuse_roughness, default.base_diffuse_roughness),
+            base_metalness: number(it.base_metalness, default.base_metalness),
+            specular_weight: number(it.specular_weight, default.specular_weight),
+            specular_color: unless_color(it.specular_color, default.specular_color),
+            specular_roughness: number(it.specular_roughness, default.specular_roughness),
+            specular_roughness_anisotropy: number(it.specular_roughness_anisotropy, default.specular_roughness_anisotropy),
+            specular_rotation: unless(degrees(it.specular_rotation), 0.0),
+            specular_ior: number(it.specular_ior, default.specular_ior),
+            transmission_weight: number(it.transmission_weight, default.transmission_weight),
+            transmission_color: unless_color(it.transmission_color, default.transmission_color),
+            transmission_depth: number(it.transmission_depth, default.transmission_depth),
+            coat_weight: number(it.coat_weight, default.coat_weight),
+            coat_color: unless_color(it.coat_color, default.coat_color),
+            coat_roughness: number(it.coat_roughness, default.coat_roughness),
+            coat_roughness_anisotropy: number(it.coat_roughness_anisotropy, default.coat_roughness_anisotropy),
+            coat_ior: number(it.coat_ior, default.coat_ior),
+            coat_darkening: number(it.coat_darkening, default.coat_darkening),
+            fuzz_weight: number(it.fuzz_weight, default.fuzz_weight),
+            fuzz_color: unless_color(it.fuzz_color, default.fuzz_color),
+            fuzz_roughness: number(it.fuzz_roughness, default.fuzz_roughness),
+            thin_walled: flag(it.thin_walled, default.thin_walled),
+            priority: (priority > 0).then_some(Whole(priority.into())),
+            absorption: unless_color(absorption, Rgb::ZERO),
+            multiple_scattering: flag(it.multiple_scattering, default.multiple_scattering),
+        })
+    }
+}
 
 impl Kind for Principled {
     fn bsdf(&self, path: &str, _: &Builder<'_>) -> Result<BsdfDesc> {
@@ -74,7 +116,8 @@ impl Kind for Principled {
             Some(value) => validate::reflectance(&join(path, key), value),
             None => Ok(default),
         };
-        let rotation = number("specular_rotation", self.specular_rotation, 0.0)?.to_radians();
+        let degrees = self.specular_rotation.unwrap_or(0.0);
+        let rotation = validate::number(&join(path, "specular_rotation"), degrees)?.to_radians() as f32;
         let desc = PrincipledDesc {
             base_weight: number("base_weight", self.base_weight, default.base_weight)?,
             base_color: color("base_color", self.base_color, default.base_color)?,
@@ -109,8 +152,15 @@ impl Kind for Principled {
     }
 
     fn medium(&self, path: &str) -> Result<Option<MediumDesc>> {
-        let Some(priority) = self.priority else { return Ok(None) };
-        let priority = validate::whole(&join(path, "priority"), priority, 0, u32::MAX.into())?;
-        Ok((priority > 0).then(|| MediumDesc { priority, ..MediumDesc::default() }))
+        let priority = match self.priority {
+            Some(priority) => validate::whole(&join(path, "priority"), priority, 0, u32::MAX.into())?,
+            None => 0,
+        };
+        let absorption = match self.absorption {
+            Some(absorption) => validate::absorption(&join(path, "absorption"), absorption)?,
+            None => Rgb::ZERO,
+        };
+        let medium = MediumDesc { absorption, priority };
+        Ok((medium != MediumDesc::default()).then_some(medium))
     }
 }

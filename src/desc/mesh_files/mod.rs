@@ -10,6 +10,7 @@ mod obj_parts;
 mod ply;
 mod ply_header;
 mod ply_values;
+pub(super) mod ply_write;
 mod stl;
 mod stl_text;
 
@@ -84,25 +85,37 @@ pub(super) fn check_name(json_path: &str, file: &Path) -> Result<()> {
 
 /// Reads the mesh in the file at `path`; `json_path` says where the scene names it. Adds warnings only where no error occurs.
 pub(super) fn load(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<MeshDesc> {
-    let mut source = Source::open(path, json_path)?;
-    let format = match MeshFormat::of_name(path) {
-        Some(format) => format,
-        None => source.format()?,
-    };
+    let (source, format) = opened(path, json_path)?;
     match format {
         MeshFormat::Obj => obj::read(source, None, warnings).map(|(mesh, _)| mesh),
-        MeshFormat::Ply => ply::read(source, warnings),
+        MeshFormat::Ply => ply::read(source, false, warnings),
         MeshFormat::Stl => stl::read(source, warnings),
     }
 }
 
-/// Reads the file at `path` and the material libraries that it names, with a part for each material that a face has.
-pub(super) fn load_parts(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<Parts> {
+/// Reads the mesh in the PLY file at `path` as [`load`] does, with triangles that name a vertex twice.
+pub(super) fn load_whole(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<MeshDesc> {
+    let (source, format) = opened(path, json_path)?;
+    if format == MeshFormat::Ply {
+        return ply::read(source, true, warnings);
+    }
+    let message = "degenerate triangles are kept of PLY files alone (`keepDegenerate`), expected such a file";
+    Err(Error::invalid(json_path, message).in_file(Some(path), 0))
+}
+
+/// Opens a file, and says which format it has.
+fn opened<'a>(path: &'a Path, json_path: &'a str) -> Result<(Source<'a>, MeshFormat)> {
     let mut source = Source::open(path, json_path)?;
     let format = match MeshFormat::of_name(path) {
         Some(format) => format,
         None => source.format()?,
     };
+    Ok((source, format))
+}
+
+/// Reads the file at `path` and the material libraries that it names, with a part for each material that a face has.
+pub(super) fn load_parts(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<Parts> {
+    let (source, format) = opened(path, json_path)?;
     let other = match format {
         MeshFormat::Obj => return obj_parts::load(source, warnings),
         MeshFormat::Ply => "PLY",

@@ -17,8 +17,8 @@ const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 /// Names of texture coordinates.
 const UVS: [[&str; 2]; 4] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
 
-/// Reads a file.
-pub(super) fn read(source: Source<'_>, warnings: &mut Vec<String>) -> Result<MeshDesc> {
+/// Reads a file. `keep_degenerate` says whether triangles that name a vertex twice are kept.
+pub(super) fn read(source: Source<'_>, keep_degenerate: bool, warnings: &mut Vec<String>) -> Result<MeshDesc> {
     let (place, size) = (source.place(), source.size);
     let mut input = source.reader;
     let header = Header::read(&mut input).map_err(|error| place.unreadable(error))?;
@@ -27,7 +27,8 @@ pub(super) fn read(source: Source<'_>, warnings: &mut Vec<String>) -> Result<Mes
     let notes =
         Vec::from_iter(header.unknown.map(|line| format!("line {line} of the header means nothing; it is left out")));
     let values = Values::new(input, header.encoding, header.lines);
-    let mut reader = Reader { place, values, mesh: place.mesh(), greatest: None, corners: 0, small: 0, notes };
+    let mut reader =
+        Reader { place, values, mesh: place.mesh(), keep_degenerate, greatest: None, corners: 0, small: 0, notes };
     for element in &header.elements {
         match element.name.as_str() {
             "vertex" => reader.vertices(element)?,
@@ -83,6 +84,7 @@ struct Reader<'a, R> {
     place: Place<'a>,
     values: Values<R>,
     mesh: MeshDesc,
+    keep_degenerate: bool,
     /// The greatest index of a vertex.
     greatest: Option<Named>,
     corners: usize,
@@ -270,9 +272,9 @@ impl<R: std::io::BufRead> Reader<'_, R> {
         })
     }
 
-    /// Adds a triangle with three different corners.
+    /// Adds a triangle with three different corners, or any triangle where all are kept.
     fn triangle(&mut self, [a, b, c]: [u32; 3]) {
-        if a != b && b != c && c != a {
+        if self.keep_degenerate || a != b && b != c && c != a {
             self.mesh.triangles.push([a, b, c]);
         }
     }

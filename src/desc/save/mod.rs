@@ -1,0 +1,257 @@
+//! Writes a description as a scene file of the native format, with its meshes and images in a folder beside it.
+//!
+//! The keys are those of the structures that read them: each of these has a function that makes it from the description. Numbers
+//! are written such that the same bits are read. The scene file is put in its place at last and in one step; the files in the
+//! folder have names by their contents, so a scene file that was there before keeps its own until then.
+
+mod files;
+mod text;
+
+use std::collections::HashSet;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde_json::value::RawValue;
+
+use self::files::Files;
+use self::text::laid_out;
+use super::file::SIZE_LIMIT;
+use super::mesh_files::ply_write;
+use super::{
+    MaterialDesc, SceneDesc, ShapeDesc, material_check, material_keys, native, render_write, surface, texture_check,
+    texture_keys, validate,
+};
+use crate::replace::{self, Target};
+use crate::{Error, ErrorKind, Result};
+
+pub(super) use text::raw;
+
+/// Names of elements by their numbers, each once.
+pub(super) struct Names {
+    pub textures: Vec<String>,
+    pub materials: Vec<String>,
+    pub meshes: Vec<String>,
+}
+
+impl SceneDesc {
+    /// Writes the description as a scene file of the native format. Meshes and images go into [`Self::files_folder`], which is made
+    /// where there is none. A scene that is read from the file gives the same images, bit for bit.
+    ///
+    /// An existing file is replaced in one step, after all other files have been written, and files in the folder that an earlier
+    /// scene file had there are then removed. On an error everything is as it was.
+    ///
+    /// Warnings, removed surfaces and removed meshes are not written, and messages about the new scene have paths of the new file.
+    /// A frame of a shape that the keys of the format cannot give becomes a part of [`super::SurfaceDesc::transform`]. Meshes in the
+    /// memory of a host become meshes of the description, which are shifted to the scene frame before they are rounded to single
+    /// precision.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Unsupported`] for a name that does not end in `.json`, and for a mesh or a scene that is larger than what is read;
+    /// [`ErrorKind::InvalidScene`], with the path of the element, for a description that the format cannot have, such as a number out
+    /// of range or a disk whose normal is not of unit length; [`ErrorKind::Io`] for anything that the file system refuses, such as a
+    /// folder that does not exist; [`ErrorKind::OutOfMemory`].
+    pub fn save(&self, path: &Path) -> Result<()> {
+        save(self, path).map_err(|error| match error.location().file {
+            Some(_) => error,
+            None => error.in_file(Some(path), 0),
+        })
+    }
+
+    /// The folder into which [`Self::save`] puts the meshes and images of a scene file: `room.files` for `room.json`.
+    pub fn files_folder(path: &Path) -> PathBuf {
+        path.with_extension("files")
+    }
+}
+
+fn save(scene: &SceneDesc, path: &Path) -> Result<()> {
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("json")) {
+        let message = "the name of a native scene file ends in .json, expected such a name";
+        return Err(Error::new(ErrorKind::Unsupported, message));
+    }
+    check(scene)?;
+    replace::check(path, "the scene")?;
+    let names = Names::of(scene);
+    let mut files = Files::new(path)?;
+    let images = files.images(scene)?;
+    let meshes = files.meshes(scene)?;
+    replace::replace(path, "the scene", |file| {
+        let mut out = Out { file, written: 0 };
+        document(scene, &names, &images, &meshes, &mut out)
+    })?;
+    files.keep();
+    Ok(())
+}
+
+/// Refuses what no file can have. Descriptions that were read or made by calls have passed these checks.
+fn check(scene: &SceneDesc) -> Result<()> {
+    validate::camera("camera", scene.camera)?;
+    scene.render.check()?;
+    for light in &scene.lights {
+        validate::point_light(&light.path, light.position, light.intensity.to_f64(), 1.0)?;
+    }
+    if let Some(environment) = &scene.environment {
+        validate::environment(&environment.path, environment.radiance.to_f64(), 1.0)?;
+    }
+    scene.textures.iter().try_for_each(|texture| texture_check::texture(texture))?;
+    for (number, material) in scene.materials.iter().enumerate() {
+        let before = &scene.materials[..number];
+        material_check::check(&mut material.clone(), before)?;
+        texture_check::bindings(material, &scene.textures, before)?;
+    }
+    for mesh in scene.meshes.iter().filter(|mesh| mesh.triangle_count() > 0) {
+        validate::mesh(&mesh.path, mesh)?;
+    }
+    for surface in scene.surfaces.iter().filter(|surface| !surface.hidden) {
+        let path = &surface.path;
+        surface.shape.check(path)?;
+        validate::invertible(path, &surface.to_world())?;
+        if let ShapeDesc::Mesh { mesh, .. } = surface.shape
+            && scene.meshes.get(mesh).is_none_or(|mesh| mesh.triangle_count() == 0)
+        {
+            return Err(Error::invalid(path, format!("there is no mesh {mesh}")));
+        }
+        let Some(material) = scene.materials.get(surface.material) else {
+            return Err(Error::invalid(path, format!("there is no material {}", surface.material)));
+        };
+        validate::look(path, surface.emission, material, &surface.shape, &surface.to_world())?;
+        if let Some(radiance) = surface.emission {
+            validate::emission(&format!("{path}.emission"), radiance.to_f64(), 1.0)?;
+        }
+    }
+    Ok(())
+}
+
+impl Names {
+    /// The names that elements have, and others for those that have none, or one that is taken.
+    fn of(scene: &SceneDesc) -> Self {
+        let mut meshes: Vec<&str> = vec![""; scene.meshes.len()];
+        for (name, number) in &scene.index.meshes {
+            if let Some(own) = meshes.get_mut(*number).filter(|own| own.is_empty()) {
+                *own = name;
+            }
+        }
+        let material = |material: &MaterialDesc| material.name.clone();
+        Self {
+            textures: unique("texture", scene.textures.iter().map(|texture| texture.name.clone())),
+            materials: unique("material", scene.materials.iter().map(material)),
+            meshes: unique("mesh", meshes.into_iter().map(str::to_owned)),
+        }
+    }
+}
+
+/// Makes every name the only one. The first that has a name keeps it.
+fn unique(kind: &str, names: impl Iterator<Item = String>) -> Vec<String> {
+    let mut names: Vec<String> = names.collect();
+    let mut taken: HashSet<String> = HashSet::new();
+    let is_first: Vec<bool> = names.iter().map(|name| !name.is_empty() && taken.insert(name.clone())).collect();
+    for (number, name) in names.iter_mut().enumerate().filter(|(number, _)| !is_first[*number]) {
+        let base = if name.is_empty() { kind } else { name.as_str() };
+        let free = (number..).map(|number| format!("{base} {number}")).find(|name| !taken.contains(name));
+        *name = free.unwrap_or_default();
+        taken.insert(name.clone());
+    }
+    names
+}
+
+/// The scene file, up to the size that is read.
+struct Out<'a, 'b> {
+    file: &'a mut Target<'b>,
+    written: u64,
+}
+
+impl Write for Out<'_, '_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.written + bytes.len() as u64 > SIZE_LIMIT {
+            let message = format!("the scene file would be larger than the {SIZE_LIMIT} bytes that are read");
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
+        }
+        let count = self.file.write(bytes)?;
+        self.written += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// The error of a scene file that cannot be written.
+fn failed(error: io::Error) -> Error {
+    match error.kind() {
+        io::ErrorKind::FileTooLarge => Error::new(ErrorKind::Unsupported, error.to_string()),
+        _ => Error::new(ErrorKind::Io, format!("cannot write the scene: {error}")),
+    }
+    .because(error)
+}
+
+/// Writes the text of a scene file, whose images and meshes have these files.
+fn document(
+    scene: &SceneDesc,
+    names: &Names,
+    images: &[String],
+    meshes: &[String],
+    out: &mut Out<'_, '_>,
+) -> Result<()> {
+    out.write_all(b"{\n  \"etendue\": 1").map_err(failed)?;
+    member(out, "camera", &native::write_camera(&scene.camera)?)?;
+    member(out, "render", &render_write::write(&scene.render)?)?;
+    let mut lights = List::new("lights");
+    for light in &scene.lights {
+        lights.put(out, &native::write_point_light(light)?)?;
+    }
+    if let Some(environment) = &scene.environment {
+        lights.put(out, &native::write_environment(environment)?)?;
+    }
+    lights.end(out)?;
+    let mut textures = List::new("textures");
+    for (number, texture) in scene.textures.iter().enumerate() {
+        textures.put(out, &texture_keys::write(texture, &names.textures[number], &images[number])?)?;
+    }
+    textures.end(out)?;
+    let mut materials = List::new("materials");
+    for (number, material) in scene.materials.iter().enumerate() {
+        materials.put(out, &material_keys::write(number, material, names)?)?;
+    }
+    materials.end(out)?;
+    let mut list = List::new("meshes");
+    for (number, file) in meshes.iter().enumerate().filter(|(_, file)| !file.is_empty()) {
+        let keep_degenerate = ply_write::is_degenerate(&scene.meshes[number]);
+        list.put(out, &surface::write_mesh(&names.meshes[number], file, keep_degenerate)?)?;
+    }
+    list.end(out)?;
+    let mut surfaces = List::new("surfaces");
+    for surface in scene.surfaces.iter().filter(|surface| !surface.hidden) {
+        surfaces.put(out, &surface::write(surface, names)?)?;
+    }
+    surfaces.end(out)?;
+    out.write_all(b"\n}\n").map_err(failed)
+}
+
+/// Writes a member of the whole.
+fn member(out: &mut impl Write, key: &str, value: &RawValue) -> Result<()> {
+    write!(out, ",\n  \"{key}\": {}", laid_out(value.get(), 2)).map_err(failed)
+}
+
+/// A member of the whole that is a list, and is left out where it is empty.
+struct List {
+    key: &'static str,
+    is_empty: bool,
+}
+
+impl List {
+    fn new(key: &'static str) -> Self {
+        Self { key, is_empty: true }
+    }
+
+    /// Writes an element.
+    fn put(&mut self, out: &mut impl Write, element: &RawValue) -> Result<()> {
+        let key = self.key;
+        if self.is_empty { write!(out, ",\n  \"{key}\": [\n    ") } else { write!(out, ",\n    ") }.map_err(failed)?;
+        self.is_empty = false;
+        out.write_all(laid_out(element.get(), 4).as_bytes()).map_err(failed)
+    }
+
+    fn end(&mut self, out: &mut impl Write) -> Result<()> {
+        if self.is_empty { Ok(()) } else { out.write_all(b"\n  ]").map_err(failed) }
+    }
+}
