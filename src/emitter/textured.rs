@@ -137,7 +137,7 @@ impl TexturedTriangle {
                 for (a, b) in [Some((a, b)), tip].into_iter().flatten() {
                     let [s, t] =
                         [0, 1].map(|c: usize| (1.0 - a - b) * corners[0][c] + a * corners[1][c] + b * corners[2][c]);
-                    sum += self.from_weights([1.0 - s - t, s, t]).to_f64();
+                    sum += self.by_weights([1.0 - s - t, s, t]).to_f64();
                 }
             }
         }
@@ -167,7 +167,7 @@ impl TexturedTriangle {
             None => (self.mean.sample(p, [u, v])?, 1.0),
             Some(pieces) => {
                 let (place, share, rest) = pieces.choice.sample(u);
-                (pieces.shapes[place].as_ref()?.sample(p, [rest as f32, v])?, share)
+                (pieces.shapes[place].as_ref()?.sample(p, [rest, v])?, share)
             }
         };
         Some(EmitterSample { radiance: self.radiance(sample.target), pdf: sample.pdf * share, ..sample })
@@ -178,7 +178,7 @@ impl TexturedTriangle {
         let Some(pieces) = &self.pieces else { return self.mean.sample_departure([u, v]) };
         let (place, _, rest) = pieces.choice.sample(u);
         let shape = pieces.shapes[place].as_ref().unwrap_or(&self.mean);
-        Departure { normal: Some(self.mean.triangle.normal), ..shape.sample_departure([rest as f32, v]) }
+        Departure { normal: Some(self.mean.triangle.normal), ..shape.sample_departure([rest, v]) }
     }
 
     /// Density per solid angle at `p` of the direction that meets the triangle in `hit`; 0 where `p` is not in front.
@@ -211,7 +211,7 @@ impl TexturedTriangle {
         }
     }
 
-    fn from_weights(&self, weights: [f32; 3]) -> Rgb {
+    fn by_weights(&self, weights: [f32; 3]) -> Rgb {
         let texel = self.texture.at(&self.at(weights));
         self.colored(texel)
     }
@@ -226,7 +226,7 @@ impl TexturedTriangle {
 
     /// Radiance from a point on the triangle, or off it along its normal.
     pub fn radiance(&self, p: Vec3) -> Rgb {
-        self.weights(p).map_or(self.mean.radiance, |weights| self.from_weights(weights))
+        self.weights(p).map_or(self.mean.radiance, |weights| self.by_weights(weights))
     }
 
     /// The barycentric weights of a point.
@@ -266,7 +266,7 @@ impl TexturedTriangle {
                 let (s, t) = ((3 * i + 1) as f32 * step, (3 * j + 1) as f32 * step);
                 let tip = (i + j + 1 < steps).then_some((s + step, t + step));
                 for (s, t) in [Some((s, t)), tip].into_iter().flatten() {
-                    let value = self.from_weights([1.0 - s - t, s, t]).to_array();
+                    let value = self.by_weights([1.0 - s - t, s, t]).to_array();
                     sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += f64::from(value));
                 }
             }

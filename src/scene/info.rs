@@ -4,8 +4,8 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::prepared_textures::PreparedTextures;
 use super::record::{BuildFacts, GeometryRecord};
-use super::textured::PreparedTextures;
 use crate::bsdf::{Bsdf, Lobes, Model as _};
 use crate::desc::{IntegratorDesc, RouletteDesc, SceneDesc, SurfaceDesc, TextureSource};
 use crate::emitter::EmitterSet;

@@ -33,6 +33,7 @@ mod mesh;
 #[cfg(test)]
 pub(crate) mod motion;
 mod options;
+mod prepared_textures;
 mod projection;
 mod record;
 mod roulette;
@@ -80,7 +81,7 @@ pub struct Scene {
     bindings: SurfaceBindings,
     materials: Arc<[Material]>,
     /// The textures of the materials, for [`Scene::rebuild`].
-    textures: Arc<textured::PreparedTextures>,
+    textures: Arc<prepared_textures::PreparedTextures>,
     /// What any of the materials needs to know of a hit.
     needs: MaterialNeeds,
     /// The media inside surfaces, where a medium absorbs or has a priority.

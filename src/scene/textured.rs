@@ -3,116 +3,19 @@
 use std::sync::Arc;
 
 use super::material::turned_with_tangents;
+use super::prepared_textures::PreparedTextures;
 use super::projection::Projected;
 use super::{SurfaceDetail, VaryingMaterial};
 use crate::bsdf::{Black, Bsdf, Lobes, Mix, Model as _, TwoSided};
 use crate::desc::{
-    BsdfDesc, ImageTextureDesc, MaterialDesc, Parameter, SceneDesc, TextureBinding, TextureChannel, TextureDesc,
-    TextureKey, TextureMapping, TextureSource,
+    BsdfDesc, MaterialDesc, Parameter, SceneDesc, TextureBinding, TextureChannel, TextureKey, TextureMapping,
+    TextureSource,
 };
-use crate::embree::{Charge, Device};
+use crate::embree::Device;
 use crate::math::{DVec3, Vec3};
 use crate::spectrum::Rgb;
-use crate::texture::{ColorSpace, ImageTexture, Texel, Texture, TexturePoint};
+use crate::texture::{Texel, Texture, TexturePoint};
 use crate::{Error, Result};
-
-/// A texture as it was prepared, for scenes that are built from the same description again.
-#[derive(Clone, Debug)]
-pub(super) struct PreparedTexture {
-    desc: Arc<TextureDesc>,
-    space: ColorSpace,
-    texture: Arc<Texture>,
-    /// What the texture takes of the device's allowance, and what its image takes, which other textures may share.
-    _levels: Option<Arc<Charge>>,
-    image: Option<Arc<Charge>>,
-}
-
-/// The textures that materials of a scene use.
-#[derive(Clone, Debug, Default)]
-pub(super) struct PreparedTextures(Vec<PreparedTexture>);
-
-impl PreparedTextures {
-    /// Charges the texture of a material's emission, which emitters read.
-    pub fn add_emission(
-        &mut self,
-        desc: &SceneDesc,
-        material: &MaterialDesc,
-        before: Option<&Self>,
-        device: &Device,
-    ) -> Result<()> {
-        let binding = material.textured(TextureKey::Emission);
-        let Some(texture) = binding.and_then(|binding| desc.textures.get(binding.texture)) else { return Ok(()) };
-        self.get(texture, true, before, device).map(|_| ())
-    }
-
-    /// The texture for this use, prepared or taken from `before`. Its bytes are charged to the allowance of `device`.
-    fn get(
-        &mut self,
-        desc: &Arc<TextureDesc>,
-        is_color: bool,
-        before: Option<&Self>,
-        device: &Device,
-    ) -> Result<Arc<Texture>> {
-        let space = match &desc.source {
-            TextureSource::Image(image) => color_space(image, is_color),
-            TextureSource::Procedural(_) => ColorSpace::Linear,
-        };
-        let same = |it: &&PreparedTexture| it.space == space && it.desc.source == desc.source;
-        if let Some(known) = self.0.iter().find(same) {
-            return Ok(Arc::clone(&known.texture));
-        }
-        let prepared = match before.and_then(|before| before.0.iter().find(same)) {
-            Some(known) => PreparedTexture { desc: Arc::clone(desc), ..known.clone() },
-            None => self.prepare(desc, space, before, device).map_err(|error| error.at(&desc.path))?,
-        };
-        let texture = Arc::clone(&prepared.texture);
-        self.0.push(prepared);
-        Ok(texture)
-    }
-
-    fn prepare(
-        &self,
-        desc: &Arc<TextureDesc>,
-        space: ColorSpace,
-        before: Option<&Self>,
-        device: &Device,
-    ) -> Result<PreparedTexture> {
-        let charge = |bytes: usize| device.charge(bytes).map(|charge| charge.map(Arc::new));
-        let (texture, image, levels) = match &desc.source {
-            TextureSource::Image(it) => {
-                let is_shared = |other: &&PreparedTexture| match &other.desc.source {
-                    TextureSource::Image(other) => Arc::ptr_eq(&other.image, &it.image),
-                    TextureSource::Procedural(_) => false,
-                };
-                let mut all = self.0.iter().chain(before.iter().flat_map(|before| &before.0));
-                let image = match all.find(is_shared) {
-                    Some(other) => other.image.clone(),
-                    None => charge(it.image.texels().bytes())?,
-                };
-                let levels = charge(ImageTexture::bytes_of_levels(&it.image, it.filter))?;
-                let texture = ImageTexture::new(Arc::clone(&it.image), space, it.wrap, it.filter);
-                (Texture::Image(texture), image, levels)
-            }
-            TextureSource::Procedural(it) => (Texture::procedural(*it), None, None),
-        };
-        Ok(PreparedTexture { desc: Arc::clone(desc), space, texture: Arc::new(texture), image, _levels: levels })
-    }
-
-    /// Each texture and what its numbers mean.
-    pub fn each(&self) -> impl Iterator<Item = (&TextureDesc, ColorSpace)> {
-        self.0.iter().map(|it| (&*it.desc, it.space))
-    }
-
-    /// Bytes of memory beyond the images themselves.
-    pub fn bytes(&self) -> usize {
-        self.0.iter().map(|it| it.texture.bytes()).sum()
-    }
-
-    /// Number of textures, where one image with two colour spaces counts as two.
-    pub fn len(&self) -> usize {
-        self.0.len()
-    }
-}
 
 /// The place of a channel in a texel; `None` for the default.
 pub(super) fn channel_of(channel: TextureChannel) -> Option<usize> {
@@ -123,11 +26,6 @@ pub(super) fn channel_of(channel: TextureChannel) -> Option<usize> {
         TextureChannel::Blue => Some(2),
         TextureChannel::Alpha => Some(3),
     }
-}
-
-/// What the numbers of an image mean where it is a colour or not.
-pub(super) fn color_space(image: &ImageTextureDesc, is_color: bool) -> ColorSpace {
-    image.color_space.unwrap_or(if is_color { image.suggested_space } else { ColorSpace::Raw })
 }
 
 /// Where a texture lies, from texture coordinates or points of the scene frame.

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::SurfaceDetail;
+use super::prepared_textures::color_space;
 use super::projection::Projected;
-use super::textured::{Placement, channel_of, color_space};
+use super::textured::{Placement, channel_of};
 use crate::desc::{SceneDesc, ShapeDesc, SurfaceDesc, TextureBinding, TextureKey, TextureMapping, TextureSource};
 use crate::emitter::{Emitter, TextureCorners, TexturedTriangle};
 use crate::error::{Error, ErrorKind, Result};

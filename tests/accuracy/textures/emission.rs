@@ -107,8 +107,8 @@ fn points(case: &mut Case) {
             let n = f64::from(count);
             let estimate = |sum: f64, squares: f64| (sum / n, ((squares / n - (sum / n).powi(2)) / n).sqrt());
             let exact = exact(p, DVec3::Y);
-            case.mean(&format!("light samples at ({x}, {z}), {how}"), estimate(light, squares), exact, 4e-3);
-            case.mean(&format!("rays from ({x}, {z}), {how}"), estimate(met, met_squares), exact, 3e-2);
+            case.mean(format!("light samples at ({x}, {z}), {how}"), estimate(light, squares), exact, 4e-3);
+            case.mean(format!("rays from ({x}, {z}), {how}"), estimate(met, met_squares), exact, 3e-2);
         }
     }
 }

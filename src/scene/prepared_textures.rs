@@ -1,0 +1,167 @@
+//! The textures of a scene as they were prepared, which a rebuilt scene keeps where they did not change.
+
+use std::sync::Arc;
+
+use crate::desc::{ImageTextureDesc, MaterialDesc, SceneDesc, TextureDesc, TextureKey, TextureSource};
+use crate::embree::{Charge, Device};
+use crate::error::Result;
+use crate::texture::{ColorSpace, ImageTexture, Texture};
+
+/// A texture as it was prepared, for scenes that are built from the same description again.
+#[derive(Clone, Debug)]
+pub(super) struct PreparedTexture {
+    desc: Arc<TextureDesc>,
+    space: ColorSpace,
+    texture: Arc<Texture>,
+    /// What the texture takes of the device's allowance, and what its image takes, which other textures may share.
+    _levels: Option<Arc<Charge>>,
+    image: Option<Arc<Charge>>,
+}
+
+/// The textures that materials of a scene use.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PreparedTextures(Vec<PreparedTexture>);
+
+impl PreparedTextures {
+    /// Charges the texture of a material's emission, which emitters read.
+    pub fn add_emission(
+        &mut self,
+        desc: &SceneDesc,
+        material: &MaterialDesc,
+        before: Option<&Self>,
+        device: &Device,
+    ) -> Result<()> {
+        let binding = material.textured(TextureKey::Emission);
+        let Some(texture) = binding.and_then(|binding| desc.textures.get(binding.texture)) else { return Ok(()) };
+        self.get(texture, true, before, device).map(|_| ())
+    }
+
+    /// The texture for this use, prepared or taken from `before`. Its bytes are charged to the allowance of `device`.
+    pub fn get(
+        &mut self,
+        desc: &Arc<TextureDesc>,
+        is_color: bool,
+        before: Option<&Self>,
+        device: &Device,
+    ) -> Result<Arc<Texture>> {
+        let space = match &desc.source {
+            TextureSource::Image(image) => color_space(image, is_color),
+            TextureSource::Procedural(_) => ColorSpace::Linear,
+        };
+        let same = |it: &&PreparedTexture| it.space == space && it.desc.source == desc.source;
+        if let Some(known) = self.0.iter().find(same) {
+            return Ok(Arc::clone(&known.texture));
+        }
+        let prepared = match before.and_then(|before| before.0.iter().find(same)) {
+            Some(known) => PreparedTexture { desc: Arc::clone(desc), ..known.clone() },
+            None => self.prepare(desc, space, before, device).map_err(|error| error.at(&desc.path))?,
+        };
+        let texture = Arc::clone(&prepared.texture);
+        self.0.push(prepared);
+        Ok(texture)
+    }
+
+    fn prepare(
+        &self,
+        desc: &Arc<TextureDesc>,
+        space: ColorSpace,
+        before: Option<&Self>,
+        device: &Device,
+    ) -> Result<PreparedTexture> {
+        let charge = |bytes: usize| device.charge(bytes).map(|charge| charge.map(Arc::new));
+        let (texture, image, levels) = match &desc.source {
+            TextureSource::Image(it) => {
+                let is_shared = |other: &&PreparedTexture| match &other.desc.source {
+                    TextureSource::Image(other) => Arc::ptr_eq(&other.image, &it.image),
+                    TextureSource::Procedural(_) => false,
+                };
+                let mut all = self.0.iter().chain(before.iter().flat_map(|before| &before.0));
+                let image = match all.find(is_shared) {
+                    Some(other) => other.image.clone(),
+                    None => charge(it.image.texels().bytes())?,
+                };
+                let levels = charge(ImageTexture::bytes_of_levels(&it.image, it.filter))?;
+                let texture = ImageTexture::new(Arc::clone(&it.image), space, it.wrap, it.filter);
+                (Texture::Image(texture), image, levels)
+            }
+            TextureSource::Procedural(it) => (Texture::procedural(*it), None, None),
+        };
+        Ok(PreparedTexture { desc: Arc::clone(desc), space, texture: Arc::new(texture), image, _levels: levels })
+    }
+
+    /// Each texture and what its numbers mean.
+    pub fn each(&self) -> impl Iterator<Item = (&TextureDesc, ColorSpace)> {
+        self.0.iter().map(|it| (&*it.desc, it.space))
+    }
+
+    /// Bytes of memory beyond the images themselves.
+    pub fn bytes(&self) -> usize {
+        self.0.iter().map(|it| it.texture.bytes()).sum()
+    }
+
+    /// Number of textures, where one image with two colour spaces counts as two.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+}
+
+/// What the numbers of an image mean where it is a colour or not.
+pub(super) fn color_space(image: &ImageTextureDesc, is_color: bool) -> ColorSpace {
+    image.color_space.unwrap_or(if is_color { image.suggested_space } else { ColorSpace::Raw })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::super::{BuildOptions, Scene};
+    use super::*;
+    use crate::desc::{self, ImageTextureDesc, TextureMapping};
+    use crate::texture::{TexelImage, Texels, TextureFilter, Wrap};
+
+    fn texture(name: &str, value: u8) -> TextureDesc {
+        let image = TexelImage::new(2, 2, 1, Texels::U8(vec![value; 4].into())).unwrap();
+        let source = TextureSource::Image(ImageTextureDesc {
+            image: Arc::new(image),
+            file: None,
+            color_space: None,
+            suggested_space: ColorSpace::Srgb,
+            wrap: [Wrap::Repeat; 2],
+            filter: TextureFilter::Mip,
+        });
+        TextureDesc { name: name.to_owned(), path: String::new(), source, mapping: TextureMapping::default() }
+    }
+
+    #[test]
+    fn a_rebuilt_scene_prepares_the_textures_that_changed() {
+        let quad = |material: &str| {
+            json!({"geometry": "quad", "material": material, "vertex-1": [-1, -1, 0], "vertex-2": [1, -1, 0],
+                "vertex-3": [1, 1, 0], "vertex-4": [-1, 1, 0]})
+        };
+        let named = |name: &str| json!({"name": name, "type": "diffuse", "color": [1, 1, 1]});
+        let scene = json!({"etendue": 1, "camera": {"origin": [0, 0, 4], "lookAt": [0, 0, 0]},
+            "materials": [named("one"), named("other")], "surfaces": [quad("one"), quad("other")]});
+        let mut desc = desc::parse(&scene.to_string(), "".as_ref(), None).unwrap();
+        for (material, name) in [(0, "first"), (1, "second")] {
+            let number = desc.add_texture(texture(name, 100)).unwrap();
+            let binding = desc::TextureBinding {
+                key: TextureKey::Color,
+                texture: number,
+                channel: desc::TextureChannel::Default,
+                strength: 1.0,
+            };
+            desc.set_material_texture(material, TextureKey::Color, Some(binding)).unwrap();
+        }
+        let of = |scene: &Scene| -> Vec<_> { scene.textures.0.iter().map(|it| Arc::as_ptr(&it.texture)).collect() };
+        let options = BuildOptions::default();
+        let before = Scene::build(&desc, &options).unwrap();
+        desc.set_texture(1, texture("", 200)).unwrap();
+        let after = before.rebuild(&desc, &options).unwrap();
+        assert!(of(&before)[0] == of(&after)[0] && of(&before)[1] != of(&after)[1]);
+        // Texels that a host changed in its own memory are prepared anew, and no others.
+        desc.update_texture(0).unwrap();
+        let last = after.rebuild(&desc, &options).unwrap();
+        assert!(of(&after)[0] != of(&last)[0] && of(&after)[1] == of(&last)[1]);
+        assert!(Arc::ptr_eq(&after.geometries, &last.geometries), "no geometry is built again");
+    }
+}
