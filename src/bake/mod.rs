@@ -126,10 +126,10 @@ impl Bake {
 }
 
 /// Reflectance of a facet's outer and of its inner side, where they are diffuse, and the radiosity that it emits on the outer
-/// side [W m^-2].
-fn reflection(scene: &Scene, facet: &Facet) -> ([Rgb; 2], Rgb) {
-    let at = scene.facet_point(facet, 1.0 / 3.0, 1.0 / 3.0);
-    let hit = facet.hit(1.0 / 3.0, 1.0 / 3.0);
+/// side [W m^-2], at the point with these weights of the second and third corner.
+fn reflection(scene: &Scene, facet: &Facet, [b1, b2]: [f32; 2]) -> ([Rgb; 2], Rgb) {
+    let at = scene.facet_point(facet, b1, b2);
+    let hit = facet.hit(b1, b2);
     let reflectances = scene.material(at.material).diffuse_albedos(|_| scene.detail(&hit, &at));
     let emitted = at.emitter.map_or(Rgb::ZERO, |emitter| scene.emitters().le(emitter, at.ng, at.ng, at.point.p));
     (reflectances, std::f32::consts::PI * emitted)

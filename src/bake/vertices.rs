@@ -60,6 +60,8 @@ pub struct Vertices {
     areas: Vec<f64>,
     /// Reflectance on the outer and on the inner side, and emitted radiosity, of each surface that has vertices.
     reflections: HashMap<u32, ([Rgb; 2], Rgb)>,
+    /// The same of each vertex of surfaces on which it varies.
+    varying: HashMap<u32, ([Rgb; 2], Rgb)>,
     _charge: Option<Arc<Charge>>,
 }
 
@@ -145,6 +147,7 @@ impl Vertices {
             numbers: Vec::new(),
             areas: Vec::new(),
             reflections: HashMap::new(),
+            varying: HashMap::new(),
             _charge: charge.map(Arc::new),
         };
         for (mesh, n) in meshes.iter().zip(subdivisions) {
@@ -205,13 +208,14 @@ impl Vertices {
     /// side: the light that a diffuse surface reflects, plus its emission, on the outer side alone. Mirrors and glass
     /// reflect nothing here.
     pub fn radiosity(&self, irradiance: &[[f32; 3]], front: bool) -> Vec<[f32; 3]> {
-        let of = |(vertex, irradiance): (&LitVertex, &[f32; 3])| {
-            let (reflectances, emitted) = self.reflections.get(&vertex.surface).copied().unwrap_or_default();
+        let of = |(number, (vertex, irradiance)): (u32, (&LitVertex, &[f32; 3]))| {
+            let own = self.varying.get(&number).or_else(|| self.reflections.get(&vertex.surface));
+            let (reflectances, emitted) = own.copied().unwrap_or_default();
             let reflectance = reflectances[usize::from(!front)];
             let emitted = if front { emitted } else { Rgb::ZERO };
             (reflectance * Rgb::from(*irradiance) + emitted).to_array()
         };
-        self.vertices.iter().zip(irradiance).map(of).collect()
+        (0..).zip(self.vertices.iter().zip(irradiance)).map(of).collect()
     }
 
     /// Adds vertices and triangles of a surface, each triangle divided into n x n.
@@ -230,6 +234,9 @@ impl Vertices {
         let smooth = |number: usize| mesh.normals.as_ref().map_or(Vec3::ZERO, |normals| normals[number]);
         builder.normals.extend((0..mesh.positions.len()).map(|i| (smooth(i).as_dvec3(), DVec3::ZERO)));
         let mut edge_vertices: HashMap<(u32, u32, u32), u32> = HashMap::new();
+        let varies = mesh.facets.first().is_some_and(|facet| {
+            scene.material(scene.facet_point(facet, 0.0, 0.0).material).is_varying() || scene.emitters().has_textured()
+        });
         for (i, triangle) in mesh.triangles.iter().enumerate() {
             progress.check()?;
             progress.spend(1);
@@ -268,6 +275,14 @@ impl Vertices {
             for k in 0..=n {
                 rows.push((0..=n - k).map(|j| number(j, k)).collect());
             }
+            if varies {
+                for (k, row) in (0..).zip(&rows) {
+                    for (j, number) in (0..).zip(row) {
+                        let at = || reflection(scene, &facet, [fraction(j), fraction(k)]);
+                        self.varying.entry(*number).or_insert_with(at);
+                    }
+                }
+            }
             let area = 0.5 * cross.length() / (f64::from(n) * f64::from(n));
             let mut part = |at: [[u32; 2]; 3]| {
                 let numbers = at.map(|[j, k]| rows[k as usize][j as usize]);
@@ -287,7 +302,7 @@ impl Vertices {
             }
         }
         if let Some(facet) = mesh.facets.first() {
-            self.reflections.insert(mesh.surface, reflection(scene, facet));
+            self.reflections.insert(mesh.surface, reflection(scene, facet, [1.0 / 3.0; 2]));
         }
         Ok(())
     }

@@ -214,6 +214,11 @@ impl EmitterSet {
         &self.emitters
     }
 
+    /// Whether textures vary the radiance of some of them.
+    pub fn has_textured(&self) -> bool {
+        self.emitters.iter().any(|emitter| matches!(emitter, Emitter::Textured(_)))
+    }
+
     /// Number of point lights.
     pub fn point_lights(&self) -> usize {
         self.point_lights

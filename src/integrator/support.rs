@@ -36,6 +36,9 @@ pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
     {
         return refuse(&format!("surfaces[{surface}]: "), "diffuse surfaces with textures");
     }
+    if integrator == IntegratorDesc::Radiosity && scene.emitters().has_textured() {
+        return refuse("", "surfaces whose emission textures vary");
+    }
     let Some((lobes, kind)) = refused(scene.lobes(), support) else { return Ok(()) };
     let surface = scene.surface_with(lobes).map_or_else(String::new, |surface| format!("surfaces[{surface}]: "));
     refuse(&surface, &format!("{kind} surfaces"))

@@ -103,3 +103,31 @@ fn cutting_leaves_no_cracks() {
         assert!((vertex.normal.as_dvec3() - out).length() < 1e-3, "{vertex:?}");
     }
 }
+
+/// What a vertex reflects and emits is what the textures have there.
+#[test]
+fn textures_count_at_vertices() {
+    use etendue::desc::{TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource};
+    use etendue::texture::{Pattern, Procedural};
+
+    let surfaces = vec![(square(0.0, true), BsdfDesc::Lambert { albedo: Rgb::splat(0.5) }, None)];
+    let mut desc = scenes::scene(scenes::camera(DVec3::Y, DVec3::ZERO, 60.0), surfaces);
+    desc.materials[0].emission = Some(Rgb::splat(3.0));
+    // A ramp over x from -1 to 1, in the space of the world.
+    let pattern = Procedural { pattern: Pattern::Gradient, colors: [Rgb::ZERO, Rgb::ONE], in_space: true };
+    let mapping = TextureMapping::Space { scale: DVec3::splat(0.5), offset: DVec3::splat(0.5) };
+    let source = TextureSource::Procedural(pattern);
+    let ramp = desc.add_texture(TextureDesc { name: "ramp".into(), path: String::new(), source, mapping }).unwrap();
+    for key in [TextureKey::Color, TextureKey::Emission] {
+        let binding = TextureBinding { key, texture: ramp, channel: TextureChannel::Default, strength: 1.0 };
+        desc.set_material_texture(0, key, Some(binding)).unwrap();
+    }
+    let scene = build(&desc);
+    let vertices = vertices(&scene, Some(0.5));
+    let found = vertices.radiosity(&vec![[2.0; 3]; vertices.vertices().len()], true);
+    for (vertex, found) in vertices.vertices().iter().zip(found) {
+        let share = (0.5 * vertex.position.x + 0.5).clamp(0.0, 1.0);
+        let exact = share * (0.5 * 2.0 + std::f64::consts::PI * 3.0);
+        assert!((f64::from(found[0]) - exact).abs() < 1e-4, "{}: {found:?}, not {exact}", vertex.position);
+    }
+}

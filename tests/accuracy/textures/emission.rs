@@ -2,6 +2,7 @@
 
 use etendue::desc::{BsdfDesc, IntegratorDesc, Projection, SceneDesc, TextureDesc, TextureKey, TextureMapping};
 use etendue::math::{DVec3, Vec3};
+use etendue::render::{Render, RenderSettings};
 use etendue::sampling::Rng;
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
@@ -123,6 +124,14 @@ fn pictures(case: &mut Case) {
     let (image, _) = render(&seen, &Job { samples, ..Job::default() });
     let mean: f64 = (0..16).map(|i| 2.0 * radiance(i % 4, i / 4)).sum::<f64>() / 16.0;
     case.mean("the lamp itself", mean_and_error(&image), mean * (1.0 + 0.5 + 0.25) / 3.0, 4e-3);
+
+    // Elements of radiosity have one radiosity each, and would make the lamp even.
+    let built = Scene::build(&seen, &BuildOptions::default()).expect("a scene of the test");
+    let desc = Job { integrator: IntegratorDesc::Radiosity, ..Job::default() }.desc();
+    let refused = Render::new(&built, RenderSettings { desc, threads: 1, ..RenderSettings::default() });
+    let said = refused.map_or_else(|error| error.to_string(), |_| "rendered".to_owned());
+    let expected = "surfaces whose emission textures vary";
+    case.holds("radiosity", "refused by name", said.clone(), said.contains(expected));
 
     // The part of the floor that the camera sees; the floor goes on around it.
     const N: u32 = 128;
