@@ -81,7 +81,8 @@ impl PreparedTextures {
                     None => charge(it.image.texels().bytes())?,
                 };
                 let levels = charge(ImageTexture::bytes_of_levels(&it.image, it.filter))?;
-                let texture = ImageTexture::new(Arc::clone(&it.image), space, it.wrap, it.filter);
+                let image_of = Arc::clone(&it.image);
+                let texture = ImageTexture::by_threads(image_of, space, it.wrap, it.filter, device.threads());
                 (Texture::Image(texture), image, levels)
             }
             TextureSource::Procedural(it) => (Texture::procedural(*it), None, None),

@@ -3,6 +3,7 @@
 use std::sync::{Arc, LazyLock};
 
 use super::pyramid::{Pyramid, wrapped};
+use super::rows::rows;
 use super::texels::{ColorSpace, TexelImage};
 use super::{Texel, TextureFilter, TexturePoint, Wrap};
 
@@ -34,9 +35,20 @@ pub struct ImageTexture {
 impl ImageTexture {
     /// Prepares an image: filters of levels make these levels.
     pub fn new(image: Arc<TexelImage>, space: ColorSpace, wrap: [Wrap; 2], filter: TextureFilter) -> Self {
-        let pyramid =
-            matches!(filter, TextureFilter::Mip | TextureFilter::Ewa).then(|| Arc::new(Pyramid::new(&image, space)));
-        let (mean, range) = statistics(&image, space);
+        Self::by_threads(image, space, wrap, filter, 1)
+    }
+
+    /// As [`Self::new`], by at most so many threads, which end with the work. The result does not depend on their number.
+    pub fn by_threads(
+        image: Arc<TexelImage>,
+        space: ColorSpace,
+        wrap: [Wrap; 2],
+        filter: TextureFilter,
+        threads: usize,
+    ) -> Self {
+        let has_levels = matches!(filter, TextureFilter::Mip | TextureFilter::Ewa);
+        let pyramid = has_levels.then(|| Arc::new(Pyramid::new(&image, space, threads)));
+        let (mean, range) = statistics(&image, space, threads);
         Self { image, space, wrap, filter, pyramid, mean, range }
     }
 
@@ -293,8 +305,7 @@ fn hashed(uv: [f32; 2], axes: &[[f32; 2]; 2]) -> [f32; 4] {
 }
 
 /// The mean of the texels and the range of each channel.
-fn statistics(image: &TexelImage, space: ColorSpace) -> (Texel, [Texel; 2]) {
-    use rayon::prelude::*;
+fn statistics(image: &TexelImage, space: ColorSpace, threads: usize) -> (Texel, [Texel; 2]) {
     let row = |y: u32| {
         let (mut sum, mut low, mut high) = ([0.0_f64; 4], [f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
         for x in 0..image.width() {
@@ -307,7 +318,7 @@ fn statistics(image: &TexelImage, space: ColorSpace) -> (Texel, [Texel; 2]) {
         }
         (sum, low, high)
     };
-    let rows: Vec<_> = (0..image.height()).into_par_iter().map(row).collect();
+    let rows = rows(image.height(), threads, row);
     // Sums are taken row by row in order: the same on any number of threads.
     let count = f64::from(image.width()) * f64::from(image.height());
     let (mut sum, mut low, mut high) = ([0.0_f64; 4], [f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);

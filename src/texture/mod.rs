@@ -14,6 +14,7 @@ mod noise;
 mod procedural;
 mod pyramid;
 mod read;
+mod rows;
 mod texels;
 mod write;
 

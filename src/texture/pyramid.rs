@@ -1,7 +1,6 @@
 //! Smaller and smaller images of an image, each half the size of the one before: its mean is the same at every level.
 
-use rayon::prelude::*;
-
+use super::rows::rows;
 use super::texels::{ColorSpace, TexelFormat, TexelImage};
 use super::{Texel, Wrap};
 
@@ -37,8 +36,8 @@ impl Pyramid {
         texels * image.channels() as usize * each
     }
 
-    /// The pyramid over an image.
-    pub fn new(image: &TexelImage, space: ColorSpace) -> Self {
+    /// The pyramid over an image, made by so many threads.
+    pub fn new(image: &TexelImage, space: ColorSpace, threads: usize) -> Self {
         let channels = image.channels() as usize;
         let is_integer = matches!(image.texels().format(), TexelFormat::U8 | TexelFormat::U16);
         // The means are taken from unrounded ones: rounding errors do not add up over the levels.
@@ -73,7 +72,7 @@ impl Pyramid {
                 }
                 row
             };
-            let values: Vec<f32> = (0..height).into_par_iter().flat_map_iter(row).collect();
+            let values: Vec<f32> = rows(height, threads, row).into_iter().flatten().collect();
             levels.push(Level {
                 width,
                 height,
