@@ -6,8 +6,8 @@ use super::{Departure, EmitterSample, TriangleEmitter};
 use crate::math::{DVec3, Vec3};
 use crate::sampling::Distribution1D;
 use crate::shape::Triangle;
-use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
-use crate::texture::{Texture, TexturePoint};
+use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb, luminance};
+use crate::texture::{Texel, Texture, TextureLight, TexturePoint};
 
 /// What the texture of an emitter reads at the corners of its triangle: texture coordinates, or points of the pattern's space.
 #[derive(Clone, Copy, Debug)]
@@ -45,54 +45,87 @@ pub struct TexturedTriangle {
     channel: Option<usize>,
 }
 
-/// Most points of the rule for the mean, along a side.
-const MOST_STEPS: u32 = 512;
+/// Most points of the rule for the mean, along a side. Where a triangle has more texels, means over squares of them are read.
+const MOST_STEPS: f32 = 16.0;
 
-/// The mean that chooses emitters is not below this share of the brightest radiance, unless all is dark: what the rule missed is found
-/// all the same.
+/// The mean that chooses emitters is not below this share of the brightest radiance: what the rule missed is found all the same.
 const LEAST_SHARE: f32 = 1e-3;
 
-/// Fewest and most parts along a side.
-const PIECES: [usize; 2] = [3, 32];
+/// A triangle of fewer texels along its longest side has no parts.
+const LEAST_TEXELS: f32 = 3.0;
+
+/// About how many parts along a side there are at least, and how many at most.
+const FEW_PIECES: f32 = 8.0;
+const MOST_PIECES: f32 = 32.0;
 
 /// A triangle has parts where the brightest part has this many times the mean radiance.
 const CONTRAST: f64 = 1.5;
+
+/// Looking for parts in vain takes this share of the room that they would take, so that the work is bounded.
+const VAIN_SHARE: usize = 16;
 
 /// Share of the choices of parts that is uniform.
 const UNIFORM_SHARE: f64 = 0.1;
 
 impl TexturedTriangle {
-    /// An emitter; `error` is the bound of [`crate::math::HitPoint`] for points on it.
+    /// An emitter; `error` is the bound of [`crate::math::HitPoint`] for points on it. It has parts where they pay, which are taken
+    /// from `left`, the number that there is room for.
     pub fn new(
         triangle: Triangle,
         error: f32,
         factor: Rgb,
-        texture: Arc<Texture>,
+        light: &TextureLight,
         channel: Option<usize>,
         corners: TextureCorners,
+        left: &mut usize,
     ) -> Self {
         let mut emitter = Self {
             mean: TriangleEmitter::new(triangle, Rgb::ZERO, error),
             pieces: None,
-            texture,
+            texture: Arc::clone(light.texture()),
             corners,
             factor,
             channel,
         };
-        emitter.mean.radiance = emitter.mean_radiance();
+        let brightest = emitter.brightest(light);
+        if brightest == Rgb::ZERO {
+            return emitter;
+        }
+        emitter.mean.radiance = emitter.mean_radiance(light).max(brightest * LEAST_SHARE);
+        if f64::from(luminance(brightest)) >= CONTRAST * f64::from(luminance(emitter.mean.radiance)) {
+            emitter.divide(error, light, left);
+        }
         emitter
     }
 
-    /// The same emitter with parts, where they pay; they are taken from `left`, the number that there is room for.
-    pub fn divided(mut self, error: f32, left: &mut usize) -> Self {
-        let texels = match &self.corners {
-            TextureCorners::Uv(_) => 0.5 * self.steps(),
-            TextureCorners::Space(_) => 16.0,
+    /// The brightest radiance, or of squares of texels the mean; black only where the triangle emits nothing at all.
+    fn brightest(&self, light: &TextureLight) -> Rgb {
+        let most = match &self.corners {
+            TextureCorners::Uv(corners) => {
+                let bound =
+                    |pick: fn(f32, f32) -> f32| [0, 1].map(|i: usize| corners.map(|uv| uv[i]).into_iter().reduce(pick));
+                let [low, high] = [bound(f32::min), bound(f32::max)].map(|uv| uv.map(|x| x.unwrap_or(f32::NAN)));
+                light.most_within(low, high)
+            }
+            TextureCorners::Space(_) => self.texture.range()[1],
         };
-        let count = (texels as usize).min(PIECES[1]);
-        if count < PIECES[0] || 2 * count * count > *left || self.is_dark() {
-            return self;
+        self.colored(most)
+    }
+
+    /// Divides the triangle into parts, where they pay.
+    fn divide(&mut self, error: f32, light: &TextureLight, left: &mut usize) {
+        let texels = self.texels();
+        if texels < LEAST_TEXELS {
+            return;
         }
+        // Of a few texels, several parts each, so that edges of parts are edges of texels.
+        let along = self.texels_along().ceil().min(MOST_PIECES).max(1.0);
+        let count = (along * (FEW_PIECES / along).round().max(1.0)) as usize;
+        if 2 * count * count > *left {
+            return;
+        }
+        // The points of the rule for a part, four along its side, read squares that touch.
+        let level = light.level_of(0.5 * texels / count as f32);
         let step = 1.0 / count as f32;
         let (mut shapes, mut weights) = (Vec::with_capacity(2 * count * count), Vec::with_capacity(2 * count * count));
         for place in 0..2 * count * count {
@@ -108,13 +141,14 @@ impl TexturedTriangle {
                 .then(|| Triangle::new(corners.map(|[s, t]| self.mean.triangle.at(s, t))))
                 .flatten()
                 .map(|triangle| TriangleEmitter::new(triangle, Rgb::ZERO, error));
-            weights.push(if shape.is_some() { self.mean_over(&corners) } else { 0.0 });
+            weights.push(if shape.is_some() { self.mean_over(&corners, light, level) } else { 0.0 });
             shapes.push(shape);
         }
         let inside = shapes.iter().flatten().count() as f64;
         let (sum, most) = (weights.iter().sum::<f64>(), weights.iter().copied().fold(0.0, f64::max));
         if most * inside < CONTRAST * sum || sum <= 0.0 {
-            return self;
+            *left -= (2 * count * count).div_ceil(VAIN_SHARE);
+            return;
         }
         for (weight, shape) in weights.iter_mut().zip(&shapes) {
             let uniform = if shape.is_some() { sum / inside } else { 0.0 };
@@ -122,11 +156,10 @@ impl TexturedTriangle {
         }
         *left -= 2 * count * count;
         self.pieces = Distribution1D::new(&weights).map(|choice| Pieces { count, shapes: shapes.into(), choice });
-        self
     }
 
     /// The luminance of the mean over a part, of which the corners are given by their weights.
-    fn mean_over(&self, corners: &[[f32; 2]; 3]) -> f64 {
+    fn mean_over(&self, corners: &[[f32; 2]; 3], light: &TextureLight, level: usize) -> f64 {
         const STEPS: u32 = 4;
         let step = 1.0 / (3.0 * STEPS as f32);
         let mut sum = DVec3::ZERO;
@@ -137,7 +170,7 @@ impl TexturedTriangle {
                 for (a, b) in [Some((a, b)), tip].into_iter().flatten() {
                     let [s, t] =
                         [0, 1].map(|c: usize| (1.0 - a - b) * corners[0][c] + a * corners[1][c] + b * corners[2][c]);
-                    sum += self.by_weights([1.0 - s - t, s, t]).to_f64();
+                    sum += self.near([1.0 - s - t, s, t], light, level).to_f64();
                 }
             }
         }
@@ -216,7 +249,12 @@ impl TexturedTriangle {
         self.colored(texel)
     }
 
-    fn colored(&self, texel: crate::texture::Texel) -> Rgb {
+    /// The radiance near a point, as [`TextureLight::near`] gives it.
+    fn near(&self, weights: [f32; 3], light: &TextureLight, level: usize) -> Rgb {
+        self.colored(light.near(&self.at(weights), level))
+    }
+
+    fn colored(&self, texel: Texel) -> Rgb {
         let color = match self.channel {
             None => Rgb::new(texel[0], texel[1], texel[2]),
             Some(channel) => Rgb::splat(texel[channel]),
@@ -242,22 +280,31 @@ impl TexturedTriangle {
         (s.is_finite() && t.is_finite()).then_some([(1.0 - s - t) as f32, s as f32, t as f32])
     }
 
-    /// Points of the rule for the mean along a side: two for each texel.
-    fn steps(&self) -> f32 {
+    /// Texels along the longer of the two sides from the first corner.
+    fn texels_along(&self) -> f32 {
         match &self.corners {
-            TextureCorners::Uv([a, b, c]) => {
-                let across = self.texture.texels_across() as f32;
-                let side = |p: &[f32; 2], q: &[f32; 2]| (2.0 * (p[0] - q[0]).hypot(p[1] - q[1]) * across).ceil();
-                side(a, b).max(side(b, c)).max(side(c, a)).max(4.0)
-            }
-            TextureCorners::Space(_) => 64.0,
+            TextureCorners::Uv([a, b, c]) => self.texels_between(a, b).max(self.texels_between(a, c)),
+            TextureCorners::Space(_) => 16.0,
         }
     }
 
-    /// The mean over the triangle, by the rule of the middle over small triangles.
-    fn mean_radiance(&self) -> Rgb {
-        let wanted = self.steps();
-        let steps = wanted.min(MOST_STEPS as f32) as u32;
+    fn texels_between(&self, p: &[f32; 2], q: &[f32; 2]) -> f32 {
+        (p[0] - q[0]).hypot(p[1] - q[1]) * self.texture.texels_across() as f32
+    }
+
+    /// Texels along the longest side; of a pattern, about what resolves its squares.
+    fn texels(&self) -> f32 {
+        match &self.corners {
+            TextureCorners::Uv([_, b, c]) => self.texels_along().max(self.texels_between(b, c)),
+            TextureCorners::Space(_) => 16.0,
+        }
+    }
+
+    /// The mean over the triangle, by the rule of the middle over small triangles: two points for each texel.
+    fn mean_radiance(&self, light: &TextureLight) -> Rgb {
+        let wanted = 2.0 * self.texels();
+        let steps = wanted.ceil().clamp(4.0, MOST_STEPS) as u32;
+        let level = light.level_of(wanted / MOST_STEPS);
         let mut sum = [0.0_f64; 3];
         let step = 1.0 / (3.0 * steps as f32);
         for i in 0..steps {
@@ -266,17 +313,12 @@ impl TexturedTriangle {
                 let (s, t) = ((3 * i + 1) as f32 * step, (3 * j + 1) as f32 * step);
                 let tip = (i + j + 1 < steps).then_some((s + step, t + step));
                 for (s, t) in [Some((s, t)), tip].into_iter().flatten() {
-                    let value = self.by_weights([1.0 - s - t, s, t]).to_array();
+                    let value = self.near([1.0 - s - t, s, t], light, level).to_array();
                     sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += f64::from(value));
                 }
             }
         }
         let count = f64::from(steps) * f64::from(steps);
-        let mean = Rgb::from_array(sum.map(|sum| (sum / count) as f32));
-        if mean == Rgb::ZERO && wanted <= MOST_STEPS as f32 {
-            return mean;
-        }
-        let brightest = self.colored(self.texture.range()[1]);
-        mean.max(brightest * LEAST_SHARE)
+        Rgb::from_array(sum.map(|sum| (sum / count) as f32))
     }
 }

@@ -47,9 +47,15 @@ pub(super) fn triangles_cost(count: usize) -> f64 {
     cost::EMITTER * count as f64
 }
 
-/// Builds the tables of owners and the emitters of a scene from its description.
-pub(super) fn bindings(desc: &SceneDesc, unbound: UnboundGeometry, progress: &WorkProgress) -> Result<SurfaceBindings> {
-    let textures = emission_textures(desc, unbound.centre)?;
+/// Builds the tables of owners and the emitters of a scene from its description. Textures of lamps are prepared by at most
+/// `threads` threads.
+pub(super) fn bindings(
+    desc: &SceneDesc,
+    unbound: UnboundGeometry,
+    threads: usize,
+    progress: &WorkProgress,
+) -> Result<SurfaceBindings> {
+    let textures = emission_textures(desc, unbound.centre, threads)?;
     let mut dresser = BindingBuilder {
         desc,
         progress,

@@ -75,7 +75,7 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
     };
     let progress = WorkProgress::by_steps(&options.cancel, options.progress.as_deref());
     let assembly = assemble(desc, options, options.dynamic, &device, None, &progress)?;
-    let bindings = bindings(desc, assembly.unbound(), &progress)?;
+    let bindings = bindings(desc, assembly.unbound(), device.threads(), &progress)?;
     progress.finish();
     complete(desc, device, assembly, bindings, AppearanceKey::new(desc), None, start)
 }
@@ -103,7 +103,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
             record: Arc::clone(&old.record),
         };
         let bindings = if !appearance.has_same_emitters(&old.appearance) {
-            bindings(desc, assembly.unbound(), &progress)?
+            bindings(desc, assembly.unbound(), device.threads(), &progress)?
         } else if appearance.materials != old.appearance.materials {
             rebind_materials(&old.bindings, &appearance)
         } else {
@@ -113,7 +113,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
     } else {
         let is_dynamic = old.record.is_dynamic || options.dynamic || !same_geometry;
         let assembly = assemble(desc, options, is_dynamic, &device, Some(&old.record), &progress)?;
-        let bindings = bindings(desc, assembly.unbound(), &progress)?;
+        let bindings = bindings(desc, assembly.unbound(), device.threads(), &progress)?;
         (assembly, bindings)
     };
     progress.finish();

@@ -12,7 +12,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::math::{DVec3, Vec3};
 use crate::shape::Triangle;
 use crate::spectrum::Rgb;
-use crate::texture::{ImageTexture, Texture, TextureFilter};
+use crate::texture::{ImageTexture, Texture, TextureFilter, TextureLight};
 
 /// Most parts of triangles in a scene: a hundred megabytes.
 pub(super) const MOST_PIECES: usize = 1 << 20;
@@ -20,7 +20,7 @@ pub(super) const MOST_PIECES: usize = 1 << 20;
 /// The texture of a material's emission.
 #[derive(Clone, Debug)]
 pub(super) struct EmissionTexture {
-    texture: Arc<Texture>,
+    light: TextureLight,
     projected: Option<Projected>,
     placement: Placement,
     channel: Option<usize>,
@@ -34,8 +34,13 @@ pub(super) fn binding_of<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc) -> Opti
 /// The textures of emission by material; empty where there are none. `centre` is the origin of the scene frame.
 ///
 /// # Errors
-/// [`ErrorKind::Unsupported`] for a sphere whose emission a texture varies.
-pub(super) fn emission_textures(desc: &SceneDesc, centre: DVec3) -> Result<Vec<Option<EmissionTexture>>> {
+/// [`ErrorKind::Unsupported`] for a sphere whose emission a texture varies; [`ErrorKind::InvalidScene`] for a radiance beyond single
+/// precision.
+pub(super) fn emission_textures(
+    desc: &SceneDesc,
+    centre: DVec3,
+    threads: usize,
+) -> Result<Vec<Option<EmissionTexture>>> {
     if desc.materials.iter().all(|material| material.textured(TextureKey::Emission).is_none()) {
         return Ok(Vec::new());
     }
@@ -47,24 +52,31 @@ pub(super) fn emission_textures(desc: &SceneDesc, centre: DVec3) -> Result<Vec<O
         let message = "a texture cannot vary the emission of a sphere, expected a mesh";
         return Err(Error::new(ErrorKind::Unsupported, message).at(format!("{}.emission", ball.path)));
     }
-    let of = |binding: &TextureBinding| EmissionTexture::new(desc, binding, centre);
+    let of = |binding: &TextureBinding| EmissionTexture::new(desc, binding, centre, threads);
     let all = desc.materials.iter().map(|material| material.textured(TextureKey::Emission).and_then(of));
-    Ok(all.collect())
+    let all: Vec<Option<EmissionTexture>> = all.collect();
+    for surface in desc.surfaces.iter().filter(|surface| !surface.hidden) {
+        if let (Some(Some(texture)), Some(factor)) = (all.get(surface.material), surface.emission) {
+            texture.check(factor).map_err(|error| error.at(format!("{}.emission", surface.path)))?;
+        }
+    }
+    Ok(all)
 }
 
 impl EmissionTexture {
-    fn new(desc: &SceneDesc, binding: &TextureBinding, centre: DVec3) -> Option<Self> {
+    fn new(desc: &SceneDesc, binding: &TextureBinding, centre: DVec3, threads: usize) -> Option<Self> {
         let texture = desc.textures.get(binding.texture)?;
         let shown = match &texture.source {
             TextureSource::Image(it) => {
                 // Light samples, rays and photons have to see the same radiance, and know no footprints.
                 let filter = if it.filter.asks_footprint() { TextureFilter::Bilinear } else { it.filter };
-                Texture::Image(ImageTexture::new(Arc::clone(&it.image), color_space(it, true), it.wrap, filter))
+                let space = color_space(it, true);
+                Texture::Image(ImageTexture::by_threads(Arc::clone(&it.image), space, it.wrap, filter, threads))
             }
             TextureSource::Procedural(it) => Texture::procedural(*it),
         };
         Some(Self {
-            texture: Arc::new(shown),
+            light: TextureLight::new(Arc::new(shown), threads),
             projected: match texture.mapping {
                 TextureMapping::Projected { projection, .. } => Some(Projected { projection, centre }),
                 TextureMapping::Uv { .. } | TextureMapping::Space { .. } => None,
@@ -72,6 +84,18 @@ impl EmissionTexture {
             placement: Placement::new(&texture.mapping, centre),
             channel: channel_of(binding.channel),
         })
+    }
+
+    /// Checks that single precision holds the brightest radiance.
+    fn check(&self, factor: Rgb) -> Result<()> {
+        let most = self.light.texture().range()[1];
+        let brightest = self.channel.map_or(Rgb::new(most[0], most[1], most[2]), |channel| Rgb::splat(most[channel]));
+        if (factor * brightest).is_finite() {
+            return Ok(());
+        }
+        let [factor, brightest] = [factor, brightest].map(Rgb::to_array);
+        let message = format!("{factor:?} times its texture, which is up to {brightest:?}, is beyond single precision");
+        Err(Error::new(ErrorKind::InvalidScene, message))
     }
 
     /// The emitter of a triangle whose corners have these texture coordinates.
@@ -104,12 +128,12 @@ impl EmissionTexture {
             Placement::Uv { .. } => TextureCorners::Uv(points.map(|point| point.uv)),
             Placement::Space { .. } => TextureCorners::Space(points.map(|point| point.p)),
         };
-        let texture = Arc::clone(&self.texture);
-        let emitter = TexturedTriangle::new(triangle, error, factor, texture, self.channel, corners);
+        let light = &self.light;
+        let emitter = TexturedTriangle::new(triangle, error, factor, light, self.channel, corners, pieces_left);
         if emitter.is_dark() {
             // It keeps its number, but nothing asks its texture.
             return Emitter::Triangle(emitter.mean);
         }
-        Emitter::Textured(Box::new(emitter.divided(error, pieces_left)))
+        Emitter::Textured(Box::new(emitter))
     }
 }

@@ -1,5 +1,6 @@
 //! Images as textures: lookups and filters.
 
+use std::ops::RangeInclusive;
 use std::sync::{Arc, LazyLock};
 
 use super::pyramid::{Pyramid, wrapped};
@@ -67,6 +68,29 @@ impl ImageTexture {
         self.image.width().max(self.image.height())
     }
 
+    /// The same image with the means of its light for levels, of at most `most` columns and rows, and the number of levels.
+    pub(super) fn with_light(&self, threads: usize, most: u32) -> (Self, usize) {
+        let pyramid = Pyramid::of_light(&self.image, self.space, threads, most);
+        let levels = pyramid.len();
+        (Self { pyramid: Some(Arc::new(pyramid)), ..self.clone() }, levels)
+    }
+
+    /// The level of one texel.
+    pub(super) fn last_level(&self) -> usize {
+        self.pyramid.as_ref().map_or(0, |pyramid| pyramid.len())
+    }
+
+    /// The columns and rows of a level that a lookup of the image within a box of texture coordinates may read.
+    pub(super) fn places_within(&self, level: usize, low: [f32; 2], high: [f32; 2]) -> [RangeInclusive<i64>; 2] {
+        let (whole, size) = (self.size(0).map(f64::from), self.size(level).map(f64::from));
+        // Rows go down from v = 1. A lookup reads half a texel of the image around it; rounding is far less than another half.
+        let [[left, bottom], [right, top]] = [low, high].map(|uv| uv.map(f64::from));
+        [(0, left, right), (1, 1.0 - top, 1.0 - bottom)].map(|(i, from, to): (usize, f64, f64)| {
+            let margin = 1.0 / whole[i];
+            ((from - margin) * size[i]).floor() as i64..=((to + margin) * size[i]).floor() as i64
+        })
+    }
+
     pub(super) fn mean(&self) -> Texel {
         self.mean
     }
@@ -81,7 +105,7 @@ impl ImageTexture {
     }
 
     /// Size of a level; level 0 is the image.
-    fn size(&self, level: usize) -> [u32; 2] {
+    pub(super) fn size(&self, level: usize) -> [u32; 2] {
         match &self.pyramid {
             Some(pyramid) if level > 0 => pyramid.size(level),
             _ => [self.image.width(), self.image.height()],
@@ -90,7 +114,7 @@ impl ImageTexture {
 
     /// A texel of a level, columns to the right and rows down, which may lie beyond the edges.
     #[inline]
-    fn texel(&self, level: usize, at: [i64; 2]) -> Texel {
+    pub(super) fn texel(&self, level: usize, at: [i64; 2]) -> Texel {
         match wrapped(self.wrap, self.size(level), at) {
             Some([x, y]) => self.stored(level, x, y),
             None => [0.0; 4],
@@ -115,7 +139,7 @@ impl ImageTexture {
             if self.wrap[i] == Wrap::Repeat { c - c.floor() } else { c }
         });
         match self.filter {
-            TextureFilter::Nearest => self.nearest(uv),
+            TextureFilter::Nearest => self.nearest(0, uv),
             TextureFilter::Bilinear => self.bilinear(0, uv),
             TextureFilter::Mip => self.mip(uv, &at.axes),
             TextureFilter::Ewa => self.ewa(uv, &at.axes),
@@ -130,8 +154,8 @@ impl ImageTexture {
         [u * width - 0.5, (1.0 - v) * height - 0.5]
     }
 
-    fn nearest(&self, uv: [f32; 2]) -> Texel {
-        self.texel(0, self.place(0, uv).map(|x| (x + 0.5).floor() as i64))
+    pub(super) fn nearest(&self, level: usize, uv: [f32; 2]) -> Texel {
+        self.texel(level, self.place(level, uv).map(|x| (x + 0.5).floor() as i64))
     }
 
     #[inline]
@@ -162,7 +186,7 @@ impl ImageTexture {
 
     /// Between the two levels whose texels are about `width` texels of the image wide.
     fn between_levels(&self, uv: [f32; 2], width: f32) -> Texel {
-        let last = self.pyramid.as_ref().map_or(0, |pyramid| pyramid.len());
+        let last = self.last_level();
         let level = width.max(1.0).log2().min(last as f32);
         if level.is_nan() || level <= 0.0 {
             return self.bilinear(0, uv);
@@ -203,7 +227,7 @@ impl ImageTexture {
         let Some([long, short]) = self.ellipse(axes) else { return self.bilinear(0, uv) };
         // In the lower level the short axis is two texels or more, so that its ellipses hold enough of them.
         let width = 0.5 * short[0].hypot(short[1]);
-        let last = self.pyramid.as_ref().map_or(0, |pyramid| pyramid.len());
+        let last = self.last_level();
         let level = width.max(1.0).log2().min(last as f32);
         let lower = (level.floor() as usize).min(last);
         let share = level - lower as f32;

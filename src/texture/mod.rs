@@ -9,6 +9,7 @@
 //! noise, at the price of a blur that `docs/design/textures.md` measures.
 
 mod image;
+mod light;
 mod lookup;
 mod noise;
 mod procedural;
@@ -19,6 +20,7 @@ mod texels;
 mod write;
 
 pub use image::ImageTexture;
+pub use light::TextureLight;
 pub use lookup::{TextureFilter, Wrap};
 pub use procedural::{Pattern, Procedural};
 pub use read::{read_image, read_image_bytes};

@@ -38,8 +38,25 @@ impl Pyramid {
 
     /// The pyramid over an image, made by so many threads.
     pub fn new(image: &TexelImage, space: ColorSpace, threads: usize) -> Self {
-        let channels = image.channels() as usize;
         let is_integer = matches!(image.texels().format(), TexelFormat::U8 | TexelFormat::U16);
+        Self::over(image, threads, |x, y| image.texel(x, y, space), |_| true, is_integer)
+    }
+
+    /// The pyramid over the light of an image: negative values count as 0, means are 0 only where all of their texels are, and levels
+    /// of more than `most` columns or rows are left empty.
+    pub fn of_light(image: &TexelImage, space: ColorSpace, threads: usize, most: u32) -> Self {
+        let light = |x, y| image.texel(x, y, space).map(|value| value.max(0.0));
+        Self::over(image, threads, light, |size| size[0].max(size[1]) <= most, false)
+    }
+
+    fn over(
+        image: &TexelImage,
+        threads: usize,
+        texel: impl Fn(u32, u32) -> Texel + Sync,
+        is_kept: impl Fn([u32; 2]) -> bool,
+        as_integers: bool,
+    ) -> Self {
+        let channels = image.channels() as usize;
         // The means are taken from unrounded ones: rounding errors do not add up over the levels.
         let mut size = [image.width(), image.height()];
         let stored = |texel: Texel, channel: usize| match (channels, channel) {
@@ -60,7 +77,7 @@ impl Pyramid {
                         for (sy, wy) in shares[1](y) {
                             for (sx, wx) in shares[0](x) {
                                 let value = if levels.is_empty() {
-                                    stored(image.texel(sx, sy, space), channel)
+                                    stored(texel(sx, sy), channel)
                                 } else {
                                     below[(sy as usize * whole_width as usize + sx as usize) * channels + channel]
                                 };
@@ -77,7 +94,9 @@ impl Pyramid {
                 width,
                 height,
                 channels,
-                values: if is_integer {
+                values: if !is_kept([width, height]) {
+                    Values::F32(Box::default())
+                } else if as_integers {
                     Values::U16(values.iter().map(|v| (v * 65535.0).round() as u16).collect())
                 } else {
                     Values::F32(values.clone().into())

@@ -82,7 +82,7 @@ fn what_cannot_be_written_is_refused_and_leaves_everything_as_it_was() {
     };
     for once_more in [false, true] {
         let name = |name: &str| folder.path().join(name);
-        for wrong in ["scene.glb", "scene.ply", "scene"] {
+        for wrong in ["scene.glb", "scene.ply", "scene", "scene.JSON"] {
             assert_refused(&scene, &name(wrong), ErrorKind::Unsupported, "ends in .json");
         }
         assert_refused(&scene, &name("no/scene.json"), ErrorKind::Io, "cannot write the scene into its folder");
@@ -136,6 +136,11 @@ fn what_cannot_be_written_is_refused_and_leaves_everything_as_it_was() {
             // The folder's name is taken.
             fs::write(name("scene.files"), "mine").unwrap();
             assert_refused(&scene, &path, ErrorKind::Io, "the name is taken by something else");
+            fs::remove_file(name("scene.files")).unwrap();
+            // What it leads to may be the files of another scene.
+            fs::create_dir(name("other.files")).unwrap();
+            std::os::unix::fs::symlink(name("other.files"), name("scene.files")).unwrap();
+            assert_refused(&scene, &path, ErrorKind::Io, "is a symbolic link");
             fs::remove_file(name("scene.files")).unwrap();
             // Again, with a scene that must stay.
             scene.save(&path).unwrap();

@@ -347,20 +347,13 @@ impl Entry {
         }))
     }
 
-    /// Describes the material, after the materials that it consists of. `first` is the number that the first of them will have.
-    pub fn describe(&self, name: &str, path: &str, first: usize, warnings: &mut Vec<String>) -> Vec<MaterialDesc> {
+    /// Describes the material, after the materials that it consists of. `first` is the number that the first of them will have. When
+    /// its maps are known, [`settle_opacity`] has to follow.
+    pub fn describe(&self, name: &str, path: &str, first: usize) -> Vec<MaterialDesc> {
         let ke = self.ke.or(self.missing(Slot::Ke, Some([1.0; 3]), None));
         let emission = ke.filter(|ke| *ke != [0.0; 3]).map(rgb);
-        let at = if path.is_empty() { String::new() } else { format!("{path}: ") };
         let is_clear = self.refracts() || self.is_sheet();
-        let mut opacity = if is_clear { 1.0 } else { self.opacity() as f32 };
-        if emission.is_some() && opacity < 1.0 {
-            warn(warnings, format!("{at}the material '{}' emits light (Ke); it is opaque", elided(name)));
-            opacity = 1.0;
-        }
-        if opacity == 0.0 {
-            warn(warnings, format!("{at}the material '{}' is invisible, its opacity is 0", elided(name)));
-        }
+        let opacity = if is_clear { 1.0 } else { self.opacity() as f32 };
         let part = |bsdf| MaterialDesc { path: path.to_owned(), bsdf, ..MaterialDesc::default() };
         let whole = |bsdf| MaterialDesc { name: name.to_owned(), opacity, emission, ..part(bsdf) };
         match self.model() {
@@ -370,6 +363,19 @@ impl Entry {
                 vec![part(one), part(other), whole(mix)]
             }
         }
+    }
+}
+
+/// Makes a material that emits opaque, and warns of what cannot be seen.
+pub(super) fn settle_opacity(material: &mut MaterialDesc, warnings: &mut Vec<String>) {
+    let at = if material.path.is_empty() { String::new() } else { format!("{}: ", material.path) };
+    let name = elided(&material.name);
+    if material.emission.is_some() && material.opacity < 1.0 {
+        warn(warnings, format!("{at}the material '{name}' emits light (Ke); it is opaque"));
+        material.opacity = 1.0;
+    }
+    if material.opacity == 0.0 {
+        warn(warnings, format!("{at}the material '{name}' is invisible, its opacity is 0"));
     }
 }
 

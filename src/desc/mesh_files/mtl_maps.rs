@@ -22,6 +22,12 @@ const TEXEL_LIMIT: u64 = 1 << 30;
 /// Height of a 1 in a map of heights, in diagonals of the box around the mesh. Libraries do not say a unit.
 const HEIGHT: f64 = 0.01;
 
+/// Largest number of an option.
+const MOST_OPTION: f64 = 1e6;
+
+/// Most files of a folder among which an image is looked for.
+const MOST_ENTRIES: usize = 1 << 16;
+
 /// What a map varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Slot {
@@ -114,35 +120,25 @@ impl Map {
             channel: TextureChannel::Default,
             multiplier: 1.0,
         };
-        let mut rest = rest.trim_ascii();
-        while rest.starts_with(b"-") {
-            let (option, after) = keyword(rest);
-            let most = match option {
-                b"-o" | b"-s" | b"-t" => 3,
-                b"-mm" => 2,
-                b"-blendu" | b"-blendv" | b"-cc" | b"-clamp" | b"-texres" | b"-imfchan" | b"-bm" | b"-boost"
-                | b"-type" => 1,
-                // The name of a file begins with a dash.
-                _ => break,
-            };
-            let numbers_only = most > 1;
-            let (mut words, mut left) = (Vec::new(), after);
-            while words.len() < most && !left.is_empty() {
-                let (word, next) = keyword(left);
-                let word = String::from_utf8_lossy(word).into_owned();
-                if numbers_only && !is_number(&word) {
-                    break;
-                }
-                words.push(word);
-                left = next;
-            }
-            if !map.set(option, &words) {
-                let option = String::from_utf8_lossy(option).into_owned();
-                source.warn(line, &elided(key), &format!("{option} has no meaning here; it is left out"));
-            }
-            rest = left;
+        let rest = rest.trim_ascii();
+        // Names may begin with a dash or hold one.
+        if map.is_found(rest) {
+            map.name = name_of(rest);
+            return Some(map);
         }
-        map.name = String::from_utf8_lossy(rest).trim().to_owned();
+        let mut rest = map.options(rest, source);
+        // Some programs write options after the name.
+        if !map.is_found(rest)
+            && let Some(end) = first_option(rest)
+        {
+            let left = map.options(&rest[end..], source);
+            if !left.is_empty() {
+                let left = String::from_utf8_lossy(left).into_owned();
+                source.warn(line, &elided(key), &format!("'{}' follows the name; it is left out", elided(&left)));
+            }
+            rest = rest[..end].trim_ascii_end();
+        }
+        map.name = name_of(rest);
         if map.name.is_empty() {
             source.warn(line, &elided(key), "names no image; it is left out");
             return None;
@@ -150,16 +146,61 @@ impl Map {
         Some(map)
     }
 
+    /// Reads options from the beginning of a text and returns what follows them.
+    fn options<'t>(&mut self, mut rest: &'t [u8], source: &mut Source<'_>) -> &'t [u8] {
+        while rest.starts_with(b"-") {
+            let (option, after) = keyword(rest);
+            let most = match option {
+                b"-o" | b"-s" | b"-t" => 3,
+                b"-mm" => 2,
+                _ if takes_word(option) => 1,
+                // One that nobody knows has the numbers that follow it.
+                _ => 3,
+            };
+            let (mut words, mut left) = (Vec::new(), after);
+            while words.len() < most && !left.is_empty() {
+                let (word, next) = keyword(left);
+                let word = String::from_utf8_lossy(word).into_owned();
+                // `nan` and `1e400` are no numbers to compute with, but no names either.
+                if !takes_word(option) && word.parse::<f64>().is_err() {
+                    break;
+                }
+                words.push(word);
+                left = next;
+            }
+            if !self.set(option, &words) {
+                let option = String::from_utf8_lossy(option);
+                let option = elided(&option);
+                let message = format!("{option} {} has no meaning here; it is left out", elided(&words.join(" ")));
+                source.warn(self.line, &elided(&self.key), &message);
+            }
+            rest = left;
+        }
+        rest
+    }
+
+    /// Whether this is the name of a file, as it stands.
+    fn is_found(&self, name: &[u8]) -> bool {
+        !name.is_empty() && Self { name: name_of(name), ..self.clone() }.file().is_some()
+    }
+
     /// Sets an option; whether it has a meaning.
     fn set(&mut self, option: &[u8], words: &[String]) -> bool {
-        let number = |i: usize| words.get(i).filter(|word| is_number(word)).and_then(|word| word.parse::<f64>().ok());
+        let number = |i: usize, missing: f64| match words.get(i) {
+            // Beyond these, single precision knows no texels.
+            Some(word) => word.parse().ok().filter(|value: &f64| is_number(word) && value.abs() <= MOST_OPTION),
+            None => Some(missing),
+        };
         let word = words.first().map_or("", String::as_str);
         match option {
             // One number is for u alone.
-            b"-s" => self.scale = [number(0).unwrap_or(1.0), number(1).unwrap_or(1.0)],
-            b"-o" => self.offset = [number(0).unwrap_or(0.0), number(1).unwrap_or(0.0)],
+            b"-s" | b"-o" => {
+                let missing = if option == b"-s" { 1.0 } else { 0.0 };
+                let (Some(u), Some(v)) = (number(0, missing), number(1, missing)) else { return false };
+                *(if option == b"-s" { &mut self.scale } else { &mut self.offset }) = [u, v];
+            }
             b"-clamp" => self.is_clamped = word.eq_ignore_ascii_case("on"),
-            b"-bm" => match number(0) {
+            b"-bm" => match number(0, 1.0) {
                 Some(multiplier) => self.multiplier = multiplier,
                 None => return false,
             },
@@ -175,20 +216,62 @@ impl Map {
             }
             // They choose a filter or a size, which are our own, or name the default.
             b"-blendu" | b"-blendv" | b"-cc" | b"-texres" | b"-boost" | b"-type" => {}
-            b"-mm" => return number(0).unwrap_or(0.0) == 0.0 && number(1).unwrap_or(1.0) == 1.0,
-            _ => return words.iter().all(|word| word.parse() == Ok(0.0)),
+            b"-mm" => return number(0, 0.0) == Some(0.0) && number(1, 1.0) == Some(1.0),
+            b"-t" => return words.iter().all(|word| word.parse() == Ok(0.0)),
+            _ => return false,
         }
         true
     }
 
     /// The file, which is looked for as it is named, with slashes for backslashes, and by its last name beside the library, since
-    /// libraries often hold paths of the machine that wrote them.
+    /// libraries often hold paths of the machine that wrote them; at last without regard to the case of letters, which that machine
+    /// may not have distinguished.
     fn file(&self) -> Option<PathBuf> {
         let plain = self.name.replace('\\', "/");
         let last = plain.rsplit('/').next().unwrap_or_default();
         let folder = self.library.parent().unwrap_or(Path::new(""));
-        [self.name.as_str(), &plain, last].into_iter().map(|name| folder.join(name)).find(|file| file.is_file())
+        let names = [self.name.as_str(), &plain, last];
+        names.into_iter().map(|name| folder.join(name)).find(|file| file.is_file()).or_else(|| {
+            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+            let entries = std::fs::read_dir(folder).ok()?.take(MOST_ENTRIES).flatten();
+            // The first in the order of names, since folders have none.
+            let same =
+                entries.filter(|entry| entry.file_name().to_str().is_some_and(|it| it.eq_ignore_ascii_case(last)));
+            same.map(|entry| entry.path()).filter(|file| file.is_file()).min()
+        })
     }
+
+    /// Why there is no file.
+    fn no_file(&self) -> String {
+        let folder = self.library.parent().unwrap_or(Path::new(""));
+        let is_folder = !self.name.is_empty() && folder.join(&self.name).is_dir();
+        if is_folder { "is a folder, expected an image" } else { "does not exist" }.to_owned()
+    }
+}
+
+/// The name of a file, which some programs put into quotation marks.
+fn name_of(text: &[u8]) -> String {
+    let text = text.trim_ascii();
+    let plain = text.strip_prefix(b"\"").and_then(|text| text.strip_suffix(b"\"")).unwrap_or(text);
+    String::from_utf8_lossy(plain).trim().to_owned()
+}
+
+/// Whether an option is followed by one word.
+fn takes_word(option: &[u8]) -> bool {
+    matches!(
+        option,
+        b"-blendu" | b"-blendv" | b"-cc" | b"-clamp" | b"-texres" | b"-imfchan" | b"-bm" | b"-boost" | b"-type"
+    )
+}
+
+/// Where the first option after a name begins.
+fn first_option(text: &[u8]) -> Option<usize> {
+    let is_option = |start: &usize| {
+        let (word, _) = keyword(&text[*start..]);
+        takes_word(word) || matches!(word, b"-o" | b"-s" | b"-t" | b"-mm")
+    };
+    let starts = (1..text.len()).filter(|i| text[i - 1].is_ascii_whitespace() && text[*i] == b'-');
+    starts.into_iter().find(is_option)
 }
 
 /// An image and the colour space that its format suggests.
@@ -229,6 +312,13 @@ impl<'a> Maps<'a> {
         ground: Ground,
         warnings: &mut Vec<String>,
     ) -> Result<()> {
+        // Without the map of its emission a material does not emit, and has an opacity; maps of normals say more than those of heights.
+        let mut maps: Vec<&Map> = maps.iter().collect();
+        maps.sort_by_key(|map| match map.slot {
+            Slot::Ke => 0,
+            Slot::Norm => 1,
+            _ => 2,
+        });
         for map in maps {
             let place = Place { path: &map.library, json_path: self.place.json_path };
             let mut leave_out = |why: &str| {
@@ -323,7 +413,7 @@ impl<'a> Maps<'a> {
 
     /// The image of a map, or why there is none.
     fn image(&mut self, map: &Map) -> Result<Read, String> {
-        let Some(file) = map.file() else { return Err("does not exist".to_owned()) };
+        let Some(file) = map.file() else { return Err(map.no_file()) };
         let identity = file.canonicalize().unwrap_or_else(|_| file.clone());
         if let Some(known) = self.images.get(&identity) {
             return known.clone().ok_or_else(|| "is not read, as said before".to_owned());

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
-use super::mtl::{Library, keyword};
+use super::mtl::{Library, keyword, settle_opacity};
 use super::mtl_maps::{Ground, Maps};
 use super::{Place, Source, obj};
 use crate::desc::json::{did_you_mean, elided};
@@ -171,9 +171,12 @@ pub(super) fn load(source: Source<'_>, warnings: &mut Vec<String>) -> Result<Par
         let part = split.part(&runs, name);
         let materials = match library.find(name) {
             Some(entry) => {
-                let mut materials = entry.describe(&full_name, json_path, first, &mut noted);
+                let mut materials = entry.describe(&full_name, json_path, first);
                 let ground = Ground { has_uvs: !part.uvs.is_empty(), diagonal };
                 maps.bind(entry.maps(), &mut materials, ground, &mut noted)?;
+                if let Some(whole) = materials.last_mut() {
+                    settle_opacity(whole, &mut noted);
+                }
                 materials
             }
             None => {

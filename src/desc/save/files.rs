@@ -41,6 +41,11 @@ impl Files {
             let message = "cannot make a folder for the files of the scene: the name is taken by something else";
             return Err(Error::new(ErrorKind::Io, message).in_file(Some(&folder), 0));
         }
+        // Files that other scenes have in the folder that it leads to would be removed as old ones of this scene.
+        if folder.is_symlink() {
+            let message = "the folder for the files of the scene is a symbolic link, expected a folder or nothing";
+            return Err(Error::new(ErrorKind::Io, message).in_file(Some(&folder), 0));
+        }
         Ok(Self { folder, name, is_old, new: Vec::new(), used: HashSet::new(), is_kept: false })
     }
 

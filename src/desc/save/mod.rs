@@ -64,7 +64,8 @@ impl SceneDesc {
 }
 
 fn save(scene: &SceneDesc, path: &Path) -> Result<()> {
-    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("json")) {
+    // In small letters: `room.JSON` beside `room.json` would have the same folder.
+    if path.extension().is_none_or(|extension| extension != "json") {
         let message = "the name of a native scene file ends in .json, expected such a name";
         return Err(Error::new(ErrorKind::Unsupported, message));
     }

@@ -1,12 +1,14 @@
 //! Lamps whose radiance a texture varies.
 
-use etendue::desc::{BsdfDesc, IntegratorDesc, Projection, SceneDesc, TextureDesc, TextureKey, TextureMapping};
+use etendue::desc::{
+    BsdfDesc, IntegratorDesc, Projection, SceneDesc, TextureDesc, TextureKey, TextureMapping, TextureSource,
+};
 use etendue::math::{DVec3, Vec3};
 use etendue::render::{Render, RenderSettings};
 use etendue::sampling::Rng;
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
-use etendue::texture::{ColorSpace, TextureFilter};
+use etendue::texture::{ColorSpace, Pattern, Procedural, TextureFilter};
 
 use super::scenes::{quad, vary};
 use super::{described, image};
@@ -18,6 +20,7 @@ pub fn cases() -> Vec<Entry> {
     vec![
         Entry { id: "X13", title: "textured lamps, by points", run: points },
         Entry { id: "X14", title: "textured lamps, whole pictures", run: pictures },
+        Entry { id: "X16", title: "textured lamps of which little shines", run: spots },
     ]
 }
 
@@ -152,5 +155,53 @@ fn pictures(case: &mut Case) {
         let (image, _) = render(&floor, &Job { samples, integrator, ..Job::default() });
         let name = format!("the floor by {integrator:?}");
         case.mean(&name, mean_and_error(&image), reflected * (1.0 + 0.5 + 0.25) / 3.0, within);
+    }
+}
+
+/// One texel of 1024 x 1024, and lines of a thousandth of the width: light samples find what no grid of points would.
+fn spots(case: &mut Case) {
+    let count = case.count(1_000_000, 10_000_000) as u32;
+    let texel = image(1024, 1024, 1, |x, y, _| if (x, y) == (601, 350) { 1e6 } else { 0.0 });
+    let texel = described("texel", &texel, ColorSpace::Linear, TextureFilter::Nearest, 1.0);
+    let lines = Procedural { pattern: Pattern::Grid { width: 1e-3 }, colors: [Rgb::ZERO, Rgb::ONE], in_space: false };
+    let lines = TextureDesc {
+        name: "lines".to_owned(),
+        path: String::new(),
+        source: TextureSource::Procedural(lines),
+        mapping: TextureMapping::Uv { scale: [4.0; 2], rotation: 0.0, offset: [0.0; 2] },
+    };
+    let p = DVec3::new(0.3, 0.0, -0.2);
+    // The texel is a rectangle whose rows are counted from the top; lines cover 2 w - w^2 of the lamp, all over it.
+    let place = |i: u32| 2.0 * f64::from(i) / 1024.0 - 1.0;
+    let rectangle = |[x0, x1]: [f64; 2], [z0, z1]: [f64; 2]| {
+        let corners = [[x0, z0], [x1, z0], [x1, z1], [x0, z1]].map(|[x, z]| DVec3::new(x, 1.0, z));
+        std::f64::consts::PI * polygon_factor(p, DVec3::Y, &corners)
+    };
+    let of_texel = 2e6 * rectangle([place(601), place(602)], [place(1023 - 350), place(1024 - 350)]);
+    let half = 0.5 * 1e-3 * 0.5;
+    let bars = |edges: [f64; 2]| {
+        let at = |k: i32| -1.0 + 0.5 * f64::from(k);
+        (0..=4).map(move |k| [(at(k) - half).max(edges[0]), (at(k) + half).min(edges[1])])
+    };
+    let all = [-1.0, 1.0];
+    let across: f64 = bars(all).map(|bar| rectangle(bar, all) + rectangle(all, bar)).sum();
+    let twice: f64 = bars(all).flat_map(|x| bars(all).map(move |z| (x, z))).map(|(x, z)| rectangle(x, z)).sum();
+    let of_lines = 2.0 * (across - twice);
+    for (name, texture, exact, within) in [("a texel", texel, of_texel, 0.1), ("lines", lines, of_lines, 0.1)] {
+        let mut desc = lamp(None);
+        desc.materials[0].textures.clear();
+        vary(&mut desc, 0, TextureKey::Emission, texture);
+        let built = Scene::build(&desc, &BuildOptions::default()).expect("a scene of the test");
+        let at = built.to_scene(p);
+        let (mut rng, mut sum, mut squares) = (Rng::new(17, 0), 0.0, 0.0);
+        for _ in 0..count {
+            let u = [rng.next_f32(), rng.next_f32(), rng.next_f32(), rng.next_f32()];
+            let Some(sample) = built.emitters().sample(at, u) else { continue };
+            let value = f64::from(sample.radiance.r() * sample.wi.y.max(0.0) / sample.pdf);
+            (sum, squares) = (sum + value, squares + value * value);
+        }
+        let n = f64::from(count);
+        let estimate = (sum / n, ((squares / n - (sum / n).powi(2)) / n).sqrt());
+        case.mean(format!("light samples of {name}"), estimate, exact, within);
     }
 }
