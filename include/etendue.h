@@ -3230,7 +3230,7 @@ etd_status etd_scene_find_texture(const struct etd_scene *scene, const char *nam
  * Sets the texture of one parameter of a material, or removes it.
  *
  * `parameter`: the name that scene files use in a material's `textures`, such as "color", "roughness", "base_color",
- * "opacity", "normal". `binding`: NULL, or a texture of `ETD_NONE`, for none. Errors: `ETD_INVALID_SCENE` for a parameter that
+ * "opacity", "emission", "normal". `binding`: NULL, or a texture of `ETD_NONE`, for none. Errors: `ETD_INVALID_SCENE` for a parameter that
  * the material does not have. `etd_scene_set_material` keeps the textures of a material. Thread-safe.
  */
 etd_status etd_scene_set_material_texture(struct etd_scene *scene,
