@@ -119,7 +119,7 @@ impl TexturedTriangle {
             return;
         }
         // Of a few texels, several parts each, so that edges of parts are edges of texels.
-        let along = self.texels_along().ceil().min(MOST_PIECES).max(1.0);
+        let along = self.texels_along().ceil().clamp(1.0, MOST_PIECES);
         let count = (along * (FEW_PIECES / along).round().max(1.0)) as usize;
         if 2 * count * count > *left {
             return;
