@@ -30,12 +30,7 @@ pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
     if support.diffuse == LobeUse::StoredAndGathered && !scene.is_opaque() {
         return refuse("", "surfaces that are not opaque");
     }
-    // An element has one albedo.
-    if integrator == IntegratorDesc::Radiosity
-        && let Some(surface) = scene.textured_diffuse_surface()
-    {
-        return refuse(&format!("surfaces[{surface}]: "), "diffuse surfaces with textures");
-    }
+    // An element emits the same radiance everywhere.
     if integrator == IntegratorDesc::Radiosity && scene.emitters().has_textured() {
         return refuse("", "surfaces whose emission textures vary");
     }

@@ -17,6 +17,8 @@ use crate::spectrum::Rgb;
 #[derive(Clone, Debug)]
 pub(crate) struct Face {
     pub body: Body,
+    /// The triangle, or with corners of its own a part of the shape.
+    pub facet: Facet,
     pub surface: u32,
     pub material: u32,
     /// Radiance emitted on the outer side [W m^-2 sr^-1].
@@ -90,11 +92,12 @@ impl Scene {
                         self.triangle(&facet, triangles.corners(primitive, 0.0).map(place), triangles.normals.is_some())
                     }
                 };
-                visit(self.face(body, owners.of(primitive)))?;
+                visit(self.face(facet, body, owners.of(primitive)))?;
             }
         }
-        for (shape, owner) in self.list.shapes().iter().zip(&*self.bindings.list_owners) {
-            visit(self.face(Body::Shape(shape.clone()), *owner))?;
+        for (primitive, (shape, owner)) in self.list.shapes().iter().zip(&*self.bindings.list_owners).enumerate() {
+            let facet = Facet::triangle(IN_LIST, primitive as u32);
+            visit(self.face(facet, Body::Shape(shape.clone()), *owner))?;
         }
         Ok(())
     }
@@ -105,14 +108,14 @@ impl Scene {
         Body::Triangle { corners, normal: points[0].ng, error, is_smooth }
     }
 
-    fn face(&self, body: Body, owner: Owner) -> Face {
+    fn face(&self, facet: Facet, body: Body, owner: Owner) -> Face {
         let emission = match self.emitters().emitters().get(owner.emitter as usize) {
             Some(Emitter::Triangle(emitter)) if owner.emitter != NO_EMITTER => emitter.radiance,
             Some(Emitter::Textured(emitter)) if owner.emitter != NO_EMITTER => emitter.mean.radiance,
             Some(Emitter::Sphere(emitter)) if owner.emitter != NO_EMITTER => emitter.radiance,
             _ => Rgb::ZERO,
         };
-        Face { body, surface: owner.surface, material: owner.material, emission }
+        Face { body, facet, surface: owner.surface, material: owner.material, emission }
     }
 
     /// Returns the number of the face of a surface that has the number `primitive` in [`super::HitDescription`].

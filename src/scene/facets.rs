@@ -199,6 +199,11 @@ impl Facet {
         Self { geometry, primitive, corners: [[0.0; 3]; 3] }
     }
 
+    /// The part of the same analytic shape with these corners.
+    pub(crate) fn part(self, corners: [DVec3; 3]) -> Self {
+        Self { corners: corners.map(|corner| corner.as_vec3a().to_array()), ..self }
+    }
+
     /// Returns the hit of a ray that arrives at this point.
     pub(crate) fn hit(&self, b1: f32, b2: f32) -> Hit {
         Hit { t: 0.0, u: b1, v: b2, primitive: self.primitive, geometry: self.geometry }

@@ -195,7 +195,7 @@ impl Material {
     }
 
     /// Whether textures vary a material with diffuse lobes.
-    pub(super) fn is_textured_diffuse(&self) -> bool {
+    pub(crate) fn is_textured_diffuse(&self) -> bool {
         self.varying.as_ref().is_some_and(|varying| varying.is_textured() && varying.lobes().have_diffuse())
     }
 

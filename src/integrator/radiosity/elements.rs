@@ -13,6 +13,7 @@ use std::collections::HashMap;
 
 use super::form_factor::{self, quarters};
 use super::tessellate::tessellate;
+use super::textured::ElementAlbedos;
 use crate::bsdf::{Bsdf, Model as _};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, HitPoint, Vec3};
@@ -66,7 +67,7 @@ impl Node {
 pub(super) struct Patch {
     pub surface: u32,
     pub is_front: bool,
-    /// Reflected fraction of irradiance.
+    /// Reflected fraction of irradiance; where textures vary it, each element has its own ([`Elements::albedo`]).
     pub albedo: DVec3,
     /// Emitted radiosity [W m^-2].
     pub emitted: DVec3,
@@ -100,6 +101,8 @@ pub(super) struct Elements {
     middles: HashMap<[u32; 2], u32>,
     shapes: Vec<Analytic>,
     sides: Vec<[PatchRange; 2]>,
+    /// Where textures vary albedos.
+    textured: Option<Box<ElementAlbedos>>,
     /// Square of the longest side below which no element is subdivided.
     min_side2: f64,
     /// Limit of memory, bytes.
@@ -131,6 +134,9 @@ impl Elements {
         elements.check(2 * scene.face_count() * BYTES_PER_PATCH)?;
         let albedos: Vec<[DVec3; 2]> =
             (0..scene.info().materials).map(|i| mean_albedos(scene.material(i as u32).mean())).collect();
+        if scene.textured_diffuse_surface().is_some() {
+            elements.textured = Some(Box::new(ElementAlbedos::new(scene)));
+        }
         let mut welds = Welds::new();
         let mut roots = Vec::new();
         scene.each_face(|face| {
@@ -160,6 +166,10 @@ impl Elements {
                         elements.shapes[shape as usize].project(middle).1
                     });
                     let normal = if (flat.dot(outer) < 0.0) == is_front { -flat } else { flat };
+                    if let Some(textured) = &mut elements.textured {
+                        let facet = if shape == NONE { face.facet } else { face.facet.part(*corners) };
+                        textured.add_patch(&facet, *corners, face.material);
+                    }
                     let least = if is_smooth { SMOOTH_WELD_COSINE } else { FLAT_WELD_COSINE };
                     let corners =
                         corners.map(|p| elements.welded(&mut welds, p, (face.surface, is_front), normal, least));
@@ -181,7 +191,26 @@ impl Elements {
             elements.check(roots.len() * BYTES_PER_PATCH)
         })?;
         elements.cluster(roots);
+        (0..elements.nodes.len()).for_each(|number| elements.add_albedo(number));
         Ok(elements)
+    }
+
+    /// Reflected fraction of the irradiance of an element.
+    pub fn albedo(&self, element: u32) -> DVec3 {
+        match &self.textured {
+            Some(textured) => textured.of(element),
+            None => self.patches[self.nodes[element as usize].patch as usize].albedo,
+        }
+    }
+
+    /// Works out the albedo of a new node, after those of all before it.
+    fn add_albedo(&mut self, number: usize) {
+        let node = &self.nodes[number];
+        let corners = |node: &Node| node.corners.map(|vertex| self.vertices[vertex as usize]);
+        let element = self.patches.get(node.patch as usize).map(|patch| (patch, node.patch, corners(node)));
+        if let Some(textured) = &mut self.textured {
+            textured.add_node(element);
+        }
     }
 
     /// Fails where this many bytes exceed the limit.
@@ -206,6 +235,7 @@ impl Elements {
             // A vertex takes its position, its ends and its entry in the table of midpoints.
             + (24 + 8 + 24) * self.vertices.len()
             + size_of::<[PatchRange; 2]>() * self.sides.len()
+            + self.textured.as_ref().map_or(0, |textured| textured.bytes())
     }
 
     fn vertex(&mut self, p: DVec3, ends: [u32; 2]) -> u32 {
@@ -321,6 +351,7 @@ impl Elements {
             };
             let child = self.element(corners, normal, patch, number, is_flat.then_some(0.25 * area));
             self.nodes.push(child);
+            self.add_albedo(self.nodes.len() - 1);
         }
         let node = &mut self.nodes[number as usize];
         (node.first, node.children) = (first, 4);
@@ -557,11 +588,16 @@ fn curved_area(shape: &Analytic, triangle: &[DVec3; 3]) -> f64 {
 /// The fraction of the irradiance that the diffuse lobes of a surface reflect where the incident radiance is uniform, on
 /// its outer and on its inner side; 0 for mirrors and glass.
 pub(super) fn mean_albedos(bsdf: &Bsdf) -> [DVec3; 2] {
-    [(true, 1.0), (false, -1.0)].map(|(is_front, z)| mean_albedo(&bsdf.on_side(is_front), z))
+    mean_albedos_by(bsdf, 4096)
+}
+
+/// [`mean_albedos`], where the surface is not Lambertian by so many angles.
+pub(super) fn mean_albedos_by(bsdf: &Bsdf, steps: u32) -> [DVec3; 2] {
+    [(true, 1.0), (false, -1.0)].map(|(is_front, z)| mean_albedo(&bsdf.on_side(is_front), z, steps))
 }
 
 /// One of [`mean_albedos`], on the side where directions have a third component of this sign.
-fn mean_albedo(bsdf: &Bsdf, side: f64) -> DVec3 {
+fn mean_albedo(bsdf: &Bsdf, side: f64, steps: u32) -> DVec3 {
     if !bsdf.lit_lobes().have_diffuse() {
         return DVec3::ZERO;
     }
@@ -569,13 +605,12 @@ fn mean_albedo(bsdf: &Bsdf, side: f64) -> DVec3 {
         return bsdf.diffuse_albedo().to_f64();
     }
     // Cosine-weighted mean of the directional albedo, by the midpoint rule in the squared cosine.
-    const STEPS: u32 = 4096;
     let at = |i: u32| {
-        let cos2 = (f64::from(i) + 0.5) / f64::from(STEPS);
+        let cos2 = (f64::from(i) + 0.5) / f64::from(steps);
         let wo = DVec3::new((1.0 - cos2).sqrt(), 0.0, side * cos2.sqrt()).as_vec3a();
         bsdf.mean_f(wo).map_or(DVec3::ZERO, |f| f.to_f64() * std::f64::consts::PI)
     };
-    (0..STEPS).map(at).sum::<DVec3>() / f64::from(STEPS)
+    (0..steps).map(at).sum::<DVec3>() / f64::from(steps)
 }
 
 /// The centres of a triangle's quarters: a quadrature rule whose points the quarters share.

@@ -43,6 +43,7 @@ mod refine;
 mod shoot;
 mod solve;
 mod tessellate;
+mod textured;
 mod vertices;
 mod visibility;
 
@@ -256,7 +257,7 @@ impl Radiosity {
         let elements = &self.elements;
         let mut mesh = RadiosityMesh::default();
         let mut known = std::collections::HashMap::new();
-        for node in elements.nodes.iter().filter(|node| node.patch != NONE && node.is_leaf()) {
+        for (number, node) in (0..).zip(&elements.nodes).filter(|(_, node)| node.patch != NONE && node.is_leaf()) {
             let patch = &elements.patches[node.patch as usize];
             if patch.is_front != front || surface.is_some_and(|surface| surface != patch.surface) {
                 continue;
@@ -266,7 +267,8 @@ impl Radiosity {
                     let irradiance = self.irradiance[vertex as usize];
                     mesh.positions.push(elements.vertices[vertex as usize] + self.scene.centre());
                     mesh.irradiance.push(irradiance);
-                    mesh.radiosity.push(Rgb::from_f64(patch.emitted) + Rgb::from_f64(patch.albedo) * irradiance);
+                    mesh.radiosity
+                        .push(Rgb::from_f64(patch.emitted) + Rgb::from_f64(elements.albedo(number)) * irradiance);
                     mesh.positions.len() as u32 - 1
                 })
             });
@@ -286,8 +288,7 @@ impl RadiositySummary {
         let mut absorbed = DVec3::ZERO;
         for &(leaf, irradiance) in leaves {
             let node = &elements.nodes[leaf as usize];
-            let patch = &elements.patches[node.patch as usize];
-            absorbed += node.area * (1.0 - patch.albedo) * irradiance;
+            absorbed += node.area * (1.0 - elements.albedo(leaf)) * irradiance;
             self.elements += 1;
         }
         let emitted = scene.emitters().emitters().iter().map(crate::emitter::Emitter::power).sum::<DVec3>();

@@ -4,12 +4,13 @@ use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 use super::Radiosity;
-use super::elements::mean_albedos;
+use super::elements::{mean_albedos, mean_albedos_by};
+use super::textured::STEPS;
 use crate::integrator::vertex::Vertex;
 use crate::integrator::{Context, FirstHit, Tracer, Transport};
 use crate::math::Ray;
 use crate::sampling::Sampler;
-use crate::scene::{Hit, Scene, SurfaceInteraction};
+use crate::scene::{Hit, Scene};
 use crate::spectrum::Rgb;
 
 /// An integrator that shows a solution to the camera.
@@ -18,6 +19,8 @@ pub(crate) struct RadiosityPicture {
     solution: Arc<Radiosity>,
     /// Mean albedo over pi of each material, on its outer and on its inner side.
     reflected: Arc<[[Rgb; 2]]>,
+    /// Whether textures vary diffuse surfaces.
+    is_textured: bool,
     final_gather: bool,
     shadow_rays: u32,
 }
@@ -27,13 +30,21 @@ impl RadiosityPicture {
         let of =
             |i: usize| mean_albedos(scene.material(i as u32).mean()).map(|albedo| Rgb::from_f64(albedo) * FRAC_1_PI);
         let reflected = (0..scene.info().materials).map(of).collect();
-        Self { solution, reflected, final_gather, shadow_rays }
+        let is_textured = scene.textured_diffuse_surface().is_some();
+        Self { solution, reflected, is_textured, final_gather, shadow_rays }
     }
 
     /// Light that the surface reflects, according to the solution.
-    fn reflected(&self, ray: &Ray, hit: &Hit, surface: &SurfaceInteraction) -> Rgb {
+    fn reflected(&self, scene: &Scene, ray: &Ray, hit: &Hit, vertex: &Vertex<'_, Rgb>) -> Rgb {
+        let surface = &vertex.surface;
         let front = ray.direction.dot(surface.ng) < 0.0;
-        let albedo = self.reflected[surface.material as usize][usize::from(!front)];
+        let side = usize::from(!front);
+        let albedo = if self.is_textured && scene.material(surface.material).is_textured_diffuse() {
+            // The vertex has the Bsdf of the side that the ray meets.
+            Rgb::from_f64(mean_albedos_by(vertex.bsdf, STEPS)[side]) * FRAC_1_PI
+        } else {
+            self.reflected[surface.material as usize][side]
+        };
         if albedo == Rgb::ZERO {
             return Rgb::ZERO;
         }
@@ -55,7 +66,7 @@ impl Transport<Rgb> for RadiosityPicture {
         first(vertex.first_hit(scene));
         let mut radiance: Rgb = vertex.emitted(scene, None, 1);
         if !self.final_gather {
-            return radiance + self.reflected(&ray, &hit, &vertex.surface);
+            return radiance + self.reflected(scene, &ray, &hit, &vertex);
         }
         if !vertex.lobes.have_diffuse() {
             return radiance;
@@ -70,7 +81,7 @@ impl Transport<Rgb> for RadiosityPicture {
         let Some(hit) = context.tracer.intersect(&bounce.ray) else { return radiance };
         let mut slot = None;
         let next = Vertex::<Rgb>::new(scene, &bounce.ray, &hit, (), None, &mut slot);
-        let seen = next.emitted(scene, previous, self.shadow_rays) + self.reflected(&bounce.ray, &hit, &next.surface);
+        let seen = next.emitted(scene, previous, self.shadow_rays) + self.reflected(scene, &bounce.ray, &hit, &next);
         radiance + bounce.weight * seen
     }
 }

@@ -219,7 +219,7 @@ impl<'n> UnshotLight<'n> {
             return;
         }
         let scale = self.hierarchy.scale_of(number);
-        let b = scale * elements.patches[node.patch as usize].albedo * irradiance;
+        let b = scale * elements.albedo(number) * irradiance;
         self.b[number as usize] += b;
         self.unshot[number as usize] += b;
         self.power[node.patch as usize] += node.area * b.element_sum();
@@ -232,7 +232,7 @@ impl<'n> UnshotLight<'n> {
         for (i, node) in elements.nodes.iter().enumerate() {
             if node.is_leaf() && !node.is_cluster() && self.b[i] != DVec3::ZERO {
                 left += node.area * self.unshot[i];
-                reflected += node.area * elements.patches[node.patch as usize].albedo;
+                reflected += node.area * elements.albedo(i as u32);
                 area += node.area;
             }
         }

@@ -75,7 +75,7 @@ fn set_leaf_radiosity(
 ) {
     let node = &elements.nodes[leaf as usize];
     let patch = &elements.patches[node.patch as usize];
-    let b = patch.emitted + patch.albedo * irradiance;
+    let b = patch.emitted + elements.albedo(leaf) * irradiance;
     let old = std::mem::replace(&mut radiosity.b[leaf as usize], b);
     changes[0] += node.area * (b - old).abs().element_sum();
     changes[1] += node.area * b.element_sum();
@@ -182,9 +182,10 @@ fn pull_patch(elements: &Elements, radiosity: &mut NodeRadiosity, number: u32) {
     radiosity.b[number as usize] = sum / area;
 }
 
-/// Largest albedo of any patch.
+/// Largest albedo of any element.
 pub(super) fn largest_albedo(elements: &Elements) -> f64 {
-    elements.patches.iter().map(|patch| patch.albedo.max_element()).fold(0.0, f64::max)
+    let all = (0..elements.nodes.len() as u32).filter(|&number| !elements.nodes[number as usize].is_cluster());
+    all.map(|element| elements.albedo(element).max_element()).fold(0.0, f64::max)
 }
 
 /// Gathers `iterations` times from the emission alone, or until the rest is at most `tolerance`. `balanced`: of a fixed

@@ -144,7 +144,7 @@ impl RefinementOracle {
         }
         let patch = &self.elements.patches[node.patch as usize];
         let [a, b, c] = node.corners.map(|vertex| self.at_vertices[vertex as usize].to_f64());
-        (patch.emitted + patch.albedo * (a * (1.0 - s - t) + b * s + c * t)).element_sum()
+        (patch.emitted + self.elements.albedo(leaf) * (a * (1.0 - s - t) + b * s + c * t)).element_sum()
     }
 
     fn centre(&self, number: u32) -> DVec3 {

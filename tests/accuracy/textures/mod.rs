@@ -1,5 +1,6 @@
 //! Textures: what a lookup returns, and what a scene with textures shows.
 
+mod elements;
 mod emission;
 mod lookups;
 mod projections;
@@ -13,7 +14,8 @@ use etendue::texture::{ColorSpace, ImageTexture, TexelImage, Texels, Texture, Te
 use crate::record::Entry;
 
 pub fn cases() -> Vec<Entry> {
-    lookups::cases().into_iter().chain(scenes::cases()).chain(emission::cases()).chain(projections::cases()).collect()
+    let scenes = scenes::cases().into_iter().chain(emission::cases()).chain(projections::cases());
+    lookups::cases().into_iter().chain(scenes).chain(elements::cases()).collect()
 }
 
 const FILTERS: [TextureFilter; 5] = [
