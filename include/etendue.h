@@ -2282,9 +2282,10 @@ typedef struct etd_texture_binding {
      */
     float strength;
     /**
-     * Must be 0.
+     * For the parameter "opacity", in [0, 1]: above 0, the opacity is 1 where the texture has this value or more, and 0
+     * elsewhere (a mask). 0: the opacity is the texture's. 0 for others.
      */
-    uint32_t reserved;
+    float cutoff;
 } etd_texture_binding;
 
 /**

@@ -844,6 +844,30 @@ fn textures_vary_what_the_specification_says() {
     Scene::build(&scene, &BuildOptions::default()).expect("a scene");
 }
 
+/// The cutoff of a mask is that of the product of the factor and the texture.
+#[test]
+fn masks_have_a_cutoff() {
+    for (factor, cutoff, opacity, of_texture) in [
+        (1.0, None, 1.0, Some(0.5)),
+        (0.5, Some(0.25), 1.0, Some(0.5)),
+        (0.5, Some(0.75), 0.0, None),
+        (0.0, Some(0.25), 0.0, None),
+        (1.0, Some(0.0), 1.0, None),
+    ] {
+        let mut material = json!({
+            "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, factor], "baseColorTexture": {"index": 0}}, "alphaMode": "MASK",
+        });
+        if let Some(cutoff) = cutoff {
+            material["alphaCutoff"] = json!(cutoff);
+        }
+        let scene = textured(&UPRIGHT, &material).load().unwrap();
+        let it = &scene.materials[0];
+        let mask = it.textured(desc::TextureKey::Opacity).map(|mask| mask.cutoff);
+        assert_eq!((it.opacity, mask), (opacity, of_texture), "{material}");
+        Scene::build(&scene, &BuildOptions::default()).expect("a scene");
+    }
+}
+
 #[test]
 fn textures_vary_emission() {
     let emission_of = |material: &Value| {

@@ -181,7 +181,7 @@ pub unsafe extern "C" fn etd_scene_get_material_texture(
                 texture: it.map_or(ETD_NONE, |it| it.texture as u32),
                 channel: channel.number(),
                 strength: it.map_or(1.0, |it| it.strength),
-                reserved: 0,
+                cutoff: it.map_or(0.0, |it| it.cutoff),
             };
             write_sized(out_binding, "out_binding", value)
         })
@@ -199,9 +199,6 @@ fn key(name: &str) -> Result<TextureKey> {
 
 /// Reads what a parameter takes from a texture; `None` stands for no texture.
 fn bound(key: TextureKey, it: &etd_texture_binding) -> Result<Option<TextureBinding>> {
-    if it.reserved != 0 {
-        return Err(Failure::argument("binding.reserved is not 0"));
-    }
     let channel = match enumeration("binding.channel", it.channel)? {
         ETD_CHANNEL_DEFAULT => TextureChannel::Default,
         ETD_CHANNEL_RED => TextureChannel::Red,
@@ -209,7 +206,8 @@ fn bound(key: TextureKey, it: &etd_texture_binding) -> Result<Option<TextureBind
         ETD_CHANNEL_BLUE => TextureChannel::Blue,
         ETD_CHANNEL_ALPHA => TextureChannel::Alpha,
     };
-    let binding = TextureBinding { key, texture: it.texture as usize, channel, strength: it.strength };
+    let binding =
+        TextureBinding { key, texture: it.texture as usize, channel, strength: it.strength, cutoff: it.cutoff };
     Ok((it.texture != ETD_NONE).then_some(binding))
 }
 

@@ -158,6 +158,9 @@ pub struct TextureBinding {
     /// For [`TextureKey::Normal`]: factor on the slopes. For [`TextureKey::Bump`]: height of a 1 in the texture [scene unit]. Not used
     /// by other parameters.
     pub strength: f32,
+    /// For [`TextureKey::Opacity`], in [0, 1]: above 0, the opacity is 1 where the texture has this value or more, and 0 elsewhere (a
+    /// mask). 0: the opacity is the texture's. 0 for other parameters.
+    pub cutoff: f32,
 }
 
 macro_rules! keys {

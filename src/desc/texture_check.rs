@@ -98,6 +98,10 @@ pub(super) fn bindings(
             return Err(Error::invalid(at, message));
         }
         number(&join(&at, "strength"), binding.strength.into())?;
+        let cutoff = super::validate::within(&join(&at, "cutoff"), binding.cutoff.into(), 0.0, 1.0)?;
+        if cutoff > 0.0 && key != TextureKey::Opacity {
+            return Err(Error::invalid(join(&at, "cutoff"), "only an opacity has a cutoff, expected 0"));
+        }
         // Shadow rays would see another surface than the paths that they belong to, and slopes would be those of noise.
         if matches!(key, TextureKey::Opacity | TextureKey::Bump)
             && let TextureSource::Image(image) = &texture.source

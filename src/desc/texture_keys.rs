@@ -182,6 +182,8 @@ pub(super) struct Binding {
     channel: Option<ChannelKey>,
     /// For `normal`: factor on the slopes. For `bump`: height of a 1, scene units. Default 1.
     strength: Option<f64>,
+    /// For `opacity`, in [0, 1]: above 0, a mask, which is opaque where the texture has this value or more. Default 0.
+    cutoff: Option<f64>,
 }
 
 /// One number of a texture.
@@ -346,7 +348,7 @@ pub(super) fn bindings(
         let binding = if raw.get().starts_with('"') {
             let texture = serde_json::from_str(raw.get())
                 .map_err(|error| Error::invalid(&path, "not a string").because(error))?;
-            Binding { texture, channel: None, strength: None }
+            Binding { texture, channel: None, strength: None, cutoff: None }
         } else {
             json::object(raw, &path)?
         };
@@ -361,6 +363,7 @@ pub(super) fn bindings(
                 Some(ChannelKey::A) => TextureChannel::Alpha,
             },
             strength: validate::number(&join(&path, "strength"), binding.strength.unwrap_or(1.0))? as f32,
+            cutoff: validate::within(&join(&path, "cutoff"), binding.cutoff.unwrap_or(0.0), 0.0, 1.0)? as f32,
         })
     };
     raw.into_iter().flatten().map(|(name, raw)| one((name, raw))).collect()
@@ -513,9 +516,10 @@ pub(super) fn write_bindings(
             TextureChannel::Alpha => Some(ChannelKey::A),
         };
         let strength = unless(single(binding.strength), 1.0);
-        let value = match (channel, strength) {
-            (None, None) => save::raw(&texture)?,
-            _ => save::raw(&Binding { texture, channel, strength })?,
+        let cutoff = unless(single(binding.cutoff), 0.0);
+        let value = match (channel, strength, cutoff) {
+            (None, None, None) => save::raw(&texture)?,
+            _ => save::raw(&Binding { texture, channel, strength, cutoff })?,
         };
         Ok((binding.key.name().to_owned(), value))
     };

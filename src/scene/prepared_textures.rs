@@ -150,6 +150,7 @@ mod tests {
                 texture: number,
                 channel: desc::TextureChannel::Default,
                 strength: 1.0,
+                cutoff: 0.0,
             };
             desc.set_material_texture(material, TextureKey::Color, Some(binding)).unwrap();
         }

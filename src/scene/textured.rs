@@ -280,6 +280,8 @@ fn applied(desc: &BsdfDesc, bound: &[Bound], texel: &dyn Fn(&Bound) -> Texel) ->
 pub(super) struct Textured {
     recipe: Recipe,
     opacity: Option<Bound>,
+    /// The opacity from which a mask is opaque; 0 where there is no mask.
+    cutoff: f32,
     normal: Option<Bound>,
     mean: Bsdf,
     extremes: Vec<Bsdf>,
@@ -315,6 +317,7 @@ impl Textured {
         let mut surface =
             |binding: Option<&TextureBinding>| binding.map(|binding| binder.bind(binding, 0.0)).transpose();
         let opacity = surface(material.textured(TextureKey::Opacity))?;
+        let cutoff = material.textured(TextureKey::Opacity).map_or(0.0, |binding| binding.cutoff);
         let normal = material.textured(TextureKey::Normal).or_else(|| material.textured(TextureKey::Bump));
         let normal = surface(normal)?;
         let mean = recipe.bsdf(&|bound| bound.texture.mean());
@@ -342,7 +345,7 @@ impl Textured {
         let lobes = extremes.iter().map(|bsdf| bsdf.lit_lobes()).fold(Lobes::empty(), |all, some| all | some);
         // Footprints are ellipses in the tangents.
         let asks_tangents = asks_footprint || normal.is_some() || extremes.iter().any(|bsdf| bsdf.is_anisotropic());
-        Ok(Some(Self { recipe, opacity, normal, mean, extremes, lobes, asks_footprint, asks_tangents }))
+        Ok(Some(Self { recipe, opacity, cutoff, normal, mean, extremes, lobes, asks_footprint, asks_tangents }))
     }
 }
 
@@ -369,7 +372,13 @@ impl VaryingMaterial for Textured {
     }
 
     fn opacity(&self, at: &SurfaceDetail) -> f32 {
-        self.opacity.as_ref().map_or(1.0, |bound| bound.number(&bound.texel(at)).clamp(0.0, 1.0))
+        let Some(bound) = &self.opacity else { return 1.0 };
+        let opacity = bound.number(&bound.texel(at)).clamp(0.0, 1.0);
+        match self.cutoff > 0.0 {
+            true if opacity >= self.cutoff => 1.0,
+            true => 0.0,
+            false => opacity,
+        }
     }
 
     fn asks_footprint(&self) -> bool {

@@ -119,7 +119,8 @@ fn textures_count_at_vertices() {
     let source = TextureSource::Procedural(pattern);
     let ramp = desc.add_texture(TextureDesc { name: "ramp".into(), path: String::new(), source, mapping }).unwrap();
     for key in [TextureKey::Color, TextureKey::Emission] {
-        let binding = TextureBinding { key, texture: ramp, channel: TextureChannel::Default, strength: 1.0 };
+        let binding =
+            TextureBinding { key, texture: ramp, channel: TextureChannel::Default, strength: 1.0, cutoff: 0.0 };
         desc.set_material_texture(0, key, Some(binding)).unwrap();
     }
     let scene = build(&desc);

@@ -405,7 +405,7 @@ static void structures(void) {
     FIELD(etd_texture_binding, texture);
     FIELD(etd_texture_binding, channel);
     FIELD(etd_texture_binding, strength);
-    FIELD(etd_texture_binding, reserved);
+    FIELD(etd_texture_binding, cutoff);
     STRUCT(etd_surface);
     FIELD(etd_surface, struct_size);
     FIELD(etd_surface, material);

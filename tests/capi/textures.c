@@ -394,9 +394,15 @@ static void errors(etd_device *device) {
     binding.texture = 1;
     CHECK_STATUS(etd_scene_set_material_texture(scene, 0, "color", &binding), ETD_INVALID_SCENE);
     binding.texture = 0;
-    binding.reserved = 1;
-    CHECK_STATUS(etd_scene_set_material_texture(scene, 0, "color", &binding), ETD_INVALID_ARGUMENT);
-    binding.reserved = 0;
+    binding.cutoff = 0.5f;
+    CHECK_STATUS(etd_scene_set_material_texture(scene, 0, "color", &binding), ETD_INVALID_SCENE);
+    CHECK_OK(etd_scene_set_material_texture(scene, 0, "opacity", &binding));
+    CHECK_OK(etd_scene_get_material_texture(scene, 0, "opacity", &binding));
+    CHECK(binding.cutoff == 0.5f);
+    CHECK_OK(etd_scene_set_material_texture(scene, 0, "opacity", NULL));
+    binding.cutoff = 1.5f;
+    CHECK_STATUS(etd_scene_set_material_texture(scene, 0, "opacity", &binding), ETD_INVALID_SCENE);
+    binding.cutoff = 0.0f;
     binding.strength = NAN;
     CHECK_STATUS(etd_scene_set_material_texture(scene, 0, "color", &binding), ETD_INVALID_SCENE);
     CHECK_OK(etd_scene_get_material_texture(scene, 0, "color", &binding));

@@ -224,6 +224,7 @@ fn textured(scene: &mut SceneDesc) {
             texture: usable[(7 * i + keys.len()) % usable.len()],
             channel: channels[i % channels.len()],
             strength: if i % 3 == 0 { 1.0 } else { third(i as f32) },
+            cutoff: if *key == TextureKey::Opacity { third(1.0) } else { 0.0 },
         };
         keys.iter().enumerate().map(of).collect()
     };

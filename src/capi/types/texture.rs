@@ -197,8 +197,9 @@ pub struct etd_texture_binding {
     /// For the parameter "normal": factor on the slopes. For "bump": height of a 1 in the texture [scene unit]. Not used by
     /// others.
     pub strength: f32,
-    /// Must be 0.
-    pub reserved: u32,
+    /// For the parameter "opacity", in [0, 1]: above 0, the opacity is 1 where the texture has this value or more, and 0
+    /// elsewhere (a mask). 0: the opacity is the texture's. 0 for others.
+    pub cutoff: f32,
 }
 
 enumerations! {
@@ -221,5 +222,5 @@ enumerations! {
 
 versioned! {
     etd_texture, offset;
-    etd_texture_binding, reserved;
+    etd_texture_binding, cutoff;
 }

@@ -196,12 +196,24 @@ impl Reader<'_> {
             if whole.emission.is_some() || whole.body(&scene.materials).is_some() {
                 self.notes.note("the opacity of textures is left out where light is emitted or refracted", path);
             } else {
-                if material.alpha_mode.as_deref() == Some("MASK") {
-                    self.notes.note("alpha of textures is the opacity, without the cutoff of masks", path);
-                }
-                whole.opacity = base[3] as f32;
                 let (key, channel) = (TextureKey::Opacity, TextureChannel::Alpha);
-                whole.textures.push(TextureBinding { key, channel, ..binding });
+                let mut mask = TextureBinding { key, channel, ..binding };
+                let of_texture = match material.alpha_mode.as_deref() {
+                    // The mask is of the product of factor and texture.
+                    Some("MASK") => {
+                        Some(material.alpha_cutoff.unwrap_or(0.5).max(0.0) / base[3].max(f64::MIN_POSITIVE))
+                    }
+                    _ => None,
+                };
+                whole.opacity = match of_texture {
+                    None => base[3] as f32,
+                    Some(cutoff) if cutoff > 1.0 => 0.0,
+                    Some(_) => 1.0,
+                };
+                mask.cutoff = of_texture.filter(|cutoff| *cutoff <= 1.0).unwrap_or(0.0) as f32;
+                if of_texture.is_none_or(|cutoff| cutoff > 0.0 && cutoff <= 1.0) {
+                    whole.textures.push(mask);
+                }
             }
         }
         if whole.opacity < 1.0 && whole.emission.is_some() {

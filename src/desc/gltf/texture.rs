@@ -246,7 +246,13 @@ impl<'a> Textures<'a> {
             self.made.push(made);
         }
         let strength = if it.slot == Slot::Normal { it.factor as f32 } else { 1.0 };
-        self.bindings.extend(keys.iter().map(|&(key, channel)| TextureBinding { key, texture, channel, strength }));
+        self.bindings.extend(keys.iter().map(|&(key, channel)| TextureBinding {
+            key,
+            texture,
+            channel,
+            strength,
+            cutoff: 0.0,
+        }));
         Ok(())
     }
 

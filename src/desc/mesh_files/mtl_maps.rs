@@ -382,7 +382,7 @@ impl<'a> Maps<'a> {
                 channel => channel,
             };
             let texture = self.texture(map, image, suggested_space)?;
-            bound.push(TextureBinding { key, texture, channel, strength: strength as f32 });
+            bound.push(TextureBinding { key, texture, channel, strength: strength as f32, cutoff: 0.0 });
         }
         Ok(())
     }

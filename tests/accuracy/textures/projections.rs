@@ -53,7 +53,7 @@ fn projections(case: &mut Case) {
         let mut desc = scene(camera(normal, DVec3::ZERO, 90.0), vec![(ShapeDesc::Quad(corners), white, None)]);
         desc.lights.push(point_light(light, 10.0));
         let texture = desc.add_texture(texture).expect("a texture of the test");
-        let binding = TextureBinding { key, texture, channel: TextureChannel::Default, strength: 0.8 };
+        let binding = TextureBinding { key, texture, channel: TextureChannel::Default, strength: 0.8, cutoff: 0.0 };
         desc.set_material_textures(0, vec![binding]).expect("a binding of the test");
         let (image, _) = render(&desc, &Job { samples, ..Job::default() });
         let exact = mean_over_square(|a, b| {

@@ -30,7 +30,7 @@ pub fn cases() -> Vec<Entry> {
 const PI: f64 = std::f64::consts::PI;
 
 fn bind(key: TextureKey, texture: usize) -> TextureBinding {
-    TextureBinding { key, texture, channel: TextureChannel::Default, strength: 1.0 }
+    TextureBinding { key, texture, channel: TextureChannel::Default, strength: 1.0, cutoff: 0.0 }
 }
 
 pub(super) fn quad(corners: [[f64; 3]; 4]) -> ShapeDesc {
@@ -72,6 +72,13 @@ fn leaf(case: &mut Case) {
     let covered = opacities.iter().map(|v| f64::from(*v)).sum::<f64>() / 16.0;
     let (image, _) = render(&desc, &Job { samples, ..Job::default() });
     case.mean("seen through the leaf", mean_and_error(&image), 1.0 - covered, 5e-3);
+    let mut mask = desc.clone();
+    let bindings = mask.materials[0].textures.iter().map(|binding| TextureBinding { cutoff: 0.6, ..*binding });
+    let bindings = bindings.collect();
+    mask.set_material_textures(0, bindings).expect("a binding of the test");
+    let there = opacities.iter().filter(|opacity| **opacity >= 0.6).count() as f64 / 16.0;
+    let (image, _) = render(&mask, &Job { samples, ..Job::default() });
+    case.mean("seen through a mask", mean_and_error(&image), 1.0 - there, 5e-3);
 
     // The leaf lies half way between the light and the floor, and its shadow fills the picture.
     let side = 0.45;
