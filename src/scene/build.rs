@@ -11,11 +11,12 @@ use super::media::Media;
 use super::options::BuildOptions;
 use super::prepared_textures::PreparedTextures;
 use super::record::AppearanceKey;
+use super::tangents::SurfaceTangents;
 use super::textured::Textured;
 use super::{Material, Scene, SceneInfo, VaryingMaterial as _, frame, lower, roulette};
 use crate::bsdf::{Black, Bsdf};
 use crate::camera::Camera;
-use crate::control::WorkProgress;
+use crate::control::{Cancel, WorkProgress};
 use crate::desc::{MaterialDesc, SceneDesc, ShapeDesc};
 use crate::embree::{Device, DeviceOptions};
 use crate::error::{Error, Result};
@@ -58,7 +59,7 @@ impl Scene {
 }
 
 fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
-    let start = Instant::now();
+    let run = Run { cancel: &options.cancel, start: Instant::now() };
     options.cancel.check()?;
     check_materials(desc)?;
     desc.check_textures()?;
@@ -77,11 +78,11 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
     let assembly = assemble(desc, options, options.dynamic, &device, None, &progress)?;
     let bindings = bindings(desc, assembly.unbound(), device.threads(), &progress)?;
     progress.finish();
-    complete(desc, device, assembly, bindings, AppearanceKey::new(desc), None, start)
+    complete(desc, device, assembly, bindings, AppearanceKey::new(desc), None, run)
 }
 
 fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
-    let start = Instant::now();
+    let run = Run { cancel: &options.cancel, start: Instant::now() };
     options.cancel.check()?;
     check_materials(desc)?;
     desc.check_textures()?;
@@ -117,7 +118,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
         (assembly, bindings)
     };
     progress.finish();
-    complete(desc, device, assembly, bindings, appearance, Some(old), start)
+    complete(desc, device, assembly, bindings, appearance, Some(old), run)
 }
 
 /// Checks that every surface has a material.
@@ -154,6 +155,12 @@ fn bsdfs(desc: &SceneDesc, used: &[bool]) -> Vec<Bsdf> {
     desc.materials.iter().enumerate().map(of).collect()
 }
 
+/// When a build began, and what may cancel it.
+struct Run<'a> {
+    cancel: &'a Cancel,
+    start: Instant,
+}
+
 fn complete(
     desc: &SceneDesc,
     device: Device,
@@ -161,7 +168,7 @@ fn complete(
     bindings: SurfaceBindings,
     appearance: AppearanceKey,
     old: Option<&Scene>,
-    start: Instant,
+    run: Run<'_>,
 ) -> Result<Scene> {
     let used = desc.used_materials();
     let mut bsdfs = bsdfs(desc, &used);
@@ -181,6 +188,7 @@ fn complete(
         }
         textured.push(varying);
     }
+    let tangents = SurfaceTangents::new(desc, old.map(|old| &*old.tangents), &device, &WorkProgress::new(run.cancel))?;
     let has_kernel = assembly.embree.is_some();
     let mut info = SceneInfo::new(desc, &bsdfs, &assembly.record, &bindings.emitters, &textures, has_kernel);
     let warnings =
@@ -192,7 +200,7 @@ fn complete(
             material.with_opacity(if used { desc.opacity } else { 1.0 })
         })
         .collect();
-    info.build_time = start.elapsed();
+    info.build_time = run.start.elapsed();
     let scene = Scene {
         embree: assembly.embree,
         list: assembly.list,
@@ -202,6 +210,7 @@ fn complete(
         needs: MaterialNeeds::of(&materials),
         media: Media::new(desc)?,
         materials,
+        tangents: Arc::new(tangents),
         textures: Arc::new(textures),
         camera: desc.camera,
         centre: assembly.centre,

@@ -36,6 +36,9 @@ pub struct SurfaceDetail {
     /// grows. Around surfaces that have no texture coordinates of their own (spheres, disks, quadrics, and meshes without any), it
     /// runs around the world's y axis.
     pub tangent: Vec3,
+    /// The direction along which normal maps have their x axis, of any length but 0: on smooth meshes with a normal map that of
+    /// MikkTSpace, and on other surfaces that in which the first texture coordinate grows.
+    pub map_tangent: Vec3,
 }
 
 impl SurfaceDetail {
@@ -82,7 +85,18 @@ impl Scene {
         if !with_tangents {
             let uv = self.analytic_parameters(hit, p).map_or_else(|| self.uv(hit), |(uv, _)| uv);
             let (footprint, none) = (cone.width(), Vec3::ZERO);
-            return SurfaceDetail { uv, dpdu: none, dpdv: none, footprint, p, wo, ng, ns, tangent: none };
+            return SurfaceDetail {
+                uv,
+                dpdu: none,
+                dpdv: none,
+                footprint,
+                p,
+                wo,
+                ng,
+                ns,
+                tangent: none,
+                map_tangent: none,
+            };
         }
         let (uv, tangents) =
             self.analytic_parameters(hit, p).unwrap_or_else(|| (self.uv(hit), self.tangents(hit, time)));
@@ -92,7 +106,32 @@ impl Scene {
         });
         let around = Vec3::Y.cross(ns);
         let tangent = if self.has_own_tangents(hit) || around == Vec3::ZERO { dpdu } else { around };
-        SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width(), p, wo, ng, ns, tangent }
+        let map_tangent = self.map_tangent(hit, time).unwrap_or(dpdu);
+        SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width(), p, wo, ng, ns, tangent, map_tangent }
+    }
+
+    /// The tangent of MikkTSpace, where one was made for the mesh.
+    fn map_tangent(&self, hit: &Hit, time: f32) -> Option<Vec3> {
+        let of = |triangles: &Triangles, surface| {
+            let tangents = self.tangents.of(surface)?;
+            let primitive = hit.primitive;
+            let triangle = triangles.original.as_ref().map_or(primitive, |original| original[primitive as usize]);
+            let [a, b, c] = tangents.of_triangle(triangle);
+            let [u, v] = in_order(triangles.swapped, [hit.u, hit.v]);
+            Some(((1.0 - u - v) * a + u * b + v * c).as_dvec3())
+        };
+        let tangent = match self.geometries.get(hit.geometry as usize)? {
+            &Geometry::Flat { ref triangles, surface, .. } => {
+                self.record.placed(surface)?.1.matrix3 * of(triangles, surface)?
+            }
+            Geometry::Instance { triangles, surface, instance_path } => {
+                let tangent = of(triangles, *surface)?;
+                instance_path.with_transform(time, |transform| transform.to_scene.matrix3 * tangent)
+            }
+            Geometry::Loose { .. } | Geometry::Analytic { .. } => return None,
+        };
+        let tangent = tangent.as_vec3a();
+        (tangent.is_finite() && tangent != Vec3::ZERO).then_some(tangent)
     }
 
     /// Whether the tangents of a surface are its own: those of texture coordinates, of a triangle or of a quad.

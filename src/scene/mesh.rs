@@ -236,7 +236,7 @@ impl Kept {
 }
 
 /// Returns a unit normal for each vertex after transforming it by `matrix`, or zero where there is none.
-fn unit_normals(mesh: &MeshDesc, matrix: DMat3, progress: &WorkProgress) -> Result<Buffer<[f32; 3]>> {
+pub(super) fn unit_normals(mesh: &MeshDesc, matrix: DMat3, progress: &WorkProgress) -> Result<Buffer<[f32; 3]>> {
     let sums = if mesh.has_normals() { None } else { Some(face_means(mesh, progress)?) };
     let mut normals = Vec::with_capacity(mesh.vertex_count());
     progress.each(mesh.vertex_count(), cost::PLACE, |vertex| {

@@ -38,6 +38,7 @@ mod projection;
 mod record;
 mod roulette;
 mod specular;
+mod tangents;
 mod textured;
 mod textured_emission;
 #[cfg(test)]
@@ -80,6 +81,8 @@ pub struct Scene {
     is_large: bool,
     bindings: SurfaceBindings,
     materials: Arc<[Material]>,
+    /// Tangents of the surfaces that have a normal map.
+    tangents: Arc<tangents::SurfaceTangents>,
     /// The textures of the materials, for [`Scene::rebuild`].
     textures: Arc<prepared_textures::PreparedTextures>,
     /// What any of the materials needs to know of a hit.

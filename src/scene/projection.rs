@@ -51,6 +51,6 @@ impl Projected {
             // The surface is seen along its edge.
             (dpdu, dpdv) = (eu, ev);
         }
-        SurfaceDetail { uv, dpdu, dpdv, ..*at }
+        SurfaceDetail { uv, dpdu, dpdv, map_tangent: dpdu, ..*at }
     }
 }

@@ -50,12 +50,13 @@ impl Placement {
         }
     }
 
-    /// The derivatives of the position by the coordinates of the image, which may be turned and mirrored on the surface.
-    fn tangents(&self, at: &SurfaceDetail) -> [Vec3; 2] {
-        let Self::Uv { matrix: [[a, b], [c, d]], .. } = *self else { return [at.dpdu, at.dpdv] };
+    /// The derivatives of the position by the coordinates of the image, which may be turned and mirrored on the surface, from those
+    /// by the coordinates of the surface.
+    fn tangents(&self, [dpdu, dpdv]: [Vec3; 2]) -> [Vec3; 2] {
+        let Self::Uv { matrix: [[a, b], [c, d]], .. } = *self else { return [dpdu, dpdv] };
         let determinant = a * d - b * c;
-        let tangents = [(d * at.dpdu - c * at.dpdv) / determinant, (a * at.dpdv - b * at.dpdu) / determinant];
-        if tangents.iter().all(|it| it.is_finite()) { tangents } else { [at.dpdu, at.dpdv] }
+        let tangents = [(d * dpdu - c * dpdv) / determinant, (a * dpdv - b * dpdu) / determinant];
+        if tangents.iter().all(|it| it.is_finite()) { tangents } else { [dpdu, dpdv] }
     }
 
     pub fn point(&self, at: &SurfaceDetail, with_axes: bool) -> TexturePoint {
@@ -409,10 +410,15 @@ impl VaryingMaterial for Textured {
 fn mapped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
     let [x, y, z, _] = bound.texel_at(at);
     let (x, y, z) = (bound.strength * (2.0 * x - 1.0), bound.strength * (2.0 * y - 1.0), 2.0 * z - 1.0);
-    let [dpdu, dpdv] = bound.placement.tangents(at);
-    let Some(tangent) = (dpdu - dpdu.dot(at.ns) * at.ns).try_normalize() else { return at.ns };
-    let across = at.ns.cross(tangent);
-    let across = if across.dot(dpdv) < 0.0 { -across } else { across };
+    let frame = |along: Vec3, to_side: Vec3| {
+        let tangent = (along - along.dot(at.ns) * at.ns).try_normalize()?;
+        let across = at.ns.cross(tangent);
+        Some([tangent, if across.dot(to_side) < 0.0 { -across } else { across }])
+    };
+    // The frame of the surface's coordinates, and that of the image's, which lies in it as the derivatives of positions do.
+    let Some([s, t]) = frame(at.map_tangent, at.dpdv) else { return at.ns };
+    let [along, to_side] = bound.placement.tangents([at.dpdu.length() * s, at.dpdv.length() * t]);
+    let Some([tangent, across]) = frame(along, to_side) else { return at.ns };
     x * tangent + y * across + z * at.ns
 }
 

@@ -121,6 +121,7 @@ impl EmissionTexture {
                 ng,
                 ns: ng,
                 tangent: none,
+                map_tangent: none,
             };
             self.placement.point(&self.projected.map_or(at, |projected| projected.apply(&at)), false)
         });
