@@ -1,13 +1,13 @@
 //! The state of reading a scene file: it resolves names to numbers and reads every mesh file once.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::warnings::warn;
 use super::{Dialect, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook, json, mesh_files, validate};
 use crate::math::DVec3;
-use crate::texture::{ColorSpace, TexelImage, read_image};
+use crate::texture::{ColorSpace, TexelImage, read_image, read_images};
 use crate::{Error, Result};
 
 pub(super) struct Builder<'a> {
@@ -16,6 +16,8 @@ pub(super) struct Builder<'a> {
     /// Meshes by their files, and by whether their degenerate triangles are kept.
     files: HashMap<(PathBuf, bool), usize>,
     images: HashMap<PathBuf, (Arc<TexelImage>, ColorSpace)>,
+    /// What was read ahead and not asked for yet.
+    ahead: HashMap<PathBuf, Result<(TexelImage, ColorSpace)>>,
     /// The parts of the files whose own materials are used: pairs of a material and a mesh.
     divided_files: HashMap<PathBuf, Vec<[usize; 2]>>,
 }
@@ -23,7 +25,8 @@ pub(super) struct Builder<'a> {
 impl<'a> Builder<'a> {
     pub fn new(dialect: Dialect, base_dir: &'a Path, file: Option<&Path>) -> Self {
         let scene = SceneDesc { dialect, file: file.map(Path::to_owned), ..SceneDesc::default() };
-        Self { scene, base_dir, files: HashMap::new(), images: HashMap::new(), divided_files: HashMap::new() }
+        let (files, images, ahead) = (HashMap::new(), HashMap::new(), HashMap::new());
+        Self { scene, base_dir, files, images, ahead, divided_files: HashMap::new() }
     }
 
     pub fn warn(&mut self, path: &str, message: &str) {
@@ -65,9 +68,25 @@ impl<'a> Builder<'a> {
         })
     }
 
+    /// Reads these image files, several at a time, for [`Self::image_file`]. What cannot be read is an error there.
+    pub fn read_ahead(&mut self, names: &[String]) {
+        let (mut identities, mut files) = (Vec::new(), Vec::new());
+        let mut known = HashSet::new();
+        for name in names.iter().filter(|name| is_file_name(name)) {
+            let file = self.base_dir.join(name);
+            let identity = file.canonicalize().unwrap_or_else(|_| file.clone());
+            if known.insert(identity.clone()) {
+                identities.push(identity);
+                files.push(file);
+            }
+        }
+        let read = read_images(&files);
+        self.ahead.extend(identities.into_iter().zip(read).filter_map(|(identity, read)| Some((identity, read?))));
+    }
+
     /// Returns the path of an image, its texels, and the colour space that its format suggests. The file is read at its first use.
     pub fn image_file(&mut self, path: &str, file: &str) -> Result<(PathBuf, Arc<TexelImage>, ColorSpace)> {
-        if file.is_empty() || file.contains('\0') {
+        if !is_file_name(file) {
             return Err(Error::invalid(path, "not a file name, expected that of an image"));
         }
         let file = self.base_dir.join(file);
@@ -75,7 +94,12 @@ impl<'a> Builder<'a> {
         if let Some((image, space)) = self.images.get(&identity) {
             return Ok((file, Arc::clone(image), *space));
         }
-        let (image, space) = read_image(&file).map_err(|error| error.at(path))?;
+        let read = match self.ahead.remove(&identity) {
+            // An error is to have the name that the scene has.
+            Some(Ok(read)) => Ok(read),
+            Some(Err(_)) | None => read_image(&file),
+        };
+        let (image, space) = read.map_err(|error| error.at(path))?;
         let image = Arc::new(image);
         self.scene.files.push(file.clone());
         self.images.insert(identity, (Arc::clone(&image), space));
@@ -135,4 +159,9 @@ impl<'a> Builder<'a> {
         let emission = Some(validate::emission(&at("color"), color, factor)?);
         self.scene.put_surface(path, shape, local, SurfaceLook { emission, ..SurfaceLook::default() }).map(|_| ())
     }
+}
+
+/// Whether a file can have this name.
+fn is_file_name(file: &str) -> bool {
+    !file.is_empty() && !file.contains('\0')
 }

@@ -167,6 +167,7 @@ pub(super) fn read(document: &RawValue, base_dir: &Path, file: Option<&Path>) ->
     if let Some(raw) = top.render {
         builder.scene.render = render_keys::read(raw, "render", &RenderDesc::default())?;
     }
+    builder.read_ahead(&texture_keys::image_files(top.textures));
     json::each(top.textures, "textures", |path, raw| texture_keys::read(raw, path, &mut builder))?;
     json::each(top.materials, "materials", |path, raw| material_keys::read(raw, path, &mut builder))?;
     json::each(top.meshes, "meshes", |path, raw| surface::shared_mesh(raw, path, &mut builder))?;

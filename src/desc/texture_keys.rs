@@ -214,6 +214,21 @@ pub(super) enum BindingOrName {
     Binding(Binding),
 }
 
+/// The names of the image files of `textures`, as far as these can be read.
+pub(super) fn image_files(raw: Option<&RawValue>) -> Vec<String> {
+    #[derive(Deserialize)]
+    struct File {
+        file: String,
+    }
+    let mut files = Vec::new();
+    // What is wrong is an error where the textures themselves are read.
+    let _ = json::each(raw, "", |_, raw| {
+        files.extend(serde_json::from_str::<File>(raw.get()).ok().map(|it| it.file));
+        Ok(())
+    });
+    files
+}
+
 /// Reads one of `textures` of a scene.
 pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     let texture = match json::tag(raw, path, "type", &KINDS)?.as_str() {

@@ -2,7 +2,10 @@
 
 use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 
 use exr::image::{FlatImage, FlatSamples};
 use half::f16;
@@ -29,6 +32,34 @@ pub fn read_image(path: &Path) -> Result<(TexelImage, ColorSpace)> {
     let size = file.metadata().map_err(|error| Error::io(path, "cannot read the image", error))?.len();
     let extension = path.extension().and_then(|extension| extension.to_str());
     decode(BufReader::new(file), size, extension).map_err(|error| error.in_file(Some(path), 0))
+}
+
+/// Most images that are decoded at a time.
+const MOST_READERS: usize = 16;
+
+/// Reads image files as [`read_image`] does, several at a time, by as many threads as the machine has processors. After an error no
+/// further file is begun; what was not read is `None`.
+pub(crate) fn read_images(paths: &[PathBuf]) -> Vec<Option<Result<(TexelImage, ColorSpace)>>> {
+    let read: Vec<OnceLock<_>> = paths.iter().map(|_| OnceLock::new()).collect();
+    let next = AtomicUsize::new(0);
+    let work = || {
+        while let Some((path, place)) = paths.iter().zip(&read).nth(next.fetch_add(1, Ordering::Relaxed)) {
+            let image = read_image(path);
+            if image.is_err() {
+                next.store(paths.len(), Ordering::Relaxed);
+            }
+            let _ = place.set(image);
+        }
+    };
+    let threads = thread::available_parallelism().map_or(1, usize::from).min(paths.len()).min(MOST_READERS);
+    thread::scope(|scope| {
+        for _ in 1..threads {
+            // A thread that the system does not give is done without.
+            let _ = thread::Builder::new().name("etendue-image".to_owned()).spawn_scoped(scope, work);
+        }
+        work();
+    });
+    read.into_iter().map(OnceLock::into_inner).collect()
 }
 
 /// Reads an image from bytes of one of the formats that [`read_image`] reads. `extension`, without a dot, is needed for TGA alone, which
@@ -138,4 +169,36 @@ fn made(width: u32, height: u32, channels: u32, texels: Texels) -> Result<TexelI
 
 fn unreadable(reason: &dyn std::fmt::Display) -> Error {
     Error::new(ErrorKind::Io, format!("not a readable image: {reason}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::write_image;
+    use super::*;
+
+    #[test]
+    fn images_that_are_read_together_are_those_that_are_read_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let paths: Vec<PathBuf> = (0..40).map(|i| folder.path().join(format!("{i}.png"))).collect();
+        for (i, path) in paths.iter().enumerate() {
+            let texels = Texels::U8(vec![i as u8; 12].into());
+            let image = TexelImage::new(2, 2, 3, texels).unwrap();
+            crate::replace::replace(path, "the image", |file| write_image(&image, file)).unwrap();
+        }
+        let all = read_images(&paths);
+        assert_eq!(all.len(), paths.len());
+        for (path, read) in paths.iter().zip(all) {
+            assert_eq!(read.unwrap().unwrap(), read_image(path).unwrap(), "{}", path.display());
+        }
+        assert!(read_images(&[]).is_empty());
+    }
+
+    #[test]
+    fn no_image_is_begun_after_one_that_cannot_be_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let paths: Vec<PathBuf> = (0..1000).map(|i| folder.path().join(format!("{i}.png"))).collect();
+        let read = read_images(&paths);
+        assert!(read[0].as_ref().unwrap().is_err());
+        assert!(read.iter().flatten().count() <= MOST_READERS);
+    }
 }
