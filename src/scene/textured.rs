@@ -415,9 +415,10 @@ fn mapped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
         let across = at.ns.cross(tangent);
         Some([tangent, if across.dot(to_side) < 0.0 { -across } else { across }])
     };
-    // The frame of the surface's coordinates, and that of the image's, which lies in it as the derivatives of positions do.
-    let Some([s, t]) = frame(at.map_tangent, at.dpdv) else { return at.ns };
-    let [along, to_side] = bound.placement.tangents([at.dpdu.length() * s, at.dpdv.length() * t]);
+    // Directions of the image are turned as the tangent of normal maps is from the derivative of the position.
+    let frames = frame(at.dpdu, at.dpdv).zip(frame(at.map_tangent, at.dpdv));
+    let Some(([s, t], [map_s, map_t])) = frames else { return at.ns };
+    let [along, to_side] = bound.placement.tangents([at.dpdu, at.dpdv]).map(|it| it.dot(s) * map_s + it.dot(t) * map_t);
     let Some([tangent, across]) = frame(along, to_side) else { return at.ns };
     x * tangent + y * across + z * at.ns
 }
