@@ -10,14 +10,15 @@ use crate::math::DVec3;
 use crate::texture::{ColorSpace, TexelImage, read_image, read_images};
 use crate::{Error, Result};
 
+/// The texels of an image file, and the colour space that its format suggests.
+type KnownImage = (Arc<TexelImage>, ColorSpace);
+
 pub(super) struct Builder<'a> {
     pub scene: SceneDesc,
     base_dir: &'a Path,
     /// Meshes by their files, and by whether their degenerate triangles are kept.
     files: HashMap<(PathBuf, bool), usize>,
-    images: HashMap<PathBuf, (Arc<TexelImage>, ColorSpace)>,
-    /// What was read ahead and not asked for yet.
-    ahead: HashMap<PathBuf, Result<(TexelImage, ColorSpace)>>,
+    images: HashMap<PathBuf, KnownImage>,
     /// The parts of the files whose own materials are used: pairs of a material and a mesh.
     divided_files: HashMap<PathBuf, Vec<[usize; 2]>>,
 }
@@ -25,8 +26,7 @@ pub(super) struct Builder<'a> {
 impl<'a> Builder<'a> {
     pub fn new(dialect: Dialect, base_dir: &'a Path, file: Option<&Path>) -> Self {
         let scene = SceneDesc { dialect, file: file.map(Path::to_owned), ..SceneDesc::default() };
-        let (files, images, ahead) = (HashMap::new(), HashMap::new(), HashMap::new());
-        Self { scene, base_dir, files, images, ahead, divided_files: HashMap::new() }
+        Self { scene, base_dir, files: HashMap::new(), images: HashMap::new(), divided_files: HashMap::new() }
     }
 
     pub fn warn(&mut self, path: &str, message: &str) {
@@ -68,20 +68,30 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// Reads these image files, several at a time, for [`Self::image_file`]. What cannot be read is an error there.
+    /// Reads these image files, several at a time, for [`Self::image_file`], which reads those again that cannot be read: its error
+    /// has the name that the scene has.
     pub fn read_ahead(&mut self, names: &[String]) {
-        let (mut identities, mut files) = (Vec::new(), Vec::new());
         let mut known = HashSet::new();
-        for name in names.iter().filter(|name| is_file_name(name)) {
-            let file = self.base_dir.join(name);
-            let identity = file.canonicalize().unwrap_or_else(|_| file.clone());
-            if known.insert(identity.clone()) {
-                identities.push(identity);
-                files.push(file);
+        let (identities, files): (Vec<_>, Vec<_>) = names
+            .iter()
+            .filter(|name| is_file_name(name))
+            .map(|name| self.base_dir.join(name))
+            .map(|file| (identity(&file), file))
+            .filter(|(identity, _)| known.insert(identity.clone()))
+            .unzip();
+        let read = read_images(&files);
+        for ((file, identity), read) in files.into_iter().zip(identities).zip(read) {
+            if let Some(Ok(read)) = read {
+                self.keep_image(file, identity, read);
             }
         }
-        let read = read_images(&files);
-        self.ahead.extend(identities.into_iter().zip(read).filter_map(|(identity, read)| Some((identity, read?))));
+    }
+
+    fn keep_image(&mut self, file: PathBuf, identity: PathBuf, (image, space): (TexelImage, ColorSpace)) -> KnownImage {
+        let image = (Arc::new(image), space);
+        self.scene.files.push(file);
+        self.images.insert(identity, image.clone());
+        image
     }
 
     /// Returns the path of an image, its texels, and the colour space that its format suggests. The file is read at its first use.
@@ -90,19 +100,14 @@ impl<'a> Builder<'a> {
             return Err(Error::invalid(path, "not a file name, expected that of an image"));
         }
         let file = self.base_dir.join(file);
-        let identity = file.canonicalize().unwrap_or_else(|_| file.clone());
-        if let Some((image, space)) = self.images.get(&identity) {
-            return Ok((file, Arc::clone(image), *space));
-        }
-        let read = match self.ahead.remove(&identity) {
-            // An error is to have the name that the scene has.
-            Some(Ok(read)) => Ok(read),
-            Some(Err(_)) | None => read_image(&file),
+        let identity = identity(&file);
+        let (image, space) = match self.images.get(&identity) {
+            Some(known) => known.clone(),
+            None => {
+                let read = read_image(&file).map_err(|error| error.at(path))?;
+                self.keep_image(file.clone(), identity, read)
+            }
         };
-        let (image, space) = read.map_err(|error| error.at(path))?;
-        let image = Arc::new(image);
-        self.scene.files.push(file.clone());
-        self.images.insert(identity, (Arc::clone(&image), space));
         Ok((file, image, space))
     }
 
@@ -144,7 +149,7 @@ impl<'a> Builder<'a> {
     fn identified(&self, path: &str, file: &str) -> Result<[PathBuf; 2]> {
         mesh_files::check_name(path, Path::new(file))?;
         let file = self.base_dir.join(file);
-        let identity = file.canonicalize().unwrap_or_else(|_| file.clone());
+        let identity = identity(&file);
         if self.scene.file.as_deref().and_then(|scene| scene.canonicalize().ok()).is_some_and(|own| own == identity) {
             return Err(Error::invalid(path, "the mesh file is the scene file itself, expected another file"));
         }
@@ -159,6 +164,11 @@ impl<'a> Builder<'a> {
         let emission = Some(validate::emission(&at("color"), color, factor)?);
         self.scene.put_surface(path, shape, local, SurfaceLook { emission, ..SurfaceLook::default() }).map(|_| ())
     }
+}
+
+/// The path by which a file is known again, whatever it is called.
+pub(super) fn identity(file: &Path) -> PathBuf {
+    file.canonicalize().unwrap_or_else(|_| file.to_owned())
 }
 
 /// Whether a file can have this name.

@@ -42,6 +42,12 @@ pub struct SurfaceDetail {
 }
 
 impl SurfaceDetail {
+    /// A point for what reads no tangents: they are 0.
+    pub(super) fn without_tangents(uv: [f32; 2], footprint: f32, [ng, ns, p, wo]: [Vec3; 4]) -> Self {
+        let none = Vec3::ZERO;
+        Self { uv, dpdu: none, dpdv: none, footprint, p, wo, ng, ns, tangent: none, map_tangent: none }
+    }
+
     /// The axes of the ellipse that the cone of the path's ray covers on the surface, in texture coordinates: the changes of the
     /// coordinates along its full diameters. Across the ray the ellipse is as wide as the cone, along it as much longer as the
     /// surface is seen at an angle.
@@ -84,19 +90,7 @@ impl Scene {
     ) -> SurfaceDetail {
         if !with_tangents {
             let uv = self.analytic_parameters(hit, p).map_or_else(|| self.uv(hit), |(uv, _)| uv);
-            let (footprint, none) = (cone.width(), Vec3::ZERO);
-            return SurfaceDetail {
-                uv,
-                dpdu: none,
-                dpdv: none,
-                footprint,
-                p,
-                wo,
-                ng,
-                ns,
-                tangent: none,
-                map_tangent: none,
-            };
+            return SurfaceDetail::without_tangents(uv, cone.width(), [ng, ns, p, wo]);
         }
         let (uv, tangents) =
             self.analytic_parameters(hit, p).unwrap_or_else(|| (self.uv(hit), self.tangents(hit, time)));
@@ -106,7 +100,8 @@ impl Scene {
         });
         let around = Vec3::Y.cross(ns);
         let tangent = if self.has_own_tangents(hit) || around == Vec3::ZERO { dpdu } else { around };
-        let map_tangent = self.map_tangent(hit, time).unwrap_or(dpdu);
+        let own = if self.tangents.is_empty() { None } else { self.map_tangent(hit, time) };
+        let map_tangent = own.unwrap_or(dpdu);
         SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width(), p, wo, ng, ns, tangent, map_tangent }
     }
 

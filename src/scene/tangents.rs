@@ -29,7 +29,7 @@ pub(super) struct MeshTangents {
 /// The tangents of the surfaces that have a normal map.
 #[derive(Debug, Default)]
 pub(super) struct SurfaceTangents {
-    /// Of each surface; empty where none has any.
+    /// Of each surface; empty where no material has a normal map.
     of_surfaces: Vec<Option<Arc<MeshTangents>>>,
     /// All of them by the addresses of their meshes, which are kept so that no other mesh can have the address.
     known: HashMap<usize, (Arc<MeshDesc>, Arc<MeshTangents>)>,
@@ -45,8 +45,8 @@ impl SurfaceTangents {
         if desc.materials.iter().all(|material| material.textured(TextureKey::Normal).is_none()) {
             return Ok(all);
         }
-        for (number, surface) in desc.surfaces.iter().enumerate() {
-            let Some(mesh) = normal_mapped(desc, surface) else { continue };
+        let mut of = |surface| {
+            let Some(mesh) = normal_mapped(desc, surface) else { return Ok(None) };
             let key = address(mesh);
             let known = all.known.get(&key).or_else(|| before.and_then(|before| before.known.get(&key)));
             let tangents = match known {
@@ -54,10 +54,15 @@ impl SurfaceTangents {
                 None => Arc::new(MeshTangents::new(mesh, device, progress)?),
             };
             all.known.insert(key, (Arc::clone(mesh), Arc::clone(&tangents)));
-            all.of_surfaces.resize(desc.surfaces.len(), None);
-            all.of_surfaces[number] = Some(tangents);
-        }
+            Ok(Some(tangents))
+        };
+        all.of_surfaces = desc.surfaces.iter().map(&mut of).collect::<Result<_>>()?;
         Ok(all)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.known.is_empty()
     }
 
     /// The tangents of a surface, where a normal map reads them.
@@ -165,7 +170,7 @@ mod tests {
             "uvs": uvs, "triangles": triangles})
     }
 
-    fn build(surface: &Value, textures: &Value, options: &BuildOptions) -> Scene {
+    fn describe(surface: &Value, textures: &Value) -> SceneDesc {
         let scene = json!({
             "etendue": 1,
             "camera": {"origin": [0, 0, 9], "lookAt": [0, 0, 0]},
@@ -173,7 +178,11 @@ mod tests {
             "materials": [{"name": "mapped", "type": "diffuse", "color": [1, 1, 1], "textures": textures}],
             "surfaces": [surface],
         });
-        Scene::build(&desc::parse(&scene.to_string(), "".as_ref(), None).unwrap(), options).unwrap()
+        desc::parse(&scene.to_string(), "".as_ref(), None).unwrap()
+    }
+
+    fn build(surface: &Value, textures: &Value, options: &BuildOptions) -> Scene {
+        Scene::build(&describe(surface, textures), options).unwrap()
     }
 
     /// At the vertices of a tube, the tangents run around it; between them they are interpolated, as normals are. Where a transform
@@ -237,14 +246,7 @@ mod tests {
 
     #[test]
     fn a_rebuilt_scene_keeps_the_tangents_of_its_meshes() {
-        let scene = json!({
-            "etendue": 1,
-            "camera": {"origin": [0, 0, 9], "lookAt": [0, 0, 0]},
-            "textures": [{"name": "normals", "type": "checker"}],
-            "materials": [{"name": "mapped", "type": "diffuse", "color": [1, 1, 1], "textures": {"normal": "normals"}}],
-            "surfaces": [tube()],
-        });
-        let mut desc = desc::parse(&scene.to_string(), "".as_ref(), None).unwrap();
+        let mut desc = describe(&tube(), &json!({"normal": "normals"}));
         let options = BuildOptions::default();
         let before = Scene::build(&desc, &options).unwrap();
         desc.set_material_textures(0, desc.materials[0].textures.clone()).unwrap();

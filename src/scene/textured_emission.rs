@@ -9,7 +9,7 @@ use super::textured::{Placement, channel_of};
 use crate::desc::{SceneDesc, ShapeDesc, SurfaceDesc, TextureBinding, TextureKey, TextureMapping, TextureSource};
 use crate::emitter::{Emitter, TextureCorners, TexturedTriangle};
 use crate::error::{Error, ErrorKind, Result};
-use crate::math::{DVec3, Vec3};
+use crate::math::DVec3;
 use crate::shape::Triangle;
 use crate::spectrum::Rgb;
 use crate::texture::{ImageTexture, Texture, TextureFilter, TextureLight};
@@ -110,19 +110,7 @@ impl EmissionTexture {
     ) -> Emitter {
         let ng = triangle.normal;
         let points = [0, 1, 2].map(|i: usize| {
-            let none = Vec3::ZERO;
-            let at = SurfaceDetail {
-                uv: uvs[i],
-                dpdu: none,
-                dpdv: none,
-                footprint: 0.0,
-                p: triangle.vertices[i],
-                wo: ng,
-                ng,
-                ns: ng,
-                tangent: none,
-                map_tangent: none,
-            };
+            let at = SurfaceDetail::without_tangents(uvs[i], 0.0, [ng, ng, triangle.vertices[i], ng]);
             self.placement.point(&self.projected.map_or(at, |projected| projected.apply(&at)), false)
         });
         let corners = match self.placement {

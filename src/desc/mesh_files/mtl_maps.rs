@@ -9,6 +9,7 @@ use std::sync::Arc;
 use super::mtl::{Source, keyword};
 use super::{Place, is_number};
 use crate::Result;
+use crate::desc::builder::identity;
 use crate::desc::json::elided;
 use crate::desc::{
     BsdfDesc, ImageTextureDesc, MaterialDesc, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
@@ -414,7 +415,7 @@ impl<'a> Maps<'a> {
     /// The image of a map, or why there is none.
     fn image(&mut self, map: &Map) -> Result<Read, String> {
         let Some(file) = map.file() else { return Err(map.no_file()) };
-        let identity = file.canonicalize().unwrap_or_else(|_| file.clone());
+        let identity = identity(&file);
         if let Some(known) = self.images.get(&identity) {
             return known.clone().ok_or_else(|| "is not read, as said before".to_owned());
         }
