@@ -7,10 +7,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::thread;
 
 use ::exr::block::chunk::Chunk;
+use ::exr::block::reader::{ChunksReader as _, Reader};
 use ::exr::block::writer::ChunksWriter as _;
 use ::exr::block::{BlockIndex, UncompressedBlock};
 use ::exr::compression::Compression;
-use ::exr::image::read::image::ReadLayers as _;
+use ::exr::image::read::image::{LayersReader as _, ReadLayers as _};
 use ::exr::image::read::layers::ReadChannels as _;
 use ::exr::image::write::WritableImage as _;
 use ::exr::image::write::layers::{LayersWriter as _, WritableLayers as _};
@@ -22,6 +23,7 @@ use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::prelude::Vec2;
 
 use super::check::{MAX_PIXELS, check_size, damaged};
+use super::dwa;
 use super::pixels::{Image, Layer};
 use crate::{Error, ErrorKind, Result};
 
@@ -220,17 +222,25 @@ pub(crate) fn decode_parts(reader: impl Read + Seek, file_size: u64) -> Result<F
     catch_unwind(AssertUnwindSafe(|| {
         let reader = ::exr::block::read(reader, false).map_err(unreadable)?;
         check_headers(reader.headers(), file_size)?;
-        ::exr::image::read::read()
-            .no_deep_data()
-            .largest_resolution_level()
-            .all_channels()
-            .all_layers()
-            .all_attributes()
-            .non_parallel()
-            .from_chunks(reader)
-            .map_err(unreadable)
+        read_blocks(reader).map_err(unreadable)
     }))
     .unwrap_or_else(|_| Err(damaged("its decoder failed")))
+}
+
+/// Reads the pixels of all parts. The crate's own loop over the blocks leaves no place to check them.
+fn read_blocks(reader: Reader<impl Read + Seek>) -> ::exr::error::Result<FlatImage> {
+    let all = ::exr::image::read::read().no_deep_data().largest_resolution_level().all_channels().all_layers();
+    let mut layers = all.create_layers_reader(reader.headers())?;
+    let attributes = reader.headers().first().map(|header| header.shared_attributes.clone());
+    let mut chunks = reader.filter_chunks(false, |meta, tile, block| layers.filter_block(meta, tile, block))?;
+    while let Some(chunk) = chunks.read_next_chunk() {
+        let chunk = chunk?;
+        let meta = chunks.meta_data();
+        dwa::check_counters(&meta.headers, &chunk)?;
+        layers.read_block(&meta.headers, UncompressedBlock::decompress_chunk(chunk, meta, false)?)?;
+    }
+    let attributes = attributes.ok_or_else(|| ::exr::error::Error::Invalid("no header".into()))?;
+    Ok(FlatImage { attributes, layer_data: layers.into_layers() })
 }
 
 fn unreadable(error: ::exr::error::Error) -> Error {

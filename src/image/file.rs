@@ -46,7 +46,7 @@ impl Format {
 /// or colour and of either byte order; values are multiplied by the magnitude of its scale. EXR may be of any program:
 /// `R`, `G`, `B` (or `Y` alone) without a layer's name make the image, from the part that has them, over the data
 /// window; groups of one or three channels of the same size become layers, in the order `albedo`, `normal`, `depth`,
-/// `samples`, `variance`, then by name. Deep data and subsampled channels are not supported.
+/// `samples`, `variance`, then by name. Deep data, subsampled channels and the compression HTJ2K are not supported.
 ///
 /// Errors name the file: [`ErrorKind::Unsupported`] for an unknown extension, more than [`MAX_PIXELS`](super::MAX_PIXELS) pixels, or a
 /// feature of the format that is not read; [`ErrorKind::Io`] for a file that is missing, cut short or damaged.

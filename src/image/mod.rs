@@ -4,6 +4,7 @@
 //! file in one step are in [`crate::output`].
 
 mod check;
+mod dwa;
 pub(crate) mod exr;
 mod file;
 pub(crate) mod pfm;

@@ -4,6 +4,7 @@
 #[cfg(unix)]
 mod atomic;
 mod damage;
+mod dwa;
 mod formats;
 mod metrics;
 mod tone;
