@@ -2798,7 +2798,7 @@ etd_status etd_scene_from_json(struct etd_device *device,
  * to the file's folder, and `options->base_dir` is ignored.
  *
  * A file whose name ends in `.obj`, `.ply` or `.stl` is a scene by itself: its surfaces, seen as a whole by a camera that is
- * made for them, under an even sky where nothing in them emits light. All other files are read as JSON.
+ * made for them, under an even sky where nothing in them emits a radiance above 1. All other files are read as JSON.
  *
  * `path`: UTF-8. All else is as for `etd_scene_from_json`. Thread-safe.
  */

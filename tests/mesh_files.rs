@@ -665,12 +665,17 @@ fn meshes_are_scenes_by_themselves() {
         let covered = (0..1024).filter(|i| !is_sky(i % 32, i / 32)).count();
         assert!(covered > 256, "{name}: {covered}");
     }
-    // What emits needs no sky, and a file's own materials are used.
+    // A lamp needs no sky, and a file's own materials are used. What glows by no more than the sky is no lamp.
     let obj = [b"mtllib m.mtl\nusemtl lamp\n".to_vec(), model.obj()].concat();
     let (folder, path) = file("m.obj", &obj);
     std::fs::write(folder.path().join("m.mtl"), "newmtl lamp\nKd 0.5 0 0\nKe 4 4 4\n").unwrap();
     let scene = desc::load(&path, None).unwrap();
     assert_eq!((scene.environment, scene.materials[0].emission), (None, Some(Rgb::splat(4.0))));
+    std::fs::write(folder.path().join("m.mtl"), "newmtl display\nKd 0.5 0 0\nKe 1 0.2 0\nnewmtl lamp\nKe 0 1 0\n")
+        .unwrap();
+    let scene = desc::load(&path, None).unwrap();
+    assert_eq!(scene.materials[0].emission, Some(Rgb::new(0.0, 1.0, 0.0)));
+    assert_eq!(scene.environment.map(|environment| environment.radiance), Some(Rgb::ONE));
     // Errors and warnings name the file once.
     let (_folder, path) = file("m.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2\n");
     let scene = desc::load(&path, None).unwrap();

@@ -31,14 +31,16 @@ pub(super) fn frame(scene: &mut SceneDesc) {
     };
 }
 
-/// Gives a scene in which nothing emits light an even sky of radiance 1.
+/// Gives a scene without lights an even sky of radiance 1. Surfaces that emit no more than the sky glow, as a lit display does, and
+/// are not there to light what is around them: many files have some, with 1 as the most that glTF's `emissiveFactor` can say.
 pub(super) fn light(scene: &mut SceneDesc) {
+    let is_lamp = |emission: Option<Rgb>| emission.is_some_and(|radiance| radiance.max_element() > 1.0);
     let used = scene.used_materials();
     let materials = scene.materials.iter().zip(used);
     let is_lit = !scene.lights.is_empty()
         || scene.environment.is_some()
-        || materials.into_iter().any(|(material, used)| used && material.emission.is_some())
-        || scene.surfaces.iter().any(|surface| !surface.hidden && surface.emission.is_some());
+        || materials.into_iter().any(|(material, used)| used && is_lamp(material.emission))
+        || scene.surfaces.iter().any(|surface| !surface.hidden && is_lamp(surface.emission));
     if !is_lit {
         scene.environment = Some(EnvironmentDesc { path: "environment".to_owned(), radiance: Rgb::ONE });
     }

@@ -19,7 +19,7 @@ use crate::{Error, ErrorKind, Result};
 /// folder.
 ///
 /// A file whose name ends in `.obj`, `.ply` or `.stl` is a scene by itself: its surfaces, seen as a whole by a camera that is
-/// made for them, under an even sky where nothing in them emits light.
+/// made for them, under an even sky where nothing in them emits a radiance above 1.
 ///
 /// # Errors
 ///

@@ -17,7 +17,7 @@ const GREY: f32 = 0.5;
 /// either dialect.
 ///
 /// A mesh becomes a scene by itself: grey, or with the materials that an OBJ file names, smooth where the file has normals, seen
-/// as a whole, under an even sky where nothing else emits light.
+/// as a whole, under an even sky where nothing else emits a radiance above 1.
 ///
 /// # Errors
 /// Those of the format; [`ErrorKind::Unsupported`] for choices in a file that is no glTF file.
