@@ -55,11 +55,12 @@
     {sizeof(etd_principled), 1, {0.8f, 0.8f, 0.8f}, 0, 0, 1, {1, 1, 1}, 0.3f, 0, 0, 1.5f, 0, {1, 1, 1}, 0, {1, 1, 1}, 0, 0, \
      1.6f, 1, 0, {1, 1, 1}, 0.5f, 0, 0, 0}
 #define ETD_MESH_INIT \
-    {sizeof(etd_mesh), NULL, 0, 0, 0, NULL, 0, 0, NULL, 0, NULL, 0, ETD_POSITION_FLOAT3, ETD_COPY, NULL, NULL, NULL}
+    {sizeof(etd_mesh), NULL, 0, 0, 0, NULL, 0, 0, NULL, 0, NULL, 0, ETD_POSITION_FLOAT3, ETD_COPY, NULL, NULL, NULL, \
+     NULL, 0}
 #define ETD_TEXTURE_INIT \
     {sizeof(etd_texture), ETD_TEXTURE_IMAGE, ETD_COLOR_SPACE_BY_USE, NULL, NULL, 0, 0, 0, 0, ETD_TEXEL_UINT8, ETD_COPY, \
      ETD_TEXTURE_FILTER_BILINEAR, NULL, NULL, ETD_WRAP_REPEAT, ETD_WRAP_REPEAT, {{0, 0, 0}, {1, 1, 1}}, 0.1f, 1, 4, \
-     ETD_COORDINATES_UV, {1, 1, 1}, 0, {0, 0, 0}}
+     ETD_COORDINATES_UV, {1, 1, 1}, 0, {0, 0, 0}, 0}
 #define ETD_TEXTURE_BINDING_INIT {sizeof(etd_texture_binding), ETD_NONE, ETD_CHANNEL_DEFAULT, 1, 0}
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_RENDER_OPTIONS_INIT \
@@ -1072,6 +1073,10 @@ enum etd_texture_kind
      * Rings around the second axis of space.
      */
     ETD_TEXTURE_WOOD = 7,
+    /**
+     * White and opaque, times the colours of the vertices of meshes (`etd_mesh.colors`).
+     */
+    ETD_TEXTURE_VERTEX_COLORS = 8,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -2153,6 +2158,15 @@ typedef struct etd_mesh {
      * Name of the mesh, unique among meshes; NULL: none.
      */
     const char *name;
+    /**
+     * One colour for each vertex, for textures with `vertex_colors`: red, green and blue in linear light, each >= 0, and opacity in
+     * [0, 1]; NULL: none. Colours are always copied.
+     */
+    const float *colors;
+    /**
+     * Bytes from one colour to the next; 0: colours without gaps.
+     */
+    size_t color_stride;
 } etd_mesh;
 
 /**
@@ -2258,6 +2272,11 @@ typedef struct etd_texture {
      * Added to the coordinates at last; the third is used in space only.
      */
     double offset[3];
+    /**
+     * 1: the texture is multiplied by the colours of vertices, and its opacity by theirs. 0: it is not. Always 1 of
+     * `ETD_TEXTURE_VERTEX_COLORS`, whatever is given. Refused for the parameters "emission", "normal" and "bump".
+     */
+    uint32_t vertex_colors;
 } etd_texture;
 
 /**

@@ -27,7 +27,7 @@ macro_rules! elements {
         impl Element for $type {}
     )*};
 }
-elements!([f32; 2], [f32; 3], [f64; 3], [u32; 3], u8, u16, f16, f32);
+elements!([f32; 2], [f32; 3], [f32; 4], [f64; 3], [u32; 3], u8, u16, f16, f32);
 
 /// Immutable items at a fixed distance from each other, shared by clones.
 #[derive(Clone)]

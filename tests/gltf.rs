@@ -151,11 +151,11 @@ fn attributes_are_read_from_every_layout() {
 
     // Without normals, faces are flat. What is left out is named once.
     let mut file = File::triangle();
-    file.root["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(0);
+    file.root["meshes"][0]["primitives"][0]["attributes"]["COLOR_1"] = json!(0);
     file.root["meshes"][0]["primitives"][0]["attributes"]["_MINE"] = json!(0);
     let scene = file.load().unwrap();
     assert!(matches!(scene.surfaces[0].shape, ShapeDesc::Mesh { smooth: false, .. }));
-    assert_eq!(one_warning(&scene), "the attribute COLOR_0 is left out: meshes[0].primitives[0]");
+    assert_eq!(one_warning(&scene), "the attribute COLOR_1 is left out: meshes[0].primitives[0]");
 }
 
 #[test]
@@ -740,6 +740,60 @@ fn quarters(scene: &SceneDesc) -> [[f32; 3]; 4] {
     let built = Scene::build(&scene, &BuildOptions::default()).expect("a scene");
     let image = render_scene(&built, scene.render).0;
     [[5, 5], [10, 5], [5, 10], [10, 10]].map(|[x, y]| image.pixel(x, y))
+}
+
+/// The base colour is the product of factor, texture and colours of vertices, which are linear; alpha is an opacity where it may be.
+#[test]
+fn colors_of_vertices_are_factors_on_the_base_color() {
+    let gltf = |colors: Option<&[i64]>, material: &Value| {
+        let mut file = textured(&UPRIGHT, material);
+        if let Some(colors) = colors {
+            let accessor = file.whole(UNSIGNED_BYTE, 4, colors);
+            file.root["accessors"][accessor]["normalized"] = json!(true);
+            file.root["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(accessor);
+        }
+        file
+    };
+    let even = |color: [i64; 4]| color.repeat(4);
+    let plain = json!({"pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [0.5, 0.5, 0.5, 1]}});
+    let scene = gltf(Some(&even([255, 51, 102, 255])), &plain).load().unwrap();
+    assert_eq!(scene.warnings, [""; 0]);
+    let expected = json!({"pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [0.5, 0.1, 0.2, 1]}});
+    let without = quarters(&gltf(None, &expected).load().unwrap());
+    let near = |found: [[f32; 3]; 4], expected: [[f32; 3]; 4]| {
+        for (found, expected) in found.as_flattened().iter().zip(expected.as_flattened()) {
+            assert!((found - expected).abs() < 1e-3 * expected.abs().max(1e-3), "{found}, not {expected}");
+        }
+    };
+    near(quarters(&scene), without);
+    // On a texture. Another primitive of the material, without colours, is white.
+    let with_texture = |factor: [f64; 4]| json!({"pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": factor, "baseColorTexture": {"index": 0}}});
+    let mut file = gltf(Some(&even([51, 255, 102, 0])), &with_texture([1.0; 4]));
+    near(quarters(&file.load().unwrap()), quarters(&gltf(None, &with_texture([0.2, 1.0, 0.4, 1.0])).load().unwrap()));
+    let white = json!({"indices": 2, "material": 0, "attributes": {"POSITION": 0, "TEXCOORD_0": 1}});
+    file.root["meshes"][0]["primitives"].as_array_mut().unwrap().insert(0, white);
+    file.root["meshes"][0]["primitives"].as_array_mut().unwrap().pop();
+    file.push("meshes", json!({"primitives": [{"material": 0, "attributes": {"POSITION": 0, "COLOR_0": 3}}]}));
+    near(quarters(&file.load().unwrap()), quarters(&gltf(None, &with_texture([1.0; 4])).load().unwrap()));
+    // A mask of the alpha of vertices: the left half is there.
+    let mask = json!({"pbrMetallicRoughness": {"metallicFactor": 0}, "alphaMode": "MASK", "doubleSided": true});
+    let colors: Vec<i64> = [255, 0, 0, 255].into_iter().flat_map(|alpha| [255, 255, 255, alpha]).collect();
+    let [top_left, top_right, ..] = quarters(&gltf(Some(&colors), &mask).load().unwrap());
+    assert!(top_left[1] > 0.1 && top_right[1] == 0.0, "{top_left:?} {top_right:?}");
+    // Unlit surfaces cannot shine by colours of vertices. Wrong types and numbers are named.
+    let unlit = json!({"extensions": {"KHR_materials_unlit": {}}});
+    let scene = gltf(Some(&even([255, 0, 0, 255])), &unlit).load().unwrap();
+    assert!(one_warning(&scene).contains("have colours of vertices, are diffuse"), "{:?}", scene.warnings);
+    let mut file = gltf(Some(&even([255, 0, 0, 255])), &plain);
+    file.root["accessors"][3]["normalized"] = json!(false);
+    let error = file.load().unwrap_err().to_string();
+    assert!(error.contains("attributes.COLOR_0: accessors[3] is of UNSIGNED_BYTE"), "{error}");
+    let mut file = gltf(None, &plain);
+    let beyond = file.floats(3, &[1.5, -1.0, 0.0].repeat(4));
+    file.root["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(beyond);
+    let scene = file.load().unwrap();
+    assert!(one_warning(&scene).starts_with("colours of vertices are out of range"), "{:?}", scene.warnings);
+    assert_eq!(mesh_of(&scene, 0).colors, [[1.0, 0.0, 0.0, 1.0]; 4]);
 }
 
 /// Which of the four texels a pixel shows: the numbers of those in the file.

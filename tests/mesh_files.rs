@@ -332,6 +332,66 @@ fn files_are_named_wherever_a_mesh_file_is() {
     assert!(error.message().contains("names no materials"), "{error}");
 }
 
+/// Integers and the numbers of OBJ files have sRGB's curve, fractions of PLY files are linear light.
+#[test]
+fn colors_of_vertices_are_read() {
+    let header = |kind: &str, alpha: &str| {
+        TRIANGLE.replace(
+            "element face",
+            &format!("property {kind} red\nproperty {kind} green\nproperty {kind} blue\n{alpha}element face"),
+        )
+    };
+    let near = |mesh: &MeshDesc, expected: [[f32; 4]; 3]| {
+        assert_eq!(mesh.colors.len(), 3);
+        for (found, expected) in mesh.colors.iter().flatten().zip(expected.as_flattened()) {
+            assert!((found - expected).abs() < 1e-6, "{:?}, not {expected:?}", mesh.colors);
+        }
+    };
+    // The linear value of 128 / 255 by IEC 61966-2-1.
+    let middle = 0.215_860_5;
+    let (mesh, notes) = load(
+        "m.ply",
+        &ply(
+            &header("uchar", "property uchar alpha\n"),
+            "0 0 0 255 0 128 255\n1 0 0 0 128 0 0\n0 1 0 0 0 0 51\n3 0 1 2\n",
+        ),
+    )
+    .unwrap();
+    near(&mesh, [[1.0, 0.0, middle, 1.0], [0.0, middle, 0.0, 0.0], [0.0, 0.0, 0.0, 0.2]]);
+    assert_eq!(notes, [""; 0]);
+    let rest = "0 0 0 2 0 0.5\n1 0 0 -1 0.25 0\n0 1 0 0 0 0\n3 0 1 2\n";
+    let (mesh, _) = load("m.ply", &ply(&header("float", ""), rest)).unwrap();
+    near(&mesh, [[2.0, 0.0, 0.5, 1.0], [0.0, 0.25, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]]);
+    let coded = 128.0 / 255.0;
+    let of_obj = [[1.0, 0.0, middle, 1.0], [1.0, 1.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0]];
+    let obj = format!("v 0 0 0 1 0 {coded}\nv 2 0 0 2\nv 0 1 0 0 0 0\nf 1 2 3\n");
+    let (mesh, notes) = load("m.obj", obj.as_bytes()).unwrap();
+    near(&mesh, of_obj);
+    assert_eq!(mesh.positions[1].to_array(), [1.0, 0.0, 0.0], "a weight divides");
+    assert!(notes[0].ends_with("only some vertices have colours; the others are white"), "{notes:?}");
+    let (mesh, notes) = load("m.obj", b"v 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    assert!(mesh.colors.is_empty() && notes[0].ends_with("only some vertices have colours; none is used"), "{notes:?}");
+    let folder = tempfile::tempdir().unwrap();
+    // As scenes by themselves they are shown, and what is saved is read again.
+    for (name, bytes) in [("n.obj", obj.into_bytes()), ("n.ply", ply(&header("float", ""), rest))] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        let scene = desc::load(&path, None).unwrap();
+        assert!(scene.textures[0].vertex_colors);
+        let built = Scene::build(&scene, &BuildOptions::default()).unwrap();
+        let render = Job { resolution: [32, 32], samples: 4, ..Job::default() }.desc();
+        let (image, _) = render_scene(&built, render.clone());
+        // Towards the first vertex red and blue, and no green.
+        let is_red = |pixel: [f32; 3]| pixel[0] > 0.2 && pixel[1] < 0.5 * pixel[0];
+        assert!((0..1024).any(|i| is_red(image.pixel(i % 32, i / 32))), "{name}");
+        let saved = folder.path().join("saved.json");
+        scene.save(&saved).unwrap();
+        let again = desc::load(&saved, None).unwrap();
+        let (same, _) = render_scene(&Scene::build(&again, &BuildOptions::default()).unwrap(), render);
+        assert_eq!(image.rgb, same.rgb, "{name}");
+    }
+}
+
 const TRIANGLE: &str = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
     element face 1\nproperty list uchar int vertex_indices\nend_header\n";
 

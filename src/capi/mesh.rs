@@ -164,7 +164,9 @@ unsafe fn read_arrays(
         let triangles = view::<[u32; 3]>(it.indices.cast(), it.triangle_count, it.index_stride, owner, "indices")?;
         let normals = optional_view::<[f32; 3]>(it.normals, it.vertex_count, it.normal_stride, owner, "normals")?;
         let uvs = optional_view::<[f32; 2]>(it.uvs, it.vertex_count, it.uv_stride, owner, "uvs")?;
-        let mut desc = MeshDesc { name: name.to_owned(), ..MeshDesc::default() };
+        let colors = optional_view::<[f32; 4]>(it.colors, it.vertex_count, it.color_stride, owner, "colors")?;
+        let colors = colors.map_or(Ok(Vec::new()), |colors| collect(&colors, |color| color))?;
+        let mut desc = MeshDesc { name: name.to_owned(), colors, ..MeshDesc::default() };
         match positions {
             Some(positions) if is_shared => desc.host = Some(HostMesh { positions, triangles, normals, uvs }),
             _ => {

@@ -9,7 +9,7 @@ use half::f16;
 
 use super::boundary::{UserData, need, on, optional_text, read_sized, text, write_sized};
 use super::describe::find;
-use super::read::enumeration;
+use super::read::{enumeration, flag};
 use super::scene::etd_scene;
 use super::sharing::shared;
 use super::status::{ETD_OUT_OF_MEMORY, Failure, Result, etd_status};
@@ -219,8 +219,16 @@ fn bound(key: TextureKey, it: &etd_texture_binding) -> Result<Option<TextureBind
 unsafe fn with_texture<R>(pointer: *const etd_texture, take: impl FnOnce(TextureDesc) -> Result<R>) -> Result<R> {
     // SAFETY: the caller keeps this function's contract.
     let it = unsafe { read_sized(pointer, "texture") }?;
-    let made = |source| Ok(TextureDesc { name: String::new(), path: String::new(), source, mapping: mapping(&it)? });
-    if enumeration::<etd_texture_kind>("texture.kind", it.kind)? != ETD_TEXTURE_IMAGE {
+    let vertex_colors = flag("texture.vertex_colors", it.vertex_colors)?;
+    let made = |source| {
+        let (name, path) = (String::new(), String::new());
+        Ok(TextureDesc { name, path, source, mapping: mapping(&it)?, vertex_colors })
+    };
+    let kind = enumeration::<etd_texture_kind>("texture.kind", it.kind)?;
+    if kind == ETD_TEXTURE_VERTEX_COLORS {
+        return take(TextureDesc::of_vertex_colors(String::new(), String::new()));
+    }
+    if kind != ETD_TEXTURE_IMAGE {
         return take(made(TextureSource::Procedural(pattern(&it)?))?);
     }
     if enumeration::<etd_coordinates>("texture.coordinates", it.coordinates)? == ETD_COORDINATES_SPACE {
@@ -364,7 +372,8 @@ fn pattern(it: &etd_texture) -> Result<Procedural> {
     let octaves = if it.octaves == 0 { 4 } else { it.octaves };
     let turbulence = it.turbulence;
     let pattern = match enumeration("texture.kind", it.kind)? {
-        ETD_TEXTURE_IMAGE | ETD_TEXTURE_CHECKER => Pattern::Checker,
+        // The other two are no patterns, and not asked for here.
+        ETD_TEXTURE_IMAGE | ETD_TEXTURE_VERTEX_COLORS | ETD_TEXTURE_CHECKER => Pattern::Checker,
         ETD_TEXTURE_GRID => Pattern::Grid { width: it.line_width },
         ETD_TEXTURE_GRADIENT => Pattern::Gradient,
         ETD_TEXTURE_NOISE => Pattern::Noise { octaves, turbulent: false },
@@ -425,6 +434,7 @@ fn texture_out(texture: &TextureDesc) -> etd_texture {
         scale: [1.0; 3],
         rotation_deg: 0.0,
         offset: [0.0; 3],
+        vertex_colors: texture.vertex_colors.into(),
     };
     match texture.mapping {
         TextureMapping::Uv { scale: [su, sv], rotation, offset: [u, v] }
@@ -449,6 +459,7 @@ fn texture_out(texture: &TextureDesc) -> etd_texture {
     match &texture.source {
         TextureSource::Image(desc) => image_out(desc, &mut it),
         TextureSource::Procedural(desc) => pattern_out(desc, &mut it),
+        TextureSource::White => it.kind = ETD_TEXTURE_VERTEX_COLORS.number(),
     }
     it
 }

@@ -20,7 +20,11 @@ pub struct MeshDesc {
     pub uvs: Vec<[f32; 2]>,
     /// Three vertex indices per triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Arrays of the host program, read in place; where they are given, the vectors above are empty.
+    /// Empty, or one colour per vertex for textures that ask for it
+    /// ([`TextureDesc::vertex_colors`](super::TextureDesc::vertex_colors)): red, green and blue in linear light, each >= 0, and
+    /// opacity in [0, 1].
+    pub colors: Vec<[f32; 4]>,
+    /// Arrays of the host program, read in place; where they are given, the vectors above are empty, but for the colours.
     pub host: Option<HostMesh>,
 }
 

@@ -5,7 +5,9 @@ use std::path::Path;
 use super::file::read_text;
 use super::mesh_files::{self, MeshFormat};
 use super::read::parse;
-use super::{BsdfDesc, LoadOptions, MaterialDesc, SceneDesc, ShapeDesc, SurfaceLook, framing, gltf};
+use super::{
+    BsdfDesc, LoadOptions, MaterialDesc, SceneDesc, ShapeDesc, SurfaceLook, TextureBinding, TextureDesc, framing, gltf,
+};
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
@@ -16,7 +18,7 @@ const GREY: f32 = 0.5;
 /// Reads a scene file of any format, by the extension of its name. What has no extension of another format is text: a scene of
 /// either dialect.
 ///
-/// A mesh becomes a scene by itself: grey, or with the materials that an OBJ file names, smooth where the file has normals, seen
+/// A mesh becomes a scene by itself: of the colours of its vertices, or grey, or with the materials that an OBJ file names, smooth where the file has normals, seen
 /// as a whole, under an even sky where nothing else emits a radiance above 1.
 ///
 /// # Errors
@@ -56,9 +58,15 @@ fn grey(path: &Path, transform: DAffine3) -> Result<SceneDesc> {
     let mesh = mesh_files::load(path, "", &mut scene.warnings)?;
     scene.files.push(path.to_owned());
     let smooth = mesh.has_normals();
-    let bsdf = BsdfDesc::Lambert { albedo: Rgb::splat(GREY) };
-    let grey = MaterialDesc { name: "grey".to_owned(), bsdf, ..MaterialDesc::default() };
-    let material = Some(scene.add_material_desc(grey)?);
+    let material = if mesh.colors.is_empty() {
+        let bsdf = BsdfDesc::Lambert { albedo: Rgb::splat(GREY) };
+        MaterialDesc { name: "grey".to_owned(), bsdf, ..MaterialDesc::default() }
+    } else {
+        let texture = scene.add_texture(TextureDesc::of_vertex_colors("vertex colors".to_owned(), String::new()))?;
+        let (bsdf, textures) = (BsdfDesc::Lambert { albedo: Rgb::ONE }, vec![TextureBinding::of_color(texture)]);
+        MaterialDesc { name: "colored".to_owned(), bsdf, textures, ..MaterialDesc::default() }
+    };
+    let material = Some(scene.add_material_desc(material)?);
     let mesh = scene.put_mesh(mesh);
     let look = SurfaceLook { material, emission: None, transform };
     scene.add_surface(ShapeDesc::Mesh { mesh, smooth }, DAffine3::IDENTITY, look)?;

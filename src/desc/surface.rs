@@ -121,6 +121,8 @@ surface!(
     normals: Option<Vec<[f64; 3]>>,
     /// One texture coordinate per vertex.
     uvs: Option<Vec<[f64; 2]>>,
+    /// One colour per vertex, of three or four numbers: red, green and blue in linear light, >= 0, and opacity in [0, 1], default 1.
+    colors: Option<Vec<VertexColor>>,
     /// `from-file`: the materials that `file` names in its material libraries, instead of `material`. Default: none.
     #[serde(default, deserialize_with = "json::name")]
     materials: Option<MaterialsOf>,
@@ -257,6 +259,8 @@ pub(super) struct SharedMesh {
     normals: Option<Vec<[f64; 3]>>,
     /// One texture coordinate per vertex.
     uvs: Option<Vec<[f64; 2]>>,
+    /// One colour per vertex, of three or four numbers: red, green and blue in linear light, >= 0, and opacity in [0, 1], default 1.
+    colors: Option<Vec<VertexColor>>,
 }
 
 /// Where the triangles of a mesh come from.
@@ -267,6 +271,27 @@ struct MeshSource {
     triangles: Option<Vec<[u32; 3]>>,
     normals: Option<Vec<[f64; 3]>>,
     uvs: Option<Vec<[f64; 2]>>,
+    colors: Option<Vec<VertexColor>>,
+}
+
+/// A colour of a vertex: red, green and blue, and opacity where it is not 1.
+#[derive(Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(untagged)]
+pub(super) enum VertexColor {
+    /// Red, green and blue.
+    Rgb([f64; 3]),
+    /// Red, green, blue and opacity.
+    Rgba([f64; 4]),
+}
+
+impl VertexColor {
+    fn with_opacity(self) -> [f64; 4] {
+        match self {
+            Self::Rgb([r, g, b]) => [r, g, b, 1.0],
+            Self::Rgba(color) => color,
+        }
+    }
 }
 
 /// Reads one of `surfaces`.
@@ -304,6 +329,7 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
                 triangles: it.triangles.take(),
                 normals: it.normals.take(),
                 uvs: it.uvs.take(),
+                colors: it.colors.take(),
             };
             let mesh = source.resolve(path, path, builder)?;
             it.place(path, Ok((ShapeDesc::Mesh { mesh, smooth }, local)), builder)
@@ -354,6 +380,7 @@ impl Mesh<'_> {
             ("triangles", self.triangles.is_some()),
             ("normals", self.normals.is_some()),
             ("uvs", self.uvs.is_some()),
+            ("colors", self.colors.is_some()),
         ] {
             if given {
                 let message = "the materials are those of the file (`materials`), expected a surface without this key";
@@ -375,14 +402,16 @@ impl Mesh<'_> {
 /// Reads one of `meshes`.
 pub(super) fn shared_mesh(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     let mesh: SharedMesh = json::object(raw, path)?;
-    let SharedMesh { name, file, keep_degenerate, positions, triangles, normals, uvs } = mesh;
+    let SharedMesh { name, file, keep_degenerate, positions, triangles, normals, uvs, colors } = mesh;
     let index = match (keep_degenerate, &file, positions.is_some() || triangles.is_some()) {
         (Some(true), Some(file), false) => builder.mesh_file(&join(path, "file"), file, true)?,
         (Some(true), ..) => {
             let message = "only a mesh in a file has this key, a mesh given in place keeps all triangles";
             return Err(Error::invalid(join(path, "keepDegenerate"), message));
         }
-        _ => MeshSource { name: None, file, positions, triangles, normals, uvs }.resolve(path, &name, builder)?,
+        _ => {
+            MeshSource { name: None, file, positions, triangles, normals, uvs, colors }.resolve(path, &name, builder)?
+        }
     };
     builder.scene.check_mesh_name(path, &name)?;
     builder.scene.index.meshes.insert(name, index);
@@ -413,8 +442,11 @@ fn place(
 impl MeshSource {
     /// The index of the mesh; `name` is for one given in place.
     fn resolve(self, path: &str, name: &str, builder: &mut Builder<'_>) -> Result<usize> {
-        let inline =
-            self.positions.is_some() || self.triangles.is_some() || self.normals.is_some() || self.uvs.is_some();
+        let inline = self.positions.is_some()
+            || self.triangles.is_some()
+            || self.normals.is_some()
+            || self.uvs.is_some()
+            || self.colors.is_some();
         match (self.name, self.file) {
             (Some(shared), None) if !inline => builder.mesh_named(&join(path, "mesh"), &shared),
             (None, Some(file)) if !inline => builder.mesh_file(&join(path, "file"), &file, false),
@@ -430,6 +462,10 @@ impl MeshSource {
                 for (i, uv) in uvs.iter().enumerate() {
                     validate::numbers(path, "uvs", i, *uv)?;
                 }
+                let colors: Vec<_> = self.colors.into_iter().flatten().map(VertexColor::with_opacity).collect();
+                for (i, color) in colors.iter().enumerate() {
+                    validate::numbers(path, "colors", i, *color)?;
+                }
                 builder.add_mesh(MeshDesc {
                     name: name.to_owned(),
                     path: path.to_owned(),
@@ -437,6 +473,7 @@ impl MeshSource {
                     normals: normals.into_iter().map(|normal| normal.map(|x| x as f32)).collect(),
                     uvs: uvs.into_iter().map(|uv| uv.map(|x| x as f32)).collect(),
                     triangles,
+                    colors: colors.into_iter().map(|color| color.map(|x| x as f32)).collect(),
                     host: None,
                 })
             }

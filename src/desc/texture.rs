@@ -20,6 +20,16 @@ pub struct TextureDesc {
     pub source: TextureSource,
     /// Where on a surface it lies.
     pub mapping: TextureMapping,
+    /// Whether it is multiplied by the colours of the mesh's vertices ([`MeshDesc::colors`](super::MeshDesc::colors)), interpolated
+    /// over the triangle, and its opacity by theirs. Surfaces without colours of vertices are white and opaque.
+    pub vertex_colors: bool,
+}
+
+impl TextureDesc {
+    /// The colours of vertices alone.
+    pub fn of_vertex_colors(name: String, path: String) -> Self {
+        Self { name, path, source: TextureSource::White, mapping: TextureMapping::default(), vertex_colors: true }
+    }
 }
 
 /// What a texture shows.
@@ -29,6 +39,8 @@ pub enum TextureSource {
     Image(ImageTextureDesc),
     /// A formula.
     Procedural(Procedural),
+    /// White and opaque, to be multiplied by the colours of vertices.
+    White,
 }
 
 /// An image as a texture.
@@ -67,6 +79,7 @@ impl fmt::Debug for TextureSource {
                 debug.field("wrap", &it.wrap).field("filter", &it.filter).finish()
             }
             Self::Procedural(it) => it.fmt(f),
+            Self::White => f.write_str("White"),
         }
     }
 }
@@ -161,6 +174,14 @@ pub struct TextureBinding {
     /// For [`TextureKey::Opacity`], in [0, 1]: above 0, the opacity is 1 where the texture has this value or more, and 0 elsewhere (a
     /// mask). 0: the opacity is the texture's. 0 for other parameters.
     pub cutoff: f32,
+}
+
+impl TextureBinding {
+    /// All channels of a texture for [`TextureKey::Color`].
+    pub fn of_color(texture: usize) -> Self {
+        let (key, channel) = (TextureKey::Color, TextureChannel::Default);
+        Self { key, texture, channel, strength: 1.0, cutoff: 0.0 }
+    }
 }
 
 macro_rules! keys {

@@ -30,14 +30,21 @@ pub(super) fn texture(texture: &TextureDesc) -> Result<()> {
             super::validate::vector(&at("offset"), offset.to_array())?;
         }
     }
-    let TextureSource::Procedural(procedural) = source else {
-        if matches!(mapping, TextureMapping::Space { .. }) {
+    let procedural = match source {
+        TextureSource::Procedural(procedural) => procedural,
+        TextureSource::Image(_) if matches!(mapping, TextureMapping::Space { .. }) => {
             return Err(Error::invalid(
                 at("coordinates"),
                 "an image lies on surfaces, expected `uv`, `box` or `planar-…`",
             ));
         }
-        return Ok(());
+        TextureSource::White if !texture.vertex_colors => {
+            return Err(Error::invalid(
+                at("vertexColors"),
+                "the texture is white everywhere, expected colours of vertices",
+            ));
+        }
+        TextureSource::Image(_) | TextureSource::White => return Ok(()),
     };
     if procedural.in_space != matches!(mapping, TextureMapping::Space { .. }) {
         return Err(Error::invalid(
@@ -101,6 +108,12 @@ pub(super) fn bindings(
         let cutoff = super::validate::within(&join(&at, "cutoff"), binding.cutoff.into(), 0.0, 1.0)?;
         if cutoff > 0.0 && key != TextureKey::Opacity {
             return Err(Error::invalid(join(&at, "cutoff"), "only an opacity has a cutoff, expected 0"));
+        }
+        // Lamps are sampled by texels, and heights and normals are no colours.
+        if texture.vertex_colors && matches!(key, TextureKey::Emission | TextureKey::Normal | TextureKey::Bump) {
+            let message =
+                format!("`{}` cannot be multiplied by colours of vertices, expected a texture without", key.name());
+            return Err(Error::invalid(at, message));
         }
         // Shadow rays would see another surface than the paths that they belong to, and slopes would be those of noise.
         if matches!(key, TextureKey::Opacity | TextureKey::Bump)

@@ -18,7 +18,8 @@ use crate::texture::{ColorSpace, Pattern, Procedural, TexelFormat, TextureFilter
 use crate::{Error, Result};
 
 /// The kinds of textures, by `type`.
-const KINDS: [&str; 8] = ["image", "checker", "grid", "gradient", "noise", "turbulence", "marble", "wood"];
+const KINDS: [&str; 9] =
+    ["image", "checker", "grid", "gradient", "noise", "turbulence", "marble", "wood", "vertex-colors"];
 
 /// What the numbers of an image mean.
 #[derive(Clone, Copy, Deserialize, Serialize)]
@@ -97,6 +98,13 @@ enum ImageTag {
 #[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
 #[serde(rename_all = "kebab-case")]
+enum VertexColorsTag {
+    VertexColors,
+}
+
+#[derive(Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+#[serde(rename_all = "kebab-case")]
 enum PatternTag {
     Checker,
     Grid,
@@ -140,6 +148,8 @@ pub(super) struct Image {
     rotation: Option<f64>,
     /// Added to u and v at last. Default [0, 0].
     offset: Option<[f64; 2]>,
+    /// Whether it is multiplied by the colours of vertices. Default false.
+    vertex_colors: Option<bool>,
 }
 
 /// A pattern of two colours.
@@ -168,6 +178,19 @@ pub(super) struct PatternTexture {
     rotation: Option<f64>,
     /// Added at last: three numbers for `space`, two for all others. Default 0.
     offset: Option<Vec<f64>>,
+    /// Whether it is multiplied by the colours of vertices. Default false.
+    vertex_colors: Option<bool>,
+}
+
+/// The colours of vertices.
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub(super) struct VertexColors {
+    /// What materials call it.
+    name: String,
+    #[serde(rename = "type")]
+    _type: VertexColorsTag,
 }
 
 /// What a parameter takes from a texture.
@@ -233,6 +256,10 @@ pub(super) fn image_files(raw: Option<&RawValue>) -> Vec<String> {
 pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     let texture = match json::tag(raw, path, "type", &KINDS)?.as_str() {
         "image" => image(json::object(raw, path)?, path, builder)?,
+        "vertex-colors" => {
+            let VertexColors { name, .. } = json::object(raw, path)?;
+            TextureDesc::of_vertex_colors(name, path.to_owned())
+        }
         _ => pattern(json::object(raw, path)?, path)?,
     };
     texture_check::texture(&texture)?;
@@ -273,7 +300,8 @@ fn image(keys: Image, path: &str, builder: &mut Builder<'_>) -> Result<TextureDe
         Coordinates::Space => TextureMapping::Space { scale: DVec3::ONE, offset: DVec3::ZERO },
         on_surface => mapping(on_surface, scale, rotation, offset),
     };
-    Ok(TextureDesc { name: keys.name, path: path.to_owned(), source, mapping })
+    let vertex_colors = keys.vertex_colors.unwrap_or_default();
+    Ok(TextureDesc { name: keys.name, path: path.to_owned(), source, mapping, vertex_colors })
 }
 
 /// The mapping of a texture that lies on surfaces.
@@ -338,7 +366,8 @@ fn pattern(keys: PatternTexture, path: &str) -> Result<TextureDesc> {
         let rotation = keys.rotation.unwrap_or(0.0).to_radians();
         mapping(keys.coordinates.unwrap_or_default(), scale, rotation, offset)
     };
-    Ok(TextureDesc { name: keys.name, path: path.to_owned(), source, mapping })
+    let vertex_colors = keys.vertex_colors.unwrap_or_default();
+    Ok(TextureDesc { name: keys.name, path: path.to_owned(), source, mapping, vertex_colors })
 }
 
 /// As many numbers as coordinates.
@@ -415,6 +444,7 @@ pub(super) fn write(texture: &TextureDesc, name: &str, file: &str) -> Result<Box
                 scale: pair(scale),
                 rotation,
                 offset: pair(offset),
+                vertex_colors: texture.vertex_colors.then_some(true),
             })
         }
         TextureSource::Procedural(procedural) => {
@@ -442,7 +472,11 @@ pub(super) fn write(texture: &TextureDesc, name: &str, file: &str) -> Result<Box
                 scale,
                 rotation,
                 offset,
+                vertex_colors: texture.vertex_colors.then_some(true),
             })
+        }
+        TextureSource::White => {
+            save::raw(&VertexColors { name: name.to_owned(), _type: VertexColorsTag::VertexColors })
         }
     }
 }

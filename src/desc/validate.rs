@@ -268,7 +268,8 @@ pub(super) fn mesh(path: &str, mesh: &MeshDesc) -> Result<()> {
             return Err(Error::invalid(at(&format!("triangles[{i}][{k}]")), message));
         }
     }
-    for (key, given) in [("normals", lens[0]), ("uvs", lens[1])] {
+    let colors = Some(mesh.colors.len()).filter(|len| *len > 0);
+    for (key, given) in [("normals", lens[0]), ("uvs", lens[1]), ("colors", colors)] {
         if let Some(given) = given.filter(|given| *given != count) {
             let message = format!("{given} {key} for {count} positions, expected one each");
             return Err(Error::invalid(at(key), message));
@@ -281,6 +282,14 @@ pub(super) fn mesh(path: &str, mesh: &MeshDesc) -> Result<()> {
         }
         if let Some(uv) = mesh.uv(i) {
             numbers(path, "uvs", i, uv.map(f64::from))?;
+        }
+        if let Some(color) = mesh.colors.get(i) {
+            numbers(path, "colors", i, color.map(f64::from))?;
+            if let Some(k) = (0..4).find(|k| color[*k] < 0.0 || *k == 3 && color[3] > 1.0) {
+                let expected = if k == 3 { "an opacity in [0, 1]" } else { "0 or more" };
+                let message = format!("{} is out of range, expected {expected}", color[k]);
+                return Err(Error::invalid(at(&format!("colors[{i}][{k}]")), message));
+            }
         }
     }
     Ok(())

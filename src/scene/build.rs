@@ -211,6 +211,7 @@ fn complete(
         media: Media::new(desc)?,
         materials,
         tangents: Arc::new(tangents),
+        reads_vertex_colors: desc.textures.iter().any(|texture| texture.vertex_colors),
         textures: Arc::new(textures),
         camera: desc.camera,
         centre: assembly.centre,

@@ -9,6 +9,7 @@ use super::interaction::Triangles;
 use super::record::GeometryRecord;
 use super::{Scene, SurfaceInteraction};
 use crate::math::{DVec3, Frame, RayCone, Vec3, shutter_time};
+use crate::texture::{Texel, WHITE};
 
 /// Where a point lies on its surface, and how much of the surface a pixel sees there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +23,9 @@ pub struct SurfaceDetail {
     pub dpdu: Vec3,
     /// Derivative of the position by the second texture coordinate.
     pub dpdv: Vec3,
+    /// The colour of the mesh's vertices, interpolated over the triangle: red, green and blue in linear light, and opacity. 1 where
+    /// the mesh has none, and in scenes without textures that read it.
+    pub color: Texel,
     /// Diameter of the cone of the path's ray where it meets the surface, across the ray; 0 where rays carry no cones.
     pub footprint: f32,
     /// The point, scene frame.
@@ -45,7 +49,7 @@ impl SurfaceDetail {
     /// A point for what reads no tangents: they are 0.
     pub(super) fn without_tangents(uv: [f32; 2], footprint: f32, [ng, ns, p, wo]: [Vec3; 4]) -> Self {
         let none = Vec3::ZERO;
-        Self { uv, dpdu: none, dpdv: none, footprint, p, wo, ng, ns, tangent: none, map_tangent: none }
+        Self { uv, color: WHITE, dpdu: none, dpdv: none, footprint, p, wo, ng, ns, tangent: none, map_tangent: none }
     }
 
     /// The axes of the ellipse that the cone of the path's ray covers on the surface, in texture coordinates: the changes of the
@@ -90,7 +94,8 @@ impl Scene {
     ) -> SurfaceDetail {
         if !with_tangents {
             let uv = self.analytic_parameters(hit, p).map_or_else(|| self.uv(hit), |(uv, _)| uv);
-            return SurfaceDetail::without_tangents(uv, cone.width(), [ng, ns, p, wo]);
+            let color = self.vertex_color(hit);
+            return SurfaceDetail { color, ..SurfaceDetail::without_tangents(uv, cone.width(), [ng, ns, p, wo]) };
         }
         let (uv, tangents) =
             self.analytic_parameters(hit, p).unwrap_or_else(|| (self.uv(hit), self.tangents(hit, time)));
@@ -102,7 +107,8 @@ impl Scene {
         let tangent = if self.has_own_tangents(hit) || around == Vec3::ZERO { dpdu } else { around };
         let own = if self.tangents.is_empty() { None } else { self.map_tangent(hit, time) };
         let map_tangent = own.unwrap_or(dpdu);
-        SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width(), p, wo, ng, ns, tangent, map_tangent }
+        let (color, footprint) = (self.vertex_color(hit), cone.width());
+        SurfaceDetail { uv, color, dpdu, dpdv, footprint, p, wo, ng, ns, tangent, map_tangent }
     }
 
     /// The tangent of MikkTSpace, where one was made for the mesh.
@@ -151,6 +157,18 @@ impl Scene {
         uv
     }
 
+    /// The colour of the mesh's vertices at a point.
+    fn vertex_color(&self, hit: &Hit) -> Texel {
+        if !self.reads_vertex_colors {
+            return WHITE;
+        }
+        let geometry = self.geometries.get(hit.geometry as usize);
+        let corners = geometry.and_then(|geometry| self.record.corner_colors(geometry, hit.primitive));
+        let Some([a, b, c]) = corners else { return WHITE };
+        let w = 1.0 - hit.u - hit.v;
+        std::array::from_fn(|i| w * a[i] + hit.u * b[i] + hit.v * c[i])
+    }
+
     /// The texture coordinates of a triangle's corners, in the order in which the kernel has them; `None` for other shapes.
     fn corner_uvs(&self, hit: &Hit) -> Option<[[f32; 2]; 3]> {
         self.record.corner_uvs(self.geometries.get(hit.geometry as usize)?, hit.primitive)
@@ -196,6 +214,17 @@ impl GeometryRecord {
         }
     }
 
+    /// The colours that a mesh gives to the corners of a triangle, where it has any.
+    pub(super) fn corner_colors(&self, geometry: &Geometry, primitive: u32) -> Option<[Texel; 3]> {
+        let (Geometry::Flat { triangles, surface, .. } | Geometry::Instance { triangles, surface, .. }) = geometry
+        else {
+            return None;
+        };
+        let colors = &self.whole_mesh(*surface)?.colors;
+        let [a, b, c] = triangles.mesh.indices().get(primitive as usize);
+        Some([*colors.get(a as usize)?, *colors.get(b as usize)?, *colors.get(c as usize)?])
+    }
+
     /// The texture coordinates that a mesh gives to the corners of a triangle, where it has any.
     fn mesh_uvs(&self, surface: u32, triangles: &Triangles, primitive: u32) -> Option<[[f32; 2]; 3]> {
         let mesh = self.uv_mesh(surface)?;
@@ -208,4 +237,83 @@ impl GeometryRecord {
 /// of its half.
 fn quad_uv(half: u32, [b1, b2]: [f32; 2]) -> [f32; 2] {
     if half == 0 { [b1 + b2, b2] } else { [b1, b1 + b2] }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::super::{BuildOptions, Scene};
+    use crate::desc;
+    use crate::math::{DVec3, Ray};
+    use crate::sampling::Rng;
+
+    /// At each point of a triangle the colour is that of its corners by the barycentric weights, however the triangle is placed,
+    /// and a texture and the material's own colour are factors on it.
+    #[test]
+    fn colors_of_vertices_are_interpolated_and_multiplied() {
+        let corners = [[-1.0, -0.8, 0.0], [1.2, -1.0, 0.3], [0.1, 0.9, -0.2]];
+        let colors = [[0.9, 0.1, 0.25, 1.0], [0.05, 0.8, 0.5, 0.5], [0.3, 0.6, 0.0, 0.25]];
+        let factors = [0.5, 0.25, 1.0];
+        let mut met = 0;
+        for (transform, dynamic, texture) in [
+            (json!([]), false, json!({"name": "t", "type": "vertex-colors"})),
+            (json!([{"scale": [-1.5, 1.2, 0.8]}]), false, json!({"name": "t", "type": "vertex-colors"})),
+            (
+                json!([{"scale": [-1.0, 1.0, 1.0]}, {"rotate": [20, 50, 10]}]),
+                true,
+                json!({"name": "t", "type": "checker", "colors": [[1, 0.5, 0.75], [1, 0.5, 0.75]], "vertexColors": true}),
+            ),
+        ] {
+            let of_texture = if texture["type"] == "checker" { [1.0, 0.5, 0.75] } else { [1.0; 3] };
+            let scene = json!({
+                "etendue": 1, "camera": {}, "textures": [texture],
+                "materials": [{"name": "m", "type": "diffuse", "color": factors, "textures": {"color": "t", "opacity": "t"}}],
+                "surfaces": [{"geometry": "mesh", "material": "m", "positions": corners, "triangles": [[0, 1, 2]],
+                    "colors": colors, "transform": transform}],
+            });
+            let desc = desc::parse(&scene.to_string(), "".as_ref(), None).unwrap();
+            let scene = Scene::build(&desc, &BuildOptions { dynamic, ..BuildOptions::default() }).unwrap();
+            let place = scene.record.placed(0).unwrap().1;
+            let mut rng = Rng::new(7, 3);
+            for _ in 0..500 {
+                let (a, b) = (f64::from(rng.next_f32()).sqrt(), f64::from(rng.next_f32()));
+                let weights = [1.0 - a, a * (1.0 - b), a * b];
+                let at = |i: usize| (0..3).map(|k| weights[k] * corners[k][i]).sum::<f64>();
+                let p = place.transform_point3(DVec3::new(at(0), at(1), at(2)));
+                let from = p + DVec3::new(0.3, 0.2, 4.0);
+                let direction = (scene.to_scene(p) - scene.to_scene(from)).normalize();
+                let ray = Ray::new(scene.to_scene(from), direction);
+                // Where it lets light through, rays may meet nothing.
+                let Some(hit) = scene.intersect(&ray) else { continue };
+                let interaction = scene.interaction(&ray, &hit);
+                let detail = scene.detail(&hit, &interaction);
+                let material = scene.material(interaction.material);
+                let [albedo, _] = material.diffuse_albedos(|_| detail);
+                let expected = |i: usize| (0..3).map(|k| weights[k] * colors[k][i]).sum::<f64>();
+                for i in 0..3 {
+                    let exact = expected(i) * factors[i] * of_texture[i];
+                    let found = f64::from(albedo.to_array()[i]);
+                    assert!((found - exact).abs() < 2e-6, "{found}, not {exact}: {transform}");
+                }
+                let opacity = f64::from(material.opacity(|_| detail));
+                assert!((opacity - expected(3)).abs() < 2e-6, "{opacity}, not {}", expected(3));
+                met += 1;
+            }
+        }
+        assert!(met > 600, "{met}");
+    }
+
+    #[test]
+    fn colors_of_vertices_are_asked_for_where_a_texture_reads_them_alone() {
+        let scene = json!({
+            "etendue": 1, "camera": {}, "textures": [{"name": "t", "type": "checker"}],
+            "materials": [{"name": "m", "type": "diffuse", "color": [1, 1, 1], "textures": {"color": "t"}}],
+            "surfaces": [{"geometry": "mesh", "material": "m", "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]],
+                "triangles": [[0, 1, 2]], "colors": [[0, 0, 0], [0, 0, 0], [0, 0, 0]]}],
+        });
+        let desc = desc::parse(&scene.to_string(), "".as_ref(), None).unwrap();
+        let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
+        assert!(!scene.reads_vertex_colors);
+    }
 }

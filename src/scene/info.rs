@@ -206,10 +206,13 @@ impl TextureFacts {
                 spaces[*space as usize] += 1;
             }
         }
-        let patterns = prepared.len() - spaces.iter().sum::<usize>();
+        let white = prepared.each().filter(|(texture, _)| texture.source == TextureSource::White).count();
+        let patterns = prepared.len() - spaces.iter().sum::<usize>() - white;
+        let colored = desc.textures.iter().any(|texture| texture.vertex_colors);
+        let colors = if colored { ", colours of vertices" } else { "" };
         let lines = vec![
             format!(
-                "textures: {} images of {:.1} MB with their levels ({} as sRGB, {} as linear light, {} as numbers), {patterns} patterns",
+                "textures: {} images of {:.1} MB with their levels ({} as sRGB, {} as linear light, {} as numbers), {patterns} patterns{colors}",
                 images.len(),
                 bytes as f64 / 1e6,
                 spaces[0],

@@ -83,6 +83,8 @@ pub struct Scene {
     materials: Arc<[Material]>,
     /// Tangents of the surfaces that have a normal map.
     tangents: Arc<tangents::SurfaceTangents>,
+    /// Whether a texture is multiplied by the colours of vertices.
+    reads_vertex_colors: bool,
     /// The textures of the materials, for [`Scene::rebuild`].
     textures: Arc<prepared_textures::PreparedTextures>,
     /// What any of the materials needs to know of a hit.

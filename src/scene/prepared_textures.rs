@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::desc::{ImageTextureDesc, MaterialDesc, SceneDesc, TextureDesc, TextureKey, TextureSource};
 use crate::embree::{Charge, Device};
 use crate::error::Result;
-use crate::texture::{ColorSpace, ImageTexture, Texture};
+use crate::texture::{ColorSpace, ImageTexture, Texel, Texture, WHITE};
 
 /// A texture as it was prepared, for scenes that are built from the same description again.
 #[derive(Clone, Debug)]
@@ -20,9 +20,41 @@ pub(super) struct PreparedTexture {
 
 /// The textures that materials of a scene use.
 #[derive(Clone, Debug, Default)]
-pub(super) struct PreparedTextures(Vec<PreparedTexture>);
+pub(super) struct PreparedTextures {
+    all: Vec<PreparedTexture>,
+    colors: Option<VertexColors>,
+}
+
+/// What is known of the colours of all vertices before a point is known. Vertices without colours, which are white, count for the range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct VertexColors {
+    pub mean: Texel,
+    /// The least and greatest of each channel.
+    pub range: [Texel; 2],
+}
+
+impl VertexColors {
+    fn new(desc: &SceneDesc) -> Self {
+        let (mut sum, mut range, mut count) = ([0.0_f64; 4], [WHITE; 2], 0.0_f64);
+        for color in desc.meshes.iter().flat_map(|mesh| &mesh.colors) {
+            for i in 0..4 {
+                sum[i] += f64::from(color[i]);
+                range[0][i] = range[0][i].min(color[i]);
+                range[1][i] = range[1][i].max(color[i]);
+            }
+            count += 1.0;
+        }
+        let mean = if count == 0.0 { WHITE } else { sum.map(|sum| (sum / count) as f32) };
+        Self { mean, range }
+    }
+}
 
 impl PreparedTextures {
+    /// What is known of the colours of vertices, which are gone through once.
+    pub fn vertex_colors(&mut self, desc: &SceneDesc) -> VertexColors {
+        *self.colors.get_or_insert_with(|| VertexColors::new(desc))
+    }
+
     /// Charges the texture of a material's emission, which emitters read.
     pub fn add_emission(
         &mut self,
@@ -46,18 +78,18 @@ impl PreparedTextures {
     ) -> Result<Arc<Texture>> {
         let space = match &desc.source {
             TextureSource::Image(image) => color_space(image, is_color),
-            TextureSource::Procedural(_) => ColorSpace::Linear,
+            TextureSource::Procedural(_) | TextureSource::White => ColorSpace::Linear,
         };
         let same = |it: &&PreparedTexture| it.space == space && it.desc.source == desc.source;
-        if let Some(known) = self.0.iter().find(same) {
+        if let Some(known) = self.all.iter().find(same) {
             return Ok(Arc::clone(&known.texture));
         }
-        let prepared = match before.and_then(|before| before.0.iter().find(same)) {
+        let prepared = match before.and_then(|before| before.all.iter().find(same)) {
             Some(known) => PreparedTexture { desc: Arc::clone(desc), ..known.clone() },
             None => self.prepare(desc, space, before, device).map_err(|error| error.at(&desc.path))?,
         };
         let texture = Arc::clone(&prepared.texture);
-        self.0.push(prepared);
+        self.all.push(prepared);
         Ok(texture)
     }
 
@@ -73,9 +105,9 @@ impl PreparedTextures {
             TextureSource::Image(it) => {
                 let is_shared = |other: &&PreparedTexture| match &other.desc.source {
                     TextureSource::Image(other) => Arc::ptr_eq(&other.image, &it.image),
-                    TextureSource::Procedural(_) => false,
+                    TextureSource::Procedural(_) | TextureSource::White => false,
                 };
-                let mut all = self.0.iter().chain(before.iter().flat_map(|before| &before.0));
+                let mut all = self.all.iter().chain(before.iter().flat_map(|before| &before.all));
                 let image = match all.find(is_shared) {
                     Some(other) => other.image.clone(),
                     None => charge(it.image.texels().bytes())?,
@@ -86,23 +118,24 @@ impl PreparedTextures {
                 (Texture::Image(texture), image, levels)
             }
             TextureSource::Procedural(it) => (Texture::procedural(*it), None, None),
+            TextureSource::White => (Texture::White, None, None),
         };
         Ok(PreparedTexture { desc: Arc::clone(desc), space, texture: Arc::new(texture), image, _levels: levels })
     }
 
     /// Each texture and what its numbers mean.
     pub fn each(&self) -> impl Iterator<Item = (&TextureDesc, ColorSpace)> {
-        self.0.iter().map(|it| (&*it.desc, it.space))
+        self.all.iter().map(|it| (&*it.desc, it.space))
     }
 
     /// Bytes of memory beyond the images themselves.
     pub fn bytes(&self) -> usize {
-        self.0.iter().map(|it| it.texture.bytes()).sum()
+        self.all.iter().map(|it| it.texture.bytes()).sum()
     }
 
     /// Number of textures, where one image with two colour spaces counts as two.
     pub fn len(&self) -> usize {
-        self.0.len()
+        self.all.len()
     }
 }
 
@@ -130,7 +163,8 @@ mod tests {
             wrap: [Wrap::Repeat; 2],
             filter: TextureFilter::Mip,
         });
-        TextureDesc { name: name.to_owned(), path: String::new(), source, mapping: TextureMapping::default() }
+        let mapping = TextureMapping::default();
+        TextureDesc { name: name.to_owned(), path: String::new(), source, mapping, vertex_colors: false }
     }
 
     #[test]
@@ -154,7 +188,7 @@ mod tests {
             };
             desc.set_material_texture(material, TextureKey::Color, Some(binding)).unwrap();
         }
-        let of = |scene: &Scene| -> Vec<_> { scene.textures.0.iter().map(|it| Arc::as_ptr(&it.texture)).collect() };
+        let of = |scene: &Scene| -> Vec<_> { scene.textures.all.iter().map(|it| Arc::as_ptr(&it.texture)).collect() };
         let options = BuildOptions::default();
         let before = Scene::build(&desc, &options).unwrap();
         desc.set_texture(1, texture("", 200)).unwrap();

@@ -65,8 +65,8 @@ struct SurfaceKey {
 struct KnownMesh {
     identity: Weak<MeshDesc>,
     bounds: Option<Bounds>,
-    /// The whole mesh, where it has texture coordinates.
-    with_uvs: Option<Arc<MeshDesc>>,
+    /// The whole mesh, where it has texture coordinates or colours.
+    whole: Option<Arc<MeshDesc>>,
 }
 
 impl GeometryRecord {
@@ -85,7 +85,7 @@ impl GeometryRecord {
             .map(|mesh| KnownMesh {
                 identity: Arc::downgrade(mesh),
                 bounds: bounds.get(&address(mesh)).copied(),
-                with_uvs: mesh.has_uvs().then(|| Arc::clone(mesh)),
+                whole: (mesh.has_uvs() || !mesh.colors.is_empty()).then(|| Arc::clone(mesh)),
             })
             .collect();
         Self { surfaces, meshes, objects, list_surfaces, facts, is_dynamic }
@@ -123,8 +123,13 @@ impl GeometryRecord {
 
     /// The mesh of a surface, where the mesh has texture coordinates.
     pub(super) fn uv_mesh(&self, surface: u32) -> Option<&MeshDesc> {
+        self.whole_mesh(surface).filter(|mesh| mesh.has_uvs())
+    }
+
+    /// The mesh of a surface, where the mesh has texture coordinates or colours.
+    pub(super) fn whole_mesh(&self, surface: u32) -> Option<&MeshDesc> {
         match self.surfaces.get(surface as usize)?.shape {
-            ShapeDesc::Mesh { mesh, .. } => self.meshes.get(mesh)?.with_uvs.as_deref(),
+            ShapeDesc::Mesh { mesh, .. } => self.meshes.get(mesh)?.whole.as_deref(),
             _ => None,
         }
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::material::turned_with_tangents;
-use super::prepared_textures::PreparedTextures;
+use super::prepared_textures::{PreparedTextures, VertexColors};
 use super::projection::Projected;
 use super::{SurfaceDetail, VaryingMaterial};
 use crate::bsdf::{Black, Bsdf, Lobes, Mix, Model as _, TwoSided};
@@ -75,6 +75,10 @@ impl Placement {
     }
 }
 
+fn times(a: Texel, b: Texel) -> Texel {
+    std::array::from_fn(|i| a[i] * b[i])
+}
+
 /// A texture bound to a parameter.
 #[derive(Clone, Debug)]
 struct Bound {
@@ -88,6 +92,8 @@ struct Bound {
     is_whole: bool,
     strength: f32,
     asks_footprint: bool,
+    /// The colours of vertices, by which the texture is multiplied.
+    colors: Option<VertexColors>,
     /// Number of steps between 0 and 1 to which the parameter is rounded; 0 for none.
     steps: f32,
 }
@@ -102,7 +108,19 @@ impl Bound {
 
     /// The texel where `at` has the texture's own coordinates.
     fn texel_at(&self, at: &SurfaceDetail) -> Texel {
-        self.texture.at(&self.placement.point(at, self.asks_footprint))
+        let texel = self.texture.at(&self.placement.point(at, self.asks_footprint));
+        if self.colors.is_some() { times(texel, at.color) } else { texel }
+    }
+
+    fn mean(&self) -> Texel {
+        let mean = self.texture.mean();
+        self.colors.map_or(mean, |colors| times(mean, colors.mean))
+    }
+
+    /// The least (0) or greatest (1) of each channel.
+    fn end(&self, end: usize) -> Texel {
+        let texel = self.texture.range()[end];
+        self.colors.map_or(texel, |colors| times(texel, colors.range[end]))
     }
 
     fn number(&self, texel: &Texel) -> f32 {
@@ -154,8 +172,9 @@ impl Binder<'_> {
         let texture = self.prepared.get(desc, binding.key.is_color(), self.before, self.device)?;
         let is_opaque = match &desc.source {
             TextureSource::Image(it) => !it.image.has_opacity(),
-            TextureSource::Procedural(_) => true,
+            TextureSource::Procedural(_) | TextureSource::White => true,
         };
+        let is_opaque = is_opaque && !desc.vertex_colors;
         let is_of_opacity = binding.key == TextureKey::Opacity && !is_opaque;
         let channel = channel_of(binding.channel).unwrap_or(if is_of_opacity { 3 } else { 0 });
         Ok(Bound {
@@ -170,6 +189,7 @@ impl Binder<'_> {
             channel,
             is_whole: binding.channel == TextureChannel::Default,
             strength: binding.strength,
+            colors: desc.vertex_colors.then(|| self.prepared.vertex_colors(self.desc)),
             steps,
         })
     }
@@ -321,7 +341,7 @@ impl Textured {
         let cutoff = material.textured(TextureKey::Opacity).map_or(0.0, |binding| binding.cutoff);
         let normal = material.textured(TextureKey::Normal).or_else(|| material.textured(TextureKey::Bump));
         let normal = surface(normal)?;
-        let mean = recipe.bsdf(&|bound| bound.texture.mean());
+        let mean = recipe.bsdf(&Bound::mean);
         // Each parameter at its smallest and largest while the others are at their means; all together; and those of rough surfaces
         // at their smallest while all others are at either end.
         let mut bound_at = Vec::new();
@@ -335,12 +355,12 @@ impl Textured {
             for one in &bound_at {
                 let is_it = |bound: &Bound| std::ptr::from_ref(bound).addr() == *one;
                 let texel = |bound: &Bound| {
-                    if is_it(bound) { bound.texture.range()[end] } else { bound.texture.mean() }
+                    if is_it(bound) { bound.end(end) } else { bound.mean() }
                 };
                 extremes.push(recipe.bsdf(&texel));
             }
-            extremes.push(recipe.bsdf(&|bound| bound.texture.range()[end]));
-            let smoothest = |bound: &Bound| bound.texture.range()[if bound.key.is_of_tables() { 0 } else { end }];
+            extremes.push(recipe.bsdf(&|bound| bound.end(end)));
+            let smoothest = |bound: &Bound| bound.end(if bound.key.is_of_tables() { 0 } else { end });
             extremes.push(recipe.bsdf(&smoothest));
         }
         let lobes = extremes.iter().map(|bsdf| bsdf.lit_lobes()).fold(Lobes::empty(), |all, some| all | some);
@@ -432,7 +452,7 @@ fn bumped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
     // Half a texel.
     let step = match &*bound.texture {
         Texture::Image(image) => 0.5 / image.texels_across() as f32,
-        Texture::Procedural(..) => 1e-3,
+        Texture::Procedural(..) | Texture::White => 1e-3,
     };
     let height = |at: &SurfaceDetail| bound.number(&bound.texel_at(at));
     // The step is in texture coordinates, or in lengths for patterns in space.

@@ -74,6 +74,7 @@ impl EmissionTexture {
                 Texture::Image(ImageTexture::by_threads(Arc::clone(&it.image), space, it.wrap, filter, threads))
             }
             TextureSource::Procedural(it) => Texture::procedural(*it),
+            TextureSource::White => Texture::White,
         };
         Some(Self {
             light: TextureLight::new(Arc::new(shown), threads),

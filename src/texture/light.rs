@@ -31,7 +31,7 @@ impl TextureLight {
                 let first = (1..=levels).find(is_kept).unwrap_or(0);
                 (Some(image), first)
             }
-            Texture::Procedural(..) => (None, 0),
+            Texture::Procedural(..) | Texture::White => (None, 0),
         };
         Self { texture, image, first }
     }

@@ -54,7 +54,12 @@ pub enum Texture {
     Image(ImageTexture),
     /// A formula, and its mean.
     Procedural(Procedural, Texel),
+    /// White and opaque.
+    White,
 }
+
+/// White, and opaque.
+pub(crate) const WHITE: Texel = [1.0; 4];
 
 impl Texture {
     /// A texture by a formula.
@@ -67,6 +72,7 @@ impl Texture {
         match self {
             Self::Image(image) => image.at(at),
             Self::Procedural(pattern, _) => pattern.at(at),
+            Self::White => WHITE,
         }
     }
 
@@ -75,6 +81,7 @@ impl Texture {
         match self {
             Self::Image(image) => image.mean(),
             Self::Procedural(_, mean) => *mean,
+            Self::White => WHITE,
         }
     }
 
@@ -83,6 +90,7 @@ impl Texture {
         match self {
             Self::Image(image) => image.range(),
             Self::Procedural(pattern, _) => pattern.range(),
+            Self::White => [WHITE; 2],
         }
     }
 
@@ -91,6 +99,7 @@ impl Texture {
         match self {
             Self::Image(image) => image.texels_across(),
             Self::Procedural(..) => 32,
+            Self::White => 1,
         }
     }
 
@@ -98,7 +107,7 @@ impl Texture {
     pub fn asks_footprint(&self) -> bool {
         match self {
             Self::Image(image) => image.filter().asks_footprint(),
-            Self::Procedural(..) => false,
+            Self::Procedural(..) | Self::White => false,
         }
     }
 
@@ -106,7 +115,7 @@ impl Texture {
     pub fn bytes(&self) -> usize {
         match self {
             Self::Image(image) => image.pyramid_bytes(),
-            Self::Procedural(..) => 0,
+            Self::Procedural(..) | Self::White => 0,
         }
     }
 }

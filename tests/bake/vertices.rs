@@ -117,7 +117,9 @@ fn textures_count_at_vertices() {
     let pattern = Procedural { pattern: Pattern::Gradient, colors: [Rgb::ZERO, Rgb::ONE], in_space: true };
     let mapping = TextureMapping::Space { scale: DVec3::splat(0.5), offset: DVec3::splat(0.5) };
     let source = TextureSource::Procedural(pattern);
-    let ramp = desc.add_texture(TextureDesc { name: "ramp".into(), path: String::new(), source, mapping }).unwrap();
+    let ramp = desc
+        .add_texture(TextureDesc { name: "ramp".into(), path: String::new(), source, mapping, vertex_colors: false })
+        .unwrap();
     for key in [TextureKey::Color, TextureKey::Emission] {
         let binding =
             TextureBinding { key, texture: ramp, channel: TextureChannel::Default, strength: 1.0, cutoff: 0.0 };

@@ -104,6 +104,7 @@ static void enumerations(void) {
     VALUE(ETD_TEXTURE_TURBULENCE);
     VALUE(ETD_TEXTURE_MARBLE);
     VALUE(ETD_TEXTURE_WOOD);
+    VALUE(ETD_TEXTURE_VERTEX_COLORS);
     ENUM(etd_texel_format);
     VALUE(ETD_TEXEL_UINT8);
     VALUE(ETD_TEXEL_UINT16);
@@ -400,6 +401,7 @@ static void structures(void) {
     FIELD(etd_texture, scale);
     FIELD(etd_texture, rotation_deg);
     FIELD(etd_texture, offset);
+    FIELD(etd_texture, vertex_colors);
     STRUCT(etd_texture_binding);
     FIELD(etd_texture_binding, struct_size);
     FIELD(etd_texture_binding, texture);
@@ -429,6 +431,8 @@ static void structures(void) {
     FIELD(etd_mesh, release);
     FIELD(etd_mesh, user_data);
     FIELD(etd_mesh, name);
+    FIELD(etd_mesh, colors);
+    FIELD(etd_mesh, color_stride);
     STRUCT(etd_film_options);
     FIELD(etd_film_options, struct_size);
     FIELD(etd_film_options, width);

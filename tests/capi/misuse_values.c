@@ -380,7 +380,7 @@ static void pass_wrong_enumerations(void) {
         {"thin_walled", e_thin_walled, 1},
         {"position_format", e_position_format, ETD_POSITION_DOUBLE3},
         {"sharing", e_sharing, ETD_SHARE},
-        {"kind", e_texture_kind, ETD_TEXTURE_WOOD},
+        {"kind", e_texture_kind, ETD_TEXTURE_VERTEX_COLORS},
         {"texel_format", e_texel_format, ETD_TEXEL_FLOAT},
         {"color_space", e_color_space, ETD_COLOR_SPACE_RAW},
         {"filter of a texture", e_texture_filter, ETD_TEXTURE_FILTER_STOCHASTIC},

@@ -424,8 +424,85 @@ static void errors(etd_device *device) {
     CHECK(released == 0);
 }
 
+/* Colours of vertices: a mesh of one colour looks like a material of that colour, and the values are copied. */
+static void vertex_colors(etd_device *device) {
+    static const float positions[] = {-1.5f, -1.5f, 0, 1.5f, -1.5f, 0, 1.5f, 1.5f, 0, -1.5f, 1.5f, 0, 0, 0, 0, 0};
+    static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    static const etd_sharing sharings[] = {ETD_COPY, ETD_SHARE};
+    static float expected[PIXELS], found[PIXELS];
+    size_t i, k;
+    for (k = 0; k < 3; ++k) {
+        float colors[24];
+        etd_texture texture = ETD_TEXTURE_INIT;
+        etd_texture read = ETD_TEXTURE_INIT;
+        etd_mesh mesh = ETD_MESH_INIT;
+        etd_surface look = ETD_SURFACE_INIT;
+        etd_material material = ETD_MATERIAL_INIT;
+        etd_texture_binding binding = ETD_TEXTURE_BINDING_INIT;
+        etd_scene *scene = scene_of(device, "", "");
+        uint32_t number = 7, texture_number = 7, surface = 7;
+        for (i = 0; i < 24; ++i) {
+            static const float color[] = {0.5f, 0.25f, 0.75f, 1.0f, -7.0f, -7.0f};
+            colors[i] = color[i % 6];
+        }
+        CHECK_OK(etd_scene_get_material(scene, 0, &material));
+        mesh.positions = positions;
+        mesh.vertex_count = 4;
+        mesh.position_bytes = sizeof positions;
+        mesh.indices = indices;
+        mesh.triangle_count = 2;
+        /* The material's own colour, then that of vertices times white, then times a pattern of one colour. */
+        if (k == 0) {
+            material.color[0] *= 0.5f;
+            material.color[1] *= 0.25f;
+            material.color[2] *= 0.75f;
+        } else {
+            mesh.colors = colors;
+            mesh.color_stride = 6 * sizeof *colors;
+            mesh.sharing = sharings[k - 1];
+        }
+        CHECK_OK(etd_scene_set_material(scene, 0, &material));
+        CHECK_OK(etd_scene_add_mesh(scene, &mesh, &number));
+        memset(colors, 0, sizeof colors);
+        look.material = 0;
+        CHECK_OK(etd_scene_remove_surface(scene, 0));
+        CHECK_OK(etd_scene_add_mesh_surface(scene, number, 0, &look, &surface));
+        if (k > 0) {
+            texture.kind = k == 1 ? ETD_TEXTURE_VERTEX_COLORS : ETD_TEXTURE_CHECKER;
+            texture.vertex_colors = k == 2;
+            texture.colors[0][0] = texture.colors[0][1] = texture.colors[0][2] = 1;
+            CHECK_OK(etd_scene_add_texture(scene, NULL, &texture, &texture_number));
+            CHECK_OK(etd_scene_get_texture(scene, texture_number, &read));
+            CHECK(read.kind == texture.kind && read.vertex_colors == 1);
+            bind(scene, texture_number);
+            binding.texture = texture_number;
+            CHECK_STATUS(etd_scene_set_material_texture(scene, 0, "normal", &binding), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_set_material_texture(scene, 0, "bump", &binding), ETD_INVALID_SCENE);
+            texture.vertex_colors = 2;
+            CHECK_STATUS(etd_scene_set_texture(scene, texture_number, &texture), ETD_INVALID_ARGUMENT);
+        }
+        render(device, scene, k == 0 ? expected : found);
+        for (i = 0; k > 0 && i < PIXELS; ++i) {
+            if (!CHECK(fabsf(found[i] - expected[i]) <= 1e-5f * (1 + expected[i]))) {
+                break;
+            }
+        }
+        mesh.colors = colors;
+        mesh.color_stride = 6 * sizeof *colors;
+        colors[6] = -1;
+        CHECK_STATUS(etd_scene_set_mesh(scene, number, &mesh), ETD_INVALID_SCENE);
+        colors[6] = 1;
+        colors[9] = 2;
+        CHECK_STATUS(etd_scene_set_mesh(scene, number, &mesh), ETD_INVALID_SCENE);
+        mesh.color_stride = 7;
+        CHECK_STATUS(etd_scene_set_mesh(scene, number, &mesh), ETD_INVALID_ARGUMENT);
+        etd_scene_release(scene);
+    }
+}
+
 int main(void) {
     etd_device *device = new_device(1);
+    vertex_colors(device);
     patterns(device);
     formats(device);
     sharing(device);

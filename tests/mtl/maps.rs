@@ -35,7 +35,7 @@ fn bound(scene: &SceneDesc) -> Vec<(TextureKey, String, TextureChannel, f32)> {
             let file = image.file.as_deref().expect("an image of a file");
             file.file_name().expect("a name").to_string_lossy().into_owned()
         }
-        TextureSource::Procedural(_) => unreachable!("libraries have no patterns"),
+        TextureSource::Procedural(_) | TextureSource::White => unreachable!("libraries have no patterns"),
     };
     let all = scene.materials.iter().flat_map(|material| &material.textures);
     all.map(|it| (it.key, name(it.texture), it.channel, it.strength)).collect()

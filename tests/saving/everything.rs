@@ -154,7 +154,13 @@ fn textures(scene: &mut SceneDesc) {
         let x = number as f64 / 7.0;
         let mapping = TextureMapping::Uv { scale: [x, -x], rotation: x - 1.0, offset: [1.0 / x, -0.0] };
         scene
-            .add_texture(TextureDesc { name: format!("image {number}"), path: String::new(), source, mapping })
+            .add_texture(TextureDesc {
+                name: format!("image {number}"),
+                path: String::new(),
+                source,
+                mapping,
+                vertex_colors: false,
+            })
             .unwrap();
     };
     for channels in 1..=4 {
@@ -192,7 +198,9 @@ fn textures(scene: &mut SceneDesc) {
                 true => TextureMapping::Space { scale: DVec3::new(1.0, 1e-7, -3.0), offset: DVec3::splat(1.0 / 3.0) },
             };
             let name = format!("pattern {}", scene.textures.len());
-            scene.add_texture(TextureDesc { name, path: String::new(), source, mapping }).unwrap();
+            scene
+                .add_texture(TextureDesc { name, path: String::new(), source, mapping, vertex_colors: false })
+                .unwrap();
         }
     }
     // Images and patterns by projections of the world.
@@ -213,7 +221,7 @@ fn textured(scene: &mut SceneDesc) {
     let count = scene.textures.len();
     let is_stochastic = |number: usize| match &scene.textures[number].source {
         TextureSource::Image(it) => it.filter == TextureFilter::Stochastic,
-        TextureSource::Procedural(_) => false,
+        TextureSource::Procedural(_) | TextureSource::White => false,
     };
     let channels = [TextureChannel::Default, TextureChannel::Red, TextureChannel::Green, TextureChannel::Blue];
     let channels = [&channels[..], &[TextureChannel::Alpha]].concat();
@@ -256,6 +264,18 @@ fn textured(scene: &mut SceneDesc) {
     let shining =
         MaterialDesc { emission: Some(rgb(2.0, 1.0, 3.0)), textures: bind(&[K::Emission]), ..MaterialDesc::default() };
     scene.add_material_desc(shining).unwrap();
+    // Colours of vertices, alone and on an image and a pattern.
+    let white = TextureDesc::of_vertex_colors("vertex colors".into(), String::new());
+    let times = |number: usize| TextureDesc {
+        name: format!("{number} times colors"),
+        vertex_colors: true,
+        ..(*scene.textures[number]).clone()
+    };
+    for texture in [white, times(usable[0]), times(usable[usable.len() - 1])] {
+        let texture = scene.add_texture(texture).unwrap();
+        let (bsdf, textures) = (BsdfDesc::Lambert { albedo: Rgb::ONE }, vec![TextureBinding::of_color(texture)]);
+        scene.add_material_desc(MaterialDesc { bsdf, textures, ..MaterialDesc::default() }).unwrap();
+    }
 }
 
 fn meshes(scene: &mut SceneDesc) {
@@ -264,6 +284,7 @@ fn meshes(scene: &mut SceneDesc) {
         name: "with all".into(),
         normals: vec![[0.0, -0.0, third(1.0)], [0.0; 3], [1e-30, 5.0, -1.0], [0.0, 0.0, 1.0]],
         uvs: vec![[third(1.0), -7.0], [0.0, 1.0], [1e20, -0.0], [0.5, 0.5]],
+        colors: vec![[third(1.0), 0.0, 1e20, 1.0], [0.0; 4], [1e-30, third(0.7), 1.0, third(0.5)], [1.0; 4]],
         triangles: vec![[2, 1, 0], [0, 2, 3], [2, 1, 0]],
         positions: positions.clone(),
         ..MeshDesc::default()
@@ -473,8 +494,9 @@ pub fn assert_complete(scene: &SceneDesc) {
             Pattern::Marble { .. } => 8,
             Pattern::Wood { .. } => 9,
         },
+        TextureSource::White => 10,
     };
-    assert_all(scene.textures.iter().map(source), 10);
+    assert_all(scene.textures.iter().map(source), 11);
     let keys = scene.materials.iter().flat_map(|material| &material.textures).map(|binding| binding.key);
     let number = |key: TextureKey| TextureKey::ALL.iter().position(|other| *other == key).unwrap();
     assert_all(keys.map(number), TextureKey::ALL.len());

@@ -70,9 +70,10 @@ fn each<T>(before: &[T], after: &[T], text: impl Fn(&T) -> String, what: &str) {
 }
 
 fn texture(texture: &TextureDesc) -> String {
-    let TextureDesc { name, source, mapping, .. } = texture;
+    let TextureDesc { name, source, mapping, vertex_colors, .. } = texture;
     match source {
-        TextureSource::Procedural(it) => text(&(name, it, mapping)),
+        TextureSource::White => text(&(name, vertex_colors)),
+        TextureSource::Procedural(it) => text(&(name, it, mapping, vertex_colors)),
         TextureSource::Image(it) => {
             // Whether colours and other numbers are sRGB: linear light and raw numbers are the same. The rotation may differ in its
             // last bit.
@@ -86,7 +87,7 @@ fn texture(texture: &TextureDesc) -> String {
                 }
                 TextureMapping::Space { scale, offset } => text(&(scale, offset)),
             };
-            text(&(name, &it.image, space, it.wrap, it.filter, mapping))
+            text(&(name, &it.image, space, it.wrap, it.filter, mapping, vertex_colors))
         }
     }
 }
@@ -95,7 +96,7 @@ fn texture(texture: &TextureDesc) -> String {
 fn shared(textures: &[Arc<TextureDesc>]) -> Vec<Option<usize>> {
     let image = |texture: &TextureDesc| match &texture.source {
         TextureSource::Image(it) => Some(Arc::as_ptr(&it.image)),
-        TextureSource::Procedural(_) => None,
+        TextureSource::Procedural(_) | TextureSource::White => None,
     };
     textures.iter().map(|texture| textures.iter().position(|other| image(other) == image(texture))).collect()
 }
@@ -127,6 +128,7 @@ fn mesh(mesh: &MeshDesc) -> impl PartialEq + use<> {
         vertices().map(|i| mesh.normal(i).map(|normal| normal.map(f32::to_bits))).collect::<Vec<_>>(),
         vertices().map(|i| mesh.uv(i).map(|uv| uv.map(f32::to_bits))).collect::<Vec<_>>(),
         (0..mesh.triangle_count()).map(|i| mesh.triangle(i)).collect::<Vec<_>>(),
+        mesh.colors.iter().map(|color| color.map(f32::to_bits)).collect::<Vec<_>>(),
     )
 }
 

@@ -253,6 +253,11 @@ pub struct etd_mesh {
     pub user_data: *mut c_void,
     /// Name of the mesh, unique among meshes; NULL: none.
     pub name: *const c_char,
+    /// One colour for each vertex, for textures with `vertex_colors`: red, green and blue in linear light, each >= 0, and opacity in
+    /// [0, 1]; NULL: none. Colours are always copied.
+    pub colors: *const f32,
+    /// Bytes from one colour to the next; 0: colours without gaps.
+    pub color_stride: usize,
 }
 
 /// The properties of a surface other than its shape.

@@ -32,6 +32,8 @@ pub enum etd_texture_kind {
     ETD_TEXTURE_MARBLE = 6,
     /// Rings around the second axis of space.
     ETD_TEXTURE_WOOD = 7,
+    /// White and opaque, times the colours of the vertices of meshes (`etd_mesh.colors`).
+    ETD_TEXTURE_VERTEX_COLORS = 8,
 }
 
 /// The number format of texels.
@@ -182,6 +184,9 @@ pub struct etd_texture {
     pub rotation_deg: f64,
     /// Added to the coordinates at last; the third is used in space only.
     pub offset: [f64; 3],
+    /// 1: the texture is multiplied by the colours of vertices, and its opacity by theirs. 0: it is not. Always 1 of
+    /// `ETD_TEXTURE_VERTEX_COLORS`, whatever is given. Refused for the parameters "emission", "normal" and "bump".
+    pub vertex_colors: u32,
 }
 
 /// A texture of a parameter of a material. The parameter is that of the material times the texture.
@@ -205,7 +210,7 @@ pub struct etd_texture_binding {
 enumerations! {
     etd_texture_kind:
         ETD_TEXTURE_IMAGE, ETD_TEXTURE_CHECKER, ETD_TEXTURE_GRID, ETD_TEXTURE_GRADIENT, ETD_TEXTURE_NOISE,
-        ETD_TEXTURE_TURBULENCE, ETD_TEXTURE_MARBLE, ETD_TEXTURE_WOOD;
+        ETD_TEXTURE_TURBULENCE, ETD_TEXTURE_MARBLE, ETD_TEXTURE_WOOD, ETD_TEXTURE_VERTEX_COLORS;
     etd_texel_format: ETD_TEXEL_UINT8, ETD_TEXEL_UINT16, ETD_TEXEL_HALF, ETD_TEXEL_FLOAT;
     etd_color_space:
         ETD_COLOR_SPACE_BY_USE, ETD_COLOR_SPACE_SRGB, ETD_COLOR_SPACE_LINEAR, ETD_COLOR_SPACE_RAW;

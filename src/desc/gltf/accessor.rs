@@ -137,6 +137,11 @@ impl<'a> Accessors<'a> {
         Ok(element(&self.document.accessors, "accessors", path, index)?.1.count)
     }
 
+    /// Whether the elements of the accessor that `path` names are of this type, such as `VEC3`.
+    pub fn is_of_type(&self, path: &str, index: u64, kind: &str) -> Result<bool> {
+        Ok(element(&self.document.accessors, "accessors", path, index)?.1.kind == kind)
+    }
+
     /// Whether the accessor has bytes of its own.
     pub fn has_bytes(&self, path: &str, index: u64) -> Result<bool> {
         let (_, accessor) = element(&self.document.accessors, "accessors", path, index)?;

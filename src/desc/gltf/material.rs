@@ -1,11 +1,11 @@
 //! Materials: glTF's parameters as those of the principled material. `docs/gltf.md` has the table.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::super::json::elided;
 use super::super::{
-    BsdfDesc, MaterialDesc, MediumDesc, PrincipledDesc, SceneDesc, TextureBinding, TextureChannel, TextureKey,
-    material_check, texture_check,
+    BsdfDesc, MaterialDesc, MediumDesc, PrincipledDesc, SceneDesc, TextureBinding, TextureChannel, TextureDesc,
+    TextureKey, material_check, texture_check,
 };
 use super::buffers::Buffers;
 use super::document::{Document, Material, TextureInfo, element};
@@ -13,6 +13,7 @@ use super::material_extensions::{
     self, Anisotropy, Clearcoat, DiffuseTransmission, EmissiveStrength, Extension, Ior, Sheen, Specular,
     SpecularGlossiness, Transmission, Volume,
 };
+use super::mesh::COLOR;
 use super::texture::{self, Slot, Textures};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
@@ -26,6 +27,8 @@ pub(super) struct Materials {
     numbers: Vec<usize>,
     /// The material of primitives without one, once there is such a primitive.
     default: Option<usize>,
+    /// Whether some of them have colours of vertices.
+    default_has_colors: bool,
     /// Sets of texture coordinates, of materials with textures.
     uv_sets: HashMap<usize, u64>,
     left_out: Vec<String>,
@@ -49,7 +52,12 @@ impl Materials {
             ..PrincipledDesc::default()
         });
         let path = format!("{path}.material");
-        let number = put(scene, MaterialDesc { path, bsdf, ..MaterialDesc::default() })?;
+        let mut textures = Vec::new();
+        if self.default_has_colors {
+            let texture = scene.put_texture(TextureDesc::of_vertex_colors(String::new(), path.clone()))?;
+            textures.push(TextureBinding { key: TextureKey::BaseColor, ..TextureBinding::of_color(texture) });
+        }
+        let number = put(scene, MaterialDesc { path, bsdf, textures, ..MaterialDesc::default() })?;
         self.default = Some(number);
         Ok(number)
     }
@@ -120,14 +128,20 @@ impl Notes {
 /// Adds all materials of a document.
 pub(super) fn add(document: &Document<'_>, buffers: &Buffers<'_>, scene: &mut SceneDesc) -> Result<Materials> {
     let mut reader = Reader { document, textures: Textures::new(document, buffers), notes: Notes::default() };
+    let primitives = || document.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    // A material may be of primitives with colours and of others: these are white.
+    let colored: HashSet<_> =
+        primitives().filter(|it| it.attributes.contains_key(COLOR)).map(|it| it.material).collect();
     let (mut numbers, mut uv_sets) = (Vec::with_capacity(document.materials.len()), HashMap::new());
     for (i, material) in document.materials.iter().enumerate() {
+        reader.textures.vertex_colors = colored.contains(&Some(i as u64));
         let number = reader.add(&format!("materials[{i}]"), material, scene)?;
         numbers.push(number);
         uv_sets.extend(reader.textures.uv_set.take().map(|set| (number, set)));
     }
     let Reader { textures, notes, .. } = reader;
-    Ok(Materials { numbers, default: None, uv_sets, left_out: textures.warnings(), notes })
+    let default_has_colors = colored.contains(&None);
+    Ok(Materials { numbers, default: None, default_has_colors, uv_sets, left_out: textures.warnings(), notes })
 }
 
 /// Checks a material and adds it. One whose name is taken has none.
@@ -160,6 +174,7 @@ impl Reader<'_> {
     fn add(&mut self, path: &str, material: &Material<'_>, scene: &mut SceneDesc) -> Result<usize> {
         let mut desc = PrincipledDesc { coat_ior: 1.5, coat_darkening: 0.0, ..PrincipledDesc::default() };
         let base = self.base(path, material, &mut desc)?;
+        self.textures.bind_vertex_colors(path)?;
         self.reflection(path, material, &mut desc)?;
         self.coat_and_sheen(path, material, &mut desc)?;
         let medium = self.transmission(path, material, base, &mut desc)?;
@@ -186,7 +201,7 @@ impl Reader<'_> {
         let mut whole = if material.extensions.contains_key("KHR_materials_unlit") {
             let has_alpha = of_base.is_some_and(|it| self.textures.has_opacity(it.texture));
             let is_opaque = whole.opacity >= 1.0 && (!has_alpha || ignores_alpha(material));
-            self.unlit(path, base, of_base, is_opaque, whole)
+            self.unlit(path, base, of_base, is_opaque && !self.textures.vertex_colors, whole)
         } else {
             MaterialDesc { bsdf: BsdfDesc::Principled(desc), textures, ..whole }
         };
@@ -443,18 +458,18 @@ impl Reader<'_> {
     }
 
     /// A surface that shows its colour whatever the light: it emits this colour and reflects nothing. Where that cannot be, because
-    /// what emits has to be opaque, it is a diffuse surface.
+    /// what emits has to be opaque and takes no colours of vertices, it is a diffuse surface.
     fn unlit(
         &mut self,
         path: &str,
         base: [f64; 4],
         of_base: Option<TextureBinding>,
-        is_opaque: bool,
+        can_emit: bool,
         whole: MaterialDesc,
     ) -> MaterialDesc {
         let whole = MaterialDesc { medium: None, ..whole };
-        if !is_opaque {
-            self.notes.note("unlit materials that are not opaque are diffuse", path);
+        if !can_emit {
+            self.notes.note("unlit materials that are not opaque, or have colours of vertices, are diffuse", path);
             let textures = of_base.into_iter().map(|it| TextureBinding { key: TextureKey::Color, ..it }).collect();
             return MaterialDesc { bsdf: BsdfDesc::Lambert { albedo: rgb(base) }, emission: None, textures, ..whole };
         }

@@ -12,6 +12,9 @@ use crate::{Error, Result};
 const VERTEX_LIMIT: usize = 1 << 26;
 const TRIANGLE_LIMIT: usize = 1 << 27;
 
+/// The attribute of the colours of vertices.
+pub(super) const COLOR: &str = "COLOR_0";
+
 /// The triangles of a primitive in the frame of its mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Geometry {
@@ -20,6 +23,8 @@ pub(super) struct Geometry {
     pub normals: Vec<DVec3>,
     /// Empty, or one per vertex.
     pub uvs: Vec<[f32; 2]>,
+    /// Empty, or one per vertex.
+    pub colors: Vec<[f32; 4]>,
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -135,15 +140,16 @@ impl<'a> Meshes<'a> {
             // glTF counts v from the upper edge of an image, and scenes from the lower one.
             uvs.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
         }
+        let colors = self.colors(path, primitive, count)?;
         for key in primitive.attributes.keys() {
-            let is_read = ["POSITION", "NORMAL", &uv_key].contains(&key.as_str());
+            let is_read = ["POSITION", "NORMAL", COLOR, &uv_key].contains(&key.as_str());
             // Joints and weights are read with the skin, and names that begin with an underscore mean something to programs alone.
             let is_elsewhere = key.starts_with("JOINTS_") || key.starts_with("WEIGHTS_") || key.starts_with('_');
             if !is_read && !is_elsewhere {
                 self.leave_out(&format!("the attribute {} is left out", elided(key)), path);
             }
         }
-        let mut geometry = Geometry { positions, normals, uvs, triangles: Vec::new() };
+        let mut geometry = Geometry { positions, normals, uvs, colors, triangles: Vec::new() };
         self.morph(path, primitive, weights, &mut geometry)?;
         let indices = match primitive.indices {
             Some(index) => {
@@ -175,6 +181,32 @@ impl<'a> Meshes<'a> {
             return Ok(None);
         }
         Ok(Some(geometry))
+    }
+
+    /// The colours of so many vertices, which are in linear light.
+    fn colors(&mut self, path: &str, primitive: &Primitive<'_>, count: usize) -> Result<Vec<[f32; 4]>> {
+        let Some(&index) = primitive.attributes.get(COLOR) else { return Ok(Vec::new()) };
+        let at = format!("{path}.attributes.{COLOR}");
+        let found = self.accessors.count(&at, index)?;
+        if found != count as u64 {
+            return Err(Error::invalid(at, format!("{found} elements for {count} positions, expected one each")));
+        }
+        let mut colors = if self.accessors.is_of_type(&at, index, "VEC3")? {
+            let read = self.accessors.floats::<3>(&at, index, Allowed::Fractions)?;
+            read.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect()
+        } else {
+            self.accessors.floats::<4>(&at, index, Allowed::Fractions)?
+        };
+        let mut is_clamped = false;
+        for color in &mut colors {
+            let fitting = color.map(|channel| channel.clamp(0.0, 1.0));
+            is_clamped |= fitting != *color;
+            *color = fitting;
+        }
+        if is_clamped {
+            self.leave_out("colours of vertices are out of range; the nearest ones in range are used", &at);
+        }
+        Ok(colors)
     }
 
     /// Adds the morph targets by their weights.

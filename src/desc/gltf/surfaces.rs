@@ -175,6 +175,7 @@ impl Adding<'_> {
             positions: it.positions,
             normals: it.normals.into_iter().map(|normal| normal.as_vec3().to_array()).collect(),
             uvs: it.uvs,
+            colors: it.colors,
             triangles: it.triangles,
             host: None,
         };

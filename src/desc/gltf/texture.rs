@@ -188,6 +188,8 @@ pub(super) struct Textures<'a> {
     pub bindings: Vec<TextureBinding>,
     /// Which set of texture coordinates the textures of this material use.
     pub uv_set: Option<u64>,
+    /// Whether the base colour of this material is multiplied by the colours of vertices.
+    pub vertex_colors: bool,
     left_out: Vec<(&'static str, Vec<String>)>,
     unread: Vec<String>,
 }
@@ -203,6 +205,7 @@ impl<'a> Textures<'a> {
             put: 0,
             bindings: Vec::new(),
             uv_set: None,
+            vertex_colors: false,
             left_out: Vec::new(),
             unread: Vec::new(),
         }
@@ -238,13 +241,9 @@ impl<'a> Textures<'a> {
             filter,
         };
         let source = TextureSource::Image(image);
-        let known = self.made.iter().position(|known| known.source == source && known.mapping == mapping);
-        let texture = known.unwrap_or(self.made.len());
-        if known.is_none() {
-            let made = TextureDesc { name: format!("texture {texture}"), path: it.path, source, mapping };
-            texture_check::texture(&made)?;
-            self.made.push(made);
-        }
+        let vertex_colors = self.vertex_colors && it.slot == Slot::BaseColor;
+        let made = TextureDesc { name: String::new(), path: it.path, source, mapping, vertex_colors };
+        let texture = self.make(made)?;
         let strength = if it.slot == Slot::Normal { it.factor as f32 } else { 1.0 };
         self.bindings.extend(keys.iter().map(|&(key, channel)| TextureBinding {
             key,
@@ -256,12 +255,35 @@ impl<'a> Textures<'a> {
         Ok(())
     }
 
-    /// Whether the image of a texture that was bound says how opaque it is.
-    pub fn has_opacity(&self, texture: usize) -> bool {
-        match self.made.get(texture).map(|texture| &texture.source) {
-            Some(TextureSource::Image(it)) => it.image.has_opacity(),
-            _ => false,
+    /// Puts the colours of vertices on the base colour, where no texture has done so.
+    pub fn bind_vertex_colors(&mut self, path: &str) -> Result<()> {
+        let is_bound = self.bindings.iter().any(|binding| binding.key == TextureKey::BaseColor);
+        if self.vertex_colors && !is_bound {
+            let texture = self.make(TextureDesc::of_vertex_colors(String::new(), path.to_owned()))?;
+            self.bindings.push(TextureBinding { key: TextureKey::BaseColor, ..TextureBinding::of_color(texture) });
         }
+        Ok(())
+    }
+
+    /// The number of a texture, which is made once.
+    fn make(&mut self, it: TextureDesc) -> Result<usize> {
+        let is_same = |known: &TextureDesc| {
+            known.source == it.source && known.mapping == it.mapping && known.vertex_colors == it.vertex_colors
+        };
+        if let Some(known) = self.made.iter().position(is_same) {
+            return Ok(known);
+        }
+        let made = TextureDesc { name: format!("texture {}", self.made.len()), ..it };
+        texture_check::texture(&made)?;
+        self.made.push(made);
+        Ok(self.made.len() - 1)
+    }
+
+    /// Whether the image of a texture that was bound, or the colours of vertices, say how opaque it is.
+    pub fn has_opacity(&self, texture: usize) -> bool {
+        self.made.get(texture).is_some_and(|texture| {
+            texture.vertex_colors || matches!(&texture.source, TextureSource::Image(it) if it.image.has_opacity())
+        })
     }
 
     /// Puts the textures that were made into the scene.

@@ -21,6 +21,7 @@ use std::path::Path;
 use super::MeshDesc;
 use super::file::open;
 use super::warnings::warn;
+use crate::spectrum::srgb_decode;
 use crate::{Error, Result};
 
 pub(super) use obj_parts::{Part, Parts};
@@ -198,6 +199,12 @@ impl Place<'_> {
 fn finite<const N: usize>(values: [f64; N]) -> Option<[f32; N]> {
     let rounded = values.map(|value| value as f32);
     rounded.iter().all(|value| value.is_finite()).then_some(rounded)
+}
+
+/// The colour of a vertex in linear light from that of a file, which may have sRGB's curve. Numbers out of range become the nearest ones.
+fn vertex_color([r, g, b, opacity]: [f32; 4], is_encoded: bool) -> [f32; 4] {
+    let channel = |value: f32| if is_encoded { srgb_decode(value) } else { value.max(0.0) };
+    [channel(r), channel(g), channel(b), opacity.clamp(0.0, 1.0)]
 }
 
 /// Returns whether the text is a decimal number: a text that Rust parses, without Rust's words for infinity and NaN.

@@ -15,6 +15,7 @@ use crate::desc::{
     BsdfDesc, ImageTextureDesc, MaterialDesc, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
     TextureSource, texture_check,
 };
+use crate::spectrum::Rgb;
 use crate::texture::{ColorSpace, TexelImage, TextureFilter, Wrap, read_image};
 
 /// Most texels of all images of a file.
@@ -406,10 +407,25 @@ impl<'a> Maps<'a> {
         }
         let name = format!("{}:{}", self.place.path.display(), map.name);
         let path = self.place.json_path.to_owned();
-        let texture = TextureDesc { name, path, source, mapping };
+        let texture = TextureDesc { name, path, source, mapping, vertex_colors: false };
         texture_check::texture(&texture)?;
         self.textures.push(texture);
         Ok(self.textures.len() - 1)
+    }
+
+    /// A diffuse material of the colours of vertices.
+    pub fn colored(&mut self, material: MaterialDesc) -> MaterialDesc {
+        let known = self.textures.iter().position(|it| it.source == TextureSource::White);
+        let texture = known.unwrap_or_else(|| {
+            let name = format!("{}:vertex colors", self.place.path.display());
+            self.textures.push(TextureDesc::of_vertex_colors(name, self.place.json_path.to_owned()));
+            self.textures.len() - 1
+        });
+        MaterialDesc {
+            bsdf: BsdfDesc::Lambert { albedo: Rgb::ONE },
+            textures: vec![TextureBinding::of_color(texture)],
+            ..material
+        }
     }
 
     /// The image of a map, or why there is none.

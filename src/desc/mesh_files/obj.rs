@@ -7,7 +7,7 @@
 use std::io::{self, BufRead, Read};
 
 use super::obj_parts::MaterialUses;
-use super::{CORNER_LIMIT, LINE_LIMIT, Place, Source, finite, is_number, shortened};
+use super::{CORNER_LIMIT, LINE_LIMIT, Place, Source, finite, is_number, shortened, vertex_color};
 use crate::Result;
 use crate::desc::MeshDesc;
 use crate::math::DVec3;
@@ -50,6 +50,10 @@ pub(super) fn read(
     if lines.small_faces > 0 {
         place.warn(warnings, 0, &format!("{} faces with fewer than 3 corners left out", lines.small_faces));
     }
+    if lines.mixed_colors {
+        let taken = if mesh.colors.is_empty() { "none is used" } else { "the others are white" };
+        place.warn(warnings, 0, &format!("only some vertices have colours; {taken}"));
+    }
     // The reader below stores no entry for a vertex without a normal (or uv), so it cannot recognise a mixture.
     for (what, with, complete) in [
         ("normals", lines.corners_with[2], mesh.normals.len() == mesh.positions.len()),
@@ -86,6 +90,10 @@ fn merge(models: Vec<tobj::Model>, place: Place<'_>) -> Result<MeshDesc, String>
             let finite = finite(*uv);
             mesh.uvs.push(finite.ok_or_else(|| format!("the texture coordinate {uv:?} is beyond single precision"))?);
         }
+        for color in model.vertex_color.as_chunks::<3>().0 {
+            let [r, g, b] = finite(*color).ok_or_else(|| format!("the colour {color:?} is beyond single precision"))?;
+            mesh.colors.push(vertex_color([r, g, b, 1.0], true));
+        }
         mesh.triangles.extend(model.indices.as_chunks::<3>().0.iter().map(|t| t.map(|index| index + first)));
     }
     Ok(mesh)
@@ -107,6 +115,10 @@ struct Lines<R> {
     /// The numbers of corners that have a position, a texture coordinate and a normal.
     corners_with: [usize; 3],
     small_faces: usize,
+    /// Whether vertices have colours, once there was one.
+    is_colored: Option<bool>,
+    /// Whether only some vertices have colours.
+    mixed_colors: bool,
     /// The materials of faces, if they are asked for.
     uses: Option<MaterialUses>,
     /// The error in the current line.
@@ -126,6 +138,8 @@ impl<R: BufRead> Lines<R> {
             corners: 0,
             corners_with: [0; 3],
             small_faces: 0,
+            is_colored: None,
+            mixed_colors: false,
             uses: None,
             broken: None,
             failed: None,
@@ -194,8 +208,13 @@ impl<R: BufRead> Lines<R> {
         if let Some(bad) = numbers.iter().find(|number| !is_number(number)) {
             return Err(format!("'{}' is not a finite number", shortened(bad)));
         }
-        // A texture coordinate may lack v. A vertex may have a weight, or a colour, which is not used.
-        let (least, keep) = [(3, if numbers.len() == 4 { 4 } else { 3 }), (1, 2), (3, 3)][kind];
+        // A texture coordinate may lack v. A vertex may have a weight, or a colour, of which all vertices have one or none.
+        let of_vertex = match numbers.len() {
+            4 => 4,
+            6.. if *self.is_colored.get_or_insert(true) => 6,
+            _ => 3,
+        };
+        let (least, keep) = [(3, of_vertex), (1, 2), (3, 3)][kind];
         if numbers.len() < least {
             return Err(format!("a {name} needs {least} numbers, found {}", numbers.len()));
         }
@@ -205,6 +224,19 @@ impl<R: BufRead> Lines<R> {
         }
         self.counts[kind] += 1;
         let mut checked = numbers[..keep.min(numbers.len())].join(" ");
+        if kind == 0 {
+            let is_colored = *self.is_colored.get_or_insert(false);
+            if is_colored != (numbers.len() >= 6) {
+                self.mixed_colors = true;
+            }
+            if is_colored && keep == 4 {
+                let value = |i: usize| numbers[i].parse::<f64>().unwrap_or_default();
+                checked = format!("{} {} {}", value(0) / value(3), value(1) / value(3), value(2) / value(3));
+            }
+            if is_colored && keep < 6 {
+                checked.push_str(" 1 1 1");
+            }
+        }
         if kind == 1 && numbers.len() == 1 {
             checked.push_str(" 0");
         }

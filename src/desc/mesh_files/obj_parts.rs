@@ -186,9 +186,15 @@ pub(super) fn load(source: Source<'_>, warnings: &mut Vec<String>) -> Result<Par
                     let hint = did_you_mean(name, library.names());
                     format!("no material named '{}' in its material libraries{hint}", elided(name))
                 };
-                place.warn(&mut noted, *line, &format!("{why}; a grey diffuse one is taken"));
-                let bsdf = BsdfDesc::Lambert { albedo: Rgb::splat(0.8) };
-                vec![MaterialDesc { name: full_name, path: json_path.to_owned(), bsdf, ..MaterialDesc::default() }]
+                let is_colored = !part.colors.is_empty();
+                let taken = if is_colored { "one of the colours of the vertices" } else { "a grey diffuse one" };
+                place.warn(&mut noted, *line, &format!("{why}; {taken} is taken"));
+                let material = MaterialDesc { name: full_name, path: json_path.to_owned(), ..MaterialDesc::default() };
+                vec![if is_colored {
+                    maps.colored(material)
+                } else {
+                    MaterialDesc { bsdf: BsdfDesc::Lambert { albedo: Rgb::splat(0.8) }, ..material }
+                }]
             }
         };
         first += materials.len();
@@ -229,6 +235,7 @@ impl Splitter<'_> {
             part.positions.push(whole.positions[vertex]);
             part.normals.extend(whole.normals.get(vertex));
             part.uvs.extend(whole.uvs.get(vertex));
+            part.colors.extend(whole.colors.get(vertex));
         }
         part
     }

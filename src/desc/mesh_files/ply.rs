@@ -1,12 +1,12 @@
-//! Reads PLY files (Turk 1994, the Stanford polygon format): vertices with normals and texture coordinates, polygons and triangle
+//! Reads PLY files (Turk 1994, the Stanford polygon format): vertices with normals, texture coordinates and colours, polygons and triangle
 //! strips.
 //!
 //! The crates for PLY do not say which element of a file is wrong, refuse numbers such as `1.`, and trust counts; the format is
 //! small enough to be read here. Polygons become fans of triangles, as those of OBJ files do.
 
-use super::ply_header::{Element, Header};
+use super::ply_header::{Element, Header, Scalar};
 use super::ply_values::{Trouble, Values};
-use super::{CORNER_LIMIT, Place, Source, finite};
+use super::{CORNER_LIMIT, Place, Source, finite, vertex_color};
 use crate::desc::MeshDesc;
 use crate::desc::json::elided;
 use crate::math::DVec3;
@@ -14,6 +14,8 @@ use crate::{Error, Result};
 
 /// Names of the list of a polygon's corners.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
+/// Names of the colours of vertices.
+const COLORS: [&str; 3] = ["red", "green", "blue"];
 /// Names of texture coordinates.
 const UVS: [[&str; 2]; 4] = [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
 
@@ -77,7 +79,14 @@ enum Use {
     Position(usize),
     Normal(usize),
     Uv(usize),
+    /// One of red, green, blue and opacity, and its greatest value: that of an integer type, or 1.
+    Color(usize, f64),
     Nothing,
+}
+
+/// The number that stands for 1.
+fn greatest(kind: Scalar) -> f64 {
+    kind.range().map_or(1.0, |[_, greatest]| greatest)
 }
 
 struct Reader<'a, R> {
@@ -128,19 +137,24 @@ impl<R: std::io::BufRead> Reader<'_, R> {
         }
         let has_normals = ["nx", "ny", "nz"].into_iter().all(has);
         let uv = UVS.into_iter().find(|names| names.iter().all(|name| has(name)));
-        let of = |name: &str| match name {
+        let has_colors = COLORS.into_iter().all(has);
+        let of = |name: &str, kind: Scalar| match name {
             "x" => Use::Position(0),
             "y" => Use::Position(1),
             "z" => Use::Position(2),
             "nx" if has_normals => Use::Normal(0),
             "ny" if has_normals => Use::Normal(1),
             "nz" if has_normals => Use::Normal(2),
+            "red" if has_colors => Use::Color(0, greatest(kind)),
+            "green" if has_colors => Use::Color(1, greatest(kind)),
+            "blue" if has_colors => Use::Color(2, greatest(kind)),
+            "alpha" if has_colors => Use::Color(3, greatest(kind)),
             name => match uv.and_then(|uv| uv.into_iter().position(|it| it == name)) {
                 Some(axis) => Use::Uv(axis),
                 None => Use::Nothing,
             },
         };
-        let uses: Vec<Use> = element.properties.iter().map(|property| of(&property.name)).collect();
+        let uses: Vec<Use> = element.properties.iter().map(|property| of(&property.name, property.kind)).collect();
         let with_uses = || element.properties.iter().zip(&uses);
         if let Some((list, _)) = with_uses().find(|(property, used)| **used != Use::Nothing && property.count.is_some())
         {
@@ -156,14 +170,18 @@ impl<R: std::io::BufRead> Reader<'_, R> {
         self.mesh.positions.reserve_exact(count);
         self.mesh.normals.reserve_exact(if has_normals { count } else { 0 });
         self.mesh.uvs.reserve_exact(if uv.is_some() { count } else { 0 });
+        self.mesh.colors.reserve_exact(if has_colors { count } else { 0 });
+        let is_integer = |name: &str| element.properties.iter().any(|it| it.name == name && it.kind.range().is_some());
+        let is_encoded = COLORS.into_iter().all(is_integer);
         for number in 0..element.count {
             self.values.begin().map_err(|trouble| self.wrong(element, number, "", trouble))?;
-            let (mut position, mut normal, mut coordinates) = ([0.0; 3], [0.0; 3], [0.0; 2]);
+            let (mut position, mut normal, mut coordinates, mut color) = ([0.0; 3], [0.0; 3], [0.0; 2], [1.0; 4]);
             for (property, used) in with_uses() {
                 let slot = match used {
                     Use::Position(axis) => &mut position[*axis],
                     Use::Normal(axis) => &mut normal[*axis],
                     Use::Uv(axis) => &mut coordinates[*axis],
+                    Use::Color(channel, _) => &mut color[*channel],
                     Use::Nothing => {
                         let skipped = self.values.skip(property);
                         skipped.map_err(|trouble| self.wrong(element, number, &property.name, trouble))?;
@@ -172,6 +190,9 @@ impl<R: std::io::BufRead> Reader<'_, R> {
                 };
                 let value = self.values.number(property.kind);
                 *slot = value.map_err(|trouble| self.wrong(element, number, &property.name, trouble))?;
+                if let Use::Color(_, greatest) = used {
+                    *slot /= greatest;
+                }
             }
             self.values.end();
             let (place, line) = (self.place, self.values.line);
@@ -185,6 +206,10 @@ impl<R: std::io::BufRead> Reader<'_, R> {
             }
             if uv.is_some() {
                 self.mesh.uvs.push(finite(coordinates).ok_or_else(|| beyond("texture coordinate", &coordinates))?);
+            }
+            if has_colors {
+                let read = finite(color).ok_or_else(|| beyond("colour", &color))?;
+                self.mesh.colors.push(vertex_color(read, is_encoded));
             }
         }
         Ok(())

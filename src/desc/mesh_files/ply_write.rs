@@ -20,8 +20,9 @@ pub(in crate::desc) fn check_size(mesh: &MeshDesc) -> Result<(), String> {
     }
     let of_normals = if mesh.has_normals() { 12 } else { 0 };
     let of_uvs = if mesh.has_uvs() { 8 } else { 0 };
+    let of_colors = if mesh.colors.is_empty() { 0 } else { 16 };
     // A thousand bytes for the header.
-    let bytes = 1000 + (24 + of_normals + of_uvs) * vertices as u64 + 13 * mesh.triangle_count() as u64;
+    let bytes = 1000 + (24 + of_normals + of_uvs + of_colors) * vertices as u64 + 13 * mesh.triangle_count() as u64;
     if bytes > SIZE_LIMIT {
         return Err(format!("the mesh would take {bytes} bytes, and a file may have {SIZE_LIMIT}"));
     }
@@ -42,6 +43,10 @@ pub(in crate::desc) fn write(mesh: &MeshDesc, file: &mut impl Write) -> io::Resu
     if mesh.has_uvs() {
         ["u", "v"].iter().try_for_each(|name| writeln!(file, "property float {name}"))?;
     }
+    if !mesh.colors.is_empty() {
+        // In floating point, which is linear light.
+        ["red", "green", "blue", "alpha"].iter().try_for_each(|name| writeln!(file, "property float {name}"))?;
+    }
     writeln!(file, "element face {triangles}\nproperty list uchar int vertex_indices\nend_header")?;
     for i in 0..vertices {
         for x in mesh.position(i).to_array() {
@@ -52,7 +57,8 @@ pub(in crate::desc) fn write(mesh: &MeshDesc, file: &mut impl Write) -> io::Resu
             }
         }
         let normal = mesh.normal(i).into_iter().flatten();
-        for x in normal.chain(mesh.uv(i).into_iter().flatten()) {
+        let color = mesh.colors.get(i).copied().into_iter().flatten();
+        for x in normal.chain(mesh.uv(i).into_iter().flatten()).chain(color) {
             file.write_all(&x.to_le_bytes())?;
         }
     }

@@ -169,6 +169,7 @@ fn spots(case: &mut Case) {
         path: String::new(),
         source: TextureSource::Procedural(lines),
         mapping: TextureMapping::Uv { scale: [4.0; 2], rotation: 0.0, offset: [0.0; 2] },
+        vertex_colors: false,
     };
     let p = DVec3::new(0.3, 0.0, -0.2);
     // The texel is a rectangle whose rows are counted from the top; lines cover 2 w - w^2 of the lamp, all over it.

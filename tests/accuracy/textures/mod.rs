@@ -55,5 +55,6 @@ fn described(name: &str, image: &Arc<TexelImage>, space: ColorSpace, filter: Tex
             filter,
         }),
         mapping: TextureMapping::Uv { scale: [scale; 2], rotation: 0.0, offset: [0.0; 2] },
+        vertex_colors: false,
     }
 }

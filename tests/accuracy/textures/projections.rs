@@ -35,6 +35,7 @@ fn ramp(projection: Projection, is_of_v: bool) -> TextureDesc {
             in_space: false,
         }),
         mapping: TextureMapping::Projected { projection, scale: [0.5; 2], rotation, offset: [0.5; 2] },
+        vertex_colors: false,
     }
 }
 

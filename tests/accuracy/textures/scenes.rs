@@ -151,6 +151,7 @@ fn tilted(case: &mut Case) {
                 in_space: false,
             }),
             // The ramp goes on beyond the floor.
+            vertex_colors: false,
             mapping: TextureMapping::Uv { scale: [0.5; 2], rotation: 0.0, offset: [0.25; 2] },
         };
         let normal = DVec3::new(-0.25 * f64::from(strength), 1.0, 0.0).normalize();
