@@ -187,7 +187,8 @@ pub(super) fn load(source: Source<'_>, warnings: &mut Vec<String>) -> Result<Par
                     format!("no material named '{}' in its material libraries{hint}", elided(name))
                 };
                 let is_colored = !part.colors.is_empty();
-                let taken = if is_colored { "one of the colours of the vertices" } else { "a grey diffuse one" };
+                let taken =
+                    if is_colored { "a diffuse one with the colours of their vertices" } else { "a grey diffuse one" };
                 place.warn(&mut noted, *line, &format!("{why}; {taken} is taken"));
                 let material = MaterialDesc { name: full_name, path: json_path.to_owned(), ..MaterialDesc::default() };
                 vec![if is_colored {
