@@ -1108,10 +1108,11 @@ fn rich() -> File {
     let indices = file.whole(UNSIGNED_SHORT, 1, &[0, 1, 2, 2, 1, 0]);
     let joints = file.whole(UNSIGNED_BYTE, 4, &[0; 12]);
     let weights = file.floats(4, &[0.25; 12]);
+    let colors = file.floats(4, &[0.5; 12]);
     let times = file.floats(1, &[0.0, 1.0]);
     let places = file.floats(3, &[0.0, 0.0, 0.0, 1.0, 2.0, 3.0]);
     file.root["meshes"] = json!([
-        {"primitives": [{"attributes": {"POSITION": 0}, "indices": indices, "material": 0, "targets": [{"POSITION": 0}]}], "weights": [0.5]},
+        {"primitives": [{"attributes": {"POSITION": 0, "COLOR_0": colors}, "indices": indices, "material": 0, "targets": [{"POSITION": 0}]}], "weights": [0.5]},
         {"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": joints, "WEIGHTS_0": weights}, "mode": 5, "material": 1}]},
     ]);
     file.root["materials"] = json!([

@@ -129,7 +129,7 @@ fn texture(kind: u8, size: [u8; 3], format: u8, n: [f32; 8], texels: &mut Vec<u8
     texels.resize(width as usize * height as usize * channels as usize * 4 + 8, 7);
     let [a, b, c, d, e, f, g, h] = n;
     etd_texture {
-        kind: u32::from(kind % 9),
+        kind: u32::from(kind % 10),
         color_space: u32::from(format >> 2 & 3),
         texels: texels.as_ptr().wrapping_add(texels.as_ptr().align_offset(4)).cast(),
         width,
@@ -145,6 +145,7 @@ fn texture(kind: u8, size: [u8; 3], format: u8, n: [f32; 8], texels: &mut Vec<u8
         octaves: u32::from(format >> 4),
         coordinates: u32::from(format >> 5),
         scale: [g.into(), h.into(), 1.0],
+        vertex_colors: u32::from(kind >> 5 & 1),
         ..sized()
     }
 }
@@ -217,6 +218,8 @@ impl World {
             normal_stride: 16,
             uvs: if flags & 4 != 0 { positions.as_ptr().cast() } else { null() },
             uv_stride: 16,
+            colors: if flags & 64 != 0 { positions.as_ptr().cast() } else { null() },
+            color_stride: 16,
             position_format: u32::from(flags >> 3 & 7 == 7) * 9,
             sharing: u32::from(share),
             release: Some(free),

@@ -40,6 +40,8 @@ fuzz_target!(|data: &[u8]| {
                 assert!(mesh.positions.iter().all(|position| position.as_vec3().is_finite()));
                 assert!(mesh.normals.is_empty() || mesh.normals.len() == count);
                 assert!(mesh.uvs.is_empty() || mesh.uvs.len() == count);
+                assert!(mesh.colors.is_empty() || mesh.colors.len() == count);
+                assert!(mesh.colors.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));
             }
         }
         Err(error) => {
