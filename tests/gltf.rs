@@ -780,6 +780,12 @@ fn colors_of_vertices_are_factors_on_the_base_color() {
     let colors: Vec<i64> = [255, 0, 0, 255].into_iter().flat_map(|alpha| [255, 255, 255, alpha]).collect();
     let [top_left, top_right, ..] = quarters(&gltf(Some(&colors), &mask).load().unwrap());
     assert!(top_left[1] > 0.1 && top_right[1] == 0.0, "{top_left:?} {top_right:?}");
+    // Colours without alpha make no surface transparent.
+    let mut file = gltf(None, &json!({"alphaMode": "BLEND"}));
+    let opaque = file.floats(3, &[0.5; 12]);
+    file.root["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(opaque);
+    let keys: Vec<_> = file.load().unwrap().materials[0].textures.iter().map(|binding| binding.key).collect();
+    assert_eq!(keys, [desc::TextureKey::BaseColor]);
     // Unlit surfaces cannot shine by colours of vertices. Wrong types and numbers are named.
     let unlit = json!({"extensions": {"KHR_materials_unlit": {}}});
     let scene = gltf(Some(&even([255, 0, 0, 255])), &unlit).load().unwrap();

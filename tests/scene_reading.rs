@@ -492,6 +492,49 @@ fn meshes_come_from_files_by_name_and_in_place() {
 }
 
 #[test]
+fn colours_of_vertices_are_one_for_each_and_in_range() {
+    let scene = |colors: &str| {
+        format!(
+            r#"{{"etendue": 1, "camera": {{}}, "surfaces": [{{"geometry": "mesh", "emission": [1, 1, 1],
+            "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]], "colors": {colors}}}]}}"#
+        )
+    };
+    let read = |colors: &str| desc::parse(&scene(colors), Path::new(""), None);
+    let mesh = &read("[[0, 0.5, 3], [1, 1, 1, 0.25], [0, 0, 0]]").unwrap().meshes[0];
+    assert_eq!(mesh.colors, [[0.0, 0.5, 3.0, 1.0], [1.0, 1.0, 1.0, 0.25], [0.0, 0.0, 0.0, 1.0]]);
+    for (colors, expected) in [
+        ("[[1, 1, 1]]", "surfaces[0].colors: 1 colors for 3 positions, expected one each"),
+        ("[[1, 1, 1], [0, 0], [0, 0, 0]]", "not a colour of a vertex, expected three or four numbers"),
+        ("[[1, 1, 1], [0, 0, -1], [0, 0, 0]]", "surfaces[0].colors[1][2]: -1 is out of range, expected 0 or more"),
+        ("[[1, 1, 1], [0, 0, 0, 1.5], [0, 0, 0]]", "colors[1][3]: 1.5 is out of range, expected an opacity in [0, 1]"),
+        ("[[1, 1, 1], [0, 0, 1e39], [0, 0, 0]]", "surfaces[0].colors[1][2]: 1e39 is beyond single precision"),
+    ] {
+        let error = read(colors).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}, not {expected}");
+    }
+    // What reads them is refused where it cannot.
+    let material = |key: &str, texture: &str| {
+        let scene = format!(
+            r#"{{"etendue": 1, "camera": {{}}, "textures": [{texture}], "materials": [{{"name": "m", "type": "diffuse",
+            "color": [1, 1, 1], "emission": [1, 1, 1], "textures": {{"{key}": "t"}}}}]}}"#
+        );
+        desc::parse(&scene, Path::new(""), None).map(|_| ()).map_err(|error| error.to_string())
+    };
+    let (white, times) =
+        (r#"{"name": "t", "type": "vertex-colors"}"#, r#"{"name": "t", "type": "grid", "vertexColors": true}"#);
+    for texture in [white, times] {
+        assert_eq!(material("color", texture), Ok(()));
+        for key in ["emission", "normal", "bump"] {
+            let error = material(key, texture).unwrap_err();
+            assert!(
+                error.contains(&format!("textures.{key}: `{key}` cannot be multiplied by colours of vertices")),
+                "{error}"
+            );
+        }
+    }
+}
+
+#[test]
 fn polygons_groups_negative_indices_and_continued_lines_of_an_obj_are_read() {
     let scene = native(r#""surfaces": [{"geometry": "mesh", "file": "pyramid.obj", "material": "white"}]"#);
     let mesh = &scene.meshes[0];

@@ -18,8 +18,8 @@ const GREY: f32 = 0.5;
 /// Reads a scene file of any format, by the extension of its name. What has no extension of another format is text: a scene of
 /// either dialect.
 ///
-/// A mesh becomes a scene by itself: of the colours of its vertices, or grey, or with the materials that an OBJ file names, smooth where the file has normals, seen
-/// as a whole, under an even sky where nothing else emits a radiance above 1.
+/// A mesh becomes a scene by itself: of the colours of its vertices, or grey, or with the materials that an OBJ file names, smooth
+/// where the file has normals, seen as a whole, under an even sky where nothing else emits a radiance above 1.
 ///
 /// # Errors
 /// Those of the format; [`ErrorKind::Unsupported`] for choices in a file that is no glTF file.

@@ -277,7 +277,7 @@ struct MeshSource {
 /// A colour of a vertex: red, green and blue, and opacity where it is not 1.
 #[derive(Clone, Copy, Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(untagged)]
+#[serde(untagged, expecting = "not a colour of a vertex, expected three or four numbers")]
 pub(super) enum VertexColor {
     /// Red, green and blue.
     Rgb([f64; 3]),

@@ -8,7 +8,7 @@ use super::super::{
     TextureKey, material_check, texture_check,
 };
 use super::buffers::Buffers;
-use super::document::{Document, Material, TextureInfo, element};
+use super::document::{Document, Material, Primitive, TextureInfo, element};
 use super::material_extensions::{
     self, Anisotropy, Clearcoat, DiffuseTransmission, EmissiveStrength, Extension, Ior, Sheen, Specular,
     SpecularGlossiness, Transmission, Volume,
@@ -130,11 +130,17 @@ pub(super) fn add(document: &Document<'_>, buffers: &Buffers<'_>, scene: &mut Sc
     let mut reader = Reader { document, textures: Textures::new(document, buffers), notes: Notes::default() };
     let primitives = || document.meshes.iter().flat_map(|mesh| &mesh.primitives);
     // A material may be of primitives with colours and of others: these are white.
-    let colored: HashSet<_> =
-        primitives().filter(|it| it.attributes.contains_key(COLOR)).map(|it| it.material).collect();
+    let with = |kinds: &[&str]| -> HashSet<Option<u64>> {
+        let kind = |index: &u64| document.accessors.get(usize::try_from(*index).ok()?).map(|it| it.kind.as_str());
+        let is_one =
+            |it: &&Primitive<'_>| it.attributes.get(COLOR).and_then(kind).is_some_and(|it| kinds.contains(&it));
+        primitives().filter(is_one).map(|it| it.material).collect()
+    };
+    let (colored, with_opacity) = (with(&["VEC3", "VEC4"]), with(&["VEC4"]));
     let (mut numbers, mut uv_sets) = (Vec::with_capacity(document.materials.len()), HashMap::new());
     for (i, material) in document.materials.iter().enumerate() {
         reader.textures.vertex_colors = colored.contains(&Some(i as u64));
+        reader.textures.vertex_opacity = with_opacity.contains(&Some(i as u64));
         let number = reader.add(&format!("materials[{i}]"), material, scene)?;
         numbers.push(number);
         uv_sets.extend(reader.textures.uv_set.take().map(|set| (number, set)));

@@ -190,6 +190,8 @@ pub(super) struct Textures<'a> {
     pub uv_set: Option<u64>,
     /// Whether the base colour of this material is multiplied by the colours of vertices.
     pub vertex_colors: bool,
+    /// Whether these say how opaque the surface is.
+    pub vertex_opacity: bool,
     left_out: Vec<(&'static str, Vec<String>)>,
     unread: Vec<String>,
 }
@@ -206,6 +208,7 @@ impl<'a> Textures<'a> {
             bindings: Vec::new(),
             uv_set: None,
             vertex_colors: false,
+            vertex_opacity: false,
             left_out: Vec::new(),
             unread: Vec::new(),
         }
@@ -282,7 +285,8 @@ impl<'a> Textures<'a> {
     /// Whether the image of a texture that was bound, or the colours of vertices, say how opaque it is.
     pub fn has_opacity(&self, texture: usize) -> bool {
         self.made.get(texture).is_some_and(|texture| {
-            texture.vertex_colors || matches!(&texture.source, TextureSource::Image(it) if it.image.has_opacity())
+            texture.vertex_colors && self.vertex_opacity
+                || matches!(&texture.source, TextureSource::Image(it) if it.image.has_opacity())
         })
     }
 

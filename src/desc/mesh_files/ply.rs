@@ -1,5 +1,5 @@
-//! Reads PLY files (Turk 1994, the Stanford polygon format): vertices with normals, texture coordinates and colours, polygons and triangle
-//! strips.
+//! Reads PLY files (Turk 1994, the Stanford polygon format): vertices with normals, texture coordinates and colours, polygons and
+//! triangle strips.
 //!
 //! The crates for PLY do not say which element of a file is wrong, refuse numbers such as `1.`, and trust counts; the format is
 //! small enough to be read here. Polygons become fans of triangles, as those of OBJ files do.
