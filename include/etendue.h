@@ -56,11 +56,11 @@
      1.6f, 1, 0, {1, 1, 1}, 0.5f, 0, 0, 0}
 #define ETD_MESH_INIT \
     {sizeof(etd_mesh), NULL, 0, 0, 0, NULL, 0, 0, NULL, 0, NULL, 0, ETD_POSITION_FLOAT3, ETD_COPY, NULL, NULL, NULL, \
-     NULL, 0}
+     NULL, 0, NULL, 0, 0}
 #define ETD_TEXTURE_INIT \
     {sizeof(etd_texture), ETD_TEXTURE_IMAGE, ETD_COLOR_SPACE_BY_USE, NULL, NULL, 0, 0, 0, 0, ETD_TEXEL_UINT8, ETD_COPY, \
      ETD_TEXTURE_FILTER_BILINEAR, NULL, NULL, ETD_WRAP_REPEAT, ETD_WRAP_REPEAT, {{0, 0, 0}, {1, 1, 1}}, 0.1f, 1, 4, \
-     ETD_COORDINATES_UV, {1, 1, 1}, 0, {0, 0, 0}, 0}
+     ETD_COORDINATES_UV, {1, 1, 1}, 0, {0, 0, 0}, 0, 0}
 #define ETD_TEXTURE_BINDING_INIT {sizeof(etd_texture_binding), ETD_NONE, ETD_CHANNEL_DEFAULT, 1, 0}
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_RENDER_OPTIONS_INIT \
@@ -2167,6 +2167,19 @@ typedef struct etd_mesh {
      * Bytes from one colour to the next; 0: colours without gaps.
      */
     size_t color_stride;
+    /**
+     * The sets 1, 2, ... of texture coordinates for textures with `uv_set`, each with one texture coordinate for each vertex, or
+     * NULL; NULL: none. They are always copied.
+     */
+    const float *const *further_uvs;
+    /**
+     * Number of further sets, 7 at most.
+     */
+    uint32_t further_uv_count;
+    /**
+     * Bytes from one texture coordinate of a further set to the next; 0: coordinates without gaps.
+     */
+    size_t further_uv_stride;
 } etd_mesh;
 
 /**
@@ -2277,6 +2290,10 @@ typedef struct etd_texture {
      * `ETD_TEXTURE_VERTEX_COLORS`, whatever is given. Refused for the parameters "emission", "normal" and "bump".
      */
     uint32_t vertex_colors;
+    /**
+     * Of `ETD_COORDINATES_UV`: the set of texture coordinates, 0 to 7. Surfaces that lack it have the first, which is 0.
+     */
+    uint32_t uv_set;
 } etd_texture;
 
 /**

@@ -904,6 +904,43 @@ fn textures_vary_what_the_specification_says() {
     Scene::build(&scene, &BuildOptions::default()).expect("a scene");
 }
 
+/// Textures of one material may lie by different sets of coordinates.
+#[test]
+fn textures_lie_by_the_sets_that_they_name() {
+    let sides = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]];
+    let with = |uvs: &[[f32; 2]; 4], further: Option<[[f32; 2]; 4]>, sets: [u32; 2]| {
+        let texture = |set: u32| json!({"index": 0, "texCoord": set});
+        let material = json!({"pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": texture(sets[0]),
+            "metallicRoughnessTexture": texture(sets[1])}});
+        let mut file = textured(uvs, &material);
+        if let Some(uvs) = further {
+            let uvs = file.floats(2, uvs.as_flattened());
+            file.root["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_3"] = json!(uvs);
+        }
+        let scene = file.load().unwrap();
+        // A set that no texture uses is named.
+        assert_eq!(scene.warnings.len(), usize::from(sets == [3, 3]), "{:?}", scene.warnings);
+        scene
+    };
+    let (upright, turned) = (with(&UPRIGHT, None, [0, 0]), with(&sides, None, [0, 0]));
+    let sets = |scene: &SceneDesc| {
+        let set = |key| scene.textures[scene.materials[0].textured(key).unwrap().texture].mapping.uv_set();
+        [set(desc::TextureKey::BaseColor), set(desc::TextureKey::SpecularRoughness)]
+    };
+    // The sets of a material are numbered as they come.
+    for (first, further, of_file, in_scene, like) in [
+        (&UPRIGHT, sides, [0, 3], [0, 1], &upright),
+        (&UPRIGHT, sides, [3, 0], [0, 1], &turned),
+        (&sides, UPRIGHT, [3, 3], [0, 0], &upright),
+    ] {
+        let scene = with(first, Some(further), of_file);
+        assert_eq!(sets(&scene), in_scene);
+        let colors = quarters(&scene).map(texel);
+        assert_eq!(colors, quarters(like).map(texel), "{of_file:?}");
+    }
+    assert_ne!(quarters(&upright).map(texel), quarters(&turned).map(texel));
+}
+
 /// The cutoff of a mask is that of the product of the factor and the texture.
 #[test]
 fn masks_have_a_cutoff() {

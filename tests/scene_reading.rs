@@ -535,6 +535,45 @@ fn colours_of_vertices_are_one_for_each_and_in_range() {
 }
 
 #[test]
+fn sets_of_texture_coordinates_are_counted_and_checked() {
+    let scene = |mesh: &str, texture: &str| {
+        format!(
+            r#"{{"etendue": 1, "camera": {{}}, "textures": [{{"name": "t", {texture}}}], "surfaces": [{{"geometry": "mesh",
+            "emission": [1, 1, 1], "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]], {mesh}}}]}}"#
+        )
+    };
+    let read = |mesh: &str, texture: &str| desc::parse(&scene(mesh, texture), Path::new(""), None);
+    let checker = r#""type": "checker""#;
+    let it = read(r#""furtherUvs": [[], [[0, 1], [2, 3], [4, 5]]]"#, r#""type": "checker", "uvSet": 2"#).unwrap();
+    assert_eq!(it.meshes[0].further_uvs, [vec![], vec![[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]]]);
+    assert_eq!(it.textures[0].mapping.uv_set(), 2);
+    for (mesh, texture, expected) in [
+        (r#""furtherUvs": [[[0, 1]]]"#, checker, "surfaces[0].furtherUvs[0]: 1 uvs for 3 positions, expected one each"),
+        (
+            r#""furtherUvs": [[], [], [], [], [], [], [], []]"#,
+            checker,
+            "furtherUvs: 8 further sets, expected 7 at most",
+        ),
+        (r#""furtherUvs": [[[0, 1], [0, 1e39], [0, 0]]]"#, checker, "surfaces[0].furtherUvs[0][1][1]: 1e39 is beyond"),
+        (r#""uvs": []"#, r#""type": "checker", "uvSet": 8"#, "textures[0].uvSet: 8 is out of range"),
+        (r#""uvs": []"#, r#""type": "checker", "uvSet": 1.5"#, "textures[0].uvSet"),
+        (
+            r#""uvs": []"#,
+            r#""type": "checker", "coordinates": "space", "uvSet": 0"#,
+            "only the coordinates 'uv' have sets",
+        ),
+        (
+            r#""uvs": []"#,
+            r#""type": "checker", "coordinates": "box", "uvSet": 1"#,
+            "only the coordinates 'uv' have sets",
+        ),
+    ] {
+        let error = read(mesh, texture).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}, not {expected}");
+    }
+}
+
+#[test]
 fn polygons_groups_negative_indices_and_continued_lines_of_an_obj_are_read() {
     let scene = native(r#""surfaces": [{"geometry": "mesh", "file": "pyramid.obj", "material": "white"}]"#);
     let mesh = &scene.meshes[0];

@@ -146,6 +146,7 @@ fn texture(kind: u8, size: [u8; 3], format: u8, n: [f32; 8], texels: &mut Vec<u8
         coordinates: u32::from(format >> 5),
         scale: [g.into(), h.into(), 1.0],
         vertex_colors: u32::from(kind >> 5 & 1),
+        uv_set: u32::from(kind >> 4),
         ..sized()
     }
 }

@@ -166,7 +166,8 @@ unsafe fn read_arrays(
         let uvs = optional_view::<[f32; 2]>(it.uvs, it.vertex_count, it.uv_stride, owner, "uvs")?;
         let colors = optional_view::<[f32; 4]>(it.colors, it.vertex_count, it.color_stride, owner, "colors")?;
         let colors = colors.map_or(Ok(Vec::new()), |colors| collect(&colors, |color| color))?;
-        let mut desc = MeshDesc { name: name.to_owned(), colors, ..MeshDesc::default() };
+        let further_uvs = further_uvs(it, owner)?;
+        let mut desc = MeshDesc { name: name.to_owned(), further_uvs, colors, ..MeshDesc::default() };
         match positions {
             Some(positions) if is_shared => desc.host = Some(HostMesh { positions, triangles, normals, uvs }),
             _ => {
@@ -184,6 +185,29 @@ unsafe fn read_arrays(
         }
         Ok(desc)
     }
+}
+
+/// The further sets of texture coordinates, copied.
+///
+/// # Safety
+/// The contract of `etd_scene_add_mesh`.
+unsafe fn further_uvs(it: &etd_mesh, owner: &Arc<dyn Any + Send + Sync>) -> Result<Vec<Vec<[f32; 2]>>> {
+    let (count, most) = (it.further_uv_count as usize, MeshDesc::MOST_UV_SETS - 1);
+    if count > most {
+        return Err(Failure::argument(format!("mesh.further_uv_count is {count}, expected 0 to {most}")));
+    }
+    if it.further_uvs.is_null() {
+        return Ok(Vec::new());
+    }
+    let set = |set: usize| {
+        // SAFETY: the caller keeps this function's contract.
+        let uvs = unsafe {
+            let start = it.further_uvs.add(set).read();
+            optional_view::<[f32; 2]>(start, it.vertex_count, it.further_uv_stride, owner, "further_uvs")
+        }?;
+        uvs.map_or(Ok(Vec::new()), |uvs| collect(&uvs, |uv| uv))
+    };
+    (0..count).map(set).collect()
 }
 
 /// A view of an array of the host.

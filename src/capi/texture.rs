@@ -391,7 +391,9 @@ fn mapping(it: &etd_texture) -> Result<TextureMapping> {
     let ([su, sv, _], [u, v, _]) = (scale, it.offset);
     let (scale2, offset2, rotation) = ([su, sv], [u, v], it.rotation_deg.to_radians());
     let projection = match enumeration("texture.coordinates", it.coordinates)? {
-        ETD_COORDINATES_UV => return Ok(TextureMapping::Uv { scale: scale2, rotation, offset: offset2 }),
+        ETD_COORDINATES_UV => {
+            return Ok(TextureMapping::Uv { set: it.uv_set, scale: scale2, rotation, offset: offset2 });
+        }
         ETD_COORDINATES_SPACE if it.rotation_deg != 0.0 => {
             return Err(Failure::argument("texture.rotation_deg is not 0: only coordinates on surfaces are turned"));
         }
@@ -435,9 +437,10 @@ fn texture_out(texture: &TextureDesc) -> etd_texture {
         rotation_deg: 0.0,
         offset: [0.0; 3],
         vertex_colors: texture.vertex_colors.into(),
+        uv_set: texture.mapping.uv_set(),
     };
     match texture.mapping {
-        TextureMapping::Uv { scale: [su, sv], rotation, offset: [u, v] }
+        TextureMapping::Uv { scale: [su, sv], rotation, offset: [u, v], .. }
         | TextureMapping::Projected { scale: [su, sv], rotation, offset: [u, v], .. } => {
             (it.scale, it.offset, it.rotation_deg) = ([su, sv, 1.0], [u, v, 0.0], rotation.to_degrees());
         }

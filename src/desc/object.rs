@@ -20,11 +20,15 @@ pub struct MeshDesc {
     pub uvs: Vec<[f32; 2]>,
     /// Three vertex indices per triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// The sets 1, 2, ... of texture coordinates for textures that name them ([`TextureMapping::Uv`](super::TextureMapping::Uv)), each
+    /// empty (the mesh lacks it) or with one uv per vertex; seven at most. Set 0 is [`Self::uvs`].
+    pub further_uvs: Vec<Vec<[f32; 2]>>,
     /// Empty, or one colour per vertex for textures that ask for it
     /// ([`TextureDesc::vertex_colors`](super::TextureDesc::vertex_colors)): red, green and blue in linear light, each >= 0, and
     /// opacity in [0, 1].
     pub colors: Vec<[f32; 4]>,
-    /// Arrays of the host program, read in place; where they are given, the vectors above are empty, but for the colours.
+    /// Arrays of the host program, read in place; where they are given, the vectors above are empty, but for the colours and
+    /// the further sets.
     pub host: Option<HostMesh>,
 }
 
@@ -81,6 +85,17 @@ impl MeshDesc {
         match &self.host {
             None => (!self.uvs.is_empty()).then(|| self.uvs[vertex]),
             Some(host) => host.uvs.as_ref().map(|uvs| uvs.get(vertex)),
+        }
+    }
+
+    /// Most sets of texture coordinates, with the first.
+    pub const MOST_UV_SETS: usize = 8;
+
+    /// Texture coordinates of a vertex in a set, of which 0 is that of [`Self::uv`]; `None` where the mesh lacks it.
+    pub fn uv_of_set(&self, set: u32, vertex: usize) -> Option<[f32; 2]> {
+        match set.checked_sub(1) {
+            None => self.uv(vertex),
+            Some(further) => self.further_uvs.get(further as usize).and_then(|uvs| uvs.get(vertex)).copied(),
         }
     }
 

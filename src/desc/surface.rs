@@ -121,6 +121,9 @@ surface!(
     normals: Option<Vec<[f64; 3]>>,
     /// One texture coordinate per vertex.
     uvs: Option<Vec<[f64; 2]>>,
+    /// Further sets of texture coordinates: set 1, 2, ... to 7, each of one texture coordinate per vertex, or empty.
+    #[serde(rename = "furtherUvs")]
+    further_uvs: Option<Vec<Vec<[f64; 2]>>>,
     /// One colour per vertex, of three or four numbers: red, green and blue in linear light, >= 0, and opacity in [0, 1], default 1.
     colors: Option<Vec<VertexColor>>,
     /// `from-file`: the materials that `file` names in its material libraries, instead of `material`. Default: none.
@@ -259,6 +262,9 @@ pub(super) struct SharedMesh {
     normals: Option<Vec<[f64; 3]>>,
     /// One texture coordinate per vertex.
     uvs: Option<Vec<[f64; 2]>>,
+    /// Further sets of texture coordinates: set 1, 2, ... to 7, each of one texture coordinate per vertex, or empty.
+    #[serde(rename = "furtherUvs")]
+    further_uvs: Option<Vec<Vec<[f64; 2]>>>,
     /// One colour per vertex, of three or four numbers: red, green and blue in linear light, >= 0, and opacity in [0, 1], default 1.
     colors: Option<Vec<VertexColor>>,
 }
@@ -271,6 +277,7 @@ struct MeshSource {
     triangles: Option<Vec<[u32; 3]>>,
     normals: Option<Vec<[f64; 3]>>,
     uvs: Option<Vec<[f64; 2]>>,
+    further_uvs: Option<Vec<Vec<[f64; 2]>>>,
     colors: Option<Vec<VertexColor>>,
 }
 
@@ -329,6 +336,7 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
                 triangles: it.triangles.take(),
                 normals: it.normals.take(),
                 uvs: it.uvs.take(),
+                further_uvs: it.further_uvs.take(),
                 colors: it.colors.take(),
             };
             let mesh = source.resolve(path, path, builder)?;
@@ -380,6 +388,7 @@ impl Mesh<'_> {
             ("triangles", self.triangles.is_some()),
             ("normals", self.normals.is_some()),
             ("uvs", self.uvs.is_some()),
+            ("furtherUvs", self.further_uvs.is_some()),
             ("colors", self.colors.is_some()),
         ] {
             if given {
@@ -402,16 +411,15 @@ impl Mesh<'_> {
 /// Reads one of `meshes`.
 pub(super) fn shared_mesh(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     let mesh: SharedMesh = json::object(raw, path)?;
-    let SharedMesh { name, file, keep_degenerate, positions, triangles, normals, uvs, colors } = mesh;
+    let SharedMesh { name, file, keep_degenerate, positions, triangles, normals, uvs, further_uvs, colors } = mesh;
     let index = match (keep_degenerate, &file, positions.is_some() || triangles.is_some()) {
         (Some(true), Some(file), false) => builder.mesh_file(&join(path, "file"), file, true)?,
         (Some(true), ..) => {
             let message = "only a mesh in a file has this key, a mesh given in place keeps all triangles";
             return Err(Error::invalid(join(path, "keepDegenerate"), message));
         }
-        _ => {
-            MeshSource { name: None, file, positions, triangles, normals, uvs, colors }.resolve(path, &name, builder)?
-        }
+        _ => MeshSource { name: None, file, positions, triangles, normals, uvs, further_uvs, colors }
+            .resolve(path, &name, builder)?,
     };
     builder.scene.check_mesh_name(path, &name)?;
     builder.scene.index.meshes.insert(name, index);
@@ -446,6 +454,7 @@ impl MeshSource {
             || self.triangles.is_some()
             || self.normals.is_some()
             || self.uvs.is_some()
+            || self.further_uvs.is_some()
             || self.colors.is_some();
         match (self.name, self.file) {
             (Some(shared), None) if !inline => builder.mesh_named(&join(path, "mesh"), &shared),
@@ -462,6 +471,12 @@ impl MeshSource {
                 for (i, uv) in uvs.iter().enumerate() {
                     validate::numbers(path, "uvs", i, *uv)?;
                 }
+                let further_uvs = self.further_uvs.unwrap_or_default();
+                for (set, uvs) in further_uvs.iter().enumerate() {
+                    let key = format!("furtherUvs[{set}]");
+                    uvs.iter().enumerate().try_for_each(|(i, uv)| validate::numbers(path, &key, i, *uv))?;
+                }
+                let single = |uvs: Vec<[f64; 2]>| uvs.into_iter().map(|uv| uv.map(|x| x as f32)).collect::<Vec<_>>();
                 let colors: Vec<_> = self.colors.into_iter().flatten().map(VertexColor::with_opacity).collect();
                 for (i, color) in colors.iter().enumerate() {
                     validate::numbers(path, "colors", i, *color)?;
@@ -471,7 +486,8 @@ impl MeshSource {
                     path: path.to_owned(),
                     positions: positions.into_iter().map(DVec3::from_array).collect(),
                     normals: normals.into_iter().map(|normal| normal.map(|x| x as f32)).collect(),
-                    uvs: uvs.into_iter().map(|uv| uv.map(|x| x as f32)).collect(),
+                    uvs: single(uvs),
+                    further_uvs: further_uvs.into_iter().map(single).collect(),
                     triangles,
                     colors: colors.into_iter().map(|color| color.map(|x| x as f32)).collect(),
                     host: None,

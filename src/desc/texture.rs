@@ -89,6 +89,8 @@ impl fmt::Debug for TextureSource {
 pub enum TextureMapping {
     /// By texture coordinates: scaled, then turned counter-clockwise by an angle (radians), then moved.
     Uv {
+        /// The set of texture coordinates, of which 0 is the first. Surfaces that lack it have the first.
+        set: u32,
         /// Factors on u and v.
         scale: [f64; 2],
         /// The angle, radians.
@@ -137,9 +139,16 @@ impl Projection {
         [(Self::Box, "box"), (Self::X, "planar-x"), (Self::Y, "planar-y"), (Self::Z, "planar-z")];
 }
 
+impl TextureMapping {
+    /// The set of texture coordinates that it reads.
+    pub fn uv_set(&self) -> u32 {
+        if let Self::Uv { set, .. } = self { *set } else { 0 }
+    }
+}
+
 impl Default for TextureMapping {
     fn default() -> Self {
-        Self::Uv { scale: [1.0; 2], rotation: 0.0, offset: [0.0; 2] }
+        Self::Uv { set: 0, scale: [1.0; 2], rotation: 0.0, offset: [0.0; 2] }
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::json::{elided, join};
 use super::validate::{number, reflectance};
-use super::{MaterialDesc, TextureDesc, TextureKey, TextureMapping, TextureSource};
+use super::{MaterialDesc, MeshDesc, TextureDesc, TextureKey, TextureMapping, TextureSource};
 use crate::texture::{Pattern, TextureFilter};
 use crate::{Error, Result};
 
@@ -15,8 +15,18 @@ const MOST_OCTAVES: u32 = 16;
 pub(super) fn texture(texture: &TextureDesc) -> Result<()> {
     let TextureDesc { path, source, mapping, .. } = texture;
     let at = |key: &str| join(path, key);
+    if let TextureMapping::Uv { set, .. } = *mapping
+        && set as usize >= MeshDesc::MOST_UV_SETS
+    {
+        let last = MeshDesc::MOST_UV_SETS - 1;
+        return Err(Error::invalid(
+            at("uvSet"),
+            format!("{set} is out of range, expected a whole number from 0 to {last}"),
+        ));
+    }
     match *mapping {
-        TextureMapping::Uv { scale, rotation, offset } | TextureMapping::Projected { scale, rotation, offset, .. } => {
+        TextureMapping::Uv { scale, rotation, offset, .. }
+        | TextureMapping::Projected { scale, rotation, offset, .. } => {
             for (i, value) in scale.into_iter().enumerate() {
                 number(&at(&format!("scale[{i}]")), value)?;
             }

@@ -148,6 +148,8 @@ pub(super) struct Image {
     rotation: Option<f64>,
     /// Added to u and v at last. Default [0, 0].
     offset: Option<[f64; 2]>,
+    /// Of the coordinates `uv`: the set of texture coordinates, 0 to 7. Default 0.
+    uv_set: Option<Whole>,
     /// Whether it is multiplied by the colours of vertices. Default false.
     vertex_colors: Option<bool>,
 }
@@ -178,6 +180,8 @@ pub(super) struct PatternTexture {
     rotation: Option<f64>,
     /// Added at last: three numbers for `space`, two for all others. Default 0.
     offset: Option<Vec<f64>>,
+    /// Of the coordinates `uv`: the set of texture coordinates, 0 to 7. Default 0.
+    uv_set: Option<Whole>,
     /// Whether it is multiplied by the colours of vertices. Default false.
     vertex_colors: Option<bool>,
 }
@@ -298,16 +302,25 @@ fn image(keys: Image, path: &str, builder: &mut Builder<'_>) -> Result<TextureDe
     let mapping = match keys.coordinates.unwrap_or_default() {
         // Refused by the check that follows, with its reason.
         Coordinates::Space => TextureMapping::Space { scale: DVec3::ONE, offset: DVec3::ZERO },
-        on_surface => mapping(on_surface, scale, rotation, offset),
+        on_surface => mapping(on_surface, uv_set(path, keys.uv_set, on_surface)?, scale, rotation, offset),
     };
     let vertex_colors = keys.vertex_colors.unwrap_or_default();
     Ok(TextureDesc { name: keys.name, path: path.to_owned(), source, mapping, vertex_colors })
 }
 
+/// The set of texture coordinates, which only the coordinates `uv` have.
+fn uv_set(path: &str, given: Option<Whole>, coordinates: Coordinates) -> Result<u32> {
+    match (given, coordinates) {
+        (None, _) => Ok(0),
+        (Some(Whole(set)), Coordinates::Uv) => Ok(u32::try_from(set).unwrap_or(u32::MAX)),
+        (Some(_), _) => Err(Error::invalid(join(path, "uvSet"), "only the coordinates 'uv' have sets")),
+    }
+}
+
 /// The mapping of a texture that lies on surfaces.
-fn mapping(coordinates: Coordinates, scale: [f64; 2], rotation: f64, offset: [f64; 2]) -> TextureMapping {
+fn mapping(coordinates: Coordinates, set: u32, scale: [f64; 2], rotation: f64, offset: [f64; 2]) -> TextureMapping {
     let projection = match coordinates {
-        Coordinates::Uv | Coordinates::Space => return TextureMapping::Uv { scale, rotation, offset },
+        Coordinates::Uv | Coordinates::Space => return TextureMapping::Uv { set, scale, rotation, offset },
         Coordinates::Box => Projection::Box,
         Coordinates::PlanarX => Projection::X,
         Coordinates::PlanarY => Projection::Y,
@@ -350,6 +363,7 @@ fn pattern(keys: PatternTexture, path: &str) -> Result<TextureDesc> {
     let in_space = matches!(keys.coordinates.unwrap_or_default(), Coordinates::Space);
     let source = TextureSource::Procedural(Procedural { pattern, colors: [color(0)?, color(1)?], in_space });
     let mapping = if in_space {
+        uv_set(path, keys.uv_set, Coordinates::Space)?;
         if keys.rotation.is_some() {
             return Err(Error::invalid(
                 at("rotation"),
@@ -364,7 +378,8 @@ fn pattern(keys: PatternTexture, path: &str) -> Result<TextureDesc> {
         let scale = list(&at("scale"), keys.scale, 1.0)?;
         let offset = list(&at("offset"), keys.offset, 0.0)?;
         let rotation = keys.rotation.unwrap_or(0.0).to_radians();
-        mapping(keys.coordinates.unwrap_or_default(), scale, rotation, offset)
+        let coordinates = keys.coordinates.unwrap_or_default();
+        mapping(coordinates, uv_set(path, keys.uv_set, coordinates)?, scale, rotation, offset)
     };
     let vertex_colors = keys.vertex_colors.unwrap_or_default();
     Ok(TextureDesc { name: keys.name, path: path.to_owned(), source, mapping, vertex_colors })
@@ -424,7 +439,7 @@ pub(super) fn write(texture: &TextureDesc, name: &str, file: &str) -> Result<Box
                 Wrap::Clamp => WrapKey::Clamp,
                 Wrap::Black => WrapKey::Black,
             });
-            let MappingKeys { coordinates, scale, rotation, offset } = MappingKeys::of(path, mapping)?;
+            let MappingKeys { coordinates, uv_set, scale, rotation, offset } = MappingKeys::of(path, mapping)?;
             let pair = |list: Option<Vec<f64>>| list.and_then(|list| <[f64; 2]>::try_from(list).ok());
             save::raw(&Image {
                 name: name.to_owned(),
@@ -444,6 +459,7 @@ pub(super) fn write(texture: &TextureDesc, name: &str, file: &str) -> Result<Box
                 scale: pair(scale),
                 rotation,
                 offset: pair(offset),
+                uv_set,
                 vertex_colors: texture.vertex_colors.then_some(true),
             })
         }
@@ -457,7 +473,7 @@ pub(super) fn write(texture: &TextureDesc, name: &str, file: &str) -> Result<Box
                 Pattern::Marble { octaves, turbulence } => (PatternTag::Marble, Some(octaves), Some(turbulence)),
                 Pattern::Wood { octaves, turbulence } => (PatternTag::Wood, Some(octaves), Some(turbulence)),
             };
-            let MappingKeys { coordinates, scale, rotation, offset } = MappingKeys::of(path, mapping)?;
+            let MappingKeys { coordinates, uv_set, scale, rotation, offset } = MappingKeys::of(path, mapping)?;
             save::raw(&PatternTexture {
                 name: name.to_owned(),
                 r#type: tag,
@@ -472,6 +488,7 @@ pub(super) fn write(texture: &TextureDesc, name: &str, file: &str) -> Result<Box
                 scale,
                 rotation,
                 offset,
+                uv_set,
                 vertex_colors: texture.vertex_colors.then_some(true),
             })
         }
@@ -484,6 +501,7 @@ pub(super) fn write(texture: &TextureDesc, name: &str, file: &str) -> Result<Box
 /// The keys of a mapping that differ from their defaults.
 struct MappingKeys {
     coordinates: Option<Coordinates>,
+    uv_set: Option<Whole>,
     scale: Option<Vec<f64>>,
     rotation: Option<f64>,
     offset: Option<Vec<f64>>,
@@ -504,16 +522,20 @@ impl MappingKeys {
                 Projection::Z => Coordinates::PlanarZ,
             }),
         };
+        let uv_set = match mapping {
+            TextureMapping::Uv { set, .. } if *set > 0 => Some(Whole((*set).into())),
+            _ => None,
+        };
         match *mapping {
-            TextureMapping::Uv { scale, rotation, offset }
+            TextureMapping::Uv { scale, rotation, offset, .. }
             | TextureMapping::Projected { scale, rotation, offset, .. } => {
                 let degrees = unless(rotation, 0.0).map(|radians| turned_degrees(radians, scale)).transpose();
                 let rotation = degrees.map_err(|message| Error::invalid(join(path, "rotation"), message))?;
-                Ok(Self { coordinates, scale: list(&scale, 1.0), rotation, offset: list(&offset, 0.0) })
+                Ok(Self { coordinates, uv_set, scale: list(&scale, 1.0), rotation, offset: list(&offset, 0.0) })
             }
             TextureMapping::Space { scale, offset } => {
                 let (scale, offset) = (list(&scale.to_array(), 1.0), list(&offset.to_array(), 0.0));
-                Ok(Self { coordinates, scale, rotation: None, offset })
+                Ok(Self { coordinates, uv_set, scale, rotation: None, offset })
             }
         }
     }

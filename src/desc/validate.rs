@@ -269,6 +269,18 @@ pub(super) fn mesh(path: &str, mesh: &MeshDesc) -> Result<()> {
         }
     }
     let colors = Some(mesh.colors.len()).filter(|len| *len > 0);
+    if mesh.further_uvs.len() >= MeshDesc::MOST_UV_SETS {
+        let (given, most) = (mesh.further_uvs.len(), MeshDesc::MOST_UV_SETS - 1);
+        return Err(Error::invalid(at("furtherUvs"), format!("{given} further sets, expected {most} at most")));
+    }
+    for (set, uvs) in mesh.further_uvs.iter().enumerate().filter(|(_, uvs)| !uvs.is_empty()) {
+        let key = format!("furtherUvs[{set}]");
+        if uvs.len() != count {
+            let message = format!("{} uvs for {count} positions, expected one each", uvs.len());
+            return Err(Error::invalid(at(&key), message));
+        }
+        uvs.iter().enumerate().try_for_each(|(i, uv)| numbers(path, &key, i, uv.map(f64::from)))?;
+    }
     for (key, given) in [("normals", lens[0]), ("uvs", lens[1]), ("colors", colors)] {
         if let Some(given) = given.filter(|given| *given != count) {
             let message = format!("{given} {key} for {count} positions, expected one each");

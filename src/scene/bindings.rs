@@ -187,7 +187,8 @@ impl BindingBuilder<'_, '_> {
         let material = self.desc.surfaces[surface as usize].material;
         let emitter = match self.textures.get(material) {
             Some(Some(texture)) => {
-                let uvs = self.record.corner_uvs(geometry, index as u32).unwrap_or_default();
+                let set = texture.uv_set();
+                let uvs = self.record.corner_uvs_of_set(geometry, index as u32, set).unwrap_or_default();
                 texture.emitter(triangle, error, radiance, uvs, &mut self.pieces_left)
             }
             _ => Emitter::Triangle(TriangleEmitter::new(triangle, radiance, error)),

@@ -211,6 +211,7 @@ fn complete(
         media: Media::new(desc)?,
         materials,
         tangents: Arc::new(tangents),
+        reads_further_uvs: desc.textures.iter().any(|texture| texture.mapping.uv_set() > 0),
         reads_vertex_colors: desc.textures.iter().any(|texture| texture.vertex_colors),
         textures: Arc::new(textures),
         camera: desc.camera,

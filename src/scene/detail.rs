@@ -8,12 +8,13 @@ use super::hit::Hit;
 use super::interaction::Triangles;
 use super::record::GeometryRecord;
 use super::{Scene, SurfaceInteraction};
+use crate::desc::MeshDesc;
 use crate::math::{DVec3, Frame, RayCone, Vec3, shutter_time};
 use crate::texture::{Texel, WHITE};
 
 /// Where a point lies on its surface, and how much of the surface a pixel sees there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfaceDetail {
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceDetail<'a> {
     /// Texture coordinates. Where a mesh has its own, they are interpolated. Other triangles have the barycentric weights
     /// of their second and third vertex. Quads have (0, 0), (1, 0), (1, 1) and (0, 1) at their vertices. Those of spheres, disks and
     /// quadrics are in `docs/scene-format.md`.
@@ -40,16 +41,54 @@ pub struct SurfaceDetail {
     /// grows. Around surfaces that have no texture coordinates of their own (spheres, disks, quadrics, and meshes without any), it
     /// runs around the world's y axis.
     pub tangent: Vec3,
-    /// The direction along which normal maps have their x axis, of any length but 0: on smooth meshes with a normal map that of
-    /// MikkTSpace, and on other surfaces that in which the first texture coordinate grows.
-    pub map_tangent: Vec3,
+    /// The direction along which normal maps have their x axis, of any length but 0, on smooth meshes with a normal map: that of
+    /// MikkTSpace. On other surfaces it is that in which the first texture coordinate grows.
+    pub map_tangent: Option<Vec3>,
+    /// The point on its mesh, in scenes with textures that read a further set of texture coordinates.
+    pub(super) mesh: Option<MeshPoint<'a>>,
 }
 
-impl SurfaceDetail {
+/// A point of a triangle of a mesh.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MeshPoint<'a> {
+    mesh: &'a MeshDesc,
+    /// The corners of the triangle, and the weights of them, in the order in which the kernel has them.
+    corners: [u32; 3],
+    weights: [f32; 3],
+    /// The sides of the triangle from its first corner to the others, scene frame; 0 where no tangents are asked for.
+    sides: [Vec3; 2],
+}
+
+impl SurfaceDetail<'_> {
+    /// The same point with the texture coordinates and tangents of another set, where the mesh has it. Where they do not span the
+    /// surface, the tangents stay.
+    pub(super) fn with_set(&self, set: u32) -> Self {
+        let Some(MeshPoint { mesh, corners: [a, b, c], weights, sides }) = self.mesh else { return *self };
+        let uv = |vertex: u32| mesh.uv_of_set(set, vertex as usize);
+        let (Some(a), Some(b), Some(c)) = (uv(a), uv(b), uv(c)) else { return *self };
+        let uv = std::array::from_fn(|i| weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i]);
+        let tangents = tangents_of(sides.map(|side| side.as_dvec3()), [a, b, c]);
+        let [dpdu, dpdv] = tangents.unwrap_or([self.dpdu, self.dpdv]);
+        Self { uv, dpdu, dpdv, ..*self }
+    }
+
     /// A point for what reads no tangents: they are 0.
     pub(super) fn without_tangents(uv: [f32; 2], footprint: f32, [ng, ns, p, wo]: [Vec3; 4]) -> Self {
         let none = Vec3::ZERO;
-        Self { uv, color: WHITE, dpdu: none, dpdv: none, footprint, p, wo, ng, ns, tangent: none, map_tangent: none }
+        Self {
+            uv,
+            color: WHITE,
+            dpdu: none,
+            dpdv: none,
+            footprint,
+            p,
+            wo,
+            ng,
+            ns,
+            tangent: none,
+            map_tangent: None,
+            mesh: None,
+        }
     }
 
     /// The axes of the ellipse that the cone of the path's ray covers on the surface, in texture coordinates: the changes of the
@@ -78,7 +117,7 @@ impl SurfaceDetail {
 impl Scene {
     /// Computes texture coordinates and tangents at a hit, and the diameter of the ray that met the surface. `at` is the
     /// interaction of the same hit.
-    pub fn detail(&self, hit: &Hit, at: &SurfaceInteraction) -> SurfaceDetail {
+    pub fn detail(&self, hit: &Hit, at: &SurfaceInteraction) -> SurfaceDetail<'_> {
         self.detail_at(hit, [at.ng, at.ns, at.point.p, at.ns], at.point.time, at.point.cone, true)
     }
 
@@ -91,11 +130,12 @@ impl Scene {
         time: f32,
         cone: RayCone,
         with_tangents: bool,
-    ) -> SurfaceDetail {
+    ) -> SurfaceDetail<'_> {
         if !with_tangents {
             let uv = self.analytic_parameters(hit, p).map_or_else(|| self.uv(hit), |(uv, _)| uv);
             let color = self.vertex_color(hit);
-            return SurfaceDetail { color, ..SurfaceDetail::without_tangents(uv, cone.width(), [ng, ns, p, wo]) };
+            let mesh = self.mesh_point(hit, None);
+            return SurfaceDetail { color, mesh, ..SurfaceDetail::without_tangents(uv, cone.width(), [ng, ns, p, wo]) };
         }
         let (uv, tangents) =
             self.analytic_parameters(hit, p).unwrap_or_else(|| (self.uv(hit), self.tangents(hit, time)));
@@ -105,10 +145,10 @@ impl Scene {
         });
         let around = Vec3::Y.cross(ns);
         let tangent = if self.has_own_tangents(hit) || around == Vec3::ZERO { dpdu } else { around };
-        let own = if self.tangents.is_empty() { None } else { self.map_tangent(hit, time) };
-        let map_tangent = own.unwrap_or(dpdu);
+        let map_tangent = if self.tangents.is_empty() { None } else { self.map_tangent(hit, time) };
         let (color, footprint) = (self.vertex_color(hit), cone.width());
-        SurfaceDetail { uv, color, dpdu, dpdv, footprint, p, wo, ng, ns, tangent, map_tangent }
+        let mesh = self.mesh_point(hit, Some(time));
+        SurfaceDetail { uv, color, dpdu, dpdv, footprint, p, wo, ng, ns, tangent, map_tangent, mesh }
     }
 
     /// The tangent of MikkTSpace, where one was made for the mesh.
@@ -174,31 +214,62 @@ impl Scene {
         self.record.corner_uvs(self.geometries.get(hit.geometry as usize)?, hit.primitive)
     }
 
-    /// The derivatives of the position by the texture coordinates; `None` where these do not span the surface.
-    fn tangents(&self, hit: &Hit, time: f32) -> Option<[Vec3; 2]> {
+    /// The point on its mesh, where a texture may read a further set of its coordinates; with the sides of the triangle at a time if
+    /// that is given.
+    fn mesh_point(&self, hit: &Hit, time: Option<f32>) -> Option<MeshPoint<'_>> {
+        if !self.reads_further_uvs {
+            return None;
+        }
+        let (Geometry::Flat { triangles, surface, .. } | Geometry::Instance { triangles, surface, .. }) =
+            self.geometries.get(hit.geometry as usize)?
+        else {
+            return None;
+        };
+        let mesh = self.record.whole_mesh(*surface).filter(|mesh| !mesh.further_uvs.is_empty())?;
+        let corners = triangles.mesh.indices().get(hit.primitive as usize);
+        let sides = time.and_then(|time| self.sides(hit, time)).unwrap_or_default().map(|side| side.as_vec3a());
+        Some(MeshPoint { mesh, corners, weights: [1.0 - hit.u - hit.v, hit.u, hit.v], sides })
+    }
+
+    /// The sides of the triangle from its first corner to the others, scene frame; `None` for other shapes.
+    fn sides(&self, hit: &Hit, time: f32) -> Option<[DVec3; 2]> {
         let &Hit { geometry, primitive, .. } = hit;
         let sides = |triangles: &Triangles| {
             let [a, b, c] = triangles.corners(primitive, shutter_time(time));
             [b - a, c - a]
         };
-        let [e1, e2] = match self.geometries.get(geometry as usize)? {
+        Some(match self.geometries.get(geometry as usize)? {
             Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => sides(triangles),
             Geometry::Instance { triangles, instance_path, .. } => instance_path
                 .with_transform(time, |transform| sides(triangles).map(|side| transform.to_scene.matrix3 * side)),
             Geometry::Analytic { .. } => return None,
-        };
-        let [a, b, c] = self.corner_uvs(hit)?.map(|uv| uv.map(f64::from));
-        let difference = |from: [f64; 2], to: [f64; 2]| [to[0] - from[0], to[1] - from[1]];
-        let ([u1, v1], [u2, v2]) = (difference(a, b), difference(a, c));
-        let determinant = u1 * v2 - u2 * v1;
-        let tangents = [v2 * e1 - v1 * e2, u1 * e2 - u2 * e1].map(|sum: DVec3| (sum / determinant).as_vec3a());
-        tangents.iter().all(|tangent| tangent.is_finite() && *tangent != Vec3::ZERO).then_some(tangents)
+        })
     }
+
+    /// The derivatives of the position by the texture coordinates; `None` where these do not span the surface.
+    fn tangents(&self, hit: &Hit, time: f32) -> Option<[Vec3; 2]> {
+        tangents_of(self.sides(hit, time)?, self.corner_uvs(hit)?)
+    }
+}
+
+/// The derivatives of the position by the texture coordinates of a triangle's corners; `None` where these do not span it.
+fn tangents_of([e1, e2]: [DVec3; 2], corners: [[f32; 2]; 3]) -> Option<[Vec3; 2]> {
+    let [a, b, c] = corners.map(|uv| uv.map(f64::from));
+    let difference = |from: [f64; 2], to: [f64; 2]| [to[0] - from[0], to[1] - from[1]];
+    let ([u1, v1], [u2, v2]) = (difference(a, b), difference(a, c));
+    let determinant = u1 * v2 - u2 * v1;
+    let tangents = [v2 * e1 - v1 * e2, u1 * e2 - u2 * e1].map(|sum: DVec3| (sum / determinant).as_vec3a());
+    tangents.iter().all(|tangent| tangent.is_finite() && *tangent != Vec3::ZERO).then_some(tangents)
 }
 
 impl GeometryRecord {
     /// The texture coordinates of a triangle's corners, in the order in which the kernel has them; `None` for other shapes.
     pub(super) fn corner_uvs(&self, geometry: &Geometry, primitive: u32) -> Option<[[f32; 2]; 3]> {
+        self.corner_uvs_of_set(geometry, primitive, 0)
+    }
+
+    /// The texture coordinates of a triangle's corners in a set, or in the first one where its mesh lacks the set.
+    pub(super) fn corner_uvs_of_set(&self, geometry: &Geometry, primitive: u32, set: u32) -> Option<[[f32; 2]; 3]> {
         let plain = |swapped| [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|weights| in_order(swapped, weights));
         match geometry {
             Geometry::Loose { parts, .. } => {
@@ -208,7 +279,8 @@ impl GeometryRecord {
                 Some(if is_quad { weights.map(|weights| quad_uv(part.half, weights)) } else { weights })
             }
             Geometry::Flat { triangles, surface, .. } | Geometry::Instance { triangles, surface, .. } => {
-                Some(self.mesh_uvs(*surface, triangles, primitive).unwrap_or_else(|| plain(triangles.swapped)))
+                let of_set = |set| self.mesh_uvs(*surface, triangles, primitive, set);
+                Some(of_set(set).or_else(|| of_set(0)).unwrap_or_else(|| plain(triangles.swapped)))
             }
             Geometry::Analytic { .. } => None,
         }
@@ -226,10 +298,11 @@ impl GeometryRecord {
     }
 
     /// The texture coordinates that a mesh gives to the corners of a triangle, where it has any.
-    fn mesh_uvs(&self, surface: u32, triangles: &Triangles, primitive: u32) -> Option<[[f32; 2]; 3]> {
-        let mesh = self.uv_mesh(surface)?;
+    fn mesh_uvs(&self, surface: u32, triangles: &Triangles, primitive: u32, set: u32) -> Option<[[f32; 2]; 3]> {
+        let mesh = self.whole_mesh(surface)?;
         let [a, b, c] = triangles.mesh.indices().get(primitive as usize);
-        Some([mesh.uv(a as usize)?, mesh.uv(b as usize)?, mesh.uv(c as usize)?])
+        let uv = |vertex: u32| mesh.uv_of_set(set, vertex as usize);
+        Some([uv(a)?, uv(b)?, uv(c)?])
     }
 }
 
@@ -302,6 +375,65 @@ mod tests {
             }
         }
         assert!(met > 600, "{met}");
+    }
+
+    /// A texture of a further set shows what one of the first set shows on a mesh that has this set first, with its normals. A mesh
+    /// that lacks the set has the first one.
+    #[test]
+    fn further_sets_are_read_as_the_first_one() {
+        let corners = [[-1.0, -0.8, 0.0], [1.2, -1.0, 0.3], [0.1, 0.9, -0.2], [1.4, 1.0, 0.4]];
+        let [first, second] =
+            [[[0.1, 0.2], [0.7, 0.3], [0.2, 0.9], [0.8, 0.8]], [[0.9, 0.1], [0.4, 0.8], [0.05, 0.15], [0.5, 0.6]]];
+        let built = |uvs: serde_json::Value, further: serde_json::Value, set: u32, smooth: bool, dynamic: bool| {
+            let scene = json!({
+                "etendue": 1, "camera": {},
+                "textures": [{"name": "t", "type": "gradient", "scale": [1.5, 2], "rotation": 30, "uvSet": set},
+                    {"name": "n", "type": "noise", "scale": [3, 4], "uvSet": set}],
+                "materials": [{"name": "m", "type": "diffuse", "color": [1, 1, 1], "textures": {"color": "t", "normal": "n"}}],
+                "surfaces": [{"geometry": "mesh", "material": "m", "positions": corners, "triangles": [[0, 1, 2], [2, 1, 3]],
+                    "uvs": uvs, "furtherUvs": further, "shading": if smooth { "smooth" } else { "flat" },
+                    "transform": [{"scale": [-1.5, 1.2, 0.8]}]}],
+            });
+            let desc = desc::parse(&scene.to_string(), "".as_ref(), None).unwrap();
+            Scene::build(&desc, &BuildOptions { dynamic, ..BuildOptions::default() }).unwrap()
+        };
+        let none = || json!([]);
+        for (smooth, dynamic) in [(false, false), (true, false), (true, true)] {
+            let plain = built(json!(second), none(), 0, smooth, dynamic);
+            let other = built(json!(first), none(), 0, smooth, dynamic);
+            let with_sets = [
+                built(json!(first), json!([second]), 1, smooth, dynamic),
+                built(json!(first), json!([[], first, second]), 3, smooth, dynamic),
+                built(json!(null), json!([second]), 1, smooth, dynamic),
+                built(json!(second), none(), 5, smooth, dynamic),
+                built(json!(second), json!([first]), 2, smooth, dynamic),
+            ];
+            let mut rng = Rng::new(3, 9);
+            let (mut met, mut differs) = (0, false);
+            for _ in 0..400 {
+                let mut from = || f64::from(rng.next_f32()) * 3.0 - 1.5;
+                let from = DVec3::new(from(), from(), 4.0);
+                let seen = |scene: &Scene| {
+                    let ray = Ray::new(scene.to_scene(from), crate::math::Vec3::NEG_Z);
+                    let hit = scene.intersect(&ray)?;
+                    let at = scene.interaction(&ray, &hit);
+                    let detail = scene.detail(&hit, &at);
+                    let material = scene.material(at.material);
+                    let normal = material.normal(|_| detail)?;
+                    Some((material.diffuse_albedos(|_| detail)[0].to_array(), normal))
+                };
+                let Some((albedo, normal)) = seen(&plain) else { continue };
+                for scene in &with_sets {
+                    let (found, turned) = seen(scene).unwrap();
+                    let error = (0..3).map(|i| (found[i] - albedo[i]).abs()).fold(0.0, f32::max);
+                    assert!(error < 1e-6, "{found:?}, not {albedo:?}");
+                    assert!((turned - normal).length() < 1e-5, "{turned}, not {normal}");
+                }
+                differs |= (seen(&other).unwrap().0[0] - albedo[0]).abs() > 0.1;
+                met += 1;
+            }
+            assert!(met > 50 && differs, "{met}");
+        }
     }
 
     #[test]

@@ -139,9 +139,9 @@ impl Material {
     /// The result is the material's own Bsdf where that serves. Otherwise the Bsdf is put into `slot`. The lobes are those that
     /// scatter any light.
     #[inline(always)]
-    pub fn at<'a, C: Spectrum>(
+    pub fn at<'a, 'd, C: Spectrum>(
         &'a self,
-        detail: impl FnOnce(bool) -> SurfaceDetail,
+        detail: impl FnOnce(bool) -> SurfaceDetail<'d>,
         wavelengths: &C::Wavelengths,
         slot: &'a mut Option<Bsdf<C>>,
     ) -> (&'a Bsdf<C>, Lobes) {
@@ -209,14 +209,14 @@ impl Material {
 
     /// The shading normal at a hit, where the material has its own.
     #[inline(always)]
-    pub(crate) fn normal(&self, detail: impl FnOnce(bool) -> SurfaceDetail) -> Option<Vec3> {
+    pub(crate) fn normal<'a>(&self, detail: impl FnOnce(bool) -> SurfaceDetail<'a>) -> Option<Vec3> {
         let varying = self.varying.as_deref()?;
         own_normal(varying, detail)
     }
 
     /// The share of the irradiance that the diffuse lobes reflect at a hit, as a colour, on the outer and on the inner side.
     /// Other lobes give 0.
-    pub fn diffuse_albedos(&self, detail: impl FnOnce(bool) -> SurfaceDetail) -> [Rgb; 2] {
+    pub fn diffuse_albedos<'a>(&self, detail: impl FnOnce(bool) -> SurfaceDetail<'a>) -> [Rgb; 2] {
         let mut slot = None;
         let (bsdf, _) = self.at::<Rgb>(detail, &(), &mut slot);
         [true, false].map(|front| bsdf.on_side(front).diffuse_albedo())
@@ -228,7 +228,7 @@ impl Material {
     }
 
     /// The probability with which a ray meets the surface at a hit, in [0, 1].
-    pub fn opacity(&self, detail: impl FnOnce(bool) -> SurfaceDetail) -> f32 {
+    pub fn opacity<'a>(&self, detail: impl FnOnce(bool) -> SurfaceDetail<'a>) -> f32 {
         match &self.varying {
             Some(varying) if !varying.is_opaque() => self.opacity * varying.opacity(&detail(varying.asks_tangents())),
             _ => self.opacity,
@@ -238,13 +238,13 @@ impl Material {
 
 #[cold]
 #[inline(never)]
-fn own_normal(varying: &dyn VaryingMaterial, detail: impl FnOnce(bool) -> SurfaceDetail) -> Option<Vec3> {
+fn own_normal<'a>(varying: &dyn VaryingMaterial, detail: impl FnOnce(bool) -> SurfaceDetail<'a>) -> Option<Vec3> {
     varying.has_normals().then(|| varying.normal(&detail(true)))
 }
 
 #[cold]
 #[inline(never)]
-fn ask(varying: &dyn VaryingMaterial, detail: impl FnOnce(bool) -> SurfaceDetail) -> Bsdf {
+fn ask<'a>(varying: &dyn VaryingMaterial, detail: impl FnOnce(bool) -> SurfaceDetail<'a>) -> Bsdf {
     varying.bsdf(&detail(varying.asks_tangents()))
 }
 

@@ -270,13 +270,13 @@ impl Scene {
     /// arrives on the outer side.
     #[cold]
     #[inline(never)]
-    pub(crate) fn interface<C: Spectrum>(
+    pub(crate) fn interface<'a, C: Spectrum>(
         &self,
         media: PathMedia,
         material: u32,
         front: bool,
         wavelengths: &C::Wavelengths,
-        detail: impl FnOnce(bool) -> SurfaceDetail,
+        detail: impl FnOnce(bool) -> SurfaceDetail<'a>,
     ) -> Bsdf<C> {
         let own = || self.material(material).mean().in_spectrum::<C>(wavelengths);
         let Some(all) = self.media.as_deref() else { return own() };

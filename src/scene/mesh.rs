@@ -40,7 +40,9 @@ pub(super) fn bounds(mesh: &MeshDesc, progress: &WorkProgress) -> Result<Bounds>
         None => (mesh.normals.len(), mesh.uvs.len()),
         Some(host) => (host.normals.as_ref().map_or(0, Buffer::len), host.uvs.as_ref().map_or(0, Buffer::len)),
     };
-    for (count, what) in [(normals, "normals"), (uvs, "uvs"), (mesh.colors.len(), "colors")] {
+    let further = mesh.further_uvs.iter().map(|uvs| (uvs.len(), "uvs of a further set"));
+    let own = [(normals, "normals"), (uvs, "uvs"), (mesh.colors.len(), "colors")];
+    for (count, what) in own.into_iter().chain(further) {
         if count != 0 && count != vertices {
             return invalid(format!("{count} {what} for {vertices} vertices"));
         }

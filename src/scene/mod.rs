@@ -85,6 +85,8 @@ pub struct Scene {
     tangents: Arc<tangents::SurfaceTangents>,
     /// Whether a texture is multiplied by the colours of vertices.
     reads_vertex_colors: bool,
+    /// Whether a texture reads a further set of texture coordinates.
+    reads_further_uvs: bool,
     /// The textures of the materials, for [`Scene::rebuild`].
     textures: Arc<prepared_textures::PreparedTextures>,
     /// What any of the materials needs to know of a hit.

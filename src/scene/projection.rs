@@ -1,7 +1,7 @@
 //! Texture coordinates by a projection of the world, for surfaces that have none of their own.
 
 use super::SurfaceDetail;
-use crate::desc::Projection;
+use crate::desc::{Projection, TextureMapping};
 use crate::math::{DVec3, Vec3};
 
 /// A projection, and the origin of the scene frame in the world.
@@ -9,6 +9,37 @@ use crate::math::{DVec3, Vec3};
 pub(super) struct Projected {
     pub projection: Projection,
     pub centre: DVec3,
+}
+
+/// Which texture coordinates a texture has.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Coordinates {
+    /// Those of the surface, or of no surface.
+    Own,
+    /// Those of a further set of the mesh.
+    Set(u32),
+    /// Those of a projection.
+    Projected(Projected),
+}
+
+impl Coordinates {
+    /// `centre` is the origin of the scene frame.
+    pub fn new(mapping: &TextureMapping, centre: DVec3) -> Self {
+        match *mapping {
+            TextureMapping::Projected { projection, .. } => Self::Projected(Projected { projection, centre }),
+            TextureMapping::Uv { set, .. } if set > 0 => Self::Set(set),
+            TextureMapping::Uv { .. } | TextureMapping::Space { .. } => Self::Own,
+        }
+    }
+
+    /// The same point of the surface with these coordinates and their tangents.
+    pub fn apply<'a>(&self, at: &SurfaceDetail<'a>) -> SurfaceDetail<'a> {
+        match self {
+            Self::Own => *at,
+            Self::Set(set) => at.with_set(*set),
+            Self::Projected(projected) => projected.apply(at),
+        }
+    }
 }
 
 /// The directions in which the two coordinates grow, for surfaces that face along an axis (0, 1, 2) or against it, so that the image
@@ -24,7 +55,7 @@ fn directions(axis: usize, is_positive: bool) -> [Vec3; 2] {
 
 impl Projected {
     /// The same point of the surface with the coordinates and tangents of the projection.
-    pub fn apply(&self, at: &SurfaceDetail) -> SurfaceDetail {
+    pub fn apply<'a>(&self, at: &SurfaceDetail<'a>) -> SurfaceDetail<'a> {
         let normal = at.ng;
         let [eu, ev] = match self.projection {
             Projection::X => directions(0, true),
@@ -51,6 +82,6 @@ impl Projected {
             // The surface is seen along its edge.
             (dpdu, dpdv) = (eu, ev);
         }
-        SurfaceDetail { uv, dpdu, dpdv, map_tangent: dpdu, ..*at }
+        SurfaceDetail { uv, dpdu, dpdv, map_tangent: None, ..*at }
     }
 }

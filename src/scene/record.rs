@@ -85,7 +85,8 @@ impl GeometryRecord {
             .map(|mesh| KnownMesh {
                 identity: Arc::downgrade(mesh),
                 bounds: bounds.get(&address(mesh)).copied(),
-                whole: (mesh.has_uvs() || !mesh.colors.is_empty()).then(|| Arc::clone(mesh)),
+                whole: (mesh.has_uvs() || !mesh.further_uvs.is_empty() || !mesh.colors.is_empty())
+                    .then(|| Arc::clone(mesh)),
             })
             .collect();
         Self { surfaces, meshes, objects, list_surfaces, facts, is_dynamic }

@@ -31,8 +31,9 @@ pub(super) struct MeshTangents {
 pub(super) struct SurfaceTangents {
     /// Of each surface; empty where no material has a normal map.
     of_surfaces: Vec<Option<Arc<MeshTangents>>>,
-    /// All of them by the addresses of their meshes, which are kept so that no other mesh can have the address.
-    known: HashMap<usize, (Arc<MeshDesc>, Arc<MeshTangents>)>,
+    /// All of them by the addresses of their meshes, which are kept so that no other mesh can have the address, and by the set of
+    /// texture coordinates.
+    known: HashMap<(usize, u32), (Arc<MeshDesc>, Arc<MeshTangents>)>,
 }
 
 impl SurfaceTangents {
@@ -46,12 +47,12 @@ impl SurfaceTangents {
             return Ok(all);
         }
         let mut of = |surface| {
-            let Some(mesh) = normal_mapped(desc, surface) else { return Ok(None) };
-            let key = address(mesh);
+            let Some((mesh, set)) = normal_mapped(desc, surface) else { return Ok(None) };
+            let key = (address(mesh), set);
             let known = all.known.get(&key).or_else(|| before.and_then(|before| before.known.get(&key)));
             let tangents = match known {
                 Some((_, tangents)) => Arc::clone(tangents),
-                None => Arc::new(MeshTangents::new(mesh, device, progress)?),
+                None => Arc::new(MeshTangents::new(mesh, set, device, progress)?),
             };
             all.known.insert(key, (Arc::clone(mesh), Arc::clone(&tangents)));
             Ok(Some(tangents))
@@ -71,23 +72,25 @@ impl SurfaceTangents {
     }
 }
 
-/// The mesh of a surface with a normal map, where the mesh is smooth and the map lies on it by its texture coordinates. On flat
-/// triangles, the derivatives of the positions are the frames.
-fn normal_mapped<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc) -> Option<&'a Arc<MeshDesc>> {
+/// The mesh of a surface with a normal map, and the set of texture coordinates by which the map lies on it, where the mesh is smooth.
+/// On flat triangles, the derivatives of the positions are the frames.
+fn normal_mapped<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc) -> Option<(&'a Arc<MeshDesc>, u32)> {
     let ShapeDesc::Mesh { mesh, smooth: true } = surface.shape else { return None };
     let binding = desc.materials.get(surface.material)?.textured(TextureKey::Normal)?;
-    let mapping = desc.textures.get(binding.texture)?.mapping;
-    desc.meshes
-        .get(mesh)
-        .filter(|mesh| mesh.has_uvs() && !surface.hidden && matches!(mapping, TextureMapping::Uv { .. }))
+    let TextureMapping::Uv { set, .. } = desc.textures.get(binding.texture)?.mapping else { return None };
+    let mesh = desc.meshes.get(mesh).filter(|_| !surface.hidden)?;
+    // A mesh that lacks the set has the first.
+    let set = if mesh.uv_of_set(set, 0).is_some() { set } else { 0 };
+    mesh.uv_of_set(set, 0)?;
+    Some((mesh, set))
 }
 
 impl MeshTangents {
-    fn new(mesh: &MeshDesc, device: &Device, progress: &WorkProgress) -> Result<Self> {
+    fn new(mesh: &MeshDesc, set: u32, device: &Device, progress: &WorkProgress) -> Result<Self> {
         let count = mesh.triangle_count();
         let charge = device.charge(count * size_of::<[[f32; 3]; 3]>()).map_err(|error| error.at(&mesh.path))?;
         let normals = unit_normals(mesh, DMat3::IDENTITY, progress)?;
-        let mut made = Making { mesh, normals, corners: vec![[[0.0; 3]; 3]; count] };
+        let mut made = Making { mesh, set, normals, corners: vec![[[0.0; 3]; 3]; count] };
         // There are no errors that it could return.
         let _ = generate_tangents(&mut made);
         progress.check()?;
@@ -102,6 +105,7 @@ impl MeshTangents {
 
 struct Making<'a> {
     mesh: &'a MeshDesc,
+    set: u32,
     normals: Buffer<[f32; 3]>,
     corners: Vec<[[f32; 3]; 3]>,
 }
@@ -130,7 +134,7 @@ impl MikkGeometry for Making<'_> {
     }
 
     fn tex_coord(&self, face: usize, vert: usize) -> [f32; 2] {
-        self.mesh.uv(self.vertex(face, vert)).unwrap_or_default()
+        self.mesh.uv_of_set(self.set, self.vertex(face, vert)).unwrap_or_default()
     }
 
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, vert: usize) {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::material::turned_with_tangents;
 use super::prepared_textures::{PreparedTextures, VertexColors};
-use super::projection::Projected;
+use super::projection::Coordinates;
 use super::{SurfaceDetail, VaryingMaterial};
 use crate::bsdf::{Black, Bsdf, Lobes, Mix, Model as _, TwoSided};
 use crate::desc::{
@@ -40,7 +40,7 @@ pub(super) enum Placement {
 impl Placement {
     pub fn new(mapping: &TextureMapping, centre: DVec3) -> Self {
         match *mapping {
-            TextureMapping::Uv { scale: [su, sv], rotation, offset }
+            TextureMapping::Uv { scale: [su, sv], rotation, offset, .. }
             | TextureMapping::Projected { scale: [su, sv], rotation, offset, .. } => {
                 let (sin, cos) = rotation.sin_cos();
                 let matrix = [[cos * su, -sin * sv], [sin * su, cos * sv]];
@@ -84,8 +84,7 @@ fn times(a: Texel, b: Texel) -> Texel {
 struct Bound {
     key: TextureKey,
     texture: Arc<Texture>,
-    /// What gives texture coordinates where they are not those of the surface.
-    projected: Option<Projected>,
+    coordinates: Coordinates,
     placement: Placement,
     channel: usize,
     /// Whether the parameter, if it is a colour, takes all channels.
@@ -100,9 +99,9 @@ struct Bound {
 
 impl Bound {
     fn texel(&self, at: &SurfaceDetail) -> Texel {
-        match &self.projected {
-            None => self.texel_at(at),
-            Some(projected) => self.texel_at(&projected.apply(at)),
+        match &self.coordinates {
+            Coordinates::Own => self.texel_at(at),
+            coordinates => self.texel_at(&coordinates.apply(at)),
         }
     }
 
@@ -181,10 +180,7 @@ impl Binder<'_> {
             key: binding.key,
             asks_footprint: texture.asks_footprint(),
             texture,
-            projected: match desc.mapping {
-                TextureMapping::Projected { projection, .. } => Some(Projected { projection, centre: self.centre }),
-                TextureMapping::Uv { .. } | TextureMapping::Space { .. } => None,
-            },
+            coordinates: Coordinates::new(&desc.mapping, self.centre),
             placement: Placement::new(&desc.mapping, self.centre),
             channel,
             is_whole: binding.channel == TextureChannel::Default,
@@ -420,7 +416,7 @@ impl VaryingMaterial for Textured {
 
     fn normal(&self, at: &SurfaceDetail) -> Vec3 {
         let Some(bound) = &self.normal else { return at.ns };
-        let own = bound.projected.map_or(*at, |projected| projected.apply(at));
+        let own = bound.coordinates.apply(at);
         let normal = if bound.key == TextureKey::Normal { mapped(bound, &own) } else { bumped(bound, &own) };
         normal.try_normalize().filter(|n| n.is_finite() && n.dot(at.ns) > 0.0).unwrap_or(at.ns)
     }
@@ -436,7 +432,7 @@ fn mapped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
         Some([tangent, if across.dot(to_side) < 0.0 { -across } else { across }])
     };
     // Directions of the image are turned as the tangent of normal maps is from the derivative of the position.
-    let frames = frame(at.dpdu, at.dpdv).zip(frame(at.map_tangent, at.dpdv));
+    let frames = frame(at.dpdu, at.dpdv).zip(frame(at.map_tangent.unwrap_or(at.dpdu), at.dpdv));
     let Some(([s, t], [map_s, map_t])) = frames else { return at.ns };
     let [along, to_side] = bound.placement.tangents([at.dpdu, at.dpdv]).map(|it| it.dot(s) * map_s + it.dot(t) * map_t);
     let Some([tangent, across]) = frame(along, to_side) else { return at.ns };

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::SurfaceDetail;
 use super::prepared_textures::color_space;
-use super::projection::Projected;
+use super::projection::Coordinates;
 use super::textured::{Placement, channel_of};
-use crate::desc::{SceneDesc, ShapeDesc, SurfaceDesc, TextureBinding, TextureKey, TextureMapping, TextureSource};
+use crate::desc::{SceneDesc, ShapeDesc, SurfaceDesc, TextureBinding, TextureKey, TextureSource};
 use crate::emitter::{Emitter, TextureCorners, TexturedTriangle};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::DVec3;
@@ -21,7 +21,7 @@ pub(super) const MOST_PIECES: usize = 1 << 20;
 #[derive(Clone, Debug)]
 pub(super) struct EmissionTexture {
     light: TextureLight,
-    projected: Option<Projected>,
+    coordinates: Coordinates,
     placement: Placement,
     channel: Option<usize>,
 }
@@ -78,10 +78,7 @@ impl EmissionTexture {
         };
         Some(Self {
             light: TextureLight::new(Arc::new(shown), threads),
-            projected: match texture.mapping {
-                TextureMapping::Projected { projection, .. } => Some(Projected { projection, centre }),
-                TextureMapping::Uv { .. } | TextureMapping::Space { .. } => None,
-            },
+            coordinates: Coordinates::new(&texture.mapping, centre),
             placement: Placement::new(&texture.mapping, centre),
             channel: channel_of(binding.channel),
         })
@@ -99,6 +96,11 @@ impl EmissionTexture {
         Err(Error::new(ErrorKind::InvalidScene, message))
     }
 
+    /// The set of texture coordinates that the texture reads.
+    pub fn uv_set(&self) -> u32 {
+        if let Coordinates::Set(set) = self.coordinates { set } else { 0 }
+    }
+
     /// The emitter of a triangle whose corners have these texture coordinates.
     /// `pieces_left` is the room for parts of triangles.
     pub fn emitter(
@@ -112,7 +114,7 @@ impl EmissionTexture {
         let ng = triangle.normal;
         let points = [0, 1, 2].map(|i: usize| {
             let at = SurfaceDetail::without_tangents(uvs[i], 0.0, [ng, ng, triangle.vertices[i], ng]);
-            self.placement.point(&self.projected.map_or(at, |projected| projected.apply(&at)), false)
+            self.placement.point(&self.coordinates.apply(&at), false)
         });
         let corners = match self.placement {
             Placement::Uv { .. } => TextureCorners::Uv(points.map(|point| point.uv)),

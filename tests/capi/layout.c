@@ -402,6 +402,7 @@ static void structures(void) {
     FIELD(etd_texture, rotation_deg);
     FIELD(etd_texture, offset);
     FIELD(etd_texture, vertex_colors);
+    FIELD(etd_texture, uv_set);
     STRUCT(etd_texture_binding);
     FIELD(etd_texture_binding, struct_size);
     FIELD(etd_texture_binding, texture);
@@ -433,6 +434,9 @@ static void structures(void) {
     FIELD(etd_mesh, name);
     FIELD(etd_mesh, colors);
     FIELD(etd_mesh, color_stride);
+    FIELD(etd_mesh, further_uvs);
+    FIELD(etd_mesh, further_uv_count);
+    FIELD(etd_mesh, further_uv_stride);
     STRUCT(etd_film_options);
     FIELD(etd_film_options, struct_size);
     FIELD(etd_film_options, width);

@@ -500,8 +500,58 @@ static void vertex_colors(etd_device *device) {
     }
 }
 
+/* Further sets of texture coordinates: a texture of set 2 looks as one of the first set on a mesh with these coordinates first. */
+static void further_sets(etd_device *device) {
+    static const float positions[] = {-1.5f, -1.5f, 0, 1.5f, -1.5f, 0, 1.5f, 1.5f, 0, -1.5f, 1.5f, 0};
+    static const float plain[] = {0, 0, 1, 0, 1, 1, 0, 1};
+    static const float wide[] = {0.5f, 1, 9, 3, 0.25f, 9, 4, 3, 9, 1, 2, 9};
+    static const float tight[] = {0.5f, 1, 3, 0.25f, 4, 3, 1, 2};
+    static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    static float expected[PIXELS], found[PIXELS], other[PIXELS];
+    size_t k;
+    for (k = 0; k < 3; ++k) {
+        const float *sets[2] = {NULL, wide};
+        etd_texture texture = ETD_TEXTURE_INIT;
+        etd_texture read = ETD_TEXTURE_INIT;
+        etd_mesh mesh = ETD_MESH_INIT;
+        etd_surface look = ETD_SURFACE_INIT;
+        etd_scene *scene = scene_of(device, "", "");
+        uint32_t number = 7, texture_number = 7, surface = 7;
+        mesh.positions = positions;
+        mesh.vertex_count = 4;
+        mesh.indices = indices;
+        mesh.triangle_count = 2;
+        mesh.uvs = k == 0 ? tight : plain;
+        if (k > 0) {
+            mesh.further_uvs = sets;
+            mesh.further_uv_count = 2;
+            mesh.further_uv_stride = 3 * sizeof(float);
+        }
+        texture.kind = ETD_TEXTURE_CHECKER;
+        texture.uv_set = k == 1 ? 2 : 0;
+        CHECK_OK(etd_scene_add_mesh(scene, &mesh, &number));
+        look.material = 0;
+        CHECK_OK(etd_scene_remove_surface(scene, 0));
+        CHECK_OK(etd_scene_add_mesh_surface(scene, number, 0, &look, &surface));
+        CHECK_OK(etd_scene_add_texture(scene, NULL, &texture, &texture_number));
+        CHECK_OK(etd_scene_get_texture(scene, texture_number, &read));
+        CHECK(read.uv_set == texture.uv_set);
+        bind(scene, texture_number);
+        render(device, scene, k == 0 ? expected : k == 1 ? found : other);
+        mesh.further_uvs = sets;
+        mesh.further_uv_count = 8;
+        CHECK_STATUS(etd_scene_set_mesh(scene, number, &mesh), ETD_INVALID_ARGUMENT);
+        texture.uv_set = 8;
+        CHECK_STATUS(etd_scene_set_texture(scene, texture_number, &texture), ETD_INVALID_SCENE);
+        etd_scene_release(scene);
+    }
+    CHECK(is_same(found, expected));
+    CHECK(!is_same(other, expected));
+}
+
 int main(void) {
     etd_device *device = new_device(1);
+    further_sets(device);
     vertex_colors(device);
     patterns(device);
     formats(device);

@@ -112,8 +112,8 @@ fn maps_have_options() {
     );
     assert_eq!(scene.warnings, Vec::<String>::new());
     let [first, second] = [0, 1].map(|i| &scene.textures[i]);
-    assert_eq!(first.mapping, TextureMapping::Uv { scale: [2.0, 3.0], rotation: 0.0, offset: [0.5, -0.25] });
-    assert_eq!(second.mapping, TextureMapping::Uv { scale: [2.0, 1.0], rotation: 0.0, offset: [0.0, 0.0] });
+    assert_eq!(first.mapping, TextureMapping::Uv { set: 0, scale: [2.0, 3.0], rotation: 0.0, offset: [0.5, -0.25] });
+    assert_eq!(second.mapping, TextureMapping::Uv { set: 0, scale: [2.0, 1.0], rotation: 0.0, offset: [0.0, 0.0] });
     let TextureSource::Image(image) = &first.source else { unreachable!("an image") };
     assert_eq!(image.wrap, [Wrap::Clamp; 2]);
     assert!(scene.files.iter().any(|file| file.ends_with("red.png")));

@@ -152,7 +152,8 @@ fn textures(scene: &mut SceneDesc) {
             filter: filters[number % 5],
         });
         let x = number as f64 / 7.0;
-        let mapping = TextureMapping::Uv { scale: [x, -x], rotation: x - 1.0, offset: [1.0 / x, -0.0] };
+        let set = number as u32 % 8;
+        let mapping = TextureMapping::Uv { set, scale: [x, -x], rotation: x - 1.0, offset: [1.0 / x, -0.0] };
         scene
             .add_texture(TextureDesc {
                 name: format!("image {number}"),
@@ -192,9 +193,12 @@ fn textures(scene: &mut SceneDesc) {
             let colors = [rgb(0.0, 1.0, 3.0), rgb(0.3, 0.2, 0.1)];
             let source = TextureSource::Procedural(Procedural { pattern, colors, in_space });
             let mapping = match in_space {
-                false => {
-                    TextureMapping::Uv { scale: [1.0, 2.0 / 3.0], rotation: 0.5_f64.to_radians(), offset: [0.0; 2] }
-                }
+                false => TextureMapping::Uv {
+                    set: 0,
+                    scale: [1.0, 2.0 / 3.0],
+                    rotation: 0.5_f64.to_radians(),
+                    offset: [0.0; 2],
+                },
                 true => TextureMapping::Space { scale: DVec3::new(1.0, 1e-7, -3.0), offset: DVec3::splat(1.0 / 3.0) },
             };
             let name = format!("pattern {}", scene.textures.len());
@@ -284,6 +288,11 @@ fn meshes(scene: &mut SceneDesc) {
         name: "with all".into(),
         normals: vec![[0.0, -0.0, third(1.0)], [0.0; 3], [1e-30, 5.0, -1.0], [0.0, 0.0, 1.0]],
         uvs: vec![[third(1.0), -7.0], [0.0, 1.0], [1e20, -0.0], [0.5, 0.5]],
+        further_uvs: vec![
+            vec![[third(2.0), -7.0]; 4],
+            vec![],
+            vec![[0.0, third(5.0)], [1.0; 2], [-0.0, 1e-30], [0.5; 2]],
+        ],
         colors: vec![[third(1.0), 0.0, 1e20, 1.0], [0.0; 4], [1e-30, third(0.7), 1.0, third(0.5)], [1.0; 4]],
         triangles: vec![[2, 1, 0], [0, 2, 3], [2, 1, 0]],
         positions: positions.clone(),

@@ -81,7 +81,7 @@ fn texture(texture: &TextureDesc) -> String {
             let of_colors = is_srgb(it.color_space.unwrap_or(it.suggested_space));
             let space = (of_colors, it.color_space.is_some_and(is_srgb));
             let mapping = match *mapping {
-                TextureMapping::Uv { scale, rotation, offset } => text(&(scale, rotation as f32, offset)),
+                TextureMapping::Uv { set, scale, rotation, offset } => text(&(set, scale, rotation as f32, offset)),
                 TextureMapping::Projected { projection, scale, rotation, offset } => {
                     text(&(projection, scale, rotation as f32, offset))
                 }
@@ -129,6 +129,7 @@ fn mesh(mesh: &MeshDesc) -> impl PartialEq + use<> {
         vertices().map(|i| mesh.uv(i).map(|uv| uv.map(f32::to_bits))).collect::<Vec<_>>(),
         (0..mesh.triangle_count()).map(|i| mesh.triangle(i)).collect::<Vec<_>>(),
         mesh.colors.iter().map(|color| color.map(f32::to_bits)).collect::<Vec<_>>(),
+        mesh.further_uvs.iter().map(|uvs| uvs.iter().map(|uv| uv.map(f32::to_bits)).collect()).collect::<Vec<Vec<_>>>(),
     )
 }
 

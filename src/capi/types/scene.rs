@@ -258,6 +258,13 @@ pub struct etd_mesh {
     pub colors: *const f32,
     /// Bytes from one colour to the next; 0: colours without gaps.
     pub color_stride: usize,
+    /// The sets 1, 2, ... of texture coordinates for textures with `uv_set`, each with one texture coordinate for each vertex, or
+    /// NULL; NULL: none. They are always copied.
+    pub further_uvs: *const *const f32,
+    /// Number of further sets, 7 at most.
+    pub further_uv_count: u32,
+    /// Bytes from one texture coordinate of a further set to the next; 0: coordinates without gaps.
+    pub further_uv_stride: usize,
 }
 
 /// The properties of a surface other than its shape.

@@ -187,6 +187,8 @@ pub struct etd_texture {
     /// 1: the texture is multiplied by the colours of vertices, and its opacity by theirs. 0: it is not. Always 1 of
     /// `ETD_TEXTURE_VERTEX_COLORS`, whatever is given. Refused for the parameters "emission", "normal" and "bump".
     pub vertex_colors: u32,
+    /// Of `ETD_COORDINATES_UV`: the set of texture coordinates, 0 to 7. Surfaces that lack it have the first, which is 0.
+    pub uv_set: u32,
 }
 
 /// A texture of a parameter of a material. The parameter is that of the material times the texture.

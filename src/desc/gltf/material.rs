@@ -30,7 +30,7 @@ pub(super) struct Materials {
     /// Whether some of them have colours of vertices.
     default_has_colors: bool,
     /// Sets of texture coordinates, of materials with textures.
-    uv_sets: HashMap<usize, u64>,
+    uv_sets: HashMap<usize, Vec<u64>>,
     left_out: Vec<String>,
     notes: Notes,
 }
@@ -62,9 +62,9 @@ impl Materials {
         Ok(number)
     }
 
-    /// Which set of texture coordinates the textures of a material use.
-    pub fn uv_set(&self, material: usize) -> u64 {
-        self.uv_sets.get(&material).copied().unwrap_or(0)
+    /// Which sets of texture coordinates the textures of a material use, in the order of their numbers in the scene.
+    pub fn uv_sets(&self, material: usize) -> &[u64] {
+        self.uv_sets.get(&material).map_or(&[0], Vec::as_slice)
     }
 
     /// Warns of what was left out of materials.
@@ -143,7 +143,8 @@ pub(super) fn add(document: &Document<'_>, buffers: &Buffers<'_>, scene: &mut Sc
         reader.textures.vertex_opacity = with_opacity.contains(&Some(i as u64));
         let number = reader.add(&format!("materials[{i}]"), material, scene)?;
         numbers.push(number);
-        uv_sets.extend(reader.textures.uv_set.take().map(|set| (number, set)));
+        let sets = std::mem::take(&mut reader.textures.uv_sets);
+        uv_sets.extend(Some((number, sets)).filter(|(_, sets)| !sets.is_empty()));
     }
     let Reader { textures, notes, .. } = reader;
     let default_has_colors = colored.contains(&None);

@@ -23,6 +23,8 @@ pub(super) struct Geometry {
     pub normals: Vec<DVec3>,
     /// Empty, or one per vertex.
     pub uvs: Vec<[f32; 2]>,
+    /// The further sets of texture coordinates that textures of the material use, each empty or one per vertex.
+    pub further_uvs: Vec<Vec<[f32; 2]>>,
     /// Empty, or one per vertex.
     pub colors: Vec<[f32; 4]>,
     pub triangles: Vec<[u32; 3]>,
@@ -71,19 +73,19 @@ impl<'a> Meshes<'a> {
         Ok(())
     }
 
-    /// Reads a primitive with the weights of its morph targets; `None` where it has no triangles. `uv_set` is the set of texture
-    /// coordinates that the textures of its material use.
+    /// Reads a primitive with the weights of its morph targets; `None` where it has no triangles. `uv_sets` are the sets of texture
+    /// coordinates that the textures of its material use, in the order in which these number them.
     pub fn read(
         &mut self,
         path: &str,
         primitive: &Primitive<'_>,
         weights: &[f64],
-        uv_set: u64,
+        uv_sets: &[u64],
     ) -> Result<Option<Geometry>> {
         let what = match primitive.mode.unwrap_or(4) {
             0 => "points",
             1..=3 => "lines",
-            mode @ 4..=6 => return self.triangles_of(path, primitive, mode, weights, uv_set),
+            mode @ 4..=6 => return self.triangles_of(path, primitive, mode, weights, uv_sets),
             other => {
                 let message = format!("{other} is no mode, expected a whole number from 0 to 6");
                 return Err(Error::invalid(format!("{path}.mode"), message));
@@ -99,7 +101,7 @@ impl<'a> Meshes<'a> {
         primitive: &Primitive<'_>,
         mode: u32,
         weights: &[f64],
-        uv_set: u64,
+        uv_sets: &[u64],
     ) -> Result<Option<Geometry>> {
         let at = |key: &str| format!("{path}.attributes.{key}");
         let accessors = self.accessors;
@@ -132,24 +134,30 @@ impl<'a> Meshes<'a> {
             let read = accessors.floats::<3>(&at("NORMAL"), *index, Allowed::Floats)?;
             normals = read.into_iter().map(double).collect();
         }
-        let uv_key = format!("TEXCOORD_{uv_set}");
-        let mut uvs = Vec::new();
-        if let Some(index) = primitive.attributes.get(&uv_key) {
-            per_vertex(&uv_key, accessors.count(&at(&uv_key), *index)? as usize)?;
-            uvs = accessors.floats::<2>(&at(&uv_key), *index, Allowed::Fractions)?;
-            // glTF counts v from the upper edge of an image, and scenes from the lower one.
-            uvs.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
+        let uv_keys: Vec<String> = uv_sets.iter().map(|set| format!("TEXCOORD_{set}")).collect();
+        let mut sets = Vec::with_capacity(uv_keys.len());
+        for key in &uv_keys {
+            let mut uvs = Vec::new();
+            if let Some(index) = primitive.attributes.get(key.as_str()) {
+                per_vertex(key, accessors.count(&at(key), *index)? as usize)?;
+                uvs = accessors.floats::<2>(&at(key), *index, Allowed::Fractions)?;
+                // glTF counts v from the upper edge of an image, and scenes from the lower one.
+                uvs.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
+            }
+            sets.push(uvs);
         }
+        let mut sets = sets.into_iter();
+        let (uvs, further_uvs) = (sets.next().unwrap_or_default(), sets.collect());
         let colors = self.colors(path, primitive, count)?;
         for key in primitive.attributes.keys() {
-            let is_read = ["POSITION", "NORMAL", COLOR, &uv_key].contains(&key.as_str());
+            let is_read = ["POSITION", "NORMAL", COLOR].contains(&key.as_str()) || uv_keys.iter().any(|it| it == key);
             // Joints and weights are read with the skin, and names that begin with an underscore mean something to programs alone.
             let is_elsewhere = key.starts_with("JOINTS_") || key.starts_with("WEIGHTS_") || key.starts_with('_');
             if !is_read && !is_elsewhere {
                 self.leave_out(&format!("the attribute {} is left out", elided(key)), path);
             }
         }
-        let mut geometry = Geometry { positions, normals, uvs, colors, triangles: Vec::new() };
+        let mut geometry = Geometry { positions, normals, uvs, further_uvs, colors, triangles: Vec::new() };
         self.morph(path, primitive, weights, &mut geometry)?;
         let indices = match primitive.indices {
             Some(index) => {

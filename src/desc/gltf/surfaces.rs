@@ -132,7 +132,8 @@ impl Adding<'_> {
             let at = format!("meshes[{mesh}].primitives[{i}]");
             self.meshes.accessors.spend(&at, 1)?;
             let material = self.materials.of(&at, primitive.material, self.scene)?;
-            let Some(mut geometry) = self.meshes.read(&at, primitive, weights, self.materials.uv_set(material))? else {
+            let Some(mut geometry) = self.meshes.read(&at, primitive, weights, self.materials.uv_sets(material))?
+            else {
                 continue;
             };
             to_world(&at, &self.meshes, primitive, &mut geometry)?;
@@ -154,7 +155,7 @@ impl Adding<'_> {
             let at = format!("meshes[{mesh}].primitives[{i}]");
             self.meshes.accessors.spend(&at, 1)?;
             let material = self.materials.of(&at, primitive.material, self.scene)?;
-            if let Some(geometry) = self.meshes.read(&at, primitive, weights, self.materials.uv_set(material))? {
+            if let Some(geometry) = self.meshes.read(&at, primitive, weights, self.materials.uv_sets(material))? {
                 parts.push(self.part(&at, mesh, i, material, geometry)?);
             }
         }
@@ -175,6 +176,7 @@ impl Adding<'_> {
             positions: it.positions,
             normals: it.normals.into_iter().map(|normal| normal.as_vec3().to_array()).collect(),
             uvs: it.uvs,
+            further_uvs: it.further_uvs,
             colors: it.colors,
             triangles: it.triangles,
             host: None,

@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::super::json::{self, elided};
 use super::super::{
-    ImageTextureDesc, SceneDesc, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
+    ImageTextureDesc, MeshDesc, SceneDesc, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
     TextureSource, texture_check,
 };
 use super::buffers::{Buffers, Uri};
@@ -163,11 +163,14 @@ fn wrap_of(path: &str, code: Option<u32>) -> Result<Wrap> {
 impl TextureUse {
     /// Where the image lies. glTF has v downwards from the upper edge, and turns, before it moves, from u towards the top of the image;
     /// here v goes upwards, as in the vertices that were read.
-    fn mapping(&self) -> TextureMapping {
-        let Some(Transform { offset, rotation, scale, .. }) = self.transform else { return TextureMapping::default() };
+    /// `set` is the number of the texture coordinates in the scene.
+    fn mapping(&self, set: u32) -> TextureMapping {
+        let Some(Transform { offset, rotation, scale, .. }) = self.transform else {
+            return TextureMapping::Uv { set, scale: [1.0; 2], rotation: 0.0, offset: [0.0; 2] };
+        };
         let (sin, cos) = rotation.sin_cos();
         let offset = [offset[0] + sin * scale[1], 1.0 - offset[1] - cos * scale[1]];
-        TextureMapping::Uv { scale, rotation, offset }
+        TextureMapping::Uv { set, scale, rotation, offset }
     }
 }
 
@@ -186,8 +189,8 @@ pub(super) struct Textures<'a> {
     put: usize,
     /// What the material that is being read has.
     pub bindings: Vec<TextureBinding>,
-    /// Which set of texture coordinates the textures of this material use.
-    pub uv_set: Option<u64>,
+    /// Which sets of texture coordinates the textures of this material use. Their places are their numbers in the scene.
+    pub uv_sets: Vec<u64>,
     /// Whether the base colour of this material is multiplied by the colours of vertices.
     pub vertex_colors: bool,
     /// Whether these say how opaque the surface is.
@@ -206,7 +209,7 @@ impl<'a> Textures<'a> {
             made: Vec::new(),
             put: 0,
             bindings: Vec::new(),
-            uv_set: None,
+            uv_sets: Vec::new(),
             vertex_colors: false,
             vertex_opacity: false,
             left_out: Vec::new(),
@@ -221,10 +224,6 @@ impl<'a> Textures<'a> {
             self.leave_out("textures of these parameters are not drawn", it.path);
             return Ok(());
         }
-        if *self.uv_set.get_or_insert(it.tex_coord) != it.tex_coord {
-            self.leave_out("textures by a further set of coordinates of their material are not drawn", it.path);
-            return Ok(());
-        }
         let Some((image, suggested_space)) = it.image.and_then(|image| self.image(image)) else {
             self.leave_out("textures whose image is not read are not drawn", it.path);
             return Ok(());
@@ -234,7 +233,16 @@ impl<'a> Textures<'a> {
             _ => ColorSpace::Raw,
         };
         let filter = if it.nearest { TextureFilter::Nearest } else { TextureFilter::default() };
-        let mapping = it.mapping();
+        let known = self.uv_sets.iter().position(|set| *set == it.tex_coord);
+        let set = known.unwrap_or(self.uv_sets.len());
+        if set >= MeshDesc::MOST_UV_SETS {
+            self.leave_out("textures by more than eight sets of coordinates of their material are not drawn", it.path);
+            return Ok(());
+        }
+        if known.is_none() {
+            self.uv_sets.push(it.tex_coord);
+        }
+        let mapping = it.mapping(set as u32);
         let image = ImageTextureDesc {
             image,
             file: None,

@@ -401,7 +401,7 @@ impl<'a> Maps<'a> {
             wrap: [wrap; 2],
             filter: TextureFilter::default(),
         });
-        let mapping = TextureMapping::Uv { scale: map.scale, rotation: 0.0, offset: map.offset };
+        let mapping = TextureMapping::Uv { set: 0, scale: map.scale, rotation: 0.0, offset: map.offset };
         if let Some(known) = self.textures.iter().position(|it| it.source == source && it.mapping == mapping) {
             return Ok(known);
         }

@@ -78,7 +78,8 @@ struct Named {
 enum Use {
     Position(usize),
     Normal(usize),
-    Uv(usize),
+    /// A set of texture coordinates, and which of them.
+    Uv(usize, usize),
     /// One of red, green, blue and opacity, and its greatest value: that of an integer type, or 1.
     Color(usize, f64),
     Nothing,
@@ -137,6 +138,14 @@ impl<R: std::io::BufRead> Reader<'_, R> {
         }
         let has_normals = ["nx", "ny", "nz"].into_iter().all(has);
         let uv = UVS.into_iter().find(|names| names.iter().all(|name| has(name)));
+        // Further sets have a number.
+        let has_set = |set: usize| has(&format!("u{set}")) && has(&format!("v{set}"));
+        let sets: Vec<usize> = (1..MeshDesc::MOST_UV_SETS).filter(|set| has_set(*set)).collect();
+        let of_set = |name: &str| {
+            let (axis, set) = name.split_at_checked(1)?;
+            let set = sets.iter().copied().find(|known| known.to_string() == set)?;
+            Some(Use::Uv(set, ["u", "v"].iter().position(|it| *it == axis)?))
+        };
         let has_colors = COLORS.into_iter().all(has);
         let of = |name: &str, kind: Scalar| match name {
             "x" => Use::Position(0),
@@ -150,8 +159,8 @@ impl<R: std::io::BufRead> Reader<'_, R> {
             "blue" if has_colors => Use::Color(2, greatest(kind)),
             "alpha" if has_colors => Use::Color(3, greatest(kind)),
             name => match uv.and_then(|uv| uv.into_iter().position(|it| it == name)) {
-                Some(axis) => Use::Uv(axis),
-                None => Use::Nothing,
+                Some(axis) => Use::Uv(0, axis),
+                None => of_set(name).unwrap_or(Use::Nothing),
             },
         };
         let uses: Vec<Use> = element.properties.iter().map(|property| of(&property.name, property.kind)).collect();
@@ -170,17 +179,20 @@ impl<R: std::io::BufRead> Reader<'_, R> {
         self.mesh.positions.reserve_exact(count);
         self.mesh.normals.reserve_exact(if has_normals { count } else { 0 });
         self.mesh.uvs.reserve_exact(if uv.is_some() { count } else { 0 });
+        self.mesh.further_uvs = vec![Vec::new(); sets.last().copied().unwrap_or(0)];
+        sets.iter().for_each(|set| self.mesh.further_uvs[set - 1].reserve_exact(count));
         self.mesh.colors.reserve_exact(if has_colors { count } else { 0 });
         let is_integer = |name: &str| element.properties.iter().any(|it| it.name == name && it.kind.range().is_some());
         let is_encoded = COLORS.into_iter().all(is_integer);
         for number in 0..element.count {
             self.values.begin().map_err(|trouble| self.wrong(element, number, "", trouble))?;
-            let (mut position, mut normal, mut coordinates, mut color) = ([0.0; 3], [0.0; 3], [0.0; 2], [1.0; 4]);
+            let (mut position, mut normal, mut color) = ([0.0; 3], [0.0; 3], [1.0; 4]);
+            let mut coordinates = [[0.0; 2]; MeshDesc::MOST_UV_SETS];
             for (property, used) in with_uses() {
                 let slot = match used {
                     Use::Position(axis) => &mut position[*axis],
                     Use::Normal(axis) => &mut normal[*axis],
-                    Use::Uv(axis) => &mut coordinates[*axis],
+                    Use::Uv(set, axis) => &mut coordinates[*set][*axis],
                     Use::Color(channel, _) => &mut color[*channel],
                     Use::Nothing => {
                         let skipped = self.values.skip(property);
@@ -204,8 +216,13 @@ impl<R: std::io::BufRead> Reader<'_, R> {
             if has_normals {
                 self.mesh.normals.push(finite(normal).ok_or_else(|| beyond("normal", &normal))?);
             }
+            let uv_of =
+                |set: usize| finite(coordinates[set]).ok_or_else(|| beyond("texture coordinate", &coordinates[set]));
             if uv.is_some() {
-                self.mesh.uvs.push(finite(coordinates).ok_or_else(|| beyond("texture coordinate", &coordinates))?);
+                self.mesh.uvs.push(uv_of(0)?);
+            }
+            for set in &sets {
+                self.mesh.further_uvs[set - 1].push(uv_of(*set)?);
             }
             if has_colors {
                 let read = finite(color).ok_or_else(|| beyond("colour", &color))?;

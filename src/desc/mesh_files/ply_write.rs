@@ -20,6 +20,8 @@ pub(in crate::desc) fn check_size(mesh: &MeshDesc) -> Result<(), String> {
     }
     let of_normals = if mesh.has_normals() { 12 } else { 0 };
     let of_uvs = if mesh.has_uvs() { 8 } else { 0 };
+    let further = || mesh.further_uvs.iter().filter(|uvs| !uvs.is_empty());
+    let of_uvs = of_uvs + 8 * further().count() as u64;
     let of_colors = if mesh.colors.is_empty() { 0 } else { 16 };
     // A thousand bytes for the header.
     let bytes = 1000 + (24 + of_normals + of_uvs + of_colors) * vertices as u64 + 13 * mesh.triangle_count() as u64;
@@ -43,6 +45,10 @@ pub(in crate::desc) fn write(mesh: &MeshDesc, file: &mut impl Write) -> io::Resu
     if mesh.has_uvs() {
         ["u", "v"].iter().try_for_each(|name| writeln!(file, "property float {name}"))?;
     }
+    let further = || mesh.further_uvs.iter().enumerate().filter(|(_, uvs)| !uvs.is_empty());
+    for (set, _) in further() {
+        ["u", "v"].iter().try_for_each(|name| writeln!(file, "property float {name}{}", set + 1))?;
+    }
     if !mesh.colors.is_empty() {
         // In floating point, which is linear light.
         ["red", "green", "blue", "alpha"].iter().try_for_each(|name| writeln!(file, "property float {name}"))?;
@@ -58,7 +64,8 @@ pub(in crate::desc) fn write(mesh: &MeshDesc, file: &mut impl Write) -> io::Resu
         }
         let normal = mesh.normal(i).into_iter().flatten();
         let color = mesh.colors.get(i).copied().into_iter().flatten();
-        for x in normal.chain(mesh.uv(i).into_iter().flatten()).chain(color) {
+        let uvs = mesh.uv(i).into_iter().chain(further().map(|(_, uvs)| uvs[i])).flatten();
+        for x in normal.chain(uvs).chain(color) {
             file.write_all(&x.to_le_bytes())?;
         }
     }

@@ -84,6 +84,7 @@ pub(in crate::desc) fn write(surface: &SurfaceDesc, names: &Names) -> Result<Box
                 triangles: None,
                 normals: None,
                 uvs: None,
+                further_uvs: None,
                 colors: None,
                 materials: None,
                 shading: smooth.then_some(Shading::Smooth),
@@ -151,6 +152,7 @@ pub(in crate::desc) fn write_mesh(name: &str, file: &str, keep_degenerate: bool)
         triangles: None,
         normals: None,
         uvs: None,
+        further_uvs: None,
         colors: None,
     })
 }

@@ -168,7 +168,7 @@ fn spots(case: &mut Case) {
         name: "lines".to_owned(),
         path: String::new(),
         source: TextureSource::Procedural(lines),
-        mapping: TextureMapping::Uv { scale: [4.0; 2], rotation: 0.0, offset: [0.0; 2] },
+        mapping: TextureMapping::Uv { set: 0, scale: [4.0; 2], rotation: 0.0, offset: [0.0; 2] },
         vertex_colors: false,
     };
     let p = DVec3::new(0.3, 0.0, -0.2);

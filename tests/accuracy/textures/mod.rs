@@ -54,7 +54,7 @@ fn described(name: &str, image: &Arc<TexelImage>, space: ColorSpace, filter: Tex
             wrap: [Wrap::Repeat; 2],
             filter,
         }),
-        mapping: TextureMapping::Uv { scale: [scale; 2], rotation: 0.0, offset: [0.0; 2] },
+        mapping: TextureMapping::Uv { set: 0, scale: [scale; 2], rotation: 0.0, offset: [0.0; 2] },
         vertex_colors: false,
     }
 }

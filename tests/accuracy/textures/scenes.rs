@@ -133,11 +133,11 @@ fn tilted(case: &mut Case) {
     let encoded = (0.5 * map + DVec3::splat(0.5)).to_array();
     let map_image = image(1, 1, 3, |_, _, c| encoded[c as usize] as f32);
     let texture = described("normals", &map_image, ColorSpace::Raw, TextureFilter::Bilinear, 1.0);
-    let mirrored = TextureMapping::Uv { scale: [-1.0, 1.0], rotation: 0.0, offset: [0.0; 2] };
+    let mirrored = TextureMapping::Uv { set: 0, scale: [-1.0, 1.0], rotation: 0.0, offset: [0.0; 2] };
     let mirrored = TextureDesc { mapping: mirrored, ..texture.clone() };
     shown("mirrored map", DVec3::new(-map.x, map.z, -map.y), TextureKey::Normal, mirrored, 1.0);
     // Coordinates that are turned counter-clockwise show the image turned clockwise: its x is -v here and its y is u.
-    let turned = TextureMapping::Uv { scale: [1.0; 2], rotation: 0.5 * PI, offset: [0.0; 2] };
+    let turned = TextureMapping::Uv { set: 0, scale: [1.0; 2], rotation: 0.5 * PI, offset: [0.0; 2] };
     let turned = TextureDesc { mapping: turned, ..texture };
     shown("turned map", DVec3::new(map.y, map.z, map.x), TextureKey::Normal, turned, 1.0);
     // From end to end the ramp is four long.
@@ -152,7 +152,7 @@ fn tilted(case: &mut Case) {
             }),
             // The ramp goes on beyond the floor.
             vertex_colors: false,
-            mapping: TextureMapping::Uv { scale: [0.5; 2], rotation: 0.0, offset: [0.25; 2] },
+            mapping: TextureMapping::Uv { set: 0, scale: [0.5; 2], rotation: 0.0, offset: [0.25; 2] },
         };
         let normal = DVec3::new(-0.25 * f64::from(strength), 1.0, 0.0).normalize();
         shown(&format!("height that grows by {strength}"), normal, TextureKey::Bump, ramp, strength);
