@@ -48,6 +48,13 @@ impl Default for MaterialDesc {
 }
 
 impl MaterialDesc {
+    /// A diffuse material without a name that reflects what a texture says.
+    pub(super) fn textured_diffuse(texture: usize) -> Self {
+        let (bsdf, textures) =
+            (BsdfDesc::Lambert { albedo: Rgb::ONE }, vec![TextureBinding::whole(TextureKey::Color, texture)]);
+        Self { bsdf, textures, ..Self::default() }
+    }
+
     /// Whether rays meet all surfaces of this material.
     pub fn is_opaque(&self) -> bool {
         self.opacity >= 1.0 && self.textured(TextureKey::Opacity).is_none()

@@ -5,9 +5,7 @@ use std::path::Path;
 use super::file::read_text;
 use super::mesh_files::{self, MeshFormat};
 use super::read::parse;
-use super::{
-    BsdfDesc, LoadOptions, MaterialDesc, SceneDesc, ShapeDesc, SurfaceLook, TextureBinding, TextureDesc, framing, gltf,
-};
+use super::{BsdfDesc, LoadOptions, MaterialDesc, SceneDesc, ShapeDesc, SurfaceLook, TextureDesc, framing, gltf};
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
@@ -63,8 +61,7 @@ fn grey(path: &Path, transform: DAffine3) -> Result<SceneDesc> {
         MaterialDesc { name: "grey".to_owned(), bsdf, ..MaterialDesc::default() }
     } else {
         let texture = scene.add_texture(TextureDesc::of_vertex_colors("vertex colors".to_owned(), String::new()))?;
-        let (bsdf, textures) = (BsdfDesc::Lambert { albedo: Rgb::ONE }, vec![TextureBinding::of_color(texture)]);
-        MaterialDesc { name: "colored".to_owned(), bsdf, textures, ..MaterialDesc::default() }
+        MaterialDesc { name: "colored".to_owned(), ..MaterialDesc::textured_diffuse(texture) }
     };
     let material = Some(scene.add_material_desc(material)?);
     let mesh = scene.put_mesh(mesh);

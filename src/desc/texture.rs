@@ -186,10 +186,9 @@ pub struct TextureBinding {
 }
 
 impl TextureBinding {
-    /// All channels of a texture for [`TextureKey::Color`].
-    pub fn of_color(texture: usize) -> Self {
-        let (key, channel) = (TextureKey::Color, TextureChannel::Default);
-        Self { key, texture, channel, strength: 1.0, cutoff: 0.0 }
+    /// All channels of a texture for a parameter.
+    pub fn whole(key: TextureKey, texture: usize) -> Self {
+        Self { key, texture, channel: TextureChannel::Default, strength: 1.0, cutoff: 0.0 }
     }
 }
 

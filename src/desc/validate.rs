@@ -273,19 +273,19 @@ pub(super) fn mesh(path: &str, mesh: &MeshDesc) -> Result<()> {
         let (given, most) = (mesh.further_uvs.len(), MeshDesc::MOST_UV_SETS - 1);
         return Err(Error::invalid(at("furtherUvs"), format!("{given} further sets, expected {most} at most")));
     }
+    let one_each = |key: &str, what: &str, given: Option<usize>| match given {
+        Some(given) if given != count => {
+            Err(Error::invalid(at(key), format!("{given} {what} for {count} positions, expected one each")))
+        }
+        _ => Ok(()),
+    };
+    for (key, given) in [("normals", lens[0]), ("uvs", lens[1]), ("colors", colors)] {
+        one_each(key, key, given)?;
+    }
     for (set, uvs) in mesh.further_uvs.iter().enumerate().filter(|(_, uvs)| !uvs.is_empty()) {
         let key = format!("furtherUvs[{set}]");
-        if uvs.len() != count {
-            let message = format!("{} uvs for {count} positions, expected one each", uvs.len());
-            return Err(Error::invalid(at(&key), message));
-        }
+        one_each(&key, "uvs", Some(uvs.len()))?;
         uvs.iter().enumerate().try_for_each(|(i, uv)| numbers(path, &key, i, uv.map(f64::from)))?;
-    }
-    for (key, given) in [("normals", lens[0]), ("uvs", lens[1]), ("colors", colors)] {
-        if let Some(given) = given.filter(|given| *given != count) {
-            let message = format!("{given} {key} for {count} positions, expected one each");
-            return Err(Error::invalid(at(key), message));
-        }
     }
     for i in 0..count {
         numbers(path, "positions", i, mesh.position(i).to_array())?;

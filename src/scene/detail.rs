@@ -24,9 +24,6 @@ pub struct SurfaceDetail<'a> {
     pub dpdu: Vec3,
     /// Derivative of the position by the second texture coordinate.
     pub dpdv: Vec3,
-    /// The colour of the mesh's vertices, interpolated over the triangle: red, green and blue in linear light, and opacity. 1 where
-    /// the mesh has none, and in scenes without textures that read it.
-    pub color: Texel,
     /// Diameter of the cone of the path's ray where it meets the surface, across the ray; 0 where rays carry no cones.
     pub footprint: f32,
     /// The point, scene frame.
@@ -44,11 +41,11 @@ pub struct SurfaceDetail<'a> {
     /// The direction along which normal maps have their x axis, of any length but 0, on smooth meshes with a normal map: that of
     /// MikkTSpace. On other surfaces it is that in which the first texture coordinate grows.
     pub map_tangent: Option<Vec3>,
-    /// The point on its mesh, in scenes with textures that read a further set of texture coordinates.
+    /// The point on its mesh, in scenes with textures that read colours of vertices or a further set of texture coordinates.
     pub(super) mesh: Option<MeshPoint<'a>>,
 }
 
-/// A point of a triangle of a mesh.
+/// A point of a triangle of a mesh that has more at its vertices than positions, normals and one set of texture coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeshPoint<'a> {
     mesh: &'a MeshDesc,
@@ -59,36 +56,44 @@ pub(super) struct MeshPoint<'a> {
     sides: [Vec3; 2],
 }
 
+impl MeshPoint<'_> {
+    /// What the mesh has at the three corners; `None` where it has nothing there.
+    fn at_corners<T>(&self, of_vertex: impl Fn(usize) -> Option<T>) -> Option<[T; 3]> {
+        let [a, b, c] = self.corners.map(|vertex| of_vertex(vertex as usize));
+        Some([a?, b?, c?])
+    }
+}
+
+/// The sum of the numbers of three corners by their weights.
+fn interpolated<const N: usize>([a, b, c]: [[f32; N]; 3], weights: [f32; 3]) -> [f32; N] {
+    std::array::from_fn(|i| weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i])
+}
+
 impl SurfaceDetail<'_> {
+    /// The colour of the mesh's vertices, interpolated over the triangle: red, green and blue in linear light, and opacity. 1 where
+    /// the mesh has none, and in scenes without textures that read it.
+    pub fn vertex_color(&self) -> Texel {
+        let color = |mesh: MeshPoint<'_>| {
+            let colors = mesh.at_corners(|vertex| mesh.mesh.colors.get(vertex).copied())?;
+            Some(interpolated(colors, mesh.weights))
+        };
+        self.mesh.and_then(color).unwrap_or(WHITE)
+    }
+
     /// The same point with the texture coordinates and tangents of another set, where the mesh has it. Where they do not span the
     /// surface, the tangents stay.
     pub(super) fn with_set(&self, set: u32) -> Self {
-        let Some(MeshPoint { mesh, corners: [a, b, c], weights, sides }) = self.mesh else { return *self };
-        let uv = |vertex: u32| mesh.uv_of_set(set, vertex as usize);
-        let (Some(a), Some(b), Some(c)) = (uv(a), uv(b), uv(c)) else { return *self };
-        let uv = std::array::from_fn(|i| weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i]);
-        let tangents = tangents_of(sides.map(|side| side.as_dvec3()), [a, b, c]);
+        let Some(mesh) = self.mesh else { return *self };
+        let Some(corners) = mesh.at_corners(|vertex| mesh.mesh.uv_of_set(set, vertex)) else { return *self };
+        let tangents = tangents_of(mesh.sides.map(|side| side.as_dvec3()), corners);
         let [dpdu, dpdv] = tangents.unwrap_or([self.dpdu, self.dpdv]);
-        Self { uv, dpdu, dpdv, ..*self }
+        Self { uv: interpolated(corners, mesh.weights), dpdu, dpdv, ..*self }
     }
 
     /// A point for what reads no tangents: they are 0.
     pub(super) fn without_tangents(uv: [f32; 2], footprint: f32, [ng, ns, p, wo]: [Vec3; 4]) -> Self {
         let none = Vec3::ZERO;
-        Self {
-            uv,
-            color: WHITE,
-            dpdu: none,
-            dpdv: none,
-            footprint,
-            p,
-            wo,
-            ng,
-            ns,
-            tangent: none,
-            map_tangent: None,
-            mesh: None,
-        }
+        Self { uv, dpdu: none, dpdv: none, footprint, p, wo, ng, ns, tangent: none, map_tangent: None, mesh: None }
     }
 
     /// The axes of the ellipse that the cone of the path's ray covers on the surface, in texture coordinates: the changes of the
@@ -133,12 +138,14 @@ impl Scene {
     ) -> SurfaceDetail<'_> {
         if !with_tangents {
             let uv = self.analytic_parameters(hit, p).map_or_else(|| self.uv(hit), |(uv, _)| uv);
-            let color = self.vertex_color(hit);
             let mesh = self.mesh_point(hit, None);
-            return SurfaceDetail { color, mesh, ..SurfaceDetail::without_tangents(uv, cone.width(), [ng, ns, p, wo]) };
+            return SurfaceDetail { mesh, ..SurfaceDetail::without_tangents(uv, cone.width(), [ng, ns, p, wo]) };
         }
-        let (uv, tangents) =
-            self.analytic_parameters(hit, p).unwrap_or_else(|| (self.uv(hit), self.tangents(hit, time)));
+        let sides = self.sides(hit, time);
+        let (uv, tangents) = self.analytic_parameters(hit, p).unwrap_or_else(|| {
+            let corners = sides.zip(self.corner_uvs(hit));
+            (self.uv(hit), corners.and_then(|(sides, corners)| tangents_of(sides, corners)))
+        });
         let [dpdu, dpdv] = tangents.unwrap_or_else(|| {
             let frame = Frame::from_normal(ng);
             [frame.s, frame.t]
@@ -146,9 +153,8 @@ impl Scene {
         let around = Vec3::Y.cross(ns);
         let tangent = if self.has_own_tangents(hit) || around == Vec3::ZERO { dpdu } else { around };
         let map_tangent = if self.tangents.is_empty() { None } else { self.map_tangent(hit, time) };
-        let (color, footprint) = (self.vertex_color(hit), cone.width());
-        let mesh = self.mesh_point(hit, Some(time));
-        SurfaceDetail { uv, color, dpdu, dpdv, footprint, p, wo, ng, ns, tangent, map_tangent, mesh }
+        let mesh = self.mesh_point(hit, sides);
+        SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width(), p, wo, ng, ns, tangent, map_tangent, mesh }
     }
 
     /// The tangent of MikkTSpace, where one was made for the mesh.
@@ -188,25 +194,7 @@ impl Scene {
 
     /// The texture coordinates of a point.
     pub(super) fn uv(&self, hit: &Hit) -> [f32; 2] {
-        let Some(corners) = self.corner_uvs(hit) else { return [0.0; 2] };
-        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
-        let mut uv = [0.0; 2];
-        for ([u, v], weight) in corners.into_iter().zip(weights) {
-            uv = [uv[0] + weight * u, uv[1] + weight * v];
-        }
-        uv
-    }
-
-    /// The colour of the mesh's vertices at a point.
-    fn vertex_color(&self, hit: &Hit) -> Texel {
-        if !self.reads_vertex_colors {
-            return WHITE;
-        }
-        let geometry = self.geometries.get(hit.geometry as usize);
-        let corners = geometry.and_then(|geometry| self.record.corner_colors(geometry, hit.primitive));
-        let Some([a, b, c]) = corners else { return WHITE };
-        let w = 1.0 - hit.u - hit.v;
-        std::array::from_fn(|i| w * a[i] + hit.u * b[i] + hit.v * c[i])
+        self.corner_uvs(hit).map_or([0.0; 2], |corners| interpolated(corners, hit.weights()))
     }
 
     /// The texture coordinates of a triangle's corners, in the order in which the kernel has them; `None` for other shapes.
@@ -214,10 +202,10 @@ impl Scene {
         self.record.corner_uvs(self.geometries.get(hit.geometry as usize)?, hit.primitive)
     }
 
-    /// The point on its mesh, where a texture may read a further set of its coordinates; with the sides of the triangle at a time if
-    /// that is given.
-    fn mesh_point(&self, hit: &Hit, time: Option<f32>) -> Option<MeshPoint<'_>> {
-        if !self.reads_further_uvs {
+    /// The point on its mesh, where a texture may read what only some meshes have at their vertices; with the sides of the triangle if
+    /// they are known.
+    fn mesh_point(&self, hit: &Hit, sides: Option<[DVec3; 2]>) -> Option<MeshPoint<'_>> {
+        if !self.reads_mesh_points {
             return None;
         }
         let (Geometry::Flat { triangles, surface, .. } | Geometry::Instance { triangles, surface, .. }) =
@@ -225,10 +213,10 @@ impl Scene {
         else {
             return None;
         };
-        let mesh = self.record.whole_mesh(*surface).filter(|mesh| !mesh.further_uvs.is_empty())?;
+        let mesh = self.record.whole_mesh(*surface)?;
         let corners = triangles.mesh.indices().get(hit.primitive as usize);
-        let sides = time.and_then(|time| self.sides(hit, time)).unwrap_or_default().map(|side| side.as_vec3a());
-        Some(MeshPoint { mesh, corners, weights: [1.0 - hit.u - hit.v, hit.u, hit.v], sides })
+        let sides = sides.unwrap_or_default().map(|side| side.as_vec3a());
+        Some(MeshPoint { mesh, corners, weights: hit.weights(), sides })
     }
 
     /// The sides of the triangle from its first corner to the others, scene frame; `None` for other shapes.
@@ -244,11 +232,6 @@ impl Scene {
                 .with_transform(time, |transform| sides(triangles).map(|side| transform.to_scene.matrix3 * side)),
             Geometry::Analytic { .. } => return None,
         })
-    }
-
-    /// The derivatives of the position by the texture coordinates; `None` where these do not span the surface.
-    fn tangents(&self, hit: &Hit, time: f32) -> Option<[Vec3; 2]> {
-        tangents_of(self.sides(hit, time)?, self.corner_uvs(hit)?)
     }
 }
 
@@ -284,17 +267,6 @@ impl GeometryRecord {
             }
             Geometry::Analytic { .. } => None,
         }
-    }
-
-    /// The colours that a mesh gives to the corners of a triangle, where it has any.
-    pub(super) fn corner_colors(&self, geometry: &Geometry, primitive: u32) -> Option<[Texel; 3]> {
-        let (Geometry::Flat { triangles, surface, .. } | Geometry::Instance { triangles, surface, .. }) = geometry
-        else {
-            return None;
-        };
-        let colors = &self.whole_mesh(*surface)?.colors;
-        let [a, b, c] = triangles.mesh.indices().get(primitive as usize);
-        Some([*colors.get(a as usize)?, *colors.get(b as usize)?, *colors.get(c as usize)?])
     }
 
     /// The texture coordinates that a mesh gives to the corners of a triangle, where it has any.
@@ -446,6 +418,6 @@ mod tests {
         });
         let desc = desc::parse(&scene.to_string(), "".as_ref(), None).unwrap();
         let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
-        assert!(!scene.reads_vertex_colors);
+        assert!(!scene.reads_mesh_points);
     }
 }

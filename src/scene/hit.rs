@@ -14,6 +14,14 @@ pub struct Hit {
     pub(super) geometry: u32,
 }
 
+impl Hit {
+    /// The weights of a triangle's corners at the hit, in the order in which the kernel has them.
+    #[inline]
+    pub(super) fn weights(&self) -> [f32; 3] {
+        [1.0 - self.u - self.v, self.u, self.v]
+    }
+}
+
 impl From<embree::Hit> for Hit {
     #[inline]
     fn from(hit: embree::Hit) -> Self {

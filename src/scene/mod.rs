@@ -83,10 +83,8 @@ pub struct Scene {
     materials: Arc<[Material]>,
     /// Tangents of the surfaces that have a normal map.
     tangents: Arc<tangents::SurfaceTangents>,
-    /// Whether a texture is multiplied by the colours of vertices.
-    reads_vertex_colors: bool,
-    /// Whether a texture reads a further set of texture coordinates.
-    reads_further_uvs: bool,
+    /// Whether a texture reads colours of vertices or a further set of texture coordinates.
+    reads_mesh_points: bool,
     /// The textures of the materials, for [`Scene::rebuild`].
     textures: Arc<prepared_textures::PreparedTextures>,
     /// What any of the materials needs to know of a hit.

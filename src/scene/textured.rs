@@ -108,7 +108,7 @@ impl Bound {
     /// The texel where `at` has the texture's own coordinates.
     fn texel_at(&self, at: &SurfaceDetail) -> Texel {
         let texel = self.texture.at(&self.placement.point(at, self.asks_footprint));
-        if self.colors.is_some() { times(texel, at.color) } else { texel }
+        if self.colors.is_some() { times(texel, at.vertex_color()) } else { texel }
     }
 
     fn mean(&self) -> Texel {

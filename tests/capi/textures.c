@@ -424,10 +424,32 @@ static void errors(etd_device *device) {
     CHECK(released == 0);
 }
 
-/* Colours of vertices: a mesh of one colour looks like a material of that colour, and the values are copied. */
-static void vertex_colors(etd_device *device) {
+/* A square of two triangles that fills the picture. */
+static etd_mesh quad(void) {
     static const float positions[] = {-1.5f, -1.5f, 0, 1.5f, -1.5f, 0, 1.5f, 1.5f, 0, -1.5f, 1.5f, 0, 0, 0, 0, 0};
     static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    etd_mesh mesh = ETD_MESH_INIT;
+    mesh.positions = positions;
+    mesh.vertex_count = 4;
+    mesh.position_bytes = sizeof positions;
+    mesh.indices = indices;
+    mesh.triangle_count = 2;
+    return mesh;
+}
+
+/* Puts a mesh of material 0 in the place of the scene's surface. Returns the number of the mesh. */
+static uint32_t put_mesh(etd_scene *scene, const etd_mesh *mesh) {
+    etd_surface look = ETD_SURFACE_INIT;
+    uint32_t number = 7, surface = 7;
+    CHECK_OK(etd_scene_add_mesh(scene, mesh, &number));
+    look.material = 0;
+    CHECK_OK(etd_scene_remove_surface(scene, 0));
+    CHECK_OK(etd_scene_add_mesh_surface(scene, number, 0, &look, &surface));
+    return number;
+}
+
+/* Colours of vertices: a mesh of one colour looks like a material of that colour, and the values are copied. */
+static void vertex_colors(etd_device *device) {
     static const etd_sharing sharings[] = {ETD_COPY, ETD_SHARE};
     static float expected[PIXELS], found[PIXELS];
     size_t i, k;
@@ -435,22 +457,16 @@ static void vertex_colors(etd_device *device) {
         float colors[24];
         etd_texture texture = ETD_TEXTURE_INIT;
         etd_texture read = ETD_TEXTURE_INIT;
-        etd_mesh mesh = ETD_MESH_INIT;
-        etd_surface look = ETD_SURFACE_INIT;
+        etd_mesh mesh = quad();
         etd_material material = ETD_MATERIAL_INIT;
         etd_texture_binding binding = ETD_TEXTURE_BINDING_INIT;
         etd_scene *scene = scene_of(device, "", "");
-        uint32_t number = 7, texture_number = 7, surface = 7;
+        uint32_t number = 7, texture_number = 7;
         for (i = 0; i < 24; ++i) {
             static const float color[] = {0.5f, 0.25f, 0.75f, 1.0f, -7.0f, -7.0f};
             colors[i] = color[i % 6];
         }
         CHECK_OK(etd_scene_get_material(scene, 0, &material));
-        mesh.positions = positions;
-        mesh.vertex_count = 4;
-        mesh.position_bytes = sizeof positions;
-        mesh.indices = indices;
-        mesh.triangle_count = 2;
         /* The material's own colour, then that of vertices times white, then times a pattern of one colour. */
         if (k == 0) {
             material.color[0] *= 0.5f;
@@ -462,11 +478,8 @@ static void vertex_colors(etd_device *device) {
             mesh.sharing = sharings[k - 1];
         }
         CHECK_OK(etd_scene_set_material(scene, 0, &material));
-        CHECK_OK(etd_scene_add_mesh(scene, &mesh, &number));
+        number = put_mesh(scene, &mesh);
         memset(colors, 0, sizeof colors);
-        look.material = 0;
-        CHECK_OK(etd_scene_remove_surface(scene, 0));
-        CHECK_OK(etd_scene_add_mesh_surface(scene, number, 0, &look, &surface));
         if (k > 0) {
             texture.kind = k == 1 ? ETD_TEXTURE_VERTEX_COLORS : ETD_TEXTURE_CHECKER;
             texture.vertex_colors = k == 2;
@@ -502,25 +515,18 @@ static void vertex_colors(etd_device *device) {
 
 /* Further sets of texture coordinates: a texture of set 2 looks as one of the first set on a mesh with these coordinates first. */
 static void further_sets(etd_device *device) {
-    static const float positions[] = {-1.5f, -1.5f, 0, 1.5f, -1.5f, 0, 1.5f, 1.5f, 0, -1.5f, 1.5f, 0};
     static const float plain[] = {0, 0, 1, 0, 1, 1, 0, 1};
     static const float wide[] = {0.5f, 1, 9, 3, 0.25f, 9, 4, 3, 9, 1, 2, 9};
     static const float tight[] = {0.5f, 1, 3, 0.25f, 4, 3, 1, 2};
-    static const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
     static float expected[PIXELS], found[PIXELS], other[PIXELS];
     size_t k;
     for (k = 0; k < 3; ++k) {
         const float *sets[2] = {NULL, wide};
         etd_texture texture = ETD_TEXTURE_INIT;
         etd_texture read = ETD_TEXTURE_INIT;
-        etd_mesh mesh = ETD_MESH_INIT;
-        etd_surface look = ETD_SURFACE_INIT;
+        etd_mesh mesh = quad();
         etd_scene *scene = scene_of(device, "", "");
-        uint32_t number = 7, texture_number = 7, surface = 7;
-        mesh.positions = positions;
-        mesh.vertex_count = 4;
-        mesh.indices = indices;
-        mesh.triangle_count = 2;
+        uint32_t number = 7, texture_number = 7;
         mesh.uvs = k == 0 ? tight : plain;
         if (k > 0) {
             mesh.further_uvs = sets;
@@ -529,10 +535,7 @@ static void further_sets(etd_device *device) {
         }
         texture.kind = ETD_TEXTURE_CHECKER;
         texture.uv_set = k == 1 ? 2 : 0;
-        CHECK_OK(etd_scene_add_mesh(scene, &mesh, &number));
-        look.material = 0;
-        CHECK_OK(etd_scene_remove_surface(scene, 0));
-        CHECK_OK(etd_scene_add_mesh_surface(scene, number, 0, &look, &surface));
+        number = put_mesh(scene, &mesh);
         CHECK_OK(etd_scene_add_texture(scene, NULL, &texture, &texture_number));
         CHECK_OK(etd_scene_get_texture(scene, texture_number, &read));
         CHECK(read.uv_set == texture.uv_set);

@@ -277,7 +277,8 @@ fn textured(scene: &mut SceneDesc) {
     };
     for texture in [white, times(usable[0]), times(usable[usable.len() - 1])] {
         let texture = scene.add_texture(texture).unwrap();
-        let (bsdf, textures) = (BsdfDesc::Lambert { albedo: Rgb::ONE }, vec![TextureBinding::of_color(texture)]);
+        let (bsdf, textures) =
+            (BsdfDesc::Lambert { albedo: Rgb::ONE }, vec![TextureBinding::whole(TextureKey::Color, texture)]);
         scene.add_material_desc(MaterialDesc { bsdf, textures, ..MaterialDesc::default() }).unwrap();
     }
 }

@@ -1,6 +1,6 @@
 //! Materials: glTF's parameters as those of the principled material. `docs/gltf.md` has the table.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use super::super::json::elided;
 use super::super::{
@@ -8,7 +8,7 @@ use super::super::{
     TextureKey, material_check, texture_check,
 };
 use super::buffers::Buffers;
-use super::document::{Document, Material, Primitive, TextureInfo, element};
+use super::document::{Document, Material, TextureInfo, element};
 use super::material_extensions::{
     self, Anisotropy, Clearcoat, DiffuseTransmission, EmissiveStrength, Extension, Ior, Sheen, Specular,
     SpecularGlossiness, Transmission, Volume,
@@ -55,7 +55,7 @@ impl Materials {
         let mut textures = Vec::new();
         if self.default_has_colors {
             let texture = scene.put_texture(TextureDesc::of_vertex_colors(String::new(), path.clone()))?;
-            textures.push(TextureBinding { key: TextureKey::BaseColor, ..TextureBinding::of_color(texture) });
+            textures.push(TextureBinding::whole(TextureKey::BaseColor, texture));
         }
         let number = put(scene, MaterialDesc { path, bsdf, textures, ..MaterialDesc::default() })?;
         self.default = Some(number);
@@ -128,27 +128,38 @@ impl Notes {
 /// Adds all materials of a document.
 pub(super) fn add(document: &Document<'_>, buffers: &Buffers<'_>, scene: &mut SceneDesc) -> Result<Materials> {
     let mut reader = Reader { document, textures: Textures::new(document, buffers), notes: Notes::default() };
-    let primitives = || document.meshes.iter().flat_map(|mesh| &mesh.primitives);
-    // A material may be of primitives with colours and of others: these are white.
-    let with = |kinds: &[&str]| -> HashSet<Option<u64>> {
-        let kind = |index: &u64| document.accessors.get(usize::try_from(*index).ok()?).map(|it| it.kind.as_str());
-        let is_one =
-            |it: &&Primitive<'_>| it.attributes.get(COLOR).and_then(kind).is_some_and(|it| kinds.contains(&it));
-        primitives().filter(is_one).map(|it| it.material).collect()
-    };
-    let (colored, with_opacity) = (with(&["VEC3", "VEC4"]), with(&["VEC4"]));
+    let colored = colored_materials(document);
     let (mut numbers, mut uv_sets) = (Vec::with_capacity(document.materials.len()), HashMap::new());
     for (i, material) in document.materials.iter().enumerate() {
-        reader.textures.vertex_colors = colored.contains(&Some(i as u64));
-        reader.textures.vertex_opacity = with_opacity.contains(&Some(i as u64));
+        let colors = colored.get(&Some(i as u64));
+        reader.textures.vertex_colors = colors.is_some();
+        reader.textures.vertex_opacity = colors == Some(&Alpha(true));
         let number = reader.add(&format!("materials[{i}]"), material, scene)?;
         numbers.push(number);
         let sets = std::mem::take(&mut reader.textures.uv_sets);
         uv_sets.extend(Some((number, sets)).filter(|(_, sets)| !sets.is_empty()));
     }
     let Reader { textures, notes, .. } = reader;
-    let default_has_colors = colored.contains(&None);
+    let default_has_colors = colored.contains_key(&None);
     Ok(Materials { numbers, default: None, default_has_colors, uv_sets, left_out: textures.warnings(), notes })
+}
+
+/// Whether colours of vertices have an opacity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Alpha(bool);
+
+/// The materials of primitives with colours of vertices; `None` is that of primitives without a material. A material may be of such
+/// primitives and of others: these are white.
+fn colored_materials(document: &Document<'_>) -> HashMap<Option<u64>, Alpha> {
+    let mut colored = HashMap::new();
+    for primitive in document.meshes.iter().flat_map(|mesh| &mesh.primitives) {
+        let index = primitive.attributes.get(COLOR).and_then(|index| usize::try_from(*index).ok());
+        let kind = index.and_then(|index| document.accessors.get(index)).map(|it| it.kind.as_str());
+        if let Some(kind @ ("VEC3" | "VEC4")) = kind {
+            colored.entry(primitive.material).or_insert(Alpha(false)).0 |= kind == "VEC4";
+        }
+    }
+    colored
 }
 
 /// Checks a material and adds it. One whose name is taken has none.

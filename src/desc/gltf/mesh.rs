@@ -124,13 +124,16 @@ impl<'a> Meshes<'a> {
         self.spend(path, count, triangle_count)?;
         let positions: Vec<_> =
             accessors.floats::<3>(&at("POSITION"), positions, Allowed::Floats)?.into_iter().map(double).collect();
-        let per_vertex = |key: &str, found: usize| match found == count {
-            true => Ok(()),
-            false => Err(Error::invalid(at(key), format!("{found} elements for {count} positions, expected one each"))),
+        let per_vertex = |key: &str, index: u64| {
+            let found = accessors.count(&at(key), index)?;
+            if found == count as u64 {
+                return Ok(());
+            }
+            Err(Error::invalid(at(key), format!("{found} elements for {count} positions, expected one each")))
         };
         let mut normals = Vec::new();
         if let Some(index) = primitive.attributes.get("NORMAL") {
-            per_vertex("NORMAL", accessors.count(&at("NORMAL"), *index)? as usize)?;
+            per_vertex("NORMAL", *index)?;
             let read = accessors.floats::<3>(&at("NORMAL"), *index, Allowed::Floats)?;
             normals = read.into_iter().map(double).collect();
         }
@@ -139,7 +142,7 @@ impl<'a> Meshes<'a> {
         for key in &uv_keys {
             let mut uvs = Vec::new();
             if let Some(index) = primitive.attributes.get(key.as_str()) {
-                per_vertex(key, accessors.count(&at(key), *index)? as usize)?;
+                per_vertex(key, *index)?;
                 uvs = accessors.floats::<2>(&at(key), *index, Allowed::Fractions)?;
                 // glTF counts v from the upper edge of an image, and scenes from the lower one.
                 uvs.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
@@ -148,7 +151,11 @@ impl<'a> Meshes<'a> {
         }
         let mut sets = sets.into_iter();
         let (uvs, further_uvs) = (sets.next().unwrap_or_default(), sets.collect());
-        let colors = self.colors(path, primitive, count)?;
+        let mut colors = Vec::new();
+        if let Some(index) = primitive.attributes.get(COLOR) {
+            per_vertex(COLOR, *index)?;
+            colors = self.colors(&at(COLOR), *index)?;
+        }
         for key in primitive.attributes.keys() {
             let is_read = ["POSITION", "NORMAL", COLOR].contains(&key.as_str()) || uv_keys.iter().any(|it| it == key);
             // Joints and weights are read with the skin, and names that begin with an underscore mean something to programs alone.
@@ -191,19 +198,13 @@ impl<'a> Meshes<'a> {
         Ok(Some(geometry))
     }
 
-    /// The colours of so many vertices, which are in linear light.
-    fn colors(&mut self, path: &str, primitive: &Primitive<'_>, count: usize) -> Result<Vec<[f32; 4]>> {
-        let Some(&index) = primitive.attributes.get(COLOR) else { return Ok(Vec::new()) };
-        let at = format!("{path}.attributes.{COLOR}");
-        let found = self.accessors.count(&at, index)?;
-        if found != count as u64 {
-            return Err(Error::invalid(at, format!("{found} elements for {count} positions, expected one each")));
-        }
-        let mut colors = if self.accessors.is_of_type(&at, index, "VEC3")? {
-            let read = self.accessors.floats::<3>(&at, index, Allowed::Fractions)?;
+    /// The colours of vertices, which are in linear light.
+    fn colors(&mut self, path: &str, index: u64) -> Result<Vec<[f32; 4]>> {
+        let mut colors = if self.accessors.is_of_type(path, index, "VEC3")? {
+            let read = self.accessors.floats::<3>(path, index, Allowed::Fractions)?;
             read.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect()
         } else {
-            self.accessors.floats::<4>(&at, index, Allowed::Fractions)?
+            self.accessors.floats::<4>(path, index, Allowed::Fractions)?
         };
         let mut is_clamped = false;
         for color in &mut colors {
@@ -212,7 +213,7 @@ impl<'a> Meshes<'a> {
             *color = fitting;
         }
         if is_clamped {
-            self.leave_out("colours of vertices are out of range; the nearest ones in range are used", &at);
+            self.leave_out("colours of vertices are out of range; the nearest ones in range are used", path);
         }
         Ok(colors)
     }

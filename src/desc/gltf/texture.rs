@@ -271,7 +271,7 @@ impl<'a> Textures<'a> {
         let is_bound = self.bindings.iter().any(|binding| binding.key == TextureKey::BaseColor);
         if self.vertex_colors && !is_bound {
             let texture = self.make(TextureDesc::of_vertex_colors(String::new(), path.to_owned()))?;
-            self.bindings.push(TextureBinding { key: TextureKey::BaseColor, ..TextureBinding::of_color(texture) });
+            self.bindings.push(TextureBinding::whole(TextureKey::BaseColor, texture));
         }
         Ok(())
     }

@@ -15,7 +15,6 @@ use crate::desc::{
     BsdfDesc, ImageTextureDesc, MaterialDesc, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
     TextureSource, texture_check,
 };
-use crate::spectrum::Rgb;
 use crate::texture::{ColorSpace, TexelImage, TextureFilter, Wrap, read_image};
 
 /// Most texels of all images of a file.
@@ -421,11 +420,7 @@ impl<'a> Maps<'a> {
             self.textures.push(TextureDesc::of_vertex_colors(name, self.place.json_path.to_owned()));
             self.textures.len() - 1
         });
-        MaterialDesc {
-            bsdf: BsdfDesc::Lambert { albedo: Rgb::ONE },
-            textures: vec![TextureBinding::of_color(texture)],
-            ..material
-        }
+        MaterialDesc { name: material.name, path: material.path, ..MaterialDesc::textured_diffuse(texture) }
     }
 
     /// The image of a map, or why there is none.

@@ -19,9 +19,7 @@ pub(in crate::desc) fn check_size(mesh: &MeshDesc) -> Result<(), String> {
         }
     }
     let of_normals = if mesh.has_normals() { 12 } else { 0 };
-    let of_uvs = if mesh.has_uvs() { 8 } else { 0 };
-    let further = || mesh.further_uvs.iter().filter(|uvs| !uvs.is_empty());
-    let of_uvs = of_uvs + 8 * further().count() as u64;
+    let of_uvs = 8 * (u64::from(mesh.has_uvs()) + further_sets(mesh).count() as u64);
     let of_colors = if mesh.colors.is_empty() { 0 } else { 16 };
     // A thousand bytes for the header.
     let bytes = 1000 + (24 + of_normals + of_uvs + of_colors) * vertices as u64 + 13 * mesh.triangle_count() as u64;
@@ -29,6 +27,11 @@ pub(in crate::desc) fn check_size(mesh: &MeshDesc) -> Result<(), String> {
         return Err(format!("the mesh would take {bytes} bytes, and a file may have {SIZE_LIMIT}"));
     }
     Ok(())
+}
+
+/// The further sets of texture coordinates that a mesh has, with their numbers.
+fn further_sets(mesh: &MeshDesc) -> impl Iterator<Item = (usize, &[[f32; 2]])> {
+    (1..).zip(&mesh.further_uvs).map(|(set, uvs)| (set, uvs.as_slice())).filter(|(_, uvs)| !uvs.is_empty())
 }
 
 /// Writes a mesh. Positions are in single precision where that is all they have.
@@ -45,9 +48,9 @@ pub(in crate::desc) fn write(mesh: &MeshDesc, file: &mut impl Write) -> io::Resu
     if mesh.has_uvs() {
         ["u", "v"].iter().try_for_each(|name| writeln!(file, "property float {name}"))?;
     }
-    let further = || mesh.further_uvs.iter().enumerate().filter(|(_, uvs)| !uvs.is_empty());
-    for (set, _) in further() {
-        ["u", "v"].iter().try_for_each(|name| writeln!(file, "property float {name}{}", set + 1))?;
+    let further: Vec<_> = further_sets(mesh).collect();
+    for (set, _) in &further {
+        ["u", "v"].iter().try_for_each(|name| writeln!(file, "property float {name}{set}"))?;
     }
     if !mesh.colors.is_empty() {
         // In floating point, which is linear light.
@@ -64,7 +67,7 @@ pub(in crate::desc) fn write(mesh: &MeshDesc, file: &mut impl Write) -> io::Resu
         }
         let normal = mesh.normal(i).into_iter().flatten();
         let color = mesh.colors.get(i).copied().into_iter().flatten();
-        let uvs = mesh.uv(i).into_iter().chain(further().map(|(_, uvs)| uvs[i])).flatten();
+        let uvs = mesh.uv(i).into_iter().chain(further.iter().map(|(_, uvs)| uvs[i])).flatten();
         for x in normal.chain(uvs).chain(color) {
             file.write_all(&x.to_le_bytes())?;
         }
