@@ -44,7 +44,7 @@
 /** Defaults of the structures, to be changed field by field. */
 #define ETD_ERROR_INIT {sizeof(etd_error), ETD_OK, 0, NULL, NULL, NULL}
 #define ETD_DEVICE_OPTIONS_INIT {sizeof(etd_device_options), 0, 0, 0, NULL, NULL, NULL, NULL}
-#define ETD_SCENE_OPTIONS_INIT {sizeof(etd_scene_options), ETD_USAGE_STATIC, 0, NULL, NULL}
+#define ETD_SCENE_OPTIONS_INIT {sizeof(etd_scene_options), ETD_USAGE_STATIC, 0, NULL, NULL, NULL, NULL}
 #define ETD_CAMERA_INIT \
     {sizeof(etd_camera), ETD_CAMERA_PERSPECTIVE, ETD_FOV_HORIZONTAL, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90}
 #define ETD_MATERIAL_INIT \
@@ -188,7 +188,7 @@ enum etd_phase
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * The scene is being built, or a light map is being laid out.
+     * The scene is being read or built, or a light map is being laid out.
      */
     ETD_PHASE_BUILD = 0,
     /**
@@ -1427,32 +1427,6 @@ typedef struct etd_device_options {
 } etd_device_options;
 
 /**
- * Options of a scene.
- */
-typedef struct etd_scene_options {
-    /**
-     * `sizeof(etd_scene_options)`.
-     */
-    size_t struct_size;
-    /**
-     * An `etd_usage`.
-     */
-    etd_usage usage;
-    /**
-     * Must be 0.
-     */
-    uint32_t reserved;
-    /**
-     * The folder to which paths of mesh files in a scene from text are relative; NULL: the current folder.
-     */
-    const char *base_dir;
-    /**
-     * A parameter file of the report's renderer that overrides the scene's own settings; NULL: none.
-     */
-    const char *params_file;
-} etd_scene_options;
-
-/**
  * The progress of work.
  */
 typedef struct etd_progress {
@@ -1494,11 +1468,46 @@ typedef struct etd_progress {
  * A progress callback. It returns 0 to continue, and anything else to cancel.
  *
  * It is called about ten times a second and after each pass, and never from two threads at the same time for the same work.
- * `etd_render` and the calls that make and bake light maps call it on the calling thread, tasks on their own thread, and builds
- * of a scene on one of the building threads. It must not unwind. It may map and copy the film, and must not wait for the work
+ * `etd_render` and the calls that make and bake light maps call it on the calling thread, tasks on their own thread, reading and
+ * builds of a scene on one of the reading or building threads. It must not unwind. It may map and copy the film, and must not wait for the work
  * that called it.
  */
 typedef int32_t (*etd_progress_fn)(void *user_data, const struct etd_progress *progress);
+
+/**
+ * Options of a scene.
+ */
+typedef struct etd_scene_options {
+    /**
+     * `sizeof(etd_scene_options)`.
+     */
+    size_t struct_size;
+    /**
+     * An `etd_usage`.
+     */
+    etd_usage usage;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The folder to which paths of mesh files in a scene from text are relative; NULL: the current folder.
+     */
+    const char *base_dir;
+    /**
+     * A parameter file of the report's renderer that overrides the scene's own settings; NULL: none.
+     */
+    const char *params_file;
+    /**
+     * Progress callback of the calls that read a scene; may be NULL. It receives the fraction of the images' bytes that are decoded,
+     * on one of the reading threads, and cancels the reading if it returns anything but 0.
+     */
+    etd_progress_fn progress;
+    /**
+     * Passed to the callback.
+     */
+    void *user_data;
+} etd_scene_options;
 
 /**
  * Information about a built scene.
@@ -2835,6 +2844,8 @@ etd_status etd_scene_from_json(struct etd_device *device,
  *
  * A file whose name ends in `.obj`, `.ply` or `.stl` is a scene by itself: its surfaces, seen as a whole by a camera that is
  * made for them, under an even sky where nothing in them emits a radiance above 1. All other files are read as JSON.
+ *
+ * Images are decoded by several threads. `options->progress` is told how far that is, and may cancel the reading: `ETD_CANCELLED`.
  *
  * `path`: UTF-8. All else is as for `etd_scene_from_json`. Thread-safe.
  */

@@ -53,6 +53,9 @@ const STEP: f64 = 1.0 / 512.0;
 /// A progress callback. Its argument is the fraction of the work that is done; its answer `Break` stops the work.
 pub(crate) type ProgressCallback<'a> = &'a mut (dyn FnMut(f64) -> ControlFlow<()> + Send);
 
+/// A callback that receives the fraction of the work that is done, which only grows, from one thread at a time.
+pub(crate) type StepsCallback = Arc<dyn Fn(f64) + Send + Sync>;
+
 /// Progress and cancelling of work that one thread does.
 ///
 /// The work is a sequence of stages. Each stage is a fraction of the whole work and has a number of units of work.
@@ -71,7 +74,7 @@ enum Report<'a> {
     /// The callback is called every [`PROGRESS_INTERVAL`] and where a stage begins.
     ByTime(ProgressCallback<'a>),
     /// The callback is called when the fraction that is done has grown by [`STEP`].
-    BySteps(&'a (dyn Fn(f64) + Send + Sync)),
+    BySteps(StepsCallback),
 }
 
 struct ProgressState<'a> {
@@ -97,7 +100,7 @@ impl ProgressState<'_> {
     }
 
     fn report_steps(&mut self) {
-        if let Some(Report::BySteps(report)) = self.report {
+        if let Some(Report::BySteps(report)) = &self.report {
             let fraction = self.fraction();
             if fraction >= self.reported + STEP || (fraction == 1.0 && self.reported < 1.0) {
                 self.reported = fraction;
@@ -120,7 +123,7 @@ impl<'a> WorkProgress<'a> {
 
     /// For work that `cancel` stops. `report` is called, from one thread at a time, when the fraction that is done has
     /// grown. The work has one stage, whose units [`WorkProgress::expect`] announces.
-    pub fn by_steps(cancel: &Cancel, report: Option<&'a (dyn Fn(f64) + Send + Sync)>) -> Self {
+    pub fn by_steps(cancel: &Cancel, report: Option<StepsCallback>) -> Self {
         Self::with(cancel.clone(), report.map(Report::BySteps), [0.0, 1.0])
     }
 
@@ -355,10 +358,11 @@ mod tests {
 
     #[test]
     fn steps_only_grow_and_end_with_all() {
-        let reported = Mutex::new(Vec::new());
-        let report = |fraction| reported.lock().unwrap().push(fraction);
+        let reported = Arc::new(Mutex::new(Vec::new()));
+        let list = Arc::clone(&reported);
         let cancel = Cancel::new();
-        let progress = WorkProgress::by_steps(&cancel, Some(&report));
+        let progress =
+            WorkProgress::by_steps(&cancel, Some(Arc::new(move |fraction| list.lock().unwrap().push(fraction))));
         progress.expect(100.0);
         progress.each(25, 1.0, |_| {}).unwrap();
         // There is more work than was expected: the fraction falls, which is not reported.

@@ -55,7 +55,7 @@ const INITIALISERS: &str = r"/** Stands for no material, no surface. */
 /** Defaults of the structures, to be changed field by field. */
 #define ETD_ERROR_INIT {sizeof(etd_error), ETD_OK, 0, NULL, NULL, NULL}
 #define ETD_DEVICE_OPTIONS_INIT {sizeof(etd_device_options), 0, 0, 0, NULL, NULL, NULL, NULL}
-#define ETD_SCENE_OPTIONS_INIT {sizeof(etd_scene_options), ETD_USAGE_STATIC, 0, NULL, NULL}
+#define ETD_SCENE_OPTIONS_INIT {sizeof(etd_scene_options), ETD_USAGE_STATIC, 0, NULL, NULL, NULL, NULL}
 #define ETD_CAMERA_INIT \
     {sizeof(etd_camera), ETD_CAMERA_PERSPECTIVE, ETD_FOV_HORIZONTAL, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90}
 #define ETD_MATERIAL_INIT \

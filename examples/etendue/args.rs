@@ -532,7 +532,12 @@ impl RenderArgs {
 
     /// What is taken from a file that describes more than one picture.
     pub fn choices(&self) -> LoadOptions {
-        LoadOptions { time: self.at, animation: self.animation.clone(), camera: self.camera.clone() }
+        LoadOptions {
+            time: self.at,
+            animation: self.animation.clone(),
+            camera: self.camera.clone(),
+            ..LoadOptions::default()
+        }
     }
 
     /// The scene's settings with those of the command line in their place.

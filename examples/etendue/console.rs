@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::sync::Arc;
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -55,6 +56,15 @@ impl Bar {
             self.0.set_message(message);
         }
     }
+}
+
+/// A progress bar for the images of a scene that is read, as long as they are.
+pub fn reading_images(quiet: bool) -> Arc<dyn Fn(f64) + Send + Sync> {
+    let bar = Bar::new(quiet);
+    Arc::new(move |fraction| match fraction {
+        ..1.0 => bar.show(fraction, "reading images".to_owned()),
+        _ => bar.0.finish_and_clear(),
+    })
 }
 
 impl Drop for Bar {

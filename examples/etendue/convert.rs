@@ -17,7 +17,13 @@ pub fn convert(args: &ConvertArgs) -> Result<u8, Failure> {
     if std::iter::once(&args.scene).chain(&args.params).any(|input| place(input) == place(&args.output)) {
         return Err(read_and_written("this file"));
     }
-    let options = LoadOptions { time: args.at, animation: args.animation.clone(), camera: args.camera.clone() };
+    let options = LoadOptions {
+        time: args.at,
+        animation: args.animation.clone(),
+        camera: args.camera.clone(),
+        progress: Some(console::reading_images(args.quiet)),
+        ..LoadOptions::default()
+    };
     let scene = desc::load_with(&args.scene, args.params.as_deref(), &options)?;
     scene.warnings.iter().for_each(console::warn);
     let folder = place(&SceneDesc::files_folder(&args.output));

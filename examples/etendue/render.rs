@@ -59,7 +59,8 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
     let layers = check_outputs(args)?;
     interrupt::install()?;
     let began = Instant::now();
-    let (description, scene) = load_with(&args.scene, args.params.as_deref(), &args.choices(), args.threads)?;
+    let options = LoadOptions { progress: Some(console::reading_images(args.quiet)), ..args.choices() };
+    let (description, scene) = load_with(&args.scene, args.params.as_deref(), &options, args.threads)?;
     let build_time = began.elapsed();
     let desc = args.settings(&description.render);
     let workers = Workers::pool(args.threads)?;

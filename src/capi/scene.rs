@@ -2,7 +2,7 @@
 //! `describe`, `surface` and `mesh`.
 
 use std::ffi::{c_char, c_void};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, Mutex, TryLockError};
 use std::time::Duration;
 
@@ -21,7 +21,7 @@ use super::types::{
     etd_progress_fn, etd_render_options, etd_scene_info, etd_scene_options,
 };
 use crate::Cancel;
-use crate::desc::{self, SceneDesc};
+use crate::desc::{self, LoadOptions, SceneDesc};
 use crate::embree::{Device, DeviceOptions};
 use crate::scene::{BuildOptions, Scene};
 
@@ -171,11 +171,21 @@ impl etd_scene {
     }
 }
 
+/// How a scene is made.
+struct SceneOptions<'a> {
+    dynamic: bool,
+    base_dir: &'a Path,
+    params: Option<&'a Path>,
+    /// How it is read.
+    load: LoadOptions,
+}
+
 /// # Safety
 /// The contract of [`read_sized`], and for the strings in the structure that of [`optional_text`].
-unsafe fn read_options<'a>(options: *const etd_scene_options) -> Result<(bool, &'a Path, Option<PathBuf>)> {
+unsafe fn read_options<'a>(options: *const etd_scene_options) -> Result<SceneOptions<'a>> {
     if options.is_null() {
-        return Ok((false, Path::new("."), None));
+        let load = LoadOptions::default();
+        return Ok(SceneOptions { dynamic: false, base_dir: Path::new("."), params: None, load });
     }
     // SAFETY: the caller keeps this function's contract.
     let (it, base_dir, params) = unsafe {
@@ -189,8 +199,10 @@ unsafe fn read_options<'a>(options: *const etd_scene_options) -> Result<(bool, &
         ETD_USAGE_STATIC => false,
         ETD_USAGE_DYNAMIC => true,
     };
-    let base_dir = if base_dir.is_empty() { "." } else { base_dir };
-    Ok((dynamic, Path::new(base_dir), (!params.is_empty()).then(|| PathBuf::from(params))))
+    let base_dir = Path::new(if base_dir.is_empty() { "." } else { base_dir });
+    let progress = HostProgress::new(it.progress, UserData(it.user_data));
+    let load = LoadOptions { cancel: progress.cancel().clone(), progress: progress.build(), ..LoadOptions::default() };
+    Ok(SceneOptions { dynamic, base_dir, params: (!params.is_empty()).then_some(Path::new(params)), load })
 }
 
 /// Makes an empty scene with the default camera, which calls then describe.
@@ -207,8 +219,8 @@ pub unsafe extern "C" fn etd_scene_new(
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
     unsafe {
-        make(device, options, out_scene, |_, params| {
-            if params.is_some() {
+        make(device, options, out_scene, |options| {
+            if options.params.is_some() {
                 return Err(Failure::argument("options.params_file is for scenes that are read"));
             }
             Ok(SceneDesc::default())
@@ -234,13 +246,13 @@ pub unsafe extern "C" fn etd_scene_from_json(
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
     unsafe {
-        make(device, options, out_scene, |base_dir, params| {
+        make(device, options, out_scene, |options| {
             need(json, "json")?;
             let bytes = items(json.cast::<u8>(), json_length, "json")?;
             let json = std::str::from_utf8(bytes)
                 .map_err(|error| Failure::new(ETD_INVALID_SCENE, format!("the scene is not UTF-8: {error}")))?;
-            let mut scene = desc::parse(json, base_dir, None)?;
-            if let Some(file) = params {
+            let mut scene = desc::parse_with(json, options.base_dir, None, &options.load)?;
+            if let Some(file) = options.params {
                 desc::load_params(file, &mut scene)?;
             }
             Ok(scene)
@@ -253,6 +265,8 @@ pub unsafe extern "C" fn etd_scene_from_json(
 ///
 /// A file whose name ends in `.obj`, `.ply` or `.stl` is a scene by itself: its surfaces, seen as a whole by a camera that is
 /// made for them, under an even sky where nothing in them emits a radiance above 1. All other files are read as JSON.
+///
+/// Images are decoded by several threads. `options->progress` is told how far that is, and may cancel the reading: `ETD_CANCELLED`.
 ///
 /// `path`: UTF-8. All else is as for `etd_scene_from_json`. Thread-safe.
 ///
@@ -267,9 +281,9 @@ pub unsafe extern "C" fn etd_scene_from_file(
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
     unsafe {
-        make(device, options, out_scene, |_, params| {
+        make(device, options, out_scene, |options| {
             let path = text(path, "path")?;
-            Ok(desc::load(Path::new(path), params)?)
+            Ok(desc::load_with(Path::new(path), options.params, &options.load)?)
         })
     }
 }
@@ -280,7 +294,7 @@ unsafe fn make(
     device: *mut etd_device,
     options: *const etd_scene_options,
     out_scene: *mut *mut etd_scene,
-    describe: impl FnOnce(&Path, Option<&Path>) -> Result<SceneDesc>,
+    describe: impl FnOnce(&SceneOptions<'_>) -> Result<SceneDesc>,
 ) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
     let owner = unsafe { share(device) };
@@ -289,9 +303,9 @@ unsafe fn make(
         let device = owner?;
         need(out_scene, "out_scene")?;
         // SAFETY: the caller keeps this function's contract.
-        let (dynamic, base_dir, params) = unsafe { read_options(options) }?;
-        let desc = describe(base_dir, params.as_deref())?;
-        give(Arc::new(etd_scene::new(&device, desc, dynamic)?), out_scene);
+        let options = unsafe { read_options(options) }?;
+        let desc = describe(&options)?;
+        give(Arc::new(etd_scene::new(&device, desc, options.dynamic)?), out_scene);
         Ok(())
     })
 }

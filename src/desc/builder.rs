@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use super::warnings::warn;
 use super::{Dialect, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook, json, mesh_files, validate};
+use crate::control::WorkProgress;
 use crate::math::DVec3;
-use crate::texture::{ColorSpace, TexelImage, read_image, read_images};
+use crate::texture::{ColorSpace, ImageSource, ReadImage, ReadingTogether, TexelImage, read_image, read_images};
 use crate::{Error, Result};
 
 /// The texels of an image file, and the colour space that its format suggests.
@@ -16,6 +17,7 @@ type KnownImage = (Arc<TexelImage>, ColorSpace);
 pub(super) struct Builder<'a> {
     pub scene: SceneDesc,
     base_dir: &'a Path,
+    work: &'a WorkProgress<'static>,
     /// Meshes by their files, and by whether their degenerate triangles are kept.
     files: HashMap<(PathBuf, bool), usize>,
     images: HashMap<PathBuf, KnownImage>,
@@ -24,9 +26,10 @@ pub(super) struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    pub fn new(dialect: Dialect, base_dir: &'a Path, file: Option<&Path>) -> Self {
+    pub fn new(dialect: Dialect, base_dir: &'a Path, file: Option<&Path>, work: &'a WorkProgress<'static>) -> Self {
         let scene = SceneDesc { dialect, file: file.map(Path::to_owned), ..SceneDesc::default() };
-        Self { scene, base_dir, files: HashMap::new(), images: HashMap::new(), divided_files: HashMap::new() }
+        let (files, images, divided_files) = (HashMap::new(), HashMap::new(), HashMap::new());
+        Self { scene, base_dir, work, files, images, divided_files }
     }
 
     pub fn warn(&mut self, path: &str, message: &str) {
@@ -70,7 +73,7 @@ impl<'a> Builder<'a> {
 
     /// Reads these image files, several at a time, for [`Self::image_file`], which reads those again that cannot be read: its error
     /// has the name that the scene has.
-    pub fn read_ahead(&mut self, names: &[String]) {
+    pub fn read_ahead(&mut self, names: &[String]) -> Result<()> {
         let mut known = HashSet::new();
         let (identities, files): (Vec<_>, Vec<_>) = names
             .iter()
@@ -79,15 +82,18 @@ impl<'a> Builder<'a> {
             .map(|file| (identity(&file), file))
             .filter(|(identity, _)| known.insert(identity.clone()))
             .unzip();
-        let read = read_images(&files);
+        let sources: Vec<_> = files.iter().map(|file| ImageSource::File(file.into())).collect();
+        let how = ReadingTogether { most_texels: u64::MAX, stops_at_error: true };
+        let read = read_images(&sources, how, self.work)?;
         for ((file, identity), read) in files.into_iter().zip(identities).zip(read) {
             if let Some(Ok(read)) = read {
                 self.keep_image(file, identity, read);
             }
         }
+        Ok(())
     }
 
-    fn keep_image(&mut self, file: PathBuf, identity: PathBuf, (image, space): (TexelImage, ColorSpace)) -> KnownImage {
+    fn keep_image(&mut self, file: PathBuf, identity: PathBuf, (image, space): ReadImage) -> KnownImage {
         let image = (Arc::new(image), space);
         self.scene.files.push(file);
         self.images.insert(identity, image.clone());
@@ -119,6 +125,7 @@ impl<'a> Builder<'a> {
 
     /// Returns the number of the mesh in a file, with or without its degenerate triangles. The file is read at its first use.
     pub fn mesh_file(&mut self, path: &str, file: &str, keep_degenerate: bool) -> Result<usize> {
+        self.work.check()?;
         let [file, identity] = self.identified(path, file)?;
         let identity = (identity, keep_degenerate);
         if let Some(mesh) = self.files.get(&identity) {
@@ -139,7 +146,7 @@ impl<'a> Builder<'a> {
         if let Some(parts) = self.divided_files.get(&identity) {
             return Ok(parts.clone());
         }
-        let parts = mesh_files::load_parts(&file, path, &mut self.scene.warnings)?;
+        let parts = mesh_files::load_parts(&file, path, &mut self.scene.warnings, self.work)?;
         let parts = self.scene.put_parts(&file, parts)?;
         self.divided_files.insert(identity, parts.clone());
         Ok(parts)

@@ -18,6 +18,7 @@ use super::{
     BsdfDesc, CameraDesc, MaterialDesc, MediumDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, material_check,
     validate,
 };
+use crate::control::{Cancel, WorkProgress};
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
@@ -251,7 +252,7 @@ impl SceneDesc {
         mesh_files::check_name(&at, file)?;
         validate::invertible(&join(&path, "transform"), &transform)?;
         let mut warnings = Vec::new();
-        let parts = mesh_files::load_parts(file, &at, &mut warnings)?;
+        let parts = mesh_files::load_parts(file, &at, &mut warnings, &WorkProgress::new(&Cancel::new()))?;
         for part in &parts.parts {
             validate::extent(&path, &part.mesh.bounds(), &transform)?;
         }

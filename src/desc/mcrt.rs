@@ -14,6 +14,7 @@ use serde_json::value::RawValue;
 use super::builder::Builder;
 use super::json::{self, Scale, did_you_mean, join};
 use super::{BsdfDesc, CameraDesc, Dialect, MaterialDesc, SceneDesc, ShapeDesc, SurfaceLook, transform, validate};
+use crate::control::WorkProgress;
 use crate::math::DVec3;
 use crate::{Error, Result};
 
@@ -108,8 +109,13 @@ struct Mesh {
 }
 
 /// Reads a scene of the report's renderer that has already been split at its outermost object.
-pub(super) fn read(document: &RawValue, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> {
-    let mut builder = Builder::new(Dialect::Mcrt, base_dir, file);
+pub(super) fn read(
+    document: &RawValue,
+    base_dir: &Path,
+    file: Option<&Path>,
+    work: &WorkProgress<'static>,
+) -> Result<SceneDesc> {
+    let mut builder = Builder::new(Dialect::Mcrt, base_dir, file, work);
     let top: Top<'_> = object(document, "", &mut builder)?;
     builder.scene.camera = camera(top.camera, "camera", &mut builder)?;
     json::each(top.materials, "materials", |path, raw| material(raw, path, &mut builder))?;

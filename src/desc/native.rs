@@ -15,6 +15,7 @@ use super::{
     CameraDesc, Dialect, EnvironmentDesc, FovAxis, PointLightDesc, RenderDesc, SceneDesc, material_keys, numbers,
     render_keys, save, surface, texture_keys, validate,
 };
+use crate::control::WorkProgress;
 use crate::math::DVec3;
 use crate::{Error, Result};
 
@@ -160,14 +161,19 @@ enum EnvironmentTag {
 }
 
 /// Reads a native scene that has been split at its top.
-pub(super) fn read(document: &RawValue, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> {
+pub(super) fn read(
+    document: &RawValue,
+    base_dir: &Path,
+    file: Option<&Path>,
+    work: &WorkProgress<'static>,
+) -> Result<SceneDesc> {
     let top: Top<'_> = json::object(document, "")?;
-    let mut builder = Builder::new(Dialect::Native, base_dir, file);
+    let mut builder = Builder::new(Dialect::Native, base_dir, file, work);
     builder.scene.camera = camera(top.camera, "camera")?;
     if let Some(raw) = top.render {
         builder.scene.render = render_keys::read(raw, "render", &RenderDesc::default())?;
     }
-    builder.read_ahead(&texture_keys::image_files(top.textures));
+    builder.read_ahead(&texture_keys::image_files(top.textures))?;
     json::each(top.textures, "textures", |path, raw| texture_keys::read(raw, path, &mut builder))?;
     json::each(top.materials, "materials", |path, raw| material_keys::read(raw, path, &mut builder))?;
     json::each(top.meshes, "meshes", |path, raw| surface::shared_mesh(raw, path, &mut builder))?;

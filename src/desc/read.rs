@@ -1,6 +1,8 @@
 //! Reads a description from text: chooses between the two dialects, and finds the line of an error in the text.
 
+use std::fmt;
 use std::path::Path;
+use std::sync::Arc;
 
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -9,7 +11,8 @@ use super::file::read_text;
 use super::json::{self, line_of};
 use super::scene_file::scene_from_file;
 use super::{RenderDesc, SceneDesc, gltf, mcrt, native, params, render_keys};
-use crate::{Error, ErrorKind, Result};
+use crate::control::WorkProgress;
+use crate::{Cancel, Error, ErrorKind, Result};
 
 /// Reads a scene file, and the parameter file if there is one.
 ///
@@ -29,8 +32,9 @@ pub fn load(path: &Path, params: Option<&Path>) -> Result<SceneDesc> {
     load_with(path, params, &LoadOptions::default())
 }
 
-/// What is taken from a file that describes more than one picture. Only glTF files do.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// How a scene is read: what is taken from a file that describes more than one picture, which only glTF files do, and how the reading
+/// is watched.
+#[derive(Clone, Default)]
 pub struct LoadOptions {
     /// The time at which an animation is seen, in seconds. `None` leaves everything where the file has it without an animation.
     pub time: Option<f64>,
@@ -38,20 +42,53 @@ pub struct LoadOptions {
     pub animation: Option<String>,
     /// Name or number of the camera; `None` for the first one of the scene.
     pub camera: Option<String>,
+    /// Stops the reading with [`ErrorKind::Cancelled`]: between two meshes, and within an image.
+    pub cancel: Cancel,
+    /// Called with the fraction of the images' bytes that are decoded, which only grows, from one thread at a time; with 1 at the
+    /// end. Images take the most time of scenes that have any.
+    pub progress: Option<Arc<dyn Fn(f64) + Send + Sync>>,
 }
 
-/// Reads a scene file as [`load`] does, with a choice of what is taken from it.
+impl LoadOptions {
+    /// Whether something is chosen that only glTF files have.
+    pub(super) fn is_choice(&self) -> bool {
+        self.time.is_some() || self.animation.is_some() || self.camera.is_some()
+    }
+
+    /// Calls `read` with the work of reading, which is done when it returns a scene.
+    fn watch(&self, read: impl FnOnce(&WorkProgress<'static>) -> Result<SceneDesc>) -> Result<SceneDesc> {
+        let work = WorkProgress::by_steps(&self.cancel, self.progress.clone());
+        work.check()?;
+        let scene = read(&work)?;
+        work.check()?;
+        work.finish();
+        Ok(scene)
+    }
+}
+
+impl fmt::Debug for LoadOptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { time, animation, camera, cancel, progress: _ } = self;
+        let mut it = f.debug_struct("LoadOptions");
+        it.field("time", time).field("animation", animation).field("camera", camera).field("cancel", cancel);
+        it.finish_non_exhaustive()
+    }
+}
+
+/// Reads a scene file as [`load`] does, with a choice of what is taken from it, and with progress.
 ///
 /// # Errors
 ///
-/// Those of [`load`]; [`ErrorKind::InvalidScene`] for a camera or an animation that the file does not have, and
-/// [`ErrorKind::Unsupported`] for choices in a file that is no glTF file.
+/// Those of [`load`]; [`ErrorKind::InvalidScene`] for a camera or an animation that the file does not have,
+/// [`ErrorKind::Unsupported`] for choices in a file that is no glTF file, and [`ErrorKind::Cancelled`].
 pub fn load_with(path: &Path, params: Option<&Path>, options: &LoadOptions) -> Result<SceneDesc> {
-    let mut scene = scene_from_file(path, options)?;
-    if let Some(params) = params {
-        load_params(params, &mut scene)?;
-    }
-    Ok(scene)
+    options.watch(|work| {
+        let mut scene = scene_from_file(path, options, work)?;
+        if let Some(params) = params {
+            load_params(params, &mut scene)?;
+        }
+        Ok(scene)
+    })
 }
 
 /// Reads a parameter file of the report's renderer into `scene.render`.
@@ -72,7 +109,7 @@ pub fn load_params(params: &Path, scene: &mut SceneDesc) -> Result<()> {
 ///
 /// The errors are those of [`load_with`], with the path of the element (`meshes[2].primitives[0].attributes.POSITION`).
 pub fn parse_gltf(bytes: &[u8], base_dir: &Path, file: Option<&Path>, options: &LoadOptions) -> Result<SceneDesc> {
-    gltf::parse(bytes, base_dir, file, options)
+    options.watch(|work| gltf::parse(bytes, base_dir, file, options, work))
 }
 
 /// Reads a scene from a string.
@@ -84,8 +121,36 @@ pub fn parse_gltf(bytes: &[u8], base_dir: &Path, file: Option<&Path>, options: &
 ///
 /// The errors are those of [`load`].
 pub fn parse(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> {
+    parse_with(json, base_dir, file, &LoadOptions::default())
+}
+
+/// Reads a scene from a string as [`parse`] does, with progress.
+///
+/// # Errors
+///
+/// Those of [`parse`]; [`ErrorKind::Unsupported`] for choices that only glTF files have, and [`ErrorKind::Cancelled`].
+pub fn parse_with(json: &str, base_dir: &Path, file: Option<&Path>, options: &LoadOptions) -> Result<SceneDesc> {
+    if options.is_choice() {
+        return Err(no_choices(file));
+    }
+    options.watch(|work| parse_watched(json, base_dir, file, work))
+}
+
+/// [`parse`], as a part of some work.
+pub(super) fn parse_watched(
+    json: &str,
+    base_dir: &Path,
+    file: Option<&Path>,
+    work: &WorkProgress<'static>,
+) -> Result<SceneDesc> {
     let json = json.strip_prefix('\u{feff}').unwrap_or(json);
-    scene(json, base_dir, file).map_err(|error| located(error, json, file))
+    scene(json, base_dir, file, work).map_err(|error| located(error, json, file))
+}
+
+/// The error for a choice in a file that is no glTF file.
+pub(super) fn no_choices(file: Option<&Path>) -> Error {
+    let message = "a time, an animation or a camera is chosen, which only glTF files have";
+    Error::new(ErrorKind::Unsupported, message).in_file(file, 0)
 }
 
 /// Reads a parameter file of the report's renderer from a string into `scene.render`.
@@ -125,7 +190,7 @@ pub fn apply_render(json: &str, path: &str, file: Option<&Path>, base: &RenderDe
     read().map_err(|error| located(error, json, file))
 }
 
-fn scene(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> {
+fn scene(json: &str, base_dir: &Path, file: Option<&Path>, work: &WorkProgress<'static>) -> Result<SceneDesc> {
     #[derive(Deserialize)]
     struct Probe<'a> {
         #[serde(borrow, default, deserialize_with = "json::even_null")]
@@ -133,10 +198,10 @@ fn scene(json: &str, base_dir: &Path, file: Option<&Path>) -> Result<SceneDesc> 
     }
     let document = json::document(json)?;
     let Some(version) = json::object::<Probe>(document, "")?.etendue else {
-        return mcrt::read(document, base_dir, file).map_err(hint_at_version);
+        return mcrt::read(document, base_dir, file, work).map_err(hint_at_version);
     };
     match version.get() {
-        number if number.parse() == Ok(1.0) => native::read(document, base_dir, file),
+        number if number.parse() == Ok(1.0) => native::read(document, base_dir, file, work),
         other if json::kind(other) == "a number" => {
             let message = format!("the scene is of format version {other}, this library reads version 1");
             Err(Error::new(ErrorKind::Unsupported, message).at("etendue"))

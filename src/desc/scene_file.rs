@@ -4,11 +4,12 @@ use std::path::Path;
 
 use super::file::read_text;
 use super::mesh_files::{self, MeshFormat};
-use super::read::parse;
+use super::read::{no_choices, parse_watched};
 use super::{BsdfDesc, LoadOptions, MaterialDesc, SceneDesc, ShapeDesc, SurfaceLook, TextureDesc, framing, gltf};
+use crate::Result;
+use crate::control::WorkProgress;
 use crate::math::{DAffine3, DMat3, DVec3};
 use crate::spectrum::Rgb;
-use crate::{Error, ErrorKind, Result};
 
 /// Albedo of surfaces of which a file says nothing but their shape: dark enough to stand out from the sky.
 const GREY: f32 = 0.5;
@@ -20,18 +21,17 @@ const GREY: f32 = 0.5;
 /// where the file has normals, seen as a whole, under an even sky where nothing else emits a radiance above 1.
 ///
 /// # Errors
-/// Those of the format; [`ErrorKind::Unsupported`] for choices in a file that is no glTF file.
-pub(super) fn scene_from_file(path: &Path, options: &LoadOptions) -> Result<SceneDesc> {
+/// Those of the format; [`crate::ErrorKind::Unsupported`] for choices in a file that is no glTF file.
+pub(super) fn scene_from_file(path: &Path, options: &LoadOptions, work: &WorkProgress<'static>) -> Result<SceneDesc> {
     if gltf::is_named(path) {
-        return gltf::load(path, options);
+        return gltf::load(path, options, work);
     }
-    if *options != LoadOptions::default() {
-        let message = "a time, an animation or a camera is chosen, which only glTF files have";
-        return Err(Error::new(ErrorKind::Unsupported, message).in_file(Some(path), 0));
+    if options.is_choice() {
+        return Err(no_choices(Some(path)));
     }
     let mut scene = match MeshFormat::of_name(path) {
-        None => return text(path),
-        Some(MeshFormat::Obj) => with_own_materials(path)?,
+        None => return parse_watched(&read_text(path)?, path.parent().unwrap_or(Path::new("")), Some(path), work),
+        Some(MeshFormat::Obj) => with_own_materials(path, work)?,
         Some(MeshFormat::Ply) => grey(path, DAffine3::IDENTITY)?,
         Some(MeshFormat::Stl) => grey(path, z_to_y())?,
     };
@@ -39,10 +39,6 @@ pub(super) fn scene_from_file(path: &Path, options: &LoadOptions) -> Result<Scen
     framing::light(&mut scene);
     framing::frame(&mut scene);
     Ok(scene)
-}
-
-fn text(path: &Path) -> Result<SceneDesc> {
-    parse(&read_text(path)?, path.parent().unwrap_or(Path::new("")), Some(path))
 }
 
 /// Turns z, which is up in the programs that write STL, to y, which is up in all other formats: +z becomes +y, and what is in
@@ -70,9 +66,9 @@ fn grey(path: &Path, transform: DAffine3) -> Result<SceneDesc> {
     Ok(scene)
 }
 
-fn with_own_materials(path: &Path) -> Result<SceneDesc> {
+fn with_own_materials(path: &Path, work: &WorkProgress<'_>) -> Result<SceneDesc> {
     let mut scene = SceneDesc::default();
-    let parts = mesh_files::load_parts(path, "", &mut scene.warnings)?;
+    let parts = mesh_files::load_parts(path, "", &mut scene.warnings, work)?;
     for [material, mesh] in scene.put_parts(path, parts)? {
         let smooth = scene.meshes[mesh].has_normals();
         let look = SurfaceLook { material: Some(material), ..SurfaceLook::default() };

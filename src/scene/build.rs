@@ -74,7 +74,7 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
             Device::new(&DeviceOptions { threads, ..DeviceOptions::default() })?
         }
     };
-    let progress = WorkProgress::by_steps(&options.cancel, options.progress.as_deref());
+    let progress = WorkProgress::by_steps(&options.cancel, options.progress.clone());
     let assembly = assemble(desc, options, options.dynamic, &device, None, &progress)?;
     let bindings = bindings(desc, assembly.unbound(), device.threads(), &progress)?;
     progress.finish();
@@ -87,7 +87,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
     check_materials(desc)?;
     desc.check_textures()?;
     let desc = &*with_emission_of_materials(desc)?;
-    let progress = WorkProgress::by_steps(&options.cancel, options.progress.as_deref());
+    let progress = WorkProgress::by_steps(&options.cancel, options.progress.clone());
     let device = old.device.clone();
     let appearance = AppearanceKey::new(desc);
     let same_geometry = old.record.is_geometry_of(desc);

@@ -23,7 +23,7 @@ pub use image::ImageTexture;
 pub use light::TextureLight;
 pub use lookup::{TextureFilter, Wrap};
 pub use procedural::{Pattern, Procedural};
-pub(crate) use read::read_images;
+pub(crate) use read::{ImageSource, ReadImage, ReadingTogether, read_images};
 pub use read::{read_image, read_image_bytes};
 pub use texels::{ColorSpace, TexelFormat, TexelImage, Texels};
 pub(crate) use write::{extension, write_image};

@@ -1,10 +1,11 @@
 //! Reads images as textures, in the precision in which they are stored.
 
-use std::io::{BufRead, BufReader, Cursor, Seek};
+use std::borrow::Cow;
+use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::thread;
 
 use exr::image::{FlatImage, FlatSamples};
@@ -12,6 +13,7 @@ use half::f16;
 use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 
 use super::texels::{ColorSpace, TexelImage, Texels, check_size};
+use crate::control::{Cancel, WorkProgress};
 use crate::{Error, ErrorKind, Result};
 
 /// Size of the largest image file, 4 GiB.
@@ -28,38 +30,158 @@ const FORMATS: &str = "PNG, JPEG, TGA, BMP, WebP, TIFF, Radiance HDR, OpenEXR";
 /// # Errors
 /// [`ErrorKind::Io`] or [`ErrorKind::Unsupported`], with the file. An image of more than 2^28 texels is refused before it is decoded.
 pub fn read_image(path: &Path) -> Result<(TexelImage, ColorSpace)> {
-    let file = crate::desc::open_file(path, SIZE_LIMIT)?;
-    let size = file.metadata().map_err(|error| Error::io(path, "cannot read the image", error))?.len();
-    let extension = path.extension().and_then(|extension| extension.to_str());
-    decode(BufReader::new(file), size, extension).map_err(|error| error.in_file(Some(path), 0))
+    ImageSource::File(path.into()).read(&WorkProgress::new(&Cancel::new()))
+}
+
+/// An image and the colour space that its format suggests.
+pub(crate) type ReadImage = (TexelImage, ColorSpace);
+
+/// Where the bytes of an image are.
+#[derive(Clone, Debug)]
+pub(crate) enum ImageSource<'a> {
+    /// In a file.
+    File(Cow<'a, Path>),
+    /// Here, with the extension of a file's name, if there was one.
+    Bytes(Cow<'a, [u8]>, Option<String>),
+}
+
+impl ImageSource<'_> {
+    /// Number of bytes; 0 where there is no such file, of which the error says more when it is read.
+    fn size(&self) -> u64 {
+        match self {
+            Self::File(path) => path.metadata().map_or(0, |it| it.len()),
+            Self::Bytes(bytes, _) => bytes.len() as u64,
+        }
+    }
+
+    /// Reads the image. Each byte that the decoder has taken is a unit of the work.
+    pub fn read(&self, work: &WorkProgress<'_>) -> Result<ReadImage> {
+        match self {
+            Self::File(path) => {
+                let file = crate::desc::open_file(path, SIZE_LIMIT)?;
+                let size = file.metadata().map_err(|error| Error::io(path, "cannot read the image", error))?.len();
+                let extension = path.extension().and_then(|extension| extension.to_str());
+                let reader = Watched::new(BufReader::new(file), work);
+                decode(reader, size, extension).map_err(|error| error.in_file(Some(path), 0))
+            }
+            Self::Bytes(bytes, extension) => {
+                decode(Watched::new(Cursor::new(bytes), work), bytes.len() as u64, extension.as_deref())
+            }
+        }
+    }
 }
 
 /// Most images that are decoded at a time.
 const MOST_READERS: usize = 16;
 
-/// Reads image files as [`read_image`] does, several at a time, by as many threads as the machine has processors. After an error no
-/// further file is begun; what was not read is `None`.
-pub(crate) fn read_images(paths: &[PathBuf]) -> Vec<Option<Result<(TexelImage, ColorSpace)>>> {
-    let read: Vec<OnceLock<_>> = paths.iter().map(|_| OnceLock::new()).collect();
-    let next = AtomicUsize::new(0);
-    let work = || {
-        while let Some((path, place)) = paths.iter().zip(&read).nth(next.fetch_add(1, Ordering::Relaxed)) {
-            let image = read_image(path);
-            if image.is_err() {
-                next.store(paths.len(), Ordering::Relaxed);
+/// How images are read together.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ReadingTogether {
+    /// No further image is begun once there are more texels.
+    pub most_texels: u64,
+    /// Whether no further image is begun after an error.
+    pub stops_at_error: bool,
+}
+
+/// Reads images as [`read_image`] does, several at a time, by as many threads as the machine has processors. They are begun in their
+/// order; what was not read is `None`. The bytes of all images are units of the work.
+///
+/// # Errors
+/// [`ErrorKind::Cancelled`] once the work was stopped.
+pub(crate) fn read_images(
+    images: &[ImageSource<'_>],
+    how: ReadingTogether,
+    work: &WorkProgress<'_>,
+) -> Result<Vec<Option<Result<ReadImage>>>> {
+    work.expect(images.iter().map(ImageSource::size).sum::<u64>() as f64);
+    let read: Vec<OnceLock<_>> = images.iter().map(|_| OnceLock::new()).collect();
+    let (next, texels) = (AtomicUsize::new(0), AtomicU64::new(0));
+    let stop = || next.store(images.len(), Ordering::Relaxed);
+    let run = || {
+        while let Some((source, place)) = images.iter().zip(&read).nth(next.fetch_add(1, Ordering::Relaxed)) {
+            let image = source.read(work);
+            match &image {
+                Ok((image, _)) => {
+                    let own = u64::from(image.width()) * u64::from(image.height());
+                    if texels.fetch_add(own, Ordering::Relaxed).saturating_add(own) > how.most_texels {
+                        stop();
+                    }
+                }
+                Err(_) if how.stops_at_error || work.check().is_err() => stop(),
+                Err(_) => {}
             }
             let _ = place.set(image);
         }
     };
-    let threads = thread::available_parallelism().map_or(1, usize::from).min(paths.len()).min(MOST_READERS);
+    let threads = thread::available_parallelism().map_or(1, usize::from).min(images.len()).min(MOST_READERS);
     thread::scope(|scope| {
         for _ in 1..threads {
             // A thread that the system does not give is done without.
-            let _ = thread::Builder::new().name("etendue-image".to_owned()).spawn_scoped(scope, work);
+            let _ = thread::Builder::new().name("etendue-image".to_owned()).spawn_scoped(scope, run);
         }
-        work();
+        run();
     });
-    read.into_iter().map(OnceLock::into_inner).collect()
+    work.check()?;
+    Ok(read.into_iter().map(OnceLock::into_inner).collect())
+}
+
+/// A reader that counts what is taken from it as work, and fails once the work was stopped.
+struct Watched<'a, 'p, R> {
+    inner: R,
+    work: &'a WorkProgress<'p>,
+    /// Bytes that are not yet counted.
+    taken: usize,
+}
+
+/// Bytes between two looks at the work.
+const WATCHED_BLOCK: usize = 1 << 16;
+
+impl<'a, 'p, R> Watched<'a, 'p, R> {
+    fn new(inner: R, work: &'a WorkProgress<'p>) -> Self {
+        Self { inner, work, taken: 0 }
+    }
+
+    fn count(&mut self, bytes: usize) {
+        self.taken += bytes;
+        if self.taken >= WATCHED_BLOCK {
+            self.work.spend(std::mem::take(&mut self.taken));
+        }
+    }
+}
+
+impl<R> Drop for Watched<'_, '_, R> {
+    fn drop(&mut self) {
+        self.work.spend(self.taken);
+    }
+}
+
+impl<R: BufRead> Read for Watched<'_, '_, R> {
+    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
+        let from = self.fill_buf()?;
+        let count = from.len().min(to.len());
+        to[..count].copy_from_slice(&from[..count]);
+        self.consume(count);
+        Ok(count)
+    }
+}
+
+impl<R: BufRead> BufRead for Watched<'_, '_, R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        self.work.check().map_err(io::Error::other)?;
+        let bytes = self.inner.fill_buf()?;
+        Ok(&bytes[..bytes.len().min(WATCHED_BLOCK)])
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.inner.consume(count);
+        self.count(count);
+    }
+}
+
+impl<R: Seek> Seek for Watched<'_, '_, R> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.inner.seek(to)
+    }
 }
 
 /// Reads an image from bytes of one of the formats that [`read_image`] reads. `extension`, without a dot, is needed for TGA alone, which
@@ -68,7 +190,7 @@ pub(crate) fn read_images(paths: &[PathBuf]) -> Vec<Option<Result<(TexelImage, C
 /// # Errors
 /// Those of [`read_image`], without a file.
 pub fn read_image_bytes(bytes: &[u8], extension: Option<&str>) -> Result<(TexelImage, ColorSpace)> {
-    decode(Cursor::new(bytes), bytes.len() as u64, extension)
+    ImageSource::Bytes(Cow::Borrowed(bytes), extension.map(str::to_owned)).read(&WorkProgress::new(&Cancel::new()))
 }
 
 fn decode(mut reader: impl BufRead + Seek, size: u64, extension: Option<&str>) -> Result<(TexelImage, ColorSpace)> {
@@ -173,32 +295,100 @@ fn unreadable(reason: &dyn std::fmt::Display) -> Error {
 
 #[cfg(test)]
 mod tests {
+    use std::path::PathBuf;
+    use std::sync::{Arc, Mutex};
+
     use super::super::write_image;
     use super::*;
+
+    fn files(folder: &Path, count: usize) -> Vec<PathBuf> {
+        (0..count).map(|i| folder.join(format!("{i}.png"))).collect()
+    }
+
+    fn written(folder: &Path, count: usize, size: u32) -> Vec<PathBuf> {
+        let paths = files(folder, count);
+        for (i, path) in paths.iter().enumerate() {
+            let mut state = i as u32;
+            let texels = (0..3 * size * size).map(|_| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                (state >> 24) as u8
+            });
+            let image = TexelImage::new(size, size, 3, Texels::U8(texels.collect())).unwrap();
+            crate::replace::replace(path, "the image", |file| write_image(&image, file)).unwrap();
+        }
+        paths
+    }
+
+    const ALL: ReadingTogether = ReadingTogether { most_texels: u64::MAX, stops_at_error: true };
+
+    fn together(
+        paths: &[PathBuf],
+        how: ReadingTogether,
+        work: &WorkProgress<'_>,
+    ) -> Result<Vec<Option<Result<ReadImage>>>> {
+        let sources: Vec<_> = paths.iter().map(|path| ImageSource::File(path.into())).collect();
+        read_images(&sources, how, work)
+    }
 
     #[test]
     fn images_that_are_read_together_are_those_that_are_read_alone() {
         let folder = tempfile::tempdir().unwrap();
-        let paths: Vec<PathBuf> = (0..40).map(|i| folder.path().join(format!("{i}.png"))).collect();
-        for (i, path) in paths.iter().enumerate() {
-            let texels = Texels::U8(vec![i as u8; 12].into());
-            let image = TexelImage::new(2, 2, 3, texels).unwrap();
-            crate::replace::replace(path, "the image", |file| write_image(&image, file)).unwrap();
-        }
-        let all = read_images(&paths);
+        let paths = written(folder.path(), 40, 2);
+        let progress = Arc::new(Mutex::new(vec![0.0]));
+        let list = Arc::clone(&progress);
+        let cancel = Cancel::new();
+        let work = WorkProgress::by_steps(&cancel, Some(Arc::new(move |fraction| list.lock().unwrap().push(fraction))));
+        let all = together(&paths, ALL, &work).unwrap();
         assert_eq!(all.len(), paths.len());
         for (path, read) in paths.iter().zip(all) {
             assert_eq!(read.unwrap().unwrap(), read_image(path).unwrap(), "{}", path.display());
         }
-        assert!(read_images(&[]).is_empty());
+        let progress = progress.lock().unwrap();
+        assert!(progress.len() > 20 && progress.is_sorted() && progress.last() == Some(&1.0), "{progress:?}");
+        assert!(together(&[], ALL, &work).unwrap().is_empty());
     }
 
     #[test]
     fn no_image_is_begun_after_one_that_cannot_be_read() {
         let folder = tempfile::tempdir().unwrap();
-        let paths: Vec<PathBuf> = (0..1000).map(|i| folder.path().join(format!("{i}.png"))).collect();
-        let read = read_images(&paths);
+        let paths = files(folder.path(), 1000);
+        let cancel = Cancel::new();
+        let work = WorkProgress::new(&cancel);
+        let read = together(&paths, ALL, &work).unwrap();
         assert!(read[0].as_ref().unwrap().is_err());
         assert!(read.iter().flatten().count() <= MOST_READERS);
+        let read = together(&paths, ReadingTogether { stops_at_error: false, ..ALL }, &work).unwrap();
+        assert!(read.iter().flatten().count() == paths.len());
+    }
+
+    #[test]
+    fn no_image_is_begun_after_the_greatest_number_of_texels() {
+        let folder = tempfile::tempdir().unwrap();
+        let paths = written(folder.path(), 60, 2);
+        let cancel = Cancel::new();
+        let read = together(&paths, ReadingTogether { most_texels: 5 * 4, ..ALL }, &WorkProgress::new(&cancel));
+        let read = read.unwrap();
+        assert!(read[..6].iter().all(Option::is_some));
+        assert!(read.iter().flatten().count() <= 6 + MOST_READERS);
+    }
+
+    /// An image is left before its end: after a part of its bytes.
+    #[test]
+    fn cancelling_stops_within_an_image() {
+        let folder = tempfile::tempdir().unwrap();
+        let paths = written(folder.path(), 1, 600);
+        let cancel = Cancel::new();
+        let last = Arc::new(Mutex::new(0.0));
+        let (reported, token) = (Arc::clone(&last), cancel.clone());
+        let report = move |fraction: f64| {
+            *reported.lock().unwrap() = fraction;
+            if fraction > 0.2 {
+                token.cancel();
+            }
+        };
+        let work = WorkProgress::by_steps(&cancel, Some(Arc::new(report)));
+        let error = together(&paths, ALL, &work).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Cancelled);
+        assert!(*last.lock().unwrap() < 0.5, "{last:?}");
     }
 }

@@ -242,6 +242,8 @@ static void structures(void) {
     FIELD(etd_scene_options, reserved);
     FIELD(etd_scene_options, base_dir);
     FIELD(etd_scene_options, params_file);
+    FIELD(etd_scene_options, progress);
+    FIELD(etd_scene_options, user_data);
     STRUCT(etd_progress);
     FIELD(etd_progress, struct_size);
     FIELD(etd_progress, fraction);

@@ -552,8 +552,58 @@ static void further_sets(etd_device *device) {
     CHECK(!is_same(other, expected));
 }
 
+struct told {
+    double last;
+    int calls;
+    int is_sane;
+    double end;
+};
+
+static int32_t tell(void *user_data, const etd_progress *progress) {
+    struct told *told = user_data;
+    told->is_sane &= progress->fraction >= told->last && progress->fraction <= 1 && progress->phase == ETD_PHASE_BUILD;
+    told->last = progress->fraction;
+    ++told->calls;
+    return progress->fraction >= told->end;
+}
+
+/* A scene with an image is read with progress, and the reading can be stopped within the image. */
+static void reading(etd_device *device) {
+    static const char json[] =
+        "{\"etendue\": 1, \"camera\": {\"origin\": [0, 0, 4], \"lookAt\": [0, 0, 0], \"up\": [0, 1, 0], \"fieldOfView\": 50}, "
+        "\"textures\": [{\"name\": \"t\", \"type\": \"image\", \"file\": \"reading.bmp\"}], \"surfaces\": []}";
+    static const unsigned char header[] = {'B', 'M', 0, 0, 0, 0, 0, 0, 0, 0, 54, 0, 0, 0, 40, 0, 0, 0, 0, 2, 0, 0, 0, 2, 0, 0,
+                                           1, 0, 24, 0, 0, 0, 0, 0, 0, 0, 12, 0};
+    static const double ends[] = {2, 0.3};
+    FILE *file = fopen("reading.bmp", "wb");
+    size_t i;
+    if (!CHECK(file != NULL)) {
+        return;
+    }
+    fwrite(header, 1, sizeof header, file);
+    for (i = sizeof header; i < 54 + 3 * 512 * 512; ++i) {
+        fputc(i < 54 ? 0 : (int)(i % 251), file);
+    }
+    CHECK(fclose(file) == 0);
+    for (i = 0; i < 2; ++i) {
+        struct told told = {0, 0, 1, 0};
+        etd_scene_options options = ETD_SCENE_OPTIONS_INIT;
+        etd_scene *scene = NULL;
+        etd_status status;
+        told.end = ends[i];
+        options.progress = tell;
+        options.user_data = &told;
+        status = etd_scene_from_json(device, json, strlen(json), &options, &scene);
+        CHECK_STATUS(status, i == 0 ? ETD_OK : ETD_CANCELLED);
+        CHECK(told.is_sane && (i == 0 ? told.calls > 5 && told.last == 1 : told.last < 0.8 && scene == NULL));
+        etd_scene_release(scene);
+    }
+    remove("reading.bmp");
+}
+
 int main(void) {
     etd_device *device = new_device(1);
+    reading(device);
     further_sets(device);
     vertex_colors(device);
     patterns(device);

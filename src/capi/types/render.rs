@@ -272,7 +272,7 @@ pub struct etd_render_options {
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_phase {
-    /// The scene is being built, or a light map is being laid out.
+    /// The scene is being read or built, or a light map is being laid out.
     ETD_PHASE_BUILD = 0,
     /// Samples are being taken.
     ETD_PHASE_RENDER = 1,
@@ -283,8 +283,8 @@ pub enum etd_phase {
 /// A progress callback. It returns 0 to continue, and anything else to cancel.
 ///
 /// It is called about ten times a second and after each pass, and never from two threads at the same time for the same work.
-/// `etd_render` and the calls that make and bake light maps call it on the calling thread, tasks on their own thread, and builds
-/// of a scene on one of the building threads. It must not unwind. It may map and copy the film, and must not wait for the work
+/// `etd_render` and the calls that make and bake light maps call it on the calling thread, tasks on their own thread, reading and
+/// builds of a scene on one of the reading or building threads. It must not unwind. It may map and copy the film, and must not wait for the work
 /// that called it.
 pub type etd_progress_fn = Option<unsafe extern "C" fn(user_data: *mut c_void, progress: *const etd_progress) -> i32>;
 

@@ -7,6 +7,7 @@ use super::material::etd_principled;
 use super::numbers::{
     EtdBsdf, EtdCameraType, EtdDistribution, EtdFovAxis, EtdMasking, EtdPositionFormat, EtdSharing, EtdUsage,
 };
+use super::render::etd_progress_fn;
 pub use {etd_bsdf::*, etd_camera_type::*, etd_fov_axis::*, etd_position_format::*, etd_sharing::*, etd_usage::*};
 
 /// How the geometry of a scene is stored.
@@ -35,6 +36,11 @@ pub struct etd_scene_options {
     pub base_dir: *const c_char,
     /// A parameter file of the report's renderer that overrides the scene's own settings; NULL: none.
     pub params_file: *const c_char,
+    /// Progress callback of the calls that read a scene; may be NULL. It receives the fraction of the images' bytes that are decoded,
+    /// on one of the reading threads, and cancels the reading if it returns anything but 0.
+    pub progress: etd_progress_fn,
+    /// Passed to the callback.
+    pub user_data: *mut c_void,
 }
 
 /// The projection of a camera.

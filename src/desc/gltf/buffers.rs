@@ -1,7 +1,8 @@
 //! Buffers and the bytes of buffer views: from the binary chunk, data URIs and files beside the document.
 
 use std::cell::OnceCell;
-use std::io::Read;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use base64::Engine;
@@ -99,15 +100,15 @@ impl<'a> Buffers<'a> {
         let at_uri = format!("{at}.uri");
         let mut bytes = match self.uri(&at_uri, uri)? {
             Uri::Data(bytes) => bytes,
-            Uri::File(file) => self.file(&at_uri, &file, Some(buffer.byte_length))?,
+            Uri::File(file) => self.file(&at_uri, &file, buffer.byte_length)?,
         };
         let length = usize::try_from(buffer.byte_length).ok().filter(|length| *length <= bytes.len());
         bytes.truncate(length.ok_or_else(|| short(bytes.len()))?);
         Ok(self.loaded[number].get_or_init(|| bytes))
     }
 
-    /// Reads a file beside the document, `length` bytes of it or all.
-    pub fn file(&self, path: &str, file: &Path, length: Option<u64>) -> Result<Vec<u8>> {
+    /// Opens a file beside the document, to read `length` bytes of it or all.
+    pub fn open(&self, path: &str, file: &Path, length: Option<u64>) -> Result<io::Take<File>> {
         let left = self.bytes_left.get();
         let named = |error: Error| error.at(path);
         let handle = open(file, u64::MAX).map_err(named)?;
@@ -118,13 +119,17 @@ impl<'a> Buffers<'a> {
             return Err(Error::invalid(path, message));
         }
         self.bytes_left.set(left - wanted);
-        let mut bytes = Vec::new();
-        let read = handle.take(wanted).read_to_end(&mut bytes);
-        read.map_err(|error| named(Error::io(file, "cannot read the file", error)))?;
         let mut files = self.files.borrow_mut();
         if !files.iter().any(|known| known == file) {
             files.push(file.to_owned());
         }
+        Ok(handle.take(wanted))
+    }
+
+    fn file(&self, path: &str, file: &Path, length: u64) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let read = self.open(path, file, Some(length))?.read_to_end(&mut bytes);
+        read.map_err(|error| Error::io(file, "cannot read the file", error).at(path))?;
         Ok(bytes)
     }
 

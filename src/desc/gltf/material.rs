@@ -15,6 +15,7 @@ use super::material_extensions::{
 };
 use super::mesh::COLOR;
 use super::texture::{self, Slot, Textures};
+use crate::control::WorkProgress;
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
@@ -126,20 +127,34 @@ impl Notes {
 }
 
 /// Adds all materials of a document.
-pub(super) fn add(document: &Document<'_>, buffers: &Buffers<'_>, scene: &mut SceneDesc) -> Result<Materials> {
-    let mut reader = Reader { document, textures: Textures::new(document, buffers), notes: Notes::default() };
+pub(super) fn add(
+    document: &Document<'_>,
+    buffers: &Buffers<'_>,
+    scene: &mut SceneDesc,
+    work: &WorkProgress<'_>,
+) -> Result<Materials> {
     let colored = colored_materials(document);
-    let (mut numbers, mut uv_sets) = (Vec::with_capacity(document.materials.len()), HashMap::new());
-    for (i, material) in document.materials.iter().enumerate() {
-        let colors = colored.get(&Some(i as u64));
-        reader.textures.vertex_colors = colors.is_some();
-        reader.textures.vertex_opacity = colors == Some(&Alpha(true));
-        let number = reader.add(&format!("materials[{i}]"), material, scene)?;
-        numbers.push(number);
-        let sets = std::mem::take(&mut reader.textures.uv_sets);
-        uv_sets.extend(Some((number, sets)).filter(|(_, sets)| !sets.is_empty()));
+    let read = |textures, scene: &mut SceneDesc| {
+        let mut reader = Reader { document, textures, notes: Notes::default() };
+        let (mut numbers, mut uv_sets) = (Vec::with_capacity(document.materials.len()), HashMap::new());
+        for (i, material) in document.materials.iter().enumerate() {
+            let colors = colored.get(&Some(i as u64));
+            reader.textures.vertex_colors = colors.is_some();
+            reader.textures.vertex_opacity = colors == Some(&Alpha(true));
+            let number = reader.add(&format!("materials[{i}]"), material, scene)?;
+            numbers.push(number);
+            let sets = std::mem::take(&mut reader.textures.uv_sets);
+            uv_sets.extend(Some((number, sets)).filter(|(_, sets)| !sets.is_empty()));
+        }
+        Ok((reader, numbers, uv_sets))
+    };
+    let mut textures = Textures::new(document, buffers);
+    if !document.images.is_empty() {
+        // The materials are read twice: which images they use must be known, so that these are decoded together.
+        let (reader, ..) = read(textures, &mut SceneDesc::default())?;
+        textures = reader.textures.with_images(work)?;
     }
-    let Reader { textures, notes, .. } = reader;
+    let (Reader { textures, notes, .. }, numbers, uv_sets) = read(textures, scene)?;
     let default_has_colors = colored.contains_key(&None);
     Ok(Materials { numbers, default: None, default_has_colors, uv_sets, left_out: textures.warnings(), notes })
 }

@@ -28,6 +28,7 @@ use std::path::Path;
 
 use super::json::{did_you_mean, elided, line_of};
 use super::{LoadOptions, SceneDesc, framing};
+use crate::control::WorkProgress;
 use crate::{Error, ErrorKind, Result};
 
 use accessor::Accessors;
@@ -43,19 +44,25 @@ pub(super) fn is_named(path: &Path) -> bool {
 }
 
 /// Reads a file.
-pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<SceneDesc> {
+pub(super) fn load(path: &Path, options: &LoadOptions, work: &WorkProgress<'_>) -> Result<SceneDesc> {
     let mut bytes = Vec::new();
     super::file::open(path, SIZE_LIMIT)?
         .take(SIZE_LIMIT)
         .read_to_end(&mut bytes)
         .map_err(|error| Error::io(path, "cannot read the file", error))?;
-    parse(&bytes, path.parent().unwrap_or(Path::new("")), Some(path), options)
+    parse(&bytes, path.parent().unwrap_or(Path::new("")), Some(path), options, work)
 }
 
 /// Reads the bytes of a file. Files that it names are beside it in `base_dir`; `file` is for messages.
-pub(super) fn parse(bytes: &[u8], base_dir: &Path, file: Option<&Path>, options: &LoadOptions) -> Result<SceneDesc> {
+pub(super) fn parse(
+    bytes: &[u8],
+    base_dir: &Path,
+    file: Option<&Path>,
+    options: &LoadOptions,
+    work: &WorkProgress<'_>,
+) -> Result<SceneDesc> {
     let container = container::open(bytes).map_err(|error| error.in_file(file, 0))?;
-    scene(&container, base_dir, file, options).map_err(|error| {
+    scene(&container, base_dir, file, options, work).map_err(|error| {
         let path = elided(&error.location().json_path);
         let line = match error.location().line {
             0 if container.is_text => line_of(container.text, &path),
@@ -70,6 +77,7 @@ fn scene(
     base_dir: &Path,
     file: Option<&Path>,
     options: &LoadOptions,
+    work: &WorkProgress<'_>,
 ) -> Result<SceneDesc> {
     let document = &document::read(container.text)?;
     let mut scene = SceneDesc { file: file.map(Path::to_owned), ..SceneDesc::default() };
@@ -87,7 +95,7 @@ fn scene(
             None => animation::Pose::default(),
         };
         let nodes = nodes::place(document, &pose, &mut scene.warnings)?;
-        let materials = material::add(document, &buffers, &mut scene)?;
+        let materials = material::add(document, &buffers, &mut scene, work)?;
         surfaces::add(document, &accessors, &nodes, &pose, materials, &mut scene)?;
         light::add(document, &nodes, &mut scene)?;
         if scene.surfaces.is_empty() {

@@ -1,6 +1,6 @@
 //! Where materials name textures: the image, how it is repeated and transformed, and which parameter it changes.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 use serde::Deserialize;
@@ -12,8 +12,9 @@ use super::super::{
 };
 use super::buffers::{Buffers, Uri};
 use super::document::{Document, TextureInfo, element};
-use crate::texture::{ColorSpace, TexelImage, TextureFilter, Wrap, read_image_bytes};
-use crate::{Error, Result};
+use crate::control::WorkProgress;
+use crate::texture::{ColorSpace, ImageSource, ReadingTogether, TexelImage, TextureFilter, Wrap, read_images};
+use crate::{Error, ErrorKind, Result};
 
 /// Most texels of all images of a document.
 const TEXELS_LIMIT: u64 = 1 << 30;
@@ -177,13 +178,34 @@ impl TextureUse {
 /// An image that was read, and what its format says of its colours.
 type Read = (Arc<TexelImage>, ColorSpace);
 
+/// Where the bytes of an image are.
+fn source<'a>(document: &'a Document<'a>, buffers: &'a Buffers<'a>, number: usize) -> Result<ImageSource<'a>> {
+    let path = format!("images[{number}]");
+    let image = &document.images[number];
+    Ok(match (image.uri, image.buffer_view) {
+        (Some(uri), _) => {
+            let path = format!("{path}.uri");
+            match buffers.uri(&path, uri)? {
+                Uri::Data(bytes) => ImageSource::Bytes(bytes.into(), None),
+                Uri::File(file) => {
+                    buffers.open(&path, &file, None)?;
+                    ImageSource::File(file.into())
+                }
+            }
+        }
+        (None, Some(view)) => ImageSource::Bytes(buffers.view(&format!("{path}.bufferView"), view)?.0.into(), None),
+        (None, None) => return Err(super::document::missing(&path, "uri")),
+    })
+}
+
 /// The textures of a document's materials.
 pub(super) struct Textures<'a> {
     document: &'a Document<'a>,
     buffers: &'a Buffers<'a>,
+    /// The images that materials ask for, as long as these are not read.
+    wanted: Option<BTreeSet<usize>>,
     /// The images that were read; `None` for those that cannot be.
     images: HashMap<usize, Option<Read>>,
-    texels_left: u64,
     /// The textures of the scene, which are put into it before the materials that have them.
     made: Vec<TextureDesc>,
     put: usize,
@@ -200,12 +222,13 @@ pub(super) struct Textures<'a> {
 }
 
 impl<'a> Textures<'a> {
+    /// Textures whose images are not read: what asks for them is noted for [`Self::with_images`].
     pub fn new(document: &'a Document<'a>, buffers: &'a Buffers<'a>) -> Self {
         Self {
             document,
             buffers,
+            wanted: Some(BTreeSet::new()),
             images: HashMap::new(),
-            texels_left: TEXELS_LIMIT,
             made: Vec::new(),
             put: 0,
             bindings: Vec::new(),
@@ -307,46 +330,49 @@ impl<'a> Textures<'a> {
         Ok(())
     }
 
-    /// The texels of an image, which is read once.
+    /// The texels of an image.
     fn image(&mut self, number: usize) -> Option<Read> {
-        if let Some(known) = self.images.get(&number) {
-            return known.clone();
+        if let Some(wanted) = &mut self.wanted {
+            wanted.insert(number);
         }
-        let read = match self.read_image(number) {
-            Ok(read) => Some(read),
-            Err(error) => {
-                self.unread.push(elided(&error.to_string()));
-                None
-            }
-        };
-        self.images.insert(number, read.clone());
-        read
+        self.images.get(&number).cloned().flatten()
     }
 
-    fn read_image(&mut self, number: usize) -> Result<Read> {
-        let path = format!("images[{number}]");
-        let (document, buffers) = (self.document, self.buffers);
-        let image = &document.images[number];
-        let (image, space) = match (image.uri, image.buffer_view) {
-            (Some(uri), _) => {
-                let path = format!("{path}.uri");
-                match buffers.uri(&path, uri)? {
-                    Uri::Data(bytes) => read_image_bytes(&bytes, None),
-                    Uri::File(file) => {
-                        let extension = file.extension().and_then(|it| it.to_str());
-                        read_image_bytes(&buffers.file(&path, &file, None)?, extension)
-                    }
+    /// Reads the images that were asked for, several at a time, and forgets all else.
+    pub fn with_images(self, work: &WorkProgress<'_>) -> Result<Self> {
+        let mut with = Self { wanted: None, ..Self::new(self.document, self.buffers) };
+        let (mut numbers, mut sources) = (Vec::new(), Vec::new());
+        for number in self.wanted.unwrap_or_default() {
+            match self.document.images.get(number).map(|_| source(self.document, self.buffers, number)) {
+                Some(Ok(source)) => {
+                    numbers.push(number);
+                    sources.push(source);
                 }
+                Some(Err(error)) => with.unread.push(elided(&error.to_string())),
+                None => {}
             }
-            (None, Some(view)) => read_image_bytes(buffers.view(&format!("{path}.bufferView"), view)?.0, None),
-            (None, None) => return Err(super::document::missing(&path, "uri")),
         }
-        .map_err(|error| error.at(&path))?;
-        let texels = u64::from(image.width()) * u64::from(image.height());
-        self.texels_left = self.texels_left.checked_sub(texels).ok_or_else(|| {
-            Error::invalid(&path, format!("the images are too large, expected {TEXELS_LIMIT} texels of all at most"))
-        })?;
-        Ok((Arc::new(image), space))
+        let how = ReadingTogether { most_texels: TEXELS_LIMIT, stops_at_error: false };
+        let mut texels_left = TEXELS_LIMIT;
+        for ((number, source), read) in numbers.into_iter().zip(&sources).zip(read_images(&sources, how, work)?) {
+            let path = format!("images[{number}]");
+            // What was not begun is past the limit, or beside an image that is.
+            let read = read.unwrap_or_else(|| source.read(work)).and_then(|(image, space)| {
+                let texels = u64::from(image.width()) * u64::from(image.height());
+                texels_left = texels_left.checked_sub(texels).ok_or_else(|| {
+                    let message = format!("the images are too large, expected {TEXELS_LIMIT} texels of all at most");
+                    Error::new(ErrorKind::InvalidScene, message)
+                })?;
+                Ok((Arc::new(image), space))
+            });
+            match read {
+                Ok(read) => {
+                    with.images.insert(number, Some(read));
+                }
+                Err(error) => with.unread.push(elided(&error.at(path).to_string())),
+            }
+        }
+        Ok(with)
     }
 
     fn leave_out(&mut self, why: &'static str, path: String) {

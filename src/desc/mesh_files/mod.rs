@@ -21,6 +21,7 @@ use std::path::Path;
 use super::MeshDesc;
 use super::file::open;
 use super::warnings::warn;
+use crate::control::WorkProgress;
 use crate::spectrum::srgb_decode;
 use crate::{Error, Result};
 
@@ -115,10 +116,15 @@ fn opened<'a>(path: &'a Path, json_path: &'a str) -> Result<(Source<'a>, MeshFor
 }
 
 /// Reads the file at `path` and the material libraries that it names, with a part for each material that a face has.
-pub(super) fn load_parts(path: &Path, json_path: &str, warnings: &mut Vec<String>) -> Result<Parts> {
+pub(super) fn load_parts(
+    path: &Path,
+    json_path: &str,
+    warnings: &mut Vec<String>,
+    work: &WorkProgress<'_>,
+) -> Result<Parts> {
     let (source, format) = opened(path, json_path)?;
     let other = match format {
-        MeshFormat::Obj => return obj_parts::load(source, warnings),
+        MeshFormat::Obj => return obj_parts::load(source, warnings, work),
         MeshFormat::Ply => "PLY",
         MeshFormat::Stl => "STL",
     };

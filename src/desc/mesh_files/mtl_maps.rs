@@ -2,20 +2,23 @@
 //!
 //! An image that is missing or cannot be read is left out with a warning, as files often come along without theirs.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::mtl::{Source, keyword};
 use super::{Place, is_number};
 use crate::Result;
+use crate::control::WorkProgress;
 use crate::desc::builder::identity;
 use crate::desc::json::elided;
 use crate::desc::{
     BsdfDesc, ImageTextureDesc, MaterialDesc, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,
     TextureSource, texture_check,
 };
-use crate::texture::{ColorSpace, TexelImage, TextureFilter, Wrap, read_image};
+use crate::texture::{
+    ColorSpace, ImageSource, ReadImage, ReadingTogether, TexelImage, TextureFilter, Wrap, read_image, read_images,
+};
 
 /// Most texels of all images of a file.
 const TEXEL_LIMIT: u64 = 1 << 30;
@@ -284,6 +287,8 @@ pub(super) struct Maps<'a> {
     place: Place<'a>,
     /// Images that were read; `None` for those that cannot be.
     images: HashMap<PathBuf, Option<Read>>,
+    /// Images that were decoded before a map asked for them.
+    ahead: HashMap<PathBuf, ReadImage>,
     texels_left: u64,
     /// What was made, named by its number in bindings.
     pub textures: Vec<TextureDesc>,
@@ -302,7 +307,20 @@ pub(super) struct Ground {
 
 impl<'a> Maps<'a> {
     pub fn new(place: Place<'a>) -> Self {
-        Self { place, images: HashMap::new(), texels_left: TEXEL_LIMIT, textures: Vec::new(), files: Vec::new() }
+        let (images, ahead) = (HashMap::new(), HashMap::new());
+        Self { place, images, ahead, texels_left: TEXEL_LIMIT, textures: Vec::new(), files: Vec::new() }
+    }
+
+    /// Decodes the images of these maps, several at a time, for [`Self::bind`].
+    pub fn read_ahead<'m>(&mut self, maps: impl Iterator<Item = &'m Map>, work: &WorkProgress<'_>) -> Result<()> {
+        let mut known = HashSet::new();
+        let mut files: Vec<_> = maps.filter_map(Map::file).map(|file| identity(&file)).collect();
+        files.retain(|file| known.insert(file.clone()));
+        let sources: Vec<_> = files.iter().map(|file| ImageSource::File(file.into())).collect();
+        let how = ReadingTogether { most_texels: TEXEL_LIMIT, stops_at_error: false };
+        let read = read_images(&sources, how, work)?;
+        self.ahead = files.into_iter().zip(read).filter_map(|(file, read)| Some((file, read?.ok()?))).collect();
+        Ok(())
     }
 
     /// Puts maps on a material, which follows the materials that it consists of.
@@ -430,18 +448,20 @@ impl<'a> Maps<'a> {
         if let Some(known) = self.images.get(&identity) {
             return known.clone().ok_or_else(|| "is not read, as said before".to_owned());
         }
-        let read = read_image(&file).map_err(|error| format!("cannot be read: {}", error.message())).and_then(
-            |(image, space)| {
-                let texels = u64::from(image.width()) * u64::from(image.height());
-                match self.texels_left.checked_sub(texels) {
-                    Some(left) => self.texels_left = left,
-                    None => {
-                        return Err(format!("is too much: the images of the file have more than {TEXEL_LIMIT} texels"));
-                    }
+        let read = match self.ahead.remove(&identity) {
+            Some(read) => Ok(read),
+            None => read_image(&file),
+        };
+        let read = read.map_err(|error| format!("cannot be read: {}", error.message())).and_then(|(image, space)| {
+            let texels = u64::from(image.width()) * u64::from(image.height());
+            match self.texels_left.checked_sub(texels) {
+                Some(left) => self.texels_left = left,
+                None => {
+                    return Err(format!("is too much: the images of the file have more than {TEXEL_LIMIT} texels"));
                 }
-                Ok((Arc::new(image), space))
-            },
-        );
+            }
+            Ok((Arc::new(image), space))
+        });
         self.images.insert(identity, read.as_ref().ok().cloned());
         self.files.extend(read.is_ok().then_some(file));
         read

@@ -10,6 +10,7 @@ use std::path::Path;
 use super::mtl::{Library, keyword, settle_opacity};
 use super::mtl_maps::{Ground, Maps};
 use super::{Place, Source, obj};
+use crate::control::WorkProgress;
 use crate::desc::json::{did_you_mean, elided};
 use crate::desc::warnings::warn;
 use crate::desc::{BsdfDesc, MaterialDesc, MeshDesc, TextureDesc};
@@ -144,7 +145,7 @@ impl MaterialUses {
 
 /// Reads the file and the material libraries that it names, with a part for each material that a face has, in the order of their
 /// first faces.
-pub(super) fn load(source: Source<'_>, warnings: &mut Vec<String>) -> Result<Parts> {
+pub(super) fn load(source: Source<'_>, warnings: &mut Vec<String>, work: &WorkProgress<'_>) -> Result<Parts> {
     let place = source.place();
     let (path, json_path) = (place.path, place.json_path);
     let mut noted = Vec::new();
@@ -164,6 +165,10 @@ pub(super) fn load(source: Source<'_>, warnings: &mut Vec<String>) -> Result<Par
     let mut split = Splitter { vertices: vec![u32::MAX; mesh.positions.len()], mesh: &mesh };
     let (mut parts, mut first) = (Vec::with_capacity(numbered.len()), 0);
     let mut maps = Maps::new(place);
+    if !mesh.uvs.is_empty() {
+        let used = numbered.iter().filter_map(|((name, _), _)| library.find(name));
+        maps.read_ahead(used.flat_map(|entry| entry.maps()), work)?;
+    }
     let bounds = mesh.bounds();
     let diagonal = (bounds.max - bounds.min).length();
     for ((name, line), runs) in numbered {
