@@ -5,7 +5,7 @@ mod common;
 mod file;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use common::scenes::render_scene;
 use etendue::ErrorKind;
@@ -902,6 +902,29 @@ fn textures_vary_what_the_specification_says() {
         assert!(said.contains("not drawn: ") && said.contains(left_out), "{said}");
     }
     Scene::build(&scene, &BuildOptions::default()).expect("a scene");
+}
+
+/// The images that materials use are read with progress, which may stop it; others are not read.
+#[test]
+fn images_are_read_with_progress() {
+    let material = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "normalTexture": {"index": 1}});
+    let mut file = textured(&UPRIGHT, &material);
+    for uri in [json!("missing.png"), json!({"never": "read"})] {
+        let number = file.push("images", json!({"uri": uri}));
+        file.push("textures", json!({"source": number}));
+    }
+    let seen = Arc::new(Mutex::new(Vec::new()));
+    let list = Arc::clone(&seen);
+    let progress = move |fraction: f64| list.lock().unwrap().push(fraction);
+    let options = LoadOptions { progress: Some(Arc::new(progress)), ..LoadOptions::default() };
+    let scene = file.load_with(&options).unwrap();
+    assert_eq!(scene.textures.len(), 1);
+    let said = scene.warnings.join("\n");
+    assert!(said.contains("missing.png: images[1].uri: cannot open") && !said.contains("images[2]"), "{said}");
+    assert_eq!(seen.lock().unwrap().last(), Some(&1.0));
+    options.cancel.cancel();
+    let error = file.load_with(&options).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Cancelled);
 }
 
 /// Textures of one material may lie by different sets of coordinates.

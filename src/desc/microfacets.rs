@@ -79,6 +79,22 @@ impl MicrofacetsDesc {
         let along = alpha * (2.0 / (1.0 + narrower * narrower)).sqrt();
         [along, narrower * along]
     }
+
+    /// Facets that lean by these and by further slopes of this variance along any direction, `round` to the nearest of some values;
+    /// smooth surfaces stay smooth.
+    ///
+    /// The squares of the widths grow by twice the variance. This is exact for Beckmann's facets and normally distributed slopes,
+    /// whose sums are such slopes again (Olano and Baker 2010, "LEAN Mapping"). GGX has slopes without a variance, and the same is
+    /// an approximation.
+    pub(crate) fn widened(self, variance: f32, round: impl Fn(f32) -> f32) -> Self {
+        if self.are_smooth() {
+            return self;
+        }
+        let [along, across] = self.alphas().map(|alpha| alpha * alpha + 2.0 * variance);
+        let roughness = (0.5 * (along + across)).powf(0.25);
+        let anisotropy = 1.0 - (across / along).sqrt();
+        Self { roughness: round(roughness.min(1.0)), anisotropy: round(anisotropy.max(0.0)), ..self }
+    }
 }
 
 /// What the facets of a metal reflect.
@@ -173,6 +189,23 @@ impl Metal {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn slopes_widen_facets_by_twice_their_variance() {
+        for (roughness, anisotropy, variance) in [(0.5, 0.0, 0.01), (0.3, 0.8, 0.002), (0.9, 0.5, 0.0), (0.1, 0.2, 0.4)]
+        {
+            let before = MicrofacetsDesc { anisotropy, ..MicrofacetsDesc::rough(roughness) };
+            let widened = before.widened(variance, |x| x).alphas();
+            for (after, before) in widened.into_iter().zip(before.alphas()) {
+                let expected = (before * before + 2.0 * variance).sqrt();
+                assert!((after - expected).abs() < 1e-5, "{after}, not {expected}");
+            }
+        }
+        assert_eq!(MicrofacetsDesc::rough(0.0).widened(0.1, |x| x), MicrofacetsDesc::rough(0.0));
+        assert_eq!(MicrofacetsDesc::rough(0.9).widened(5.0, |x| x).roughness, 1.0);
+        let quarters = |x: f32| (4.0 * x).round() / 4.0;
+        assert_eq!(MicrofacetsDesc::rough(0.5).widened(0.02, quarters).roughness, 0.5);
+    }
 
     #[test]
     fn roughness_is_squared_once() {

@@ -304,6 +304,11 @@ impl TextureKey {
         )
     }
 
+    /// Whether it is the roughness of facets, which slopes that a filter averages widen.
+    pub(crate) fn is_width(self) -> bool {
+        matches!(self, Self::Roughness | Self::SpecularRoughness | Self::CoatRoughness)
+    }
+
     /// Whether tables of rough surfaces depend on it: these are made for rounded values.
     pub(crate) fn is_of_tables(self) -> bool {
         matches!(
@@ -381,6 +386,41 @@ impl BsdfDesc {
             (Self::Mix { weight, .. }, TextureKey::Weight) => Some(Number(weight, SHARE)),
             (Self::Principled(desc), key) => desc.parameter(key),
             _ => None,
+        }
+    }
+
+    /// Number of facets of this model: those that [`Self::widen`] changes.
+    pub(crate) fn widths(&self) -> usize {
+        let mut count = 0;
+        let mut desc = *self;
+        desc.each_facets(|facets| {
+            count += usize::from(!facets.are_smooth());
+            facets
+        });
+        count
+    }
+
+    /// Widens the facets of this model by slopes of this variance, each number of them `round` to the nearest of some values
+    /// ([`MicrofacetsDesc::widened`]).
+    pub(crate) fn widen(&mut self, variance: f32, round: impl Fn(f32) -> f32) {
+        self.each_facets(|facets| facets.widened(variance, &round));
+    }
+
+    fn each_facets(&mut self, mut change: impl FnMut(MicrofacetsDesc) -> MicrofacetsDesc) {
+        match self {
+            Self::Conductor { microfacets, .. }
+            | Self::RoughDielectric { microfacets, .. }
+            | Self::ThinDielectric { microfacets, .. }
+            | Self::CoatedDiffuse { microfacets, .. } => *microfacets = change(*microfacets),
+            Self::Principled(it) => {
+                let specular = change(it.specular_facets());
+                (it.specular_roughness, it.specular_roughness_anisotropy) = (specular.roughness, specular.anisotropy);
+                if it.coat_weight > 0.0 {
+                    let coat = change(it.coat_facets());
+                    (it.coat_roughness, it.coat_roughness_anisotropy) = (coat.roughness, coat.anisotropy);
+                }
+            }
+            _ => {}
         }
     }
 

@@ -36,6 +36,7 @@ mod options;
 mod prepared_textures;
 mod projection;
 mod record;
+mod relief;
 mod roulette;
 mod specular;
 mod tangents;

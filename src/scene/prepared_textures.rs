@@ -5,17 +5,28 @@ use std::sync::Arc;
 use crate::desc::{ImageTextureDesc, MaterialDesc, SceneDesc, TextureDesc, TextureKey, TextureSource};
 use crate::embree::{Charge, Device};
 use crate::error::Result;
-use crate::texture::{ColorSpace, ImageTexture, Texel, Texture, WHITE};
+use crate::texture::{ColorSpace, ImageTexture, SlopesOf, Texel, Texture, WHITE};
 
 /// A texture as it was prepared, for scenes that are built from the same description again.
 #[derive(Clone, Debug)]
 pub(super) struct PreparedTexture {
     desc: Arc<TextureDesc>,
     space: ColorSpace,
+    slopes: Option<SlopesOf>,
     texture: Arc<Texture>,
     /// What the texture takes of the device's allowance, and what its image takes, which other textures may share.
     _levels: Option<Arc<Charge>>,
     image: Option<Arc<Charge>>,
+}
+
+/// What a material reads of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reads {
+    Color,
+    /// Numbers that are no colour.
+    Numbers,
+    /// Slopes of a surface and their squares, which the texture's filter averages.
+    Slopes(SlopesOf),
 }
 
 /// The textures that materials of a scene use.
@@ -65,28 +76,29 @@ impl PreparedTextures {
     ) -> Result<()> {
         let binding = material.textured(TextureKey::Emission);
         let Some(texture) = binding.and_then(|binding| desc.textures.get(binding.texture)) else { return Ok(()) };
-        self.get(texture, true, before, device).map(|_| ())
+        self.get(texture, Reads::Color, before, device).map(|_| ())
     }
 
     /// The texture for this use, prepared or taken from `before`. Its bytes are charged to the allowance of `device`.
     pub fn get(
         &mut self,
         desc: &Arc<TextureDesc>,
-        is_color: bool,
+        reads: Reads,
         before: Option<&Self>,
         device: &Device,
     ) -> Result<Arc<Texture>> {
+        let slopes = if let Reads::Slopes(of) = reads { Some(of) } else { None };
         let space = match &desc.source {
-            TextureSource::Image(image) => color_space(image, is_color),
+            TextureSource::Image(image) => color_space(image, reads == Reads::Color),
             TextureSource::Procedural(_) | TextureSource::White => ColorSpace::Linear,
         };
-        let same = |it: &&PreparedTexture| it.space == space && it.desc.source == desc.source;
+        let same = |it: &&PreparedTexture| it.space == space && it.slopes == slopes && it.desc.source == desc.source;
         if let Some(known) = self.all.iter().find(same) {
             return Ok(Arc::clone(&known.texture));
         }
         let prepared = match before.and_then(|before| before.all.iter().find(same)) {
             Some(known) => PreparedTexture { desc: Arc::clone(desc), ..known.clone() },
-            None => self.prepare(desc, space, before, device).map_err(|error| error.at(&desc.path))?,
+            None => self.prepare(desc, space, slopes, before, device).map_err(|error| error.at(&desc.path))?,
         };
         let texture = Arc::clone(&prepared.texture);
         self.all.push(prepared);
@@ -97,6 +109,7 @@ impl PreparedTextures {
         &self,
         desc: &Arc<TextureDesc>,
         space: ColorSpace,
+        slopes: Option<SlopesOf>,
         before: Option<&Self>,
         device: &Device,
     ) -> Result<PreparedTexture> {
@@ -112,15 +125,25 @@ impl PreparedTextures {
                     Some(other) => other.image.clone(),
                     None => charge(it.image.texels().bytes())?,
                 };
-                let levels = charge(ImageTexture::bytes_of_levels(&it.image, it.filter))?;
-                let image_of = Arc::clone(&it.image);
-                let texture = ImageTexture::by_threads(image_of, space, it.wrap, it.filter, device.threads());
+                let levels = charge(ImageTexture::bytes_of_levels(&it.image, it.filter, slopes.is_some()))?;
+                let (image_of, threads) = (Arc::clone(&it.image), device.threads());
+                let texture = match slopes {
+                    None => ImageTexture::by_threads(image_of, space, it.wrap, it.filter, threads),
+                    Some(of) => ImageTexture::of_slopes(image_of, space, it.wrap, it.filter, of, threads),
+                };
                 (Texture::Image(texture), image, levels)
             }
             TextureSource::Procedural(it) => (Texture::procedural(*it), None, None),
             TextureSource::White => (Texture::White, None, None),
         };
-        Ok(PreparedTexture { desc: Arc::clone(desc), space, texture: Arc::new(texture), image, _levels: levels })
+        Ok(PreparedTexture {
+            desc: Arc::clone(desc),
+            space,
+            slopes,
+            texture: Arc::new(texture),
+            image,
+            _levels: levels,
+        })
     }
 
     /// Each texture and what its numbers mean.

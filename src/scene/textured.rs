@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::material::turned_with_tangents;
-use super::prepared_textures::{PreparedTextures, VertexColors};
+use super::prepared_textures::{PreparedTextures, Reads, VertexColors};
 use super::projection::Coordinates;
+use super::relief::Relief;
 use super::{SurfaceDetail, VaryingMaterial};
 use crate::bsdf::{Black, Bsdf, Lobes, Mix, Model as _, TwoSided};
 use crate::desc::{
@@ -14,7 +15,7 @@ use crate::desc::{
 use crate::embree::Device;
 use crate::math::{DVec3, Vec3};
 use crate::spectrum::Rgb;
-use crate::texture::{Texel, Texture, TexturePoint};
+use crate::texture::{SlopesOf, Texel, Texture, TexturePoint};
 use crate::{Error, Result};
 
 /// The place of a channel in a texel; `None` for the default.
@@ -25,6 +26,17 @@ pub(super) fn channel_of(channel: TextureChannel) -> Option<usize> {
         TextureChannel::Green => Some(1),
         TextureChannel::Blue => Some(2),
         TextureChannel::Alpha => Some(3),
+    }
+}
+
+/// What a filter averages of the texture of a material's normals; `None` where it averages nothing, and for other parameters.
+fn slopes_of(binding: &TextureBinding, source: &TextureSource) -> Option<SlopesOf> {
+    let TextureSource::Image(image) = source else { return None };
+    match binding.key {
+        _ if !image.filter.has_levels() => None,
+        TextureKey::Normal => Some(SlopesOf::Normals),
+        TextureKey::Bump => Some(SlopesOf::Heights(channel_of(binding.channel).unwrap_or(0))),
+        _ => None,
     }
 }
 
@@ -52,7 +64,7 @@ impl Placement {
 
     /// The derivatives of the position by the coordinates of the image, which may be turned and mirrored on the surface, from those
     /// by the coordinates of the surface.
-    fn tangents(&self, [dpdu, dpdv]: [Vec3; 2]) -> [Vec3; 2] {
+    pub fn tangents(&self, [dpdu, dpdv]: [Vec3; 2]) -> [Vec3; 2] {
         let Self::Uv { matrix: [[a, b], [c, d]], .. } = *self else { return [dpdu, dpdv] };
         let determinant = a * d - b * c;
         let tangents = [(d * dpdu - c * dpdv) / determinant, (a * dpdv - b * dpdu) / determinant];
@@ -81,15 +93,15 @@ fn times(a: Texel, b: Texel) -> Texel {
 
 /// A texture bound to a parameter.
 #[derive(Clone, Debug)]
-struct Bound {
-    key: TextureKey,
-    texture: Arc<Texture>,
-    coordinates: Coordinates,
-    placement: Placement,
+pub(super) struct Bound {
+    pub key: TextureKey,
+    pub texture: Arc<Texture>,
+    pub coordinates: Coordinates,
+    pub placement: Placement,
     channel: usize,
     /// Whether the parameter, if it is a colour, takes all channels.
     is_whole: bool,
-    strength: f32,
+    pub strength: f32,
     asks_footprint: bool,
     /// The colours of vertices, by which the texture is multiplied.
     colors: Option<VertexColors>,
@@ -106,7 +118,7 @@ impl Bound {
     }
 
     /// The texel where `at` has the texture's own coordinates.
-    fn texel_at(&self, at: &SurfaceDetail) -> Texel {
+    pub fn texel_at(&self, at: &SurfaceDetail) -> Texel {
         let texel = self.texture.at(&self.placement.point(at, self.asks_footprint));
         if self.colors.is_some() { times(texel, at.vertex_color()) } else { texel }
     }
@@ -122,7 +134,7 @@ impl Bound {
         self.colors.map_or(texel, |colors| times(texel, colors.range[end]))
     }
 
-    fn number(&self, texel: &Texel) -> f32 {
+    pub fn number(&self, texel: &Texel) -> f32 {
         texel[self.channel]
     }
 
@@ -138,17 +150,18 @@ impl Bound {
             }
             Some(Parameter::Number(number, [low, high])) => {
                 let value = *number * self.number(texel);
-                let value = match self.steps {
-                    0.0 => value,
-                    // What is not smooth stays rough.
-                    steps if value > 0.0 => (value * steps).round().max(1.0) / steps,
-                    steps => (value * steps).round() / steps,
-                };
+                let value = if self.steps == 0.0 { value } else { rounded(value, self.steps) };
                 *number = if value.is_nan() { low } else { value.clamp(low, high) };
             }
             None => {}
         }
     }
+}
+
+/// A parameter of tables at the nearest of its steps. What is not smooth stays rough.
+fn rounded(value: f32, steps: f32) -> f32 {
+    let step = (value * steps).round();
+    (if value > 0.0 { step.max(1.0) } else { step }) / steps
 }
 
 /// Steps to which parameters of tables are rounded, by how many of them vary: the product of steps is the number of tables.
@@ -161,6 +174,8 @@ struct Binder<'a> {
     before: Option<&'a PreparedTextures>,
     device: &'a Device,
     centre: DVec3,
+    /// Whether facets are widened by the variance of slopes.
+    widens: bool,
 }
 
 impl Binder<'_> {
@@ -168,14 +183,20 @@ impl Binder<'_> {
         let Some(desc) = self.desc.textures.get(binding.texture) else {
             return Err(Error::invalid(format!("textures[{}]", binding.texture), "there is no such texture"));
         };
-        let texture = self.prepared.get(desc, binding.key.is_color(), self.before, self.device)?;
+        let channel = channel_of(binding.channel);
+        let reads = match slopes_of(binding, &desc.source) {
+            Some(of) => Reads::Slopes(of),
+            None if binding.key.is_color() => Reads::Color,
+            None => Reads::Numbers,
+        };
+        let texture = self.prepared.get(desc, reads, self.before, self.device)?;
         let is_opaque = match &desc.source {
             TextureSource::Image(it) => !it.image.has_opacity(),
             TextureSource::Procedural(_) | TextureSource::White => true,
         };
         let is_opaque = is_opaque && !desc.vertex_colors;
         let is_of_opacity = binding.key == TextureKey::Opacity && !is_opaque;
-        let channel = channel_of(binding.channel).unwrap_or(if is_of_opacity { 3 } else { 0 });
+        let channel = channel.unwrap_or(if is_of_opacity { 3 } else { 0 });
         Ok(Bound {
             key: binding.key,
             asks_footprint: texture.asks_footprint(),
@@ -190,12 +211,17 @@ impl Binder<'_> {
         })
     }
 
-    /// The textures of a material's model.
-    fn of_model(&mut self, material: &MaterialDesc) -> Result<Box<[Bound]>> {
+    /// The textures of a material's model, and the steps to which parameters of tables are rounded.
+    fn of_model(&mut self, material: &MaterialDesc) -> Result<(Box<[Bound]>, f32)> {
         let own = material.textures.iter().filter(|binding| !binding.key.is_of_surface());
-        let tables = own.clone().filter(|binding| binding.key.is_of_tables()).count();
+        let mut tables = own.clone().filter(|binding| binding.key.is_of_tables()).count();
+        if self.widens {
+            let varied = own.clone().filter(|binding| binding.key.is_width()).count();
+            tables += material.bsdf.widths().saturating_sub(varied);
+        }
         let steps = STEPS[tables.clamp(1, STEPS.len()) - 1];
-        own.map(|it| self.bind(it, if it.key.is_of_tables() { steps } else { 0.0 })).collect()
+        let bound = own.map(|it| self.bind(it, if it.key.is_of_tables() { steps } else { 0.0 })).collect::<Result<_>>();
+        Ok((bound?, steps))
     }
 
     /// The recipes of two parts, which come before the whole.
@@ -210,13 +236,18 @@ impl Binder<'_> {
         let (before, rest) = self.desc.materials.split_at(number.min(self.desc.materials.len()));
         let Some(material) = rest.first() else { return Ok(Recipe::Fixed(Box::new(Bsdf::Black(Black)))) };
         Ok(match material.bsdf {
-            _ if !varies(material, before) => Recipe::Fixed(Box::new(Bsdf::of_materials(&material.bsdf, before))),
+            _ if !varies(material, before) && !self.widens => {
+                Recipe::Fixed(Box::new(Bsdf::of_materials(&material.bsdf, before)))
+            }
             BsdfDesc::Mix { materials, .. } => {
                 let parts = self.parts(materials, number)?;
-                Recipe::Mix { desc: material.bsdf, parts, weight: self.of_model(material)? }
+                Recipe::Mix { desc: material.bsdf, parts, weight: self.of_model(material)?.0 }
             }
             BsdfDesc::TwoSided { front, back } => Recipe::TwoSided(self.parts([front, back], number)?),
-            desc => Recipe::Model { desc, bound: self.of_model(material)? },
+            desc => {
+                let (bound, steps) = self.of_model(material)?;
+                Recipe::Model { desc, bound, steps }
+            }
         })
     }
 }
@@ -238,8 +269,8 @@ pub(super) fn varies(material: &MaterialDesc, materials: &[MaterialDesc]) -> boo
 enum Recipe {
     /// The same everywhere.
     Fixed(Box<Bsdf>),
-    /// A model with its parameters.
-    Model { desc: BsdfDesc, bound: Box<[Bound]> },
+    /// A model with its parameters, and the steps to which widened facets are rounded.
+    Model { desc: BsdfDesc, bound: Box<[Bound]>, steps: f32 },
     /// A mixture.
     Mix { desc: BsdfDesc, parts: Box<[Recipe; 2]>, weight: Box<[Bound]> },
     /// A model for each side.
@@ -247,20 +278,28 @@ enum Recipe {
 }
 
 impl Recipe {
-    /// The Bsdf where the textures have the texels that `texel` gives.
-    fn bsdf(&self, texel: &dyn Fn(&Bound) -> Texel) -> Bsdf {
+    /// The Bsdf where the textures have the texels that `texel` gives, and slopes vary so much where a filter has averaged them.
+    fn bsdf(&self, texel: &dyn Fn(&Bound) -> Texel, variance: f32) -> Bsdf {
         match self {
             Self::Fixed(bsdf) => Bsdf::clone(bsdf),
-            Self::Model { desc, bound } => Bsdf::at_point(&applied(desc, bound, texel)),
+            Self::Model { desc, bound, steps } => {
+                let mut desc = applied(desc, bound, texel);
+                if variance > 0.0 {
+                    desc.widen(variance, |width| rounded(width, *steps));
+                }
+                Bsdf::at_point(&desc)
+            }
             Self::Mix { desc, parts, weight } => {
                 let BsdfDesc::Mix { weight, .. } = applied(desc, weight, texel) else { return Bsdf::Black(Black) };
                 match weight {
-                    0.0 => parts[0].bsdf(texel),
-                    1.0 => parts[1].bsdf(texel),
-                    weight => Bsdf::Mix(Mix::new(parts.each_ref().map(|part| part.bsdf(texel)), weight)),
+                    0.0 => parts[0].bsdf(texel, variance),
+                    1.0 => parts[1].bsdf(texel, variance),
+                    weight => Bsdf::Mix(Mix::new(parts.each_ref().map(|part| part.bsdf(texel, variance)), weight)),
                 }
             }
-            Self::TwoSided(faces) => Bsdf::TwoSided(TwoSided::new(faces.each_ref().map(|face| face.bsdf(texel)))),
+            Self::TwoSided(faces) => {
+                Bsdf::TwoSided(TwoSided::new(faces.each_ref().map(|face| face.bsdf(texel, variance))))
+            }
         }
     }
 
@@ -299,7 +338,7 @@ pub(super) struct Textured {
     opacity: Option<Bound>,
     /// The opacity from which a mask is opaque; 0 where there is no mask.
     cutoff: f32,
-    normal: Option<Bound>,
+    normal: Option<Relief>,
     mean: Bsdf,
     extremes: Vec<Bsdf>,
     lobes: Lobes,
@@ -329,19 +368,22 @@ impl Textured {
         if !of_surface && !varies(material, &desc.materials[..number]) {
             return Ok(None);
         }
-        let mut binder = Binder { desc, prepared, before, device, centre };
+        let normal = material.textured(TextureKey::Normal).or_else(|| material.textured(TextureKey::Bump));
+        let slopes = normal.and_then(|binding| slopes_of(binding, &desc.textures.get(binding.texture)?.source));
+        let widens = slopes.is_some();
+        let mut binder = Binder { desc, prepared, before, device, centre, widens };
         let recipe = binder.recipe(number)?;
         let mut surface =
             |binding: Option<&TextureBinding>| binding.map(|binding| binder.bind(binding, 0.0)).transpose();
         let opacity = surface(material.textured(TextureKey::Opacity))?;
         let cutoff = material.textured(TextureKey::Opacity).map_or(0.0, |binding| binding.cutoff);
-        let normal = material.textured(TextureKey::Normal).or_else(|| material.textured(TextureKey::Bump));
-        let normal = surface(normal)?;
-        let mean = recipe.bsdf(&Bound::mean);
+        let normal = surface(normal)?.map(|bound| Relief { bound, has_slopes: widens });
+        let recipe_bsdf = |texel: &dyn Fn(&Bound) -> Texel| recipe.bsdf(texel, 0.0);
+        let mean = recipe_bsdf(&Bound::mean);
         // Each parameter at its smallest and largest while the others are at their means; all together; and those of rough surfaces
         // at their smallest while all others are at either end.
         let mut bound_at = Vec::new();
-        let mut asks_footprint = normal.as_ref().is_some_and(|bound| bound.asks_footprint);
+        let mut asks_footprint = normal.as_ref().is_some_and(|it| it.bound.asks_footprint);
         recipe.each(&mut |bound| {
             bound_at.push(std::ptr::from_ref(bound).addr());
             asks_footprint |= bound.asks_footprint;
@@ -353,11 +395,11 @@ impl Textured {
                 let texel = |bound: &Bound| {
                     if is_it(bound) { bound.end(end) } else { bound.mean() }
                 };
-                extremes.push(recipe.bsdf(&texel));
+                extremes.push(recipe_bsdf(&texel));
             }
-            extremes.push(recipe.bsdf(&|bound| bound.end(end)));
+            extremes.push(recipe_bsdf(&|bound| bound.end(end)));
             let smoothest = |bound: &Bound| bound.end(if bound.key.is_of_tables() { 0 } else { end });
-            extremes.push(recipe.bsdf(&smoothest));
+            extremes.push(recipe_bsdf(&smoothest));
         }
         let lobes = extremes.iter().map(|bsdf| bsdf.lit_lobes()).fold(Lobes::empty(), |all, some| all | some);
         // Footprints are ellipses in the tangents.
@@ -368,7 +410,8 @@ impl Textured {
 
 impl VaryingMaterial for Textured {
     fn bsdf(&self, at: &SurfaceDetail) -> Bsdf {
-        let bsdf = self.recipe.bsdf(&|bound| bound.texel(at));
+        let variance = self.normal.as_ref().map_or(0.0, |it| it.variance(at));
+        let bsdf = self.recipe.bsdf(&|bound| bound.texel(at), variance);
         if bsdf.is_anisotropic() { turned_with_tangents(&bsdf, at) } else { bsdf }
     }
 
@@ -415,70 +458,7 @@ impl VaryingMaterial for Textured {
     }
 
     fn normal(&self, at: &SurfaceDetail) -> Vec3 {
-        let Some(bound) = &self.normal else { return at.ns };
-        let own = bound.coordinates.apply(at);
-        let normal = if bound.key == TextureKey::Normal { mapped(bound, &own) } else { bumped(bound, &own) };
-        normal.try_normalize().filter(|n| n.is_finite() && n.dot(at.ns) > 0.0).unwrap_or(at.ns)
+        let Some(relief) = &self.normal else { return at.ns };
+        relief.normal(at).try_normalize().filter(|n| n.is_finite() && n.dot(at.ns) > 0.0).unwrap_or(at.ns)
     }
-}
-
-/// The normal of a normal map: its x along the tangent, its y to the side to which the second texture coordinate grows.
-fn mapped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
-    let [x, y, z, _] = bound.texel_at(at);
-    let (x, y, z) = (bound.strength * (2.0 * x - 1.0), bound.strength * (2.0 * y - 1.0), 2.0 * z - 1.0);
-    let frame = |along: Vec3, to_side: Vec3| {
-        let tangent = (along - along.dot(at.ns) * at.ns).try_normalize()?;
-        let across = at.ns.cross(tangent);
-        Some([tangent, if across.dot(to_side) < 0.0 { -across } else { across }])
-    };
-    // Directions of the image are turned as the tangent of normal maps is from the derivative of the position.
-    let frames = frame(at.dpdu, at.dpdv).zip(frame(at.map_tangent.unwrap_or(at.dpdu), at.dpdv));
-    let Some(([s, t], [map_s, map_t])) = frames else { return at.ns };
-    let [along, to_side] = bound.placement.tangents([at.dpdu, at.dpdv]).map(|it| it.dot(s) * map_s + it.dot(t) * map_t);
-    let Some([tangent, across]) = frame(along, to_side) else { return at.ns };
-    x * tangent + y * across + z * at.ns
-}
-
-/// The normal of a surface that is raised by a height (Blinn 1978): ns - dh/ds over the two directions of the surface.
-fn bumped(bound: &Bound, at: &SurfaceDetail) -> Vec3 {
-    let Some(s) = (at.dpdu - at.dpdu.dot(at.ns) * at.ns).try_normalize() else { return at.ns };
-    let t = at.ns.cross(s);
-    /// Smallest step, of a coordinate.
-    const FINEST_STEP: f32 = 1.0 / (1 << 18) as f32;
-    // Half a texel.
-    let step = match &*bound.texture {
-        Texture::Image(image) => 0.5 / image.texels_across() as f32,
-        Texture::Procedural(..) | Texture::White => 1e-3,
-    };
-    let height = |at: &SurfaceDetail| bound.number(&bound.texel_at(at));
-    // The step is in texture coordinates, or in lengths for patterns in space.
-    let (along, across) = match bound.placement {
-        Placement::Uv { matrix, .. } => {
-            let size = matrix.iter().flatten().fold(0.0_f32, |most, x| most.max(x.abs())).max(1e-6);
-            let moved = |i: usize| {
-                // Far from 0 single precision knows no smaller steps; the one that was taken counts.
-                let step = (step / size).max(at.uv[i].abs() * FINEST_STEP);
-                let (mut there, mut back) = (*at, *at);
-                there.uv[i] += step;
-                back.uv[i] -= step;
-                bound.strength * (height(&there) - height(&back)) / (there.uv[i] - back.uv[i])
-            };
-            let [hu, hv] = [0, 1].map(moved);
-            // The gradient on the surface: of the two that texture coordinates span.
-            let (u, v) = ([at.dpdu.dot(s), at.dpdu.dot(t)], [at.dpdv.dot(s), at.dpdv.dot(t)]);
-            let determinant = u[0] * v[1] - u[1] * v[0];
-            ((hu * v[1] - hv * u[1]) / determinant, (hv * u[0] - hu * v[0]) / determinant)
-        }
-        Placement::Space { scale, .. } => {
-            let step = step / scale.abs().max_element().max(1e-6) as f32;
-            let step = step.max(at.p.abs().max_element() * FINEST_STEP);
-            let slope = |direction: Vec3| {
-                let there = SurfaceDetail { p: at.p + step * direction, ..*at };
-                let back = SurfaceDetail { p: at.p - step * direction, ..*at };
-                bound.strength * (height(&there) - height(&back)) / (2.0 * step)
-            };
-            (slope(s), slope(t))
-        }
-    };
-    at.ns - along * s - across * t
 }

@@ -5,6 +5,7 @@ use std::sync::{Arc, LazyLock};
 
 use super::pyramid::{Pyramid, wrapped};
 use super::rows::rows;
+use super::slopes::SlopesOf;
 use super::texels::{ColorSpace, TexelImage};
 use super::{Texel, TextureFilter, TexturePoint, Wrap};
 
@@ -28,6 +29,8 @@ pub struct ImageTexture {
     space: ColorSpace,
     wrap: [Wrap; 2],
     filter: TextureFilter,
+    /// What the texels are turned into, for materials that need the slopes of a surface.
+    slopes: Option<SlopesOf>,
     pyramid: Option<Arc<Pyramid>>,
     mean: Texel,
     range: [Texel; 2],
@@ -47,15 +50,34 @@ impl ImageTexture {
         filter: TextureFilter,
         threads: usize,
     ) -> Self {
-        let has_levels = matches!(filter, TextureFilter::Mip | TextureFilter::Ewa);
-        let pyramid = has_levels.then(|| Arc::new(Pyramid::new(&image, space, threads)));
-        let (mean, range) = statistics(&image, space, threads);
-        Self { image, space, wrap, filter, pyramid, mean, range }
+        let pyramid = filter.has_levels().then(|| Arc::new(Pyramid::new(&image, space, threads)));
+        let (mean, range) = statistics(&image, threads, |x, y| image.texel(x, y, space));
+        Self { image, space, wrap, filter, slopes: None, pyramid, mean, range }
     }
 
-    /// Bytes that the levels of an image take with this filter, at most.
-    pub(crate) fn bytes_of_levels(image: &TexelImage, filter: TextureFilter) -> usize {
-        if matches!(filter, TextureFilter::Mip | TextureFilter::Ewa) { Pyramid::bytes_over(image) } else { 0 }
+    /// The slopes that an image says and their squares ([`SlopesOf::at`]), with a filter of levels. Where texels are larger than
+    /// what a pixel covers, the surface between them is smooth: the squares are those of the slopes.
+    pub(crate) fn of_slopes(
+        image: Arc<TexelImage>,
+        space: ColorSpace,
+        wrap: [Wrap; 2],
+        filter: TextureFilter,
+        of: SlopesOf,
+        threads: usize,
+    ) -> Self {
+        let slopes = |x, y| of.at(&image, space, wrap, x, y);
+        let pyramid = Some(Arc::new(Pyramid::of_values(&image, threads, slopes)));
+        let (mean, range) = statistics(&image, threads, slopes);
+        Self { image, space, wrap, filter, slopes: Some(of), pyramid, mean, range }
+    }
+
+    /// Bytes that the levels of an image take with this filter, at most; those of its slopes where `of_slopes`.
+    pub(crate) fn bytes_of_levels(image: &TexelImage, filter: TextureFilter, of_slopes: bool) -> usize {
+        match filter.has_levels() {
+            false => 0,
+            true if of_slopes => Pyramid::bytes_over_values(image),
+            true => Pyramid::bytes_over(image),
+        }
     }
 
     /// How it is filtered.
@@ -126,7 +148,10 @@ impl ImageTexture {
     fn stored(&self, level: usize, x: u32, y: u32) -> Texel {
         match &self.pyramid {
             Some(pyramid) if level > 0 => pyramid.texel(level, x, y),
-            _ => self.image.texel(x, y, self.space),
+            _ => match self.slopes {
+                None => self.image.texel(x, y, self.space),
+                Some(of) => of.at(&self.image, self.space, self.wrap, x, y),
+            },
         }
     }
 
@@ -175,7 +200,11 @@ impl ImageTexture {
             std::array::from_fn(|c| left * a[c] + right * b[c])
         });
         let [upper, lower]: [Texel; 2] = rows;
-        std::array::from_fn(|c| (1.0 - t) * upper[c] + t * lower[c])
+        let value: Texel = std::array::from_fn(|c| (1.0 - t) * upper[c] + t * lower[c]);
+        match self.slopes {
+            Some(_) if level == 0 => [value[0], value[1], value[0] * value[0], value[1] * value[1]],
+            _ => value,
+        }
     }
 
     fn mip(&self, uv: [f32; 2], axes: &[[f32; 2]; 2]) -> Texel {
@@ -329,11 +358,11 @@ fn hashed(uv: [f32; 2], axes: &[[f32; 2]; 2]) -> [f32; 4] {
 }
 
 /// The mean of the texels and the range of each channel.
-fn statistics(image: &TexelImage, space: ColorSpace, threads: usize) -> (Texel, [Texel; 2]) {
+fn statistics(image: &TexelImage, threads: usize, value: impl Fn(u32, u32) -> Texel + Sync) -> (Texel, [Texel; 2]) {
     let row = |y: u32| {
         let (mut sum, mut low, mut high) = ([0.0_f64; 4], [f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
         for x in 0..image.width() {
-            let texel = image.texel(x, y, space);
+            let texel = value(x, y);
             for c in 0..4 {
                 sum[c] += f64::from(texel[c]);
                 low[c] = low[c].min(texel[c]);

@@ -57,6 +57,11 @@ pub enum TextureFilter {
 }
 
 impl TextureFilter {
+    /// Whether the filter reads levels of smaller and smaller images.
+    pub(crate) fn has_levels(self) -> bool {
+        matches!(self, Self::Mip | Self::Ewa)
+    }
+
     /// Whether the filter depends on the footprint of a pixel.
     pub fn asks_footprint(self) -> bool {
         matches!(self, Self::Mip | Self::Ewa | Self::Stochastic)

@@ -16,6 +16,7 @@ mod procedural;
 mod pyramid;
 mod read;
 mod rows;
+mod slopes;
 mod texels;
 mod write;
 
@@ -25,6 +26,7 @@ pub use lookup::{TextureFilter, Wrap};
 pub use procedural::{Pattern, Procedural};
 pub(crate) use read::{ImageSource, ReadImage, ReadingTogether, read_images};
 pub use read::{read_image, read_image_bytes};
+pub(crate) use slopes::{SlopesOf, variances};
 pub use texels::{ColorSpace, TexelFormat, TexelImage, Texels};
 pub(crate) use write::{extension, write_image};
 

@@ -28,35 +28,51 @@ impl Pyramid {
     /// Bytes of the pyramid over an image.
     pub fn bytes_over(image: &TexelImage) -> usize {
         let each = if matches!(image.texels().format(), TexelFormat::U8 | TexelFormat::U16) { 2 } else { 4 };
+        Self::texels_over(image) * image.channels() as usize * each
+    }
+
+    /// Bytes of the pyramid over values of four channels at the texels of an image.
+    pub fn bytes_over_values(image: &TexelImage) -> usize {
+        Self::texels_over(image) * size_of::<Texel>()
+    }
+
+    fn texels_over(image: &TexelImage) -> usize {
         let (mut size, mut texels) = ([image.width() as usize, image.height() as usize], 0);
         while size != [1, 1] {
             size = size.map(|n| n.div_ceil(2));
             texels += size[0] * size[1];
         }
-        texels * image.channels() as usize * each
+        texels
     }
 
     /// The pyramid over an image, made by so many threads.
     pub fn new(image: &TexelImage, space: ColorSpace, threads: usize) -> Self {
         let is_integer = matches!(image.texels().format(), TexelFormat::U8 | TexelFormat::U16);
-        Self::over(image, threads, |x, y| image.texel(x, y, space), |_| true, is_integer)
+        let channels = image.channels() as usize;
+        Self::over(image, channels, threads, |x, y| image.texel(x, y, space), |_| true, is_integer)
+    }
+
+    /// The pyramid over values of four channels at the texels of an image.
+    pub fn of_values(image: &TexelImage, threads: usize, value: impl Fn(u32, u32) -> Texel + Sync) -> Self {
+        Self::over(image, 4, threads, value, |_| true, false)
     }
 
     /// The pyramid over the light of an image: negative values count as 0, means are 0 only where all of their texels are, and levels
     /// of more than `most` columns or rows are left empty.
     pub fn of_light(image: &TexelImage, space: ColorSpace, threads: usize, most: u32) -> Self {
         let light = |x, y| image.texel(x, y, space).map(|value| value.max(0.0));
-        Self::over(image, threads, light, |size| size[0].max(size[1]) <= most, false)
+        let channels = image.channels() as usize;
+        Self::over(image, channels, threads, light, |size| size[0].max(size[1]) <= most, false)
     }
 
     fn over(
         image: &TexelImage,
+        channels: usize,
         threads: usize,
         texel: impl Fn(u32, u32) -> Texel + Sync,
         is_kept: impl Fn([u32; 2]) -> bool,
         as_integers: bool,
     ) -> Self {
-        let channels = image.channels() as usize;
         // The means are taken from unrounded ones: rounding errors do not add up over the levels.
         let mut size = [image.width(), image.height()];
         let stored = |texel: Texel, channel: usize| match (channels, channel) {

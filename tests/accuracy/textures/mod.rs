@@ -4,6 +4,7 @@ mod elements;
 mod emission;
 mod lookups;
 mod projections;
+mod relief;
 mod scenes;
 
 use std::sync::Arc;
@@ -15,7 +16,7 @@ use crate::record::Entry;
 
 pub fn cases() -> Vec<Entry> {
     let scenes = scenes::cases().into_iter().chain(emission::cases()).chain(projections::cases());
-    lookups::cases().into_iter().chain(scenes).chain(elements::cases()).collect()
+    lookups::cases().into_iter().chain(scenes).chain(elements::cases()).chain(relief::cases()).collect()
 }
 
 const FILTERS: [TextureFilter; 5] = [
