@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use super::tracer::{Context, FirstHit, Tracer};
-use crate::bsdf::{Bsdf, Lobes, Model, SpecularLobes, TransportMode};
+use crate::bsdf::{Bsdf, BsdfSample, Lobes, Model, SpecularLobes, TransportMode};
 use crate::emitter::{EmitterSet, Receiver};
 use crate::math::{Frame, HitPoint, Ray, RayCone, Vec3};
 use crate::sampling::Sampler;
@@ -396,16 +396,15 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         let pdf = (!is_specular).then_some(sample.pdf);
         // Errors of the frames would accumulate along a specular path, whereas a diffuse direction is sampled anew.
         let wi = if is_specular { wi.normalize() } else { wi };
-        let ray = self.leave_by(sample.lobe, wi);
+        let ray = self.leave_by(sample.lobe, wi, sample.eta);
         Some(Bounce { ray, weight: sample.weight, pdf, eta: sample.eta })
     }
 
-    /// The ray that leaves into the local direction `wi`; `None` where an interpolated normal would send the ray through the
-    /// face.
+    /// The ray that leaves by a delta lobe; `None` where an interpolated normal would send the ray through the face.
     #[inline]
-    pub fn leave_local(&self, wi: Vec3) -> Option<Ray> {
-        let scene_wi = self.frame.to_world(wi);
-        self.is_consistent(scene_wi, wi).then(|| self.leave(scene_wi.normalize()))
+    pub fn leave_specular(&self, lobe: &BsdfSample<C>) -> Option<Ray> {
+        let wi = self.frame.to_world(lobe.wi);
+        self.is_consistent(wi, lobe.wi).then(|| self.leave_by(lobe.lobe, wi.normalize(), lobe.eta))
     }
 
     /// Whether light samples can contribute at this vertex: whether the Bsdf has lobes that are not delta lobes.
@@ -435,7 +434,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
             return None;
         }
         let f = self.f(local);
-        (f != C::ZERO).then(|| (self.leave_by(self.lobes, wi.normalize()), f * local.z.abs()))
+        (f != C::ZERO).then(|| (self.leave_by(self.lobes, wi.normalize(), 1.0), f * local.z.abs()))
     }
 
     #[inline]
@@ -443,15 +442,26 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         self.surface.point.leave(self.side(wi), wi)
     }
 
-    /// The ray that leaves into the unit direction `wi` of the scene by one of these lobes, with a cone as wide as the lobe.
+    /// The ray that leaves into the unit direction `wi` of the scene by one of these lobes, with a cone as wide as the lobe. `eta` is
+    /// the index of refraction on its side over that on the side of the path before.
     #[inline(always)]
-    fn leave_by(&self, lobes: Lobes, wi: Vec3) -> Ray {
+    fn leave_by(&self, lobes: Lobes, wi: Vec3, eta: f32) -> Ray {
         let mut ray = self.leave(wi);
         if !ray.cone.is_none() {
-            let alpha = if lobes.have_diffuse() { 1.0 } else { self.bsdf.narrowest() };
-            ray.cone = ray.cone.scattered(alpha);
+            ray.cone = self.cone_of(ray.cone, lobes, wi, eta);
         }
         ray
+    }
+
+    #[inline(never)]
+    fn cone_of(&self, cone: RayCone, lobes: Lobes, wi: Vec3, eta: f32) -> RayCone {
+        let alpha = if lobes.have_diffuse() { 1.0 } else { self.bsdf.narrowest() };
+        let SurfaceInteraction { ng, point: HitPoint { curvature, .. }, .. } = self.surface;
+        let outside = ng.dot(self.wo_scene);
+        let curvature = if outside > 0.0 { curvature } else { -curvature };
+        let turned =
+            if outside * ng.dot(wi) > 0.0 { cone.reflected(curvature) } else { cone.refracted(curvature, eta) };
+        turned.scattered(alpha)
     }
 
     /// The geometric normal on the side into which `wi` leaves.

@@ -102,7 +102,7 @@ impl<C: Spectrum> Transport<C> for Whitted {
                 let least = lobes.iter().flatten().map(share).fold(f32::INFINITY, f32::min);
                 if carried * least >= SMALLEST_BRANCH {
                     for lobe in lobes.into_iter().flatten() {
-                        if let Some(ray) = vertex.leave_local(lobe.wi) {
+                        if let Some(ray) = vertex.leave_specular(&lobe) {
                             waiting[count] = Branch {
                                 ray,
                                 throughput: branch.throughput * lobe.weight,

@@ -88,13 +88,16 @@ pub struct HitPoint {
     /// The cone of the ray that met the surface, from this point on. Rays without an end that leave the point take it over:
     /// [`Ray::cone`].
     pub cone: RayCone,
+    /// The mean curvature of the surface [1 / scene unit], positive where it bends away from its outer normal. It is known in scenes
+    /// whose rays have cones, and 0 in others.
+    pub curvature: f32,
 }
 
 impl HitPoint {
     /// A point on a surface at time 0.
     #[inline]
     pub fn new(p: Vec3, error: f32) -> Self {
-        Self { p, error, time: 0.0, cone: RayCone::default() }
+        Self { p, error, time: 0.0, cone: RayCone::default(), curvature: 0.0 }
     }
 
     /// Bound on the error of a point that was computed in double precision and rounded once, along the unit normal `n`.

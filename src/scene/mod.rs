@@ -14,6 +14,7 @@ mod bindings;
 mod build;
 mod cache;
 mod cost;
+mod curvature;
 mod cutout;
 mod describe;
 mod detail;
@@ -234,6 +235,9 @@ impl Scene {
         let mut interaction = self.point_of(hit, ray.time, |shape| shape.point(ray, hit.t));
         if self.needs.footprints {
             interaction.point.cone = ray.cone.after(hit.t * ray.direction.length());
+            if !ray.cone.is_none() {
+                interaction.point.curvature = self.curvature(hit, &interaction);
+            }
         }
         interaction
     }

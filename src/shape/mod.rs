@@ -82,6 +82,15 @@ impl Analytic {
         }
     }
 
+    /// The mean curvature at a point of the surface: positive where it bends away from the outward normal.
+    pub fn mean_curvature(&self, p: DVec3) -> f64 {
+        match self {
+            Self::Sphere(sphere) => 1.0 / sphere.radius,
+            Self::Quadric(quadric) => quadric.mean_curvature(p),
+            Self::Disk(_) => 0.0,
+        }
+    }
+
     /// A bounding box.
     pub fn bounds(&self) -> Bounds {
         match self {

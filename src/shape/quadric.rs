@@ -159,6 +159,21 @@ impl Quadric {
         p.dot(self.a * p) + 2.0 * self.b.dot(p) + self.c
     }
 
+    /// The mean curvature at a point of the scene frame, from gradient and second derivatives of the implicit function there; 0 where
+    /// the gradient vanishes.
+    ///
+    /// Source: Goldman 2005, "Curvature Formulas for Implicit Curves and Surfaces", Eq. 4.2.
+    pub fn mean_curvature(&self, p: DVec3) -> f64 {
+        let matrix = self.to_own.matrix3;
+        let gradient = matrix.transpose() * self.gradient(self.to_own.transform_point3(p));
+        let second = matrix.transpose() * (2.0 * self.a) * matrix;
+        let length = gradient.length();
+        let normal = gradient / length;
+        let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
+        let curvature = (trace - normal.dot(second * normal)) / (2.0 * length);
+        if curvature.is_finite() { curvature } else { 0.0 }
+    }
+
     /// Gradient of the implicit function.
     fn gradient(&self, p: DVec3) -> DVec3 {
         2.0 * (self.a * p + self.b)

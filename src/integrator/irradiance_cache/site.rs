@@ -68,7 +68,7 @@ pub(super) fn first_diffuse_hits(
             let throughput = throughput * lobe.weight.max_element();
             if throughput >= MIN_THROUGHPUT
                 && bounces < MAX_SPECULAR_BOUNCES
-                && let Some(ray) = vertex.leave_local(lobe.wi)
+                && let Some(ray) = vertex.leave_specular(&lobe)
             {
                 let media = vertex.media_beyond(scene, &ray);
                 branches.push((ray, media, throughput, distance, bounces + 1));
