@@ -56,7 +56,7 @@
      1.6f, 1, 0, {1, 1, 1}, 0.5f, 0, 0, 0}
 #define ETD_MESH_INIT \
     {sizeof(etd_mesh), NULL, 0, 0, 0, NULL, 0, 0, NULL, 0, NULL, 0, ETD_POSITION_FLOAT3, ETD_COPY, NULL, NULL, NULL, \
-     NULL, 0, NULL, 0, 0}
+     NULL, 0, NULL, 0, 0, NULL, 0}
 #define ETD_TEXTURE_INIT \
     {sizeof(etd_texture), ETD_TEXTURE_IMAGE, ETD_COLOR_SPACE_BY_USE, NULL, NULL, 0, 0, 0, 0, ETD_TEXEL_UINT8, ETD_COPY, \
      ETD_TEXTURE_FILTER_BILINEAR, NULL, NULL, ETD_WRAP_REPEAT, ETD_WRAP_REPEAT, {{0, 0, 0}, {1, 1, 1}}, 0.1f, 1, 4, \
@@ -2189,6 +2189,15 @@ typedef struct etd_mesh {
      * Bytes from one texture coordinate of a further set to the next; 0: coordinates without gaps.
      */
     size_t further_uv_stride;
+    /**
+     * One tangent for each vertex, of any length, for normal maps on smooth surfaces: the direction in which u grows; NULL: those of
+     * MikkTSpace. They are always copied.
+     */
+    const float *tangents;
+    /**
+     * Bytes from one tangent to the next; 0: tangents of three numbers without gaps.
+     */
+    size_t tangent_stride;
 } etd_mesh;
 
 /**

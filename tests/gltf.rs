@@ -904,6 +904,29 @@ fn textures_vary_what_the_specification_says() {
     Scene::build(&scene, &BuildOptions::default()).expect("a scene");
 }
 
+/// Tangents are read where a normal map needs them, with the changes of morph targets.
+#[test]
+fn tangents_are_those_of_the_file() {
+    let with = |is_mapped: bool| {
+        let material = if is_mapped { json!({"normalTexture": {"index": 0}}) } else { json!({}) };
+        let mut file = textured(&UPRIGHT, &material);
+        let normals = file.floats(3, &[0.0, 0.0, 1.0].repeat(4));
+        let tangents = file.floats(4, &[0.6, 0.8, 0.0, 1.0].repeat(4));
+        let turned = file.floats(3, &[-0.6, 0.0, 0.0].repeat(4));
+        let primitive = &mut file.root["meshes"][0]["primitives"][0];
+        primitive["attributes"]["NORMAL"] = json!(normals);
+        primitive["attributes"]["TANGENT"] = json!(tangents);
+        primitive["targets"] = json!([{"TANGENT": turned}]);
+        file.root["meshes"][0]["weights"] = json!([0.5]);
+        file.load().unwrap()
+    };
+    let scene = with(true);
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    let tangents = &mesh_of(&scene, 0).tangents;
+    assert!(tangents.len() == 4 && tangents.iter().all(|[x, y, z]| (x - 0.3).abs() < 1e-6 && (*y, *z) == (0.8, 0.0)));
+    assert!(mesh_of(&with(false), 0).tangents.is_empty());
+}
+
 /// The images that materials use are read with progress, which may stop it; others are not read.
 #[test]
 fn images_are_read_with_progress() {

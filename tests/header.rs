@@ -67,7 +67,7 @@ const INITIALISERS: &str = r"/** Stands for no material, no surface. */
      1.6f, 1, 0, {1, 1, 1}, 0.5f, 0, 0, 0}
 #define ETD_MESH_INIT \
     {sizeof(etd_mesh), NULL, 0, 0, 0, NULL, 0, 0, NULL, 0, NULL, 0, ETD_POSITION_FLOAT3, ETD_COPY, NULL, NULL, NULL, \
-     NULL, 0, NULL, 0, 0}
+     NULL, 0, NULL, 0, 0, NULL, 0}
 #define ETD_TEXTURE_INIT \
     {sizeof(etd_texture), ETD_TEXTURE_IMAGE, ETD_COLOR_SPACE_BY_USE, NULL, NULL, 0, 0, 0, 0, ETD_TEXEL_UINT8, ETD_COPY, \
      ETD_TEXTURE_FILTER_BILINEAR, NULL, NULL, ETD_WRAP_REPEAT, ETD_WRAP_REPEAT, {{0, 0, 0}, {1, 1, 1}}, 0.1f, 1, 4, \

@@ -535,6 +535,26 @@ fn colours_of_vertices_are_one_for_each_and_in_range() {
 }
 
 #[test]
+fn tangents_are_one_for_each_vertex() {
+    let read = |tangents: &str| {
+        let scene = format!(
+            r#"{{"etendue": 1, "camera": {{}}, "surfaces": [{{"geometry": "mesh", "emission": [1, 1, 1],
+            "positions": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "triangles": [[0, 1, 2]], "tangents": {tangents}}}]}}"#
+        );
+        desc::parse(&scene, Path::new(""), None)
+    };
+    let mesh = &read("[[0, 0.5, 3], [1, 1, 1], [0, 0, 0]]").unwrap().meshes[0];
+    assert_eq!(mesh.tangents, [[0.0, 0.5, 3.0], [1.0; 3], [0.0; 3]]);
+    for (tangents, expected) in [
+        ("[[1, 1, 1]]", "surfaces[0].tangents: 1 tangents for 3 positions, expected one each"),
+        ("[[1, 1, 1], [0, 0, 1e39], [0, 0, 0]]", "surfaces[0].tangents[1][2]: 1e39 is beyond single precision"),
+    ] {
+        let error = read(tangents).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}, not {expected}");
+    }
+}
+
+#[test]
 fn sets_of_texture_coordinates_are_counted_and_checked() {
     let scene = |mesh: &str, texture: &str| {
         format!(

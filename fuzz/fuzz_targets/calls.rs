@@ -221,6 +221,8 @@ impl World {
             uv_stride: 16,
             colors: if flags & 64 != 0 { positions.as_ptr().cast() } else { null() },
             color_stride: 16,
+            tangents: if flags & 128 != 0 { positions.as_ptr().cast() } else { null() },
+            tangent_stride: 16,
             position_format: u32::from(flags >> 3 & 7 == 7) * 9,
             sharing: u32::from(share),
             release: Some(free),

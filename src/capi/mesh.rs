@@ -167,7 +167,9 @@ unsafe fn read_arrays(
         let colors = optional_view::<[f32; 4]>(it.colors, it.vertex_count, it.color_stride, owner, "colors")?;
         let colors = colors.map_or(Ok(Vec::new()), |colors| collect(&colors, |color| color))?;
         let further_uvs = further_uvs(it, owner)?;
-        let mut desc = MeshDesc { name: name.to_owned(), further_uvs, colors, ..MeshDesc::default() };
+        let tangents = optional_view::<[f32; 3]>(it.tangents, it.vertex_count, it.tangent_stride, owner, "tangents")?;
+        let tangents = tangents.map_or(Ok(Vec::new()), |tangents| collect(&tangents, |tangent| tangent))?;
+        let mut desc = MeshDesc { name: name.to_owned(), further_uvs, colors, tangents, ..MeshDesc::default() };
         match positions {
             Some(positions) if is_shared => desc.host = Some(HostMesh { positions, triangles, normals, uvs }),
             _ => {

@@ -126,6 +126,8 @@ surface!(
     further_uvs: Option<Vec<Vec<[f64; 2]>>>,
     /// One colour per vertex, of three or four numbers: red, green and blue in linear light, >= 0, and opacity in [0, 1], default 1.
     colors: Option<Vec<VertexColor>>,
+    /// One tangent per vertex for normal maps on smooth surfaces, instead of those of MikkTSpace.
+    tangents: Option<Vec<[f64; 3]>>,
     /// `from-file`: the materials that `file` names in its material libraries, instead of `material`. Default: none.
     #[serde(default, deserialize_with = "json::name")]
     materials: Option<MaterialsOf>,
@@ -267,6 +269,8 @@ pub(super) struct SharedMesh {
     further_uvs: Option<Vec<Vec<[f64; 2]>>>,
     /// One colour per vertex, of three or four numbers: red, green and blue in linear light, >= 0, and opacity in [0, 1], default 1.
     colors: Option<Vec<VertexColor>>,
+    /// One tangent per vertex for normal maps on smooth surfaces, instead of those of MikkTSpace.
+    tangents: Option<Vec<[f64; 3]>>,
 }
 
 /// Where the triangles of a mesh come from.
@@ -279,6 +283,7 @@ struct MeshSource {
     uvs: Option<Vec<[f64; 2]>>,
     further_uvs: Option<Vec<Vec<[f64; 2]>>>,
     colors: Option<Vec<VertexColor>>,
+    tangents: Option<Vec<[f64; 3]>>,
 }
 
 /// A colour of a vertex: red, green and blue, and opacity where it is not 1.
@@ -338,6 +343,7 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
                 uvs: it.uvs.take(),
                 further_uvs: it.further_uvs.take(),
                 colors: it.colors.take(),
+                tangents: it.tangents.take(),
             };
             let mesh = source.resolve(path, path, builder)?;
             it.place(path, Ok((ShapeDesc::Mesh { mesh, smooth }, local)), builder)
@@ -390,6 +396,7 @@ impl Mesh<'_> {
             ("uvs", self.uvs.is_some()),
             ("furtherUvs", self.further_uvs.is_some()),
             ("colors", self.colors.is_some()),
+            ("tangents", self.tangents.is_some()),
         ] {
             if given {
                 let message = "the materials are those of the file (`materials`), expected a surface without this key";
@@ -411,14 +418,15 @@ impl Mesh<'_> {
 /// Reads one of `meshes`.
 pub(super) fn shared_mesh(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     let mesh: SharedMesh = json::object(raw, path)?;
-    let SharedMesh { name, file, keep_degenerate, positions, triangles, normals, uvs, further_uvs, colors } = mesh;
+    let SharedMesh { name, file, keep_degenerate, positions, triangles, normals, uvs, further_uvs, colors, tangents } =
+        mesh;
     let index = match (keep_degenerate, &file, positions.is_some() || triangles.is_some()) {
         (Some(true), Some(file), false) => builder.mesh_file(&join(path, "file"), file, true)?,
         (Some(true), ..) => {
             let message = "only a mesh in a file has this key, a mesh given in place keeps all triangles";
             return Err(Error::invalid(join(path, "keepDegenerate"), message));
         }
-        _ => MeshSource { name: None, file, positions, triangles, normals, uvs, further_uvs, colors }
+        _ => MeshSource { name: None, file, positions, triangles, normals, uvs, further_uvs, colors, tangents }
             .resolve(path, &name, builder)?,
     };
     builder.scene.check_mesh_name(path, &name)?;
@@ -455,7 +463,8 @@ impl MeshSource {
             || self.normals.is_some()
             || self.uvs.is_some()
             || self.further_uvs.is_some()
-            || self.colors.is_some();
+            || self.colors.is_some()
+            || self.tangents.is_some();
         match (self.name, self.file) {
             (Some(shared), None) if !inline => builder.mesh_named(&join(path, "mesh"), &shared),
             (None, Some(file)) if !inline => builder.mesh_file(&join(path, "file"), &file, false),
@@ -464,9 +473,10 @@ impl MeshSource {
                 let positions = self.positions.ok_or_else(|| missing("positions"))?;
                 let triangles = self.triangles.ok_or_else(|| missing("triangles"))?;
                 let (normals, uvs) = (self.normals.unwrap_or_default(), self.uvs.unwrap_or_default());
+                let tangents = self.tangents.unwrap_or_default();
                 // The numbers are checked here as they were written. The other checks are done in single precision.
-                for (i, normal) in normals.iter().enumerate() {
-                    validate::numbers(path, "normals", i, *normal)?;
+                for (key, vectors) in [("normals", &normals), ("tangents", &tangents)] {
+                    vectors.iter().enumerate().try_for_each(|(i, it)| validate::numbers(path, key, i, *it))?;
                 }
                 for (i, uv) in uvs.iter().enumerate() {
                     validate::numbers(path, "uvs", i, *uv)?;
@@ -477,6 +487,7 @@ impl MeshSource {
                     uvs.iter().enumerate().try_for_each(|(i, uv)| validate::numbers(path, &key, i, *uv))?;
                 }
                 let single = |uvs: Vec<[f64; 2]>| uvs.into_iter().map(|uv| uv.map(|x| x as f32)).collect::<Vec<_>>();
+                let single_vectors = |all: Vec<[f64; 3]>| all.into_iter().map(|it| it.map(|x| x as f32)).collect();
                 let colors: Vec<_> = self.colors.into_iter().flatten().map(VertexColor::with_opacity).collect();
                 for (i, color) in colors.iter().enumerate() {
                     validate::numbers(path, "colors", i, *color)?;
@@ -485,7 +496,8 @@ impl MeshSource {
                     name: name.to_owned(),
                     path: path.to_owned(),
                     positions: positions.into_iter().map(DVec3::from_array).collect(),
-                    normals: normals.into_iter().map(|normal| normal.map(|x| x as f32)).collect(),
+                    normals: single_vectors(normals),
+                    tangents: single_vectors(tangents),
                     uvs: single(uvs),
                     further_uvs: further_uvs.into_iter().map(single).collect(),
                     triangles,

@@ -268,7 +268,7 @@ pub(super) fn mesh(path: &str, mesh: &MeshDesc) -> Result<()> {
             return Err(Error::invalid(at(&format!("triangles[{i}][{k}]")), message));
         }
     }
-    let colors = Some(mesh.colors.len()).filter(|len| *len > 0);
+    let [colors, tangents] = [mesh.colors.len(), mesh.tangents.len()].map(|len| Some(len).filter(|len| *len > 0));
     if mesh.further_uvs.len() >= MeshDesc::MOST_UV_SETS {
         let (given, most) = (mesh.further_uvs.len(), MeshDesc::MOST_UV_SETS - 1);
         return Err(Error::invalid(at("furtherUvs"), format!("{given} further sets, expected {most} at most")));
@@ -279,7 +279,7 @@ pub(super) fn mesh(path: &str, mesh: &MeshDesc) -> Result<()> {
         }
         _ => Ok(()),
     };
-    for (key, given) in [("normals", lens[0]), ("uvs", lens[1]), ("colors", colors)] {
+    for (key, given) in [("normals", lens[0]), ("uvs", lens[1]), ("colors", colors), ("tangents", tangents)] {
         one_each(key, key, given)?;
     }
     for (set, uvs) in mesh.further_uvs.iter().enumerate().filter(|(_, uvs)| !uvs.is_empty()) {
@@ -294,6 +294,9 @@ pub(super) fn mesh(path: &str, mesh: &MeshDesc) -> Result<()> {
         }
         if let Some(uv) = mesh.uv(i) {
             numbers(path, "uvs", i, uv.map(f64::from))?;
+        }
+        if let Some(tangent) = mesh.tangents.get(i) {
+            numbers(path, "tangents", i, tangent.map(f64::from))?;
         }
         if let Some(color) = mesh.colors.get(i) {
             numbers(path, "colors", i, color.map(f64::from))?;

@@ -1,8 +1,8 @@
-//! Tangents of normal maps: those of MikkTSpace.
+//! Tangents of normal maps: those that a mesh has, or those of MikkTSpace.
 //!
 //! A normal map holds the differences between two surfaces in frames that the program which made the map chose at each point. They
 //! agree with the renderer's frames if both take Mikkelsen's (2008, "Simulation of Wrinkled Surfaces Revisited"), as almost all
-//! programs do. They are made for the surfaces alone that have a normal map.
+//! programs do. They are made for the surfaces alone that have a normal map, where their meshes bring none along.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -89,6 +89,10 @@ impl MeshTangents {
     fn new(mesh: &MeshDesc, set: u32, device: &Device, progress: &WorkProgress) -> Result<Self> {
         let count = mesh.triangle_count();
         let charge = device.charge(count * size_of::<[[f32; 3]; 3]>()).map_err(|error| error.at(&mesh.path))?;
+        if !mesh.tangents.is_empty() {
+            let given = |vertex: u32| mesh.tangents[vertex as usize];
+            return Ok(Self { corners: (0..count).map(|i| mesh.triangle(i).map(given)).collect(), _charge: charge });
+        }
         let normals = unit_normals(mesh, DMat3::IDENTITY, progress)?;
         let mut made = Making { mesh, set, normals, corners: vec![[[0.0; 3]; 3]; count] };
         // There are no errors that it could return.
@@ -189,13 +193,32 @@ mod tests {
         Scene::build(&describe(surface, textures), options).unwrap()
     }
 
+    /// The direction around the tube at one of its sides, turned by this angle towards its end.
+    fn around(side: f64, turn: f64) -> DVec3 {
+        let (sin, cos) = (side * std::f64::consts::FRAC_PI_4).sin_cos();
+        turn.cos() * DVec3::new(-sin, 0.0, -cos) + turn.sin() * DVec3::Y
+    }
+
     /// At the vertices of a tube, the tangents run around it; between them they are interpolated, as normals are. Where a transform
     /// mirrors the tube, the map is mirrored with it.
     #[test]
     fn normals_of_a_map_turn_evenly_around_a_coarse_tube() {
+        turn_evenly(&tube(), 0.0);
+    }
+
+    /// A mesh may bring its tangents along, of any length.
+    #[test]
+    fn given_tangents_are_those_of_the_map() {
+        let mut surface = tube();
+        let tangents: Vec<_> = (0..18).map(|i| (3.0 * around(f64::from(i / 2), 0.5)).to_array()).collect();
+        surface["tangents"] = json!(tangents);
+        turn_evenly(&surface, 0.5);
+    }
+
+    fn turn_evenly(tube: &Value, turn: f64) {
         for transform in [json!([]), json!([{"rotate": [20, 50, 10]}]), json!([{"scale": [-1.5, 1.2, 0.8]}])] {
             for dynamic in [false, true] {
-                let mut surface = tube();
+                let mut surface = tube.clone();
                 surface["transform"] = transform.clone();
                 let options = BuildOptions { dynamic, ..BuildOptions::default() };
                 let scene = build(&surface, &json!({"normal": "normals"}), &options);
@@ -212,10 +235,7 @@ mod tests {
                     let detail = scene.detail(&hit, &at);
                     // The place on the side, from u: sides are an eighth of u wide.
                     let side = (8.0 * f64::from(detail.uv[0])).clamp(0.0, 7.999);
-                    let [before, after] = [side.floor(), side.floor() + 1.0].map(|i| {
-                        let (sin, cos) = (i * std::f64::consts::FRAC_PI_4).sin_cos();
-                        DVec3::new(-sin, 0.0, -cos)
-                    });
+                    let [before, after] = [side.floor(), side.floor() + 1.0].map(|i| around(i, turn));
                     let along = place.matrix3 * before.lerp(after, side.fract());
                     let ns = at.ns.as_dvec3();
                     let along = (along - along.dot(ns) * ns).normalize();

@@ -439,6 +439,8 @@ static void structures(void) {
     FIELD(etd_mesh, further_uvs);
     FIELD(etd_mesh, further_uv_count);
     FIELD(etd_mesh, further_uv_stride);
+    FIELD(etd_mesh, tangents);
+    FIELD(etd_mesh, tangent_stride);
     STRUCT(etd_film_options);
     FIELD(etd_film_options, struct_size);
     FIELD(etd_film_options, width);

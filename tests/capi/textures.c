@@ -438,13 +438,13 @@ static etd_mesh quad(void) {
 }
 
 /* Puts a mesh of material 0 in the place of the scene's surface. Returns the number of the mesh. */
-static uint32_t put_mesh(etd_scene *scene, const etd_mesh *mesh) {
+static uint32_t put_mesh(etd_scene *scene, const etd_mesh *mesh, int smooth) {
     etd_surface look = ETD_SURFACE_INIT;
     uint32_t number = 7, surface = 7;
     CHECK_OK(etd_scene_add_mesh(scene, mesh, &number));
     look.material = 0;
     CHECK_OK(etd_scene_remove_surface(scene, 0));
-    CHECK_OK(etd_scene_add_mesh_surface(scene, number, 0, &look, &surface));
+    CHECK_OK(etd_scene_add_mesh_surface(scene, number, smooth, &look, &surface));
     return number;
 }
 
@@ -478,7 +478,7 @@ static void vertex_colors(etd_device *device) {
             mesh.sharing = sharings[k - 1];
         }
         CHECK_OK(etd_scene_set_material(scene, 0, &material));
-        number = put_mesh(scene, &mesh);
+        number = put_mesh(scene, &mesh, 0);
         memset(colors, 0, sizeof colors);
         if (k > 0) {
             texture.kind = k == 1 ? ETD_TEXTURE_VERTEX_COLORS : ETD_TEXTURE_CHECKER;
@@ -535,7 +535,7 @@ static void further_sets(etd_device *device) {
         }
         texture.kind = ETD_TEXTURE_CHECKER;
         texture.uv_set = k == 1 ? 2 : 0;
-        number = put_mesh(scene, &mesh);
+        number = put_mesh(scene, &mesh, 0);
         CHECK_OK(etd_scene_add_texture(scene, NULL, &texture, &texture_number));
         CHECK_OK(etd_scene_get_texture(scene, texture_number, &read));
         CHECK(read.uv_set == texture.uv_set);
@@ -550,6 +550,51 @@ static void further_sets(etd_device *device) {
     }
     CHECK(is_same(found, expected));
     CHECK(!is_same(other, expected));
+}
+
+/* Tangents of a mesh: those along u are those of MikkTSpace, and others turn a normal map. */
+static void tangents(etd_device *device) {
+    static const float uvs[] = {0, 0, 1, 0, 1, 1, 0, 1};
+    static const float normals[] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+    static const float given[3][2] = {{0, 0}, {2, 0}, {0.6f, 0.8f}};
+    static float pictures[3][PIXELS];
+    size_t i, k;
+    for (k = 0; k < 3; ++k) {
+        float all[16];
+        etd_texture texture = ETD_TEXTURE_INIT;
+        etd_texture_binding binding = ETD_TEXTURE_BINDING_INIT;
+        etd_mesh mesh = quad();
+        etd_scene *scene = scene_of(device, "", "");
+        uint32_t number;
+        for (i = 0; i < 16; ++i) {
+            all[i] = i % 4 < 2 ? given[k][i % 4] : i % 4 == 2 ? 0.0f : -7.0f;
+        }
+        mesh.uvs = uvs;
+        mesh.normals = normals;
+        mesh.tangents = k == 0 ? NULL : all;
+        mesh.tangent_stride = 4 * sizeof *all;
+        texture.kind = ETD_TEXTURE_CHECKER;
+        for (i = 0; i < 2; ++i) {
+            texture.colors[i][0] = 0.75f;
+            texture.colors[i][1] = 0.4f;
+            texture.colors[i][2] = 0.9f;
+        }
+        number = put_mesh(scene, &mesh, 1);
+        memset(all, 0, sizeof all);
+        CHECK_OK(etd_scene_add_texture(scene, NULL, &texture, &binding.texture));
+        CHECK_OK(etd_scene_set_material_texture(scene, 0, "normal", &binding));
+        render(device, scene, pictures[k]);
+        mesh.tangents = all;
+        mesh.tangent_stride = 7;
+        CHECK_STATUS(etd_scene_set_mesh(scene, number, &mesh), ETD_INVALID_ARGUMENT);
+        etd_scene_release(scene);
+    }
+    for (i = 0; i < PIXELS; ++i) {
+        if (!CHECK(fabsf(pictures[1][i] - pictures[0][i]) <= 1e-5f * (1 + pictures[0][i]))) {
+            break;
+        }
+    }
+    CHECK(!is_same(pictures[2], pictures[0]));
 }
 
 struct told {
@@ -604,6 +649,7 @@ static void reading(etd_device *device) {
 int main(void) {
     etd_device *device = new_device(1);
     reading(device);
+    tangents(device);
     further_sets(device);
     vertex_colors(device);
     patterns(device);

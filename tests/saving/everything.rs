@@ -295,6 +295,7 @@ fn meshes(scene: &mut SceneDesc) {
             vec![[0.0, third(5.0)], [1.0; 2], [-0.0, 1e-30], [0.5; 2]],
         ],
         colors: vec![[third(1.0), 0.0, 1e20, 1.0], [0.0; 4], [1e-30, third(0.7), 1.0, third(0.5)], [1.0; 4]],
+        tangents: vec![[third(1.0), -0.0, 7.0], [0.0; 3], [1e-30, 1.0, third(2.0)], [1.0, 0.0, 0.0]],
         triangles: vec![[2, 1, 0], [0, 2, 3], [2, 1, 0]],
         positions: positions.clone(),
         ..MeshDesc::default()

@@ -129,6 +129,7 @@ fn mesh(mesh: &MeshDesc) -> impl PartialEq + use<> {
         vertices().map(|i| mesh.uv(i).map(|uv| uv.map(f32::to_bits))).collect::<Vec<_>>(),
         (0..mesh.triangle_count()).map(|i| mesh.triangle(i)).collect::<Vec<_>>(),
         mesh.colors.iter().map(|color| color.map(f32::to_bits)).collect::<Vec<_>>(),
+        mesh.tangents.iter().map(|tangent| tangent.map(f32::to_bits)).collect::<Vec<_>>(),
         mesh.further_uvs.iter().map(|uvs| uvs.iter().map(|uv| uv.map(f32::to_bits)).collect()).collect::<Vec<Vec<_>>>(),
     )
 }

@@ -271,6 +271,11 @@ pub struct etd_mesh {
     pub further_uv_count: u32,
     /// Bytes from one texture coordinate of a further set to the next; 0: coordinates without gaps.
     pub further_uv_stride: usize,
+    /// One tangent for each vertex, of any length, for normal maps on smooth surfaces: the direction in which u grows; NULL: those of
+    /// MikkTSpace. They are always copied.
+    pub tangents: *const f32,
+    /// Bytes from one tangent to the next; 0: tangents of three numbers without gaps.
+    pub tangent_stride: usize,
 }
 
 /// The properties of a surface other than its shape.

@@ -69,6 +69,9 @@ pub(super) fn skin(
         if let Some(normal) = geometry.normals.get_mut(i) {
             *normal = transformed_normal(&to_world.matrix3, *normal);
         }
+        if let Some(tangent) = geometry.tangents.get_mut(i) {
+            *tangent = to_world.matrix3 * *tangent;
+        }
     }
     if 2 * mirrored > count {
         geometry.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
@@ -79,6 +82,7 @@ pub(super) fn skin(
 /// Moves vertices by a transform that leaves a plane at least. Their normals are those of the faces.
 pub(super) fn flatten(to_world: &DAffine3, geometry: &mut Geometry) {
     geometry.normals.clear();
+    geometry.tangents.clear();
     geometry.positions.iter_mut().for_each(|position| *position = to_world.transform_point3(*position));
 }
 

@@ -15,6 +15,9 @@ const TRIANGLE_LIMIT: usize = 1 << 27;
 /// The attribute of the colours of vertices.
 pub(super) const COLOR: &str = "COLOR_0";
 
+/// The attribute of the tangents of normal maps.
+const TANGENT: &str = "TANGENT";
+
 /// The triangles of a primitive in the frame of its mesh.
 #[derive(Clone, Debug)]
 pub(super) struct Geometry {
@@ -27,6 +30,8 @@ pub(super) struct Geometry {
     pub further_uvs: Vec<Vec<[f32; 2]>>,
     /// Empty, or one per vertex.
     pub colors: Vec<[f32; 4]>,
+    /// Empty, or one per vertex.
+    pub tangents: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -156,15 +161,23 @@ impl<'a> Meshes<'a> {
             per_vertex(COLOR, *index)?;
             colors = self.colors(&at(COLOR), *index)?;
         }
+        let mut tangents = Vec::new();
+        if let Some(index) = primitive.attributes.get(TANGENT).filter(|_| !normals.is_empty()) {
+            per_vertex(TANGENT, *index)?;
+            // The fourth number is the side to which v grows, which texture coordinates say.
+            let read = accessors.floats::<4>(&at(TANGENT), *index, Allowed::Fractions)?;
+            tangents = read.into_iter().map(|[x, y, z, _]| double([x, y, z])).collect();
+        }
         for key in primitive.attributes.keys() {
-            let is_read = ["POSITION", "NORMAL", COLOR].contains(&key.as_str()) || uv_keys.iter().any(|it| it == key);
+            let is_read =
+                ["POSITION", "NORMAL", COLOR, TANGENT].contains(&key.as_str()) || uv_keys.iter().any(|it| it == key);
             // Joints and weights are read with the skin, and names that begin with an underscore mean something to programs alone.
             let is_elsewhere = key.starts_with("JOINTS_") || key.starts_with("WEIGHTS_") || key.starts_with('_');
             if !is_read && !is_elsewhere {
                 self.leave_out(&format!("the attribute {} is left out", elided(key)), path);
             }
         }
-        let mut geometry = Geometry { positions, normals, uvs, further_uvs, colors, triangles: Vec::new() };
+        let mut geometry = Geometry { positions, normals, uvs, further_uvs, colors, tangents, triangles: Vec::new() };
         self.morph(path, primitive, weights, &mut geometry)?;
         let indices = match primitive.indices {
             Some(index) => {
@@ -229,12 +242,13 @@ impl<'a> Meshes<'a> {
                 let values = match key.as_str() {
                     "POSITION" => &mut geometry.positions,
                     "NORMAL" => &mut geometry.normals,
+                    TANGENT => &mut geometry.tangents,
                     _ => {
                         self.leave_out(&format!("the morphed attribute {} is left out", elided(key)), &path);
                         continue;
                     }
                 };
-                // Normals that are only morphed, without any to start from, have no meaning.
+                // Normals and tangents that are only morphed, without any to start from, have no meaning.
                 if values.is_empty() {
                     continue;
                 }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::super::{MeshDesc, SceneDesc, ShapeDesc, SurfaceLook, validate};
+use super::super::{MeshDesc, SceneDesc, ShapeDesc, SurfaceLook, TextureKey, validate};
 use super::accessor::Accessors;
 use super::animation::Pose;
 use super::document::{Document, Mesh, Node, element, missing};
@@ -10,7 +10,7 @@ use super::material::Materials;
 use super::mesh::{Geometry, Meshes, weights};
 use super::nodes::Nodes;
 use super::{deform, instances, skin};
-use crate::math::DAffine3;
+use crate::math::{DAffine3, DVec3};
 use crate::{Error, Result};
 
 /// Most surfaces of a scene.
@@ -170,11 +170,14 @@ impl Adding<'_> {
             _ => path.to_owned(),
         };
         let smooth = !it.normals.is_empty();
+        let is_mapped = self.scene.materials[material].textured(TextureKey::Normal).is_some();
+        let single = |vectors: Vec<DVec3>| vectors.into_iter().map(|it| it.as_vec3().to_array()).collect();
         let desc = MeshDesc {
             name: name.clone(),
             path: path.to_owned(),
             positions: it.positions,
-            normals: it.normals.into_iter().map(|normal| normal.as_vec3().to_array()).collect(),
+            normals: single(it.normals),
+            tangents: if is_mapped { single(it.tangents) } else { Vec::new() },
             uvs: it.uvs,
             further_uvs: it.further_uvs,
             colors: it.colors,

@@ -78,6 +78,7 @@ struct Named {
 enum Use {
     Position(usize),
     Normal(usize),
+    Tangent(usize),
     /// A set of texture coordinates, and which of them.
     Uv(usize, usize),
     /// One of red, green, blue and opacity, and its greatest value: that of an integer type, or 1.
@@ -137,6 +138,7 @@ impl<R: std::io::BufRead> Reader<'_, R> {
             return Err(self.fail(format!("the header has no property {missing} of vertices")));
         }
         let has_normals = ["nx", "ny", "nz"].into_iter().all(has);
+        let has_tangents = ["tx", "ty", "tz"].into_iter().all(has);
         let uv = UVS.into_iter().find(|names| names.iter().all(|name| has(name)));
         // Further sets have a number.
         let has_set = |set: usize| has(&format!("u{set}")) && has(&format!("v{set}"));
@@ -154,6 +156,9 @@ impl<R: std::io::BufRead> Reader<'_, R> {
             "nx" if has_normals => Use::Normal(0),
             "ny" if has_normals => Use::Normal(1),
             "nz" if has_normals => Use::Normal(2),
+            "tx" if has_tangents => Use::Tangent(0),
+            "ty" if has_tangents => Use::Tangent(1),
+            "tz" if has_tangents => Use::Tangent(2),
             "red" if has_colors => Use::Color(0, greatest(kind)),
             "green" if has_colors => Use::Color(1, greatest(kind)),
             "blue" if has_colors => Use::Color(2, greatest(kind)),
@@ -178,6 +183,7 @@ impl<R: std::io::BufRead> Reader<'_, R> {
         let count = element.count as usize;
         self.mesh.positions.reserve_exact(count);
         self.mesh.normals.reserve_exact(if has_normals { count } else { 0 });
+        self.mesh.tangents.reserve_exact(if has_tangents { count } else { 0 });
         self.mesh.uvs.reserve_exact(if uv.is_some() { count } else { 0 });
         self.mesh.further_uvs = vec![Vec::new(); sets.last().copied().unwrap_or(0)];
         sets.iter().for_each(|set| self.mesh.further_uvs[set - 1].reserve_exact(count));
@@ -186,12 +192,13 @@ impl<R: std::io::BufRead> Reader<'_, R> {
         let is_encoded = COLORS.into_iter().all(is_integer);
         for number in 0..element.count {
             self.values.begin().map_err(|trouble| self.wrong(element, number, "", trouble))?;
-            let (mut position, mut normal, mut color) = ([0.0; 3], [0.0; 3], [1.0; 4]);
+            let (mut position, mut normal, mut tangent, mut color) = ([0.0; 3], [0.0; 3], [0.0; 3], [1.0; 4]);
             let mut coordinates = [[0.0; 2]; MeshDesc::MOST_UV_SETS];
             for (property, used) in with_uses() {
                 let slot = match used {
                     Use::Position(axis) => &mut position[*axis],
                     Use::Normal(axis) => &mut normal[*axis],
+                    Use::Tangent(axis) => &mut tangent[*axis],
                     Use::Uv(set, axis) => &mut coordinates[*set][*axis],
                     Use::Color(channel, _) => &mut color[*channel],
                     Use::Nothing => {
@@ -215,6 +222,9 @@ impl<R: std::io::BufRead> Reader<'_, R> {
             self.mesh.positions.push(DVec3::from_array(position));
             if has_normals {
                 self.mesh.normals.push(finite(normal).ok_or_else(|| beyond("normal", &normal))?);
+            }
+            if has_tangents {
+                self.mesh.tangents.push(finite(tangent).ok_or_else(|| beyond("tangent", &tangent))?);
             }
             let uv_of =
                 |set: usize| finite(coordinates[set]).ok_or_else(|| beyond("texture coordinate", &coordinates[set]));

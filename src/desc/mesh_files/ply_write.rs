@@ -21,8 +21,10 @@ pub(in crate::desc) fn check_size(mesh: &MeshDesc) -> Result<(), String> {
     let of_normals = if mesh.has_normals() { 12 } else { 0 };
     let of_uvs = 8 * (u64::from(mesh.has_uvs()) + further_sets(mesh).count() as u64);
     let of_colors = if mesh.colors.is_empty() { 0 } else { 16 };
+    let of_tangents = if mesh.tangents.is_empty() { 0 } else { 12 };
+    let of_vertex = 24 + of_normals + of_uvs + of_colors + of_tangents;
     // A thousand bytes for the header.
-    let bytes = 1000 + (24 + of_normals + of_uvs + of_colors) * vertices as u64 + 13 * mesh.triangle_count() as u64;
+    let bytes = 1000 + of_vertex * vertices as u64 + 13 * mesh.triangle_count() as u64;
     if bytes > SIZE_LIMIT {
         return Err(format!("the mesh would take {bytes} bytes, and a file may have {SIZE_LIMIT}"));
     }
@@ -56,6 +58,9 @@ pub(in crate::desc) fn write(mesh: &MeshDesc, file: &mut impl Write) -> io::Resu
         // In floating point, which is linear light.
         ["red", "green", "blue", "alpha"].iter().try_for_each(|name| writeln!(file, "property float {name}"))?;
     }
+    if !mesh.tangents.is_empty() {
+        ["tx", "ty", "tz"].iter().try_for_each(|name| writeln!(file, "property float {name}"))?;
+    }
     writeln!(file, "element face {triangles}\nproperty list uchar int vertex_indices\nend_header")?;
     for i in 0..vertices {
         for x in mesh.position(i).to_array() {
@@ -68,7 +73,8 @@ pub(in crate::desc) fn write(mesh: &MeshDesc, file: &mut impl Write) -> io::Resu
         let normal = mesh.normal(i).into_iter().flatten();
         let color = mesh.colors.get(i).copied().into_iter().flatten();
         let uvs = mesh.uv(i).into_iter().chain(further.iter().map(|(_, uvs)| uvs[i])).flatten();
-        for x in normal.chain(uvs).chain(color) {
+        let tangent = mesh.tangents.get(i).copied().into_iter().flatten();
+        for x in normal.chain(uvs).chain(color).chain(tangent) {
             file.write_all(&x.to_le_bytes())?;
         }
     }

@@ -86,6 +86,7 @@ pub(in crate::desc) fn write(surface: &SurfaceDesc, names: &Names) -> Result<Box
                 uvs: None,
                 further_uvs: None,
                 colors: None,
+                tangents: None,
                 materials: None,
                 shading: smooth.then_some(Shading::Smooth),
                 origin: unless_zero(local.translation).filter(|_| keeps_frame),
@@ -154,5 +155,6 @@ pub(in crate::desc) fn write_mesh(name: &str, file: &str, keep_degenerate: bool)
         uvs: None,
         further_uvs: None,
         colors: None,
+        tangents: None,
     })
 }
