@@ -841,7 +841,6 @@ fn files_of_other_programs_are_read_or_refused() {
 /// Files that hold no faces, or that are broken, and why.
 const REFUSED: &[(&str, &str)] = &[
     ("OBJ/box_UTF16BE.obj", "the file holds no faces"),
-    ("OBJ/empty_mat.obj", "the material has no name"),
     ("OBJ/number_formats.obj", "'3.1+e2' is not a finite number"),
     ("OBJ/point_cloud.obj", "the file holds no faces"),
     ("OBJ/testline.obj", "the file holds no faces"),

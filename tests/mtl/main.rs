@@ -42,6 +42,15 @@ fn of_library(mtl: &str) -> SceneDesc {
     load(obj.as_bytes(), format!("newmtl m\n{mtl}").as_bytes()).expect("a scene")
 }
 
+/// Blender writes materials without a name so.
+#[test]
+fn a_material_may_have_no_name() {
+    let obj = format!("mtllib m.mtl\nusemtl \n{TRIANGLE}");
+    let scene = load(obj.as_bytes(), b"newmtl \nKd 0.25 0.5 0.75\n").expect("a scene");
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    assert_eq!(scene.materials[0].bsdf, of_library("Kd 0.25 0.5 0.75").materials[0].bsdf);
+}
+
 /// A material of the native format, with the materials before it.
 fn native(materials: &[Value]) -> Vec<MaterialDesc> {
     let named = materials.iter().enumerate().map(|(i, material)| {
@@ -334,7 +343,6 @@ fn broken_libraries_are_refused_with_file_line_and_reason() {
             "newmtl m\nillum 2.5\n",
             "m.mtl:2: surfaces[0].file: illum: 2.5, expected a whole number from 0 to 10",
         ),
-        (&given, "newmtl\n", "m.mtl:1: surfaces[0].file: the material has no name"),
         (&given, "Kd 1 1 1\n", "m.mtl:1: surfaces[0].file: 'Kd' before the first newmtl; is it a material library?"),
     ] {
         let error = load(obj.as_bytes(), mtl.as_bytes()).unwrap_err().to_string();

@@ -114,9 +114,6 @@ impl Library {
             if key.eq_ignore_ascii_case("newmtl") {
                 self.put(current.take());
                 let name = String::from_utf8_lossy(rest).into_owned();
-                if name.is_empty() {
-                    return Err(source.fail(line, "the material has no name".to_owned()));
-                }
                 if self.entries.len() >= MATERIAL_LIMIT {
                     return Err(source.fail(line, format!("the file has more than {MATERIAL_LIMIT} materials")));
                 }
