@@ -15,7 +15,7 @@ use crate::common::scenes::{Job, camera, mean_and_error, point_light, render, sc
 use crate::record::{Case, Entry};
 
 pub fn cases() -> Vec<Entry> {
-    vec![Entry { id: "X18", title: "roughness of averaged normals", run: averaged }]
+    vec![Entry { id: "X21", title: "roughness of averaged normals", run: averaged }]
 }
 
 /// Texels along a side.
