@@ -15,10 +15,12 @@ use super::form_factor::{self, quarters};
 use super::tessellate::tessellate;
 use super::textured::ElementAlbedos;
 use crate::bsdf::{Bsdf, Model as _};
+use crate::emitter::Emitter;
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, HitPoint, Vec3};
 use crate::scene::{Body, Scene};
 use crate::shape::Analytic;
+use crate::spectrum::Rgb;
 
 /// Index that stands for "none".
 pub(super) const NONE: u32 = u32::MAX;
@@ -140,7 +142,9 @@ impl Elements {
         let mut welds = Welds::new();
         let mut roots = Vec::new();
         scene.each_face(|face| {
-            let emitted = std::f64::consts::PI * face.emission.to_f64();
+            let emitter = face.emitter.map(|number| &scene.emitters().emitters()[number as usize]);
+            let radiance = emitter.map_or(Rgb::ZERO, Emitter::mean_radiance);
+            let emitted = std::f64::consts::PI * radiance.to_f64();
             let (triangles, outer, error, shape, is_smooth) = match face.body {
                 Body::Triangle { corners, normal, error, is_smooth } => {
                     (vec![corners], Some(normal.as_dvec3()), error, NONE, is_smooth)

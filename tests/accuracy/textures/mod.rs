@@ -1,5 +1,6 @@
 //! Textures: what a lookup returns, and what a scene with textures shows.
 
+mod balls;
 mod elements;
 mod emission;
 mod lookups;
@@ -15,7 +16,7 @@ use crate::record::Entry;
 
 pub fn cases() -> Vec<Entry> {
     let scenes = scenes::cases().into_iter().chain(emission::cases()).chain(projections::cases());
-    lookups::cases().into_iter().chain(scenes).chain(elements::cases()).collect()
+    lookups::cases().into_iter().chain(scenes).chain(elements::cases()).chain(balls::cases()).collect()
 }
 
 const FILTERS: [TextureFilter; 5] = [
