@@ -48,7 +48,7 @@ fn square(x: u32, y: u32) -> f64 {
 
 /// How the texture lies on the ball.
 #[derive(Clone, Copy)]
-enum Way {
+pub(super) enum Way {
     /// By the ball's own coordinates.
     Own,
     /// By a projection of the world along z, with so many images in a length.
@@ -120,6 +120,11 @@ impl Way {
             }
     }
 
+    /// Irradiance in red at a point that looks up.
+    pub(super) fn irradiance(p: DVec3) -> f64 {
+        Self::Own.integral(|q, n| transfer(p, q, n))
+    }
+
     /// The sum over all of the ball of radiance times `weight` of the point and the normal there, times its area.
     fn integral(self, weight: impl Fn(DVec3, DVec3) -> f64) -> f64 {
         const N: u32 = 2048;
@@ -148,7 +153,7 @@ fn transfer(p: DVec3, q: DVec3, n: DVec3) -> f64 {
 }
 
 /// A white floor at the height 0 below the ball.
-fn lamp(way: Way) -> SceneDesc {
+pub(super) fn lamp(way: Way) -> SceneDesc {
     let ball = ShapeDesc::Sphere { centre: OWN.0, radius: OWN.1 };
     let floor = quad([[-4.0, 0.0, 4.0], [4.0, 0.0, 4.0], [4.0, 0.0, -4.0], [-4.0, 0.0, -4.0]]);
     let white = BsdfDesc::Lambert { albedo: Rgb::splat(0.5) };
@@ -161,7 +166,7 @@ fn lamp(way: Way) -> SceneDesc {
 }
 
 /// The ball in a closed room without the floor.
-fn room(albedo: f32) -> SceneDesc {
+pub(super) fn room(albedo: f32) -> SceneDesc {
     let mut room = lamp(Way::Own);
     room.surfaces[1].hidden = true;
     room.meshes.push(box_inside(DVec3::splat(-1.5), DVec3::splat(1.5)).into());
@@ -313,9 +318,13 @@ fn rooms(case: &mut Case, samples: u32) {
         mean_and_error(&render_scene(&built, desc).0)
     };
     let (paths, error) = of(IntegratorDesc::Path, case.count(1024, 8192) as u32);
-    for integrator in
-        [IntegratorDesc::IrradianceCache, IntegratorDesc::Photon, IntegratorDesc::Ppm, IntegratorDesc::Sppm]
-    {
+    for integrator in [
+        IntegratorDesc::IrradianceCache,
+        IntegratorDesc::Photon,
+        IntegratorDesc::Ppm,
+        IntegratorDesc::Sppm,
+        IntegratorDesc::Radiosity,
+    ] {
         let (mean, own) = of(integrator, samples);
         let both = own.hypot(error);
         case.biased_mean(format!("a room by {integrator:?}"), (mean, both), paths, (1e-2, 1e-2));

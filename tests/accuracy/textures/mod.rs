@@ -2,6 +2,7 @@
 
 mod balls;
 mod elements;
+mod elements_of_lamps;
 mod emission;
 mod lookups;
 mod projections;
@@ -16,7 +17,13 @@ use crate::record::Entry;
 
 pub fn cases() -> Vec<Entry> {
     let scenes = scenes::cases().into_iter().chain(emission::cases()).chain(projections::cases());
-    lookups::cases().into_iter().chain(scenes).chain(elements::cases()).chain(balls::cases()).collect()
+    lookups::cases()
+        .into_iter()
+        .chain(scenes)
+        .chain(elements::cases())
+        .chain(balls::cases())
+        .chain(elements_of_lamps::cases())
+        .collect()
 }
 
 const FILTERS: [TextureFilter; 5] = [
