@@ -1,6 +1,7 @@
 //! Emitters, and the sampling of one among them.
 //!
-//! Area emitters emit on the side of their normal only, with the same radiance in every direction. One emitter is
+//! Area emitters emit on the side of their normal only, with the same radiance in every direction; a texture may vary it from point to
+//! point. One emitter is
 //! chosen first: among few emitters mostly in proportion to power, among many by a bound of what the receiver may get
 //! from each. Then a point on it (or a direction towards it) is sampled. Every density here is per solid angle at the
 //! reference point and includes the probability of the choice.
@@ -10,6 +11,9 @@ mod receiver;
 mod sample;
 mod sphere;
 mod textured;
+mod textured_part;
+mod textured_radiance;
+mod textured_sphere;
 mod tree;
 mod triangle;
 
@@ -18,13 +22,16 @@ pub use receiver::Receiver;
 pub use sample::{Departure, EmitterSample};
 pub use sphere::SphereEmitter;
 pub use textured::{TextureCorners, TexturedTriangle};
+pub use textured_part::PartRadiance;
+pub use textured_radiance::TexturedRadiance;
+pub use textured_sphere::{SphereTexture, TexturedSphere};
 pub use triangle::TriangleEmitter;
 
 use std::f64::consts::PI;
 
 use crate::math::{DVec3, HitPoint, Vec3};
 use crate::sampling::Distribution1D;
-use crate::shape::Triangle;
+use crate::shape::{Sphere, Triangle};
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
 use crate::{Cancel, Result};
 use tree::LightTree;
@@ -45,6 +52,8 @@ pub enum Emitter {
     Textured(Box<TexturedTriangle>),
     /// A sphere that emits outwards.
     Sphere(SphereEmitter),
+    /// A sphere that emits outwards, whose radiance a texture varies.
+    TexturedSphere(Box<TexturedSphere>),
     /// Light from infinity.
     Environment(EnvironmentEmitter),
 }
@@ -57,7 +66,8 @@ impl Emitter {
             Self::Point { intensity, .. } => 4.0 * PI * intensity.to_f64(),
             Self::Triangle(emitter) => emitter.power(),
             Self::Textured(emitter) => emitter.mean.power(),
-            Self::Sphere(emitter) => PI * emitter.sphere.area() * emitter.radiance.to_f64(),
+            Self::Sphere(emitter) => emitter.power(),
+            Self::TexturedSphere(emitter) => emitter.mean.power(),
             Self::Environment(emitter) => emitter.power(),
         }
     }
@@ -69,6 +79,7 @@ impl Emitter {
             Self::Triangle(emitter) => f64::from(emitter.triangle.area),
             Self::Textured(emitter) => f64::from(emitter.mean.triangle.area),
             Self::Sphere(emitter) => emitter.sphere.area(),
+            Self::TexturedSphere(emitter) => emitter.mean.sphere.area(),
             Self::Environment(emitter) => emitter.area(),
         }
     }
@@ -78,8 +89,34 @@ impl Emitter {
         match self {
             Self::Triangle(emitter) => Some(&emitter.triangle),
             Self::Textured(emitter) => Some(&emitter.mean.triangle),
-            Self::Point { .. } | Self::Sphere(_) | Self::Environment(_) => None,
+            Self::Point { .. } | Self::Sphere(_) | Self::TexturedSphere(_) | Self::Environment(_) => None,
         }
+    }
+
+    /// The shape of a sphere that emits.
+    pub fn sphere(&self) -> Option<&Sphere> {
+        match self {
+            Self::Sphere(emitter) => Some(&emitter.sphere),
+            Self::TexturedSphere(emitter) => Some(&emitter.mean.sphere),
+            Self::Point { .. } | Self::Triangle(_) | Self::Textured(_) | Self::Environment(_) => None,
+        }
+    }
+
+    /// The radiance [W m^-2 sr^-1] that leaves an area emitter, or its mean where a texture varies it; 0 of points and light from
+    /// infinity.
+    pub fn mean_radiance(&self) -> Rgb {
+        match self {
+            Self::Triangle(emitter) => emitter.radiance,
+            Self::Textured(emitter) => emitter.mean.radiance,
+            Self::Sphere(emitter) => emitter.radiance,
+            Self::TexturedSphere(emitter) => emitter.mean.radiance,
+            Self::Point { .. } | Self::Environment(_) => Rgb::ZERO,
+        }
+    }
+
+    /// Whether a texture varies its radiance.
+    pub fn is_textured(&self) -> bool {
+        matches!(self, Self::Textured(_) | Self::TexturedSphere(_))
     }
 
     /// The emitter's centre.
@@ -89,6 +126,7 @@ impl Emitter {
             Self::Triangle(emitter) => emitter.triangle.at(1.0 / 3.0, 1.0 / 3.0),
             Self::Textured(emitter) => emitter.mean.triangle.at(1.0 / 3.0, 1.0 / 3.0),
             Self::Sphere(emitter) => emitter.sphere.centre.as_vec3a(),
+            Self::TexturedSphere(emitter) => emitter.mean.sphere.centre.as_vec3a(),
             Self::Environment(emitter) => emitter.centre(),
         }
     }
@@ -98,6 +136,7 @@ impl Emitter {
     pub fn power_from(&self, departure: &Departure) -> DVec3 {
         match self {
             Self::Textured(emitter) => emitter.power_from(departure.point.p),
+            Self::TexturedSphere(emitter) => emitter.power_from(departure.point.p),
             _ => self.power(),
         }
     }
@@ -108,7 +147,8 @@ impl Emitter {
         matches!(self, Self::Environment(_))
     }
 
-    /// Samples a point from which light leaves, uniformly by area; `u` uniform in [0, 1)^2.
+    /// Samples a point from which light leaves, uniformly by area, or where a texture varies the radiance by the light of its parts; `u`
+    /// uniform in [0, 1)^2.
     #[inline]
     pub fn sample_departure(&self, u: [f32; 2]) -> Departure {
         match self {
@@ -116,6 +156,7 @@ impl Emitter {
             Self::Triangle(emitter) => emitter.sample_departure(u),
             Self::Textured(emitter) => emitter.sample_departure(u),
             Self::Sphere(emitter) => emitter.sample_departure(u),
+            Self::TexturedSphere(emitter) => emitter.sample_departure(u),
             Self::Environment(emitter) => emitter.sample_departure(u),
         }
     }
@@ -216,7 +257,7 @@ impl EmitterSet {
 
     /// Whether textures vary the radiance of some of them.
     pub fn has_textured(&self) -> bool {
-        self.emitters.iter().any(|emitter| matches!(emitter, Emitter::Textured(_)))
+        self.emitters.iter().any(Emitter::is_textured)
     }
 
     /// Number of point lights.
@@ -270,6 +311,7 @@ impl EmitterSet {
             Emitter::Triangle(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Textured(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Sphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
+            Emitter::TexturedSphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Environment(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
         };
         sample.pdf *= probability;
@@ -305,6 +347,7 @@ impl EmitterSet {
             Emitter::Triangle(emitter) => emitter.pdf(p, hit),
             Emitter::Textured(emitter) => emitter.pdf(p, hit),
             Emitter::Sphere(emitter) => emitter.pdf(p),
+            Emitter::TexturedSphere(emitter) => emitter.mean.pdf(p),
         };
         pdf * self.probability(index, receiver)
     }
@@ -355,6 +398,7 @@ impl EmitterSet {
             Emitter::Triangle(emitter) => emitter.radiance,
             Emitter::Textured(emitter) => emitter.radiance(p),
             Emitter::Sphere(emitter) => emitter.radiance,
+            Emitter::TexturedSphere(emitter) => emitter.radiance(p),
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{Departure, EmitterSample};
-use crate::math::{Frame, HitPoint, Vec3};
+use crate::math::{DVec3, Frame, HitPoint, Vec3};
 use crate::sampling::warps;
 use crate::shape::Sphere;
 use crate::spectrum::Rgb;
@@ -20,7 +20,7 @@ pub struct SphereEmitter {
 /// The cone of directions under which a sphere is seen from outside.
 struct VisibleCone {
     /// Centre minus reference point.
-    axis: crate::math::DVec3,
+    axis: DVec3,
     /// 1 - cos of the half angle, without cancellation for small cones.
     one_minus_cos: f64,
 }
@@ -71,10 +71,20 @@ impl SphereEmitter {
     /// Samples a point uniformly by area.
     #[inline]
     pub(super) fn sample_departure(&self, u: [f32; 2]) -> Departure {
-        let normal = warps::uniform_sphere(u).as_dvec3();
+        self.departure_towards(warps::uniform_sphere(u).as_dvec3())
+    }
+
+    /// The departure from the point with this outward unit normal.
+    #[inline]
+    pub(super) fn departure_towards(&self, normal: DVec3) -> Departure {
         let (p, normal) = self.sphere.project(self.sphere.centre + normal * self.sphere.radius);
         let (p, normal) = (p.as_vec3a(), normal.as_vec3a());
         Departure { point: HitPoint::new(p, HitPoint::rounding_error(p, normal)), normal: Some(normal) }
+    }
+
+    /// Emitted power \[W\].
+    pub(super) fn power(&self) -> DVec3 {
+        PI * self.sphere.area() * self.radiance.to_f64()
     }
 
     /// Density per solid angle at `p`, the same for all directions that meet the sphere.

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
+use super::textured_radiance::{CONTRAST, TexturedRadiance, UNIFORM_SHARE, VAIN_SHARE};
 use super::{Departure, EmitterSample, TriangleEmitter};
 use crate::math::{DVec3, Vec3};
 use crate::sampling::Distribution1D;
-use crate::shape::Triangle;
+use crate::shape::{Triangle, centroids};
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb, luminance};
-use crate::texture::{Texel, Texture, TextureLight, TexturePoint};
+use crate::texture::{Texture, TextureLight, TexturePoint};
 
 /// What the texture of an emitter reads at the corners of its triangle: texture coordinates, or points of the pattern's space.
 #[derive(Clone, Copy, Debug)]
@@ -37,19 +38,12 @@ pub struct TexturedTriangle {
     /// Shape, and the mean of the radiance.
     pub mean: TriangleEmitter,
     pieces: Option<Pieces>,
-    texture: Arc<Texture>,
+    radiance: TexturedRadiance,
     corners: TextureCorners,
-    /// The radiance is this times the texture.
-    factor: Rgb,
-    /// The number that all channels take; `None` for one each.
-    channel: Option<usize>,
 }
 
 /// Most points of the rule for the mean, along a side. Where a triangle has more texels, means over squares of them are read.
 const MOST_STEPS: f32 = 16.0;
-
-/// The mean that chooses emitters is not below this share of the brightest radiance: what the rule missed is found all the same.
-const LEAST_SHARE: f32 = 1e-3;
 
 /// A triangle of fewer texels along its longest side has no parts.
 const LEAST_TEXELS: f32 = 3.0;
@@ -58,40 +52,24 @@ const LEAST_TEXELS: f32 = 3.0;
 const FEW_PIECES: f32 = 8.0;
 const MOST_PIECES: f32 = 32.0;
 
-/// A triangle has parts where the brightest part has this many times the mean radiance.
-const CONTRAST: f64 = 1.5;
-
-/// Looking for parts in vain takes this share of the room that they would take, so that the work is bounded.
-const VAIN_SHARE: usize = 16;
-
-/// Share of the choices of parts that is uniform.
-const UNIFORM_SHARE: f64 = 0.1;
-
 impl TexturedTriangle {
     /// An emitter; `error` is the bound of [`crate::math::HitPoint`] for points on it. It has parts where they pay, which are taken
     /// from `left`, the number that there is room for.
     pub fn new(
         triangle: Triangle,
         error: f32,
-        factor: Rgb,
+        radiance: TexturedRadiance,
         light: &TextureLight,
-        channel: Option<usize>,
         corners: TextureCorners,
         left: &mut usize,
     ) -> Self {
-        let mut emitter = Self {
-            mean: TriangleEmitter::new(triangle, Rgb::ZERO, error),
-            pieces: None,
-            texture: Arc::clone(light.texture()),
-            corners,
-            factor,
-            channel,
-        };
+        let mean = TriangleEmitter::new(triangle, Rgb::ZERO, error);
+        let mut emitter = Self { mean, pieces: None, radiance, corners };
         let brightest = emitter.brightest(light);
         if brightest == Rgb::ZERO {
             return emitter;
         }
-        emitter.mean.radiance = emitter.mean_radiance(light).max(brightest * LEAST_SHARE);
+        emitter.mean.radiance = TexturedRadiance::by_choice(emitter.mean_radiance(light), brightest);
         if f64::from(luminance(brightest)) >= CONTRAST * f64::from(luminance(emitter.mean.radiance)) {
             emitter.divide(error, light, left);
         }
@@ -100,16 +78,15 @@ impl TexturedTriangle {
 
     /// The brightest radiance, or of squares of texels the mean; black only where the triangle emits nothing at all.
     fn brightest(&self, light: &TextureLight) -> Rgb {
-        let most = match &self.corners {
+        let within = match &self.corners {
             TextureCorners::Uv(corners) => {
                 let bound =
                     |pick: fn(f32, f32) -> f32| [0, 1].map(|i: usize| corners.map(|uv| uv[i]).into_iter().reduce(pick));
-                let [low, high] = [bound(f32::min), bound(f32::max)].map(|uv| uv.map(|x| x.unwrap_or(f32::NAN)));
-                light.most_within(low, high)
+                Some([bound(f32::min), bound(f32::max)].map(|uv| uv.map(|x| x.unwrap_or(f32::NAN))))
             }
-            TextureCorners::Space(_) => self.texture.range()[1],
+            TextureCorners::Space(_) => None,
         };
-        self.colored(most)
+        self.radiance.brightest(within, light)
     }
 
     /// Divides the triangle into parts, where they pay.
@@ -161,18 +138,10 @@ impl TexturedTriangle {
     /// The luminance of the mean over a part, of which the corners are given by their weights.
     fn mean_over(&self, corners: &[[f32; 2]; 3], light: &TextureLight, level: usize) -> f64 {
         const STEPS: u32 = 4;
-        let step = 1.0 / (3.0 * STEPS as f32);
         let mut sum = DVec3::ZERO;
-        for i in 0..STEPS {
-            for j in 0..STEPS - i {
-                let (a, b) = ((3 * i + 1) as f32 * step, (3 * j + 1) as f32 * step);
-                let tip = (i + j + 1 < STEPS).then_some((a + step, b + step));
-                for (a, b) in [Some((a, b)), tip].into_iter().flatten() {
-                    let [s, t] =
-                        [0, 1].map(|c: usize| (1.0 - a - b) * corners[0][c] + a * corners[1][c] + b * corners[2][c]);
-                    sum += self.near([1.0 - s - t, s, t], light, level).to_f64();
-                }
-            }
+        for [a, b] in centroids(STEPS) {
+            let [s, t] = [0, 1].map(|c: usize| (1.0 - a - b) * corners[0][c] + a * corners[1][c] + b * corners[2][c]);
+            sum += self.near([1.0 - s - t, s, t], light, level).to_f64();
         }
         sum.dot(LUMINANCE_WEIGHTS.to_f64()) / f64::from(STEPS * STEPS)
     }
@@ -244,27 +213,14 @@ impl TexturedTriangle {
         }
     }
 
-    fn by_weights(&self, weights: [f32; 3]) -> Rgb {
-        let texel = self.texture.at(&self.at(weights));
-        self.colored(texel)
-    }
-
     /// The radiance near a point, as [`TextureLight::near`] gives it.
     fn near(&self, weights: [f32; 3], light: &TextureLight, level: usize) -> Rgb {
-        self.colored(light.near(&self.at(weights), level))
-    }
-
-    fn colored(&self, texel: Texel) -> Rgb {
-        let color = match self.channel {
-            None => Rgb::new(texel[0], texel[1], texel[2]),
-            Some(channel) => Rgb::splat(texel[channel]),
-        };
-        (self.factor * color).max(Rgb::ZERO)
+        self.radiance.near(&self.at(weights), light, level)
     }
 
     /// Radiance from a point on the triangle, or off it along its normal.
     pub fn radiance(&self, p: Vec3) -> Rgb {
-        self.weights(p).map_or(self.mean.radiance, |weights| self.by_weights(weights))
+        self.weights(p).map_or(self.mean.radiance, |weights| self.radiance.at(&self.at(weights)))
     }
 
     /// The barycentric weights of a point.
@@ -289,11 +245,21 @@ impl TexturedTriangle {
     }
 
     fn texels_between(&self, p: &[f32; 2], q: &[f32; 2]) -> f32 {
-        (p[0] - q[0]).hypot(p[1] - q[1]) * self.texture.texels_across() as f32
+        (p[0] - q[0]).hypot(p[1] - q[1]) * self.radiance.texture().texels_across() as f32
+    }
+
+    /// The radiance near a point on the triangle, as [`TextureLight::near`] gives it.
+    pub(super) fn radiance_near(&self, p: Vec3, light: &TextureLight, level: usize) -> Rgb {
+        self.weights(p).map_or(self.mean.radiance, |weights| self.near(weights, light, level))
+    }
+
+    /// The texture.
+    pub(super) fn texture(&self) -> &Arc<Texture> {
+        self.radiance.texture()
     }
 
     /// Texels along the longest side; of a pattern, about what resolves its squares.
-    fn texels(&self) -> f32 {
+    pub(super) fn texels(&self) -> f32 {
         match &self.corners {
             TextureCorners::Uv([_, b, c]) => self.texels_along().max(self.texels_between(b, c)),
             TextureCorners::Space(_) => 16.0,
@@ -305,20 +271,7 @@ impl TexturedTriangle {
         let wanted = 2.0 * self.texels();
         let steps = wanted.ceil().clamp(4.0, MOST_STEPS) as u32;
         let level = light.level_of(wanted / MOST_STEPS);
-        let mut sum = [0.0_f64; 3];
-        let step = 1.0 / (3.0 * steps as f32);
-        for i in 0..steps {
-            for j in 0..steps - i {
-                // The middles of the upright small triangle, and of the one beside it that stands on its tip.
-                let (s, t) = ((3 * i + 1) as f32 * step, (3 * j + 1) as f32 * step);
-                let tip = (i + j + 1 < steps).then_some((s + step, t + step));
-                for (s, t) in [Some((s, t)), tip].into_iter().flatten() {
-                    let value = self.near([1.0 - s - t, s, t], light, level).to_array();
-                    sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += f64::from(value));
-                }
-            }
-        }
-        let count = f64::from(steps) * f64::from(steps);
-        Rgb::from_array(sum.map(|sum| (sum / count) as f32))
+        let sum: DVec3 = centroids(steps).map(|[s, t]| self.near([1.0 - s - t, s, t], light, level).to_f64()).sum();
+        Rgb::from_f64(sum / (f64::from(steps) * f64::from(steps)))
     }
 }

@@ -30,10 +30,6 @@ pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
     if support.diffuse == LobeUse::StoredAndGathered && !scene.is_opaque() {
         return refuse("", "surfaces that are not opaque");
     }
-    // An element emits the same radiance everywhere.
-    if integrator == IntegratorDesc::Radiosity && scene.emitters().has_textured() {
-        return refuse("", "surfaces whose emission textures vary");
-    }
     let Some((lobes, kind)) = refused(scene.lobes(), support) else { return Ok(()) };
     let surface = scene.surface_with(lobes).map_or_else(String::new, |surface| format!("surfaces[{surface}]: "));
     refuse(&surface, &format!("{kind} surfaces"))

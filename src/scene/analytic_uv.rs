@@ -6,6 +6,7 @@ use super::Scene;
 use super::hit::{Hit, IN_LIST};
 use crate::desc::ShapeDesc;
 use crate::math::{DVec3, Vec3};
+use crate::shape::Sphere;
 
 /// Texture coordinates and the derivatives of the position by them.
 pub(super) type Parameters = ([f32; 2], Option<[Vec3; 2]>);
@@ -45,7 +46,7 @@ impl Scene {
 fn on_sphere(p: DVec3, radius: f64) -> ([f64; 2], Option<[DVec3; 2]>) {
     let d = p.normalize_or_zero();
     let level = d.x.hypot(d.z);
-    let uv = [0.5 + d.x.atan2(d.z) / TAU, 0.5 + d.y.atan2(level) / PI];
+    let uv = Sphere::texture_coordinates(d);
     // At the poles u has no direction.
     let tangents = (level > 1e-9).then(|| {
         let upwards = DVec3::new(-d.x * d.y / level, level, -d.z * d.y / level);

@@ -15,7 +15,7 @@ use crate::desc::SceneDesc;
 use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter, SphereEmitter, TriangleEmitter};
 use crate::error::{Error, Result};
 use crate::math::{Bounds, DVec3, Vec3};
-use crate::shape::{Analytic, Triangle};
+use crate::shape::{Analytic, Sphere, Triangle};
 use crate::spectrum::Rgb;
 
 /// Room between the surfaces and the ball from which the light of an environment comes, relative to the ball's radius.
@@ -92,7 +92,7 @@ struct BindingBuilder<'a, 'p> {
     record: &'a GeometryRecord,
     /// Of materials; empty where no texture varies an emission.
     textures: Vec<Option<EmissionTexture>>,
-    /// Room for parts of textured triangles.
+    /// Room for parts of textured triangles and spheres.
     pieces_left: usize,
     emitters: Vec<Emitter>,
 }
@@ -197,12 +197,23 @@ impl BindingBuilder<'_, '_> {
         Some((self.emitters.len() - 1) as u32)
     }
 
+    fn sphere(&mut self, sphere: Sphere, surface: u32, radiance: Rgb) -> Emitter {
+        let texture = self.textures.get(self.desc.surfaces[surface as usize].material);
+        match (texture, self.record.placed(surface)) {
+            (Some(Some(texture)), Some((_, to_world))) => {
+                texture.sphere_emitter(sphere, &to_world, radiance, &mut self.pieces_left)
+            }
+            _ => Emitter::Sphere(SphereEmitter { sphere, radiance }),
+        }
+    }
+
     fn analytic(&mut self, shapes: &[Analytic], surfaces: &[u32]) -> Vec<Owner> {
         let owner = |(shape, &surface): (&Analytic, &u32)| {
             let mut emitter = NO_EMITTER;
             if let (Some(radiance), Analytic::Sphere(sphere)) = (self.emission(surface), shape) {
                 emitter = self.emitters.len() as u32;
-                self.emitters.push(Emitter::Sphere(SphereEmitter { sphere: *sphere, radiance }));
+                let emission = self.sphere(*sphere, surface, radiance);
+                self.emitters.push(emission);
             }
             self.owner(surface, emitter)
         };

@@ -8,10 +8,8 @@ use super::geometry::Geometry;
 use super::hit::{Hit, IN_LIST};
 use super::interaction::{NO_EMITTER, Owner};
 use super::{Facet, Scene};
-use crate::emitter::Emitter;
 use crate::math::{DVec3, Vec3};
 use crate::shape::Analytic;
-use crate::spectrum::Rgb;
 
 /// A triangle or an analytic shape of a built scene, in the scene frame.
 #[derive(Clone, Debug)]
@@ -21,8 +19,8 @@ pub(crate) struct Face {
     pub facet: Facet,
     pub surface: u32,
     pub material: u32,
-    /// Radiance emitted on the outer side [W m^-2 sr^-1].
-    pub emission: Rgb,
+    /// Number of the emitter that it is, whose light leaves the outer side.
+    pub emitter: Option<u32>,
 }
 
 /// The geometry of a face.
@@ -109,13 +107,8 @@ impl Scene {
     }
 
     fn face(&self, facet: Facet, body: Body, owner: Owner) -> Face {
-        let emission = match self.emitters().emitters().get(owner.emitter as usize) {
-            Some(Emitter::Triangle(emitter)) if owner.emitter != NO_EMITTER => emitter.radiance,
-            Some(Emitter::Textured(emitter)) if owner.emitter != NO_EMITTER => emitter.mean.radiance,
-            Some(Emitter::Sphere(emitter)) if owner.emitter != NO_EMITTER => emitter.radiance,
-            _ => Rgb::ZERO,
-        };
-        Face { body, facet, surface: owner.surface, material: owner.material, emission }
+        let emitter = (owner.emitter != NO_EMITTER).then_some(owner.emitter);
+        Face { body, facet, surface: owner.surface, material: owner.material, emitter }
     }
 
     /// Returns the number of the face of a surface that has the number `primitive` in [`super::HitDescription`].

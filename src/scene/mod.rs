@@ -48,7 +48,7 @@ pub(crate) mod varying;
 
 pub use describe::HitDescription;
 pub use detail::SurfaceDetail;
-pub(crate) use faces::{Body, FaceNumbers};
+pub(crate) use faces::{Body, Face, FaceNumbers};
 pub use facets::{Facet, SurfaceMesh};
 pub use hit::Hit;
 pub use info::SceneInfo;

@@ -1,20 +1,21 @@
-//! Textures of emission: what of them lies on each triangle that emits.
+//! Textures of emission: what of them lies on each triangle and on each sphere that emits.
 
+use std::f32::consts::PI;
 use std::sync::Arc;
 
 use super::SurfaceDetail;
 use super::prepared_textures::color_space;
 use super::projection::Coordinates;
 use super::textured::{Placement, channel_of};
-use crate::desc::{SceneDesc, ShapeDesc, SurfaceDesc, TextureBinding, TextureKey, TextureSource};
-use crate::emitter::{Emitter, TextureCorners, TexturedTriangle};
+use crate::desc::{SceneDesc, SurfaceDesc, TextureBinding, TextureKey, TextureSource};
+use crate::emitter::{Emitter, SphereTexture, TextureCorners, TexturedRadiance, TexturedSphere, TexturedTriangle};
 use crate::error::{Error, ErrorKind, Result};
-use crate::math::DVec3;
-use crate::shape::Triangle;
+use crate::math::{DAffine3, DVec3, Vec3};
+use crate::shape::{Sphere, Triangle};
 use crate::spectrum::Rgb;
-use crate::texture::{ImageTexture, Texture, TextureFilter, TextureLight};
+use crate::texture::{ImageTexture, Texture, TextureFilter, TextureLight, TexturePoint};
 
-/// Most parts of triangles in a scene: a hundred megabytes.
+/// Most parts of triangles and spheres in a scene: a hundred megabytes.
 pub(super) const MOST_PIECES: usize = 1 << 20;
 
 /// The texture of a material's emission.
@@ -34,8 +35,7 @@ pub(super) fn binding_of<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc) -> Opti
 /// The textures of emission by material; empty where there are none. `centre` is the origin of the scene frame.
 ///
 /// # Errors
-/// [`ErrorKind::Unsupported`] for a sphere whose emission a texture varies; [`ErrorKind::InvalidScene`] for a radiance beyond single
-/// precision.
+/// [`ErrorKind::InvalidScene`] for a radiance beyond single precision.
 pub(super) fn emission_textures(
     desc: &SceneDesc,
     centre: DVec3,
@@ -43,14 +43,6 @@ pub(super) fn emission_textures(
 ) -> Result<Vec<Option<EmissionTexture>>> {
     if desc.materials.iter().all(|material| material.textured(TextureKey::Emission).is_none()) {
         return Ok(Vec::new());
-    }
-    let mut surfaces = desc.surfaces.iter().filter(|surface| !surface.hidden);
-    let is_ball = |surface: &&SurfaceDesc| {
-        matches!(surface.shape, ShapeDesc::Sphere { .. }) && binding_of(desc, surface).is_some()
-    };
-    if let Some(ball) = surfaces.find(is_ball) {
-        let message = "a texture cannot vary the emission of a sphere, expected a mesh";
-        return Err(Error::new(ErrorKind::Unsupported, message).at(format!("{}.emission", ball.path)));
     }
     let of = |binding: &TextureBinding| EmissionTexture::new(desc, binding, centre, threads);
     let all = desc.materials.iter().map(|material| material.textured(TextureKey::Emission).and_then(of));
@@ -120,12 +112,82 @@ impl EmissionTexture {
             Placement::Uv { .. } => TextureCorners::Uv(points.map(|point| point.uv)),
             Placement::Space { .. } => TextureCorners::Space(points.map(|point| point.p)),
         };
-        let light = &self.light;
-        let emitter = TexturedTriangle::new(triangle, error, factor, light, self.channel, corners, pieces_left);
+        let radiance = TexturedRadiance::new(&self.light, factor, self.channel);
+        let emitter = TexturedTriangle::new(triangle, error, radiance, &self.light, corners, pieces_left);
         if emitter.is_dark() {
             // It keeps its number, but nothing asks its texture.
             return Emitter::Triangle(emitter.mean);
         }
         Emitter::Textured(Box::new(emitter))
+    }
+
+    /// The emitter of a sphere of the scene frame, of which `to_world` is the transform from the surface's own frame.
+    pub fn sphere_emitter(&self, sphere: Sphere, to_world: &DAffine3, factor: Rgb, pieces_left: &mut usize) -> Emitter {
+        // What a sphere may be transformed by and still emit scales all directions alike.
+        let to_scene = to_world.matrix3 * (1.0 / to_world.matrix3.determinant().abs().cbrt());
+        let radiance = TexturedRadiance::new(&self.light, factor, self.channel);
+        let texture = Arc::new(OnSphere::new(self, &sphere));
+        let emitter = TexturedSphere::new(sphere, to_scene, radiance, &self.light, texture, pieces_left);
+        if emitter.is_dark() {
+            return Emitter::Sphere(emitter.mean);
+        }
+        Emitter::TexturedSphere(Box::new(emitter))
+    }
+}
+
+/// A texture of emission as it lies on a sphere.
+#[derive(Clone, Debug)]
+struct OnSphere {
+    coordinates: Coordinates,
+    placement: Placement,
+    bounds: Option<[[f32; 2]; 2]>,
+    texels: [f32; 2],
+}
+
+impl OnSphere {
+    fn new(texture: &EmissionTexture, sphere: &Sphere) -> Self {
+        let (coordinates, placement) = (texture.coordinates, texture.placement);
+        let mut on_sphere = Self { coordinates, placement, bounds: None, texels: [0.0; 2] };
+        let Placement::Uv { matrix: [[a, b], [c, d]], .. } = placement else {
+            // About what resolves the squares of a pattern.
+            on_sphere.texels = [64.0, 32.0];
+            return on_sphere;
+        };
+        // Coordinates are linear in the point and in those of the sphere, and so have their bounds at corners of boxes.
+        let (centre, radius) = (sphere.centre.as_vec3a(), sphere.radius as f32);
+        let sides = [Vec3::X, Vec3::Y, Vec3::Z];
+        let mut corners = Vec::new();
+        for n in sides.into_iter().chain(sides.map(|side| -side)) {
+            for corner in 0..8 {
+                let [x, y, z] = [0, 1, 2].map(|bit| if corner >> bit & 1 == 1 { 1.0_f32 } else { -1.0 });
+                let uv = [0.5 + 0.5 * x, 0.5 + 0.5 * y];
+                corners.push(on_sphere.point(centre + radius * Vec3::new(x, y, z), n, uv).uv);
+            }
+        }
+        let bound =
+            |pick: fn(f32, f32) -> f32, from: f32| [0, 1].map(|i| corners.iter().map(|uv| uv[i]).fold(from, pick));
+        on_sphere.bounds = Some([bound(f32::min, f32::INFINITY), bound(f32::max, f32::NEG_INFINITY)]);
+        let [width, height] = texture.light.texture().texels().map(|n| n as f32);
+        let [along_u, along_v] = [(a * width).hypot(c * height), (b * width).hypot(d * height)];
+        on_sphere.texels = match coordinates {
+            Coordinates::Own | Coordinates::Set(_) => [along_u, along_v],
+            Coordinates::Projected(_) => [2.0, 1.0].map(|turn| turn * PI * radius * along_u.max(along_v)),
+        };
+        on_sphere
+    }
+}
+
+impl SphereTexture for OnSphere {
+    fn point(&self, p: Vec3, n: Vec3, uv: [f32; 2]) -> TexturePoint {
+        let at = SurfaceDetail::without_tangents(uv, 0.0, [n, n, p, n]);
+        self.placement.point(&self.coordinates.apply(&at), false)
+    }
+
+    fn bounds(&self) -> Option<[[f32; 2]; 2]> {
+        self.bounds
+    }
+
+    fn texels(&self) -> [f32; 2] {
+        self.texels
     }
 }

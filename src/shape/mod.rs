@@ -16,7 +16,7 @@ pub use disk::Disk;
 pub use quadric::Quadric;
 pub use ray::DRay;
 pub use sphere::Sphere;
-pub use triangle::Triangle;
+pub use triangle::{Triangle, centroids};
 
 use crate::math::{Bounds, DVec3, Ray};
 

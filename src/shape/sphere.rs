@@ -1,5 +1,7 @@
 //! Spheres.
 
+use std::f64::consts::{PI, TAU};
+
 use super::ray::DRay;
 use super::roots::first_between;
 use crate::math::{Bounds, DVec3};
@@ -50,6 +52,27 @@ impl Sphere {
         (self.centre + self.radius * normal, normal)
     }
 
+    /// Texture coordinates of the point of a sphere that lies in this direction from the centre, in the sphere's own frame: u grows from
+    /// 0 to 1 once around the y axis, to the right as it is seen from outside, and is 1/2 towards +z; v grows with the latitude, from 0
+    /// at -y to 1 at +y.
+    #[inline]
+    pub fn texture_coordinates(direction: DVec3) -> [f64; 2] {
+        let DVec3 { x, y, z } = direction;
+        [0.5 + x.atan2(z) / TAU, 0.5 + y.atan2(x.hypot(z)) / PI]
+    }
+
+    /// The unit vector towards the point with this first texture coordinate and this height along the y axis, in radii.
+    pub fn direction(u: f64, height: f64) -> DVec3 {
+        let level = ((1.0 - height) * (1.0 + height)).max(0.0).sqrt();
+        let (sin, cos) = (TAU * (u - 0.5)).sin_cos();
+        DVec3::new(level * sin, height, level * cos)
+    }
+
+    /// The height along the y axis, in radii, of the points with this second texture coordinate.
+    pub fn height(v: f64) -> f64 {
+        (PI * (v - 0.5)).sin()
+    }
+
     /// A bounding box.
     pub fn bounds(&self) -> Bounds {
         Bounds { min: self.centre - self.radius, max: self.centre + self.radius }
@@ -57,7 +80,7 @@ impl Sphere {
 
     /// Surface area.
     pub fn area(&self) -> f64 {
-        4.0 * std::f64::consts::PI * self.radius * self.radius
+        4.0 * PI * self.radius * self.radius
     }
 }
 

@@ -16,6 +16,19 @@ pub struct Triangle {
     cross: DVec3,
 }
 
+/// The middles of the `steps`^2 equal triangles into which lines parallel to the sides divide a triangle, as the weights of its second
+/// and third corner: points at which a function is averaged over the triangle.
+pub fn centroids(steps: u32) -> impl Iterator<Item = [f32; 2]> {
+    let step = 1.0 / (3.0 * steps as f32);
+    let places = (0..steps).flat_map(move |i| (0..steps - i).map(move |j| (i, j)));
+    places.flat_map(move |(i, j)| {
+        // The small triangle that is upright, and the one beside it that stands on its tip.
+        let [s, t] = [i, j].map(|k| (3 * k + 1) as f32 * step);
+        let tip = (i + j + 1 < steps).then_some([s + step, t + step]);
+        [Some([s, t]), tip].into_iter().flatten()
+    })
+}
+
 impl Triangle {
     /// The triangle of three vertices, or `None` where it has no area.
     pub fn new(vertices: [Vec3; 3]) -> Option<Self> {

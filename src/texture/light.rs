@@ -41,6 +41,11 @@ impl TextureLight {
         &self.texture
     }
 
+    /// Memory of the means, bytes.
+    pub fn bytes(&self) -> usize {
+        self.image.as_ref().map_or(0, ImageTexture::pyramid_bytes)
+    }
+
     /// Whether there are means of an image; a pattern is known at points alone.
     pub fn has_means(&self) -> bool {
         self.image.is_some()

@@ -96,13 +96,19 @@ impl Texture {
         }
     }
 
-    /// The larger of the numbers of columns and rows; of a pattern, a number that resolves its squares.
-    pub fn texels_across(&self) -> u32 {
+    /// The numbers of columns and rows; of a pattern, numbers that resolve its squares.
+    pub fn texels(&self) -> [u32; 2] {
         match self {
-            Self::Image(image) => image.texels_across(),
-            Self::Procedural(..) => 32,
-            Self::White => 1,
+            Self::Image(image) => image.size(0),
+            Self::Procedural(..) => [32; 2],
+            Self::White => [1; 2],
         }
+    }
+
+    /// The larger of the numbers of columns and rows, as [`Texture::texels`] gives them.
+    pub fn texels_across(&self) -> u32 {
+        let [columns, rows] = self.texels();
+        columns.max(rows)
     }
 
     /// Whether the texture reads [`TexturePoint::axes`] or [`TexturePoint::width`].

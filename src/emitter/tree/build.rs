@@ -100,13 +100,13 @@ fn bound(emitter: &Emitter) -> (DVec3, f64, Cone) {
         let radius = corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
         return (centre, radius, Cone::along(triangle.normal.as_dvec3().normalize()));
     }
+    if let Some(sphere) = emitter.sphere() {
+        return (sphere.centre, sphere.radius, Cone::ALL);
+    }
     match emitter {
         Emitter::Point { position, .. } => (position.as_dvec3(), 0.0, Cone::ALL),
-        Emitter::Sphere(emitter) => (emitter.sphere.centre, emitter.sphere.radius, Cone::ALL),
         // What is at infinity is given to no tree.
-        Emitter::Environment(_) | Emitter::Triangle(_) | Emitter::Textured(_) => {
-            (emitter.centre().as_dvec3(), 0.0, Cone::ALL)
-        }
+        _ => (emitter.centre().as_dvec3(), 0.0, Cone::ALL),
     }
 }
 
@@ -114,12 +114,10 @@ fn bounds(emitter: &Emitter) -> Bounds {
     if let Some(triangle) = emitter.triangle() {
         return Bounds::around(triangle.vertices.map(Vec3::as_dvec3));
     }
-    match emitter {
-        Emitter::Point { position, .. } => Bounds::around([position.as_dvec3()]),
-        Emitter::Sphere(emitter) => emitter.sphere.bounds(),
-        Emitter::Environment(_) | Emitter::Triangle(_) | Emitter::Textured(_) => {
-            Bounds::around([emitter.centre().as_dvec3()])
-        }
+    match (emitter.sphere(), emitter) {
+        (Some(sphere), _) => sphere.bounds(),
+        (None, Emitter::Point { position, .. }) => Bounds::around([position.as_dvec3()]),
+        (None, _) => Bounds::around([emitter.centre().as_dvec3()]),
     }
 }
 
@@ -128,6 +126,7 @@ fn intensity_per_power(emitter: &Emitter) -> f64 {
     let per_pi = match emitter {
         Emitter::Triangle(_) | Emitter::Textured(_) => 1.0,
         Emitter::Point { .. } | Emitter::Sphere(_) | Emitter::Environment(_) => 0.25,
+        Emitter::TexturedSphere(emitter) => emitter.intensity_share(),
     };
     per_pi / std::f64::consts::PI
 }

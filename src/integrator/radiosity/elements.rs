@@ -11,14 +11,16 @@
 
 use std::collections::HashMap;
 
+use super::albedo::mean_albedos;
 use super::form_factor::{self, quarters};
 use super::tessellate::tessellate;
-use super::textured::ElementAlbedos;
-use crate::bsdf::{Bsdf, Model as _};
+use super::textured::ElementTextures;
+use crate::emitter::Emitter;
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, HitPoint, Vec3};
 use crate::scene::{Body, Scene};
 use crate::shape::Analytic;
+use crate::spectrum::Rgb;
 
 /// Index that stands for "none".
 pub(super) const NONE: u32 = u32::MAX;
@@ -69,7 +71,8 @@ pub(super) struct Patch {
     pub is_front: bool,
     /// Reflected fraction of irradiance; where textures vary it, each element has its own ([`Elements::albedo`]).
     pub albedo: DVec3,
-    /// Emitted radiosity [W m^-2].
+    /// Emitted radiosity [W m^-2]; where a texture varies it, each element has its own ([`Elements::emitted`]), and this is the mean over
+    /// the whole lamp's face.
     pub emitted: DVec3,
     /// Index of the shape that the corners lie on, or [`NONE`].
     pub shape: u32,
@@ -101,8 +104,8 @@ pub(super) struct Elements {
     middles: HashMap<[u32; 2], u32>,
     shapes: Vec<Analytic>,
     sides: Vec<[PatchRange; 2]>,
-    /// Where textures vary albedos.
-    textured: Option<Box<ElementAlbedos>>,
+    /// Where textures vary albedos or emissions.
+    textured: Option<Box<ElementTextures>>,
     /// Square of the longest side below which no element is subdivided.
     min_side2: f64,
     /// Limit of memory, bytes.
@@ -134,20 +137,20 @@ impl Elements {
         elements.check(2 * scene.face_count() * BYTES_PER_PATCH)?;
         let albedos: Vec<[DVec3; 2]> =
             (0..scene.info().materials).map(|i| mean_albedos(scene.material(i as u32).mean())).collect();
-        if scene.textured_diffuse_surface().is_some() {
-            elements.textured = Some(Box::new(ElementAlbedos::new(scene)));
-        }
+        elements.textured = ElementTextures::new(scene).map(Box::new);
         let mut welds = Welds::new();
         let mut roots = Vec::new();
         scene.each_face(|face| {
-            let emitted = std::f64::consts::PI * face.emission.to_f64();
-            let (triangles, outer, error, shape, is_smooth) = match face.body {
+            let emitter = face.emitter.map(|number| &scene.emitters().emitters()[number as usize]);
+            let radiance = emitter.map_or(Rgb::ZERO, Emitter::mean_radiance);
+            let emitted = std::f64::consts::PI * radiance.to_f64();
+            let (triangles, outer, error, shape, is_smooth) = match &face.body {
                 Body::Triangle { corners, normal, error, is_smooth } => {
-                    (vec![corners], Some(normal.as_dvec3()), error, NONE, is_smooth)
+                    (vec![*corners], Some(normal.as_dvec3()), *error, NONE, *is_smooth)
                 }
                 Body::Shape(shape) => {
-                    let triangles = tessellate(&shape);
-                    elements.shapes.push(shape);
+                    let triangles = tessellate(shape);
+                    elements.shapes.push(shape.clone());
                     (triangles, None, 0.0, elements.shapes.len() as u32 - 1, true)
                 }
             };
@@ -168,7 +171,7 @@ impl Elements {
                     let normal = if (flat.dot(outer) < 0.0) == is_front { -flat } else { flat };
                     if let Some(textured) = &mut elements.textured {
                         let facet = if shape == NONE { face.facet } else { face.facet.part(*corners) };
-                        textured.add_patch(&facet, *corners, face.material);
+                        textured.add_patch(&face, is_front, &facet, *corners);
                     }
                     let least = if is_smooth { SMOOTH_WELD_COSINE } else { FLAT_WELD_COSINE };
                     let corners =
@@ -191,20 +194,44 @@ impl Elements {
             elements.check(roots.len() * BYTES_PER_PATCH)
         })?;
         elements.cluster(roots);
-        (0..elements.nodes.len()).for_each(|number| elements.add_albedo(number));
+        (0..elements.nodes.len()).for_each(|number| elements.add_means(number));
         Ok(elements)
     }
 
     /// Reflected fraction of the irradiance of an element.
     pub fn albedo(&self, element: u32) -> DVec3 {
         match &self.textured {
-            Some(textured) => textured.of(element),
+            Some(textured) => textured.albedo(element),
             None => self.patches[self.nodes[element as usize].patch as usize].albedo,
         }
     }
 
-    /// Works out the albedo of a new node, after those of all before it.
-    fn add_albedo(&mut self, number: usize) {
+    /// Radiosity [W m^-2] that an element emits.
+    pub fn emitted(&self, element: u32) -> DVec3 {
+        match &self.textured {
+            Some(textured) => textured.emitted(element),
+            None => self.patches[self.nodes[element as usize].patch as usize].emitted,
+        }
+    }
+
+    /// Whether textures vary albedos or emissions of elements.
+    pub fn is_textured(&self) -> bool {
+        self.textured.is_some()
+    }
+
+    /// Whether a texture varies the albedo or the emission over the surface of an element.
+    pub fn varies(&self, element: u32) -> bool {
+        let patch = self.nodes[element as usize].patch;
+        self.textured.as_ref().is_some_and(|textured| textured.varies(patch))
+    }
+
+    /// Whether a texture varies the emission so much over an element that it has to be divided.
+    pub fn is_uneven_lamp(&self, element: u32) -> bool {
+        self.textured.as_ref().is_some_and(|textured| textured.is_uneven_lamp(element)) && self.is_divisible(element)
+    }
+
+    /// Works out albedo and emission of a new node, after those of all before it.
+    fn add_means(&mut self, number: usize) {
         let node = &self.nodes[number];
         let corners = |node: &Node| node.corners.map(|vertex| self.vertices[vertex as usize]);
         let element = self.patches.get(node.patch as usize).map(|patch| (patch, node.patch, corners(node)));
@@ -351,7 +378,7 @@ impl Elements {
             };
             let child = self.element(corners, normal, patch, number, is_flat.then_some(0.25 * area));
             self.nodes.push(child);
-            self.add_albedo(self.nodes.len() - 1);
+            self.add_means(self.nodes.len() - 1);
         }
         let node = &mut self.nodes[number as usize];
         (node.first, node.children) = (first, 4);
@@ -583,34 +610,6 @@ fn curved_area(shape: &Analytic, triangle: &[DVec3; 3]) -> f64 {
     let fine: f64 = once.iter().flat_map(divided).map(|t| area(&t)).sum();
     // The error falls by a factor of four with each level.
     fine + (fine - coarse) / 3.0
-}
-
-/// The fraction of the irradiance that the diffuse lobes of a surface reflect where the incident radiance is uniform, on
-/// its outer and on its inner side; 0 for mirrors and glass.
-pub(super) fn mean_albedos(bsdf: &Bsdf) -> [DVec3; 2] {
-    mean_albedos_by(bsdf, 4096)
-}
-
-/// [`mean_albedos`], where the surface is not Lambertian by so many angles.
-pub(super) fn mean_albedos_by(bsdf: &Bsdf, steps: u32) -> [DVec3; 2] {
-    [(true, 1.0), (false, -1.0)].map(|(is_front, z)| mean_albedo(&bsdf.on_side(is_front), z, steps))
-}
-
-/// One of [`mean_albedos`], on the side where directions have a third component of this sign.
-fn mean_albedo(bsdf: &Bsdf, side: f64, steps: u32) -> DVec3 {
-    if !bsdf.lit_lobes().have_diffuse() {
-        return DVec3::ZERO;
-    }
-    if bsdf.constant_f().is_some() {
-        return bsdf.diffuse_albedo().to_f64();
-    }
-    // Cosine-weighted mean of the directional albedo, by the midpoint rule in the squared cosine.
-    let at = |i: u32| {
-        let cos2 = (f64::from(i) + 0.5) / f64::from(steps);
-        let wo = DVec3::new((1.0 - cos2).sqrt(), 0.0, side * cos2.sqrt()).as_vec3a();
-        bsdf.mean_f(wo).map_or(DVec3::ZERO, |f| f.to_f64() * std::f64::consts::PI)
-    };
-    (0..steps).map(at).sum::<DVec3>() / f64::from(steps)
 }
 
 /// The centres of a triangle's quarters: a quadrature rule whose points the quarters share.

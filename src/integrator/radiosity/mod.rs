@@ -32,6 +32,7 @@
 //! Hierarchical Radiosity Algorithm"; Smits, Arvo, Greenberg 1994, "A Clustering Algorithm for Radiosity in Complex
 //! Environments".
 
+mod albedo;
 mod elements;
 pub mod form_factor;
 mod light;
@@ -102,7 +103,8 @@ pub struct Radiosity {
     notes: Vec<String>,
 }
 
-/// The elements of a surface, as triangles.
+/// The elements of a surface, as triangles. Neighbours share vertices, but not where a texture varies the surface: there each element
+/// reflects and emits by means of its own.
 #[derive(Clone, Debug, Default)]
 pub struct RadiosityMesh {
     /// Positions, world frame.
@@ -172,7 +174,7 @@ impl Radiosity {
         if elements.patches.is_empty() {
             notes.push("radiosity: no surface is diffuse or emits, the solution is empty".to_owned());
         }
-        let shared: SharedHierarchy = Arc::new(RwLock::new(LinkHierarchy::new(scene, elements)));
+        let shared: SharedHierarchy = Arc::new(RwLock::new(LinkHierarchy::new(scene, elements)?));
         // Without bounces, the solution is the surfaces' emission.
         let is_emission = desc.iterations == Some(0) && !desc.ambient;
         let has_transport =
@@ -262,13 +264,15 @@ impl Radiosity {
             if patch.is_front != front || surface.is_some_and(|surface| surface != patch.surface) {
                 continue;
             }
+            let own = if elements.varies(number) { number } else { NONE };
             let mut corners = node.corners.map(|vertex| {
-                *known.entry(vertex).or_insert_with(|| {
+                *known.entry((vertex, own)).or_insert_with(|| {
                     let irradiance = self.irradiance[vertex as usize];
                     mesh.positions.push(elements.vertices[vertex as usize] + self.scene.centre());
                     mesh.irradiance.push(irradiance);
-                    mesh.radiosity
-                        .push(Rgb::from_f64(patch.emitted) + Rgb::from_f64(elements.albedo(number)) * irradiance);
+                    mesh.radiosity.push(
+                        Rgb::from_f64(elements.emitted(number)) + Rgb::from_f64(elements.albedo(number)) * irradiance,
+                    );
                     mesh.positions.len() as u32 - 1
                 })
             });

@@ -4,7 +4,7 @@ use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 use super::Radiosity;
-use super::elements::{mean_albedos, mean_albedos_by};
+use super::albedo::{mean_albedos, mean_albedos_by};
 use super::textured::STEPS;
 use crate::integrator::vertex::Vertex;
 use crate::integrator::{Context, FirstHit, Tracer, Transport};

@@ -44,7 +44,10 @@ pub(super) type SharedHierarchy = Arc<RwLock<LinkHierarchy>>;
 
 impl LinkHierarchy {
     /// A hierarchy without links, in which each element's radiosity is its emission.
-    pub fn new(scene: &Scene, elements: Elements) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::OutOfMemory`] where lamps with textures need more elements than memory allows.
+    pub fn new(scene: &Scene, elements: Elements) -> Result<Self> {
         let light = |emitter: &Emitter| match emitter {
             Emitter::Point { position, intensity } => {
                 Some(PointLight { position: position.as_dvec3(), intensity: intensity.to_f64() })
@@ -63,16 +66,34 @@ impl LinkHierarchy {
         };
         let mut hierarchy = Self { oracle, links: Vec::new(), first: Vec::new(), clusters, scale: Vec::new() };
         hierarchy.emit();
-        hierarchy
+        hierarchy.divide_lamps()?;
+        Ok(hierarchy)
+    }
+
+    /// Divides the lamps whose radiance a texture varies: refinement looks at what lies below an element, but divides none for it.
+    fn divide_lamps(&mut self) -> Result<()> {
+        let patches = self.oracle.elements.patches.iter();
+        let mut waiting: Vec<u32> = patches.map(|patch| patch.node).collect();
+        let first = self.oracle.elements.nodes.len();
+        while let Some(number) = waiting.pop() {
+            if self.oracle.elements.is_uneven_lamp(number) {
+                waiting.extend(self.divide(number));
+                self.oracle.elements.check(self.bytes())?;
+            }
+        }
+        if self.oracle.elements.nodes.len() > first {
+            self.emit();
+        }
+        Ok(())
     }
 
     /// Sets each element's radiosity to its emission.
     pub fn emit(&mut self) {
         let RefinementOracle { elements, radiosity, .. } = &mut self.oracle;
-        let emitted = |node: &super::elements::Node| {
-            if node.is_cluster() { DVec3::ZERO } else { elements.patches[node.patch as usize].emitted }
+        let emitted = |(node, number): (&super::elements::Node, u32)| {
+            if node.is_cluster() { DVec3::ZERO } else { elements.emitted(number) }
         };
-        radiosity.b = elements.nodes.iter().map(emitted).collect();
+        radiosity.b = elements.nodes.iter().zip(0..).map(emitted).collect();
         radiosity.pull(elements);
     }
 

@@ -100,9 +100,12 @@ impl<'n> UnshotLight<'n> {
         }
         let leaf = |(i, b): (usize, &DVec3)| if elements.nodes[i].is_leaf() { *b } else { DVec3::ZERO };
         let b: Vec<DVec3> = radiosity.b.iter().enumerate().map(leaf).collect();
-        let patch =
-            |patch: &super::elements::Patch| elements.nodes[patch.node as usize].area * patch.emitted.element_sum();
-        let mut power: Vec<f64> = elements.patches.iter().map(patch).collect();
+        let of_patch = |patch: &super::elements::Patch| {
+            // Where a texture varies it, the mean over the elements below, which are what shoots.
+            let emitted = if elements.is_textured() { radiosity.b[patch.node as usize] } else { patch.emitted };
+            elements.nodes[patch.node as usize].area * emitted.element_sum()
+        };
+        let mut power: Vec<f64> = elements.patches.iter().map(of_patch).collect();
         power.extend(lights.iter().map(|light| 4.0 * PI * light.intensity.element_sum()));
         Self { hierarchy, outgoing, first, unshot: b.clone(), taken: vec![DVec3::ZERO; nodes], b, power }
     }

@@ -74,8 +74,7 @@ fn set_leaf_radiosity(
     changes: &mut [f64; 2],
 ) {
     let node = &elements.nodes[leaf as usize];
-    let patch = &elements.patches[node.patch as usize];
-    let b = patch.emitted + elements.albedo(leaf) * irradiance;
+    let b = elements.emitted(leaf) + elements.albedo(leaf) * irradiance;
     let old = std::mem::replace(&mut radiosity.b[leaf as usize], b);
     changes[0] += node.area * (b - old).abs().element_sum();
     changes[1] += node.area * b.element_sum();
@@ -267,7 +266,7 @@ mod tests {
             });
         }
         let scene = Scene::build(&SceneDesc::default(), &BuildOptions::default()).unwrap();
-        let mut hierarchy = LinkHierarchy::new(&scene, elements);
+        let mut hierarchy = LinkHierarchy::new(&scene, elements).unwrap();
         for (receiver, source) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
             if receiver != source {
                 // Full precision: the factor in single precision, and its rounding error as a second link.

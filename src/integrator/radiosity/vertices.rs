@@ -247,17 +247,31 @@ fn gather_at(
     }
 }
 
-/// The form factor of an element from a point with this normal, and the irradiance of the fully visible element. A near
-/// and uneven element is evaluated by its children.
+/// The form factor of an element from a point with this normal, and the irradiance of the fully visible element. Lamps with a texture
+/// are evaluated by the children of the element, whose radiosities the link took as accurate: edges of a texture are nothing linear.
 fn from_element(oracle: &RefinementOracle, p: DVec3, n: DVec3, number: u32) -> (f64, DVec3) {
+    let source = &oracle.elements.nodes[number as usize];
+    if oracle.elements.is_uneven_lamp(number) && !source.is_leaf() {
+        return sum_of_parts(source, |part| from_part(oracle, p, n, part));
+    }
+    from_part(oracle, p, n, number)
+}
+
+/// The sum of factors and irradiances over the children of an element.
+fn sum_of_parts(source: &Node, of: impl Fn(u32) -> (f64, DVec3)) -> (f64, DVec3) {
+    let parts = source.range().map(|part| of(part as u32));
+    parts.fold((0.0, DVec3::ZERO), |sum, part| (sum.0 + part.0, sum.1 + part.1))
+}
+
+/// [`from_element`] of an element whose radiosity varies about linearly. A near and uneven element is evaluated by its children.
+fn from_part(oracle: &RefinementOracle, p: DVec3, n: DVec3, number: u32) -> (f64, DVec3) {
     let source = &oracle.elements.nodes[number as usize];
     let way = source.centre - p;
     let distance2 = way.length_squared();
     let b = oracle.radiosity.b[number as usize];
     let is_uneven = f64::from(oracle.radiosity.spread[number as usize]) > UNEVEN * b.max_element();
     if is_uneven && distance2 < (NEAR * source.radius).powi(2) {
-        let parts = source.range().map(|part| from_element(oracle, p, n, part as u32));
-        return parts.fold((0.0, DVec3::ZERO), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+        return sum_of_parts(source, |part| from_part(oracle, p, n, part));
     }
     let corners = oracle.elements.triangle(source);
     let factor = if distance2 > (FAR * source.radius).powi(2) {

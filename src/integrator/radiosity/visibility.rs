@@ -142,9 +142,8 @@ impl RefinementOracle {
         if self.at_vertices.is_empty() {
             return self.radiosity.b[leaf as usize].element_sum();
         }
-        let patch = &self.elements.patches[node.patch as usize];
         let [a, b, c] = node.corners.map(|vertex| self.at_vertices[vertex as usize].to_f64());
-        (patch.emitted + self.elements.albedo(leaf) * (a * (1.0 - s - t) + b * s + c * t)).element_sum()
+        (self.elements.emitted(leaf) + self.elements.albedo(leaf) * (a * (1.0 - s - t) + b * s + c * t)).element_sum()
     }
 
     fn centre(&self, number: u32) -> DVec3 {

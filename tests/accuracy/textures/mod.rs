@@ -1,6 +1,8 @@
 //! Textures: what a lookup returns, and what a scene with textures shows.
 
+mod balls;
 mod elements;
+mod elements_of_lamps;
 mod emission;
 mod lookups;
 mod projections;
@@ -16,7 +18,8 @@ use crate::record::Entry;
 
 pub fn cases() -> Vec<Entry> {
     let scenes = scenes::cases().into_iter().chain(emission::cases()).chain(projections::cases());
-    lookups::cases().into_iter().chain(scenes).chain(elements::cases()).chain(relief::cases()).collect()
+    let lamps = balls::cases().into_iter().chain(elements_of_lamps::cases());
+    lookups::cases().into_iter().chain(scenes).chain(elements::cases()).chain(lamps).chain(relief::cases()).collect()
 }
 
 const FILTERS: [TextureFilter; 5] = [
