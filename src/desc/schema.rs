@@ -77,7 +77,7 @@ enum Surface<'a> {
     Sphere(surface::Sphere<'a>),
     Triangle(surface::Triangle<'a>),
     Quad(surface::Quad<'a>),
-    Mesh(surface::Mesh<'a>),
+    Mesh(Box<surface::Mesh<'a>>),
     Quadric(surface::Quadric<'a>),
     Cylinder(surface::Cylinder<'a>),
     Cone(surface::Cone<'a>),

@@ -101,7 +101,7 @@ mod tests {
         {
             let mesh = json!({"geometry": "mesh", "material": "m", "positions": corners, "normals": corners,
                 "triangles": [[0, 1, 2]], "shading": if smooth { "smooth" } else { "flat" }, "transform": [{"scale": scale}]});
-            let expected = if smooth { 0.5 / f64::from(scale).abs() } else { 0.0 };
+            let expected = if smooth { 0.5 / f64::abs(scale) } else { 0.0 };
             let [from, towards] = [9.0_f64, 0.0].map(|z| [0.0, 0.0, z.copysign(scale)]);
             let found = f64::from(curvature(&built(&mesh, dynamic), from, towards));
             assert!((found - expected).abs() < 1e-3 * expected.max(1e-3), "{found}, not {expected}: {dynamic} {scale}");
