@@ -87,6 +87,8 @@ struct ProgressState<'a> {
     total: f64,
     /// The largest fraction that was reported by steps.
     reported: f64,
+    /// The fraction at the last report by steps, or a smaller one since, where there was more work than expected.
+    seen: f64,
     /// Time of the last report by time.
     last: Instant,
 }
@@ -101,10 +103,13 @@ impl ProgressState<'_> {
 
     fn report_steps(&mut self) {
         if let Some(Report::BySteps(report)) = &self.report {
+            // Where there is more work than was expected, the fraction falls. The last one is reported again as the work goes on, so that
+            // the callback can always stop it.
             let fraction = self.fraction();
-            if fraction >= self.reported + STEP || (fraction == 1.0 && self.reported < 1.0) {
-                self.reported = fraction;
-                report(fraction);
+            self.seen = self.seen.min(fraction);
+            if fraction >= self.seen + STEP || (fraction == 1.0 && self.reported < 1.0) {
+                (self.seen, self.reported) = (fraction, self.reported.max(fraction));
+                report(self.reported);
             }
         }
     }
@@ -129,7 +134,8 @@ impl<'a> WorkProgress<'a> {
 
     fn with(cancel: Cancel, report: Option<Report<'a>>, stage: [f64; 2]) -> Self {
         let (is_timed, is_reported) = (matches!(report, Some(Report::ByTime(_))), report.is_some());
-        let state = ProgressState { report, stage, done: 0.0, total: 0.0, reported: 0.0, last: Instant::now() };
+        let state =
+            ProgressState { report, stage, done: 0.0, total: 0.0, reported: 0.0, seen: 0.0, last: Instant::now() };
         Self { cancel, is_timed, is_reported, state: Mutex::new(state) }
     }
 
@@ -365,7 +371,7 @@ mod tests {
             WorkProgress::by_steps(&cancel, Some(Arc::new(move |fraction| list.lock().unwrap().push(fraction))));
         progress.expect(100.0);
         progress.each(25, 1.0, |_| {}).unwrap();
-        // There is more work than was expected: the fraction falls, which is not reported.
+        // There is more work than was expected: the fraction falls, and is not reported.
         progress.settle(275.0);
         let built = progress.within(200.0, |tell| {
             assert!(tell(0.5) && tell(0.25), "it goes on");

@@ -80,8 +80,8 @@ impl MicrofacetsDesc {
         [along, narrower * along]
     }
 
-    /// Facets that lean by these and by further slopes of this variance along any direction, `round` to the nearest of some values;
-    /// smooth surfaces stay smooth.
+    /// Facets that lean by these and by further slopes of this variance along any direction, `round` to the nearest of some values but
+    /// not narrower or more uneven than these; smooth surfaces stay smooth.
     ///
     /// The squares of the widths grow by twice the variance. This is exact for Beckmann's facets and normally distributed slopes,
     /// whose sums are such slopes again (Olano and Baker 2010, "LEAN Mapping"). GGX has slopes without a variance, and the same is
@@ -93,7 +93,8 @@ impl MicrofacetsDesc {
         let [along, across] = self.alphas().map(|alpha| alpha * alpha + 2.0 * variance);
         let roughness = (0.5 * (along + across)).powf(0.25);
         let anisotropy = 1.0 - (across / along).sqrt();
-        Self { roughness: round(roughness.min(1.0)), anisotropy: round(anisotropy.max(0.0)), ..self }
+        let roughness = round(roughness.min(1.0)).max(self.roughness);
+        Self { roughness, anisotropy: round(anisotropy.max(0.0)).min(self.anisotropy), ..self }
     }
 }
 
@@ -205,6 +206,7 @@ mod tests {
         assert_eq!(MicrofacetsDesc::rough(0.9).widened(5.0, |x| x).roughness, 1.0);
         let quarters = |x: f32| (4.0 * x).round() / 4.0;
         assert_eq!(MicrofacetsDesc::rough(0.5).widened(0.02, quarters).roughness, 0.5);
+        assert_eq!(MicrofacetsDesc::rough(0.6).widened(1e-6, quarters).roughness, 0.6);
     }
 
     #[test]

@@ -27,8 +27,8 @@ pub struct MeshDesc {
     /// ([`TextureDesc::vertex_colors`](super::TextureDesc::vertex_colors)): red, green and blue in linear light, each >= 0, and
     /// opacity in [0, 1].
     pub colors: Vec<[f32; 4]>,
-    /// Empty, or one tangent per vertex for normal maps on smooth surfaces, of any length: the direction in which the first coordinate of
-    /// the map's image grows. Where there are none, normal maps have those of MikkTSpace.
+    /// Empty, or one tangent per vertex for normal maps on smooth surfaces, of any length: the direction in which the first texture
+    /// coordinate grows; an image that is turned on the surface is turned from there. Where there are none, normal maps have those of MikkTSpace.
     pub tangents: Vec<[f32; 3]>,
     /// Arrays of the host program, read in place; where they are given, the vectors above are empty, but for the colours, the tangents
     /// and the further sets.

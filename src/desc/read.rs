@@ -59,9 +59,11 @@ impl LoadOptions {
     fn watch(&self, read: impl FnOnce(&WorkProgress<'static>) -> Result<SceneDesc>) -> Result<SceneDesc> {
         let work = WorkProgress::by_steps(&self.cancel, self.progress.clone());
         work.check()?;
+        // One unit is left when the last image of a batch is decoded: the end is reported once.
+        work.expect(1.0);
         let scene = read(&work)?;
-        work.check()?;
         work.finish();
+        work.check()?;
         Ok(scene)
     }
 }

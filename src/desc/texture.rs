@@ -304,9 +304,16 @@ impl TextureKey {
         )
     }
 
-    /// Whether it is the roughness of facets, which slopes that a filter averages widen.
+    /// Whether slopes that a filter averages change it: roughness and anisotropy of facets.
     pub(crate) fn is_width(self) -> bool {
-        matches!(self, Self::Roughness | Self::SpecularRoughness | Self::CoatRoughness)
+        matches!(
+            self,
+            Self::Roughness
+                | Self::Anisotropy
+                | Self::SpecularRoughness
+                | Self::SpecularRoughnessAnisotropy
+                | Self::CoatRoughness
+        )
     }
 
     /// Whether tables of rough surfaces depend on it: these are made for rounded values.
@@ -389,12 +396,14 @@ impl BsdfDesc {
         }
     }
 
-    /// Number of facets of this model: those that [`Self::widen`] changes.
+    /// Number of parameters that [`Self::widen`] changes: the roughness of facets that are not smooth, and their anisotropy.
     pub(crate) fn widths(&self) -> usize {
         let mut count = 0;
         let mut desc = *self;
         desc.each_facets(|facets| {
-            count += usize::from(!facets.are_smooth());
+            if !facets.are_smooth() {
+                count += 1 + usize::from(facets.anisotropy > 0.0);
+            }
             facets
         });
         count

@@ -66,7 +66,7 @@ pub(super) fn bindings(
     };
     dresser.point_lights(unbound.centre)?;
     let owners = unbound.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
-    let list_owners = dresser.analytic(unbound.list.shapes(), unbound.list_surfaces);
+    let list_owners = dresser.analytic(unbound.list.shapes(), unbound.list_surfaces)?;
     dresser.environment(&unbound);
     let emitters = EmitterSet::cancellable(dresser.emitters, &progress.cancel)?;
     Ok(SurfaceBindings { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
@@ -166,7 +166,7 @@ impl BindingBuilder<'_, '_> {
                 Ok(Owners::One(self.owner(surface, first)))
             }
             &Geometry::Instance { surface, .. } => Ok(Owners::One(self.owner(surface, NO_EMITTER))),
-            Geometry::Analytic { shapes, surfaces } => Ok(Owners::Each(self.analytic(&shapes.0, surfaces))),
+            Geometry::Analytic { shapes, surfaces } => self.analytic(&shapes.0, surfaces).map(Owners::Each),
         }
     }
 
@@ -207,15 +207,17 @@ impl BindingBuilder<'_, '_> {
         }
     }
 
-    fn analytic(&mut self, shapes: &[Analytic], surfaces: &[u32]) -> Vec<Owner> {
+    fn analytic(&mut self, shapes: &[Analytic], surfaces: &[u32]) -> Result<Vec<Owner>> {
         let owner = |(shape, &surface): (&Analytic, &u32)| {
             let mut emitter = NO_EMITTER;
             if let (Some(radiance), Analytic::Sphere(sphere)) = (self.emission(surface), shape) {
                 emitter = self.emitters.len() as u32;
+                // The light of a textured ball is worked out at thousands of its points.
+                self.progress.check()?;
                 let emission = self.sphere(*sphere, surface, radiance);
                 self.emitters.push(emission);
             }
-            self.owner(surface, emitter)
+            Ok(self.owner(surface, emitter))
         };
         shapes.iter().zip(surfaces).map(owner).collect()
     }

@@ -35,14 +35,17 @@ impl Triangles {
     /// matrices take places and normals to the scene frame.
     fn curvature(&self, primitive: u32, time: f32, [places, leanings]: [DMat3; 2]) -> f64 {
         let Some(normals) = &self.normals else { return 0.0 };
-        let corners = self.corners(primitive, shutter_time(time)).map(|corner| places * corner);
         let normals = self.mesh.indices().get(primitive as usize).map(|corner| {
             let [x, y, z] = normals.get(corner as usize).map(f64::from);
             (leanings * DVec3::new(x, y, z)).normalize_or_zero()
         });
-        if normals.contains(&DVec3::ZERO) {
+        let [a, b, c] = self.corners(primitive, shutter_time(time));
+        let face = leanings * (b - a).cross(c - a);
+        // Where normals face away from the viewer who sees the face, it is shaded as it is.
+        if normals.iter().any(|normal| normal.dot(face) <= 0.0) {
             return 0.0;
         }
+        let corners = [a, b, c].map(|corner| places * corner);
         let along = |from: usize, to: usize| {
             let side = corners[to] - corners[from];
             (normals[to] - normals[from]).dot(side) / side.length_squared()

@@ -39,7 +39,7 @@ pub struct SurfaceDetail<'a> {
     /// runs around the world's y axis.
     pub tangent: Vec3,
     /// The direction along which normal maps have their x axis, of any length but 0, on smooth meshes with a normal map: that of
-    /// MikkTSpace. On other surfaces it is that in which the first texture coordinate grows.
+    /// the mesh, or of MikkTSpace. On other surfaces it is that in which the first texture coordinate grows.
     pub map_tangent: Option<Vec3>,
     /// The point on its mesh, in scenes with textures that read colours of vertices or a further set of texture coordinates.
     pub(super) mesh: Option<MeshPoint<'a>>,
@@ -157,7 +157,7 @@ impl Scene {
         SurfaceDetail { uv, dpdu, dpdv, footprint: cone.width(), p, wo, ng, ns, tangent, map_tangent, mesh }
     }
 
-    /// The tangent of MikkTSpace, where one was made for the mesh.
+    /// The tangent of a normal map, where the mesh has tangents or some were made for it.
     fn map_tangent(&self, hit: &Hit, time: f32) -> Option<Vec3> {
         let of = |triangles: &Triangles, surface| {
             let tangents = self.tangents.of(surface)?;

@@ -41,7 +41,7 @@ pub(super) fn bounds(mesh: &MeshDesc, progress: &WorkProgress) -> Result<Bounds>
         Some(host) => (host.normals.as_ref().map_or(0, Buffer::len), host.uvs.as_ref().map_or(0, Buffer::len)),
     };
     let further = mesh.further_uvs.iter().map(|uvs| (uvs.len(), "uvs of a further set"));
-    let own = [(normals, "normals"), (uvs, "uvs"), (mesh.colors.len(), "colors")];
+    let own = [(normals, "normals"), (uvs, "uvs"), (mesh.colors.len(), "colors"), (mesh.tangents.len(), "tangents")];
     for (count, what) in own.into_iter().chain(further) {
         if count != 0 && count != vertices {
             return invalid(format!("{count} {what} for {vertices} vertices"));

@@ -42,8 +42,8 @@ impl Relief {
         let [a, b] = variances(self.bound.texel_at(&own));
         let [along, across] = match self.bound.key {
             TextureKey::Bump => {
-                // The two slopes of a texture are taken to vary independently.
-                let Some(directions) = directions(&own) else { return 0.0 };
+                // The two slopes of a texture are taken to vary independently. The shading normal may be that of the heights already.
+                let Some(directions) = directions(&own, own.ng) else { return 0.0 };
                 let [hu, hv] = by_own_coordinates(&self.bound.placement, |[m, n]| m * m * a + n * n * b);
                 by_lengths(&own, directions).map(|[m, n]| m * m * hu + n * n * hv)
             }
@@ -77,10 +77,10 @@ fn by_own_coordinates(placement: &Placement, of_texture: impl Fn([f32; 2]) -> f3
     [of_texture([a, c]), of_texture([b, d])]
 }
 
-/// Two unit directions along the surface, the first of them that in which u grows.
-fn directions(at: &SurfaceDetail) -> Option<[Vec3; 2]> {
-    let s = (at.dpdu - at.dpdu.dot(at.ns) * at.ns).try_normalize()?;
-    Some([s, at.ns.cross(s)])
+/// Two unit directions across the normal `n`, the first of them that in which u grows.
+fn directions(at: &SurfaceDetail, n: Vec3) -> Option<[Vec3; 2]> {
+    let s = (at.dpdu - at.dpdu.dot(n) * n).try_normalize()?;
+    Some([s, n.cross(s)])
 }
 
 /// The directions of [`directions`] in terms of the derivatives of the position: each row makes the slope along one of them from the
@@ -93,7 +93,7 @@ fn by_lengths(at: &SurfaceDetail, [s, t]: [Vec3; 2]) -> [[f32; 2]; 2] {
 
 /// The normal of a surface that is raised by a height (Blinn 1978): ns - dh/ds over the two directions of the surface.
 fn bumped(bound: &Bound, slopes: Option<Texel>, at: &SurfaceDetail) -> Vec3 {
-    let Some([s, t]) = directions(at) else { return at.ns };
+    let Some([s, t]) = directions(at, at.ns) else { return at.ns };
     /// Smallest step, of a coordinate.
     const FINEST_STEP: f32 = 1.0 / (1 << 18) as f32;
     // Half a texel.

@@ -264,6 +264,15 @@ pub(super) fn varies(material: &MaterialDesc, materials: &[MaterialDesc]) -> boo
         }
 }
 
+/// Whether a material or one of its parts has facets that are not smooth.
+fn has_facets(material: &MaterialDesc, materials: &[MaterialDesc]) -> bool {
+    let of_part = |part: usize| materials.get(part).is_some_and(|it| has_facets(it, &materials[..part]));
+    match material.bsdf {
+        BsdfDesc::Mix { materials: [a, b], .. } | BsdfDesc::TwoSided { front: a, back: b } => of_part(a) || of_part(b),
+        bsdf => bsdf.widths() > 0,
+    }
+}
+
 /// How the Bsdf at a point is made.
 #[derive(Debug)]
 enum Recipe {
@@ -339,6 +348,8 @@ pub(super) struct Textured {
     /// The opacity from which a mask is opaque; 0 where there is no mask.
     cutoff: f32,
     normal: Option<Relief>,
+    /// Whether facets are widened by what a filter averages of the normals.
+    widens: bool,
     mean: Bsdf,
     extremes: Vec<Bsdf>,
     lobes: Lobes,
@@ -370,14 +381,14 @@ impl Textured {
         }
         let normal = material.textured(TextureKey::Normal).or_else(|| material.textured(TextureKey::Bump));
         let slopes = normal.and_then(|binding| slopes_of(binding, &desc.textures.get(binding.texture)?.source));
-        let widens = slopes.is_some();
+        let widens = slopes.is_some() && has_facets(material, &desc.materials[..number]);
         let mut binder = Binder { desc, prepared, before, device, centre, widens };
         let recipe = binder.recipe(number)?;
         let mut surface =
             |binding: Option<&TextureBinding>| binding.map(|binding| binder.bind(binding, 0.0)).transpose();
         let opacity = surface(material.textured(TextureKey::Opacity))?;
         let cutoff = material.textured(TextureKey::Opacity).map_or(0.0, |binding| binding.cutoff);
-        let normal = surface(normal)?.map(|bound| Relief { bound, has_slopes: widens });
+        let normal = surface(normal)?.map(|bound| Relief { bound, has_slopes: slopes.is_some() });
         let recipe_bsdf = |texel: &dyn Fn(&Bound) -> Texel| recipe.bsdf(texel, 0.0);
         let mean = recipe_bsdf(&Bound::mean);
         // Each parameter at its smallest and largest while the others are at their means; all together; and those of rough surfaces
@@ -404,13 +415,13 @@ impl Textured {
         let lobes = extremes.iter().map(|bsdf| bsdf.lit_lobes()).fold(Lobes::empty(), |all, some| all | some);
         // Footprints are ellipses in the tangents.
         let asks_tangents = asks_footprint || normal.is_some() || extremes.iter().any(|bsdf| bsdf.is_anisotropic());
-        Ok(Some(Self { recipe, opacity, cutoff, normal, mean, extremes, lobes, asks_footprint, asks_tangents }))
+        Ok(Some(Self { recipe, opacity, cutoff, normal, widens, mean, extremes, lobes, asks_footprint, asks_tangents }))
     }
 }
 
 impl VaryingMaterial for Textured {
     fn bsdf(&self, at: &SurfaceDetail) -> Bsdf {
-        let variance = self.normal.as_ref().map_or(0.0, |it| it.variance(at));
+        let variance = self.normal.as_ref().filter(|_| self.widens).map_or(0.0, |it| it.variance(at));
         let bsdf = self.recipe.bsdf(&|bound| bound.texel(at), variance);
         if bsdf.is_anisotropic() { turned_with_tangents(&bsdf, at) } else { bsdf }
     }

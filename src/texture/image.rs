@@ -137,9 +137,11 @@ impl ImageTexture {
     /// A texel of a level, columns to the right and rows down, which may lie beyond the edges.
     #[inline]
     pub(super) fn texel(&self, level: usize, at: [i64; 2]) -> Texel {
-        match wrapped(self.wrap, self.size(level), at) {
-            Some([x, y]) => self.stored(level, x, y),
-            None => [0.0; 4],
+        let Some([x, y]) = wrapped(self.wrap, self.size(level), at) else { return [0.0; 4] };
+        let texel = self.stored(level, x, y);
+        match self.slopes {
+            Some(of) => of.beyond_edges(self.wrap, self.size(level), at, texel),
+            None => texel,
         }
     }
 
@@ -185,6 +187,9 @@ impl ImageTexture {
 
     #[inline]
     fn bilinear(&self, level: usize, uv: [f32; 2]) -> Texel {
+        if self.slopes.is_some() {
+            return self.bilinear_slopes(level, uv);
+        }
         let place = self.place(level, uv);
         let [x, y] = place.map(|x| x.floor() as i64);
         let [s, t] = [place[0] - x as f32, place[1] - y as f32];
@@ -200,11 +205,22 @@ impl ImageTexture {
             std::array::from_fn(|c| left * a[c] + right * b[c])
         });
         let [upper, lower]: [Texel; 2] = rows;
-        let value: Texel = std::array::from_fn(|c| (1.0 - t) * upper[c] + t * lower[c]);
-        match self.slopes {
-            Some(_) if level == 0 => [value[0], value[1], value[0] * value[0], value[1] * value[1]],
-            _ => value,
+        std::array::from_fn(|c| (1.0 - t) * upper[c] + t * lower[c])
+    }
+
+    /// [`Self::bilinear`] of slopes: between texels of the image itself the surface is smooth.
+    fn bilinear_slopes(&self, level: usize, uv: [f32; 2]) -> Texel {
+        let place = self.place(level, uv);
+        let [x, y] = place.map(|x| x.floor() as i64);
+        let [s, t] = [place[0] - x as f32, place[1] - y as f32];
+        let mut value = [0.0; 4];
+        for (dx, dy, weight) in
+            [(0, 0, (1.0 - s) * (1.0 - t)), (1, 0, s * (1.0 - t)), (0, 1, (1.0 - s) * t), (1, 1, s * t)]
+        {
+            let texel = self.texel(level, [x + dx, y + dy]);
+            value = std::array::from_fn(|c| value[c] + weight * texel[c]);
         }
+        if level == 0 { [value[0], value[1], value[0] * value[0], value[1] * value[1]] } else { value }
     }
 
     fn mip(&self, uv: [f32; 2], axes: &[[f32; 2]; 2]) -> Texel {
@@ -254,6 +270,17 @@ impl ImageTexture {
 
     fn ewa(&self, uv: [f32; 2], axes: &[[f32; 2]; 2]) -> Texel {
         let Some([long, short]) = self.ellipse(axes) else { return self.bilinear(0, uv) };
+        let width = long[0].hypot(long[1]);
+        if self.slopes.is_some() && width < 2.0 {
+            // The ellipse is a texel wider than what is seen. What it holds of a surface that is seen from near, nothing has averaged.
+            let share = (width - 1.0).max(0.0);
+            let [near, far] = [self.bilinear(0, uv), self.ewa_mean(uv, long, short)];
+            return std::array::from_fn(|c| near[c] + share * (far[c] - near[c]));
+        }
+        self.ewa_mean(uv, long, short)
+    }
+
+    fn ewa_mean(&self, uv: [f32; 2], long: [f32; 2], short: [f32; 2]) -> Texel {
         // In the lower level the short axis is two texels or more, so that its ellipses hold enough of them.
         let width = 0.5 * short[0].hypot(short[1]);
         let last = self.last_level();

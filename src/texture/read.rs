@@ -54,6 +54,20 @@ impl ImageSource<'_> {
         }
     }
 
+    /// Number of texels as the header says it; 0 where it cannot be read, and of OpenEXR files.
+    fn texels(&self) -> u64 {
+        let of = |size: Option<[u32; 2]>| size.map_or(0, |[width, height]| u64::from(width) * u64::from(height));
+        of(match self {
+            Self::File(path) => {
+                let extension = path.extension().and_then(|extension| extension.to_str());
+                crate::desc::open_file(path, SIZE_LIMIT)
+                    .ok()
+                    .and_then(|file| dimensions(BufReader::new(file), extension))
+            }
+            Self::Bytes(bytes, extension) => dimensions(Cursor::new(bytes), extension.as_deref()),
+        })
+    }
+
     /// Reads the image. Each byte that the decoder has taken is a unit of the work.
     pub fn read(&self, work: &WorkProgress<'_>) -> Result<ReadImage> {
         match self {
@@ -77,7 +91,7 @@ const MOST_READERS: usize = 16;
 /// How images are read together.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReadingTogether {
-    /// No further image is begun once there are more texels.
+    /// No image is begun with which there would be more texels, nor any after it. Where this is a limit, headers are read before.
     pub most_texels: u64,
     /// Whether no further image is begun after an error.
     pub stops_at_error: bool,
@@ -98,12 +112,17 @@ pub(crate) fn read_images(
     let (next, texels) = (AtomicUsize::new(0), AtomicU64::new(0));
     let stop = || next.store(images.len(), Ordering::Relaxed);
     let run = || {
+        let is_full = |own: u64| texels.fetch_add(own, Ordering::Relaxed).saturating_add(own) > how.most_texels;
         while let Some((source, place)) = images.iter().zip(&read).nth(next.fetch_add(1, Ordering::Relaxed)) {
+            let known = if how.most_texels == u64::MAX { 0 } else { source.texels() };
+            if is_full(known) {
+                return stop();
+            }
             let image = source.read(work);
             match &image {
                 Ok((image, _)) => {
                     let own = u64::from(image.width()) * u64::from(image.height());
-                    if texels.fetch_add(own, Ordering::Relaxed).saturating_add(own) > how.most_texels {
+                    if is_full(own.saturating_sub(known)) {
                         stop();
                     }
                 }
@@ -204,13 +223,25 @@ fn decode(mut reader: impl BufRead + Seek, size: u64, extension: Option<&str>) -
         .unwrap_or_else(|_| Err(unreadable(&"its decoder failed")))
 }
 
-fn with_library(reader: impl BufRead + Seek, extension: Option<&str>) -> Result<(TexelImage, ColorSpace)> {
+/// Columns and rows of an image, by its header.
+fn dimensions(reader: impl BufRead + Seek, extension: Option<&str>) -> Option<[u32; 2]> {
+    let read = || Some(guessed(reader, extension).ok()?.into_dimensions().ok()?.into());
+    catch_unwind(AssertUnwindSafe(read)).ok().flatten()
+}
+
+/// A reader of the format that the bytes say, or the name.
+fn guessed<R: BufRead + Seek>(reader: R, extension: Option<&str>) -> Result<ImageReader<R>> {
     let mut reader = ImageReader::new(reader).with_guessed_format().map_err(|error| unreadable(&error))?;
     if reader.format().is_none()
         && let Some(format) = extension.and_then(ImageFormat::from_extension)
     {
         reader.set_format(format);
     }
+    Ok(reader)
+}
+
+fn with_library(reader: impl BufRead + Seek, extension: Option<&str>) -> Result<(TexelImage, ColorSpace)> {
+    let mut reader = guessed(reader, extension)?;
     if reader.format().is_none() {
         return Err(Error::new(
             ErrorKind::Unsupported,
@@ -368,8 +399,7 @@ mod tests {
         let cancel = Cancel::new();
         let read = together(&paths, ReadingTogether { most_texels: 5 * 4, ..ALL }, &WorkProgress::new(&cancel));
         let read = read.unwrap();
-        assert!(read[..6].iter().all(Option::is_some));
-        assert!(read.iter().flatten().count() <= 6 + MOST_READERS);
+        assert_eq!(read.iter().flatten().count(), 5);
     }
 
     /// An image is left before its end: after a part of its bytes.

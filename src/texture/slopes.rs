@@ -42,6 +42,24 @@ impl SlopesOf {
     }
 }
 
+impl SlopesOf {
+    /// The slopes at a texel that may lie beyond the edges, from those of the texel that is shown there: heights beyond the edges that
+    /// repeat those of the edge do not grow, and heights in a mirror grow the other way. Maps of normals are shown as they are, like
+    /// images.
+    pub fn beyond_edges(self, wrap: [Wrap; 2], size: [u32; 2], at: [i64; 2], texel: Texel) -> Texel {
+        let mut texel = texel;
+        for i in 0..2 {
+            let tile = at[i].div_euclid(i64::from(size[i]));
+            match wrap[i] {
+                Wrap::Clamp if self != Self::Normals && tile != 0 => (texel[i], texel[i + 2]) = (0.0, 0.0),
+                Wrap::Mirror if self != Self::Normals && tile % 2 != 0 => texel[i] = -texel[i],
+                _ => {}
+            }
+        }
+        texel
+    }
+}
+
 /// The variances of the two slopes, of which means and mean squares are given.
 pub(crate) fn variances([a, b, aa, bb]: Texel) -> [f32; 2] {
     [(aa - a * a).max(0.0), (bb - b * b).max(0.0)]
@@ -99,10 +117,12 @@ mod tests {
     /// From near, the surface between texels is smooth.
     #[test]
     fn nothing_is_averaged_from_near() {
-        let texture = texture(SlopesOf::Normals, 3, TextureFilter::Mip, |x, _| leaning([0.3 * x as f32, 0.0]));
-        let between = texture.at(&point([2.0 / 8.0, 0.5], 0.01));
-        assert!((between[0] - 0.45).abs() < 1e-5, "{between:?}");
-        assert!(variances(between).iter().all(|variance| *variance < 1e-6), "{between:?}");
+        for filter in [TextureFilter::Mip, TextureFilter::Ewa] {
+            let texture = texture(SlopesOf::Normals, 3, filter, |x, _| leaning([0.3 * x as f32, 0.0]));
+            let between = texture.at(&point([2.0 / 8.0, 0.5], 0.01));
+            assert!((between[0] - 0.45).abs() < 1e-5, "{between:?}");
+            assert!(variances(between).iter().all(|variance| *variance < 1e-6), "{between:?}");
+        }
     }
 
     #[test]
@@ -112,6 +132,38 @@ mod tests {
         let texture = texture(SlopesOf::Heights(0), 1, TextureFilter::Ewa, height);
         let [a, b, ..] = texture.texel(0, [4, 3]);
         assert!((a - 3.0).abs() < 1e-5 && (b - 5.0).abs() < 1e-5, "{a} {b}");
+    }
+
+    /// The slopes of a ramp that is repeated, mirrored and held at its edges, as differences of its heights say.
+    #[test]
+    fn heights_beyond_the_edges_grow_as_they_are_shown() {
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+            let values = (0..8 * 8).map(|i| ((i % 8) as f32 + 0.5) / 8.0 + 2.0 * ((i / 8) as f32 + 0.5) / 8.0);
+            let image = Arc::new(TexelImage::new(8, 8, 1, Texels::F32(values.collect())).unwrap());
+            let space = ColorSpace::Raw;
+            let slopes = ImageTexture::of_slopes(
+                Arc::clone(&image),
+                space,
+                [wrap; 2],
+                TextureFilter::Mip,
+                SlopesOf::Heights(0),
+                1,
+            );
+            let heights = ImageTexture::new(image, space, [wrap; 2], TextureFilter::Bilinear);
+            for uv in [[0.45_f32, 0.3], [-0.4, 0.3], [1.6, 0.55], [-1.3, 2.4], [0.5, -0.7]] {
+                let height = |du: f32, dv: f32| heights.at(&point([uv[0] + du, uv[1] + dv], 0.0))[0];
+                let step = 0.01;
+                let expected = [
+                    (height(step, 0.0) - height(-step, 0.0)) / (2.0 * step),
+                    (height(0.0, step) - height(0.0, -step)) / (2.0 * step),
+                ];
+                let [a, b, ..] = slopes.at(&point(uv, 0.0));
+                assert!(
+                    (a - expected[0]).abs() < 1e-3 && (b - expected[1]).abs() < 1e-3,
+                    "{wrap:?} {uv:?}: {a} {b}, not {expected:?}"
+                );
+            }
+        }
     }
 
     #[test]

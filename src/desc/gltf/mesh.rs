@@ -35,6 +35,15 @@ pub(super) struct Geometry {
     pub triangles: Vec<[u32; 3]>,
 }
 
+/// What the textures of a primitive's material read at its vertices.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct VertexReads<'a> {
+    /// Sets of texture coordinates, in the order in which textures number them.
+    pub uv_sets: &'a [u64],
+    /// Whether there is a normal map.
+    pub tangents: bool,
+}
+
 /// What was left out of the meshes of a document, and how much more of them may be made.
 pub(super) struct Meshes<'a> {
     pub accessors: &'a Accessors<'a>,
@@ -78,19 +87,18 @@ impl<'a> Meshes<'a> {
         Ok(())
     }
 
-    /// Reads a primitive with the weights of its morph targets; `None` where it has no triangles. `uv_sets` are the sets of texture
-    /// coordinates that the textures of its material use, in the order in which these number them.
+    /// Reads a primitive with the weights of its morph targets; `None` where it has no triangles.
     pub fn read(
         &mut self,
         path: &str,
         primitive: &Primitive<'_>,
         weights: &[f64],
-        uv_sets: &[u64],
+        reads: VertexReads<'_>,
     ) -> Result<Option<Geometry>> {
         let what = match primitive.mode.unwrap_or(4) {
             0 => "points",
             1..=3 => "lines",
-            mode @ 4..=6 => return self.triangles_of(path, primitive, mode, weights, uv_sets),
+            mode @ 4..=6 => return self.triangles_of(path, primitive, mode, weights, reads),
             other => {
                 let message = format!("{other} is no mode, expected a whole number from 0 to 6");
                 return Err(Error::invalid(format!("{path}.mode"), message));
@@ -106,7 +114,7 @@ impl<'a> Meshes<'a> {
         primitive: &Primitive<'_>,
         mode: u32,
         weights: &[f64],
-        uv_sets: &[u64],
+        reads: VertexReads<'_>,
     ) -> Result<Option<Geometry>> {
         let at = |key: &str| format!("{path}.attributes.{key}");
         let accessors = self.accessors;
@@ -142,7 +150,7 @@ impl<'a> Meshes<'a> {
             let read = accessors.floats::<3>(&at("NORMAL"), *index, Allowed::Floats)?;
             normals = read.into_iter().map(double).collect();
         }
-        let uv_keys: Vec<String> = uv_sets.iter().map(|set| format!("TEXCOORD_{set}")).collect();
+        let uv_keys: Vec<String> = reads.uv_sets.iter().map(|set| format!("TEXCOORD_{set}")).collect();
         let mut sets = Vec::with_capacity(uv_keys.len());
         for key in &uv_keys {
             let mut uvs = Vec::new();
@@ -162,7 +170,7 @@ impl<'a> Meshes<'a> {
             colors = self.colors(&at(COLOR), *index)?;
         }
         let mut tangents = Vec::new();
-        if let Some(index) = primitive.attributes.get(TANGENT).filter(|_| !normals.is_empty()) {
+        if let Some(index) = primitive.attributes.get(TANGENT).filter(|_| reads.tangents && !normals.is_empty()) {
             per_vertex(TANGENT, *index)?;
             // The fourth number is the side to which v grows, which texture coordinates say.
             let read = accessors.floats::<4>(&at(TANGENT), *index, Allowed::Fractions)?;

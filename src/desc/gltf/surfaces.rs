@@ -7,7 +7,7 @@ use super::accessor::Accessors;
 use super::animation::Pose;
 use super::document::{Document, Mesh, Node, element, missing};
 use super::material::Materials;
-use super::mesh::{Geometry, Meshes, weights};
+use super::mesh::{Geometry, Meshes, VertexReads, weights};
 use super::nodes::Nodes;
 use super::{deform, instances, skin};
 use crate::math::{DAffine3, DVec3};
@@ -132,7 +132,8 @@ impl Adding<'_> {
             let at = format!("meshes[{mesh}].primitives[{i}]");
             self.meshes.accessors.spend(&at, 1)?;
             let material = self.materials.of(&at, primitive.material, self.scene)?;
-            let Some(mut geometry) = self.meshes.read(&at, primitive, weights, self.materials.uv_sets(material))?
+            let Some(mut geometry) =
+                self.meshes.read(&at, primitive, weights, vertex_reads(&self.materials, self.scene, material))?
             else {
                 continue;
             };
@@ -155,7 +156,9 @@ impl Adding<'_> {
             let at = format!("meshes[{mesh}].primitives[{i}]");
             self.meshes.accessors.spend(&at, 1)?;
             let material = self.materials.of(&at, primitive.material, self.scene)?;
-            if let Some(geometry) = self.meshes.read(&at, primitive, weights, self.materials.uv_sets(material))? {
+            if let Some(geometry) =
+                self.meshes.read(&at, primitive, weights, vertex_reads(&self.materials, self.scene, material))?
+            {
                 parts.push(self.part(&at, mesh, i, material, geometry)?);
             }
         }
@@ -170,14 +173,13 @@ impl Adding<'_> {
             _ => path.to_owned(),
         };
         let smooth = !it.normals.is_empty();
-        let is_mapped = self.scene.materials[material].textured(TextureKey::Normal).is_some();
         let single = |vectors: Vec<DVec3>| vectors.into_iter().map(|it| it.as_vec3().to_array()).collect();
         let desc = MeshDesc {
             name: name.clone(),
             path: path.to_owned(),
             positions: it.positions,
             normals: single(it.normals),
-            tangents: if is_mapped { single(it.tangents) } else { Vec::new() },
+            tangents: single(it.tangents),
             uvs: it.uvs,
             further_uvs: it.further_uvs,
             colors: it.colors,
@@ -191,6 +193,11 @@ impl Adding<'_> {
         }
         Ok(Part { primitive, mesh: number, material, smooth })
     }
+}
+
+fn vertex_reads<'a>(materials: &'a Materials, scene: &SceneDesc, material: usize) -> VertexReads<'a> {
+    let tangents = scene.materials[material].textured(TextureKey::Normal).is_some();
+    VertexReads { uv_sets: materials.uv_sets(material), tangents }
 }
 
 /// The primitives of a mesh, of which there has to be one.

@@ -174,7 +174,9 @@ impl Radiosity {
         if elements.patches.is_empty() {
             notes.push("radiosity: no surface is diffuse or emits, the solution is empty".to_owned());
         }
-        let shared: SharedHierarchy = Arc::new(RwLock::new(LinkHierarchy::new(scene, elements)?));
+        let mut hierarchy = LinkHierarchy::new(scene, elements);
+        hierarchy.divide_lamps(|| parallel.check())?;
+        let shared: SharedHierarchy = Arc::new(RwLock::new(hierarchy));
         // Without bounces, the solution is the surfaces' emission.
         let is_emission = desc.iterations == Some(0) && !desc.ambient;
         let has_transport =

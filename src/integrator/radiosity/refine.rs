@@ -44,10 +44,7 @@ pub(super) type SharedHierarchy = Arc<RwLock<LinkHierarchy>>;
 
 impl LinkHierarchy {
     /// A hierarchy without links, in which each element's radiosity is its emission.
-    ///
-    /// # Errors
-    /// [`crate::ErrorKind::OutOfMemory`] where lamps with textures need more elements than memory allows.
-    pub fn new(scene: &Scene, elements: Elements) -> Result<Self> {
+    pub fn new(scene: &Scene, elements: Elements) -> Self {
         let light = |emitter: &Emitter| match emitter {
             Emitter::Point { position, intensity } => {
                 Some(PointLight { position: position.as_dvec3(), intensity: intensity.to_f64() })
@@ -66,17 +63,21 @@ impl LinkHierarchy {
         };
         let mut hierarchy = Self { oracle, links: Vec::new(), first: Vec::new(), clusters, scale: Vec::new() };
         hierarchy.emit();
-        hierarchy.divide_lamps()?;
-        Ok(hierarchy)
+        hierarchy
     }
 
     /// Divides the lamps whose radiance a texture varies: refinement looks at what lies below an element, but divides none for it.
-    fn divide_lamps(&mut self) -> Result<()> {
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::OutOfMemory`] where they need more elements than memory allows, and those of `check`, which is called for
+    /// each of them.
+    pub fn divide_lamps(&mut self, mut check: impl FnMut() -> Result<()>) -> Result<()> {
         let patches = self.oracle.elements.patches.iter();
         let mut waiting: Vec<u32> = patches.map(|patch| patch.node).collect();
         let first = self.oracle.elements.nodes.len();
         while let Some(number) = waiting.pop() {
             if self.oracle.elements.is_uneven_lamp(number) {
+                check()?;
                 waiting.extend(self.divide(number));
                 self.oracle.elements.check(self.bytes())?;
             }

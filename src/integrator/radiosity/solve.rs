@@ -266,7 +266,7 @@ mod tests {
             });
         }
         let scene = Scene::build(&SceneDesc::default(), &BuildOptions::default()).unwrap();
-        let mut hierarchy = LinkHierarchy::new(&scene, elements).unwrap();
+        let mut hierarchy = LinkHierarchy::new(&scene, elements);
         for (receiver, source) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
             if receiver != source {
                 // Full precision: the factor in single precision, and its rounding error as a second link.

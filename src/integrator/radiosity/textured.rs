@@ -186,7 +186,9 @@ mod tests {
         let desc = desc::parse(&scene.to_string(), "".as_ref(), None).unwrap();
         let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
         let elements = Elements::new(&scene, Some(0.05), 1 << 30).unwrap();
-        let elements = LinkHierarchy::new(&scene, elements).unwrap().oracle.elements;
+        let mut hierarchy = LinkHierarchy::new(&scene, elements);
+        hierarchy.divide_lamps(|| Ok(())).unwrap();
+        let elements = hierarchy.oracle.elements;
         (scene, elements)
     }
 
