@@ -162,7 +162,7 @@ fn complaint(error: &serde_json::Error, path: &str) -> Error {
 }
 
 /// Shortens a message to a bounded length by leaving out its middle, because files can hold words of any length.
-pub(super) fn elided(text: &str) -> String {
+pub(crate) fn elided(text: &str) -> String {
     const ENDS: usize = 300;
     if text.len() <= 2 * ENDS {
         return text.to_owned();

@@ -96,6 +96,7 @@ pub use index::SceneIndex;
 pub use integrator::{
     Bias, IntegratorDesc, IntegratorInfo, LobeSupport, LobeUse, MapRenewal, PhotonMethod, Preparation, SampleOrder,
 };
+pub(crate) use json::elided;
 pub use light::PointLightDesc;
 pub(crate) use material::Body;
 pub use material::{BsdfDesc, MaterialDesc, MediumDesc};

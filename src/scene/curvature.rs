@@ -1,30 +1,37 @@
 //! How much surfaces bend, for the cones of rays that they reflect and refract.
 
+use super::Scene;
 use super::geometry::Geometry;
 use super::hit::{Hit, IN_LIST};
 use super::interaction::Triangles;
-use super::{Scene, SurfaceInteraction};
-use crate::math::{DMat3, DVec3, shutter_time};
+use crate::math::{DMat3, DVec3, Ray, RayCone, Vec3, shutter_time};
 use crate::shape::Analytic;
 
 impl Scene {
+    /// The cone of a ray where it meets a surface at `p`, and the curvature there. The arguments are values, since a reference to the
+    /// interaction would keep all of it in memory at every hit.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn cone_at(&self, ray: &Ray, hit: &Hit, p: Vec3, time: f32) -> (RayCone, f32) {
+        let cone = ray.cone.after(hit.t * ray.direction.length());
+        (cone, if ray.cone.is_none() { 0.0 } else { self.curvature(hit, p, time) })
+    }
+
     /// The mean curvature at a hit [1 / scene unit]: positive where the surface bends away from its outer normal, as a ball does, and 0
     /// where it is flat. That of a smooth mesh is the one of its interpolated normals.
-    pub(super) fn curvature(&self, hit: &Hit, at: &SurfaceInteraction) -> f32 {
-        let of_shape = |shape: &Analytic| shape.mean_curvature(at.point.p.as_dvec3()) as f32;
+    fn curvature(&self, hit: &Hit, p: Vec3, time: f32) -> f32 {
+        let of_shape = |shape: &Analytic| shape.mean_curvature(p.as_dvec3()) as f32;
         if hit.geometry == IN_LIST {
             return self.list.shapes().get(hit.primitive as usize).map_or(0.0, of_shape);
         }
         let curvature = match &self.geometries[hit.geometry as usize] {
             Geometry::Analytic { shapes, .. } => return shapes.0.get(hit.primitive as usize).map_or(0.0, of_shape),
             Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
-                triangles.curvature(hit.primitive, at.point.time, [DMat3::IDENTITY; 2])
+                triangles.curvature(hit.primitive, time, [DMat3::IDENTITY; 2])
             }
-            Geometry::Instance { triangles, instance_path, .. } => {
-                instance_path.with_transform(at.point.time, |transform| {
-                    triangles.curvature(hit.primitive, at.point.time, [transform.to_scene.matrix3, transform.normals])
-                })
-            }
+            Geometry::Instance { triangles, instance_path, .. } => instance_path.with_transform(time, |transform| {
+                triangles.curvature(hit.primitive, time, [transform.to_scene.matrix3, transform.normals])
+            }),
         };
         if curvature.is_finite() { curvature as f32 } else { 0.0 }
     }
@@ -60,7 +67,7 @@ mod tests {
 
     use super::super::{BuildOptions, Scene};
     use crate::desc;
-    use crate::math::{DVec3, Ray, Vec3};
+    use crate::math::{DVec3, HitPoint, Ray, Vec3};
 
     fn built(surface: &serde_json::Value, dynamic: bool) -> Scene {
         let scene = json!({
@@ -77,7 +84,8 @@ mod tests {
         let direction: Vec3 = (scene.to_scene(towards) - scene.to_scene(from)).normalize();
         let ray = Ray::new(scene.to_scene(from), direction);
         let hit = scene.intersect(&ray).unwrap();
-        scene.curvature(&hit, &scene.interaction(&ray, &hit))
+        let HitPoint { p, time, .. } = scene.interaction(&ray, &hit).point;
+        scene.curvature(&hit, p, time)
     }
 
     #[test]

@@ -63,7 +63,7 @@ use std::sync::Arc;
 use crate::desc::CameraDesc;
 use crate::embree::{self, Device, PACKET};
 use crate::emitter::EmitterSet;
-use crate::math::{DVec3, Ray, Vec3};
+use crate::math::{DVec3, HitPoint, Ray, Vec3};
 use crate::shape::Analytic;
 use analytic::AnalyticList;
 use bindings::SurfaceBindings;
@@ -234,10 +234,8 @@ impl Scene {
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         let mut interaction = self.point_of(hit, ray.time, |shape| shape.point(ray, hit.t));
         if self.needs.footprints {
-            interaction.point.cone = ray.cone.after(hit.t * ray.direction.length());
-            if !ray.cone.is_none() {
-                interaction.point.curvature = self.curvature(hit, &interaction);
-            }
+            let HitPoint { p, time, .. } = interaction.point;
+            (interaction.point.cone, interaction.point.curvature) = self.cone_at(ray, hit, p, time);
         }
         interaction
     }

@@ -321,7 +321,8 @@ fn made(width: u32, height: u32, channels: u32, texels: Texels) -> Result<TexelI
 }
 
 fn unreadable(reason: &dyn std::fmt::Display) -> Error {
-    Error::new(ErrorKind::Io, format!("not a readable image: {reason}"))
+    // Decoders print lists of numbers that a file holds.
+    Error::new(ErrorKind::Io, format!("not a readable image: {}", crate::desc::elided(&reason.to_string())))
 }
 
 #[cfg(test)]
@@ -400,6 +401,12 @@ mod tests {
         let read = together(&paths, ReadingTogether { most_texels: 5 * 4, ..ALL }, &WorkProgress::new(&cancel));
         let read = read.unwrap();
         assert_eq!(read.iter().flatten().count(), 5);
+    }
+
+    #[test]
+    fn reasons_are_of_bounded_length() {
+        let message = unreadable(&"1, ".repeat(100_000)).message().to_owned();
+        assert!(message.len() < 1000 && message.starts_with("not a readable image: 1, "), "{message}");
     }
 
     /// An image is left before its end: after a part of its bytes.

@@ -14,7 +14,7 @@ use etendue::spectrum::Rgb;
 use etendue::texture::{ColorSpace, Pattern, Procedural, TextureFilter};
 
 use super::scenes::{quad, vary};
-use super::{described, image};
+use super::{Mean, described, image};
 use crate::common::scenes::{Job, add, box_inside, camera, mean_and_error, render, render_scene, scene};
 use crate::record::{Case, Entry, Within};
 
@@ -173,25 +173,6 @@ pub(super) fn room(albedo: f32) -> SceneDesc {
     let white = BsdfDesc::Lambert { albedo: Rgb::splat(albedo) };
     add(&mut room, 2, ShapeDesc::Mesh { mesh: 0, smooth: false }, white, None);
     room
-}
-
-/// A running mean and its standard error.
-#[derive(Default)]
-struct Mean {
-    sum: f64,
-    squares: f64,
-}
-
-impl Mean {
-    fn add(&mut self, value: f64) {
-        self.sum += value;
-        self.squares += value * value;
-    }
-
-    fn of(&self, count: u32) -> (f64, f64) {
-        let n = f64::from(count);
-        (self.sum / n, ((self.squares / n - (self.sum / n).powi(2)) / n).sqrt())
-    }
 }
 
 /// Powers, light samples, rays that meet the ball and places from which photons leave, against sums over the ball.

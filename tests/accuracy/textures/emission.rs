@@ -10,7 +10,7 @@ use etendue::spectrum::Rgb;
 use etendue::texture::{ColorSpace, Pattern, Procedural, TextureFilter};
 
 use super::scenes::{quad, vary};
-use super::{described, image};
+use super::{Mean, described, image};
 use crate::common::scenes::{Job, camera, mean_and_error, render, scene};
 use crate::lights::polygon_factor;
 use crate::record::{Case, Entry, Within};
@@ -85,16 +85,17 @@ fn points(case: &mut Case) {
             std::f64::consts::PI * 0.25 * sum,
             Within::Relative(5e-3),
         );
+        let photons = photons(&built, count);
+        case.mean(format!("power of photons, {how}"), photons, std::f64::consts::PI * 0.25 * sum, 2e-3);
         let mut rng = Rng::new(11, 0);
         for (x, z) in [(0.0, 0.0), (0.7, -0.4), (-1.5, 1.2)] {
             let p = DVec3::new(x, 0.0, z);
             let at = built.to_scene(p);
-            let (mut light, mut squares, mut met, mut met_squares) = (0.0, 0.0, 0.0, 0.0);
+            let (mut light, mut met) = (Mean::default(), Mean::default());
             for _ in 0..count {
                 let u = [rng.next_f32(), rng.next_f32(), rng.next_f32(), rng.next_f32()];
                 if let Some(sample) = built.emitters().sample(at, u) {
-                    let value = f64::from(sample.radiance.r() * sample.wi.y.max(0.0) / sample.pdf);
-                    (light, squares) = (light + value, squares + value * value);
+                    light.add(f64::from(sample.radiance.r() * sample.wi.y.max(0.0) / sample.pdf));
                 }
                 // Directions by the cosine.
                 let (r, phi) = (f64::from(u[1]).sqrt(), std::f64::consts::TAU * f64::from(u[2]));
@@ -104,16 +105,29 @@ fn points(case: &mut Case) {
                 let surface = built.interaction(&ray, &hit);
                 let Some(emitter) = surface.emitter else { continue };
                 let le = built.emitters().le(emitter, surface.ng, -wi, surface.point.p);
-                let value = std::f64::consts::PI * f64::from(le.r());
-                (met, met_squares) = (met + value, met_squares + value * value);
+                met.add(std::f64::consts::PI * f64::from(le.r()));
             }
-            let n = f64::from(count);
-            let estimate = |sum: f64, squares: f64| (sum / n, ((squares / n - (sum / n).powi(2)) / n).sqrt());
             let exact = exact(p, DVec3::Y);
-            case.mean(format!("light samples at ({x}, {z}), {how}"), estimate(light, squares), exact, 4e-3);
-            case.mean(format!("rays from ({x}, {z}), {how}"), estimate(met, met_squares), exact, 3e-2);
+            case.mean(format!("light samples at ({x}, {z}), {how}"), light.of(count), exact, 4e-3);
+            case.mean(format!("rays from ({x}, {z}), {how}"), met.of(count), exact, 3e-2);
         }
     }
+}
+
+/// The power that photons take along from the emitters of a scene together, in red.
+fn photons(scene: &Scene, count: u32) -> (f64, f64) {
+    let mut rng = Rng::new(17, 0);
+    let mut power = |emitter: &etendue::emitter::Emitter| {
+        let mut mean = Mean::default();
+        for _ in 0..count {
+            mean.add(emitter.power_from(&emitter.sample_departure([rng.next_f32(), rng.next_f32()])).x);
+        }
+        mean.of(count)
+    };
+    scene.emitters().emitters().iter().fold((0.0, 0.0), |(sum, error), emitter| {
+        let (own, own_error) = power(emitter);
+        (sum + own, own_error.hypot(error))
+    })
 }
 
 /// The lamp's image, and the floor below it by all methods that draw it.

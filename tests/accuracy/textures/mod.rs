@@ -22,6 +22,25 @@ pub fn cases() -> Vec<Entry> {
     lookups::cases().into_iter().chain(scenes).chain(elements::cases()).chain(lamps).chain(relief::cases()).collect()
 }
 
+/// A running mean and its standard error.
+#[derive(Default)]
+struct Mean {
+    sum: f64,
+    squares: f64,
+}
+
+impl Mean {
+    fn add(&mut self, value: f64) {
+        self.sum += value;
+        self.squares += value * value;
+    }
+
+    fn of(&self, count: u32) -> (f64, f64) {
+        let n = f64::from(count);
+        (self.sum / n, ((self.squares / n - (self.sum / n).powi(2)) / n).sqrt())
+    }
+}
+
 const FILTERS: [TextureFilter; 5] = [
     TextureFilter::Nearest,
     TextureFilter::Bilinear,
