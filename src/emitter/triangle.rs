@@ -55,7 +55,7 @@ impl TriangleEmitter {
     }
 
     /// Samples a direction from `p`; `None` where `p` is behind the triangle or in its plane.
-    #[inline]
+    #[inline(always)]
     pub(super) fn sample(&self, p: Vec3, u: [f32; 2]) -> Option<EmitterSample> {
         let triangle = &self.triangle;
         let height = triangle.height_by_twice_area(p);
