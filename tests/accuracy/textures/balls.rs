@@ -13,6 +13,7 @@ use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
 use etendue::texture::{ColorSpace, Pattern, Procedural, TextureFilter};
 
+use super::emission::METHODS;
 use super::scenes::{quad, vary};
 use super::{Mean, described, image};
 use crate::common::scenes::{Job, add, box_inside, camera, mean_and_error, render, render_scene, scene};
@@ -270,17 +271,8 @@ fn pictures(case: &mut Case) {
     let seen: Vec<DVec3> = (0..N * N).map(|i| DVec3::new(place(i % N), 0.0, place(i / N))).collect();
     let mean = |q, n| seen.iter().map(|p| transfer(*p, q, n)).sum::<f64>() / f64::from(N * N);
     let reflected = 0.5 / PI * Way::Own.integral(mean) * (1.0 + 0.5 + 0.25) / 3.0;
-    for (integrator, within) in [
-        (IntegratorDesc::Path, 4e-3),
-        (IntegratorDesc::Direct, 4e-3),
-        (IntegratorDesc::Whitted, 4e-3),
-        (IntegratorDesc::Caustic, 4e-3),
-        (IntegratorDesc::IrradianceCache, 5e-3),
-        (IntegratorDesc::Photon, 1e-2),
-        (IntegratorDesc::PhotonDirect, 1e-2),
-        (IntegratorDesc::Ppm, 1e-2),
-        (IntegratorDesc::Sppm, 1e-2),
-    ] {
+    let further = [(IntegratorDesc::PhotonDirect, 1e-2), (IntegratorDesc::Ppm, 1e-2)];
+    for (integrator, within) in METHODS.into_iter().chain(further) {
         let (image, _) = render(&floor, &Job { samples, integrator, ..Job::default() });
         let name = format!("the floor by {integrator:?}");
         // The mean over the floor is a sum over a few points.

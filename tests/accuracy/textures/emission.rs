@@ -130,6 +130,17 @@ fn photons(scene: &Scene, count: u32) -> (f64, f64) {
     })
 }
 
+/// Methods that draw the floor below a lamp, and the relative standard error within which they do.
+pub(super) const METHODS: [(IntegratorDesc, f64); 7] = [
+    (IntegratorDesc::Path, 4e-3),
+    (IntegratorDesc::Direct, 4e-3),
+    (IntegratorDesc::Whitted, 4e-3),
+    (IntegratorDesc::Caustic, 4e-3),
+    (IntegratorDesc::IrradianceCache, 5e-3),
+    (IntegratorDesc::Photon, 1e-2),
+    (IntegratorDesc::Sppm, 1e-2),
+];
+
 /// The lamp's image, and the floor below it by all methods that draw it.
 fn pictures(case: &mut Case) {
     let samples = case.count(64, 4096) as u32;
@@ -148,15 +159,7 @@ fn pictures(case: &mut Case) {
     let sum: f64 = all.map(|(i, j)| exact(DVec3::new(place(i), 0.0, place(j)), DVec3::Y)).sum();
     let reflected = 0.5 / std::f64::consts::PI * sum / f64::from(N * N);
     let floor = lamp(None);
-    for (integrator, within) in [
-        (IntegratorDesc::Path, 4e-3),
-        (IntegratorDesc::Direct, 4e-3),
-        (IntegratorDesc::Whitted, 4e-3),
-        (IntegratorDesc::Caustic, 4e-3),
-        (IntegratorDesc::IrradianceCache, 5e-3),
-        (IntegratorDesc::Photon, 1e-2),
-        (IntegratorDesc::Sppm, 1e-2),
-    ] {
+    for (integrator, within) in METHODS {
         let (image, _) = render(&floor, &Job { samples, integrator, ..Job::default() });
         let name = format!("the floor by {integrator:?}");
         case.mean(&name, mean_and_error(&image), reflected * (1.0 + 0.5 + 0.25) / 3.0, within);
