@@ -183,7 +183,6 @@ impl Binder<'_> {
         let Some(desc) = self.desc.textures.get(binding.texture) else {
             return Err(Error::invalid(format!("textures[{}]", binding.texture), "there is no such texture"));
         };
-        let channel = channel_of(binding.channel);
         let reads = match slopes_of(binding, &desc.source) {
             Some(of) => Reads::Slopes(of),
             None if binding.key.is_color() => Reads::Color,
@@ -196,7 +195,7 @@ impl Binder<'_> {
         };
         let is_opaque = is_opaque && !desc.vertex_colors;
         let is_of_opacity = binding.key == TextureKey::Opacity && !is_opaque;
-        let channel = channel.unwrap_or(if is_of_opacity { 3 } else { 0 });
+        let channel = channel_of(binding.channel).unwrap_or(if is_of_opacity { 3 } else { 0 });
         Ok(Bound {
             key: binding.key,
             asks_footprint: texture.asks_footprint(),
