@@ -3,14 +3,19 @@
 mod common;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use common::scenes::{Job, render_scene};
 use etendue::ErrorKind;
-use etendue::desc::{self, BsdfDesc, IntegratorDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceLook};
+use etendue::desc::{
+    self, BsdfDesc, EnvironmentDesc, EnvironmentMapDesc, ImageTextureDesc, IntegratorDesc, RenderDesc, SceneDesc,
+    ShapeDesc, SurfaceLook, TextureDesc, TextureMapping, TextureSource,
+};
 use etendue::math::{DAffine3, DVec3};
 use etendue::render::{Render, RenderSettings};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
+use etendue::texture::{ColorSpace, Pattern, Procedural, TexelImage, Texels, TextureFilter, Wrap};
 use serde_json::{Value, json};
 
 fn parse(lights: &Value) -> Result<SceneDesc, etendue::Error> {
@@ -55,6 +60,107 @@ fn a_file_has_one_environment_at_most() {
         assert_eq!(error.kind(), ErrorKind::InvalidScene);
         assert!(error.location().json_path.starts_with(place) && error.message().contains(message), "{error}");
     }
+}
+
+/// A scene with a pattern and an image as its textures.
+fn with_textures(light: &Value) -> Result<SceneDesc, etendue::Error> {
+    let folder = tempfile::tempdir().unwrap();
+    let mut pixels = image::RgbImage::new(4, 2);
+    pixels.put_pixel(1, 0, image::Rgb([255, 128, 0]));
+    pixels.save(folder.path().join("sky.png")).unwrap();
+    pixels.put_pixel(1, 0, image::Rgb([0; 3]));
+    pixels.save(folder.path().join("black.png")).unwrap();
+    let scene = json!({"etendue": 1, "camera": {"origin": [0, 0, 4], "fieldOfView": 40}, "lights": [light],
+    "textures": [
+        {"name": "sky", "type": "image", "file": "sky.png"},
+        {"name": "black", "type": "image", "file": "black.png"},
+        {"name": "squares", "type": "checker", "scale": [8, 4]},
+        {"name": "turned", "type": "image", "file": "sky.png", "rotation": 10},
+        {"name": "boxed", "type": "checker", "coordinates": "box"},
+        {"name": "colored", "type": "image", "file": "sky.png", "vertexColors": true}]});
+    desc::parse(&scene.to_string(), folder.path(), None)
+}
+
+#[test]
+fn a_texture_varies_a_sky() {
+    let read = |light: Value| with_textures(&light).unwrap().environment.unwrap();
+    let plain = read(json!({"type": "environment", "texture": "sky"}));
+    assert_eq!((plain.radiance, plain.map, plain.visible), (Rgb::ONE, Some(EnvironmentMapDesc::new(0)), true));
+    let turned = read(json!({"type": "environment", "texture": "squares", "color": [1, 2, 3], "intensity": 2,
+        "up": [0, 0, 2], "rotation": -30, "visible": false}));
+    let map = EnvironmentMapDesc { up: DVec3::Z * 2.0, rotation_deg: -30.0, ..EnvironmentMapDesc::new(2) };
+    assert_eq!((turned.radiance, turned.map, turned.visible), (Rgb::new(2.0, 4.0, 6.0), Some(map), false));
+    // With z up, the middle of the image is towards +y, and by -30 degrees to the right of it.
+    let middle = map.to_world() * -DVec3::Z;
+    assert!(middle.distance(DVec3::new(0.5, 0.75_f64.sqrt(), 0.0)) < 1e-12, "{middle}");
+    for (light, place, message) in [
+        (json!({"texture": "skye"}), "lights[0].texture", "no texture named 'skye'; did you mean 'sky'?"),
+        (json!({"texture": "sky", "up": [0, 0, 0]}), "lights[0].up", "the vector is zero"),
+        (json!({"texture": "sky", "up": [0, 0, 1e300]}), "lights[0].up[2]", "beyond single precision"),
+        (json!({"color": [1, 1, 1], "up": [0, 0, 1]}), "lights[0].up", "an even sky looks the same from all sides"),
+        (json!({"color": [1, 1, 1], "rotation": 3}), "lights[0].rotation", "an even sky looks the same from all sides"),
+        (json!({"texture": "turned"}), "lights[0].texture", "'turned' is scaled, turned or moved"),
+        (json!({"texture": "boxed"}), "lights[0].texture", "'boxed' is projected on surfaces"),
+        (json!({"texture": "colored"}), "lights[0].texture", "'colored' is multiplied by the colours of vertices"),
+        (json!({"texture": "sky", "color": [1, -1, 1]}), "lights[0].color[1]", "-1 is negative"),
+        (json!({}), "lights[0]", "missing key `color`, or `texture`"),
+    ] {
+        let mut light = light;
+        light["type"] = json!("environment");
+        let error = with_textures(&light).unwrap_err();
+        assert_eq!(error.location().json_path, place, "{error}");
+        assert!(error.message().contains(message), "{error}");
+    }
+}
+
+#[test]
+fn what_a_textured_sky_says_of_itself() {
+    let build = |light: Value| {
+        let scene = with_textures(&light).unwrap();
+        Scene::build(&scene, &BuildOptions::default())
+    };
+    let scene = build(json!({"type": "environment", "texture": "sky"})).unwrap();
+    let info = scene.info().to_string();
+    assert!(
+        info.contains("sampled by its luminance at 4 x 2 points") && !info.contains("0 materials are asked"),
+        "{info}"
+    );
+    assert!(scene.warnings().is_empty(), "{:?}", scene.warnings());
+    let black = build(json!({"type": "environment", "texture": "black"})).unwrap();
+    assert!(black.warnings()[0].contains("dropped an environment without radiance"), "{:?}", black.warnings());
+}
+
+/// A texture of which a value times the factor is beyond single precision.
+#[test]
+fn light_beyond_single_precision_is_refused() {
+    let mut scene = SceneDesc::default();
+    let texels = Texels::F32(vec![1e10_f32; 8].into());
+    let source = TextureSource::Image(ImageTextureDesc {
+        image: Arc::new(TexelImage::new(4, 2, 1, texels).unwrap()),
+        file: None,
+        color_space: None,
+        suggested_space: ColorSpace::Linear,
+        wrap: [Wrap::Repeat; 2],
+        filter: TextureFilter::Bilinear,
+    });
+    let mapping = TextureMapping::default();
+    scene
+        .add_texture(TextureDesc { name: "sky".into(), path: String::new(), source, mapping, vertex_colors: false })
+        .unwrap();
+    let map = Some(EnvironmentMapDesc::new(0));
+    scene.set_environment_desc(Some(EnvironmentDesc { map, ..EnvironmentDesc::even(Rgb::splat(1e30)) })).unwrap();
+    let error = Scene::build(&scene, &BuildOptions::default()).unwrap_err();
+    assert_eq!((error.kind(), error.location().json_path.as_str()), (ErrorKind::InvalidScene, "environment.color"));
+    let missing = EnvironmentDesc { map: Some(EnvironmentMapDesc::new(1)), ..EnvironmentDesc::even(Rgb::ONE) };
+    let error = scene.set_environment_desc(Some(missing)).unwrap_err();
+    assert!(
+        error.to_string().contains("environment.texture") && error.to_string().contains("texture 1 of 1"),
+        "{error}"
+    );
+    // A texture that a sky shows cannot become one that it cannot show.
+    let mut turned = TextureDesc::clone(&scene.textures[0]);
+    turned.vertex_colors = true;
+    assert!(scene.set_texture(0, turned).is_err() && !scene.textures[0].vertex_colors);
 }
 
 /// A Lambert ball of this albedo in a sky of radiance 1, filling the picture. A floor far below is for photons to land on.
@@ -154,6 +260,30 @@ fn an_edited_sky_is_that_of_a_new_scene() {
     let moon = scene.add_surface(shape, local, look).unwrap();
     assert!(seen.insert(check(&mut built, &scene)));
     scene.set_transform(moon, DAffine3::from_translation(DVec3::Y * 100.0)).unwrap();
+    assert!(seen.insert(check(&mut built, &scene)));
+    // A texture, which is then turned, and not seen.
+    let colors = [Rgb::ZERO, Rgb::ONE];
+    let source = TextureSource::Procedural(Procedural { pattern: Pattern::Checker, colors, in_space: false });
+    let mapping = TextureMapping::Uv { set: 0, scale: [8.0, 4.0], rotation: 0.0, offset: [0.0; 2] };
+    let texture = TextureDesc { name: String::new(), path: String::new(), source, mapping, vertex_colors: false };
+    let texture = scene.add_texture(texture).unwrap();
+    let mut sky = EnvironmentDesc { map: Some(EnvironmentMapDesc::new(texture)), ..EnvironmentDesc::even(Rgb::ONE) };
+    for change in 0..4 {
+        match (change, &mut sky) {
+            (1, EnvironmentDesc { map: Some(map), .. }) => map.rotation_deg = 20.0,
+            (2, sky) => sky.visible = false,
+            (3, sky) => sky.radiance = Rgb::splat(2.0),
+            _ => {}
+        }
+        scene.set_environment_desc(Some(sky.clone())).unwrap();
+        assert!(seen.insert(check(&mut built, &scene)), "{change}");
+    }
+    scene.set_transform(moon, DAffine3::from_translation(DVec3::Y * 50.0)).unwrap();
+    assert!(seen.insert(check(&mut built, &scene)));
+    let brighter = Procedural { pattern: Pattern::Checker, colors: [Rgb::splat(0.5), Rgb::ONE], in_space: false };
+    let brighter =
+        TextureDesc { source: TextureSource::Procedural(brighter), ..TextureDesc::clone(&scene.textures[texture]) };
+    scene.set_texture(texture, brighter).unwrap();
     assert!(seen.insert(check(&mut built, &scene)));
     scene.set_environment(None).unwrap();
     let black = check(&mut built, &scene);

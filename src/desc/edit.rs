@@ -180,20 +180,6 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Sets the light that comes from infinity, the same from all directions: radiance [W m^-2 sr^-1], each channel >= 0. `None`
-    /// removes it. The environment of a file keeps its path.
-    ///
-    /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] at `environment.color[..]`.
-    pub fn set_environment(&mut self, radiance: Option<Rgb>) -> Result<()> {
-        let path = self.environment.as_ref().map_or("environment", |known| known.path.as_str());
-        self.environment = match radiance {
-            Some(radiance) => Some(validate::environment(path, radiance.to_f64(), 1.0)?),
-            None => None,
-        };
-        Ok(())
-    }
-
     /// Adds a mesh, which consists of vectors or of the host's arrays, and returns its number. A mesh with an empty
     /// name has no name. The mesh's `path` is not read.
     ///

@@ -1,5 +1,10 @@
 //! Light from infinity.
 
+use std::f64::consts::PI;
+
+use super::{SceneDesc, texture_check};
+use crate::Result;
+use crate::math::{DMat3, DQuat, DVec3};
 use crate::spectrum::Rgb;
 
 /// Light from infinity, all around the scene. One scene has one at most.
@@ -7,6 +12,76 @@ use crate::spectrum::Rgb;
 pub struct EnvironmentDesc {
     /// JSON path, for messages.
     pub path: String,
-    /// Radiance from every direction [W m^-2 sr^-1], each channel >= 0.
+    /// Radiance from every direction [W m^-2 sr^-1], each channel >= 0; a factor on the texture's where there is one.
     pub radiance: Rgb,
+    /// What varies the radiance by direction; `None` for the same from all directions.
+    pub map: Option<EnvironmentMapDesc>,
+    /// Whether camera rays that meet nothing show it. Mirrors and glass show it in any case.
+    pub visible: bool,
+}
+
+impl EnvironmentDesc {
+    /// An environment that camera rays see, of this radiance [W m^-2 sr^-1] from every direction.
+    pub fn even(radiance: Rgb) -> Self {
+        Self { path: String::new(), radiance, map: None, visible: true }
+    }
+}
+
+/// A texture of the sphere by longitude and latitude.
+///
+/// As one sees it from within, u grows to the right and v upwards; v = 1 is in the direction `up`. In an environment that is not turned
+/// and whose `up` is +y, the middle of the image is in the direction -z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnvironmentMapDesc {
+    /// Number of the texture.
+    pub texture: usize,
+    /// The direction of the image's upper edge, of any length. It takes the rest along by the shortest way: with +z up, the middle of
+    /// the image is in the direction +y.
+    pub up: DVec3,
+    /// The degrees by which the image is turned about `up`, counter-clockwise as seen from above.
+    pub rotation_deg: f64,
+}
+
+impl EnvironmentMapDesc {
+    /// A texture with +y up.
+    pub fn new(texture: usize) -> Self {
+        Self { texture, up: DVec3::Y, rotation_deg: 0.0 }
+    }
+
+    /// From the frame of the image, with y up and the middle towards -z, to the world.
+    pub fn to_world(&self) -> DMat3 {
+        let up = self.up.normalize_or(DVec3::Y);
+        let turn =
+            if up.y < -1.0 + 1e-12 { DQuat::from_rotation_x(PI) } else { DQuat::from_rotation_arc(DVec3::Y, up) };
+        DMat3::from_quat(turn * DQuat::from_rotation_y(self.rotation_deg.to_radians()))
+    }
+}
+
+impl SceneDesc {
+    /// Sets the light that comes from infinity, the same from all directions: radiance [W m^-2 sr^-1], each channel >= 0. `None`
+    /// removes it. The environment of a file keeps its path.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::InvalidScene`] at `environment.color[..]`.
+    pub fn set_environment(&mut self, radiance: Option<Rgb>) -> Result<()> {
+        self.set_environment_desc(radiance.map(EnvironmentDesc::even))
+    }
+
+    /// Sets the light that comes from infinity; `None` removes it. The environment of a file keeps its path; that of the description
+    /// is not read.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::InvalidScene`] at `environment`: `.color[..]`, `.up`, `.rotation`, or `.texture` for one that does not exist,
+    /// that is projected on surfaces or multiplied by colours of vertices, or an image that is scaled, turned or moved. The description
+    /// is then as it was.
+    pub fn set_environment_desc(&mut self, environment: Option<EnvironmentDesc>) -> Result<()> {
+        let known = self.environment.as_ref();
+        let path = known.map_or_else(|| "environment".to_owned(), |known| known.path.clone());
+        let environment = environment.map(|it| EnvironmentDesc { path, ..it });
+        if let Some(environment) = &environment {
+            texture_check::environment(environment, &self.textures)?;
+        }
+        self.environment = environment;
+        Ok(())
+    }
 }

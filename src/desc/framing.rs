@@ -42,7 +42,7 @@ pub(super) fn light(scene: &mut SceneDesc) {
         || materials.into_iter().any(|(material, used)| used && is_lamp(material.emission))
         || scene.surfaces.iter().any(|surface| !surface.hidden && is_lamp(surface.emission));
     if !is_lit {
-        scene.environment = Some(EnvironmentDesc { path: "environment".to_owned(), radiance: Rgb::ONE });
+        scene.environment = Some(EnvironmentDesc { path: "environment".to_owned(), ..EnvironmentDesc::even(Rgb::ONE) });
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::json::{elided, join};
 use super::validate::{number, reflectance};
-use super::{MaterialDesc, MeshDesc, TextureDesc, TextureKey, TextureMapping, TextureSource};
+use super::{EnvironmentDesc, MaterialDesc, MeshDesc, TextureDesc, TextureKey, TextureMapping, TextureSource};
 use crate::texture::{Pattern, TextureFilter};
 use crate::{Error, Result};
 
@@ -80,6 +80,30 @@ pub(super) fn texture(texture: &TextureDesc) -> Result<()> {
             octaves(count)?;
             number(&at("turbulence"), turbulence.into()).map(|_| ())
         }
+    }
+}
+
+/// Checks an environment: its radiance, and its texture if it has one.
+pub(super) fn environment(environment: &EnvironmentDesc, textures: &[Arc<TextureDesc>]) -> Result<()> {
+    let path = &environment.path;
+    super::validate::environment(path, environment.radiance.to_f64(), 1.0)?;
+    let Some(map) = &environment.map else { return Ok(()) };
+    super::validate::environment_map(path, map)?;
+    let at = join(path, "texture");
+    let Some(texture) = textures.get(map.texture) else {
+        let message = format!("texture {} of {} does not exist", map.texture, textures.len());
+        return Err(Error::invalid(at, message));
+    };
+    let refused = |what: &str| Err(Error::invalid(&at, format!("the texture '{}' {what}", elided(&texture.name))));
+    if texture.vertex_colors {
+        return refused("is multiplied by the colours of vertices, which a sky has not");
+    }
+    match (&texture.source, texture.mapping) {
+        (_, TextureMapping::Projected { .. }) => refused("is projected on surfaces, expected the coordinates `uv`"),
+        (TextureSource::Image(_), mapping) if mapping != TextureMapping::default() => {
+            refused("is scaled, turned or moved; a sky shows an image once and whole, and turns by `up` and `rotation`")
+        }
+        _ => Ok(()),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Checks of single values: their physical meaning, and that single precision can hold them.
 
 use super::json::{Whole, elided, join};
-use super::{CameraDesc, EnvironmentDesc, MaterialDesc, MeshDesc, PointLightDesc, ShapeDesc};
+use super::{CameraDesc, EnvironmentDesc, EnvironmentMapDesc, MaterialDesc, MeshDesc, PointLightDesc, ShapeDesc};
 use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
@@ -203,7 +203,20 @@ pub(super) fn point_light(
 /// Makes an environment of radiance `color` times `factor`, the same from all directions.
 pub(super) fn environment(path: &str, color: impl Into<DVec3>, factor: f64) -> Result<EnvironmentDesc> {
     let factor = intensity(&join(path, "intensity"), factor)?;
-    Ok(EnvironmentDesc { path: path.to_owned(), radiance: emission(&join(path, "color"), color, factor)? })
+    let radiance = emission(&join(path, "color"), color, factor)?;
+    Ok(EnvironmentDesc { path: path.to_owned(), ..EnvironmentDesc::even(radiance) })
+}
+
+/// Checks the directions of an environment with a texture.
+pub(super) fn environment_map(path: &str, map: &EnvironmentMapDesc) -> Result<()> {
+    let up = vector(&join(path, "up"), map.up)?;
+    if up == DVec3::ZERO {
+        return Err(Error::invalid(
+            join(path, "up"),
+            "the vector is zero, expected the direction that is up in the image",
+        ));
+    }
+    number(&join(path, "rotation"), map.rotation_deg).map(|_| ())
 }
 
 /// Checks an absorption coefficient, which must be 0 or more per channel.

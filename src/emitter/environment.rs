@@ -15,6 +15,8 @@ use crate::spectrum::Rgb;
 pub struct EnvironmentEmitter {
     /// Radiance from every direction [W m^-2 sr^-1].
     pub radiance: Rgb,
+    /// Whether camera rays see it.
+    pub visible: bool,
     /// Centre of the ball that holds the scene, scene frame.
     centre: Vec3,
     /// Its radius.
@@ -22,9 +24,9 @@ pub struct EnvironmentEmitter {
 }
 
 impl EnvironmentEmitter {
-    /// An environment around everything that lies in the ball of this centre and radius (> 0), scene frame.
+    /// An environment that camera rays see, around everything that lies in the ball of this centre and radius (> 0), scene frame.
     pub fn new(radiance: Rgb, centre: Vec3, radius: f32) -> Self {
-        Self { radiance, centre, radius }
+        Self { radiance, visible: true, centre, radius }
     }
 
     /// Area of the ball from which photons come [length^2].

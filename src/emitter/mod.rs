@@ -7,6 +7,7 @@
 //! reference point and includes the probability of the choice.
 
 mod environment;
+mod environment_map;
 mod receiver;
 mod sample;
 mod sphere;
@@ -18,6 +19,7 @@ mod tree;
 mod triangle;
 
 pub use environment::EnvironmentEmitter;
+pub use environment_map::{EnvironmentMap, EnvironmentMapEmitter, SkyTexture};
 pub use receiver::Receiver;
 pub use sample::{Departure, EmitterSample};
 pub use sphere::SphereEmitter;
@@ -28,6 +30,7 @@ pub use textured_sphere::{SphereTexture, TexturedSphere};
 pub use triangle::TriangleEmitter;
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use crate::math::{DVec3, HitPoint, Vec3};
 use crate::sampling::Distribution1D;
@@ -54,8 +57,10 @@ pub enum Emitter {
     Sphere(SphereEmitter),
     /// A sphere that emits outwards, whose radiance a texture varies.
     TexturedSphere(Box<TexturedSphere>),
-    /// Light from infinity.
+    /// Light from infinity, the same from all directions.
     Environment(EnvironmentEmitter),
+    /// Light from infinity that a texture varies by direction.
+    EnvironmentMap(EnvironmentMapEmitter),
 }
 
 impl Emitter {
@@ -69,6 +74,7 @@ impl Emitter {
             Self::Sphere(emitter) => emitter.power(),
             Self::TexturedSphere(emitter) => emitter.mean.power(),
             Self::Environment(emitter) => emitter.power(),
+            Self::EnvironmentMap(emitter) => emitter.power(),
         }
     }
 
@@ -81,6 +87,7 @@ impl Emitter {
             Self::Sphere(emitter) => emitter.sphere.area(),
             Self::TexturedSphere(emitter) => emitter.mean.sphere.area(),
             Self::Environment(emitter) => emitter.area(),
+            Self::EnvironmentMap(emitter) => emitter.area(),
         }
     }
 
@@ -89,7 +96,7 @@ impl Emitter {
         match self {
             Self::Triangle(emitter) => Some(&emitter.triangle),
             Self::Textured(emitter) => Some(&emitter.mean.triangle),
-            Self::Point { .. } | Self::Sphere(_) | Self::TexturedSphere(_) | Self::Environment(_) => None,
+            _ => None,
         }
     }
 
@@ -98,7 +105,7 @@ impl Emitter {
         match self {
             Self::Sphere(emitter) => Some(&emitter.sphere),
             Self::TexturedSphere(emitter) => Some(&emitter.mean.sphere),
-            Self::Point { .. } | Self::Triangle(_) | Self::Textured(_) | Self::Environment(_) => None,
+            _ => None,
         }
     }
 
@@ -110,7 +117,7 @@ impl Emitter {
             Self::Textured(emitter) => emitter.mean.radiance,
             Self::Sphere(emitter) => emitter.radiance,
             Self::TexturedSphere(emitter) => emitter.mean.radiance,
-            Self::Point { .. } | Self::Environment(_) => Rgb::ZERO,
+            Self::Point { .. } | Self::Environment(_) | Self::EnvironmentMap(_) => Rgb::ZERO,
         }
     }
 
@@ -128,6 +135,7 @@ impl Emitter {
             Self::Sphere(emitter) => emitter.sphere.centre.as_vec3a(),
             Self::TexturedSphere(emitter) => emitter.mean.sphere.centre.as_vec3a(),
             Self::Environment(emitter) => emitter.centre(),
+            Self::EnvironmentMap(emitter) => emitter.centre(),
         }
     }
 
@@ -144,7 +152,7 @@ impl Emitter {
     /// Whether its light comes from infinity, so that rays find it by meeting nothing.
     #[inline]
     pub fn is_infinite(&self) -> bool {
-        matches!(self, Self::Environment(_))
+        matches!(self, Self::Environment(_) | Self::EnvironmentMap(_))
     }
 
     /// Samples a point from which light leaves, uniformly by area, or where a texture varies the radiance by the light of its parts; `u`
@@ -158,6 +166,8 @@ impl Emitter {
             Self::Sphere(emitter) => emitter.sample_departure(u),
             Self::TexturedSphere(emitter) => emitter.sample_departure(u),
             Self::Environment(emitter) => emitter.sample_departure(u),
+            // Directions are chosen before places.
+            Self::EnvironmentMap(emitter) => Departure { point: HitPoint::new(emitter.centre(), 0.0), normal: None },
         }
     }
 }
@@ -273,7 +283,13 @@ impl EmitterSet {
     /// unbiased.
     #[inline]
     pub fn sample(&self, receiver: impl Into<Receiver>, u: [f32; 4]) -> Option<EmitterSample> {
-        let receiver = receiver.into();
+        self.sample_for(receiver.into(), u, false)
+    }
+
+    /// As [`EmitterSet::sample`] where `beside_bsdf` is false. Otherwise the sample is one of two by multiple importance sampling, the
+    /// other being of a Bsdf that finds light from infinity wherever this one does not look for it.
+    #[inline]
+    pub(crate) fn sample_for(&self, receiver: Receiver, u: [f32; 4], beside_bsdf: bool) -> Option<EmitterSample> {
         let p = receiver.p;
         let choice_u = f64::from(u[0]) + f64::from(u[3]) * (-24_f64).exp2();
         let (index, probability) = match self.choice.as_ref()? {
@@ -313,6 +329,7 @@ impl EmitterSet {
             Emitter::Sphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::TexturedSphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Environment(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
+            Emitter::EnvironmentMap(emitter) => emitter.sample(&receiver, [u[1], u[2]], beside_bsdf),
         };
         sample.pdf *= probability;
         (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some(sample)
@@ -343,13 +360,31 @@ impl EmitterSet {
         let receiver = receiver.into();
         let p = receiver.p;
         let pdf = match &self.emitters[index as usize] {
-            Emitter::Point { .. } | Emitter::Environment(_) => 0.0,
+            Emitter::Point { .. } | Emitter::Environment(_) | Emitter::EnvironmentMap(_) => 0.0,
             Emitter::Triangle(emitter) => emitter.pdf(p, hit),
             Emitter::Textured(emitter) => emitter.pdf(p, hit),
             Emitter::Sphere(emitter) => emitter.pdf(p),
             Emitter::TexturedSphere(emitter) => emitter.mean.pdf(p),
         };
         pdf * self.probability(index, receiver)
+    }
+
+    /// The light from infinity that a texture varies, where there is any.
+    pub fn environment_map(&self) -> Option<&Arc<EnvironmentMap>> {
+        self.emitters.iter().rev().find_map(|emitter| match emitter {
+            Emitter::EnvironmentMap(emitter) => Some(&emitter.map),
+            _ => None,
+        })
+    }
+
+    /// Whether camera rays see emitter `index`, which is at infinity.
+    #[inline]
+    pub fn camera_sees(&self, index: u32) -> bool {
+        match &self.emitters[index as usize] {
+            Emitter::Environment(emitter) => emitter.visible,
+            Emitter::EnvironmentMap(emitter) => emitter.visible,
+            _ => true,
+        }
     }
 
     /// Number of emitters at infinity that emit.
@@ -367,22 +402,23 @@ impl EmitterSet {
     /// of the emitter that it is of, for each emitter there.
     #[inline]
     pub fn each_infinite(&self, direction: Vec3, mut each: impl FnMut(Rgb, u32)) {
-        // One radiance in all directions as yet.
-        let _ = direction;
         for &number in &self.infinite {
-            if let Emitter::Environment(emitter) = &self.emitters[number as usize] {
-                each(emitter.radiance, number);
+            match &self.emitters[number as usize] {
+                Emitter::Environment(emitter) => each(emitter.radiance, number),
+                Emitter::EnvironmentMap(emitter) => each(emitter.map.radiance(direction), number),
+                _ => {}
             }
         }
     }
 
-    /// Density with which [`EmitterSet::sample`] for this receiver gives this direction (unit) for emitter `index`, which is at
-    /// infinity.
+    /// Density with which light samples beside samples of a Bsdf give this direction (unit) for this receiver and emitter `index`,
+    /// which is at infinity.
     #[inline]
     pub fn pdf_infinite(&self, index: u32, receiver: impl Into<Receiver>, direction: Vec3) -> f32 {
         let receiver = receiver.into();
         match &self.emitters[index as usize] {
             Emitter::Environment(emitter) => emitter.pdf(&receiver, direction) * self.probability(index, receiver),
+            Emitter::EnvironmentMap(emitter) => emitter.map.pdf(direction, true) * self.probability(index, receiver),
             _ => 0.0,
         }
     }
@@ -394,7 +430,7 @@ impl EmitterSet {
             return Rgb::ZERO;
         }
         match &self.emitters[index as usize] {
-            Emitter::Point { .. } | Emitter::Environment(_) => Rgb::ZERO,
+            Emitter::Point { .. } | Emitter::Environment(_) | Emitter::EnvironmentMap(_) => Rgb::ZERO,
             Emitter::Triangle(emitter) => emitter.radiance,
             Emitter::Textured(emitter) => emitter.radiance(p),
             Emitter::Sphere(emitter) => emitter.radiance,

@@ -27,7 +27,7 @@ impl Emitter {
         match self {
             Self::Textured(emitter) => Some(emitter.texture()),
             Self::TexturedSphere(emitter) => Some(emitter.texture()),
-            Self::Point { .. } | Self::Triangle(_) | Self::Sphere(_) | Self::Environment(_) => None,
+            _ => None,
         }
     }
 

@@ -32,6 +32,16 @@ impl TexturedRadiance {
         Self { texture: Arc::clone(light.texture()), factor, channel }
     }
 
+    /// The radiance `factor` times a texture that is not asked for the light of its parts.
+    pub fn of_texture(texture: Arc<Texture>, factor: Rgb, channel: Option<usize>) -> Self {
+        Self { texture, factor, channel }
+    }
+
+    /// The brightest radiance of all.
+    pub(super) fn brightest_at_all(&self) -> Rgb {
+        self.colored(self.texture.range()[1])
+    }
+
     /// The texture.
     pub fn texture(&self) -> &Arc<Texture> {
         &self.texture
@@ -52,7 +62,7 @@ impl TexturedRadiance {
     pub(super) fn brightest(&self, within: Option<[[f32; 2]; 2]>, light: &TextureLight) -> Rgb {
         self.colored(match within {
             Some([low, high]) => light.most_within(low, high),
-            None => self.texture.range()[1],
+            None => return self.brightest_at_all(),
         })
     }
 

@@ -49,7 +49,7 @@ pub(super) struct Bounce<C: Spectrum = Rgb> {
 pub(super) type PreviousBounce = Option<(Receiver, f32)>;
 
 /// Radiance from infinity along a ray that misses the scene, with the multiple importance sampling weight of Bsdf sampling
-/// against light sampling. The arguments are those of [`Vertex::emitted`].
+/// against light sampling. The arguments are those of [`Vertex::emitted`], and whether the ray comes from the camera.
 ///
 /// All integrators that take light from infinity call this function for every ray that misses the scene.
 #[inline(always)]
@@ -58,6 +58,7 @@ pub(super) fn escaped<C: Spectrum>(
     ray: &Ray,
     previous: PreviousBounce,
     light_samples: u32,
+    from_camera: bool,
     wavelengths: &C::Wavelengths,
 ) -> C {
     if !scene.emitters().has_infinite() {
@@ -65,6 +66,9 @@ pub(super) fn escaped<C: Spectrum>(
     }
     let mut radiance = C::ZERO;
     scene.emitters().each_infinite(ray.direction, |le, emitter| {
+        if from_camera && !scene.emitters().camera_sees(emitter) {
+            return;
+        }
         let weight = match previous {
             Some((receiver, pdf)) => {
                 let light_pdf = scene.emitters().pdf_infinite(emitter, receiver, ray.direction);
@@ -361,7 +365,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         only_light_samples: bool,
     ) -> Option<(Ray, C)> {
         let point = &self.surface.point;
-        let light = scene.emitters().sample(self.receiver(), u)?;
+        let light = scene.emitters().sample_for(self.receiver(), u, !only_light_samples)?;
         let wi = self.frame.to_local(light.wi);
         if !self.is_consistent(light.wi, wi) {
             return None;

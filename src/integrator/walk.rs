@@ -139,7 +139,9 @@ impl<C: Spectrum> Walk<C> {
     #[inline(always)]
     pub fn escape(&mut self, scene: &Scene, ray: &Ray, limits: &Limits, wavelengths: &C::Wavelengths) {
         if scene.emitters().has_infinite() {
-            self.radiance += self.throughput * escaped::<C>(scene, ray, self.previous, limits.shadow_rays, wavelengths);
+            let from_camera = self.depth == 0 && self.previous.is_none();
+            let light = escaped::<C>(scene, ray, self.previous, limits.shadow_rays, from_camera, wavelengths);
+            self.radiance += self.throughput * light;
         }
     }
 

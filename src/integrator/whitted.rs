@@ -69,7 +69,9 @@ impl<C: Spectrum> Transport<C> for Whitted {
                     left_after::<C>(context.scene, &branch.ray, hit.as_ref(), branch.media, wavelengths);
             }
             let Some(hit) = hit else {
-                radiance += branch.throughput * escaped::<C>(context.scene, &branch.ray, None, 0, &context.wavelengths);
+                let (ray, from_camera) = (&branch.ray, branch.depth == 1);
+                let light = escaped::<C>(context.scene, ray, None, 0, from_camera, &context.wavelengths);
+                radiance += branch.throughput * light;
                 continue;
             };
             let mut slot = None;

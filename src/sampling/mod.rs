@@ -2,6 +2,7 @@
 //!
 //! Every number in [0, 1) is strictly below 1. Warps state what they return and the density of it.
 
+mod bilinear;
 mod distribution;
 mod filter;
 pub mod mis;
@@ -11,6 +12,7 @@ mod sobol;
 mod spherical_triangle;
 pub mod warps;
 
+pub use bilinear::{BilinearGrid, GridSample};
 pub use distribution::Distribution1D;
 pub use filter::Filter;
 pub(crate) use pattern::square_side;

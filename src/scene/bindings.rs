@@ -9,10 +9,13 @@ use super::geometry::Geometry;
 use super::interaction;
 use super::interaction::{NO_EMITTER, Owner, Owners, Triangles};
 use super::record::{AppearanceKey, GeometryRecord};
+use super::sky::environment_map;
 use super::textured_emission::{EmissionTexture, MOST_PIECES, emission_textures};
 use crate::control::WorkProgress;
 use crate::desc::SceneDesc;
-use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter, SphereEmitter, TriangleEmitter};
+use crate::emitter::{
+    Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap, EnvironmentMapEmitter, SphereEmitter, TriangleEmitter,
+};
 use crate::error::{Error, Result};
 use crate::math::{Bounds, DVec3, Vec3};
 use crate::shape::{Analytic, Sphere, Triangle};
@@ -48,11 +51,12 @@ pub(super) fn triangles_cost(count: usize) -> f64 {
 }
 
 /// Builds the tables of owners and the emitters of a scene from its description. Textures of lamps are prepared by at most
-/// `threads` threads.
+/// `threads` threads. `kept` is the light of the environment where it was made before.
 pub(super) fn bindings(
     desc: &SceneDesc,
     unbound: UnboundGeometry,
     threads: usize,
+    kept: Option<Arc<EnvironmentMap>>,
     progress: &WorkProgress,
 ) -> Result<SurfaceBindings> {
     let textures = emission_textures(desc, unbound.centre, threads)?;
@@ -67,7 +71,7 @@ pub(super) fn bindings(
     dresser.point_lights(unbound.centre)?;
     let owners = unbound.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
     let list_owners = dresser.analytic(unbound.list.shapes(), unbound.list_surfaces)?;
-    dresser.environment(&unbound);
+    dresser.environment(&unbound, kept, threads)?;
     let emitters = EmitterSet::cancellable(dresser.emitters, &progress.cancel)?;
     Ok(SurfaceBindings { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
 }
@@ -121,10 +125,15 @@ impl BindingBuilder<'_, '_> {
     }
 
     /// Adds the light from infinity, around a ball that holds all surfaces.
-    fn environment(&mut self, unbound: &UnboundGeometry<'_>) {
-        let Some(environment) = &self.desc.environment else { return };
+    fn environment(
+        &mut self,
+        unbound: &UnboundGeometry<'_>,
+        kept: Option<Arc<EnvironmentMap>>,
+        threads: usize,
+    ) -> Result<()> {
+        let Some(environment) = &self.desc.environment else { return Ok(()) };
         if environment.radiance == Rgb::ZERO {
-            return;
+            return Ok(());
         }
         // Coordinates of the scene frame are rounded, and so may lie outside of the box that was measured before.
         let (middle, radius) = if unbound.bounds.is_empty() {
@@ -133,12 +142,25 @@ impl BindingBuilder<'_, '_> {
             let bounds = unbound.bounds;
             (bounds.centre() - unbound.centre, 0.5 * (bounds.max - bounds.min).length() * (1.0 + BALL_MARGIN))
         };
-        let radius = (radius as f32).max(f32::MIN_POSITIVE);
-        self.emitters.push(Emitter::Environment(EnvironmentEmitter::new(
-            environment.radiance,
-            middle.as_vec3a(),
-            radius,
-        )));
+        let (middle, radius) = (middle.as_vec3a(), (radius as f32).max(f32::MIN_POSITIVE));
+        let Some(map) = &environment.map else {
+            let mut emitter = EnvironmentEmitter::new(environment.radiance, middle, radius);
+            emitter.visible = environment.visible;
+            self.emitters.push(Emitter::Environment(emitter));
+            return Ok(());
+        };
+        let map = match kept {
+            Some(kept) => Some(kept),
+            None => environment_map(self.desc, environment, map, threads, &self.progress.cancel)?.map(Arc::new),
+        };
+        // A black image gives nothing.
+        let emitter = map.map(|map| {
+            let mut emitter = EnvironmentMapEmitter::new(map, middle, radius);
+            emitter.visible = environment.visible;
+            Emitter::EnvironmentMap(emitter)
+        });
+        self.emitters.extend(emitter);
+        Ok(())
     }
 
     fn geometry(&mut self, geometry: &Geometry) -> Result<Owners> {

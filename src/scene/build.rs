@@ -76,7 +76,7 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
     };
     let progress = WorkProgress::by_steps(&options.cancel, options.progress.clone());
     let assembly = assemble(desc, options, options.dynamic, &device, None, &progress)?;
-    let bindings = bindings(desc, assembly.unbound(), device.threads(), &progress)?;
+    let bindings = bindings(desc, assembly.unbound(), device.threads(), None, &progress)?;
     progress.finish();
     complete(desc, device, assembly, bindings, AppearanceKey::new(desc), None, run)
 }
@@ -90,6 +90,10 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
     let progress = WorkProgress::by_steps(&options.cancel, options.progress.clone());
     let device = old.device.clone();
     let appearance = AppearanceKey::new(desc);
+    let kept = match appearance.has_same_environment(&old.appearance) {
+        true => old.bindings.emitters.environment_map().cloned(),
+        false => None,
+    };
     let same_geometry = old.record.is_geometry_of(desc);
     let same_frame = same_geometry && (old.camera == desc.camera || frame::still_serves(old, &desc.camera));
 
@@ -104,7 +108,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
             record: Arc::clone(&old.record),
         };
         let bindings = if !appearance.has_same_emitters(&old.appearance) {
-            bindings(desc, assembly.unbound(), device.threads(), &progress)?
+            bindings(desc, assembly.unbound(), device.threads(), kept, &progress)?
         } else if appearance.materials != old.appearance.materials {
             rebind_materials(&old.bindings, &appearance)
         } else {
@@ -114,7 +118,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
     } else {
         let is_dynamic = old.record.is_dynamic || options.dynamic || !same_geometry;
         let assembly = assemble(desc, options, is_dynamic, &device, Some(&old.record), &progress)?;
-        let bindings = bindings(desc, assembly.unbound(), device.threads(), &progress)?;
+        let bindings = bindings(desc, assembly.unbound(), device.threads(), kept, &progress)?;
         (assembly, bindings)
     };
     progress.finish();
@@ -188,6 +192,7 @@ fn complete(
         }
         textured.push(varying);
     }
+    textures.add_environment(desc, bindings.emitters.environment_map(), before, &device)?;
     let tangents = SurfaceTangents::new(desc, old.map(|old| &*old.tangents), &device, &WorkProgress::new(run.cancel))?;
     let has_kernel = assembly.embree.is_some();
     let mut info = SceneInfo::new(desc, &bsdfs, &assembly.record, &bindings.emitters, &textures, has_kernel);

@@ -8,7 +8,7 @@ use super::prepared_textures::PreparedTextures;
 use super::record::{BuildFacts, GeometryRecord};
 use crate::bsdf::{Bsdf, Lobes, Model as _};
 use crate::desc::{IntegratorDesc, RouletteDesc, SceneDesc, SurfaceDesc, TextureSource};
-use crate::emitter::EmitterSet;
+use crate::emitter::{Emitter, EmitterSet};
 use crate::math::Bounds;
 use crate::spectrum::Rgb;
 
@@ -126,6 +126,11 @@ impl SceneInfo {
         }
         let images = TextureFacts::new(desc, textures);
         decisions.extend(images.lines);
+        decisions.extend(emitters.environment_map().map(|map| {
+            let [columns, rows] = map.grid_size();
+            let size = format!("{columns} x {rows} points, {:.1} MB", map.bytes() as f64 / 1e6);
+            format!("light from infinity is that of a texture, whose directions are sampled by its luminance at {size}")
+        }));
         let used = desc.used_materials();
         let on_surfaces = || desc.materials.iter().zip(&used).filter(|(_, used)| **used).map(|(material, _)| material);
         let see_through = on_surfaces().filter(|material| !material.is_opaque()).count();
@@ -210,17 +215,18 @@ impl TextureFacts {
         let patterns = prepared.len() - spaces.iter().sum::<usize>() - white;
         let colored = desc.textures.iter().any(|texture| texture.vertex_colors);
         let colors = if colored { ", colours of vertices" } else { "" };
-        let lines = vec![
-            format!(
-                "textures: {} images of {:.1} MB with their levels ({} as sRGB, {} as linear light, {} as numbers), {patterns} patterns{colors}",
-                images.len(),
-                bytes as f64 / 1e6,
-                spaces[0],
-                spaces[1],
-                spaces[2]
-            ),
-            format!("{} materials are asked at every hit for what their textures say", textured(desc)),
-        ];
+        let mut lines = vec![format!(
+            "textures: {} images of {:.1} MB with their levels ({} as sRGB, {} as linear light, {} as numbers), {patterns} patterns{colors}",
+            images.len(),
+            bytes as f64 / 1e6,
+            spaces[0],
+            spaces[1],
+            spaces[2]
+        )];
+        if textured(desc) > 0 {
+            let asked = textured(desc);
+            lines.push(format!("{asked} materials are asked at every hit for what their textures say"));
+        }
         Self { bytes, lines }
     }
 }
@@ -280,7 +286,7 @@ pub(super) fn warnings(
     if dark_lights > 0 {
         warnings.push(format!("dropped {dark_lights} point lights without intensity"));
     }
-    if desc.environment.as_ref().is_some_and(|environment| environment.radiance == Rgb::ZERO) {
+    if desc.environment.is_some() && !emitters.emitters().iter().any(Emitter::is_infinite) {
         warnings.push("dropped an environment without radiance".to_owned());
     }
     if desc.render.integrator == IntegratorDesc::Radiosity {

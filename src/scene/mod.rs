@@ -39,6 +39,7 @@ mod projection;
 mod record;
 mod relief;
 mod roulette;
+mod sky;
 mod specular;
 mod tangents;
 mod textured;

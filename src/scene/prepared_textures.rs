@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::desc::{ImageTextureDesc, MaterialDesc, SceneDesc, TextureDesc, TextureKey, TextureSource};
 use crate::embree::{Charge, Device};
+use crate::emitter::EnvironmentMap;
 use crate::error::Result;
 use crate::texture::{ColorSpace, ImageTexture, SlopesOf, Texel, Texture, WHITE};
 
@@ -34,6 +35,8 @@ pub(super) enum Reads {
 pub(super) struct PreparedTextures {
     all: Vec<PreparedTexture>,
     colors: Option<VertexColors>,
+    /// The light from infinity that a texture varies, and what its tables take of the device's allowance.
+    sky: Option<(Arc<EnvironmentMap>, Option<Arc<Charge>>)>,
 }
 
 /// What is known of the colours of all vertices before a point is known. Vertices without colours, which are white, count for the range.
@@ -77,6 +80,27 @@ impl PreparedTextures {
         let binding = material.textured(TextureKey::Emission);
         let Some(texture) = binding.and_then(|binding| desc.textures.get(binding.texture)) else { return Ok(()) };
         self.get(texture, Reads::Color, before, device).map(|_| ())
+    }
+
+    /// Charges the texture of the environment, and the tables by which its light is sampled.
+    pub fn add_environment(
+        &mut self,
+        desc: &SceneDesc,
+        map: Option<&Arc<EnvironmentMap>>,
+        before: Option<&Self>,
+        device: &Device,
+    ) -> Result<()> {
+        let (Some(map), Some(environment)) = (map, &desc.environment) else { return Ok(()) };
+        let texture = environment.map.as_ref().and_then(|map| desc.textures.get(map.texture));
+        let Some(texture) = texture else { return Ok(()) };
+        self.get(texture, Reads::Color, before, device)?;
+        let known = before.and_then(|before| before.sky.as_ref()).filter(|(known, _)| Arc::ptr_eq(known, map));
+        let charge = match known {
+            Some((_, charge)) => charge.clone(),
+            None => device.charge(map.bytes()).map_err(|error| error.at(&texture.path))?.map(Arc::new),
+        };
+        self.sky = Some((Arc::clone(map), charge));
+        Ok(())
     }
 
     /// The texture for this use, prepared or taken from `before`. Its bytes are charged to the allowance of `device`.
@@ -153,7 +177,8 @@ impl PreparedTextures {
 
     /// Bytes of memory beyond the images themselves.
     pub fn bytes(&self) -> usize {
-        self.all.iter().map(|it| it.texture.bytes()).sum()
+        let sky = self.sky.as_ref().map_or(0, |(map, _)| map.bytes());
+        self.all.iter().map(|it| it.texture.bytes()).sum::<usize>() + sky
     }
 
     /// Number of textures, where one image with two colour spaces counts as two.

@@ -5,7 +5,10 @@ use std::sync::{Arc, Weak};
 
 use super::mesh::MeshObject;
 use super::textured_emission::binding_of;
-use crate::desc::{MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, TextureChannel, TextureDesc, TextureKey};
+use crate::desc::{
+    EnvironmentDesc, EnvironmentMapDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, TextureChannel, TextureDesc,
+    TextureKey,
+};
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
 
@@ -174,7 +177,23 @@ pub(super) struct AppearanceKey {
     /// The textures that vary emissions, of each surface; empty where there are none.
     emission_textures: Vec<Option<(Arc<TextureDesc>, TextureChannel)>>,
     lights: Vec<(DVec3, Rgb)>,
-    environment: Option<Rgb>,
+    environment: Option<EnvironmentKey>,
+}
+
+/// The description of light from infinity, apart from its path.
+#[derive(Debug, PartialEq)]
+struct EnvironmentKey {
+    radiance: Rgb,
+    map: Option<(Option<Arc<TextureDesc>>, DVec3, f64)>,
+    visible: bool,
+}
+
+impl EnvironmentKey {
+    fn new(desc: &SceneDesc, environment: &EnvironmentDesc) -> Self {
+        let of = |map: &EnvironmentMapDesc| (desc.textures.get(map.texture).cloned(), map.up, map.rotation_deg);
+        let EnvironmentDesc { radiance, ref map, visible, .. } = *environment;
+        Self { radiance, map: map.as_ref().map(of), visible }
+    }
 }
 
 impl AppearanceKey {
@@ -189,7 +208,7 @@ impl AppearanceKey {
             materials: desc.surfaces.iter().map(|surface| surface.material as u32).collect(),
             emissions: desc.surfaces.iter().map(|surface| surface.emission).collect(),
             lights: desc.lights.iter().map(|light| (light.position, light.intensity)).collect(),
-            environment: desc.environment.as_ref().map(|environment| environment.radiance),
+            environment: desc.environment.as_ref().map(|environment| EnvironmentKey::new(desc, environment)),
         }
     }
 
@@ -199,6 +218,11 @@ impl AppearanceKey {
             && self.emission_textures == other.emission_textures
             && self.lights == other.lights
             && self.environment == other.environment
+    }
+
+    /// Whether both descriptions have the same light from infinity.
+    pub(super) fn has_same_environment(&self, other: &Self) -> bool {
+        self.environment == other.environment
     }
 
     /// The number of point lights that give no light.

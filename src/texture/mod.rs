@@ -26,6 +26,7 @@ pub use lookup::{TextureFilter, Wrap};
 pub use procedural::{Pattern, Procedural};
 pub(crate) use read::{ImageSource, ReadImage, ReadingTogether, read_images};
 pub use read::{read_image, read_image_bytes};
+pub(crate) use rows::rows;
 pub(crate) use slopes::{SlopesOf, variances};
 pub use texels::{ColorSpace, TexelFormat, TexelImage, Texels};
 pub(crate) use write::{extension, write_image};

@@ -4,7 +4,7 @@ use std::thread;
 
 /// What `row` gives for the rows 0 to `height` - 1, in order, computed by at most `threads` threads with the calling one. A thread
 /// that the system does not give is done without.
-pub(super) fn rows<T: Send>(height: u32, threads: usize, row: impl Fn(u32) -> T + Sync) -> Vec<T> {
+pub(crate) fn rows<T: Send>(height: u32, threads: usize, row: impl Fn(u32) -> T + Sync) -> Vec<T> {
     let parts = (threads.clamp(1, 64) as u32).min(height).max(1);
     let part = |i: u32| {
         let bound = |i: u32| (u64::from(height) * u64::from(i) / u64::from(parts)) as u32;

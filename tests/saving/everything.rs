@@ -4,11 +4,11 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use etendue::desc::{
-    BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, Distribution, FilterDesc, FovAxis, HostMesh,
-    ImageTextureDesc, IntegratorDesc, KernelDesc, METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MicrofacetsDesc,
-    PhotonDesc, PhotonSharing, PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc,
-    SamplerDesc, SceneDesc, ShapeDesc, SurfaceLook, TextureBinding, TextureChannel, TextureDesc, TextureKey,
-    TextureMapping, TextureSource,
+    BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, Distribution, EnvironmentDesc, EnvironmentMapDesc,
+    FilterDesc, FovAxis, HostMesh, ImageTextureDesc, IntegratorDesc, KernelDesc, METALS, Masking, MaterialDesc,
+    MediumDesc, MeshDesc, MicrofacetsDesc, PhotonDesc, PhotonSharing, PrincipledDesc, Projection, RadiosityDesc,
+    RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, SurfaceLook, TextureBinding,
+    TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
 };
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
 use etendue::spectrum::Rgb;
@@ -385,7 +385,19 @@ pub fn scene() -> SceneDesc {
     surfaces(&mut scene);
     scene.add_point_light(DVec3::new(0.1, 3.0, 1.0 / 3.0), rgb(5.0, 1e-20, 7e7)).unwrap();
     scene.add_point_light(DVec3::ZERO, Rgb::ZERO).unwrap();
-    scene.set_environment(Some(rgb(1.0, 2.0, 3.0))).unwrap();
+    let image = TextureDesc {
+        name: "sky".into(),
+        mapping: TextureMapping::default(),
+        ..TextureDesc::clone(&scene.textures[0])
+    };
+    let sky = scene.add_texture(image).unwrap();
+    let map = EnvironmentMapDesc {
+        up: DVec3::new(0.1, -2.0, 1.0 / 3.0),
+        rotation_deg: 100.0 / 3.0,
+        ..EnvironmentMapDesc::new(sky)
+    };
+    let sky = EnvironmentDesc { map: Some(map), visible: false, ..EnvironmentDesc::even(rgb(1.0, 2.0, 3.0)) };
+    scene.set_environment_desc(Some(sky)).unwrap();
     scene
 }
 

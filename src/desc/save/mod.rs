@@ -91,7 +91,7 @@ fn check(scene: &SceneDesc) -> Result<()> {
         validate::point_light(&light.path, light.position, light.intensity.to_f64(), 1.0)?;
     }
     if let Some(environment) = &scene.environment {
-        validate::environment(&environment.path, environment.radiance.to_f64(), 1.0)?;
+        texture_check::environment(environment, &scene.textures)?;
     }
     scene.textures.iter().try_for_each(|texture| texture_check::texture(texture))?;
     for (number, material) in scene.materials.iter().enumerate() {
@@ -201,7 +201,7 @@ fn document(
         lights.put(out, &native::write_point_light(light)?)?;
     }
     if let Some(environment) = &scene.environment {
-        lights.put(out, &native::write_environment(environment)?)?;
+        lights.put(out, &native::write_environment(environment, names)?)?;
     }
     lights.end(out)?;
     let mut textures = List::new("textures");

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 use super::aim::Cone;
 use crate::desc::PhotonSharing;
-use crate::emitter::Emitter;
+use crate::emitter::{Emitter, EnvironmentMapEmitter};
 use crate::error::{Error, Result};
 use crate::math::{Frame, Ray, Vec3};
 use crate::sampling::{Distribution1D, warps};
@@ -78,6 +78,9 @@ impl Emission {
     pub fn begin(&self, scene: &Scene, u: [f32; 4], d: [f32; 4], share: f64) -> Option<(Ray, Rgb)> {
         let (index, probability, _) = self.choice.sample(choice_number(u, d));
         let emitter = &scene.emitters().emitters()[index];
+        if let Emitter::EnvironmentMap(sky) = emitter {
+            return self.begin_in_sky(sky, u, d, share / f64::from(probability));
+        }
         let departure = emitter.sample_departure([u[1], u[2]]);
         let p = departure.point.p;
         // The direction, and the ratio of the density of the plain choice of directions to the density with which it was
@@ -101,6 +104,40 @@ impl Emission {
         let origin = departure.normal.map_or(p, |normal| departure.point.offset(normal));
         let power = emitter.power_from(&departure) * (ratio * share / f64::from(probability));
         Some((Ray::new(origin, direction.normalize()), Rgb::from_f64(power)))
+    }
+
+    /// [`Emission::begin`] for light from infinity that varies by direction: the direction is chosen first, then the place on the disk
+    /// across it, in the shadows of the balls that photons are aimed at.
+    fn begin_in_sky(&self, sky: &EnvironmentMapEmitter, u: [f32; 4], d: [f32; 4], share: f64) -> Option<(Ray, Rgb)> {
+        let (from, pdf, radiance) = sky.map.sample([u[1], u[2]], false);
+        if pdf.is_nan() || pdf <= 0.0 {
+            return None;
+        }
+        let disk = f64::from(sky.radius()) * f64::from(sky.radius());
+        let (offset, area) = if self.balls.is_empty() {
+            (sky.disk([d[0], d[1]]), disk)
+        } else {
+            let shadows = self.balls.iter().map(|ball| (sky.offset_of(from, ball.centre), ball.radius));
+            let area: f32 = self.balls.iter().map(|ball| ball.radius * ball.radius).sum();
+            let mut left = u[3] * area;
+            let mut chosen = None;
+            for (middle, radius) in shadows.clone() {
+                chosen = Some((middle, radius));
+                left -= radius * radius;
+                if left < 0.0 {
+                    break;
+                }
+            }
+            let (middle, radius) = chosen?;
+            let [x, y] = warps::uniform_disk([d[0], d[1]]);
+            let offset = [middle[0] + radius * x, middle[1] + radius * y];
+            let holds = |([x, y], radius): ([f32; 2], f32)| (offset[0] - x).hypot(offset[1] - y) <= radius;
+            // The one that was chosen holds the point, whatever rounding says of its edge.
+            let count = shadows.filter(|shadow| holds(*shadow)).count().max(1);
+            (offset, f64::from(area) / count as f64)
+        };
+        let power = PI * area * share / f64::from(pdf) * radiance.to_f64();
+        Some((Ray::new(sky.photon_start(from, offset), -from), Rgb::from_f64(power)))
     }
 
     /// The index of the emitter that [`Emission::begin`] chooses for these numbers.
@@ -163,6 +200,11 @@ pub(in crate::integrator) enum Aim {
 fn share_aimed(emitter: &Emitter, balls: &[Ball]) -> f64 {
     if balls.is_empty() {
         return 1.0;
+    }
+    if let Emitter::EnvironmentMap(sky) = emitter {
+        let disk = f64::from(sky.radius()) * f64::from(sky.radius());
+        let shadows = balls.iter().map(|ball| f64::from(ball.radius) * f64::from(ball.radius));
+        return (shadows.sum::<f64>() / disk).min(1.0);
     }
     let p = emitter.centre();
     let one_minus_cos = |ball| Cone::new(p, ball).map_or(1.0, |cone| f64::from(cone.one_minus_cos));

@@ -8,6 +8,7 @@ mod lookups;
 mod projections;
 mod relief;
 mod scenes;
+mod skies;
 
 use std::sync::Arc;
 
@@ -19,7 +20,14 @@ use crate::record::Entry;
 pub fn cases() -> Vec<Entry> {
     let scenes = scenes::cases().into_iter().chain(emission::cases()).chain(projections::cases());
     let lamps = balls::cases().into_iter().chain(elements_of_lamps::cases());
-    lookups::cases().into_iter().chain(scenes).chain(elements::cases()).chain(lamps).chain(relief::cases()).collect()
+    lookups::cases()
+        .into_iter()
+        .chain(scenes)
+        .chain(elements::cases())
+        .chain(lamps)
+        .chain(relief::cases())
+        .chain(skies::cases())
+        .collect()
 }
 
 /// A running mean and its standard error.
