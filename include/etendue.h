@@ -62,6 +62,7 @@
      ETD_TEXTURE_FILTER_BILINEAR, NULL, NULL, ETD_WRAP_REPEAT, ETD_WRAP_REPEAT, {{0, 0, 0}, {1, 1, 1}}, 0.1f, 1, 4, \
      ETD_COORDINATES_UV, {1, 1, 1}, 0, {0, 0, 0}, 0, 0}
 #define ETD_TEXTURE_BINDING_INIT {sizeof(etd_texture_binding), ETD_NONE, ETD_CHANNEL_DEFAULT, 1, 0}
+#define ETD_ENVIRONMENT_MAP_INIT {sizeof(etd_environment_map), ETD_NONE, ETD_SKY_LATLONG, {1, 1, 1}, 0, {0, 1, 0}, 0}
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_RENDER_OPTIONS_INIT \
     {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \
@@ -1302,6 +1303,37 @@ typedef uint32_t etd_texture_channel;
 #endif // __cplusplus
 
 /**
+ * How the directions of a sky lie in an image, whose own frame has y up.
+ */
+enum etd_sky_projection
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * By longitude and latitude: seen from within, the middle of the image is towards -z, its right half towards +x and its upper
+     * edge around +y.
+     */
+    ETD_SKY_LATLONG = 0,
+    /**
+     * The faces of an octahedron in a square image: +y in the middle, -y at the four corners, +x in the middle of the right edge
+     * and -z in that of the upper edge.
+     */
+    ETD_SKY_OCTAHEDRAL = 1,
+    /**
+     * Six squares one under another: the faces +x, -x, +y, -y, +z and -z of a cube, each as OpenGL, Vulkan and Direct3D have it.
+     */
+    ETD_SKY_CUBE = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_sky_projection etd_sky_projection;
+#else
+typedef uint32_t etd_sky_projection;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
  * The layout of a light map, and the scene for which it was made.
  */
 typedef struct etd_atlas etd_atlas;
@@ -2064,6 +2096,40 @@ typedef struct etd_material {
      */
     float emission[3];
 } etd_material;
+
+/**
+ * Light from infinity by a texture, or the same from all directions.
+ */
+typedef struct etd_environment_map {
+    /**
+     * `sizeof(etd_environment_map)`.
+     */
+    size_t struct_size;
+    /**
+     * Number of the texture; `ETD_NONE`: none.
+     */
+    uint32_t texture;
+    /**
+     * An `etd_sky_projection`.
+     */
+    etd_sky_projection projection;
+    /**
+     * Radiance [W m^-2 sr^-1], each channel >= 0; a factor on the texture's where there is one.
+     */
+    float radiance[3];
+    /**
+     * 1: camera rays do not see it, only mirrors, glass and other light do; 0: they do.
+     */
+    uint32_t hidden;
+    /**
+     * The direction that is up in the image, of any length but 0. With +z up, what is towards -z with +y up is towards +y.
+     */
+    double up[3];
+    /**
+     * Degrees by which the image is turned about `up`, counter-clockwise as seen from above.
+     */
+    double rotation_deg;
+} etd_environment_map;
 
 /**
  * The properties of a surface other than its shape.
@@ -3007,6 +3073,24 @@ etd_status etd_scene_set_environment(struct etd_scene *scene, const float *radia
  * Thread-safe.
  */
 etd_status etd_scene_get_environment(const struct etd_scene *scene, float *out_radiance);
+
+/**
+ * Sets the light that comes from infinity by a texture of all directions, or the same from all directions where `map->texture` is
+ * `ETD_NONE`.
+ *
+ * `map`: NULL for no light from infinity. Errors: `ETD_INVALID_SCENE` if there is no such texture, if it does not have the shape of
+ * the projection, is projected on surfaces or multiplied by the colours of vertices, or is an image that is scaled, turned or moved.
+ * Radiosity does not render a scene with an environment. Thread-safe.
+ */
+etd_status etd_scene_set_environment_map(struct etd_scene *scene,
+                                         const struct etd_environment_map *map);
+
+/**
+ * Returns the light that comes from infinity as described now. Without any, the radiance is 0 and the texture `ETD_NONE`.
+ * Thread-safe.
+ */
+etd_status etd_scene_get_environment_map(const struct etd_scene *scene,
+                                         struct etd_environment_map *out_map);
 
 /**
  * Returns the parameters of a principled material as described now.

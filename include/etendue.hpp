@@ -862,6 +862,16 @@ public:
     Outcome<void> set_environment(const Rgb &radiance) {
         return detail::done(etd_scene_set_environment(get(), radiance.data()));
     }
+    /** Sets the light from infinity by a texture, or the same from all directions for a texture of ETD_NONE. */
+    Outcome<void> set_environment_map(const etd_environment_map &map) {
+        return detail::done(etd_scene_set_environment_map(get(), &map));
+    }
+    /** The light from infinity as it is described now; its radiance is 0 where there is none. */
+    Outcome<etd_environment_map> environment_map() const {
+        etd_environment_map map = ETD_ENVIRONMENT_MAP_INIT;
+        const etd_status status = etd_scene_get_environment_map(get(), &map);
+        return detail::give(status, std::move(map));
+    }
     /** Removes the light from infinity. */
     Outcome<void> remove_environment() { return detail::done(etd_scene_set_environment(get(), nullptr)); }
     /** The radiance from infinity as it is described now; 0 where there is none. */

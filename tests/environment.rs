@@ -103,6 +103,14 @@ fn a_texture_varies_a_sky() {
         (json!({"texture": "boxed"}), "lights[0].texture", "'boxed' is projected on surfaces"),
         (json!({"texture": "colored"}), "lights[0].texture", "'colored' is multiplied by the colours of vertices"),
         (json!({"texture": "sky", "color": [1, -1, 1]}), "lights[0].color[1]", "-1 is negative"),
+        (
+            json!({"texture": "sky", "projection": "cube"}),
+            "lights[0].texture",
+            "'sky' is 4 x 2 texels large, expected six",
+        ),
+        (json!({"texture": "sky", "projection": "octahedral"}), "lights[0].texture", "expected a square"),
+        (json!({"texture": "squares", "projection": "cube"}), "lights[0].texture", "'squares' is no image"),
+        (json!({"texture": "sky", "projection": "dome"}), "lights[0].projection", "dome"),
         (json!({}), "lights[0]", "missing key `color`, or `texture`"),
     ] {
         let mut light = light;

@@ -23,6 +23,8 @@ enum Call {
     AddLight { position: [f64; 3], intensity: [f32; 3] },
     SetLight { light: u8, position: [f64; 3], intensity: [f32; 3] },
     Environment { radiance: Option<[f32; 3]> },
+    EnvironmentMap { texture: u8, projection: u8, hidden: u8, radiance: [f32; 3], up: [f64; 3], rotation: f64 },
+    SaneEnvironmentMap { texture: u8, rotation: i8 },
     AddShape { kind: u8, numbers: [f64; 12], material: u8, emission: [f32; 3], transform: Option<[f64; 12]> },
     SaneShape { kind: u8, numbers: [i8; 12], material: u8, glow: u8, shift: [i8; 3] },
     AddMesh { vertices: Vec<[f32; 3]>, triangles: Vec<[u8; 3]>, flags: u8, stride: u8 },
@@ -292,6 +294,30 @@ impl World {
                 Call::Environment { radiance } => {
                     let radiance = radiance.as_ref().map_or(null(), |radiance| radiance.as_ptr());
                     fine(etd_scene_set_environment(scene, radiance));
+                }
+                Call::EnvironmentMap { texture, projection, hidden, radiance, up, rotation } => {
+                    let it = etd_environment_map {
+                        texture: if texture == 255 { ETD_NONE } else { u32::from(texture % 4) },
+                        projection: u32::from(projection % 4),
+                        radiance,
+                        hidden: u32::from(hidden),
+                        up,
+                        rotation_deg: rotation,
+                        ..sized()
+                    };
+                    fine(etd_scene_set_environment_map(scene, &raw const it));
+                    let mut out: etd_environment_map = sized();
+                    fine(etd_scene_get_environment_map(scene, &raw mut out));
+                }
+                Call::SaneEnvironmentMap { texture, rotation } => {
+                    let it = etd_environment_map {
+                        texture: u32::from(texture % 4),
+                        radiance: [1.0; 3],
+                        up: [0.0, 1.0, 0.0],
+                        rotation_deg: f64::from(rotation),
+                        ..sized()
+                    };
+                    fine(etd_scene_set_environment_map(scene, &raw const it));
                 }
                 Call::AddShape { kind, numbers, material, emission, transform } => {
                     fine(self.shape(kind, &numbers, &look(material, emission, transform.unwrap_or_default())));

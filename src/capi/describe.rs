@@ -187,43 +187,6 @@ pub unsafe extern "C" fn etd_scene_get_point_light(
     }
 }
 
-/// Sets the light that comes from infinity, the same from all directions: a sky.
-///
-/// `radiance`: three numbers, radiance [W m^-2 sr^-1], each >= 0; NULL: none. Radiosity does not render a scene with an
-/// environment. Thread-safe.
-///
-/// # Safety
-/// Each pointer must be NULL or point to a value of its type.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn etd_scene_set_environment(scene: *mut etd_scene, radiance: *const f32) -> etd_status {
-    // SAFETY: the caller keeps this function's contract.
-    unsafe {
-        on(scene, |scene| {
-            let radiance = if radiance.is_null() { None } else { Some(Rgb::from_array(array(radiance, "radiance")?)) };
-            scene.edit(|desc| desc.set_environment(radiance))
-        })
-    }
-}
-
-/// Returns the radiance that comes from infinity as described now, three numbers: 0 where there is no environment.
-/// Thread-safe.
-///
-/// # Safety
-/// Each pointer must be NULL or point to a value of its type.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn etd_scene_get_environment(scene: *const etd_scene, out_radiance: *mut f32) -> etd_status {
-    // SAFETY: the caller keeps this function's contract.
-    unsafe {
-        on(scene, |scene| {
-            need(out_radiance, "out_radiance")?;
-            let desc = scene.desc();
-            let radiance = desc.environment.as_ref().map_or(Rgb::ZERO, |environment| environment.radiance);
-            out_radiance.cast::<[f32; 3]>().write(radiance.to_array());
-            Ok(())
-        })
-    }
-}
-
 /// # Safety
 /// Three numbers must be readable at `pointer`, unless it is NULL.
 pub(super) unsafe fn vector(pointer: *const f64, name: &str) -> Result<DVec3> {

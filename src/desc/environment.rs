@@ -27,14 +27,28 @@ impl EnvironmentDesc {
     }
 }
 
-/// A texture of the sphere by longitude and latitude.
-///
-/// As one sees it from within, u grows to the right and v upwards; v = 1 is in the direction `up`. In an environment that is not turned
-/// and whose `up` is +y, the middle of the image is in the direction -z.
+/// How the directions of the sphere lie in an image. The image's frame has y up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SkyProjection {
+    /// By longitude and latitude. As one sees it from within, u grows to the right and v upwards; v = 1 is up, and the middle of the
+    /// image is in the direction -z.
+    #[default]
+    LatLong,
+    /// The faces of an octahedron, unfolded (Cigolle et al. 2014): up is in the middle of a square image, down at its four corners, +x
+    /// in the middle of the right edge and -z in that of the upper edge.
+    Octahedral,
+    /// Six squares, one under another: the faces +x, -x, +y, -y, +z and -z of a cube, each as OpenGL, Vulkan and Direct3D have it
+    /// (OpenGL 4.6, table 8.19).
+    Cube,
+}
+
+/// A texture of all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnvironmentMapDesc {
     /// Number of the texture.
     pub texture: usize,
+    /// How directions lie in it.
+    pub projection: SkyProjection,
     /// The direction of the image's upper edge, of any length. It takes the rest along by the shortest way: with +z up, the middle of
     /// the image is in the direction +y.
     pub up: DVec3,
@@ -43,12 +57,12 @@ pub struct EnvironmentMapDesc {
 }
 
 impl EnvironmentMapDesc {
-    /// A texture with +y up.
+    /// A texture by longitude and latitude with +y up.
     pub fn new(texture: usize) -> Self {
-        Self { texture, up: DVec3::Y, rotation_deg: 0.0 }
+        Self { texture, projection: SkyProjection::LatLong, up: DVec3::Y, rotation_deg: 0.0 }
     }
 
-    /// From the frame of the image, with y up and the middle towards -z, to the world.
+    /// From the frame of the image to the world.
     pub fn to_world(&self) -> DMat3 {
         let up = self.up.normalize_or(DVec3::Y);
         let turn =
@@ -71,7 +85,7 @@ impl SceneDesc {
     /// is not read.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] at `environment`: `.color[..]`, `.up`, `.rotation`, or `.texture` for one that does not exist,
+    /// [`crate::ErrorKind::InvalidScene`] at `environment`: `.color[..]`, `.up`, `.rotation`, or `.texture` for one that does not exist, that has not the shape of its projection,
     /// that is projected on surfaces or multiplied by colours of vertices, or an image that is scaled, turned or moved. The description
     /// is then as it was.
     pub fn set_environment_desc(&mut self, environment: Option<EnvironmentDesc>) -> Result<()> {

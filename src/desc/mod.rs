@@ -90,7 +90,7 @@ mod warnings;
 
 pub use camera::{CameraDesc, FovAxis};
 pub use edit::SurfaceLook;
-pub use environment::{EnvironmentDesc, EnvironmentMapDesc};
+pub use environment::{EnvironmentDesc, EnvironmentMapDesc, SkyProjection};
 pub(crate) use file::open as open_file;
 pub use index::SceneIndex;
 pub use integrator::{

@@ -15,7 +15,7 @@ use super::numbers::unless;
 use super::save::Names;
 use super::{
     CameraDesc, Dialect, EnvironmentDesc, EnvironmentMapDesc, FovAxis, PointLightDesc, RenderDesc, SceneDesc,
-    material_keys, numbers, render_keys, save, surface, texture_check, texture_keys, validate,
+    SkyProjection, material_keys, numbers, render_keys, save, surface, texture_check, texture_keys, validate,
 };
 use crate::control::WorkProgress;
 use crate::math::DVec3;
@@ -155,12 +155,27 @@ pub(super) struct Environment {
     intensity: Option<f64>,
     /// Name of a texture over longitude and latitude, which varies the radiance.
     texture: Option<String>,
-    /// With a texture: the direction of the image's upper edge. Default [0, 1, 0].
+    /// With a texture: how the directions lie in its image. Default "latlong".
+    projection: Option<ProjectionTag>,
+    /// With a texture: the direction that is up in it. Default [0, 1, 0].
     up: Option<[f64; 3]>,
     /// With a texture: degrees by which it is turned about `up`, counter-clockwise as seen from above. Default 0.
     rotation: Option<f64>,
     /// Whether camera rays that meet nothing show it. Default true.
     visible: Option<bool>,
+}
+
+/// How the directions of a sky lie in an image.
+#[derive(Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+#[serde(rename_all = "lowercase")]
+enum ProjectionTag {
+    /// By longitude and latitude.
+    LatLong,
+    /// The unfolded faces of an octahedron.
+    Octahedral,
+    /// The six faces of a cube, one under another.
+    Cube,
 }
 
 #[derive(Deserialize, Serialize)]
@@ -255,6 +270,11 @@ pub(super) fn write_environment(environment: &EnvironmentDesc, names: &Names) ->
         color: Some(numbers::color(environment.radiance)),
         intensity: None,
         texture: map.map(|map| names.textures[map.texture].clone()),
+        projection: map.and_then(|map| match map.projection {
+            SkyProjection::LatLong => None,
+            SkyProjection::Octahedral => Some(ProjectionTag::Octahedral),
+            SkyProjection::Cube => Some(ProjectionTag::Cube),
+        }),
         up: map.filter(|map| map.up != DVec3::Y).map(|map| map.up.to_array()),
         rotation: map.and_then(|map| unless(map.rotation_deg, 0.0)),
         visible: (!environment.visible).then_some(false),
@@ -272,10 +292,19 @@ fn environment(light: Environment, path: &str, builder: &Builder<'_>) -> Result<
         Some(name) => {
             let texture = builder.texture(&join(path, "texture"), &name)?;
             let up = light.up.map_or(DVec3::Y, DVec3::from_array);
-            Some(EnvironmentMapDesc { texture, up, rotation_deg: light.rotation.unwrap_or(0.0) })
+            let projection = match light.projection {
+                None | Some(ProjectionTag::LatLong) => SkyProjection::LatLong,
+                Some(ProjectionTag::Octahedral) => SkyProjection::Octahedral,
+                Some(ProjectionTag::Cube) => SkyProjection::Cube,
+            };
+            Some(EnvironmentMapDesc { texture, projection, up, rotation_deg: light.rotation.unwrap_or(0.0) })
         }
         None => {
-            let directed = [("up", light.up.is_some()), ("rotation", light.rotation.is_some())];
+            let directed = [
+                ("up", light.up.is_some()),
+                ("rotation", light.rotation.is_some()),
+                ("projection", light.projection.is_some()),
+            ];
             if let Some((key, _)) = directed.into_iter().find(|(_, given)| *given) {
                 let message = "an even sky looks the same from all sides, expected a `texture` with it";
                 return Err(Error::invalid(join(path, key), message));

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use super::json::{elided, join};
 use super::validate::{number, reflectance};
-use super::{EnvironmentDesc, MaterialDesc, MeshDesc, TextureDesc, TextureKey, TextureMapping, TextureSource};
+use super::{
+    EnvironmentDesc, MaterialDesc, MeshDesc, SkyProjection, TextureDesc, TextureKey, TextureMapping, TextureSource,
+};
 use crate::texture::{Pattern, TextureFilter};
 use crate::{Error, Result};
 
@@ -103,6 +105,18 @@ pub(super) fn environment(environment: &EnvironmentDesc, textures: &[Arc<Texture
         (TextureSource::Image(_), mapping) if mapping != TextureMapping::default() => {
             refused("is scaled, turned or moved; a sky shows an image once and whole, and turns by `up` and `rotation`")
         }
+        (TextureSource::Image(it), _) => {
+            let [width, height] = [it.image.width(), it.image.height()];
+            let wrong = |expected: &str| refused(&format!("is {width} x {height} texels large, expected {expected}"));
+            match map.projection {
+                SkyProjection::Octahedral if width != height => wrong("a square for an octahedron"),
+                SkyProjection::Cube if width.checked_mul(6) != Some(height) => {
+                    wrong("six squares one under another for a cube")
+                }
+                _ => Ok(()),
+            }
+        }
+        _ if map.projection != SkyProjection::LatLong => refused("is no image, which this projection is for"),
         _ => Ok(()),
     }
 }

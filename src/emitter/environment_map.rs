@@ -18,8 +18,9 @@ const MOST_ACROSS: [u32; 2] = [4096, 2048];
 /// Columns and rows of the grid of a pattern.
 const OF_PATTERN: [u32; 2] = [512, 256];
 
-/// A pattern is known at points alone. Between them this share of its brightest light is sampled in any case.
-const PATTERN_SHARE: f32 = 0.02;
+/// A pattern is known at points alone, as is an image in another order than that of the grid. Between the points this share of the
+/// pattern's brightest light, or of the image's mean, is sampled in any case.
+const SHARE_BETWEEN: f32 = 0.02;
 
 /// The least polar angle [rad] from either pole. The density per solid angle has a limit at the poles, but cannot be computed there.
 const LEAST_ANGLE: f32 = 1e-6;
@@ -68,6 +69,11 @@ impl EnvironmentMap {
         let axes = [to_scene.x_axis, to_scene.y_axis, to_scene.z_axis].map(|axis| axis.normalize().as_vec3a());
         let texels = radiance.texture().texels();
         let (size, squares) = match &**radiance.texture() {
+            Texture::Image(_) if place.is_some() => {
+                // As fine as the image where it is widest, and four points for each.
+                let [width, _] = texels;
+                ([0, 1].map(|i| (width.saturating_mul([4, 2][i])).clamp(OF_PATTERN[i], MOST_ACROSS[i])), [2; 2])
+            }
             Texture::Image(_) => {
                 let squares = [0, 1].map(|i| texels[i].div_ceil(MOST_ACROSS[i]));
                 ([0, 1].map(|i| texels[i].div_ceil(squares[i])), squares)
@@ -105,9 +111,13 @@ impl EnvironmentMap {
         let mean = read.iter().enumerate().map(|(y, (_, sum))| *sum * row_share(y as u32, height)).sum::<DVec3>();
         let mean = mean / f64::from(width);
         let mut luminances: Vec<f32> = read.into_iter().flat_map(|(row, _)| row).collect();
-        if !matches!(&**radiance.texture(), Texture::Image(_)) {
-            let range = radiance.brightest_at_all();
-            let least = PATTERN_SHARE * luminance(range);
+        let mean_luminance = mean.dot(LUMINANCE_WEIGHTS.to_f64()) as f32;
+        let between = match &**radiance.texture() {
+            Texture::Image(_) => place.is_some().then_some(mean_luminance),
+            Texture::Procedural(..) | Texture::White => Some(luminance(radiance.brightest_at_all())),
+        };
+        if let Some(light) = between {
+            let least = SHARE_BETWEEN * light;
             luminances.iter_mut().for_each(|value| *value += least);
         }
         let grid = |value: &dyn Fn(f32) -> f32| {
@@ -115,7 +125,6 @@ impl EnvironmentMap {
             let values = values.map(|(i, luminance)| value(*luminance) * sine(i / width as usize) as f32);
             BilinearGrid::new(width as usize, values.collect(), cancel)
         };
-        let mean_luminance = mean.dot(LUMINANCE_WEIGHTS.to_f64()) as f32;
         let Some(all) = grid(&|luminance| luminance)? else { return Ok(None) };
         let above_mean = grid(&|luminance| (luminance - mean_luminance).max(0.0))?;
         Ok(Some(Self { radiance, place, axes, all, above_mean, mean }))

@@ -184,13 +184,16 @@ pub(super) struct AppearanceKey {
 #[derive(Debug, PartialEq)]
 struct EnvironmentKey {
     radiance: Rgb,
-    map: Option<(Option<Arc<TextureDesc>>, DVec3, f64)>,
+    /// The texture itself, and what else is said of it.
+    map: Option<(Option<Arc<TextureDesc>>, EnvironmentMapDesc)>,
     visible: bool,
 }
 
 impl EnvironmentKey {
     fn new(desc: &SceneDesc, environment: &EnvironmentDesc) -> Self {
-        let of = |map: &EnvironmentMapDesc| (desc.textures.get(map.texture).cloned(), map.up, map.rotation_deg);
+        let of = |map: &EnvironmentMapDesc| {
+            (desc.textures.get(map.texture).cloned(), EnvironmentMapDesc { texture: 0, ..*map })
+        };
         let EnvironmentDesc { radiance, ref map, visible, .. } = *environment;
         Self { radiance, map: map.as_ref().map(of), visible }
     }

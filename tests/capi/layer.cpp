@@ -307,6 +307,10 @@ void contents() {
     CHECK(scene.environment()[0] == 0);
     scene.set_environment({0.25F, 0.5F, 1});
     CHECK(scene.environment()[1] == 0.5F);
+    etd_environment_map hidden = ETD_ENVIRONMENT_MAP_INIT;
+    hidden.hidden = 1;
+    scene.set_environment_map(hidden);
+    CHECK(scene.environment_map().hidden == 1 && scene.environment()[1] == 1);
     scene.remove_environment();
     CHECK(scene.environment()[1] == 0);
     CHECK(scene.resolution().width == 256);

@@ -133,6 +133,10 @@ static void enumerations(void) {
     VALUE(ETD_COORDINATES_PLANAR_X);
     VALUE(ETD_COORDINATES_PLANAR_Y);
     VALUE(ETD_COORDINATES_PLANAR_Z);
+    ENUM(etd_sky_projection);
+    VALUE(ETD_SKY_LATLONG);
+    VALUE(ETD_SKY_OCTAHEDRAL);
+    VALUE(ETD_SKY_CUBE);
     ENUM(etd_texture_channel);
     VALUE(ETD_CHANNEL_DEFAULT);
     VALUE(ETD_CHANNEL_RED);
@@ -411,6 +415,14 @@ static void structures(void) {
     FIELD(etd_texture_binding, channel);
     FIELD(etd_texture_binding, strength);
     FIELD(etd_texture_binding, cutoff);
+    STRUCT(etd_environment_map);
+    FIELD(etd_environment_map, struct_size);
+    FIELD(etd_environment_map, texture);
+    FIELD(etd_environment_map, projection);
+    FIELD(etd_environment_map, radiance);
+    FIELD(etd_environment_map, hidden);
+    FIELD(etd_environment_map, up);
+    FIELD(etd_environment_map, rotation_deg);
     STRUCT(etd_surface);
     FIELD(etd_surface, struct_size);
     FIELD(etd_surface, material);
@@ -553,6 +565,7 @@ static void macros(void) {
     INITIALISER(etd_mesh, ETD_MESH_INIT);
     INITIALISER(etd_texture, ETD_TEXTURE_INIT);
     INITIALISER(etd_texture_binding, ETD_TEXTURE_BINDING_INIT);
+    INITIALISER(etd_environment_map, ETD_ENVIRONMENT_MAP_INIT);
     INITIALISER(etd_surface, ETD_SURFACE_INIT);
     INITIALISER(etd_render_options, ETD_RENDER_OPTIONS_INIT);
     INITIALISER(etd_progress, ETD_PROGRESS_INIT);

@@ -387,6 +387,14 @@ static etd_status n_scene_get_texture(void) {
     etd_texture *texture = AT(1, sized_output(sizeof *texture));
     return CALL(etd_scene_get_texture(SCENE(0), 0, texture));
 }
+static etd_status n_scene_set_environment_map(void) {
+    etd_environment_map map = ETD_ENVIRONMENT_MAP_INIT;
+    return CALL(etd_scene_set_environment_map(SCENE(0), AT(1, &map)));
+}
+static etd_status n_scene_get_environment_map(void) {
+    etd_environment_map *map = AT(1, sized_output(sizeof *map));
+    return CALL(etd_scene_get_environment_map(SCENE(0), map));
+}
 static etd_status n_scene_find_texture(void) {
     uint32_t *number = AT(2, output(sizeof *number));
     return CALL(etd_scene_find_texture(SCENE(0), AT(1, "leaf"), number));
@@ -634,6 +642,8 @@ static const struct {
     {"etd_scene_get_point_light", n_scene_get_point_light, 3, 7, 1},
     {"etd_scene_set_environment", n_scene_set_environment, 2, 1, 1},
     {"etd_scene_get_environment", n_scene_get_environment, 2, 3, 1},
+    {"etd_scene_set_environment_map", n_scene_set_environment_map, 2, 1, 1},
+    {"etd_scene_get_environment_map", n_scene_get_environment_map, 2, 3, 1},
     {"etd_scene_add_sphere", n_scene_add_sphere, 4, 15, 1},
     {"etd_scene_add_triangle", n_scene_add_triangle, 4, 15, 1},
     {"etd_scene_add_quad", n_scene_add_quad, 4, 15, 1},

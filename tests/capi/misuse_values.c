@@ -87,6 +87,16 @@ static etd_status s_binding(void) {
 static etd_status s_get_binding(void) {
     return etd_scene_get_material_texture(scene, 0, "color", (etd_texture_binding *)(void *)&structure);
 }
+/* Sets a sky and removes it again, since not all renders take one. */
+static etd_status try_sky(const etd_environment_map *map) {
+    etd_status status = etd_scene_set_environment_map(scene, map);
+    CHECK_OK(etd_scene_set_environment(scene, NULL));
+    return status;
+}
+static etd_status s_set_environment_map(void) { return try_sky((etd_environment_map *)(void *)&structure); }
+static etd_status s_get_environment_map(void) {
+    return etd_scene_get_environment_map(scene, (etd_environment_map *)(void *)&structure);
+}
 static etd_status s_set_surface(void) {
     uint32_t number;
     ((etd_surface *)(void *)&structure)->material = 0;
@@ -129,6 +139,7 @@ static void i_principled(void) { INIT(etd_principled, ETD_PRINCIPLED_INIT); }
 static void i_mesh(void) { INIT(etd_mesh, ETD_MESH_INIT); }
 static void i_texture(void) { INIT(etd_texture, ETD_TEXTURE_INIT); }
 static void i_binding(void) { INIT(etd_texture_binding, ETD_TEXTURE_BINDING_INIT); }
+static void i_environment_map(void) { INIT(etd_environment_map, ETD_ENVIRONMENT_MAP_INIT); }
 static void i_surface(void) { INIT(etd_surface, ETD_SURFACE_INIT); }
 static void i_render_options(void) { INIT(etd_render_options, ETD_RENDER_OPTIONS_INIT); }
 static void i_progress(void) { INIT(etd_progress, ETD_PROGRESS_INIT); }
@@ -168,6 +179,10 @@ static void pass_wrong_sizes(void) {
          offsetof(etd_texture_binding, cutoff), 0},
         {"etd_texture_binding out", i_binding, s_get_binding, sizeof(etd_texture_binding),
          offsetof(etd_texture_binding, cutoff), 1},
+        {"etd_environment_map in", i_environment_map, s_set_environment_map, sizeof(etd_environment_map),
+         offsetof(etd_environment_map, rotation_deg), 0},
+        {"etd_environment_map out", i_environment_map, s_get_environment_map, sizeof(etd_environment_map),
+         offsetof(etd_environment_map, rotation_deg), 1},
         {"etd_surface in", i_surface, s_set_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 0},
         {"etd_surface out", i_surface, s_get_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 1},
         {"etd_render_options in", i_render_options, s_set_render_options, sizeof(etd_render_options),
@@ -330,6 +345,16 @@ static etd_status e_texture_channel(uint32_t value) {
     binding.channel = value;
     return etd_scene_set_material_texture(scene, 0, "color", &binding);
 }
+static etd_status e_sky_projection(uint32_t value) {
+    etd_environment_map map = ETD_ENVIRONMENT_MAP_INIT;
+    map.projection = value;
+    return try_sky(&map);
+}
+static etd_status e_hidden_sky(uint32_t value) {
+    etd_environment_map map = ETD_ENVIRONMENT_MAP_INIT;
+    map.hidden = value;
+    return try_sky(&map);
+}
 static etd_status e_sampler(uint32_t value) {
     etd_render_options options = short_render(1);
     options.sampler = value;
@@ -389,6 +414,8 @@ static void pass_wrong_enumerations(void) {
         {"sharing of texels", e_texture_sharing, ETD_SHARE},
         {"coordinates", e_coordinates, ETD_COORDINATES_PLANAR_Z},
         {"channel", e_texture_channel, ETD_CHANNEL_ALPHA},
+        {"projection of a sky", e_sky_projection, ETD_SKY_CUBE},
+        {"hidden sky", e_hidden_sky, 1},
         {"sampler", e_sampler, ETD_SAMPLER_GAUSSIAN},
         {"filter", e_filter, ETD_FILTER_MITCHELL},
         {"format", e_format, ETD_FORMAT_RGBA8},
@@ -487,11 +514,14 @@ static void pass_numbers(void) {
             etd_camera camera = ETD_CAMERA_INIT;
             etd_material material = ETD_MATERIAL_INIT;
             etd_surface glowing = matt();
+            etd_environment_map sky = ETD_ENVIRONMENT_MAP_INIT;
             memcpy(floats, grey, sizeof grey);
             floats[i] = bad[k];
             CHECK_STATUS(etd_scene_add_point_light(scene, centre, floats, &number), ETD_INVALID_SCENE);
             CHECK_STATUS(etd_scene_set_point_light(scene, 0, centre, floats), ETD_INVALID_SCENE);
             CHECK_STATUS(etd_scene_set_environment(scene, floats), ETD_INVALID_SCENE);
+            sky.radiance[i] = bad[k];
+            CHECK_STATUS(etd_scene_set_environment_map(scene, &sky), ETD_INVALID_SCENE);
             CHECK_STATUS(etd_scene_set_emission(scene, 2, floats), ETD_INVALID_SCENE);
             glowing.emission[i] = bad[k];
             CHECK_STATUS(etd_scene_add_sphere(scene, centre, 1, &glowing, &number), ETD_INVALID_SCENE);

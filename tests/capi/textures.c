@@ -597,6 +597,103 @@ static void tangents(etd_device *device) {
     CHECK(!is_same(pictures[2], pictures[0]));
 }
 
+/* What a camera sees in this direction of a sky alone. */
+static void look(etd_device *device, etd_scene *scene, double x, double y, double z, float *color) {
+    static float pixels[PIXELS];
+    etd_camera camera = ETD_CAMERA_INIT;
+    camera.look_at[0] = x;
+    camera.look_at[1] = y;
+    camera.look_at[2] = z;
+    camera.up[0] = camera.up[1] = 0.3;
+    camera.up[2] = 0.9;
+    camera.fov_deg = 0.2;
+    CHECK_OK(etd_scene_set_camera(scene, &camera));
+    render(device, scene, pixels);
+    memcpy(color, pixels, 3 * sizeof *color);
+}
+
+/* A sky of memory: faces of a cube, an octahedron, and a picture by longitude and latitude, shared and changed in place. */
+static void skies(etd_device *device) {
+    static float cube[6 * 2 * 2 * 3], octahedron[4 * 4 * 3], around[2 * 4 * 3];
+    static float *const texels[3] = {around, octahedron, cube};
+    static const uint32_t sizes[3][2] = {{4, 2}, {4, 4}, {2, 12}};
+    static const double ways[6][3] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    static const char json[] = "{\"etendue\": 1, \"camera\": {\"origin\": [0, 0, 0], \"lookAt\": [0, 0, -1], \"up\": "
+                               "[0, 1, 0], \"fieldOfView\": 50}, \"surfaces\": []}";
+    uint32_t k, i;
+    for (i = 0; i < 6 * 2 * 2 * 3; ++i) {
+        cube[i] = 1 + (float)(i / 12); /* the number of the face, from 1 on */
+    }
+    for (i = 0; i < 4 * 4 * 3; ++i) {
+        octahedron[i] = 1 + (float)(i / 3);
+    }
+    for (i = 0; i < 2 * 4 * 3; ++i) {
+        around[i] = 1 + (float)(i / 3);
+    }
+    for (k = 0; k < 3; ++k) {
+        etd_scene *scene = NULL;
+        etd_texture texture = ETD_TEXTURE_INIT;
+        etd_environment_map map = ETD_ENVIRONMENT_MAP_INIT;
+        etd_environment_map same = ETD_ENVIRONMENT_MAP_INIT;
+        etd_environment_map wrong = ETD_ENVIRONMENT_MAP_INIT;
+        float color[3];
+        if (!CHECK_OK(etd_scene_from_json(device, json, strlen(json), NULL, &scene))) {
+            return;
+        }
+        CHECK_OK(etd_scene_get_environment_map(scene, &same));
+        CHECK(same.texture == ETD_NONE && same.radiance[1] == 0);
+        CHECK_STATUS((wrong.texture = 0, etd_scene_set_environment_map(scene, &wrong)), ETD_INVALID_SCENE);
+        texture.texels = texels[k];
+        texture.width = sizes[k][0];
+        texture.height = sizes[k][1];
+        texture.channels = 3;
+        texture.texel_format = ETD_TEXEL_FLOAT;
+        texture.sharing = ETD_SHARE;
+        CHECK_OK(etd_scene_add_texture(scene, NULL, &texture, &map.texture));
+        map.projection = k;
+        map.radiance[1] = 0.5f;
+        CHECK_OK(etd_scene_set_environment_map(scene, &map));
+        CHECK_OK(etd_scene_get_environment_map(scene, &same));
+        CHECK(same.texture == map.texture && same.projection == k && same.radiance[1] == 0.5f && same.up[1] == 1);
+        for (i = 0; i < 6; ++i) {
+            /* By longitude and latitude, between four texels at the horizon; at a pole, where one looks from counts. */
+            static const float by_angles[6] = {5.5f, 3.5f, 0, 0, 4.5f, 4.5f};
+            /* The right edge, the left one, all four of the middle, corners, the lower edge and the upper one. */
+            static const float unfolded[6] = {10, 7, 8.5f, 0, 14.5f, 2.5f};
+            const float expected = k == ETD_SKY_CUBE ? 1 + (float)i : k == ETD_SKY_OCTAHEDRAL ? unfolded[i] : by_angles[i];
+            look(device, scene, ways[i][0], ways[i][1], ways[i][2], color);
+            CHECK(fabsf(color[1] - 0.5f * color[0]) <= 1e-5f * color[0]);
+            if (expected > 0 && !CHECK(fabsf(color[0] - expected) < 0.1f)) {
+                fprintf(stderr, "projection %u, direction %u: %g, not %g\n", k, i, color[0], expected);
+            }
+        }
+        /* Texels that the host changes. */
+        for (i = 0; i < sizes[k][0] * sizes[k][1] * 3; ++i) {
+            texels[k][i] = 7;
+        }
+        CHECK_OK(etd_scene_update_texture(scene, map.texture));
+        look(device, scene, 0.3, 0.2, -1, color);
+        CHECK(fabsf(color[0] - 7) < 1e-4f);
+        /* Of one that cameras do not see, nothing is left in the picture. */
+        map.hidden = 1;
+        CHECK_OK(etd_scene_set_environment_map(scene, &map));
+        look(device, scene, 0.3, 0.2, -1, color);
+        CHECK(color[0] == 0);
+        /* A projection of another shape, and a texture of another shape. */
+        wrong = map;
+        wrong.projection = k == ETD_SKY_CUBE ? ETD_SKY_OCTAHEDRAL : ETD_SKY_CUBE;
+        CHECK_STATUS(etd_scene_set_environment_map(scene, &wrong), ETD_INVALID_SCENE);
+        texture.width = texture.height = 1;
+        if (k == ETD_SKY_CUBE) {
+            CHECK_STATUS(etd_scene_set_texture(scene, map.texture, &texture), ETD_INVALID_SCENE);
+        }
+        CHECK_OK(etd_scene_set_environment_map(scene, NULL));
+        CHECK_OK(etd_scene_get_environment_map(scene, &same));
+        CHECK(same.texture == ETD_NONE && same.radiance[0] == 0);
+        etd_scene_release(scene);
+    }
+}
+
 struct told {
     double last;
     int calls;
@@ -650,6 +747,7 @@ int main(void) {
     etd_device *device = new_device(1);
     reading(device);
     tangents(device);
+    skies(device);
     further_sets(device);
     vertex_colors(device);
     patterns(device);

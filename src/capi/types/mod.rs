@@ -124,6 +124,8 @@ mod numbers {
     pub type EtdTextureFilter = u32;
     /// The enumeration of this name, as a number.
     pub type EtdTextureChannel = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdSkyProjection = u32;
 }
 pub use numbers::*;
 

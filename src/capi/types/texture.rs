@@ -4,12 +4,12 @@ use std::ffi::{c_char, c_void};
 
 use super::device::etd_release_fn;
 use super::numbers::{
-    EtdColorSpace, EtdCoordinates, EtdSharing, EtdTexelFormat, EtdTextureChannel, EtdTextureFilter, EtdTextureKind,
-    EtdWrap,
+    EtdColorSpace, EtdCoordinates, EtdSharing, EtdSkyProjection, EtdTexelFormat, EtdTextureChannel, EtdTextureFilter,
+    EtdTextureKind, EtdWrap,
 };
 pub use {
-    etd_color_space::*, etd_coordinates::*, etd_texel_format::*, etd_texture_channel::*, etd_texture_filter::*,
-    etd_texture_kind::*, etd_wrap::*,
+    etd_color_space::*, etd_coordinates::*, etd_sky_projection::*, etd_texel_format::*, etd_texture_channel::*,
+    etd_texture_filter::*, etd_texture_kind::*, etd_wrap::*,
 };
 
 /// What a texture shows.
@@ -209,6 +209,40 @@ pub struct etd_texture_binding {
     pub cutoff: f32,
 }
 
+/// How the directions of a sky lie in an image, whose own frame has y up.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_sky_projection {
+    /// By longitude and latitude: seen from within, the middle of the image is towards -z, its right half towards +x and its upper
+    /// edge around +y.
+    ETD_SKY_LATLONG = 0,
+    /// The faces of an octahedron in a square image: +y in the middle, -y at the four corners, +x in the middle of the right edge
+    /// and -z in that of the upper edge.
+    ETD_SKY_OCTAHEDRAL = 1,
+    /// Six squares one under another: the faces +x, -x, +y, -y, +z and -z of a cube, each as OpenGL, Vulkan and Direct3D have it.
+    ETD_SKY_CUBE = 2,
+}
+
+/// Light from infinity by a texture, or the same from all directions.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct etd_environment_map {
+    /// `sizeof(etd_environment_map)`.
+    pub struct_size: usize,
+    /// Number of the texture; `ETD_NONE`: none.
+    pub texture: u32,
+    /// An `etd_sky_projection`.
+    pub projection: EtdSkyProjection,
+    /// Radiance [W m^-2 sr^-1], each channel >= 0; a factor on the texture's where there is one.
+    pub radiance: [f32; 3],
+    /// 1: camera rays do not see it, only mirrors, glass and other light do; 0: they do.
+    pub hidden: u32,
+    /// The direction that is up in the image, of any length but 0. With +z up, what is towards -z with +y up is towards +y.
+    pub up: [f64; 3],
+    /// Degrees by which the image is turned about `up`, counter-clockwise as seen from above.
+    pub rotation_deg: f64,
+}
+
 enumerations! {
     etd_texture_kind:
         ETD_TEXTURE_IMAGE, ETD_TEXTURE_CHECKER, ETD_TEXTURE_GRID, ETD_TEXTURE_GRADIENT, ETD_TEXTURE_NOISE,
@@ -225,9 +259,11 @@ enumerations! {
         ETD_COORDINATES_PLANAR_Y, ETD_COORDINATES_PLANAR_Z;
     etd_texture_channel:
         ETD_CHANNEL_DEFAULT, ETD_CHANNEL_RED, ETD_CHANNEL_GREEN, ETD_CHANNEL_BLUE, ETD_CHANNEL_ALPHA;
+    etd_sky_projection: ETD_SKY_LATLONG, ETD_SKY_OCTAHEDRAL, ETD_SKY_CUBE;
 }
 
 versioned! {
     etd_texture, offset;
     etd_texture_binding, cutoff;
+    etd_environment_map, rotation_deg;
 }

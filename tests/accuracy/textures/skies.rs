@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use etendue::desc::{
-    BsdfDesc, EnvironmentDesc, EnvironmentMapDesc, IntegratorDesc, SceneDesc, ShapeDesc, TextureDesc, TextureMapping,
-    TextureSource,
+    BsdfDesc, EnvironmentDesc, EnvironmentMapDesc, IntegratorDesc, SceneDesc, ShapeDesc, SkyProjection, TextureDesc,
+    TextureMapping, TextureSource,
 };
 use etendue::emitter::{Emitter, EnvironmentMapEmitter, Receiver};
 use etendue::film::Image;
@@ -34,6 +34,13 @@ const FACTOR: f64 = 1.5;
 /// The image's upper edge, and degrees of a turn about it.
 const UP: DVec3 = DVec3::new(1.0, 3.0, -2.0);
 const TURN: f64 = 40.0;
+/// Columns and rows of a face. Between their texels, the glow is linear to some 10^-4 of its mean.
+const FACE: u32 = 320;
+
+/// Radiance that grows around a direction of the image.
+fn glow(d: DVec3) -> f64 {
+    0.2 + 20.0 * (30.0 * (d.dot(DVec3::new(0.6, -0.48, 0.64)) - 1.0)).exp()
+}
 
 /// Images of a sky.
 #[derive(Clone, Copy)]
@@ -48,9 +55,13 @@ enum Sky {
     Uneven,
     /// A ramp by the height over the horizon of the world.
     Ramp,
+    /// A glow around a direction of the image, in the faces of a cube.
+    Cube,
+    /// The same on an octahedron.
+    Octahedron,
 }
 
-const SKIES: [(Sky, &str); 7] = [
+const SKIES: [(Sky, &str); 9] = [
     (Sky::Even, "even"),
     (Sky::Hot(5, 2), "a hot texel"),
     (Sky::Hot(15, 3), "a hot texel at the seam"),
@@ -58,6 +69,8 @@ const SKIES: [(Sky, &str); 7] = [
     (Sky::Lone(3, 2), "a lone texel"),
     (Sky::Uneven, "uneven"),
     (Sky::Ramp, "a ramp"),
+    (Sky::Cube, "a cube"),
+    (Sky::Octahedron, "an octahedron"),
 ];
 
 impl Sky {
@@ -80,12 +93,54 @@ impl Sky {
             }
             Self::Uneven => f64::from((x * 7 + y * 13) % 11) / 5.0 + 0.05,
             Self::Ramp => unreachable!("no image"),
+            Self::Cube | Self::Octahedron => glow(self.direction(x, y)),
         }
+    }
+
+    /// Columns and rows.
+    fn size(self) -> [u32; 2] {
+        match self {
+            Self::Cube => [FACE, 6 * FACE],
+            Self::Octahedron => [FACE; 2],
+            _ => SIZE,
+        }
+    }
+
+    fn projection(self) -> SkyProjection {
+        match self {
+            Self::Cube => SkyProjection::Cube,
+            Self::Octahedron => SkyProjection::Octahedral,
+            _ => SkyProjection::LatLong,
+        }
+    }
+
+    /// The direction of the middle of a texel, in the frame of the image, where faces are unfolded.
+    fn direction(self, x: u32, y: u32) -> DVec3 {
+        let centre = |n: u32| (f64::from(n % FACE) + 0.5) / f64::from(FACE) * 2.0 - 1.0;
+        let [right, down] = [centre(x), centre(y)];
+        let of = if let Self::Cube = self {
+            // What lies to the right, below and before one who looks at each face.
+            let [a, b, c] = [
+                [-DVec3::Z, -DVec3::Y, DVec3::X],
+                [DVec3::Z, -DVec3::Y, -DVec3::X],
+                [DVec3::X, DVec3::Z, DVec3::Y],
+                [DVec3::X, -DVec3::Z, -DVec3::Y],
+                [DVec3::X, -DVec3::Y, DVec3::Z],
+                [-DVec3::X, -DVec3::Y, -DVec3::Z],
+            ][(y / FACE) as usize];
+            right * a + down * b + c
+        } else {
+            let height = 1.0 - right.abs() - down.abs();
+            let outside = (-height).max(0.0);
+            DVec3::new(right - outside.copysign(right), height, down - outside.copysign(down))
+        };
+        of.normalize()
     }
 
     fn texture(self) -> TextureDesc {
         let Self::Ramp = self else {
-            let shown = image(SIZE[0], SIZE[1], 3, |x, y, c| self.texel(x, y) as f32 * [1.0, 0.5, 0.25][c as usize]);
+            let [width, height] = self.size();
+            let shown = image(width, height, 3, |x, y, c| self.texel(x, y) as f32 * [1.0, 0.5, 0.25][c as usize]);
             return described("sky", &shown, ColorSpace::Linear, TextureFilter::Bilinear, 1.0);
         };
         let colors = [Rgb::ZERO, Rgb::new(1.0, 0.5, 0.25)];
@@ -105,6 +160,9 @@ impl Sky {
             return FACTOR * (0.5 * direction.x + 0.5).clamp(0.0, 1.0);
         }
         let d = to_world().transpose() * direction;
+        if self.projection() != SkyProjection::LatLong {
+            return FACTOR * glow(d);
+        }
         let [width, height] = SIZE.map(f64::from);
         let x = (0.5 + d.x.atan2(-d.z) / TAU) * width - 0.5;
         let y = d.y.clamp(-1.0, 1.0).acos() / PI * height - 0.5;
@@ -142,7 +200,12 @@ impl Sky {
 
     fn light(self, desc: &mut SceneDesc) {
         let texture = desc.add_texture(self.texture()).expect("a texture of the test");
-        let map = EnvironmentMapDesc { up: UP, rotation_deg: TURN, ..EnvironmentMapDesc::new(texture) };
+        let map = EnvironmentMapDesc {
+            projection: self.projection(),
+            up: UP,
+            rotation_deg: TURN,
+            ..EnvironmentMapDesc::new(texture)
+        };
         let environment = EnvironmentDesc { map: Some(map), ..EnvironmentDesc::even(Rgb::splat(FACTOR as f32)) };
         desc.set_environment_desc(Some(environment)).expect("a sky of the test");
     }

@@ -1,0 +1,125 @@
+//! Calls that describe light from infinity.
+
+use super::boundary::{array, need, on, read_sized, write_sized};
+use super::read::{enumeration, flag};
+use super::scene::etd_scene;
+use super::status::{Result, etd_status};
+use super::types::{ETD_NONE, Enumeration, etd_environment_map, etd_sky_projection};
+use crate::desc::{EnvironmentDesc, EnvironmentMapDesc, SkyProjection};
+use crate::math::DVec3;
+use crate::spectrum::Rgb;
+
+/// Sets the light that comes from infinity, the same from all directions: a sky.
+///
+/// `radiance`: three numbers, radiance [W m^-2 sr^-1], each >= 0; NULL: none. Radiosity does not render a scene with an
+/// environment. Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_environment(scene: *mut etd_scene, radiance: *const f32) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            let radiance = if radiance.is_null() { None } else { Some(Rgb::from_array(array(radiance, "radiance")?)) };
+            scene.edit(|desc| desc.set_environment(radiance))
+        })
+    }
+}
+
+/// Returns the radiance that comes from infinity as described now, three numbers: 0 where there is no environment.
+/// Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_environment(scene: *const etd_scene, out_radiance: *mut f32) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            need(out_radiance, "out_radiance")?;
+            let desc = scene.desc();
+            let radiance = desc.environment.as_ref().map_or(Rgb::ZERO, |environment| environment.radiance);
+            out_radiance.cast::<[f32; 3]>().write(radiance.to_array());
+            Ok(())
+        })
+    }
+}
+
+/// Sets the light that comes from infinity by a texture of all directions, or the same from all directions where `map->texture` is
+/// `ETD_NONE`.
+///
+/// `map`: NULL for no light from infinity. Errors: `ETD_INVALID_SCENE` if there is no such texture, if it does not have the shape of
+/// the projection, is projected on surfaces or multiplied by the colours of vertices, or is an image that is scaled, turned or moved.
+/// Radiosity does not render a scene with an environment. Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_environment_map(
+    scene: *mut etd_scene,
+    map: *const etd_environment_map,
+) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            let environment = if map.is_null() { None } else { Some(environment(&read_sized(map, "map")?)?) };
+            scene.edit(|desc| desc.set_environment_desc(environment))
+        })
+    }
+}
+
+/// Returns the light that comes from infinity as described now. Without any, the radiance is 0 and the texture `ETD_NONE`.
+/// Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_environment_map(
+    scene: *const etd_scene,
+    out_map: *mut etd_environment_map,
+) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            let none = EnvironmentDesc::even(Rgb::ZERO);
+            let desc = scene.desc();
+            let it = desc.environment.as_ref().unwrap_or(&none);
+            let map = it.map.unwrap_or(EnvironmentMapDesc::new(0));
+            let projection = match map.projection {
+                SkyProjection::LatLong => etd_sky_projection::ETD_SKY_LATLONG,
+                SkyProjection::Octahedral => etd_sky_projection::ETD_SKY_OCTAHEDRAL,
+                SkyProjection::Cube => etd_sky_projection::ETD_SKY_CUBE,
+            };
+            let value = etd_environment_map {
+                struct_size: size_of::<etd_environment_map>(),
+                texture: it.map.map_or(ETD_NONE, |map| map.texture as u32),
+                projection: projection.number(),
+                radiance: it.radiance.to_array(),
+                hidden: u32::from(!it.visible),
+                up: map.up.to_array(),
+                rotation_deg: map.rotation_deg,
+            };
+            write_sized(out_map, "out_map", value)
+        })
+    }
+}
+
+fn environment(it: &etd_environment_map) -> Result<EnvironmentDesc> {
+    let projection = match enumeration("map.projection", it.projection)? {
+        etd_sky_projection::ETD_SKY_LATLONG => SkyProjection::LatLong,
+        etd_sky_projection::ETD_SKY_OCTAHEDRAL => SkyProjection::Octahedral,
+        etd_sky_projection::ETD_SKY_CUBE => SkyProjection::Cube,
+    };
+    let map = EnvironmentMapDesc {
+        texture: it.texture as usize,
+        projection,
+        up: DVec3::from_array(it.up),
+        rotation_deg: it.rotation_deg,
+    };
+    Ok(EnvironmentDesc {
+        map: (it.texture != ETD_NONE).then_some(map),
+        visible: !flag("map.hidden", it.hidden)?,
+        ..EnvironmentDesc::even(Rgb::from_array(it.radiance))
+    })
+}
