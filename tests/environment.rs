@@ -9,7 +9,7 @@ use common::scenes::{Job, render_scene};
 use etendue::ErrorKind;
 use etendue::desc::{
     self, BsdfDesc, EnvironmentDesc, EnvironmentMapDesc, ImageTextureDesc, IntegratorDesc, RenderDesc, SceneDesc,
-    ShapeDesc, SurfaceLook, TextureDesc, TextureMapping, TextureSource,
+    ShapeDesc, SkyDesc, SurfaceLook, TextureDesc, TextureMapping, TextureSource,
 };
 use etendue::math::{DAffine3, DVec3};
 use etendue::render::{Render, RenderSettings};
@@ -85,11 +85,14 @@ fn with_textures(light: &Value) -> Result<SceneDesc, etendue::Error> {
 fn a_texture_varies_a_sky() {
     let read = |light: Value| with_textures(&light).unwrap().environment.unwrap();
     let plain = read(json!({"type": "environment", "texture": "sky"}));
-    assert_eq!((plain.radiance, plain.map, plain.visible), (Rgb::ONE, Some(EnvironmentMapDesc::new(0)), true));
+    assert_eq!(
+        (plain.radiance, plain.map().copied(), plain.visible),
+        (Rgb::ONE, Some(EnvironmentMapDesc::new(0)), true)
+    );
     let turned = read(json!({"type": "environment", "texture": "squares", "color": [1, 2, 3], "intensity": 2,
         "up": [0, 0, 2], "rotation": -30, "visible": false}));
     let map = EnvironmentMapDesc { up: DVec3::Z * 2.0, rotation_deg: -30.0, ..EnvironmentMapDesc::new(2) };
-    assert_eq!((turned.radiance, turned.map, turned.visible), (Rgb::new(2.0, 4.0, 6.0), Some(map), false));
+    assert_eq!((turned.radiance, turned.map().copied(), turned.visible), (Rgb::new(2.0, 4.0, 6.0), Some(map), false));
     // With z up, the middle of the image is towards +y, and by -30 degrees to the right of it.
     let middle = map.to_world() * -DVec3::Z;
     assert!(middle.distance(DVec3::new(0.5, 0.75_f64.sqrt(), 0.0)) < 1e-12, "{middle}");
@@ -155,11 +158,16 @@ fn light_beyond_single_precision_is_refused() {
     scene
         .add_texture(TextureDesc { name: "sky".into(), path: String::new(), source, mapping, vertex_colors: false })
         .unwrap();
-    let map = Some(EnvironmentMapDesc::new(0));
-    scene.set_environment_desc(Some(EnvironmentDesc { map, ..EnvironmentDesc::even(Rgb::splat(1e30)) })).unwrap();
+    let map = EnvironmentMapDesc::new(0);
+    scene
+        .set_environment_desc(Some(EnvironmentDesc {
+            sky: SkyDesc::Map(map),
+            ..EnvironmentDesc::even(Rgb::splat(1e30))
+        }))
+        .unwrap();
     let error = Scene::build(&scene, &BuildOptions::default()).unwrap_err();
     assert_eq!((error.kind(), error.location().json_path.as_str()), (ErrorKind::InvalidScene, "environment.color"));
-    let missing = EnvironmentDesc { map: Some(EnvironmentMapDesc::new(1)), ..EnvironmentDesc::even(Rgb::ONE) };
+    let missing = EnvironmentDesc { sky: SkyDesc::Map(EnvironmentMapDesc::new(1)), ..EnvironmentDesc::even(Rgb::ONE) };
     let error = scene.set_environment_desc(Some(missing)).unwrap_err();
     assert!(
         error.to_string().contains("environment.texture") && error.to_string().contains("texture 1 of 1"),
@@ -275,10 +283,11 @@ fn an_edited_sky_is_that_of_a_new_scene() {
     let mapping = TextureMapping::Uv { set: 0, scale: [8.0, 4.0], rotation: 0.0, offset: [0.0; 2] };
     let texture = TextureDesc { name: String::new(), path: String::new(), source, mapping, vertex_colors: false };
     let texture = scene.add_texture(texture).unwrap();
-    let mut sky = EnvironmentDesc { map: Some(EnvironmentMapDesc::new(texture)), ..EnvironmentDesc::even(Rgb::ONE) };
+    let mut sky =
+        EnvironmentDesc { sky: SkyDesc::Map(EnvironmentMapDesc::new(texture)), ..EnvironmentDesc::even(Rgb::ONE) };
     for change in 0..4 {
         match (change, &mut sky) {
-            (1, EnvironmentDesc { map: Some(map), .. }) => map.rotation_deg = 20.0,
+            (1, EnvironmentDesc { sky: SkyDesc::Map(map), .. }) => map.rotation_deg = 20.0,
             (2, sky) => sky.visible = false,
             (3, sky) => sky.radiance = Rgb::splat(2.0),
             _ => {}

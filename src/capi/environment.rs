@@ -5,7 +5,7 @@ use super::read::{enumeration, flag};
 use super::scene::etd_scene;
 use super::status::{Result, etd_status};
 use super::types::{ETD_NONE, Enumeration, etd_environment_map, etd_sky_projection};
-use crate::desc::{EnvironmentDesc, EnvironmentMapDesc, SkyProjection};
+use crate::desc::{EnvironmentDesc, EnvironmentMapDesc, SkyDesc, SkyProjection};
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 
@@ -85,7 +85,7 @@ pub unsafe extern "C" fn etd_scene_get_environment_map(
             let none = EnvironmentDesc::even(Rgb::ZERO);
             let desc = scene.desc();
             let it = desc.environment.as_ref().unwrap_or(&none);
-            let map = it.map.unwrap_or(EnvironmentMapDesc::new(0));
+            let map = it.map().copied().unwrap_or(EnvironmentMapDesc::new(0));
             let projection = match map.projection {
                 SkyProjection::LatLong => etd_sky_projection::ETD_SKY_LATLONG,
                 SkyProjection::Octahedral => etd_sky_projection::ETD_SKY_OCTAHEDRAL,
@@ -93,7 +93,7 @@ pub unsafe extern "C" fn etd_scene_get_environment_map(
             };
             let value = etd_environment_map {
                 struct_size: size_of::<etd_environment_map>(),
-                texture: it.map.map_or(ETD_NONE, |map| map.texture as u32),
+                texture: it.map().map_or(ETD_NONE, |map| map.texture as u32),
                 projection: projection.number(),
                 radiance: it.radiance.to_array(),
                 hidden: u32::from(!it.visible),
@@ -118,7 +118,7 @@ fn environment(it: &etd_environment_map) -> Result<EnvironmentDesc> {
         rotation_deg: it.rotation_deg,
     };
     Ok(EnvironmentDesc {
-        map: (it.texture != ETD_NONE).then_some(map),
+        sky: if it.texture == ETD_NONE { SkyDesc::Even } else { SkyDesc::Map(map) },
         visible: !flag("map.hidden", it.hidden)?,
         ..EnvironmentDesc::even(Rgb::from_array(it.radiance))
     })

@@ -582,6 +582,6 @@ fn is_removed(mesh: &MeshDesc) -> bool {
 }
 
 /// The error for a number that is not an index of the list.
-fn none_such(path: &str, what: &str, number: usize, count: usize) -> Error {
+pub(super) fn none_such(path: &str, what: &str, number: usize, count: usize) -> Error {
     Error::invalid(path, format!("there is no {what} {number}, expected an index below {count}"))
 }

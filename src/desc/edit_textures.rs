@@ -35,10 +35,11 @@ impl SceneDesc {
         let mut users = self.materials.iter().enumerate();
         let checked =
             users.try_for_each(|(i, user)| texture_check::bindings(user, &self.textures, &self.materials[..i]));
-        let checked = checked.and_then(|()| match &self.environment {
-            Some(environment) => texture_check::environment(environment, &self.textures),
-            None => Ok(()),
-        });
+        let checked =
+            checked.and_then(|()| match self.environment.as_ref().filter(|environment| environment.map().is_some()) {
+                Some(environment) => texture_check::environment(environment, &self.textures),
+                None => Ok(()),
+            });
         if checked.is_err() {
             self.textures[texture] = before;
         }
@@ -112,7 +113,7 @@ impl SceneDesc {
 
     /// Checks the textures of all materials and of the environment, for a description that is put together by hand.
     pub(crate) fn check_textures(&self) -> Result<()> {
-        let map = self.environment.as_ref().filter(|environment| environment.map.is_some());
+        let map = self.environment.as_ref().filter(|environment| environment.map().is_some());
         if map.is_none() && self.materials.iter().all(|material| material.textures.is_empty()) {
             return Ok(());
         }

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::{SceneDesc, texture_check};
 use crate::Result;
+use crate::emitter::{FormulaSky, SkyFormula};
 use crate::math::{DMat3, DQuat, DVec3};
 use crate::spectrum::Rgb;
 
@@ -12,10 +13,11 @@ use crate::spectrum::Rgb;
 pub struct EnvironmentDesc {
     /// JSON path, for messages.
     pub path: String,
-    /// Radiance from every direction [W m^-2 sr^-1], each channel >= 0; a factor on the texture's where there is one.
+    /// Radiance from every direction [W m^-2 sr^-1], each channel >= 0; a factor on the texture's where there is one. Of a sky by a
+    /// formula it is what [`FormulaSkyDesc::is_horizontal`] says.
     pub radiance: Rgb,
-    /// What varies the radiance by direction; `None` for the same from all directions.
-    pub map: Option<EnvironmentMapDesc>,
+    /// What varies the radiance by direction.
+    pub sky: SkyDesc,
     /// Whether camera rays that meet nothing show it. Mirrors and glass show it in any case.
     pub visible: bool,
 }
@@ -23,7 +25,61 @@ pub struct EnvironmentDesc {
 impl EnvironmentDesc {
     /// An environment that camera rays see, of this radiance [W m^-2 sr^-1] from every direction.
     pub fn even(radiance: Rgb) -> Self {
-        Self { path: String::new(), radiance, map: None, visible: true }
+        Self { path: String::new(), radiance, sky: SkyDesc::Even, visible: true }
+    }
+
+    /// The texture that varies it.
+    pub fn map(&self) -> Option<&EnvironmentMapDesc> {
+        match &self.sky {
+            SkyDesc::Map(map) => Some(map),
+            SkyDesc::Even | SkyDesc::Formula(_) => None,
+        }
+    }
+}
+
+/// How light from infinity varies by direction.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum SkyDesc {
+    /// Not at all.
+    #[default]
+    Even,
+    /// By a texture.
+    Map(EnvironmentMapDesc),
+    /// By a formula of the angles to the zenith and to the sun.
+    Formula(FormulaSkyDesc),
+}
+
+/// A sky by a formula, over a ground. The disk of the sun is a light of its own, [`super::DistantLightDesc`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FormulaSkyDesc {
+    /// The formula.
+    pub formula: SkyFormula,
+    /// The direction towards the sun, of any length but 0 and above the horizon.
+    pub sun: DVec3,
+    /// The direction of the zenith, of any length but 0.
+    pub up: DVec3,
+    /// Whether the environment's radiance is the irradiance of a horizontal surface by the sky [W m^-2], and not the radiance at the
+    /// zenith.
+    pub is_horizontal: bool,
+    /// The share of that irradiance that the ground sends back evenly from below the horizon, [0, 1] per channel.
+    pub ground: Rgb,
+}
+
+impl FormulaSkyDesc {
+    /// A sky with +y up over a black ground, of this radiance at the zenith.
+    pub fn new(formula: SkyFormula, sun: DVec3) -> Self {
+        Self { formula, sun, up: DVec3::Y, is_horizontal: false, ground: Rgb::ZERO }
+    }
+
+    /// From the frame of the sky, with y up, to the world.
+    pub fn to_world(&self) -> DMat3 {
+        EnvironmentMapDesc { up: self.up, ..EnvironmentMapDesc::new(0) }.to_world()
+    }
+
+    /// The sky of this radiance; `None` where the formula gives no light, or light beyond single precision.
+    pub(crate) fn model(&self, radiance: Rgb) -> Option<FormulaSky> {
+        let sun = (self.to_world().transpose() * self.sun).normalize_or(DVec3::Y);
+        FormulaSky::new(self.formula, sun, radiance, self.is_horizontal, self.ground)
     }
 }
 

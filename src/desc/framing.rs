@@ -38,6 +38,7 @@ pub(super) fn light(scene: &mut SceneDesc) {
     let used = scene.used_materials();
     let materials = scene.materials.iter().zip(used);
     let is_lit = !scene.lights.is_empty()
+        || !scene.distant_lights.is_empty()
         || scene.environment.is_some()
         || materials.into_iter().any(|(material, used)| used && is_lamp(material.emission))
         || scene.surfaces.iter().any(|surface| !surface.hidden && is_lamp(surface.emission));

@@ -42,6 +42,7 @@
 
 mod builder;
 mod camera;
+mod distant;
 mod edit;
 mod edit_textures;
 mod environment;
@@ -80,6 +81,8 @@ mod scene_file;
 #[cfg(feature = "schema")]
 mod schema;
 mod shape;
+mod sky_keys;
+mod sun;
 mod surface;
 mod texture;
 mod texture_check;
@@ -89,8 +92,9 @@ mod validate;
 mod warnings;
 
 pub use camera::{CameraDesc, FovAxis};
+pub use distant::DistantLightDesc;
 pub use edit::SurfaceLook;
-pub use environment::{EnvironmentDesc, EnvironmentMapDesc, SkyProjection};
+pub use environment::{EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, SkyDesc, SkyProjection};
 pub(crate) use file::open as open_file;
 pub use index::SceneIndex;
 pub use integrator::{
@@ -115,6 +119,7 @@ pub use render::{FilterDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, RouletteDe
 pub use scene::{Dialect, SceneDesc};
 #[cfg(feature = "schema")]
 pub use schema::schema;
+pub use sun::sun_direction;
 pub(crate) use texture::Parameter;
 pub use texture::{
     ImageTextureDesc, Projection, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping,

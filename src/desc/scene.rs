@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::camera::CameraDesc;
+use super::distant::DistantLightDesc;
 use super::environment::EnvironmentDesc;
 use super::index::SceneIndex;
 use super::light::PointLightDesc;
@@ -27,7 +28,9 @@ pub struct SceneDesc {
     pub lights: Vec<PointLightDesc>,
     /// Textures, named by index from materials.
     pub textures: Vec<Arc<TextureDesc>>,
-    /// Light from infinity, where there is any.
+    /// Light that comes from single directions of infinity.
+    pub distant_lights: Vec<DistantLightDesc>,
+    /// Light from infinity all around, where there is any.
     pub environment: Option<EnvironmentDesc>,
     /// Materials, named by index from surfaces.
     pub materials: Vec<MaterialDesc>,

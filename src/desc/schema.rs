@@ -4,7 +4,7 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 
-use super::{material_keys, native, render_block, surface, texture_keys};
+use super::{material_keys, native, render_block, sky_keys, surface, texture_keys};
 
 /// A scene in Étendue's native format, version 1.
 #[derive(JsonSchema)]
@@ -41,7 +41,9 @@ struct Scene<'a> {
 enum Light {
     Point(native::PointLight),
     Area(native::AreaLight),
-    Environment(native::Environment),
+    Environment(sky_keys::Environment),
+    Distant(sky_keys::Distant),
+    Sky(sky_keys::FormulaSky),
 }
 
 #[derive(JsonSchema)]

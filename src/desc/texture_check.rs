@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::json::{elided, join};
 use super::validate::{number, reflectance};
 use super::{
-    EnvironmentDesc, MaterialDesc, MeshDesc, SkyProjection, TextureDesc, TextureKey, TextureMapping, TextureSource,
+    EnvironmentDesc, MaterialDesc, MeshDesc, SkyDesc, SkyProjection, TextureDesc, TextureKey, TextureMapping,
+    TextureSource,
 };
 use crate::texture::{Pattern, TextureFilter};
 use crate::{Error, Result};
@@ -89,7 +90,11 @@ pub(super) fn texture(texture: &TextureDesc) -> Result<()> {
 pub(super) fn environment(environment: &EnvironmentDesc, textures: &[Arc<TextureDesc>]) -> Result<()> {
     let path = &environment.path;
     super::validate::environment(path, environment.radiance.to_f64(), 1.0)?;
-    let Some(map) = &environment.map else { return Ok(()) };
+    let map = match &environment.sky {
+        SkyDesc::Even => return Ok(()),
+        SkyDesc::Formula(sky) => return super::validate::formula_sky(path, sky, environment.radiance),
+        SkyDesc::Map(map) => map,
+    };
     super::validate::environment_map(path, map)?;
     let at = join(path, "texture");
     let Some(texture) = textures.get(map.texture) else {

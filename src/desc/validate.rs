@@ -1,7 +1,10 @@
 //! Checks of single values: their physical meaning, and that single precision can hold them.
 
 use super::json::{Whole, elided, join};
-use super::{CameraDesc, EnvironmentDesc, EnvironmentMapDesc, MaterialDesc, MeshDesc, PointLightDesc, ShapeDesc};
+use super::{
+    CameraDesc, EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, MaterialDesc, MeshDesc, PointLightDesc, ShapeDesc,
+};
+use crate::emitter::SkyFormula;
 use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
@@ -217,6 +220,31 @@ pub(super) fn environment_map(path: &str, map: &EnvironmentMapDesc) -> Result<()
         ));
     }
     number(&join(path, "rotation"), map.rotation_deg).map(|_| ())
+}
+
+/// Checks a sky by a formula, of which the environment has this radiance.
+pub(super) fn formula_sky(path: &str, sky: &FormulaSkyDesc, radiance: Rgb) -> Result<()> {
+    let SkyFormula { numbers, .. } = sky.formula;
+    // Within these, no direction is brighter than 10^13 times the zenith or so.
+    let bounds = [(-1e3, 1e3), (-1e3, 0.0), (-1e3, 1e3), (-1e3, 5.0), (-1e3, 1e3)];
+    for (i, (value, (low, high))) in numbers.into_iter().zip(bounds).enumerate() {
+        if !(low..=high).contains(&value) {
+            let message = format!("{value} is out of range, expected a number from {low} to {high}");
+            return Err(Error::invalid(join(path, &format!("perez[{i}]")), message));
+        }
+    }
+    let up = direction(&join(path, "up"), sky.up)?;
+    let sun = direction(&join(path, "sun"), sky.sun)?;
+    if sun.dot(up) <= 0.0 {
+        let message = "the sun is not above the horizon, where skies have no formula";
+        return Err(Error::invalid(join(path, "sun"), message));
+    }
+    reflectance(&join(path, "ground"), sky.ground.to_f64())?;
+    if radiance != Rgb::ZERO && sky.model(radiance).is_none() {
+        let message = "the formula gives no light, or light beyond single precision";
+        return Err(Error::invalid(path, message));
+    }
+    Ok(())
 }
 
 /// Checks an absorption coefficient, which must be 0 or more per channel.

@@ -4,10 +4,11 @@ use std::f64::consts::PI;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use super::infinite_ball::InfiniteBall;
 use super::textured_radiance::TexturedRadiance;
 use super::{EmitterSample, Receiver};
-use crate::math::{DMat3, DVec3, Frame, Vec3};
-use crate::sampling::{BilinearGrid, warps};
+use crate::math::{DMat3, DVec3, Vec3};
+use crate::sampling::BilinearGrid;
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb, luminance};
 use crate::texture::{Texture, TexturePoint, rows};
 use crate::{Cancel, Result};
@@ -31,7 +32,24 @@ pub trait SkyTexture: Debug + Send + Sync {
     fn point(&self, direction: Vec3, uv: [f32; 2]) -> TexturePoint;
 }
 
-/// The radiance that comes from all directions, by a texture over longitude and latitude, and how directions are sampled by it.
+/// Radiance by direction that a formula gives.
+pub trait SkyModel: Debug + Send + Sync {
+    /// The radiance from a unit direction in the frame of the sky, whose y is up: finite and from 0 on.
+    fn radiance(&self, direction: Vec3) -> Rgb;
+}
+
+/// What light from infinity shows.
+#[derive(Debug)]
+pub enum Sky {
+    /// A texture over longitude and latitude.
+    Texture(TexturedRadiance),
+    /// A texture that lies otherwise.
+    Unfolded(TexturedRadiance, Arc<dyn SkyTexture>),
+    /// A formula.
+    Model(Box<dyn SkyModel>),
+}
+
+/// The radiance that comes from all directions, and how directions are sampled by it.
 ///
 /// The image's frame has y up. The middle of the image lies towards -z and its right half towards +x, as one sees it from within; the
 /// top row is around +y. Texture coordinates go with it: u = 1/2 + atan2(x, -z) / 2 pi, v = 1 - acos(y) / pi.
@@ -42,9 +60,7 @@ pub trait SkyTexture: Debug + Send + Sync {
 /// less, the samples of the Bsdf find.
 #[derive(Debug)]
 pub struct EnvironmentMap {
-    radiance: TexturedRadiance,
-    /// `None` where the texture coordinates are read as they are.
-    place: Option<Arc<dyn SkyTexture>>,
+    sky: Sky,
     /// Axes of the image's frame in the scene frame.
     axes: [Vec3; 3],
     all: BilinearGrid,
@@ -54,33 +70,15 @@ pub struct EnvironmentMap {
 }
 
 impl EnvironmentMap {
-    /// The light of a texture. `to_scene` turns directions from the frame of the image to the scene's. `None` for one that is black
+    /// The light of a sky. `to_scene` turns directions from the frame of the image to the scene's. `None` for one that is black
     /// everywhere. Texels are read by at most `threads` threads.
     ///
     /// # Errors
     /// [`crate::ErrorKind::Cancelled`].
-    pub fn new(
-        radiance: TexturedRadiance,
-        place: Option<Arc<dyn SkyTexture>>,
-        to_scene: &DMat3,
-        threads: usize,
-        cancel: &Cancel,
-    ) -> Result<Option<Self>> {
+    pub fn new(sky: Sky, to_scene: &DMat3, threads: usize, cancel: &Cancel) -> Result<Option<Self>> {
         let axes = [to_scene.x_axis, to_scene.y_axis, to_scene.z_axis].map(|axis| axis.normalize().as_vec3a());
-        let texels = radiance.texture().texels();
-        let (size, squares) = match &**radiance.texture() {
-            Texture::Image(_) if place.is_some() => {
-                // As fine as the image where it is widest, and four points for each.
-                let [width, _] = texels;
-                ([0, 1].map(|i| (width.saturating_mul([4, 2][i])).clamp(OF_PATTERN[i], MOST_ACROSS[i])), [2; 2])
-            }
-            Texture::Image(_) => {
-                let squares = [0, 1].map(|i| texels[i].div_ceil(MOST_ACROSS[i]));
-                ([0, 1].map(|i| texels[i].div_ceil(squares[i])), squares)
-            }
-            Texture::Procedural(..) | Texture::White => (OF_PATTERN, [1; 2]),
-        };
-        let lookup = |u: f64, t: f64| at(&radiance, place.as_deref(), &axes, [u as f32, t as f32]);
+        let (size, squares) = sky.grid();
+        let lookup = |u: f64, t: f64| sky.at(&axes, [u as f32, t as f32]);
         let [width, height] = size;
         // Luminance at the points of the grid, their mean colours and the sines of their polar angles.
         let row = |y: u32| {
@@ -112,10 +110,7 @@ impl EnvironmentMap {
         let mean = mean / f64::from(width);
         let mut luminances: Vec<f32> = read.into_iter().flat_map(|(row, _)| row).collect();
         let mean_luminance = mean.dot(LUMINANCE_WEIGHTS.to_f64()) as f32;
-        let between = match &**radiance.texture() {
-            Texture::Image(_) => place.is_some().then_some(mean_luminance),
-            Texture::Procedural(..) | Texture::White => Some(luminance(radiance.brightest_at_all())),
-        };
+        let between = sky.light_between(mean_luminance);
         if let Some(light) = between {
             let least = SHARE_BETWEEN * light;
             luminances.iter_mut().for_each(|value| *value += least);
@@ -127,17 +122,12 @@ impl EnvironmentMap {
         };
         let Some(all) = grid(&|luminance| luminance)? else { return Ok(None) };
         let above_mean = grid(&|luminance| (luminance - mean_luminance).max(0.0))?;
-        Ok(Some(Self { radiance, place, axes, all, above_mean, mean }))
+        Ok(Some(Self { sky, axes, all, above_mean, mean }))
     }
 
     /// Mean of the radiance over all directions; of an image that is reduced or not interpolated, and of a pattern, about.
     pub fn mean(&self) -> DVec3 {
         self.mean
-    }
-
-    /// The texture.
-    pub fn texture(&self) -> &Arc<Texture> {
-        self.radiance.texture()
     }
 
     /// Columns and rows of the points by whose luminance directions are sampled.
@@ -153,7 +143,7 @@ impl EnvironmentMap {
     /// The radiance that comes from a unit direction of the scene.
     #[inline]
     pub fn radiance(&self, direction: Vec3) -> Rgb {
-        at(&self.radiance, self.place.as_deref(), &self.axes, self.place_of(direction).0)
+        self.sky.at(&self.axes, self.place_of(direction).0)
     }
 
     /// A direction (unit, scene frame) and its density \[sr^-1\], by all of the light or only by what is above its mean; `u` uniform in
@@ -164,7 +154,7 @@ impl EnvironmentMap {
         let [x, t] = [sample.at[0], sample.at[1].clamp(LEAST_ANGLE, 1.0 - LEAST_ANGLE)];
         let direction = direction(&self.axes, [x, t]);
         let sine = (t.min(1.0 - t) * PI as f32).sin();
-        let radiance = at(&self.radiance, self.place.as_deref(), &self.axes, [x, t]);
+        let radiance = self.sky.at(&self.axes, [x, t]);
         (direction, sample.pdf / (2.0 * (PI * PI) as f32 * sine), radiance)
     }
 
@@ -213,14 +203,53 @@ fn row_share(y: u32, height: u32) -> f64 {
     from.sin() * 2.0 * (0.5 * step).sin().powi(2) / step
 }
 
-/// The radiance at a place of the image, to the right and down in [0, 1].
-#[inline]
-fn at(radiance: &TexturedRadiance, place: Option<&dyn SkyTexture>, axes: &[Vec3; 3], [u, t]: [f32; 2]) -> Rgb {
-    let uv = [u, 1.0 - t];
-    radiance.at(&match place {
-        None => TexturePoint { uv, ..TexturePoint::default() },
-        Some(place) => place.point(direction(axes, [u, t]), uv),
-    })
+impl Sky {
+    /// Columns and rows of the grid that directions are sampled by, and the points in each of its texels, across and down.
+    fn grid(&self) -> ([u32; 2], [u32; 2]) {
+        let texels = |radiance: &TexturedRadiance| match &**radiance.texture() {
+            Texture::Image(_) => Some(radiance.texture().texels()),
+            Texture::Procedural(..) | Texture::White => None,
+        };
+        match self {
+            Self::Texture(radiance) => match texels(radiance) {
+                Some(texels) => {
+                    let squares = [0, 1].map(|i| texels[i].div_ceil(MOST_ACROSS[i]));
+                    ([0, 1].map(|i| texels[i].div_ceil(squares[i])), squares)
+                }
+                None => (OF_PATTERN, [1; 2]),
+            },
+            Self::Unfolded(radiance, _) => match texels(radiance) {
+                // As fine as the image where it is widest, and four points for each.
+                Some([width, _]) => {
+                    ([0, 1].map(|i| (width.saturating_mul([4, 2][i])).clamp(OF_PATTERN[i], MOST_ACROSS[i])), [2; 2])
+                }
+                None => (OF_PATTERN, [1; 2]),
+            },
+            Self::Model(_) => (OF_PATTERN, [1; 2]),
+        }
+    }
+
+    /// The luminance of which a share is sampled everywhere, where the points of the grid do not say all; `mean` is theirs.
+    fn light_between(&self, mean: f32) -> Option<f32> {
+        match self {
+            Self::Texture(radiance) | Self::Unfolded(radiance, _) => match &**radiance.texture() {
+                Texture::Image(_) => matches!(self, Self::Unfolded(..)).then_some(mean),
+                Texture::Procedural(..) | Texture::White => Some(luminance(radiance.brightest_at_all())),
+            },
+            Self::Model(_) => Some(mean),
+        }
+    }
+
+    /// The radiance at a place of the image by longitude and latitude, to the right and down in [0, 1].
+    #[inline]
+    fn at(&self, axes: &[Vec3; 3], [u, t]: [f32; 2]) -> Rgb {
+        let uv = [u, 1.0 - t];
+        match self {
+            Self::Texture(radiance) => radiance.at(&TexturePoint { uv, ..TexturePoint::default() }),
+            Self::Unfolded(radiance, place) => radiance.at(&place.point(direction(axes, [u, t]), uv)),
+            Self::Model(model) => model.radiance(direction(&[Vec3::X, Vec3::Y, Vec3::Z], [u, t])),
+        }
+    }
 }
 
 /// The direction in the scene frame of a place in the image.
@@ -240,66 +269,26 @@ pub struct EnvironmentMapEmitter {
     pub map: Arc<EnvironmentMap>,
     /// Whether camera rays see it.
     pub visible: bool,
-    /// Centre of the ball that holds the scene, scene frame.
-    centre: Vec3,
-    /// Its radius.
-    radius: f32,
+    /// The ball that holds the scene.
+    pub ball: InfiniteBall,
 }
 
 impl EnvironmentMapEmitter {
-    /// Light that camera rays see, around everything that lies in the ball of this centre and radius (> 0), scene frame.
-    pub fn new(map: Arc<EnvironmentMap>, centre: Vec3, radius: f32) -> Self {
-        Self { map, visible: true, centre, radius }
-    }
-
-    /// Area of the ball [length^2].
-    pub(super) fn area(&self) -> f64 {
-        4.0 * PI * f64::from(self.radius) * f64::from(self.radius)
+    /// Light that camera rays see, around everything that lies in the ball, scene frame.
+    pub fn new(map: Arc<EnvironmentMap>, ball: InfiniteBall) -> Self {
+        Self { map, visible: true, ball }
     }
 
     /// Power that enters the ball (W): pi A times the mean radiance.
     pub(super) fn power(&self) -> DVec3 {
-        PI * self.area() * self.map.mean()
-    }
-
-    /// Centre of the ball.
-    pub fn centre(&self) -> Vec3 {
-        self.centre
-    }
-
-    /// Radius of the ball.
-    pub fn radius(&self) -> f32 {
-        self.radius
+        PI * self.ball.area() * self.map.mean()
     }
 
     /// Samples a direction for a receiver.
     #[inline]
     pub(super) fn sample(&self, receiver: &Receiver, u: [f32; 2], beside_bsdf: bool) -> EmitterSample {
         let (wi, pdf, radiance) = self.map.sample(u, beside_bsdf);
-        // Beyond the ball, wherever the receiver is.
-        let distance = 2.0 * self.radius + self.centre.distance(receiver.p);
-        EmitterSample { wi, target: receiver.p + wi * distance, radiance, pdf, is_delta: false }
-    }
-
-    /// The ray of a photon that comes from the unit direction `from`, through the point `offset` \[length\] of the disk across it whose
-    /// centre is that of the ball: it starts at the ball's tangent plane.
-    #[inline]
-    pub fn photon_start(&self, from: Vec3, offset: [f32; 2]) -> Vec3 {
-        let frame = Frame::from_normal(from);
-        self.centre + frame.to_world(Vec3::new(offset[0], offset[1], self.radius))
-    }
-
-    /// The place of a point on that disk: the inverse of [`Self::photon_start`] but for the height.
-    #[inline]
-    pub fn offset_of(&self, from: Vec3, p: Vec3) -> [f32; 2] {
-        let local = Frame::from_normal(from).to_local(p - self.centre);
-        [local.x, local.y]
-    }
-
-    /// A uniform point of the disk of the ball's radius.
-    #[inline]
-    pub fn disk(&self, u: [f32; 2]) -> [f32; 2] {
-        warps::uniform_disk(u).map(|x| x * self.radius)
+        EmitterSample { wi, target: self.ball.beyond(receiver.p, wi), radiance, pdf, is_delta: false }
     }
 }
 
@@ -315,7 +304,7 @@ mod tests {
             TexelImage::new(width, values.len() as u32 / width, 1, Texels::F32(values.to_vec().into())).unwrap();
         let image = ImageTexture::new(Arc::new(image), ColorSpace::Linear, [Wrap::Repeat, Wrap::Clamp], filter);
         let radiance = TexturedRadiance::of_texture(Arc::new(Texture::Image(image)), Rgb::new(1.0, 1.0, 1.0), None);
-        EnvironmentMap::new(radiance, None, to_scene, 2, &Cancel::new()).unwrap()
+        EnvironmentMap::new(Sky::Texture(radiance), to_scene, 2, &Cancel::new()).unwrap()
     }
 
     fn turned() -> DMat3 {

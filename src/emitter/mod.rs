@@ -6,8 +6,11 @@
 //! from each. Then a point on it (or a direction towards it) is sampled. Every density here is per solid angle at the
 //! reference point and includes the probability of the choice.
 
+mod cie_sky;
+mod distant;
 mod environment;
 mod environment_map;
+mod infinite_ball;
 mod receiver;
 mod sample;
 mod sphere;
@@ -18,8 +21,11 @@ mod textured_sphere;
 mod tree;
 mod triangle;
 
+pub use cie_sky::{FormulaSky, SkyFormula};
+pub use distant::DistantEmitter;
 pub use environment::EnvironmentEmitter;
-pub use environment_map::{EnvironmentMap, EnvironmentMapEmitter, SkyTexture};
+pub use environment_map::{EnvironmentMap, EnvironmentMapEmitter, Sky, SkyModel, SkyTexture};
+pub use infinite_ball::InfiniteBall;
 pub use receiver::Receiver;
 pub use sample::{Departure, EmitterSample};
 pub use sphere::SphereEmitter;
@@ -59,8 +65,10 @@ pub enum Emitter {
     TexturedSphere(Box<TexturedSphere>),
     /// Light from infinity, the same from all directions.
     Environment(EnvironmentEmitter),
-    /// Light from infinity that a texture varies by direction.
+    /// Light from infinity that varies by direction.
     EnvironmentMap(EnvironmentMapEmitter),
+    /// A disk of light at infinity, or parallel light.
+    Distant(DistantEmitter),
 }
 
 impl Emitter {
@@ -75,6 +83,7 @@ impl Emitter {
             Self::TexturedSphere(emitter) => emitter.mean.power(),
             Self::Environment(emitter) => emitter.power(),
             Self::EnvironmentMap(emitter) => emitter.power(),
+            Self::Distant(emitter) => emitter.power(),
         }
     }
 
@@ -87,7 +96,8 @@ impl Emitter {
             Self::Sphere(emitter) => emitter.sphere.area(),
             Self::TexturedSphere(emitter) => emitter.mean.sphere.area(),
             Self::Environment(emitter) => emitter.area(),
-            Self::EnvironmentMap(emitter) => emitter.area(),
+            Self::EnvironmentMap(emitter) => emitter.ball.area(),
+            Self::Distant(emitter) => emitter.ball.cross_section(),
         }
     }
 
@@ -117,7 +127,7 @@ impl Emitter {
             Self::Textured(emitter) => emitter.mean.radiance,
             Self::Sphere(emitter) => emitter.radiance,
             Self::TexturedSphere(emitter) => emitter.mean.radiance,
-            Self::Point { .. } | Self::Environment(_) | Self::EnvironmentMap(_) => Rgb::ZERO,
+            Self::Point { .. } | Self::Environment(_) | Self::EnvironmentMap(_) | Self::Distant(_) => Rgb::ZERO,
         }
     }
 
@@ -135,7 +145,8 @@ impl Emitter {
             Self::Sphere(emitter) => emitter.sphere.centre.as_vec3a(),
             Self::TexturedSphere(emitter) => emitter.mean.sphere.centre.as_vec3a(),
             Self::Environment(emitter) => emitter.centre(),
-            Self::EnvironmentMap(emitter) => emitter.centre(),
+            Self::EnvironmentMap(emitter) => emitter.ball.centre(),
+            Self::Distant(emitter) => emitter.ball.centre(),
         }
     }
 
@@ -152,7 +163,7 @@ impl Emitter {
     /// Whether its light comes from infinity, so that rays find it by meeting nothing.
     #[inline]
     pub fn is_infinite(&self) -> bool {
-        matches!(self, Self::Environment(_) | Self::EnvironmentMap(_))
+        matches!(self, Self::Environment(_) | Self::EnvironmentMap(_) | Self::Distant(_))
     }
 
     /// Samples a point from which light leaves, uniformly by area, or where a texture varies the radiance by the light of its parts; `u`
@@ -167,7 +178,9 @@ impl Emitter {
             Self::TexturedSphere(emitter) => emitter.sample_departure(u),
             Self::Environment(emitter) => emitter.sample_departure(u),
             // Directions are chosen before places.
-            Self::EnvironmentMap(emitter) => Departure { point: HitPoint::new(emitter.centre(), 0.0), normal: None },
+            Self::EnvironmentMap(EnvironmentMapEmitter { ball, .. }) | Self::Distant(DistantEmitter { ball, .. }) => {
+                Departure { point: HitPoint::new(ball.centre(), 0.0), normal: None }
+            }
         }
     }
 }
@@ -330,6 +343,7 @@ impl EmitterSet {
             Emitter::TexturedSphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Environment(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
             Emitter::EnvironmentMap(emitter) => emitter.sample(&receiver, [u[1], u[2]], beside_bsdf),
+            Emitter::Distant(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
         };
         sample.pdf *= probability;
         (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some(sample)
@@ -360,7 +374,7 @@ impl EmitterSet {
         let receiver = receiver.into();
         let p = receiver.p;
         let pdf = match &self.emitters[index as usize] {
-            Emitter::Point { .. } | Emitter::Environment(_) | Emitter::EnvironmentMap(_) => 0.0,
+            Emitter::Point { .. } | Emitter::Environment(_) | Emitter::EnvironmentMap(_) | Emitter::Distant(_) => 0.0,
             Emitter::Triangle(emitter) => emitter.pdf(p, hit),
             Emitter::Textured(emitter) => emitter.pdf(p, hit),
             Emitter::Sphere(emitter) => emitter.pdf(p),
@@ -369,7 +383,7 @@ impl EmitterSet {
         pdf * self.probability(index, receiver)
     }
 
-    /// The light from infinity that a texture varies, where there is any.
+    /// The light from infinity that varies by direction, where there is any.
     pub fn environment_map(&self) -> Option<&Arc<EnvironmentMap>> {
         self.emitters.iter().rev().find_map(|emitter| match emitter {
             Emitter::EnvironmentMap(emitter) => Some(&emitter.map),
@@ -383,6 +397,7 @@ impl EmitterSet {
         match &self.emitters[index as usize] {
             Emitter::Environment(emitter) => emitter.visible,
             Emitter::EnvironmentMap(emitter) => emitter.visible,
+            Emitter::Distant(emitter) => emitter.visible,
             _ => true,
         }
     }
@@ -406,6 +421,11 @@ impl EmitterSet {
             match &self.emitters[number as usize] {
                 Emitter::Environment(emitter) => each(emitter.radiance, number),
                 Emitter::EnvironmentMap(emitter) => each(emitter.map.radiance(direction), number),
+                Emitter::Distant(emitter) => {
+                    if let Some((radiance, _)) = emitter.seen(direction) {
+                        each(radiance, number);
+                    }
+                }
                 _ => {}
             }
         }
@@ -419,6 +439,9 @@ impl EmitterSet {
         match &self.emitters[index as usize] {
             Emitter::Environment(emitter) => emitter.pdf(&receiver, direction) * self.probability(index, receiver),
             Emitter::EnvironmentMap(emitter) => emitter.map.pdf(direction, true) * self.probability(index, receiver),
+            Emitter::Distant(emitter) => {
+                emitter.seen(direction).map_or(0.0, |(_, pdf)| pdf * self.probability(index, receiver))
+            }
             _ => 0.0,
         }
     }
@@ -430,7 +453,9 @@ impl EmitterSet {
             return Rgb::ZERO;
         }
         match &self.emitters[index as usize] {
-            Emitter::Point { .. } | Emitter::Environment(_) | Emitter::EnvironmentMap(_) => Rgb::ZERO,
+            Emitter::Point { .. } | Emitter::Environment(_) | Emitter::EnvironmentMap(_) | Emitter::Distant(_) => {
+                Rgb::ZERO
+            }
             Emitter::Triangle(emitter) => emitter.radiance,
             Emitter::Textured(emitter) => emitter.radiance(p),
             Emitter::Sphere(emitter) => emitter.radiance,

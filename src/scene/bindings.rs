@@ -12,9 +12,10 @@ use super::record::{AppearanceKey, GeometryRecord};
 use super::sky::environment_map;
 use super::textured_emission::{EmissionTexture, MOST_PIECES, emission_textures};
 use crate::control::WorkProgress;
-use crate::desc::SceneDesc;
+use crate::desc::{SceneDesc, SkyDesc};
 use crate::emitter::{
-    Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap, EnvironmentMapEmitter, SphereEmitter, TriangleEmitter,
+    DistantEmitter, Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap, EnvironmentMapEmitter, InfiniteBall,
+    SphereEmitter, TriangleEmitter,
 };
 use crate::error::{Error, Result};
 use crate::math::{Bounds, DVec3, Vec3};
@@ -71,7 +72,7 @@ pub(super) fn bindings(
     dresser.point_lights(unbound.centre)?;
     let owners = unbound.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
     let list_owners = dresser.analytic(unbound.list.shapes(), unbound.list_surfaces)?;
-    dresser.environment(&unbound, kept, threads)?;
+    dresser.light_from_infinity(&unbound, kept, threads)?;
     let emitters = EmitterSet::cancellable(dresser.emitters, &progress.cancel)?;
     Ok(SurfaceBindings { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
 }
@@ -125,16 +126,12 @@ impl BindingBuilder<'_, '_> {
     }
 
     /// Adds the light from infinity, around a ball that holds all surfaces.
-    fn environment(
+    fn light_from_infinity(
         &mut self,
         unbound: &UnboundGeometry<'_>,
         kept: Option<Arc<EnvironmentMap>>,
         threads: usize,
     ) -> Result<()> {
-        let Some(environment) = &self.desc.environment else { return Ok(()) };
-        if environment.radiance == Rgb::ZERO {
-            return Ok(());
-        }
         // Coordinates of the scene frame are rounded, and so may lie outside of the box that was measured before.
         let (middle, radius) = if unbound.bounds.is_empty() {
             (DVec3::ZERO, 1.0)
@@ -142,20 +139,34 @@ impl BindingBuilder<'_, '_> {
             let bounds = unbound.bounds;
             (bounds.centre() - unbound.centre, 0.5 * (bounds.max - bounds.min).length() * (1.0 + BALL_MARGIN))
         };
-        let (middle, radius) = (middle.as_vec3a(), (radius as f32).max(f32::MIN_POSITIVE));
-        let Some(map) = &environment.map else {
-            let mut emitter = EnvironmentEmitter::new(environment.radiance, middle, radius);
+        let ball = InfiniteBall::new(middle.as_vec3a(), (radius as f32).max(f32::MIN_POSITIVE));
+        for light in self.desc.distant_lights.iter().filter(|light| light.irradiance != Rgb::ZERO) {
+            let towards = light.towards.normalize().as_vec3a().normalize();
+            let mut emitter = DistantEmitter::new(light.irradiance, towards, light.angle_deg.to_radians(), ball);
+            emitter.visible = light.visible;
+            self.emitters.push(Emitter::Distant(emitter));
+        }
+        self.environment(ball, kept, threads)
+    }
+
+    fn environment(&mut self, ball: InfiniteBall, kept: Option<Arc<EnvironmentMap>>, threads: usize) -> Result<()> {
+        let Some(environment) = &self.desc.environment else { return Ok(()) };
+        if environment.radiance == Rgb::ZERO {
+            return Ok(());
+        }
+        if environment.sky == SkyDesc::Even {
+            let mut emitter = EnvironmentEmitter::new(environment.radiance, ball.centre(), ball.radius());
             emitter.visible = environment.visible;
             self.emitters.push(Emitter::Environment(emitter));
             return Ok(());
-        };
+        }
         let map = match kept {
             Some(kept) => Some(kept),
-            None => environment_map(self.desc, environment, map, threads, &self.progress.cancel)?.map(Arc::new),
+            None => environment_map(self.desc, environment, threads, &self.progress.cancel)?.map(Arc::new),
         };
         // A black image gives nothing.
         let emitter = map.map(|map| {
-            let mut emitter = EnvironmentMapEmitter::new(map, middle, radius);
+            let mut emitter = EnvironmentMapEmitter::new(map, ball);
             emitter.visible = environment.visible;
             Emitter::EnvironmentMap(emitter)
         });

@@ -129,7 +129,7 @@ impl SceneInfo {
         decisions.extend(emitters.environment_map().map(|map| {
             let [columns, rows] = map.grid_size();
             let size = format!("{columns} x {rows} points, {:.1} MB", map.bytes() as f64 / 1e6);
-            format!("light from infinity is that of a texture, whose directions are sampled by its luminance at {size}")
+            format!("light from infinity varies by direction, and is sampled by its luminance at {size}")
         }));
         let used = desc.used_materials();
         let on_surfaces = || desc.materials.iter().zip(&used).filter(|(_, used)| **used).map(|(material, _)| material);
@@ -286,7 +286,8 @@ pub(super) fn warnings(
     if dark_lights > 0 {
         warnings.push(format!("dropped {dark_lights} point lights without intensity"));
     }
-    if desc.environment.is_some() && !emitters.emitters().iter().any(Emitter::is_infinite) {
+    let is_sky = |emitter: &Emitter| matches!(emitter, Emitter::Environment(_) | Emitter::EnvironmentMap(_));
+    if desc.environment.is_some() && !emitters.emitters().iter().any(is_sky) {
         warnings.push("dropped an environment without radiance".to_owned());
     }
     if desc.render.integrator == IntegratorDesc::Radiosity {

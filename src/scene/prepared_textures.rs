@@ -91,13 +91,14 @@ impl PreparedTextures {
         device: &Device,
     ) -> Result<()> {
         let (Some(map), Some(environment)) = (map, &desc.environment) else { return Ok(()) };
-        let texture = environment.map.as_ref().and_then(|map| desc.textures.get(map.texture));
-        let Some(texture) = texture else { return Ok(()) };
-        self.get(texture, Reads::Color, before, device)?;
+        let texture = environment.map().and_then(|map| desc.textures.get(map.texture));
+        if let Some(texture) = texture {
+            self.get(texture, Reads::Color, before, device)?;
+        }
         let known = before.and_then(|before| before.sky.as_ref()).filter(|(known, _)| Arc::ptr_eq(known, map));
         let charge = match known {
             Some((_, charge)) => charge.clone(),
-            None => device.charge(map.bytes()).map_err(|error| error.at(&texture.path))?.map(Arc::new),
+            None => device.charge(map.bytes()).map_err(|error| error.at(&environment.path))?.map(Arc::new),
         };
         self.sky = Some((Arc::clone(map), charge));
         Ok(())

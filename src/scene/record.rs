@@ -6,8 +6,8 @@ use std::sync::{Arc, Weak};
 use super::mesh::MeshObject;
 use super::textured_emission::binding_of;
 use crate::desc::{
-    EnvironmentDesc, EnvironmentMapDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, TextureChannel, TextureDesc,
-    TextureKey,
+    DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, MeshDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceDesc,
+    TextureChannel, TextureDesc, TextureKey,
 };
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
@@ -178,24 +178,28 @@ pub(super) struct AppearanceKey {
     emission_textures: Vec<Option<(Arc<TextureDesc>, TextureChannel)>>,
     lights: Vec<(DVec3, Rgb)>,
     environment: Option<EnvironmentKey>,
+    distant: Vec<DistantLightDesc>,
 }
 
 /// The description of light from infinity, apart from its path.
 #[derive(Debug, PartialEq)]
 struct EnvironmentKey {
     radiance: Rgb,
-    /// The texture itself, and what else is said of it.
-    map: Option<(Option<Arc<TextureDesc>>, EnvironmentMapDesc)>,
+    /// The texture itself, if it has one, and what else is said of it.
+    texture: Option<Arc<TextureDesc>>,
+    sky: SkyDesc,
     visible: bool,
 }
 
 impl EnvironmentKey {
     fn new(desc: &SceneDesc, environment: &EnvironmentDesc) -> Self {
-        let of = |map: &EnvironmentMapDesc| {
-            (desc.textures.get(map.texture).cloned(), EnvironmentMapDesc { texture: 0, ..*map })
+        let EnvironmentDesc { radiance, ref sky, visible, .. } = *environment;
+        let texture = environment.map().and_then(|map| desc.textures.get(map.texture).cloned());
+        let sky = match sky {
+            SkyDesc::Map(map) => SkyDesc::Map(EnvironmentMapDesc { texture: 0, ..*map }),
+            other => other.clone(),
         };
-        let EnvironmentDesc { radiance, ref map, visible, .. } = *environment;
-        Self { radiance, map: map.as_ref().map(of), visible }
+        Self { radiance, texture, sky, visible }
     }
 }
 
@@ -212,6 +216,11 @@ impl AppearanceKey {
             emissions: desc.surfaces.iter().map(|surface| surface.emission).collect(),
             lights: desc.lights.iter().map(|light| (light.position, light.intensity)).collect(),
             environment: desc.environment.as_ref().map(|environment| EnvironmentKey::new(desc, environment)),
+            distant: desc
+                .distant_lights
+                .iter()
+                .map(|it| DistantLightDesc { path: String::new(), ..it.clone() })
+                .collect(),
         }
     }
 
@@ -221,6 +230,7 @@ impl AppearanceKey {
             && self.emission_textures == other.emission_textures
             && self.lights == other.lights
             && self.environment == other.environment
+            && self.distant == other.distant
     }
 
     /// Whether both descriptions have the same light from infinity.

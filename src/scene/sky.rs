@@ -1,4 +1,4 @@
-//! Light from infinity that a texture varies.
+//! Light from infinity that varies by direction.
 
 use std::sync::Arc;
 
@@ -6,24 +6,33 @@ use super::SurfaceDetail;
 use super::prepared_textures::color_space;
 use super::textured::Placement;
 use crate::Cancel;
-use crate::desc::{EnvironmentDesc, EnvironmentMapDesc, SceneDesc, SkyProjection, TextureMapping, TextureSource};
-use crate::emitter::{EnvironmentMap, SkyTexture, TexturedRadiance};
+use crate::desc::{
+    EnvironmentDesc, EnvironmentMapDesc, SceneDesc, SkyDesc, SkyProjection, TextureMapping, TextureSource,
+};
+use crate::emitter::{EnvironmentMap, Sky, SkyTexture, TexturedRadiance};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{DMat3, DVec3, Vec3};
 use crate::spectrum::Rgb;
 use crate::texture::{ImageTexture, Texture, TextureFilter, TexturePoint, Wrap};
 
-/// The light of an environment with a texture; `None` where it is black. Its tables are made by at most `threads` threads.
+/// The light of an environment that varies by direction; `None` where it is black. Its tables are made by at most `threads` threads.
 ///
 /// # Errors
 /// [`ErrorKind::InvalidScene`] for a radiance beyond single precision; [`ErrorKind::Cancelled`].
 pub(super) fn environment_map(
     desc: &SceneDesc,
     environment: &EnvironmentDesc,
-    map: &EnvironmentMapDesc,
     threads: usize,
     cancel: &Cancel,
 ) -> Result<Option<EnvironmentMap>> {
+    let map = match &environment.sky {
+        SkyDesc::Even => return Ok(None),
+        SkyDesc::Formula(sky) => {
+            let Some(model) = sky.model(environment.radiance) else { return Ok(None) };
+            return EnvironmentMap::new(Sky::Model(Box::new(model)), &sky.to_world(), threads, cancel);
+        }
+        SkyDesc::Map(map) => map,
+    };
     let Some(texture) = desc.textures.get(map.texture) else { return Ok(None) };
     let shown = match &texture.source {
         TextureSource::Image(it) => {
@@ -56,7 +65,11 @@ pub(super) fn environment_map(
         mapping => Some(Arc::new(InSky(Placement::new(&mapping, DVec3::ZERO)))),
     };
     let radiance = TexturedRadiance::of_texture(Arc::new(shown), environment.radiance, None);
-    EnvironmentMap::new(radiance, place, &to_world, threads, cancel)
+    let sky = match place {
+        None => Sky::Texture(radiance),
+        Some(place) => Sky::Unfolded(radiance, place),
+    };
+    EnvironmentMap::new(sky, &to_world, threads, cancel)
 }
 
 /// A texture that lies otherwise than by longitude and latitude.

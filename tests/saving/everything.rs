@@ -7,7 +7,7 @@ use etendue::desc::{
     BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, Distribution, EnvironmentDesc, EnvironmentMapDesc,
     FilterDesc, FovAxis, HostMesh, ImageTextureDesc, IntegratorDesc, KernelDesc, METALS, Masking, MaterialDesc,
     MediumDesc, MeshDesc, MicrofacetsDesc, PhotonDesc, PhotonSharing, PrincipledDesc, Projection, RadiosityDesc,
-    RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, SurfaceLook, TextureBinding,
+    RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceLook, TextureBinding,
     TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
 };
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
@@ -396,7 +396,7 @@ pub fn scene() -> SceneDesc {
         rotation_deg: 100.0 / 3.0,
         ..EnvironmentMapDesc::new(sky)
     };
-    let sky = EnvironmentDesc { map: Some(map), visible: false, ..EnvironmentDesc::even(rgb(1.0, 2.0, 3.0)) };
+    let sky = EnvironmentDesc { sky: SkyDesc::Map(map), visible: false, ..EnvironmentDesc::even(rgb(1.0, 2.0, 3.0)) };
     scene.set_environment_desc(Some(sky)).unwrap();
     scene
 }

@@ -28,7 +28,7 @@ pub fn assert_same(before: &SceneDesc, after: &SceneDesc, what: &str) {
     assert_eq!(text(&before.render), text(&after.render), "{what}");
     let light = |it: &PointLightDesc| text(&(it.position, it.intensity));
     each(&before.lights, &after.lights, light, what);
-    let sky = |scene: &SceneDesc| text(&scene.environment.as_ref().map(|it| (it.radiance, it.map, it.visible)));
+    let sky = |scene: &SceneDesc| text(&scene.environment.as_ref().map(|it| (it.radiance, it.sky.clone(), it.visible)));
     assert_eq!(sky(before), sky(after), "{what}");
     each(&before.textures, &after.textures, |it| texture(it), what);
     for (before, after) in before.textures.iter().zip(&after.textures) {

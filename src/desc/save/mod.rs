@@ -18,8 +18,8 @@ use self::text::laid_out;
 use super::file::SIZE_LIMIT;
 use super::mesh_files::ply_write;
 use super::{
-    MaterialDesc, SceneDesc, ShapeDesc, material_check, material_keys, native, render_write, surface, texture_check,
-    texture_keys, validate,
+    DistantLightDesc, MaterialDesc, SceneDesc, ShapeDesc, material_check, material_keys, native, render_write,
+    sky_keys, surface, texture_check, texture_keys, validate,
 };
 use crate::replace::{self, Target};
 use crate::{Error, ErrorKind, Result};
@@ -90,6 +90,7 @@ fn check(scene: &SceneDesc) -> Result<()> {
     for light in &scene.lights {
         validate::point_light(&light.path, light.position, light.intensity.to_f64(), 1.0)?;
     }
+    scene.distant_lights.iter().try_for_each(DistantLightDesc::check)?;
     if let Some(environment) = &scene.environment {
         texture_check::environment(environment, &scene.textures)?;
     }
@@ -200,8 +201,11 @@ fn document(
     for light in &scene.lights {
         lights.put(out, &native::write_point_light(light)?)?;
     }
+    for light in &scene.distant_lights {
+        lights.put(out, &sky_keys::write_distant(light)?)?;
+    }
     if let Some(environment) = &scene.environment {
-        lights.put(out, &native::write_environment(environment, names)?)?;
+        lights.put(out, &sky_keys::write_environment(environment, names)?)?;
     }
     lights.end(out)?;
     let mut textures = List::new("textures");

@@ -125,7 +125,11 @@ fn bounds(emitter: &Emitter) -> Bounds {
 fn intensity_per_power(emitter: &Emitter) -> f64 {
     let per_pi = match emitter {
         Emitter::Triangle(_) | Emitter::Textured(_) => 1.0,
-        Emitter::Point { .. } | Emitter::Sphere(_) | Emitter::Environment(_) | Emitter::EnvironmentMap(_) => 0.25,
+        Emitter::Point { .. }
+        | Emitter::Sphere(_)
+        | Emitter::Environment(_)
+        | Emitter::EnvironmentMap(_)
+        | Emitter::Distant(_) => 0.25,
         Emitter::TexturedSphere(emitter) => emitter.intensity_share(),
     };
     per_pi / std::f64::consts::PI

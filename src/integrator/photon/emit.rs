@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 use super::aim::Cone;
 use crate::desc::PhotonSharing;
-use crate::emitter::{Emitter, EnvironmentMapEmitter};
+use crate::emitter::{DistantEmitter, Emitter, EnvironmentMapEmitter, InfiniteBall};
 use crate::error::{Error, Result};
 use crate::math::{Frame, Ray, Vec3};
 use crate::sampling::{Distribution1D, warps};
@@ -78,8 +78,17 @@ impl Emission {
     pub fn begin(&self, scene: &Scene, u: [f32; 4], d: [f32; 4], share: f64) -> Option<(Ray, Rgb)> {
         let (index, probability, _) = self.choice.sample(choice_number(u, d));
         let emitter = &scene.emitters().emitters()[index];
-        if let Emitter::EnvironmentMap(sky) = emitter {
-            return self.begin_in_sky(sky, u, d, share / f64::from(probability));
+        let share_of_all = share / f64::from(probability);
+        match emitter {
+            Emitter::EnvironmentMap(sky) => {
+                let sample = sky.map.sample([u[1], u[2]], false);
+                return self.begin_in_sky(&sky.ball, sample, [d[0], d[1]], u[3], share_of_all);
+            }
+            Emitter::Distant(light) => {
+                let sample = light.sample_direction([u[1], u[2]]);
+                return self.begin_in_sky(&light.ball, sample, [d[0], d[1]], u[3], share_of_all);
+            }
+            _ => {}
         }
         let departure = emitter.sample_departure([u[1], u[2]]);
         let p = departure.point.p;
@@ -102,24 +111,31 @@ impl Emission {
             return None;
         }
         let origin = departure.normal.map_or(p, |normal| departure.point.offset(normal));
-        let power = emitter.power_from(&departure) * (ratio * share / f64::from(probability));
+        let power = emitter.power_from(&departure) * (ratio * share_of_all);
         Some((Ray::new(origin, direction.normalize()), Rgb::from_f64(power)))
     }
 
-    /// [`Emission::begin`] for light from infinity that varies by direction: the direction is chosen first, then the place on the disk
-    /// across it, in the shadows of the balls that photons are aimed at.
-    fn begin_in_sky(&self, sky: &EnvironmentMapEmitter, u: [f32; 4], d: [f32; 4], share: f64) -> Option<(Ray, Rgb)> {
-        let (from, pdf, radiance) = sky.map.sample([u[1], u[2]], false);
+    /// [`Emission::begin`] for light from infinity that varies by direction: the direction is chosen first, with this density and
+    /// radiance, then the place on the disk across it, by `d` and, for one of the shadows of the balls that photons are aimed at,
+    /// `choice`.
+    fn begin_in_sky(
+        &self,
+        sky: &InfiniteBall,
+        (from, pdf, radiance): (Vec3, f32, Rgb),
+        d: [f32; 2],
+        choice: f32,
+        share: f64,
+    ) -> Option<(Ray, Rgb)> {
         if pdf.is_nan() || pdf <= 0.0 {
             return None;
         }
         let disk = f64::from(sky.radius()) * f64::from(sky.radius());
         let (offset, area) = if self.balls.is_empty() {
-            (sky.disk([d[0], d[1]]), disk)
+            (sky.disk(d), disk)
         } else {
             let shadows = self.balls.iter().map(|ball| (sky.offset_of(from, ball.centre), ball.radius));
             let area: f32 = self.balls.iter().map(|ball| ball.radius * ball.radius).sum();
-            let mut left = u[3] * area;
+            let mut left = choice * area;
             let mut chosen = None;
             for (middle, radius) in shadows.clone() {
                 chosen = Some((middle, radius));
@@ -129,7 +145,7 @@ impl Emission {
                 }
             }
             let (middle, radius) = chosen?;
-            let [x, y] = warps::uniform_disk([d[0], d[1]]);
+            let [x, y] = warps::uniform_disk(d);
             let offset = [middle[0] + radius * x, middle[1] + radius * y];
             let holds = |([x, y], radius): ([f32; 2], f32)| (offset[0] - x).hypot(offset[1] - y) <= radius;
             // The one that was chosen holds the point, whatever rounding says of its edge.
@@ -201,7 +217,9 @@ fn share_aimed(emitter: &Emitter, balls: &[Ball]) -> f64 {
     if balls.is_empty() {
         return 1.0;
     }
-    if let Emitter::EnvironmentMap(sky) = emitter {
+    if let Emitter::EnvironmentMap(EnvironmentMapEmitter { ball: sky, .. })
+    | Emitter::Distant(DistantEmitter { ball: sky, .. }) = emitter
+    {
         let disk = f64::from(sky.radius()) * f64::from(sky.radius());
         let shadows = balls.iter().map(|ball| f64::from(ball.radius) * f64::from(ball.radius));
         return (shadows.sum::<f64>() / disk).min(1.0);

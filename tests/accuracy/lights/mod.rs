@@ -7,6 +7,7 @@ mod hierarchy;
 mod many;
 mod points;
 mod polygons;
+mod sky;
 mod solid_angles;
 mod spheres;
 mod weights;
@@ -33,6 +34,7 @@ pub fn cases() -> Vec<Entry> {
         many::cases(),
         weights::cases(),
         hierarchy::cases(),
+        sky::cases(),
     ];
     topics.into_iter().flatten().collect()
 }

@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use etendue::desc::{
-    BsdfDesc, EnvironmentDesc, EnvironmentMapDesc, IntegratorDesc, SceneDesc, ShapeDesc, SkyProjection, TextureDesc,
-    TextureMapping, TextureSource,
+    BsdfDesc, EnvironmentDesc, EnvironmentMapDesc, IntegratorDesc, SceneDesc, ShapeDesc, SkyDesc, SkyProjection,
+    TextureDesc, TextureMapping, TextureSource,
 };
 use etendue::emitter::{Emitter, EnvironmentMapEmitter, Receiver};
 use etendue::film::Image;
@@ -206,7 +206,8 @@ impl Sky {
             rotation_deg: TURN,
             ..EnvironmentMapDesc::new(texture)
         };
-        let environment = EnvironmentDesc { map: Some(map), ..EnvironmentDesc::even(Rgb::splat(FACTOR as f32)) };
+        let environment =
+            EnvironmentDesc { sky: SkyDesc::Map(map), ..EnvironmentDesc::even(Rgb::splat(FACTOR as f32)) };
         desc.set_environment_desc(Some(environment)).expect("a sky of the test");
     }
 }

@@ -1,0 +1,330 @@
+//! The keys of light from infinity in scene files of the native format.
+
+use std::time::SystemTime;
+
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+
+use super::builder::Builder;
+use super::json::join;
+use super::numbers::{unless, unless_color};
+use super::save::{self, Names};
+use super::{
+    DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, SkyDesc, SkyProjection, numbers,
+    sun_direction, texture_check, validate,
+};
+use crate::emitter::SkyFormula;
+use crate::math::DVec3;
+use crate::spectrum::Rgb;
+use crate::{Error, Result};
+
+/// Light from infinity, the same from all directions or by a texture. A scene has one environment at most.
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub(super) struct Environment {
+    #[serde(rename = "type")]
+    _type: EnvironmentTag,
+    /// Times `intensity`: radiance, W/(m^2 sr) per channel; with a texture a factor on it. Required without a texture. Default [1, 1, 1].
+    color: Option<[f64; 3]>,
+    /// Factor on `color`. Default 1.
+    intensity: Option<f64>,
+    /// Name of a texture over longitude and latitude, which varies the radiance.
+    texture: Option<String>,
+    /// With a texture: how the directions lie in its image. Default "latlong".
+    projection: Option<ProjectionTag>,
+    /// With a texture: the direction that is up in it. Default [0, 1, 0].
+    up: Option<[f64; 3]>,
+    /// With a texture: degrees by which it is turned about `up`, counter-clockwise as seen from above. Default 0.
+    rotation: Option<f64>,
+    /// Whether camera rays that meet nothing show it. Default true.
+    visible: Option<bool>,
+}
+
+/// How the directions of a sky lie in an image.
+#[derive(Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+#[serde(rename_all = "lowercase")]
+enum ProjectionTag {
+    /// By longitude and latitude.
+    LatLong,
+    /// The unfolded faces of an octahedron.
+    Octahedral,
+    /// The six faces of a cube, one under another.
+    Cube,
+}
+
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+#[serde(rename_all = "kebab-case")]
+enum EnvironmentTag {
+    Environment,
+}
+
+/// Light from one direction of infinity: parallel, or of a disk such as the sun's.
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename_all = "camelCase")]
+pub(super) struct Distant {
+    #[serde(rename = "type")]
+    _type: DistantTag,
+    /// Times `intensity`: irradiance of a surface across the light, W/m^2 per channel.
+    color: [f64; 3],
+    /// Factor on `color`. Default 1.
+    intensity: Option<f64>,
+    /// The direction towards the light. Required, or `sunAt`.
+    sun: Option<[f64; 3]>,
+    /// Place and time that say where the sun stands, in place of `sun`.
+    sun_at: Option<SunAt>,
+    /// Angular diameter of the disk, degrees in [0, 180]. Default 0: parallel light.
+    angle: Option<f64>,
+    /// With `sunAt`: the direction of the zenith. Default [0, 1, 0].
+    up: Option<[f64; 3]>,
+    /// Whether camera rays that meet nothing show the disk. Default true.
+    visible: Option<bool>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+#[serde(rename_all = "kebab-case")]
+enum DistantTag {
+    Distant,
+}
+
+/// A sky by a formula of the angles to the zenith and to the sun. It is the scene's environment, of which there is one at most.
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename_all = "camelCase")]
+pub(super) struct FormulaSky {
+    #[serde(rename = "type")]
+    _type: SkyTag,
+    /// Type of the CIE's general sky, 1 to 15: 1 is the overcast sky, 5 an even one, 12 the clear one. Required, or `perez`.
+    cie: Option<u32>,
+    /// The numbers a to e of the formula of Perez and others, in place of `cie`.
+    perez: Option<[f64; 5]>,
+    /// Times `intensity`: what `scale` says.
+    color: [f64; 3],
+    /// Factor on `color`. Default 1.
+    intensity: Option<f64>,
+    /// What `color` is: radiance at the zenith, W/(m^2 sr) per channel, or the irradiance of a horizontal surface by the sky, W/m^2 per channel. Default "zenith".
+    scale: Option<ScaleTag>,
+    /// The direction towards the sun. Required where the formula asks for the sun, or `sunAt`.
+    sun: Option<[f64; 3]>,
+    /// Place and time that say where the sun stands, in place of `sun`.
+    sun_at: Option<SunAt>,
+    /// The direction of the zenith. Default [0, 1, 0].
+    up: Option<[f64; 3]>,
+    /// The share of the light that the ground sends back from below the horizon, in [0, 1] per channel. Default 0.
+    ground: Option<[f64; 3]>,
+    /// Whether camera rays that meet nothing show it. Default true.
+    visible: Option<bool>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+#[serde(rename_all = "kebab-case")]
+enum SkyTag {
+    Sky,
+}
+
+/// What the colour of a sky is.
+#[derive(Clone, Copy, Deserialize, Serialize, PartialEq, Eq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+#[serde(rename_all = "kebab-case")]
+enum ScaleTag {
+    /// The radiance at the zenith.
+    Zenith,
+    /// The irradiance of a horizontal surface.
+    Horizontal,
+}
+
+/// A place on the earth and a time.
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub(super) struct SunAt {
+    /// Degrees north of the equator, in [-90, 90].
+    latitude: f64,
+    /// Degrees east of Greenwich, in [-360, 360].
+    longitude: f64,
+    /// The time in UTC, such as "2026-06-21T10:30:00Z", from 1970 on.
+    time: String,
+    /// The direction of north, which is turned to be horizontal. Default [0, 0, -1].
+    north: Option<[f64; 3]>,
+}
+
+/// Writes an environment, whose numbers have been checked.
+pub(super) fn write_environment(environment: &EnvironmentDesc, names: &Names) -> Result<Box<RawValue>> {
+    if let SkyDesc::Formula(sky) = &environment.sky {
+        return write_sky(environment, sky);
+    }
+    let map = environment.map();
+    save::raw(&Environment {
+        _type: EnvironmentTag::Environment,
+        color: Some(numbers::color(environment.radiance)),
+        intensity: None,
+        texture: map.map(|map| names.textures[map.texture].clone()),
+        projection: map.and_then(|map| match map.projection {
+            SkyProjection::LatLong => None,
+            SkyProjection::Octahedral => Some(ProjectionTag::Octahedral),
+            SkyProjection::Cube => Some(ProjectionTag::Cube),
+        }),
+        up: map.filter(|map| map.up != DVec3::Y).map(|map| map.up.to_array()),
+        rotation: map.and_then(|map| unless(map.rotation_deg, 0.0)),
+        visible: (!environment.visible).then_some(false),
+    })
+}
+
+/// Reads an environment.
+pub(super) fn environment(light: Environment, path: &str, builder: &Builder<'_>) -> Result<EnvironmentDesc> {
+    let color = match (light.color, &light.texture) {
+        (Some(color), _) => color,
+        (None, Some(_)) => [1.0; 3],
+        (None, None) => return Err(Error::invalid(path, "missing key `color`, or `texture`")),
+    };
+    let even = validate::environment(path, color, light.intensity.unwrap_or(1.0))?;
+    let sky = match light.texture {
+        Some(name) => {
+            let texture = builder.texture(&join(path, "texture"), &name)?;
+            let up = light.up.map_or(DVec3::Y, DVec3::from_array);
+            let projection = match light.projection {
+                None | Some(ProjectionTag::LatLong) => SkyProjection::LatLong,
+                Some(ProjectionTag::Octahedral) => SkyProjection::Octahedral,
+                Some(ProjectionTag::Cube) => SkyProjection::Cube,
+            };
+            SkyDesc::Map(EnvironmentMapDesc { texture, projection, up, rotation_deg: light.rotation.unwrap_or(0.0) })
+        }
+        None => {
+            let directed = [
+                ("up", light.up.is_some()),
+                ("rotation", light.rotation.is_some()),
+                ("projection", light.projection.is_some()),
+            ];
+            if let Some((key, _)) = directed.into_iter().find(|(_, given)| *given) {
+                let message = "an even sky looks the same from all sides, expected a `texture` with it";
+                return Err(Error::invalid(join(path, key), message));
+            }
+            SkyDesc::Even
+        }
+    };
+    let environment = EnvironmentDesc { sky, visible: light.visible.unwrap_or(true), ..even };
+    texture_check::environment(&environment, &builder.scene.textures)?;
+    Ok(environment)
+}
+
+/// Writes distant light, whose numbers have been checked.
+pub(super) fn write_distant(light: &DistantLightDesc) -> Result<Box<RawValue>> {
+    save::raw(&Distant {
+        _type: DistantTag::Distant,
+        color: numbers::color(light.irradiance),
+        intensity: None,
+        sun: Some(light.towards.to_array()),
+        sun_at: None,
+        angle: unless(light.angle_deg, 0.0),
+        up: None,
+        visible: (!light.visible).then_some(false),
+    })
+}
+
+fn write_sky(environment: &EnvironmentDesc, sky: &FormulaSkyDesc) -> Result<Box<RawValue>> {
+    let cie = sky.formula.cie_number();
+    save::raw(&FormulaSky {
+        _type: SkyTag::Sky,
+        cie,
+        perez: cie.is_none().then_some(sky.formula.numbers),
+        color: numbers::color(environment.radiance),
+        intensity: None,
+        scale: sky.is_horizontal.then_some(ScaleTag::Horizontal),
+        sun: Some(sky.sun.to_array()),
+        sun_at: None,
+        up: (sky.up != DVec3::Y).then(|| sky.up.to_array()),
+        ground: unless_color(sky.ground, Rgb::ZERO),
+        visible: (!environment.visible).then_some(false),
+    })
+}
+
+/// Reads distant light.
+pub(super) fn distant(light: Distant, path: &str) -> Result<DistantLightDesc> {
+    let factor = validate::intensity(&join(path, "intensity"), light.intensity.unwrap_or(1.0))?;
+    let irradiance = validate::emission(&join(path, "color"), light.color, factor)?;
+    if light.up.is_some() && light.sun_at.is_none() {
+        return Err(Error::invalid(join(path, "up"), "is used with `sunAt` only"));
+    }
+    let up = zenith(path, light.up)?;
+    let Some(towards) = towards(path, light.sun, light.sun_at.as_ref(), up)? else {
+        return Err(Error::invalid(path, "missing key `sun`, or `sunAt`"));
+    };
+    let angle_deg = light.angle.unwrap_or(0.0);
+    let visible = light.visible.unwrap_or(true);
+    let light = DistantLightDesc { path: path.to_owned(), towards, irradiance, angle_deg, visible };
+    light.check()?;
+    Ok(light)
+}
+
+/// Reads a sky by a formula.
+pub(super) fn sky(light: FormulaSky, path: &str) -> Result<EnvironmentDesc> {
+    let formula = match (light.cie, light.perez) {
+        (Some(number), None) => SkyFormula::cie(number).ok_or_else(|| {
+            Error::invalid(join(path, "cie"), format!("{number} is out of range, expected a whole number from 1 to 15"))
+        })?,
+        (None, Some(numbers)) => SkyFormula { numbers, is_cie: false },
+        (Some(_), Some(_)) => {
+            return Err(Error::invalid(join(path, "perez"), "`cie` says the formula already, expected one of both"));
+        }
+        (None, None) => return Err(Error::invalid(path, "missing key `cie`, or `perez`")),
+    };
+    let even = validate::environment(path, light.color, light.intensity.unwrap_or(1.0))?;
+    let up = zenith(path, light.up)?;
+    let sun = match towards(path, light.sun, light.sun_at.as_ref(), up)? {
+        Some(sun) => sun,
+        None if formula.asks_sun() => return Err(Error::invalid(path, "missing key `sun`, or `sunAt`")),
+        None => up,
+    };
+    let ground = validate::reflectance(&join(path, "ground"), light.ground.unwrap_or_default())?;
+    let is_horizontal = light.scale == Some(ScaleTag::Horizontal);
+    let sky = FormulaSkyDesc { formula, sun, up, is_horizontal, ground };
+    validate::formula_sky(path, &sky, even.radiance)?;
+    Ok(EnvironmentDesc { sky: SkyDesc::Formula(sky), visible: light.visible.unwrap_or(true), ..even })
+}
+
+/// The direction that a key says is up.
+fn zenith(path: &str, up: Option<[f64; 3]>) -> Result<DVec3> {
+    let Some(up) = up else { return Ok(DVec3::Y) };
+    validate::direction(&join(path, "up"), up)?;
+    Ok(DVec3::from_array(up))
+}
+
+/// The direction towards the sun, by itself or by place and time.
+fn towards(path: &str, sun: Option<[f64; 3]>, at: Option<&SunAt>, up: DVec3) -> Result<Option<DVec3>> {
+    let Some(at) = at else { return Ok(sun.map(DVec3::from_array)) };
+    let path = join(path, "sunAt");
+    if sun.is_some() {
+        return Err(Error::invalid(path, "`sun` says the direction already, expected one of both"));
+    }
+    let within = |key: &str, value: f64, most: f64| {
+        let message = || format!("{value} is out of range, expected {} to {most} degrees", -most);
+        if value.abs() <= most { Ok(value) } else { Err(Error::invalid(join(&path, key), message())) }
+    };
+    let (latitude, longitude) = (within("latitude", at.latitude, 90.0)?, within("longitude", at.longitude, 360.0)?);
+    let time =
+        humantime::parse_rfc3339(&at.time).ok().and_then(|time| time.duration_since(SystemTime::UNIX_EPOCH).ok());
+    let Some(time) = time else {
+        let given: String = at.time.chars().take(40).collect();
+        let message =
+            format!("'{given}' is no time in UTC, expected one such as \"2026-06-21T10:30:00Z\", from 1970 on");
+        return Err(Error::invalid(join(&path, "time"), message));
+    };
+    let up = up.normalize();
+    let north = match at.north {
+        Some(north) => validate::direction(&join(&path, "north"), north)?,
+        None => DVec3::NEG_Z,
+    };
+    let level = north - north.dot(up) * up;
+    if level.length() < 1e-6 {
+        let message = "is parallel to `up`, expected a direction on the horizon";
+        return Err(Error::invalid(join(&path, "north"), message));
+    }
+    let north = level.normalize();
+    let [east, northwards, upwards] = sun_direction(latitude, longitude, time.as_secs_f64()).to_array();
+    Ok(Some(east * north.cross(up) + northwards * north + upwards * up))
+}
