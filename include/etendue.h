@@ -63,6 +63,8 @@
      ETD_COORDINATES_UV, {1, 1, 1}, 0, {0, 0, 0}, 0, 0}
 #define ETD_TEXTURE_BINDING_INIT {sizeof(etd_texture_binding), ETD_NONE, ETD_CHANNEL_DEFAULT, 1, 0}
 #define ETD_ENVIRONMENT_MAP_INIT {sizeof(etd_environment_map), ETD_NONE, ETD_SKY_LATLONG, {1, 1, 1}, 0, {0, 1, 0}, 0}
+#define ETD_DISTANT_LIGHT_INIT {sizeof(etd_distant_light), {0, 1, 0}, {1, 1, 1}, 0, 0}
+#define ETD_SKY_INIT {sizeof(etd_sky), 12, 0, {1, 1, 1}, {0, 0, 0}, 0, 0, {0, 0, 0, 0, 0}, {0, 1, 0}, {0, 1, 0}}
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_RENDER_OPTIONS_INIT \
     {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \
@@ -2132,6 +2134,80 @@ typedef struct etd_environment_map {
 } etd_environment_map;
 
 /**
+ * Light that comes from one direction of infinity, such as that of the sun: parallel, or of a disk of even radiance.
+ */
+typedef struct etd_distant_light {
+    /**
+     * `sizeof(etd_distant_light)`.
+     */
+    size_t struct_size;
+    /**
+     * The direction towards the light, of any length but 0.
+     */
+    double towards[3];
+    /**
+     * Irradiance of a surface across the light [W m^-2], each channel >= 0.
+     */
+    float irradiance[3];
+    /**
+     * 1: camera rays do not see the disk, only mirrors, glass and other light do; 0: they do.
+     */
+    uint32_t hidden;
+    /**
+     * Angular diameter of the disk, degrees in [0, 180]; 0: parallel light. That of the sun is about 0.533.
+     */
+    double angle_deg;
+} etd_distant_light;
+
+/**
+ * A sky by a formula of the angles to the zenith and to the sun, over a ground. The disk of the sun is an `etd_distant_light`.
+ */
+typedef struct etd_sky {
+    /**
+     * `sizeof(etd_sky)`.
+     */
+    size_t struct_size;
+    /**
+     * Type of the CIE's general sky, 1 to 15: 1 is the overcast sky, 5 an even one, 12 the clear one; 0: the formula of Perez and
+     * others, with `perez`.
+     */
+    uint32_t cie;
+    /**
+     * 0: `radiance` is that at the zenith [W m^-2 sr^-1]; 1: it is the irradiance of a horizontal surface by the sky [W m^-2].
+     */
+    uint32_t horizontal;
+    /**
+     * What `horizontal` says, each channel >= 0.
+     */
+    float radiance[3];
+    /**
+     * The share of the light that the ground sends back evenly from below the horizon, in [0, 1] per channel.
+     */
+    float ground[3];
+    /**
+     * 1: camera rays do not see it, only mirrors, glass and other light do; 0: they do.
+     */
+    uint32_t hidden;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The numbers a to e of the formula (1 + a exp(b / cos Z)) (1 + c exp(d chi) + e cos^2 chi), of the angle Z to the zenith and chi
+     * to the sun. Not used with `cie`.
+     */
+    double perez[5];
+    /**
+     * The direction towards the sun, above the horizon. `etd_sun_direction` has it for places and times.
+     */
+    double sun[3];
+    /**
+     * The direction of the zenith.
+     */
+    double up[3];
+} etd_sky;
+
+/**
  * The properties of a surface other than its shape.
  */
 typedef struct etd_surface {
@@ -3091,6 +3167,56 @@ etd_status etd_scene_set_environment_map(struct etd_scene *scene,
  */
 etd_status etd_scene_get_environment_map(const struct etd_scene *scene,
                                          struct etd_environment_map *out_map);
+
+/**
+ * Adds light that comes from one direction of infinity, such as that of the sun.
+ *
+ * `*out_light` receives its number among such lights. Errors: `ETD_INVALID_SCENE` for a direction of 0, an irradiance below 0 or
+ * an angle beyond its range. Radiosity does not render a scene with it. Thread-safe.
+ */
+etd_status etd_scene_add_distant_light(struct etd_scene *scene,
+                                       const struct etd_distant_light *value,
+                                       uint32_t *out_light);
+
+/**
+ * Changes light that comes from one direction. An irradiance of 0 switches it off. Thread-safe.
+ */
+etd_status etd_scene_set_distant_light(struct etd_scene *scene, uint32_t light, const struct etd_distant_light *value);
+
+/**
+ * Returns light that comes from one direction as described now. Thread-safe.
+ */
+etd_status etd_scene_get_distant_light(const struct etd_scene *scene,
+                                       uint32_t light,
+                                       struct etd_distant_light *out_value);
+
+/**
+ * Sets the light that comes from infinity all around to a sky by a formula. It takes the place of that of
+ * `etd_scene_set_environment` and `etd_scene_set_environment_map`.
+ *
+ * Errors: `ETD_INVALID_SCENE` for numbers beyond their range, a sun below the horizon and a
+ * formula that gives no light; `ETD_INVALID_ARGUMENT` for a type that the CIE does not have. Radiosity does not render a scene with a sky.
+ * Thread-safe.
+ */
+etd_status etd_scene_set_sky(struct etd_scene *scene,
+                             const struct etd_sky *sky);
+
+/**
+ * Returns the sky by a formula as described now. Where there is none, its radiance is 0. Thread-safe.
+ */
+etd_status etd_scene_get_sky(const struct etd_scene *scene, struct etd_sky *out_sky);
+
+/**
+ * Returns the direction towards the sun from a place on the earth at a time, in a world whose x is east, y up and -z north.
+ *
+ * `latitude_deg`: degrees north of the equator, in [-90, 90]. `longitude_deg`: degrees east of Greenwich, in [-360, 360].
+ * `seconds`: since 1970-01-01 00:00 UTC; the direction is within 0.01 degrees from 1950 to 2050, without refraction. `out_direction`
+ * receives three numbers, a unit vector. Errors: `ETD_INVALID_ARGUMENT` for numbers beyond their range. Thread-safe.
+ */
+etd_status etd_sun_direction(double latitude_deg,
+                             double longitude_deg,
+                             double seconds,
+                             double *out_direction);
 
 /**
  * Returns the parameters of a principled material as described now.

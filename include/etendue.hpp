@@ -872,7 +872,31 @@ public:
         const etd_status status = etd_scene_get_environment_map(get(), &map);
         return detail::give(status, std::move(map));
     }
-    /** Removes the light from infinity. */
+    /** Sets the light from infinity to a sky by a formula. */
+    Outcome<void> set_sky(const etd_sky &sky) { return detail::done(etd_scene_set_sky(get(), &sky)); }
+    /** The sky by a formula as it is described now; its radiance is 0 where there is none. */
+    Outcome<etd_sky> sky() const {
+        etd_sky value = ETD_SKY_INIT;
+        const etd_status status = etd_scene_get_sky(get(), &value);
+        return detail::give(status, std::move(value));
+    }
+    /** Adds light from one direction of infinity, such as that of the sun; its number among such lights. */
+    Outcome<std::uint32_t> add_distant_light(const etd_distant_light &light) {
+        std::uint32_t number = ETD_NONE;
+        const etd_status status = etd_scene_add_distant_light(get(), &light, &number);
+        return detail::give(status, std::move(number));
+    }
+    /** Changes light from one direction. */
+    Outcome<void> set_distant_light(std::uint32_t number, const etd_distant_light &light) {
+        return detail::done(etd_scene_set_distant_light(get(), number, &light));
+    }
+    /** Light from one direction as it is described now. */
+    Outcome<etd_distant_light> distant_light(std::uint32_t number) const {
+        etd_distant_light value = ETD_DISTANT_LIGHT_INIT;
+        const etd_status status = etd_scene_get_distant_light(get(), number, &value);
+        return detail::give(status, std::move(value));
+    }
+    /** Removes the light from infinity all around. */
     Outcome<void> remove_environment() { return detail::done(etd_scene_set_environment(get(), nullptr)); }
     /** The radiance from infinity as it is described now; 0 where there is none. */
     Outcome<Rgb> environment() const {

@@ -25,6 +25,10 @@ enum Call {
     Environment { radiance: Option<[f32; 3]> },
     EnvironmentMap { texture: u8, projection: u8, hidden: u8, radiance: [f32; 3], up: [f64; 3], rotation: f64 },
     SaneEnvironmentMap { texture: u8, rotation: i8 },
+    DistantLight { light: Option<u8>, towards: [f64; 3], irradiance: [f32; 3], angle: f64, hidden: u8 },
+    Sky { cie: u8, flags: [u8; 2], radiance: [f32; 3], ground: [f32; 3], perez: [f64; 5], sun: [f64; 3], up: [f64; 3] },
+    SaneSky { cie: u8, sun: [i8; 2], angle: u8 },
+    Sun { place: [f64; 3] },
     AddShape { kind: u8, numbers: [f64; 12], material: u8, emission: [f32; 3], transform: Option<[f64; 12]> },
     SaneShape { kind: u8, numbers: [i8; 12], material: u8, glow: u8, shift: [i8; 3] },
     AddMesh { vertices: Vec<[f32; 3]>, triangles: Vec<[u8; 3]>, flags: u8, stride: u8 },
@@ -318,6 +322,59 @@ impl World {
                         ..sized()
                     };
                     fine(etd_scene_set_environment_map(scene, &raw const it));
+                }
+                Call::DistantLight { light, towards, irradiance, angle, hidden } => {
+                    let it = etd_distant_light {
+                        towards,
+                        irradiance,
+                        hidden: u32::from(hidden),
+                        angle_deg: angle,
+                        ..sized()
+                    };
+                    match light {
+                        Some(light) => fine(etd_scene_set_distant_light(scene, u32::from(light % 4), &raw const it)),
+                        None => fine(etd_scene_add_distant_light(scene, &raw const it, &raw mut number)),
+                    }
+                    let mut out: etd_distant_light = sized();
+                    fine(etd_scene_get_distant_light(scene, u32::from(light.unwrap_or(0) % 4), &raw mut out));
+                }
+                Call::Sky { cie, flags, radiance, ground, perez, sun, up } => {
+                    let it = etd_sky {
+                        cie: u32::from(cie % 17),
+                        horizontal: u32::from(flags[0]),
+                        radiance,
+                        ground,
+                        hidden: u32::from(flags[1]),
+                        perez,
+                        sun,
+                        up,
+                        ..sized()
+                    };
+                    fine(etd_scene_set_sky(scene, &raw const it));
+                    let mut out: etd_sky = sized();
+                    fine(etd_scene_get_sky(scene, &raw mut out));
+                }
+                Call::SaneSky { cie, sun, angle } => {
+                    let sun = [f64::from(sun[0]), 40.0, f64::from(sun[1])];
+                    let it = etd_sky {
+                        cie: u32::from(cie % 15 + 1),
+                        radiance: [1.0; 3],
+                        sun,
+                        up: [0.0, 1.0, 0.0],
+                        ..sized()
+                    };
+                    fine(etd_scene_set_sky(scene, &raw const it));
+                    let it = etd_distant_light {
+                        towards: sun,
+                        irradiance: [1.0; 3],
+                        angle_deg: f64::from(angle) * 0.5,
+                        ..sized()
+                    };
+                    fine(etd_scene_add_distant_light(scene, &raw const it, &raw mut number));
+                }
+                Call::Sun { place } => {
+                    let mut out = [0.0; 3];
+                    fine(etd_sun_direction(place[0], place[1], place[2], out.as_mut_ptr()));
                 }
                 Call::AddShape { kind, numbers, material, emission, transform } => {
                     fine(self.shape(kind, &numbers, &look(material, emission, transform.unwrap_or_default())));

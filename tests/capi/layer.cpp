@@ -311,6 +311,17 @@ void contents() {
     hidden.hidden = 1;
     scene.set_environment_map(hidden);
     CHECK(scene.environment_map().hidden == 1 && scene.environment()[1] == 1);
+    etd_sky clear = ETD_SKY_INIT;
+    clear.sun[0] = 1;
+    scene.set_sky(clear);
+    CHECK(scene.sky().cie == 12 && scene.sky().sun[0] == 1 && scene.environment()[1] == 1);
+    etd_distant_light sun = ETD_DISTANT_LIGHT_INIT;
+    sun.angle_deg = 0.533;
+    CHECK(scene.add_distant_light(sun) == 0);
+    CHECK(scene.distant_light(0).angle_deg == 0.533);
+    sun.irradiance[0] = sun.irradiance[1] = sun.irradiance[2] = 0;
+    scene.set_distant_light(0, sun);
+    CHECK(scene.distant_light(0).irradiance[1] == 0);
     scene.remove_environment();
     CHECK(scene.environment()[1] == 0);
     CHECK(scene.resolution().width == 256);

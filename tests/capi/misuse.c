@@ -395,6 +395,43 @@ static etd_status n_scene_get_environment_map(void) {
     etd_environment_map *map = AT(1, sized_output(sizeof *map));
     return CALL(etd_scene_get_environment_map(SCENE(0), map));
 }
+static etd_status n_scene_add_distant_light(void) {
+    etd_distant_light light = ETD_DISTANT_LIGHT_INIT;
+    uint32_t *number = AT(2, output(sizeof *number));
+    light.irradiance[0] = light.irradiance[1] = light.irradiance[2] = 0;
+    return CALL(etd_scene_add_distant_light(SCENE(0), AT(1, &light), number));
+}
+static void have_distant_light(void) {
+    etd_distant_light light = ETD_DISTANT_LIGHT_INIT;
+    uint32_t number;
+    if (etd_scene_get_distant_light(scene, 0, &light) != ETD_OK) {
+        light.irradiance[0] = light.irradiance[1] = light.irradiance[2] = 0;
+        CHECK_OK(etd_scene_add_distant_light(scene, &light, &number));
+    }
+}
+static etd_status n_scene_set_distant_light(void) {
+    etd_distant_light light = ETD_DISTANT_LIGHT_INIT;
+    have_distant_light();
+    light.irradiance[0] = light.irradiance[1] = light.irradiance[2] = 0;
+    return CALL(etd_scene_set_distant_light(SCENE(0), 0, AT(1, &light)));
+}
+static etd_status n_scene_get_distant_light(void) {
+    etd_distant_light *light = AT(1, sized_output(sizeof *light));
+    have_distant_light();
+    return CALL(etd_scene_get_distant_light(SCENE(0), 0, light));
+}
+static etd_status n_scene_set_sky(void) {
+    etd_sky sky = ETD_SKY_INIT;
+    return CALL(etd_scene_set_sky(SCENE(0), AT(1, &sky)));
+}
+static etd_status n_scene_get_sky(void) {
+    etd_sky *sky = AT(1, sized_output(sizeof *sky));
+    return CALL(etd_scene_get_sky(SCENE(0), sky));
+}
+static etd_status n_sun_direction(void) {
+    double *direction = AT(0, output(3 * sizeof *direction));
+    return CALL(etd_sun_direction(48, 11, 1.8e9, direction));
+}
 static etd_status n_scene_find_texture(void) {
     uint32_t *number = AT(2, output(sizeof *number));
     return CALL(etd_scene_find_texture(SCENE(0), AT(1, "leaf"), number));
@@ -642,6 +679,12 @@ static const struct {
     {"etd_scene_get_point_light", n_scene_get_point_light, 3, 7, 1},
     {"etd_scene_set_environment", n_scene_set_environment, 2, 1, 1},
     {"etd_scene_get_environment", n_scene_get_environment, 2, 3, 1},
+    {"etd_scene_add_distant_light", n_scene_add_distant_light, 3, 7, 1},
+    {"etd_scene_set_distant_light", n_scene_set_distant_light, 2, 3, 1},
+    {"etd_scene_get_distant_light", n_scene_get_distant_light, 2, 3, 1},
+    {"etd_sun_direction", n_sun_direction, 1, 1, 0},
+    {"etd_scene_set_sky", n_scene_set_sky, 2, 3, 1},
+    {"etd_scene_get_sky", n_scene_get_sky, 2, 3, 1},
     {"etd_scene_set_environment_map", n_scene_set_environment_map, 2, 1, 1},
     {"etd_scene_get_environment_map", n_scene_get_environment_map, 2, 3, 1},
     {"etd_scene_add_sphere", n_scene_add_sphere, 4, 15, 1},

@@ -97,6 +97,25 @@ static etd_status s_set_environment_map(void) { return try_sky((etd_environment_
 static etd_status s_get_environment_map(void) {
     return etd_scene_get_environment_map(scene, (etd_environment_map *)(void *)&structure);
 }
+static etd_status s_add_distant_light(void) {
+    uint32_t number = 0;
+    etd_status status = etd_scene_add_distant_light(scene, (etd_distant_light *)(void *)&structure, &number);
+    if (status == ETD_OK) {
+        etd_distant_light off = ETD_DISTANT_LIGHT_INIT; /* since not all renders take one */
+        off.irradiance[0] = off.irradiance[1] = off.irradiance[2] = 0;
+        CHECK_OK(etd_scene_set_distant_light(scene, number, &off));
+    }
+    return status;
+}
+static etd_status s_get_distant_light(void) {
+    return etd_scene_get_distant_light(scene, 0, (etd_distant_light *)(void *)&structure);
+}
+static etd_status s_set_sky(void) {
+    etd_status status = etd_scene_set_sky(scene, (etd_sky *)(void *)&structure);
+    CHECK_OK(etd_scene_set_environment(scene, NULL));
+    return status;
+}
+static etd_status s_get_sky(void) { return etd_scene_get_sky(scene, (etd_sky *)(void *)&structure); }
 static etd_status s_set_surface(void) {
     uint32_t number;
     ((etd_surface *)(void *)&structure)->material = 0;
@@ -140,6 +159,8 @@ static void i_mesh(void) { INIT(etd_mesh, ETD_MESH_INIT); }
 static void i_texture(void) { INIT(etd_texture, ETD_TEXTURE_INIT); }
 static void i_binding(void) { INIT(etd_texture_binding, ETD_TEXTURE_BINDING_INIT); }
 static void i_environment_map(void) { INIT(etd_environment_map, ETD_ENVIRONMENT_MAP_INIT); }
+static void i_distant_light(void) { INIT(etd_distant_light, ETD_DISTANT_LIGHT_INIT); }
+static void i_sky(void) { INIT(etd_sky, ETD_SKY_INIT); }
 static void i_surface(void) { INIT(etd_surface, ETD_SURFACE_INIT); }
 static void i_render_options(void) { INIT(etd_render_options, ETD_RENDER_OPTIONS_INIT); }
 static void i_progress(void) { INIT(etd_progress, ETD_PROGRESS_INIT); }
@@ -179,6 +200,12 @@ static void pass_wrong_sizes(void) {
          offsetof(etd_texture_binding, cutoff), 0},
         {"etd_texture_binding out", i_binding, s_get_binding, sizeof(etd_texture_binding),
          offsetof(etd_texture_binding, cutoff), 1},
+        {"etd_distant_light in", i_distant_light, s_add_distant_light, sizeof(etd_distant_light),
+         offsetof(etd_distant_light, angle_deg), 0},
+        {"etd_distant_light out", i_distant_light, s_get_distant_light, sizeof(etd_distant_light),
+         offsetof(etd_distant_light, angle_deg), 1},
+        {"etd_sky in", i_sky, s_set_sky, sizeof(etd_sky), offsetof(etd_sky, perez), 0},
+        {"etd_sky out", i_sky, s_get_sky, sizeof(etd_sky), offsetof(etd_sky, perez), 1},
         {"etd_environment_map in", i_environment_map, s_set_environment_map, sizeof(etd_environment_map),
          offsetof(etd_environment_map, rotation_deg), 0},
         {"etd_environment_map out", i_environment_map, s_get_environment_map, sizeof(etd_environment_map),
@@ -355,6 +382,23 @@ static etd_status e_hidden_sky(uint32_t value) {
     map.hidden = value;
     return try_sky(&map);
 }
+static etd_status e_cie(uint32_t value) {
+    etd_sky sky = ETD_SKY_INIT;
+    etd_status status;
+    sky.cie = value;
+    sky.perez[1] = -1;
+    status = etd_scene_set_sky(scene, &sky);
+    CHECK_OK(etd_scene_set_environment(scene, NULL));
+    return status;
+}
+static etd_status e_horizontal(uint32_t value) {
+    etd_sky sky = ETD_SKY_INIT;
+    etd_status status;
+    sky.horizontal = value;
+    status = etd_scene_set_sky(scene, &sky);
+    CHECK_OK(etd_scene_set_environment(scene, NULL));
+    return status;
+}
 static etd_status e_sampler(uint32_t value) {
     etd_render_options options = short_render(1);
     options.sampler = value;
@@ -416,6 +460,8 @@ static void pass_wrong_enumerations(void) {
         {"channel", e_texture_channel, ETD_CHANNEL_ALPHA},
         {"projection of a sky", e_sky_projection, ETD_SKY_CUBE},
         {"hidden sky", e_hidden_sky, 1},
+        {"cie", e_cie, 15},
+        {"horizontal", e_horizontal, 1},
         {"sampler", e_sampler, ETD_SAMPLER_GAUSSIAN},
         {"filter", e_filter, ETD_FILTER_MITCHELL},
         {"format", e_format, ETD_FORMAT_RGBA8},
@@ -515,6 +561,8 @@ static void pass_numbers(void) {
             etd_material material = ETD_MATERIAL_INIT;
             etd_surface glowing = matt();
             etd_environment_map sky = ETD_ENVIRONMENT_MAP_INIT;
+            etd_sky formula = ETD_SKY_INIT;
+            etd_distant_light distant = ETD_DISTANT_LIGHT_INIT;
             memcpy(floats, grey, sizeof grey);
             floats[i] = bad[k];
             CHECK_STATUS(etd_scene_add_point_light(scene, centre, floats, &number), ETD_INVALID_SCENE);
@@ -522,6 +570,28 @@ static void pass_numbers(void) {
             CHECK_STATUS(etd_scene_set_environment(scene, floats), ETD_INVALID_SCENE);
             sky.radiance[i] = bad[k];
             CHECK_STATUS(etd_scene_set_environment_map(scene, &sky), ETD_INVALID_SCENE);
+            formula = (etd_sky)ETD_SKY_INIT;
+            formula.radiance[i] = bad[k];
+            CHECK_STATUS(etd_scene_set_sky(scene, &formula), ETD_INVALID_SCENE);
+            formula = (etd_sky)ETD_SKY_INIT;
+            formula.ground[i] = bad[k];
+            CHECK_STATUS(etd_scene_set_sky(scene, &formula), ETD_INVALID_SCENE);
+            formula = (etd_sky)ETD_SKY_INIT;
+            formula.sun[i] = NAN;
+            CHECK_STATUS(etd_scene_set_sky(scene, &formula), ETD_INVALID_SCENE);
+            formula = (etd_sky)ETD_SKY_INIT;
+            formula.cie = 0;
+            formula.perez[i] = NAN;
+            CHECK_STATUS(etd_scene_set_sky(scene, &formula), ETD_INVALID_SCENE);
+            distant = (etd_distant_light)ETD_DISTANT_LIGHT_INIT;
+            distant.irradiance[i] = bad[k];
+            CHECK_STATUS(etd_scene_add_distant_light(scene, &distant, &number), ETD_INVALID_SCENE);
+            distant = (etd_distant_light)ETD_DISTANT_LIGHT_INIT;
+            distant.towards[i] = NAN;
+            CHECK_STATUS(etd_scene_add_distant_light(scene, &distant, &number), ETD_INVALID_SCENE);
+            distant = (etd_distant_light)ETD_DISTANT_LIGHT_INIT;
+            distant.angle_deg = i == 0 ? NAN : i == 1 ? -1 : 181;
+            CHECK_STATUS(etd_scene_add_distant_light(scene, &distant, &number), ETD_INVALID_SCENE);
             CHECK_STATUS(etd_scene_set_emission(scene, 2, floats), ETD_INVALID_SCENE);
             glowing.emission[i] = bad[k];
             CHECK_STATUS(etd_scene_add_sphere(scene, centre, 1, &glowing, &number), ETD_INVALID_SCENE);
@@ -826,6 +896,11 @@ static void pass_indices(void) {
         CHECK_STATUS(etd_scene_get_material(scene, n, &material), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_set_point_light(scene, n, centre, grey), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_get_point_light(scene, n, position, intensity), ETD_INVALID_ARGUMENT);
+        {
+            etd_distant_light light = ETD_DISTANT_LIGHT_INIT;
+            CHECK_STATUS(etd_scene_set_distant_light(scene, n, &light), ETD_INVALID_ARGUMENT);
+            CHECK_STATUS(etd_scene_get_distant_light(scene, n, &light), ETD_INVALID_ARGUMENT);
+        }
         CHECK(position[0] == 7 && intensity[2] == 7);
         CHECK_STATUS(etd_scene_add_mesh_surface(scene, n, 0, &surface, &number), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_remove_surface(scene, n), ETD_INVALID_ARGUMENT);

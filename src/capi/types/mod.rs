@@ -49,6 +49,7 @@ mod material;
 mod query;
 mod render;
 mod scene;
+mod sky;
 mod texture;
 
 pub use bake::*;
@@ -58,6 +59,7 @@ pub use material::*;
 pub use query::*;
 pub use render::*;
 pub use scene::*;
+pub use sky::*;
 pub use texture::*;
 
 /// Types of numbers that C passes for enumerations. In the header, they have the names of the enumerations.
