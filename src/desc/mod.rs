@@ -42,6 +42,8 @@
 
 mod builder;
 mod camera;
+mod camera_check;
+mod camera_keys;
 mod edit;
 mod edit_textures;
 mod environment;
@@ -88,7 +90,7 @@ mod transform;
 mod validate;
 mod warnings;
 
-pub use camera::{CameraDesc, FovAxis};
+pub use camera::{CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES};
 pub use edit::SurfaceLook;
 pub use environment::{EnvironmentDesc, EnvironmentMapDesc, SkyProjection};
 pub(crate) use file::open as open_file;
