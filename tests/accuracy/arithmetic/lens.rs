@@ -321,12 +321,11 @@ fn focus(case: &mut Case) {
 /// A bar near the lens hides all from its middle, and little from its edge: light comes by all methods as by paths.
 fn methods(case: &mut Case) {
     let grey = BsdfDesc::Lambert { albedo: Rgb::splat(0.5) };
-    let quad = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| ShapeDesc::Triangle([a, b, c].map(DVec3::from_array));
+    let triangle = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| ShapeDesc::Triangle([a, b, c].map(DVec3::from_array));
     let surfaces = vec![
         (ShapeDesc::Sphere { centre: DVec3::new(0.0, 0.0, -1.0), radius: 0.4 }, BsdfDesc::Black, None),
-        (quad([-20.0, -20.0, -6.0], [20.0, -20.0, -6.0], [0.0, 30.0, -6.0]), grey.clone(), None),
-        (quad([-3.0, 4.0, -4.0], [3.0, 4.0, -4.0], [0.0, 4.0, -5.5]), BsdfDesc::Black, Some(Rgb::splat(10.0))),
-        (quad([-3.0, 4.0, -4.0], [0.0, 4.0, -5.5], [3.0, 4.0, -4.0]), BsdfDesc::Black, Some(Rgb::splat(10.0))),
+        (triangle([-20.0, -20.0, -6.0], [20.0, -20.0, -6.0], [0.0, 30.0, -6.0]), grey.clone(), None),
+        (triangle([-3.0, 4.0, -4.0], [0.0, 4.0, -5.5], [3.0, 4.0, -4.0]), BsdfDesc::Black, Some(Rgb::splat(10.0))),
     ];
     let with = |radius: f64| {
         let lens = LensDesc { focus: FocusDesc::Distance(6.0), ..LensDesc::new(radius) };
