@@ -48,7 +48,7 @@ impl Lens {
             FocusDesc::Distance(distance) => ("focusDistance", distance),
             FocusDesc::Point(point) => ("focusAt", (point - eye).dot(forward)),
         };
-        if !(distance > 0.0) {
+        if distance.is_nan() || distance <= 0.0 {
             return invalid(key, format!("the plane in focus is at {distance}, expected one in front of the camera"));
         }
         if !matches!(desc.blades, 0 | 3..=MAX_BLADES) || !desc.blade_rotation_deg.is_finite() {

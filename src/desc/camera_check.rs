@@ -70,7 +70,7 @@ fn check_lens(path: &str, lens: &LensDesc, depth: impl Fn(DVec3) -> f64) -> Resu
         FocusDesc::Point(point) => {
             vector(&at("focusAt"), point)?;
             let depth = depth(point);
-            if !(depth >= f64::from(f32::MIN_POSITIVE)) {
+            if depth.is_nan() || depth < f64::from(f32::MIN_POSITIVE) {
                 let message = format!(
                     "{point} is {depth} from the camera along the view direction, expected a point in front of it"
                 );

@@ -40,8 +40,7 @@ pub(super) fn still_serves(scene: &Scene, camera: &CameraDesc) -> bool {
     if off == 0.0 {
         return true;
     }
-    // Pixels of parallel rays are equally wide at all distances, and the image should be as wide as the surfaces are far from a
-    // perspective camera.
+    // Pixels of parallel rays are equally wide at all distances: the width of the image stands for the distance of the surfaces.
     if let CameraDesc::Orthographic { size, .. } = *camera {
         return off <= KEPT * size;
     }

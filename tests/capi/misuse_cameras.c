@@ -171,6 +171,7 @@ static void pass_pictures(void) {
     etd_surface ball = ETD_SURFACE_INIT, lamp = ETD_SURFACE_INIT;
     const double near[3] = {0, 0, -1}, far[3] = {0, 0, -10};
     etd_camera camera = ETD_CAMERA_INIT;
+    etd_material black = ETD_MATERIAL_INIT;
     etd_render_options options = short_render(16);
     float pixels[4 * 4 * 4];
     uint32_t number;
@@ -178,6 +179,8 @@ static void pass_pictures(void) {
     size.width = size.height = 4;
     CHECK_OK(etd_scene_new(device, NULL, &made));
     CHECK_OK(etd_film_new(device, &size, &small));
+    black.bsdf = ETD_BSDF_BLACK;
+    CHECK_OK(etd_scene_add_material(made, NULL, &black, &ball.material));
     CHECK_OK(etd_scene_add_sphere(made, near, 0.4, &ball, &number));
     lamp.emission[0] = lamp.emission[1] = lamp.emission[2] = 1;
     CHECK_OK(etd_scene_add_sphere(made, far, 6, &lamp, &number));

@@ -324,7 +324,7 @@ fn methods(case: &mut Case) {
     let triangle = |a: [f64; 3], b: [f64; 3], c: [f64; 3]| ShapeDesc::Triangle([a, b, c].map(DVec3::from_array));
     let surfaces = vec![
         (ShapeDesc::Sphere { centre: DVec3::new(0.0, 0.0, -1.0), radius: 0.4 }, BsdfDesc::Black, None),
-        (triangle([-20.0, -20.0, -6.0], [20.0, -20.0, -6.0], [0.0, 30.0, -6.0]), grey.clone(), None),
+        (triangle([-20.0, -20.0, -6.0], [20.0, -20.0, -6.0], [0.0, 30.0, -6.0]), grey, None),
         (triangle([-3.0, 4.0, -4.0], [0.0, 4.0, -5.5], [3.0, 4.0, -4.0]), BsdfDesc::Black, Some(Rgb::splat(10.0))),
     ];
     let with = |radius: f64| {

@@ -91,7 +91,7 @@ fn parallel(case: &mut Case) {
             format!("light at {depth}: column of its middle"),
             column(17.2),
             151.4 / 8.8,
-            Within::Absolute(1e-3),
+            Within::Absolute(4e-3),
         );
         let depths = &image.layer("depth").expect("an auxiliary layer").data;
         // The middle of the light.
