@@ -46,7 +46,8 @@
 #define ETD_DEVICE_OPTIONS_INIT {sizeof(etd_device_options), 0, 0, 0, NULL, NULL, NULL, NULL}
 #define ETD_SCENE_OPTIONS_INIT {sizeof(etd_scene_options), ETD_USAGE_STATIC, 0, NULL, NULL, NULL, NULL}
 #define ETD_CAMERA_INIT \
-    {sizeof(etd_camera), ETD_CAMERA_PERSPECTIVE, ETD_FOV_HORIZONTAL, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90}
+    {sizeof(etd_camera), ETD_CAMERA_PERSPECTIVE, ETD_FOV_HORIZONTAL, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90, 0, 0, \
+     ETD_FOCUS_LOOK_AT, 0, 0, {0, 0, 0}, 0, 0}
 #define ETD_MATERIAL_INIT \
     {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0, {0, 0, 0}, 0, 0, 0, \
      ETD_DISTRIBUTION_GGX, ETD_MASKING_SMITH, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 1, 1}, 0, 0, 0.5f, NULL, 1, \
@@ -280,7 +281,7 @@ enum etd_camera_type
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * A pinhole at `origin`.
+     * A pinhole at `origin`, or a thin lens around it.
      */
     ETD_CAMERA_PERSPECTIVE = 0,
     /**
@@ -288,6 +289,10 @@ enum etd_camera_type
      * the plane.
      */
     ETD_CAMERA_VIEW_PLANE = 1,
+    /**
+     * Parallel rays from the plane through `origin`; what is behind the plane is not seen.
+     */
+    ETD_CAMERA_ORTHOGRAPHIC = 2,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -298,7 +303,7 @@ typedef uint32_t etd_camera_type;
 #endif // __cplusplus
 
 /**
- * The side of the image that a camera's field of view spans.
+ * The side of the image that a camera's field of view spans, or the `size` of an orthographic one.
  */
 enum etd_fov_axis
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -310,7 +315,7 @@ enum etd_fov_axis
      */
     ETD_FOV_HORIZONTAL = 0,
     /**
-     * The height; perspective cameras only.
+     * The height; perspective and orthographic cameras only.
      */
     ETD_FOV_VERTICAL = 1,
 };
@@ -319,6 +324,35 @@ enum etd_fov_axis
 typedef enum etd_fov_axis etd_fov_axis;
 #else
 typedef uint32_t etd_fov_axis;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * Where the lens of a camera is in focus.
+ */
+enum etd_focus
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * On the plane through `look_at` across the view direction.
+     */
+    ETD_FOCUS_LOOK_AT = 0,
+    /**
+     * On the plane at `focus_distance` from `origin`.
+     */
+    ETD_FOCUS_DISTANCE = 1,
+    /**
+     * On the plane through `focus_at`.
+     */
+    ETD_FOCUS_POINT = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_focus etd_focus;
+#else
+typedef uint32_t etd_focus;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -1857,9 +1891,42 @@ typedef struct etd_camera {
      */
     double up[3];
     /**
-     * Full angle of view, degrees, between 0 and 180.
+     * Full angle of view, degrees, between 0 and 180. An orthographic camera does not read it.
      */
     double fov_deg;
+    /**
+     * Orthographic cameras: what the image spans across `fov_axis`, scene units, above 0. 0 for other cameras.
+     */
+    double size;
+    /**
+     * Perspective cameras: radius of the lens, scene units. 0 is a pinhole. The fields below say more of the lens; other cameras
+     * have 0 in all of them.
+     */
+    double lens_radius;
+    /**
+     * An `etd_focus`.
+     */
+    etd_focus focus;
+    /**
+     * Number of sides of the aperture, a regular polygon in the circle of the lens: 3 to 32. 0 is the whole disk.
+     */
+    uint32_t blades;
+    /**
+     * `ETD_FOCUS_DISTANCE`: distance of the plane in focus along the view direction, scene units, above 0.
+     */
+    double focus_distance;
+    /**
+     * `ETD_FOCUS_POINT`: a point of the plane in focus, in front of the camera.
+     */
+    double focus_at[3];
+    /**
+     * Degrees by which the polygon is turned counter-clockwise in the image. At 0, one of its vertices is at the right.
+     */
+    double blade_rotation_deg;
+    /**
+     * Number by which the aperture's width is divided, after it is turned: 0.01 to 100. 0 means 1.
+     */
+    double squeeze;
 } etd_camera;
 
 /**
@@ -3071,9 +3138,11 @@ etd_status etd_scene_get_resolution(const struct etd_scene *scene, uint32_t *out
 /**
  * Replaces the camera.
  *
- * Errors: `ETD_INVALID_SCENE` if view direction, up vector and angle of view do not define an image. Thread-safe.
+ * Errors: `ETD_INVALID_SCENE` if view direction, up vector and angle or width of view do not define an image, or for a lens that
+ * is none; `ETD_INVALID_ARGUMENT` for a field that the projection does not have. Thread-safe.
  */
-etd_status etd_scene_set_camera(struct etd_scene *scene, const struct etd_camera *camera);
+etd_status etd_scene_set_camera(struct etd_scene *scene,
+                                const struct etd_camera *camera);
 
 /**
  * Returns the camera as described now. Thread-safe.

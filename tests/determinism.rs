@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use common::scenes::{box_inside, camera, scene};
 use etendue::Cancel;
-use etendue::desc::{BsdfDesc, CameraDesc, RenderDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{BsdfDesc, CameraDesc, FocusDesc, FovAxis, LensDesc, RenderDesc, SceneDesc, ShapeDesc};
 use etendue::film::Image;
 use etendue::math::DVec3;
 use etendue::render::{Ended, Progress, Render, RenderSettings, Workers};
@@ -175,7 +175,10 @@ fn looking_on_changes_nothing() {
 
 /// The room with all its coordinates, which are multiples of 1/8, moved by `shift`.
 fn moved(shift: DVec3) -> SceneDesc {
-    let mut desc = room();
+    moved_with(shift, room())
+}
+
+fn moved_with(shift: DVec3, mut desc: SceneDesc) -> SceneDesc {
     desc.meshes
         .iter_mut()
         .flat_map(|mesh| &mut std::sync::Arc::make_mut(mesh).positions)
@@ -186,11 +189,43 @@ fn moved(shift: DVec3) -> SceneDesc {
         }
     }
     desc.lights.iter_mut().for_each(|light| light.position += shift);
-    if let CameraDesc::Perspective { eye, look_at, .. } = &mut desc.camera {
-        *eye += shift;
-        *look_at += shift;
+    let [eye, look_at, _] = desc.camera.view_mut();
+    *eye += shift;
+    *look_at += shift;
+    if let CameraDesc::ThinLens { lens: LensDesc { focus: FocusDesc::Point(point), .. }, .. } = &mut desc.camera {
+        *point += shift;
     }
     desc
+}
+
+/// Threads, interruptions and moves of the world change nothing of what is seen through a lens or by parallel rays; a lens of
+/// radius 0 shows what a pinhole does.
+#[test]
+fn lenses_and_parallel_rays_give_the_same_bits() {
+    let (eye, look_at, up) = (DVec3::ZERO, DVec3::NEG_Z, DVec3::Y);
+    let (fov_deg, fov_axis) = (90.0, FovAxis::Horizontal);
+    let through = |radius| {
+        let focus = FocusDesc::Point(DVec3::new(0.25, 0.125, -0.5));
+        let lens = LensDesc { focus, blades: 5, ..LensDesc::new(radius) };
+        CameraDesc::ThinLens { eye, look_at, up, fov_deg, fov_axis, lens }
+    };
+    let parallel = CameraDesc::Orthographic { eye, look_at, up, size: 1.5, axis: fov_axis };
+    let pinhole = room().camera;
+    let pictures = [pinhole, through(0.0), through(0.125), parallel].map(|camera| {
+        let desc = SceneDesc { camera, ..room() };
+        let render = RenderDesc { resolution: [32, 32], samples: 4, ..RenderDesc::default() };
+        let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
+        let once = bits(&image(&scene, &render, 1, 0));
+        assert!(once == bits(&image(&scene, &render, 3, 2)), "{camera:?}: other bits by three threads");
+        for exponent in [20, 40] {
+            let shift = f64::from(exponent).exp2() * DVec3::new(1.0, 0.0, -2.0);
+            let scene = Scene::build(&moved_with(shift, desc.clone()), &BuildOptions::default()).unwrap();
+            assert!(once == bits(&image(&scene, &render, 2, 0)), "{camera:?}: other bits at 2^{exponent}");
+        }
+        once
+    });
+    assert!(pictures[0] == pictures[1], "a lens of radius 0 is no pinhole");
+    assert!(pictures[0] != pictures[2] && pictures[0] != pictures[3]);
 }
 
 #[test]

@@ -256,7 +256,7 @@ fn hierarchies_are_trees_of_any_depth() {
 fn cameras_see_what_the_file_says() {
     let mut file = File::triangle();
     file.root["cameras"] = json!([
-        {"type": "orthographic", "name": "flat", "orthographic": {"xmag": 1, "ymag": 1, "zfar": 2, "znear": 1}},
+        {"type": "orthographic", "name": "flat", "orthographic": {"xmag": 2.5, "ymag": 1.25, "zfar": 2, "znear": 1}},
         {"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 1.5, "znear": 0.1}},
         {"type": "perspective", "name": "far", "perspective": {"yfov": 0.25, "znear": 0.1}},
         {"type": "perspective", "name": "nowhere", "perspective": {"yfov": 0.25, "znear": 0.1}},
@@ -264,35 +264,59 @@ fn cameras_see_what_the_file_says() {
     let half = 0.5_f64.sqrt();
     file.root["nodes"] = json!([
         {"mesh": 0, "children": [1, 2, 3]},
-        {"camera": 0},
+        {"camera": 0, "translation": [1, -2, 3], "scale": [2, 2, 2]},
         {"camera": 1, "translation": [4, 0, 0], "rotation": [0, half, 0, half], "scale": [3, 3, 3]},
         {"camera": 2, "translation": [0, 0, 20]},
     ]);
     let of = |camera: Option<&str>| {
         file.load_with(&LoadOptions { camera: camera.map(str::to_owned), ..LoadOptions::default() })
     };
-    let scene = of(None).unwrap();
+    let scene = of(Some("1")).unwrap();
     let CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis } = scene.camera else { panic!("a pinhole") };
     near(eye, [4.0, 0.0, 0.0]);
     near((look_at - eye).normalize(), [-1.0, 0.0, 0.0]);
     near(up, [0.0, 1.0, 0.0]);
     assert_eq!((fov_deg, fov_axis), (0.5_f64.to_degrees(), FovAxis::Vertical));
     assert_eq!(scene.render.resolution, [384, 256]);
+    let scene = of(None).unwrap();
+    let CameraDesc::Orthographic { eye, look_at, up, size, axis } = scene.camera else { panic!("parallel rays") };
+    near(eye, [1.0, -2.0, 3.0]);
+    near(look_at - eye, [0.0, 0.0, -3.0]);
+    near(up, [0.0, 1.0, 0.0]);
+    assert_eq!((size, axis, scene.render.resolution), (2.5, FovAxis::Vertical, [512, 256]));
     let said = scene.warnings.join("\n");
-    assert!(said.contains("orthographic cameras are not supported and left out: cameras[0] ('flat')"), "{said}");
-    assert!(said.contains("cameras[1] is taken; the scene has other cameras: cameras[2] ('far')"), "{said}");
+    let others = "cameras[1], cameras[2] ('far')";
+    assert!(said.contains(&format!("cameras[0] ('flat') is taken; the scene has other cameras: {others}")), "{said}");
     for chosen in ["far", "2"] {
         let CameraDesc::Perspective { eye, .. } = of(Some(chosen)).unwrap().camera else { panic!("a pinhole") };
         near(eye, [0.0, 0.0, 20.0]);
     }
     for (chosen, expected) in [
-        ("flat", "cameras[0] ('flat'): the camera is orthographic, which is not supported"),
         ("nowhere", "cameras[3] ('nowhere'): no node of the scene has this camera"),
         ("4", "cameras: there is no cameras[4], the file has 4"),
         ("fare", "cameras: none of cameras is named 'fare'; did you mean 'far'?"),
     ] {
         let error = of(Some(chosen)).unwrap_err().to_string();
         assert!(error.starts_with(expected) || error.contains(expected), "{error}");
+    }
+    for (camera, expected) in [
+        (json!({"type": "orthographic"}), "cameras[0]: missing key `orthographic`"),
+        (json!({"type": "orthographic", "orthographic": {"xmag": 1}}), "cameras[0].orthographic: missing key `ymag`"),
+        (
+            json!({"type": "orthographic", "orthographic": {"xmag": -1, "ymag": 1}}),
+            "cameras[0].orthographic.xmag: -1 is no half of what an image spans",
+        ),
+        (
+            json!({"type": "perspective", "perspective": {"yfov": 1, "aspectRatio": 0}}),
+            "cameras[0].perspective.aspectRatio: 0 is no ratio of width and height",
+        ),
+        (json!({"type": "fisheye"}), "cameras[0].type: 'fisheye' is not supported"),
+    ] {
+        let mut file = File::triangle();
+        file.root["cameras"] = json!([camera]);
+        file.root["nodes"] = json!([{"mesh": 0, "children": [1]}, {"camera": 0}]);
+        let error = file.load().unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
     }
     // Without a camera, all of the scene is seen: every corner is within the angle around the middle.
     for translation in [json!([0, 0, 0]), json!([1000, -2000, 50])] {

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use etendue::ErrorKind;
 use etendue::desc::{
-    self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, Dialect, FilterDesc, FovAxis, IntegratorDesc, KernelDesc,
-    MediumDesc, PhotonDesc, PhotonSharing, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc,
+    self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, Dialect, FilterDesc, FocusDesc, FovAxis, IntegratorDesc,
+    KernelDesc, LensDesc, MediumDesc, PhotonDesc, PhotonSharing, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc,
+    ShapeDesc,
 };
 use etendue::math::{DAffine3, DVec3};
 use etendue::spectrum::Rgb;
@@ -74,6 +75,39 @@ fn cameras_are_read_with_every_key() {
     let plane = CameraDesc::ViewPlane { centre: origin, look_at, up, fov_deg };
     assert_eq!(camera(r#", "type": "view-plane""#), plane);
     assert_eq!(parse(&format!("{{\"camera\": {{{keys}}}}}")).camera, plane, "the report's dialect");
+}
+
+#[test]
+fn lenses_and_parallel_rays_are_read_with_every_key() {
+    let keys = r#""origin": [1, 2, 3], "lookAt": [4, 5, 6.5], "up": [0, 0, 2]"#;
+    let camera = |more: &str| parse(&format!("{{\"etendue\": 1, \"camera\": {{{keys}, {more}}}}}")).camera;
+    let (eye, look_at, up) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.5), DVec3::new(0.0, 0.0, 2.0));
+    for (more, lens) in [
+        (r#""lensRadius": 0.25"#, LensDesc::new(0.25)),
+        (r#""lensRadius": 0"#, LensDesc::new(0.0)),
+        (r#""fStop": 2.5, "focalLength": 0.05, "focusAt": null"#, LensDesc::new(0.01)),
+        (
+            r#""lensRadius": 0.25, "focusDistance": 3.5, "blades": 6.0, "squeeze": 2"#,
+            LensDesc { focus: FocusDesc::Distance(3.5), blades: 6, squeeze: 2.0, ..LensDesc::new(0.25) },
+        ),
+        (
+            r#""lensRadius": 0.25, "focusAt": [4, 4, 4], "blades": 32, "bladeRotation": -30"#,
+            LensDesc {
+                focus: FocusDesc::Point(DVec3::splat(4.0)),
+                blades: 32,
+                blade_rotation_deg: -30.0,
+                ..LensDesc::new(0.25)
+            },
+        ),
+    ] {
+        let fov_axis = FovAxis::Vertical;
+        let expected = CameraDesc::ThinLens { eye, look_at, up, fov_deg: 35.0, fov_axis, lens };
+        assert_eq!(camera(&format!(r#"{more}, "fieldOfView": 35, "fieldOfViewAxis": "vertical""#)), expected);
+    }
+    for (more, axis) in [(r#""width": 4.5"#, FovAxis::Horizontal), (r#""height": 4.5"#, FovAxis::Vertical)] {
+        let expected = CameraDesc::Orthographic { eye, look_at, up, size: 4.5, axis };
+        assert_eq!(camera(&format!(r#""type": "orthographic", {more}"#)), expected);
+    }
 }
 
 #[test]

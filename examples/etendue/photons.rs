@@ -31,7 +31,7 @@ pub fn photons(args: &PhotonsArgs) -> Result<u8, Failure> {
         seed: args.seed.unwrap_or(description.render.seed),
         ..description.render
     };
-    let camera = camera(args, description.camera);
+    let camera = camera(args, description.camera)?;
     let size = size_of::<Photon>();
     let job = PhotonJob {
         kind: match args.map {
@@ -100,15 +100,25 @@ fn check_outputs(paths: &[PathBuf]) -> Result<(), Failure> {
 }
 
 /// The scene's camera with the changes of the command line.
-fn camera(args: &PhotonsArgs, camera: CameraDesc) -> CameraDesc {
+fn camera(args: &PhotonsArgs, camera: CameraDesc) -> Result<CameraDesc, Failure> {
     let mut camera = camera;
-    let (CameraDesc::Perspective { eye: origin, look_at, up, fov_deg, .. }
-    | CameraDesc::ViewPlane { centre: origin, look_at, up, fov_deg }) = &mut camera;
+    let [origin, look_at, up] = camera.view_mut();
     *origin = args.origin.unwrap_or(*origin);
     *look_at = args.look_at.unwrap_or(*look_at);
     *up = args.up.unwrap_or(*up);
-    *fov_deg = args.field_of_view.unwrap_or(*fov_deg);
-    camera
+    if let Some(wanted) = args.field_of_view {
+        match &mut camera {
+            CameraDesc::Perspective { fov_deg, .. }
+            | CameraDesc::ThinLens { fov_deg, .. }
+            | CameraDesc::ViewPlane { fov_deg, .. } => *fov_deg = wanted,
+            CameraDesc::Orthographic { .. } => {
+                return Err(Failure::usage(
+                    "--field-of-view: the rays of the scene's orthographic camera are parallel",
+                ));
+            }
+        }
+    }
+    Ok(camera)
 }
 
 fn write(

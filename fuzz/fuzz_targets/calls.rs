@@ -16,7 +16,8 @@ use libfuzzer_sys::fuzz_target;
 #[derive(Arbitrary, Debug)]
 enum Call {
     Camera { projection: u8, axis: u8, origin: [f64; 3], look_at: [f64; 3], up: [f64; 3], fov: f64 },
-    SaneCamera { origin: [i8; 3] },
+    Lens { projection: u8, focus: u8, blades: u8, numbers: [f64; 4], point: [f64; 3] },
+    SaneCamera { origin: [i8; 3], lens: [u8; 4], is_parallel: bool },
     AddMaterial { bsdf: u8, color: [f32; 3], numbers: [f32; 5], name: Option<u8> },
     SaneMaterial { bsdf: u8, color: [u8; 3] },
     SetMaterial { material: u8, bsdf: u8, color: [f32; 3], numbers: [f32; 5] },
@@ -269,9 +270,39 @@ impl World {
                     };
                     fine(etd_scene_set_camera(scene, &raw const camera));
                 }
-                Call::SaneCamera { origin } => {
+                Call::Lens { projection, focus, blades, numbers, point } => {
+                    let camera = etd_camera {
+                        projection: u32::from(projection),
+                        look_at: [0.0, 0.0, -1.0],
+                        up: [0.0, 1.0, 0.0],
+                        fov_deg: 70.0,
+                        size: if projection == 2 { numbers[0] } else { 0.0 },
+                        lens_radius: numbers[0],
+                        focus: u32::from(focus),
+                        blades: u32::from(blades),
+                        focus_distance: numbers[1],
+                        focus_at: point,
+                        blade_rotation_deg: numbers[2],
+                        squeeze: numbers[3],
+                        ..sized()
+                    };
+                    fine(etd_scene_set_camera(scene, &raw const camera));
+                }
+                Call::SaneCamera { origin, lens: [radius, distance, blades, turn], is_parallel } => {
                     let origin = origin.map(|n| f64::from(n) / 8.0 + 0.1);
-                    let camera = etd_camera { origin, up: [0.0, 1.0, 0.3], fov_deg: 70.0, ..sized() };
+                    let seen = etd_camera { origin, up: [0.0, 1.0, 0.3], fov_deg: 70.0, ..sized() };
+                    let camera = if is_parallel {
+                        etd_camera { projection: 2, size: f64::from(radius) + 0.5, ..seen }
+                    } else {
+                        etd_camera {
+                            lens_radius: f64::from(radius) / 64.0,
+                            focus: 1,
+                            focus_distance: f64::from(distance) / 16.0 + 0.1,
+                            blades: if blades < 3 { 0 } else { u32::from(blades).min(32) },
+                            blade_rotation_deg: f64::from(turn),
+                            ..seen
+                        }
+                    };
                     fine(etd_scene_set_camera(scene, &raw const camera));
                 }
                 Call::AddMaterial { bsdf, color, numbers, name } => {

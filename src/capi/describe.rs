@@ -7,17 +7,18 @@
 use std::ffi::c_char;
 
 use super::boundary::{array, need, on, optional_text, write_sized};
-use super::read;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
 use super::types::{etd_camera, etd_material};
+use super::{camera, read};
 use crate::desc::MaterialDesc;
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 
 /// Replaces the camera.
 ///
-/// Errors: `ETD_INVALID_SCENE` if view direction, up vector and angle of view do not define an image. Thread-safe.
+/// Errors: `ETD_INVALID_SCENE` if view direction, up vector and angle or width of view do not define an image, or for a lens that
+/// is none; `ETD_INVALID_ARGUMENT` for a field that the projection does not have. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -26,7 +27,7 @@ pub unsafe extern "C" fn etd_scene_set_camera(scene: *mut etd_scene, camera: *co
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            let camera = read::camera(camera)?;
+            let camera = camera::camera(camera)?;
             scene.edit(|desc| desc.set_camera(camera))
         })
     }
@@ -39,7 +40,7 @@ pub unsafe extern "C" fn etd_scene_set_camera(scene: *mut etd_scene, camera: *co
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn etd_scene_get_camera(scene: *const etd_scene, out_camera: *mut etd_camera) -> etd_status {
     // SAFETY: the caller keeps this function's contract.
-    unsafe { on(scene, |scene| write_sized(out_camera, "out_camera", read::camera_out(&scene.desc().camera))) }
+    unsafe { on(scene, |scene| write_sized(out_camera, "out_camera", camera::camera_out(&scene.desc().camera))) }
 }
 
 /// Adds a material.

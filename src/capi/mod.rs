@@ -13,6 +13,7 @@
 
 mod bake;
 mod boundary;
+mod camera;
 mod describe;
 mod device;
 mod environment;

@@ -6,8 +6,8 @@ use super::status::{Failure, Result};
 use super::types::*;
 use crate::Error;
 use crate::desc::{
-    BsdfDesc, CacheDesc, CacheSource, CameraDesc, FilterDesc, FovAxis, IntegratorDesc, KernelDesc, MaterialDesc,
-    MediumDesc, PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
+    BsdfDesc, CacheDesc, CacheSource, FilterDesc, IntegratorDesc, KernelDesc, MaterialDesc, MediumDesc, PhotonDesc,
+    PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
 };
 use crate::film::ErrorMeasure;
 use crate::math::{DAffine3, DMat3, DVec3};
@@ -30,52 +30,6 @@ pub(super) fn flag(name: &str, number: u32) -> Result<bool> {
         0 => Ok(false),
         1 => Ok(true),
         _ => Err(Failure::argument(format!("{name} is {number}, expected 0 or 1"))),
-    }
-}
-
-/// # Safety
-/// The contract of [`read_sized`].
-pub(super) unsafe fn camera(pointer: *const etd_camera) -> Result<CameraDesc> {
-    // SAFETY: the caller keeps this function's contract.
-    let it = unsafe { read_sized(pointer, "camera") }?;
-    let [origin, look_at, up] = [it.origin, it.look_at, it.up].map(DVec3::from_array);
-    let fov_axis = match enumeration("camera.fov_axis", it.fov_axis)? {
-        ETD_FOV_HORIZONTAL => FovAxis::Horizontal,
-        ETD_FOV_VERTICAL => FovAxis::Vertical,
-    };
-    match enumeration("camera.projection", it.projection)? {
-        ETD_CAMERA_PERSPECTIVE => {
-            Ok(CameraDesc::Perspective { eye: origin, look_at, up, fov_deg: it.fov_deg, fov_axis })
-        }
-        ETD_CAMERA_VIEW_PLANE if fov_axis == FovAxis::Vertical => {
-            Err(Failure::argument("camera.fov_axis: a view-plane camera's field of view is horizontal"))
-        }
-        ETD_CAMERA_VIEW_PLANE => Ok(CameraDesc::ViewPlane { centre: origin, look_at, up, fov_deg: it.fov_deg }),
-    }
-}
-
-/// Converts a camera to the host's structure.
-pub(super) fn camera_out(camera: &CameraDesc) -> etd_camera {
-    let (projection, origin, look_at, up, fov_deg, axis) = match *camera {
-        CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis } => {
-            (ETD_CAMERA_PERSPECTIVE, eye, look_at, up, fov_deg, fov_axis)
-        }
-        CameraDesc::ViewPlane { centre, look_at, up, fov_deg } => {
-            (ETD_CAMERA_VIEW_PLANE, centre, look_at, up, fov_deg, FovAxis::Horizontal)
-        }
-    };
-    let fov_axis = match axis {
-        FovAxis::Horizontal => ETD_FOV_HORIZONTAL,
-        FovAxis::Vertical => ETD_FOV_VERTICAL,
-    };
-    etd_camera {
-        struct_size: size_of::<etd_camera>(),
-        projection: projection.number(),
-        fov_axis: fov_axis.number(),
-        origin: origin.to_array(),
-        look_at: look_at.to_array(),
-        up: up.to_array(),
-        fov_deg,
     }
 }
 

@@ -12,6 +12,44 @@ pub enum FovAxis {
     Vertical,
 }
 
+/// Where a lens is in focus: a plane across the view direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum FocusDesc {
+    /// The plane through the point that the camera looks at.
+    #[default]
+    LookAt,
+    /// The plane at this distance from the eye along the view direction, in scene units, above 0.
+    Distance(f64),
+    /// The plane through this point, which is in front of the camera.
+    Point(DVec3),
+}
+
+/// A thin lens: what is off its plane of focus is blurred.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LensDesc {
+    /// Radius of the aperture in scene units, 0 or more. 0 is a pinhole.
+    pub radius: f64,
+    /// Where things are sharp.
+    pub focus: FocusDesc,
+    /// Number of sides of the aperture, a regular polygon that is inscribed in the circle of `radius`: 3 to
+    /// [`MAX_BLADES`]. 0 is the whole disk.
+    pub blades: u32,
+    /// Degrees by which the polygon is turned counter-clockwise in the image. At 0, one of its vertices is at the right.
+    pub blade_rotation_deg: f64,
+    /// Number by which the aperture's width is divided, after it is turned. Above 1, the aperture is taller than wide.
+    pub squeeze: f64,
+}
+
+/// Greatest number of blades of an aperture; with more, it could not be told from a disk.
+pub const MAX_BLADES: u32 = 32;
+
+impl LensDesc {
+    /// A round lens that is in focus at the point that the camera looks at.
+    pub fn new(radius: f64) -> Self {
+        Self { radius, focus: FocusDesc::LookAt, blades: 0, blade_rotation_deg: 0.0, squeeze: 1.0 }
+    }
+}
+
 /// A camera. Lengths are in scene units, the frame is right-handed, and angles are in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CameraDesc {
@@ -28,6 +66,36 @@ pub enum CameraDesc {
         /// The side that `fov_deg` spans.
         fov_axis: FovAxis,
     },
+    /// A thin lens around `eye`, whose other fields are those of a pinhole. The lens does not change where things are in
+    /// the image.
+    ThinLens {
+        /// The middle of the lens.
+        eye: DVec3,
+        /// A point that is seen in the middle of the image.
+        look_at: DVec3,
+        /// The direction that is up in the image. It has any length and is not parallel to the view direction.
+        up: DVec3,
+        /// Full angle across `fov_axis` in degrees, in (0, 180).
+        fov_deg: f64,
+        /// The side that `fov_deg` spans.
+        fov_axis: FovAxis,
+        /// Aperture and focus.
+        lens: LensDesc,
+    },
+    /// Parallel rays, which start on the plane through `eye` across the view direction. What is behind the plane is not
+    /// seen.
+    Orthographic {
+        /// The middle of the image on the plane.
+        eye: DVec3,
+        /// A point that is seen in the middle of the image.
+        look_at: DVec3,
+        /// The direction that is up in the image. It has any length and is not parallel to the view direction.
+        up: DVec3,
+        /// What the image spans across `axis`, in scene units, above 0.
+        size: f64,
+        /// The side that `size` spans.
+        axis: FovAxis,
+    },
     /// The report's camera: a view plane with the eye behind it. Surfaces between the eye and the plane are not seen.
     ///
     /// With w = normalize(look_at - centre), u = w x up (not normalised) and aspect A, the plane is |u| sqrt(A) wide
@@ -42,6 +110,34 @@ pub enum CameraDesc {
         /// Full horizontal angle in degrees, in (0, 180).
         fov_deg: f64,
     },
+}
+
+impl CameraDesc {
+    /// The position (of a view plane, its centre), the point that is looked at, and the direction that is up.
+    pub fn view(&self) -> [DVec3; 3] {
+        let mut camera = *self;
+        camera.view_mut().map(|vector| *vector)
+    }
+
+    /// The vectors of [`Self::view`], to be changed.
+    pub fn view_mut(&mut self) -> [&mut DVec3; 3] {
+        match self {
+            Self::Perspective { eye, look_at, up, .. }
+            | Self::ThinLens { eye, look_at, up, .. }
+            | Self::Orthographic { eye, look_at, up, .. }
+            | Self::ViewPlane { centre: eye, look_at, up, .. } => [eye, look_at, up],
+        }
+    }
+
+    /// The angle of view in degrees; `None` for parallel rays.
+    pub fn fov_deg(&self) -> Option<f64> {
+        match *self {
+            Self::Perspective { fov_deg, .. } | Self::ThinLens { fov_deg, .. } | Self::ViewPlane { fov_deg, .. } => {
+                Some(fov_deg)
+            }
+            Self::Orthographic { .. } => None,
+        }
+    }
 }
 
 impl Default for CameraDesc {

@@ -15,8 +15,8 @@ use super::mesh_files::{self, Part, Parts};
 use super::texture_check;
 use super::warnings::warn;
 use super::{
-    BsdfDesc, CameraDesc, MaterialDesc, MediumDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, material_check,
-    validate,
+    BsdfDesc, CameraDesc, MaterialDesc, MediumDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc, camera_check,
+    material_check, validate,
 };
 use crate::control::{Cancel, WorkProgress};
 use crate::math::{Bounds, DAffine3, DVec3};
@@ -45,10 +45,11 @@ impl SceneDesc {
     /// Sets the camera.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] at `camera.origin`, `camera.lookAt`, `camera.up` or `camera.fieldOfView` for
-    /// a number out of range, or for three vectors that give no frame.
+    /// [`crate::ErrorKind::InvalidScene`] at `camera.origin`, `camera.lookAt`, `camera.up`, `camera.fieldOfView`, `camera.width`
+    /// or `camera.height` for a number out of range, or for three vectors that give no frame; at `camera.lensRadius`,
+    /// `camera.focusDistance`, `camera.focusAt`, `camera.blades`, `camera.bladeRotation` or `camera.squeeze` for a lens that is none.
     pub fn set_camera(&mut self, camera: CameraDesc) -> Result<()> {
-        self.camera = validate::camera("camera", camera)?;
+        self.camera = camera_check::camera("camera", camera)?;
         Ok(())
     }
 

@@ -13,7 +13,9 @@ use serde_json::value::RawValue;
 
 use super::builder::Builder;
 use super::json::{self, Scale, did_you_mean, join};
-use super::{BsdfDesc, CameraDesc, Dialect, MaterialDesc, SceneDesc, ShapeDesc, SurfaceLook, transform, validate};
+use super::{
+    BsdfDesc, CameraDesc, Dialect, MaterialDesc, SceneDesc, ShapeDesc, SurfaceLook, camera_check, transform, validate,
+};
 use crate::control::WorkProgress;
 use crate::math::DVec3;
 use crate::{Error, Result};
@@ -135,7 +137,7 @@ fn camera(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<Camer
     let look_at = camera.look_at.map_or(DVec3::NEG_Z, DVec3::from_array);
     let up = camera.up.map_or(DVec3::Y, DVec3::from_array);
     let fov_deg = camera.field_of_view.unwrap_or(90.0);
-    validate::camera(path, CameraDesc::ViewPlane { centre, look_at, up, fov_deg })
+    camera_check::camera(path, CameraDesc::ViewPlane { centre, look_at, up, fov_deg })
 }
 
 fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {

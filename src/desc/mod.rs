@@ -42,6 +42,8 @@
 
 mod builder;
 mod camera;
+mod camera_check;
+mod camera_keys;
 mod distant;
 mod edit;
 mod edit_textures;
@@ -91,7 +93,7 @@ mod transform;
 mod validate;
 mod warnings;
 
-pub use camera::{CameraDesc, FovAxis};
+pub use camera::{CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES};
 pub use distant::DistantLightDesc;
 pub use edit::SurfaceLook;
 pub use environment::{EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, SkyDesc, SkyProjection};

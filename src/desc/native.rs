@@ -1,4 +1,4 @@
-//! Reads the native scene format, `"etendue": 1`: its top level, camera and lights. Writes camera and lights.
+//! Reads the native scene format, `"etendue": 1`: its top level and lights. Writes lights.
 //!
 //! `docs/scene-format.md` describes every key. The reader first reads the tag (`type`, `geometry`) of each element and
 //! then the element itself, into a plain structure that refuses unknown keys, so every error has an exact path.
@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::builder::Builder;
-use super::json::{self, join};
+use super::json;
 use super::{
-    CameraDesc, Dialect, FovAxis, PointLightDesc, RenderDesc, SceneDesc, material_keys, numbers, render_keys, save,
-    sky_keys, surface, texture_keys, validate,
+    Dialect, PointLightDesc, RenderDesc, SceneDesc, camera_keys, material_keys, numbers, render_keys, save, sky_keys,
+    surface, texture_keys, validate,
 };
 use crate::control::WorkProgress;
 use crate::math::DVec3;
@@ -42,51 +42,6 @@ struct Top<'a> {
     meshes: Option<&'a RawValue>,
     #[serde(borrow)]
     surfaces: Option<&'a RawValue>,
-}
-
-/// Which kind of camera; a pinhole unless it says otherwise.
-#[derive(Clone, Copy, Default, Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-enum CameraType {
-    /// A pinhole at `origin`.
-    #[default]
-    Perspective,
-    /// The report's camera: `origin` is the centre of the view plane, the eye is behind it.
-    ViewPlane,
-}
-
-/// The side of the image that `fieldOfView` spans.
-#[derive(Clone, Copy, Default, Deserialize, Serialize, PartialEq, Eq)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-enum Axis {
-    /// The width.
-    #[default]
-    Horizontal,
-    /// The height.
-    Vertical,
-}
-
-/// Where the scene is seen from.
-#[derive(Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, rename_all = "camelCase")]
-pub(super) struct Camera {
-    /// `perspective` (default) or `view-plane`.
-    #[serde(default, deserialize_with = "json::name")]
-    r#type: Option<CameraType>,
-    /// The eye; with `view-plane` the centre of the view plane. Default [0, 0, 0].
-    origin: Option<[f64; 3]>,
-    /// A point in the middle of the image. Default [0, 0, -1].
-    look_at: Option<[f64; 3]>,
-    /// Upwards in the image. Default [0, 1, 0].
-    up: Option<[f64; 3]>,
-    /// Full angle of view across `fieldOfViewAxis`, degrees, between 0 and 180. Default 90.
-    field_of_view: Option<f64>,
-    /// `horizontal` (default) or `vertical`.
-    #[serde(default, deserialize_with = "json::name")]
-    field_of_view_axis: Option<Axis>,
 }
 
 /// A light that shines from a point, the same in all directions.
@@ -149,7 +104,7 @@ pub(super) fn read(
 ) -> Result<SceneDesc> {
     let top: Top<'_> = json::object(document, "")?;
     let mut builder = Builder::new(Dialect::Native, base_dir, file, work);
-    builder.scene.camera = camera(top.camera, "camera")?;
+    builder.scene.camera = camera_keys::read(top.camera, "camera")?;
     if let Some(raw) = top.render {
         builder.scene.render = render_keys::read(raw, "render", &RenderDesc::default())?;
     }
@@ -160,51 +115,6 @@ pub(super) fn read(
     json::each(top.lights, "lights", |path, raw| light(raw, path, &mut builder))?;
     json::each(top.surfaces, "surfaces", |path, raw| surface::read(raw, path, &mut builder))?;
     Ok(builder.scene)
-}
-
-fn camera(raw: &RawValue, path: &str) -> Result<CameraDesc> {
-    let camera: Camera = json::object(raw, path)?;
-    let centre = DVec3::from_array(camera.origin.unwrap_or_default());
-    let look_at = camera.look_at.map_or(DVec3::NEG_Z, DVec3::from_array);
-    let up = camera.up.map_or(DVec3::Y, DVec3::from_array);
-    let fov_deg = camera.field_of_view.unwrap_or(90.0);
-    let fov_axis = match camera.field_of_view_axis.unwrap_or_default() {
-        Axis::Horizontal => FovAxis::Horizontal,
-        Axis::Vertical => FovAxis::Vertical,
-    };
-    match camera.r#type.unwrap_or_default() {
-        CameraType::Perspective => {
-            validate::camera(path, CameraDesc::Perspective { eye: centre, look_at, up, fov_deg, fov_axis })
-        }
-        CameraType::ViewPlane => {
-            let camera = validate::camera(path, CameraDesc::ViewPlane { centre, look_at, up, fov_deg })?;
-            if fov_axis == FovAxis::Vertical {
-                let message = "a view-plane camera's field of view is horizontal";
-                return Err(Error::invalid(join(path, "fieldOfViewAxis"), message));
-            }
-            Ok(camera)
-        }
-    }
-}
-
-/// Writes a camera, whose numbers have been checked.
-pub(super) fn write_camera(camera: &CameraDesc) -> Result<Box<RawValue>> {
-    let (kind, origin, look_at, up, fov_deg, fov_axis) = match *camera {
-        CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis } => {
-            (CameraType::Perspective, eye, look_at, up, fov_deg, fov_axis)
-        }
-        CameraDesc::ViewPlane { centre, look_at, up, fov_deg } => {
-            (CameraType::ViewPlane, centre, look_at, up, fov_deg, FovAxis::Horizontal)
-        }
-    };
-    save::raw(&Camera {
-        r#type: Some(kind),
-        origin: Some(origin.to_array()),
-        look_at: Some(look_at.to_array()),
-        up: Some(up.to_array()),
-        field_of_view: Some(fov_deg),
-        field_of_view_axis: (fov_axis == FovAxis::Vertical).then_some(Axis::Vertical),
-    })
 }
 
 /// Writes a point light, whose numbers have been checked.

@@ -4,7 +4,7 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 
-use super::{material_keys, native, render_block, sky_keys, surface, texture_keys};
+use super::{camera_keys, material_keys, native, render_block, sky_keys, surface, texture_keys};
 
 /// A scene in Étendue's native format, version 1.
 #[derive(JsonSchema)]
@@ -20,7 +20,7 @@ struct Scene<'a> {
     /// For people; ignored.
     description: Option<String>,
     /// Where the scene is seen from.
-    camera: native::Camera,
+    camera: camera_keys::Camera,
     /// How to render.
     render: Option<render_block::Render<'a>>,
     /// Lights. Surfaces with an emission are lights too.

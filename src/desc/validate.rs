@@ -1,9 +1,7 @@
 //! Checks of single values: their physical meaning, and that single precision can hold them.
 
 use super::json::{Whole, elided, join};
-use super::{
-    CameraDesc, EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, MaterialDesc, MeshDesc, PointLightDesc, ShapeDesc,
-};
+use super::{EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, MaterialDesc, MeshDesc, PointLightDesc, ShapeDesc};
 use crate::emitter::SkyFormula;
 use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
 use crate::spectrum::Rgb;
@@ -11,9 +9,6 @@ use crate::{Error, ErrorKind, Result};
 
 const F32_MAX: f64 = f32::MAX as f64;
 const F32_MIN: f64 = f32::MIN_POSITIVE as f64;
-
-/// Sine of the smallest angle at which two directions count as different.
-const PARALLEL: f64 = 1e-7;
 
 /// Greatest distance of a quad's fourth vertex from the plane of the other three, relative to the longest diagonal.
 pub(super) const QUAD_FLATNESS: f64 = 1e-4;
@@ -162,32 +157,6 @@ pub(super) fn resolution(path: &str, value: [Whole; 2]) -> Result<[u32; 2]> {
         return Err(Error::invalid(path, message));
     }
     Ok([width, height])
-}
-
-/// Checks that a camera's position, view direction and up vector give a frame, and that a pinhole can span its angle.
-pub(super) fn camera(path: &str, camera: CameraDesc) -> Result<CameraDesc> {
-    let (CameraDesc::Perspective { eye: origin, look_at, up, fov_deg, .. }
-    | CameraDesc::ViewPlane { centre: origin, look_at, up, fov_deg }) = camera;
-    let at = |key: &str| join(path, key);
-    vector(&at("origin"), origin)?;
-    vector(&at("lookAt"), look_at)?;
-    vector(&at("up"), up)?;
-    if !(fov_deg > 0.0 && fov_deg < 180.0) {
-        let message = format!("{fov_deg} degrees are out of range, expected an angle between 0 and 180");
-        return Err(Error::invalid(at("fieldOfView"), message));
-    }
-    let view = look_at - origin;
-    let Some(w) = (view / view.abs().max_element()).try_normalize() else {
-        return Err(Error::invalid(at("lookAt"), format!("{look_at} is the camera's origin, expected another point")));
-    };
-    let Some(up) = (up / up.abs().max_element()).try_normalize() else {
-        return Err(Error::invalid(at("up"), "the vector is zero, expected the direction that is up in the image"));
-    };
-    if w.cross(up).length() < PARALLEL {
-        let message = format!("the vector is parallel to the view direction {w}, expected another direction");
-        return Err(Error::invalid(at("up"), message));
-    }
-    Ok(camera)
 }
 
 /// Makes a point light of radiant intensity `color` times `factor`.

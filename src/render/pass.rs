@@ -192,6 +192,13 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
             let [x, y] = job.pixel;
             sample.ray = pass.input.camera.ray(x as f32 + 0.5 + job.offset[0], y as f32 + 0.5 + job.offset[1]);
         }
+        if pass.input.camera.has_lens() {
+            // The point on the lens is the next two dimensions after the film position, so that both are stratified together.
+            for (job, sample) in jobs.iter().zip(samples.iter_mut()) {
+                let [x, y] = [0, 1].map(|axis| job.pixel[axis] as f32 + 0.5 + job.offset[axis]);
+                sample.ray = pass.input.camera.ray_through_lens(x, y, sample.sampler.next_2d());
+            }
+        }
         if pass.input.scene.asks_footprints() {
             for (job, sample) in jobs.iter().zip(samples.iter_mut()) {
                 let [x, y] = job.pixel;

@@ -3,7 +3,7 @@
 //! Solid angles in steradians; z is the axis. All are continuous and keep stratification; densities are constant where
 //! not stated otherwise.
 
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, TAU};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_4, PI, TAU};
 use std::hint::select_unpredictable;
 
 use crate::math::Vec3;
@@ -44,6 +44,30 @@ fn sin_cos_eighth(angle: f32) -> (f32, f32) {
 pub fn uniform_disk(u: [f32; 2]) -> [f32; 2] {
     let (radius, cos, sin) = concentric(u);
     [radius * cos, radius * sin]
+}
+
+/// Uniform point on the regular polygon of `sides` sides (3 or more, a whole number) that is inscribed in the unit circle, with a
+/// vertex at (1, 0). The density per unit area is one over the polygon's area, sides / 2 sin(2 pi / sides).
+///
+/// The concentric map gives a radius and an angle, uniform on the disk. Within the angle of a side, the same radius and an
+/// even step along the side for each step of the angle are uniform in the triangle of the side and the centre, because
+/// the area between two such steps is in proportion to the radius, as it is in the disk. The map is continuous and
+/// folds nothing, so that it keeps points that are spread well spread well.
+#[inline]
+pub fn uniform_polygon(u: [f32; 2], sides: f32) -> [f32; 2] {
+    let (x, y) = (2.0 * u[0] - 1.0, 2.0 * u[1] - 1.0);
+    let is_wide = x.abs() > y.abs();
+    let (radius, other) = if is_wide { (x, y) } else { (y, x) };
+    let eighth = 0.125 * other / if radius == 0.0 { 1.0 } else { radius };
+    // In turns from the first axis; a negative radius is half a turn further.
+    let turn = if is_wide { eighth } else { 0.25 - eighth } + if radius < 0.0 { 0.5 } else { 0.0 };
+    let along = turn * sides;
+    let side = along.floor();
+    // The point on the side, seen from its middle direction: the half side is sin(pi / sides) long and cos(pi / sides) away.
+    let (half, away) = (PI / sides).sin_cos();
+    let (far, left) = (radius.abs() * away, radius.abs() * half * (2.0 * (along - side) - 1.0));
+    let (sin, cos) = (TAU / sides * (side + 0.5)).sin_cos();
+    [far * cos - left * sin, far * sin + left * cos]
 }
 
 /// Density of [`uniform_disk`] per unit area.

@@ -19,10 +19,8 @@ const GRID: u32 = 8;
 
 /// The position of the camera.
 fn eye(camera: &CameraDesc) -> DVec3 {
-    match *camera {
-        CameraDesc::Perspective { eye, .. } => eye,
-        CameraDesc::ViewPlane { centre, .. } => centre,
-    }
+    let [eye, ..] = camera.view();
+    eye
 }
 
 /// Returns the world position of the scene frame's origin: the camera, or the point of the scene's box nearest to the
@@ -41,6 +39,10 @@ pub(super) fn still_serves(scene: &Scene, camera: &CameraDesc) -> bool {
     let off = origin(camera, &scene.info().bounds).distance(scene.centre());
     if off == 0.0 {
         return true;
+    }
+    // Pixels of parallel rays are equally wide at all distances: the width of the image stands for the distance of the surfaces.
+    if let CameraDesc::Orthographic { size, .. } = *camera {
+        return off <= KEPT * size;
     }
     let reach = (off / KEPT) as f32;
     let eye = scene.to_scene(eye(camera));

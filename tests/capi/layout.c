@@ -62,6 +62,11 @@ static void enumerations(void) {
     ENUM(etd_camera_type);
     VALUE(ETD_CAMERA_PERSPECTIVE);
     VALUE(ETD_CAMERA_VIEW_PLANE);
+    VALUE(ETD_CAMERA_ORTHOGRAPHIC);
+    ENUM(etd_focus);
+    VALUE(ETD_FOCUS_LOOK_AT);
+    VALUE(ETD_FOCUS_DISTANCE);
+    VALUE(ETD_FOCUS_POINT);
     ENUM(etd_fov_axis);
     VALUE(ETD_FOV_HORIZONTAL);
     VALUE(ETD_FOV_VERTICAL);
@@ -329,6 +334,14 @@ static void structures(void) {
     FIELD(etd_camera, look_at);
     FIELD(etd_camera, up);
     FIELD(etd_camera, fov_deg);
+    FIELD(etd_camera, size);
+    FIELD(etd_camera, lens_radius);
+    FIELD(etd_camera, focus);
+    FIELD(etd_camera, blades);
+    FIELD(etd_camera, focus_distance);
+    FIELD(etd_camera, focus_at);
+    FIELD(etd_camera, blade_rotation_deg);
+    FIELD(etd_camera, squeeze);
     STRUCT(etd_material);
     FIELD(etd_material, struct_size);
     FIELD(etd_material, bsdf);

@@ -871,6 +871,7 @@ int main(int count, char **arguments) {
     pass_null();
     pass_wrong_handles();
     misuse_values();
+    misuse_cameras();
     misuse_photons();
     misuse_bake(quick);
     etd_atlas_release(atlas);

@@ -18,6 +18,9 @@ void misuse_values(void);
 /* Settings of photon maps and caches. */
 void misuse_photons(void);
 
+/* Cameras and lenses, in misuse_cameras.c. */
+void misuse_cameras(void);
+
 /* Texels along a side of the atlas. */
 #define MISUSE_SIDE 96
 

@@ -278,6 +278,7 @@ static etd_status e_usage(uint32_t value) {
 static etd_status e_camera_type(uint32_t value) {
     etd_camera camera = ETD_CAMERA_INIT;
     camera.projection = value;
+    camera.size = value == ETD_CAMERA_ORTHOGRAPHIC ? 4 : 0;
     return etd_scene_set_camera(scene, &camera);
 }
 static etd_status e_fov_axis(uint32_t value) {
@@ -439,7 +440,7 @@ static void pass_wrong_enumerations(void) {
         uint32_t last;
     } cases[] = {
         {"usage", e_usage, ETD_USAGE_DYNAMIC},
-        {"camera_type", e_camera_type, ETD_CAMERA_VIEW_PLANE},
+        {"camera_type", e_camera_type, ETD_CAMERA_ORTHOGRAPHIC},
         {"fov_axis", e_fov_axis, ETD_FOV_VERTICAL},
         {"bsdf", e_bsdf, ETD_BSDF_TWO_SIDED},
         {"distribution", e_distribution, ETD_DISTRIBUTION_BECKMANN},

@@ -207,6 +207,98 @@ fn cameras(l: &mut List) {
         "{\"type\": \"view-plane\",\n@\"fieldOfViewAxis\": \"vertical\"}",
         "camera.fieldOfViewAxis: a view-plane camera's field of view is horizontal",
     );
+    for (name, keys, expected) in [
+        ("negative lens", "@\"lensRadius\": -0.5", "lensRadius: -0.5 is negative, expected a radius > 0"),
+        ("lens beyond single precision", "@\"lensRadius\": 1e39", "lensRadius: 1e39 is beyond single precision"),
+        ("lens by a string", "@\"lensRadius\": \"1\"", "lensRadius: invalid type: string \"1\""),
+        ("stop alone", "@\"fStop\": 2", "fStop: says nothing of a size by itself, expected `focalLength` with it"),
+        ("focal length alone", "@\"focalLength\": 0.05", "focalLength: gives the size of the lens only with `fStop`"),
+        ("stop of 0", "@\"fStop\": 0, \"focalLength\": 1", "fStop: 0 is not above 0"),
+        ("negative focal length", "\"fStop\": 2,\n@\"focalLength\": -1", "focalLength: -1 is not above 0"),
+        (
+            "radius and stop",
+            "\"lensRadius\": 1,\n@\"fStop\": 2",
+            "fStop: the size of the lens is given by `lensRadius`",
+        ),
+        (
+            "radius and focal length",
+            "\"lensRadius\": 1,\n@\"focalLength\": 2",
+            "focalLength: the size of the lens is given by `lensRadius`",
+        ),
+        ("focus of a pinhole", "@\"focusDistance\": 2", "focusDistance: a pinhole has no aperture"),
+        ("blades of a pinhole", "@\"blades\": 6", "blades: a pinhole has no aperture"),
+        ("focus at 0", "\"lensRadius\": 1,\n@\"focusDistance\": 0", "focusDistance: 0 is not above 0"),
+        ("focus behind", "\"lensRadius\": 1,\n@\"focusDistance\": -2", "focusDistance: -2 is not above 0"),
+        (
+            "focus at a point behind",
+            "\"lensRadius\": 1,\n@\"focusAt\": [0, 3, 2]",
+            "focusAt: [0, 3, 2] is -2 from the camera along the view direction, expected a point in front of it",
+        ),
+        (
+            "focus beside",
+            "\"lensRadius\": 1,\n@\"focusAt\": [3, 0, 0]",
+            "focusAt: [3, 0, 0] is 0 from the camera along the view direction",
+        ),
+        (
+            "focus at two places",
+            "\"lensRadius\": 1, \"focusDistance\": 1,\n@\"focusAt\": [0, 0, -1]",
+            "focusAt: the plane",
+        ),
+        ("focus far away", "\"lensRadius\": 1,\n@\"focusAt\": [0, 0, -1e39]", "focusAt[2]: -1e39 is beyond"),
+        (
+            "one blade",
+            "\"lensRadius\": 1,\n@\"blades\": 1",
+            "blades: an aperture has no 1 blades, expected 0 for a round one",
+        ),
+        ("two blades", "\"lensRadius\": 1,\n@\"blades\": 2", "blades: an aperture has no 2 blades"),
+        (
+            "many blades",
+            "\"lensRadius\": 1,\n@\"blades\": 33",
+            "blades: 33 is out of range, expected a whole number from 0",
+        ),
+        ("half a blade", "\"lensRadius\": 1,\n@\"blades\": 5.5", "blades: invalid value: floating point `5.5`"),
+        ("blades turned too far", "\"lensRadius\": 1,\n@\"bladeRotation\": 1e39", "bladeRotation: 1e39 is beyond"),
+        (
+            "squeeze of 0",
+            "\"lensRadius\": 1,\n@\"squeeze\": 0",
+            "squeeze: 0 is out of range, expected a number in [0.01, 100]",
+        ),
+        ("width of an angle", "@\"width\": 3", "width: a perspective camera spans an angle, expected `fieldOfView`"),
+        (
+            "lens of a view plane",
+            "\"type\": \"view-plane\",\n@\"lensRadius\": 0.1",
+            "lensRadius: a view-plane camera has no lens, expected a perspective one",
+        ),
+        (
+            "height of a view plane",
+            "\"type\": \"view-plane\",\n@\"height\": 3",
+            "height: a view-plane camera spans an angle",
+        ),
+        (
+            "blades of parallel rays",
+            "\"type\": \"orthographic\", \"width\": 1,\n@\"blades\": 5",
+            "blades: an orthographic camera has no lens",
+        ),
+        (
+            "angle of parallel rays",
+            "\"type\": \"orthographic\", \"width\": 1,\n@\"fieldOfView\": 40",
+            "fieldOfView: the rays of an orthographic camera are parallel, expected `width` or `height`",
+        ),
+        (
+            "two sizes of parallel rays",
+            "\"type\": \"orthographic\", \"width\": 1,\n@\"height\": 1",
+            "height: follows from `width` and the resolution",
+        ),
+        ("width of 0", "\"type\": \"orthographic\",\n@\"width\": 0", "width: 0 is not above 0"),
+        ("negative height", "\"type\": \"orthographic\",\n@\"height\": -1", "height: -1 is not above 0"),
+    ] {
+        l.camera(name, &format!("{{\n{keys}}}"), &format!("camera.{expected}"));
+    }
+    l.camera(
+        "parallel rays without a size",
+        "@{\"type\": \"orthographic\"}",
+        "camera: missing key `width`, or `height`",
+    );
 }
 
 fn renders(l: &mut List) {

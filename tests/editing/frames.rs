@@ -1,6 +1,6 @@
 //! When a camera that moves takes the scene frame with it.
 
-use etendue::desc::{CameraDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{CameraDesc, FovAxis, SceneDesc, ShapeDesc};
 use etendue::math::{DAffine3, DVec3};
 use etendue::scene::Scene;
 use etendue::spectrum::Rgb;
@@ -70,6 +70,31 @@ fn far_along_a_wide_ground_the_frame_follows() {
                 assert_eq!(moved.centre(), fresh.centre());
                 compare(&format!("{way} away"), &moved, &fresh);
             }
+        }
+    }
+}
+
+#[test]
+fn parallel_rays_keep_the_frame_while_it_is_finer_than_their_pixels() {
+    let mut desc = studio(&mut Random(1));
+    let ground = [[-1e6, 0.0, -1e6], [-1e6, 0.0, 1e6], [1e6, 0.0, 1e6], [1e6, 0.0, -1e6]].map(DVec3::from_array);
+    desc.surfaces.clear();
+    let ground = surface(&desc, ShapeDesc::Quad(ground), DAffine3::IDENTITY, Some(Rgb::ONE));
+    desc.surfaces.push(ground);
+    let above = |at: f64, size| {
+        let eye = DVec3::new(at, 500.0, 0.0);
+        let look_at = eye - DVec3::new(1.0, 3.0, 0.0);
+        CameraDesc::Orthographic { eye, look_at, up: DVec3::Y, size, axis: FovAxis::Horizontal }
+    };
+    let options = options(false);
+    for size in [0.5, 10.0, 400.0] {
+        desc.camera = above(0.0, size);
+        let scene = Scene::build(&desc, &options).unwrap();
+        for (widths, follows) in [(1.0, false), (2000.0, false), (2100.0, true)] {
+            desc.camera = above(widths * size, size);
+            let moved = scene.rebuild(&desc, &options).unwrap();
+            assert_eq!(moved.centre() != scene.centre(), follows, "{widths} widths of {size} away");
+            compare(&format!("{widths} widths of {size} away"), &moved, &Scene::build(&desc, &options).unwrap());
         }
     }
 }

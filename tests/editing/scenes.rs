@@ -292,14 +292,12 @@ impl Edit {
             }
             Self::CameraTurned | Self::CameraMoved => {
                 let by = random.cube();
-                match &mut desc.camera {
-                    CameraDesc::Perspective { look_at, .. } | CameraDesc::ViewPlane { look_at, .. }
-                        if self == Self::CameraTurned =>
-                    {
-                        *look_at += 0.2 * by;
-                    }
-                    CameraDesc::Perspective { eye, .. } => *eye += 0.5 * by,
-                    CameraDesc::ViewPlane { centre, .. } => *centre += 0.2 * by,
+                let is_plane = matches!(desc.camera, CameraDesc::ViewPlane { .. });
+                let [origin, look_at, _] = desc.camera.view_mut();
+                if self == Self::CameraTurned {
+                    *look_at += 0.2 * by;
+                } else {
+                    *origin += if is_plane { 0.2 } else { 0.5 } * by;
                 }
             }
             Self::Transform => desc.surfaces[number].transform = place,

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use etendue::desc::{
     BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, Distribution, EnvironmentDesc, EnvironmentMapDesc,
-    FilterDesc, FovAxis, HostMesh, ImageTextureDesc, IntegratorDesc, KernelDesc, METALS, Masking, MaterialDesc,
-    MediumDesc, MeshDesc, MicrofacetsDesc, PhotonDesc, PhotonSharing, PrincipledDesc, Projection, RadiosityDesc,
-    RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceLook, TextureBinding,
-    TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
+    FilterDesc, FocusDesc, FovAxis, HostMesh, ImageTextureDesc, IntegratorDesc, KernelDesc, LensDesc, METALS, Masking,
+    MaterialDesc, MediumDesc, MeshDesc, MicrofacetsDesc, PhotonDesc, PhotonSharing, PrincipledDesc, Projection,
+    RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceLook,
+    TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
 };
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
 use etendue::spectrum::Rgb;
@@ -401,13 +401,24 @@ pub fn scene() -> SceneDesc {
     scene
 }
 
-pub fn cameras() -> [CameraDesc; 3] {
+pub fn cameras() -> [CameraDesc; 8] {
     let (eye, look_at, up) = (DVec3::new(0.1, 1.0 / 3.0, 7.0), DVec3::new(0.2, 0.3, -0.0), DVec3::new(0.1, 2.0, 0.0));
     let fov_deg = 100.0 / 3.0;
+    let through = |lens| CameraDesc::ThinLens { eye, look_at, up, fov_deg, fov_axis: FovAxis::Vertical, lens };
     [
         CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Vertical },
         CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Horizontal },
         CameraDesc::ViewPlane { centre: eye, look_at, up, fov_deg },
+        CameraDesc::Orthographic { eye, look_at, up, size: 7.0 / 3.0, axis: FovAxis::Horizontal },
+        CameraDesc::Orthographic { eye, look_at, up, size: 7.0 / 3.0, axis: FovAxis::Vertical },
+        through(LensDesc::new(0.1 / 3.0)),
+        through(LensDesc { focus: FocusDesc::Distance(5.0 / 3.0), squeeze: 4.0 / 3.0, ..LensDesc::new(0.0) }),
+        through(LensDesc {
+            focus: FocusDesc::Point(DVec3::new(1.0 / 3.0, -0.0, 1e-7)),
+            blades: 7,
+            blade_rotation_deg: -40.0 / 3.0,
+            ..LensDesc::new(1e-3)
+        }),
     ]
 }
 

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use etendue::buffer::Buffer;
 use etendue::desc::{
-    BsdfDesc, CameraDesc, FovAxis, MediumDesc, MeshDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceLook,
+    BsdfDesc, CameraDesc, FocusDesc, FovAxis, LensDesc, MediumDesc, MeshDesc, RenderDesc, SceneDesc, ShapeDesc,
+    SurfaceLook,
 };
 use etendue::math::{Bounds, DAffine3, DMat3, DVec3};
 use etendue::spectrum::Rgb;
@@ -27,6 +28,15 @@ fn bad_cameras() -> Vec<(&'static str, &'static str, Call)> {
     let with =
         |eye, look_at, up, fov_deg| CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Vertical };
     let (nan, far) = (DVec3::new(0.0, f64::NAN, 0.0), DVec3::new(0.0, 0.0, 1e39));
+    let parallel = |size, axis| CameraDesc::Orthographic { eye: A, look_at: B, up: DVec3::Y, size, axis };
+    let through = |lens| CameraDesc::ThinLens {
+        eye: A,
+        look_at: B,
+        up: DVec3::Y,
+        fov_deg: 60.0,
+        fov_axis: FovAxis::Vertical,
+        lens,
+    };
     let plane = CameraDesc::ViewPlane { centre: far, look_at: A, up: DVec3::Y, fov_deg: 60.0 };
     vec![
         bad("camera.origin[1]", "NaN is beyond", move |desc| desc.set_camera(with(nan, A, DVec3::Y, 60.0))),
@@ -38,6 +48,28 @@ fn bad_cameras() -> Vec<(&'static str, &'static str, Call)> {
         bad("camera.up", "is parallel", move |desc| desc.set_camera(with(A, B, B - A, 60.0))),
         bad("camera.fieldOfView", "180 degrees", move |desc| desc.set_camera(with(A, B, DVec3::Y, 180.0))),
         bad("camera.fieldOfView", "NaN degrees", move |desc| desc.set_camera(with(A, B, DVec3::Y, f64::NAN))),
+        bad("camera.width", "0 is not above 0", move |desc| desc.set_camera(parallel(0.0, FovAxis::Horizontal))),
+        bad("camera.height", "NaN is beyond", move |desc| desc.set_camera(parallel(f64::NAN, FovAxis::Vertical))),
+        bad("camera.lensRadius", "-1 is negative", move |desc| desc.set_camera(through(LensDesc::new(-1.0)))),
+        bad("camera.lensRadius", "NaN is beyond", move |desc| desc.set_camera(through(LensDesc::new(f64::NAN)))),
+        bad("camera.focusDistance", "-3 is not above 0", move |desc| {
+            desc.set_camera(through(LensDesc { focus: FocusDesc::Distance(-3.0), ..LensDesc::new(0.1) }))
+        }),
+        bad("camera.focusAt", "expected a point in front", move |desc| {
+            desc.set_camera(through(LensDesc { focus: FocusDesc::Point(2.0 * A - B), ..LensDesc::new(0.1) }))
+        }),
+        bad("camera.focusAt[0]", "NaN is beyond", move |desc| {
+            desc.set_camera(through(LensDesc { focus: FocusDesc::Point(DVec3::NAN), ..LensDesc::new(0.1) }))
+        }),
+        bad("camera.blades", "no 2 blades", move |desc| {
+            desc.set_camera(through(LensDesc { blades: 2, ..LensDesc::new(0.1) }))
+        }),
+        bad("camera.bladeRotation", "beyond", move |desc| {
+            desc.set_camera(through(LensDesc { blade_rotation_deg: f64::INFINITY, ..LensDesc::new(0.1) }))
+        }),
+        bad("camera.squeeze", "NaN is out of range", move |desc| {
+            desc.set_camera(through(LensDesc { squeeze: f64::NAN, ..LensDesc::new(0.1) }))
+        }),
     ]
 }
 

@@ -71,6 +71,8 @@ mod numbers {
     /// The enumeration of this name, as a number.
     pub type EtdFovAxis = u32;
     /// The enumeration of this name, as a number.
+    pub type EtdFocus = u32;
+    /// The enumeration of this name, as a number.
     pub type EtdBsdf = u32;
     /// The enumeration of this name, as a number.
     pub type EtdDistribution = u32;

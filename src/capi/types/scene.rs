@@ -5,10 +5,13 @@ use std::ffi::{c_char, c_void};
 use super::device::etd_release_fn;
 use super::material::etd_principled;
 use super::numbers::{
-    EtdBsdf, EtdCameraType, EtdDistribution, EtdFovAxis, EtdMasking, EtdPositionFormat, EtdSharing, EtdUsage,
+    EtdBsdf, EtdCameraType, EtdDistribution, EtdFocus, EtdFovAxis, EtdMasking, EtdPositionFormat, EtdSharing, EtdUsage,
 };
 use super::render::etd_progress_fn;
-pub use {etd_bsdf::*, etd_camera_type::*, etd_fov_axis::*, etd_position_format::*, etd_sharing::*, etd_usage::*};
+pub use {
+    etd_bsdf::*, etd_camera_type::*, etd_focus::*, etd_fov_axis::*, etd_position_format::*, etd_sharing::*,
+    etd_usage::*,
+};
 
 /// How the geometry of a scene is stored.
 #[repr(u32)]
@@ -47,21 +50,35 @@ pub struct etd_scene_options {
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_camera_type {
-    /// A pinhole at `origin`.
+    /// A pinhole at `origin`, or a thin lens around it.
     ETD_CAMERA_PERSPECTIVE = 0,
     /// The report's camera: `origin` is the centre of a view plane, the eye lies behind it, and the length of `up` scales
     /// the plane.
     ETD_CAMERA_VIEW_PLANE = 1,
+    /// Parallel rays from the plane through `origin`; what is behind the plane is not seen.
+    ETD_CAMERA_ORTHOGRAPHIC = 2,
 }
 
-/// The side of the image that a camera's field of view spans.
+/// The side of the image that a camera's field of view spans, or the `size` of an orthographic one.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_fov_axis {
     /// The width.
     ETD_FOV_HORIZONTAL = 0,
-    /// The height; perspective cameras only.
+    /// The height; perspective and orthographic cameras only.
     ETD_FOV_VERTICAL = 1,
+}
+
+/// Where the lens of a camera is in focus.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum etd_focus {
+    /// On the plane through `look_at` across the view direction.
+    ETD_FOCUS_LOOK_AT = 0,
+    /// On the plane at `focus_distance` from `origin`.
+    ETD_FOCUS_DISTANCE = 1,
+    /// On the plane through `focus_at`.
+    ETD_FOCUS_POINT = 2,
 }
 
 /// A camera in the world frame, which is right-handed, with lengths in scene units.
@@ -80,8 +97,25 @@ pub struct etd_camera {
     pub look_at: [f64; 3],
     /// The direction that is up in the image, of any length and not parallel to the view direction.
     pub up: [f64; 3],
-    /// Full angle of view, degrees, between 0 and 180.
+    /// Full angle of view, degrees, between 0 and 180. An orthographic camera does not read it.
     pub fov_deg: f64,
+    /// Orthographic cameras: what the image spans across `fov_axis`, scene units, above 0. 0 for other cameras.
+    pub size: f64,
+    /// Perspective cameras: radius of the lens, scene units. 0 is a pinhole. The fields below say more of the lens; other cameras
+    /// have 0 in all of them.
+    pub lens_radius: f64,
+    /// An `etd_focus`.
+    pub focus: EtdFocus,
+    /// Number of sides of the aperture, a regular polygon in the circle of the lens: 3 to 32. 0 is the whole disk.
+    pub blades: u32,
+    /// `ETD_FOCUS_DISTANCE`: distance of the plane in focus along the view direction, scene units, above 0.
+    pub focus_distance: f64,
+    /// `ETD_FOCUS_POINT`: a point of the plane in focus, in front of the camera.
+    pub focus_at: [f64; 3],
+    /// Degrees by which the polygon is turned counter-clockwise in the image. At 0, one of its vertices is at the right.
+    pub blade_rotation_deg: f64,
+    /// Number by which the aperture's width is divided, after it is turned: 0.01 to 100. 0 means 1.
+    pub squeeze: f64,
 }
 
 /// How a surface scatters light.
@@ -296,7 +330,8 @@ pub struct etd_surface {
 
 enumerations! {
     etd_usage: ETD_USAGE_STATIC, ETD_USAGE_DYNAMIC;
-    etd_camera_type: ETD_CAMERA_PERSPECTIVE, ETD_CAMERA_VIEW_PLANE;
+    etd_camera_type: ETD_CAMERA_PERSPECTIVE, ETD_CAMERA_VIEW_PLANE, ETD_CAMERA_ORTHOGRAPHIC;
+    etd_focus: ETD_FOCUS_LOOK_AT, ETD_FOCUS_DISTANCE, ETD_FOCUS_POINT;
     etd_fov_axis: ETD_FOV_HORIZONTAL, ETD_FOV_VERTICAL;
     etd_bsdf:
         ETD_BSDF_BLACK, ETD_BSDF_LAMBERT, ETD_BSDF_OREN_NAYAR, ETD_BSDF_OREN_NAYAR_QUALITATIVE, ETD_BSDF_MIRROR,

@@ -108,6 +108,12 @@ elements! {
         #[serde(rename = "type")]
         kind: String,
         perspective: Option<Perspective>,
+        orthographic: Option<Orthographic>,
+    }
+    /// What an orthographic camera sees.
+    Orthographic {
+        xmag: Option<f64>,
+        ymag: Option<f64>,
     }
     /// What a perspective camera sees.
     Perspective {

@@ -18,8 +18,8 @@ use self::text::laid_out;
 use super::file::SIZE_LIMIT;
 use super::mesh_files::ply_write;
 use super::{
-    DistantLightDesc, MaterialDesc, SceneDesc, ShapeDesc, material_check, material_keys, native, render_write,
-    sky_keys, surface, texture_check, texture_keys, validate,
+    DistantLightDesc, MaterialDesc, SceneDesc, ShapeDesc, camera_check, camera_keys, material_check, material_keys,
+    native, render_write, sky_keys, surface, texture_check, texture_keys, validate,
 };
 use crate::replace::{self, Target};
 use crate::{Error, ErrorKind, Result};
@@ -85,7 +85,7 @@ fn save(scene: &SceneDesc, path: &Path) -> Result<()> {
 
 /// Refuses what no file can have. Descriptions that were read or made by calls have passed these checks.
 fn check(scene: &SceneDesc) -> Result<()> {
-    validate::camera("camera", scene.camera)?;
+    camera_check::camera("camera", scene.camera)?;
     scene.render.check()?;
     for light in &scene.lights {
         validate::point_light(&light.path, light.position, light.intensity.to_f64(), 1.0)?;
@@ -195,7 +195,7 @@ fn document(
     out: &mut Out<'_, '_>,
 ) -> Result<()> {
     out.write_all(b"{\n  \"etendue\": 1").map_err(failed)?;
-    member(out, "camera", &native::write_camera(&scene.camera)?)?;
+    member(out, "camera", &camera_keys::write(&scene.camera)?)?;
     member(out, "render", &render_write::write(&scene.render)?)?;
     let mut lights = List::new("lights");
     for light in &scene.lights {

@@ -56,6 +56,13 @@ const MIN_RADIUS_FRACTION: f32 = 0.25;
 /// Salt of the seed, which separates these random numbers from those of other stages.
 const SEED_SALT: u64 = 0x0069_7272_6164;
 
+/// The point on the lens through which a grid point is followed, where the camera has one: any, so that the grid points together see
+/// what the whole lens sees.
+fn lens_point(grid_point: usize) -> [f32; 2] {
+    let bits = hash(SEED_SALT, grid_point as u64);
+    [bits >> 40, bits >> 8].map(|bits| (bits & 0xff_ffff) as f32 * 2.0_f32.powi(-24))
+}
+
 /// A cache that is being filled.
 #[derive(Debug)]
 pub(super) struct GrowingCache {
@@ -177,7 +184,8 @@ impl CacheFiller {
                 if x >= width || y >= height {
                     continue;
                 }
-                first_diffuse_hits(&filler.scene, &filler.camera, [x, y], &mut tracer, &mut behind_pixel);
+                let lens = lens_point(grid_point);
+                first_diffuse_hits(&filler.scene, &filler.camera, [x, y], lens, &mut tracer, &mut behind_pixel);
                 let uncovered = behind_pixel.drain(..).enumerate().filter(|(_, site)| !growing.is_covered(site));
                 sites.extend(uncovered.map(|(branch, site)| (hash(grid_point as u64, branch as u64), site)));
             }

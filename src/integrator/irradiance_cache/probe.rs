@@ -60,8 +60,9 @@ pub(super) fn measure_accuracy(
         let mut rng = Rng::new(filler.seed ^ SEED_SALT, number as u64);
         let [x, y] = rng.next_2d();
         let [width, height] = filler.resolution.map(|n| n as f32);
+        let lens = if filler.camera.has_lens() { rng.next_2d() } else { [0.5; 2] };
         let mut sites = Vec::new();
-        first_diffuse_hits(&filler.scene, &filler.camera, [x * width, y * height], &mut tracer, &mut sites);
+        first_diffuse_hits(&filler.scene, &filler.camera, [x * width, y * height], lens, &mut tracer, &mut sites);
         let site = choose_site(&sites, rng.next_f32());
         let probe = site.map(|site| {
             let cached = cache.irradiance(site.p, site.n)?;

@@ -37,17 +37,18 @@ pub(super) struct Site {
     media: Option<PathMedia>,
 }
 
-/// Appends the first diffuse hits that read the cache behind the film position (x, y). Where a surface reflects and refracts, both branches
-/// are followed.
+/// Appends the first diffuse hits that read the cache behind the film position (x, y), as seen from the point `u` of the lens where
+/// there is one. Where a surface reflects and refracts, both branches are followed.
 pub(super) fn first_diffuse_hits(
     scene: &Scene,
     camera: &Camera,
     [x, y]: [f32; 2],
+    u: [f32; 2],
     tracer: &mut SceneTracer,
     sites: &mut Vec<Site>,
 ) {
-    let first = camera.ray(x, y);
-    let angle = first.direction.distance(camera.ray(x + 1.0, y).direction);
+    let first = camera.ray_through_lens(x, y, u);
+    let pixel = camera.pixel_width(x, y);
     let mut branches = vec![(first, scene.media_at(&first), 1.0, 0.0, 0)];
     while let Some((ray, mut media, mut throughput, distance, bounces)) = branches.pop() {
         let Some(hit) = arrive(scene, tracer, &ray, &mut media) else { continue };
@@ -62,7 +63,7 @@ pub(super) fn first_diffuse_hits(
             let facing = vertex.facing();
             let (point, n) = (vertex.surface.point, vertex.facing_shading());
             let origin = point.offset(facing);
-            sites.push(Site { p: point.p, n, facing, origin, pixel_size: distance * angle, throughput, media });
+            sites.push(Site { p: point.p, n, facing, origin, pixel_size: pixel.at(distance), throughput, media });
         }
         for lobe in vertex.specular_lobes().into_iter().flatten() {
             let throughput = throughput * lobe.weight.max_element();

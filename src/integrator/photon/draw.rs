@@ -32,7 +32,8 @@ pub fn colour(photon: &Photon) -> [f32; 3] {
 
 /// Draws photons of `scene` as seen by a camera (world frame). Each photon is a dot of one pixel, white or coloured (black
 /// for shadow photons), over the scene in dark grey. The photon nearest to the eye is shown where several fall into one
-/// pixel. Photons that a surface occludes, glass included, and photons on the far side of a surface are not shown.
+/// pixel. Photons that a surface occludes, glass included, and photons on the far side of a surface are not shown. With a lens, all is drawn as sharp as through its
+/// middle: dots of one pixel would be lost in the blur.
 ///
 /// The image is meant for viewing: its values are linear in [0, 1].
 ///
@@ -97,7 +98,7 @@ fn seen(scene: &Scene, camera: &Camera, [width, height]: [u32; 2], photon: &Phot
         return None;
     }
     // The width of a pixel at the photon.
-    let pixel = camera.ray(x, y).direction.distance(camera.ray(x + 1.0, y).direction) * camera.eye_distance(p);
+    let pixel = camera.pixel_width(x, y).at(camera.eye_distance(p));
     let from = p + normal * (LIFT * pixel).max(HitPoint::rounding_error(p, normal));
     let to_eye: Vec3 = eye - from;
     let ray = Ray::segment(from, to_eye, 1.0);

@@ -72,7 +72,7 @@ pub(super) fn measure(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -> L
     for i in 0..LOOKS * LOOKS {
         let at = |k: u32, size: f32| (k as f32 + 0.5) / LOOKS as f32 * size;
         let (x, y) = (at(i % LOOKS, width), at(i / LOOKS, height));
-        let angle = camera.ray(x, y).direction.distance(camera.ray(x + 1.0, y).direction);
+        let pixel = camera.pixel_width(x, y);
         let mut ray = camera.ray(x, y);
         let mut way = 0.0;
         let mut media = scene.media_at(&ray);
@@ -84,7 +84,7 @@ pub(super) fn measure(scene: &Scene, camera: &Camera, resolution: [u32; 2]) -> L
             let lobes = vertex.lobes;
             if lobes.have_diffuse() || !lobes.have_specular() {
                 if lobes.have_diffuse() {
-                    sizes.push(way * angle);
+                    sizes.push(pixel.at(way));
                     let u =
                         [i, i.wrapping_mul(0x9e37_79b9)].map(|i| (i.reverse_bits() >> 8) as f32 * 2.0_f32.powi(-24));
                     if let Some(bounce) = vertex.sample_bounce([u[0], u[1], 0.5, 0.0])

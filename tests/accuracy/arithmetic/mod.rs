@@ -4,16 +4,43 @@
 
 mod camera;
 mod display;
+mod lens;
+mod parallel;
 mod range;
 mod repeat;
 mod sums;
 
+use std::ops::ControlFlow;
+
+use etendue::desc::{RenderDesc, SceneDesc};
 use etendue::film::Image;
+use etendue::render::{Render, RenderSettings};
+use etendue::scene::{BuildOptions, Scene};
 
 use crate::record::Entry;
 
 pub fn cases() -> Vec<Entry> {
-    [sums::cases(), camera::cases(), display::cases(), repeat::cases(), range::cases()].into_iter().flatten().collect()
+    [
+        sums::cases(),
+        camera::cases(),
+        lens::cases(),
+        parallel::cases(),
+        display::cases(),
+        repeat::cases(),
+        range::cases(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// A picture with its layers of first hits.
+fn layers(desc: &SceneDesc, render: RenderDesc) -> Image {
+    let scene = Scene::build(desc, &BuildOptions::default()).expect("a scene of the test");
+    let settings = RenderSettings { desc: render, threads: 2, auxiliary: true, ..RenderSettings::default() };
+    let mut render = Render::new(&scene, settings).expect("settings of the test");
+    render.run(&mut |_| ControlFlow::Continue(())).expect("no worker panics");
+    render.image()
 }
 
 /// Bit patterns of all values and layers, so that NaN equals itself and -0 differs from 0.
