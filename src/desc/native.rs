@@ -14,8 +14,8 @@ use super::json::{self, join};
 use super::numbers::unless;
 use super::save::Names;
 use super::{
-    CameraDesc, Dialect, EnvironmentDesc, EnvironmentMapDesc, FovAxis, PointLightDesc, RenderDesc, SceneDesc,
-    SkyProjection, material_keys, numbers, render_keys, save, surface, texture_check, texture_keys, validate,
+    CameraDesc, Dialect, EnvironmentDesc, EnvironmentMapDesc, FovAxis, RenderDesc, SceneDesc, SkyProjection,
+    light_keys, material_keys, numbers, render_keys, save, surface, texture_check, texture_keys, validate,
 };
 use crate::control::WorkProgress;
 use crate::math::DVec3;
@@ -89,28 +89,6 @@ pub(super) struct Camera {
     /// `horizontal` (default) or `vertical`.
     #[serde(default, deserialize_with = "json::name")]
     field_of_view_axis: Option<Axis>,
-}
-
-/// A light that shines from a point, the same in all directions.
-#[derive(Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub(super) struct PointLight {
-    #[serde(rename = "type")]
-    _type: PointTag,
-    /// Position.
-    origin: [f64; 3],
-    /// Times `intensity`: radiant intensity, W/sr per channel.
-    color: [f64; 3],
-    /// Factor on `color`. Default 1.
-    intensity: Option<f64>,
-}
-
-#[derive(Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
-#[serde(rename_all = "kebab-case")]
-enum PointTag {
-    Point,
 }
 
 /// A triangle that shines on the side of (v2 - v1) x (v3 - v1) and reflects nothing.
@@ -252,16 +230,6 @@ pub(super) fn write_camera(camera: &CameraDesc) -> Result<Box<RawValue>> {
     })
 }
 
-/// Writes a point light, whose numbers have been checked.
-pub(super) fn write_point_light(light: &PointLightDesc) -> Result<Box<RawValue>> {
-    save::raw(&PointLight {
-        _type: PointTag::Point,
-        origin: light.position.to_array(),
-        color: numbers::color(light.intensity),
-        intensity: None,
-    })
-}
-
 /// Writes an environment, whose numbers have been checked.
 pub(super) fn write_environment(environment: &EnvironmentDesc, names: &Names) -> Result<Box<RawValue>> {
     let map = environment.map.as_ref();
@@ -318,11 +286,18 @@ fn environment(light: Environment, path: &str, builder: &Builder<'_>) -> Result<
 }
 
 fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
-    match json::tag(raw, path, "type", &["point", "area", "environment"])?.as_str() {
+    match json::tag(raw, path, "type", &["point", "area", "environment", "spot", "web"])?.as_str() {
         "point" => {
-            let light: PointLight = json::object(raw, path)?;
-            let factor = light.intensity.unwrap_or(1.0);
-            builder.scene.lights.push(validate::point_light(path, light.origin, light.color, factor)?);
+            builder.scene.lights.push(light_keys::point(raw, path)?);
+            Ok(())
+        }
+        "spot" => {
+            builder.scene.lights.push(light_keys::spot(raw, path)?);
+            Ok(())
+        }
+        "web" => {
+            let light = light_keys::web(raw, path, builder)?;
+            builder.scene.lights.push(light);
             Ok(())
         }
         "area" => {

@@ -139,7 +139,7 @@ pub fn studio(random: &mut Random) -> SceneDesc {
     }
     desc.materials.push(material(4, BsdfDesc::Mirror { reflectance: Rgb::splat(0.9) }));
     let position = DVec3::new(1.0, 5.0, 2.0);
-    desc.lights.push(PointLightDesc { path: "lights[0]".into(), position, intensity: Rgb::splat(9.0) });
+    desc.lights.push(PointLightDesc { path: "lights[0]".into(), ..PointLightDesc::even(position, Rgb::splat(9.0)) });
     let lamp = [[-1.0, 4.0, -1.0], [1.0, 4.0, -1.0], [1.0, 4.0, 1.0], [-1.0, 4.0, 1.0]].map(DVec3::from_array);
     let lamp = surface(&desc, ShapeDesc::Quad(lamp), DAffine3::IDENTITY, Some(Rgb::splat(4.0)));
     desc.surfaces.push(lamp);
@@ -288,7 +288,7 @@ impl Edit {
             Self::LightAdded => {
                 let position = 2.0 * random.cube();
                 let intensity = random.colour();
-                desc.lights.push(PointLightDesc { path: "lights".into(), position, intensity });
+                desc.lights.push(PointLightDesc { path: "lights".into(), ..PointLightDesc::even(position, intensity) });
             }
             Self::CameraTurned | Self::CameraMoved => {
                 let by = random.cube();

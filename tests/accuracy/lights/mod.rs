@@ -9,6 +9,8 @@ mod points;
 mod polygons;
 mod solid_angles;
 mod spheres;
+pub mod spots;
+pub mod webs;
 mod weights;
 
 use std::f64::consts::PI;
@@ -30,6 +32,8 @@ pub fn cases() -> Vec<Entry> {
         polygons::cases(),
         spheres::cases(),
         points::cases(),
+        spots::cases(),
+        webs::cases(),
         many::cases(),
         weights::cases(),
         hierarchy::cases(),
