@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use etendue::buffer::Buffer;
 use etendue::desc::{
-    self, BsdfDesc, CameraDesc, FovAxis, HostMesh, MaterialDesc, MeshDesc, PointLightDesc, SceneDesc, ShapeDesc,
-    SurfaceDesc,
+    self, BsdfDesc, CameraDesc, FovAxis, HostMesh, LightDistribution, MaterialDesc, MeshDesc, PointLightDesc,
+    SceneDesc, ShapeDesc, SpotDesc, SurfaceDesc,
 };
 use etendue::math::{DAffine3, DQuat, DVec3};
 use etendue::spectrum::Rgb;
@@ -283,6 +283,13 @@ impl Edit {
                 for light in &mut desc.lights {
                     light.intensity = 9.0 * random.colour();
                     light.position += 0.1 * random.cube();
+                    let direction = random.cube();
+                    let outer_deg = 30.0 + 60.0 * random.unit();
+                    light.distribution = if random.unit() < 0.5 {
+                        LightDistribution::Spot(SpotDesc { outer_deg, inner_deg: 20.0, direction })
+                    } else {
+                        LightDistribution::Even
+                    };
                 }
             }
             Self::LightAdded => {

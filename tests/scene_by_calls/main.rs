@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 
 use etendue::Result;
 use etendue::desc::{
-    self, BsdfDesc, CacheDesc, FilterDesc, HostMesh, KernelDesc, MAX_NEIGHBOURS, MAX_PHOTONS, MeshDesc, PhotonDesc,
-    RenderDesc, SceneDesc, SceneIndex, ShapeDesc, SurfaceLook,
+    self, BsdfDesc, CacheDesc, FilterDesc, HostMesh, KernelDesc, LightDistribution, MAX_NEIGHBOURS, MAX_PHOTONS,
+    MeshDesc, PhotonDesc, PointLightDesc, RenderDesc, SceneDesc, SceneIndex, ShapeDesc, SpotDesc, SurfaceLook,
 };
 use etendue::math::{Bounds, DAffine3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -338,6 +338,13 @@ fn what_is_set_is_what_is_there() {
     assert_eq!(desc.materials[0].name, "white");
     desc.set_point_light(0, B, Rgb::ZERO).unwrap();
     assert_eq!((desc.lights[0].position, desc.lights[0].intensity), (B, Rgb::ZERO));
+    // A light that is moved keeps its cone, and one that is replaced its path.
+    let cone = LightDistribution::Spot(SpotDesc::new(A));
+    let spot = PointLightDesc { distribution: cone.clone(), ..PointLightDesc::even(A, Rgb::ONE) };
+    desc.set_light_desc(0, spot).unwrap();
+    desc.set_point_light(0, B, Rgb::ZERO).unwrap();
+    assert_eq!((desc.lights[0].position, &desc.lights[0].distribution), (B, &cone));
+    assert_eq!(desc.lights[0].path, "lights[0]");
     let turned = DAffine3::from_rotation_y(0.5);
     desc.set_transform(4, turned).unwrap();
     assert_eq!(desc.surfaces[4].to_world(), turned);
