@@ -65,7 +65,10 @@
 #define ETD_TEXTURE_BINDING_INIT {sizeof(etd_texture_binding), ETD_NONE, ETD_CHANNEL_DEFAULT, 1, 0}
 #define ETD_ENVIRONMENT_MAP_INIT {sizeof(etd_environment_map), ETD_NONE, ETD_SKY_LATLONG, {1, 1, 1}, 0, {0, 1, 0}, 0}
 #define ETD_DISTANT_LIGHT_INIT {sizeof(etd_distant_light), {0, 1, 0}, {1, 1, 1}, 0, 0}
-#define ETD_SKY_INIT {sizeof(etd_sky), 12, 0, {1, 1, 1}, {0, 0, 0}, 0, 0, {0, 0, 0, 0, 0}, {0, 1, 0}, {0, 1, 0}}
+#define ETD_SKY_INIT {sizeof(etd_sky), 12, 0, {1, 1, 1}, {0, 0, 0}, 0, 0, {0, 1, 0}, {0, 1, 0}, {0, 0, 0, 0, 0}}
+#define ETD_SPOT_LIGHT_INIT {sizeof(etd_spot_light), {0, 0, 0}, {0, -1, 0}, {1, 1, 1}, 45, 0}
+#define ETD_WEB_LIGHT_INIT \
+    {sizeof(etd_web_light), NULL, NULL, 0, {0, 0, 0}, {0, -1, 0}, {1, 0, 0}, {1, 1, 1}}
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_RENDER_OPTIONS_INIT \
     {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \
@@ -2167,6 +2170,76 @@ typedef struct etd_material {
 } etd_material;
 
 /**
+ * A point light that shines into a cone with a soft edge. The factor on its intensity is 1 up to the inner angle a from the axis, 0
+ * from the outer angle on, and between them ((cos a - cos outer) / (cos inner - cos outer))^2, as in glTF.
+ */
+typedef struct etd_spot_light {
+    /**
+     * `sizeof(etd_spot_light)`.
+     */
+    size_t struct_size;
+    /**
+     * Where it is, world frame.
+     */
+    double position[3];
+    /**
+     * The axis of the cone, away from the light, of any length but 0.
+     */
+    double direction[3];
+    /**
+     * Radiant intensity along the axis [W sr^-1], each channel >= 0.
+     */
+    float intensity[3];
+    /**
+     * Degrees between the axis and the directions from which on there is no light, in [0.01, 180].
+     */
+    double outer_cone_deg;
+    /**
+     * Degrees between the axis and the directions up to which the light is full, in [0, `outer_cone_deg`].
+     */
+    double inner_cone_deg;
+} etd_spot_light;
+
+/**
+ * A measured lamp: a point light whose intensities come from a file of IES LM-63 or EULUMDAT.
+ */
+typedef struct etd_web_light {
+    /**
+     * `sizeof(etd_web_light)`.
+     */
+    size_t struct_size;
+    /**
+     * Name of the file; NULL: `text` has its contents. `etd_scene_get_web_light` sets it to NULL.
+     */
+    const char *file;
+    /**
+     * Contents of such a file, which are read during the call; NULL: `file`. `etd_scene_get_web_light` sets it to NULL.
+     */
+    const void *text;
+    /**
+     * Size of `text` in bytes.
+     */
+    size_t text_bytes;
+    /**
+     * Where it is, world frame.
+     */
+    double position[3];
+    /**
+     * The lamp's axis, gamma = 0, of any length but 0.
+     */
+    double direction[3];
+    /**
+     * The direction of C = 0, of any length but 0, whose part across `direction` counts. C grows counter-clockwise as seen along
+     * `direction`.
+     */
+    double c0[3];
+    /**
+     * Factor on the intensities, each channel >= 0. At 1, the radiant intensity [W sr^-1] is the file's candela over 683 lm/W.
+     */
+    float factor[3];
+} etd_web_light;
+
+/**
  * Light from infinity by a texture, or the same from all directions.
  */
 typedef struct etd_environment_map {
@@ -2260,11 +2333,6 @@ typedef struct etd_sky {
      */
     uint32_t reserved;
     /**
-     * The numbers a to e of the formula (1 + a exp(b / cos Z)) (1 + c exp(d chi) + e cos^2 chi), of the angle Z to the zenith and chi
-     * to the sun. Not used with `cie`.
-     */
-    double perez[5];
-    /**
      * The direction towards the sun, above the horizon. `etd_sun_direction` has it for places and times.
      */
     double sun[3];
@@ -2272,6 +2340,11 @@ typedef struct etd_sky {
      * The direction of the zenith.
      */
     double up[3];
+    /**
+     * The numbers a to e of the formula (1 + a exp(b / cos Z)) (1 + c exp(d chi) + e cos^2 chi), of the angle Z to the zenith and chi
+     * to the sun. Not used with `cie`.
+     */
+    double perez[5];
 } etd_sky;
 
 /**
@@ -3189,7 +3262,8 @@ etd_status etd_scene_add_point_light(struct etd_scene *scene,
                                      uint32_t *out_light);
 
 /**
- * Changes the position and intensity of a point light. An intensity of 0 switches it off. The arguments are those of
+ * Changes the position and intensity of a point light, which keeps its cone or web if it has one; the intensity of a measured lamp is
+ * its factor. An intensity of 0 switches it off. The arguments are those of
  * `etd_scene_add_point_light`. Thread-safe.
  */
 etd_status etd_scene_set_point_light(struct etd_scene *scene,
@@ -3198,12 +3272,60 @@ etd_status etd_scene_set_point_light(struct etd_scene *scene,
                                      const float *intensity);
 
 /**
- * Returns position and intensity of a point light as described now, three numbers each. Thread-safe.
+ * Returns position and intensity of a point light as described now, three numbers each; the intensity of a measured lamp is its
+ * factor. Thread-safe.
  */
 etd_status etd_scene_get_point_light(const struct etd_scene *scene,
                                      uint32_t light,
                                      double *out_position,
                                      float *out_intensity);
+
+/**
+ * Adds a spot light. `*out_light` receives the light's number among point lights.
+ *
+ * Errors: `ETD_INVALID_SCENE` for a direction of length 0 and for angles out of their range. Radiosity does not render a scene with a
+ * spot light. Thread-safe.
+ */
+etd_status etd_scene_add_spot_light(struct etd_scene *scene,
+                                    const struct etd_spot_light *spot,
+                                    uint32_t *out_light);
+
+/**
+ * Makes a point light of any kind a spot light. The errors are those of `etd_scene_add_spot_light`. Thread-safe.
+ */
+etd_status etd_scene_set_spot_light(struct etd_scene *scene, uint32_t light, const struct etd_spot_light *spot);
+
+/**
+ * Returns a spot light as described now. Errors: `ETD_INVALID_ARGUMENT` for a point light that is none. Thread-safe.
+ */
+etd_status etd_scene_get_spot_light(const struct etd_scene *scene, uint32_t light, struct etd_spot_light *out_spot);
+
+/**
+ * Adds a measured lamp. `*out_light` receives the light's number among point lights.
+ *
+ * Errors: `ETD_INVALID_ARGUMENT` for neither a file nor a text, or both; `ETD_IO` for a file that cannot be read; `ETD_INVALID_SCENE` for
+ * contents that are of neither format or wrong, with the line, and for a direction of length 0. Radiosity does not render a scene with
+ * a measured lamp. Thread-safe.
+ */
+etd_status etd_scene_add_web_light(struct etd_scene *scene,
+                                   const struct etd_web_light *web,
+                                   uint32_t *out_light);
+
+/**
+ * Makes a point light of any kind a measured lamp, or changes one: without a file and a text, it keeps its intensities. The errors
+ * are those of `etd_scene_add_web_light`, and `ETD_INVALID_ARGUMENT` for a light that has no intensities to keep. Thread-safe.
+ */
+etd_status etd_scene_set_web_light(struct etd_scene *scene,
+                                   uint32_t light,
+                                   const struct etd_web_light *web);
+
+/**
+ * Returns how a measured lamp is turned now, without its intensities. Errors: `ETD_INVALID_ARGUMENT` for a point light that is none.
+ * Thread-safe.
+ */
+etd_status etd_scene_get_web_light(const struct etd_scene *scene,
+                                   uint32_t light,
+                                   struct etd_web_light *out_web);
 
 /**
  * Sets the light that comes from infinity, the same from all directions: a sky.

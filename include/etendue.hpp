@@ -845,7 +845,7 @@ public:
             etd_scene_add_point_light(get(), light.position.data(), light.intensity.data(), &number);
         return detail::give(status, std::move(number));
     }
-    /** Moves and recolours a point light. */
+    /** Moves and recolours a point light, which keeps its cone or web if it has one. */
     Outcome<void> set_point_light(std::uint32_t number, const PointLight &light) {
         return detail::done(
             etd_scene_set_point_light(get(), number, light.position.data(), light.intensity.data()));
@@ -856,6 +856,40 @@ public:
         const etd_status status =
             etd_scene_get_point_light(get(), number, light.position.data(), light.intensity.data());
         return detail::give(status, std::move(light));
+    }
+
+    /** Adds a spot light; its number among the point lights. */
+    Outcome<std::uint32_t> add_spot_light(const etd_spot_light &spot) {
+        std::uint32_t number = ETD_NONE;
+        const etd_status status = etd_scene_add_spot_light(get(), &spot, &number);
+        return detail::give(status, std::move(number));
+    }
+    /** Makes a point light of any kind a spot light. */
+    Outcome<void> set_spot_light(std::uint32_t number, const etd_spot_light &spot) {
+        return detail::done(etd_scene_set_spot_light(get(), number, &spot));
+    }
+    /** A spot light as it is described now. */
+    Outcome<etd_spot_light> spot_light(std::uint32_t number) const {
+        etd_spot_light spot = ETD_SPOT_LIGHT_INIT;
+        const etd_status status = etd_scene_get_spot_light(get(), number, &spot);
+        return detail::give(status, std::move(spot));
+    }
+
+    /** Adds a measured lamp; its number among the point lights. */
+    Outcome<std::uint32_t> add_web_light(const etd_web_light &web) {
+        std::uint32_t number = ETD_NONE;
+        const etd_status status = etd_scene_add_web_light(get(), &web, &number);
+        return detail::give(status, std::move(number));
+    }
+    /** Makes a point light of any kind a measured lamp; without a file and a text, one keeps its intensities. */
+    Outcome<void> set_web_light(std::uint32_t number, const etd_web_light &web) {
+        return detail::done(etd_scene_set_web_light(get(), number, &web));
+    }
+    /** How a measured lamp is turned now. */
+    Outcome<etd_web_light> web_light(std::uint32_t number) const {
+        etd_web_light web = ETD_WEB_LIGHT_INIT;
+        const etd_status status = etd_scene_get_web_light(get(), number, &web);
+        return detail::give(status, std::move(web));
     }
 
     /** Sets the light from infinity: radiance, the same from all directions. Radiosity does not render such a scene. */

@@ -43,6 +43,7 @@ mod image;
 pub mod integrator;
 pub mod math;
 pub mod output;
+pub mod photometry;
 pub mod render;
 mod replace;
 pub mod sampling;

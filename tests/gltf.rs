@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 
 use common::scenes::render_scene;
 use etendue::ErrorKind;
-use etendue::desc::{self, CameraDesc, FovAxis, LoadOptions, MaterialDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{self, CameraDesc, FovAxis, LightDistribution, LoadOptions, MaterialDesc, SceneDesc, ShapeDesc};
 use etendue::math::{DAffine3, DMat3, DQuat, DVec3};
 use etendue::scene::{BuildOptions, Scene};
 use file::*;
@@ -337,8 +337,8 @@ fn lights_are_converted_or_named() {
     let mut file = File::triangle();
     file.root["extensions"] = json!({"KHR_lights_punctual": {"lights": [
         {"type": "point", "intensity": 1366, "color": [1, 0.5, 0]},
-        {"type": "spot", "name": "lamp", "spot": {}},
-        {"type": "directional"},
+        {"type": "spot", "spot": {"outerConeAngle": 1.0, "innerConeAngle": 0.5}, "intensity": 683},
+        {"type": "directional", "name": "sun"},
         {"type": "point", "range": 3},
         {"type": "area"},
     ]}});
@@ -346,12 +346,18 @@ fn lights_are_converted_or_named() {
         |light: u32| json!({"extensions": {"KHR_lights_punctual": {"light": light}}, "translation": [0, 0, light + 1]});
     file.root["nodes"] = json!([{"mesh": 0, "children": [1, 2, 3, 4]}, node(0), node(1), node(2), node(3)]);
     let scene = file.load().unwrap();
-    assert_eq!(scene.lights.len(), 2);
+    assert_eq!(scene.lights.len(), 3);
     near(scene.lights[0].position, [0.0, 0.0, 1.0]);
     assert_eq!(scene.lights[0].intensity.to_array(), [2.0, 1.0, 0.0]);
+    assert_eq!(scene.lights[0].distribution, LightDistribution::Even);
+    near(scene.lights[1].position, [0.0, 0.0, 2.0]);
+    assert_eq!(scene.lights[1].intensity.to_array(), [1.0; 3]);
+    let LightDistribution::Spot(spot) = &scene.lights[1].distribution else { panic!("a spot light") };
+    near(spot.direction, [0.0, 0.0, -1.0]);
+    assert_eq!([spot.outer_deg, spot.inner_deg], [1.0_f64.to_degrees(), 0.5_f64.to_degrees()]);
     let said = scene.warnings.join("\n");
     let lights = "extensions.KHR_lights_punctual.lights";
-    assert!(said.contains(&format!("not drawn: {lights}[1] ('lamp') (spot), {lights}[2] (directional)")), "{said}");
+    assert!(said.contains(&format!("not drawn: {lights}[2] ('sun') (directional)")), "{said}");
     assert!(said.contains(&format!("`range` is left out of {lights}[3]")), "{said}");
     assert!(!said.contains("no light"), "{said}");
     file.root["nodes"][1] = node(4);
@@ -1327,4 +1333,29 @@ fn files_of_other_programs_are_read_or_refused() {
         eprintln!("| {folder} | {read} read | {refused} refused | {warnings} warnings |");
         assert!(read >= least_read, "{folder}: fewer are read than can be");
     }
+}
+
+/// A spot light shines along its node's axis -z, whatever its scale, with the angles that glTF does not require.
+#[test]
+fn spot_lights_turn_with_their_nodes() {
+    let mut file = File::triangle();
+    file.root["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "spot", "spot": {}}]}});
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    file.root["nodes"] = json!([{"mesh": 0, "children": [1]}, {
+        "extensions": {"KHR_lights_punctual": {"light": 0}}, "rotation": [-half, 0, 0, half], "scale": [3, 3, 3]}]);
+    let scene = file.load().unwrap();
+    let LightDistribution::Spot(spot) = &scene.lights[0].distribution else { panic!("a spot light") };
+    near(spot.direction.normalize(), [0.0, -1.0, 0.0]);
+    assert_eq!([spot.outer_deg, spot.inner_deg], [45.0, 0.0]);
+    for (spot, expected) in [
+        (json!({"outerConeAngle": 0}), "spot.outerConeAngle: 0 degrees are out of range"),
+        (json!({"outerConeAngle": 0.5, "innerConeAngle": 1}), "spot.innerConeAngle: 57.2"),
+    ] {
+        file.root["extensions"]["KHR_lights_punctual"]["lights"][0]["spot"] = spot;
+        let error = file.load().unwrap_err().to_string();
+        assert!(error.contains(&format!("extensions.KHR_lights_punctual.lights[0].{expected}")), "{error}");
+    }
+    file.root["extensions"]["KHR_lights_punctual"]["lights"][0] = json!({"type": "spot"});
+    let error = file.load().unwrap_err().to_string();
+    assert!(error.contains("lights[0]: missing key `spot`"), "{error}");
 }

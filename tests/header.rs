@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The files of the C interface, in the order in which the header presents them.
-const SOURCES: [&str; 25] = [
+const SOURCES: [&str; 27] = [
     "status.rs",
     "last_error.rs",
     "types/mod.rs",
@@ -13,6 +13,7 @@ const SOURCES: [&str; 25] = [
     "types/texture.rs",
     "types/scene.rs",
     "types/sky.rs",
+    "types/light.rs",
     "types/render.rs",
     "types/film.rs",
     "types/query.rs",
@@ -20,6 +21,7 @@ const SOURCES: [&str; 25] = [
     "device.rs",
     "scene.rs",
     "describe.rs",
+    "light.rs",
     "environment.rs",
     "sky.rs",
     "material.rs",
@@ -80,6 +82,9 @@ const INITIALISERS: &str = r"/** Stands for no material, no surface. */
 #define ETD_ENVIRONMENT_MAP_INIT {sizeof(etd_environment_map), ETD_NONE, ETD_SKY_LATLONG, {1, 1, 1}, 0, {0, 1, 0}, 0}
 #define ETD_DISTANT_LIGHT_INIT {sizeof(etd_distant_light), {0, 1, 0}, {1, 1, 1}, 0, 0}
 #define ETD_SKY_INIT {sizeof(etd_sky), 12, 0, {1, 1, 1}, {0, 0, 0}, 0, 0, {0, 1, 0}, {0, 1, 0}, {0, 0, 0, 0, 0}}
+#define ETD_SPOT_LIGHT_INIT {sizeof(etd_spot_light), {0, 0, 0}, {0, -1, 0}, {1, 1, 1}, 45, 0}
+#define ETD_WEB_LIGHT_INIT \
+    {sizeof(etd_web_light), NULL, NULL, 0, {0, 0, 0}, {0, -1, 0}, {1, 0, 0}, {1, 1, 1}}
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_RENDER_OPTIONS_INIT \
     {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \

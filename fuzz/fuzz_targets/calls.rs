@@ -23,6 +23,9 @@ enum Call {
     SetMaterial { material: u8, bsdf: u8, color: [f32; 3], numbers: [f32; 5] },
     AddLight { position: [f64; 3], intensity: [f32; 3] },
     SetLight { light: u8, position: [f64; 3], intensity: [f32; 3] },
+    SpotLight { light: Option<u8>, position: [f64; 3], direction: [f64; 3], intensity: [f32; 3], angles: [f64; 2] },
+    SaneSpotLight { position: [i8; 3], direction: [i8; 3], angles: [u8; 2] },
+    WebLight { light: Option<u8>, text: Vec<u8>, position: [f64; 3], direction: [f64; 3], c0: [f64; 3], factor: [f32; 3] },
     Environment { radiance: Option<[f32; 3]> },
     EnvironmentMap { texture: u8, projection: u8, hidden: u8, radiance: [f32; 3], up: [f64; 3], rotation: f64 },
     SaneEnvironmentMap { texture: u8, rotation: i8 },
@@ -51,17 +54,39 @@ enum Call {
     Render { integrator: u8, sampler: u8, filter: u8, parameters: [f32; 2], samples: u8, depth: u8, film: bool },
     Start { integrator: u8, samples: u32, time: f64, error: f64 },
     Poll,
-    Wait { seconds: u8 },
+    Wait {
+        seconds: u8,
+    },
     Cancel,
     Resume,
     ReleaseTask,
-    Map { layer: u8 },
-    Unmap { which: u8 },
-    Copy { layer: u8, format: u8, tone_map: u8, exposure: f32, stride: u16, bottom_up: u8 },
-    Intersect { rays: Vec<[f32; 8]> },
-    Occluded { rays: Vec<[f32; 8]> },
-    Text { which: u8, capacity: u8 },
-    NewScene { dynamic: u8 },
+    Map {
+        layer: u8,
+    },
+    Unmap {
+        which: u8,
+    },
+    Copy {
+        layer: u8,
+        format: u8,
+        tone_map: u8,
+        exposure: f32,
+        stride: u16,
+        bottom_up: u8,
+    },
+    Intersect {
+        rays: Vec<[f32; 8]>,
+    },
+    Occluded {
+        rays: Vec<[f32; 8]>,
+    },
+    Text {
+        which: u8,
+        capacity: u8,
+    },
+    NewScene {
+        dynamic: u8,
+    },
 }
 
 unsafe extern "C" fn stop(_: *mut c_void, _: *const etd_progress) -> i32 {
@@ -325,6 +350,52 @@ impl World {
                 }
                 Call::SetLight { light, position, intensity } => {
                     fine(etd_scene_set_point_light(scene, u32::from(light), position.as_ptr(), intensity.as_ptr()));
+                }
+                Call::SpotLight { light, position, direction, intensity, angles: [outer_cone_deg, inner_cone_deg] } => {
+                    let it =
+                        etd_spot_light { position, direction, intensity, outer_cone_deg, inner_cone_deg, ..sized() };
+                    match light {
+                        None => {
+                            fine(etd_scene_add_spot_light(scene, &raw const it, &raw mut number));
+                        }
+                        Some(light) => {
+                            fine(etd_scene_set_spot_light(scene, u32::from(light), &raw const it));
+                            let mut out: etd_spot_light = sized();
+                            fine(etd_scene_get_spot_light(scene, u32::from(light), &raw mut out));
+                        }
+                    }
+                }
+                Call::SaneSpotLight { position, direction, angles } => {
+                    let it = etd_spot_light {
+                        position: position.map(|x| f64::from(x) / 16.0),
+                        direction: direction.map(f64::from),
+                        intensity: [1.0; 3],
+                        outer_cone_deg: f64::from(angles[0].max(angles[1])) / 256.0 * 180.0,
+                        inner_cone_deg: f64::from(angles[0].min(angles[1])) / 256.0 * 180.0,
+                        ..sized()
+                    };
+                    fine(etd_scene_add_spot_light(scene, &raw const it, &raw mut number));
+                }
+                Call::WebLight { light, text, position, direction, c0, factor } => {
+                    let it = etd_web_light {
+                        text: if text.is_empty() { null() } else { text.as_ptr().cast() },
+                        text_bytes: text.len(),
+                        position,
+                        direction,
+                        c0,
+                        factor,
+                        ..sized()
+                    };
+                    match light {
+                        None => {
+                            fine(etd_scene_add_web_light(scene, &raw const it, &raw mut number));
+                        }
+                        Some(light) => {
+                            fine(etd_scene_set_web_light(scene, u32::from(light), &raw const it));
+                            let mut out: etd_web_light = sized();
+                            fine(etd_scene_get_web_light(scene, u32::from(light), &raw mut out));
+                        }
+                    }
                 }
                 Call::Environment { radiance } => {
                     let radiance = radiance.as_ref().map_or(null(), |radiance| radiance.as_ptr());

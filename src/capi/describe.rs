@@ -140,7 +140,8 @@ pub unsafe extern "C" fn etd_scene_add_point_light(
     }
 }
 
-/// Changes the position and intensity of a point light. An intensity of 0 switches it off. The arguments are those of
+/// Changes the position and intensity of a point light, which keeps its cone or web if it has one; the intensity of a measured lamp is
+/// its factor. An intensity of 0 switches it off. The arguments are those of
 /// `etd_scene_add_point_light`. Thread-safe.
 ///
 /// # Safety
@@ -163,7 +164,8 @@ pub unsafe extern "C" fn etd_scene_set_point_light(
     }
 }
 
-/// Returns position and intensity of a point light as described now, three numbers each. Thread-safe.
+/// Returns position and intensity of a point light as described now, three numbers each; the intensity of a measured lamp is its
+/// factor. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.

@@ -8,6 +8,7 @@ use super::warnings::warn;
 use super::{Dialect, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook, json, mesh_files, validate};
 use crate::control::WorkProgress;
 use crate::math::DVec3;
+use crate::photometry::Web;
 use crate::texture::{ColorSpace, ImageSource, ReadImage, ReadingTogether, TexelImage, read_image, read_images};
 use crate::{Error, Result};
 
@@ -21,6 +22,7 @@ pub(super) struct Builder<'a> {
     /// Meshes by their files, and by whether their degenerate triangles are kept.
     files: HashMap<(PathBuf, bool), usize>,
     images: HashMap<PathBuf, KnownImage>,
+    webs: HashMap<PathBuf, Arc<Web>>,
     /// The parts of the files whose own materials are used: pairs of a material and a mesh.
     divided_files: HashMap<PathBuf, Vec<[usize; 2]>>,
 }
@@ -28,8 +30,8 @@ pub(super) struct Builder<'a> {
 impl<'a> Builder<'a> {
     pub fn new(dialect: Dialect, base_dir: &'a Path, file: Option<&Path>, work: &'a WorkProgress<'static>) -> Self {
         let scene = SceneDesc { dialect, file: file.map(Path::to_owned), ..SceneDesc::default() };
-        let (files, images, divided_files) = (HashMap::new(), HashMap::new(), HashMap::new());
-        Self { scene, base_dir, work, files, images, divided_files }
+        let (files, images, webs, divided_files) = (HashMap::new(), HashMap::new(), HashMap::new(), HashMap::new());
+        Self { scene, base_dir, work, files, images, webs, divided_files }
     }
 
     pub fn warn(&mut self, path: &str, message: &str) {
@@ -115,6 +117,23 @@ impl<'a> Builder<'a> {
             }
         };
         Ok((file, image, space))
+    }
+
+    /// Returns a photometric web. The file is read at its first use.
+    pub fn web_file(&mut self, path: &str, file: &str) -> Result<Arc<Web>> {
+        self.work.check()?;
+        if !is_file_name(file) {
+            return Err(Error::invalid(path, "not a file name, expected that of a photometric web"));
+        }
+        let file = self.base_dir.join(file);
+        let identity = identity(&file);
+        if let Some(web) = self.webs.get(&identity) {
+            return Ok(Arc::clone(web));
+        }
+        let web = Arc::new(Web::read(&file).map_err(|error| error.at(path))?);
+        self.scene.files.push(file);
+        self.webs.insert(identity, Arc::clone(&web));
+        Ok(web)
     }
 
     /// Adds a mesh that is given inside the scene file.

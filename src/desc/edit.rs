@@ -19,7 +19,7 @@ use super::{
     material_check, validate,
 };
 use crate::control::{Cancel, WorkProgress};
-use crate::math::{Bounds, DAffine3, DVec3};
+use crate::math::{Bounds, DAffine3};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
@@ -155,29 +155,6 @@ impl SceneDesc {
             material_check::medium(&known.path, &known.bsdf, medium)?;
         }
         known.medium = medium;
-        Ok(())
-    }
-
-    /// Adds a point light and returns its number. `intensity` is radiant intensity [W sr^-1], each channel >= 0.
-    ///
-    /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] at `lights[..].origin[..]` or `lights[..].color[..]`.
-    pub fn add_point_light(&mut self, position: DVec3, intensity: Rgb) -> Result<usize> {
-        let path = format!("lights[{}]", self.lights.len());
-        self.lights.push(validate::point_light(&path, position, intensity.to_f64(), 1.0)?);
-        Ok(self.lights.len() - 1)
-    }
-
-    /// Changes a point light. An intensity of zero switches the light off.
-    ///
-    /// # Errors
-    /// The errors are those of [`Self::add_point_light`], and an error for a number that no light has.
-    pub fn set_point_light(&mut self, light: usize, position: DVec3, intensity: Rgb) -> Result<()> {
-        let count = self.lights.len();
-        let Some(known) = self.lights.get_mut(light) else {
-            return Err(none_such(&format!("lights[{light}]"), "point light", light, count));
-        };
-        *known = validate::point_light(&known.path, position, intensity.to_f64(), 1.0)?;
         Ok(())
     }
 

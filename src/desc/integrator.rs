@@ -25,6 +25,9 @@ pub struct IntegratorInfo {
     /// Whether the integrator takes light from emitters at infinity. An integrator that does not refuses scenes with such
     /// emitters.
     pub takes_infinite_emitters: bool,
+    /// Whether the integrator takes points whose radiant intensity varies by direction. An integrator that does not refuses scenes
+    /// with such points.
+    pub takes_directed_points: bool,
     /// Whether media absorb the light of the integrator's paths. An integrator that does not know media refuses scenes in
     /// which one absorbs.
     pub takes_absorption: bool,
@@ -153,6 +156,7 @@ macro_rules! integrators {
             preparation: $preparation:expr,
             cut_by_max_depth: $cut_by_max_depth:literal,
             takes_infinite_emitters: $takes_infinite_emitters:literal,
+            takes_directed_points: $takes_directed_points:literal,
             takes_absorption: $takes_absorption:literal,
             lobes: $lobes:expr,
         }
@@ -180,6 +184,7 @@ macro_rules! integrators {
                             preparation: $preparation,
                             cut_by_max_depth: $cut_by_max_depth,
                             takes_infinite_emitters: $takes_infinite_emitters,
+                            takes_directed_points: $takes_directed_points,
                             takes_absorption: $takes_absorption,
                             lobes: $lobes,
                         };
@@ -209,6 +214,7 @@ integrators! {
         preparation: Preparation::Nothing,
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_directed_points: true,
         takes_absorption: true,
         lobes: Some(FOLLOWED),
     }
@@ -221,6 +227,7 @@ integrators! {
         preparation: Preparation::Nothing,
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_directed_points: true,
         takes_absorption: true,
         lobes: Some(LobeSupport {
             diffuse: LobeUse::DirectLight,
@@ -237,6 +244,7 @@ integrators! {
         preparation: Preparation::Nothing,
         cut_by_max_depth: false,
         takes_infinite_emitters: true,
+        takes_directed_points: true,
         takes_absorption: true,
         lobes: Some(LobeSupport {
             diffuse: LobeUse::DirectLight,
@@ -253,6 +261,7 @@ integrators! {
         preparation: Preparation::PhotonMaps(PhotonMethod::Direct, MapRenewal::Once),
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_directed_points: true,
         takes_absorption: true,
         lobes: Some(STORED),
     }
@@ -265,6 +274,7 @@ integrators! {
         preparation: Preparation::PhotonMaps(PhotonMethod::Caustic, MapRenewal::EachPassByDefault),
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_directed_points: true,
         takes_absorption: true,
         lobes: Some(STORED),
     }
@@ -277,6 +287,7 @@ integrators! {
         preparation: Preparation::PhotonMaps(PhotonMethod::FinalGather, MapRenewal::Once),
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_directed_points: true,
         takes_absorption: true,
         lobes: Some(STORED),
     }
@@ -289,6 +300,7 @@ integrators! {
         preparation: Preparation::PhotonMaps(PhotonMethod::IrradianceCache, MapRenewal::Once),
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_directed_points: true,
         takes_absorption: true,
         lobes: Some(STORED),
     }
@@ -301,6 +313,7 @@ integrators! {
         preparation: Preparation::RadiositySolution,
         cut_by_max_depth: false,
         takes_infinite_emitters: false,
+        takes_directed_points: false,
         takes_absorption: false,
         lobes: Some(LobeSupport {
             diffuse: LobeUse::StoredAndGathered,
@@ -317,6 +330,7 @@ integrators! {
         preparation: Preparation::PhotonMaps(PhotonMethod::CommonRadius, MapRenewal::EachPass),
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_directed_points: true,
         takes_absorption: true,
         lobes: Some(STORED),
     }
@@ -329,6 +343,7 @@ integrators! {
         preparation: Preparation::PhotonMaps(PhotonMethod::PixelRadii, MapRenewal::EachPass),
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_directed_points: true,
         takes_absorption: true,
         lobes: Some(STORED),
     }
@@ -341,6 +356,7 @@ integrators! {
         preparation: Preparation::Choice,
         cut_by_max_depth: true,
         takes_infinite_emitters: true,
+        takes_directed_points: true,
         takes_absorption: true,
         lobes: None,
     }

@@ -56,6 +56,7 @@ mod index;
 mod integrator;
 mod json;
 mod light;
+mod light_keys;
 mod material;
 mod material_check;
 mod material_keys;
@@ -103,7 +104,7 @@ pub use integrator::{
     Bias, IntegratorDesc, IntegratorInfo, LobeSupport, LobeUse, MapRenewal, PhotonMethod, Preparation, SampleOrder,
 };
 pub(crate) use json::elided;
-pub use light::PointLightDesc;
+pub use light::{LightDistribution, PointLightDesc, SpotDesc, WebDesc};
 pub(crate) use material::Body;
 pub use material::{BsdfDesc, MaterialDesc, MediumDesc};
 pub use microfacets::{ConductorDesc, Distribution, METALS, Masking, Metal, MicrofacetsDesc};

@@ -12,8 +12,8 @@ use serde_json::value::RawValue;
 use super::builder::Builder;
 use super::json;
 use super::{
-    Dialect, PointLightDesc, RenderDesc, SceneDesc, camera_keys, material_keys, numbers, render_keys, save, sky_keys,
-    surface, texture_keys, validate,
+    Dialect, RenderDesc, SceneDesc, camera_keys, light_keys, material_keys, render_keys, sky_keys, surface,
+    texture_keys,
 };
 use crate::control::WorkProgress;
 use crate::math::DVec3;
@@ -42,28 +42,6 @@ struct Top<'a> {
     meshes: Option<&'a RawValue>,
     #[serde(borrow)]
     surfaces: Option<&'a RawValue>,
-}
-
-/// A light that shines from a point, the same in all directions.
-#[derive(Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub(super) struct PointLight {
-    #[serde(rename = "type")]
-    _type: PointTag,
-    /// Position.
-    origin: [f64; 3],
-    /// Times `intensity`: radiant intensity, W/sr per channel.
-    color: [f64; 3],
-    /// Factor on `color`. Default 1.
-    intensity: Option<f64>,
-}
-
-#[derive(Deserialize, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
-#[serde(rename_all = "kebab-case")]
-enum PointTag {
-    Point,
 }
 
 /// A triangle that shines on the side of (v2 - v1) x (v3 - v1) and reflects nothing.
@@ -117,22 +95,19 @@ pub(super) fn read(
     Ok(builder.scene)
 }
 
-/// Writes a point light, whose numbers have been checked.
-pub(super) fn write_point_light(light: &PointLightDesc) -> Result<Box<RawValue>> {
-    save::raw(&PointLight {
-        _type: PointTag::Point,
-        origin: light.position.to_array(),
-        color: numbers::color(light.intensity),
-        intensity: None,
-    })
-}
-
 fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
-    match json::tag(raw, path, "type", &["point", "area", "distant", "environment", "sky"])?.as_str() {
+    match json::tag(raw, path, "type", &["point", "area", "distant", "environment", "sky", "spot", "web"])?.as_str() {
         "point" => {
-            let light: PointLight = json::object(raw, path)?;
-            let factor = light.intensity.unwrap_or(1.0);
-            builder.scene.lights.push(validate::point_light(path, light.origin, light.color, factor)?);
+            builder.scene.lights.push(light_keys::point(raw, path)?);
+            Ok(())
+        }
+        "spot" => {
+            builder.scene.lights.push(light_keys::spot(raw, path)?);
+            Ok(())
+        }
+        "web" => {
+            let light = light_keys::web(raw, path, builder)?;
+            builder.scene.lights.push(light);
             Ok(())
         }
         "area" => {

@@ -4,7 +4,7 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 
-use super::{camera_keys, material_keys, native, render_block, sky_keys, surface, texture_keys};
+use super::{camera_keys, light_keys, material_keys, native, render_block, sky_keys, surface, texture_keys};
 
 /// A scene in Étendue's native format, version 1.
 #[derive(JsonSchema)]
@@ -39,7 +39,9 @@ struct Scene<'a> {
 #[schemars(untagged)]
 #[expect(dead_code, reason = "only its schema is used")]
 enum Light {
-    Point(native::PointLight),
+    Point(light_keys::PointLight),
+    Spot(light_keys::SpotLight),
+    Web(light_keys::WebLight),
     Area(native::AreaLight),
     Environment(sky_keys::Environment),
     Distant(sky_keys::Distant),

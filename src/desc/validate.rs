@@ -1,7 +1,10 @@
 //! Checks of single values: their physical meaning, and that single precision can hold them.
 
 use super::json::{Whole, elided, join};
-use super::{EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, MaterialDesc, MeshDesc, PointLightDesc, ShapeDesc};
+use super::{
+    EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, LightDistribution, MaterialDesc, MeshDesc, PointLightDesc,
+    ShapeDesc, SpotDesc, WebDesc,
+};
 use crate::emitter::SkyFormula;
 use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
 use crate::spectrum::Rgb;
@@ -169,7 +172,46 @@ pub(super) fn point_light(
     let factor = intensity(&join(path, "intensity"), factor)?;
     let position = vector(&join(path, "origin"), position)?;
     let intensity = emission(&join(path, "color"), color, factor)?;
-    Ok(PointLightDesc { path: path.to_owned(), position, intensity })
+    Ok(PointLightDesc { path: path.to_owned(), ..PointLightDesc::even(position, intensity) })
+}
+
+/// Checks a point light and its distribution.
+pub(super) fn light(light: PointLightDesc) -> Result<PointLightDesc> {
+    let even = point_light(&light.path, light.position, light.intensity.to_f64(), 1.0)?;
+    match &light.distribution {
+        LightDistribution::Even => {}
+        LightDistribution::Spot(it) => spot(&light.path, it)?,
+        LightDistribution::Web(it) => web(&light.path, it, even.intensity)?,
+    }
+    Ok(PointLightDesc { distribution: light.distribution, ..even })
+}
+
+/// Checks the directions of a web, and that its intensities times `factor` fit single precision.
+pub(super) fn web(path: &str, web: &WebDesc, factor: Rgb) -> Result<()> {
+    direction(&join(path, "direction"), web.direction)?;
+    direction(&join(path, "c0"), web.c0)?;
+    for (i, channel) in factor.to_f64().to_array().into_iter().enumerate() {
+        number(&format!("{path}.color[{i}]"), channel * web.web.peak())?;
+    }
+    Ok(())
+}
+
+/// Checks the axis and the angles of a spot light.
+pub(super) fn spot(path: &str, spot: &SpotDesc) -> Result<()> {
+    direction(&join(path, "direction"), spot.direction)?;
+    let SpotDesc { outer_deg, inner_deg, .. } = *spot;
+    let narrowest = SpotDesc::NARROWEST;
+    if !(narrowest..=180.0).contains(&outer_deg) {
+        let message =
+            format!("{outer_deg} degrees are out of range, expected an angle from the axis in [{narrowest}, 180]");
+        return Err(Error::invalid(join(path, "outerConeAngle"), message));
+    }
+    if !(0.0..=outer_deg).contains(&inner_deg) {
+        let message =
+            format!("{inner_deg} degrees are out of range, expected an angle from the axis in [0, {outer_deg}]");
+        return Err(Error::invalid(join(path, "innerConeAngle"), message));
+    }
+    Ok(())
 }
 
 /// Makes an environment of radiance `color` times `factor`, the same from all directions.

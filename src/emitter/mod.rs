@@ -7,6 +7,7 @@
 //! reference point and includes the probability of the choice.
 
 mod cie_sky;
+mod directed;
 mod distant;
 mod environment;
 mod environment_map;
@@ -14,14 +15,17 @@ mod infinite_ball;
 mod receiver;
 mod sample;
 mod sphere;
+mod spot;
 mod textured;
 mod textured_part;
 mod textured_radiance;
 mod textured_sphere;
 mod tree;
 mod triangle;
+mod web;
 
 pub use cie_sky::{FormulaSky, SkyFormula};
+pub use directed::{DirectedPoint, Distribution};
 pub use distant::DistantEmitter;
 pub use environment::EnvironmentEmitter;
 pub use environment_map::{EnvironmentMap, EnvironmentMapEmitter, Sky, SkyModel, SkyTexture};
@@ -29,11 +33,13 @@ pub use infinite_ball::InfiniteBall;
 pub use receiver::Receiver;
 pub use sample::{Departure, EmitterSample};
 pub use sphere::SphereEmitter;
+pub use spot::Spot;
 pub use textured::{TextureCorners, TexturedTriangle};
 pub use textured_part::PartRadiance;
 pub use textured_radiance::TexturedRadiance;
 pub use textured_sphere::{SphereTexture, TexturedSphere};
 pub use triangle::TriangleEmitter;
+pub use web::TurnedWeb;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -55,6 +61,8 @@ pub enum Emitter {
         /// Radiant intensity [W sr^-1].
         intensity: Rgb,
     },
+    /// A point whose radiant intensity varies by direction.
+    Directed(Box<DirectedPoint>),
     /// A one-sided triangle.
     Triangle(TriangleEmitter),
     /// A one-sided triangle whose radiance a texture varies.
@@ -72,11 +80,12 @@ pub enum Emitter {
 }
 
 impl Emitter {
-    /// Emitted power \[W\]: 4 pi I of a point light, pi L A of an area emitter. The result is in double precision,
+    /// Emitted power \[W\]: 4 pi I of an even point light, pi L A of an area emitter. The result is in double precision,
     /// because single precision may overflow for a product of a radiance and an area.
     pub fn power(&self) -> DVec3 {
         match self {
             Self::Point { intensity, .. } => 4.0 * PI * intensity.to_f64(),
+            Self::Directed(emitter) => emitter.power(),
             Self::Triangle(emitter) => emitter.power(),
             Self::Textured(emitter) => emitter.mean.power(),
             Self::Sphere(emitter) => emitter.power(),
@@ -90,7 +99,7 @@ impl Emitter {
     /// Emitting area [length^2]; 0 for a point light.
     pub fn area(&self) -> f64 {
         match self {
-            Self::Point { .. } => 0.0,
+            Self::Point { .. } | Self::Directed(_) => 0.0,
             Self::Triangle(emitter) => f64::from(emitter.triangle.area),
             Self::Textured(emitter) => f64::from(emitter.mean.triangle.area),
             Self::Sphere(emitter) => emitter.sphere.area(),
@@ -127,8 +136,18 @@ impl Emitter {
             Self::Textured(emitter) => emitter.mean.radiance,
             Self::Sphere(emitter) => emitter.radiance,
             Self::TexturedSphere(emitter) => emitter.mean.radiance,
-            Self::Point { .. } | Self::Environment(_) | Self::EnvironmentMap(_) | Self::Distant(_) => Rgb::ZERO,
+            Self::Point { .. }
+            | Self::Directed(_)
+            | Self::Environment(_)
+            | Self::EnvironmentMap(_)
+            | Self::Distant(_) => Rgb::ZERO,
         }
+    }
+
+    /// Whether it is a point.
+    #[inline]
+    pub fn is_point(&self) -> bool {
+        matches!(self, Self::Point { .. } | Self::Directed(_))
     }
 
     /// Whether a texture varies its radiance.
@@ -140,6 +159,7 @@ impl Emitter {
     pub fn centre(&self) -> Vec3 {
         match self {
             Self::Point { position, .. } => *position,
+            Self::Directed(emitter) => emitter.position,
             Self::Triangle(emitter) => emitter.triangle.at(1.0 / 3.0, 1.0 / 3.0),
             Self::Textured(emitter) => emitter.mean.triangle.at(1.0 / 3.0, 1.0 / 3.0),
             Self::Sphere(emitter) => emitter.sphere.centre.as_vec3a(),
@@ -172,6 +192,7 @@ impl Emitter {
     pub fn sample_departure(&self, u: [f32; 2]) -> Departure {
         match self {
             Self::Point { position, .. } => Departure { point: HitPoint::new(*position, 0.0), normal: None },
+            Self::Directed(emitter) => Departure { point: HitPoint::new(emitter.position, 0.0), normal: None },
             Self::Triangle(emitter) => emitter.sample_departure(u),
             Self::Textured(emitter) => emitter.sample_departure(u),
             Self::Sphere(emitter) => emitter.sample_departure(u),
@@ -188,6 +209,23 @@ impl Emitter {
 /// A shadow ray to a point light ends this fraction of its length before the light, so that a surface exactly at the
 /// light does not block it by rounding. 16 units of f32.
 const SHADOW_END: f32 = 1.0 - 16.0 * f32::EPSILON;
+
+/// The direction from `p` to a point of this radiant intensity; `None` where `p` is the point.
+#[inline(always)]
+fn sample_point(p: Vec3, position: Vec3, intensity: Rgb) -> Option<EmitterSample> {
+    let to_light = position - p;
+    let distance2 = to_light.length_squared();
+    if distance2 <= 0.0 {
+        return None;
+    }
+    Some(EmitterSample {
+        wi: to_light / distance2.sqrt(),
+        target: p + SHADOW_END * to_light,
+        radiance: intensity / distance2,
+        pdf: 1.0,
+        is_delta: true,
+    })
+}
 
 /// Fraction of the choices by power that is uniform over the emitters.
 const UNIFORM_FRACTION: f64 = 0.1;
@@ -260,7 +298,7 @@ impl EmitterSet {
             }
             Distribution1D::cancellable(&powers, cancel)?.map(EmitterChoice::ByPower)
         };
-        let point_lights = emitters.iter().filter(|emitter| matches!(emitter, Emitter::Point { .. })).count();
+        let point_lights = emitters.iter().filter(|emitter| emitter.is_point()).count();
         if choice.is_none() {
             // Light that cannot be sampled is not found by chance either.
             infinite.clear();
@@ -281,6 +319,11 @@ impl EmitterSet {
     /// Whether textures vary the radiance of some of them.
     pub fn has_textured(&self) -> bool {
         self.emitters.iter().any(Emitter::is_textured)
+    }
+
+    /// Whether some of them are points whose radiant intensity varies by direction.
+    pub fn has_directed(&self) -> bool {
+        self.emitters.iter().any(|emitter| matches!(emitter, Emitter::Directed(_)))
     }
 
     /// Number of point lights.
@@ -323,19 +366,14 @@ impl EmitterSet {
             }
         };
         let mut sample = match &self.emitters[index] {
-            Emitter::Point { position, intensity } => {
-                let to_light = *position - p;
-                let distance2 = to_light.length_squared();
-                if distance2 <= 0.0 {
+            Emitter::Point { position, intensity } => sample_point(p, *position, *intensity)?,
+            Emitter::Directed(emitter) => {
+                let even = sample_point(p, emitter.position, emitter.intensity)?;
+                let factor = emitter.distribution.factor(-even.wi);
+                if factor <= 0.0 {
                     return None;
                 }
-                EmitterSample {
-                    wi: to_light / distance2.sqrt(),
-                    target: p + SHADOW_END * to_light,
-                    radiance: *intensity / distance2,
-                    pdf: 1.0,
-                    is_delta: true,
-                }
+                EmitterSample { radiance: even.radiance * factor, ..even }
             }
             Emitter::Triangle(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Textured(emitter) => emitter.sample(p, [u[1], u[2]])?,
@@ -374,7 +412,11 @@ impl EmitterSet {
         let receiver = receiver.into();
         let p = receiver.p;
         let pdf = match &self.emitters[index as usize] {
-            Emitter::Point { .. } | Emitter::Environment(_) | Emitter::EnvironmentMap(_) | Emitter::Distant(_) => 0.0,
+            Emitter::Point { .. }
+            | Emitter::Directed(_)
+            | Emitter::Environment(_)
+            | Emitter::EnvironmentMap(_)
+            | Emitter::Distant(_) => 0.0,
             Emitter::Triangle(emitter) => emitter.pdf(p, hit),
             Emitter::Textured(emitter) => emitter.pdf(p, hit),
             Emitter::Sphere(emitter) => emitter.pdf(p),
@@ -453,9 +495,11 @@ impl EmitterSet {
             return Rgb::ZERO;
         }
         match &self.emitters[index as usize] {
-            Emitter::Point { .. } | Emitter::Environment(_) | Emitter::EnvironmentMap(_) | Emitter::Distant(_) => {
-                Rgb::ZERO
-            }
+            Emitter::Point { .. }
+            | Emitter::Directed(_)
+            | Emitter::Environment(_)
+            | Emitter::EnvironmentMap(_)
+            | Emitter::Distant(_) => Rgb::ZERO,
             Emitter::Triangle(emitter) => emitter.radiance,
             Emitter::Textured(emitter) => emitter.radiance(p),
             Emitter::Sphere(emitter) => emitter.radiance,

@@ -5,7 +5,7 @@ use crate::desc::{IntegratorDesc, LobeSupport, LobeUse};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
-/// Refuses a scene that moves, that has light from infinity, in which media absorb, or that has a surface with lobes or an opacity, which the
+/// Refuses a scene that moves, that has light from infinity or points that shine unevenly, in which media absorb, or that has a surface with lobes or an opacity, which the
 /// integrator does not support according to the table of integrators.
 ///
 /// # Errors
@@ -21,6 +21,9 @@ pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
     };
     if scene.emitters().has_infinite() && !integrator.info().takes_infinite_emitters {
         return refuse("", "light from infinity");
+    }
+    if scene.emitters().has_directed() && !integrator.info().takes_directed_points {
+        return refuse("", "point lights that shine unevenly");
     }
     if scene.has_absorption() && !integrator.info().takes_absorption {
         return refuse("", "media that absorb light");

@@ -12,13 +12,14 @@ use super::record::{AppearanceKey, GeometryRecord};
 use super::sky::environment_map;
 use super::textured_emission::{EmissionTexture, MOST_PIECES, emission_textures};
 use crate::control::WorkProgress;
-use crate::desc::{SceneDesc, SkyDesc};
+use crate::desc::{LightDistribution, PointLightDesc, SceneDesc, SkyDesc};
 use crate::emitter::{
-    DistantEmitter, Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap, EnvironmentMapEmitter, InfiniteBall,
-    SphereEmitter, TriangleEmitter,
+    DirectedPoint, DistantEmitter, Distribution, Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap,
+    EnvironmentMapEmitter, InfiniteBall, SphereEmitter, Spot, TriangleEmitter, TurnedWeb,
 };
 use crate::error::{Error, Result};
 use crate::math::{Bounds, DVec3, Vec3};
+use crate::photometry::LUMENS_PER_WATT;
 use crate::shape::{Analytic, Sphere, Triangle};
 use crate::spectrum::Rgb;
 
@@ -91,6 +92,28 @@ pub(super) fn rebind_materials(old: &SurfaceBindings, appearance: &AppearanceKey
     }
 }
 
+/// The emitter of a point light that is at `position` in the scene frame.
+fn point_emitter(light: &PointLightDesc, position: Vec3) -> Emitter {
+    let intensity = light.intensity;
+    let distribution = match &light.distribution {
+        LightDistribution::Even => return Emitter::Point { position, intensity },
+        LightDistribution::Spot(spot) => {
+            let axis = (spot.direction / spot.direction.abs().max_element()).normalize_or(DVec3::NEG_Y);
+            let [inner, outer] = [spot.inner_deg, spot.outer_deg].map(f64::to_radians);
+            Distribution::Spot(Spot::new(axis, inner, outer))
+        }
+        LightDistribution::Web(it) => {
+            let unit = |v: DVec3| (v / v.abs().max_element()).try_normalize();
+            let axis = unit(it.direction).unwrap_or(DVec3::NEG_Y);
+            let web = TurnedWeb::new(Arc::clone(&it.web), axis, unit(it.c0).unwrap_or(axis));
+            let intensity = Rgb::from_f64(intensity.to_f64() / LUMENS_PER_WATT);
+            let distribution = Distribution::Web(web);
+            return Emitter::Directed(Box::new(DirectedPoint { position, intensity, distribution }));
+        }
+    };
+    Emitter::Directed(Box::new(DirectedPoint { position, intensity, distribution }))
+}
+
 struct BindingBuilder<'a, 'p> {
     desc: &'a SceneDesc,
     progress: &'a WorkProgress<'p>,
@@ -118,8 +141,12 @@ impl BindingBuilder<'_, '_> {
             if !position.is_finite() {
                 return Err(Error::invalid(format!("{}.origin", light.path), "is too far from the scene"));
             }
-            if light.intensity != Rgb::ZERO {
-                self.emitters.push(Emitter::Point { position, intensity: light.intensity });
+            let is_dark = match &light.distribution {
+                LightDistribution::Web(it) => it.web.flux() <= 0.0,
+                _ => false,
+            };
+            if light.intensity != Rgb::ZERO && !is_dark {
+                self.emitters.push(point_emitter(light, position));
             }
         }
         Ok(())

@@ -7,9 +7,10 @@ use std::time::Duration;
 use super::prepared_textures::PreparedTextures;
 use super::record::{BuildFacts, GeometryRecord};
 use crate::bsdf::{Bsdf, Lobes, Model as _};
-use crate::desc::{IntegratorDesc, RouletteDesc, SceneDesc, SurfaceDesc, TextureSource};
+use crate::desc::{IntegratorDesc, LightDistribution, RouletteDesc, SceneDesc, SurfaceDesc, TextureSource, WebDesc};
 use crate::emitter::{Emitter, EmitterSet};
 use crate::math::Bounds;
+use crate::photometry::Web;
 use crate::spectrum::Rgb;
 
 /// Range of a scene's extent in which products of three lengths, and with them the kernel's tests, neither overflow nor
@@ -19,6 +20,8 @@ const SAFE_SIZES: std::ops::RangeInclusive<f64> = 1e-8..=1e9;
 /// The figures of a built scene. Its `Display` is the text that `etendue info` prints.
 #[derive(Clone, Debug, Default)]
 pub struct SceneInfo {
+    /// The first photometric webs.
+    pub webs: Vec<WebInfo>,
     /// Number of surfaces described.
     pub surfaces: usize,
     /// Number of materials described.
@@ -167,6 +170,7 @@ impl SceneInfo {
             emitters: emitters.emitters().len(),
             point_lights: emitters.point_lights(),
             infinite_emitters: emitters.infinite(),
+            webs: webs(desc),
             smooth_meshes: facts.smooth_meshes,
             bounds: facts.bounds,
             geometry_bytes: facts.geometry_bytes,
@@ -301,7 +305,22 @@ pub(super) fn warnings(
     warnings
 }
 
-/// The greatest number of surfaces that one warning names.
+/// The first photometric webs of a description, each once.
+fn webs(desc: &SceneDesc) -> Vec<WebInfo> {
+    let mut webs: Vec<(&Arc<Web>, WebInfo)> = Vec::new();
+    for light in &desc.lights {
+        let LightDistribution::Web(WebDesc { web, .. }) = &light.distribution else { continue };
+        if let Some((_, info)) = webs.iter_mut().find(|(known, _)| Arc::ptr_eq(known, web)) {
+            info.lights += 1;
+        } else if webs.len() < NAMED {
+            let info = WebInfo { path: light.path.clone(), lights: 1, flux: web.flux(), stated: web.stated_flux() };
+            webs.push((web, info));
+        }
+    }
+    webs.into_iter().map(|(_, info)| info).collect()
+}
+
+/// The greatest number of surfaces that one warning names, and of webs that are told of.
 const NAMED: usize = 5;
 
 /// Returns the number of surfaces of a description that satisfy `is_such`, and the names of the first ones; `None` where there
@@ -389,6 +408,29 @@ fn not_in_radiosity(desc: &SceneDesc, bsdfs: &[Bsdf]) -> Option<String> {
     lines.into_iter().flatten().reduce(|all, line| format!("{all}; {line}"))
 }
 
+/// What is known of a photometric web.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WebInfo {
+    /// The first light that has it.
+    pub path: String,
+    /// How many lights have it.
+    pub lights: usize,
+    /// Luminous flux \[lm\]: the integral of its intensities.
+    pub flux: f64,
+    /// Luminous flux that its file states, of the lamps or of the luminaire \[lm\].
+    pub stated: Option<f64>,
+}
+
+impl fmt::Display for WebInfo {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "web             {} ({} lights): {:.1} lm", self.path, self.lights, self.flux)?;
+        if let Some(stated) = self.stated {
+            write!(f, " of the {stated:.1} lm in its file")?;
+        }
+        Ok(())
+    }
+}
+
 impl fmt::Display for SceneInfo {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mebibytes = |bytes: usize| bytes as f64 / (1024.0 * 1024.0);
@@ -407,6 +449,9 @@ impl fmt::Display for SceneInfo {
             write!(f, ", {} at infinity", self.infinite_emitters)?;
         }
         writeln!(f, ")")?;
+        for web in &self.webs {
+            writeln!(f, "{web}")?;
+        }
         if !self.bounds.is_empty() {
             let (min, max) = (self.bounds.min, self.bounds.max);
             writeln!(f, "bounds          [{}, {}, {}] to [{}, {}, {}]", min.x, min.y, min.z, max.x, max.y, max.z)?;

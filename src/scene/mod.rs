@@ -52,7 +52,7 @@ pub use detail::SurfaceDetail;
 pub(crate) use faces::{Body, Face, FaceNumbers};
 pub use facets::{Facet, SurfaceMesh};
 pub use hit::Hit;
-pub use info::SceneInfo;
+pub use info::{SceneInfo, WebInfo};
 pub use interaction::SurfaceInteraction;
 pub use material::{Material, VaryingMaterial};
 pub(crate) use media::PathMedia;

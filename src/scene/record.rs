@@ -6,8 +6,8 @@ use std::sync::{Arc, Weak};
 use super::mesh::MeshObject;
 use super::textured_emission::binding_of;
 use crate::desc::{
-    DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, MeshDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceDesc,
-    TextureChannel, TextureDesc, TextureKey,
+    DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, LightDistribution, MeshDesc, PointLightDesc, SceneDesc,
+    ShapeDesc, SkyDesc, SurfaceDesc, TextureChannel, TextureDesc, TextureKey,
 };
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
@@ -176,7 +176,7 @@ pub(super) struct AppearanceKey {
     emissions: Vec<Option<Rgb>>,
     /// The textures that vary emissions, of each surface; empty where there are none.
     emission_textures: Vec<Option<(Arc<TextureDesc>, TextureChannel)>>,
-    lights: Vec<(DVec3, Rgb)>,
+    lights: Vec<(DVec3, Rgb, LightDistribution)>,
     environment: Option<EnvironmentKey>,
     distant: Vec<DistantLightDesc>,
 }
@@ -210,11 +210,12 @@ impl AppearanceKey {
             let binding = binding_of(desc, surface)?;
             Some((Arc::clone(desc.textures.get(binding.texture)?), binding.channel))
         };
+        let light = |light: &PointLightDesc| (light.position, light.intensity, light.distribution.clone());
         Self {
             emission_textures: if is_textured { desc.surfaces.iter().map(texture_of).collect() } else { Vec::new() },
             materials: desc.surfaces.iter().map(|surface| surface.material as u32).collect(),
             emissions: desc.surfaces.iter().map(|surface| surface.emission).collect(),
-            lights: desc.lights.iter().map(|light| (light.position, light.intensity)).collect(),
+            lights: desc.lights.iter().map(light).collect(),
             environment: desc.environment.as_ref().map(|environment| EnvironmentKey::new(desc, environment)),
             distant: desc
                 .distant_lights
@@ -240,6 +241,6 @@ impl AppearanceKey {
 
     /// The number of point lights that give no light.
     pub(super) fn dark_lights(&self) -> usize {
-        self.lights.iter().filter(|(_, intensity)| *intensity == Rgb::ZERO).count()
+        self.lights.iter().filter(|(_, intensity, _)| *intensity == Rgb::ZERO).count()
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use etendue::bake::{Bake, Baked, VertexOptions, Vertices, by_radiosity};
-use etendue::desc::{BsdfDesc, MaterialDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{BsdfDesc, LightDistribution, MaterialDesc, PointLightDesc, SceneDesc, ShapeDesc, SpotDesc};
 use etendue::integrator::Sites;
 use etendue::math::{DVec3, Vec3};
 use etendue::render::Ended;
@@ -87,6 +87,25 @@ fn a_point_light_over_a_square() {
     let mut behind = Bake::new(&scene, sites, settings(8, None), false).unwrap();
     behind.run(&mut |_| ControlFlow::Continue(())).unwrap();
     assert!(behind.irradiance().irradiance.iter().flatten().all(|&value| value == 0.0));
+}
+
+#[test]
+fn a_spot_light_over_a_square() {
+    let (place, axis) = (DVec3::new(0.3, 0.8, -0.4), DVec3::new(-0.3, -1.0, 0.2).normalize());
+    let mut desc = scenes::scene(scenes::camera(DVec3::Y, DVec3::ZERO, 60.0), vec![(square(0.0, true), GREY, None)]);
+    let spot = SpotDesc { outer_deg: 90.0, ..SpotDesc::new(2.0 * axis) };
+    desc.lights =
+        vec![PointLightDesc { distribution: LightDistribution::Spot(spot), ..scenes::point_light(place, 3.0) }];
+    let scene = build(&desc);
+    let atlas = atlas(&scene, 36);
+    let (baked, _) = bake(&scene, atlas.sites(), settings(64, None));
+    let exact = |p: DVec3| {
+        let way = p - place;
+        // The square of the cosine, whose edge is at a right angle.
+        3.0 * way.normalize().dot(axis).powi(2) * -way.y / way.length().powi(3)
+    };
+    let sites = atlas.sites();
+    assert_agrees(&baked, |site| mean_over(&scene, sites, site, 8, &exact), 1e-3);
 }
 
 /// What was baked of the first surface, and the numbers of those sites.

@@ -255,6 +255,23 @@ static etd_status n_scene_get_point_light(void) {
     float *intensity = AT(2, output(3 * sizeof *intensity));
     return CALL(etd_scene_get_point_light(SCENE(0), 0, position, intensity));
 }
+/* Dark, since not all renders take a spot light. */
+static etd_status n_scene_add_spot_light(void) {
+    etd_spot_light spot = ETD_SPOT_LIGHT_INIT;
+    uint32_t *number = AT(2, output(sizeof *number));
+    memset(spot.intensity, 0, sizeof spot.intensity);
+    return CALL(etd_scene_add_spot_light(SCENE(0), AT(1, &spot), number));
+}
+/* Light 1 is one that an earlier entry of the table has added. */
+static etd_status n_scene_set_spot_light(void) {
+    etd_spot_light spot = ETD_SPOT_LIGHT_INIT;
+    memset(spot.intensity, 0, sizeof spot.intensity);
+    return CALL(etd_scene_set_spot_light(SCENE(0), 1, AT(1, &spot)));
+}
+static etd_status n_scene_get_spot_light(void) {
+    etd_spot_light *spot = AT(1, sized_output(sizeof *spot));
+    return CALL(etd_scene_get_spot_light(SCENE(0), 1, spot));
+}
 static etd_status n_scene_set_environment(void) { return CALL(etd_scene_set_environment(SCENE(0), AT(1, grey))); }
 static etd_status n_scene_get_environment(void) {
     float *radiance = AT(1, output(3 * sizeof *radiance));
@@ -638,6 +655,30 @@ static etd_status n_scene_bake_vertices(void) {
     return CALL(etd_scene_bake_vertices(SCENE(0), 0, AT(1, &options), AT(2, &target), summary));
 }
 
+/* A dark lamp of a few lines. */
+static etd_web_light dark_lamp(void) {
+    static const char text[] = "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 1\n0 90\n0\n1 1\n";
+    etd_web_light web = ETD_WEB_LIGHT_INIT;
+    web.text = text;
+    web.text_bytes = sizeof text - 1;
+    memset(web.factor, 0, sizeof web.factor);
+    return web;
+}
+static etd_status n_scene_add_web_light(void) {
+    etd_web_light web = dark_lamp();
+    uint32_t *number = AT(2, output(sizeof *number));
+    return CALL(etd_scene_add_web_light(SCENE(0), AT(1, &web), number));
+}
+/* Light 2 is one that an earlier entry of the table has added. */
+static etd_status n_scene_set_web_light(void) {
+    etd_web_light web = dark_lamp();
+    return CALL(etd_scene_set_web_light(SCENE(0), 2, AT(1, &web)));
+}
+static etd_status n_scene_get_web_light(void) {
+    etd_web_light *web = AT(1, sized_output(sizeof *web));
+    return CALL(etd_scene_get_web_light(SCENE(0), 2, web));
+}
+
 /* Bits: pointer n must not be NULL; pointer n is a handle. */
 static const struct {
     const char *name;
@@ -677,6 +718,12 @@ static const struct {
     {"etd_scene_add_point_light", n_scene_add_point_light, 4, 15, 1},
     {"etd_scene_set_point_light", n_scene_set_point_light, 3, 7, 1},
     {"etd_scene_get_point_light", n_scene_get_point_light, 3, 7, 1},
+    {"etd_scene_add_spot_light", n_scene_add_spot_light, 3, 7, 1},
+    {"etd_scene_set_spot_light", n_scene_set_spot_light, 2, 3, 1},
+    {"etd_scene_get_spot_light", n_scene_get_spot_light, 2, 3, 1},
+    {"etd_scene_add_web_light", n_scene_add_web_light, 3, 7, 1},
+    {"etd_scene_set_web_light", n_scene_set_web_light, 2, 3, 1},
+    {"etd_scene_get_web_light", n_scene_get_web_light, 2, 3, 1},
     {"etd_scene_set_environment", n_scene_set_environment, 2, 1, 1},
     {"etd_scene_get_environment", n_scene_get_environment, 2, 3, 1},
     {"etd_scene_add_distant_light", n_scene_add_distant_light, 3, 7, 1},

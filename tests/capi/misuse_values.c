@@ -116,6 +116,22 @@ static etd_status s_set_sky(void) {
     return status;
 }
 static etd_status s_get_sky(void) { return etd_scene_get_sky(scene, (etd_sky *)(void *)&structure); }
+/* Light 1 is a dark spot light of the table of calls. */
+static etd_status s_set_spot(void) {
+    etd_spot_light *spot = (etd_spot_light *)(void *)&structure;
+    memset(spot->intensity, 0, sizeof spot->intensity);
+    return etd_scene_set_spot_light(scene, 1, spot);
+}
+static etd_status s_get_spot(void) {
+    return etd_scene_get_spot_light(scene, 1, (etd_spot_light *)(void *)&structure);
+}
+/* Light 2 is a dark measured lamp of the table of calls. Without a file and a text it keeps its intensities. */
+static etd_status s_set_web(void) {
+    etd_web_light *web = (etd_web_light *)(void *)&structure;
+    memset(web->factor, 0, sizeof web->factor);
+    return etd_scene_set_web_light(scene, 2, web);
+}
+static etd_status s_get_web(void) { return etd_scene_get_web_light(scene, 2, (etd_web_light *)(void *)&structure); }
 static etd_status s_set_surface(void) {
     uint32_t number;
     ((etd_surface *)(void *)&structure)->material = 0;
@@ -161,6 +177,8 @@ static void i_binding(void) { INIT(etd_texture_binding, ETD_TEXTURE_BINDING_INIT
 static void i_environment_map(void) { INIT(etd_environment_map, ETD_ENVIRONMENT_MAP_INIT); }
 static void i_distant_light(void) { INIT(etd_distant_light, ETD_DISTANT_LIGHT_INIT); }
 static void i_sky(void) { INIT(etd_sky, ETD_SKY_INIT); }
+static void i_spot(void) { INIT(etd_spot_light, ETD_SPOT_LIGHT_INIT); }
+static void i_web(void) { INIT(etd_web_light, ETD_WEB_LIGHT_INIT); }
 static void i_surface(void) { INIT(etd_surface, ETD_SURFACE_INIT); }
 static void i_render_options(void) { INIT(etd_render_options, ETD_RENDER_OPTIONS_INIT); }
 static void i_progress(void) { INIT(etd_progress, ETD_PROGRESS_INIT); }
@@ -210,6 +228,10 @@ static void pass_wrong_sizes(void) {
          offsetof(etd_environment_map, rotation_deg), 0},
         {"etd_environment_map out", i_environment_map, s_get_environment_map, sizeof(etd_environment_map),
          offsetof(etd_environment_map, rotation_deg), 1},
+        {"etd_spot_light in", i_spot, s_set_spot, sizeof(etd_spot_light), offsetof(etd_spot_light, inner_cone_deg), 0},
+        {"etd_spot_light out", i_spot, s_get_spot, sizeof(etd_spot_light), offsetof(etd_spot_light, inner_cone_deg), 1},
+        {"etd_web_light in", i_web, s_set_web, sizeof(etd_web_light), offsetof(etd_web_light, factor), 0},
+        {"etd_web_light out", i_web, s_get_web, sizeof(etd_web_light), offsetof(etd_web_light, factor), 1},
         {"etd_surface in", i_surface, s_set_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 0},
         {"etd_surface out", i_surface, s_get_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 1},
         {"etd_render_options in", i_render_options, s_set_render_options, sizeof(etd_render_options),
@@ -564,11 +586,18 @@ static void pass_numbers(void) {
             etd_environment_map sky = ETD_ENVIRONMENT_MAP_INIT;
             etd_sky formula = ETD_SKY_INIT;
             etd_distant_light distant = ETD_DISTANT_LIGHT_INIT;
+            etd_spot_light spot = ETD_SPOT_LIGHT_INIT;
+            etd_web_light web = ETD_WEB_LIGHT_INIT;
             memcpy(floats, grey, sizeof grey);
             floats[i] = bad[k];
             CHECK_STATUS(etd_scene_add_point_light(scene, centre, floats, &number), ETD_INVALID_SCENE);
             CHECK_STATUS(etd_scene_set_point_light(scene, 0, centre, floats), ETD_INVALID_SCENE);
             CHECK_STATUS(etd_scene_set_environment(scene, floats), ETD_INVALID_SCENE);
+            spot.intensity[i] = bad[k];
+            CHECK_STATUS(etd_scene_add_spot_light(scene, &spot, &number), ETD_INVALID_SCENE);
+            CHECK_STATUS(etd_scene_set_spot_light(scene, 1, &spot), ETD_INVALID_SCENE);
+            web.factor[i] = bad[k];
+            CHECK_STATUS(etd_scene_set_web_light(scene, 2, &web), ETD_INVALID_SCENE);
             sky.radiance[i] = bad[k];
             CHECK_STATUS(etd_scene_set_environment_map(scene, &sky), ETD_INVALID_SCENE);
             formula = (etd_sky)ETD_SKY_INIT;
@@ -888,6 +917,8 @@ static void pass_indices(void) {
         etd_material material = ETD_MATERIAL_INIT;
         etd_surface surface = matt();
         etd_surface lost = ETD_SURFACE_INIT;
+        etd_spot_light spot = ETD_SPOT_LIGHT_INIT;
+        etd_web_light web = ETD_WEB_LIGHT_INIT;
         etd_mesh mesh = small_mesh();
         uint32_t bad_indices[3] = {0, 1, 3};
         double position[3] = {7, 7, 7};
@@ -903,6 +934,10 @@ static void pass_indices(void) {
             CHECK_STATUS(etd_scene_get_distant_light(scene, n, &light), ETD_INVALID_ARGUMENT);
         }
         CHECK(position[0] == 7 && intensity[2] == 7);
+        CHECK_STATUS(etd_scene_set_spot_light(scene, n, &spot), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_get_spot_light(scene, n, &spot), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_set_web_light(scene, n, &web), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_get_web_light(scene, n, &web), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_add_mesh_surface(scene, n, 0, &surface, &number), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_remove_surface(scene, n), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_set_transform(scene, n, ones), ETD_INVALID_ARGUMENT);

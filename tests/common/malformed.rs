@@ -653,10 +653,32 @@ fn lights(l: &mut List) {
         (
             "light without type",
             "@{\"origin\": [0, 0, 0]}",
-            "lights[0]: missing key `type`, expected one of point, area, environment",
+            "lights[0]: missing key `type`, expected one of point, area, environment, spot",
         ),
         ("unknown light", "{\n@\"type\": \"sun\"}", "lights[0].type: unknown type 'sun'"),
         ("light type null", "{\n\"origin\": 0, \"type\": null}", "lights[0]: missing key `type`"),
+        (
+            "spot without direction",
+            "@{\"type\": \"spot\", \"origin\": [0, 0, 0], \"color\": [1, 1, 1]}",
+            "lights[0]: missing key `direction`",
+        ),
+        (
+            "spot without a way",
+            "{\"type\": \"spot\", \"origin\": [0, 0, 0], \"color\": [1, 1, 1],\n@\"direction\": [0, 0, 0]}",
+            "lights[0].direction: [0.0, 0.0, 0.0] has no direction",
+        ),
+        (
+            "spot too narrow",
+            "{\"type\": \"spot\", \"origin\": [0, 0, 0], \"color\": [1, 1, 1], \"direction\": [0, 1, 0],\n\
+             @\"outerConeAngle\": 0}",
+            "lights[0].outerConeAngle: 0 degrees are out of range, expected an angle from the axis in [0.01, 180]",
+        ),
+        (
+            "spot inside out",
+            "{\"type\": \"spot\", \"origin\": [0, 0, 0], \"color\": [1, 1, 1], \"direction\": [0, 1, 0],\n\
+             @\"innerConeAngle\": 46}",
+            "lights[0].innerConeAngle: 46 degrees are out of range, expected an angle from the axis in [0, 45]",
+        ),
         ("point without origin", "@{\"type\": \"point\", \"color\": [1, 1, 1]}", "lights[0]: missing key `origin`"),
         ("point without color", "@{\"type\": \"point\", \"origin\": [1, 1, 1]}", "lights[0]: missing key `color`"),
         (

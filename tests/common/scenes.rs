@@ -68,7 +68,7 @@ pub fn camera(eye: DVec3, look_at: DVec3, fov_deg: f64) -> CameraDesc {
 
 /// A point light.
 pub fn point_light(position: DVec3, intensity: f32) -> PointLightDesc {
-    PointLightDesc { path: "lights[0]".into(), position, intensity: Rgb::splat(intensity) }
+    PointLightDesc { path: "lights[0]".into(), ..PointLightDesc::even(position, Rgb::splat(intensity)) }
 }
 
 /// Render settings of a test.

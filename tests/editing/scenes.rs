@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use etendue::buffer::Buffer;
 use etendue::desc::{
-    self, BsdfDesc, CameraDesc, FovAxis, HostMesh, MaterialDesc, MeshDesc, PointLightDesc, SceneDesc, ShapeDesc,
-    SurfaceDesc,
+    self, BsdfDesc, CameraDesc, FovAxis, HostMesh, LightDistribution, MaterialDesc, MeshDesc, PointLightDesc,
+    SceneDesc, ShapeDesc, SpotDesc, SurfaceDesc,
 };
 use etendue::math::{DAffine3, DQuat, DVec3};
 use etendue::spectrum::Rgb;
@@ -139,7 +139,7 @@ pub fn studio(random: &mut Random) -> SceneDesc {
     }
     desc.materials.push(material(4, BsdfDesc::Mirror { reflectance: Rgb::splat(0.9) }));
     let position = DVec3::new(1.0, 5.0, 2.0);
-    desc.lights.push(PointLightDesc { path: "lights[0]".into(), position, intensity: Rgb::splat(9.0) });
+    desc.lights.push(PointLightDesc { path: "lights[0]".into(), ..PointLightDesc::even(position, Rgb::splat(9.0)) });
     let lamp = [[-1.0, 4.0, -1.0], [1.0, 4.0, -1.0], [1.0, 4.0, 1.0], [-1.0, 4.0, 1.0]].map(DVec3::from_array);
     let lamp = surface(&desc, ShapeDesc::Quad(lamp), DAffine3::IDENTITY, Some(Rgb::splat(4.0)));
     desc.surfaces.push(lamp);
@@ -283,12 +283,19 @@ impl Edit {
                 for light in &mut desc.lights {
                     light.intensity = 9.0 * random.colour();
                     light.position += 0.1 * random.cube();
+                    let direction = random.cube();
+                    let outer_deg = 30.0 + 60.0 * random.unit();
+                    light.distribution = if random.unit() < 0.5 {
+                        LightDistribution::Spot(SpotDesc { outer_deg, inner_deg: 20.0, direction })
+                    } else {
+                        LightDistribution::Even
+                    };
                 }
             }
             Self::LightAdded => {
                 let position = 2.0 * random.cube();
                 let intensity = random.colour();
-                desc.lights.push(PointLightDesc { path: "lights".into(), position, intensity });
+                desc.lights.push(PointLightDesc { path: "lights".into(), ..PointLightDesc::even(position, intensity) });
             }
             Self::CameraTurned | Self::CameraMoved => {
                 let by = random.cube();

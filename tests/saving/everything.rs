@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use etendue::desc::{
     BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, Distribution, EnvironmentDesc, EnvironmentMapDesc,
-    FilterDesc, FocusDesc, FovAxis, HostMesh, ImageTextureDesc, IntegratorDesc, KernelDesc, LensDesc, METALS, Masking,
-    MaterialDesc, MediumDesc, MeshDesc, MicrofacetsDesc, PhotonDesc, PhotonSharing, PrincipledDesc, Projection,
-    RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceLook,
-    TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
+    FilterDesc, FocusDesc, FovAxis, HostMesh, ImageTextureDesc, IntegratorDesc, KernelDesc, LensDesc,
+    LightDistribution, METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MicrofacetsDesc, PhotonDesc, PhotonSharing,
+    PointLightDesc, PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
+    SceneDesc, ShapeDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding, TextureChannel, TextureDesc, TextureKey,
+    TextureMapping, TextureSource,
 };
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
 use etendue::spectrum::Rgb;
@@ -385,6 +386,12 @@ pub fn scene() -> SceneDesc {
     surfaces(&mut scene);
     scene.add_point_light(DVec3::new(0.1, 3.0, 1.0 / 3.0), rgb(5.0, 1e-20, 7e7)).unwrap();
     scene.add_point_light(DVec3::ZERO, Rgb::ZERO).unwrap();
+    for (outer_deg, inner_deg) in [(45.0, 0.0), (1.0 / 3.0, 0.1), (180.0, 180.0)] {
+        let spot = SpotDesc { outer_deg, inner_deg, ..SpotDesc::new(DVec3::new(1e-30, -0.7, 1.0 / 3.0)) };
+        let distribution = LightDistribution::Spot(spot);
+        let even = PointLightDesc::even(DVec3::X, rgb(1.0, 0.1, 3.0));
+        scene.add_light_desc(PointLightDesc { distribution, ..even }).unwrap();
+    }
     let image = TextureDesc {
         name: "sky".into(),
         mapping: TextureMapping::default(),

@@ -26,7 +26,7 @@ pub fn saved(scene: &SceneDesc) -> SceneDesc {
 pub fn assert_same(before: &SceneDesc, after: &SceneDesc, what: &str) {
     assert_eq!(text(&before.camera), text(&after.camera), "{what}");
     assert_eq!(text(&before.render), text(&after.render), "{what}");
-    let light = |it: &PointLightDesc| text(&(it.position, it.intensity));
+    let light = |it: &PointLightDesc| text(&(it.position, it.intensity, &it.distribution));
     each(&before.lights, &after.lights, light, what);
     let sky = |scene: &SceneDesc| text(&scene.environment.as_ref().map(|it| (it.radiance, it.sky.clone(), it.visible)));
     assert_eq!(sky(before), sky(after), "{what}");

@@ -11,8 +11,8 @@ use std::time::{Duration, Instant};
 
 use etendue::Result;
 use etendue::desc::{
-    self, BsdfDesc, CacheDesc, FilterDesc, HostMesh, KernelDesc, MAX_NEIGHBOURS, MAX_PHOTONS, MeshDesc, PhotonDesc,
-    RenderDesc, SceneDesc, SceneIndex, ShapeDesc, SurfaceLook,
+    self, BsdfDesc, CacheDesc, FilterDesc, HostMesh, KernelDesc, LightDistribution, MAX_NEIGHBOURS, MAX_PHOTONS,
+    MeshDesc, PhotonDesc, PointLightDesc, RenderDesc, SceneDesc, SceneIndex, ShapeDesc, SpotDesc, SurfaceLook,
 };
 use etendue::math::{Bounds, DAffine3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -22,6 +22,8 @@ use etendue::spectrum::Rgb;
 fn content(desc: &SceneDesc) -> String {
     let mut desc = SceneDesc { file: None, files: Vec::new(), index: SceneIndex::default(), ..desc.clone() };
     desc.lights.iter_mut().for_each(|light| light.path.clear());
+    desc.distant_lights.iter_mut().for_each(|light| light.path.clear());
+    desc.environment.iter_mut().for_each(|sky| sky.path.clear());
     desc.materials.iter_mut().for_each(|material| material.path.clear());
     desc.textures.iter_mut().for_each(|texture| Arc::make_mut(texture).path.clear());
     desc.meshes.iter_mut().for_each(|mesh| Arc::make_mut(mesh).path.clear());
@@ -45,8 +47,12 @@ fn rebuilt(from: &SceneDesc) -> Result<SceneDesc> {
         desc.add_mesh(mesh.as_ref().clone())?;
     }
     for light in &from.lights {
-        desc.add_point_light(light.position, light.intensity)?;
+        desc.add_light_desc(light.clone())?;
     }
+    for light in &from.distant_lights {
+        desc.add_distant_light(light.clone())?;
+    }
+    desc.set_environment_desc(from.environment.clone())?;
     for (number, surface) in from.surfaces.iter().enumerate() {
         let material = Some(surface.material).filter(|material| !is_black(*material));
         let look = SurfaceLook { material, emission: surface.emission, transform: surface.transform };
@@ -338,6 +344,13 @@ fn what_is_set_is_what_is_there() {
     assert_eq!(desc.materials[0].name, "white");
     desc.set_point_light(0, B, Rgb::ZERO).unwrap();
     assert_eq!((desc.lights[0].position, desc.lights[0].intensity), (B, Rgb::ZERO));
+    // A light that is moved keeps its cone, and one that is replaced its path.
+    let cone = LightDistribution::Spot(SpotDesc::new(A));
+    let spot = PointLightDesc { distribution: cone.clone(), ..PointLightDesc::even(A, Rgb::ONE) };
+    desc.set_light_desc(0, spot).unwrap();
+    desc.set_point_light(0, B, Rgb::ZERO).unwrap();
+    assert_eq!((desc.lights[0].position, &desc.lights[0].distribution), (B, &cone));
+    assert_eq!(desc.lights[0].path, "lights[0]");
     let turned = DAffine3::from_rotation_y(0.5);
     desc.set_transform(4, turned).unwrap();
     assert_eq!(desc.surfaces[4].to_world(), turned);

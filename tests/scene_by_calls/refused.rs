@@ -4,8 +4,8 @@ use std::path::Path;
 
 use etendue::buffer::Buffer;
 use etendue::desc::{
-    BsdfDesc, CameraDesc, FocusDesc, FovAxis, LensDesc, MediumDesc, MeshDesc, RenderDesc, SceneDesc, ShapeDesc,
-    SurfaceLook,
+    BsdfDesc, CameraDesc, FocusDesc, FovAxis, LensDesc, LightDistribution, MediumDesc, MeshDesc, PointLightDesc,
+    RenderDesc, SceneDesc, ShapeDesc, SpotDesc, SurfaceLook,
 };
 use etendue::math::{Bounds, DAffine3, DMat3, DVec3};
 use etendue::spectrum::Rgb;
@@ -112,6 +112,10 @@ fn bad_materials() -> Vec<(&'static str, &'static str, Call)> {
 
 fn bad_lights() -> Vec<(&'static str, &'static str, Call)> {
     let dark = Rgb::new(1.0, -1.0, 1.0);
+    let spot = |direction, outer_deg, inner_deg| {
+        let distribution = LightDistribution::Spot(SpotDesc { direction, outer_deg, inner_deg });
+        PointLightDesc { distribution, ..PointLightDesc::even(A, Rgb::ONE) }
+    };
     vec![
         bad("lights[1].origin[0]", "inf", |desc| desc.add_point_light(DVec3::INFINITY, Rgb::ONE)),
         bad("lights[1].color[1]", "-1 is negative", move |desc| desc.add_point_light(A, dark)),
@@ -120,6 +124,12 @@ fn bad_lights() -> Vec<(&'static str, &'static str, Call)> {
         }),
         bad("lights[0].color[0]", "NaN", |desc| desc.set_point_light(0, A, Rgb::NAN)),
         bad("lights[1]", "there is no point light 1", |desc| desc.set_point_light(1, A, Rgb::ONE)),
+        bad("lights[1]", "there is no point light 1", move |desc| desc.set_light_desc(1, spot(A, 45.0, 0.0))),
+        bad("lights[1].direction", "has no direction", move |desc| desc.add_light_desc(spot(DVec3::ZERO, 45.0, 0.0))),
+        bad("lights[1].direction[0]", "inf", move |desc| desc.add_light_desc(spot(DVec3::INFINITY, 45.0, 0.0))),
+        bad("lights[0].outerConeAngle", "181 degrees", move |desc| desc.set_light_desc(0, spot(A, 181.0, 0.0))),
+        bad("lights[0].outerConeAngle", "NaN", move |desc| desc.set_light_desc(0, spot(A, f64::NAN, 0.0))),
+        bad("lights[0].innerConeAngle", "46 degrees", move |desc| desc.set_light_desc(0, spot(A, 45.0, 46.0))),
     ]
 }
 

@@ -45,6 +45,7 @@ macro_rules! enumerations {
 mod bake;
 mod device;
 mod film;
+mod light;
 mod material;
 mod query;
 mod render;
@@ -55,6 +56,7 @@ mod texture;
 pub use bake::*;
 pub use device::*;
 pub use film::*;
+pub use light::*;
 pub use material::*;
 pub use query::*;
 pub use render::*;

@@ -4,9 +4,10 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::super::json::{self, elided};
-use super::super::{SceneDesc, validate};
+use super::super::{LightDistribution, PointLightDesc, SceneDesc, SpotDesc, validate};
 use super::document::{Document, called, element, missing};
 use super::nodes::Nodes;
+use crate::math::DVec3;
 use crate::{Error, Result};
 
 /// The extension's name.
@@ -25,6 +26,28 @@ struct Light {
     #[serde(rename = "type")]
     kind: Option<String>,
     range: Option<f64>,
+    spot: Option<Spot>,
+}
+
+/// The angles of a spot light from its axis, radians.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Spot {
+    inner_cone_angle: Option<f64>,
+    outer_cone_angle: Option<f64>,
+}
+
+/// The cone of a spot light, which shines along the axis -z of its node.
+fn spot(path: &str, spot: &Spot, direction: DVec3) -> Result<LightDistribution> {
+    let default = SpotDesc::new(direction);
+    let degrees = |angle: Option<f64>, default: f64| angle.map_or(default, f64::to_degrees);
+    let spot = SpotDesc {
+        outer_deg: degrees(spot.outer_cone_angle, default.outer_deg),
+        inner_deg: degrees(spot.inner_cone_angle, default.inner_deg),
+        ..default
+    };
+    validate::spot(path, &spot)?;
+    Ok(LightDistribution::Spot(spot))
 }
 
 /// Adds the lights of a scene's nodes.
@@ -53,9 +76,9 @@ pub(super) fn add(document: &Document<'_>, nodes: &Nodes, scene: &mut SceneDesc)
         let light: Light = json::object(raw, &path)?;
         let name = || called(&path, light.name.as_deref());
         match light.kind.as_deref() {
-            Some("point") => {}
-            Some(kind @ ("spot" | "directional")) => {
-                left_out.push(format!("{} ({kind})", name()));
+            Some("point" | "spot") => {}
+            Some("directional") => {
+                left_out.push(format!("{} (directional)", name()));
                 continue;
             }
             Some(other) => {
@@ -68,10 +91,15 @@ pub(super) fn add(document: &Document<'_>, nodes: &Nodes, scene: &mut SceneDesc)
             ranged.push(name());
         }
         let factor = light.intensity.unwrap_or(1.0) / EFFICACY;
-        let position = nodes.to_world[*node].translation;
-        let mut light = validate::point_light(&path, position, light.color.unwrap_or([1.0; 3]), factor)?;
-        light.path = at_node;
-        scene.lights.push(light);
+        let to_world = &nodes.to_world[*node];
+        let even = validate::point_light(&path, to_world.translation, light.color.unwrap_or([1.0; 3]), factor)?;
+        let distribution = if light.kind.as_deref() == Some("spot") {
+            let angles = light.spot.ok_or_else(|| missing(&path, "spot"))?;
+            spot(&format!("{path}.spot"), &angles, to_world.matrix3 * DVec3::NEG_Z)?
+        } else {
+            LightDistribution::Even
+        };
+        scene.lights.push(PointLightDesc { path: at_node, distribution, ..even });
     }
     if !left_out.is_empty() {
         super::warn(&mut scene.warnings, format!("these lights are not drawn: {}", super::listed(left_out)));

@@ -3,11 +3,13 @@
 use std::collections::{HashMap, HashSet};
 use std::ffi::OsStr;
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::super::{SceneDesc, TextureSource};
+use super::super::{LightDistribution, SceneDesc, TextureSource, WebDesc};
 use super::ply_write;
+use crate::photometry::Web;
 use crate::replace::{self, Target};
 use crate::texture::{extension, write_image};
 use crate::{Error, ErrorKind, Result};
@@ -67,6 +69,35 @@ impl Files {
                         .add("an image", "image", number, extension(image), |file| write_image(image, file))
                         .map_err(|error| error.at(&texture.path))?;
                     known.insert(Arc::as_ptr(image), name.clone());
+                    name
+                }
+            };
+            names.push(name);
+        }
+        Ok(names)
+    }
+
+    /// Writes the photometric webs of all lights, each once, as they were read. Returns the name of the file of each light, which is
+    /// empty for one without a web.
+    pub fn webs(&mut self, scene: &SceneDesc) -> Result<Vec<String>> {
+        let mut known: HashMap<*const Web, String> = HashMap::new();
+        let mut names = Vec::new();
+        for light in &scene.lights {
+            let LightDistribution::Web(WebDesc { web, .. }) = &light.distribution else {
+                names.push(String::new());
+                continue;
+            };
+            let name = match known.get(&Arc::as_ptr(web)) {
+                Some(name) => name.clone(),
+                None => {
+                    let failed = |error| {
+                        Error::new(ErrorKind::Io, format!("cannot write a photometric web: {error}")).because(error)
+                    };
+                    let encode = |file: &mut Target<'_>| file.write_all(web.text()).map_err(failed);
+                    let name = self
+                        .add("a photometric web", "web", known.len(), web.format().extension(), encode)
+                        .map_err(|error| error.at(&light.path))?;
+                    known.insert(Arc::as_ptr(web), name.clone());
                     name
                 }
             };
@@ -155,7 +186,7 @@ fn is_own(name: &str) -> bool {
     let Some((stem, extension)) = name.rsplit_once('.') else { return false };
     let parts: Vec<&str> = stem.split('-').collect();
     let [kind, number, hash] = parts[..] else { return false };
-    matches!((kind, extension), ("mesh", "ply") | ("image", "png" | "exr"))
+    matches!((kind, extension), ("mesh", "ply") | ("image", "png" | "exr") | ("web", "ies" | "ldt"))
         && !number.is_empty()
         && number.bytes().all(|byte| byte.is_ascii_digit())
         && hash.len() == 16

@@ -1,4 +1,5 @@
-//! Writes a description as a scene file of the native format, with its meshes and images in a folder beside it.
+//! Writes a description as a scene file of the native format, with its meshes, images and photometric webs in a folder beside
+//! it.
 //!
 //! The keys are those of the structures that read them: each of these has a function that makes it from the description. Numbers
 //! are written such that the same bits are read. The scene file is put in its place at last and in one step; the files in the
@@ -18,8 +19,8 @@ use self::text::laid_out;
 use super::file::SIZE_LIMIT;
 use super::mesh_files::ply_write;
 use super::{
-    DistantLightDesc, MaterialDesc, SceneDesc, ShapeDesc, camera_check, camera_keys, material_check, material_keys,
-    native, render_write, sky_keys, surface, texture_check, texture_keys, validate,
+    DistantLightDesc, MaterialDesc, SceneDesc, ShapeDesc, camera_check, camera_keys, light_keys, material_check,
+    material_keys, render_write, sky_keys, surface, texture_check, texture_keys, validate,
 };
 use crate::replace::{self, Target};
 use crate::{Error, ErrorKind, Result};
@@ -34,8 +35,8 @@ pub(super) struct Names {
 }
 
 impl SceneDesc {
-    /// Writes the description as a scene file of the native format. Meshes and images go into [`Self::files_folder`], which is made
-    /// where there is none. A scene that is read from the file gives the same images, bit for bit.
+    /// Writes the description as a scene file of the native format. Meshes, images and photometric webs go into
+    /// [`Self::files_folder`], which is made where there is none. A scene that is read from the file gives the same images, bit for bit.
     ///
     /// An existing file is replaced in one step, after all other files have been written, and files in the folder that an earlier
     /// scene file had there are then removed. On an error everything is as it was.
@@ -75,9 +76,10 @@ fn save(scene: &SceneDesc, path: &Path) -> Result<()> {
     let mut files = Files::new(path)?;
     let images = files.images(scene)?;
     let meshes = files.meshes(scene)?;
+    let webs = files.webs(scene)?;
     replace::replace(path, "the scene", |file| {
         let mut out = Out { file, written: 0 };
-        document(scene, &names, &images, &meshes, &mut out)
+        document(scene, &names, [&images, &meshes, &webs], &mut out)
     })?;
     files.keep();
     Ok(())
@@ -88,7 +90,7 @@ fn check(scene: &SceneDesc) -> Result<()> {
     camera_check::camera("camera", scene.camera)?;
     scene.render.check()?;
     for light in &scene.lights {
-        validate::point_light(&light.path, light.position, light.intensity.to_f64(), 1.0)?;
+        validate::light(light.clone())?;
     }
     scene.distant_lights.iter().try_for_each(DistantLightDesc::check)?;
     if let Some(environment) = &scene.environment {
@@ -186,20 +188,19 @@ fn failed(error: io::Error) -> Error {
     .because(error)
 }
 
-/// Writes the text of a scene file, whose images and meshes have these files.
+/// Writes the text of a scene file, whose images, meshes and webs of lights have these files.
 fn document(
     scene: &SceneDesc,
     names: &Names,
-    images: &[String],
-    meshes: &[String],
+    [images, meshes, webs]: [&[String]; 3],
     out: &mut Out<'_, '_>,
 ) -> Result<()> {
     out.write_all(b"{\n  \"etendue\": 1").map_err(failed)?;
     member(out, "camera", &camera_keys::write(&scene.camera)?)?;
     member(out, "render", &render_write::write(&scene.render)?)?;
     let mut lights = List::new("lights");
-    for light in &scene.lights {
-        lights.put(out, &native::write_point_light(light)?)?;
+    for (light, web) in scene.lights.iter().zip(webs) {
+        lights.put(out, &light_keys::write(light, web)?)?;
     }
     for light in &scene.distant_lights {
         lights.put(out, &sky_keys::write_distant(light)?)?;

@@ -105,6 +105,11 @@ fn bound(emitter: &Emitter) -> (DVec3, f64, Cone) {
     }
     match emitter {
         Emitter::Point { position, .. } => (position.as_dvec3(), 0.0, Cone::ALL),
+        // The cone of the axis and of the light itself: what is outside of it by less than a right angle counts as dim.
+        Emitter::Directed(emitter) => {
+            let (axis, angle) = emitter.distribution.cone();
+            (emitter.position.as_dvec3(), 0.0, Cone { axis, angle })
+        }
         // What is at infinity is given to no tree.
         _ => (emitter.centre().as_dvec3(), 0.0, Cone::ALL),
     }
@@ -114,16 +119,19 @@ fn bounds(emitter: &Emitter) -> Bounds {
     if let Some(triangle) = emitter.triangle() {
         return Bounds::around(triangle.vertices.map(Vec3::as_dvec3));
     }
-    match (emitter.sphere(), emitter) {
-        (Some(sphere), _) => sphere.bounds(),
-        (None, Emitter::Point { position, .. }) => Bounds::around([position.as_dvec3()]),
-        (None, _) => Bounds::around([emitter.centre().as_dvec3()]),
+    match emitter.sphere() {
+        Some(sphere) => sphere.bounds(),
+        None => Bounds::around([emitter.centre().as_dvec3()]),
     }
 }
 
 /// Radiant intensity in the brightest direction over the emitted power.
 fn intensity_per_power(emitter: &Emitter) -> f64 {
     let per_pi = match emitter {
+        Emitter::Directed(emitter) => {
+            let distribution = &emitter.distribution;
+            return if distribution.flux() > 0.0 { distribution.peak() / distribution.flux() } else { 0.0 };
+        }
         Emitter::Triangle(_) | Emitter::Textured(_) => 1.0,
         Emitter::Point { .. }
         | Emitter::Sphere(_)

@@ -206,7 +206,7 @@ fn look(scene: &Scene) -> Result<Seen> {
 /// to find.
 fn areas(emitters: &[Emitter]) -> Vec<f64> {
     let radiance = |emitter: &Emitter| match emitter {
-        Emitter::Point { .. } => f64::INFINITY,
+        emitter if emitter.is_point() => f64::INFINITY,
         _ => emitter.power().dot(LUMINANCE_WEIGHTS.to_f64()) / emitter.area(),
     };
     let mut order: Vec<(f64, usize)> = emitters.iter().map(radiance).zip(0..).collect();

@@ -1,7 +1,7 @@
 //! Emission of photons: the choice of the emitter, the position on it and the direction.
 //!
 //! An emitter is chosen mostly in proportion to its power, a position on it by area, and a direction by the cosine (from a
-//! point light uniformly over the sphere), so that all photons carry the same power except for their colour. Caustic photons
+//! point light uniformly over the sphere, or as its light is distributed), so that all photons carry the same power except for their colour. Caustic photons
 //! may be aimed instead: at balls that bound all specular surfaces. Directions that miss all balls could not have made a
 //! caustic. An aimed photon carries the power weighted by the ratio of the plain density of its direction to the aimed one,
 //! so that the map has the same mean with more photons.
@@ -59,7 +59,7 @@ impl Emission {
             }
             PhotonSharing::Area => {
                 let shines = |emitter: &Emitter| emitter.power().max_element() > 0.0;
-                if emitters.iter().any(|emitter| matches!(emitter, Emitter::Point { .. }) && shines(emitter)) {
+                if emitters.iter().any(|emitter| emitter.is_point() && shines(emitter)) {
                     let message = "area; points have none: expected power in a scene with point lights";
                     return Err(Error::invalid("render.photonSharing", message));
                 }
@@ -94,17 +94,19 @@ impl Emission {
         let p = departure.point.p;
         // The direction, and the ratio of the density of the plain choice of directions to the density with which it was
         // sampled.
-        let (direction, ratio) = match self.aim(p, u[3], [d[0], d[1]]) {
+        let (direction, ratio) = match self.aim(p, u[3], [d[0], d[1]], solid_angle(emitter)) {
             Some((direction, pdf)) => {
-                let plain = match departure.normal {
-                    Some(normal) => f64::from(direction.dot(normal)).max(0.0) / PI,
-                    None => 0.25 / PI,
+                let plain = match (departure.normal, emitter) {
+                    (Some(normal), _) => f64::from(direction.dot(normal)).max(0.0) / PI,
+                    (None, Emitter::Directed(emitter)) => emitter.distribution.pdf(direction),
+                    (None, _) => 0.25 / PI,
                 };
                 (direction, plain / pdf)
             }
-            None => match departure.normal {
-                Some(normal) => (Frame::from_normal(normal).to_world(warps::cosine_hemisphere([d[0], d[1]])), 1.0),
-                None => (warps::uniform_sphere([d[0], d[1]]), 1.0),
+            None => match (departure.normal, emitter) {
+                (Some(normal), _) => (Frame::from_normal(normal).to_world(warps::cosine_hemisphere([d[0], d[1]])), 1.0),
+                (None, Emitter::Directed(emitter)) => (emitter.distribution.sample([d[0], d[1]], [u[1], u[2]]), 1.0),
+                (None, _) => (warps::uniform_sphere([d[0], d[1]]), 1.0),
             },
         };
         if ratio <= 0.0 {
@@ -162,9 +164,10 @@ impl Emission {
     }
 
     /// A direction towards one of the balls and its density; `None` where there is nothing to aim at, or where `p` lies
-    /// inside a ball, so that the ball may be hit in every direction.
+    /// inside a ball, so that the ball may be hit in every direction, and where the balls fill a larger solid angle than `own`, into
+    /// which the light goes by itself.
     #[inline]
-    fn aim(&self, p: Vec3, choice: f32, u: [f32; 2]) -> Option<(Vec3, f64)> {
+    fn aim(&self, p: Vec3, choice: f32, u: [f32; 2], own: f64) -> Option<(Vec3, f64)> {
         if self.balls.is_empty() {
             return None;
         }
@@ -173,6 +176,9 @@ impl Emission {
         for (cone, ball) in cones.iter_mut().zip(&self.balls) {
             *cone = Cone::new(p, ball)?;
             total += cone.one_minus_cos;
+        }
+        if 2.0 * PI * f64::from(total) > own {
+            return None;
         }
         let cones = &cones[..self.balls.len()];
         // A ball is chosen by solid angle, so that the density is uniform over each cone, times the number of cones that
@@ -191,6 +197,16 @@ impl Emission {
         let count =
             cones.iter().enumerate().filter(|(index, other)| *index == chosen || other.holds(direction)).count();
         Some((direction, count as f64 / (2.0 * PI * f64::from(total))))
+    }
+}
+
+/// The solid angle \[sr\] that a point of uneven radiant intensity would fill if its light were all as bright as at its brightest;
+/// without bound for others, whose photons are aimed at whatever there is.
+#[inline]
+fn solid_angle(emitter: &Emitter) -> f64 {
+    match emitter {
+        Emitter::Directed(emitter) => emitter.distribution.flux() / emitter.distribution.peak(),
+        _ => f64::INFINITY,
     }
 }
 
@@ -225,6 +241,13 @@ fn share_aimed(emitter: &Emitter, balls: &[Ball]) -> f64 {
         return (shadows.sum::<f64>() / disk).min(1.0);
     }
     let p = emitter.centre();
+    if let Emitter::Directed(emitter) = emitter {
+        let most = |ball| {
+            Cone::new(p, ball)
+                .map_or(1.0, |cone| emitter.distribution.most_into(cone.axis, f64::from(cone.one_minus_cos)))
+        };
+        return balls.iter().map(most).sum::<f64>().min(1.0);
+    }
     let one_minus_cos = |ball| Cone::new(p, ball).map_or(1.0, |cone| f64::from(cone.one_minus_cos));
     // A cone around the normal holds the share sin^2 of cosine-distributed light, and 2 (1 - cos) is no less.
     balls.iter().map(|ball| 2.0 * one_minus_cos(ball)).sum::<f64>().min(1.0)

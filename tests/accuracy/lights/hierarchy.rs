@@ -207,7 +207,7 @@ fn exact(set: &EmitterSet, p: DVec3, n: DVec3) -> f64 {
                 f64::from(emitter.radiance.r())
                     * sphere_factor(emitter.sphere.radius / distance, (way.dot(n) / distance).acos())
             }
-            Emitter::Point { .. } | Emitter::Environment(_) | Emitter::Distant(_) => 0.0,
+            Emitter::Point { .. } | Emitter::Directed(_) | Emitter::Environment(_) | Emitter::Distant(_) => 0.0,
         })
         .sum()
 }

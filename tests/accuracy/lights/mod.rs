@@ -10,6 +10,8 @@ mod polygons;
 mod sky;
 mod solid_angles;
 mod spheres;
+pub mod spots;
+pub mod webs;
 mod weights;
 
 use std::f64::consts::PI;
@@ -31,6 +33,8 @@ pub fn cases() -> Vec<Entry> {
         polygons::cases(),
         spheres::cases(),
         points::cases(),
+        spots::cases(),
+        webs::cases(),
         many::cases(),
         weights::cases(),
         hierarchy::cases(),

@@ -12,7 +12,9 @@ mod odd;
 mod passes;
 mod rooms;
 mod shadows;
+mod spots;
 mod water;
+mod webs;
 
 use std::sync::Arc;
 
@@ -37,6 +39,8 @@ pub fn cases() -> Vec<Entry> {
         edges::cases(),
         shadows::cases(),
         lamps::cases(),
+        spots::cases(),
+        webs::cases(),
         rooms::cases(),
         materials::cases(),
         water::cases(),

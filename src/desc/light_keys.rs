@@ -1,0 +1,159 @@
+//! Point lights of a native scene file: reads and writes them.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use serde_json::value::RawValue;
+
+use super::builder::Builder;
+use super::json::{self, join};
+use super::numbers::{unless, unless_color};
+use super::{LightDistribution, PointLightDesc, SpotDesc, WebDesc, numbers, save, validate};
+use crate::Result;
+use crate::math::DVec3;
+use crate::spectrum::Rgb;
+
+/// A light that shines from a point, the same in all directions.
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub(super) struct PointLight {
+    #[serde(rename = "type")]
+    _type: PointTag,
+    /// Position.
+    origin: [f64; 3],
+    /// Times `intensity`: radiant intensity, W/sr per channel.
+    color: [f64; 3],
+    /// Factor on `color`. Default 1.
+    intensity: Option<f64>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+#[serde(rename_all = "kebab-case")]
+enum PointTag {
+    Point,
+}
+
+/// A light that shines from a point into a cone with a soft edge.
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, rename_all = "camelCase")]
+pub(super) struct SpotLight {
+    #[serde(rename = "type")]
+    _type: SpotTag,
+    /// Position.
+    origin: [f64; 3],
+    /// The axis of the cone, away from the light, of any length.
+    direction: [f64; 3],
+    /// Times `intensity`: radiant intensity along the axis, W/sr per channel.
+    color: [f64; 3],
+    /// Factor on `color`. Default 1.
+    intensity: Option<f64>,
+    /// Degrees between the axis and the directions from which on there is no light, in [0.01, 180]. Default 45.
+    outer_cone_angle: Option<f64>,
+    /// Degrees between the axis and the directions up to which the light is full, in [0, outerConeAngle]. Default 0.
+    inner_cone_angle: Option<f64>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+#[serde(rename_all = "kebab-case")]
+enum SpotTag {
+    Spot,
+}
+
+/// A measured lamp: a point that shines as a file of IES LM-63 or EULUMDAT says.
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub(super) struct WebLight {
+    #[serde(rename = "type")]
+    _type: WebTag,
+    /// Name of the file, relative to the scene file.
+    file: String,
+    /// Position.
+    origin: [f64; 3],
+    /// The axis of the lamp, gamma = 0, of any length. Default [0, -1, 0].
+    direction: Option<[f64; 3]>,
+    /// The direction of C = 0, whose part across `direction` counts. Default [1, 0, 0].
+    c0: Option<[f64; 3]>,
+    /// Times `intensity`: a factor on the intensities of the file. Default [1, 1, 1].
+    color: Option<[f64; 3]>,
+    /// Factor on `color`. Default 1.
+    intensity: Option<f64>,
+}
+
+#[derive(Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(inline))]
+#[serde(rename_all = "kebab-case")]
+enum WebTag {
+    Web,
+}
+
+/// Reads a point light.
+pub(super) fn point(raw: &RawValue, path: &str) -> Result<PointLightDesc> {
+    let light: PointLight = json::object(raw, path)?;
+    validate::point_light(path, light.origin, light.color, light.intensity.unwrap_or(1.0))
+}
+
+/// Reads a spot light.
+pub(super) fn spot(raw: &RawValue, path: &str) -> Result<PointLightDesc> {
+    let light: SpotLight = json::object(raw, path)?;
+    let even = validate::point_light(path, light.origin, light.color, light.intensity.unwrap_or(1.0))?;
+    let default = SpotDesc::new(DVec3::from_array(light.direction));
+    let spot = SpotDesc {
+        outer_deg: light.outer_cone_angle.unwrap_or(default.outer_deg),
+        inner_deg: light.inner_cone_angle.unwrap_or(default.inner_deg),
+        ..default
+    };
+    validate::spot(path, &spot)?;
+    Ok(PointLightDesc { distribution: LightDistribution::Spot(spot), ..even })
+}
+
+/// Reads a measured lamp. The file is read at its first use.
+pub(super) fn web(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<PointLightDesc> {
+    let light: WebLight = json::object(raw, path)?;
+    let color = light.color.unwrap_or([1.0; 3]);
+    let even = validate::point_light(path, light.origin, color, light.intensity.unwrap_or(1.0))?;
+    let default = WebDesc::new(builder.web_file(&join(path, "file"), &light.file)?);
+    let web = WebDesc {
+        direction: light.direction.map_or(default.direction, DVec3::from_array),
+        c0: light.c0.map_or(default.c0, DVec3::from_array),
+        ..default
+    };
+    validate::web(path, &web, even.intensity)?;
+    Ok(PointLightDesc { distribution: LightDistribution::Web(web), ..even })
+}
+
+/// Writes a point light, whose numbers have been checked. `file` is the name of the file of its web, where it has one.
+pub(super) fn write(light: &PointLightDesc, file: &str) -> Result<Box<RawValue>> {
+    let (origin, color) = (light.position.to_array(), numbers::color(light.intensity));
+    match &light.distribution {
+        LightDistribution::Even => save::raw(&PointLight { _type: PointTag::Point, origin, color, intensity: None }),
+        LightDistribution::Spot(spot) => {
+            let default = SpotDesc::new(spot.direction);
+            save::raw(&SpotLight {
+                _type: SpotTag::Spot,
+                origin,
+                direction: spot.direction.to_array(),
+                color,
+                intensity: None,
+                outer_cone_angle: unless(spot.outer_deg, default.outer_deg),
+                inner_cone_angle: unless(spot.inner_deg, default.inner_deg),
+            })
+        }
+        LightDistribution::Web(web) => {
+            let default = WebDesc::new(Arc::clone(&web.web));
+            save::raw(&WebLight {
+                _type: WebTag::Web,
+                file: file.to_owned(),
+                origin,
+                direction: (web.direction != default.direction).then_some(web.direction.to_array()),
+                c0: (web.c0 != default.c0).then_some(web.c0.to_array()),
+                color: unless_color(light.intensity, Rgb::ONE),
+                intensity: None,
+            })
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! Files of IES LM-63 and EULUMDAT: what is refused and where, how scenes name them, and how they are kept.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use etendue::ErrorKind;
+use etendue::desc::{
+    self, IntegratorDesc, LightDistribution, PointLightDesc, RenderDesc, SceneDesc, SpotDesc, WebDesc,
+};
+use etendue::math::DVec3;
+use etendue::photometry::{Planes, Web, WebFormat};
+use etendue::render::{Render, RenderSettings};
+use etendue::scene::{BuildOptions, Scene};
+use etendue::spectrum::Rgb;
+
+/// A lamp of 100 cd below and none above.
+const IES: &str = "IESNA:LM-63-2002\n[TEST] \u{fc}\nTILT=NONE\n1 1000 2 3 1 1 2 0 0 0\n1 1 50\n0 45 90\n0\n50 50 0\n";
+
+/// The same, of 500 lm.
+fn ldt() -> String {
+    let rooms = "0.5\n".repeat(10);
+    format!(
+        "name\n1\n1\n1\n0\n3\n45\nreport\nlamp\n1\nfile\nday\n100\n100\n50\n90\n90\n0\n0\n0\n0\n80\n100\n1\n0\n1\n1\nlamp\n500\n\
+         white\n80\n60\n{rooms}0\n0\n45\n90\n200\n200\n0\n"
+    )
+}
+
+fn parse(text: &str) -> Web {
+    Web::parse(text.as_bytes()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn both_formats_are_told_apart_and_say_the_same() {
+    let (ies, other) = (parse(IES), parse(&ldt()));
+    assert_eq!([ies.format(), other.format()], [WebFormat::Ies, WebFormat::Eulumdat]);
+    assert_eq!([ies.planes(), other.planes()], [Planes::C; 2]);
+    for direction in [DVec3::Z, DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.0, -2.0, 0.1), -DVec3::Z] {
+        assert_eq!(ies.candela(direction), other.candela(direction), "{direction}");
+    }
+    assert_eq!(ies.candela(DVec3::Z), 100.0);
+    assert_eq!(ies.candela(DVec3::NEG_Z), 0.0);
+    assert_eq!([ies.stated_flux(), other.stated_flux()], [Some(1000.0), Some(500.0)]);
+    assert!((ies.flux() / other.flux() - 1.0).abs() < 1e-12);
+    assert_eq!(ies.peak(), 100.0);
+    // Absolute intensities state no flux.
+    assert_eq!(parse(&IES.replace("1 1000 2", "1 -1 2")).stated_flux(), None);
+    assert_eq!(parse(&ldt().replace("1\n1\nlamp\n500", "1\n-1\nlamp\n500")).stated_flux(), Some(500.0));
+    // Ends of lines, numbers of a country, lists over several lines, and texts of other encodings.
+    for text in [
+        IES.replace('\n', "\r\n"),
+        IES.replace('\n', "\r"),
+        IES.replace("0 45 90\n0\n50 50 0", "0,45,\n 90 0 50\n\n50\t0 \u{1a}"),
+        IES.replace("IESNA:LM-63-2002\n[TEST] \u{fc}\n", ""),
+    ] {
+        assert_eq!(parse(&text).candela(DVec3::new(1.0, 2.0, 3.0)), ies.candela(DVec3::new(1.0, 2.0, 3.0)), "{text}");
+    }
+    let mut latin = IES.replace('\u{fc}', "?").into_bytes();
+    let place = latin.iter().position(|&byte| byte == b'?').unwrap();
+    latin[place] = 0xfc;
+    assert_eq!(Web::parse(&latin).unwrap().peak(), 100.0);
+}
+
+#[test]
+fn what_is_wrong_is_named_with_its_line() {
+    let ies = |from: &str, to: &str| {
+        assert!(IES.contains(from), "{from}");
+        IES.replacen(from, to, 1)
+    };
+    let ldt_text = ldt();
+    let ldt = |line: usize, to: &str| {
+        let mut lines: Vec<&str> = ldt_text.lines().collect();
+        lines[line - 1] = to;
+        lines.join("\n")
+    };
+    let many = "1 ".repeat(1001);
+    for (text, line, expected) in [
+        (String::new(), 0, "the file is empty"),
+        (" \r\n\t".to_owned(), 0, "the file is empty"),
+        ("IES\n\0\u{1}".to_owned(), 2, "not a text"),
+        (ies("TILT=NONE\n", ""), 7, "no line that begins with TILT="),
+        (ies("TILT=NONE", "TILT=lamp.tlt"), 3, "TILT=lamp.tlt: the factors of tilted lamps are in a file of their own"),
+        (ies("TILT=NONE", "TILT=INCLUDE\n1 2000"), 4, "2000 is no number of tilts"),
+        (ies("1 1000 2", "0 1000 2"), 4, "0 is no number of lamps"),
+        (ies("1 1000 2", "1 -7 2"), 4, "-7 lumens for each lamp, expected a flux, or -1"),
+        (ies("1 1000 2", "1 1000 -2"), 4, "-2 is no factor on the intensities, expected a number above 0"),
+        (ies("1 1000 2", "1 lots 2"), 4, "'lots' is no luminous flux of a lamp, expected a number"),
+        (ies("1 1000 2", "1 NaN 2"), 4, "'NaN' is no luminous flux of a lamp"),
+        (ies("1 1000 2", "1 inf 2"), 4, "'inf' is no luminous flux of a lamp"),
+        (ies("3 1 1 2", "1 1 1 2"), 4, "1 is no number of vertical angles, expected a whole number in [2, 1000000]"),
+        (ies("3 1 1 2", "1e7 1 1 2"), 4, "10000000 is no number of vertical angles"),
+        (ies("3 1 1 2", "900000 900000 1 2"), 4, "900000 planes of 900000 angles are more than the 1000000"),
+        (ies("3 1 1 2", "3 1.5 1 2"), 4, "1.5 is no number of horizontal angles"),
+        (ies("3 1 1 2", "3 1 4 2"), 4, "4 is no photometric type"),
+        (ies("3 1 1 2", "3 1 1 3"), 4, "3 is no type of units"),
+        (ies("1 1 50", "-1 1 50"), 5, "-1 is no factor of the ballast"),
+        (ies("0 45 90", "0 45 45"), 6, "the vertical angle 45 comes after 45, expected ascending angles"),
+        (ies("0 45 90", "0 45 181"), 6, "181 degrees are no vertical angle, expected an angle in [0, 180]"),
+        (ies("50 50 0", "50 -50 0"), 8, "an intensity of -50 is negative"),
+        (ies("50 50 0", "50 1e20 0"), 8, "an intensity of 2e20 cd is out of range"),
+        (ies("50 50 0", "50 50"), 8, "the file ends before intensity"),
+        (
+            ies("3 1 1 2 0 0 0\n1 1 50\n0 45 90\n0\n50 50 0", "2 2 1 2 0 0 0\n1 1 50\n0 90\n0 45\n1 1 1 1"),
+            7,
+            "from 0 to 45 degrees",
+        ),
+        (
+            ies("3 1 1 2 0 0 0\n1 1 50\n0 45 90\n0\n50 50 0", "2 2 2 2 0 0 0\n1 1 50\n0 90\n10 45\n1 1 1 1"),
+            7,
+            "from 10 to 45 degrees",
+        ),
+        (ies("TILT=NONE", &format!("TILT=INCLUDE\n1 1000 {many}")), 9, "the file ends before"),
+        ("nonsense".to_owned(), 1, "the file ends before kind of luminaire in line 2"),
+        (ldt(2, "7"), 2, "7 is no kind of luminaire"),
+        (ldt(3, "5"), 3, "5 is no symmetry, expected a whole number in [0, 4]"),
+        (ldt(3, "2"), 3, "the symmetry 2 with 1 planes leaves those from 0 to 0 degrees, expected from 0 to 180"),
+        (ldt(3, "3"), 3, "the symmetry 3 with 1 planes"),
+        (ldt(3, "4"), 3, "the symmetry 4 with 1 planes"),
+        (ldt(4, "1000001"), 4, "1000001 is no number of planes"),
+        (ldt(6, "2000"), 47, "200 degrees are no angle in a plane, expected an angle in [0, 180]"),
+        (ldt(22, "-1"), 22, "-1 % is no downward share of the flux"),
+        (ldt(24, "0"), 24, "0 is no factor on the intensities"),
+        (ldt(26, "21"), 26, "21 is no number of sets of lamps"),
+        (ldt(29, "0"), 29, "0 is no luminous flux of the lamps"),
+        (ldt(44, "45"), 45, "the angle in a plane 45 comes after 45"),
+        (ldt(47, "-200"), 47, "an intensity of -200 is negative"),
+        (ldt(48, "x"), 48, "'x' is no intensity"),
+    ] {
+        let error = Web::parse(text.as_bytes()).expect_err(expected);
+        assert_eq!(error.kind(), ErrorKind::InvalidScene, "{error}");
+        let said = error.to_string();
+        assert!(said.contains(expected), "{said}\nexpected {expected}");
+        assert_eq!(error.location().line, line, "{said}");
+    }
+    // Nothing that is cut short or has a byte changed brings the reader down.
+    for text in [IES.to_owned(), ldt_text.clone()] {
+        for end in 0..text.len() {
+            let _ = Web::parse(&text.as_bytes()[..end]);
+            for byte in [b'0', b'9', b'-', b'.', b'e', b'\n', 0xff] {
+                let mut changed = text.clone().into_bytes();
+                changed[end] = byte;
+                if let Ok(web) = Web::parse(&changed) {
+                    assert!(web.flux().is_finite() && web.flux() >= 0.0);
+                    assert!(web.candela(DVec3::ONE) >= 0.0);
+                    assert!(web.flux() == 0.0 || web.sample([0.3, 0.7]).is_finite());
+                }
+            }
+        }
+    }
+}
+
+fn scene(folder: &Path, lights: &str) -> etendue::Result<SceneDesc> {
+    let text = format!(
+        r#"{{"etendue": 1, "camera": {{}}, "lights": [{lights}],
+            "surfaces": [{{"geometry": "sphere", "origin": [0, 0, -3], "radius": 1, "emission": [1, 1, 1]}}]}}"#
+    );
+    desc::parse(&text, folder, None)
+}
+
+#[test]
+fn scenes_name_them_and_read_each_once() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("lamp.ies"), IES).unwrap();
+    fs::write(folder.path().join("lamp.ldt"), ldt()).unwrap();
+    fs::write(folder.path().join("bad.ies"), IES.replace("50 50 0", "50 -50 0")).unwrap();
+    let desc = scene(
+        folder.path(),
+        r#"{"type": "web", "file": "lamp.ies", "origin": [0, 2, 0]},
+           {"type": "web", "file": "./lamp.ies", "origin": [0, 3, 0], "direction": [0, 0, 2], "c0": [0, 1, 1], "color": [1, 2, 3],
+            "intensity": 2},
+           {"type": "web", "file": "lamp.ldt", "origin": [0, 3, 0]}"#,
+    )
+    .unwrap();
+    let webs: Vec<&WebDesc> = desc
+        .lights
+        .iter()
+        .map(|light| match &light.distribution {
+            LightDistribution::Web(web) => web,
+            _ => panic!("{light:?}"),
+        })
+        .collect();
+    assert!(Arc::ptr_eq(&webs[0].web, &webs[1].web) && !Arc::ptr_eq(&webs[0].web, &webs[2].web));
+    assert_eq!((webs[0].direction, webs[0].c0), (DVec3::NEG_Y, DVec3::X));
+    assert_eq!((webs[1].direction, webs[1].c0), (DVec3::new(0.0, 0.0, 2.0), DVec3::new(0.0, 1.0, 1.0)));
+    assert_eq!([desc.lights[0].intensity, desc.lights[1].intensity], [Rgb::ONE, Rgb::new(2.0, 4.0, 6.0)]);
+    assert_eq!(desc.files.len(), 2);
+    let built = Scene::build(&desc, &BuildOptions::default()).unwrap();
+    let power: f64 = built.emitters().emitters()[0].power().x;
+    assert!((power / (webs[0].web.flux() / 683.0) - 1.0).abs() < 1e-6);
+    let said = built.info().to_string();
+    assert!(said.contains("lights[0] (2 lights): ") && said.contains(" lm of the 1000.0 lm in its file"), "{said}");
+
+    // Kept as they were, each once.
+    let path = folder.path().join("kept.json");
+    desc.save(&path).unwrap();
+    let again = desc::load(&path, None).unwrap();
+    let plain = |desc: &SceneDesc| -> Vec<PointLightDesc> {
+        desc.lights.iter().map(|light| PointLightDesc { path: String::new(), ..light.clone() }).collect()
+    };
+    assert_eq!(plain(&desc), plain(&again));
+    let files: Vec<_> = fs::read_dir(SceneDesc::files_folder(&path)).unwrap().collect();
+    assert_eq!(files.len(), 2, "{files:?}");
+
+    for (light, expected) in [
+        (r#"{"type": "web", "origin": [0, 0, 0]}"#, "lights[0]: missing key `file`"),
+        (r#"{"type": "web", "file": "", "origin": [0, 0, 0]}"#, "lights[0].file: not a file name"),
+        (r#"{"type": "web", "file": "none.ies", "origin": [0, 0, 0]}"#, "cannot read the photometric web"),
+        (
+            r#"{"type": "web", "file": "bad.ies", "origin": [0, 0, 0]}"#,
+            "bad.ies:8: lights[0].file: an intensity of -50",
+        ),
+        (
+            r#"{"type": "web", "file": "lamp.ies", "origin": [0, 0, 0], "direction": [0, 0, 0]}"#,
+            "lights[0].direction: [0.0, 0.0, 0.0] has no direction",
+        ),
+        (
+            r#"{"type": "web", "file": "lamp.ies", "origin": [0, 0, 0], "c0": [0, 0, 0]}"#,
+            "lights[0].c0: [0.0, 0.0, 0.0] has no direction",
+        ),
+        (
+            r#"{"type": "web", "file": "lamp.ies", "origin": [0, 0, 0], "intensity": 1e37}"#,
+            "e38 is beyond single precision",
+        ),
+    ] {
+        let said = scene(folder.path(), light).unwrap_err().to_string();
+        assert!(said.contains(expected), "{said}\nexpected {expected}");
+    }
+}
+
+/// What changes a lamp is seen by the next build, and what does not leaves the lamp as it was.
+#[test]
+fn edits_turn_and_change_them() {
+    let mut desc = SceneDesc::default();
+    let web = Arc::new(parse(IES));
+    let lamp = |web: &Arc<Web>| PointLightDesc {
+        distribution: LightDistribution::Web(WebDesc::new(Arc::clone(web))),
+        ..PointLightDesc::even(DVec3::Y, Rgb::ONE)
+    };
+    desc.add_light_desc(lamp(&web)).unwrap();
+    let power = |scene: &Scene| scene.emitters().emitters()[0].power().x;
+    let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
+    let brighter = Arc::new(parse(&IES.replace("1 1000 2", "1 1000 4")));
+    desc.set_light_desc(0, lamp(&brighter)).unwrap();
+    let again = scene.rebuild(&desc, &BuildOptions::default()).unwrap();
+    assert!((power(&again) / power(&scene) - 2.0).abs() < 1e-12);
+    desc.set_point_light(0, DVec3::Y, Rgb::splat(0.5)).unwrap();
+    let dimmed = again.rebuild(&desc, &BuildOptions::default()).unwrap();
+    assert!((power(&dimmed) / power(&scene) - 1.0).abs() < 1e-6);
+    // A lamp without any light is none.
+    desc.set_light_desc(0, lamp(&Arc::new(parse(&IES.replace("50 50 0", "0 0 0"))))).unwrap();
+    assert!(Scene::build(&desc, &BuildOptions::default()).unwrap().emitters().emitters().is_empty());
+}
+
+#[test]
+fn radiosity_refuses_points_that_shine_unevenly() {
+    for distribution in [
+        LightDistribution::Spot(SpotDesc::new(DVec3::NEG_Y)),
+        LightDistribution::Web(WebDesc::new(Arc::new(parse(IES)))),
+    ] {
+        let mut desc = SceneDesc::default();
+        desc.add_light_desc(PointLightDesc { distribution, ..PointLightDesc::even(DVec3::Y, Rgb::ONE) }).unwrap();
+        let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
+        let of = |integrator| {
+            let desc = RenderDesc { integrator, ..RenderDesc::default() };
+            Render::new(&scene, RenderSettings { desc, ..RenderSettings::default() }).map(|_| ())
+        };
+        let error = of(IntegratorDesc::Radiosity).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Unsupported);
+        assert!(error.to_string().contains("radiosity takes no point lights that shine unevenly"), "{error}");
+        for integrator in IntegratorDesc::ALL.into_iter().filter(|&it| it != IntegratorDesc::Radiosity) {
+            of(integrator).unwrap_or_else(|error| panic!("{integrator:?}: {error}"));
+        }
+    }
+}
