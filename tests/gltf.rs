@@ -338,7 +338,7 @@ fn lights_are_converted_or_named() {
     file.root["extensions"] = json!({"KHR_lights_punctual": {"lights": [
         {"type": "point", "intensity": 1366, "color": [1, 0.5, 0]},
         {"type": "spot", "spot": {"outerConeAngle": 1.0, "innerConeAngle": 0.5}, "intensity": 683},
-        {"type": "directional", "name": "sun"},
+        {"type": "directional", "name": "sun", "intensity": 2049, "color": [1, 0.5, 0]},
         {"type": "point", "range": 3},
         {"type": "area"},
     ]}});
@@ -346,7 +346,10 @@ fn lights_are_converted_or_named() {
         |light: u32| json!({"extensions": {"KHR_lights_punctual": {"light": light}}, "translation": [0, 0, light + 1]});
     file.root["nodes"] = json!([{"mesh": 0, "children": [1, 2, 3, 4]}, node(0), node(1), node(2), node(3)]);
     let scene = file.load().unwrap();
-    assert_eq!(scene.lights.len(), 3);
+    assert_eq!((scene.lights.len(), scene.distant_lights.len()), (3, 1));
+    let sun = &scene.distant_lights[0];
+    assert_eq!((sun.irradiance, sun.angle_deg), (etendue::spectrum::Rgb::new(3.0, 1.5, 0.0), 0.0));
+    near(sun.towards, [0.0, 0.0, 1.0]);
     near(scene.lights[0].position, [0.0, 0.0, 1.0]);
     assert_eq!(scene.lights[0].intensity.to_array(), [2.0, 1.0, 0.0]);
     assert_eq!(scene.lights[0].distribution, LightDistribution::Even);
@@ -357,7 +360,7 @@ fn lights_are_converted_or_named() {
     assert_eq!([spot.outer_deg, spot.inner_deg], [1.0_f64.to_degrees(), 0.5_f64.to_degrees()]);
     let said = scene.warnings.join("\n");
     let lights = "extensions.KHR_lights_punctual.lights";
-    assert!(said.contains(&format!("not drawn: {lights}[2] ('sun') (directional)")), "{said}");
+    assert!(!said.contains("not drawn"), "{said}");
     assert!(said.contains(&format!("`range` is left out of {lights}[3]")), "{said}");
     assert!(!said.contains("no light"), "{said}");
     file.root["nodes"][1] = node(4);

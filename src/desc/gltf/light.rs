@@ -4,7 +4,7 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::super::json::{self, elided};
-use super::super::{LightDistribution, PointLightDesc, SceneDesc, SpotDesc, validate};
+use super::super::{DistantLightDesc, LightDistribution, PointLightDesc, SceneDesc, SpotDesc, validate};
 use super::document::{Document, called, element, missing};
 use super::nodes::Nodes;
 use crate::math::DVec3;
@@ -66,7 +66,7 @@ pub(super) fn add(document: &Document<'_>, nodes: &Nodes, scene: &mut SceneDesc)
         Some(raw) => json::object::<Lights<'_>>(raw, &list)?.lights,
         None => Vec::new(),
     };
-    let (mut left_out, mut ranged) = (Vec::new(), Vec::new());
+    let mut ranged = Vec::new();
     for node in &nodes.drawn {
         let Some(raw) = document.nodes[*node].extensions.get(NAME) else { continue };
         let at_node = format!("nodes[{node}].extensions.{NAME}");
@@ -76,11 +76,7 @@ pub(super) fn add(document: &Document<'_>, nodes: &Nodes, scene: &mut SceneDesc)
         let light: Light = json::object(raw, &path)?;
         let name = || called(&path, light.name.as_deref());
         match light.kind.as_deref() {
-            Some("point" | "spot") => {}
-            Some("directional") => {
-                left_out.push(format!("{} (directional)", name()));
-                continue;
-            }
+            Some("point" | "spot" | "directional") => {}
             Some(other) => {
                 let message = format!("unknown type '{}', expected point, spot or directional", elided(other));
                 return Err(Error::invalid(format!("{path}.type"), message));
@@ -90,8 +86,15 @@ pub(super) fn add(document: &Document<'_>, nodes: &Nodes, scene: &mut SceneDesc)
         if light.range.is_some() {
             ranged.push(name());
         }
-        let factor = light.intensity.unwrap_or(1.0) / EFFICACY;
+        let factor = validate::intensity(&format!("{path}.intensity"), light.intensity.unwrap_or(1.0))? / EFFICACY;
         let to_world = &nodes.to_world[*node];
+        if light.kind.as_deref() == Some("directional") {
+            // It shines along the axis -z of its node, and is parallel wherever the node is.
+            let irradiance = validate::emission(&format!("{path}.color"), light.color.unwrap_or([1.0; 3]), factor)?;
+            let light = DistantLightDesc::parallel(to_world.matrix3 * DVec3::Z, irradiance);
+            scene.distant_lights.push(DistantLightDesc { path: at_node, ..light });
+            continue;
+        }
         let even = validate::point_light(&path, to_world.translation, light.color.unwrap_or([1.0; 3]), factor)?;
         let distribution = if light.kind.as_deref() == Some("spot") {
             let angles = light.spot.ok_or_else(|| missing(&path, "spot"))?;
@@ -100,9 +103,6 @@ pub(super) fn add(document: &Document<'_>, nodes: &Nodes, scene: &mut SceneDesc)
             LightDistribution::Even
         };
         scene.lights.push(PointLightDesc { path: at_node, distribution, ..even });
-    }
-    if !left_out.is_empty() {
-        super::warn(&mut scene.warnings, format!("these lights are not drawn: {}", super::listed(left_out)));
     }
     if !ranged.is_empty() {
         let text = format!(
