@@ -14,6 +14,8 @@ pub mod spots;
 pub mod webs;
 mod weights;
 
+pub use sky::received;
+
 use std::f64::consts::PI;
 
 use etendue::desc::{BsdfDesc, IntegratorDesc, SceneDesc, ShapeDesc};

@@ -163,7 +163,7 @@ fn relative(number: usize, towards: DVec3, sun: DVec3) -> f64 {
 }
 
 /// What a surface with this normal gets from a sky of radiance 1 at the zenith, z, and from the ground.
-fn received(number: usize, sun: DVec3, normal: DVec3, albedo: f64) -> f64 {
+pub fn received(number: usize, sun: DVec3, normal: DVec3, albedo: f64) -> f64 {
     const STEPS: u32 = 2400;
     const AROUND: u32 = 600;
     let (mut all, mut horizontal, mut from_ground) = (0.0, 0.0, 0.0);

@@ -12,6 +12,7 @@ mod odd;
 mod passes;
 mod rooms;
 mod shadows;
+mod skies;
 mod spots;
 mod water;
 mod webs;
@@ -39,6 +40,7 @@ pub fn cases() -> Vec<Entry> {
         edges::cases(),
         shadows::cases(),
         lamps::cases(),
+        skies::cases(),
         spots::cases(),
         webs::cases(),
         rooms::cases(),
