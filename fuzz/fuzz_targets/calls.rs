@@ -433,10 +433,10 @@ impl World {
                         angle_deg: angle,
                         ..sized()
                     };
-                    match light {
-                        Some(light) => fine(etd_scene_set_distant_light(scene, u32::from(light % 4), &raw const it)),
-                        None => fine(etd_scene_add_distant_light(scene, &raw const it, &raw mut number)),
-                    }
+                    fine(match light {
+                        Some(light) => etd_scene_set_distant_light(scene, u32::from(light % 4), &raw const it),
+                        None => etd_scene_add_distant_light(scene, &raw const it, &raw mut number),
+                    });
                     let mut out: etd_distant_light = sized();
                     fine(etd_scene_get_distant_light(scene, u32::from(light.unwrap_or(0) % 4), &raw mut out));
                 }

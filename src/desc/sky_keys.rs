@@ -326,5 +326,9 @@ fn towards(path: &str, sun: Option<[f64; 3]>, at: Option<&SunAt>, up: DVec3) -> 
     }
     let north = level.normalize();
     let [east, northwards, upwards] = sun_direction(latitude, longitude, time.as_secs_f64()).to_array();
+    if upwards <= 0.0 {
+        let message = format!("the sun is {:.1} degrees below the horizon then", -upwards.asin().to_degrees());
+        return Err(Error::invalid(join(&path, "time"), message));
+    }
     Ok(Some(east * north.cross(up) + northwards * north + upwards * up))
 }

@@ -63,7 +63,7 @@ fn directly(case: &mut Case) {
 }
 
 fn mirrored(case: &mut Case) {
-    let paths = case.count(1 << 14, 1 << 17) as u32;
+    let paths = case.count(1 << 14, 1 << 18) as u32;
     for degrees in [0.0, 0.533, 40.0] {
         // An upright mirror that sends the sun's light down to a floor that is large enough for all of it, and a ball beside it
         // that photons are aimed at in vain.
