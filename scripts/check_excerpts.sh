@@ -26,7 +26,7 @@ blocks() {
 #include <stdlib.h>
 #include <string.h>
 extern etd_device *device; extern etd_scene *scene; extern etd_film *film; extern etd_task *task;
-extern uint32_t mesh, floor_, ball, red;
+extern uint32_t mesh, floor_, ball, red, faces;
 extern float *positions; extern uint32_t *indices; extern size_t vertex_count, triangle_count;
 struct viewer; extern struct viewer *viewer;
 void check(etd_status status);
