@@ -122,7 +122,8 @@ fn horizontal(formula: &SkyFormula, sun: DVec3) -> f64 {
             sum += sine * cosine * formula.at(cosine, cos_sun);
         }
     }
-    PI * PI * sum / f64::from(AROUND * UP)
+    // With the sine of a ring's height for the height, every ring weighs what it does, so that an even sky is exact.
+    2.0 * PI / f64::from(AROUND) * (FRAC_PI_2 / f64::from(UP)).sin() * sum
 }
 
 #[cfg(test)]
