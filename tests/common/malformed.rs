@@ -653,7 +653,7 @@ fn lights(l: &mut List) {
         (
             "light without type",
             "@{\"origin\": [0, 0, 0]}",
-            "lights[0]: missing key `type`, expected one of point, area, environment, spot",
+            "lights[0]: missing key `type`, expected one of point, area, distant, environment, sky, spot, web",
         ),
         ("unknown light", "{\n@\"type\": \"sun\"}", "lights[0].type: unknown type 'sun'"),
         ("light type null", "{\n\"origin\": 0, \"type\": null}", "lights[0]: missing key `type`"),
