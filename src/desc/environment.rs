@@ -73,7 +73,7 @@ impl FormulaSkyDesc {
 
     /// From the frame of the sky, with y up, to the world.
     pub fn to_world(&self) -> DMat3 {
-        EnvironmentMapDesc { up: self.up, ..EnvironmentMapDesc::new(0) }.to_world()
+        DMat3::from_quat(y_to(self.up))
     }
 
     /// The sky of this radiance; `None` where the formula gives no light, or light beyond single precision.
@@ -120,11 +120,14 @@ impl EnvironmentMapDesc {
 
     /// From the frame of the image to the world.
     pub fn to_world(&self) -> DMat3 {
-        let up = self.up.normalize_or(DVec3::Y);
-        let turn =
-            if up.y < -1.0 + 1e-12 { DQuat::from_rotation_x(PI) } else { DQuat::from_rotation_arc(DVec3::Y, up) };
-        DMat3::from_quat(turn * DQuat::from_rotation_y(self.rotation_deg.to_radians()))
+        DMat3::from_quat(y_to(self.up) * DQuat::from_rotation_y(self.rotation_deg.to_radians()))
     }
+}
+
+/// The turn of +y to `up` by the shortest way.
+fn y_to(up: DVec3) -> DQuat {
+    let up = up.normalize_or(DVec3::Y);
+    if up.y < -1.0 + 1e-12 { DQuat::from_rotation_x(PI) } else { DQuat::from_rotation_arc(DVec3::Y, up) }
 }
 
 impl SceneDesc {

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::edit::none_such;
 use super::{SceneDesc, validate};
 use crate::Result;
-use crate::error::Error;
 use crate::math::DVec3;
 use crate::photometry::Web;
 use crate::spectrum::Rgb;
@@ -120,8 +120,7 @@ impl SceneDesc {
     pub fn set_light_desc(&mut self, light: usize, value: PointLightDesc) -> Result<()> {
         let count = self.lights.len();
         let Some(known) = self.lights.get_mut(light) else {
-            let message = format!("there is no point light {light}, expected an index below {count}");
-            return Err(Error::invalid(format!("lights[{light}]"), message));
+            return Err(none_such(&format!("lights[{light}]"), "point light", light, count));
         };
         *known = validate::light(PointLightDesc { path: known.path.clone(), ..value })?;
         Ok(())

@@ -1,4 +1,4 @@
-//! Reads the native scene format, `"etendue": 1`: its top level and lights. Writes lights.
+//! Reads the native scene format, `"etendue": 1`: its top level and lights.
 //!
 //! `docs/scene-format.md` describes every key. The reader first reads the tag (`type`, `geometry`) of each element and
 //! then the element itself, into a plain structure that refuses unknown keys, so every error has an exact path.
@@ -10,9 +10,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::builder::Builder;
-use super::json;
 use super::{
-    Dialect, RenderDesc, SceneDesc, camera_keys, light_keys, material_keys, render_keys, sky_keys, surface,
+    Dialect, RenderDesc, SceneDesc, camera_keys, json, light_keys, material_keys, render_keys, sky_keys, surface,
     texture_keys,
 };
 use crate::control::WorkProgress;

@@ -239,10 +239,7 @@ pub(super) fn formula_sky(path: &str, sky: &FormulaSkyDesc, radiance: Rgb) -> Re
     // Within these, no direction is brighter than 10^13 times the zenith or so.
     let bounds = [(-1e3, 1e3), (-1e3, 0.0), (-1e3, 1e3), (-1e3, 5.0), (-1e3, 1e3)];
     for (i, (value, (low, high))) in numbers.into_iter().zip(bounds).enumerate() {
-        if !(low..=high).contains(&value) {
-            let message = format!("{value} is out of range, expected a number from {low} to {high}");
-            return Err(Error::invalid(join(path, &format!("perez[{i}]")), message));
-        }
+        within(&join(path, &format!("perez[{i}]")), value, low, high)?;
     }
     let up = direction(&join(path, "up"), sky.up)?;
     let sun = direction(&join(path, "sun"), sky.sun)?;

@@ -84,7 +84,9 @@ impl FormulaSky {
     /// `radiance`, over a ground that sends back the share `albedo` of that irradiance evenly. `sun`: the unit direction to the sun, in
     /// the frame of the sky. `None` for a formula that is 0 there, or not a number.
     pub fn new(formula: SkyFormula, sun: DVec3, radiance: Rgb, is_horizontal: bool, albedo: Rgb) -> Option<Self> {
-        let horizontal = horizontal(&formula, sun);
+        // The irradiance takes half a million evaluations.
+        let is_asked = is_horizontal || albedo != Rgb::ZERO;
+        let horizontal = if is_asked { horizontal(&formula, sun) } else { 0.0 };
         let whole = if is_horizontal { horizontal } else { formula.at(1.0, sun.y) };
         let scale = radiance.to_f64() / whole;
         let ground = Rgb::from_f64(scale * horizontal / PI * albedo.to_f64());

@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use super::infinite_ball::InfiniteBall;
 use super::{EmitterSample, Receiver};
-use crate::math::{DVec3, Frame, Vec3};
+use crate::math::{DVec3, Vec3};
+use crate::sampling::DirectionCone;
 use crate::spectrum::Rgb;
 
 /// A disk of even radiance at infinity, or parallel light.
@@ -12,21 +13,14 @@ use crate::spectrum::Rgb;
 pub struct DistantEmitter {
     /// Irradiance of a surface across the light [W m^-2].
     irradiance: Rgb,
-    /// Unit direction towards the middle of the disk.
-    towards: Vec3,
+    /// The directions of the disk; a cone without width for parallel light.
+    cone: DirectionCone,
     /// `None` for parallel light.
-    disk: Option<Disk>,
+    radiance: Option<Rgb>,
     /// Whether camera rays see the disk.
     pub visible: bool,
     /// The ball that holds the scene.
     pub ball: InfiniteBall,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Disk {
-    radiance: Rgb,
-    /// 1 - cos of the angular radius.
-    height: f64,
 }
 
 impl DistantEmitter {
@@ -34,67 +28,54 @@ impl DistantEmitter {
     /// angular diameter of its disk \[radian\], from 0 for parallel light to pi.
     pub fn new(irradiance: Rgb, towards: Vec3, diameter: f64, ball: InfiniteBall) -> Self {
         let half = (0.5 * diameter).sin();
-        let disk = (half > 0.0).then(|| Disk {
-            // Irradiance is pi L sin^2 of the angular radius.
-            radiance: Rgb::from_f64(irradiance.to_f64() / (PI * half * half)),
-            height: 2.0 * (0.25 * diameter).sin().powi(2),
-        });
-        Self { irradiance, towards, disk, visible: true, ball }
+        // Irradiance is pi L sin^2 of the angular radius.
+        let radiance = (half > 0.0).then(|| Rgb::from_f64(irradiance.to_f64() / (PI * half * half)));
+        let cone = DirectionCone { axis: towards, one_minus_cos: (2.0 * (0.25 * diameter).sin().powi(2)) as f32 };
+        Self { irradiance, cone, radiance, visible: true, ball }
     }
 
     /// Whether it is a disk, which rays find, and not parallel light.
     pub fn is_disk(&self) -> bool {
-        self.disk.is_some()
+        self.radiance.is_some()
     }
 
     /// Power that enters the ball (W).
     pub(super) fn power(&self) -> DVec3 {
-        match &self.disk {
-            None => self.irradiance.to_f64() * self.ball.cross_section(),
-            Some(disk) => disk.radiance.to_f64() * (2.0 * PI * disk.height * self.ball.cross_section()),
-        }
+        let across = match self.radiance {
+            None => self.irradiance.to_f64(),
+            Some(radiance) => 2.0 * PI * f64::from(self.cone.one_minus_cos) * radiance.to_f64(),
+        };
+        across * self.ball.cross_section()
     }
 
     /// A direction towards the light (unit), its density \[sr^-1\] and the radiance; for parallel light the density is 1 and the radiance
     /// stands for the irradiance across the light. `u` uniform in [0, 1)^2.
     #[inline]
     pub fn sample_direction(&self, u: [f32; 2]) -> (Vec3, f32, Rgb) {
-        let Some(disk) = &self.disk else { return (self.towards, 1.0, self.irradiance) };
-        // Of a small disk, the cosine differs from 1 by less than single precision holds.
-        let fall = (f64::from(u[0]) * disk.height) as f32;
-        let sine = (fall * (2.0 - fall)).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = (2.0 * std::f32::consts::PI * u[1]).sin_cos();
-        let local = Vec3::new(sine * cos_phi, sine * sin_phi, 1.0 - fall);
-        (Frame::from_normal(self.towards).to_world(local).normalize(), disk.density(), disk.radiance)
+        match self.radiance {
+            None => (self.cone.axis, 1.0, self.irradiance),
+            Some(radiance) => (self.cone.sample(u).normalize(), self.cone.pdf(), radiance),
+        }
     }
 
     /// Samples a direction for a receiver.
     #[inline]
     pub(super) fn sample(&self, receiver: &Receiver, u: [f32; 2]) -> EmitterSample {
         let (wi, pdf, radiance) = self.sample_direction(u);
-        EmitterSample { wi, target: self.ball.beyond(receiver.p, wi), radiance, pdf, is_delta: self.disk.is_none() }
+        EmitterSample { wi, target: self.ball.beyond(receiver.p, wi), radiance, pdf, is_delta: !self.is_disk() }
     }
 
     /// The radiance from a unit direction, and the density \[sr^-1\] with which that is sampled; `None` where the disk is not.
     #[inline]
     pub fn seen(&self, direction: Vec3) -> Option<(Rgb, f32)> {
-        let disk = self.disk.as_ref()?;
-        // The square of the chord is 2 (1 - cos), without the cosine's rounding.
-        let chord2 = direction.distance_squared(self.towards);
-        (f64::from(chord2) <= 2.0 * disk.height).then(|| (disk.radiance, disk.density()))
-    }
-}
-
-impl Disk {
-    #[inline]
-    fn density(&self) -> f32 {
-        (0.5 / (PI * self.height)) as f32
+        self.radiance.filter(|_| self.cone.holds(direction)).map(|radiance| (radiance, self.cone.pdf()))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::Frame;
     use crate::sampling::Rng;
 
     const SUN: f64 = 0.533;
@@ -116,7 +97,7 @@ mod tests {
             for _ in 0..count {
                 let (wi, pdf, radiance) = light.sample_direction(rng.next_2d());
                 assert!(wi.is_normalized());
-                sum += f64::from(radiance.r() * wi.dot(light.towards) / pdf) / f64::from(count);
+                sum += f64::from(radiance.r() * wi.dot(light.cone.axis) / pdf) / f64::from(count);
                 match light.seen(wi) {
                     Some(seen) => assert_eq!(seen, (radiance, pdf)),
                     None => unseen += 1,
@@ -141,7 +122,7 @@ mod tests {
             let fall = f64::from(a) * height;
             let (sine, phi) = ((fall * (2.0 - fall)).sqrt(), 2.0 * PI * f64::from(b));
             let local = DVec3::new(sine * phi.cos(), sine * phi.sin(), 1.0 - fall).as_vec3a();
-            inside += u32::from(light.seen(Frame::from_normal(light.towards).to_world(local)).is_some());
+            inside += u32::from(light.seen(Frame::from_normal(light.cone.axis).to_world(local)).is_some());
         }
         let share = 4.0 * f64::from(inside) / f64::from(count);
         assert!((share - 1.0).abs() < 0.014, "{share}");
@@ -150,8 +131,8 @@ mod tests {
     #[test]
     fn parallel_light_is_sampled_alone_and_not_seen() {
         let light = emitter(0.0);
-        assert!(!light.is_disk() && light.seen(light.towards).is_none());
-        assert_eq!(light.sample_direction([0.3, 0.7]), (light.towards, 1.0, Rgb::new(3.0, 2.0, 1.0)));
+        assert!(!light.is_disk() && light.seen(light.cone.axis).is_none());
+        assert_eq!(light.sample_direction([0.3, 0.7]), (light.cone.axis, 1.0, Rgb::new(3.0, 2.0, 1.0)));
         assert!((light.power().x - 3.0 * PI * 16.0).abs() < 1e-3);
         // A small disk brings as much.
         assert!((emitter(0.1).power().x / light.power().x - 1.0).abs() < 1e-5);

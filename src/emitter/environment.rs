@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::infinite_ball::InfiniteBall;
 use super::{Departure, EmitterSample, Receiver};
 use crate::math::{DVec3, Frame, HitPoint, Vec3};
 use crate::sampling::warps;
@@ -17,31 +18,19 @@ pub struct EnvironmentEmitter {
     pub radiance: Rgb,
     /// Whether camera rays see it.
     pub visible: bool,
-    /// Centre of the ball that holds the scene, scene frame.
-    centre: Vec3,
-    /// Its radius.
-    radius: f32,
+    /// The ball that holds the scene.
+    pub ball: InfiniteBall,
 }
 
 impl EnvironmentEmitter {
-    /// An environment that camera rays see, around everything that lies in the ball of this centre and radius (> 0), scene frame.
-    pub fn new(radiance: Rgb, centre: Vec3, radius: f32) -> Self {
-        Self { radiance, visible: true, centre, radius }
-    }
-
-    /// Area of the ball from which photons come [length^2].
-    pub(super) fn area(&self) -> f64 {
-        4.0 * PI * f64::from(self.radius) * f64::from(self.radius)
+    /// An environment that camera rays see, around everything that lies in the ball, scene frame.
+    pub fn new(radiance: Rgb, ball: InfiniteBall) -> Self {
+        Self { radiance, visible: true, ball }
     }
 
     /// Power that enters the ball (W): pi L A.
     pub(super) fn power(&self) -> DVec3 {
-        PI * self.area() * self.radiance.to_f64()
-    }
-
-    /// Centre of the ball.
-    pub(super) fn centre(&self) -> Vec3 {
-        self.centre
+        PI * self.ball.area() * self.radiance.to_f64()
     }
 
     /// Samples a direction for a receiver.
@@ -51,9 +40,7 @@ impl EnvironmentEmitter {
             Some(normal) => Frame::from_normal(normal).to_world(warps::cosine_hemisphere(u)).normalize(),
             None => warps::uniform_sphere(u),
         };
-        // Beyond the ball, wherever the receiver is.
-        let distance = 2.0 * self.radius + self.centre.distance(receiver.p);
-        let target = receiver.p + wi * distance;
+        let target = self.ball.beyond(receiver.p, wi);
         EmitterSample { wi, target, radiance: self.radiance, pdf: self.pdf(receiver, wi), is_delta: false }
     }
 
@@ -70,7 +57,10 @@ impl EnvironmentEmitter {
     #[inline]
     pub(super) fn sample_departure(&self, u: [f32; 2]) -> Departure {
         let outwards = warps::uniform_sphere(u);
-        Departure { point: HitPoint::new(self.centre + outwards * self.radius, 0.0), normal: Some(-outwards) }
+        Departure {
+            point: HitPoint::new(self.ball.centre() + outwards * self.ball.radius(), 0.0),
+            normal: Some(-outwards),
+        }
     }
 }
 
@@ -94,7 +84,7 @@ mod tests {
     const RADIANCE: Rgb = Rgb::new(0.5, 1.0, 2.0);
 
     fn environment(centre: Vec3) -> Emitter {
-        Emitter::Environment(EnvironmentEmitter::new(RADIANCE, centre, 2.0))
+        Emitter::Environment(EnvironmentEmitter::new(RADIANCE, InfiniteBall::new(centre, 2.0)))
     }
 
     /// A ball of radius 1 about the origin, alone in a uniform environment.

@@ -143,7 +143,7 @@ impl EnvironmentMap {
     /// The radiance that comes from a unit direction of the scene.
     #[inline]
     pub fn radiance(&self, direction: Vec3) -> Rgb {
-        self.sky.at(&self.axes, self.place_of(direction).0)
+        self.sky.towards(&self.axes, direction, || self.place_of(direction).0)
     }
 
     /// A direction (unit, scene frame) and its density \[sr^-1\], by all of the light or only by what is above its mean; `u` uniform in
@@ -242,12 +242,25 @@ impl Sky {
 
     /// The radiance at a place of the image by longitude and latitude, to the right and down in [0, 1].
     #[inline]
-    fn at(&self, axes: &[Vec3; 3], [u, t]: [f32; 2]) -> Rgb {
-        let uv = [u, 1.0 - t];
+    fn at(&self, axes: &[Vec3; 3], place: [f32; 2]) -> Rgb {
         match self {
-            Self::Texture(radiance) => radiance.at(&TexturePoint { uv, ..TexturePoint::default() }),
-            Self::Unfolded(radiance, place) => radiance.at(&place.point(direction(axes, [u, t]), uv)),
-            Self::Model(model) => model.radiance(direction(&[Vec3::X, Vec3::Y, Vec3::Z], [u, t])),
+            // Its direction is not asked for.
+            Self::Texture(_) => self.towards(axes, Vec3::Y, || place),
+            Self::Unfolded(..) | Self::Model(_) => self.towards(axes, direction(axes, place), || place),
+        }
+    }
+
+    /// The radiance from a unit direction of the scene, which is at this place of the image.
+    #[inline]
+    fn towards(&self, axes: &[Vec3; 3], direction: Vec3, place: impl FnOnce() -> [f32; 2]) -> Rgb {
+        let uv = || {
+            let [u, t] = place();
+            [u, 1.0 - t]
+        };
+        match self {
+            Self::Texture(radiance) => radiance.at(&TexturePoint { uv: uv(), ..TexturePoint::default() }),
+            Self::Unfolded(radiance, place) => radiance.at(&place.point(direction, uv())),
+            Self::Model(model) => model.radiance(Vec3::from_array(axes.map(|axis| axis.dot(direction)))),
         }
     }
 }

@@ -104,7 +104,7 @@ impl Emitter {
             Self::Textured(emitter) => f64::from(emitter.mean.triangle.area),
             Self::Sphere(emitter) => emitter.sphere.area(),
             Self::TexturedSphere(emitter) => emitter.mean.sphere.area(),
-            Self::Environment(emitter) => emitter.area(),
+            Self::Environment(emitter) => emitter.ball.area(),
             Self::EnvironmentMap(emitter) => emitter.ball.area(),
             Self::Distant(emitter) => emitter.ball.cross_section(),
         }
@@ -164,7 +164,7 @@ impl Emitter {
             Self::Textured(emitter) => emitter.mean.triangle.at(1.0 / 3.0, 1.0 / 3.0),
             Self::Sphere(emitter) => emitter.sphere.centre.as_vec3a(),
             Self::TexturedSphere(emitter) => emitter.mean.sphere.centre.as_vec3a(),
-            Self::Environment(emitter) => emitter.centre(),
+            Self::Environment(emitter) => emitter.ball.centre(),
             Self::EnvironmentMap(emitter) => emitter.ball.centre(),
             Self::Distant(emitter) => emitter.ball.centre(),
         }

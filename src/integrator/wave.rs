@@ -214,7 +214,7 @@ mod tests {
     use crate::bsdf::{Bsdf, LobeMixture, Lobes};
     use crate::camera::Camera;
     use crate::desc;
-    use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter};
+    use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter, InfiniteBall};
     use crate::integrator::{Direct, Integrator, Path, SceneTracer};
     use crate::sampling::{Pattern, PatternSampler, SobolSampler};
     use crate::scene::BuildOptions;
@@ -286,7 +286,10 @@ mod tests {
         let bounds = scene.info().bounds;
         let (centre, radius) = (scene.to_scene(bounds.centre()), (bounds.max - bounds.min).length() as f32);
         let mut emitters = scene.emitters().emitters().to_vec();
-        emitters.push(Emitter::Environment(EnvironmentEmitter::new(Rgb::new(0.5, 1.0, 2.0), centre, radius)));
+        emitters.push(Emitter::Environment(EnvironmentEmitter::new(
+            Rgb::new(0.5, 1.0, 2.0),
+            InfiniteBall::new(centre, radius),
+        )));
         scene.set_emitters(EmitterSet::new(emitters));
         let sobol = SobolSampler::new(3, 64).in_turn(8);
         compare(&scene, &Path { max_depth: None, shadow_rays: 2 }, &sobol);

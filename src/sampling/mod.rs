@@ -3,6 +3,7 @@
 //! Every number in [0, 1) is strictly below 1. Warps state what they return and the density of it.
 
 mod bilinear;
+mod cone;
 mod distribution;
 mod filter;
 pub mod mis;
@@ -13,6 +14,7 @@ mod spherical_triangle;
 pub mod warps;
 
 pub use bilinear::{BilinearGrid, GridSample};
+pub use cone::DirectionCone;
 pub use distribution::Distribution1D;
 pub use filter::Filter;
 pub(crate) use pattern::square_side;

@@ -94,21 +94,19 @@ pub(super) fn rebind_materials(old: &SurfaceBindings, appearance: &AppearanceKey
 
 /// The emitter of a point light that is at `position` in the scene frame.
 fn point_emitter(light: &PointLightDesc, position: Vec3) -> Emitter {
-    let intensity = light.intensity;
-    let distribution = match &light.distribution {
-        LightDistribution::Even => return Emitter::Point { position, intensity },
+    let unit = |v: DVec3| (v / v.abs().max_element()).try_normalize();
+    let (intensity, distribution) = match &light.distribution {
+        LightDistribution::Even => return Emitter::Point { position, intensity: light.intensity },
         LightDistribution::Spot(spot) => {
-            let axis = (spot.direction / spot.direction.abs().max_element()).normalize_or(DVec3::NEG_Y);
             let [inner, outer] = [spot.inner_deg, spot.outer_deg].map(f64::to_radians);
-            Distribution::Spot(Spot::new(axis, inner, outer))
+            let axis = unit(spot.direction).unwrap_or(DVec3::NEG_Y);
+            (light.intensity, Distribution::Spot(Spot::new(axis, inner, outer)))
         }
         LightDistribution::Web(it) => {
-            let unit = |v: DVec3| (v / v.abs().max_element()).try_normalize();
+            let intensity = light.intensity;
             let axis = unit(it.direction).unwrap_or(DVec3::NEG_Y);
             let web = TurnedWeb::new(Arc::clone(&it.web), axis, unit(it.c0).unwrap_or(axis));
-            let intensity = Rgb::from_f64(intensity.to_f64() / LUMENS_PER_WATT);
-            let distribution = Distribution::Web(web);
-            return Emitter::Directed(Box::new(DirectedPoint { position, intensity, distribution }));
+            (Rgb::from_f64(intensity.to_f64() / LUMENS_PER_WATT), Distribution::Web(web))
         }
     };
     Emitter::Directed(Box::new(DirectedPoint { position, intensity, distribution }))
@@ -182,7 +180,7 @@ impl BindingBuilder<'_, '_> {
             return Ok(());
         }
         if environment.sky == SkyDesc::Even {
-            let mut emitter = EnvironmentEmitter::new(environment.radiance, ball.centre(), ball.radius());
+            let mut emitter = EnvironmentEmitter::new(environment.radiance, ball);
             emitter.visible = environment.visible;
             self.emitters.push(Emitter::Environment(emitter));
             return Ok(());

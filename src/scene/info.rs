@@ -227,8 +227,8 @@ impl TextureFacts {
             spaces[1],
             spaces[2]
         )];
-        if textured(desc) > 0 {
-            let asked = textured(desc);
+        let asked = textured(desc);
+        if asked > 0 {
             lines.push(format!("{asked} materials are asked at every hit for what their textures say"));
         }
         Self { bytes, lines }
@@ -475,7 +475,7 @@ mod tests {
     use super::*;
     use crate::bsdf::LobeMixture;
     use crate::desc::{BsdfDesc, MicrofacetsDesc, ShapeDesc, SurfaceLook};
-    use crate::emitter::{Emitter, EnvironmentEmitter};
+    use crate::emitter::{Emitter, EnvironmentEmitter, InfiniteBall};
     use crate::math::{DVec3, Vec3};
     use crate::scene::{BuildOptions, Scene};
 
@@ -486,7 +486,8 @@ mod tests {
         let white = with_ball.add_material("white", BsdfDesc::Lambert { albedo: Rgb::ONE }, None).unwrap();
         let look = SurfaceLook { material: Some(white), ..SurfaceLook::default() };
         with_ball.add_surface(ball().0, ball().1, look).unwrap();
-        let environment = |radiance| Emitter::Environment(EnvironmentEmitter::new(radiance, Vec3::ZERO, 2.0));
+        let environment =
+            |radiance| Emitter::Environment(EnvironmentEmitter::new(radiance, InfiniteBall::new(Vec3::ZERO, 2.0)));
         let point = Emitter::Point { position: Vec3::ZERO, intensity: Rgb::ONE };
         for (desc, black) in [(&SceneDesc::default(), "no surface"), (&with_ball, "nothing in the scene emits")] {
             let scene = Scene::build(desc, &BuildOptions::default()).unwrap();

@@ -13,7 +13,7 @@ use super::{BuildOptions, Scene};
 use crate::camera::Camera;
 use crate::desc::{self, IntegratorDesc, RenderDesc};
 use crate::embree::{SceneBuilder, SceneOptions, TriangleMesh, VertexBuffer};
-use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter};
+use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter, InfiniteBall};
 use crate::integrator::{Direct, Integrator, Path, SceneTracer, Whitted};
 use crate::math::{DAffine3, DVec3, Frame, Ray, Vec3};
 use crate::render::{Render, RenderSettings};
@@ -230,7 +230,7 @@ fn a_moving_edge_is_a_linear_ramp() {
     let still = build(&[sheet]);
     for steps in [vec![shift(-1.0), shift(1.0)], vec![shift(-1.0), shift(-0.5), shift(0.0), shift(0.5), shift(1.0)]] {
         let mut scene = still.in_motion(|_| Motion::Moved(steps.clone()));
-        let environment = EnvironmentEmitter::new(Rgb::splat(2.0), Vec3::ZERO, 100.0);
+        let environment = EnvironmentEmitter::new(Rgb::splat(2.0), InfiniteBall::new(Vec3::ZERO, 100.0));
         scene.set_emitters(EmitterSet::new(vec![Emitter::Environment(environment)]));
         for integrator in [IntegratorDesc::Path, IntegratorDesc::Whitted, IntegratorDesc::Direct, IntegratorDesc::Auto]
         {

@@ -11,7 +11,7 @@ use crate::ErrorKind;
 use crate::bsdf::{Bsdf, Lambert};
 use crate::camera::Camera;
 use crate::desc::{self, FilterDesc, IntegratorDesc, RenderDesc};
-use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter};
+use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter, InfiniteBall};
 use crate::integrator::{Integrator, Path, SceneTracer};
 use crate::math::{DVec3, Ray, Vec3};
 use crate::render::{Render, RenderSettings};
@@ -97,7 +97,7 @@ fn build(surfaces: serde_json::Value, options: &BuildOptions) -> Scene {
     });
     let desc = desc::parse(&scene.to_string(), "".as_ref(), None).unwrap();
     let mut scene = Scene::build(&desc, options).unwrap();
-    let environment = EnvironmentEmitter::new(Rgb::ONE, scene.to_scene(DVec3::ZERO), 10.0);
+    let environment = EnvironmentEmitter::new(Rgb::ONE, InfiniteBall::new(scene.to_scene(DVec3::ZERO), 10.0));
     scene.set_emitters(EmitterSet::new(vec![Emitter::Environment(environment)]));
     scene
 }

@@ -87,11 +87,13 @@ static etd_status s_binding(void) {
 static etd_status s_get_binding(void) {
     return etd_scene_get_material_texture(scene, 0, "color", (etd_texture_binding *)(void *)&structure);
 }
-/* Sets a sky and removes it again, since not all renders take one. */
-static etd_status try_sky(const etd_environment_map *map) {
-    etd_status status = etd_scene_set_environment_map(scene, map);
+/* Removes a sky that was tried, since not all renders take one. */
+static etd_status then_no_sky(etd_status status) {
     CHECK_OK(etd_scene_set_environment(scene, NULL));
     return status;
+}
+static etd_status try_sky(const etd_environment_map *map) {
+    return then_no_sky(etd_scene_set_environment_map(scene, map));
 }
 static etd_status s_set_environment_map(void) { return try_sky((etd_environment_map *)(void *)&structure); }
 static etd_status s_get_environment_map(void) {
@@ -110,11 +112,7 @@ static etd_status s_add_distant_light(void) {
 static etd_status s_get_distant_light(void) {
     return etd_scene_get_distant_light(scene, 0, (etd_distant_light *)(void *)&structure);
 }
-static etd_status s_set_sky(void) {
-    etd_status status = etd_scene_set_sky(scene, (etd_sky *)(void *)&structure);
-    CHECK_OK(etd_scene_set_environment(scene, NULL));
-    return status;
-}
+static etd_status s_set_sky(void) { return then_no_sky(etd_scene_set_sky(scene, (etd_sky *)(void *)&structure)); }
 static etd_status s_get_sky(void) { return etd_scene_get_sky(scene, (etd_sky *)(void *)&structure); }
 /* Light 1 is a dark spot light of the table of calls. */
 static etd_status s_set_spot(void) {
@@ -407,20 +405,14 @@ static etd_status e_hidden_sky(uint32_t value) {
 }
 static etd_status e_cie(uint32_t value) {
     etd_sky sky = ETD_SKY_INIT;
-    etd_status status;
     sky.cie = value;
     sky.perez[1] = -1;
-    status = etd_scene_set_sky(scene, &sky);
-    CHECK_OK(etd_scene_set_environment(scene, NULL));
-    return status;
+    return then_no_sky(etd_scene_set_sky(scene, &sky));
 }
 static etd_status e_horizontal(uint32_t value) {
     etd_sky sky = ETD_SKY_INIT;
-    etd_status status;
     sky.horizontal = value;
-    status = etd_scene_set_sky(scene, &sky);
-    CHECK_OK(etd_scene_set_environment(scene, NULL));
-    return status;
+    return then_no_sky(etd_scene_set_sky(scene, &sky));
 }
 static etd_status e_sampler(uint32_t value) {
     etd_render_options options = short_render(1);

@@ -8,14 +8,11 @@ use super::super::{DistantLightDesc, LightDistribution, PointLightDesc, SceneDes
 use super::document::{Document, called, element, missing};
 use super::nodes::Nodes;
 use crate::math::DVec3;
+use crate::photometry::LUMENS_PER_WATT;
 use crate::{Error, Result};
 
 /// The extension's name.
 const NAME: &str = "KHR_lights_punctual";
-
-/// The luminous efficacy by which photometric units are converted [lm W^-1]. It is the one that exporters use, so that a light of
-/// P watts comes back as one of P watts.
-pub(super) const EFFICACY: f64 = 683.0;
 
 #[derive(Deserialize)]
 struct Light {
@@ -86,7 +83,8 @@ pub(super) fn add(document: &Document<'_>, nodes: &Nodes, scene: &mut SceneDesc)
         if light.range.is_some() {
             ranged.push(name());
         }
-        let factor = validate::intensity(&format!("{path}.intensity"), light.intensity.unwrap_or(1.0))? / EFFICACY;
+        let factor =
+            validate::intensity(&format!("{path}.intensity"), light.intensity.unwrap_or(1.0))? / LUMENS_PER_WATT;
         let to_world = &nodes.to_world[*node];
         if light.kind.as_deref() == Some("directional") {
             // It shines along the axis -z of its node, and is parallel wherever the node is.

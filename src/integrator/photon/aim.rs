@@ -7,42 +7,8 @@ use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
 use crate::math::{Frame, Vec3};
-use crate::sampling::{SphericalTriangle, triangle_solid_angle, warps};
-use crate::scene::{Ball, Scene, SpecularPart};
-
-/// The cone of directions in which a ball is seen from a point: its axis and 1 - cos of its half angle.
-#[derive(Clone, Copy)]
-pub(super) struct Cone {
-    pub axis: Vec3,
-    pub one_minus_cos: f32,
-}
-
-impl Cone {
-    /// The cone of the ball as seen from `p`; `None` where `p` lies inside the ball.
-    #[inline]
-    pub fn new(p: Vec3, ball: &Ball) -> Option<Self> {
-        let axis = ball.centre - p;
-        let distance = axis.length();
-        let sin = ball.radius / distance;
-        if sin.is_nan() || sin >= 1.0 {
-            return None;
-        }
-        let one_minus_cos = warps::one_minus_cos_from_sin2(sin * sin);
-        Some(Self { axis: axis / distance, one_minus_cos })
-    }
-
-    /// A direction in the cone, uniform by solid angle.
-    #[inline]
-    pub fn sample(&self, u: [f32; 2]) -> Vec3 {
-        Frame::from_normal(self.axis).to_world(warps::uniform_cone(u, self.one_minus_cos))
-    }
-
-    /// Whether a unit direction lies in the cone.
-    #[inline]
-    pub fn holds(&self, direction: Vec3) -> bool {
-        direction.distance_squared(self.axis) <= 2.0 * self.one_minus_cos
-    }
-}
+use crate::sampling::{DirectionCone, SphericalTriangle, triangle_solid_angle, warps};
+use crate::scene::{Scene, SpecularPart};
 
 /// Most parts that are sampled separately, since the density of every aimed ray evaluates all of them.
 const MOST_PARTS: usize = 16;
@@ -59,7 +25,7 @@ pub(super) struct Aims(Arc<[SpecularPart]>);
 enum Seen {
     /// The part is below the horizon.
     Nothing,
-    Cone(Cone),
+    Cone(DirectionCone),
     /// Vectors to the corners, and the solid angle.
     Triangle([Vec3; 3], f32),
     /// The point lies inside the part's ball, so that the part may be seen in every direction.
@@ -120,7 +86,7 @@ impl Seen {
                 if height <= -ball.radius {
                     return (Self::Nothing, 0.0);
                 }
-                let Some(cone) = Cone::new(p, ball) else { return (Self::Around, PI) };
+                let Some(cone) = DirectionCone::of_ball(p, ball.centre, ball.radius) else { return (Self::Around, PI) };
                 let weight = TAU * cone.one_minus_cos * cone.axis.dot(n).max(LEAST_COSINE);
                 (Self::Cone(cone), weight)
             }
@@ -147,7 +113,7 @@ impl Seen {
     fn sample(&self, n: Vec3, u: [f32; 2]) -> Option<(Vec3, f32)> {
         match self {
             Self::Nothing => None,
-            Self::Cone(cone) => Some((cone.sample(u), warps::uniform_cone_pdf(cone.one_minus_cos))),
+            Self::Cone(cone) => Some((cone.sample(u), cone.pdf())),
             Self::Triangle(corners, _) => {
                 let triangle = SphericalTriangle::new(*corners)?;
                 Some((triangle.sample(u), triangle.pdf()))
@@ -164,7 +130,7 @@ impl Seen {
     fn pdf(&self, n: Vec3, direction: Vec3) -> f32 {
         match self {
             Self::Nothing => 0.0,
-            Self::Cone(cone) if cone.holds(direction) => warps::uniform_cone_pdf(cone.one_minus_cos),
+            Self::Cone(cone) if cone.holds(direction) => cone.pdf(),
             Self::Cone(_) => 0.0,
             Self::Triangle([a, b, c], solid_angle) => {
                 let sides = [a.cross(*b), b.cross(*c), c.cross(*a)].map(|side| side.dot(direction));
@@ -181,6 +147,7 @@ impl Seen {
 mod tests {
     use super::*;
     use crate::sampling::Rng;
+    use crate::scene::Ball;
 
     /// Compares two estimates of the projected solid angle of the union of parts: by aimed directions and by
     /// cosine-distributed directions of the whole hemisphere.

@@ -10,12 +10,11 @@
 
 use std::f64::consts::PI;
 
-use super::aim::Cone;
 use crate::desc::PhotonSharing;
 use crate::emitter::{DistantEmitter, Emitter, EnvironmentMapEmitter, InfiniteBall};
 use crate::error::{Error, Result};
 use crate::math::{Frame, Ray, Vec3};
-use crate::sampling::{Distribution1D, warps};
+use crate::sampling::{DirectionCone, Distribution1D, warps};
 use crate::scene::{Ball, Scene};
 use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
 
@@ -135,23 +134,18 @@ impl Emission {
         let (offset, area) = if self.balls.is_empty() {
             (sky.disk(d), disk)
         } else {
-            let shadows = self.balls.iter().map(|ball| (sky.offset_of(from, ball.centre), ball.radius));
-            let area: f32 = self.balls.iter().map(|ball| ball.radius * ball.radius).sum();
-            let mut left = choice * area;
-            let mut chosen = None;
-            for (middle, radius) in shadows.clone() {
-                chosen = Some((middle, radius));
-                left -= radius * radius;
-                if left < 0.0 {
-                    break;
-                }
-            }
-            let (middle, radius) = chosen?;
+            let shadow = |ball: &Ball| ball.radius * ball.radius;
+            let area: f32 = self.balls.iter().map(shadow).sum();
+            let ball = &self.balls[chosen_by(self.balls.iter().map(shadow), choice * area)];
+            let (middle, radius) = (sky.offset_of(from, ball.centre), ball.radius);
             let [x, y] = warps::uniform_disk(d);
             let offset = [middle[0] + radius * x, middle[1] + radius * y];
-            let holds = |([x, y], radius): ([f32; 2], f32)| (offset[0] - x).hypot(offset[1] - y) <= radius;
+            let holds = |ball: &&Ball| {
+                let [x, y] = sky.offset_of(from, ball.centre);
+                (offset[0] - x).hypot(offset[1] - y) <= ball.radius
+            };
             // The one that was chosen holds the point, whatever rounding says of its edge.
-            let count = shadows.filter(|shadow| holds(*shadow)).count().max(1);
+            let count = self.balls.iter().filter(holds).count().max(1);
             (offset, f64::from(area) / count as f64)
         };
         let power = PI * area * share / f64::from(pdf) * radiance.to_f64();
@@ -171,10 +165,10 @@ impl Emission {
         if self.balls.is_empty() {
             return None;
         }
-        let mut cones = [Cone { axis: Vec3::ZERO, one_minus_cos: 0.0 }; MOST_BALLS];
+        let mut cones = [DirectionCone { axis: Vec3::ZERO, one_minus_cos: 0.0 }; MOST_BALLS];
         let mut total = 0.0;
         for (cone, ball) in cones.iter_mut().zip(&self.balls) {
-            *cone = Cone::new(p, ball)?;
+            *cone = cone_of(p, ball)?;
             total += cone.one_minus_cos;
         }
         if 2.0 * PI * f64::from(total) > own {
@@ -183,15 +177,7 @@ impl Emission {
         let cones = &cones[..self.balls.len()];
         // A ball is chosen by solid angle, so that the density is uniform over each cone, times the number of cones that
         // overlap.
-        let mut left = choice * total;
-        let mut chosen = cones.len() - 1;
-        for (index, cone) in cones.iter().enumerate() {
-            if left < cone.one_minus_cos {
-                chosen = index;
-                break;
-            }
-            left -= cone.one_minus_cos;
-        }
+        let chosen = chosen_by(cones.iter().map(|cone| cone.one_minus_cos), choice * total);
         let cone = cones[chosen];
         let direction = cone.sample(u);
         let count =
@@ -208,6 +194,25 @@ fn solid_angle(emitter: &Emitter) -> f64 {
         Emitter::Directed(emitter) => emitter.distribution.flux() / emitter.distribution.peak(),
         _ => f64::INFINITY,
     }
+}
+
+/// The cone in which a ball is seen from `p`; `None` where `p` lies inside the ball.
+#[inline]
+fn cone_of(p: Vec3, ball: &Ball) -> Option<DirectionCone> {
+    DirectionCone::of_ball(p, ball.centre, ball.radius)
+}
+
+/// The number of the weight in which `left` of their sum lies, or of the last one where rounding leaves more.
+#[inline]
+fn chosen_by(weights: impl ExactSizeIterator<Item = f32>, mut left: f32) -> usize {
+    let last = weights.len() - 1;
+    for (index, weight) in weights.enumerate() {
+        if left < weight {
+            return index;
+        }
+        left -= weight;
+    }
+    last
 }
 
 /// The number that chooses the emitter, with more bits than a single random number has.
@@ -243,12 +248,12 @@ fn share_aimed(emitter: &Emitter, balls: &[Ball]) -> f64 {
     let p = emitter.centre();
     if let Emitter::Directed(emitter) = emitter {
         let most = |ball| {
-            Cone::new(p, ball)
+            cone_of(p, ball)
                 .map_or(1.0, |cone| emitter.distribution.most_into(cone.axis, f64::from(cone.one_minus_cos)))
         };
         return balls.iter().map(most).sum::<f64>().min(1.0);
     }
-    let one_minus_cos = |ball| Cone::new(p, ball).map_or(1.0, |cone| f64::from(cone.one_minus_cos));
+    let one_minus_cos = |ball| cone_of(p, ball).map_or(1.0, |cone| f64::from(cone.one_minus_cos));
     // A cone around the normal holds the share sin^2 of cosine-distributed light, and 2 (1 - cos) is no less.
     balls.iter().map(|ball| 2.0 * one_minus_cos(ball)).sum::<f64>().min(1.0)
 }

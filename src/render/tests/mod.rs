@@ -13,7 +13,7 @@ use crate::bsdf::{Bsdf, LobeMixture, Lobes};
 use crate::desc::{
     BsdfDesc, CameraDesc, FovAxis, IntegratorDesc, PhotonDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceLook,
 };
-use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter};
+use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter, InfiniteBall};
 use crate::math::{DAffine3, DVec3};
 use crate::scene::{BuildOptions, Scene};
 use crate::spectrum::Rgb;
@@ -103,7 +103,8 @@ impl Stage {
             let bounds = scene.info().bounds;
             let (centre, radius) = (bounds.centre(), 0.55 * (bounds.max - bounds.min).length());
             let mut emitters = scene.emitters().emitters().to_vec();
-            let environment = EnvironmentEmitter::new(radiance, scene.to_scene(centre), radius as f32);
+            let environment =
+                EnvironmentEmitter::new(radiance, InfiniteBall::new(scene.to_scene(centre), radius as f32));
             emitters.push(Emitter::Environment(environment));
             scene.set_emitters(EmitterSet::new(emitters));
         }

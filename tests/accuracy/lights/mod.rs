@@ -14,7 +14,7 @@ pub mod spots;
 pub mod webs;
 mod weights;
 
-pub use sky::received;
+pub use sky::{drawn, received};
 
 use std::f64::consts::PI;
 

@@ -6,6 +6,7 @@ use etendue::desc::{
     BsdfDesc, DistantLightDesc, EnvironmentDesc, FormulaSkyDesc, IntegratorDesc, SceneDesc, ShapeDesc, SkyDesc,
 };
 use etendue::emitter::SkyFormula;
+use etendue::film::Image;
 use etendue::math::DVec3;
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
@@ -36,18 +37,18 @@ const METHODS: [(IntegratorDesc, f64); 8] = [
 ];
 
 /// A picture with as many photons as leave no doubt.
-fn drawn(desc: &SceneDesc, integrator: IntegratorDesc, samples: u32) -> (f64, f64) {
+pub fn drawn(desc: &SceneDesc, integrator: IntegratorDesc, samples: u32) -> Image {
     let scene = Scene::build(desc, &BuildOptions::default()).expect("a scene of the test");
     let mut settings = Job { samples, integrator, ..Job::default() }.desc();
     settings.photons.count = Some(1 << 18);
-    mean_and_error(&render_scene(&scene, settings).0)
+    render_scene(&scene, settings).0
 }
 
 /// A white floor, whose normal is z, by all methods.
 fn by_all_methods(case: &mut Case, what: &str, desc: &SceneDesc, exact: f64) {
     let samples = case.count(64, 1024) as u32;
     for (integrator, bias) in METHODS {
-        let (mean, error) = drawn(desc, integrator, samples);
+        let (mean, error) = mean_and_error(&drawn(desc, integrator, samples));
         // All pixels see the same photons, whose errors are then not those of independent pixels.
         case.biased_mean(format!("{what}, by {integrator:?}"), (mean, error), exact, (bias.max(1e-4), 1e-2));
     }

@@ -7,16 +7,17 @@ use etendue::desc::{
     TextureDesc, TextureMapping, TextureSource,
 };
 use etendue::emitter::{Emitter, EnvironmentMapEmitter, Receiver};
-use etendue::film::Image;
 use etendue::math::{DMat3, DQuat, DVec3};
 use etendue::sampling::Rng;
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
 use etendue::texture::{ColorSpace, Pattern, Procedural, TextureFilter};
 
+use super::emission::METHODS;
 use super::scenes::quad;
 use super::{Mean, described, image};
-use crate::common::scenes::{Job, add, camera, mean_and_error, render, render_scene, scene};
+use crate::common::scenes::{Job, add, camera, mean_and_error, render, scene};
+use crate::lights::drawn;
 use crate::record::{Case, Entry, Within};
 
 pub fn cases() -> Vec<Entry> {
@@ -278,29 +279,12 @@ fn points(case: &mut Case) {
     }
 }
 
-/// A picture with as many photons as leave no doubt.
-fn drawn(desc: &SceneDesc, integrator: IntegratorDesc, samples: u32) -> Image {
-    let scene = Scene::build(desc, &BuildOptions::default()).expect("a scene of the test");
-    let mut settings = Job { samples, integrator, ..Job::default() }.desc();
-    settings.photons.count = Some(1 << 18);
-    render_scene(&scene, settings).0
-}
-
 /// The floor below a sky by all methods that draw it.
 fn pictures(case: &mut Case) {
     let samples = case.count(64, 4096) as u32;
     for (sky, name) in [SKIES[1], SKIES[5]] {
         let exact = 0.5 / PI * sky.irradiance(DVec3::Y) * (1.0 + 0.5 + 0.25) / 3.0;
-        for (integrator, within) in [
-            (IntegratorDesc::Path, 4e-3),
-            (IntegratorDesc::Direct, 4e-3),
-            (IntegratorDesc::Whitted, 4e-3),
-            (IntegratorDesc::Caustic, 4e-3),
-            (IntegratorDesc::IrradianceCache, 5e-3),
-            (IntegratorDesc::Photon, 1e-2),
-            (IntegratorDesc::Sppm, 1e-2),
-            (IntegratorDesc::PhotonDirect, 2e-2),
-        ] {
+        for (integrator, within) in METHODS.into_iter().chain([(IntegratorDesc::PhotonDirect, 2e-2)]) {
             let image = drawn(&floor(sky, 0.5), integrator, samples);
             let what = format!("{name}: the floor by {integrator:?}");
             if integrator == IntegratorDesc::PhotonDirect {
