@@ -56,6 +56,12 @@ impl SkyFormula {
         self.numbers[2] != 0.0 || self.numbers[4] != 0.0
     }
 
+    /// A number that the relative luminance is nowhere above, for b <= 0.
+    fn bound(&self) -> f64 {
+        let [a, _, c, d, e] = self.numbers;
+        (1.0 + a.abs()) * (1.0 + c.abs() * (1.0 + (d * PI).exp()) + e.abs())
+    }
+
     /// The relative luminance where `cos_zenith` > 0 is the cosine of the angle to the zenith and `cos_sun` that of the angle to the
     /// sun; not below 0.
     pub fn at(&self, cos_zenith: f64, cos_sun: f64) -> f64 {
@@ -82,7 +88,7 @@ pub struct FormulaSky {
 impl FormulaSky {
     /// A sky whose radiance at the zenith [W m^-2 sr^-1], or whose irradiance of a horizontal surface [W m^-2] if `is_horizontal`, is
     /// `radiance`, over a ground that sends back the share `albedo` of that irradiance evenly. `sun`: the unit direction to the sun, in
-    /// the frame of the sky. `None` for a formula that is 0 there, or not a number.
+    /// the frame of the sky. `None` for a formula that is 0 there, and for light that may be beyond single precision.
     pub fn new(formula: SkyFormula, sun: DVec3, radiance: Rgb, is_horizontal: bool, albedo: Rgb) -> Option<Self> {
         // The irradiance takes half a million evaluations.
         let is_asked = is_horizontal || albedo != Rgb::ZERO;
@@ -90,7 +96,8 @@ impl FormulaSky {
         let whole = if is_horizontal { horizontal } else { formula.at(1.0, sun.y) };
         let scale = radiance.to_f64() / whole;
         let ground = Rgb::from_f64(scale * horizontal / PI * albedo.to_f64());
-        let holds = whole > 0.0 && scale.is_finite() && ground.is_finite();
+        let brightest = Rgb::from_f64(scale * formula.bound());
+        let holds = whole > 0.0 && scale.is_finite() && brightest.is_finite() && ground.is_finite();
         holds.then_some(Self { formula, sun, scale, ground })
     }
 
@@ -161,6 +168,12 @@ mod tests {
             let by_ground = FormulaSky::new(formula, sun, Rgb::splat(3.0), true, Rgb::splat(0.5)).unwrap();
             assert!((by_ground.horizontal().y / 3.0 - 1.0).abs() < 1e-12, "{number}");
             assert!((by_ground.radiance(-Vec3::Y).g() - 0.5 * 3.0 / PI as f32).abs() < 1e-6, "{number}");
+        }
+        for formula in (1..=15).filter_map(SkyFormula::cie) {
+            let most =
+                (1..=100).flat_map(|z| (0..=100).map(move |s| (f64::from(z) / 100.0, f64::from(s) / 50.0 - 1.0)));
+            let most = most.map(|(zenith, sun)| formula.at(zenith, sun)).fold(0.0, f64::max);
+            assert!(most <= formula.bound(), "{formula:?}: {most}");
         }
         let nothing = SkyFormula { numbers: [-1.0, 0.0, 0.0, 0.0, 0.0], is_cie: false };
         assert!(FormulaSky::new(nothing, sun, Rgb::ONE, false, Rgb::ZERO).is_none());

@@ -658,6 +658,106 @@ fn lights(l: &mut List) {
         ("unknown light", "{\n@\"type\": \"sun\"}", "lights[0].type: unknown type 'sun'"),
         ("light type null", "{\n\"origin\": 0, \"type\": null}", "lights[0]: missing key `type`"),
         (
+            "sky without a formula",
+            "@{\"type\": \"sky\", \"color\": [1, 1, 1]}",
+            "lights[0]: missing key `cie`, or `perez`",
+        ),
+        (
+            "sky of two formulas",
+            "{\"type\": \"sky\", \"color\": [1, 1, 1], \"cie\": 5,\n@\"perez\": [0, -1, 0, 0, 0]}",
+            "lights[0].perez: `cie` says the formula already",
+        ),
+        (
+            "sky of a sixteenth type",
+            "{\"type\": \"sky\", \"color\": [1, 1, 1],\n@\"cie\": 16}",
+            "lights[0].cie: 16 is out of range, expected a whole number from 1 to 15",
+        ),
+        (
+            "sky without its sun",
+            "@{\"type\": \"sky\", \"color\": [1, 1, 1], \"cie\": 12}",
+            "lights[0]: missing key `sun`, or `sunAt`",
+        ),
+        (
+            "sky after sunset",
+            "{\"type\": \"sky\", \"color\": [1, 1, 1], \"cie\": 12,\n@\"sun\": [1, -1, 0]}",
+            "lights[0].sun: the sun is not above the horizon",
+        ),
+        (
+            "sky of two suns",
+            "{\"type\": \"sky\", \"color\": [1, 1, 1], \"cie\": 12, \"sun\": [0, 1, 0],\n@\"sunAt\": {\"latitude\": 48, \"longitude\": 11, \"time\": \"2026-06-21T10:30:00Z\"}}",
+            "lights[0].sunAt: `sun` says the direction already",
+        ),
+        (
+            "sky beyond the pole",
+            "{\"type\": \"sky\", \"color\": [1, 1, 1], \"cie\": 12, \"sunAt\":\n{@\"latitude\": 98, \"longitude\": 11, \"time\": \"2026-06-21T10:30:00Z\"}}",
+            "lights[0].sunAt.latitude: 98 is out of range, expected -90 to 90 degrees",
+        ),
+        (
+            "sun of no time",
+            "{\"type\": \"distant\", \"color\": [1, 1, 1], \"sunAt\": {\"latitude\": 48, \"longitude\": 11,\n@\"time\": \"noon\"}}",
+            "lights[0].sunAt.time: 'noon' is no time in UTC",
+        ),
+        (
+            "sun at night",
+            "{\"type\": \"distant\", \"color\": [1, 1, 1], \"sunAt\": {\"latitude\": 48, \"longitude\": 11,\n@\"time\": \"2026-06-21T23:30:00Z\"}}",
+            "lights[0].sunAt.time: the sun is ",
+        ),
+        (
+            "north that is up",
+            "{\"type\": \"distant\", \"color\": [1, 1, 1], \"sunAt\": {\"latitude\": 48, \"longitude\": 11, \"time\": \"2026-06-21T10:30:00Z\",\n@\"north\": [0, 1, 0]}}",
+            "lights[0].sunAt.north: is parallel to `up`",
+        ),
+        (
+            "formula beyond its range",
+            "{\"type\": \"sky\", \"color\": [1, 1, 1], \"sun\": [0, 1, 0],\n@\"perez\": [0, 2, 0, 0, 0]}",
+            "lights[0].perez[1]: 2 is out of range, expected a number in [-1000, 0]",
+        ),
+        (
+            "formula without light",
+            "@{\"type\": \"sky\", \"color\": [1, 1, 1], \"sun\": [0, 1, 0], \"perez\": [-1, 0, 0, 0, 0]}",
+            "lights[0]: the formula gives no light",
+        ),
+        (
+            "sky too bright beside the sun",
+            "@{\"type\": \"sky\", \"color\": [1e38, 1, 1], \"sun\": [4, 1, 0], \"cie\": 13}",
+            "lights[0]: the formula gives no light, or light beyond single precision",
+        ),
+        (
+            "ground that glows",
+            "{\"type\": \"sky\", \"color\": [1, 1, 1], \"cie\": 1,\n@\"ground\": [2, 0, 0]}",
+            "lights[0].ground[0]: a reflectance of 2 breaks conservation of energy",
+        ),
+        (
+            "distant light from nowhere",
+            "@{\"type\": \"distant\", \"color\": [1, 1, 1]}",
+            "lights[0]: missing key `sun`, or `sunAt`",
+        ),
+        (
+            "distant light without a way",
+            "{\"type\": \"distant\", \"color\": [1, 1, 1],\n@\"sun\": [0, 0, 0]}",
+            "lights[0].sun: [0.0, 0.0, 0.0] has no direction",
+        ),
+        (
+            "distant light too wide",
+            "{\"type\": \"distant\", \"color\": [1, 1, 1], \"sun\": [0, 1, 0],\n@\"angle\": 181}",
+            "lights[0].angle: 181 is out of range, expected 0 to 180 degrees",
+        ),
+        (
+            "distant light too narrow for its light",
+            "{\"type\": \"distant\", \"color\": [1, 1, 1], \"sun\": [0, 1, 0],\n@\"angle\": 1e-30}",
+            "lights[0].angle: 0.000000000000000000000000000001 is too small",
+        ),
+        (
+            "dark distant light",
+            "{\"type\": \"distant\", \"sun\": [0, 1, 0],\n@\"color\": [1, -1, 1]}",
+            "lights[0].color[1]: -1 is negative",
+        ),
+        (
+            "up of a distant light alone",
+            "{\"type\": \"distant\", \"color\": [1, 1, 1], \"sun\": [0, 1, 0],\n@\"up\": [0, 0, 1]}",
+            "lights[0].up: is used with `sunAt` only",
+        ),
+        (
             "spot without direction",
             "@{\"type\": \"spot\", \"origin\": [0, 0, 0], \"color\": [1, 1, 1]}",
             "lights[0]: missing key `direction`",

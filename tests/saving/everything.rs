@@ -4,13 +4,14 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use etendue::desc::{
-    BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, Distribution, EnvironmentDesc, EnvironmentMapDesc,
-    FilterDesc, FocusDesc, FovAxis, HostMesh, ImageTextureDesc, IntegratorDesc, KernelDesc, LensDesc,
-    LightDistribution, METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MicrofacetsDesc, PhotonDesc, PhotonSharing,
-    PointLightDesc, PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
-    SceneDesc, ShapeDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding, TextureChannel, TextureDesc, TextureKey,
-    TextureMapping, TextureSource,
+    BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, DistantLightDesc, Distribution, EnvironmentDesc,
+    EnvironmentMapDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis, HostMesh, ImageTextureDesc, IntegratorDesc,
+    KernelDesc, LensDesc, LightDistribution, METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MicrofacetsDesc,
+    PhotonDesc, PhotonSharing, PointLightDesc, PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc,
+    RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding, TextureChannel,
+    TextureDesc, TextureKey, TextureMapping, TextureSource,
 };
+use etendue::emitter::SkyFormula;
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
 use etendue::spectrum::Rgb;
 use etendue::texture::{ColorSpace, Pattern, Procedural, TexelImage, Texels, TextureFilter, Wrap};
@@ -392,6 +393,11 @@ pub fn scene() -> SceneDesc {
         let even = PointLightDesc::even(DVec3::X, rgb(1.0, 0.1, 3.0));
         scene.add_light_desc(PointLightDesc { distribution, ..even }).unwrap();
     }
+    for (angle_deg, visible) in [(0.0, true), (0.1 + 0.2, false)] {
+        let towards = DVec3::new(1e-30, 0.7, -1.0 / 3.0);
+        let light = DistantLightDesc { angle_deg, visible, ..DistantLightDesc::parallel(towards, rgb(0.1, 0.0, 3e7)) };
+        scene.add_distant_light(light).unwrap();
+    }
     let image = TextureDesc {
         name: "sky".into(),
         mapping: TextureMapping::default(),
@@ -406,6 +412,21 @@ pub fn scene() -> SceneDesc {
     let sky = EnvironmentDesc { sky: SkyDesc::Map(map), visible: false, ..EnvironmentDesc::even(rgb(1.0, 2.0, 3.0)) };
     scene.set_environment_desc(Some(sky)).unwrap();
     scene
+}
+
+/// Skies by formulas: of the CIE, of Perez and others, and with nothing left out.
+pub fn skies() -> [EnvironmentDesc; 3] {
+    let sun = DVec3::new(0.1, 1.0 / 3.0, 7.0);
+    let clear = FormulaSkyDesc::new(SkyFormula::cie(12).unwrap(), sun);
+    let formula = SkyFormula { numbers: [0.1, -1.0 / 3.0, 7.0, -0.7, 0.1 + 0.2], is_cie: false };
+    let all =
+        FormulaSkyDesc { formula, sun, up: DVec3::new(0.1, 0.2, 3.0), is_horizontal: true, ground: rgb(0.1, 0.0, 0.7) };
+    let cube = EnvironmentDesc { visible: false, ..EnvironmentDesc::even(rgb(0.1, 2.0, 3.0)) };
+    [
+        EnvironmentDesc { sky: SkyDesc::Formula(clear), ..EnvironmentDesc::even(Rgb::ONE) },
+        EnvironmentDesc { sky: SkyDesc::Formula(all), ..cube.clone() },
+        cube,
+    ]
 }
 
 pub fn cameras() -> [CameraDesc; 8] {

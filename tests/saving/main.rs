@@ -78,6 +78,10 @@ fn every_model_texture_shape_and_setting_comes_back() {
     assert_same(&scene, &again, "everything");
     // What has been read once has a form of its own, which is written in the same way.
     assert_same(&again, &saved(&again), "everything, twice");
+    for sky in everything::skies() {
+        let scene = SceneDesc { environment: Some(sky), ..SceneDesc::default() };
+        assert_same(&scene, &saved(&scene), "sky");
+    }
     for camera in everything::cameras() {
         let scene = SceneDesc { camera, ..SceneDesc::default() };
         assert_same(&scene, &saved(&scene), "camera");

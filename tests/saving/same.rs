@@ -4,8 +4,8 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use etendue::desc::{
-    BsdfDesc, MaterialDesc, MeshDesc, PointLightDesc, SceneDesc, ShapeDesc, SurfaceDesc, TextureDesc, TextureMapping,
-    TextureSource,
+    BsdfDesc, DistantLightDesc, MaterialDesc, MeshDesc, PointLightDesc, SceneDesc, ShapeDesc, SurfaceDesc, TextureDesc,
+    TextureMapping, TextureSource,
 };
 use etendue::texture::ColorSpace;
 
@@ -28,6 +28,8 @@ pub fn assert_same(before: &SceneDesc, after: &SceneDesc, what: &str) {
     assert_eq!(text(&before.render), text(&after.render), "{what}");
     let light = |it: &PointLightDesc| text(&(it.position, it.intensity, &it.distribution));
     each(&before.lights, &after.lights, light, what);
+    let distant = |it: &DistantLightDesc| text(&(it.towards, it.irradiance, it.angle_deg, it.visible));
+    each(&before.distant_lights, &after.distant_lights, distant, what);
     let sky = |scene: &SceneDesc| text(&scene.environment.as_ref().map(|it| (it.radiance, it.sky.clone(), it.visible)));
     assert_eq!(sky(before), sky(after), "{what}");
     each(&before.textures, &after.textures, |it| texture(it), what);
