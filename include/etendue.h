@@ -2360,8 +2360,8 @@ typedef struct etd_surface {
      */
     uint32_t material;
     /**
-     * Emitted radiance on the normal's side [W m^-2 sr^-1]; three zeros for a surface that does not emit. Quadrics and disks
-     * cannot emit.
+     * Emitted radiance on the normal's side [W m^-2 sr^-1]; three zeros for a surface that does not emit. Of the quadrics, only
+     * cylinders can emit.
      */
     float emission[3];
     /**
@@ -3460,7 +3460,7 @@ etd_status etd_scene_add_quad(struct etd_scene *scene,
                               uint32_t *out_surface);
 
 /**
- * Adds a flat round disk. `normal`: any length. A disk cannot emit. Thread-safe.
+ * Adds a flat round disk. `normal`: any length. Thread-safe.
  */
 etd_status etd_scene_add_disk(struct etd_scene *scene,
                               const double *centre,
@@ -3471,7 +3471,7 @@ etd_status etd_scene_add_disk(struct etd_scene *scene,
 
 /**
  * Adds a cylinder without caps, normals outwards. `base`: centre of one end; `axis`: direction to the other end, any length.
- * A cylinder cannot emit. Thread-safe.
+ * Thread-safe.
  */
 etd_status etd_scene_add_cylinder(struct etd_scene *scene,
                                   const double *base,

@@ -309,9 +309,10 @@ impl Bsdf {
     }
 
     /// As [`Self::new`], for a description that textures have changed at a point and that names no other material: what its tables
-    /// need is remembered by its numbers, and does not depend on its colours.
-    pub(crate) fn at_point(desc: &BsdfDesc) -> Self {
-        Self::of_parts(desc, &|_| Self::Black(Black), None, true)
+    /// need is remembered by its numbers, and does not depend on its colours. `around`: the index of refraction of the medium
+    /// around the body that the surface bounds, which it keeps where a texture makes it opaque.
+    pub(crate) fn at_point(desc: &BsdfDesc, around: Option<f32>) -> Self {
+        Self::of_parts(desc, &|_| Self::Black(Black), around, true)
     }
 
     /// The model of a description whose other materials are `named`. `varies`: whether textures vary it.
@@ -360,7 +361,7 @@ impl Bsdf {
                 principled::coated_diffuse(Self::Lambert(Lambert::new(albedo)), eta, &microfacets, varies)
             }
             BsdfDesc::Principled(ref desc) => {
-                let outside = around.filter(|_| desc.has_inside()).unwrap_or(1.0);
+                let outside = around.filter(|_| varies || desc.has_inside()).unwrap_or(1.0);
                 principled::principled(desc, outside, varies)
             }
             // A part of no weight would be worked out for nothing.

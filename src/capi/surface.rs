@@ -64,7 +64,7 @@ pub unsafe extern "C" fn etd_scene_add_quad(
     unsafe { add(scene, surface, out_surface, || Ok(ShapeDesc::quad(vectors(vertices, "vertices")?)?)) }
 }
 
-/// Adds a flat round disk. `normal`: any length. A disk cannot emit. Thread-safe.
+/// Adds a flat round disk. `normal`: any length. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -86,7 +86,7 @@ pub unsafe extern "C" fn etd_scene_add_disk(
 }
 
 /// Adds a cylinder without caps, normals outwards. `base`: centre of one end; `axis`: direction to the other end, any length.
-/// A cylinder cannot emit. Thread-safe.
+/// Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.

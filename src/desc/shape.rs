@@ -43,7 +43,7 @@ impl ShapeDesc {
         checked(Self::Quad(vertices))
     }
 
-    /// Makes a flat round disk. `normal` has any length but zero, and `radius` > 0. A disk cannot emit.
+    /// Makes a flat round disk. `normal` has any length but zero, and `radius` > 0.
     ///
     /// # Errors
     /// At `origin[..]`, `normal` or `radius`.
@@ -111,6 +111,17 @@ impl ShapeDesc {
         }
         let centre = validate::vector("origin", centre)?;
         Ok((quadric::ball(), DAffine3::from_mat3_translation(DMat3::from_diagonal(radii), centre)))
+    }
+
+    /// Whether it is the tube of [`Self::cylinder`].
+    pub(crate) fn is_cylinder(&self) -> bool {
+        *self == quadric::cylinder()
+    }
+
+    /// Whether surfaces of this shape can emit light: of the quadrics, only cylinders can. A sphere can where its transform keeps it
+    /// round.
+    pub(crate) fn can_emit(&self) -> bool {
+        !matches!(self, Self::Quadric { .. }) || self.is_cylinder()
     }
 
     /// Checks that the format could have given these numbers. The number of a mesh is not checked.

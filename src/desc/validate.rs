@@ -457,8 +457,8 @@ pub(super) fn extent(path: &str, bounds: &Bounds, transform: &DAffine3) -> Resul
 /// world frame.
 pub(super) fn emitter(path: &str, shape: &ShapeDesc, to_world: &DAffine3) -> Result<()> {
     let message = match shape {
-        ShapeDesc::Quadric { .. } | ShapeDesc::Disk { .. } => {
-            "quadrics and disks cannot emit light; use a sphere, triangle, quad or mesh"
+        _ if !shape.can_emit() => {
+            "of the quadrics, only cylinders can emit light; use a sphere, cylinder, disk, triangle, quad or mesh"
         }
         ShapeDesc::Sphere { .. } if similarity_scale(to_world).is_none() => {
             "a sphere under a transform that stretches it cannot emit"

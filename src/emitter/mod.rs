@@ -8,6 +8,7 @@
 
 mod cie_sky;
 mod directed;
+mod disk;
 mod distant;
 mod environment;
 mod environment_map;
@@ -22,10 +23,12 @@ mod textured_radiance;
 mod textured_sphere;
 mod tree;
 mod triangle;
+mod tube;
 mod web;
 
 pub use cie_sky::{FormulaSky, SkyFormula};
 pub use directed::{DirectedPoint, Distribution};
+pub use disk::DiskEmitter;
 pub use distant::DistantEmitter;
 pub use environment::EnvironmentEmitter;
 pub use environment_map::{EnvironmentMap, EnvironmentMapEmitter, Sky, SkyModel, SkyTexture};
@@ -39,6 +42,7 @@ pub use textured_part::PartRadiance;
 pub use textured_radiance::TexturedRadiance;
 pub use textured_sphere::{SphereTexture, TexturedSphere};
 pub use triangle::TriangleEmitter;
+pub use tube::TubeEmitter;
 pub use web::TurnedWeb;
 
 use std::f64::consts::PI;
@@ -71,6 +75,10 @@ pub enum Emitter {
     Sphere(SphereEmitter),
     /// A sphere that emits outwards, whose radiance a texture varies.
     TexturedSphere(Box<TexturedSphere>),
+    /// A one-sided disk.
+    Disk(Box<DiskEmitter>),
+    /// A cylinder without lids that emits outwards.
+    Tube(Box<TubeEmitter>),
     /// Light from infinity, the same from all directions.
     Environment(EnvironmentEmitter),
     /// Light from infinity that varies by direction.
@@ -90,6 +98,8 @@ impl Emitter {
             Self::Textured(emitter) => emitter.mean.power(),
             Self::Sphere(emitter) => emitter.power(),
             Self::TexturedSphere(emitter) => emitter.mean.power(),
+            Self::Disk(emitter) => emitter.power(),
+            Self::Tube(emitter) => emitter.power(),
             Self::Environment(emitter) => emitter.power(),
             Self::EnvironmentMap(emitter) => emitter.power(),
             Self::Distant(emitter) => emitter.power(),
@@ -104,6 +114,8 @@ impl Emitter {
             Self::Textured(emitter) => f64::from(emitter.mean.triangle.area),
             Self::Sphere(emitter) => emitter.sphere.area(),
             Self::TexturedSphere(emitter) => emitter.mean.sphere.area(),
+            Self::Disk(emitter) => emitter.area(),
+            Self::Tube(emitter) => emitter.area(),
             Self::Environment(emitter) => emitter.ball.area(),
             Self::EnvironmentMap(emitter) => emitter.ball.area(),
             Self::Distant(emitter) => emitter.ball.cross_section(),
@@ -128,6 +140,14 @@ impl Emitter {
         }
     }
 
+    /// The unit normal of an emitter that is flat.
+    pub fn normal(&self) -> Option<Vec3> {
+        match self {
+            Self::Disk(emitter) => Some(emitter.disk.normal().as_vec3a()),
+            flat => flat.triangle().map(|triangle| triangle.normal),
+        }
+    }
+
     /// The radiance [W m^-2 sr^-1] that leaves an area emitter, or its mean where a texture varies it; 0 of points and light from
     /// infinity.
     pub fn mean_radiance(&self) -> Rgb {
@@ -136,6 +156,8 @@ impl Emitter {
             Self::Textured(emitter) => emitter.mean.radiance,
             Self::Sphere(emitter) => emitter.radiance,
             Self::TexturedSphere(emitter) => emitter.mean.radiance,
+            Self::Disk(emitter) => emitter.radiance,
+            Self::Tube(emitter) => emitter.radiance,
             Self::Point { .. }
             | Self::Directed(_)
             | Self::Environment(_)
@@ -164,6 +186,8 @@ impl Emitter {
             Self::Textured(emitter) => emitter.mean.triangle.at(1.0 / 3.0, 1.0 / 3.0),
             Self::Sphere(emitter) => emitter.sphere.centre.as_vec3a(),
             Self::TexturedSphere(emitter) => emitter.mean.sphere.centre.as_vec3a(),
+            Self::Disk(emitter) => emitter.disk.centre().as_vec3a(),
+            Self::Tube(emitter) => emitter.centre().as_vec3a(),
             Self::Environment(emitter) => emitter.ball.centre(),
             Self::EnvironmentMap(emitter) => emitter.ball.centre(),
             Self::Distant(emitter) => emitter.ball.centre(),
@@ -176,6 +200,7 @@ impl Emitter {
         match self {
             Self::Textured(emitter) => emitter.power_from(departure.point.p),
             Self::TexturedSphere(emitter) => emitter.power_from(departure.point.p),
+            Self::Tube(emitter) => emitter.power_from(departure.point.p),
             _ => self.power(),
         }
     }
@@ -197,6 +222,8 @@ impl Emitter {
             Self::Textured(emitter) => emitter.sample_departure(u),
             Self::Sphere(emitter) => emitter.sample_departure(u),
             Self::TexturedSphere(emitter) => emitter.sample_departure(u),
+            Self::Disk(emitter) => emitter.sample_departure(u),
+            Self::Tube(emitter) => emitter.sample_departure(u),
             Self::Environment(emitter) => emitter.sample_departure(u),
             // Directions are chosen before places.
             Self::EnvironmentMap(EnvironmentMapEmitter { ball, .. }) | Self::Distant(DistantEmitter { ball, .. }) => {
@@ -379,6 +406,8 @@ impl EmitterSet {
             Emitter::Textured(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Sphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::TexturedSphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
+            Emitter::Disk(emitter) => emitter.sample(p, [u[1], u[2]])?,
+            Emitter::Tube(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Environment(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
             Emitter::EnvironmentMap(emitter) => emitter.sample(&receiver, [u[1], u[2]], beside_bsdf),
             Emitter::Distant(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
@@ -421,6 +450,8 @@ impl EmitterSet {
             Emitter::Textured(emitter) => emitter.pdf(p, hit),
             Emitter::Sphere(emitter) => emitter.pdf(p),
             Emitter::TexturedSphere(emitter) => emitter.mean.pdf(p),
+            Emitter::Disk(emitter) => emitter.pdf(p, hit),
+            Emitter::Tube(emitter) => emitter.pdf(p, hit),
         };
         pdf * self.probability(index, receiver)
     }
@@ -504,6 +535,8 @@ impl EmitterSet {
             Emitter::Textured(emitter) => emitter.radiance(p),
             Emitter::Sphere(emitter) => emitter.radiance,
             Emitter::TexturedSphere(emitter) => emitter.radiance(p),
+            Emitter::Disk(emitter) => emitter.radiance,
+            Emitter::Tube(emitter) => emitter.radiance,
         }
     }
 }

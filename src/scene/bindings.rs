@@ -14,8 +14,8 @@ use super::textured_emission::{EmissionTexture, MOST_PIECES, emission_textures};
 use crate::control::WorkProgress;
 use crate::desc::{LightDistribution, PointLightDesc, SceneDesc, SkyDesc};
 use crate::emitter::{
-    DirectedPoint, DistantEmitter, Distribution, Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap,
-    EnvironmentMapEmitter, InfiniteBall, SphereEmitter, Spot, TriangleEmitter, TurnedWeb,
+    DirectedPoint, DiskEmitter, DistantEmitter, Distribution, Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap,
+    EnvironmentMapEmitter, InfiniteBall, SphereEmitter, Spot, TriangleEmitter, TubeEmitter, TurnedWeb,
 };
 use crate::error::{Error, Result};
 use crate::math::{Bounds, DVec3, Vec3};
@@ -268,11 +268,16 @@ impl BindingBuilder<'_, '_> {
     fn analytic(&mut self, shapes: &[Analytic], surfaces: &[u32]) -> Result<Vec<Owner>> {
         let owner = |(shape, &surface): (&Analytic, &u32)| {
             let mut emitter = NO_EMITTER;
-            if let (Some(radiance), Analytic::Sphere(sphere)) = (self.emission(surface), shape) {
+            if let Some(radiance) = self.emission(surface) {
                 emitter = self.emitters.len() as u32;
                 // The light of a textured ball is worked out at thousands of its points.
                 self.progress.check()?;
-                let emission = self.sphere(*sphere, surface, radiance);
+                let emission = match shape {
+                    Analytic::Sphere(sphere) => self.sphere(*sphere, surface, radiance),
+                    Analytic::Disk(disk) => Emitter::Disk(Box::new(DiskEmitter::new(*disk, radiance))),
+                    // Of the quadrics, only cylinders have an emission.
+                    Analytic::Quadric(tube) => Emitter::Tube(Box::new(TubeEmitter::new(*tube.to_scene(), radiance))),
+                };
                 self.emitters.push(emission);
             }
             Ok(self.owner(surface, emitter))

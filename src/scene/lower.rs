@@ -223,9 +223,9 @@ pub(super) fn world_shape(surface: &SurfaceDesc) -> Result<WorldShape> {
                     * DAffine3::from_scale_rotation_translation(DVec3::splat(radius), Default::default(), centre),
             }),
         },
-        ShapeDesc::Quadric { .. } | ShapeDesc::Disk { .. } if surface.emission.is_some() => {
-            Err(Error::new(ErrorKind::Unsupported, "quadrics and disks cannot emit; use a mesh, quad or sphere")
-                .at(format!("{}.emission", surface.path)))
+        ref other if surface.emission.is_some() && !other.can_emit() => {
+            let message = "of the quadrics, only cylinders can emit light";
+            Err(Error::new(ErrorKind::Unsupported, message).at(format!("{}.emission", surface.path)))
         }
         ShapeDesc::Quadric { coefficients, clip } => {
             Ok(WorldShape::Quadric { coefficients, clip, to_world: transform })

@@ -16,6 +16,11 @@ pub trait VaryingMaterial: Debug + Send + Sync {
     /// The Bsdf at a point, as a colour.
     fn bsdf(&self, at: &SurfaceDetail) -> Bsdf;
 
+    /// As [`Self::bsdf`], for the surface of a body in a medium of this index of refraction.
+    fn bsdf_in(&self, at: &SurfaceDetail, _around: f32) -> Bsdf {
+        self.bsdf(at)
+    }
+
     /// The Bsdf whose colours are the means over the surface, for solvers that have one value for each element.
     fn mean(&self) -> Bsdf;
 
@@ -161,6 +166,14 @@ impl Material {
         // The compiler decides this at compile time: a path that carries colours uses the Bsdf of the scene.
         let bsdf = (&self.bsdf as &dyn Any).downcast_ref()?;
         if self.varying.is_none() { Some((bsdf, self.lobes)) } else { None }
+    }
+
+    /// The Bsdf at a hit on the surface of a body in a medium of this index of refraction.
+    pub(super) fn at_body<'d>(&self, detail: impl FnOnce(bool) -> SurfaceDetail<'d>, around: f32) -> Bsdf {
+        match &self.varying {
+            Some(varying) => varying.bsdf_in(&detail(varying.asks_tangents()), around),
+            None => self.bsdf.clone(),
+        }
     }
 
     /// All lobes that the material has anywhere. There are none where the material is black everywhere.

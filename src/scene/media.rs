@@ -13,6 +13,7 @@ use super::geometry::Geometry;
 use super::hit::{Hit, IN_LIST};
 use super::interaction::{NO_EMITTER, Owner, Triangles};
 use super::material::turned_with_tangents;
+use super::textured::has_varying_bsdf;
 use super::{Scene, SurfaceDetail};
 use crate::bsdf::{Black, Bsdf, Dielectric, Model as _};
 use crate::camera::Camera;
@@ -119,6 +120,8 @@ enum Interface {
     Smooth,
     /// One that takes work to make: with the number of the medium around the body as index, made where a path first meets it.
     Made(Box<[OnceLock<Bsdf>]>),
+    /// One that textures vary, which is made at each hit.
+    Varying,
 }
 
 /// What happens to the media of a path that passes through a surface.
@@ -152,11 +155,6 @@ impl Media {
                      absorb or have priorities";
                 return fail(message.to_owned());
             }
-            if super::textured::varies(material, &desc.materials[..i]) {
-                let message = "a texture varies the model of a body in a scene whose media absorb or have priorities, expected a \
-                     body without textures, or only for its opacity and its normal";
-                return fail(message.to_owned());
-            }
             let medium = Medium { ior, exterior_ior, absorption: given.absorption, priority: given.priority };
             let place = media.iter().position(|other| *other == medium).unwrap_or_else(|| {
                 media.push(medium);
@@ -167,11 +165,12 @@ impl Media {
             }
             of_material.push((place + 1) as Number);
         }
-        let interface = |material: &MaterialDesc| match material.bsdf {
+        let interface = |(i, material): (usize, &MaterialDesc)| match material.bsdf {
             BsdfDesc::Dielectric { .. } => Interface::Smooth,
+            _ if has_varying_bsdf(desc, i) => Interface::Varying,
             _ => Interface::Made((0..=media.len()).map(|_| OnceLock::new()).collect()),
         };
-        let (interfaces, bounds) = (desc.materials.iter().map(interface).collect(), Bounds::default());
+        let (interfaces, bounds) = (desc.materials.iter().enumerate().map(interface).collect(), Bounds::default());
         let materials = desc.materials.clone().into();
         Ok(Some(Arc::new(Self { media, of_material, interfaces, materials, is_closed: false, bounds, camera: None })))
     }
@@ -301,7 +300,12 @@ impl Scene {
                     bsdf.in_spectrum::<C>(wavelengths)
                 }
             }
-            Interface::Made(_) | Interface::Smooth => Bsdf::Dielectric(Dielectric::new(inner, outer)),
+            Interface::Varying if !is_hidden => {
+                self.material(material).at_body(detail, outer).in_spectrum::<C>(wavelengths)
+            }
+            Interface::Made(_) | Interface::Varying | Interface::Smooth => {
+                Bsdf::Dielectric(Dielectric::new(inner, outer))
+            }
         }
     }
 

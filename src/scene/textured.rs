@@ -226,17 +226,19 @@ impl Binder<'_> {
     /// The recipes of two parts, which come before the whole.
     fn parts(&mut self, parts: [usize; 2], whole: usize) -> Result<Box<[Recipe; 2]>> {
         let mut part = |part: usize| {
-            if part < whole { self.recipe(part) } else { Ok(Recipe::Fixed(Box::new(Bsdf::Black(Black)))) }
+            if part < whole { self.recipe(part) } else { Ok(Recipe::black()) }
         };
         Ok(Box::new([part(parts[0])?, part(parts[1])?]))
     }
 
     fn recipe(&mut self, number: usize) -> Result<Recipe> {
         let (before, rest) = self.desc.materials.split_at(number.min(self.desc.materials.len()));
-        let Some(material) = rest.first() else { return Ok(Recipe::Fixed(Box::new(Bsdf::Black(Black)))) };
+        let Some(material) = rest.first() else { return Ok(Recipe::black()) };
+        let is_mixed_body = matches!(material.bsdf, BsdfDesc::Mix { .. }) && material.body(before).is_some();
         Ok(match material.bsdf {
-            _ if !varies(material, before) && !self.widens => {
-                Recipe::Fixed(Box::new(Bsdf::of_materials(&material.bsdf, before)))
+            desc if !varies(material, before) && !self.widens && !is_mixed_body => {
+                let body = desc.interior().is_some().then_some(desc);
+                Recipe::Fixed { bsdf: Box::new(Bsdf::of_materials(&desc, before)), body }
             }
             BsdfDesc::Mix { materials, .. } => {
                 let parts = self.parts(materials, number)?;
@@ -245,14 +247,14 @@ impl Binder<'_> {
             BsdfDesc::TwoSided { front, back } => Recipe::TwoSided(self.parts([front, back], number)?),
             desc => {
                 let (bound, steps) = self.of_model(material)?;
-                Recipe::Model { desc, bound, steps }
+                Recipe::Model { desc, bound, steps, is_body: desc.interior().is_some() }
             }
         })
     }
 }
 
 /// Whether textures vary the model of a material or of one of its parts.
-pub(super) fn varies(material: &MaterialDesc, materials: &[MaterialDesc]) -> bool {
+fn varies(material: &MaterialDesc, materials: &[MaterialDesc]) -> bool {
     let part_varies = |part: usize| materials.get(part).is_some_and(|it| varies(it, &materials[..part]));
     material.textures.iter().any(|binding| !binding.key.is_of_surface())
         || match material.bsdf {
@@ -272,13 +274,34 @@ fn has_facets(material: &MaterialDesc, materials: &[MaterialDesc]) -> bool {
     }
 }
 
+/// The texture of a material's normals.
+fn relief_of(material: &MaterialDesc) -> Option<&TextureBinding> {
+    material.textured(TextureKey::Normal).or_else(|| material.textured(TextureKey::Bump))
+}
+
+/// What a filter averages of the texture of a material's normals.
+fn averaged_slopes(material: &MaterialDesc, desc: &SceneDesc) -> Option<SlopesOf> {
+    relief_of(material).and_then(|binding| slopes_of(binding, &desc.textures.get(binding.texture)?.source))
+}
+
+/// Whether the facets of a material are widened by what a filter averages of its normals.
+fn is_widened(desc: &SceneDesc, number: usize) -> bool {
+    let material = &desc.materials[number];
+    averaged_slopes(material, desc).is_some() && has_facets(material, &desc.materials[..number])
+}
+
+/// Whether the Bsdf of a material depends on the place.
+pub(super) fn has_varying_bsdf(desc: &SceneDesc, number: usize) -> bool {
+    varies(&desc.materials[number], &desc.materials[..number]) || is_widened(desc, number)
+}
+
 /// How the Bsdf at a point is made.
 #[derive(Debug)]
 enum Recipe {
-    /// The same everywhere.
-    Fixed(Box<Bsdf>),
-    /// A model with its parameters, and the steps to which widened facets are rounded.
-    Model { desc: BsdfDesc, bound: Box<[Bound]>, steps: f32 },
+    /// The same everywhere; of a body, the description, since its surface is another one in each medium around it.
+    Fixed { bsdf: Box<Bsdf>, body: Option<BsdfDesc> },
+    /// A model with its parameters, the steps to which widened facets are rounded, and whether its surfaces bound bodies.
+    Model { desc: BsdfDesc, bound: Box<[Bound]>, steps: f32, is_body: bool },
     /// A mixture.
     Mix { desc: BsdfDesc, parts: Box<[Recipe; 2]>, weight: Box<[Bound]> },
     /// A model for each side.
@@ -286,34 +309,44 @@ enum Recipe {
 }
 
 impl Recipe {
+    fn black() -> Self {
+        Self::Fixed { bsdf: Box::new(Bsdf::Black(Black)), body: None }
+    }
+
     /// The Bsdf where the textures have the texels that `texel` gives, and slopes vary so much where a filter has averaged them.
-    fn bsdf(&self, texel: &dyn Fn(&Bound) -> Texel, variance: f32) -> Bsdf {
+    /// `around`: the index of refraction around a body, where it is not the one that the description states.
+    fn bsdf(&self, texel: &dyn Fn(&Bound) -> Texel, variance: f32, around: Option<f32>) -> Bsdf {
         match self {
-            Self::Fixed(bsdf) => Bsdf::clone(bsdf),
-            Self::Model { desc, bound, steps } => {
+            Self::Fixed { bsdf, body } => match (around, body) {
+                (Some(_), Some(desc)) => Bsdf::at_point(desc, around),
+                _ => Bsdf::clone(bsdf),
+            },
+            Self::Model { desc, bound, steps, is_body } => {
                 let mut desc = applied(desc, bound, texel);
                 if variance > 0.0 {
                     desc.widen(variance, |width| rounded(width, *steps));
                 }
-                Bsdf::at_point(&desc)
+                Bsdf::at_point(&desc, around.filter(|_| *is_body))
             }
             Self::Mix { desc, parts, weight } => {
                 let BsdfDesc::Mix { weight, .. } = applied(desc, weight, texel) else { return Bsdf::Black(Black) };
                 match weight {
-                    0.0 => parts[0].bsdf(texel, variance),
-                    1.0 => parts[1].bsdf(texel, variance),
-                    weight => Bsdf::Mix(Mix::new(parts.each_ref().map(|part| part.bsdf(texel, variance)), weight)),
+                    0.0 => parts[0].bsdf(texel, variance, around),
+                    1.0 => parts[1].bsdf(texel, variance, around),
+                    weight => {
+                        Bsdf::Mix(Mix::new(parts.each_ref().map(|part| part.bsdf(texel, variance, around)), weight))
+                    }
                 }
             }
             Self::TwoSided(faces) => {
-                Bsdf::TwoSided(TwoSided::new(faces.each_ref().map(|face| face.bsdf(texel, variance))))
+                Bsdf::TwoSided(TwoSided::new(faces.each_ref().map(|face| face.bsdf(texel, variance, around))))
             }
         }
     }
 
     fn each(&self, f: &mut dyn FnMut(&Bound)) {
         match self {
-            Self::Fixed(_) => {}
+            Self::Fixed { .. } => {}
             Self::Model { bound, .. } => bound.iter().for_each(f),
             Self::Mix { parts, weight, .. } => {
                 weight.iter().for_each(&mut *f);
@@ -378,17 +411,16 @@ impl Textured {
         if !of_surface && !varies(material, &desc.materials[..number]) {
             return Ok(None);
         }
-        let normal = material.textured(TextureKey::Normal).or_else(|| material.textured(TextureKey::Bump));
-        let slopes = normal.and_then(|binding| slopes_of(binding, &desc.textures.get(binding.texture)?.source));
-        let widens = slopes.is_some() && has_facets(material, &desc.materials[..number]);
+        let slopes = averaged_slopes(material, desc);
+        let widens = is_widened(desc, number);
         let mut binder = Binder { desc, prepared, before, device, centre, widens };
         let recipe = binder.recipe(number)?;
         let mut surface =
             |binding: Option<&TextureBinding>| binding.map(|binding| binder.bind(binding, 0.0)).transpose();
         let opacity = surface(material.textured(TextureKey::Opacity))?;
         let cutoff = material.textured(TextureKey::Opacity).map_or(0.0, |binding| binding.cutoff);
-        let normal = surface(normal)?.map(|bound| Relief { bound, has_slopes: slopes.is_some() });
-        let recipe_bsdf = |texel: &dyn Fn(&Bound) -> Texel| recipe.bsdf(texel, 0.0);
+        let normal = surface(relief_of(material))?.map(|bound| Relief { bound, has_slopes: slopes.is_some() });
+        let recipe_bsdf = |texel: &dyn Fn(&Bound) -> Texel| recipe.bsdf(texel, 0.0, None);
         let mean = recipe_bsdf(&Bound::mean);
         // Each parameter at its smallest and largest while the others are at their means; all together; and those of rough surfaces
         // at their smallest while all others are at either end.
@@ -418,11 +450,21 @@ impl Textured {
     }
 }
 
+impl Textured {
+    fn bsdf_at(&self, at: &SurfaceDetail, around: Option<f32>) -> Bsdf {
+        let variance = self.normal.as_ref().filter(|_| self.widens).map_or(0.0, |it| it.variance(at));
+        let bsdf = self.recipe.bsdf(&|bound| bound.texel(at), variance, around);
+        if bsdf.is_anisotropic() { turned_with_tangents(&bsdf, at) } else { bsdf }
+    }
+}
+
 impl VaryingMaterial for Textured {
     fn bsdf(&self, at: &SurfaceDetail) -> Bsdf {
-        let variance = self.normal.as_ref().filter(|_| self.widens).map_or(0.0, |it| it.variance(at));
-        let bsdf = self.recipe.bsdf(&|bound| bound.texel(at), variance);
-        if bsdf.is_anisotropic() { turned_with_tangents(&bsdf, at) } else { bsdf }
+        self.bsdf_at(at, None)
+    }
+
+    fn bsdf_in(&self, at: &SurfaceDetail, around: f32) -> Bsdf {
+        self.bsdf_at(at, Some(around))
     }
 
     fn mean(&self) -> Bsdf {

@@ -7,7 +7,7 @@ use super::SurfaceDetail;
 use super::prepared_textures::color_space;
 use super::projection::Coordinates;
 use super::textured::{Placement, channel_of};
-use crate::desc::{SceneDesc, SurfaceDesc, TextureBinding, TextureKey, TextureSource};
+use crate::desc::{SceneDesc, ShapeDesc, SurfaceDesc, TextureBinding, TextureKey, TextureSource};
 use crate::emitter::{Emitter, SphereTexture, TextureCorners, TexturedRadiance, TexturedSphere, TexturedTriangle};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{DAffine3, DVec3, Vec3};
@@ -49,6 +49,11 @@ pub(super) fn emission_textures(
     let all: Vec<Option<EmissionTexture>> = all.collect();
     for surface in desc.surfaces.iter().filter(|surface| !surface.hidden) {
         if let (Some(Some(texture)), Some(factor)) = (all.get(surface.material), surface.emission) {
+            if matches!(surface.shape, ShapeDesc::Disk { .. } | ShapeDesc::Quadric { .. }) {
+                let message =
+                    "a texture varies the emission, which it can on spheres, triangles, quads and meshes only";
+                return Err(Error::new(ErrorKind::Unsupported, message).at(format!("{}.emission", surface.path)));
+            }
             texture.check(factor).map_err(|error| error.at(format!("{}.emission", surface.path)))?;
         }
     }

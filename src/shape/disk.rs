@@ -52,6 +52,43 @@ impl Disk {
         (p - (p - self.centre).dot(self.normal) * self.normal, self.normal)
     }
 
+    /// The centre.
+    #[inline]
+    pub fn centre(&self) -> DVec3 {
+        self.centre
+    }
+
+    /// The unit normal.
+    #[inline]
+    pub fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
+    /// The area [length^2].
+    pub fn area(&self) -> f64 {
+        std::f64::consts::PI * self.radii[0].cross(self.radii[1]).length()
+    }
+
+    /// The coordinates of a point of the plane, as of the unit disk.
+    #[inline]
+    pub fn coordinates(&self, p: DVec3) -> [f64; 2] {
+        let own = self.to_own.transform_point3(p);
+        [own.x, own.y]
+    }
+
+    /// [`Self::coordinates`] of a vector of the plane.
+    #[inline]
+    pub fn coordinates_of(&self, vector: DVec3) -> [f64; 2] {
+        let own = self.to_own.transform_vector3(vector);
+        [own.x, own.y]
+    }
+
+    /// The point at these coordinates of the unit disk. The mapping keeps ratios of areas.
+    #[inline]
+    pub fn at(&self, [x, y]: [f64; 2]) -> DVec3 {
+        self.centre + x * self.radii[0] + y * self.radii[1]
+    }
+
     /// The centre, and a point of the edge for each of these angles [radians].
     pub(super) fn rim(&self, angles: impl Iterator<Item = f64>) -> (DVec3, Vec<DVec3>) {
         let [a, b] = self.radii;

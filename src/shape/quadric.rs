@@ -42,6 +42,11 @@ impl Quadric {
         }
     }
 
+    /// The transform from the quadric's own frame to the scene.
+    pub fn to_scene(&self) -> &DAffine3 {
+        &self.to_scene
+    }
+
     /// The nearest t in (tnear, tfar) at which the ray intersects the clipped surface.
     pub fn intersect(&self, ray: &DRay) -> Option<f64> {
         let origin = self.to_own.transform_point3(ray.origin);

@@ -1087,7 +1087,7 @@ fn quadrics(l: &mut List) {
         (
             "quadric emits",
             &format!("{ball},\n@\"emission\": [1, 1, 1]"),
-            ".emission: quadrics and disks cannot emit light",
+            ".emission: of the quadrics, only cylinders can emit light",
         ),
     ] {
         l.surface(name, &quadric(more), &format!("surfaces[1]{expected}"));
@@ -1135,10 +1135,10 @@ fn quadrics(l: &mut List) {
             ".normal: [0.0, 0.0, 0.0] has no direction",
         ),
         (
-            "disk emits",
-            "disk",
-            "\"origin\": [0, 0, 0], \"normal\": [0, 0, 1], \"radius\": 1, \"emission\": [1, 0, 0]",
-            ".emission: quadrics and disks cannot emit",
+            "cone emits",
+            "cone",
+            "\"base\": [0, 0, 0], \"axis\": [0, 0, 1], \"radius\": 1, \"height\": 1, \"emission\": [1, 0, 0]",
+            ".emission: of the quadrics, only cylinders can emit",
         ),
         ("ellipsoid radius", "ellipsoid", "\"origin\": [0, 0, 0], \"radii\": [1, 0, 1]", ".radii[1]: 0 is not above 0"),
         (

@@ -188,7 +188,7 @@ fn hosted() -> MeshDesc {
 }
 
 /// Two materials, a light, three meshes, and of surfaces: 0 a mesh, 1 a lamp without a material, 2 a removed sphere,
-/// 3 a disk, 4 a lamp with a material. Mesh 1 was removed, mesh 2 is the host's.
+/// 3 a bowl, 4 a lamp with a material. Mesh 1 was removed, mesh 2 is the host's.
 fn base() -> SceneDesc {
     let mut desc = SceneDesc::default();
     desc.add_material("white", BsdfDesc::Lambert { albedo: Rgb::splat(0.5) }, None).unwrap();
@@ -198,12 +198,12 @@ fn base() -> SceneDesc {
     desc.add_mesh(MeshDesc { name: "gone".into(), ..corner() }).unwrap();
     desc.add_mesh(hosted()).unwrap();
     let (sphere, local) = ShapeDesc::sphere(B, 0.5).unwrap();
-    let (disk, _) = ShapeDesc::disk(A, B, 0.5).unwrap();
+    let (bowl, _) = ShapeDesc::paraboloid(A, B, 0.5, 1.0).unwrap();
     let light = SurfaceLook { emission: Some(Rgb::ONE), ..SurfaceLook::default() };
     desc.add_surface(ShapeDesc::Mesh { mesh: 0, smooth: true }, local, lit(0)).unwrap();
     desc.add_surface(sphere, local, light).unwrap();
     desc.add_surface(sphere, local, lit(0)).unwrap();
-    desc.add_surface(disk, local, lit(1)).unwrap();
+    desc.add_surface(bowl, local, lit(1)).unwrap();
     desc.add_surface(sphere, local, SurfaceLook { material: Some(0), ..light }).unwrap();
     desc.remove_surface(2).unwrap();
     desc.remove_mesh(1).unwrap();

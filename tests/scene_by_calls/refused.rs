@@ -251,7 +251,7 @@ fn bad_shapes() -> Vec<(&'static str, &'static str, Call)> {
 
 fn bad_surfaces() -> Vec<(&'static str, &'static str, Call)> {
     let (shape, identity) = ShapeDesc::sphere(A, 1.0).unwrap();
-    let (disk, _) = ShapeDesc::disk(A, B, 1.0).unwrap();
+    let (cone, _) = ShapeDesc::cone(A, B, 1.0, 1.0).unwrap();
     let flat = DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(1.0, 0.0, 1.0)));
     let nan = DAffine3::from_translation(DVec3::NAN);
     let far = DAffine3::from_translation(DVec3::X * 1e39);
@@ -270,7 +270,7 @@ fn bad_surfaces() -> Vec<(&'static str, &'static str, Call)> {
             SurfaceLook { emission: Some(-Rgb::ONE), ..lit(0) },
         ),
         add("surfaces[5].emission[0]", "NaN", shape, identity, SurfaceLook { emission: Some(Rgb::NAN), ..lit(0) }),
-        add("surfaces[5].emission", "quadrics and disks cannot emit", disk, identity, light),
+        add("surfaces[5].emission", "only cylinders can emit", cone, identity, light),
         add("surfaces[5].emission", "stretches it", shape, identity, SurfaceLook { transform: long, ..light }),
         add("surfaces[5].emission", "stretches it", shape, long, light),
         add("surfaces[5]", "cannot be undone", shape, flat, lit(0)),
@@ -289,7 +289,7 @@ fn bad_surfaces() -> Vec<(&'static str, &'static str, Call)> {
         bad("surfaces[2]", gone, |desc| desc.set_surface_material(2, Some(0))),
         bad("surfaces[5]", "there is no surface 5", |desc| desc.set_surface_material(5, Some(0))),
         bad("surfaces[0].emission[0]", "inf", |desc| desc.set_emission(0, Some(Rgb::INFINITY))),
-        bad("surfaces[3].emission", "cannot emit", |desc| desc.set_emission(3, Some(Rgb::ONE))),
+        bad("surfaces[3].emission", "only cylinders can emit", |desc| desc.set_emission(3, Some(Rgb::ONE))),
         bad("surfaces[2]", gone, |desc| desc.set_emission(2, None)),
         bad("surfaces[5]", "there is no surface 5", |desc| desc.set_emission(5, None)),
         bad("surfaces[2]", gone, |desc| desc.remove_surface(2)),
@@ -355,6 +355,7 @@ fn constructors_name_the_argument_that_is_bad() {
 fn a_call_is_refused_in_the_words_of_the_format() {
     let one = |more: &str, surface: &str| parse(&file(more, surface)).expect_err(surface);
     let sphere = ShapeDesc::sphere(DVec3::ZERO, 1.0).unwrap();
+    let cone = ShapeDesc::cone(DVec3::ZERO, DVec3::Y, 1.0, 2.0).unwrap();
     let round = r#""geometry": "sphere", "origin": [0, 0, 0], "radius": 1"#;
     let mut fresh = SceneDesc::default();
     fresh.add_material("white", BsdfDesc::Lambert { albedo: Rgb::ONE }, None).unwrap();
@@ -400,15 +401,9 @@ fn a_call_is_refused_in_the_words_of_the_format() {
         (
             one(
                 "",
-                r#""geometry": "disk", "origin": [0, 0, 0], "normal": [0, 1, 0], "radius": 1, "emission": [1, 1, 1]"#,
+                r#""geometry": "cone", "base": [0, 0, 0], "axis": [0, 1, 0], "radius": 1, "height": 2, "emission": [1, 1, 1]"#,
             ),
-            fresh
-                .add_surface(
-                    ShapeDesc::disk(DVec3::ZERO, DVec3::Y, 1.0).unwrap().0,
-                    sphere.1,
-                    SurfaceLook { emission: Some(Rgb::ONE), ..lit(0) },
-                )
-                .unwrap_err(),
+            fresh.add_surface(cone.0, cone.1, SurfaceLook { emission: Some(Rgb::ONE), ..lit(0) }).unwrap_err(),
         ),
         (
             one(

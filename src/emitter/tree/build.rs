@@ -110,6 +110,14 @@ fn bound(emitter: &Emitter) -> (DVec3, f64, Cone) {
             let (axis, angle) = emitter.distribution.cone();
             (emitter.position.as_dvec3(), 0.0, Cone { axis, angle })
         }
+        Emitter::Disk(emitter) => {
+            let radius = 0.5 * (emitter.bounds().max - emitter.bounds().min).length();
+            (emitter.disk.centre(), radius, Cone::along(emitter.disk.normal()))
+        }
+        Emitter::Tube(emitter) => {
+            let bounds = emitter.bounds();
+            (bounds.centre(), 0.5 * (bounds.max - bounds.min).length(), Cone::ALL)
+        }
         // What is at infinity is given to no tree.
         _ => (emitter.centre().as_dvec3(), 0.0, Cone::ALL),
     }
@@ -119,9 +127,13 @@ fn bounds(emitter: &Emitter) -> Bounds {
     if let Some(triangle) = emitter.triangle() {
         return Bounds::around(triangle.vertices.map(Vec3::as_dvec3));
     }
-    match emitter.sphere() {
-        Some(sphere) => sphere.bounds(),
-        None => Bounds::around([emitter.centre().as_dvec3()]),
+    match emitter {
+        Emitter::Disk(emitter) => emitter.bounds(),
+        Emitter::Tube(emitter) => emitter.bounds(),
+        _ => match emitter.sphere() {
+            Some(sphere) => sphere.bounds(),
+            None => Bounds::around([emitter.centre().as_dvec3()]),
+        },
     }
 }
 
@@ -132,7 +144,9 @@ fn intensity_per_power(emitter: &Emitter) -> f64 {
             let distribution = &emitter.distribution;
             return if distribution.flux() > 0.0 { distribution.peak() / distribution.flux() } else { 0.0 };
         }
-        Emitter::Triangle(_) | Emitter::Textured(_) => 1.0,
+        Emitter::Triangle(_) | Emitter::Textured(_) | Emitter::Disk(_) => 1.0,
+        // Over pi, as the others.
+        Emitter::Tube(emitter) => emitter.intensity_share(),
         Emitter::Point { .. }
         | Emitter::Sphere(_)
         | Emitter::Environment(_)
@@ -169,7 +183,7 @@ impl LightTree {
                 let bounds = bounds(emitter);
                 let intensity = (intensity_per_power(emitter) * powers[i as usize] / total) as f32;
                 let intensity = intensity.max(MIN_INTENSITY);
-                let aim = emitter.triangle().map_or(Vec3::ZERO, |triangle| intensity * triangle.normal);
+                let aim = emitter.normal().map_or(Vec3::ZERO, |normal| intensity * normal);
                 let (min, max) = (frame.to_tree(bounds.min).as_vec3a(), frame.to_tree(bounds.max).as_vec3a());
                 BuildItem { min, max, aim, intensity, emitter: i }
             }));

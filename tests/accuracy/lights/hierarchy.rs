@@ -198,8 +198,12 @@ fn exact(set: &EmitterSet, p: DVec3, n: DVec3) -> f64 {
                 let factor = if shines { polygon_factor(p, n, &corners) } else { 0.0 };
                 f64::from(emitter.radiance.r()) * factor
             }
-            Emitter::Textured(_) | Emitter::TexturedSphere(_) | Emitter::EnvironmentMap(_) => {
-                unreachable!("no lamp here has a texture")
+            Emitter::Textured(_)
+            | Emitter::TexturedSphere(_)
+            | Emitter::EnvironmentMap(_)
+            | Emitter::Disk(_)
+            | Emitter::Tube(_) => {
+                unreachable!("no lamp here has a texture or is round but for balls")
             }
             Emitter::Sphere(emitter) => {
                 let way = emitter.sphere.centre - p;

@@ -7,6 +7,7 @@ mod hierarchy;
 mod many;
 mod points;
 mod polygons;
+mod round;
 mod sky;
 mod solid_angles;
 mod spheres;
@@ -41,6 +42,7 @@ pub fn cases() -> Vec<Entry> {
         weights::cases(),
         hierarchy::cases(),
         sky::cases(),
+        round::cases(),
     ];
     topics.into_iter().flatten().collect()
 }

@@ -25,7 +25,7 @@ pub fn cases() -> Vec<Entry> {
 }
 
 /// The methods that draw what light from infinity gives, and how far they may be off beside their error.
-const METHODS: [(IntegratorDesc, f64); 8] = [
+pub const METHODS: [(IntegratorDesc, f64); 8] = [
     (IntegratorDesc::Path, 0.0),
     (IntegratorDesc::Direct, 0.0),
     (IntegratorDesc::Whitted, 0.0),

@@ -2,11 +2,12 @@
 
 mod liquid;
 mod rough;
+mod textured;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::common::scenes::{Job, box_inside, camera, point_light, render_scene, scene};
+use crate::common::scenes::{Job, add, box_inside, camera, point_light, render_scene, scene};
 use crate::record::{Case, Entry};
 use crate::stats;
 use crate::transport::{MESH, ball, glass, grey, parallelogram, pick, plane, turned};
@@ -31,7 +32,7 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "A5", title: "photons through an absorbing slab", run: photons },
         Entry { id: "A6", title: "irradiance under an absorbing slab", run: irradiance },
     ];
-    own.into_iter().chain(liquid::cases()).chain(rough::cases()).collect()
+    own.into_iter().chain(liquid::cases()).chain(rough::cases()).chain(textured::cases()).collect()
 }
 
 /// Absorption coefficients: different ones in the channels.
@@ -154,11 +155,17 @@ fn inside(case: &mut Case) {
 }
 
 fn furnace(case: &mut Case) {
-    nested(case, &[IntegratorDesc::Path, IntegratorDesc::Whitted, IntegratorDesc::Sppm], 1, 0.0);
+    nested(case, &[IntegratorDesc::Path, IntegratorDesc::Whitted, IntegratorDesc::Sppm], 1, 0.0, |_, _| {});
 }
 
-/// Bodies of this roughness that overlap, in a furnace; `effort` multiplies the samples.
-fn nested(case: &mut Case, integrators: &[IntegratorDesc], effort: u64, roughness: f32) {
+/// Bodies of this roughness that overlap, in a furnace; `effort` multiplies the samples, and `change` changes materials.
+fn nested(
+    case: &mut Case,
+    integrators: &[IntegratorDesc],
+    effort: u64,
+    roughness: f32,
+    change: impl Fn(&mut SceneDesc, usize),
+) {
     let view = camera(DVec3::new(0.3, 0.5, 2.7), DVec3::new(0.1, 0.0, 0.0), 40.0);
     let balls = [
         (DVec3::new(0.0, 0.0, 0.0), 0.8, 1.5, 1),
@@ -174,6 +181,7 @@ fn nested(case: &mut Case, integrators: &[IntegratorDesc], effort: u64, roughnes
     desc.meshes.push(Arc::new(box_inside(DVec3::splat(-3.0), DVec3::splat(3.0))));
     for (material, (.., priority)) in balls.iter().enumerate() {
         fill(&mut desc, [material], Rgb::ZERO, *priority);
+        change(&mut desc, material);
     }
     for (what, eye, exact) in
         [("from outside", None, 1.0), ("in the middle of the first ball", Some(DVec3::ZERO), 2.25)]

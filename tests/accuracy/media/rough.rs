@@ -20,7 +20,7 @@ pub fn frosted(ior: f32, exterior_ior: f32, roughness: f32) -> BsdfDesc {
 
 fn furnace(case: &mut Case) {
     for roughness in [0.3, 0.8] {
-        nested(case, &[IntegratorDesc::Path, IntegratorDesc::Sppm], 8, roughness);
+        nested(case, &[IntegratorDesc::Path, IntegratorDesc::Sppm], 8, roughness, |_, _| {});
     }
 }
 

@@ -7,7 +7,7 @@ mod emission;
 mod lookups;
 mod projections;
 mod relief;
-mod scenes;
+pub mod scenes;
 mod skies;
 
 use std::sync::Arc;
@@ -58,7 +58,7 @@ const FILTERS: [TextureFilter; 5] = [
 ];
 
 /// An image of single-precision numbers, rows from the top.
-fn image(width: u32, height: u32, channels: u32, value: impl Fn(u32, u32, u32) -> f32) -> Arc<TexelImage> {
+pub fn image(width: u32, height: u32, channels: u32, value: impl Fn(u32, u32, u32) -> f32) -> Arc<TexelImage> {
     let mut values = Vec::new();
     for y in 0..height {
         for x in 0..width {
@@ -73,7 +73,13 @@ fn texture(image: &Arc<TexelImage>, space: ColorSpace, wrap: Wrap, filter: Textu
 }
 
 /// A texture of a scene.
-fn described(name: &str, image: &Arc<TexelImage>, space: ColorSpace, filter: TextureFilter, scale: f64) -> TextureDesc {
+pub fn described(
+    name: &str,
+    image: &Arc<TexelImage>,
+    space: ColorSpace,
+    filter: TextureFilter,
+    scale: f64,
+) -> TextureDesc {
     TextureDesc {
         name: name.to_owned(),
         path: String::new(),

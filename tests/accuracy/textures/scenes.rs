@@ -38,7 +38,7 @@ pub(super) fn quad(corners: [[f64; 3]; 4]) -> ShapeDesc {
 }
 
 /// Adds a texture and binds it to a parameter of a material.
-pub(super) fn vary(desc: &mut SceneDesc, material: usize, key: TextureKey, texture: TextureDesc) {
+pub fn vary(desc: &mut SceneDesc, material: usize, key: TextureKey, texture: TextureDesc) {
     let texture = desc.add_texture(texture).expect("a texture of the test");
     let mut textures = desc.materials[material].textures.clone();
     textures.push(bind(key, texture));
