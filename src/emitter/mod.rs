@@ -12,6 +12,7 @@ mod distant;
 mod environment;
 mod environment_map;
 mod infinite_ball;
+mod moving;
 mod receiver;
 mod sample;
 mod sphere;
@@ -30,6 +31,7 @@ pub use distant::DistantEmitter;
 pub use environment::EnvironmentEmitter;
 pub use environment_map::{EnvironmentMap, EnvironmentMapEmitter, Sky, SkyModel, SkyTexture};
 pub use infinite_ball::InfiniteBall;
+pub use moving::{MovingEmitter, MovingPoint};
 pub use receiver::Receiver;
 pub use sample::{Departure, EmitterSample};
 pub use sphere::SphereEmitter;
@@ -71,6 +73,8 @@ pub enum Emitter {
     Sphere(SphereEmitter),
     /// A sphere that emits outwards, whose radiance a texture varies.
     TexturedSphere(Box<TexturedSphere>),
+    /// An emitter that moves while the shutter is open.
+    Moving(Box<MovingEmitter>),
     /// Light from infinity, the same from all directions.
     Environment(EnvironmentEmitter),
     /// Light from infinity that varies by direction.
@@ -90,6 +94,7 @@ impl Emitter {
             Self::Textured(emitter) => emitter.mean.power(),
             Self::Sphere(emitter) => emitter.power(),
             Self::TexturedSphere(emitter) => emitter.mean.power(),
+            Self::Moving(emitter) => emitter.power(),
             Self::Environment(emitter) => emitter.power(),
             Self::EnvironmentMap(emitter) => emitter.power(),
             Self::Distant(emitter) => emitter.power(),
@@ -104,6 +109,7 @@ impl Emitter {
             Self::Textured(emitter) => f64::from(emitter.mean.triangle.area),
             Self::Sphere(emitter) => emitter.sphere.area(),
             Self::TexturedSphere(emitter) => emitter.mean.sphere.area(),
+            Self::Moving(emitter) => emitter.area(),
             Self::Environment(emitter) => emitter.ball.area(),
             Self::EnvironmentMap(emitter) => emitter.ball.area(),
             Self::Distant(emitter) => emitter.ball.cross_section(),
@@ -136,6 +142,7 @@ impl Emitter {
             Self::Textured(emitter) => emitter.mean.radiance,
             Self::Sphere(emitter) => emitter.radiance,
             Self::TexturedSphere(emitter) => emitter.mean.radiance,
+            Self::Moving(emitter) => emitter.radiance(),
             Self::Point { .. }
             | Self::Directed(_)
             | Self::Environment(_)
@@ -144,10 +151,22 @@ impl Emitter {
         }
     }
 
+    /// The shape and the moments of an emitter that moves.
+    pub fn moving(&self) -> Option<&MovingEmitter> {
+        match self {
+            Self::Moving(emitter) => Some(emitter),
+            _ => None,
+        }
+    }
+
     /// Whether it is a point.
     #[inline]
     pub fn is_point(&self) -> bool {
-        matches!(self, Self::Point { .. } | Self::Directed(_))
+        match self {
+            Self::Point { .. } | Self::Directed(_) => true,
+            Self::Moving(emitter) => matches!(**emitter, MovingEmitter::Point(_)),
+            _ => false,
+        }
     }
 
     /// Whether a texture varies its radiance.
@@ -164,6 +183,7 @@ impl Emitter {
             Self::Textured(emitter) => emitter.mean.triangle.at(1.0 / 3.0, 1.0 / 3.0),
             Self::Sphere(emitter) => emitter.sphere.centre.as_vec3a(),
             Self::TexturedSphere(emitter) => emitter.mean.sphere.centre.as_vec3a(),
+            Self::Moving(emitter) => emitter.centre(),
             Self::Environment(emitter) => emitter.ball.centre(),
             Self::EnvironmentMap(emitter) => emitter.ball.centre(),
             Self::Distant(emitter) => emitter.ball.centre(),
@@ -197,6 +217,7 @@ impl Emitter {
             Self::Textured(emitter) => emitter.sample_departure(u),
             Self::Sphere(emitter) => emitter.sample_departure(u),
             Self::TexturedSphere(emitter) => emitter.sample_departure(u),
+            Self::Moving(emitter) => emitter.sample_departure(u),
             Self::Environment(emitter) => emitter.sample_departure(u),
             // Directions are chosen before places.
             Self::EnvironmentMap(EnvironmentMapEmitter { ball, .. }) | Self::Distant(DistantEmitter { ball, .. }) => {
@@ -316,6 +337,11 @@ impl EmitterSet {
         &self.emitters
     }
 
+    /// Whether some of them move while the shutter is open.
+    pub fn has_moving(&self) -> bool {
+        self.emitters.iter().any(|emitter| matches!(emitter, Emitter::Moving(_)))
+    }
+
     /// Whether textures vary the radiance of some of them.
     pub fn has_textured(&self) -> bool {
         self.emitters.iter().any(Emitter::is_textured)
@@ -339,13 +365,20 @@ impl EmitterSet {
     /// unbiased.
     #[inline]
     pub fn sample(&self, receiver: impl Into<Receiver>, u: [f32; 4]) -> Option<EmitterSample> {
-        self.sample_for(receiver.into(), u, false)
+        self.sample_for(receiver.into(), 0.0, u, false)
     }
 
-    /// As [`EmitterSet::sample`] where `beside_bsdf` is false. Otherwise the sample is one of two by multiple importance sampling, the
+    /// As [`EmitterSet::sample`] where `beside_bsdf` is false, at a time ([`crate::math::Ray::time`]) that only emitters that move
+    /// read. Otherwise the sample is one of two by multiple importance sampling, the
     /// other being of a Bsdf that finds light from infinity wherever this one does not look for it.
     #[inline]
-    pub(crate) fn sample_for(&self, receiver: Receiver, u: [f32; 4], beside_bsdf: bool) -> Option<EmitterSample> {
+    pub(crate) fn sample_for(
+        &self,
+        receiver: Receiver,
+        time: f32,
+        u: [f32; 4],
+        beside_bsdf: bool,
+    ) -> Option<EmitterSample> {
         let p = receiver.p;
         let choice_u = f64::from(u[0]) + f64::from(u[3]) * (-24_f64).exp2();
         let (index, probability) = match self.choice.as_ref()? {
@@ -379,6 +412,7 @@ impl EmitterSet {
             Emitter::Textured(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Sphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::TexturedSphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
+            Emitter::Moving(emitter) => emitter.sample(p, [u[1], u[2]], time)?,
             Emitter::Environment(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
             Emitter::EnvironmentMap(emitter) => emitter.sample(&receiver, [u[1], u[2]], beside_bsdf),
             Emitter::Distant(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
@@ -409,6 +443,12 @@ impl EmitterSet {
     /// emitter `index`.
     #[inline]
     pub fn pdf(&self, index: u32, receiver: impl Into<Receiver>, hit: Vec3) -> f32 {
+        self.pdf_at(index, receiver, hit, 0.0)
+    }
+
+    /// [`EmitterSet::pdf`] at a time ([`crate::math::Ray::time`]), which only emitters that move read.
+    #[inline]
+    pub(crate) fn pdf_at(&self, index: u32, receiver: impl Into<Receiver>, hit: Vec3, time: f32) -> f32 {
         let receiver = receiver.into();
         let p = receiver.p;
         let pdf = match &self.emitters[index as usize] {
@@ -421,6 +461,7 @@ impl EmitterSet {
             Emitter::Textured(emitter) => emitter.pdf(p, hit),
             Emitter::Sphere(emitter) => emitter.pdf(p),
             Emitter::TexturedSphere(emitter) => emitter.mean.pdf(p),
+            Emitter::Moving(emitter) => emitter.pdf(p, hit, time),
         };
         pdf * self.probability(index, receiver)
     }
@@ -504,6 +545,7 @@ impl EmitterSet {
             Emitter::Textured(emitter) => emitter.radiance(p),
             Emitter::Sphere(emitter) => emitter.radiance,
             Emitter::TexturedSphere(emitter) => emitter.radiance(p),
+            Emitter::Moving(emitter) => emitter.radiance(),
         }
     }
 }

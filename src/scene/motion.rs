@@ -60,7 +60,7 @@ impl Scene {
                     Motion::Deformed(steps) => triangles.mesh = deformed(&triangles.mesh, &steps),
                 }
                 builder.add_triangles(triangles.mesh.clone()).unwrap();
-                let mut geometry = Geometry::Flat { triangles, surface: *surface, cache: None };
+                let mut geometry = Geometry::Flat { triangles, surface: *surface, cache: None, moved: None };
                 geometry.cache_triangles(&mut 1000, &self.device);
                 geometry
             }

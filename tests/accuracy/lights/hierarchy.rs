@@ -201,6 +201,7 @@ fn exact(set: &EmitterSet, p: DVec3, n: DVec3) -> f64 {
             Emitter::Textured(_) | Emitter::TexturedSphere(_) | Emitter::EnvironmentMap(_) => {
                 unreachable!("no lamp here has a texture")
             }
+            Emitter::Moving(_) => unreachable!("no lamp here moves"),
             Emitter::Sphere(emitter) => {
                 let way = emitter.sphere.centre - p;
                 let distance = way.length();
