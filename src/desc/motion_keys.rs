@@ -155,16 +155,8 @@ fn place(key: &Key, path: &str) -> Result<KeyPlace> {
             let DVec3 { x, y, z } = validate::vector(&at("rotate"), degrees)? * (std::f64::consts::PI / 180.0);
             DQuat::from_euler(EulerRot::ZYX, z, y, x)
         }
-        (_, Some(quaternion), ..) => {
-            let rotation = DQuat::from_array(quaternion);
-            let length = rotation.length();
-            // One that is a unit quaternion but for rounding stays as it is.
-            if (length - 1.0).abs() <= 4.0 * f64::EPSILON || !(1e-6..1e6).contains(&length) {
-                rotation
-            } else {
-                rotation / length
-            }
-        }
+        // It is made a unit quaternion where the key is used, so that the same numbers can be written again.
+        (_, Some(quaternion), ..) => DQuat::from_array(quaternion),
         (.., Some(axis), Some(angle)) => {
             let axis = validate::direction(&at("axis"), axis)?;
             DQuat::from_axis_angle(axis, validate::number(&at("angle"), angle)?.to_radians())

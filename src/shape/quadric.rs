@@ -46,7 +46,7 @@ impl Quadric {
 
     /// The same quadric where another transform places it. Its bounds and its size stay.
     pub(crate) fn placed(&self, to_scene: DAffine3) -> Self {
-        Self { to_own: to_scene.inverse(), to_scene, ..self.clone() }
+        Self { to_own: to_scene.inverse(), to_scene, ..*self }
     }
 
     /// The box around it in its own frame.
