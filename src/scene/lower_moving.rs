@@ -17,6 +17,9 @@ use crate::math::{Bounds, DAffine3, flattens_between, similarity_scale};
 /// in a scene that moves, rays are traced one by one instead of in packets.
 const COPIED_TRIANGLES: usize = 1 << 14;
 
+/// A surface that would be shown farther from its true place than this share of its size is refused.
+const MOST_COARSE: f64 = 0.05;
+
 /// A surface that moves or deforms.
 #[derive(Debug)]
 pub(super) struct MovingSurface {
@@ -78,9 +81,10 @@ pub(super) fn moving(
     };
     let mover = Mover { interval, path: path.as_ref(), own: surface.to_world(), bounds: own_bounds, deforming };
     let steps = mover.steps(cancel)?;
-    if steps.transforms.windows(2).any(|pair| flattens_between(pair[0].matrix3, pair[1].matrix3)) {
+    let is_flattened = steps.transforms.windows(2).any(|pair| flattens_between(pair[0].matrix3, pair[1].matrix3));
+    if is_flattened || steps.off > MOST_COARSE {
         let message = format!(
-            "it turns so far while the shutter is open that {MAX_TIME_STEPS} moments are too few; expected a shorter time"
+            "it moves in so many ways while the shutter is open that {MAX_TIME_STEPS} moments are too few; expected a shorter time"
         );
         return Err(Error::new(ErrorKind::Unsupported, message).at(format!("{}.motion", surface.path)));
     }

@@ -107,7 +107,7 @@ static void pass_steps(void) {
     mesh.vertex_count = 3;
     mesh.indices = triangle;
     mesh.triangle_count = 1;
-    CHECK_OK(etd_scene_add_mesh(scene, NULL, &mesh, &number));
+    CHECK_OK(etd_scene_add_mesh(scene, &mesh, &number));
     CHECK_OK(etd_scene_set_mesh_steps(scene, number, times, 2, positions, normals));
     CHECK_OK(etd_scene_set_mesh_steps(scene, number, times, 2, positions, NULL));
     CHECK_STATUS(etd_scene_set_mesh_steps(scene, number, late, 2, positions, NULL), ETD_INVALID_SCENE);
