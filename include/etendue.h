@@ -69,6 +69,9 @@
 #define ETD_SPOT_LIGHT_INIT {sizeof(etd_spot_light), {0, 0, 0}, {0, -1, 0}, {1, 1, 1}, 45, 0}
 #define ETD_WEB_LIGHT_INIT \
     {sizeof(etd_web_light), NULL, NULL, 0, {0, 0, 0}, {0, -1, 0}, {1, 0, 0}, {1, 1, 1}}
+#define ETD_SHUTTER_INIT {sizeof(etd_shutter), 0, 0, NULL, 0}
+#define ETD_MOTION_KEY_INIT \
+    {0, {0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}, 0, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_RENDER_OPTIONS_INIT \
     {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \
@@ -2483,6 +2486,69 @@ typedef struct etd_mesh {
 } etd_mesh;
 
 /**
+ * When the shutter is open, in seconds. Everything is seen at one moment where it closes as it opens.
+ */
+typedef struct etd_shutter {
+    /**
+     * `sizeof(etd_shutter)`.
+     */
+    size_t struct_size;
+    /**
+     * When it opens.
+     */
+    double open;
+    /**
+     * When it closes, not before `open`.
+     */
+    double close;
+    /**
+     * How open it is at moments evenly spaced from `open` to `close`, in any unit: numbers >= 0, between which it changes linearly;
+     * they are read during the call. NULL: as open all the time. `etd_scene_get_shutter` sets it to NULL.
+     */
+    const double *curve;
+    /**
+     * Number of them, 2 to 1024; 0 with NULL.
+     */
+    size_t curve_count;
+} etd_shutter;
+
+/**
+ * A keyframe: a transform at a time, which is done to a thing after its own placement. Between two keyframes, translation and scale
+ * change linearly and the rotation goes the shorter way at constant speed; before the first and after the last, nothing moves.
+ * Arrays of keyframes follow one another without gaps, so this structure does not grow.
+ */
+typedef struct etd_motion_key {
+    /**
+     * The time in seconds, later than that of the keyframe before.
+     */
+    double time;
+    /**
+     * Translation, applied last.
+     */
+    double translation[3];
+    /**
+     * Rotation: a quaternion x, y, z, w of any length but 0.
+     */
+    double rotation[4];
+    /**
+     * Factors along the axes, applied first, none of them 0.
+     */
+    double scale[3];
+    /**
+     * Not 0: the transform is `matrix`, and the fields above are not read.
+     */
+    uint32_t use_matrix;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * Three rows of four numbers, invertible. The transform is taken apart into a stretch, a rotation and a translation.
+     */
+    double matrix[12];
+} etd_motion_key;
+
+/**
  * A texture: an image or a pattern of two colours, and where it lies.
  */
 typedef struct etd_texture {
@@ -3643,6 +3709,60 @@ etd_status etd_scene_set_mesh(struct etd_scene *scene,
  * Removes a mesh that no surface uses any more, and frees its memory. Its number is not used again. Thread-safe.
  */
 etd_status etd_scene_remove_mesh(struct etd_scene *scene, uint32_t mesh);
+
+/**
+ * Sets when the shutter is open. Errors: `ETD_INVALID_SCENE` for one that closes before it opens, and for a curve with a number below 0
+ * or without one above it. Thread-safe.
+ */
+etd_status etd_scene_set_shutter(struct etd_scene *scene,
+                                 const struct etd_shutter *shutter);
+
+/**
+ * Returns when the shutter is open as described now, without the numbers of its curve. Thread-safe.
+ */
+etd_status etd_scene_get_shutter(const struct etd_scene *scene, struct etd_shutter *out_shutter);
+
+/**
+ * Sets the keyframes of the camera, which move it from where `etd_scene_set_camera` has it and keep lengths. 0 of them: it rests.
+ * Errors: `ETD_INVALID_SCENE` for keyframes out of order, numbers out of range, and a camera that is stretched or mirrored. Thread-safe.
+ */
+etd_status etd_scene_set_camera_motion(struct etd_scene *scene,
+                                       const struct etd_motion_key *keys,
+                                       size_t count);
+
+/**
+ * Sets the keyframes of a surface, which move it after its transform. 0 of them: it rests. The errors are those of
+ * `etd_scene_set_camera_motion`, and `ETD_INVALID_SCENE` for a surface that is flattened between two keyframes. A surface whose emission
+ * a texture varies cannot move; the build refuses it with `ETD_UNSUPPORTED`. Thread-safe.
+ */
+etd_status etd_scene_set_surface_motion(struct etd_scene *scene,
+                                        uint32_t surface,
+                                        const struct etd_motion_key *keys,
+                                        size_t count);
+
+/**
+ * Sets the keyframes of a point light of any kind, which move it and turn the direction in which it shines. 0 of them: it rests. The
+ * errors are those of `etd_scene_set_camera_motion`. Thread-safe.
+ */
+etd_status etd_scene_set_light_motion(struct etd_scene *scene,
+                                      uint32_t light,
+                                      const struct etd_motion_key *keys,
+                                      size_t count);
+
+/**
+ * Sets the vertices of a mesh at some moments, between which they move along straight lines. 0 of them: the mesh does not deform.
+ *
+ * `times`: `count` times in seconds, each later than the one before. `positions`: for each of them three numbers for each vertex of the
+ * mesh, one moment after another. `normals`: the same for normals, or NULL, where smooth surfaces have those of their faces. The arrays
+ * are copied. Errors: `ETD_INVALID_SCENE` for times out of order and numbers out of range, `ETD_UNSUPPORTED` for a mesh that is read in
+ * the host's memory (`ETD_SHARE`). `etd_scene_set_mesh` removes the moments. Thread-safe.
+ */
+etd_status etd_scene_set_mesh_steps(struct etd_scene *scene,
+                                    uint32_t mesh,
+                                    const double *times,
+                                    size_t count,
+                                    const double *positions,
+                                    const float *normals);
 
 /**
  * Adds a texture, which materials may then use (`etd_scene_set_material_texture`).

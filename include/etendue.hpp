@@ -858,6 +858,32 @@ public:
         return detail::give(status, std::move(light));
     }
 
+    /** Sets when the shutter is open. */
+    Outcome<void> set_shutter(const etd_shutter &value) { return detail::done(etd_scene_set_shutter(get(), &value)); }
+    /** When the shutter is open as described now, without the numbers of its curve. */
+    Outcome<etd_shutter> shutter() const {
+        etd_shutter value = ETD_SHUTTER_INIT;
+        const etd_status status = etd_scene_get_shutter(get(), &value);
+        return detail::give(status, std::move(value));
+    }
+    /** Sets the keyframes of the camera; none: it rests. */
+    Outcome<void> set_camera_motion(const etd_motion_key *keys, std::size_t count) {
+        return detail::done(etd_scene_set_camera_motion(get(), keys, count));
+    }
+    /** Sets the keyframes of a surface; none: it rests. */
+    Outcome<void> set_surface_motion(std::uint32_t surface, const etd_motion_key *keys, std::size_t count) {
+        return detail::done(etd_scene_set_surface_motion(get(), surface, keys, count));
+    }
+    /** Sets the keyframes of a point light; none: it rests. */
+    Outcome<void> set_light_motion(std::uint32_t light, const etd_motion_key *keys, std::size_t count) {
+        return detail::done(etd_scene_set_light_motion(get(), light, keys, count));
+    }
+    /** Sets the vertices of a mesh at some moments, as `etd_scene_set_mesh_steps` takes them. */
+    Outcome<void> set_mesh_steps(std::uint32_t mesh, const double *times, std::size_t count, const double *positions,
+                                 const float *normals = nullptr) {
+        return detail::done(etd_scene_set_mesh_steps(get(), mesh, times, count, positions, normals));
+    }
+
     /** Adds a spot light; its number among the point lights. */
     Outcome<std::uint32_t> add_spot_light(const etd_spot_light &spot) {
         std::uint32_t number = ETD_NONE;

@@ -38,6 +38,12 @@ impl Run {
         assert!(self.stderr.contains(what), "'{what}' is not in: {}", self.stderr);
     }
 
+    /// Asserts exit code 2 and a message of the grammar that holds `what`.
+    fn assert_refused_by_grammar(&self, what: &str) {
+        assert_eq!((self.code, self.stdout.as_str()), (Some(2), ""), "{}", self.stderr);
+        assert!(self.stderr.contains(what), "'{what}' is not in: {}", self.stderr);
+    }
+
     /// Asserts exit code 0.
     fn assert_done(&self) {
         assert_eq!(self.code, Some(0), "{}", self.stderr);
@@ -630,6 +636,59 @@ fn a_gltf_file_is_seen_at_a_time_by_a_camera() {
     };
     refused("m.gltf", &["--camera", "awy"], "none of cameras is named 'awy'; did you mean 'away'?");
     refused(&scene("cornell.json"), &["--at", "0"], "which only glTF files have");
+}
+
+#[test]
+fn frames_and_moments_of_what_moves() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let moving = r#"{"etendue": 1, "camera": {"origin": [0, 0, 5], "shutter": {"close": 0.25}},
+        "lights": [{"type": "environment", "color": [1, 1, 1]}],
+        "materials": [{"name": "black", "type": "black"}],
+        "surfaces": [{"geometry": "sphere", "material": "black", "origin": [0, 0, 0], "radius": 1,
+            "motion": [{"time": 0, "translate": [-2, 0, 0]}, {"time": 2, "translate": [2, 0, 0]}]}]}"#;
+    fs::write(path("moving.json"), moving).unwrap();
+    let run = |more: &[&str]| etendue(folder.path(), small_render("moving.json", more));
+    // Frame 2 of 4 a second begins at half a second; its shutter is open as long as the scene says.
+    run(&["--frames", "1-3", "--frame-rate", "4", "-o", "out-###.png", "x#y.pfm", "--stats", "s##.json"]).assert_done();
+    let expected = [
+        "moving.json",
+        "out-001.png",
+        "out-002.png",
+        "out-003.png",
+        "s01.json",
+        "s02.json",
+        "s03.json",
+        "x1y.pfm",
+        "x2y.pfm",
+        "x3y.pfm",
+    ];
+    assert_eq!(names(folder.path()), expected);
+    let later = moving.replace(r#"{"close": 0.25}"#, r#"{"open": 0.5, "close": 0.75}"#);
+    fs::write(path("later.json"), later).unwrap();
+    etendue(folder.path(), small_render("later.json", &["--seed", "2", "-o", "later.pfm"])).assert_done();
+    let read = |name: &str| fs::read(path(name)).unwrap();
+    assert_eq!(read("later.pfm"), read("x2y.pfm"));
+    assert_ne!(read("x1y.pfm"), read("x2y.pfm"));
+    // In the middle of the way the ball is in the middle of the image.
+    run(&["--time-at", "1", "-o", "still.pfm"]).assert_done();
+    let resting = r#"{"etendue": 1, "camera": {"origin": [0, 0, 5]}, "lights": [{"type": "environment", "color": [1, 1, 1]}],
+        "materials": [{"name": "black", "type": "black"}],
+        "surfaces": [{"geometry": "sphere", "material": "black", "origin": [0, 0, 0], "radius": 1}]}"#;
+    fs::write(path("resting.json"), resting).unwrap();
+    etendue(folder.path(), small_render("resting.json", &["-o", "resting.pfm"])).assert_done();
+    assert_eq!(read("still.pfm"), read("resting.pfm"));
+
+    run(&["--frames", "1-3", "-o", "same.png"]).assert_refused("same.png: the frames would have the same name");
+    run(&["--frames", "3-1", "-o", "a#.png"]).assert_refused_by_grammar("FIRST-LAST");
+    run(&["--frames", "1", "--time-at", "1", "-o", "a#.png"]).assert_refused_by_grammar("cannot be used with");
+    run(&["--frame-rate", "25", "-o", "a.png"]).assert_refused_by_grammar("--frames");
+    run(&["--time-at", "NaN", "-o", "a.png"]).assert_refused_by_grammar("expected seconds");
+    run(&["--integrator", "sppm", "-o", "a.png"]).assert_refused("sppm shows no motion");
+    run(&["--integrator", "sppm", "--time-at", "1", "--photons", "1000", "-o", "a.png"]).assert_done();
+    let still = |more: &[&str]| etendue(folder.path(), small_render("resting.json", more));
+    still(&["--time-at", "1", "-o", "a.png"]).assert_refused("--time-at: nothing in the scene moves");
+    still(&["--frames", "1", "-o", "a.png"]).assert_refused("--frames: nothing in the scene moves");
 }
 
 #[test]

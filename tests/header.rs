@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The files of the C interface, in the order in which the header presents them.
-const SOURCES: [&str; 27] = [
+const SOURCES: [&str; 29] = [
     "status.rs",
     "last_error.rs",
     "types/mod.rs",
@@ -14,6 +14,7 @@ const SOURCES: [&str; 27] = [
     "types/scene.rs",
     "types/sky.rs",
     "types/light.rs",
+    "types/motion.rs",
     "types/render.rs",
     "types/film.rs",
     "types/query.rs",
@@ -27,6 +28,7 @@ const SOURCES: [&str; 27] = [
     "material.rs",
     "surface.rs",
     "mesh.rs",
+    "motion.rs",
     "texture.rs",
     "film.rs",
     "task.rs",
@@ -85,6 +87,9 @@ const INITIALISERS: &str = r"/** Stands for no material, no surface. */
 #define ETD_SPOT_LIGHT_INIT {sizeof(etd_spot_light), {0, 0, 0}, {0, -1, 0}, {1, 1, 1}, 45, 0}
 #define ETD_WEB_LIGHT_INIT \
     {sizeof(etd_web_light), NULL, NULL, 0, {0, 0, 0}, {0, -1, 0}, {1, 0, 0}, {1, 1, 1}}
+#define ETD_SHUTTER_INIT {sizeof(etd_shutter), 0, 0, NULL, 0}
+#define ETD_MOTION_KEY_INIT \
+    {0, {0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}, 0, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
 #define ETD_RENDER_OPTIONS_INIT \
     {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \

@@ -69,6 +69,16 @@ pub struct RenderArgs {
     /// Name or number of the animation of a glTF file, in place of the first one.
     #[arg(long, value_name = "NAME", requires = "at")]
     pub animation: Option<String>,
+    /// The time in seconds at which a scene in which something moves is seen, without blur, in place of its shutter.
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = parse_seconds)]
+    pub time_at: Option<f64>,
+    /// Frames of a scene in which something moves, such as 1-48. The shutter's times are from the time of the frame on, which is its
+    /// number over the frame rate. Each # in the names of files is a digit of the number.
+    #[arg(long, value_name = "FIRST-LAST", value_parser = parse_frames, conflicts_with_all = ["time_at", "at"])]
+    pub frames: Option<Frames>,
+    /// Frames per second.
+    #[arg(long, value_name = "N", default_value_t = 24.0, requires = "frames", value_parser = parse_frame_rate)]
+    pub frame_rate: f64,
     /// Samples per pixel, in place of the scene's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
@@ -515,6 +525,15 @@ impl From<Tone> for ToneMap {
     }
 }
 
+/// A range of numbers of frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frames {
+    /// The first.
+    pub first: u32,
+    /// The last, not before the first.
+    pub last: u32,
+}
+
 /// A path length; `None` cuts nothing. A type of its own because clap gives `Option` a meaning.
 #[derive(Clone, Copy, Debug)]
 pub struct Depth(pub Option<u32>);
@@ -587,6 +606,27 @@ impl RenderArgs {
 fn parse_threads(text: &str) -> Result<usize, String> {
     let threads = text.parse::<usize>().ok().filter(|threads| *threads <= MAX_THREADS);
     threads.ok_or_else(|| format!("expected a whole number up to {MAX_THREADS}"))
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse::<f64>().ok().filter(|seconds| seconds.abs() <= f64::from(f32::MAX));
+    seconds.ok_or_else(|| "expected seconds, such as 0.5".to_owned())
+}
+
+fn parse_frame_rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse::<f64>().ok().filter(|rate| (1e-3..=1e6).contains(rate));
+    rate.ok_or_else(|| "expected frames per second from 0.001 to 1000000, such as 25".to_owned())
+}
+
+/// The greatest number of a frame: file names have up to as many digits as it has.
+const MOST_FRAMES: u32 = 999_999;
+
+fn parse_frames(text: &str) -> Result<Frames, String> {
+    let wrong = || format!("expected FIRST-LAST up to {MOST_FRAMES}, such as 1-48, or one number");
+    let number = |text: &str| text.parse::<u32>().ok().filter(|number| *number <= MOST_FRAMES).ok_or_else(wrong);
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    let frames = Frames { first: number(first)?, last: number(last)? };
+    if frames.last < frames.first { Err(wrong()) } else { Ok(frames) }
 }
 
 fn parse_radius(text: &str) -> Result<f64, String> {

@@ -1,12 +1,13 @@
 //! `render SCENE` and `info SCENE`: the commands that load and render scenes.
 
 use std::collections::HashSet;
+use std::ffi::OsStr;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use etendue::desc::{self, IntegratorDesc, LoadOptions, MeshDesc, RenderDesc, RouletteDesc, SceneDesc};
+use etendue::desc::{self, IntegratorDesc, LoadOptions, MeshDesc, RenderDesc, RouletteDesc, SceneDesc, ShutterDesc};
 use etendue::film::Image;
 use etendue::integrator::photon::{Choice, choose};
 use etendue::output::{self, Attribute, Format, WriteOptions};
@@ -60,10 +61,91 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
     interrupt::install()?;
     let began = Instant::now();
     let options = LoadOptions { progress: Some(console::reading_images(args.quiet)), ..args.choices() };
-    let (description, scene) = load_with(&args.scene, args.params.as_deref(), &options, args.threads)?;
-    let build_time = began.elapsed();
-    let desc = args.settings(&description.render);
+    let mut description = desc::load_with(&args.scene, args.params.as_deref(), &options)?;
+    description.warnings.iter().for_each(console::warn);
+    if let Some(time) = args.time_at {
+        still(&description, "--time-at")?;
+        description.set_shutter(ShutterDesc::at(time))?;
+    }
     let workers = Workers::pool(args.threads)?;
+    let Some(frames) = args.frames else {
+        let scene = build(&description, args.threads)?;
+        let frame = Frame { number: None, layers, build_time: began.elapsed() };
+        return render_frame(args, &description, &scene, &workers, &frame);
+    };
+    still(&description, "--frames")?;
+    let relative = description.motion.shutter.clone();
+    let seed = args.seed.unwrap_or(description.render.seed);
+    let mut scene: Option<Scene> = None;
+    let mut began = began;
+    for number in frames.first..=frames.last {
+        let time = f64::from(number) / args.frame_rate;
+        let shutter = ShutterDesc { open: relative.open + time, close: relative.close + time, ..relative.clone() };
+        description.set_shutter(shutter)?;
+        // Frames have noise of their own, or it would stand still over what moves.
+        description.render.seed = seed.wrapping_add(number.into());
+        // What does not move from frame to frame is shared with the frame before.
+        let options = BuildOptions { threads: args.threads, ..BuildOptions::default() };
+        let built = match &scene {
+            None => build(&description, args.threads)?,
+            Some(before) => before.rebuild(&description, &options)?,
+        };
+        if !args.quiet {
+            console::say(&format!("frame {number}"));
+        }
+        let frame = Frame { number: Some(number), layers, build_time: began.elapsed() };
+        let code = render_frame(args, &description, &built, &workers, &frame)?;
+        if code != 0 {
+            return Ok(code);
+        }
+        scene = Some(built);
+        began = Instant::now();
+    }
+    Ok(0)
+}
+
+/// Refuses an option about time for a scene in which nothing moves.
+fn still(description: &SceneDesc, option: &str) -> Result<(), Failure> {
+    if description.motion.is_empty() {
+        let message =
+            format!("{option}: nothing in the scene moves, expected one with keyframes (`motion`) or `steps`");
+        return Err(Failure::usage(message));
+    }
+    Ok(())
+}
+
+/// What differs from frame to frame.
+struct Frame {
+    /// The number of the frame, where there are several.
+    number: Option<u32>,
+    /// Whether one of the images has layers.
+    layers: bool,
+    build_time: Duration,
+}
+
+/// The name of a file of a frame: each # of it is a digit of the number, at least as many as there are.
+fn frame_file(path: &Path, number: Option<u32>) -> PathBuf {
+    let (Some(number), Some(name)) = (number, path.file_name().and_then(OsStr::to_str)) else {
+        return path.to_owned();
+    };
+    let Some(start) = name.find('#') else { return path.to_owned() };
+    let digits = name[start..].bytes().take_while(|byte| *byte == b'#').count();
+    path.with_file_name(format!("{}{number:0digits$}{}", &name[..start], &name[start + digits..]))
+}
+
+/// Renders a scene and writes it; returns [`interrupt::EXIT_CODE`] after a run that was stopped.
+fn render_frame(
+    args: &RenderArgs,
+    description: &SceneDesc,
+    scene: &Scene,
+    workers: &Workers,
+    frame: &Frame,
+) -> Result<u8, Failure> {
+    let Frame { number, layers, build_time } = *frame;
+    let mut desc = args.settings(&description.render);
+    if number.is_some() {
+        desc.seed = description.render.seed;
+    }
     let settings = RenderSettings {
         desc: desc.clone(),
         workers: Some(workers.clone()),
@@ -74,7 +156,7 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
         auxiliary: layers,
         ..RenderSettings::default()
     };
-    let mut render = Render::new(&scene, settings)?;
+    let mut render = Render::new(scene, settings)?;
     // Warnings about the scene's own integrator were printed with those of the scene.
     if desc.integrator == IntegratorDesc::Radiosity && description.render.integrator != IntegratorDesc::Radiosity {
         scene.info().not_diffuse.iter().for_each(console::warn);
@@ -82,7 +164,7 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
 
     interrupt::begin();
     let write = |image: &Image, samples: u32, attributes| {
-        write_all(args, image, comments(&args.scene, &desc, samples), attributes)
+        write_all(args, number, image, comments(&args.scene, &desc, samples), attributes)
     };
     let mut failure = None;
     let summary = {
@@ -112,9 +194,9 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
     }
     if let Some(path) = &args.stats {
         let stats = Stats::new(args, &desc, &summary, workers.threads(), build_time);
-        stats.write(path).map_err(Failure::running)?;
+        stats.write(&frame_file(path, number)).map_err(Failure::running)?;
     }
-    report(&summary, &description, args.quiet);
+    report(&summary, description, args.quiet);
     Ok(if summary.stopped && interrupt::requested() { interrupt::EXIT_CODE } else { 0 })
 }
 
@@ -132,9 +214,15 @@ fn load_with(
 ) -> Result<(SceneDesc, Scene), Failure> {
     let description = desc::load_with(scene, params, options)?;
     description.warnings.iter().for_each(console::warn);
-    let scene = Scene::build(&description, &BuildOptions { threads, ..BuildOptions::default() })?;
-    scene.warnings().iter().for_each(console::warn);
+    let scene = build(&description, threads)?;
     Ok((description, scene))
+}
+
+/// Builds a scene, and prints its warnings.
+fn build(description: &SceneDesc, threads: usize) -> Result<Scene, Failure> {
+    let scene = Scene::build(description, &BuildOptions { threads, ..BuildOptions::default() })?;
+    scene.warnings().iter().for_each(console::warn);
+    Ok(scene)
 }
 
 /// Checks that every output can be written, and that none is an input or another output. Returns whether one of the
@@ -153,13 +241,27 @@ fn check_outputs(args: &RenderArgs) -> Result<bool, Failure> {
         Ok(())
     };
     let mut layers = false;
-    if let Some(path) = &args.stats {
-        output::check_text_target(path)?;
-        check(path)?;
-    }
-    for path in &args.output {
-        layers |= output::check_target(path)? == Format::Exr;
-        check(path)?;
+    let numbers = args.frames.map_or(vec![None], |frames| (frames.first..=frames.last).map(Some).collect());
+    let has_several = numbers.len() > 1;
+    let name = |path: &Path, number| {
+        let own = frame_file(path, number);
+        if has_several && own == *path {
+            let message = "the frames would have the same name, expected one with # for the digits of their numbers";
+            return Err(Failure::usage(format!("{}: {message}", path.display())));
+        }
+        Ok(own)
+    };
+    for number in numbers {
+        if let Some(path) = &args.stats {
+            let path = name(path, number)?;
+            output::check_text_target(&path)?;
+            check(&path)?;
+        }
+        for path in &args.output {
+            let path = name(path, number)?;
+            layers |= output::check_target(&path)? == Format::Exr;
+            check(&path)?;
+        }
     }
     Ok(layers)
 }
@@ -171,9 +273,10 @@ pub fn place(path: &Path) -> PathBuf {
     path.canonicalize().ok().or_else(in_folder).unwrap_or_else(|| path.to_path_buf())
 }
 
-/// Writes all requested images.
+/// Writes all requested images, of a frame where it has a number.
 fn write_all(
     args: &RenderArgs,
+    number: Option<u32>,
     image: &Image,
     comments: String,
     attributes: Vec<(String, Attribute)>,
@@ -185,7 +288,8 @@ fn write_all(
         attributes,
         threads: args.threads,
     };
-    args.output.iter().try_for_each(|path| output::write(image, path, &options)).map_err(Failure::running)
+    let write = |path: &PathBuf| output::write(image, &frame_file(path, number), &options);
+    args.output.iter().try_for_each(write).map_err(Failure::running)
 }
 
 /// Description of the render, for the image file.

@@ -499,7 +499,7 @@ _etendue() {
             return 0
             ;;
         etendue__subcmd__render)
-            opts="-o -q -h --output --threads --camera --at --animation --spp --time --target-error --target-display --adaptive --seed --resolution --integrator --filter --sampler --shadow-rays --roulette --photons --photon-radius --caustic-photons --caustic-radius --iterations --element-size --radiosity-error --radiosity-solver --ambient --final-gather --max-depth --stats --progressive --tone-map --exposure --quiet --help"
+            opts="-o -q -h --output --threads --camera --at --animation --time-at --frames --frame-rate --spp --time --target-error --target-display --adaptive --seed --resolution --integrator --filter --sampler --shadow-rays --roulette --photons --photon-radius --caustic-photons --caustic-radius --iterations --element-size --radiosity-error --radiosity-solver --ambient --final-gather --max-depth --stats --progressive --tone-map --exposure --quiet --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -526,6 +526,18 @@ _etendue() {
                     return 0
                     ;;
                 --animation)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --time-at)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --frames)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --frame-rate)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -39,6 +39,9 @@ complete -c etendue -n "__fish_etendue_using_subcommand render" -l threads -d 'T
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l camera -d 'Name or number of the camera of a glTF file, in place of the first one of its scene' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l at -d 'Seconds after the beginning of the animation of a glTF file at which the scene is seen' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l animation -d 'Name or number of the animation of a glTF file, in place of the first one' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l time-at -d 'The time in seconds at which a scene in which something moves is seen, without blur, in place of its shutter' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l frames -d 'Frames of a scene in which something moves, such as 1-48. The shutter\'s times are from the time of the frame on, which is its number over the frame rate. Each # in the names of files is a digit of the number' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l frame-rate -d 'Frames per second' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l spp -d 'Samples per pixel, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l time -d 'Stop after so many seconds. With --spp, at whichever comes first; without, the scene\'s samples do not count' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l target-error -d 'Stop when the estimated relMSE of the image is no larger than this, such as 0.001' -r

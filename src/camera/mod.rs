@@ -1,6 +1,9 @@
 //! Cameras: from a position on the film to a ray.
 
 mod lens;
+mod moving;
+
+pub use self::moving::MovingCamera;
 
 use self::lens::Lens;
 use crate::desc::{CameraDesc, FovAxis};

@@ -158,6 +158,16 @@ impl<'a> Builder<'a> {
         Ok(mesh)
     }
 
+    /// A mesh of its own with what is in this mesh, which was read from a file when there were `before` meshes: itself, if it is new,
+    /// of which other uses of the file then know nothing.
+    pub fn own_mesh(&mut self, mesh: usize, before: usize) -> usize {
+        if mesh < before {
+            return self.scene.put_mesh(MeshDesc::clone(&self.scene.meshes[mesh]));
+        }
+        self.files.retain(|_, known| *known != mesh);
+        mesh
+    }
+
     /// Returns the numbers of the materials and meshes of an OBJ file that is divided by its own materials. The file is read at
     /// its first use.
     pub fn divided_file(&mut self, path: &str, file: &str) -> Result<Vec<[usize; 2]>> {

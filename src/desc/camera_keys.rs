@@ -6,7 +6,9 @@ use serde_json::value::RawValue;
 use super::json::{self, Whole, join};
 use super::numbers::unless;
 use super::validate::{positive, whole};
-use super::{CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, camera_check, save};
+use super::{
+    CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, SceneDesc, SceneMotion, camera_check, motion_keys, save,
+};
 use crate::math::DVec3;
 use crate::{Error, Result};
 
@@ -75,6 +77,10 @@ pub(super) struct Camera {
     blade_rotation: Option<f64>,
     /// With a lens: what the aperture's width is divided by, 0.01 to 100. Default 1.
     squeeze: Option<f64>,
+    /// When the shutter is open. Default: everything is seen at the time 0.
+    shutter: Option<motion_keys::Shutter>,
+    /// Keyframes, by which the camera is moved from where the other keys have it; they keep lengths. Default: it rests.
+    motion: Option<Vec<motion_keys::Key>>,
 }
 
 impl Camera {
@@ -189,9 +195,18 @@ impl Camera {
     }
 }
 
-/// Reads a camera.
-pub(super) fn read(raw: &RawValue, path: &str) -> Result<CameraDesc> {
-    let camera: Camera = json::object(raw, path)?;
+/// Reads a camera, its motion and its shutter into a scene.
+pub(super) fn read(raw: &RawValue, path: &str, scene: &mut SceneDesc) -> Result<()> {
+    let mut keys: Camera = json::object(raw, path)?;
+    scene.set_shutter(motion_keys::shutter(keys.shutter.take()))?;
+    if let Some(motion) = keys.motion.take() {
+        scene.set_camera_motion(Some(motion_keys::motion(motion, &join(path, "motion"))?))?;
+    }
+    scene.camera = camera(&keys, path)?;
+    Ok(())
+}
+
+fn camera(camera: &Camera, path: &str) -> Result<CameraDesc> {
     let eye = DVec3::from_array(camera.origin.unwrap_or_default());
     let look_at = camera.look_at.map_or(DVec3::NEG_Z, DVec3::from_array);
     let up = camera.up.map_or(DVec3::Y, DVec3::from_array);
@@ -226,10 +241,18 @@ pub(super) fn read(raw: &RawValue, path: &str) -> Result<CameraDesc> {
     }
 }
 
-/// Writes a camera, whose numbers have been checked.
-pub(super) fn write(camera: &CameraDesc) -> Result<Box<RawValue>> {
+/// Writes a camera, whose numbers have been checked, with its motion and shutter.
+pub(super) fn write(camera: &CameraDesc, motion: &SceneMotion) -> Result<Box<RawValue>> {
     let [origin, look_at, up] = camera.view().map(|vector| Some(vector.to_array()));
-    let mut keys = Camera { origin, look_at, up, field_of_view: camera.fov_deg(), ..Camera::default() };
+    let mut keys = Camera {
+        origin,
+        look_at,
+        up,
+        field_of_view: camera.fov_deg(),
+        shutter: motion_keys::write_shutter(&motion.shutter),
+        motion: motion.camera.as_deref().map(motion_keys::write_motion),
+        ..Camera::default()
+    };
     let vertical = |axis| (axis == FovAxis::Vertical).then_some(Axis::Vertical);
     keys.r#type = Some(match *camera {
         CameraDesc::Perspective { fov_axis, .. } => {

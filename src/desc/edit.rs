@@ -260,7 +260,7 @@ impl SceneDesc {
         parts.parts.into_iter().map(put).collect()
     }
 
-    /// Replaces the data of a mesh, for all surfaces that use the mesh. The mesh keeps its name; the name and path in
+    /// Replaces the data of a mesh, for all surfaces that use the mesh. The mesh keeps its name and loses its steps; the name and path in
     /// `data` are not read. The time grows with the number of surfaces that use the mesh.
     ///
     /// # Errors
@@ -278,6 +278,8 @@ impl SceneDesc {
         let data = Arc::new(MeshDesc { name, path, ..data });
         self.index.keep_users(mesh, users);
         self.index.measured(mesh, &data, extent);
+        // Steps were those of the vertices before.
+        self.motion.meshes.remove(&mesh);
         self.meshes[mesh] = data;
         Ok(())
     }
@@ -296,6 +298,7 @@ impl SceneDesc {
             return Err(Error::invalid(path, message));
         }
         let removed = std::mem::replace(&mut self.meshes[mesh], Arc::new(MeshDesc { path, ..MeshDesc::default() }));
+        self.motion.meshes.remove(&mesh);
         self.index.forget_mesh(mesh, &removed.name);
         Ok(())
     }
@@ -371,6 +374,7 @@ impl SceneDesc {
     pub fn remove_surface(&mut self, surface: usize) -> Result<()> {
         self.live_surface(surface)?;
         self.surfaces[surface].hidden = true;
+        self.motion.surfaces.remove(&surface);
         Ok(())
     }
 
@@ -526,7 +530,7 @@ impl SceneDesc {
 
     /// Returns a mesh, or an error if the mesh does not exist or was removed. `path` is where the mesh's number is
     /// used.
-    fn usable_mesh(&self, path: &str, mesh: usize) -> Result<&MeshDesc> {
+    pub(super) fn usable_mesh(&self, path: &str, mesh: usize) -> Result<&MeshDesc> {
         let known = self.meshes.get(mesh).ok_or_else(|| none_such(path, "mesh", mesh, self.meshes.len()))?;
         if is_removed(known) {
             return Err(Error::invalid(path, format!("mesh {mesh} was removed")));
@@ -535,7 +539,7 @@ impl SceneDesc {
     }
 
     /// Returns a surface, or an error if the surface does not exist or was removed.
-    fn live_surface(&self, surface: usize) -> Result<&SurfaceDesc> {
+    pub(super) fn live_surface(&self, surface: usize) -> Result<&SurfaceDesc> {
         let known = self
             .surfaces
             .get(surface)

@@ -8,7 +8,9 @@ use serde_json::value::RawValue;
 use super::builder::Builder;
 use super::json::{self, join};
 use super::numbers::{unless, unless_color};
-use super::{LightDistribution, PointLightDesc, SpotDesc, WebDesc, numbers, save, validate};
+use super::{
+    LightDistribution, MotionDesc, PointLightDesc, SceneDesc, SpotDesc, WebDesc, motion_keys, numbers, save, validate,
+};
 use crate::Result;
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
@@ -26,6 +28,8 @@ pub(super) struct PointLight {
     color: [f64; 3],
     /// Factor on `color`. Default 1.
     intensity: Option<f64>,
+    /// Keyframes, by which the light is moved and turned from where the other keys have it. Default: it rests.
+    motion: Option<Vec<motion_keys::Key>>,
 }
 
 #[derive(Deserialize, Serialize)]
@@ -54,6 +58,8 @@ pub(super) struct SpotLight {
     outer_cone_angle: Option<f64>,
     /// Degrees between the axis and the directions up to which the light is full, in [0, outerConeAngle]. Default 0.
     inner_cone_angle: Option<f64>,
+    /// Keyframes, by which the light is moved and turned from where the other keys have it. Default: it rests.
+    motion: Option<Vec<motion_keys::Key>>,
 }
 
 #[derive(Deserialize, Serialize)]
@@ -82,6 +88,8 @@ pub(super) struct WebLight {
     color: Option<[f64; 3]>,
     /// Factor on `color`. Default 1.
     intensity: Option<f64>,
+    /// Keyframes, by which the light is moved and turned from where the other keys have it. Default: it rests.
+    motion: Option<Vec<motion_keys::Key>>,
 }
 
 #[derive(Deserialize, Serialize)]
@@ -91,14 +99,30 @@ enum WebTag {
     Web,
 }
 
+/// A point light, and its keyframes.
+type MovingLight = (PointLightDesc, Option<Vec<motion_keys::Key>>);
+
+/// Adds a point light with its motion.
+pub(super) fn put(scene: &mut SceneDesc, path: &str, (light, motion): MovingLight) -> Result<()> {
+    scene.lights.push(light);
+    match motion {
+        None => Ok(()),
+        Some(keys) => {
+            let motion = motion_keys::motion(keys, &join(path, "motion"))?;
+            scene.set_light_motion(scene.lights.len() - 1, Some(motion))
+        }
+    }
+}
+
 /// Reads a point light.
-pub(super) fn point(raw: &RawValue, path: &str) -> Result<PointLightDesc> {
+pub(super) fn point(raw: &RawValue, path: &str) -> Result<MovingLight> {
     let light: PointLight = json::object(raw, path)?;
-    validate::point_light(path, light.origin, light.color, light.intensity.unwrap_or(1.0))
+    let even = validate::point_light(path, light.origin, light.color, light.intensity.unwrap_or(1.0))?;
+    Ok((even, light.motion))
 }
 
 /// Reads a spot light.
-pub(super) fn spot(raw: &RawValue, path: &str) -> Result<PointLightDesc> {
+pub(super) fn spot(raw: &RawValue, path: &str) -> Result<MovingLight> {
     let light: SpotLight = json::object(raw, path)?;
     let even = validate::point_light(path, light.origin, light.color, light.intensity.unwrap_or(1.0))?;
     let default = SpotDesc::new(DVec3::from_array(light.direction));
@@ -108,11 +132,11 @@ pub(super) fn spot(raw: &RawValue, path: &str) -> Result<PointLightDesc> {
         ..default
     };
     validate::spot(path, &spot)?;
-    Ok(PointLightDesc { distribution: LightDistribution::Spot(spot), ..even })
+    Ok((PointLightDesc { distribution: LightDistribution::Spot(spot), ..even }, light.motion))
 }
 
 /// Reads a measured lamp. The file is read at its first use.
-pub(super) fn web(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<PointLightDesc> {
+pub(super) fn web(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<MovingLight> {
     let light: WebLight = json::object(raw, path)?;
     let color = light.color.unwrap_or([1.0; 3]);
     let even = validate::point_light(path, light.origin, color, light.intensity.unwrap_or(1.0))?;
@@ -123,14 +147,17 @@ pub(super) fn web(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Resu
         ..default
     };
     validate::web(path, &web, even.intensity)?;
-    Ok(PointLightDesc { distribution: LightDistribution::Web(web), ..even })
+    Ok((PointLightDesc { distribution: LightDistribution::Web(web), ..even }, light.motion))
 }
 
 /// Writes a point light, whose numbers have been checked. `file` is the name of the file of its web, where it has one.
-pub(super) fn write(light: &PointLightDesc, file: &str) -> Result<Box<RawValue>> {
+pub(super) fn write(light: &PointLightDesc, file: &str, motion: Option<&MotionDesc>) -> Result<Box<RawValue>> {
     let (origin, color) = (light.position.to_array(), numbers::color(light.intensity));
+    let motion = motion.map(motion_keys::write_motion);
     match &light.distribution {
-        LightDistribution::Even => save::raw(&PointLight { _type: PointTag::Point, origin, color, intensity: None }),
+        LightDistribution::Even => {
+            save::raw(&PointLight { _type: PointTag::Point, origin, color, intensity: None, motion })
+        }
         LightDistribution::Spot(spot) => {
             let default = SpotDesc::new(spot.direction);
             save::raw(&SpotLight {
@@ -141,6 +168,7 @@ pub(super) fn write(light: &PointLightDesc, file: &str) -> Result<Box<RawValue>>
                 intensity: None,
                 outer_cone_angle: unless(spot.outer_deg, default.outer_deg),
                 inner_cone_angle: unless(spot.inner_deg, default.inner_deg),
+                motion,
             })
         }
         LightDistribution::Web(web) => {
@@ -153,6 +181,7 @@ pub(super) fn write(light: &PointLightDesc, file: &str) -> Result<Box<RawValue>>
                 c0: (web.c0 != default.c0).then_some(web.c0.to_array()),
                 color: unless_color(light.intensity, Rgb::ONE),
                 intensity: None,
+                motion,
             })
         }
     }

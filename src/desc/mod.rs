@@ -63,6 +63,8 @@ mod material_keys;
 mod mcrt;
 mod mesh_files;
 mod microfacets;
+mod motion;
+mod motion_keys;
 mod native;
 mod numbers;
 mod object;
@@ -108,6 +110,9 @@ pub use light::{LightDistribution, PointLightDesc, SpotDesc, WebDesc};
 pub(crate) use material::Body;
 pub use material::{BsdfDesc, MaterialDesc, MediumDesc};
 pub use microfacets::{ConductorDesc, Distribution, METALS, Masking, Metal, MicrofacetsDesc};
+pub use motion::{
+    KeyPlace, MAX_MOTION_KEYS, MAX_SHUTTER_CURVE, MeshStep, MotionDesc, MotionKey, SceneMotion, ShutterDesc,
+};
 pub use object::{HostMesh, MeshDesc, ShapeDesc, SurfaceDesc};
 pub use photon::{
     CacheDesc, CacheSource, KernelDesc, MAX_GATHER_RAYS, MAX_NEIGHBOURS, MAX_PHOTON_MEMORY, MAX_PHOTONS, PhotonDesc,

@@ -81,7 +81,7 @@ pub(super) fn read(
 ) -> Result<SceneDesc> {
     let top: Top<'_> = json::object(document, "")?;
     let mut builder = Builder::new(Dialect::Native, base_dir, file, work);
-    builder.scene.camera = camera_keys::read(top.camera, "camera")?;
+    camera_keys::read(top.camera, "camera", &mut builder.scene)?;
     if let Some(raw) = top.render {
         builder.scene.render = render_keys::read(raw, "render", &RenderDesc::default())?;
     }
@@ -97,17 +97,16 @@ pub(super) fn read(
 fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     match json::tag(raw, path, "type", &["point", "area", "distant", "environment", "sky", "spot", "web"])?.as_str() {
         "point" => {
-            builder.scene.lights.push(light_keys::point(raw, path)?);
-            Ok(())
+            let light = light_keys::point(raw, path)?;
+            light_keys::put(&mut builder.scene, path, light)
         }
         "spot" => {
-            builder.scene.lights.push(light_keys::spot(raw, path)?);
-            Ok(())
+            let light = light_keys::spot(raw, path)?;
+            light_keys::put(&mut builder.scene, path, light)
         }
         "web" => {
             let light = light_keys::web(raw, path, builder)?;
-            builder.scene.lights.push(light);
-            Ok(())
+            light_keys::put(&mut builder.scene, path, light)
         }
         "area" => {
             let light: AreaLight = json::object(raw, path)?;

@@ -9,6 +9,7 @@ use super::environment::EnvironmentDesc;
 use super::index::SceneIndex;
 use super::light::PointLightDesc;
 use super::material::{Body, MaterialDesc};
+use super::motion::SceneMotion;
 use super::object::{MeshDesc, SurfaceDesc};
 use super::render::RenderDesc;
 use super::texture::TextureDesc;
@@ -39,6 +40,8 @@ pub struct SceneDesc {
     pub meshes: Vec<Arc<MeshDesc>>,
     /// Surfaces that rays can hit.
     pub surfaces: Vec<SurfaceDesc>,
+    /// What moves, and when the shutter is open.
+    pub motion: SceneMotion,
     /// Render settings, such as resolution, samples and integrator.
     pub render: RenderDesc,
     /// Warnings about the text that was read, such as unknown keys of a report scene or a second definition of a name.

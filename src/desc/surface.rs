@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 
 use super::builder::Builder;
 use super::json::{self, Scale, join};
-use super::{MeshDesc, ShapeDesc, SurfaceLook, transform, validate};
+use super::{MeshDesc, ShapeDesc, SurfaceLook, motion_keys, transform, validate};
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::{Error, Result};
 
@@ -31,18 +31,21 @@ macro_rules! surface {
             transform: Option<&'a RawValue>,
             /// Emitted radiance on the normal's side, W/(m^2 sr) per channel. Default: none.
             emission: Option<[f64; 3]>,
+            /// Keyframes, by which the surface is moved after `transform`. Default: it rests.
+            motion: Option<Vec<motion_keys::Key>>,
             $($(#[$field_doc])* $field: $type,)*
         }
 
         impl $name<'_> {
             /// Adds the surface with this shape, in the frame that `transform` starts from.
             fn place(
-                &self,
+                &mut self,
                 path: &str,
                 shape: Result<(ShapeDesc, DAffine3)>,
                 builder: &mut Builder<'_>,
             ) -> Result<()> {
-                place(path, self.material.as_deref(), self.emission, self.transform, shape, builder)
+                let motion = self.motion.take();
+                place(path, self.material.as_deref(), self.emission, self.transform, motion, shape, builder)
             }
         }
     };
@@ -128,6 +131,8 @@ surface!(
     colors: Option<Vec<VertexColor>>,
     /// One tangent per vertex for normal maps on smooth surfaces, instead of those of MikkTSpace.
     tangents: Option<Vec<[f64; 3]>>,
+    /// The vertices at some moments, between which they move along straight lines. Default: the mesh does not deform.
+    steps: Option<Vec<motion_keys::Step>>,
     /// `from-file`: the materials that `file` names in its material libraries, instead of `material`. Default: none.
     #[serde(default, deserialize_with = "json::name")]
     materials: Option<MaterialsOf>,
@@ -271,6 +276,8 @@ pub(super) struct SharedMesh {
     colors: Option<Vec<VertexColor>>,
     /// One tangent per vertex for normal maps on smooth surfaces, instead of those of MikkTSpace.
     tangents: Option<Vec<[f64; 3]>>,
+    /// The vertices at some moments, between which they move along straight lines. Default: the mesh does not deform.
+    steps: Option<Vec<motion_keys::Step>>,
 }
 
 /// Where the triangles of a mesh come from.
@@ -313,15 +320,15 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
     let point = DVec3::from_array;
     match json::tag(raw, path, "geometry", &KINDS)?.as_str() {
         "sphere" => {
-            let it: Sphere = json::object(raw, path)?;
+            let mut it: Sphere = json::object(raw, path)?;
             it.place(path, ShapeDesc::sphere(point(it.origin), it.radius), builder)
         }
         "triangle" => {
-            let it: Triangle = json::object(raw, path)?;
+            let mut it: Triangle = json::object(raw, path)?;
             it.place(path, ShapeDesc::triangle([it.vertex_1, it.vertex_2, it.vertex_3].map(point)), builder)
         }
         "quad" => {
-            let it: Quad = json::object(raw, path)?;
+            let mut it: Quad = json::object(raw, path)?;
             it.place(path, ShapeDesc::quad([it.vertex_1, it.vertex_2, it.vertex_3, it.vertex_4].map(point)), builder)
         }
         "mesh" => {
@@ -345,11 +352,19 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
                 colors: it.colors.take(),
                 tangents: it.tangents.take(),
             };
+            let is_shared = source.name.is_some() || source.file.is_some();
             let mesh = source.resolve(path, path, builder)?;
+            if let Some(steps) = it.steps.take() {
+                if is_shared {
+                    let message = "the mesh is described elsewhere, expected one of `meshes` with these steps";
+                    return Err(Error::invalid(at("steps"), message));
+                }
+                builder.scene.set_mesh_steps(mesh, motion_keys::steps(steps, &at("steps"))?)?;
+            }
             it.place(path, Ok((ShapeDesc::Mesh { mesh, smooth }, local)), builder)
         }
         "quadric" => {
-            let it: Quadric = json::object(raw, path)?;
+            let mut it: Quadric = json::object(raw, path)?;
             let clip = match it.clip {
                 Some(raw) => {
                     let Clip { min, max } = json::object(raw, &at("clip"))?;
@@ -360,23 +375,23 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
             it.place(path, ShapeDesc::quadric(it.coefficients, clip), builder)
         }
         "cylinder" => {
-            let it: Cylinder = json::object(raw, path)?;
+            let mut it: Cylinder = json::object(raw, path)?;
             it.place(path, ShapeDesc::cylinder(point(it.base), point(it.axis), it.radius, it.height), builder)
         }
         "cone" => {
-            let it: Cone = json::object(raw, path)?;
+            let mut it: Cone = json::object(raw, path)?;
             it.place(path, ShapeDesc::cone(point(it.base), point(it.axis), it.radius, it.height), builder)
         }
         "disk" => {
-            let it: Disk = json::object(raw, path)?;
+            let mut it: Disk = json::object(raw, path)?;
             it.place(path, ShapeDesc::disk(point(it.origin), point(it.normal), it.radius), builder)
         }
         "ellipsoid" => {
-            let it: Ellipsoid = json::object(raw, path)?;
+            let mut it: Ellipsoid = json::object(raw, path)?;
             it.place(path, ShapeDesc::ellipsoid(point(it.origin), point(it.radii)), builder)
         }
         _ => {
-            let it: Paraboloid = json::object(raw, path)?;
+            let mut it: Paraboloid = json::object(raw, path)?;
             it.place(path, ShapeDesc::paraboloid(point(it.apex), point(it.axis), it.radius, it.height), builder)
         }
     }
@@ -384,7 +399,7 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
 
 impl Mesh<'_> {
     /// Adds a surface for each material that the file of the mesh names.
-    fn place_parts(&self, path: &str, smooth: bool, local: DAffine3, builder: &mut Builder<'_>) -> Result<()> {
+    fn place_parts(&mut self, path: &str, smooth: bool, local: DAffine3, builder: &mut Builder<'_>) -> Result<()> {
         let at = |key: &str| join(path, key);
         for (key, given) in [
             ("material", self.material.is_some()),
@@ -397,6 +412,7 @@ impl Mesh<'_> {
             ("furtherUvs", self.further_uvs.is_some()),
             ("colors", self.colors.is_some()),
             ("tangents", self.tangents.is_some()),
+            ("steps", self.steps.is_some()),
         ] {
             if given {
                 let message = "the materials are those of the file (`materials`), expected a surface without this key";
@@ -407,9 +423,12 @@ impl Mesh<'_> {
             return Err(Error::invalid(path, "missing key `file`, whose materials are asked for"));
         };
         let transform = transform::read(self.transform, &at("transform"))?;
+        let keys = self.motion.take();
+        let motion = keys.map(|keys| motion_keys::motion(keys, &at("motion"))).transpose()?;
         for [material, mesh] in builder.divided_file(&at("file"), file)? {
             let look = SurfaceLook { material: Some(material), emission: None, transform };
-            builder.scene.put_surface(path, ShapeDesc::Mesh { mesh, smooth }, local, look)?;
+            let surface = builder.scene.put_surface(path, ShapeDesc::Mesh { mesh, smooth }, local, look)?;
+            builder.scene.set_surface_motion(surface, motion.clone())?;
         }
         Ok(())
     }
@@ -418,9 +437,22 @@ impl Mesh<'_> {
 /// Reads one of `meshes`.
 pub(super) fn shared_mesh(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     let mesh: SharedMesh = json::object(raw, path)?;
-    let SharedMesh { name, file, keep_degenerate, positions, triangles, normals, uvs, further_uvs, colors, tangents } =
-        mesh;
-    let index = match (keep_degenerate, &file, positions.is_some() || triangles.is_some()) {
+    let SharedMesh {
+        name,
+        file,
+        keep_degenerate,
+        positions,
+        triangles,
+        normals,
+        uvs,
+        further_uvs,
+        colors,
+        tangents,
+        steps,
+    } = mesh;
+    let before = builder.scene.meshes.len();
+    let is_file = file.is_some();
+    let mut index = match (keep_degenerate, &file, positions.is_some() || triangles.is_some()) {
         (Some(true), Some(file), false) => builder.mesh_file(&join(path, "file"), file, true)?,
         (Some(true), ..) => {
             let message = "only a mesh in a file has this key, a mesh given in place keeps all triangles";
@@ -430,6 +462,12 @@ pub(super) fn shared_mesh(raw: &RawValue, path: &str, builder: &mut Builder<'_>)
             .resolve(path, &name, builder)?,
     };
     builder.scene.check_mesh_name(path, &name)?;
+    if let Some(steps) = steps {
+        if is_file {
+            index = builder.own_mesh(index, before);
+        }
+        builder.scene.set_mesh_steps(index, motion_keys::steps(steps, &join(path, "steps"))?)?;
+    }
     builder.scene.index.meshes.insert(name, index);
     Ok(())
 }
@@ -439,6 +477,7 @@ fn place(
     material: Option<&str>,
     emission: Option<[f64; 3]>,
     outer: Option<&RawValue>,
+    motion: Option<Vec<motion_keys::Key>>,
     shape: Result<(ShapeDesc, DAffine3)>,
     builder: &mut Builder<'_>,
 ) -> Result<()> {
@@ -452,7 +491,14 @@ fn place(
         None => None,
     };
     let transform = transform::read(outer, &join(path, "transform"))?;
-    builder.scene.put_surface(path, shape, local, SurfaceLook { material, emission, transform }).map(|_| ())
+    let surface = builder.scene.put_surface(path, shape, local, SurfaceLook { material, emission, transform })?;
+    match motion {
+        None => Ok(()),
+        Some(keys) => {
+            let motion = motion_keys::motion(keys, &join(path, "motion"))?;
+            builder.scene.set_surface_motion(surface, Some(motion))
+        }
+    }
 }
 
 impl MeshSource {

@@ -65,18 +65,22 @@ fn step(raw: &RawValue, path: &str) -> Result<DAffine3> {
             let message = "`matrix` stands alone; use an array of transforms to combine it with others";
             return Err(Error::invalid(join(path, "matrix"), message));
         }
-        if m[12..] != [0.0, 0.0, 0.0, 1.0] {
-            let message =
-                format!("the last row is {:?}, expected [0, 0, 0, 1]: the matrix is given row by row", &m[12..]);
-            return Err(Error::invalid(join(path, "matrix"), message));
-        }
-        let column = |i: usize| DVec3::new(m[i], m[i + 4], m[i + 8]);
-        return Ok(DAffine3::from_mat3_translation(DMat3::from_cols(column(0), column(1), column(2)), column(3)));
+        return matrix(m, &join(path, "matrix"));
     }
     let translate = validate::vector(&join(path, "translate"), step.translate.unwrap_or_default())?;
     let degrees = validate::vector(&join(path, "rotate"), step.rotate.unwrap_or_default())?;
     let scale = factors(&join(path, "scale"), step.scale)?;
     Ok(place(scale, degrees * (std::f64::consts::PI / 180.0), translate))
+}
+
+/// The transform of a matrix that is given row by row.
+pub(super) fn matrix(m: [f64; 16], path: &str) -> Result<DAffine3> {
+    if m[12..] != [0.0, 0.0, 0.0, 1.0] {
+        let message = format!("the last row is {:?}, expected [0, 0, 0, 1]: the matrix is given row by row", &m[12..]);
+        return Err(Error::invalid(path, message));
+    }
+    let column = |i: usize| DVec3::new(m[i], m[i + 4], m[i + 8]);
+    Ok(DAffine3::from_mat3_translation(DMat3::from_cols(column(0), column(1), column(2)), column(3)))
 }
 
 /// Writes a transform that is invertible; `None` for the identity. It is written as a scale and a translation where it is made of

@@ -10,7 +10,7 @@ use super::scene::{Features, GeometryData, Scene, SceneInner};
 use super::user::{self, UserGeometry, UserGeometryData};
 use super::width::PacketWidth;
 use super::{ray, sys};
-use crate::math::{Bounds, DAffine3, DMat3, DVec3};
+use crate::math::{Bounds, DAffine3, flattens_between};
 use crate::{Cancel, Error, ErrorKind, Result};
 
 /// Effort that is spent on the hierarchy.
@@ -268,7 +268,7 @@ impl SceneBuilder {
             steps.iter().map(|transform| instance_columns(&bounds, transform)).collect::<Result<Vec<[f32; 12]>>>()?;
         for (step, pair) in columns.windows(2).enumerate() {
             let [from, to] = [pair[0], pair[1]].map(|columns| DAffine3::from_cols_array(&columns.map(f64::from)));
-            if collapses_between(from.matrix3, to.matrix3) {
+            if flattens_between(from.matrix3, to.matrix3) {
                 let message = format!(
                     "the instance collapses between time steps {step} and {}: more steps are needed where it turns",
                     step + 1
@@ -357,41 +357,4 @@ fn instance_columns(bounds: &Bounds, transform: &DAffine3) -> Result<[f32; 12]> 
         return Err(Error::new(ErrorKind::InvalidScene, message));
     }
     Ok(columns)
-}
-
-/// Whether the determinant of the matrix that changes linearly from one to another falls below a thousandth of both
-/// ends' smaller determinant in between, so that the object is squeezed flat or turned inside out on its way.
-fn collapses_between(from: DMat3, to: DMat3) -> bool {
-    /// Halvings of the interval, after which the smallest Bernstein coefficient stands for the smallest value.
-    const HALVINGS: u32 = 8;
-    fn reaches([a, b, c, d]: [f64; 4], least: f64, halvings: u32) -> bool {
-        if a.min(d) < least {
-            return true;
-        }
-        // The values lie between the smallest and the largest Bernstein coefficient.
-        if b.min(c) >= least {
-            return false;
-        }
-        if halvings == 0 {
-            return true;
-        }
-        let middle = |x: f64, y: f64| 0.5 * (x + y);
-        let (ab, bc, cd) = (middle(a, b), middle(b, c), middle(c, d));
-        let (abc, bcd) = (middle(ab, bc), middle(bc, cd));
-        let abcd = middle(abc, bcd);
-        reaches([a, ab, abc, abcd], least, halvings - 1) || reaches([abcd, bcd, cd, d], least, halvings - 1)
-    }
-    let start = from.determinant();
-    // The determinant is a cubic polynomial of time. Its Bernstein coefficients are means of the determinants of the
-    // matrices that have some columns of one end and the others of the other end.
-    let ends = [from.to_cols_array_2d().map(DVec3::from), to.to_cols_array_2d().map(DVec3::from)];
-    let mixed =
-        |x: usize, y: usize, z: usize| DMat3::from_cols(ends[x][0], ends[y][1], ends[z][2]).determinant() / start;
-    let coefficients = [
-        1.0,
-        (mixed(1, 0, 0) + mixed(0, 1, 0) + mixed(0, 0, 1)) / 3.0,
-        (mixed(0, 1, 1) + mixed(1, 0, 1) + mixed(1, 1, 0)) / 3.0,
-        mixed(1, 1, 1),
-    ];
-    reaches(coefficients, 1e-3 * coefficients[3].min(1.0), HALVINGS)
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::sys;
 use crate::buffer::Buffer;
-use crate::math::DVec3;
+use crate::math::{DVec3, time_segment};
 use crate::{Cancel, Error, ErrorKind, Result};
 
 /// Coordinates must be smaller than this in absolute value: Embree silently drops larger ones.
@@ -22,15 +22,6 @@ pub(super) fn check_time_steps(count: usize) -> Result<()> {
         return Ok(());
     }
     Err(Error::new(ErrorKind::InvalidScene, format!("{count} time steps: needs 1 to {MAX_TIME_STEPS}")))
-}
-
-/// The two moments that enclose a time in [0, 1], of `count` >= 2 evenly spaced moments, and the weight of the second. It
-/// is what Embree computes, to the last bit.
-pub(crate) fn time_segment(count: usize, time: f32) -> (usize, f32) {
-    let segments = (count - 1) as f32;
-    let scaled = time * segments;
-    let first = scaled.floor().clamp(0.0, segments - 1.0);
-    (first as usize, scaled - first)
 }
 
 /// Whether Embree accepts the coordinate. False for NaN.

@@ -105,7 +105,6 @@ mod width;
 pub use budget::{Charge, MemoryBudget};
 pub use builder::{BuildQuality, GeometryId, SceneBuilder, SceneOptions};
 pub use device::{Device, DeviceOptions};
-pub(crate) use mesh::time_segment;
 pub use mesh::{MAX_COORDINATE, MAX_TIME_STEPS, TriangleMesh, VertexBuffer};
 pub use packet::PACKET;
 pub use ray::Hit;

@@ -13,6 +13,7 @@ mod distant;
 mod environment;
 mod environment_map;
 mod infinite_ball;
+mod moving;
 mod receiver;
 mod sample;
 mod sphere;
@@ -33,6 +34,7 @@ pub use distant::DistantEmitter;
 pub use environment::EnvironmentEmitter;
 pub use environment_map::{EnvironmentMap, EnvironmentMapEmitter, Sky, SkyModel, SkyTexture};
 pub use infinite_ball::InfiniteBall;
+pub use moving::{MovingEmitter, MovingPoint};
 pub use receiver::Receiver;
 pub use sample::{Departure, EmitterSample};
 pub use sphere::SphereEmitter;
@@ -79,6 +81,8 @@ pub enum Emitter {
     Disk(Box<DiskEmitter>),
     /// A cylinder without lids that emits outwards.
     Tube(Box<TubeEmitter>),
+    /// An emitter that moves while the shutter is open.
+    Moving(Box<MovingEmitter>),
     /// Light from infinity, the same from all directions.
     Environment(EnvironmentEmitter),
     /// Light from infinity that varies by direction.
@@ -100,6 +104,7 @@ impl Emitter {
             Self::TexturedSphere(emitter) => emitter.mean.power(),
             Self::Disk(emitter) => emitter.power(),
             Self::Tube(emitter) => emitter.power(),
+            Self::Moving(emitter) => emitter.power(),
             Self::Environment(emitter) => emitter.power(),
             Self::EnvironmentMap(emitter) => emitter.power(),
             Self::Distant(emitter) => emitter.power(),
@@ -116,6 +121,7 @@ impl Emitter {
             Self::TexturedSphere(emitter) => emitter.mean.sphere.area(),
             Self::Disk(emitter) => emitter.area(),
             Self::Tube(emitter) => emitter.area(),
+            Self::Moving(emitter) => emitter.area(),
             Self::Environment(emitter) => emitter.ball.area(),
             Self::EnvironmentMap(emitter) => emitter.ball.area(),
             Self::Distant(emitter) => emitter.ball.cross_section(),
@@ -158,6 +164,7 @@ impl Emitter {
             Self::TexturedSphere(emitter) => emitter.mean.radiance,
             Self::Disk(emitter) => emitter.radiance,
             Self::Tube(emitter) => emitter.radiance,
+            Self::Moving(emitter) => emitter.radiance(),
             Self::Point { .. }
             | Self::Directed(_)
             | Self::Environment(_)
@@ -166,10 +173,22 @@ impl Emitter {
         }
     }
 
+    /// The shape and the moments of an emitter that moves.
+    pub fn moving(&self) -> Option<&MovingEmitter> {
+        match self {
+            Self::Moving(emitter) => Some(emitter),
+            _ => None,
+        }
+    }
+
     /// Whether it is a point.
     #[inline]
     pub fn is_point(&self) -> bool {
-        matches!(self, Self::Point { .. } | Self::Directed(_))
+        match self {
+            Self::Point { .. } | Self::Directed(_) => true,
+            Self::Moving(emitter) => matches!(**emitter, MovingEmitter::Point(_)),
+            _ => false,
+        }
     }
 
     /// Whether a texture varies its radiance.
@@ -188,6 +207,7 @@ impl Emitter {
             Self::TexturedSphere(emitter) => emitter.mean.sphere.centre.as_vec3a(),
             Self::Disk(emitter) => emitter.disk.centre().as_vec3a(),
             Self::Tube(emitter) => emitter.centre().as_vec3a(),
+            Self::Moving(emitter) => emitter.centre(),
             Self::Environment(emitter) => emitter.ball.centre(),
             Self::EnvironmentMap(emitter) => emitter.ball.centre(),
             Self::Distant(emitter) => emitter.ball.centre(),
@@ -224,6 +244,7 @@ impl Emitter {
             Self::TexturedSphere(emitter) => emitter.sample_departure(u),
             Self::Disk(emitter) => emitter.sample_departure(u),
             Self::Tube(emitter) => emitter.sample_departure(u),
+            Self::Moving(emitter) => emitter.sample_departure(u),
             Self::Environment(emitter) => emitter.sample_departure(u),
             // Directions are chosen before places.
             Self::EnvironmentMap(EnvironmentMapEmitter { ball, .. }) | Self::Distant(DistantEmitter { ball, .. }) => {
@@ -343,6 +364,11 @@ impl EmitterSet {
         &self.emitters
     }
 
+    /// Whether some of them move while the shutter is open.
+    pub fn has_moving(&self) -> bool {
+        self.emitters.iter().any(|emitter| matches!(emitter, Emitter::Moving(_)))
+    }
+
     /// Whether textures vary the radiance of some of them.
     pub fn has_textured(&self) -> bool {
         self.emitters.iter().any(Emitter::is_textured)
@@ -366,13 +392,20 @@ impl EmitterSet {
     /// unbiased.
     #[inline]
     pub fn sample(&self, receiver: impl Into<Receiver>, u: [f32; 4]) -> Option<EmitterSample> {
-        self.sample_for(receiver.into(), u, false)
+        self.sample_for(receiver.into(), 0.0, u, false)
     }
 
-    /// As [`EmitterSet::sample`] where `beside_bsdf` is false. Otherwise the sample is one of two by multiple importance sampling, the
+    /// As [`EmitterSet::sample`] where `beside_bsdf` is false, at a time ([`crate::math::Ray::time`]) that only emitters that move
+    /// read. Otherwise the sample is one of two by multiple importance sampling, the
     /// other being of a Bsdf that finds light from infinity wherever this one does not look for it.
     #[inline]
-    pub(crate) fn sample_for(&self, receiver: Receiver, u: [f32; 4], beside_bsdf: bool) -> Option<EmitterSample> {
+    pub(crate) fn sample_for(
+        &self,
+        receiver: Receiver,
+        time: f32,
+        u: [f32; 4],
+        beside_bsdf: bool,
+    ) -> Option<EmitterSample> {
         let p = receiver.p;
         let choice_u = f64::from(u[0]) + f64::from(u[3]) * (-24_f64).exp2();
         let (index, probability) = match self.choice.as_ref()? {
@@ -408,6 +441,7 @@ impl EmitterSet {
             Emitter::TexturedSphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Disk(emitter) => emitter.sample(p, [u[1], u[2]])?,
             Emitter::Tube(emitter) => emitter.sample(p, [u[1], u[2]])?,
+            Emitter::Moving(emitter) => emitter.sample(p, [u[1], u[2]], time)?,
             Emitter::Environment(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
             Emitter::EnvironmentMap(emitter) => emitter.sample(&receiver, [u[1], u[2]], beside_bsdf),
             Emitter::Distant(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
@@ -438,6 +472,12 @@ impl EmitterSet {
     /// emitter `index`.
     #[inline]
     pub fn pdf(&self, index: u32, receiver: impl Into<Receiver>, hit: Vec3) -> f32 {
+        self.pdf_at(index, receiver, hit, 0.0)
+    }
+
+    /// [`EmitterSet::pdf`] at a time ([`crate::math::Ray::time`]), which only emitters that move read.
+    #[inline]
+    pub(crate) fn pdf_at(&self, index: u32, receiver: impl Into<Receiver>, hit: Vec3, time: f32) -> f32 {
         let receiver = receiver.into();
         let p = receiver.p;
         let pdf = match &self.emitters[index as usize] {
@@ -452,6 +492,7 @@ impl EmitterSet {
             Emitter::TexturedSphere(emitter) => emitter.mean.pdf(p),
             Emitter::Disk(emitter) => emitter.pdf(p, hit),
             Emitter::Tube(emitter) => emitter.pdf(p, hit),
+            Emitter::Moving(emitter) => emitter.pdf(p, hit, time),
         };
         pdf * self.probability(index, receiver)
     }
@@ -537,6 +578,7 @@ impl EmitterSet {
             Emitter::TexturedSphere(emitter) => emitter.radiance(p),
             Emitter::Disk(emitter) => emitter.radiance,
             Emitter::Tube(emitter) => emitter.radiance,
+            Emitter::Moving(emitter) => emitter.radiance(),
         }
     }
 }

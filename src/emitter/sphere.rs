@@ -27,7 +27,7 @@ struct VisibleCone {
 
 impl SphereEmitter {
     /// The cone seen from `p`, or `None` inside the sphere, where its outer side cannot be seen.
-    #[inline]
+    #[inline(always)]
     fn cone(&self, p: Vec3) -> Option<VisibleCone> {
         let axis = self.sphere.centre - p.as_dvec3();
         let distance = axis.length();
@@ -41,7 +41,8 @@ impl SphereEmitter {
     }
 
     /// Samples a direction from `p` uniformly in the cone; `None` inside the sphere.
-    #[inline]
+    // Always inlined: spheres that move call it too, and those that rest are not to pay a call for that.
+    #[inline(always)]
     pub(super) fn sample(&self, p: Vec3, u: [f32; 2]) -> Option<EmitterSample> {
         let cone = self.cone(p)?;
         let distance = cone.axis.length();
@@ -88,7 +89,7 @@ impl SphereEmitter {
     }
 
     /// Density per solid angle at `p`, the same for all directions that meet the sphere.
-    #[inline]
+    #[inline(always)]
     pub(super) fn pdf(&self, p: Vec3) -> f32 {
         self.cone(p).map_or(0.0, |cone| (1.0 / (2.0 * PI * cone.one_minus_cos)) as f32)
     }

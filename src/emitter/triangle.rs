@@ -48,7 +48,7 @@ impl TriangleEmitter {
 
     /// The triangle as seen from `p`, where directions are sampled by solid angle. `sample` and `pdf` must make the
     /// same choice, or both would be wrong.
-    #[inline]
+    #[inline(always)]
     fn seen_from(&self, p: Vec3) -> Option<SphericalTriangle> {
         let is_near = self.centroid.distance_squared(p) < self.near2;
         is_near.then(|| SphericalTriangle::seen_from(p, self.triangle.vertices)).flatten()
@@ -96,7 +96,7 @@ impl TriangleEmitter {
     }
 
     /// Density per solid angle at `p` of the direction that meets the triangle in `hit`; 0 where `p` is not in front.
-    #[inline]
+    #[inline(always)]
     pub(super) fn pdf(&self, p: Vec3, hit: Vec3) -> f32 {
         let height = self.triangle.height_by_twice_area(p);
         if height <= 0.0 {

@@ -1,7 +1,7 @@
 //! Which scenes an integrator supports, by the lobes and the opacity of their surfaces, by their emitters and their motion.
 
 use crate::bsdf::Lobes;
-use crate::desc::{IntegratorDesc, LobeSupport, LobeUse};
+use crate::desc::{IntegratorDesc, LobeSupport, LobeUse, Preparation};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
@@ -11,7 +11,9 @@ use crate::scene::Scene;
 /// # Errors
 /// [`ErrorKind::Unsupported`], whose message names the integrator and, for lobes, the surface.
 pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
-    if !integrator.info().shows_motion() {
+    // The solution of radiosity knows no camera, and its pictures are taken ray by ray.
+    let is_seen_still = integrator.info().preparation == Preparation::RadiositySolution && !scene.has_moving_world();
+    if !integrator.info().shows_motion() && !is_seen_still {
         check_still(scene, integrator.name())?;
     }
     let refuse = |surface: &str, what: &str| {

@@ -81,12 +81,12 @@ pub(super) fn escaped<C: Spectrum>(
     radiance
 }
 
-/// [`Vertex::emitted`] of a surface that emits, from its outer normal, the direction back along the path and the point. The
+/// [`Vertex::emitted`] of a surface that emits, from its outer normal, the direction back along the path, the point and the time. The
 /// arguments are values, since a reference to the vertex would keep all of it in memory.
 fn emission<C: Spectrum>(
     emitters: &EmitterSet,
     emitter: u32,
-    [ng, wo, p]: [Vec3; 3],
+    ([ng, wo, p], time): ([Vec3; 3], f32),
     previous: PreviousBounce,
     light_samples: u32,
     wavelengths: &C::Wavelengths,
@@ -94,7 +94,7 @@ fn emission<C: Spectrum>(
     let le = C::from_emission(emitters.le(emitter, ng, wo, p), wavelengths);
     match previous {
         Some((receiver, pdf)) if le != C::ZERO => {
-            let light_pdf = emitters.pdf(emitter, receiver, p);
+            let light_pdf = emitters.pdf_at(emitter, receiver, p, time);
             le * power_heuristic(pdf, light_samples as f32 * light_pdf)
         }
         _ => le,
@@ -315,10 +315,11 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
     /// have led here. `light_samples` is the number of light samples taken at that bounce.
     #[inline(always)]
     pub fn emitted(&self, scene: &Scene, previous: PreviousBounce, light_samples: u32) -> C {
-        let SurfaceInteraction { emitter, ng, point: HitPoint { p, .. }, .. } = self.surface;
+        let SurfaceInteraction { emitter, ng, point: HitPoint { p, time, .. }, .. } = self.surface;
         match emitter {
             Some(emitter) => {
-                emission(scene.emitters(), emitter, [ng, self.wo_scene, p], previous, light_samples, &self.wavelengths)
+                let at = ([ng, self.wo_scene, p], time);
+                emission(scene.emitters(), emitter, at, previous, light_samples, &self.wavelengths)
             }
             None => C::ZERO,
         }
@@ -365,7 +366,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         only_light_samples: bool,
     ) -> Option<(Ray, C)> {
         let point = &self.surface.point;
-        let light = scene.emitters().sample_for(self.receiver(), u, !only_light_samples)?;
+        let light = scene.emitters().sample_for(self.receiver(), point.time, u, !only_light_samples)?;
         let wi = self.frame.to_local(light.wi);
         if !self.is_consistent(light.wi, wi) {
             return None;

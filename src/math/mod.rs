@@ -2,13 +2,16 @@
 
 mod cone;
 mod frame;
+mod keyed_path;
 mod ray;
 
 pub use cone::RayCone;
 pub use frame::Frame;
 pub use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot, Vec2, Vec3A as Vec3, Vec4};
-pub(crate) use ray::shutter_time;
+pub(crate) use keyed_path::flattens_between;
+pub use keyed_path::{KeyedPath, Pose};
 pub use ray::{HitPoint, ROUNDING, Ray};
+pub(crate) use ray::{shutter_time, time_segment};
 
 /// An axis-aligned box in double precision; `min > max` in any axis means empty.
 #[derive(Clone, Copy, Debug, PartialEq)]

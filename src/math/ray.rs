@@ -27,6 +27,15 @@ pub(crate) fn shutter_time(time: f32) -> f32 {
     if time > 0.0 { time.min(1.0) } else { 0.0 }
 }
 
+/// The two moments that enclose a time in [0, 1], of `count` >= 2 evenly spaced moments, and the weight of the second. It
+/// is what Embree computes, to the last bit.
+pub(crate) fn time_segment(count: usize, time: f32) -> (usize, f32) {
+    let segments = (count - 1) as f32;
+    let scaled = time * segments;
+    let first = scaled.floor().clamp(0.0, segments - 1.0);
+    (first as usize, scaled - first)
+}
+
 impl Ray {
     /// A ray without an end, at time 0.
     #[inline]

@@ -31,7 +31,7 @@ use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::Cancel;
-use crate::camera::Camera;
+use crate::camera::{Camera, MovingCamera};
 use crate::desc::{Bias, FilterDesc, IntegratorDesc, Preparation, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, TILE};
@@ -68,6 +68,7 @@ pub struct Render {
     settings: RenderSettings,
     desc: Arc<RenderDesc>,
     camera: Camera,
+    moving_camera: Option<Arc<MovingCamera>>,
     filter: Filter,
     film: Arc<Film>,
     workers: Workers,
@@ -143,13 +144,15 @@ impl Render {
         // A render of irradiance does not use the camera, and the film's resolution is no image size.
         let seen = if method.is_some() { [1, 1] } else { desc.resolution };
         let camera = Camera::new(scene.camera(), seen, scene.centre())?;
+        let moving_camera = scene.moving_camera(seen)?.map(Arc::new);
         // The normally distributed pattern is itself a pixel filter.
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
         let choice = (desc.integrator.info().preparation == Preparation::Choice).then(|| choose(scene));
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
         match method {
             None => check_support(scene, integrator)?,
-            Some(_) => check_still(scene, "irradiance of given points")?,
+            Some(_) if scene.has_moving_world() => check_still(scene, "irradiance of given points")?,
+            Some(_) => {}
         }
         let method = method.unwrap_or_else(|| Method::new(integrator));
         let filter = Filter::new(&filter_desc);
@@ -184,6 +187,7 @@ impl Render {
             desc: shared,
             settings,
             camera,
+            moving_camera,
             filter,
             film: Arc::new(film),
             workers,
@@ -357,6 +361,7 @@ impl Render {
         PassInput {
             scene: self.scene.clone(),
             camera: self.camera,
+            moving_camera: self.moving_camera.clone(),
             filter: self.filter.clone(),
             desc: Arc::clone(&self.desc),
             method: self.method.clone(),

@@ -8,7 +8,7 @@ use super::method::Method;
 use super::replay::{NonFiniteSamples, Replay, Replayed};
 use super::workers::SharedWork;
 use crate::Cancel;
-use crate::camera::Camera;
+use crate::camera::{Camera, MovingCamera};
 use crate::desc::{RenderDesc, SamplerDesc};
 use crate::film::{Film, PixelPhotonState, PixelSample, REPLICATES, TILE};
 use crate::integrator::{Context, Direct, Irradiance, Path, Sample, Tracer, Transport, Wave, Whitted};
@@ -30,6 +30,8 @@ const SAMPLES_PER_BATCH: usize = 16;
 pub(super) struct PassInput {
     pub scene: Scene,
     pub camera: Camera,
+    /// The camera at all times, where it moves.
+    pub moving_camera: Option<Arc<MovingCamera>>,
     pub filter: Filter,
     pub desc: Arc<RenderDesc>,
     pub method: Method,
@@ -134,6 +136,8 @@ struct SampleJob {
     offset: [f32; 2],
     /// Weight of the sample by the filter.
     weight: f32,
+    /// The moment that the sample sees, where the camera moves.
+    time: f32,
     /// A copy of the pixel's photon state, since the sample may be stopped in the middle. Samples with a photon state are
     /// taken one at a time.
     gathering: Option<PixelPhotonState>,
@@ -192,7 +196,7 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
             let [x, y] = job.pixel;
             sample.ray = pass.input.camera.ray(x as f32 + 0.5 + job.offset[0], y as f32 + 0.5 + job.offset[1]);
         }
-        if pass.input.camera.has_lens() {
+        if pass.input.camera.has_lens() && pass.input.moving_camera.is_none() {
             // The point on the lens is the next two dimensions after the film position, so that both are stratified together.
             for (job, sample) in jobs.iter().zip(samples.iter_mut()) {
                 let [x, y] = [0, 1].map(|axis| job.pixel[axis] as f32 + 0.5 + job.offset[axis]);
@@ -209,8 +213,11 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
             // Each sample sees the scene at a moment of its own, spread over the shutter interval.
             for sample in samples.iter_mut() {
                 let [time, _] = sample.sampler.next_2d();
-                sample.ray.time = time;
+                sample.ray.time = pass.input.scene.moment(time);
             }
+        }
+        if let Some(moving) = &pass.input.moving_camera {
+            leave_moving_camera(pass, moving, jobs, samples);
         }
         if I::IN_WAVES {
             self.0.li_of_many(&pass.input.scene, samples, wave, tracer);
@@ -223,6 +230,31 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
                 *radiance = self.0.li_of_pixel(*ray, &mut context, first, gathering);
             }
         }
+    }
+}
+
+/// Makes the rays of samples that have their times, from where the camera is then.
+#[cold]
+#[inline(never)]
+fn leave_moving_camera<S: Sampler>(
+    pass: &Pass,
+    moving: &MovingCamera,
+    jobs: &mut [SampleJob],
+    samples: &mut [Sample<S>],
+) {
+    let has_cones = pass.input.scene.asks_footprints();
+    for (job, sample) in jobs.iter_mut().zip(samples) {
+        let time = sample.ray.time;
+        let camera = moving.at(time);
+        let [column, row] = job.pixel.map(|index| index as f32 + 0.5);
+        let [x, y] = [column + job.offset[0], row + job.offset[1]];
+        let ray =
+            if camera.has_lens() { camera.ray_through_lens(x, y, sample.sampler.next_2d()) } else { camera.ray(x, y) };
+        sample.ray = ray.at_time(time);
+        if has_cones {
+            sample.ray.cone = camera.cone(column, row);
+        }
+        job.time = time;
     }
 }
 
@@ -408,7 +440,7 @@ impl Pass {
                 let remembers = self.input.film.options().gathering;
                 let gathering =
                     if remembers { self.input.film.tile(number).gathering.get(index).copied() } else { None };
-                batch.jobs.push(SampleJob { pixel, index, sample, offset, weight, gathering });
+                batch.jobs.push(SampleJob { pixel, index, sample, offset, weight, time: 0.0, gathering });
             }
             if batch.jobs.is_empty() {
                 return true;
@@ -440,7 +472,11 @@ impl Pass {
                 self.record_non_finite(job.pixel, job.sample);
             }
             let first = first.as_ref().filter(|_| options.auxiliary);
-            let first = first.map(|hit| (hit.albedo, hit.normal, self.input.camera.depth(hit.p)));
+            let depth = |p| match &self.input.moving_camera {
+                None => self.input.camera.depth(p),
+                Some(moving) => moving.at(job.time).depth(p),
+            };
+            let first = first.map(|hit| (hit.albedo, hit.normal, depth(hit.p)));
             let (radiance, weight, gathering) = (*radiance, job.weight, job.gathering);
             tile.add_sample(job.index, PixelSample { radiance, weight, gathering, first }, options.share);
         }

@@ -5,6 +5,7 @@
 //! that Embree has to search. Four bounding spheres at a time are rejected in single precision, with a margin that
 //! covers the rounding error; the remaining candidates are decided by the exact test in double precision.
 
+use super::moving_shape::MovingShape;
 use crate::embree::{UserGeometry, UserHit};
 use crate::math::{Bounds, Ray, Vec4};
 use crate::shape::{Analytic, DRay};
@@ -136,23 +137,45 @@ impl AnalyticList {
 
 /// Analytic shapes as Embree user geometry, for scenes that have too many of them for a list.
 #[derive(Debug)]
-pub(super) struct AnalyticGeometry(pub(super) Vec<Analytic>);
+pub(super) struct AnalyticGeometry {
+    /// The shapes, or what they are at time 0.
+    pub(super) start: Vec<Analytic>,
+    /// The same shapes, where they move; all of them have the same number of moments. Empty where they rest.
+    pub(super) moving: Vec<MovingShape>,
+}
 
 impl UserGeometry for AnalyticGeometry {
     fn len(&self) -> usize {
-        self.0.len()
+        self.start.len()
     }
 
     fn bounds(&self, index: usize) -> ([f32; 3], [f32; 3]) {
-        // The box is rounded outwards, because a box that cuts a single ULP off the shape would open a gap.
-        let Bounds { min, max } = self.0[index].bounds();
-        let down = |x: f64| (x as f32).next_down();
-        let up = |x: f64| (x as f32).next_up();
-        ([down(min.x), down(min.y), down(min.z)], [up(max.x), up(max.y), up(max.z)])
+        rounded_outwards(self.start[index].bounds())
+    }
+
+    fn time_steps(&self) -> usize {
+        self.moving.first().map_or(1, MovingShape::time_steps)
+    }
+
+    fn bounds_at(&self, index: usize, step: usize) -> ([f32; 3], [f32; 3]) {
+        match self.moving.get(index) {
+            Some(moving) => rounded_outwards(moving.bounds_at(step)),
+            None => self.bounds(index),
+        }
     }
 
     fn intersect(&self, index: usize, ray: &Ray) -> Option<UserHit> {
-        let t = self.0[index].intersect(&DRay::from(ray))?;
+        let t = match self.moving.get(index) {
+            Some(moving) => moving.intersect(ray)?,
+            None => self.start[index].intersect(&DRay::from(ray))?,
+        };
         Some(UserHit { t: t as f32, u: 0.0, v: 0.0, ng: crate::math::Vec3::Z })
     }
+}
+
+/// A box in single precision. It is rounded outwards, because a box that cuts a single ULP off the shape would open a gap.
+fn rounded_outwards(Bounds { min, max }: Bounds) -> ([f32; 3], [f32; 3]) {
+    let down = |x: f64| (x as f32).next_down();
+    let up = |x: f64| (x as f32).next_up();
+    ([down(min.x), down(min.y), down(min.z)], [up(max.x), up(max.y), up(max.z)])
 }

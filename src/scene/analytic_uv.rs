@@ -3,9 +3,10 @@
 use std::f64::consts::{PI, TAU};
 
 use super::Scene;
+use super::geometry::Geometry;
 use super::hit::{Hit, IN_LIST};
 use crate::desc::ShapeDesc;
-use crate::math::{DVec3, Vec3};
+use crate::math::{DAffine3, DVec3, Vec3};
 use crate::shape::Sphere;
 
 /// Texture coordinates and the derivatives of the position by them.
@@ -20,13 +21,19 @@ impl Scene {
     ///   side.
     /// - Quadrics: u goes once around the z axis of the quadric's own frame (the axis of a cylinder, cone or paraboloid), from the x axis
     ///   to the y axis; v grows along z, from 0 to 1 between the faces of the clip box.
-    pub(super) fn analytic_parameters(&self, hit: &Hit, p: Vec3) -> Option<Parameters> {
+    pub(super) fn analytic_parameters(&self, hit: &Hit, p: Vec3, time: f32) -> Option<Parameters> {
         let owner = if hit.geometry == IN_LIST {
             self.bindings.list_owners.get(hit.primitive as usize)?
         } else {
             &self.bindings.owners.get(hit.geometry as usize)?.of(hit.primitive)
         };
         let (shape, to_world) = self.record.placed(owner.surface)?;
+        let to_world = match self.geometries.get(hit.geometry as usize) {
+            Some(Geometry::Analytic { shapes, .. }) if !shapes.moving.is_empty() => {
+                DAffine3::from_translation(self.centre) * shapes.moving[hit.primitive as usize].to_scene(time)
+            }
+            _ => to_world,
+        };
         let local = to_world.inverse().transform_point3(p.as_dvec3() + self.centre);
         let (uv, tangents) = match *shape {
             ShapeDesc::Sphere { centre, radius } => on_sphere(local - centre, radius),

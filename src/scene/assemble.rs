@@ -14,7 +14,7 @@ use super::interaction::Triangles;
 use super::lower::{self, Lowered, MeshUse};
 use super::mesh::{self, MeshObject};
 use super::record::{BuildFacts, GeometryRecord, ObjectKey, address};
-use super::{BuildOptions, bindings, frame};
+use super::{BuildOptions, assemble_moving, bindings, frame};
 use crate::camera::Camera;
 use crate::control::WorkProgress;
 use crate::desc::{MeshDesc, SceneDesc, ShapeDesc};
@@ -90,6 +90,7 @@ pub(super) fn assemble(
         assembler.flat_mesh(mesh_use)?;
     }
     assembler.instances(&lowered.instances)?;
+    assembler.moving(&lowered.moving)?;
     let (list, list_surfaces) = assembler.shapes(&lowered, options.listed_shapes.unwrap_or(LISTED_SHAPES))?;
     assembler.finish(list, list_surfaces, is_dynamic)
 }
@@ -112,17 +113,17 @@ fn first_guess(desc: &SceneDesc, old: Option<&GeometryRecord>) -> f64 {
     units
 }
 
-struct Assembler<'a, 'p> {
-    desc: &'a SceneDesc,
-    device: &'a Device,
-    progress: &'a WorkProgress<'p>,
-    centre: DVec3,
-    embree: SceneBuilder,
+pub(super) struct Assembler<'a, 'p> {
+    pub(super) desc: &'a SceneDesc,
+    pub(super) device: &'a Device,
+    pub(super) progress: &'a WorkProgress<'p>,
+    pub(super) centre: DVec3,
+    pub(super) embree: SceneBuilder,
     /// Meshes that already have a hierarchy. The map grows during assembly.
     known: HashMap<ObjectKey, Arc<MeshObject>>,
     mesh_bounds: HashMap<usize, Bounds>,
-    geometries: Vec<Geometry>,
-    facts: BuildFacts,
+    pub(super) geometries: Vec<Geometry>,
+    pub(super) facts: BuildFacts,
 }
 
 impl Assembler<'_, '_> {
@@ -146,6 +147,9 @@ impl Assembler<'_, '_> {
             if self.desc.surfaces[mesh_use.surface].emission.is_some() {
                 units += bindings::triangles_cost(triangles);
             }
+        }
+        for moving in &lowered.moving {
+            units += assemble_moving::cost(self.desc, moving);
         }
         let mut seen = HashSet::new();
         for mesh_use in &lowered.instances {
@@ -189,13 +193,21 @@ impl Assembler<'_, '_> {
         let vertices = VertexBuffer::from_vec(vertices, &self.progress.cancel)?;
         let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), &self.progress.cancel)?;
         let (normals, original) = (None, None);
-        let triangles = Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: charge };
+        let triangles = Triangles {
+            mesh,
+            normals,
+            later_normals: None,
+            any_length: false,
+            original,
+            swapped: false,
+            _charge: charge,
+        };
         self.add_triangles(&triangles)?;
         self.geometries.push(Geometry::Loose { triangles, parts, cache: None });
         Ok(())
     }
 
-    fn add_triangles(&mut self, triangles: &Triangles) -> Result<()> {
+    pub(super) fn add_triangles(&mut self, triangles: &Triangles) -> Result<()> {
         self.facts.triangles += triangles.mesh.indices().len();
         self.facts.geometry_bytes += triangles.memory_bytes();
         self.embree.add_triangles(triangles.mesh.clone())?;
@@ -212,11 +224,12 @@ impl Assembler<'_, '_> {
         let Some(triangles) = made.triangles else { return Ok(()) };
         self.facts.smooth_meshes += usize::from(mesh_use.smooth);
         self.add_triangles(&triangles)?;
-        self.geometries.push(Geometry::Flat { triangles, surface: mesh_use.surface as u32, cache: None });
+        let surface = mesh_use.surface as u32;
+        self.geometries.push(Geometry::Flat { triangles, surface, cache: None, moved: None });
         Ok(())
     }
 
-    fn note_dropped(&mut self, count: usize, mesh_use: &MeshUse) {
+    pub(super) fn note_dropped(&mut self, count: usize, mesh_use: &MeshUse) {
         if count > 0 {
             let path = &self.desc.surfaces[mesh_use.surface].path;
             self.facts.dropped.push((count, format!("{path} ({})", self.mesh(mesh_use).name)));
@@ -227,44 +240,58 @@ impl Assembler<'_, '_> {
     fn instances(&mut self, uses: &[MeshUse]) -> Result<()> {
         let mut counted = HashSet::new();
         for mesh_use in uses {
-            self.progress.cancel.check()?;
-            let key = self.key(mesh_use);
-            let object = match self.known.get(&key) {
-                Some(object) => Arc::clone(object),
-                None => {
-                    let mesh = self.mesh(mesh_use);
-                    let bounds = self.mesh_bounds.get(&key.0).copied().unwrap_or_default();
-                    let object = Arc::new(mesh::object(mesh, bounds, mesh_use.smooth, self.device, self.progress)?);
-                    self.known.insert(key, Arc::clone(&object));
-                    object
-                }
-            };
-            let is_new = counted.insert(key);
-            if is_new {
-                self.note_dropped(object.dropped, mesh_use);
-            }
-            let Some((scene, triangles)) = &object.content else { continue };
-            let to_scene = DAffine3::from_translation(-self.centre)
-                * self.desc.surfaces[mesh_use.surface].to_world()
-                * DAffine3::from_translation(object.middle);
-            self.embree
-                .add_instance(scene, &to_scene)
-                .map_err(|error| error.at(&self.desc.surfaces[mesh_use.surface].path))?;
-            let facts = &mut self.facts;
-            facts.instances += 1;
-            facts.host_instances += usize::from(self.desc.meshes[mesh_use.mesh].host.is_some());
-            if is_new {
-                facts.shared_triangles += triangles.mesh.indices().len();
-                facts.geometry_bytes += triangles.memory_bytes();
-                facts.embree_bytes += scene.hierarchy_bytes();
-                facts.smooth_meshes += usize::from(mesh_use.smooth);
-            }
-            self.geometries.push(Geometry::Instance {
-                triangles: triangles.clone(),
-                surface: mesh_use.surface as u32,
-                instance_path: Box::new(InstancePath::new(&[to_scene])),
-            });
+            let to_world = self.desc.surfaces[mesh_use.surface].to_world();
+            self.instance(mesh_use, &[to_world], &mut counted)?;
         }
+        Ok(())
+    }
+
+    /// Adds a mesh with a hierarchy of its own, whose transforms to the world at moments evenly spaced are `steps`; one for what
+    /// rests. `counted` has the hierarchies that are in the facts.
+    pub(super) fn instance(
+        &mut self,
+        mesh_use: &MeshUse,
+        steps: &[DAffine3],
+        counted: &mut HashSet<ObjectKey>,
+    ) -> Result<()> {
+        self.progress.cancel.check()?;
+        let key = self.key(mesh_use);
+        let object = match self.known.get(&key) {
+            Some(object) => Arc::clone(object),
+            None => {
+                let mesh = self.mesh(mesh_use);
+                let bounds = self.mesh_bounds.get(&key.0).copied().unwrap_or_default();
+                let object = Arc::new(mesh::object(mesh, bounds, mesh_use.smooth, self.device, self.progress)?);
+                self.known.insert(key, Arc::clone(&object));
+                object
+            }
+        };
+        let is_new = counted.insert(key);
+        if is_new {
+            self.note_dropped(object.dropped, mesh_use);
+        }
+        let Some((scene, triangles)) = &object.content else { return Ok(()) };
+        let to_scene = |to_world: &DAffine3| {
+            DAffine3::from_translation(-self.centre) * *to_world * DAffine3::from_translation(object.middle)
+        };
+        let steps: Vec<DAffine3> = steps.iter().map(to_scene).collect();
+        self.embree
+            .add_moving_instance(scene, &steps)
+            .map_err(|error| error.at(&self.desc.surfaces[mesh_use.surface].path))?;
+        let facts = &mut self.facts;
+        facts.instances += 1;
+        facts.host_instances += usize::from(self.desc.meshes[mesh_use.mesh].host.is_some());
+        if is_new {
+            facts.shared_triangles += triangles.mesh.indices().len();
+            facts.geometry_bytes += triangles.memory_bytes();
+            facts.embree_bytes += scene.hierarchy_bytes();
+            facts.smooth_meshes += usize::from(mesh_use.smooth);
+        }
+        self.geometries.push(Geometry::Instance {
+            triangles: triangles.clone(),
+            surface: mesh_use.surface as u32,
+            instance_path: Box::new(InstancePath::new(&steps)),
+        });
         Ok(())
     }
 
@@ -284,7 +311,7 @@ impl Assembler<'_, '_> {
             "{} analytic shapes are more than {limit}: they go into Embree's tree as user geometry",
             shapes.len()
         ));
-        let shapes = Arc::new(AnalyticGeometry(shapes));
+        let shapes = Arc::new(AnalyticGeometry { start: shapes, moving: Vec::new() });
         self.embree.add_user(shapes.clone())?;
         self.geometries.push(Geometry::Analytic { shapes, surfaces });
         Ok((AnalyticList::default(), Vec::new()))

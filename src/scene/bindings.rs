@@ -8,6 +8,7 @@ use super::cost;
 use super::geometry::Geometry;
 use super::interaction;
 use super::interaction::{NO_EMITTER, Owner, Owners, Triangles};
+use super::moving_shape::MovingShape;
 use super::record::{AppearanceKey, GeometryRecord};
 use super::sky::environment_map;
 use super::textured_emission::{EmissionTexture, MOST_PIECES, emission_textures};
@@ -15,9 +16,10 @@ use crate::control::WorkProgress;
 use crate::desc::{LightDistribution, PointLightDesc, SceneDesc, SkyDesc};
 use crate::emitter::{
     DirectedPoint, DiskEmitter, DistantEmitter, Distribution, Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap,
-    EnvironmentMapEmitter, InfiniteBall, SphereEmitter, Spot, TriangleEmitter, TubeEmitter, TurnedWeb,
+    EnvironmentMapEmitter, InfiniteBall, MovingEmitter, MovingPoint, SphereEmitter, Spot, TriangleEmitter, TubeEmitter,
+    TurnedWeb,
 };
-use crate::error::{Error, Result};
+use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, Vec3};
 use crate::photometry::LUMENS_PER_WATT;
 use crate::shape::{Analytic, Sphere, Triangle};
@@ -72,7 +74,7 @@ pub(super) fn bindings(
     };
     dresser.point_lights(unbound.centre)?;
     let owners = unbound.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
-    let list_owners = dresser.analytic(unbound.list.shapes(), unbound.list_surfaces)?;
+    let list_owners = dresser.analytic(unbound.list.shapes(), &[], unbound.list_surfaces)?;
     dresser.light_from_infinity(&unbound, kept, threads)?;
     let emitters = EmitterSet::cancellable(dresser.emitters, &progress.cancel)?;
     Ok(SurfaceBindings { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
@@ -134,7 +136,7 @@ impl BindingBuilder<'_, '_> {
     }
 
     fn point_lights(&mut self, centre: DVec3) -> Result<()> {
-        for light in &self.desc.lights {
+        for (number, light) in self.desc.lights.iter().enumerate() {
             let position = (light.position - centre).as_vec3a();
             if !position.is_finite() {
                 return Err(Error::invalid(format!("{}.origin", light.path), "is too far from the scene"));
@@ -144,7 +146,24 @@ impl BindingBuilder<'_, '_> {
                 _ => false,
             };
             if light.intensity != Rgb::ZERO && !is_dark {
-                self.emitters.push(point_emitter(light, position));
+                let emitter = point_emitter(light, position);
+                self.emitters.push(match self.desc.motion.lights.get(&number) {
+                    Some(motion) => Emitter::Moving(Box::new(MovingEmitter::Point(MovingPoint {
+                        position: light.position,
+                        intensity: match &emitter {
+                            Emitter::Directed(directed) => directed.intensity,
+                            _ => light.intensity,
+                        },
+                        distribution: match emitter {
+                            Emitter::Directed(directed) => Some(directed.distribution),
+                            _ => None,
+                        },
+                        path: motion.path(),
+                        interval: self.desc.motion.shutter.interval(),
+                        centre,
+                    }))),
+                    None => emitter,
+                });
             }
         }
         Ok(())
@@ -201,6 +220,7 @@ impl BindingBuilder<'_, '_> {
 
     fn geometry(&mut self, geometry: &Geometry) -> Result<Owners> {
         let progress = self.progress;
+        self.check_textures(geometry)?;
         match geometry {
             Geometry::Loose { triangles, parts, .. } => {
                 let mut owners = Vec::with_capacity(parts.len());
@@ -224,8 +244,46 @@ impl BindingBuilder<'_, '_> {
                 Ok(Owners::One(self.owner(surface, first)))
             }
             &Geometry::Instance { surface, .. } => Ok(Owners::One(self.owner(surface, NO_EMITTER))),
-            Geometry::Analytic { shapes, surfaces } => self.analytic(&shapes.0, surfaces).map(Owners::Each),
+            Geometry::Analytic { shapes, surfaces } => {
+                self.analytic(&shapes.start, &shapes.moving, surfaces).map(Owners::Each)
+            }
         }
+    }
+
+    /// Refuses lamps that move and whose radiance a texture varies.
+    fn check_textures(&self, geometry: &Geometry) -> Result<()> {
+        let refuse = |surface: u32| {
+            let described = &self.desc.surfaces[surface as usize];
+            let is_textured = matches!(self.textures.get(described.material), Some(Some(_)));
+            if !is_textured || self.emission(surface).is_none() {
+                return Ok(());
+            }
+            let message =
+                "a surface whose emission a texture varies cannot move, expected one that rests or an even emission";
+            Err(Error::new(ErrorKind::Unsupported, message).at(format!("{}.motion", described.path)))
+        };
+        match geometry {
+            Geometry::Loose { triangles, parts, .. } if triangles.mesh.is_deforming() => {
+                parts.iter().try_for_each(|part| refuse(part.surface))
+            }
+            Geometry::Flat { triangles, surface, .. } if triangles.mesh.is_deforming() => refuse(*surface),
+            Geometry::Analytic { shapes, surfaces } if !shapes.moving.is_empty() => {
+                surfaces.iter().try_for_each(|surface| refuse(*surface))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Makes an emitter of a triangle that moves.
+    fn moving_triangle(triangles: &Triangles, index: usize, radiance: Rgb) -> Emitter {
+        let corners = triangles.mesh.indices().get(index);
+        let at = |step| {
+            let vertices = triangles.mesh.vertices_at_step(step);
+            corners.map(|corner| Vec3::from(vertices.get(corner as usize)))
+        };
+        let steps: Box<[_]> = (0..triangles.mesh.time_steps()).map(at).collect();
+        let error = interaction::moving_triangle_error(&steps);
+        Emitter::Moving(Box::new(MovingEmitter::Triangle { steps, radiance, error }))
     }
 
     /// Makes an emitter of a triangle in the scene frame and returns its number. Every triangle has an area here,
@@ -238,6 +296,10 @@ impl BindingBuilder<'_, '_> {
         surface: u32,
         radiance: Rgb,
     ) -> Option<u32> {
+        if triangles.mesh.is_deforming() {
+            self.emitters.push(Self::moving_triangle(triangles, index, radiance));
+            return Some((self.emitters.len() - 1) as u32);
+        }
         let corners = triangles.mesh.indices().get(index);
         let vertices = triangles.mesh.vertices();
         let triangle = Triangle::new(corners.map(|corner| Vec3::from(vertices.get(corner as usize))))?;
@@ -265,23 +327,36 @@ impl BindingBuilder<'_, '_> {
         }
     }
 
-    fn analytic(&mut self, shapes: &[Analytic], surfaces: &[u32]) -> Result<Vec<Owner>> {
-        let owner = |(shape, &surface): (&Analytic, &u32)| {
+    fn cannot_move(&self, surface: u32) -> Error {
+        let message =
+            "a disk or a cylinder that emits cannot move, expected one that rests, or a sphere, triangle, quad or mesh";
+        let path = format!("{}.motion", self.desc.surfaces[surface as usize].path);
+        Error::new(ErrorKind::Unsupported, message).at(path)
+    }
+
+    fn analytic(&mut self, shapes: &[Analytic], moving: &[MovingShape], surfaces: &[u32]) -> Result<Vec<Owner>> {
+        let owner = |(number, (shape, &surface)): (usize, (&Analytic, &u32))| {
             let mut emitter = NO_EMITTER;
             if let Some(radiance) = self.emission(surface) {
                 emitter = self.emitters.len() as u32;
                 // The light of a textured ball is worked out at thousands of its points.
                 self.progress.check()?;
-                let emission = match shape {
-                    Analytic::Sphere(sphere) => self.sphere(*sphere, surface, radiance),
-                    Analytic::Disk(disk) => Emitter::Disk(Box::new(DiskEmitter::new(*disk, radiance))),
+                let emission = match (moving.get(number).and_then(MovingShape::spheres), shape) {
+                    (Some(steps), _) => {
+                        Emitter::Moving(Box::new(MovingEmitter::Sphere { steps: steps.into(), radiance }))
+                    }
+                    (None, Analytic::Sphere(sphere)) => self.sphere(*sphere, surface, radiance),
+                    (None, _) if !moving.is_empty() => return Err(self.cannot_move(surface)),
+                    (None, Analytic::Disk(disk)) => Emitter::Disk(Box::new(DiskEmitter::new(*disk, radiance))),
                     // Of the quadrics, only cylinders have an emission.
-                    Analytic::Quadric(tube) => Emitter::Tube(Box::new(TubeEmitter::new(*tube.to_scene(), radiance))),
+                    (None, Analytic::Quadric(tube)) => {
+                        Emitter::Tube(Box::new(TubeEmitter::new(*tube.to_scene(), radiance)))
+                    }
                 };
                 self.emitters.push(emission);
             }
             Ok(self.owner(surface, emitter))
         };
-        shapes.iter().zip(surfaces).map(owner).collect()
+        shapes.iter().zip(surfaces).enumerate().map(owner).collect()
     }
 }

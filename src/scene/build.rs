@@ -8,6 +8,7 @@ use super::bindings::{SurfaceBindings, bindings, rebind_materials};
 use super::emissive::with_emission_of_materials;
 use super::material::MaterialNeeds;
 use super::media::Media;
+use super::movement::{Movement, posed};
 use super::options::BuildOptions;
 use super::prepared_textures::PreparedTextures;
 use super::record::AppearanceKey;
@@ -17,7 +18,7 @@ use super::{Material, Scene, SceneInfo, VaryingMaterial as _, frame, lower, roul
 use crate::bsdf::{Black, Bsdf};
 use crate::camera::Camera;
 use crate::control::{Cancel, WorkProgress};
-use crate::desc::{MaterialDesc, SceneDesc, ShapeDesc};
+use crate::desc::{CameraDesc, MaterialDesc, SceneDesc, ShapeDesc};
 use crate::embree::{Device, DeviceOptions};
 use crate::error::{Error, Result};
 
@@ -63,6 +64,8 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
     options.cancel.check()?;
     check_materials(desc)?;
     desc.check_textures()?;
+    let base = desc.camera;
+    let desc = &*posed(desc)?;
     let desc = &*with_emission_of_materials(desc)?;
     let device = match &options.device {
         Some(device) => device.clone(),
@@ -78,7 +81,7 @@ fn build(desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
     let assembly = assemble(desc, options, options.dynamic, &device, None, &progress)?;
     let bindings = bindings(desc, assembly.unbound(), device.threads(), None, &progress)?;
     progress.finish();
-    complete(desc, device, assembly, bindings, AppearanceKey::new(desc), None, run)
+    complete(desc, base, device, assembly, bindings, AppearanceKey::new(desc), None, run)
 }
 
 fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scene> {
@@ -86,6 +89,8 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
     options.cancel.check()?;
     check_materials(desc)?;
     desc.check_textures()?;
+    let base = desc.camera;
+    let desc = &*posed(desc)?;
     let desc = &*with_emission_of_materials(desc)?;
     let progress = WorkProgress::by_steps(&options.cancel, options.progress.clone());
     let device = old.device.clone();
@@ -122,7 +127,7 @@ fn rebuild(old: &Scene, desc: &SceneDesc, options: &BuildOptions) -> Result<Scen
         (assembly, bindings)
     };
     progress.finish();
-    complete(desc, device, assembly, bindings, appearance, Some(old), run)
+    complete(desc, base, device, assembly, bindings, appearance, Some(old), run)
 }
 
 /// Checks that every surface has a material.
@@ -165,8 +170,10 @@ struct Run<'a> {
     start: Instant,
 }
 
+#[expect(clippy::too_many_arguments, reason = "they are what both builds have made")]
 fn complete(
     desc: &SceneDesc,
+    base: CameraDesc,
     device: Device,
     assembly: Assembly,
     bindings: SurfaceBindings,
@@ -219,6 +226,7 @@ fn complete(
         reads_mesh_points: desc.textures.iter().any(|it| it.vertex_colors || it.mapping.uv_set() > 0),
         textures: Arc::new(textures),
         camera: desc.camera,
+        movement: Movement::new(desc, base),
         centre: assembly.centre,
         info: Arc::new(info),
         warnings: warnings.into(),
@@ -227,5 +235,7 @@ fn complete(
         appearance: Arc::new(appearance),
         stated_survival: roulette::stated_survival(desc),
     };
+    // A camera that cannot be is refused here and not by the first render.
+    scene.moving_camera(desc.render.resolution)?;
     Ok(scene.with_roulette(desc.render.roulette).with_located_media())
 }

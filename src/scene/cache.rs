@@ -86,7 +86,15 @@ mod tests {
         let indices = (0..1000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         let mesh = TriangleMesh::new(vertices, indices).unwrap();
         let (normals, original) = (None, None);
-        let triangles = Triangles { mesh, normals, any_length: false, original, swapped: false, _charge: None };
+        let triangles = Triangles {
+            mesh,
+            normals,
+            later_normals: None,
+            any_length: false,
+            original,
+            swapped: false,
+            _charge: None,
+        };
         let device = Device::new(&DeviceOptions::default()).unwrap();
         let cache = TriangleCache::new(&triangles, &mut 1000, &device).unwrap();
         let owners = Owners::One(Owner { surface: 1, material: 2, emitter: NO_EMITTER });
@@ -113,8 +121,9 @@ mod tests {
         let mesh = TriangleMesh::new(vec![[0.0; 3], [1.0, 0.0, 0.0], corner], vec![[0, 1, 2]; count]).unwrap();
         let normals = smooth.then(|| vec![corner; 3].into());
         let (any_length, swapped) = (false, false);
-        let triangles = Triangles { mesh, normals, any_length, original: None, swapped, _charge: None };
-        Geometry::Flat { triangles, surface: 0, cache: None }
+        let triangles =
+            Triangles { mesh, normals, later_normals: None, any_length, original: None, swapped, _charge: None };
+        Geometry::Flat { triangles, surface: 0, cache: None, moved: None }
     }
 
     #[test]

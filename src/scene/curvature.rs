@@ -4,7 +4,7 @@ use super::Scene;
 use super::geometry::Geometry;
 use super::hit::{Hit, IN_LIST};
 use super::interaction::Triangles;
-use crate::math::{DMat3, DVec3, Ray, RayCone, Vec3, shutter_time};
+use crate::math::{DMat3, Ray, RayCone, Vec3, shutter_time};
 use crate::shape::Analytic;
 
 impl Scene {
@@ -25,7 +25,12 @@ impl Scene {
             return self.list.shapes().get(hit.primitive as usize).map_or(0.0, of_shape);
         }
         let curvature = match &self.geometries[hit.geometry as usize] {
-            Geometry::Analytic { shapes, .. } => return shapes.0.get(hit.primitive as usize).map_or(0.0, of_shape),
+            Geometry::Analytic { shapes, .. } => {
+                return match shapes.moving.get(hit.primitive as usize) {
+                    Some(moving) => of_shape(&moving.at(time)),
+                    None => shapes.start.get(hit.primitive as usize).map_or(0.0, of_shape),
+                };
+            }
             Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
                 triangles.curvature(hit.primitive, time, [DMat3::IDENTITY; 2])
             }
@@ -41,11 +46,8 @@ impl Triangles {
     /// The mean curvature of a triangle: that of its sides, along each of which the normal turns from one vertex to the other. The
     /// matrices take places and normals to the scene frame.
     fn curvature(&self, primitive: u32, time: f32, [places, leanings]: [DMat3; 2]) -> f64 {
-        let Some(normals) = &self.normals else { return 0.0 };
-        let normals = self.mesh.indices().get(primitive as usize).map(|corner| {
-            let [x, y, z] = normals.get(corner as usize).map(f64::from);
-            (leanings * DVec3::new(x, y, z)).normalize_or_zero()
-        });
+        let Some(normals) = self.normals_at(primitive, time) else { return 0.0 };
+        let normals = normals.map(|normal| (leanings * normal.as_dvec3()).normalize_or_zero());
         let [a, b, c] = self.corners(primitive, shutter_time(time));
         let face = leanings * (b - a).cross(c - a);
         // Where normals face away from the viewer who sees the face, it is shaded as it is.

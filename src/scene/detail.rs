@@ -137,12 +137,12 @@ impl Scene {
         with_tangents: bool,
     ) -> SurfaceDetail<'_> {
         if !with_tangents {
-            let uv = self.analytic_parameters(hit, p).map_or_else(|| self.uv(hit), |(uv, _)| uv);
+            let uv = self.analytic_parameters(hit, p, time).map_or_else(|| self.uv(hit), |(uv, _)| uv);
             let mesh = self.mesh_point(hit, None);
             return SurfaceDetail { mesh, ..SurfaceDetail::without_tangents(uv, cone.width(), [ng, ns, p, wo]) };
         }
         let sides = self.sides(hit, time);
-        let (uv, tangents) = self.analytic_parameters(hit, p).unwrap_or_else(|| {
+        let (uv, tangents) = self.analytic_parameters(hit, p, time).unwrap_or_else(|| {
             let corners = sides.zip(self.corner_uvs(hit));
             (self.uv(hit), corners.and_then(|(sides, corners)| tangents_of(sides, corners)))
         });
@@ -168,6 +168,10 @@ impl Scene {
             Some(((1.0 - u - v) * a + u * b + v * c).as_dvec3())
         };
         let tangent = match self.geometries.get(hit.geometry as usize)? {
+            Geometry::Flat { triangles, surface, moved: Some(path), .. } => {
+                let tangent = of(triangles, *surface)?;
+                path.with_transform(time, |transform| transform.to_scene.matrix3 * tangent)
+            }
             &Geometry::Flat { ref triangles, surface, .. } => {
                 self.record.placed(surface)?.1.matrix3 * of(triangles, surface)?
             }

@@ -81,7 +81,7 @@ impl Scene {
             for primitive in 0..count(geometry) as u32 {
                 let facet = Facet::triangle(number as u32, primitive);
                 let body = match geometry {
-                    Geometry::Analytic { shapes, .. } => Body::Shape(shapes.0[primitive as usize].clone()),
+                    Geometry::Analytic { shapes, .. } => Body::Shape(shapes.start[primitive as usize].clone()),
                     Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } => {
                         self.triangle(&facet, triangles.corners(primitive, 0.0), triangles.normals.is_some())
                     }
@@ -155,6 +155,6 @@ fn count(geometry: &Geometry) -> usize {
         Geometry::Loose { triangles, .. } | Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. } => {
             triangles.mesh.indices().len()
         }
-        Geometry::Analytic { shapes, .. } => shapes.0.len(),
+        Geometry::Analytic { shapes, .. } => shapes.start.len(),
     }
 }

@@ -92,7 +92,7 @@ impl Scene {
                     meshes.push(self.mesh(geometry_number, *surface, triangles, place, turn, progress)?);
                 }
                 Geometry::Analytic { shapes, surfaces } => {
-                    for (primitive, (shape, surface)) in shapes.0.iter().zip(surfaces).enumerate() {
+                    for (primitive, (shape, surface)) in shapes.start.iter().zip(surfaces).enumerate() {
                         progress.check()?;
                         meshes.push(self.curved(geometry_number, primitive as u32, *surface, shape));
                     }
@@ -128,7 +128,7 @@ impl Scene {
         let geometry = |geometry: &Geometry| match geometry {
             Geometry::Loose { triangles, parts, .. } => of(triangles) + parts.len() * size_of::<SurfaceMesh>(),
             Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. } => of(triangles),
-            Geometry::Analytic { shapes, .. } => shapes.0.len() * Analytic::MAX_TRIANGLES * (triangle + vertex),
+            Geometry::Analytic { shapes, .. } => shapes.start.len() * Analytic::MAX_TRIANGLES * (triangle + vertex),
         };
         let listed = self.list.shapes().len() * Analytic::MAX_TRIANGLES * (triangle + vertex);
         self.geometries.iter().map(geometry).sum::<usize>() + listed

@@ -85,6 +85,9 @@ impl SceneInfo {
         if facts.listed_shapes > 0 {
             decisions.push(format!("{} analytic shapes are tested in a list before Embree", facts.listed_shapes));
         }
+        if facts.moving > 0 {
+            decisions.push(format!("{} surfaces move or deform while the shutter is open", facts.moving));
+        }
         let hosted = facts.host_instances;
         if record.is_dynamic {
             decisions.push(format!(
@@ -276,6 +279,13 @@ pub(super) fn warnings(
         warnings.push(format!(
             "{count} uses of meshes are copied instead of instanced, which takes memory, because the kernel inverts transforms \
              in single precision and would lose theirs: a shear, or a stretch between two turns; the first is {first}"
+        ));
+    }
+    if let Some((off, first)) = facts.coarse.first() {
+        let count = facts.coarse.len();
+        warnings.push(format!(
+            "{count} surfaces turn so far while the shutter is open that what is shown is off by more than a thousandth of their size; \
+             the first is {first}, by {off:.2e} of its size"
         ));
     }
     let size = (facts.bounds.max - facts.bounds.min).max_element();

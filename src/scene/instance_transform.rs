@@ -2,8 +2,7 @@
 
 use glam::Vec3Swizzles as _;
 
-use crate::embree::time_segment;
-use crate::math::{DAffine3, DMat3, DVec3, ROUNDING, shutter_time};
+use crate::math::{DAffine3, DMat3, DVec3, ROUNDING, shutter_time, time_segment};
 
 /// Bound on the error of a coordinate that is transformed into an instance's frame, in units of the summands that make
 /// the coordinate: half a unit in the last place of each summand.
@@ -88,15 +87,21 @@ impl InstancePath {
 
     /// The transform at this time of a moving instance.
     fn at(&self, time: f32) -> InstanceTransform {
-        let (step, weight) = time_segment(self.steps.len(), shutter_time(time));
-        let (from, to) = (&self.steps[step], &self.steps[step + 1]);
-        let weight = f64::from(weight);
-        let to_scene = DAffine3 {
-            matrix3: from.matrix3 * (1.0 - weight) + to.matrix3 * weight,
-            translation: from.translation.lerp(to.translation, weight),
-        };
+        let (to_scene, [from, to]) = lerp_steps(&self.steps, time);
         InstanceTransform { interpolated: Some(Magnitudes::larger(from, to)), ..InstanceTransform::exact(to_scene) }
     }
+}
+
+/// The transform at this time ([`crate::math::Ray::time`]) among those at moments evenly spaced from time 0 to time 1, of which there
+/// are two at least: its elements change linearly. Also returns the two between which it is.
+pub(super) fn lerp_steps(steps: &[DAffine3], time: f32) -> (DAffine3, [&DAffine3; 2]) {
+    let (step, weight) = time_segment(steps.len(), shutter_time(time));
+    let (from, to, weight) = (&steps[step], &steps[step + 1], f64::from(weight));
+    let between = DAffine3 {
+        matrix3: from.matrix3 * (1.0 - weight) + to.matrix3 * weight,
+        translation: from.translation.lerp(to.translation, weight),
+    };
+    (between, [from, to])
 }
 
 /// The transform as the kernel receives it, rounded to single precision.

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use super::hit::Hit;
 use super::instance_transform::InstanceTransform;
 use crate::buffer::Buffer;
-use crate::embree::{Charge, TriangleMesh, time_segment};
-use crate::math::{DVec3, HitPoint, ROUNDING, Vec3, shutter_time};
+use crate::embree::{Charge, TriangleMesh};
+use crate::math::{DVec3, HitPoint, ROUNDING, Vec3, shutter_time, time_segment};
 use crate::shape::{Analytic, Triangle};
 
 /// The number that stands for "no emitter".
@@ -89,6 +89,8 @@ pub(super) struct Triangles {
     pub mesh: TriangleMesh,
     /// One normal per vertex for smooth shading. A zero vector means that the vertex has no normal.
     pub normals: Option<Buffer<[f32; 3]>>,
+    /// The normals at the later time steps of the mesh, where it deforms and has normals.
+    pub later_normals: Option<Arc<[Buffer<[f32; 3]>]>>,
     /// Whether the normals are stored as a host gave them and are not of unit length.
     pub any_length: bool,
     /// The number of each triangle in the mesh as it was given, where some triangles were left out.
@@ -139,7 +141,9 @@ impl Triangles {
     /// Bytes of this library's memory that the triangles take.
     pub(super) fn memory_bytes(&self) -> usize {
         let original = self.original.as_ref().map_or(0, |original| size_of_val(&original[..]));
-        self.mesh.memory_bytes() + self.normals.as_ref().map_or(0, Buffer::memory_bytes) + original
+        let later = self.later_normals.iter().flat_map(|later| later.iter());
+        let normals = self.normals.iter().chain(later).map(Buffer::memory_bytes).sum::<usize>();
+        self.mesh.memory_bytes() + normals + original
     }
 
     /// The positions of a triangle's vertices at a time in [0, 1].
@@ -173,6 +177,35 @@ impl Triangles {
         INTERPOLATION_ERROR * HitPoint::rounding_error(reach, n)
     }
 
+    /// The normals of a triangle's vertices at a time in [0, 1], between those of two time steps. They are of unit length at the
+    /// steps and shorter in between.
+    #[cold]
+    #[inline(never)]
+    fn moving_normals(
+        &self,
+        first: &Buffer<[f32; 3]>,
+        later: &[Buffer<[f32; 3]>],
+        primitive: u32,
+        time: f32,
+    ) -> [Vec3; 3] {
+        let (step, weight) = time_segment(later.len() + 1, time);
+        let from = if step == 0 { first } else { &later[step - 1] };
+        let to = &later[step];
+        self.mesh.indices().get(primitive as usize).map(|corner| {
+            let [from, to] = [from, to].map(|normals| Vec3::from(normals.get(corner as usize)));
+            from.lerp(to, weight)
+        })
+    }
+
+    /// The normals of a triangle's vertices at a time ([`crate::math::Ray::time`]), where it has any.
+    pub(super) fn normals_at(&self, primitive: u32, time: f32) -> Option<[Vec3; 3]> {
+        let normals = self.normals.as_ref()?;
+        Some(match &self.later_normals {
+            None => self.mesh.indices().get(primitive as usize).map(|corner| Vec3::from(normals.get(corner as usize))),
+            Some(later) => self.moving_normals(normals, later, primitive, shutter_time(time)),
+        })
+    }
+
     /// Prefetches the indices of a triangle's vertices.
     #[inline]
     pub(super) fn prefetch_corners(&self, primitive: u32) {
@@ -196,10 +229,13 @@ impl Triangles {
         let [v0, v1, v2] = self.corners(primitive, time);
         let (e1, e2) = (v1 - v0, v2 - v0);
         let ns = self.normals.as_ref().map(|normals| {
-            let [n0, n1, n2] = self.mesh.indices().get(primitive as usize).map(|corner| {
-                let normal = Vec3::from(normals.get(corner as usize));
-                if self.any_length { normal.normalize_or_zero() } else { normal }
-            });
+            let [n0, n1, n2] = match &self.later_normals {
+                None => self.mesh.indices().get(primitive as usize).map(|corner| {
+                    let normal = Vec3::from(normals.get(corner as usize));
+                    if self.any_length { normal.normalize_or_zero() } else { normal }
+                }),
+                Some(later) => self.moving_normals(normals, later, primitive, time),
+            };
             (1.0 - u - v) * n0 + u * n1 + v * n2
         });
         TrianglePoint { p: at(v0, [e1, e2], u, v), ng: e1.cross(e2), ns, sides: [e1, e2] }
@@ -299,6 +335,15 @@ fn scaled_kernel_error(sides: [DVec3; 2], double_area: f64) -> f32 {
     let extent = sides[0].abs().max(sides[1].abs()).max_element();
     let sides = sides.map(|side| (side / extent).as_vec3a());
     extent as f32 * kernel_error(sides, (double_area / extent / extent) as f32)
+}
+
+/// Returns an error bound of [`HitPoint`] that holds for all points of a triangle of the scene frame at all times, from its corners
+/// at the time steps.
+pub(super) fn moving_triangle_error(steps: &[[Vec3; 3]]) -> f32 {
+    let reach = steps.iter().flatten().fold(Vec3::ZERO, |reach, corner| reach.max(corner.abs()));
+    let still = steps.iter().filter_map(|corners| Triangle::new(*corners));
+    let own = still.map(|triangle| triangle_error(&triangle)).fold(0.0, f32::max);
+    own + INTERPOLATION_ERROR * HitPoint::rounding_error(reach, Vec3::ONE)
 }
 
 /// Returns an error bound of [`HitPoint`] that holds for all points of a triangle of the scene frame.

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use super::geometry::Part;
 use super::instance_transform::inverts_well;
+use super::lower_moving::{self, MovingSurface};
 use crate::Cancel;
 use crate::desc::{MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
 use crate::error::{Error, ErrorKind, Result};
@@ -39,6 +40,8 @@ pub(super) struct Lowered {
     pub copied: Vec<usize>,
     /// Spheres, disks and quadrics.
     pub shapes: Vec<(WorldShape, usize)>,
+    /// What moves while the shutter is open.
+    pub moving: Vec<MovingSurface>,
     /// Box around all surfaces, in the world frame.
     pub bounds: Bounds,
 }
@@ -87,6 +90,11 @@ pub(super) fn lower(
         if surface.hidden {
             continue;
         }
+        if let Some(moving) = lower_moving::moving(desc, number, cancel, &mut bounds_of)? {
+            lowered.bounds = lowered.bounds.union(moving.bounds);
+            lowered.moving.push(moving);
+            continue;
+        }
         let to_world = surface.to_world();
         let place = |p: &DVec3| to_world.transform_point3(*p);
         let bounds = match &surface.shape {
@@ -127,15 +135,21 @@ pub(super) fn lower(
                 shape.bounds(surface)?
             }
         };
-        let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
-        if bounds.is_empty() || !reach.is_finite() || reach >= LARGEST_COORDINATE {
-            let message = format!("reaches to {reach:e}; coordinates must stay below {LARGEST_COORDINATE:e}");
-            return Err(Error::invalid(&surface.path, message));
-        }
+        check_reach(&bounds, surface)?;
         lowered.bounds = lowered.bounds.union(bounds);
     }
     check_volumes(desc, &lowered, cancel)?;
     Ok(lowered)
+}
+
+/// Refuses a surface, with this box around it in the world, that reaches too far.
+pub(super) fn check_reach(bounds: &Bounds, surface: &SurfaceDesc) -> Result<()> {
+    let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
+    if bounds.is_empty() || !reach.is_finite() || reach >= LARGEST_COORDINATE {
+        let message = format!("reaches to {reach:e}; coordinates must stay below {LARGEST_COORDINATE:e}");
+        return Err(Error::invalid(&surface.path, message));
+    }
+    Ok(())
 }
 
 /// Refuses triangles that the kernel would miss. The kernel multiplies the distance of a triangle by its area in single
@@ -145,6 +159,10 @@ fn check_volumes(desc: &SceneDesc, lowered: &Lowered, cancel: &Cancel) -> Result
     let across = (lowered.bounds.max - lowered.bounds.min).length();
     if lowered.bounds.is_empty() || across.powi(3) < MOST {
         return Ok(());
+    }
+    if let Some(moving) = lowered.moving.first() {
+        let message = format!("a surface cannot move in a scene {across:e} across, which is too large to be searched");
+        return Err(Error::new(ErrorKind::Unsupported, message).at(&desc.surfaces[moving.surface].path));
     }
     let is_lost = |[a, b, c]: [DVec3; 3], across: f64| (b - a).cross(c - a).length() * across > MOST;
     let lost = |surface: usize, what: String| {
@@ -185,14 +203,14 @@ fn extent(corners: &[DVec3]) -> Bounds {
     }
 }
 
-fn mesh_of<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc, mesh: usize) -> Result<&'a Arc<MeshDesc>> {
+pub(super) fn mesh_of<'a>(desc: &'a SceneDesc, surface: &SurfaceDesc, mesh: usize) -> Result<&'a Arc<MeshDesc>> {
     desc.meshes.get(mesh).ok_or_else(|| {
         Error::invalid(format!("{}.mesh", surface.path), format!("mesh {mesh} of {} does not exist", desc.meshes.len()))
     })
 }
 
 /// Returns the vertices in an order whose normal points outwards, because a mirroring transform reverses the winding.
-fn wound(to_world: &DAffine3, [a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
+pub(super) fn wound(to_world: &DAffine3, [a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
     if is_mirrored(to_world) { [a, c, b] } else { [a, b, c] }
 }
 
@@ -204,13 +222,17 @@ pub(super) fn is_mirrored(transform: &DAffine3) -> bool {
 /// Returns the shape of a sphere, quadric or disk in the world frame. An emission of a shape that cannot emit is
 /// refused.
 pub(super) fn world_shape(surface: &SurfaceDesc) -> Result<WorldShape> {
-    let transform = surface.to_world();
+    shape_under(surface, surface.to_world(), true)
+}
+
+/// [`world_shape`] under another transform than the surface's own. Spheres stay spheres where that can be and `stays_round` says so.
+pub(super) fn shape_under(surface: &SurfaceDesc, transform: DAffine3, stays_round: bool) -> Result<WorldShape> {
     let stretched = |what: &str| {
         Error::new(ErrorKind::Unsupported, format!("{what} under a transform that stretches it cannot emit"))
             .at(format!("{}.emission", surface.path))
     };
     match surface.shape {
-        ShapeDesc::Sphere { centre, radius } => match similarity_scale(&transform) {
+        ShapeDesc::Sphere { centre, radius } => match similarity_scale(&transform).filter(|_| stays_round) {
             Some(scale) => {
                 Ok(WorldShape::Sphere { centre: transform.transform_point3(centre), radius: scale * radius })
             }
@@ -240,6 +262,20 @@ pub(super) fn world_shape(surface: &SurfaceDesc) -> Result<WorldShape> {
 }
 
 impl WorldShape {
+    /// The same shape moved by a vector.
+    pub(super) fn moved(&self, by: DVec3) -> Self {
+        let shifted = |to_world: DAffine3| DAffine3::from_translation(by) * to_world;
+        match *self {
+            Self::Sphere { centre, radius } => Self::Sphere { centre: centre + by, radius },
+            Self::Disk { centre, normal, radius, to_world } => {
+                Self::Disk { centre, normal, radius, to_world: shifted(to_world) }
+            }
+            Self::Quadric { coefficients, clip, to_world } => {
+                Self::Quadric { coefficients, clip, to_world: shifted(to_world) }
+            }
+        }
+    }
+
     /// Returns the shape in the frame whose origin is at `centre` of the world.
     pub(super) fn in_scene(&self, centre: DVec3) -> crate::shape::Analytic {
         use crate::shape::{Analytic, Disk, Quadric, Sphere};
@@ -256,7 +292,7 @@ impl WorldShape {
         }
     }
 
-    fn bounds(&self, surface: &SurfaceDesc) -> Result<Bounds> {
+    pub(super) fn bounds(&self, surface: &SurfaceDesc) -> Result<Bounds> {
         let bounds = self.in_scene(DVec3::ZERO).bounds();
         if bounds.min.is_finite() && bounds.max.is_finite() {
             Ok(bounds)

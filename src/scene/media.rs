@@ -428,7 +428,7 @@ impl Scene {
         for (geometry, owners) in self.geometries.iter().zip(&*self.bindings.owners) {
             match geometry {
                 Geometry::Analytic { shapes, .. } => {
-                    for (primitive, shape) in shapes.0.iter().enumerate() {
+                    for (primitive, shape) in shapes.start.iter().enumerate() {
                         if of(owners.of(primitive as u32)) != 0 {
                             bounds = bounds.union(shape.bounds());
                             is_closed &= matches!(shape, Analytic::Sphere(_));

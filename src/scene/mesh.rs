@@ -1,5 +1,6 @@
 //! Converts a described mesh to the triangles that Embree and shading read.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::cost;
@@ -124,9 +125,68 @@ pub(super) fn placed(
     let mesh = TriangleMesh::checked(Arc::new(vertices), indices.into(), &progress.cancel)?;
     let charge = charge.map(Arc::new);
     Ok(BuiltMesh {
-        triangles: Some(Triangles { mesh, normals, any_length: false, original, swapped, _charge: charge }),
+        triangles: Some(Triangles {
+            mesh,
+            normals,
+            later_normals: None,
+            any_length: false,
+            original,
+            swapped,
+            _charge: charge,
+        }),
         dropped,
     })
+}
+
+/// Transforms a mesh's arrays as [`placed`] does, at several moments: `at` gives the mesh at each, whose triangles are the same, and
+/// `transforms` has its transform then. Triangles that have no area at any moment are dropped and counted.
+pub(super) fn moving<'a>(
+    at: impl Fn(usize) -> Cow<'a, MeshDesc>,
+    transforms: &[DAffine3],
+    smooth: bool,
+    device: &Device,
+    progress: &WorkProgress,
+) -> Result<BuiltMesh> {
+    let first = at(0);
+    let (vertex_count, triangle_count, count) = (first.vertex_count(), first.triangle_count(), transforms.len());
+    let normal_count = if smooth { vertex_count } else { 0 };
+    let charge = device.charge(12 * (count * (vertex_count + 1 + normal_count) + triangle_count))?.map(Arc::new);
+    let (mut steps, mut normals) = (Vec::with_capacity(count), Vec::new());
+    for (step, transform) in transforms.iter().enumerate() {
+        let mesh = at(step);
+        let mut vertices: Vec<[f32; 3]> = Vec::with_capacity(vertex_count + 1);
+        progress.each(vertex_count, cost::PLACE, |i| {
+            vertices.push(transform.transform_point3(mesh.position(i)).as_vec3a().to_array());
+        })?;
+        let vertices = VertexBuffer::from_vec(vertices, &progress.cancel).map_err(|error| error.at(&mesh.path))?;
+        steps.push(Arc::new(vertices));
+        if smooth {
+            normals.push(unit_normals(&mesh, transform.matrix3.inverse().transpose(), progress)?);
+        }
+    }
+    let swapped = lower::is_mirrored(&transforms[0]);
+    let mut kept = Kept::new(triangle_count);
+    let mut indices = Vec::with_capacity(triangle_count);
+    progress.each(triangle_count, cost::TEST, |i| {
+        let [a, b, c] = first.triangle(i);
+        let corners = if swapped { [a, c, b] } else { [a, b, c] };
+        let has_area = |step: &Arc<VertexBuffer>| {
+            Triangle::new(corners.map(|corner| Vec3::from(step.get(corner as usize)))).is_some()
+        };
+        if kept.count_if(i, steps.iter().any(has_area)) {
+            indices.push(corners);
+        }
+    })?;
+    let (original, dropped) = kept.finish();
+    if indices.is_empty() {
+        return Ok(BuiltMesh { triangles: None, dropped });
+    }
+    let mesh = TriangleMesh::deforming(&steps, indices).map_err(|error| error.at(&first.path))?;
+    let mut normals = normals.into_iter();
+    let (normals, later) = (normals.next(), normals.collect::<Vec<_>>());
+    let later_normals = (!later.is_empty()).then(|| later.into());
+    let triangles = Triangles { mesh, normals, later_normals, any_length: false, original, swapped, _charge: charge };
+    Ok(BuiltMesh { triangles: Some(triangles), dropped })
 }
 
 /// Uses a host's mesh in the host's own memory. Only its indices are copied, and only if some triangles have no area
@@ -168,7 +228,15 @@ fn in_place(
     let any_length = normals.is_some() && !made_normals;
     let triangles =
         TriangleMesh::checked(Arc::new(vertices), indices, &progress.cancel).map_err(|e| e.at(&mesh.path))?;
-    let triangles = Triangles { mesh: triangles, normals, any_length, original, swapped: false, _charge: charge };
+    let triangles = Triangles {
+        mesh: triangles,
+        normals,
+        later_normals: None,
+        any_length,
+        original,
+        swapped: false,
+        _charge: charge,
+    };
     Ok(BuiltMesh { triangles: Some(triangles), dropped })
 }
 
@@ -215,7 +283,11 @@ impl Kept {
 
     /// Returns whether triangle `i` is kept. The function must be called for all triangles in order.
     fn test(&mut self, i: usize, corners: [Vec3; 3]) -> bool {
-        let stays = Triangle::new(corners).is_some();
+        self.count_if(i, Triangle::new(corners).is_some())
+    }
+
+    /// Keeps triangle `i` if `stays`. The function must be called for all triangles in order.
+    fn count_if(&mut self, i: usize, stays: bool) -> bool {
         if !stays {
             self.dropped += 1;
             let count = self.count;

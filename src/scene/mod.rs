@@ -10,6 +10,7 @@
 mod analytic;
 mod analytic_uv;
 mod assemble;
+mod assemble_moving;
 mod bindings;
 mod build;
 mod cache;
@@ -28,11 +29,14 @@ mod info;
 mod instance_transform;
 mod interaction;
 mod lower;
+mod lower_moving;
 mod material;
 mod media;
 mod mesh;
 #[cfg(test)]
 pub(crate) mod motion;
+mod movement;
+mod moving_shape;
 mod options;
 mod prepared_textures;
 mod projection;
@@ -41,6 +45,7 @@ mod relief;
 mod roulette;
 mod sky;
 mod specular;
+mod steps;
 mod tangents;
 mod textured;
 mod textured_emission;
@@ -95,6 +100,8 @@ pub struct Scene {
     /// The media inside surfaces, where a medium absorbs or has a priority.
     media: Option<Arc<Media>>,
     camera: CameraDesc,
+    /// The shutter and the motion of the camera, where anything moves.
+    movement: Option<Arc<movement::Movement>>,
     centre: DVec3,
     info: Arc<SceneInfo>,
     warnings: Arc<[String]>,
@@ -285,8 +292,12 @@ impl Scene {
             }
             Geometry::Instance { triangles, instance_path, .. } => instance_path
                 .with_transform(time, |transform| interaction::on_instance(triangles, owners, transform, hit, time)),
+            Geometry::Analytic { shapes, .. } if !shapes.moving.is_empty() => {
+                let shape = shapes.moving[hit.primitive as usize].at(time);
+                interaction::on_analytic(&shape, owners.of(hit.primitive), on_shape(&shape), time)
+            }
             Geometry::Analytic { shapes, .. } => {
-                let shape = &shapes.0[hit.primitive as usize];
+                let shape = &shapes.start[hit.primitive as usize];
                 interaction::on_analytic(shape, owners.of(hit.primitive), on_shape(shape), time)
             }
         }
@@ -300,7 +311,12 @@ impl Scene {
     /// Whether anything moves during the shutter interval, so that rays of different times see different scenes.
     #[inline]
     pub fn has_motion(&self) -> bool {
-        self.embree.as_ref().is_some_and(|embree| embree.features().motion)
+        self.movement.is_some() || self.embree.as_ref().is_some_and(|embree| embree.features().motion)
+    }
+
+    /// Whether anything but the camera moves during the shutter interval.
+    pub fn has_moving_world(&self) -> bool {
+        self.emitters().has_moving() || self.embree.as_ref().is_some_and(|embree| embree.features().motion)
     }
 
     /// Returns a material by the number that an interaction gives.
@@ -343,7 +359,7 @@ impl Scene {
         &self.bindings.emitters
     }
 
-    /// The camera as described.
+    /// The camera as described, or where it is as the shutter opens.
     pub fn camera(&self) -> &CameraDesc {
         &self.camera
     }

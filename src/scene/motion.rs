@@ -1,5 +1,5 @@
-//! Tests of scenes in which something moves during the shutter interval. No scene description has motion yet; the tests
-//! move the instances and deform the meshes of scenes that were built at rest.
+//! Tests of scenes in which something moves during the shutter interval, by steps that no description gives: they move the
+//! instances and deform the meshes of scenes that were built at rest.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -60,7 +60,7 @@ impl Scene {
                     Motion::Deformed(steps) => triangles.mesh = deformed(&triangles.mesh, &steps),
                 }
                 builder.add_triangles(triangles.mesh.clone()).unwrap();
-                let mut geometry = Geometry::Flat { triangles, surface: *surface, cache: None };
+                let mut geometry = Geometry::Flat { triangles, surface: *surface, cache: None, moved: None };
                 geometry.cache_triangles(&mut 1000, &self.device);
                 geometry
             }

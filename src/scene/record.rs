@@ -1,13 +1,13 @@
 //! The parts of a description that a scene records, so that a later rebuild can tell what changed.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Weak};
 
 use super::mesh::MeshObject;
 use super::textured_emission::binding_of;
 use crate::desc::{
-    DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, LightDistribution, MeshDesc, PointLightDesc, SceneDesc,
-    ShapeDesc, SkyDesc, SurfaceDesc, TextureChannel, TextureDesc, TextureKey,
+    DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, LightDistribution, MeshDesc, MeshStep, MotionDesc,
+    PointLightDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceDesc, TextureChannel, TextureDesc, TextureKey,
 };
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
@@ -52,6 +52,10 @@ pub(super) struct BuildFacts {
     pub copied: Option<(usize, String)>,
     /// The numbers of degenerate triangles, each with the path of its surface.
     pub dropped: Vec<(usize, String)>,
+    /// The number of surfaces that move or deform while the shutter is open.
+    pub moving: usize,
+    /// Surfaces that the kernel's moments show farther from their places than they should be, each with by how much of its size.
+    pub coarse: Vec<(f64, String)>,
 }
 
 /// The properties of a surface on which the geometry depends.
@@ -61,6 +65,29 @@ struct SurfaceKey {
     transform: DAffine3,
     hidden: bool,
     emits: bool,
+    movement: Option<SurfaceMovement>,
+}
+
+/// How a surface moves while the shutter is open.
+#[derive(PartialEq)]
+struct SurfaceMovement {
+    interval: [f64; 2],
+    motion: Option<Arc<MotionDesc>>,
+    steps: Option<Arc<[MeshStep]>>,
+}
+
+impl SurfaceMovement {
+    fn new(desc: &SceneDesc, number: usize) -> Option<Self> {
+        let motion = desc.motion.surfaces.get(&number).cloned();
+        let steps = match desc.surfaces[number].shape {
+            ShapeDesc::Mesh { mesh, .. } => desc.motion.meshes.get(&mesh).cloned(),
+            _ => None,
+        };
+        (motion.is_some() || steps.is_some()).then(|| {
+            let interval = desc.motion.shutter.interval();
+            Self { interval, motion, steps }
+        })
+    }
 }
 
 /// A mesh of the description. The description itself may be dropped; the reference that is stored here keeps the mesh's
@@ -81,7 +108,7 @@ impl GeometryRecord {
         facts: BuildFacts,
         is_dynamic: bool,
     ) -> Self {
-        let surfaces = desc.surfaces.iter().map(SurfaceKey::new).collect();
+        let surfaces = (0..desc.surfaces.len()).map(|number| SurfaceKey::new(desc, number)).collect();
         let meshes = desc
             .meshes
             .iter()
@@ -99,6 +126,7 @@ impl GeometryRecord {
     pub(super) fn is_geometry_of(&self, desc: &SceneDesc) -> bool {
         self.surfaces.len() == desc.surfaces.len()
             && self.surfaces.iter().zip(&desc.surfaces).all(|(old, new)| self.is_same(old, new, desc))
+            && self.surfaces.iter().enumerate().all(|(number, old)| old.movement == SurfaceMovement::new(desc, number))
     }
 
     fn is_same(&self, old: &SurfaceKey, new: &SurfaceDesc, desc: &SceneDesc) -> bool {
@@ -138,10 +166,10 @@ impl GeometryRecord {
         }
     }
 
-    /// The shape of a surface in its own frame, and the transform of that frame to the world.
+    /// The shape of a surface in its own frame, and the transform of that frame to the world as the shutter opens.
     pub(super) fn placed(&self, surface: u32) -> Option<(&ShapeDesc, DAffine3)> {
         let placed = self.surfaces.get(surface as usize)?;
-        Some((&placed.shape, placed.transform * placed.local))
+        Some((&placed.shape, placed.to_world()))
     }
 
     /// Whether a surface is a quad.
@@ -152,19 +180,28 @@ impl GeometryRecord {
     /// Whether a surface's transform turns a right-handed frame into a left-handed one.
     pub(super) fn is_mirrored(&self, surface: u32) -> bool {
         let placed = self.surfaces.get(surface as usize);
-        placed.is_some_and(|placed| super::lower::is_mirrored(&(placed.transform * placed.local)))
+        placed.is_some_and(|placed| super::lower::is_mirrored(&placed.to_world()))
     }
 }
 
 impl SurfaceKey {
-    fn new(surface: &SurfaceDesc) -> Self {
+    fn new(desc: &SceneDesc, number: usize) -> Self {
+        let surface = &desc.surfaces[number];
         Self {
             shape: surface.shape,
             local: surface.local,
             transform: surface.transform,
             hidden: surface.hidden,
             emits: surface.emission.is_some(),
+            movement: SurfaceMovement::new(desc, number),
         }
+    }
+
+    /// The transform of the shape's frame to the world as the shutter opens.
+    fn to_world(&self) -> DAffine3 {
+        let own = self.transform * self.local;
+        let moved = self.movement.as_ref().and_then(|it| Some((it.motion.as_ref()?, it.interval[0])));
+        moved.map_or(own, |(motion, open)| motion.path().at(open) * own)
     }
 }
 
@@ -177,6 +214,8 @@ pub(super) struct AppearanceKey {
     /// The textures that vary emissions, of each surface; empty where there are none.
     emission_textures: Vec<Option<(Arc<TextureDesc>, TextureChannel)>>,
     lights: Vec<(DVec3, Rgb, LightDistribution)>,
+    /// Motions of lights, and the shutter's interval where there are any.
+    light_motions: (BTreeMap<usize, Arc<MotionDesc>>, Option<[f64; 2]>),
     environment: Option<EnvironmentKey>,
     distant: Vec<DistantLightDesc>,
 }
@@ -216,6 +255,10 @@ impl AppearanceKey {
             materials: desc.surfaces.iter().map(|surface| surface.material as u32).collect(),
             emissions: desc.surfaces.iter().map(|surface| surface.emission).collect(),
             lights: desc.lights.iter().map(light).collect(),
+            light_motions: (
+                desc.motion.lights.clone(),
+                (!desc.motion.lights.is_empty()).then(|| desc.motion.shutter.interval()),
+            ),
             environment: desc.environment.as_ref().map(|environment| EnvironmentKey::new(desc, environment)),
             distant: desc
                 .distant_lights
@@ -230,6 +273,7 @@ impl AppearanceKey {
         self.emissions == other.emissions
             && self.emission_textures == other.emission_textures
             && self.lights == other.lights
+            && self.light_motions == other.light_motions
             && self.environment == other.environment
             && self.distant == other.distant
     }

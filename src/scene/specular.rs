@@ -185,7 +185,7 @@ impl Scene {
                     pieces.push(Piece { bounds, exact: None });
                 }
                 Geometry::Analytic { shapes, .. } => {
-                    for (primitive, shape) in shapes.0.iter().enumerate() {
+                    for (primitive, shape) in shapes.start.iter().enumerate() {
                         if is_specular(owners.of(primitive as u32)) {
                             pieces.push(analytic(shape));
                         }

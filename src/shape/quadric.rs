@@ -14,6 +14,7 @@ pub struct Quadric {
     to_own: DAffine3,
     to_scene: DAffine3,
     bounds: Bounds,
+    own_bounds: Bounds,
     size: f64,
 }
 
@@ -38,6 +39,7 @@ impl Quadric {
             to_own: to_scene.inverse(),
             to_scene,
             bounds: own_bounds.transformed(&to_scene),
+            own_bounds,
             size,
         }
     }
@@ -45,6 +47,16 @@ impl Quadric {
     /// The transform from the quadric's own frame to the scene.
     pub fn to_scene(&self) -> &DAffine3 {
         &self.to_scene
+    }
+
+    /// The same quadric where another transform places it. Its bounds and its size stay.
+    pub(crate) fn placed(&self, to_scene: DAffine3) -> Self {
+        Self { to_own: to_scene.inverse(), to_scene, ..*self }
+    }
+
+    /// The box around it in its own frame.
+    pub(crate) fn own_bounds(&self) -> Bounds {
+        self.own_bounds
     }
 
     /// The nearest t in (tnear, tfar) at which the ray intersects the clipped surface.

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::ray::DRay;
 use super::roots::first_between;
-use crate::math::{Bounds, DVec3};
+use crate::math::{Bounds, DVec3, shutter_time, time_segment};
 
 /// A sphere in the scene frame, normals outwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +71,15 @@ impl Sphere {
     /// The height along the y axis, in radii, of the points with this second texture coordinate.
     pub fn height(v: f64) -> f64 {
         (PI * (v - 0.5)).sin()
+    }
+
+    /// The sphere at a time in [0, 1] among those at moments evenly spaced over it, of which there are two at least. Between them its
+    /// centre moves along a straight line and its radius grows evenly.
+    #[inline]
+    pub(crate) fn between(spheres: &[Self], time: f32) -> Self {
+        let (step, weight) = time_segment(spheres.len(), shutter_time(time));
+        let (from, to, weight) = (&spheres[step], &spheres[step + 1], f64::from(weight));
+        Self { centre: from.centre.lerp(to.centre, weight), radius: from.radius * (1.0 - weight) + to.radius * weight }
     }
 
     /// A bounding box.

@@ -255,6 +255,30 @@ static etd_status n_scene_get_point_light(void) {
     float *intensity = AT(2, output(3 * sizeof *intensity));
     return CALL(etd_scene_get_point_light(SCENE(0), 0, position, intensity));
 }
+static etd_status n_scene_set_shutter(void) {
+    etd_shutter shutter = ETD_SHUTTER_INIT;
+    return CALL(etd_scene_set_shutter(SCENE(0), AT(1, &shutter)));
+}
+static etd_status n_scene_get_shutter(void) {
+    etd_shutter *shutter = AT(1, sized_output(sizeof *shutter));
+    return CALL(etd_scene_get_shutter(SCENE(0), shutter));
+}
+/* At rest, since not all renders show motion. */
+static etd_status n_scene_set_camera_motion(void) {
+    etd_motion_key key = ETD_MOTION_KEY_INIT;
+    return CALL(etd_scene_set_camera_motion(SCENE(0), AT(1, &key), 1));
+}
+static etd_status n_scene_set_surface_motion(void) {
+    etd_motion_key key = ETD_MOTION_KEY_INIT;
+    return CALL(etd_scene_set_surface_motion(SCENE(0), 0, AT(1, &key), 1));
+}
+static etd_status n_scene_set_light_motion(void) {
+    etd_motion_key key = ETD_MOTION_KEY_INIT;
+    return CALL(etd_scene_set_light_motion(SCENE(0), 0, AT(1, &key), 1));
+}
+static etd_status n_scene_set_mesh_steps(void) {
+    return CALL(etd_scene_set_mesh_steps(SCENE(0), 0, NULL, 0, NULL, NULL));
+}
 /* Dark, since not all renders take a spot light. */
 static etd_status n_scene_add_spot_light(void) {
     etd_spot_light spot = ETD_SPOT_LIGHT_INIT;
@@ -718,6 +742,12 @@ static const struct {
     {"etd_scene_add_point_light", n_scene_add_point_light, 4, 15, 1},
     {"etd_scene_set_point_light", n_scene_set_point_light, 3, 7, 1},
     {"etd_scene_get_point_light", n_scene_get_point_light, 3, 7, 1},
+    {"etd_scene_set_shutter", n_scene_set_shutter, 2, 3, 1},
+    {"etd_scene_get_shutter", n_scene_get_shutter, 2, 3, 1},
+    {"etd_scene_set_camera_motion", n_scene_set_camera_motion, 2, 3, 1},
+    {"etd_scene_set_surface_motion", n_scene_set_surface_motion, 2, 3, 1},
+    {"etd_scene_set_light_motion", n_scene_set_light_motion, 2, 3, 1},
+    {"etd_scene_set_mesh_steps", n_scene_set_mesh_steps, 1, 1, 1},
     {"etd_scene_add_spot_light", n_scene_add_spot_light, 3, 7, 1},
     {"etd_scene_set_spot_light", n_scene_set_spot_light, 2, 3, 1},
     {"etd_scene_get_spot_light", n_scene_get_spot_light, 2, 3, 1},
@@ -919,6 +949,7 @@ int main(int count, char **arguments) {
     pass_wrong_handles();
     misuse_values();
     misuse_cameras();
+    misuse_motion();
     misuse_photons();
     misuse_bake(quick);
     etd_atlas_release(atlas);

@@ -18,6 +18,8 @@ void misuse_values(void);
 /* Settings of photon maps and caches. */
 void misuse_photons(void);
 
+/* Keyframes, shutters and steps, in misuse_motion.c. */
+void misuse_motion(void);
 /* Cameras and lenses, in misuse_cameras.c. */
 void misuse_cameras(void);
 

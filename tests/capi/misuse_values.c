@@ -47,6 +47,8 @@ static etd_status s_film_options(void) {
     etd_film_release(made);
     return status;
 }
+static etd_status s_set_shutter(void) { return etd_scene_set_shutter(scene, (etd_shutter *)(void *)&structure); }
+static etd_status s_get_shutter(void) { return etd_scene_get_shutter(scene, (etd_shutter *)(void *)&structure); }
 static etd_status s_set_camera(void) { return etd_scene_set_camera(scene, (etd_camera *)(void *)&structure); }
 static etd_status s_get_camera(void) { return etd_scene_get_camera(scene, (etd_camera *)(void *)&structure); }
 static etd_status s_set_material(void) { return etd_scene_set_material(scene, 0, (etd_material *)(void *)&structure); }
@@ -175,6 +177,7 @@ static void i_binding(void) { INIT(etd_texture_binding, ETD_TEXTURE_BINDING_INIT
 static void i_environment_map(void) { INIT(etd_environment_map, ETD_ENVIRONMENT_MAP_INIT); }
 static void i_distant_light(void) { INIT(etd_distant_light, ETD_DISTANT_LIGHT_INIT); }
 static void i_sky(void) { INIT(etd_sky, ETD_SKY_INIT); }
+static void i_shutter(void) { INIT(etd_shutter, ETD_SHUTTER_INIT); }
 static void i_spot(void) { INIT(etd_spot_light, ETD_SPOT_LIGHT_INIT); }
 static void i_web(void) { INIT(etd_web_light, ETD_WEB_LIGHT_INIT); }
 static void i_surface(void) { INIT(etd_surface, ETD_SURFACE_INIT); }
@@ -226,6 +229,8 @@ static void pass_wrong_sizes(void) {
          offsetof(etd_environment_map, rotation_deg), 0},
         {"etd_environment_map out", i_environment_map, s_get_environment_map, sizeof(etd_environment_map),
          offsetof(etd_environment_map, rotation_deg), 1},
+        {"etd_shutter in", i_shutter, s_set_shutter, sizeof(etd_shutter), offsetof(etd_shutter, curve), 0},
+        {"etd_shutter out", i_shutter, s_get_shutter, sizeof(etd_shutter), offsetof(etd_shutter, curve), 1},
         {"etd_spot_light in", i_spot, s_set_spot, sizeof(etd_spot_light), offsetof(etd_spot_light, inner_cone_deg), 0},
         {"etd_spot_light out", i_spot, s_get_spot, sizeof(etd_spot_light), offsetof(etd_spot_light, inner_cone_deg), 1},
         {"etd_web_light in", i_web, s_set_web, sizeof(etd_web_light), offsetof(etd_web_light, factor), 0},

@@ -82,6 +82,7 @@ pub fn malformed() -> Vec<(String, String, String)> {
     let mut list = List(Vec::new());
     texts(&mut list);
     cameras(&mut list);
+    motions(&mut list);
     renders(&mut list);
     materials(&mut list);
     lights(&mut list);
@@ -138,6 +139,158 @@ fn texts(l: &mut List) {
         "the text ends inside an array",
     );
     l.top("endless name", &format!("@\"{}\": 1", "x".repeat(100_000)), "xxx");
+}
+
+fn motions(l: &mut List) {
+    l.camera("shutter a number", "{\n@\"shutter\": 1}", "camera.shutter: invalid type: integer `1`");
+    l.camera(
+        "shutter that closes first",
+        "{\"shutter\": {\"open\": 1,\n@\"close\": 0.5}}",
+        "camera.shutter.close: 0.5 is before",
+    );
+    l.camera(
+        "shutter beyond single precision",
+        "{\"shutter\": {\n@\"open\": 1e39}}",
+        "camera.shutter.open: 1e39 is beyond",
+    );
+    l.camera(
+        "unknown curve",
+        "{\"shutter\": {\n@\"curve\": \"round\"}}",
+        "camera.shutter.curve: no curve of a shutter",
+    );
+    l.camera(
+        "curve of one number",
+        "{\"shutter\": {\n@\"curve\": [1]}}",
+        "camera.shutter.curve: 1 numbers, expected 2 to 1024",
+    );
+    l.camera(
+        "curve of no number",
+        "{\"shutter\": {\n@\"curve\": []}}",
+        "camera.shutter.curve: 1 numbers, expected 2 to 1024",
+    );
+    l.camera("curve below 0", "{\"shutter\": {\"curve\": [1,\n@-1]}}", "camera.shutter.curve[1]: -1 is negative");
+    l.camera(
+        "curve of zeros",
+        "{\"shutter\": {\n@\"curve\": [0, 0]}}",
+        "camera.shutter.curve: the shutter is never open",
+    );
+    l.camera(
+        "unknown key of a shutter",
+        "{\"shutter\": {\n@\"opens\": 1}}",
+        "camera.shutter.opens: unknown key `opens`",
+    );
+    l.camera("no keyframe", "{\n@\"motion\": []}", "camera.motion: 0 keys, expected 1 to 10000");
+    l.camera("keyframe without time", "{\"motion\": [\n@{}]}", "camera.motion[0]: missing key `time`");
+    l.camera(
+        "camera stretched",
+        "{\"motion\": [{\"time\": 0},\n@{\"time\": 1, \"scale\": 2}]}",
+        "camera.motion[1]: a camera is not stretched",
+    );
+    l.camera(
+        "camera mirrored",
+        "{\"motion\": [\n@{\"time\": 1, \"scale\": -1}]}",
+        "camera.motion[0]: a camera is not stretched or mirrored",
+    );
+    l.sphere(
+        "keys out of order",
+        "\"motion\": [{\"time\": 1}, {\n@\"time\": 0.5}]",
+        "surfaces[1].motion[1].time: 0.5 is not later than the key before",
+    );
+    l.sphere(
+        "keys of one time",
+        "\"motion\": [{\"time\": 1}, {\n@\"time\": 1}]",
+        "surfaces[1].motion[1].time: 1 is not later than the key before",
+    );
+    l.sphere(
+        "time beyond single precision",
+        "\"motion\": [{\n@\"time\": -1e39}]",
+        "surfaces[1].motion[0].time: -1e39 is beyond",
+    );
+    l.sphere(
+        "two rotations",
+        "\"motion\": [{\"time\": 0, \"rotate\": [0, 0, 1],\n@\"quaternion\": [0, 0, 0, 1]}]",
+        "surfaces[1].motion[0].quaternion: the rotation is given by `rotate`",
+    );
+    l.sphere(
+        "axis without angle",
+        "\"motion\": [\n@{\"time\": 0, \"axis\": [0, 0, 1]}]",
+        "surfaces[1].motion[0]: missing key `angle`",
+    );
+    l.sphere(
+        "angle without axis",
+        "\"motion\": [\n@{\"time\": 0, \"angle\": 1}]",
+        "surfaces[1].motion[0]: missing key `axis`",
+    );
+    l.sphere(
+        "axis of length 0",
+        "\"motion\": [{\"time\": 0, \"angle\": 1,\n@\"axis\": [0, 0, 0]}]",
+        "surfaces[1].motion[0].axis: [0.0, 0.0, 0.0] has no direction",
+    );
+    l.sphere("half a turn between keys", "\"motion\": [{\"time\": 0, \"axis\": [0, 0, 1], \"angle\": 0}, {\"time\": 1, \"axis\": [0, 0, 1],\n@\"angle\": 180}]", "surfaces[1].motion[1].angle: 180 degrees after 0 are half a turn");
+    l.sphere(
+        "no rotation",
+        "\"motion\": [{\"time\": 0,\n@\"quaternion\": [0, 0, 0, 0]}]",
+        "surfaces[1].motion[0].quaternion: [0.0, 0.0, 0.0, 0.0] is no rotation",
+    );
+    l.sphere(
+        "scale of 0 in a key",
+        "\"motion\": [{\"time\": 0,\n@\"scale\": [1, 0, 1]}]",
+        "surfaces[1].motion[0].scale: a scale of 0 flattens",
+    );
+    l.sphere(
+        "matrix and more",
+        "\"motion\": [{\"time\": 0, \"matrix\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1],\n@\"translate\": [1, 0, 0]}]",
+        "surfaces[1].motion[0].translate: `matrix` stands alone",
+    );
+    l.sphere(
+        "matrix by columns",
+        "\"motion\": [{\"time\": 0,\n@\"matrix\": [1,0,0,0, 0,1,0,0, 0,0,1,0, 1,0,0,1]}]",
+        "surfaces[1].motion[0].matrix: the last row is",
+    );
+    l.sphere(
+        "flat matrix",
+        "\"motion\": [{\"time\": 0,\n@\"matrix\": [1,0,0,0, 0,1,0,0, 0,0,0,0, 0,0,0,1]}]",
+        "surfaces[1].motion[0].matrix: the transform cannot be undone",
+    );
+    l.sphere(
+        "flattened in between",
+        "\"motion\": [{\"time\": 0},\n@{\"time\": 1, \"scale\": [-1, 1, 1]}]",
+        "surfaces[1].motion[1]: the object is flattened between the keys 0 and 1",
+    );
+    let mesh = |steps: &str| {
+        format!(
+            "{{\"geometry\": \"mesh\", \"material\": \"white\", \"positions\": [[0,0,0],[1,0,0],[0,1,0]], \"triangles\": [[0,1,2]], \"steps\": {steps}}}"
+        )
+    };
+    let still = "\"positions\": [[0,0,0],[1,0,0],[0,1,0]]";
+    l.surface(
+        "no steps",
+        "@{\"geometry\": \"mesh\", \"material\": \"white\", \"steps\": []}",
+        "surfaces[1]: the mesh has no triangles",
+    );
+    l.surface(
+        "step of two vertices",
+        &mesh("[{\"time\": 0,\n@\"positions\": [[0,0,0],[1,0,0]]}]"),
+        "surfaces[1].steps[0].positions: 2 positions for 3 vertices",
+    );
+    l.surface(
+        "steps out of order",
+        &mesh(&format!("[{{\"time\": 0, {still}}}, {{\n@\"time\": 0, {still}}}]")),
+        "surfaces[1].steps[1].time: 0 is not later",
+    );
+    l.surface(
+        "normals of one step",
+        &mesh(&format!(
+            "[{{\"time\": 0, {still}}}, {{\"time\": 1, {still},\n@\"normals\": [[0,0,1],[0,0,1],[0,0,1]]}}]"
+        )),
+        "surfaces[1].steps[1].normals: some steps have normals",
+    );
+    l.surface(
+        "step beyond single precision",
+        &mesh("[{\"time\": 0, \"positions\": [[0,0,0],[1,\n@1e39,0],[0,1,0]]}]"),
+        "surfaces[1].steps[0].positions[1][1]: 1e39 is beyond",
+    );
+    l.top("light flattened", "\"lights\": [{\"type\": \"point\", \"origin\": [0, 0, 0], \"color\": [1, 1, 1], \"motion\": [{\"time\": 0,\n@\"scale\": 0}]}]", "lights[0].motion[0].scale: a scale of 0 flattens");
 }
 
 fn cameras(l: &mut List) {

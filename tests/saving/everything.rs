@@ -6,10 +6,10 @@ use std::sync::Arc;
 use etendue::desc::{
     BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, DistantLightDesc, Distribution, EnvironmentDesc,
     EnvironmentMapDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis, HostMesh, ImageTextureDesc, IntegratorDesc,
-    KernelDesc, LensDesc, LightDistribution, METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MicrofacetsDesc,
-    PhotonDesc, PhotonSharing, PointLightDesc, PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc,
-    RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding, TextureChannel,
-    TextureDesc, TextureKey, TextureMapping, TextureSource,
+    KernelDesc, KeyPlace, LensDesc, LightDistribution, METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MeshStep,
+    MicrofacetsDesc, MotionDesc, MotionKey, PhotonDesc, PhotonSharing, PointLightDesc, PrincipledDesc, Projection,
+    RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, ShutterDesc, SkyDesc,
+    SpotDesc, SurfaceLook, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
 };
 use etendue::emitter::SkyFormula;
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
@@ -377,6 +377,59 @@ fn surfaces(scene: &mut SceneDesc) {
     }
 }
 
+fn motions(scene: &mut SceneDesc) {
+    let v = DVec3::new;
+    let parts = |time: f64, translation, angle: f64, scale| MotionKey {
+        time,
+        place: KeyPlace::Parts {
+            translation,
+            rotation: DQuat::from_axis_angle(v(1.0, 2.0, 3.0).normalize(), angle),
+            scale,
+        },
+    };
+    let matrix = KeyPlace::Matrix(DAffine3::from_cols_array(&[
+        1.0,
+        0.1,
+        0.0,
+        1.0 / 3.0,
+        1.0,
+        0.0,
+        0.0,
+        -0.2,
+        1.0,
+        0.1,
+        1e-9,
+        7.0,
+    ]));
+    let stretched = MotionDesc {
+        keys: vec![
+            parts(-1.0 / 3.0, v(0.1, 0.0, 1e-30), 0.7, v(1.0, 2.0 / 3.0, 1.0)),
+            parts(0.0, DVec3::ZERO, 0.0, DVec3::splat(1.0 / 3.0)),
+            MotionKey { time: 0.1, place: matrix },
+        ],
+    };
+    let rigid = MotionDesc {
+        keys: vec![parts(0.0, DVec3::ZERO, 0.0, DVec3::ONE), parts(2.0, v(0.1, 0.2, 0.3), 1.1, DVec3::ONE)],
+    };
+    scene.set_shutter(ShutterDesc { open: 0.1, close: 1.0 / 3.0, curve: vec![0.0, 0.1, 1.0 / 3.0] }).unwrap();
+    scene.set_camera_motion(Some(rigid.clone())).unwrap();
+    // Before and after the surface that was removed.
+    for surface in [0, scene.surfaces.len() - 1, scene.surfaces.len() / 2 + 1] {
+        scene.set_surface_motion(surface, Some(stretched.clone())).unwrap();
+    }
+    for light in [0, scene.lights.len() - 1] {
+        scene.set_light_motion(light, Some(rigid.clone())).unwrap();
+    }
+    let step = |time: f64| MeshStep {
+        time,
+        positions: vec![v(time, 0.1, -0.0), DVec3::X / 3.0, DVec3::Y, DVec3::Z],
+        normals: vec![[third(time as f32), 0.0, 1.0]; 4],
+    };
+    scene.set_mesh_steps(0, vec![step(0.1), step(1.0 / 3.0)]).unwrap();
+    let bare = MeshStep { time: 0.0, positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y], normals: Vec::new() };
+    scene.set_mesh_steps(3, vec![bare]).unwrap();
+}
+
 /// The description.
 pub fn scene() -> SceneDesc {
     let mut scene = SceneDesc { camera: cameras()[0], render: settings()[0].clone(), ..SceneDesc::default() };
@@ -393,6 +446,7 @@ pub fn scene() -> SceneDesc {
         let even = PointLightDesc::even(DVec3::X, rgb(1.0, 0.1, 3.0));
         scene.add_light_desc(PointLightDesc { distribution, ..even }).unwrap();
     }
+    motions(&mut scene);
     for (angle_deg, visible) in [(0.0, true), (0.1 + 0.2, false)] {
         let towards = DVec3::new(1e-30, 0.7, -1.0 / 3.0);
         let light = DistantLightDesc { angle_deg, visible, ..DistantLightDesc::parallel(towards, rgb(0.1, 0.0, 3e7)) };

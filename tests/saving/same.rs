@@ -46,6 +46,7 @@ pub fn assert_same(before: &SceneDesc, after: &SceneDesc, what: &str) {
     for (before, after) in before.materials.iter().zip(&after.materials) {
         assert!(before.name.is_empty() || before.name == after.name, "{what}: {}", before.name);
     }
+    assert_eq!(motions(before), motions(after), "{what}: motion");
     let meshes: Vec<_> = before.meshes.iter().filter(|mesh| mesh.triangle_count() > 0).collect();
     assert_eq!(meshes.len(), after.meshes.len(), "{what}");
     for (before, after) in meshes.iter().zip(&after.meshes) {
@@ -57,6 +58,17 @@ pub fn assert_same(before: &SceneDesc, after: &SceneDesc, what: &str) {
     for (one, other) in shown.iter().zip(&after.surfaces) {
         assert_eq!(surface(one, before), surface(other, after), "{what}: {}", one.path);
     }
+}
+
+/// All motion, by the numbers that elements have in a file: without those that were removed.
+fn motions(scene: &SceneDesc) -> String {
+    let motion = &scene.motion;
+    let number = |removed: &dyn Fn(usize) -> bool, number: usize| (0..number).filter(|i| !removed(*i)).count();
+    let surfaces: Vec<_> =
+        motion.surfaces.iter().map(|(i, it)| (number(&|i| scene.surfaces[i].hidden, *i), it)).collect();
+    let meshes: Vec<_> =
+        motion.meshes.iter().map(|(i, it)| (number(&|i| scene.meshes[i].triangle_count() == 0, *i), it)).collect();
+    text(&(&motion.shutter, &motion.camera, surfaces, &motion.lights, meshes))
 }
 
 /// The text of a value, which tells all bits of its numbers but those of NaN.

@@ -58,6 +58,17 @@ fn rebuilt(from: &SceneDesc) -> Result<SceneDesc> {
         let look = SurfaceLook { material, emission: surface.emission, transform: surface.transform };
         assert_eq!(desc.add_surface(surface.shape, surface.local, look)?, number);
     }
+    desc.set_shutter(from.motion.shutter.clone())?;
+    desc.set_camera_motion(from.motion.camera.as_deref().cloned())?;
+    for (number, motion) in &from.motion.surfaces {
+        desc.set_surface_motion(*number, Some(motion.as_ref().clone()))?;
+    }
+    for (number, motion) in &from.motion.lights {
+        desc.set_light_motion(*number, Some(motion.as_ref().clone()))?;
+    }
+    for (number, steps) in &from.motion.meshes {
+        desc.set_mesh_steps(*number, steps.to_vec())?;
+    }
     Ok(desc)
 }
 

@@ -88,6 +88,7 @@ fn save(scene: &SceneDesc, path: &Path) -> Result<()> {
 /// Refuses what no file can have. Descriptions that were read or made by calls have passed these checks.
 fn check(scene: &SceneDesc) -> Result<()> {
     camera_check::camera("camera", scene.camera)?;
+    scene.motion.check(scene)?;
     scene.render.check()?;
     for light in &scene.lights {
         validate::light(light.clone())?;
@@ -196,11 +197,12 @@ fn document(
     out: &mut Out<'_, '_>,
 ) -> Result<()> {
     out.write_all(b"{\n  \"etendue\": 1").map_err(failed)?;
-    member(out, "camera", &camera_keys::write(&scene.camera)?)?;
+    member(out, "camera", &camera_keys::write(&scene.camera, &scene.motion)?)?;
     member(out, "render", &render_write::write(&scene.render)?)?;
     let mut lights = List::new("lights");
-    for (light, web) in scene.lights.iter().zip(webs) {
-        lights.put(out, &light_keys::write(light, web)?)?;
+    for (number, (light, web)) in scene.lights.iter().zip(webs).enumerate() {
+        let motion = scene.motion.lights.get(&number).map(|motion| &**motion);
+        lights.put(out, &light_keys::write(light, web, motion)?)?;
     }
     for light in &scene.distant_lights {
         lights.put(out, &sky_keys::write_distant(light)?)?;
@@ -222,12 +224,14 @@ fn document(
     let mut list = List::new("meshes");
     for (number, file) in meshes.iter().enumerate().filter(|(_, file)| !file.is_empty()) {
         let keep_degenerate = ply_write::is_degenerate(&scene.meshes[number]);
-        list.put(out, &surface::write_mesh(&names.meshes[number], file, keep_degenerate)?)?;
+        let steps = scene.motion.meshes.get(&number).map(|steps| &**steps);
+        list.put(out, &surface::write_mesh(&names.meshes[number], file, keep_degenerate, steps)?)?;
     }
     list.end(out)?;
     let mut surfaces = List::new("surfaces");
-    for surface in scene.surfaces.iter().filter(|surface| !surface.hidden) {
-        surfaces.put(out, &surface::write(surface, names)?)?;
+    for (number, surface) in scene.surfaces.iter().enumerate().filter(|(_, surface)| !surface.hidden) {
+        let motion = scene.motion.surfaces.get(&number).map(|motion| &**motion);
+        surfaces.put(out, &surface::write(surface, motion, names)?)?;
     }
     surfaces.end(out)?;
     out.write_all(b"\n}\n").map_err(failed)

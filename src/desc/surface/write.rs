@@ -9,7 +9,7 @@ use crate::desc::json::join;
 use crate::desc::numbers::{self, shortest, unless};
 use crate::desc::save::{Names, raw};
 use crate::desc::transform::{self, same_bits, unless_zero};
-use crate::desc::{ShapeDesc, SurfaceDesc};
+use crate::desc::{MeshStep, MotionDesc, ShapeDesc, SurfaceDesc, motion_keys};
 use crate::math::{DAffine3, DVec3};
 use crate::{Error, Result};
 
@@ -18,6 +18,7 @@ struct Look {
     material: Option<String>,
     transform: Option<Box<RawValue>>,
     emission: Option<[f64; 3]>,
+    motion: Option<Vec<motion_keys::Key>>,
 }
 
 /// The text of one kind of surface.
@@ -28,6 +29,7 @@ macro_rules! text {
             material: $look.material,
             transform: $look.transform.as_deref(),
             emission: $look.emission,
+            motion: $look.motion,
             $($field: $value,)*
         })
     };
@@ -36,7 +38,11 @@ macro_rules! text {
 /// Writes a surface whose material and mesh have these names. Its numbers have been checked.
 ///
 /// Where the keys of its kind cannot give the frame of its shape, that frame goes into the `transform`.
-pub(in crate::desc) fn write(surface: &SurfaceDesc, names: &Names) -> Result<Box<RawValue>> {
+pub(in crate::desc) fn write(
+    surface: &SurfaceDesc,
+    motion: Option<&MotionDesc>,
+    names: &Names,
+) -> Result<Box<RawValue>> {
     let SurfaceDesc { path, local, .. } = surface;
     let look = |keeps_frame: bool| {
         let placed = if keeps_frame { surface.transform } else { surface.to_world() };
@@ -44,6 +50,7 @@ pub(in crate::desc) fn write(surface: &SurfaceDesc, names: &Names) -> Result<Box
             material: Some(names.materials[surface.material].clone()),
             transform: transform::write(&placed)?,
             emission: surface.emission.map(numbers::color),
+            motion: motion.map(motion_keys::write_motion),
         })
     };
     let is_plain = same_bits(local, &DAffine3::IDENTITY);
@@ -87,6 +94,7 @@ pub(in crate::desc) fn write(surface: &SurfaceDesc, names: &Names) -> Result<Box
                 further_uvs: None,
                 colors: None,
                 tangents: None,
+                steps: None,
                 materials: None,
                 shading: smooth.then_some(Shading::Smooth),
                 origin: unless_zero(local.translation).filter(|_| keeps_frame),
@@ -144,7 +152,12 @@ fn named(surface: &SurfaceDesc, look: impl Fn() -> Result<Look>) -> Option<Resul
 }
 
 /// Writes a mesh that is in a PLY file, of which degenerate triangles may be kept.
-pub(in crate::desc) fn write_mesh(name: &str, file: &str, keep_degenerate: bool) -> Result<Box<RawValue>> {
+pub(in crate::desc) fn write_mesh(
+    name: &str,
+    file: &str,
+    keep_degenerate: bool,
+    steps: Option<&[MeshStep]>,
+) -> Result<Box<RawValue>> {
     raw(&SharedMesh {
         name: name.to_owned(),
         file: Some(file.to_owned()),
@@ -156,5 +169,6 @@ pub(in crate::desc) fn write_mesh(name: &str, file: &str, keep_degenerate: bool)
         further_uvs: None,
         colors: None,
         tangents: None,
+        steps: steps.map(motion_keys::write_steps),
     })
 }

@@ -100,6 +100,10 @@ fn bound(emitter: &Emitter) -> (DVec3, f64, Cone) {
         let radius = corners.iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
         return (centre, radius, Cone::along(triangle.normal.as_dvec3().normalize()));
     }
+    if let Some(moving) = emitter.moving() {
+        let bounds = moving.bounds();
+        return (bounds.centre(), 0.5 * (bounds.max - bounds.min).length(), moving.cone());
+    }
     if let Some(sphere) = emitter.sphere() {
         return (sphere.centre, sphere.radius, Cone::ALL);
     }
@@ -127,6 +131,9 @@ fn bounds(emitter: &Emitter) -> Bounds {
     if let Some(triangle) = emitter.triangle() {
         return Bounds::around(triangle.vertices.map(Vec3::as_dvec3));
     }
+    if let Some(moving) = emitter.moving() {
+        return moving.bounds();
+    }
     match emitter {
         Emitter::Disk(emitter) => emitter.bounds(),
         Emitter::Tube(emitter) => emitter.bounds(),
@@ -153,6 +160,7 @@ fn intensity_per_power(emitter: &Emitter) -> f64 {
         | Emitter::EnvironmentMap(_)
         | Emitter::Distant(_) => 0.25,
         Emitter::TexturedSphere(emitter) => emitter.intensity_share(),
+        Emitter::Moving(emitter) => emitter.intensity_per_power(),
     };
     per_pi / std::f64::consts::PI
 }

@@ -6,7 +6,7 @@ use crate::math::DVec3;
 
 /// All directions within an angle of an axis.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cone {
+pub(in crate::emitter) struct Cone {
     /// Unit.
     pub axis: DVec3,
     /// In [0, pi].

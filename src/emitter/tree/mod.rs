@@ -15,6 +15,8 @@
 mod build;
 mod cone;
 
+pub(super) use cone::Cone;
+
 use super::Receiver;
 use crate::math::Vec3;
 

@@ -205,6 +205,7 @@ fn exact(set: &EmitterSet, p: DVec3, n: DVec3) -> f64 {
             | Emitter::Tube(_) => {
                 unreachable!("no lamp here has a texture or is round but for balls")
             }
+            Emitter::Moving(_) => unreachable!("no lamp here moves"),
             Emitter::Sphere(emitter) => {
                 let way = emitter.sphere.centre - p;
                 let distance = way.length();
