@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The files of the C interface, in the order in which the header presents them.
-const SOURCES: [&str; 27] = [
+const SOURCES: [&str; 29] = [
     "status.rs",
     "last_error.rs",
     "types/mod.rs",
@@ -18,6 +18,7 @@ const SOURCES: [&str; 27] = [
     "types/film.rs",
     "types/query.rs",
     "types/bake.rs",
+    "types/lighting.rs",
     "device.rs",
     "scene.rs",
     "describe.rs",
@@ -32,6 +33,7 @@ const SOURCES: [&str; 27] = [
     "task.rs",
     "query.rs",
     "bake.rs",
+    "lighting.rs",
 ];
 
 fn folder() -> PathBuf {

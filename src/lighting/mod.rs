@@ -19,7 +19,7 @@
 //!
 //! let desc = etendue::desc::load("scenes/cornell.json".as_ref(), None)?;
 //! let scene = Scene::build(&desc, &BuildOptions::default())?;
-//! let points = GridPoints::Points { points: vec![DVec3::new(0.0, 0.5, 0.0)], normals: vec![DVec3::Y] };
+//! let points = GridPoints::Points { points: vec![DVec3::new(278.0, 100.0, 280.0)], normals: vec![DVec3::Y] };
 //! let grid = GridDesc { name: "middle".to_owned(), points };
 //! let mut settings = RenderSettings { target_error: Some(target_of(0.05)), ..RenderSettings::default() };
 //! settings.desc.samples = 4096;

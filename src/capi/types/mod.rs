@@ -46,6 +46,7 @@ mod bake;
 mod device;
 mod film;
 mod light;
+mod lighting;
 mod material;
 mod query;
 mod render;
@@ -57,6 +58,7 @@ pub use bake::*;
 pub use device::*;
 pub use film::*;
 pub use light::*;
+pub use lighting::*;
 pub use material::*;
 pub use query::*;
 pub use render::*;
@@ -132,6 +134,8 @@ mod numbers {
     pub type EtdTextureChannel = u32;
     /// The enumeration of this name, as a number.
     pub type EtdSkyProjection = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdQuantity = u32;
 }
 pub use numbers::*;
 
