@@ -1,7 +1,7 @@
 //! Illuminance and luminance at points that the host gives.
 
 use super::bake::BakeJob;
-use super::boundary::{items, need, on};
+use super::boundary::{array, boundary, items, need, on};
 use super::progress::initial_progress;
 use super::read;
 use super::scene::etd_scene;
@@ -11,6 +11,8 @@ use super::work::settings_of;
 use crate::desc::{GridDesc, GridPoints};
 use crate::lighting::{Calculation, exterior_illuminance};
 use crate::math::DVec3;
+use crate::photometry::{LUMENS_PER_WATT, TEMPERATURES, of_luminance_one, planckian};
+use crate::spectrum::Rgb;
 
 /// Measures light at points, and returns when the values are there: illuminance [lx] of small planes, or luminance [cd m^-2] of
 /// views. A scene that has changed is built first.
@@ -116,4 +118,61 @@ pub unsafe extern "C" fn etd_scene_exterior_illuminance(
             Ok(())
         })
     }
+}
+
+/// Returns light that is given in photometric units as the radiometric channels that lights and surfaces take: luminous intensity [cd]
+/// as radiant intensity [W sr^-1], illuminance [lx] as irradiance [W m^-2], luminance [cd m^-2] as radiance [W m^-2 sr^-1].
+///
+/// `value`: the luminous quantity, > 0. With a `solid_angle` > 0, `value` is a luminous flux [lm] that is spread over it, and the
+/// result is radiant intensity: 4 pi for a point light, 2 pi ((1 - cos inner) + (cos inner - cos outer) / 3) for a spot light, and
+/// pi times the area for the radiance of a surface; 0 otherwise. `temperature`: colour temperature of a Planckian radiator in kelvin,
+/// in [1000, 15000]; 0: the colour is `color`, three numbers >= 0 that are scaled to the luminance; NULL: white. `out_color` receives
+/// three numbers, whose luminance is `value` over 683 lm/W. Errors: `ETD_INVALID_ARGUMENT` for numbers out of their range, for a colour
+/// without luminance, for both a colour and a temperature, and for light beyond single precision. Thread-safe.
+///
+/// # Safety
+/// `color` and `out_color` must be NULL or point to three numbers.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_photometric_color(
+    value: f64,
+    solid_angle: f64,
+    temperature: f64,
+    color: *const f32,
+    out_color: *mut f32,
+) -> etd_status {
+    boundary(None, || {
+        need(out_color, "out_color")?;
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(Failure::argument(format!("value is {value}, expected a number > 0")));
+        }
+        if !(solid_angle >= 0.0 && solid_angle.is_finite()) {
+            return Err(Failure::argument(format!("solid_angle is {solid_angle}, expected 0 or more")));
+        }
+        let hue = if temperature != 0.0 {
+            if !color.is_null() {
+                return Err(Failure::argument("color and temperature are given, expected one of both"));
+            }
+            let [low, high] = TEMPERATURES;
+            planckian(temperature).ok_or_else(|| {
+                Failure::argument(format!("temperature is {temperature}, expected 0, or {low} to {high} kelvin"))
+            })?
+        } else if color.is_null() {
+            DVec3::ONE
+        } else {
+            // SAFETY: three numbers are readable by the caller's contract.
+            let given = DVec3::from(unsafe { array::<f32, 3>(color, "color") }?.map(f64::from));
+            let is_light = given.is_finite() && given.min_element() >= 0.0;
+            of_luminance_one(given).filter(|_| is_light).ok_or_else(|| {
+                Failure::argument(format!("color is {:?}, expected numbers >= 0 and a luminance > 0", given.to_array()))
+            })?
+        };
+        let spread = if solid_angle > 0.0 { solid_angle } else { 1.0 };
+        let light = Rgb::from_f64(hue * (value / (spread * LUMENS_PER_WATT)));
+        if !light.is_finite() {
+            return Err(Failure::argument(format!("value is {value}: the light is beyond single precision")));
+        }
+        // SAFETY: it was checked, and three numbers are writable by the caller's contract.
+        unsafe { out_color.cast::<[f32; 3]>().write(light.to_array()) };
+        Ok(())
+    })
 }

@@ -1,5 +1,6 @@
 //! Point lights of a native scene file: reads and writes them.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -8,10 +9,12 @@ use serde_json::value::RawValue;
 use super::builder::Builder;
 use super::json::{self, join};
 use super::numbers::{unless, unless_color};
+use super::photometric::{LightKeys, Unit};
 use super::{LightDistribution, PointLightDesc, SpotDesc, WebDesc, numbers, save, validate};
-use crate::Result;
 use crate::math::DVec3;
+use crate::photometry::LUMENS_PER_WATT;
 use crate::spectrum::Rgb;
+use crate::{Error, Result};
 
 /// A light that shines from a point, the same in all directions.
 #[derive(Deserialize, Serialize)]
@@ -22,10 +25,14 @@ pub(super) struct PointLight {
     _type: PointTag,
     /// Position.
     origin: [f64; 3],
-    /// Times `intensity`: radiant intensity, W/sr per channel.
-    color: [f64; 3],
-    /// Factor on `color`. Default 1.
+    /// Times `intensity`: radiant intensity, W/sr per channel. Required, or `temperature`, or a `unit`.
+    color: Option<[f64; 3]>,
+    /// Factor on `color`; with a `unit` the luminous quantity, above 0, to whose luminance `color` is scaled. Default 1; required with a `unit`.
     intensity: Option<f64>,
+    /// Unit of `intensity`: "W", "cd", or "lm" of all directions. Default "W".
+    unit: Option<Unit>,
+    /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
+    temperature: Option<f64>,
 }
 
 #[derive(Deserialize, Serialize)]
@@ -46,10 +53,14 @@ pub(super) struct SpotLight {
     origin: [f64; 3],
     /// The axis of the cone, away from the light, of any length.
     direction: [f64; 3],
-    /// Times `intensity`: radiant intensity along the axis, W/sr per channel.
-    color: [f64; 3],
-    /// Factor on `color`. Default 1.
+    /// Times `intensity`: radiant intensity along the axis, W/sr per channel. Required, or `temperature`, or a `unit`.
+    color: Option<[f64; 3]>,
+    /// Factor on `color`; with a `unit` the luminous quantity, above 0, to whose luminance `color` is scaled. Default 1; required with a `unit`.
     intensity: Option<f64>,
+    /// Unit of `intensity`: "W", "cd" along the axis, or "lm" of the cone. Default "W".
+    unit: Option<Unit>,
+    /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
+    temperature: Option<f64>,
     /// Degrees between the axis and the directions from which on there is no light, in [0.01, 180]. Default 45.
     outer_cone_angle: Option<f64>,
     /// Degrees between the axis and the directions up to which the light is full, in [0, outerConeAngle]. Default 0.
@@ -80,8 +91,12 @@ pub(super) struct WebLight {
     c0: Option<[f64; 3]>,
     /// Times `intensity`: a factor on the intensities of the file. Default [1, 1, 1].
     color: Option<[f64; 3]>,
-    /// Factor on `color`. Default 1.
+    /// Factor on `color`; with a `unit` the luminous quantity, above 0, to whose luminance `color` is scaled. Default 1; required with a `unit`.
     intensity: Option<f64>,
+    /// Unit of `intensity`: "W": a factor, or "lm" of the lamp. Default "W".
+    unit: Option<Unit>,
+    /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
+    temperature: Option<f64>,
 }
 
 #[derive(Deserialize, Serialize)]
@@ -94,13 +109,15 @@ enum WebTag {
 /// Reads a point light.
 pub(super) fn point(raw: &RawValue, path: &str) -> Result<PointLightDesc> {
     let light: PointLight = json::object(raw, path)?;
-    validate::point_light(path, light.origin, light.color, light.intensity.unwrap_or(1.0))
+    let PointLight { color, intensity, temperature, unit, .. } = light;
+    let keys = LightKeys { color, intensity, temperature, unit };
+    let (color, factor) = keys.resolve(path, None, &[(Unit::Candela, 1.0), (Unit::Lumen, 4.0 * PI)])?;
+    validate::point_light(path, light.origin, color, factor)
 }
 
 /// Reads a spot light.
 pub(super) fn spot(raw: &RawValue, path: &str) -> Result<PointLightDesc> {
     let light: SpotLight = json::object(raw, path)?;
-    let even = validate::point_light(path, light.origin, light.color, light.intensity.unwrap_or(1.0))?;
     let default = SpotDesc::new(DVec3::from_array(light.direction));
     let spot = SpotDesc {
         outer_deg: light.outer_cone_angle.unwrap_or(default.outer_deg),
@@ -108,15 +125,26 @@ pub(super) fn spot(raw: &RawValue, path: &str) -> Result<PointLightDesc> {
         ..default
     };
     validate::spot(path, &spot)?;
+    let SpotLight { color, intensity, temperature, unit, .. } = light;
+    let keys = LightKeys { color, intensity, temperature, unit };
+    let (color, factor) = keys.resolve(path, None, &[(Unit::Candela, 1.0), (Unit::Lumen, spot.solid_angle())])?;
+    let even = validate::point_light(path, light.origin, color, factor)?;
     Ok(PointLightDesc { distribution: LightDistribution::Spot(spot), ..even })
 }
 
 /// Reads a measured lamp. The file is read at its first use.
 pub(super) fn web(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<PointLightDesc> {
     let light: WebLight = json::object(raw, path)?;
-    let color = light.color.unwrap_or([1.0; 3]);
-    let even = validate::point_light(path, light.origin, color, light.intensity.unwrap_or(1.0))?;
     let default = WebDesc::new(builder.web_file(&join(path, "file"), &light.file)?);
+    let WebLight { color, intensity, temperature, unit, .. } = light;
+    let keys = LightKeys { color, intensity, temperature, unit };
+    let flux = default.web.flux();
+    if unit == Some(Unit::Lumen) && flux <= 0.0 {
+        return Err(Error::invalid(join(path, "unit"), "the file is of a dark lamp, which no factor makes shine"));
+    }
+    // A factor of 1 is the flux of the file, so a unit is one lumen per watt less.
+    let (color, factor) = keys.resolve(path, Some([1.0; 3]), &[(Unit::Lumen, flux / LUMENS_PER_WATT)])?;
+    let even = validate::point_light(path, light.origin, color, factor)?;
     let web = WebDesc {
         direction: light.direction.map_or(default.direction, DVec3::from_array),
         c0: light.c0.map_or(default.c0, DVec3::from_array),
@@ -130,15 +158,24 @@ pub(super) fn web(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Resu
 pub(super) fn write(light: &PointLightDesc, file: &str) -> Result<Box<RawValue>> {
     let (origin, color) = (light.position.to_array(), numbers::color(light.intensity));
     match &light.distribution {
-        LightDistribution::Even => save::raw(&PointLight { _type: PointTag::Point, origin, color, intensity: None }),
+        LightDistribution::Even => save::raw(&PointLight {
+            _type: PointTag::Point,
+            origin,
+            color: Some(color),
+            intensity: None,
+            unit: None,
+            temperature: None,
+        }),
         LightDistribution::Spot(spot) => {
             let default = SpotDesc::new(spot.direction);
             save::raw(&SpotLight {
                 _type: SpotTag::Spot,
                 origin,
                 direction: spot.direction.to_array(),
-                color,
+                color: Some(color),
                 intensity: None,
+                unit: None,
+                temperature: None,
                 outer_cone_angle: unless(spot.outer_deg, default.outer_deg),
                 inner_cone_angle: unless(spot.inner_deg, default.inner_deg),
             })
@@ -153,6 +190,8 @@ pub(super) fn write(light: &PointLightDesc, file: &str) -> Result<Box<RawValue>>
                 c0: (web.c0 != default.c0).then_some(web.c0.to_array()),
                 color: unless_color(light.intensity, Rgb::ONE),
                 intensity: None,
+                unit: None,
+                temperature: None,
             })
         }
     }

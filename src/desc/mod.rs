@@ -69,6 +69,7 @@ mod native;
 mod numbers;
 mod object;
 mod params;
+mod photometric;
 mod photon;
 mod photon_keys;
 mod principled;

@@ -677,6 +677,11 @@ static etd_status n_scene_exterior_illuminance(void) {
     return status;
 }
 
+static etd_status n_photometric_color(void) {
+    float *color = AT(1, output(3 * sizeof *color));
+    return CALL(etd_photometric_color(800, 12.566, 0, AT(0, grey), color));
+}
+
 /* A dark lamp of a few lines. */
 static etd_web_light dark_lamp(void) {
     static const char text[] = "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 1\n0 90\n0\n1 1\n";
@@ -819,6 +824,7 @@ static const struct {
     {"etd_atlas_bake", n_atlas_bake, 4, 5, 1},
     {"etd_scene_bake_vertices", n_scene_bake_vertices, 4, 5, 1},
     {"etd_scene_measure", n_scene_measure, 6, 11, 1},
+    {"etd_photometric_color", n_photometric_color, 2, 2, 0},
     {"etd_scene_exterior_illuminance", n_scene_exterior_illuminance, 3, 3, 1},
 };
 #define TABLE_SIZE (sizeof table / sizeof table[0])

@@ -22,6 +22,38 @@ static int32_t stop(void *user_data, const etd_progress *progress) {
     return progress->phase == ETD_PHASE_RENDER && progress->samples_done >= 8;
 }
 
+/* Light in photometric units. */
+static void pass_units(void) {
+    static const double no_value[] = {0, -1, -0.0};
+    static const double no_kelvin[] = {999, 15001, -1};
+    static const float black[3] = {0, 0, 0};
+    static const float negative[3] = {1, -1, 1};
+    static const float hue[3] = {2, 1, 0};
+    float color[3] = {-7, -7, -7};
+    size_t i;
+    for (i = 0; i < 3; ++i) {
+        CHECK_STATUS(etd_photometric_color(no_value[i], 0, 0, NULL, color), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_photometric_color(1, 0, no_kelvin[i], NULL, color), ETD_INVALID_ARGUMENT);
+    }
+    CHECK_STATUS(etd_photometric_color(NAN, 0, 0, NULL, color), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_photometric_color(INFINITY, 0, 0, NULL, color), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_photometric_color(1e300, 0, 0, NULL, color), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_photometric_color(1, NAN, 0, NULL, color), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_photometric_color(1, -1, 0, NULL, color), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_photometric_color(1, 0, NAN, NULL, color), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_photometric_color(1, 0, 3000, grey, color), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_photometric_color(1, 0, 0, black, color), ETD_INVALID_ARGUMENT);
+    CHECK_STATUS(etd_photometric_color(1, 0, 0, negative, color), ETD_INVALID_ARGUMENT);
+    CHECK(color[0] == -7 && color[1] == -7 && color[2] == -7);
+    CHECK_OK(etd_photometric_color(683, 0, 0, NULL, color));
+    CHECK(fabs(color[0] - 1) < 1e-6 && color[0] == color[1] && color[1] == color[2]);
+    CHECK_OK(etd_photometric_color(683 * 2, 4, 0, hue, color));
+    CHECK(fabs(0.2126 * color[0] + 0.7152 * color[1] - 0.5) < 1e-6 && color[0] == 2 * color[1] && color[2] == 0);
+    CHECK_OK(etd_photometric_color(683, 0, 2700, NULL, color));
+    CHECK(color[0] > color[1] && color[1] > color[2] && color[2] > 0);
+    CHECK(fabs(0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2] - 1) < 1e-6);
+}
+
 void misuse_lighting(void) {
     static const etd_measuring_point good[2] = {{{0, 2.5, 0}, {0, 5, 0}}, {{2, 1, 0}, {0, 1, 0}}};
     static const double bad[] = {1e39, -1e39};
@@ -33,6 +65,7 @@ void misuse_lighting(void) {
     double value = -7;
     uint32_t number;
     size_t i;
+    pass_units();
     for (i = 0; i < sizeof bad / sizeof bad[0] + 2; ++i) {
         const double wrong = i == 0 ? (double)NAN : i == 1 ? (double)INFINITY : bad[i - 2];
         etd_measuring_point points[2];

@@ -28,6 +28,8 @@ macro_rules! text {
             material: $look.material,
             transform: $look.transform.as_deref(),
             emission: $look.emission,
+            luminance: None,
+            temperature: None,
             $($field: $value,)*
         })
     };
