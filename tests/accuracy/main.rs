@@ -17,6 +17,7 @@ mod intersection;
 mod leaving;
 mod lights;
 mod media;
+mod photometry;
 mod photons;
 mod radiosity;
 mod sampling;
@@ -42,6 +43,7 @@ fn groups() -> Vec<(&'static str, Vec<Entry>)> {
         ("radiosity", radiosity::cases()),
         ("media", media::cases()),
         ("textures", textures::cases()),
+        ("photometry", photometry::cases()),
         ("arithmetic", arithmetic::cases()),
     ]
 }
