@@ -1376,6 +1376,31 @@ typedef uint32_t etd_sky_projection;
 #endif // __cplusplus
 
 /**
+ * What is measured at a point.
+ */
+enum etd_quantity
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Illuminance [lx] of a small plane, whose normal is the direction.
+     */
+    ETD_QUANTITY_ILLUMINANCE = 0,
+    /**
+     * Luminance [cd m^-2] of what is seen from the point in the direction.
+     */
+    ETD_QUANTITY_LUMINANCE = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum etd_quantity etd_quantity;
+#else
+typedef uint32_t etd_quantity;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
  * The layout of a light map, and the scene for which it was made.
  */
 typedef struct etd_atlas etd_atlas;
@@ -3097,6 +3122,20 @@ typedef struct etd_bake_target {
     uint32_t reserved;
 } etd_bake_target;
 
+/**
+ * A point at which light is measured, world frame.
+ */
+typedef struct etd_measuring_point {
+    /**
+     * The point.
+     */
+    double position[3];
+    /**
+     * Normal of the plane, or direction that is looked into; any length except 0.
+     */
+    double direction[3];
+} etd_measuring_point;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -4139,6 +4178,43 @@ etd_status etd_scene_bake_vertices(struct etd_scene *scene,
                                    const struct etd_render_options *options,
                                    const struct etd_bake_target *target,
                                    struct etd_summary *out_summary);
+
+/**
+ * Measures light at points, and returns when the values are there: illuminance [lx] of small planes, or luminance [cd m^-2] of
+ * views. A scene that has changed is built first.
+ *
+ * `quantity`: an `etd_quantity`. `points`: `count` points, 1 to 1,048,576, each with the normal of its plane or with the direction
+ * that is looked into. Points need no surface; a point on a surface is lit as the side of its normal is. `options`: NULL for the
+ * scene's own settings. With `ETD_INTEGRATOR_RADIOSITY` the light is that of a radiosity solution, gathered at each point; all
+ * other integrators mean path tracing. The filter and `finished` are ignored, the depth counts a point of illuminance as the first
+ * hit, and "pixels" in the documentation of options means points. `target_error` is a relMSE: the square of the relative standard
+ * error that is wanted. `out_values`: receives `count` numbers. `out_standard_errors`: receives their standard errors, NaN where
+ * there are too few samples, unless it is NULL. `out_summary`: receives the summary, unless it is NULL.
+ *
+ * One watt is 683 lumens: docs/photometry.md. The result depends only on the scene, the points and the options, and not on
+ * threads. Errors: `ETD_CANCELLED` if the progress callback stopped it; the arrays then contain the result of the samples so far;
+ * `ETD_INVALID_ARGUMENT` for another quantity; `ETD_INVALID_SCENE` for numbers of points out of range, points beyond single precision, and directions of
+ * length 0; `ETD_UNSUPPORTED` for a scene that radiosity does not take; the errors of `etd_scene_commit`. Thread-safe.
+ */
+etd_status etd_scene_measure(struct etd_scene *scene,
+                             etd_quantity quantity,
+                             const struct etd_measuring_point *points,
+                             size_t count,
+                             const struct etd_render_options *options,
+                             double *out_values,
+                             double *out_standard_errors,
+                             struct etd_summary *out_summary);
+
+/**
+ * The illuminance [lx] of a horizontal plane under the unobstructed sky of a scene, to which daylight factors refer. Surfaces, lamps
+ * and distant light such as the sun's disk do not count.
+ *
+ * `out_illuminance`: receives the illuminance. `out_standard_error`: receives its standard error, unless it is NULL. Errors:
+ * `ETD_INVALID_SCENE` for a scene without an environment or with a black one. Thread-safe.
+ */
+etd_status etd_scene_exterior_illuminance(struct etd_scene *scene,
+                                          double *out_illuminance,
+                                          double *out_standard_error);
 
 #ifdef __cplusplus
 }  // extern "C"

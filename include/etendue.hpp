@@ -1216,6 +1216,9 @@ private:
     friend class Task;
     friend class Atlas;
     friend Outcome<etd_status> render(Scene &scene, Film &film, const etd_render_options *options, Progress progress);
+    friend Outcome<etd_status> measure(Scene &scene, etd_quantity quantity, span<const etd_measuring_point> points,
+                                       const etd_render_options &options, span<double> values,
+                                       span<double> standard_errors, Progress progress, etd_summary *summary);
     friend Outcome<etd_status> bake_vertices(Scene &scene, std::uint32_t surface, const etd_bake_target &target,
                                              const etd_render_options &options, Progress progress,
                                              etd_summary *summary);
@@ -1581,6 +1584,26 @@ inline Outcome<etd_status> bake_vertices(Scene &scene, std::uint32_t surface, co
     raw.progress = detail::ProgressHooks::tell;
     raw.user_data = &hooks;
     const etd_status status = etd_scene_bake_vertices(scene.get(), surface, &raw, &target, summary);
+    hooks.rethrow();
+    return detail::ended(status);
+}
+
+/** Measures light at points: `ETD_OK`, or `ETD_CANCELLED` if `progress` said so. `values` and `standard_errors`, unless that is
+ *  empty, have a number for each point; `ETD_INVALID_ARGUMENT` if not. */
+inline Outcome<etd_status> measure(Scene &scene, etd_quantity quantity, span<const etd_measuring_point> points,
+                                   const etd_render_options &options, span<double> values,
+                                   span<double> standard_errors = {}, Progress progress = {},
+                                   etd_summary *summary = nullptr) {
+    if (values.size() != points.size() || (standard_errors.size() != 0 && standard_errors.size() != points.size())) {
+        return detail::ended(ETD_INVALID_ARGUMENT);
+    }
+    etd_render_options raw = options;
+    detail::ProgressHooks hooks(std::move(progress), raw.progress, raw.user_data, scene.keep());
+    raw.progress = detail::ProgressHooks::tell;
+    raw.user_data = &hooks;
+    double *errors = standard_errors.size() == 0 ? nullptr : standard_errors.data();
+    const etd_status status = etd_scene_measure(scene.get(), quantity, points.data(), points.size(), &raw, values.data(),
+                                                errors, summary);
     hooks.rethrow();
     return detail::ended(status);
 }

@@ -21,6 +21,7 @@
 //! - scene: [`scene`] builds what rays can ask, from [`shape`], [`bsdf`], [`emitter`], [`camera`] and [`embree`];
 //! - integrator: [`integrator`] turns a ray into radiance, with numbers from [`sampling`];
 //! - film: [`film`] keeps sums and errors; [`render`] fills it with all threads;
+//! - results: [`bake`] finds the irradiance of surfaces, [`lighting`] lux and candela at given points;
 //! - output: [`output`] writes and compares images.
 //!
 //! Units: radiance W m^-2 sr^-1, lengths in scene units, angles in radians unless a name says degrees; colours are
@@ -41,6 +42,7 @@ mod error;
 pub mod film;
 mod image;
 pub mod integrator;
+pub mod lighting;
 pub mod math;
 pub mod output;
 pub mod photometry;

@@ -19,6 +19,7 @@ const SOURCES: [&str; 29] = [
     "types/film.rs",
     "types/query.rs",
     "types/bake.rs",
+    "types/lighting.rs",
     "device.rs",
     "scene.rs",
     "describe.rs",
@@ -34,6 +35,7 @@ const SOURCES: [&str; 29] = [
     "task.rs",
     "query.rs",
     "bake.rs",
+    "lighting.rs",
 ];
 
 fn folder() -> PathBuf {

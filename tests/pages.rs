@@ -61,6 +61,7 @@ fn every_option_is_in_the_manual() {
         ("info", "etendue-info.1"),
         ("photons", "etendue-photons.1"),
         ("bake", "etendue-bake.1"),
+        ("lux", "etendue-lux.1"),
         ("compare", "etendue-compare.1"),
         ("bench", "etendue-bench.1"),
     ] {

@@ -8,8 +8,8 @@ use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use etendue::bake::{MAX_GUTTER, MAX_SIDE};
 use etendue::desc::{
-    FilterDesc, IntegratorDesc, LoadOptions, MAX_PHOTONS, MAX_RADIOSITY_ITERATIONS, MAX_SHADOW_RAYS, PhotonDesc, RADII,
-    RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
+    FilterDesc, IntegratorDesc, LoadOptions, MAX_PHOTONS, MAX_RADIOSITY_ITERATIONS, MAX_SHADOW_RAYS, PhotonDesc,
+    PlaneGridDesc, RADII, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
 };
 use etendue::film::ErrorMeasure;
 use etendue::math::DVec3;
@@ -41,6 +41,8 @@ pub enum Command {
     Photons(PhotonsArgs),
     /// Bake light maps: the irradiance of all surfaces, in texels and at vertices.
     Bake(BakeArgs),
+    /// Calculate illuminance [lx] and luminance [cd/m²] at points, with the figures of lighting design.
+    Lux(LuxArgs),
     /// Measure how far image A is from the reference B.
     Compare(CompareArgs),
     /// Measure time and error of scenes against references, and write a report.
@@ -323,6 +325,72 @@ pub struct BakeArgs {
     /// No progress and no summary; warnings and errors stay.
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct LuxArgs {
+    /// Scene file: JSON, or a mesh that is a scene by itself (.obj, .ply, .stl).
+    pub scene: PathBuf,
+    /// Parameter file of a scene of the 2017 report.
+    pub params: Option<PathBuf>,
+    /// File of grids: planes, points and views, each with a name (docs/photometry.md).
+    #[arg(long, value_name = "FILE", required_unless_present = "plane")]
+    pub grid: Option<PathBuf>,
+    /// A plane in place of a file, or beside it: a corner, two sides and the numbers of points along them, such as
+    /// 0,0.8,0 0,0,3 4,0,0 6x8. Its normal is that of the first side times the second.
+    #[arg(long, value_names = ["CORNER", "SIDE", "SIDE", "NxM"], num_args = 4, allow_hyphen_values = true)]
+    pub plane: Option<Vec<String>>,
+    /// The normal of --plane, in place of its own.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_vector, requires = "plane")]
+    pub normal: Option<DVec3>,
+    /// Files to write, by extension: tables (.csv), results as one object (.json), false-colour pictures of all planes
+    /// (.png). The table for people goes to standard output in any case.
+    #[arg(short, long, value_name = "FILE", num_args = 1..)]
+    pub output: Vec<PathBuf>,
+
+    /// How light is found.
+    #[arg(long, value_enum, default_value_t = LuxMethod::Path)]
+    pub method: LuxMethod,
+    /// Stop a grid when its relative standard error is no larger than this: the root of the mean square over its points.
+    /// 0.01 where nothing else limits the work.
+    #[arg(long, value_name = "ERROR", value_parser = parse_error)]
+    pub error: Option<f64>,
+    /// Most samples per point; 1048576 unless --time is given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SAMPLES)))]
+    pub spp: Option<u32>,
+    /// Stop each grid after so many seconds.
+    #[arg(long, value_name = "SECONDS", value_parser = parse_time)]
+    pub time: Option<Duration>,
+    /// Daylight factors: the sky alone lights the scene, and illuminance is given in per cent of that outside too.
+    #[arg(long)]
+    pub daylight: bool,
+    /// Greatest number of surface hits on a path, the point being the first, or none for no cut. 1 is direct light alone.
+    #[arg(long, value_name = "N|none", value_parser = parse_depth)]
+    pub max_depth: Option<Depth>,
+    /// Light samples per hit, in place of the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS)))]
+    pub shadow_rays: Option<u32>,
+    /// Seed of all randomness, in place of the scene's.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u64>,
+    /// Threads; 0 takes all there are.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
+    pub threads: usize,
+
+    /// Value at the upper end of a picture's scale, in place of a round one above the greatest.
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true, value_parser = parse_length)]
+    pub scale: Option<f64>,
+    /// No progress and no notes; the table, warnings and errors stay.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LuxMethod {
+    /// Path tracing: everything, without bias.
+    Path,
+    /// A radiosity solution, whose light is gathered at each point: for diffuse scenes.
+    Radiosity,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -672,6 +740,20 @@ fn parse_vector(text: &str) -> Result<DVec3, String> {
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
     let numbers: Vec<f64> = text.split(',').map(number).collect::<Option<_>>().ok_or_else(wrong)?;
     <[f64; 3]>::try_from(numbers).map(DVec3::from_array).map_err(|_| wrong())
+}
+
+impl LuxArgs {
+    /// The plane of the options, if there is one.
+    pub fn plane_grid(&self) -> Result<Option<PlaneGridDesc>, String> {
+        let Some([origin, u, v, counts]) = self.plane.as_deref() else { return Ok(None) };
+        let wrong = |text: &str, why: String| format!("--plane '{text}': {why}");
+        let vector = |text: &String| parse_vector(text).map_err(|why| wrong(text, why));
+        let pair = counts.split_once(['x', 'X']).and_then(|(n, m)| Some([n.parse().ok()?, m.parse().ok()?]));
+        let counts =
+            pair.ok_or_else(|| wrong(counts, "expected NxM, the numbers of points, such as 6x8".to_owned()))?;
+        let [origin, u, v] = [vector(origin)?, vector(u)?, vector(v)?];
+        Ok(Some(PlaneGridDesc { origin, u, v, counts, normal: self.normal }))
+    }
 }
 
 fn parse_angle(text: &str) -> Result<f64, String> {

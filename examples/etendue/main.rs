@@ -1,5 +1,5 @@
 //! The command line: renders a scene file to image files, converts scenes, prints properties of a scene, writes and draws
-//! photons, bakes light maps, compares images, measures time and error.
+//! photons, bakes light maps, calculates illuminance and luminance, compares images, measures time and error.
 //!
 //! `cargo run --release --example etendue -- render scenes/cornell.json -o cornell.exr`; docs/cli.md is the manual. The
 //! program uses only what any other host could use.
@@ -11,6 +11,7 @@ mod compare;
 mod console;
 mod convert;
 mod interrupt;
+mod lux;
 mod photons;
 mod render;
 mod stats;
@@ -59,6 +60,7 @@ fn main() -> ExitCode {
         Command::Info(args) => render::info(&args),
         Command::Photons(args) => photons::photons(&args),
         Command::Bake(args) => bake::bake(&args),
+        Command::Lux(args) => lux::lux(&args),
         Command::Compare(args) => compare::compare(&args),
         Command::Bench(args) => bench::bench(&args),
     };

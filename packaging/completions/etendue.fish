@@ -31,6 +31,7 @@ complete -c etendue -n "__fish_etendue_needs_command" -f -a "convert" -d 'Write 
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "photons" -d 'Write the photons of a map, or draw them'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "bake" -d 'Bake light maps: the irradiance of all surfaces, in texels and at vertices'
+complete -c etendue -n "__fish_etendue_needs_command" -f -a "lux" -d 'Calculate illuminance [lx] and luminance [cd/m²] at points, with the figures of lighting design'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "compare" -d 'Measure how far image A is from the reference B'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "bench" -d 'Measure time and error of scenes against references, and write a report'
 complete -c etendue -n "__fish_etendue_needs_command" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
@@ -142,6 +143,23 @@ complete -c etendue -n "__fish_etendue_using_subcommand bake" -l exposure -d 'Br
 complete -c etendue -n "__fish_etendue_using_subcommand bake" -l back -d 'The inner side of surfaces instead of the outer one'
 complete -c etendue -n "__fish_etendue_using_subcommand bake" -s q -l quiet -d 'No progress and no summary; warnings and errors stay'
 complete -c etendue -n "__fish_etendue_using_subcommand bake" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l grid -d 'File of grids: planes, points and views, each with a name (docs/photometry.md)' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l plane -d 'A plane in place of a file, or beside it: a corner, two sides and the numbers of points along them, such as 0,0.8,0 0,0,3 4,0,0 6x8. Its normal is that of the first side times the second' -r
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l normal -d 'The normal of --plane, in place of its own' -r
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -s o -l output -d 'Files to write, by extension: tables (.csv), results as one object (.json), false-colour pictures of all planes (.png). The table for people goes to standard output in any case' -r -F
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l method -d 'How light is found' -r -f -a "path\t'Path tracing: everything, without bias'
+radiosity\t'A radiosity solution, whose light is gathered at each point: for diffuse scenes'"
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l error -d 'Stop a grid when its relative standard error is no larger than this: the root of the mean square over its points. 0.01 where nothing else limits the work' -r
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l spp -d 'Most samples per point; 1048576 unless --time is given' -r
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l time -d 'Stop each grid after so many seconds' -r
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l max-depth -d 'Greatest number of surface hits on a path, the point being the first, or none for no cut. 1 is direct light alone' -r
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l shadow-rays -d 'Light samples per hit, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l seed -d 'Seed of all randomness, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l threads -d 'Threads; 0 takes all there are' -r
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l scale -d 'Value at the upper end of a picture\'s scale, in place of a round one above the greatest' -r
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l daylight -d 'Daylight factors: the sky alone lights the scene, and illuminance is given in per cent of that outside too'
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -s q -l quiet -d 'No progress and no notes; the table, warnings and errors stay'
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -l exposure -d 'Brightness at which FLIP looks at the images, in stops' -r
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -l json -d 'Print one JSON object; what is not finite is null'
 complete -c etendue -n "__fish_etendue_using_subcommand compare" -l no-flip -d 'Leave out FLIP, the slow one'
@@ -176,11 +194,12 @@ complete -c etendue -n "__fish_etendue_using_subcommand bench" -l report-only -d
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -l tables -d 'Markdown file in which the tables between <!-- bench GROUP --> and <!-- /bench --> are written anew' -r -F
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -s q -l quiet -d 'No progress and no summary; warnings and errors stay'
 complete -c etendue -n "__fish_etendue_using_subcommand bench" -s h -l help -d 'Print help (see more with \'--help\')'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "render" -d 'Render a scene to image files'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "convert" -d 'Write any scene as a scene file of the native format, with its meshes and images beside it'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "photons" -d 'Write the photons of a map, or draw them'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "bake" -d 'Bake light maps: the irradiance of all surfaces, in texels and at vertices'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "compare" -d 'Measure how far image A is from the reference B'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "bench" -d 'Measure time and error of scenes against references, and write a report'
-complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake compare bench help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "render" -d 'Render a scene to image files'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "convert" -d 'Write any scene as a scene file of the native format, with its meshes and images beside it'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "info" -d 'Say what a scene holds, what was built for it and why'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "photons" -d 'Write the photons of a map, or draw them'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "bake" -d 'Bake light maps: the irradiance of all surfaces, in texels and at vertices'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "lux" -d 'Calculate illuminance [lx] and luminance [cd/m²] at points, with the figures of lighting design'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "compare" -d 'Measure how far image A is from the reference B'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "bench" -d 'Measure time and error of scenes against references, and write a report'
+complete -c etendue -n "__fish_etendue_using_subcommand help; and not __fish_seen_subcommand_from render convert info photons bake lux compare bench help" -f -a "help" -d 'Print this message or the help of the given subcommand(s)'

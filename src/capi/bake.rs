@@ -77,7 +77,7 @@ pub unsafe extern "C" fn etd_atlas_new(
 }
 
 /// Builds the scene as described now. Returns it with the progress of the work that follows.
-fn build(scene: &etd_scene, progress: &HostProgress) -> Result<(Scene, HostProgress)> {
+pub(super) fn build(scene: &etd_scene, progress: &HostProgress) -> Result<(Scene, HostProgress)> {
     let (built, time) = scene.build(progress.cancel(), progress.part(0.0, BUILD_FRACTION).build())?;
     let share = if time.is_zero() { 0.0 } else { BUILD_FRACTION };
     Ok((built, progress.part(share, 1.0)))
@@ -503,16 +503,16 @@ impl Target {
 }
 
 /// A bake with the host's options.
-struct BakeJob<'a> {
+pub(super) struct BakeJob<'a> {
     scene: &'a Arc<etd_scene>,
-    options: etd_render_options,
-    progress: HostProgress,
+    pub options: etd_render_options,
+    pub progress: HostProgress,
 }
 
 impl<'a> BakeJob<'a> {
     /// # Safety
     /// The contract of [`read_sized`].
-    unsafe fn new(
+    pub unsafe fn new(
         scene: &'a Arc<etd_scene>,
         options: *const etd_render_options,
         out_summary: *mut etd_summary,
@@ -564,14 +564,14 @@ impl<'a> BakeJob<'a> {
         Ok((bake.irradiance(), summary))
     }
 
-    fn log(&self, summary: &Summary) {
+    pub fn log(&self, summary: &Summary) {
         let callbacks = self.scene.device.callbacks();
         summary.notes.iter().for_each(|note| callbacks.log(ETD_LOG_WARNING, note));
     }
 
     /// # Safety
     /// The contract of [`write_sized`].
-    unsafe fn finish(&self, summary: &Summary, out_summary: *mut etd_summary) -> Result {
+    pub unsafe fn finish(&self, summary: &Summary, out_summary: *mut etd_summary) -> Result {
         if !out_summary.is_null() {
             // SAFETY: the caller keeps this function's contract.
             unsafe { write_sized(out_summary, "out_summary", summary_out(summary, Duration::ZERO, summary.stopped)) }?;

@@ -1,5 +1,6 @@
 //! Descriptions of lights without a surface.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::edit::none_such;
@@ -68,6 +69,14 @@ pub struct SpotDesc {
 impl SpotDesc {
     /// The least outer angle in degrees. Directions of single precision could not tell the edge of a narrower cone.
     pub const NARROWEST: f64 = 0.01;
+
+    /// The integral of the factor over all directions \[sr\]: the flux of the light over its intensity along the axis.
+    pub fn solid_angle(&self) -> f64 {
+        let [inner, outer] = [self.inner_deg, self.outer_deg].map(|degrees| degrees.to_radians());
+        // As squares of sines of half the angles, which keep the digits of narrow cones.
+        let share = |angle: f64| 2.0 * (0.5 * angle).sin().powi(2);
+        2.0 * PI * (share(inner) + (share(outer) - share(inner)) / 3.0)
+    }
 
     /// The angles that files of glTF do not have to give: 45 degrees, of which none has the full light.
     pub fn new(direction: DVec3) -> Self {

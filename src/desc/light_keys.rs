@@ -1,5 +1,6 @@
 //! Point lights of a native scene file: reads and writes them.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -8,12 +9,14 @@ use serde_json::value::RawValue;
 use super::builder::Builder;
 use super::json::{self, join};
 use super::numbers::{unless, unless_color};
+use super::photometric::{LightKeys, Unit};
 use super::{
     LightDistribution, MotionDesc, PointLightDesc, SceneDesc, SpotDesc, WebDesc, motion_keys, numbers, save, validate,
 };
-use crate::Result;
 use crate::math::DVec3;
+use crate::photometry::LUMENS_PER_WATT;
 use crate::spectrum::Rgb;
+use crate::{Error, Result};
 
 /// A light that shines from a point, the same in all directions.
 #[derive(Deserialize, Serialize)]
@@ -24,10 +27,14 @@ pub(super) struct PointLight {
     _type: PointTag,
     /// Position.
     origin: [f64; 3],
-    /// Times `intensity`: radiant intensity, W/sr per channel.
-    color: [f64; 3],
-    /// Factor on `color`. Default 1.
+    /// Times `intensity`: radiant intensity, W/sr per channel. Required, or `temperature`, or a `unit`.
+    color: Option<[f64; 3]>,
+    /// Factor on `color`; with a `unit` the luminous quantity, above 0, to whose luminance `color` is scaled. Default 1; required with a `unit`.
     intensity: Option<f64>,
+    /// Unit of `intensity`: "W", "cd", or "lm" of all directions. Default "W".
+    unit: Option<Unit>,
+    /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
+    temperature: Option<f64>,
     /// Keyframes, by which the light is moved and turned from where the other keys have it. Default: it rests.
     motion: Option<Vec<motion_keys::Key>>,
 }
@@ -50,10 +57,14 @@ pub(super) struct SpotLight {
     origin: [f64; 3],
     /// The axis of the cone, away from the light, of any length.
     direction: [f64; 3],
-    /// Times `intensity`: radiant intensity along the axis, W/sr per channel.
-    color: [f64; 3],
-    /// Factor on `color`. Default 1.
+    /// Times `intensity`: radiant intensity along the axis, W/sr per channel. Required, or `temperature`, or a `unit`.
+    color: Option<[f64; 3]>,
+    /// Factor on `color`; with a `unit` the luminous quantity, above 0, to whose luminance `color` is scaled. Default 1; required with a `unit`.
     intensity: Option<f64>,
+    /// Unit of `intensity`: "W", "cd" along the axis, or "lm" of the cone. Default "W".
+    unit: Option<Unit>,
+    /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
+    temperature: Option<f64>,
     /// Degrees between the axis and the directions from which on there is no light, in [0.01, 180]. Default 45.
     outer_cone_angle: Option<f64>,
     /// Degrees between the axis and the directions up to which the light is full, in [0, outerConeAngle]. Default 0.
@@ -86,8 +97,12 @@ pub(super) struct WebLight {
     c0: Option<[f64; 3]>,
     /// Times `intensity`: a factor on the intensities of the file. Default [1, 1, 1].
     color: Option<[f64; 3]>,
-    /// Factor on `color`. Default 1.
+    /// Factor on `color`; with a `unit` the luminous quantity, above 0, to whose luminance `color` is scaled. Default 1; required with a `unit`.
     intensity: Option<f64>,
+    /// Unit of `intensity`: "W": a factor, or "lm" of the lamp. Default "W".
+    unit: Option<Unit>,
+    /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
+    temperature: Option<f64>,
     /// Keyframes, by which the light is moved and turned from where the other keys have it. Default: it rests.
     motion: Option<Vec<motion_keys::Key>>,
 }
@@ -117,14 +132,16 @@ pub(super) fn put(scene: &mut SceneDesc, path: &str, (light, motion): MovingLigh
 /// Reads a point light.
 pub(super) fn point(raw: &RawValue, path: &str) -> Result<MovingLight> {
     let light: PointLight = json::object(raw, path)?;
-    let even = validate::point_light(path, light.origin, light.color, light.intensity.unwrap_or(1.0))?;
+    let PointLight { color, intensity, temperature, unit, .. } = light;
+    let keys = LightKeys { color, intensity, temperature, unit };
+    let (color, factor) = keys.resolve(path, None, &[(Unit::Candela, 1.0), (Unit::Lumen, 4.0 * PI)])?;
+    let even = validate::point_light(path, light.origin, color, factor)?;
     Ok((even, light.motion))
 }
 
 /// Reads a spot light.
 pub(super) fn spot(raw: &RawValue, path: &str) -> Result<MovingLight> {
     let light: SpotLight = json::object(raw, path)?;
-    let even = validate::point_light(path, light.origin, light.color, light.intensity.unwrap_or(1.0))?;
     let default = SpotDesc::new(DVec3::from_array(light.direction));
     let spot = SpotDesc {
         outer_deg: light.outer_cone_angle.unwrap_or(default.outer_deg),
@@ -132,15 +149,26 @@ pub(super) fn spot(raw: &RawValue, path: &str) -> Result<MovingLight> {
         ..default
     };
     validate::spot(path, &spot)?;
+    let SpotLight { color, intensity, temperature, unit, .. } = light;
+    let keys = LightKeys { color, intensity, temperature, unit };
+    let (color, factor) = keys.resolve(path, None, &[(Unit::Candela, 1.0), (Unit::Lumen, spot.solid_angle())])?;
+    let even = validate::point_light(path, light.origin, color, factor)?;
     Ok((PointLightDesc { distribution: LightDistribution::Spot(spot), ..even }, light.motion))
 }
 
 /// Reads a measured lamp. The file is read at its first use.
 pub(super) fn web(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<MovingLight> {
     let light: WebLight = json::object(raw, path)?;
-    let color = light.color.unwrap_or([1.0; 3]);
-    let even = validate::point_light(path, light.origin, color, light.intensity.unwrap_or(1.0))?;
     let default = WebDesc::new(builder.web_file(&join(path, "file"), &light.file)?);
+    let WebLight { color, intensity, temperature, unit, .. } = light;
+    let keys = LightKeys { color, intensity, temperature, unit };
+    let flux = default.web.flux();
+    if unit == Some(Unit::Lumen) && flux <= 0.0 {
+        return Err(Error::invalid(join(path, "unit"), "the file is of a dark lamp, which no factor makes shine"));
+    }
+    // A factor of 1 is the flux of the file, so a unit is one lumen per watt less.
+    let (color, factor) = keys.resolve(path, Some([1.0; 3]), &[(Unit::Lumen, flux / LUMENS_PER_WATT)])?;
+    let even = validate::point_light(path, light.origin, color, factor)?;
     let web = WebDesc {
         direction: light.direction.map_or(default.direction, DVec3::from_array),
         c0: light.c0.map_or(default.c0, DVec3::from_array),
@@ -155,17 +183,25 @@ pub(super) fn write(light: &PointLightDesc, file: &str, motion: Option<&MotionDe
     let (origin, color) = (light.position.to_array(), numbers::color(light.intensity));
     let motion = motion.map(motion_keys::write_motion);
     match &light.distribution {
-        LightDistribution::Even => {
-            save::raw(&PointLight { _type: PointTag::Point, origin, color, intensity: None, motion })
-        }
+        LightDistribution::Even => save::raw(&PointLight {
+            _type: PointTag::Point,
+            origin,
+            color: Some(color),
+            intensity: None,
+            unit: None,
+            temperature: None,
+            motion,
+        }),
         LightDistribution::Spot(spot) => {
             let default = SpotDesc::new(spot.direction);
             save::raw(&SpotLight {
                 _type: SpotTag::Spot,
                 origin,
                 direction: spot.direction.to_array(),
-                color,
+                color: Some(color),
                 intensity: None,
+                unit: None,
+                temperature: None,
                 outer_cone_angle: unless(spot.outer_deg, default.outer_deg),
                 inner_cone_angle: unless(spot.inner_deg, default.inner_deg),
                 motion,
@@ -181,6 +217,8 @@ pub(super) fn write(light: &PointLightDesc, file: &str, motion: Option<&MotionDe
                 c0: (web.c0 != default.c0).then_some(web.c0.to_array()),
                 color: unless_color(light.intensity, Rgb::ONE),
                 intensity: None,
+                unit: None,
+                temperature: None,
                 motion,
             })
         }

@@ -52,6 +52,8 @@ mod file;
 mod filter;
 mod framing;
 mod gltf;
+mod grid;
+mod grid_keys;
 mod index;
 mod integrator;
 mod json;
@@ -69,6 +71,7 @@ mod native;
 mod numbers;
 mod object;
 mod params;
+mod photometric;
 mod photon;
 mod photon_keys;
 mod principled;
@@ -101,6 +104,8 @@ pub use distant::DistantLightDesc;
 pub use edit::SurfaceLook;
 pub use environment::{EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, SkyDesc, SkyProjection};
 pub(crate) use file::open as open_file;
+pub use grid::{GridDesc, GridPoints, MAX_GRID_POINTS, PlaneGridDesc};
+pub use grid_keys::{load_grids, parse_grids};
 pub use index::SceneIndex;
 pub use integrator::{
     Bias, IntegratorDesc, IntegratorInfo, LobeSupport, LobeUse, MapRenewal, PhotonMethod, Preparation, SampleOrder,

@@ -3,6 +3,7 @@
 //! `docs/scene-format.md` describes every key. The reader first reads the tag (`type`, `geometry`) of each element and
 //! then the element itself, into a plain structure that refuses unknown keys, so every error has an exact path.
 
+use std::f64::consts::PI;
 use std::path::Path;
 
 use serde::de::IgnoredAny;
@@ -10,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::builder::Builder;
+use super::photometric::{LightKeys, Unit};
 use super::{
     Dialect, RenderDesc, SceneDesc, camera_keys, json, light_keys, material_keys, render_keys, sky_keys, surface,
     texture_keys,
@@ -59,10 +61,14 @@ pub(super) struct AreaLight {
     /// Third corner.
     #[serde(rename = "vertex-3")]
     vertex_3: [f64; 3],
-    /// Times `intensity`: radiance, W/(m^2 sr) per channel.
-    color: [f64; 3],
-    /// Factor on `color`. Default 1.
+    /// Times `intensity`: radiance, W/(m^2 sr) per channel. Required, or `temperature`, or a `unit`.
+    color: Option<[f64; 3]>,
+    /// Factor on `color`; with a `unit` the luminous quantity, above 0, to whose luminance `color` is scaled. Default 1; required with a `unit`.
     intensity: Option<f64>,
+    /// Unit of `intensity`: "W", "cd/m2", or "lm" of the triangle. Default "W".
+    unit: Option<Unit>,
+    /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
+    temperature: Option<f64>,
 }
 
 #[derive(Deserialize, Serialize)]
@@ -110,9 +116,16 @@ fn light(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
         }
         "area" => {
             let light: AreaLight = json::object(raw, path)?;
-            let factor = light.intensity.unwrap_or(1.0);
             let vertices = [light.vertex_1, light.vertex_2, light.vertex_3].map(DVec3::from_array);
-            builder.add_area_light(path, vertices, light.color, factor)
+            let AreaLight { color, intensity, temperature, unit, .. } = light;
+            let keys = LightKeys { color, intensity, temperature, unit };
+            // A triangle without an area is refused as such.
+            let [a, b, c] = vertices;
+            let area = 0.5 * (b - a).cross(c - a).length();
+            let per_luminance = if area > 0.0 && area.is_finite() { PI * area } else { 1.0 };
+            let (color, factor) =
+                keys.resolve(path, None, &[(Unit::CandelaPerArea, 1.0), (Unit::Lumen, per_luminance)])?;
+            builder.add_area_light(path, vertices, color, factor)
         }
         "distant" => {
             let light = sky_keys::distant(json::object(raw, path)?, path)?;

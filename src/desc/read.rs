@@ -223,7 +223,7 @@ fn hint_at_version(error: Error) -> Error {
 }
 
 /// Adds file and line to an error that has only a JSON path.
-fn located(error: Error, json: &str, file: Option<&Path>) -> Error {
+pub(super) fn located(error: Error, json: &str, file: Option<&Path>) -> Error {
     let line = match error.location().line {
         0 => line_of(json, &error.location().json_path),
         known => known,

@@ -8,6 +8,7 @@ use serde_json::value::RawValue;
 use super::builder::Builder;
 use super::json::join;
 use super::numbers::{unless, unless_color};
+use super::photometric::{LightKeys, Unit};
 use super::save::{self, Names};
 use super::{
     DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, SkyDesc, SkyProjection, numbers,
@@ -27,8 +28,12 @@ pub(super) struct Environment {
     _type: EnvironmentTag,
     /// Times `intensity`: radiance, W/(m^2 sr) per channel; with a texture a factor on it. Required without a texture. Default [1, 1, 1].
     color: Option<[f64; 3]>,
-    /// Factor on `color`. Default 1.
+    /// Factor on `color`; with a `unit` the luminous quantity, above 0, to whose luminance `color` is scaled. Default 1; required with a `unit`.
     intensity: Option<f64>,
+    /// Unit of `intensity`: "W", or "cd/m2"; with a texture that of its value 1. Default "W".
+    unit: Option<Unit>,
+    /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
+    temperature: Option<f64>,
     /// Name of a texture over longitude and latitude, which varies the radiance.
     texture: Option<String>,
     /// With a texture: how the directions lie in its image. Default "latlong".
@@ -68,10 +73,14 @@ enum EnvironmentTag {
 pub(super) struct Distant {
     #[serde(rename = "type")]
     _type: DistantTag,
-    /// Times `intensity`: irradiance of a surface across the light, W/m^2 per channel.
-    color: [f64; 3],
-    /// Factor on `color`. Default 1.
+    /// Times `intensity`: irradiance of a surface across the light, W/m^2 per channel. Required, or `temperature`, or a `unit`.
+    color: Option<[f64; 3]>,
+    /// Factor on `color`; with a `unit` the luminous quantity, above 0, to whose luminance `color` is scaled. Default 1; required with a `unit`.
     intensity: Option<f64>,
+    /// Unit of `intensity`: "W", or "lx" of a surface across the light. Default "W".
+    unit: Option<Unit>,
+    /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
+    temperature: Option<f64>,
     /// The direction towards the light. Required, or `sunAt`.
     sun: Option<[f64; 3]>,
     /// Place and time that say where the sun stands, in place of `sun`.
@@ -102,11 +111,15 @@ pub(super) struct FormulaSky {
     cie: Option<u32>,
     /// The numbers a to e of the formula of Perez and others, in place of `cie`.
     perez: Option<[f64; 5]>,
-    /// Times `intensity`: what `scale` says.
-    color: [f64; 3],
-    /// Factor on `color`. Default 1.
+    /// Times `intensity`: what `scale` says. Required, or `temperature`, or a `unit`.
+    color: Option<[f64; 3]>,
+    /// Factor on `color`; with a `unit` the luminous quantity, above 0, to whose luminance `color` is scaled. Default 1; required with a `unit`.
     intensity: Option<f64>,
-    /// What `color` is: radiance at the zenith, W/(m^2 sr) per channel, or the irradiance of a horizontal surface by the sky, W/m^2 per channel. Default "zenith".
+    /// Unit of `intensity`: "W", "cd/m2" at the zenith, or "lx" of a horizontal surface by the sky. Default "W".
+    unit: Option<Unit>,
+    /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
+    temperature: Option<f64>,
+    /// What `color` is: radiance at the zenith, W/(m^2 sr) per channel, or the irradiance of a horizontal surface by the sky, W/m^2 per channel. Default "zenith"; with the unit "lx" it is "horizontal".
     scale: Option<ScaleTag>,
     /// The direction towards the sun. Required where the formula asks for the sun, or `sunAt`.
     sun: Option<[f64; 3]>,
@@ -163,6 +176,8 @@ pub(super) fn write_environment(environment: &EnvironmentDesc, names: &Names) ->
         _type: EnvironmentTag::Environment,
         color: Some(numbers::color(environment.radiance)),
         intensity: None,
+        unit: None,
+        temperature: None,
         texture: map.map(|map| names.textures[map.texture].clone()),
         projection: map.and_then(|map| match map.projection {
             SkyProjection::LatLong => None,
@@ -177,12 +192,14 @@ pub(super) fn write_environment(environment: &EnvironmentDesc, names: &Names) ->
 
 /// Reads an environment.
 pub(super) fn environment(light: Environment, path: &str, builder: &Builder<'_>) -> Result<EnvironmentDesc> {
-    let color = match (light.color, &light.texture) {
-        (Some(color), _) => color,
-        (None, Some(_)) => [1.0; 3],
-        (None, None) => return Err(Error::invalid(path, "missing key `color`, or `texture`")),
-    };
-    let even = validate::environment(path, color, light.intensity.unwrap_or(1.0))?;
+    let Environment { color, intensity, temperature, unit, .. } = light;
+    let keys = LightKeys { color, intensity, temperature, unit };
+    let default = light.texture.is_some().then_some([1.0; 3]);
+    if (color, temperature, unit, default) == (None, None, None, None) {
+        return Err(Error::invalid(path, "missing key `color`, or `texture`"));
+    }
+    let (color, factor) = keys.resolve(path, default, &[(Unit::CandelaPerArea, 1.0)])?;
+    let even = validate::environment(path, color, factor)?;
     let sky = match light.texture {
         Some(name) => {
             let texture = builder.texture(&join(path, "texture"), &name)?;
@@ -216,8 +233,10 @@ pub(super) fn environment(light: Environment, path: &str, builder: &Builder<'_>)
 pub(super) fn write_distant(light: &DistantLightDesc) -> Result<Box<RawValue>> {
     save::raw(&Distant {
         _type: DistantTag::Distant,
-        color: numbers::color(light.irradiance),
+        color: Some(numbers::color(light.irradiance)),
         intensity: None,
+        unit: None,
+        temperature: None,
         sun: Some(light.towards.to_array()),
         sun_at: None,
         angle: unless(light.angle_deg, 0.0),
@@ -232,8 +251,10 @@ fn write_sky(environment: &EnvironmentDesc, sky: &FormulaSkyDesc) -> Result<Box<
         _type: SkyTag::Sky,
         cie,
         perez: cie.is_none().then_some(sky.formula.numbers),
-        color: numbers::color(environment.radiance),
+        color: Some(numbers::color(environment.radiance)),
         intensity: None,
+        unit: None,
+        temperature: None,
         scale: sky.is_horizontal.then_some(ScaleTag::Horizontal),
         sun: Some(sky.sun.to_array()),
         sun_at: None,
@@ -245,8 +266,11 @@ fn write_sky(environment: &EnvironmentDesc, sky: &FormulaSkyDesc) -> Result<Box<
 
 /// Reads distant light.
 pub(super) fn distant(light: Distant, path: &str) -> Result<DistantLightDesc> {
-    let factor = validate::intensity(&join(path, "intensity"), light.intensity.unwrap_or(1.0))?;
-    let irradiance = validate::emission(&join(path, "color"), light.color, factor)?;
+    let Distant { color, intensity, temperature, unit, .. } = light;
+    let keys = LightKeys { color, intensity, temperature, unit };
+    let (color, factor) = keys.resolve(path, None, &[(Unit::Lux, 1.0)])?;
+    let factor = validate::intensity(&join(path, "intensity"), factor)?;
+    let irradiance = validate::emission(&join(path, "color"), color, factor)?;
     if light.up.is_some() && light.sun_at.is_none() {
         return Err(Error::invalid(join(path, "up"), "is used with `sunAt` only"));
     }
@@ -273,7 +297,16 @@ pub(super) fn sky(light: FormulaSky, path: &str) -> Result<EnvironmentDesc> {
         }
         (None, None) => return Err(Error::invalid(path, "missing key `cie`, or `perez`")),
     };
-    let even = validate::environment(path, light.color, light.intensity.unwrap_or(1.0))?;
+    let FormulaSky { color, intensity, temperature, unit, .. } = light;
+    let keys = LightKeys { color, intensity, temperature, unit };
+    // Luminance is that of the zenith and illuminance that of the horizontal, whether or not the scale says so too.
+    let (scale, units) = match (light.scale, unit) {
+        (None, Some(Unit::Lux)) => (ScaleTag::Horizontal, (Unit::Lux, 1.0)),
+        (None | Some(ScaleTag::Zenith), _) => (ScaleTag::Zenith, (Unit::CandelaPerArea, 1.0)),
+        (Some(ScaleTag::Horizontal), _) => (ScaleTag::Horizontal, (Unit::Lux, 1.0)),
+    };
+    let (color, factor) = keys.resolve(path, None, &[units])?;
+    let even = validate::environment(path, color, factor)?;
     let up = zenith(path, light.up)?;
     let sun = match towards(path, light.sun, light.sun_at.as_ref(), up)? {
         Some(sun) => sun,
@@ -281,7 +314,7 @@ pub(super) fn sky(light: FormulaSky, path: &str) -> Result<EnvironmentDesc> {
         None => up,
     };
     let ground = validate::reflectance(&join(path, "ground"), light.ground.unwrap_or_default())?;
-    let is_horizontal = light.scale == Some(ScaleTag::Horizontal);
+    let is_horizontal = scale == ScaleTag::Horizontal;
     let sky = FormulaSkyDesc { formula, sun, up, is_horizontal, ground };
     validate::formula_sky(path, &sky, even.radiance)?;
     Ok(EnvironmentDesc { sky: SkyDesc::Formula(sky), visible: light.visible.unwrap_or(true), ..even })

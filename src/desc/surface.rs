@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 
 use super::builder::Builder;
 use super::json::{self, Scale, join};
-use super::{MeshDesc, ShapeDesc, SurfaceLook, motion_keys, transform, validate};
+use super::{MeshDesc, ShapeDesc, SurfaceLook, motion_keys, photometric, transform, validate};
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::{Error, Result};
 
@@ -31,6 +31,10 @@ macro_rules! surface {
             transform: Option<&'a RawValue>,
             /// Emitted radiance on the normal's side, W/(m^2 sr) per channel. Default: none.
             emission: Option<[f64; 3]>,
+            /// Luminance on the normal's side, cd/m^2, above 0, in place of `emission`. Default: none.
+            luminance: Option<f64>,
+            /// With `luminance`: colour temperature in kelvin, in [1000, 15000]: that of a Planckian radiator. Default: white.
+            temperature: Option<f64>,
             /// Keyframes, by which the surface is moved after `transform`. Default: it rests.
             motion: Option<Vec<motion_keys::Key>>,
             $($(#[$field_doc])* $field: $type,)*
@@ -44,8 +48,9 @@ macro_rules! surface {
                 shape: Result<(ShapeDesc, DAffine3)>,
                 builder: &mut Builder<'_>,
             ) -> Result<()> {
+                let light = (self.emission, self.luminance, self.temperature);
                 let motion = self.motion.take();
-                place(path, self.material.as_deref(), self.emission, self.transform, motion, shape, builder)
+                place(path, self.material.as_deref(), light, self.transform, motion, shape, builder)
             }
         }
     };
@@ -404,6 +409,8 @@ impl Mesh<'_> {
         for (key, given) in [
             ("material", self.material.is_some()),
             ("emission", self.emission.is_some()),
+            ("luminance", self.luminance.is_some()),
+            ("temperature", self.temperature.is_some()),
             ("mesh", self.mesh.is_some()),
             ("positions", self.positions.is_some()),
             ("triangles", self.triangles.is_some()),
@@ -475,17 +482,14 @@ pub(super) fn shared_mesh(raw: &RawValue, path: &str, builder: &mut Builder<'_>)
 fn place(
     path: &str,
     material: Option<&str>,
-    emission: Option<[f64; 3]>,
+    (emission, luminance, temperature): (Option<[f64; 3]>, Option<f64>, Option<f64>),
     outer: Option<&RawValue>,
     motion: Option<Vec<motion_keys::Key>>,
     shape: Result<(ShapeDesc, DAffine3)>,
     builder: &mut Builder<'_>,
 ) -> Result<()> {
     let (shape, local) = shape.map_err(json::below(path))?;
-    let emission = match emission {
-        Some(radiance) => Some(validate::emission(&join(path, "emission"), radiance, 1.0)?),
-        None => None,
-    };
+    let emission = photometric::emission(path, emission, luminance, temperature)?;
     let material = match material {
         Some(name) => Some(builder.material(&join(path, "material"), name)?),
         None => None,

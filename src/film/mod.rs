@@ -298,6 +298,17 @@ impl Film {
         Ok(())
     }
 
+    /// Luminance of each pixel and the variance of that luminance, row by row; see [`Pixel::luminance`].
+    pub fn luminances(&self) -> Vec<[f64; 2]> {
+        let mut luminances = vec![[0.0; 2]; self.pixel_count()];
+        self.for_each(|place, pixel, _| {
+            if let Some(luminance) = luminances.get_mut(place) {
+                *luminance = pixel.luminance(self.options.share);
+            }
+        });
+        luminances
+    }
+
     fn write_layer(&self, layer: LayerKind, out: &mut [f32]) {
         self.for_each(|place, pixel, extras| write_pixel(layer, self.options.share, place, pixel, extras, out));
     }

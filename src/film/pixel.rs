@@ -1,7 +1,7 @@
 //! A pixel: sums of its replicates, whose scatter gives its standard error.
 
 use crate::math::Vec3;
-use crate::spectrum::Rgb;
+use crate::spectrum::{LUMINANCE_WEIGHTS, Rgb};
 
 /// Number of replicates: parts of a pixel's samples that are independent of each other, so that their scatter gives the
 /// error of their mean.
@@ -75,32 +75,52 @@ impl Pixel {
     /// of their mean; replicates are scrambled independently. With weights of both signs, the result is the variance of
     /// the sum before the division by the weights, which is larger than that of the quotient.
     pub fn variance(&self, share: u32) -> [f64; 3] {
+        let Some((counts, used)) = self.used_replicates(share) else { return [f64::NAN; 3] };
+        std::array::from_fn(|channel| self.scatter(&counts, used, |sum| sum[channel]))
+    }
+
+    /// Mean of the samples' luminance, and the variance of that mean as in [`Pixel::variance`], both in double precision.
+    ///
+    /// The variance is that of the replicates' luminances. It cannot be had from the variances of the channels, since these
+    /// are correlated.
+    pub fn luminance(&self, share: u32) -> [f64; 2] {
+        let [r, g, b] = LUMINANCE_WEIGHTS.to_array().map(f64::from);
+        let of = |sum: &[f64; 3]| r * sum[0] + g * sum[1] + b * sum[2];
+        let mean = of(&self.sum()) / f64::from(self.count.max(1));
+        match self.used_replicates(share) {
+            Some((counts, used)) => [mean, self.scatter(&counts, used, of)],
+            None => [mean, f64::NAN],
+        }
+    }
+
+    /// Numbers of samples of the replicates, and how many replicates have any; `None` where they are too few for an
+    /// estimate of the variance.
+    fn used_replicates(&self, share: u32) -> Option<([f64; REPLICATES], usize)> {
         if (self.count as usize) < MIN_REPLICATES {
-            return [f64::NAN; 3];
+            return None;
         }
         let counts = self.replicate_counts(share);
         let used = counts.iter().filter(|count| **count > 0.0).count();
-        if used < MIN_REPLICATES {
-            return [f64::NAN; 3];
-        }
+        (used >= MIN_REPLICATES).then_some((counts, used))
+    }
+
+    /// Variance of the mean of what `value` makes of a replicate's sums.
+    fn scatter(&self, counts: &[f64; REPLICATES], used: usize, value: impl Fn(&[f64; 3]) -> f64) -> f64 {
         let n = f64::from(self.count);
-        let sum = self.sum();
-        std::array::from_fn(|channel| {
-            // If a replicate of n_r samples has the variance s^2 / n_r, then the sum over replicates of n_r (m_r - m)^2
-            // has the expectation (k - 1) s^2, for any n_r.
-            let mean = sum[channel] / n;
-            let scatter: f64 = self
-                .sums
-                .iter()
-                .zip(counts)
-                .filter(|(_, count)| *count > 0.0)
-                .map(|(sum, count)| {
-                    let off = sum[channel] - count * mean;
-                    off * off / count
-                })
-                .sum();
-            scatter / ((used - 1) as f64 * n)
-        })
+        // If a replicate of n_r samples has the variance s^2 / n_r, then the sum over replicates of n_r (m_r - m)^2 has the
+        // expectation (k - 1) s^2, for any n_r.
+        let mean = value(&self.sum()) / n;
+        let scatter: f64 = self
+            .sums
+            .iter()
+            .zip(counts)
+            .filter(|(_, count)| **count > 0.0)
+            .map(|(sum, count)| {
+                let off = value(sum) - count * mean;
+                off * off / count
+            })
+            .sum();
+        scatter / ((used - 1) as f64 * n)
     }
 
     /// Number of samples of each replicate.
@@ -172,6 +192,22 @@ mod tests {
             }
             assert!((pixel.variance(share)[0] - 0.75).abs() < 1e-12, "{:?}", pixel.variance(share));
         }
+    }
+
+    #[test]
+    fn luminance_has_the_variance_of_its_own_replicates() {
+        // Red and green that add up to the same luminance in all replicates, and blue that scatters by itself.
+        let [r, g, b] = LUMINANCE_WEIGHTS.to_array();
+        let mut pixel = Pixel::default();
+        for sample in 0..8 {
+            let off = if sample % 2 == 0 { 1.0 } else { -1.0 };
+            pixel.add(Rgb::new(2.0 + off / r, 2.0 - off / g, 2.0 + off), 1.0, 1);
+        }
+        let [mean, variance] = pixel.luminance(1);
+        assert!((mean - 2.0).abs() < 1e-6, "{mean}");
+        let expected = f64::from(b * b) / 7.0;
+        assert!((variance / expected - 1.0).abs() < 1e-4, "{variance}, {expected}");
+        assert!(Pixel::default().luminance(1)[1].is_nan());
     }
 
     /// For any number of samples, the estimate is unbiased for independent samples.

@@ -1,13 +1,15 @@
-//! Photometric webs: how a measured lamp shines, from files of IES LM-63 and EULUMDAT.
+//! Photometric webs: how a measured lamp shines, from files of IES LM-63 and EULUMDAT; and colours by temperature.
 //!
 //! A file has luminous intensities \[cd\] over a grid of angles, between which [`Web`] interpolates. Files are text that anyone may have
 //! written, so each number is checked, and messages name its line. What symmetry leaves out of a file is filled in when it is read.
 
 mod eulumdat;
 mod ies;
+mod planck;
 mod text;
 mod web;
 
+pub use planck::{TEMPERATURES, of_luminance_one, planckian};
 pub use web::{Planes, Web};
 
 use std::fs::File;

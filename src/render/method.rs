@@ -3,7 +3,7 @@
 use crate::desc::{IntegratorDesc, Preparation, SampleOrder};
 use crate::integrator::photon::Gather;
 use crate::integrator::radiosity::RadiosityPicture;
-use crate::integrator::{Direct, Irradiance, Path, Transport, Whitted};
+use crate::integrator::{Direct, Irradiance, Path, Probes, Transport, Whitted};
 use crate::spectrum::Rgb;
 
 /// An integrator with its settings, and with its maps or its solution where it needs them.
@@ -16,6 +16,8 @@ pub(super) enum Method {
     Gather(Box<Gather>),
     /// Irradiance at points of surfaces, by path tracing.
     Irradiance(Irradiance),
+    /// Irradiance or radiance at points of space.
+    Probes(Probes),
     /// The picture of a radiosity solution.
     Radiosity(RadiosityPicture),
 }

@@ -37,7 +37,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, TILE};
 use crate::integrator::photon::{Choice, Plan, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
-use crate::integrator::{Irradiance, Path, Sites, check_still, check_support};
+use crate::integrator::{Irradiance, Path, Probe, ProbeQuantity, Probes, Sites, check_still, check_support};
 use crate::sampling::Filter;
 use crate::scene::Scene;
 use adaptive::{MIN_PIXELS, PILOT, Stage};
@@ -58,6 +58,9 @@ const SOLUTION_FRACTION: f64 = 0.5;
 
 /// Number of pixels in a row of a film of irradiance: one tile.
 pub const IRRADIANCE_WIDTH: u32 = TILE;
+
+/// Most points of space that lie in one row of a film: many tiles with few points each, so that all threads have work.
+const MOST_PROBES_IN_A_ROW: usize = 1 << 12;
 
 /// Smallest number of pixels for a note that few pixels have most of the error, as they always have in smaller images.
 const MIN_PIXELS_FOR_TAIL_NOTE: u64 = 64;
@@ -131,6 +134,44 @@ impl Render {
         let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
         let settings = RenderSettings { desc, auxiliary: false, ..settings };
         Self::with_method(scene, settings, Some(Method::Irradiance(Irradiance::new(sites, path, front))))
+    }
+
+    /// Prepares a render of the light at points of space (see [`Probes`]): by a radiosity solution where the settings'
+    /// integrator is radiosity, and else by path tracing.
+    ///
+    /// The film has one pixel for each point, in one row, or in rows of [`IRRADIANCE_WIDTH`] pixels where the points are many;
+    /// pixels that are left over in the last row show the first points once more. Settings for resolution, filter and
+    /// auxiliary layers are ignored. For irradiance the depth counts the point itself as the first hit. All samplers other
+    /// than `Random` count as `Sobol`.
+    ///
+    /// # Errors
+    /// The errors of [`Render::new`], and `InvalidScene` where there is no point.
+    pub fn probes(scene: &Scene, settings: RenderSettings, probes: &[Probe], quantity: ProbeQuantity) -> Result<Self> {
+        if probes.is_empty() {
+            return Err(Error::new(ErrorKind::InvalidScene, "there is no point whose light could be asked for"));
+        }
+        let width = if probes.len() <= MOST_PROBES_IN_A_ROW { probes.len() } else { IRRADIANCE_WIDTH as usize };
+        let rows = u32::try_from(probes.len().div_ceil(width)).unwrap_or(u32::MAX);
+        let integrator = match settings.desc.integrator {
+            IntegratorDesc::Radiosity => IntegratorDesc::Radiosity,
+            _ => IntegratorDesc::Path,
+        };
+        check_support(scene, integrator)?;
+        let desc = RenderDesc {
+            resolution: [width as u32, rows],
+            integrator,
+            filter: FilterDesc::Box,
+            sampler: match settings.desc.sampler {
+                SamplerDesc::Random => SamplerDesc::Random,
+                _ => SamplerDesc::Sobol,
+            },
+            ..settings.desc
+        };
+        let path = Path { max_depth: desc.max_depth, shadow_rays: desc.shadow_rays };
+        // Few points are no image whose pixels could be chosen among, and nobody asked for that.
+        let adaptive = settings.adaptive.or(((probes.len() as u64) < MIN_PIXELS).then_some(false));
+        let settings = RenderSettings { desc, adaptive, auxiliary: false, ..settings };
+        Self::with_method(scene, settings, Some(Method::Probes(Probes::new(scene, probes, quantity, path))))
     }
 
     fn with_method(scene: &Scene, settings: RenderSettings, method: Option<Method>) -> Result<Self> {
@@ -340,7 +381,11 @@ impl Render {
                 self.radiosity = Some(Arc::clone(&solution));
                 schedule.prepared.set(1.0);
                 let (is_gather, shadow_rays) = (self.desc.radiosity.final_gather, self.desc.shadow_rays);
-                Method::Radiosity(RadiosityPicture::new(&self.scene, solution, is_gather, shadow_rays))
+                let picture = RadiosityPicture::new(&self.scene, solution, is_gather, shadow_rays);
+                match &self.method {
+                    Method::Probes(probes) => Method::Probes(probes.by_radiosity(picture)),
+                    _ => Method::Radiosity(picture),
+                }
             }),
         };
         let is_cancelled = pool.is_stopped_by_callback || self.settings.cancel.is_cancelled();

@@ -11,7 +11,7 @@ use crate::Cancel;
 use crate::camera::{Camera, MovingCamera};
 use crate::desc::{RenderDesc, SamplerDesc};
 use crate::film::{Film, PixelPhotonState, PixelSample, REPLICATES, TILE};
-use crate::integrator::{Context, Direct, Irradiance, Path, Sample, Tracer, Transport, Wave, Whitted};
+use crate::integrator::{Context, Direct, Irradiance, Path, Probes, Sample, Tracer, Transport, Wave, Whitted};
 use crate::math::Ray;
 use crate::sampling::{Filter, Pattern, PatternSampler, Sampler, SobolSampler};
 use crate::scene::{Hit, Scene};
@@ -275,6 +275,22 @@ impl Measurement for Irradiance {
     }
 }
 
+/// Light at points of space. A point has the number of its pixel.
+impl Measurement for Probes {
+    fn batch_size(&self, _pass: &Pass) -> usize {
+        SAMPLES_PER_BATCH
+    }
+
+    #[inline(always)]
+    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S>, tracer: &mut T) {
+        for (job, sample) in batch.jobs.iter().zip(&mut batch.samples) {
+            let [x, y] = job.pixel;
+            let number = (y * pass.input.film.options().resolution[0] + x) as usize;
+            sample.radiance = self.estimate(&pass.input.scene, number, &mut sample.sampler, tracer);
+        }
+    }
+}
+
 impl SharedWork for Pass {
     /// Chooses the integrator once for all tiles. The code below is compiled for each pair of integrator and sampler.
     fn take(&self, pause: &mut dyn FnMut() -> bool) -> bool {
@@ -287,6 +303,7 @@ impl SharedWork for Pass {
             Method::Gather(gather) => self.with_measurement(&CameraRadiance(&**gather), pause),
             Method::Radiosity(picture) => self.with_measurement(&CameraRadiance(picture), pause),
             Method::Irradiance(irradiance) => self.with_measurement(irradiance, pause),
+            Method::Probes(probes) => self.with_measurement(probes, pause),
         }
     }
 

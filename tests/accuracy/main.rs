@@ -18,6 +18,7 @@ mod leaving;
 mod lights;
 mod media;
 mod motion;
+mod photometry;
 mod photons;
 mod radiosity;
 mod sampling;
@@ -44,6 +45,7 @@ fn groups() -> Vec<(&'static str, Vec<Entry>)> {
         ("media", media::cases()),
         ("textures", textures::cases()),
         ("motion", motion::cases()),
+        ("photometry", photometry::cases()),
         ("arithmetic", arithmetic::cases()),
     ]
 }

@@ -12,6 +12,11 @@ const TABLES: &str = "docs/accuracy-tables.md";
 /// The page in front of them, which counts what they hold.
 const FRONT: &str = "docs/accuracy.md";
 
+/// The document that has the table of a group: the common one, but for groups whose own page their readers look at.
+fn page(group: &str) -> &'static str {
+    if group == "photometry" { "docs/photometry.md" } else { TABLES }
+}
+
 /// All rows so far, by group and by the place of the case in it.
 #[derive(Default)]
 pub struct Table {
@@ -109,56 +114,68 @@ impl Table {
     /// Compares the document with what was tried: every row must be there. Writes the tables into it, and their contents into
     /// the page in front of them, where `ETENDUE_WRITE` is set and the numbers are large, or one group's where it names that.
     pub fn check_document(&self, is_full: bool) -> Result<(), String> {
-        let mut text = read(TABLES)?;
         let group = std::env::var("ETENDUE_WRITE").ok();
         // One group alone, with the numbers of this run; the others keep theirs.
         if let Some(group) = group.as_ref().filter(|name| super::groups().iter().any(|(group, _)| group == name)) {
-            return write(&replaced(&text, group, &self.group_table(group))?);
+            self.write_group(group)?;
+            return write_front();
         }
         if is_full && group.is_some() {
             for (group, _) in super::groups() {
-                text = replaced(&text, group, &self.group_table(group))?;
+                self.write_group(group)?;
             }
-            text = replaced(&text, "time", &self.efficiency_table())?;
-            text = replaced(&text, "summary", &self.summary())?;
-            return write(&text);
+            for (name, table) in [("time", self.efficiency_table()), ("summary", self.summary())] {
+                write(TABLES, &replaced(&read(TABLES)?, name, &table)?)?;
+            }
+            return write_front();
+        }
+        let mut texts = BTreeMap::new();
+        for (group, _) in super::groups() {
+            texts.insert(group, read(page(group))?);
         }
         let missing: Vec<String> = self
             .rows()
-            .map(|(_, row)| format!("| {} {} | {} |", row.id, row.title, row.what))
-            .filter(|start| !text.contains(start.as_str()))
+            .map(|(group, row)| (group, format!("| {} {} | {} |", row.id, row.title, row.what)))
+            .filter(|(group, start)| !texts[group].contains(start.as_str()))
+            .map(|(group, start)| format!("{}: {start}", page(group)))
             .collect();
         if missing.is_empty() {
             return Ok(());
         }
         Err(format!(
-            "{TABLES} lacks {} rows (ETENDUE_WRITE=1 make accuracy writes it):\n{}",
+            "the tables lack {} rows (ETENDUE_WRITE=1 make accuracy writes them):\n{}",
             missing.len(),
             missing.join("\n")
         ))
+    }
+
+    fn write_group(&self, group: &str) -> Result<(), String> {
+        write(page(group), &replaced(&read(page(group))?, group, &self.group_table(group))?)
     }
 }
 
 /// Whether the page in front of the tables counts what they hold.
 pub fn check_front() -> Result<(), String> {
     let front = read(FRONT)?;
-    let counted = replaced(&front, "contents", &contents(&read(TABLES)?)?)?;
-    if counted == front { Ok(()) } else { Err(format!("{FRONT} does not count what {TABLES} holds")) }
+    let counted = replaced(&front, "contents", &contents()?)?;
+    if counted == front { Ok(()) } else { Err(format!("{FRONT} does not count what the tables hold")) }
 }
 
-/// A line for each group of the document of the tables, with its heading and what its table holds.
-fn contents(tables: &str) -> Result<String, String> {
+/// A line for each group, with the heading over its table and what the table holds.
+fn contents() -> Result<String, String> {
     let mut text =
         "| topic | cases | comparisons | passed | known to fail | farthest mean, standard errors (limit 4) |\n\
                     |---|--:|--:|--:|--:|--:|\n"
             .to_owned();
     let mut total = Contents::default();
     for (group, _) in super::groups() {
-        let (before, table, _) = divided(tables, group)?;
+        let tables = read(page(group))?;
+        let (before, table, _) = divided(&tables, group)?;
         let heading = before.lines().rfind(|line| line.starts_with("## ")).map_or(group, |line| &line[3..]);
         let anchor = heading.to_lowercase().replace(' ', "-");
+        let file = page(group).trim_start_matches("docs/");
         let contents = Contents::of(table);
-        let _ = writeln!(text, "| [{heading}](accuracy-tables.md#{anchor}) | {} |", contents.to_cells());
+        let _ = writeln!(text, "| [{heading}]({file}#{anchor}) | {} |", contents.to_cells());
         total.cases += contents.cases;
         total.rows += contents.rows;
         total.passed += contents.passed;
@@ -216,13 +233,13 @@ fn read(name: &str) -> Result<String, String> {
     std::fs::read_to_string(path(name)).map_err(|error| format!("{name}: {error}"))
 }
 
-/// Writes the tables, and what they hold into the page in front of them.
-fn write(tables: &str) -> Result<(), String> {
-    let front = replaced(&read(FRONT)?, "contents", &contents(tables)?)?;
-    for (name, text) in [(TABLES, tables), (FRONT, &front)] {
-        std::fs::write(path(name), text).map_err(|error| format!("{name}: {error}"))?;
-    }
-    Ok(())
+fn write(name: &str, text: &str) -> Result<(), String> {
+    std::fs::write(path(name), text).map_err(|error| format!("{name}: {error}"))
+}
+
+/// Writes what the tables hold into the page in front of them.
+fn write_front() -> Result<(), String> {
+    write(FRONT, &replaced(&read(FRONT)?, "contents", &contents()?)?)
 }
 
 /// `text` before, between and after the marks of `name`.

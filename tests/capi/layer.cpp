@@ -437,6 +437,16 @@ void light_maps() {
     CHECK(status_of([&] { etd::bake_vertices(scene, 7, etd::bake_target(texels), few()); }) == ETD_INVALID_ARGUMENT);
     std::vector<float> vertices(3 * info.vertex_count);
     CHECK(etd::bake_vertices(scene, 0, etd::bake_target(vertices), few()) == ETD_OK);
+    const std::vector<etd_measuring_point> points{{{0, 2, 0}, {0, 1, 0}}, {{2, 1, 0}, {0, 1, 0}}};
+    std::vector<double> lux(2, -1.0);
+    std::vector<double> errors(2, -1.0);
+    CHECK(etd::measure(scene, ETD_QUANTITY_ILLUMINANCE, points, few(8), lux, errors) == ETD_OK);
+    CHECK(lux[0] >= 0 && lux[1] >= 0 && errors[0] >= 0);
+    CHECK(etd::measure(scene, ETD_QUANTITY_ILLUMINANCE, points, few(100000), lux, {},
+                       [](const etd_progress &) { return false; }) == ETD_CANCELLED);
+    CHECK(status_of([&] {
+              etd::measure(scene, ETD_QUANTITY_LUMINANCE, points, few(), etd::span<double>(lux.data(), 1));
+          }) == ETD_INVALID_ARGUMENT);
     const etd::Atlas other = atlas.share();
     CHECK(other.get() == atlas.get());
 }

@@ -226,6 +226,9 @@ static void enumerations(void) {
     ENUM(etd_side);
     VALUE(ETD_SIDE_FRONT);
     VALUE(ETD_SIDE_BACK);
+    ENUM(etd_quantity);
+    VALUE(ETD_QUANTITY_ILLUMINANCE);
+    VALUE(ETD_QUANTITY_LUMINANCE);
 }
 
 static void structures(void) {
@@ -555,6 +558,9 @@ static void structures(void) {
     FIELD(etd_ray, tnear);
     FIELD(etd_ray, direction);
     FIELD(etd_ray, tfar);
+    STRUCT(etd_measuring_point);
+    FIELD(etd_measuring_point, position);
+    FIELD(etd_measuring_point, direction);
     STRUCT(etd_hit);
     FIELD(etd_hit, t);
     FIELD(etd_hit, barycentric);

@@ -679,6 +679,33 @@ static etd_status n_scene_bake_vertices(void) {
     return CALL(etd_scene_bake_vertices(SCENE(0), 0, AT(1, &options), AT(2, &target), summary));
 }
 
+static etd_status n_scene_measure(void) {
+    static const etd_measuring_point points[2] = {{{0, 2, 0}, {0, 1, 0}}, {{2, 1, 0}, {0, 1, 0}}};
+    etd_render_options options = short_render(1);
+    double *values = AT(3, output(2 * sizeof *values));
+    double *errors = AT(4, output(2 * sizeof *errors));
+    etd_summary *summary = AT(5, sized_output(sizeof *summary));
+    return CALL(etd_scene_measure(SCENE(0), ETD_QUANTITY_ILLUMINANCE, AT(1, points), 2, AT(2, &options), values, errors,
+                                  summary));
+}
+/* Under a sky of its own. */
+static etd_status n_scene_exterior_illuminance(void) {
+    float before[3] = {0, 0, 0};
+    etd_status status;
+    double *value = AT(1, output(sizeof *value));
+    double *error = AT(2, output(sizeof *error));
+    CHECK_OK(etd_scene_get_environment(scene, before));
+    CHECK_OK(etd_scene_set_environment(scene, grey));
+    status = CALL(etd_scene_exterior_illuminance(SCENE(0), value, error));
+    CHECK_OK(etd_scene_set_environment(scene, before[0] > 0 ? before : NULL));
+    return status;
+}
+
+static etd_status n_photometric_color(void) {
+    float *color = AT(1, output(3 * sizeof *color));
+    return CALL(etd_photometric_color(800, 12.566, 0, AT(0, grey), color));
+}
+
 /* A dark lamp of a few lines. */
 static etd_web_light dark_lamp(void) {
     static const char text[] = "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 1\n0 90\n0\n1 1\n";
@@ -826,6 +853,9 @@ static const struct {
     {"etd_atlas_copy_coverage", n_atlas_copy_coverage, 3, 1, 1},
     {"etd_atlas_bake", n_atlas_bake, 4, 5, 1},
     {"etd_scene_bake_vertices", n_scene_bake_vertices, 4, 5, 1},
+    {"etd_scene_measure", n_scene_measure, 6, 11, 1},
+    {"etd_photometric_color", n_photometric_color, 2, 2, 0},
+    {"etd_scene_exterior_illuminance", n_scene_exterior_illuminance, 3, 3, 1},
 };
 #define TABLE_SIZE (sizeof table / sizeof table[0])
 
@@ -952,6 +982,7 @@ int main(int count, char **arguments) {
     misuse_motion();
     misuse_photons();
     misuse_bake(quick);
+    misuse_lighting();
     etd_atlas_release(atlas);
     etd_task_release(task);
     etd_film_release(film);

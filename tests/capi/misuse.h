@@ -29,6 +29,9 @@ void misuse_cameras(void);
 /* Light maps. `quick`: small ones. */
 void misuse_bake(int quick);
 
+/* Illuminance and luminance, in misuse_lighting.c. */
+void misuse_lighting(void);
+
 /* What goes wrong over time: states, orders, threads, callbacks. `quick`: with few repetitions. */
 void misuse_life(int quick);
 

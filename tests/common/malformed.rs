@@ -599,6 +599,14 @@ fn materials(l: &mut List) {
         ("opacity of a lamp", "\"emission\": [1, 0, 0],\n@\"opacity\": 0.5", "opacity: a material that emits light"),
         ("emission of a material negative", "\"emission\": [0, 1,\n@-1]", "emission[2]: -1 is negative"),
         ("emission of a material a number", "@\"emission\": 1", "emission: invalid type: integer `1`"),
+        ("luminance of a material of none", "@\"luminance\": 0", "luminance: 0 is not above 0"),
+        (
+            "two lights of a material",
+            "\"emission\": [1, 1, 1],\n@\"luminance\": 5",
+            "luminance: `emission` says the light",
+        ),
+        ("temperature of a material alone", "@\"temperature\": 3000", "temperature: is used with `luminance` only"),
+        ("material too hot", "\"luminance\": 5,\n@\"temperature\": 15001", "temperature: 15001 is out of range"),
         ("emission of a material too large", "\"emission\": [\n@1e39, 1, 1]", "emission[0]: 1e39 is beyond single"),
     ] {
         l.material(name, &black(more), &format!("materials[1].{expected}"));
@@ -950,6 +958,51 @@ fn lights(l: &mut List) {
             "lights[0].color[0]: 1e40 is beyond single precision",
         ),
         (
+            "lamp of a unit that it has not",
+            "{\"type\": \"point\", \"origin\": [1, 1, 1], \"intensity\": 3,\n@\"unit\": \"lx\"}",
+            "lights[0].unit: 'lx' is no unit of this light, expected one of W, cd, lm",
+        ),
+        (
+            "lamp of an unknown unit",
+            "{\"type\": \"point\", \"origin\": [1, 1, 1], \"intensity\": 3,\n@\"unit\": \"lumen\"}",
+            "lights[0].unit: unknown name `lumen`",
+        ),
+        (
+            "lamp of no lumens",
+            "{\"type\": \"point\", \"origin\": [1, 1, 1], \"unit\": \"lm\",\n@\"intensity\": 0}",
+            "lights[0].intensity: 0 is not above 0",
+        ),
+        (
+            "lamp of negative candela",
+            "{\"type\": \"spot\", \"origin\": [1, 1, 1], \"direction\": [1, 1, 1], \"unit\": \"cd\",\n@\"intensity\": -4}",
+            "lights[0].intensity: -4 is not above 0",
+        ),
+        (
+            "lamp of a unit alone",
+            "@{\"type\": \"point\", \"origin\": [1, 1, 1], \"unit\": \"lm\"}",
+            "lights[0]: missing key `intensity`, in lm",
+        ),
+        (
+            "lamp of two colours",
+            "{\"type\": \"point\", \"origin\": [1, 1, 1], \"color\": [1, 1, 1],\n@\"temperature\": 2700}",
+            "lights[0].temperature: `color` says the colour already, expected one of both",
+        ),
+        (
+            "lamp too cold",
+            "{\"type\": \"distant\", \"sun\": [1, 1, 1],\n@\"temperature\": 999}",
+            "lights[0].temperature: 999 is out of range, expected a temperature from 1000 to 15000 kelvin",
+        ),
+        (
+            "black lamp of so many lux",
+            "{\"type\": \"distant\", \"sun\": [1, 1, 1], \"unit\": \"lx\", \"intensity\": 3,\n@\"color\": [0, 0, 0]}",
+            "lights[0].color: [0.0, 0.0, 0.0] is black",
+        ),
+        (
+            "sky of a unit that its scale is not of",
+            "{\"type\": \"sky\", \"cie\": 1, \"scale\": \"zenith\", \"intensity\": 3,\n@\"unit\": \"lx\"}",
+            "lights[0].unit: 'lx' is no unit of this light, expected one of W, cd/m2",
+        ),
+        (
             "area without vertex",
             "@{\"type\": \"area\", \"vertex-1\": [0, 0, 0], \"vertex-2\": [1, 0, 0], \"color\": [1, 1, 1]}",
             "lights[0]: missing key `vertex-3`",
@@ -1022,6 +1075,13 @@ fn surfaces(l: &mut List) {
         l.surface(name, &text, &format!("surfaces[1].{expected}"));
     }
     l.sphere("emission negative", "\"emission\": [1, 1,\n@-1]", "surfaces[1].emission[2]: -1 is negative");
+    l.sphere("luminance negative", "@\"luminance\": -2", "surfaces[1].luminance: -2 is not above 0");
+    l.sphere(
+        "luminance and emission",
+        "\"emission\": [1, 1, 1],\n@\"luminance\": 2",
+        "surfaces[1].luminance: `emission` says the light already",
+    );
+    l.sphere("luminance beyond single precision", "@\"luminance\": 1e40", "surfaces[1].luminance: ");
     l.sphere("emission a number", "@\"emission\": 1", "surfaces[1].emission: invalid type: integer `1`");
     l.sphere("unknown surface key", "@\"colour\": 1", "surfaces[1].colour: unknown key `colour`");
     l.surface(

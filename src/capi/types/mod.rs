@@ -46,6 +46,7 @@ mod bake;
 mod device;
 mod film;
 mod light;
+mod lighting;
 mod material;
 mod motion;
 mod query;
@@ -58,6 +59,7 @@ pub use bake::*;
 pub use device::*;
 pub use film::*;
 pub use light::*;
+pub use lighting::*;
 pub use material::*;
 pub use motion::*;
 pub use query::*;
@@ -134,6 +136,8 @@ mod numbers {
     pub type EtdTextureChannel = u32;
     /// The enumeration of this name, as a number.
     pub type EtdSkyProjection = u32;
+    /// The enumeration of this name, as a number.
+    pub type EtdQuantity = u32;
 }
 pub use numbers::*;
 

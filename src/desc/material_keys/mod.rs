@@ -17,7 +17,8 @@ use super::json::{self, join};
 use super::numbers::{self, single, unless};
 use super::save::{Names, raw};
 use super::{
-    BsdfDesc, MaterialDesc, MediumDesc, MicrofacetsDesc, material_check, texture_check, texture_keys, validate,
+    BsdfDesc, MaterialDesc, MediumDesc, MicrofacetsDesc, material_check, photometric, texture_check, texture_keys,
+    validate,
 };
 use crate::Result;
 use crate::spectrum::Rgb;
@@ -76,6 +77,10 @@ macro_rules! material {
             /// Emitted radiance on the normal's side, W/(m^2 sr) per channel, of all surfaces of this material that have no
             /// emission of their own. Default: none.
             emission: Option<[f64; 3]>,
+            /// Luminance on the normal's side, cd/m^2, above 0, in place of `emission`. Default: none.
+            luminance: Option<f64>,
+            /// With `luminance`: colour temperature in kelvin, in [1000, 15000]: that of a Planckian radiator. Default: white.
+            temperature: Option<f64>,
             /// Textures that vary parameters of this material, by the names of the parameters: the name of a texture, or an object. The
             /// value of the parameter is then a factor on that of the texture.
             #[cfg_attr(feature = "schema", schemars(with = "Option<std::collections::BTreeMap<String, crate::desc::texture_keys::BindingOrName>>"))]
@@ -89,6 +94,8 @@ macro_rules! material {
                     name: self.name,
                     opacity: self.opacity,
                     emission: self.emission,
+                    luminance: self.luminance,
+                    temperature: self.temperature,
                     textures: self.textures,
                 }
             }
@@ -117,6 +124,8 @@ macro_rules! keys {
             _type: $tag,
             opacity: $shared.opacity,
             emission: $shared.emission,
+            luminance: $shared.luminance,
+            temperature: $shared.temperature,
             textures: $shared.textures,
             $($field: $value,)*
         }
@@ -158,6 +167,8 @@ struct SharedKeys {
     name: String,
     opacity: Option<f64>,
     emission: Option<[f64; 3]>,
+    luminance: Option<f64>,
+    temperature: Option<f64>,
     textures: Option<BTreeMap<String, Box<RawValue>>>,
 }
 
@@ -222,10 +233,10 @@ fn add<K: Kind>(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result
     let medium = keys.medium(path)?;
     let bsdf = keys.bsdf(path, builder)?;
     let survival = keys.survival(path)?;
-    let SharedKeys { name, opacity, emission, textures } = keys.shared();
+    let SharedKeys { name, opacity, emission, luminance, temperature, textures } = keys.shared();
     let textures = texture_keys::bindings(textures.as_ref(), path, builder)?;
     let opacity = validate::within(&join(path, "opacity"), opacity.unwrap_or(1.0), 0.0, 1.0)?;
-    let emission = emission.map(|radiance| validate::emission(&join(path, "emission"), radiance, 1.0)).transpose()?;
+    let emission = photometric::emission(path, emission, luminance, temperature)?;
     let mut material =
         MaterialDesc { name, path: path.to_owned(), bsdf, survival, medium, opacity, emission, textures };
     material_check::check(&mut material, &builder.scene.materials)?;
@@ -239,6 +250,8 @@ pub(super) fn write(number: usize, material: &MaterialDesc, names: &Names) -> Re
         name: names.materials[number].clone(),
         opacity: unless(single(material.opacity), 1.0),
         emission: material.emission.map(numbers::color),
+        luminance: None,
+        temperature: None,
         textures: texture_keys::write_bindings(&material.textures, names)?,
     };
     let name_of = |part: usize| names.materials[part].clone();

@@ -29,6 +29,8 @@ macro_rules! text {
             material: $look.material,
             transform: $look.transform.as_deref(),
             emission: $look.emission,
+            luminance: None,
+            temperature: None,
             motion: $look.motion,
             $($field: $value,)*
         })

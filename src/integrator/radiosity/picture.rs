@@ -50,6 +50,29 @@ impl RadiosityPicture {
         }
         albedo * self.solution.irradiance(hit, surface.point.p, front)
     }
+
+    /// Light that a vertex scatters back along the path: direct light by light samples, all other light by a ray into the
+    /// solution.
+    pub(in crate::integrator) fn gathered<S: Sampler, T: Tracer>(
+        &self,
+        vertex: &Vertex<'_, Rgb>,
+        context: &mut Context<'_, S, T>,
+    ) -> Rgb {
+        let scene = context.scene;
+        let mut radiance = Rgb::ZERO;
+        // Direct light, by light samples and by the ray that follows, with multiple importance sampling.
+        vertex.add_light_samples(&mut radiance, context, self.shadow_rays, false);
+        // All other light, by a ray to a surface whose reflected light the solution gives.
+        let Some(bounce) = vertex.sample_bounce(context.sampler.next_4d()) else { return radiance };
+        // The solution knows nothing of delta lobes beside the diffuse one: their light is left out here as well.
+        let Some(pdf) = bounce.pdf else { return radiance };
+        let previous = Some((vertex.receiver(), pdf));
+        let Some(hit) = context.tracer.intersect(&bounce.ray) else { return radiance };
+        let mut slot = None;
+        let next = Vertex::<Rgb>::new(scene, &bounce.ray, &hit, (), None, &mut slot);
+        let seen = next.emitted(scene, previous, self.shadow_rays) + self.reflected(scene, &bounce.ray, &hit, &next);
+        radiance + bounce.weight * seen
+    }
 }
 
 impl Transport<Rgb> for RadiosityPicture {
@@ -64,24 +87,13 @@ impl Transport<Rgb> for RadiosityPicture {
         let mut slot = None;
         let vertex = Vertex::new(scene, &ray, &hit, (), None, &mut slot);
         first(vertex.first_hit(scene));
-        let mut radiance: Rgb = vertex.emitted(scene, None, 1);
+        let radiance: Rgb = vertex.emitted(scene, None, 1);
         if !self.final_gather {
             return radiance + self.reflected(scene, &ray, &hit, &vertex);
         }
         if !vertex.lobes.have_diffuse() {
             return radiance;
         }
-        // Direct light, by light samples and by the ray that follows, with multiple importance sampling.
-        vertex.add_light_samples(&mut radiance, context, self.shadow_rays, false);
-        // All other light, by a ray to a surface whose reflected light the solution gives.
-        let Some(bounce) = vertex.sample_bounce(context.sampler.next_4d()) else { return radiance };
-        // The solution knows nothing of delta lobes beside the diffuse one: their light is left out here as well.
-        let Some(pdf) = bounce.pdf else { return radiance };
-        let previous = Some((vertex.receiver(), pdf));
-        let Some(hit) = context.tracer.intersect(&bounce.ray) else { return radiance };
-        let mut slot = None;
-        let next = Vertex::<Rgb>::new(scene, &bounce.ray, &hit, (), None, &mut slot);
-        let seen = next.emitted(scene, previous, self.shadow_rays) + self.reflected(scene, &bounce.ray, &hit, &next);
-        radiance + bounce.weight * seen
+        radiance + self.gathered(&vertex, context)
     }
 }

@@ -15,7 +15,7 @@ pub mod spots;
 pub mod webs;
 mod weights;
 
-pub use sky::{drawn, received};
+pub use sky::{drawn, received, relative};
 
 use std::f64::consts::PI;
 

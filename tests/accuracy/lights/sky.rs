@@ -154,7 +154,7 @@ const GROUPS: [[usize; 2]; 15] = [
 ];
 
 /// Luminance over that of the zenith.
-fn relative(number: usize, towards: DVec3, sun: DVec3) -> f64 {
+pub fn relative(number: usize, towards: DVec3, sun: DVec3) -> f64 {
     let [gradation, indicatrix] = GROUPS[number - 1];
     let ([a, b], [c, d, e]) = (GRADATIONS[gradation], INDICATRICES[indicatrix]);
     let phi = |zenith: f64| 1.0 + a * (b / zenith.cos()).exp();
