@@ -7,7 +7,7 @@ mod hierarchy;
 mod many;
 mod points;
 mod polygons;
-mod sky;
+pub mod sky;
 mod solid_angles;
 mod spheres;
 pub mod spots;
