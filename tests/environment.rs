@@ -12,7 +12,6 @@ use etendue::desc::{
     ShapeDesc, SkyDesc, SurfaceLook, TextureDesc, TextureMapping, TextureSource,
 };
 use etendue::math::{DAffine3, DVec3};
-use etendue::render::{Render, RenderSettings};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
 use etendue::texture::{ColorSpace, Pattern, Procedural, TexelImage, Texels, TextureFilter, Wrap};
@@ -205,14 +204,6 @@ fn mean(rgb: &[f32]) -> f64 {
 fn a_white_ball_cannot_be_seen() {
     for integrator in IntegratorDesc::ALL {
         let mut scene = furnace(1.0, integrator);
-        if integrator == IntegratorDesc::Radiosity {
-            let built = Scene::build(&scene, &BuildOptions::default()).unwrap();
-            let settings = RenderSettings { desc: scene.render.clone(), ..RenderSettings::default() };
-            let error = Render::new(&built, settings).err().expect("radiosity has no place for a sky");
-            assert_eq!(error.kind(), ErrorKind::Unsupported);
-            assert!(error.message().starts_with("radiosity takes no light from infinity"), "{error}");
-            continue;
-        }
         // Estimates from the density of photons lose what lies beyond the silhouette, so these look at its middle.
         if matches!(integrator, IntegratorDesc::PhotonDirect) {
             scene.render.photons.count = Some(1 << 18);

@@ -352,6 +352,7 @@ fn facts(summary: &Summary, solution: Option<&Radiosity>) -> Value {
             "iterations": solution.iterations,
             "residual": solution.residual,
             "errorBound": solution.error_bound,
+            "samplingError": solution.sampling_error,
             "emitted": solution.emitted.to_array(),
             "absorbed": solution.absorbed.to_array(),
         });

@@ -11,8 +11,7 @@ use crate::spectrum::Rgb;
 
 /// Sets the light that comes from infinity, the same from all directions: a sky.
 ///
-/// `radiance`: three numbers, radiance [W m^-2 sr^-1], each >= 0; NULL: none. Radiosity does not render a scene with an
-/// environment. Thread-safe.
+/// `radiance`: three numbers, radiance [W m^-2 sr^-1], each >= 0; NULL: none. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -51,7 +50,7 @@ pub unsafe extern "C" fn etd_scene_get_environment(scene: *const etd_scene, out_
 ///
 /// `map`: NULL for no light from infinity. Errors: `ETD_INVALID_SCENE` if there is no such texture, if it does not have the shape of
 /// the projection, is projected on surfaces or multiplied by the colours of vertices, or is an image that is scaled, turned or moved.
-/// Radiosity does not render a scene with an environment. Thread-safe.
+/// Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.

@@ -19,8 +19,7 @@ use crate::spectrum::Rgb;
 
 /// Adds a spot light. `*out_light` receives the light's number among point lights.
 ///
-/// Errors: `ETD_INVALID_SCENE` for a direction of length 0 and for angles out of their range. Radiosity does not render a scene with a
-/// spot light. Thread-safe.
+/// Errors: `ETD_INVALID_SCENE` for a direction of length 0 and for angles out of their range. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -96,8 +95,7 @@ pub unsafe extern "C" fn etd_scene_get_spot_light(
 /// Adds a measured lamp. `*out_light` receives the light's number among point lights.
 ///
 /// Errors: `ETD_INVALID_ARGUMENT` for neither a file nor a text, or both; `ETD_IO` for a file that cannot be read; `ETD_INVALID_SCENE` for
-/// contents that are of neither format or wrong, with the line, and for a direction of length 0. Radiosity does not render a scene with
-/// a measured lamp. Thread-safe.
+/// contents that are of neither format or wrong, with the line, and for a direction of length 0. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type, `file` to a text with a NUL at its end and `text` to `text_bytes` bytes.

@@ -14,7 +14,7 @@ use crate::spectrum::Rgb;
 /// Adds light that comes from one direction of infinity, such as that of the sun.
 ///
 /// `*out_light` receives its number among such lights. Errors: `ETD_INVALID_SCENE` for a direction of 0, an irradiance below 0 or
-/// an angle beyond its range. Radiosity does not render a scene with it. Thread-safe.
+/// an angle beyond its range. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -87,8 +87,7 @@ pub unsafe extern "C" fn etd_scene_get_distant_light(
 /// `etd_scene_set_environment` and `etd_scene_set_environment_map`.
 ///
 /// Errors: `ETD_INVALID_SCENE` for numbers beyond their range, a sun below the horizon and a
-/// formula that gives no light; `ETD_INVALID_ARGUMENT` for a type that the CIE does not have. Radiosity does not render a scene with a sky.
-/// Thread-safe.
+/// formula that gives no light; `ETD_INVALID_ARGUMENT` for a type that the CIE does not have. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.

@@ -312,8 +312,8 @@ integrators! {
         order: SampleOrder::OneByOne,
         preparation: Preparation::RadiositySolution,
         cut_by_max_depth: false,
-        takes_infinite_emitters: false,
-        takes_directed_points: false,
+        takes_infinite_emitters: true,
+        takes_directed_points: true,
         takes_absorption: false,
         lobes: Some(LobeSupport {
             diffuse: LobeUse::StoredAndGathered,

@@ -39,6 +39,11 @@ impl DistantEmitter {
         self.radiance.is_some()
     }
 
+    /// 1 - cos of the angular radius; 0 of parallel light.
+    pub fn one_minus_cos(&self) -> f32 {
+        self.cone.one_minus_cos
+    }
+
     /// Power that enters the ball (W).
     pub(super) fn power(&self) -> DVec3 {
         let across = match self.radiance {

@@ -406,7 +406,6 @@ impl EmitterSet {
         u: [f32; 4],
         beside_bsdf: bool,
     ) -> Option<EmitterSample> {
-        let p = receiver.p;
         let choice_u = f64::from(u[0]) + f64::from(u[3]) * (-24_f64).exp2();
         let (index, probability) = match self.choice.as_ref()? {
             EmitterChoice::ByPower(choice) => {
@@ -425,7 +424,24 @@ impl EmitterSet {
                 }
             }
         };
-        let mut sample = match &self.emitters[index] {
+        let mut sample = self.sample_of(index as u32, receiver, time, [u[1], u[2]], beside_bsdf)?;
+        sample.pdf *= probability;
+        (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some(sample)
+    }
+
+    /// Samples a direction from the receiver towards emitter `index`, with its density alone; `u` uniform in [0, 1)^2. The arguments
+    /// are those of [`EmitterSet::sample_for`].
+    #[inline(always)]
+    pub(crate) fn sample_of(
+        &self,
+        index: u32,
+        receiver: Receiver,
+        time: f32,
+        u: [f32; 2],
+        beside_bsdf: bool,
+    ) -> Option<EmitterSample> {
+        let p = receiver.p;
+        Some(match &self.emitters[index as usize] {
             Emitter::Point { position, intensity } => sample_point(p, *position, *intensity)?,
             Emitter::Directed(emitter) => {
                 let even = sample_point(p, emitter.position, emitter.intensity)?;
@@ -435,19 +451,17 @@ impl EmitterSet {
                 }
                 EmitterSample { radiance: even.radiance * factor, ..even }
             }
-            Emitter::Triangle(emitter) => emitter.sample(p, [u[1], u[2]])?,
-            Emitter::Textured(emitter) => emitter.sample(p, [u[1], u[2]])?,
-            Emitter::Sphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
-            Emitter::TexturedSphere(emitter) => emitter.sample(p, [u[1], u[2]])?,
-            Emitter::Disk(emitter) => emitter.sample(p, [u[1], u[2]])?,
-            Emitter::Tube(emitter) => emitter.sample(p, [u[1], u[2]])?,
-            Emitter::Moving(emitter) => emitter.sample(p, [u[1], u[2]], time)?,
-            Emitter::Environment(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
-            Emitter::EnvironmentMap(emitter) => emitter.sample(&receiver, [u[1], u[2]], beside_bsdf),
-            Emitter::Distant(emitter) => emitter.sample(&receiver, [u[1], u[2]]),
-        };
-        sample.pdf *= probability;
-        (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some(sample)
+            Emitter::Triangle(emitter) => emitter.sample(p, u)?,
+            Emitter::Textured(emitter) => emitter.sample(p, u)?,
+            Emitter::Sphere(emitter) => emitter.sample(p, u)?,
+            Emitter::TexturedSphere(emitter) => emitter.sample(p, u)?,
+            Emitter::Disk(emitter) => emitter.sample(p, u)?,
+            Emitter::Tube(emitter) => emitter.sample(p, u)?,
+            Emitter::Moving(emitter) => emitter.sample(p, u, time)?,
+            Emitter::Environment(emitter) => emitter.sample(&receiver, u),
+            Emitter::EnvironmentMap(emitter) => emitter.sample(&receiver, u, beside_bsdf),
+            Emitter::Distant(emitter) => emitter.sample(&receiver, u),
+        })
     }
 
     /// Probability with which [`EmitterSet::sample`] chooses emitter `index` for this receiver. The probabilities sum

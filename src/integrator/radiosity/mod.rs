@@ -41,6 +41,7 @@ mod node_irradiance;
 mod oracle;
 mod picture;
 mod refine;
+mod sampled;
 mod shoot;
 mod solve;
 mod tessellate;
@@ -81,7 +82,11 @@ pub struct RadiositySummary {
     pub residual: f64,
     /// Bound on the change by further iterations, in the same measure. It does not include the error of the links.
     pub error_bound: f64,
-    /// Light emitted and light absorbed by surfaces (W), for each channel.
+    /// Standard error of what light from infinity and points that shine unevenly bring to an element at first hand, over that light;
+    /// both as root mean square by area. 0 for a scene without such lights.
+    pub sampling_error: f64,
+    /// Light emitted and light absorbed by surfaces (W), for each channel. Of light from infinity, what meets elements counts as
+    /// emitted.
     pub emitted: Rgb,
     /// See `emitted`.
     pub absorbed: Rgb,
@@ -204,7 +209,11 @@ impl Radiosity {
             ..RadiositySummary::default()
         };
         let elements = std::mem::take(&mut hierarchy.oracle.elements);
-        summary.add_power(scene, &elements, &leaves);
+        let from_infinity = hierarchy.sampled.as_ref().map_or(DVec3::ZERO, |sampled| {
+            summary.sampling_error = sampled.relative_error;
+            sampled.from_infinity
+        });
+        summary.add_power(scene, &elements, &leaves, from_infinity);
         summary.elapsed = start.elapsed();
         notes.push(summary.note(solve::largest_albedo(&elements) < 1.0));
         let numbers = scene.face_numbers();
@@ -289,15 +298,17 @@ impl Radiosity {
 }
 
 impl RadiositySummary {
-    /// Counts the leaves, and adds up the power that emitters emit and that surfaces absorb.
-    fn add_power(&mut self, scene: &Scene, elements: &Elements, leaves: &[(u32, DVec3)]) {
+    /// Counts the leaves, and adds up the power that emitters emit and that surfaces absorb. `from_infinity`: what of that light meets
+    /// elements.
+    fn add_power(&mut self, scene: &Scene, elements: &Elements, leaves: &[(u32, DVec3)], from_infinity: DVec3) {
         let mut absorbed = DVec3::ZERO;
         for &(leaf, irradiance) in leaves {
             let node = &elements.nodes[leaf as usize];
             absorbed += node.area * (1.0 - elements.albedo(leaf)) * irradiance;
             self.elements += 1;
         }
-        let emitted = scene.emitters().emitters().iter().map(crate::emitter::Emitter::power).sum::<DVec3>();
+        let near = scene.emitters().emitters().iter().filter(|emitter| !emitter.is_infinite());
+        let emitted = near.map(crate::emitter::Emitter::power).sum::<DVec3>() + from_infinity;
         (self.emitted, self.absorbed) = (Rgb::from_f64(emitted), Rgb::from_f64(absorbed));
     }
 
@@ -310,8 +321,12 @@ impl RadiositySummary {
         } else {
             "no bound, a surface reflects all of a colour".to_owned()
         };
+        let sampling = match self.sampling_error {
+            0.0 => String::new(),
+            error => format!(", direct light sampled within {error:.1e}"),
+        };
         format!(
-            "radiosity: {} elements, {} links, {} iterations, residual {:.1e}, {bound}, {:.1} MiB, {:.1} s",
+            "radiosity: {} elements, {} links, {} iterations, residual {:.1e}, {bound}{sampling}, {:.1} MiB, {:.1} s",
             self.elements,
             self.links,
             self.iterations,
@@ -330,8 +345,9 @@ fn write(shared: &SharedHierarchy) -> RwLockWriteGuard<'_, LinkHierarchy> {
     shared.write().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Measures the visible fraction of all links by the irradiance at vertices, and updates the radiosities.
+/// Measures sampled light, and the visible fraction of all links by the irradiance at vertices, and updates the radiosities.
 fn measure_links(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<()> {
+    sampled::measure(shared, parallel)?;
     let at_vertices = vertices::vertices(shared, parallel)?;
     write(shared).oracle.at_vertices = at_vertices;
     refine::measure_visibility(shared, parallel)?;
@@ -418,12 +434,18 @@ fn link_scene(shared: &SharedHierarchy, desc: &RadiosityDesc, parallel: &mut imp
     let last = COARSE_FACTORS.len() - 1;
     for step in 0..COARSE_FACTORS.len() + FULL_REFINEMENTS {
         let coarse_factor = COARSE_FACTORS[step.min(last)];
-        write(shared).oracle.threshold = coarse_factor * allowed * norm;
+        {
+            let oracle = &mut write(shared).oracle;
+            (oracle.threshold, oracle.allowed) = (coarse_factor * allowed * norm, allowed * norm);
+        }
+        // Before links, which are sorted by the leaves that there are.
+        sampled::divide(shared, parallel)?;
         if step > 0 {
             pairs = refine::take_inaccurate(shared, parallel)?;
         }
         let count = pairs.len();
         refine::refine(shared, pairs, parallel)?;
+        sampled::estimate(shared, parallel)?;
         pairs = Vec::new();
         if step > last && count == 0 {
             break;
@@ -447,6 +469,7 @@ fn link_scene(shared: &SharedHierarchy, desc: &RadiosityDesc, parallel: &mut imp
             break;
         }
         refine::refine(shared, pairs, parallel)?;
+        sampled::estimate(shared, parallel)?;
         for _ in 0..ITERATIONS_PER_REFINEMENT {
             solve::jacobi_iteration(shared, parallel)?;
         }

@@ -83,12 +83,12 @@ fn gathered_by_cluster(hierarchy: &LinkHierarchy, node: u32) -> DirectionalPolyn
 }
 
 /// Pushes irradiance down: visits the leaves below an element with the irradiance gathered at them and at all elements
-/// above. `above` is what the elements above gathered.
+/// above, and what no link brings. `above` is what the elements above gathered.
 fn push(hierarchy: &LinkHierarchy, node: u32, above: DVec3, visit: &mut impl FnMut(u32, DVec3)) {
     let irradiance = above + gathered(hierarchy, node);
     let element = &hierarchy.oracle.elements.nodes[node as usize];
     if element.is_leaf() {
-        visit(node, hierarchy.scale_of(node) * irradiance);
+        visit(node, hierarchy.scale_of(node) * irradiance + hierarchy.sampled_over(node));
     } else {
         for child in element.range() {
             push(hierarchy, child as u32, irradiance, visit);

@@ -43,6 +43,8 @@ pub(super) struct RefinementOracle {
     pub lights: Vec<PointLight>,
     /// Allowed error of a link: irradiance times the root of the receiver's area.
     pub threshold: f64,
+    /// What `threshold` comes to in the end, by what is known of the scene's light.
+    pub allowed: f64,
     /// Irradiance at vertices; empty before the first solution.
     pub at_vertices: Vec<Rgb>,
 }
@@ -57,7 +59,7 @@ const FAR: f64 = 40.0;
 
 /// Fractions of the spread of a form factor over the receiver, and of the factor itself, that count as error. The
 /// solution is interpolated, so most of a spread is no error.
-const SPREAD_ERROR: f64 = 0.15;
+pub(super) const SPREAD_ERROR: f64 = 0.15;
 const UNSEEN_ERROR: f64 = 0.02;
 
 /// A spot covers less than this fraction of a receiver. This fraction of its height counts as error.
@@ -84,7 +86,7 @@ const HIDDEN_SPREAD: f64 = 1.0 / 32.0;
 
 /// Of a partly visible source, this fraction of the allowed error may be at the wrong points of the receiver, because
 /// one blocker hides many sources at once.
-const SHADOW_ERROR: f64 = 1.0 / 16.0;
+pub(super) const SHADOW_ERROR: f64 = 1.0 / 16.0;
 
 /// Discontinuous elements are subdivided where a link brings more than this fraction of the allowed error.
 const DISCONTINUOUS_ERROR: f64 = 0.25;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Radiosity;
 use super::albedo::{mean_albedos, mean_albedos_by};
 use super::textured::STEPS;
-use crate::integrator::vertex::Vertex;
+use crate::integrator::vertex::{Vertex, escaped};
 use crate::integrator::{Context, FirstHit, Tracer, Transport};
 use crate::math::Ray;
 use crate::sampling::Sampler;
@@ -67,7 +67,10 @@ impl RadiosityPicture {
         // The solution knows nothing of delta lobes beside the diffuse one: their light is left out here as well.
         let Some(pdf) = bounce.pdf else { return radiance };
         let previous = Some((vertex.receiver(), pdf));
-        let Some(hit) = context.tracer.intersect(&bounce.ray) else { return radiance };
+        let Some(hit) = context.tracer.intersect(&bounce.ray) else {
+            let sky: Rgb = escaped(scene, &bounce.ray, previous, self.shadow_rays, false, &());
+            return radiance + bounce.weight * sky;
+        };
         let mut slot = None;
         let next = Vertex::<Rgb>::new(scene, &bounce.ray, &hit, (), None, &mut slot);
         let seen = next.emitted(scene, previous, self.shadow_rays) + self.reflected(scene, &bounce.ray, &hit, &next);
@@ -83,7 +86,7 @@ impl Transport<Rgb> for RadiosityPicture {
         first: &mut impl FnMut(FirstHit),
     ) -> Rgb {
         let scene = context.scene;
-        let Some(hit) = context.tracer.intersect(&ray) else { return Rgb::ZERO };
+        let Some(hit) = context.tracer.intersect(&ray) else { return escaped(scene, &ray, None, 1, true, &()) };
         let mut slot = None;
         let vertex = Vertex::new(scene, &ray, &hit, (), None, &mut slot);
         first(vertex.first_hit(scene));

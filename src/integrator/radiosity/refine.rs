@@ -9,6 +9,7 @@ use super::elements::Elements;
 use super::light::NodeRadiosity;
 use super::links::{Link, POINT, PointLight};
 use super::oracle::{PairDecision, RefinementOracle};
+use super::sampled::SampledLight;
 use crate::control::Parallel;
 use crate::emitter::Emitter;
 use crate::error::Result;
@@ -35,8 +36,10 @@ pub(super) struct LinkHierarchy {
     pub first: Vec<u32>,
     /// Indices of all clusters' nodes, parents first.
     pub clusters: Vec<u32>,
-    /// Factors on the irradiance that leaves gather; empty before the first balance.
+    /// Factors on the irradiance that leaves gather over links; empty before the first balance.
     pub scale: Vec<Rgb>,
+    /// Direct light that no link carries, where the scene has any.
+    pub sampled: Option<Box<SampledLight>>,
 }
 
 /// The hierarchy as the threads of a solution share it.
@@ -59,9 +62,11 @@ impl LinkHierarchy {
             radiosity: NodeRadiosity::default(),
             lights,
             threshold: 0.0,
+            allowed: 0.0,
             at_vertices: Vec::new(),
         };
-        let mut hierarchy = Self { oracle, links: Vec::new(), first: Vec::new(), clusters, scale: Vec::new() };
+        let sampled = SampledLight::new(scene);
+        let mut hierarchy = Self { oracle, links: Vec::new(), first: Vec::new(), clusters, scale: Vec::new(), sampled };
         hierarchy.emit();
         hierarchy
     }
@@ -107,6 +112,7 @@ impl LinkHierarchy {
             + node * self.oracle.elements.nodes.len()
             + size_of::<Link>() * self.links.len()
             + 240 * self.clusters.len()
+            + self.sampled.as_ref().map_or(0, |sampled| sampled.bytes())
     }
 
     /// Sorts the links by their receivers.
@@ -127,12 +133,22 @@ impl LinkHierarchy {
         self.scale.get(leaf as usize).map_or(DVec3::ONE, |scale| scale.to_f64())
     }
 
+    /// Mean over a leaf of the irradiance that no link brings.
+    pub fn sampled_over(&self, leaf: u32) -> DVec3 {
+        self.sampled.as_ref().map_or(DVec3::ZERO, |sampled| sampled.of(leaf).mean.to_f64())
+    }
+
+    /// The same irradiance at the corners of a leaf.
+    pub fn sampled_at_corners(&self, leaf: u32) -> [DVec3; 3] {
+        self.sampled.as_ref().map_or([DVec3::ZERO; 3], |sampled| sampled.of(leaf).corners.map(|e| e.to_f64()))
+    }
+
     pub fn links_of(&self, node: u32) -> &[Link] {
         &self.links[self.first[node as usize] as usize..self.first[node as usize + 1] as usize]
     }
 
     /// The children of a node, which is subdivided where it has none. New children start with its radiosity.
-    fn divide(&mut self, number: u32) -> std::ops::Range<u32> {
+    pub fn divide(&mut self, number: u32) -> std::ops::Range<u32> {
         let is_new = self.oracle.elements.nodes[number as usize].is_leaf();
         let parts = self.oracle.elements.children_of(number);
         if is_new {

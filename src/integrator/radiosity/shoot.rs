@@ -12,6 +12,7 @@ use super::links::{Link, LinkKind, POINT, faces};
 use super::oracle::RefinementOracle;
 use super::refine::{LinkHierarchy, SharedHierarchy};
 use super::solve::{Convergence, largest_albedo};
+use super::vertices::leaves;
 use crate::control::Parallel;
 use crate::error::Result;
 use crate::math::DVec3;
@@ -27,7 +28,8 @@ struct UnshotLight<'n> {
     b: Vec<DVec3>,
     /// Unshot radiosity of each leaf.
     unshot: Vec<DVec3>,
-    /// Unshot power of each patch, followed by each point light; sum of the channels.
+    /// Unshot power of each patch, followed by each point light and, where there is any, by what leaves get of sampled light; sum of
+    /// the channels.
     power: Vec<f64>,
     /// Radiosity that each node shot last.
     taken: Vec<DVec3>,
@@ -107,6 +109,10 @@ impl<'n> UnshotLight<'n> {
         };
         let mut power: Vec<f64> = elements.patches.iter().map(of_patch).collect();
         power.extend(lights.iter().map(|light| 4.0 * PI * light.intensity.element_sum()));
+        if hierarchy.sampled.is_some() {
+            let of_leaf = |leaf| elements.nodes[leaf as usize].area * hierarchy.sampled_over(leaf).element_sum();
+            power.push(leaves(elements).map(of_leaf).sum());
+        }
         Self { hierarchy, outgoing, first, unshot: b.clone(), taken: vec![DVec3::ZERO; nodes], b, power }
     }
 
@@ -120,6 +126,10 @@ impl<'n> UnshotLight<'n> {
         self.power[number] = 0.0;
         if number >= elements.patches.len() {
             let light = number - elements.patches.len();
+            if light == self.hierarchy.oracle.lights.len() {
+                leaves(elements).for_each(|leaf| self.reflect(leaf, self.hierarchy.sampled_over(leaf)));
+                return;
+            }
             let intensity = self.hierarchy.oracle.lights[light].intensity;
             self.send(elements.nodes.len() + light, &|_, _| intensity);
             return;
@@ -221,10 +231,16 @@ impl<'n> UnshotLight<'n> {
             node.range().for_each(|child| self.receive(child as u32, irradiance));
             return;
         }
-        let scale = self.hierarchy.scale_of(number);
-        let b = scale * elements.albedo(number) * irradiance;
-        self.b[number as usize] += b;
-        self.unshot[number as usize] += b;
+        self.reflect(number, self.hierarchy.scale_of(number) * irradiance);
+    }
+
+    /// Adds the light that a leaf reflects of some irradiance to what it has to shoot.
+    fn reflect(&mut self, leaf: u32, irradiance: DVec3) {
+        let elements = &self.hierarchy.oracle.elements;
+        let node = &elements.nodes[leaf as usize];
+        let b = elements.albedo(leaf) * irradiance;
+        self.b[leaf as usize] += b;
+        self.unshot[leaf as usize] += b;
         self.power[node.patch as usize] += node.area * b.element_sum();
     }
 

@@ -1,7 +1,7 @@
 //! Irradiance at the vertices of elements, between which the solution is interpolated.
 //!
 //! Each leaf gathers once more at its three corners over its links, with the form factor at the corner and, for
-//! important links, the visibility at the corner. A vertex has the mean of the values that its leaves find. A hanging
+//! important links, the visibility at the corner; sampled light has its value there. A vertex has the mean of the values that its leaves find. A hanging
 //! vertex on the side of a larger leaf has the mean of the side's ends, so that the interpolation has no cracks. At
 //! last, vertices are moved towards values whose interpolation holds the irradiance that the elements gathered
 //! ([`conserve`]).
@@ -120,7 +120,7 @@ fn set_hanging<T: Copy>(elements: &Elements, hanging: &[bool], values: &mut [T],
 }
 
 /// Indices of all elements that are not subdivided.
-fn leaves(elements: &Elements) -> impl Iterator<Item = u32> {
+pub(super) fn leaves(elements: &Elements) -> impl Iterator<Item = u32> {
     let nodes = elements.nodes.iter().zip(0..);
     nodes.filter(|(node, _)| node.is_leaf() && !node.is_cluster()).map(|(_, number)| number)
 }
@@ -168,7 +168,8 @@ fn leaf_corners(hierarchy: &LinkHierarchy, leaf: u32, received: &[DirectionalPol
         oracle.point_visibility(at, n, link.source, RAYS, key)
     };
     let (sums, from_clusters) = gather_over(hierarchy, leaf, &places, received, |_| false, &visible);
-    let sums = sums.map(|sum| sum + from_clusters);
+    let sampled = hierarchy.sampled_at_corners(leaf);
+    let sums: [DVec3; 3] = std::array::from_fn(|k| sums[k] + from_clusters + sampled[k]);
     // The smaller neighbour is more accurate.
     let weight = 1.0 / node.radius;
     std::array::from_fn(|k| Corner { vertex: node.corners[k], weight, irradiance: sums[k] })

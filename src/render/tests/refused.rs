@@ -48,13 +48,11 @@ fn what_the_table_refuses_is_refused_by_name() {
         let name = integrator.name();
         let is_radiosity = integrator == IntegratorDesc::Radiosity;
         let stores = is_radiosity || matches!(integrator.info().preparation, Preparation::PhotonMaps(..));
-        let in_environment = Stage { environment: Some(RADIANCE), ..floor(mixture(&[(DIFFUSE, 0.5)])) };
         let takes_no = |what: &str| format!("surfaces[1]: {name} takes no {what} surfaces");
         let cases = [
             (floor(diffuse_through.clone()), stores, takes_no("diffusely transmitting")),
             (floor(glossy.clone()), is_radiosity, takes_no("glossy")),
             (floor(haze.clone()), is_radiosity, takes_no("glossy")),
-            (in_environment, is_radiosity, format!("{name} takes no light from infinity")),
         ];
         for (stage, is_refused, message) in cases {
             for answer in tried(&stage.build(), integrator) {

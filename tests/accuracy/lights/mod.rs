@@ -8,7 +8,7 @@ mod many;
 mod points;
 mod polygons;
 mod round;
-mod sky;
+pub mod sky;
 mod solid_angles;
 mod spheres;
 pub mod spots;

@@ -1,5 +1,7 @@
 //! Radiosity: the same rooms and factors as light transport, by the solver.
 
+mod skies;
+
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -15,14 +17,16 @@ use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
 
 pub fn cases() -> Vec<Entry> {
-    vec![
+    let mut cases = vec![
         Entry { id: "Q55", title: "emitting rooms", run: furnaces },
         Entry { id: "Q56", title: "integrating sphere", run: sphere },
         Entry { id: "Q57", title: "form factors in closed form", run: factors },
         Entry { id: "Q58", title: "two plates", run: plates },
         Entry { id: "Q60", title: "Cornell box", run: cornell },
         Entry { id: "Q46", title: "dark side of emitters", run: sides },
-    ]
+    ];
+    cases.extend(skies::cases());
+    cases
 }
 
 fn build(desc: &SceneDesc) -> Scene {
