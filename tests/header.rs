@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 /// The files of the C interface, in the order in which the header presents them.
-const SOURCES: [&str; 29] = [
+const SOURCES: [&str; 31] = [
     "status.rs",
     "last_error.rs",
     "types/mod.rs",

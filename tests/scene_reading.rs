@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use etendue::ErrorKind;
 use etendue::desc::{
     self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, Dialect, FilterDesc, FocusDesc, FovAxis, IntegratorDesc,
-    KernelDesc, LensDesc, MediumDesc, PhotonDesc, PhotonSharing, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc,
-    ShapeDesc,
+    KernelDesc, LensDesc, MediumDesc, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing, RenderDesc, RouletteDesc,
+    SamplerDesc, SceneDesc, ShapeDesc,
 };
 use etendue::math::{DAffine3, DVec3};
 use etendue::spectrum::Rgb;
@@ -107,6 +107,21 @@ fn lenses_and_parallel_rays_are_read_with_every_key() {
     for (more, axis) in [(r#""width": 4.5"#, FovAxis::Horizontal), (r#""height": 4.5"#, FovAxis::Vertical)] {
         let expected = CameraDesc::Orthographic { eye, look_at, up, size: 4.5, axis };
         assert_eq!(camera(&format!(r#""type": "orthographic", {more}"#)), expected);
+    }
+    for (more, kind, fov_deg, fov_axis) in [
+        (r#""type": "spherical""#, Panorama::Spherical, 360.0, FovAxis::Horizontal),
+        (r#""type": "cylindrical""#, Panorama::Cylindrical, 360.0, FovAxis::Horizontal),
+        (r#""type": "cylindrical", "fieldOfView": 120"#, Panorama::Cylindrical, 120.0, FovAxis::Horizontal),
+        (r#""type": "fisheye""#, Panorama::Fisheye, 180.0, FovAxis::Vertical),
+        (
+            r#""type": "fisheye", "fieldOfView": 360, "fieldOfViewAxis": "horizontal""#,
+            Panorama::Fisheye,
+            360.0,
+            FovAxis::Horizontal,
+        ),
+    ] {
+        let panorama = PanoramaDesc { kind, fov_deg, fov_axis };
+        assert_eq!(camera(more), CameraDesc::Panoramic { eye, look_at, up, panorama });
     }
 }
 

@@ -111,6 +111,7 @@ fn camera(args: &PhotonsArgs, camera: CameraDesc) -> Result<CameraDesc, Failure>
             CameraDesc::Perspective { fov_deg, .. }
             | CameraDesc::ThinLens { fov_deg, .. }
             | CameraDesc::ViewPlane { fov_deg, .. } => *fov_deg = wanted,
+            CameraDesc::Panoramic { panorama, .. } => panorama.fov_deg = wanted,
             CameraDesc::Orthographic { .. } => {
                 return Err(Failure::usage(
                     "--field-of-view: the rays of the scene's orthographic camera are parallel",

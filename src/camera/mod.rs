@@ -2,16 +2,18 @@
 
 mod lens;
 mod moving;
+mod panorama;
 
 pub use self::moving::MovingCamera;
 
 use self::lens::Lens;
-use crate::desc::{CameraDesc, FovAxis};
+use self::panorama::PanoramaView;
+use crate::desc::{CameraDesc, FovAxis, Panorama};
 use crate::error::{Error, Result};
 use crate::math::{DVec3, Ray, RayCone, Vec3};
 
 /// Where the rays of a camera start.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 enum Projection {
     /// In the eye.
     Central,
@@ -19,6 +21,8 @@ enum Projection {
     ViewPlane,
     /// On the film plane, which the eye is in, all in the view direction.
     Parallel,
+    /// In the eye, by film coordinates of their own.
+    Panorama(PanoramaView),
 }
 
 /// A pinhole camera, optionally with a near plane through which its rays start or with a thin lens, or a camera of
@@ -67,8 +71,13 @@ impl Camera {
         let aspect = width / height;
         let [from, target, up] = desc.view();
         let fov_deg = desc.fov_deg().unwrap_or(90.0);
-        if !(fov_deg > 0.0 && fov_deg < 180.0) {
-            return Err(Error::invalid("camera.fieldOfView", format!("{fov_deg} is not between 0 and 180 degrees")));
+        let is_possible = match desc {
+            CameraDesc::Panoramic { panorama, .. } => panorama.is_possible(),
+            _ => fov_deg > 0.0 && fov_deg < 180.0,
+        };
+        if !is_possible {
+            let message = format!("{fov_deg} degrees are no angle of view of such a camera");
+            return Err(Error::invalid("camera.fieldOfView", message));
         }
         let tan_half = (0.5 * fov_deg).to_radians().tan();
         let forward = (target - from).try_normalize().ok_or_else(|| {
@@ -100,6 +109,17 @@ impl Camera {
                 let (right, above) = axes()?;
                 let (x, y) = sides(0.5 * size, axis);
                 (eye, DVec3::ZERO, x * right, y * above, Projection::Parallel)
+            }
+            CameraDesc::Panoramic { eye, panorama, .. } => {
+                let (right, above) = axes()?;
+                let view = PanoramaView::new(&panorama, [right, above, forward].map(DVec3::as_vec3a));
+                let half = 0.5 * fov_deg.to_radians();
+                let (x, y) = match panorama.kind {
+                    Panorama::Spherical => (half, 0.5 * half),
+                    Panorama::Cylindrical => (half, half / aspect),
+                    Panorama::Fisheye => sides(1.0, panorama.fov_axis),
+                };
+                (eye, DVec3::ZERO, x * DVec3::X, y * DVec3::Y, Projection::Panorama(view))
             }
             CameraDesc::ViewPlane { centre: plane, .. } => {
                 // The plane's size follows from the up vector's length, as the report's renderer has it.
@@ -143,6 +163,7 @@ impl Camera {
             Projection::Central => Ray::new(self.origin, to_film.normalize()),
             Projection::ViewPlane => Ray::new(self.origin + to_film, to_film.normalize()),
             Projection::Parallel => Ray::new(self.origin + to_film, self.forward),
+            Projection::Panorama(view) => Ray::new(self.origin, view.direction(to_film)),
         }
     }
 
@@ -164,7 +185,7 @@ impl Camera {
     /// How wide the pixel at this film position is along its ray.
     pub fn pixel_width(&self, x: f32, y: f32) -> PixelWidth {
         match self.projection {
-            Projection::Central | Projection::ViewPlane => {
+            Projection::Central | Projection::ViewPlane | Projection::Panorama(_) => {
                 let spread = self.ray(x, y).direction.distance(self.ray(x + 1.0, y).direction);
                 PixelWidth { at_start: 0.0, spread }
             }
@@ -181,6 +202,17 @@ impl Camera {
             Projection::Central => RayCone::new(0.0, pixel / to_film.length()),
             Projection::ViewPlane => RayCone::new(pixel, pixel / to_film.length()),
             Projection::Parallel => RayCone::new(pixel, 0.0),
+            Projection::Panorama(view) => {
+                // The wider of a step to the right and one down, as from a wide angle's side where a pixel is at the edge.
+                let here = view.direction(to_film);
+                let width = |step: Vec3| {
+                    [to_film + step, to_film - step]
+                        .map(|film| view.direction(film).distance(here))
+                        .into_iter()
+                        .fold(0.0, f32::max)
+                };
+                RayCone::new(0.0, width(self.dx).max(width(self.dy)))
+            }
         }
     }
 
@@ -188,10 +220,14 @@ impl Camera {
     /// edges; `None` for a point behind the eye, or before the plane where rays start on one. With a lens, it is the position under
     /// which the middle of the lens sees the point.
     pub fn film_position(&self, p: Vec3) -> Option<[f32; 2]> {
+        if let Projection::Panorama(view) = &self.projection {
+            let film = view.film(p - self.origin)? - self.corner;
+            return Some([film.x / self.dx.x, film.y / self.dy.y]);
+        }
         let [corner, dx, dy] = [self.corner, self.dx, self.dy].map(|v| v.as_dvec3());
         let v = (p - self.origin).as_dvec3();
         let normal = dx.cross(dy);
-        let v = if self.projection == Projection::Parallel {
+        let v = if matches!(self.projection, Projection::Parallel) {
             if v.dot(self.forward.as_dvec3()) < 0.0 {
                 return None;
             }
@@ -199,7 +235,7 @@ impl Camera {
         } else {
             // v = t (corner + x dx + y dy), by Cramer's rule.
             let t = v.dot(normal) / corner.dot(normal);
-            if !(t > 0.0 && (t >= 1.0 || self.projection != Projection::ViewPlane)) {
+            if !(t > 0.0 && (t >= 1.0 || !matches!(self.projection, Projection::ViewPlane))) {
                 return None;
             }
             v / t - corner
@@ -214,10 +250,26 @@ impl Camera {
         p.distance(self.origin)
     }
 
-    /// Distance of a scene-frame point from the eye, along the view direction.
+    /// Distance of a scene-frame point from the eye, along the view direction; of a panorama the distance itself.
     #[inline]
     pub fn depth(&self, p: Vec3) -> f32 {
-        (p - self.origin).dot(self.forward)
+        match self.projection {
+            Projection::Panorama(_) => self.eye_distance(p),
+            _ => (p - self.origin).dot(self.forward),
+        }
+    }
+
+    /// Whether the image is a circle, beyond which the film stays black.
+    pub fn has_rim(&self) -> bool {
+        matches!(&self.projection, Projection::Panorama(view) if view.has_rim())
+    }
+
+    /// Whether light arrives at this film position. [`Camera::ray`] gives any ray where it does not.
+    pub fn sees(&self, x: f32, y: f32) -> bool {
+        match &self.projection {
+            Projection::Panorama(view) => view.sees(self.corner + x * self.dx + y * self.dy),
+            _ => true,
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use super::boundary::read_sized;
 use super::read::enumeration;
 use super::status::{Failure, Result};
 use super::types::*;
-use crate::desc::{CameraDesc, FocusDesc, FovAxis, LensDesc};
+use crate::desc::{CameraDesc, FocusDesc, FovAxis, LensDesc, Panorama, PanoramaDesc};
 use crate::math::DVec3;
 
 /// # Safety
@@ -24,6 +24,9 @@ pub(super) unsafe fn camera(pointer: *const etd_camera) -> Result<CameraDesc> {
         ETD_CAMERA_PERSPECTIVE => ("a perspective camera", true, false),
         ETD_CAMERA_VIEW_PLANE => ("a view-plane camera", false, false),
         ETD_CAMERA_ORTHOGRAPHIC => ("an orthographic camera", false, true),
+        ETD_CAMERA_SPHERICAL => ("a spherical camera", false, false),
+        ETD_CAMERA_CYLINDRICAL => ("a cylindrical camera", false, false),
+        ETD_CAMERA_FISHEYE => ("a fisheye camera", false, false),
     };
     if !has_lens && let Some((field, _)) = lens {
         return Err(Failure::argument(format!("camera.{field}: {name} has no lens, expected 0")));
@@ -41,6 +44,17 @@ pub(super) unsafe fn camera(pointer: *const etd_camera) -> Result<CameraDesc> {
         }
         ETD_CAMERA_VIEW_PLANE => Ok(CameraDesc::ViewPlane { centre: eye, look_at, up, fov_deg }),
         ETD_CAMERA_ORTHOGRAPHIC => Ok(CameraDesc::Orthographic { eye, look_at, up, size: it.size, axis: fov_axis }),
+        ETD_CAMERA_SPHERICAL => {
+            let panorama = PanoramaDesc::new(Panorama::Spherical);
+            Ok(CameraDesc::Panoramic { eye, look_at, up, panorama })
+        }
+        ETD_CAMERA_CYLINDRICAL if fov_axis == FovAxis::Vertical => {
+            Err(Failure::argument("camera.fov_axis: a cylindrical camera's field of view is horizontal"))
+        }
+        ETD_CAMERA_CYLINDRICAL | ETD_CAMERA_FISHEYE => {
+            let kind = if projection == ETD_CAMERA_FISHEYE { Panorama::Fisheye } else { Panorama::Cylindrical };
+            Ok(CameraDesc::Panoramic { eye, look_at, up, panorama: PanoramaDesc { kind, fov_deg, fov_axis } })
+        }
     }
 }
 
@@ -76,6 +90,11 @@ pub(super) fn camera_out(camera: &CameraDesc) -> etd_camera {
         }
         CameraDesc::ViewPlane { .. } => (ETD_CAMERA_VIEW_PLANE, FovAxis::Horizontal, 0.0),
         CameraDesc::Orthographic { size, axis, .. } => (ETD_CAMERA_ORTHOGRAPHIC, axis, size),
+        CameraDesc::Panoramic { panorama, .. } => match panorama.kind {
+            Panorama::Spherical => (ETD_CAMERA_SPHERICAL, FovAxis::Horizontal, 0.0),
+            Panorama::Cylindrical => (ETD_CAMERA_CYLINDRICAL, FovAxis::Horizontal, 0.0),
+            Panorama::Fisheye => (ETD_CAMERA_FISHEYE, panorama.fov_axis, 0.0),
+        },
     };
     let fov_axis = match axis {
         FovAxis::Horizontal => ETD_FOV_HORIZONTAL,

@@ -50,6 +50,51 @@ impl LensDesc {
     }
 }
 
+/// How the surroundings of a camera lie in its image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Panorama {
+    /// All directions: longitude across the width, latitude across the height, whatever the resolution.
+    Spherical,
+    /// The mantle of a cylinder around the eye, upright in the image: angles across the width, and as high as pixels that are square
+    /// at the horizon make it.
+    Cylindrical,
+    /// The equisolid projection: the sine of half the angle from the view direction grows as the distance from the middle of the image,
+    /// so that every pixel sees the same solid angle. The image is a circle, black beyond.
+    Fisheye,
+}
+
+/// A view that is not flat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PanoramaDesc {
+    /// Which.
+    pub kind: Panorama,
+    /// Full angle in degrees: 360 for [`Panorama::Spherical`]; across the width, in (0, 360], for [`Panorama::Cylindrical`]; across
+    /// the circle, in (0, 360], for [`Panorama::Fisheye`].
+    pub fov_deg: f64,
+    /// The side of the image that the circle of a fisheye spans; without meaning for others.
+    pub fov_axis: FovAxis,
+}
+
+impl PanoramaDesc {
+    /// A view of its usual angle: 180 degrees for a fisheye, which spans the height, and 360 for others.
+    pub fn new(kind: Panorama) -> Self {
+        let fov_deg = if kind == Panorama::Fisheye { 180.0 } else { 360.0 };
+        Self {
+            kind,
+            fov_deg,
+            fov_axis: if kind == Panorama::Fisheye { FovAxis::Vertical } else { FovAxis::Horizontal },
+        }
+    }
+
+    /// Whether the angle is one that the view can have.
+    pub(crate) fn is_possible(&self) -> bool {
+        match self.kind {
+            Panorama::Spherical => self.fov_deg == 360.0,
+            Panorama::Cylindrical | Panorama::Fisheye => self.fov_deg > 0.0 && self.fov_deg <= 360.0,
+        }
+    }
+}
+
 /// A camera. Lengths are in scene units, the frame is right-handed, and angles are in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CameraDesc {
@@ -96,6 +141,17 @@ pub enum CameraDesc {
         /// The side that `size` spans.
         axis: FovAxis,
     },
+    /// A pinhole at `eye` whose image is not flat.
+    Panoramic {
+        /// Eye point.
+        eye: DVec3,
+        /// A point that is seen in the middle of the image.
+        look_at: DVec3,
+        /// The direction that is up in the image. It has any length and is not parallel to the view direction.
+        up: DVec3,
+        /// What of the surroundings is seen, and how it lies in the image.
+        panorama: PanoramaDesc,
+    },
     /// The report's camera: a view plane with the eye behind it. Surfaces between the eye and the plane are not seen.
     ///
     /// With w = normalize(look_at - centre), u = w x up (not normalised) and aspect A, the plane is |u| sqrt(A) wide
@@ -125,6 +181,7 @@ impl CameraDesc {
             Self::Perspective { eye, look_at, up, .. }
             | Self::ThinLens { eye, look_at, up, .. }
             | Self::Orthographic { eye, look_at, up, .. }
+            | Self::Panoramic { eye, look_at, up, .. }
             | Self::ViewPlane { centre: eye, look_at, up, .. } => [eye, look_at, up],
         }
     }
@@ -135,6 +192,7 @@ impl CameraDesc {
             Self::Perspective { fov_deg, .. } | Self::ThinLens { fov_deg, .. } | Self::ViewPlane { fov_deg, .. } => {
                 Some(fov_deg)
             }
+            Self::Panoramic { panorama, .. } => Some(panorama.fov_deg),
             Self::Orthographic { .. } => None,
         }
     }

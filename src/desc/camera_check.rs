@@ -20,7 +20,13 @@ pub(super) fn camera(path: &str, camera: CameraDesc) -> Result<CameraDesc> {
     vector(&at("origin"), origin)?;
     vector(&at("lookAt"), look_at)?;
     vector(&at("up"), up)?;
-    if let Some(fov_deg) = camera.fov_deg()
+    if let CameraDesc::Panoramic { panorama, .. } = &camera {
+        if !panorama.is_possible() {
+            let message =
+                format!("{} degrees are out of range, expected an angle above 0 and up to 360", panorama.fov_deg);
+            return Err(Error::invalid(at("fieldOfView"), message));
+        }
+    } else if let Some(fov_deg) = camera.fov_deg()
         && !(fov_deg > 0.0 && fov_deg < 180.0)
     {
         let message = format!("{fov_deg} degrees are out of range, expected an angle between 0 and 180");

@@ -7,7 +7,8 @@ use super::json::{self, Whole, join};
 use super::numbers::unless;
 use super::validate::{positive, whole};
 use super::{
-    CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, SceneDesc, SceneMotion, camera_check, motion_keys, save,
+    CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, Panorama, PanoramaDesc, SceneDesc, SceneMotion, camera_check,
+    motion_keys, save,
 };
 use crate::math::DVec3;
 use crate::{Error, Result};
@@ -22,6 +23,12 @@ enum CameraType {
     Perspective,
     /// Parallel rays from the plane through `origin`.
     Orthographic,
+    /// All directions: longitude across the width, latitude across the height.
+    Spherical,
+    /// The mantle of an upright cylinder: `fieldOfView` across the width, and as high as square pixels make it.
+    Cylindrical,
+    /// A circle of `fieldOfView` by the equisolid projection, black beyond.
+    Fisheye,
     /// The report's camera: `origin` is the centre of the view plane, the eye is behind it.
     ViewPlane,
 }
@@ -43,7 +50,7 @@ enum Axis {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename_all = "camelCase")]
 pub(super) struct Camera {
-    /// `perspective` (default), `orthographic` or `view-plane`.
+    /// `perspective` (default), `orthographic`, `spherical`, `cylindrical`, `fisheye` or `view-plane`.
     #[serde(default, deserialize_with = "json::name")]
     r#type: Option<CameraType>,
     /// The eye; with `view-plane` the centre of the view plane. Default [0, 0, 0].
@@ -52,9 +59,11 @@ pub(super) struct Camera {
     look_at: Option<[f64; 3]>,
     /// Upwards in the image. Default [0, 1, 0].
     up: Option<[f64; 3]>,
-    /// Full angle of view across `fieldOfViewAxis`, degrees, between 0 and 180; not with `orthographic`. Default 90.
+    /// Full angle of view across `fieldOfViewAxis`, degrees, between 0 and 180; not with `orthographic` and `spherical`. Default 90.
+    /// With `cylindrical` and `fisheye` above 0 and up to 360, default 360 and 180.
     field_of_view: Option<f64>,
-    /// `horizontal` (default) or `vertical`; only with `perspective`.
+    /// `horizontal` (default) or `vertical`; only with `perspective`, and with `fisheye`, of which it is the side that the circle spans:
+    /// there the default is `vertical`.
     #[serde(default, deserialize_with = "json::name")]
     field_of_view_axis: Option<Axis>,
     /// With `orthographic`: what the image spans across its width, scene units. It has this key or `height`.
@@ -169,8 +178,18 @@ impl Camera {
         let name = match kind {
             CameraType::Perspective => "a perspective camera",
             CameraType::Orthographic => "an orthographic camera",
+            CameraType::Spherical => "a spherical camera",
+            CameraType::Cylindrical => "a cylindrical camera",
+            CameraType::Fisheye => "a fisheye camera",
             CameraType::ViewPlane => "a view-plane camera",
         };
+        let is_spherical = matches!(kind, CameraType::Spherical);
+        if is_spherical && self.field_of_view.is_some() {
+            return err("fieldOfView", &format!("{name} sees all directions, expected no angle"));
+        }
+        if self.field_of_view_axis.is_some() && (is_spherical || matches!(kind, CameraType::Cylindrical)) {
+            return err("fieldOfViewAxis", &format!("the angle of {name} spans the width, expected no axis"));
+        }
         let is_orthographic = matches!(kind, CameraType::Orthographic);
         for (key, value) in [("width", self.width), ("height", self.height)] {
             if value.is_some() && !is_orthographic {
@@ -229,6 +248,19 @@ fn camera(camera: &Camera, path: &str) -> Result<CameraDesc> {
             let (size, axis) = camera.span(path)?;
             camera_check::camera(path, CameraDesc::Orthographic { eye, look_at, up, size, axis })
         }
+        CameraType::Spherical | CameraType::Cylindrical | CameraType::Fisheye => {
+            let default = PanoramaDesc::new(match kind {
+                CameraType::Cylindrical => Panorama::Cylindrical,
+                CameraType::Fisheye => Panorama::Fisheye,
+                _ => Panorama::Spherical,
+            });
+            let panorama = PanoramaDesc {
+                fov_deg: camera.field_of_view.unwrap_or(default.fov_deg),
+                fov_axis: if camera.field_of_view_axis.is_some() { fov_axis } else { default.fov_axis },
+                ..default
+            };
+            camera_check::camera(path, CameraDesc::Panoramic { eye, look_at, up, panorama })
+        }
         CameraType::ViewPlane => {
             let described = CameraDesc::ViewPlane { centre: eye, look_at, up, fov_deg };
             let described = camera_check::camera(path, described)?;
@@ -279,6 +311,17 @@ pub(super) fn write(camera: &CameraDesc, motion: &SceneMotion) -> Result<Box<Raw
             }
             CameraType::Orthographic
         }
+        CameraDesc::Panoramic { panorama, .. } => match panorama.kind {
+            Panorama::Spherical => {
+                keys.field_of_view = None;
+                CameraType::Spherical
+            }
+            Panorama::Cylindrical => CameraType::Cylindrical,
+            Panorama::Fisheye => {
+                keys.field_of_view_axis = (panorama.fov_axis == FovAxis::Horizontal).then_some(Axis::Horizontal);
+                CameraType::Fisheye
+            }
+        },
         CameraDesc::ViewPlane { .. } => CameraType::ViewPlane,
     });
     save::raw(&keys)

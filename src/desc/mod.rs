@@ -99,7 +99,7 @@ mod transform;
 mod validate;
 mod warnings;
 
-pub use camera::{CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES};
+pub use camera::{CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, Panorama, PanoramaDesc};
 pub use distant::DistantLightDesc;
 pub use edit::SurfaceLook;
 pub use environment::{EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, SkyDesc, SkyProjection};

@@ -23,6 +23,11 @@ pub(super) enum Method {
 }
 
 impl Method {
+    /// Whether the pixels are places of their own instead of what a camera sees.
+    pub fn is_of_places(&self) -> bool {
+        matches!(self, Self::Irradiance(_) | Self::Probes(_))
+    }
+
     /// The method of an integrator without preparation. For an integrator that needs maps or a solution, the method is path
     /// tracing until [`super::Render`] has made them, which happens before its first sample.
     pub fn new(integrator: IntegratorDesc) -> Self {

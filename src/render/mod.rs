@@ -406,6 +406,7 @@ impl Render {
         PassInput {
             scene: self.scene.clone(),
             camera: self.camera,
+            has_rim: self.camera.has_rim() && !self.method.is_of_places(),
             moving_camera: self.moving_camera.clone(),
             filter: self.filter.clone(),
             desc: Arc::clone(&self.desc),

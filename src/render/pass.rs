@@ -30,6 +30,8 @@ const SAMPLES_PER_BATCH: usize = 16;
 pub(super) struct PassInput {
     pub scene: Scene,
     pub camera: Camera,
+    /// Whether the picture is a circle that the camera sees.
+    pub has_rim: bool,
     /// The camera at all times, where it moves.
     pub moving_camera: Option<Arc<MovingCamera>>,
     pub filter: Filter,
@@ -143,6 +145,14 @@ struct SampleJob {
     gathering: Option<PixelPhotonState>,
 }
 
+impl SampleJob {
+    /// The film position, in pixels.
+    fn place(&self) -> [f32; 2] {
+        let [column, row] = self.pixel.map(|index| index as f32 + 0.5);
+        [column + self.offset[0], row + self.offset[1]]
+    }
+}
+
 /// The samples that a worker takes at the same time.
 struct Batch<S> {
     jobs: Vec<SampleJob>,
@@ -246,12 +256,12 @@ fn leave_moving_camera<S: Sampler>(
     for (job, sample) in jobs.iter_mut().zip(samples) {
         let time = sample.ray.time;
         let camera = moving.at(time);
-        let [column, row] = job.pixel.map(|index| index as f32 + 0.5);
-        let [x, y] = [column + job.offset[0], row + job.offset[1]];
+        let [x, y] = job.place();
         let ray =
             if camera.has_lens() { camera.ray_through_lens(x, y, sample.sampler.next_2d()) } else { camera.ray(x, y) };
         sample.ray = ray.at_time(time);
         if has_cones {
+            let [column, row] = job.pixel.map(|index| index as f32 + 0.5);
             sample.ray.cone = camera.cone(column, row);
         }
         job.time = time;
@@ -481,6 +491,8 @@ impl Pass {
         let options = self.input.film.options();
         let mut tile = self.input.film.tile(tile);
         for (job, Sample { radiance, first, .. }) in batch.jobs.iter().zip(&batch.samples) {
+            let is_blind = self.input.has_rim && !self.sees(job);
+            let radiance = if is_blind { &Rgb::ZERO } else { radiance };
             if let Some(replay) = &self.replay {
                 replay.record(*radiance, rays);
                 continue;
@@ -488,7 +500,7 @@ impl Pass {
             if !radiance.is_finite() {
                 self.record_non_finite(job.pixel, job.sample);
             }
-            let first = first.as_ref().filter(|_| options.auxiliary);
+            let first = first.as_ref().filter(|_| options.auxiliary && !is_blind);
             let depth = |p| match &self.input.moving_camera {
                 None => self.input.camera.depth(p),
                 Some(moving) => moving.at(job.time).depth(p),
@@ -497,6 +509,14 @@ impl Pass {
             let (radiance, weight, gathering) = (*radiance, job.weight, job.gathering);
             tile.add_sample(job.index, PixelSample { radiance, weight, gathering, first }, options.share);
         }
+    }
+
+    /// Whether the camera sees anything at a sample's place of the film.
+    #[cold]
+    #[inline(never)]
+    fn sees(&self, job: &SampleJob) -> bool {
+        let [x, y] = job.place();
+        self.input.camera.sees(x, y)
     }
 
     /// Records a sample that is NaN or infinite.

@@ -149,6 +149,33 @@ static void pass_there_and_back(void) {
     }
 }
 
+static void pass_panoramas(void) {
+    const uint32_t kinds[] = {ETD_CAMERA_SPHERICAL, ETD_CAMERA_CYLINDRICAL, ETD_CAMERA_FISHEYE};
+    const double bad[] = {NAN, INFINITY, -1, 0, 361};
+    size_t i, k;
+    for (i = 0; i < 3; ++i) {
+        etd_camera camera = ETD_CAMERA_INIT, seen = ETD_CAMERA_INIT;
+        camera.projection = kinds[i];
+        camera.fov_deg = 360;
+        CHECK_OK(etd_scene_set_camera(scene, &camera));
+        CHECK_OK(etd_scene_get_camera(scene, &seen));
+        CHECK(memcmp(&camera, &seen, sizeof camera) == 0);
+        for (k = 0; i > 0 && k < sizeof bad / sizeof bad[0]; ++k) {
+            camera.fov_deg = bad[k];
+            check_refused(&camera, ETD_INVALID_SCENE, "fieldOfView");
+        }
+        camera.fov_deg = 200;
+        camera.fov_axis = ETD_FOV_VERTICAL;
+        CHECK_STATUS(etd_scene_set_camera(scene, &camera), i == 1 ? ETD_INVALID_ARGUMENT : ETD_OK);
+        camera.fov_axis = ETD_FOV_HORIZONTAL;
+        camera.size = 1;
+        check_refused(&camera, ETD_INVALID_ARGUMENT, "size");
+        camera.size = 0;
+        camera.lens_radius = 1;
+        check_refused(&camera, ETD_INVALID_ARGUMENT, "lens_radius");
+    }
+}
+
 /* A program of the version without lenses: what lies behind its structure is not its camera, and its camera is a pinhole. */
 static void pass_cameras_of_the_first_version(void) {
     const size_t first = offsetof(etd_camera, size);
@@ -208,6 +235,7 @@ void misuse_cameras(void) {
     pass_lens_numbers();
     pass_foreign_fields();
     pass_there_and_back();
+    pass_panoramas();
     pass_cameras_of_the_first_version();
     pass_pictures();
     CHECK_OK(etd_scene_set_camera(scene, &before));

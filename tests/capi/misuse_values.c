@@ -459,7 +459,7 @@ static void pass_wrong_enumerations(void) {
         uint32_t last;
     } cases[] = {
         {"usage", e_usage, ETD_USAGE_DYNAMIC},
-        {"camera_type", e_camera_type, ETD_CAMERA_ORTHOGRAPHIC},
+        {"camera_type", e_camera_type, ETD_CAMERA_FISHEYE},
         {"fov_axis", e_fov_axis, ETD_FOV_VERTICAL},
         {"bsdf", e_bsdf, ETD_BSDF_TWO_SIDED},
         {"distribution", e_distribution, ETD_DISTRIBUTION_BECKMANN},

@@ -442,6 +442,31 @@ fn cameras(l: &mut List) {
             "\"type\": \"orthographic\", \"width\": 1,\n@\"height\": 1",
             "height: follows from `width` and the resolution",
         ),
+        (
+            "angle of all directions",
+            "\"type\": \"spherical\",\n@\"fieldOfView\": 360",
+            "fieldOfView: a spherical camera sees all directions, expected no angle",
+        ),
+        (
+            "axis of a cylinder",
+            "\"type\": \"cylindrical\",\n@\"fieldOfViewAxis\": \"vertical\"",
+            "fieldOfViewAxis: the angle of a cylindrical camera spans the width",
+        ),
+        (
+            "cylinder beyond a turn",
+            "\"type\": \"cylindrical\",\n@\"fieldOfView\": 361",
+            "fieldOfView: 361 degrees are out of range, expected an angle above 0 and up to 360",
+        ),
+        (
+            "fisheye of no angle",
+            "\"type\": \"fisheye\",\n@\"fieldOfView\": 0",
+            "fieldOfView: 0 degrees are out of range",
+        ),
+        (
+            "lens of a fisheye",
+            "\"type\": \"fisheye\",\n@\"lensRadius\": 0.1",
+            "lensRadius: a fisheye camera has no lens",
+        ),
         ("width of 0", "\"type\": \"orthographic\",\n@\"width\": 0", "width: 0 is not above 0"),
         ("negative height", "\"type\": \"orthographic\",\n@\"height\": -1", "height: -1 is not above 0"),
     ] {

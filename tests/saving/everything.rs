@@ -7,9 +7,10 @@ use etendue::desc::{
     BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, DistantLightDesc, Distribution, EnvironmentDesc,
     EnvironmentMapDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis, HostMesh, ImageTextureDesc, IntegratorDesc,
     KernelDesc, KeyPlace, LensDesc, LightDistribution, METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MeshStep,
-    MicrofacetsDesc, MotionDesc, MotionKey, PhotonDesc, PhotonSharing, PointLightDesc, PrincipledDesc, Projection,
-    RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, ShutterDesc, SkyDesc,
-    SpotDesc, SurfaceLook, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
+    MicrofacetsDesc, MotionDesc, MotionKey, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing, PointLightDesc,
+    PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc,
+    ShapeDesc, ShutterDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding, TextureChannel, TextureDesc, TextureKey,
+    TextureMapping, TextureSource,
 };
 use etendue::emitter::SkyFormula;
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
@@ -483,16 +484,21 @@ pub fn skies() -> [EnvironmentDesc; 3] {
     ]
 }
 
-pub fn cameras() -> [CameraDesc; 8] {
+pub fn cameras() -> [CameraDesc; 12] {
     let (eye, look_at, up) = (DVec3::new(0.1, 1.0 / 3.0, 7.0), DVec3::new(0.2, 0.3, -0.0), DVec3::new(0.1, 2.0, 0.0));
     let fov_deg = 100.0 / 3.0;
     let through = |lens| CameraDesc::ThinLens { eye, look_at, up, fov_deg, fov_axis: FovAxis::Vertical, lens };
+    let bent = |panorama| CameraDesc::Panoramic { eye, look_at, up, panorama };
     [
         CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Vertical },
         CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Horizontal },
         CameraDesc::ViewPlane { centre: eye, look_at, up, fov_deg },
         CameraDesc::Orthographic { eye, look_at, up, size: 7.0 / 3.0, axis: FovAxis::Horizontal },
         CameraDesc::Orthographic { eye, look_at, up, size: 7.0 / 3.0, axis: FovAxis::Vertical },
+        bent(PanoramaDesc::new(Panorama::Spherical)),
+        bent(PanoramaDesc { fov_deg, ..PanoramaDesc::new(Panorama::Cylindrical) }),
+        bent(PanoramaDesc { fov_deg, ..PanoramaDesc::new(Panorama::Fisheye) }),
+        bent(PanoramaDesc { fov_axis: FovAxis::Horizontal, ..PanoramaDesc::new(Panorama::Fisheye) }),
         through(LensDesc::new(0.1 / 3.0)),
         through(LensDesc { focus: FocusDesc::Distance(5.0 / 3.0), squeeze: 4.0 / 3.0, ..LensDesc::new(0.0) }),
         through(LensDesc {

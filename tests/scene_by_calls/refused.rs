@@ -4,8 +4,8 @@ use std::path::Path;
 
 use etendue::buffer::Buffer;
 use etendue::desc::{
-    BsdfDesc, CameraDesc, FocusDesc, FovAxis, LensDesc, LightDistribution, MediumDesc, MeshDesc, PointLightDesc,
-    RenderDesc, SceneDesc, ShapeDesc, SpotDesc, SurfaceLook,
+    BsdfDesc, CameraDesc, FocusDesc, FovAxis, LensDesc, LightDistribution, MediumDesc, MeshDesc, Panorama,
+    PanoramaDesc, PointLightDesc, RenderDesc, SceneDesc, ShapeDesc, SpotDesc, SurfaceLook,
 };
 use etendue::math::{Bounds, DAffine3, DMat3, DVec3};
 use etendue::spectrum::Rgb;
@@ -29,6 +29,10 @@ fn bad_cameras() -> Vec<(&'static str, &'static str, Call)> {
         |eye, look_at, up, fov_deg| CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Vertical };
     let (nan, far) = (DVec3::new(0.0, f64::NAN, 0.0), DVec3::new(0.0, 0.0, 1e39));
     let parallel = |size, axis| CameraDesc::Orthographic { eye: A, look_at: B, up: DVec3::Y, size, axis };
+    let bent = |kind, fov_deg| {
+        let panorama = PanoramaDesc { fov_deg, ..PanoramaDesc::new(kind) };
+        CameraDesc::Panoramic { eye: A, look_at: B, up: DVec3::Y, panorama }
+    };
     let through = |lens| CameraDesc::ThinLens {
         eye: A,
         look_at: B,
@@ -48,6 +52,9 @@ fn bad_cameras() -> Vec<(&'static str, &'static str, Call)> {
         bad("camera.up", "is parallel", move |desc| desc.set_camera(with(A, B, B - A, 60.0))),
         bad("camera.fieldOfView", "180 degrees", move |desc| desc.set_camera(with(A, B, DVec3::Y, 180.0))),
         bad("camera.fieldOfView", "NaN degrees", move |desc| desc.set_camera(with(A, B, DVec3::Y, f64::NAN))),
+        bad("camera.fieldOfView", "359 degrees", move |desc| desc.set_camera(bent(Panorama::Spherical, 359.0))),
+        bad("camera.fieldOfView", "NaN degrees", move |desc| desc.set_camera(bent(Panorama::Cylindrical, f64::NAN))),
+        bad("camera.fieldOfView", "-1 degrees", move |desc| desc.set_camera(bent(Panorama::Fisheye, -1.0))),
         bad("camera.width", "0 is not above 0", move |desc| desc.set_camera(parallel(0.0, FovAxis::Horizontal))),
         bad("camera.height", "NaN is beyond", move |desc| desc.set_camera(parallel(f64::NAN, FovAxis::Vertical))),
         bad("camera.lensRadius", "-1 is negative", move |desc| desc.set_camera(through(LensDesc::new(-1.0)))),

@@ -57,6 +57,13 @@ pub enum etd_camera_type {
     ETD_CAMERA_VIEW_PLANE = 1,
     /// Parallel rays from the plane through `origin`; what is behind the plane is not seen.
     ETD_CAMERA_ORTHOGRAPHIC = 2,
+    /// All directions: longitude across the width, latitude across the height. `fov_deg` is not read.
+    ETD_CAMERA_SPHERICAL = 3,
+    /// The mantle of an upright cylinder around the eye: `fov_deg` in (0, 360] across the width, and as high as pixels that are square
+    /// at the horizon make it.
+    ETD_CAMERA_CYLINDRICAL = 4,
+    /// A circle by the equisolid projection, black beyond: `fov_deg` in (0, 360] across the circle, which spans `fov_axis`.
+    ETD_CAMERA_FISHEYE = 5,
 }
 
 /// The side of the image that a camera's field of view spans, or the `size` of an orthographic one.
@@ -330,7 +337,8 @@ pub struct etd_surface {
 
 enumerations! {
     etd_usage: ETD_USAGE_STATIC, ETD_USAGE_DYNAMIC;
-    etd_camera_type: ETD_CAMERA_PERSPECTIVE, ETD_CAMERA_VIEW_PLANE, ETD_CAMERA_ORTHOGRAPHIC;
+    etd_camera_type: ETD_CAMERA_PERSPECTIVE, ETD_CAMERA_VIEW_PLANE, ETD_CAMERA_ORTHOGRAPHIC, ETD_CAMERA_SPHERICAL,
+        ETD_CAMERA_CYLINDRICAL, ETD_CAMERA_FISHEYE;
     etd_focus: ETD_FOCUS_LOOK_AT, ETD_FOCUS_DISTANCE, ETD_FOCUS_POINT;
     etd_fov_axis: ETD_FOV_HORIZONTAL, ETD_FOV_VERTICAL;
     etd_bsdf:

@@ -5,6 +5,7 @@
 mod camera;
 mod display;
 mod lens;
+mod panoramas;
 mod parallel;
 mod range;
 mod repeat;
@@ -24,6 +25,7 @@ pub fn cases() -> Vec<Entry> {
         sums::cases(),
         camera::cases(),
         lens::cases(),
+        panoramas::cases(),
         parallel::cases(),
         display::cases(),
         repeat::cases(),
