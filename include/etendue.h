@@ -4216,6 +4216,23 @@ etd_status etd_scene_exterior_illuminance(struct etd_scene *scene,
                                           double *out_illuminance,
                                           double *out_standard_error);
 
+/**
+ * Returns light that is given in photometric units as the radiometric channels that lights and surfaces take: luminous intensity [cd]
+ * as radiant intensity [W sr^-1], illuminance [lx] as irradiance [W m^-2], luminance [cd m^-2] as radiance [W m^-2 sr^-1].
+ *
+ * `value`: the luminous quantity, > 0. With a `solid_angle` > 0, `value` is a luminous flux [lm] that is spread over it, and the
+ * result is radiant intensity: 4 pi for a point light, 2 pi ((1 - cos inner) + (cos inner - cos outer) / 3) for a spot light, and
+ * pi times the area for the radiance of a surface; 0 otherwise. `temperature`: colour temperature of a Planckian radiator in kelvin,
+ * in [1000, 15000]; 0: the colour is `color`, three numbers >= 0 that are scaled to the luminance; NULL: white. `out_color` receives
+ * three numbers, whose luminance is `value` over 683 lm/W. Errors: `ETD_INVALID_ARGUMENT` for numbers out of their range, for a colour
+ * without luminance, for both a colour and a temperature, and for light beyond single precision. Thread-safe.
+ */
+etd_status etd_photometric_color(double value,
+                                 double solid_angle,
+                                 double temperature,
+                                 const float *color,
+                                 float *out_color);
+
 #ifdef __cplusplus
 }  // extern "C"
 #endif  // __cplusplus

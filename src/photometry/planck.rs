@@ -8,7 +8,7 @@ pub const TEMPERATURES: [f64; 2] = [1000.0, 15_000.0];
 
 /// The colour of a Planckian radiator of this temperature \[K\]: linear Rec. 709 of luminance 1; `None` outside of [`TEMPERATURES`].
 ///
-/// The chromaticity is off by less than 1e-4 in u and in v of CIE 1960, which is a tenth of what an eye tells apart. Below about
+/// The chromaticity is off by less than 2e-4 in u and in v of CIE 1960 from 2,000 K on, a fifth of what an eye tells apart. Below about
 /// 1,900 K the chromaticity lies outside of Rec. 709: blue is 0 then, and the colour less saturated than it should be. Lamps that
 /// are no Planckian radiators, such as fluorescent ones, have other chromaticities than one of their correlated temperature.
 ///

@@ -175,16 +175,17 @@ fn obstruction(case: &mut Case) {
             let at = p + (q - p) * (0.3 / q.y);
             at.x.abs() <= 2.0 && (0.3..=1.2).contains(&at.z)
         };
-        const STEPS: usize = 1600;
+        // Finer across the edges of the shadow than along them.
+        const STEPS: [usize; 2] = [400, 8000];
         let mut factor = 0.0;
-        for i in 0..STEPS {
-            for j in 0..STEPS {
-                let [x, y] = [i, j].map(|k| 4.0 * (k as f64 + 0.5) / STEPS as f64);
+        for i in 0..STEPS[0] {
+            for j in 0..STEPS[1] {
+                let [x, y] = [(i, STEPS[0]), (j, STEPS[1])].map(|(k, count)| 4.0 * (k as f64 + 0.5) / count as f64);
                 let q = DVec3::new(x - 2.0, y + 0.5, 0.0);
                 let d = q - p;
                 let distance2 = d.length_squared();
                 if !is_hidden(q) {
-                    factor += d.dot(n) * p.z / (PI * distance2 * distance2) * (16.0 / (STEPS * STEPS) as f64);
+                    factor += d.dot(n) * p.z / (PI * distance2 * distance2) * (16.0 / (STEPS[0] * STEPS[1]) as f64);
                 }
             }
         }

@@ -43,7 +43,7 @@ fn glass(case: &mut Case) {
     let pane = (level([-50.0, 50.0], [-50.0, 50.0], 1.0, false), pane(), None);
     // Looked at through the pane, a bright ceiling beyond it.
     let ceiling = (level([-400.0, 400.0], [-400.0, 400.0], 10.0, false), BsdfDesc::Black, Some(white(1000.0)));
-    let scene = build(&of(vec![pane.clone(), ceiling]));
+    let scene = build(&of(vec![pane, ceiling]));
     let angles = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 85.0];
     let directions = angles.map(|degrees: f64| {
         let (sine, cosine) = degrees.to_radians().sin_cos();
@@ -107,21 +107,28 @@ struct Opening {
 }
 
 impl Opening {
-    /// Illuminance at `p` by what is seen of the sky through the opening, of a sky of luminance 1 at the zenith, by midpoints. `passes` is
-    /// the share that passes of light along a direction that leaves through a point of the opening.
-    fn seen(&self, p: DVec3, n: DVec3, number: usize, sun: DVec3, passes: impl Fn(DVec3, DVec3) -> f64) -> f64 {
-        const STEPS: usize = 400;
+    /// Illuminance at `p` by what is seen of the sky through the opening, of a sky of luminance 1 at the zenith, by the midpoints of cells,
+    /// as many as `steps` along each side. `passes` is the share that passes of light along a direction that leaves through a
+    /// point of the opening.
+    fn seen(
+        &self,
+        (p, n): (DVec3, DVec3),
+        number: usize,
+        steps: [usize; 2],
+        passes: impl Fn(DVec3, DVec3) -> f64,
+    ) -> f64 {
         let [u, v] = self.sides;
-        let across = u.cross(v) / (STEPS * STEPS) as f64;
+        let across = u.cross(v) / (steps[0] * steps[1]) as f64;
         let mut sum = 0.0;
-        for i in 0..STEPS {
-            for j in 0..STEPS {
-                let [s, t] = [i, j].map(|k| (k as f64 + 0.5) / STEPS as f64);
+        for i in 0..steps[0] {
+            for j in 0..steps[1] {
+                let [s, t] = [(i, steps[0]), (j, steps[1])].map(|(k, count)| (k as f64 + 0.5) / count as f64);
                 let q = self.corner + s * u + t * v;
                 let d = (q - p).normalize();
-                if d.z > 0.0 {
+                let passed = passes(q, d);
+                if d.z > 0.0 && passed > 0.0 {
                     let solid = across.dot(d).abs() / (q - p).length_squared();
-                    sum += relative(number, d, sun) * d.dot(n).max(0.0) * solid * passes(q, d);
+                    sum += relative(number, d, SUN) * d.dot(n).max(0.0) * solid * passed;
                 }
             }
         }
@@ -174,6 +181,9 @@ const FACADE: Opening = Opening { corner: DVec3::new(-1.0, -2.0, 1.0), sides: [D
 /// Where the sun is, for the skies that ask: 53 degrees high, aside.
 const SUN: DVec3 = DVec3::new(0.48, -0.36, 0.8);
 
+/// A point of a room: its name, where it is, and its normal.
+type Place = (&'static str, [f64; 3], DVec3);
+
 /// Sky components of points of the room under some skies. `name` says what is special, `passes` what of the light passes.
 fn components(
     case: &mut Case,
@@ -181,7 +191,7 @@ fn components(
     surfaces: &[(ShapeDesc, BsdfDesc, Option<Rgb>)],
     hole: &Opening,
     skies: &[u32],
-    (places, samples): (&[(&str, [f64; 3], DVec3)], u64),
+    (places, samples, steps): (&[Place], u64, [usize; 2]),
     passes: &dyn Fn(DVec3, DVec3, DVec3) -> f64,
 ) {
     let is_glazed = surfaces.iter().any(|(_, bsdf, _)| matches!(bsdf, BsdfDesc::ThinDielectric { .. }));
@@ -203,15 +213,19 @@ fn components(
         let outside = horizontal(number as usize, SUN);
         for (place, (what, p, n)) in places.iter().enumerate() {
             let p = super::point(*p);
-            let seen = hole.seen(p, *n, number as usize, SUN, |q, d| passes(p, q, d));
+            let seen = hole.seen((p, *n), number as usize, steps, |q, d| passes(p, q, d));
             let (mean, error) = value(&found, place);
             let what = format!("{name}, sky {number}, {what}: daylight factor, %, path");
-            // Midpoints of 400 x 400 cells; an edge of a mask within a cell counts as its middle does.
+            // An edge of a mask within a cell of the quadrature counts as the cell's middle does.
             let tolerance = if is_glazed { 5e-2 } else { 4e-2 };
             case.biased_mean(what, (100.0 * mean, 100.0 * error), 100.0 * seen / outside, (1e-3, tolerance));
         }
     }
 }
+
+/// Cells of the quadrature: of a whole opening, and of one that the edges of masks divide, which may leave a strip of it.
+const EVEN: [usize; 2] = [400, 400];
+const MASKED: [usize; 2] = [400, 8000];
 
 /// Samples of a quick run.
 const QUICK: u64 = 1 << 14;
@@ -236,22 +250,22 @@ fn roof(case: &mut Case) {
         ("floor in the corner", [1.75, 1.75, 0.0], DVec3::Z),
         ("wall", [2.0, 0.5, 1.5], DVec3::NEG_X),
     ];
-    components(case, "open", &room(&ROOF, false), &ROOF, &ALL, (&places, 2 * QUICK), &|_, _, _| 1.0);
+    components(case, "open", &room(&ROOF, false), &ROOF, &ALL, (&places, 2 * QUICK, EVEN), &|_, _, _| 1.0);
     let glass = |_: DVec3, _: DVec3, d: DVec3| transmittance(d.z);
-    components(case, "glazed", &room(&ROOF, true), &ROOF, &[1, 12], (&places, QUICK), &glass);
+    components(case, "glazed", &room(&ROOF, true), &ROOF, &[1, 12], (&places, QUICK, EVEN), &glass);
 }
 
 /// Points of the floor and of the wall that the façade's opening lights.
-const INSIDE: [(&str, [f64; 3], DVec3); 3] = [
+const INSIDE: [Place; 3] = [
     ("floor near it", [0.0, -1.0, 0.0], DVec3::Z),
     ("floor far from it", [0.5, 1.0, 0.0], DVec3::Z),
     ("wall on the side", [2.0, -0.5, 0.5], DVec3::NEG_X),
 ];
 
 fn facade(case: &mut Case) {
-    components(case, "open", &room(&FACADE, false), &FACADE, &ALL, (&INSIDE, QUICK), &|_, _, _| 1.0);
+    components(case, "open", &room(&FACADE, false), &FACADE, &ALL, (&INSIDE, QUICK, EVEN), &|_, _, _| 1.0);
     let glass = |_: DVec3, _: DVec3, d: DVec3| transmittance(d.y.abs());
-    components(case, "glazed", &room(&FACADE, true), &FACADE, &[1, 12], (&INSIDE, QUICK), &glass);
+    components(case, "glazed", &room(&FACADE, true), &FACADE, &[1, 12], (&INSIDE, QUICK, EVEN), &glass);
 }
 
 fn masks(case: &mut Case) {
@@ -264,7 +278,7 @@ fn masks(case: &mut Case) {
         let hides = q.z < 2.0 && (-2.8..=-2.0).contains(&at.y) && at.x.abs() <= 2.0;
         if hides { 0.0 } else { 1.0 }
     };
-    components(case, "overhang", &surfaces, &FACADE, &[1, 5, 12], (&INSIDE, 8 * QUICK), &overhang);
+    components(case, "overhang", &surfaces, &FACADE, &[1, 5, 12], (&INSIDE, 8 * QUICK, MASKED), &overhang);
     let mut surfaces = room(&FACADE, false);
     surfaces.push(black(quad([[-4.0, -8.0, 0.0], [4.0, -8.0, 0.0], [4.0, -8.0, 5.0], [-4.0, -8.0, 5.0]])));
     let across = |p: DVec3, _: DVec3, d: DVec3| {
@@ -272,5 +286,5 @@ fn masks(case: &mut Case) {
         let hides = at.x.abs() <= 4.0 && (0.0..=5.0).contains(&at.z);
         if hides { 0.0 } else { 1.0 }
     };
-    components(case, "wall across", &surfaces, &FACADE, &[1, 5, 12], (&INSIDE, 4 * QUICK), &across);
+    components(case, "wall across", &surfaces, &FACADE, &[1, 5, 12], (&INSIDE, 4 * QUICK, MASKED), &across);
 }
