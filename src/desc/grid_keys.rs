@@ -161,7 +161,9 @@ mod tests {
             assert_eq!((location.json_path.as_str(), location.line), (path, line), "{to}: {error}");
             assert!(error.to_string().contains(words) && error.to_string().contains("grids.json"), "{to}: {error}");
         }
-        for (text, words) in [("", "EOF"), ("[]", "expected an object"), (r#"{"grids": []}"#, "is empty")] {
+        for (text, words) in
+            [("", "the text ends inside"), ("[]", "expected an object"), (r#"{"grids": []}"#, "is empty")]
+        {
             assert!(parse_grids(text, None).unwrap_err().to_string().contains(words), "{text}");
         }
     }

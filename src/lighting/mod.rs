@@ -144,7 +144,7 @@ impl Measured {
         let relative = |(value, error): (&f64, &f64)| if *error == 0.0 { 0.0 } else { error / value };
         let errors = self.values.iter().zip(&self.standard_errors).map(relative);
         // A maximum that keeps NaN.
-        let worst = errors.fold(0.0, |worst: f64, error| if error <= worst { worst } else { error });
+        let worst = errors.fold(0.0, |worst: f64, error| if worst.is_nan() || error <= worst { worst } else { error });
         let worst_relative_error = if worst.is_finite() { worst } else { f64::NAN };
         Some(Statistics { mean, mean_error, min, max, uniformity: min / mean, worst_relative_error })
     }
