@@ -107,23 +107,21 @@ fn even(case: &mut Case) {
     pit(case);
 }
 
-/// What absorbs nothing cannot be seen, and what absorbs half sends half; and the sky behind it.
+/// What absorbs nothing cannot be seen, what absorbs half sends half, and behind it is the sky.
 fn picture(case: &mut Case) {
-    let view = camera(DVec3::new(0.0, 0.0, 6.0), DVec3::ZERO, 40.0);
     for (albedo, exact) in [(1.0, 1.0), (0.5, 0.5)] {
-        let desc = in_sky(scene(view.clone(), vec![(ball(DVec3::ZERO, 1.0), grey(albedo), None)]));
         for final_gather in [false, true] {
-            let mut settings = Job { samples: 64, integrator: IntegratorDesc::Radiosity, ..Job::default() }.desc();
-            settings.radiosity.final_gather = final_gather;
-            let image = render_scene(&build(&desc), settings).0;
+            // Of the ball alone, and of its surroundings.
+            let of = |fov_deg: f64| {
+                let view = camera(DVec3::new(0.0, 0.0, 6.0), DVec3::ZERO, fov_deg);
+                let desc = in_sky(scene(view, vec![(ball(DVec3::ZERO, 1.0), grey(albedo), None)]));
+                let mut settings = Job { samples: 64, integrator: IntegratorDesc::Radiosity, ..Job::default() }.desc();
+                settings.radiosity.final_gather = final_gather;
+                render_scene(&build(&desc), settings).0
+            };
             let what = format!("picture of albedo {albedo}, final gather {final_gather}");
-            let centre = f64::from(image.rgb[3 * (16 * 32 + 16)]);
-            case.exact(format!("{what}, ball"), centre, exact, Within::Relative(if final_gather { 0.1 } else { 1e-4 }));
-            case.exact(format!("{what}, sky"), f64::from(image.rgb[0]), 1.0, Within::Relative(1e-5));
-            let whole = mean_and_error(&image);
-            if albedo == 1.0 {
-                case.biased_mean(format!("{what}, all"), whole, exact, (1e-4, 5e-3));
-            }
+            case.biased_mean(format!("{what}, ball"), mean_and_error(&of(8.0)), exact, (1e-4, 1e-3));
+            case.exact(format!("{what}, sky"), f64::from(of(60.0).rgb[0]), 1.0, Within::Relative(1e-5));
         }
     }
 }
@@ -192,8 +190,11 @@ fn pit(case: &mut Case) {
     }
     for (what, surface, exact) in [("floor", 0, 0.199_824_895_698), ("wall", 1, 0.200_043_776_075)] {
         let found = mean(&solution, surface, true) / PI;
-        case.exact(format!("pit, {what}"), found / exact, 1.0, Within::Relative(4e-3));
+        case.exact(format!("pit, {what}"), found / exact, 1.0, Within::Relative(pick(case, 8e-3, 4e-3)));
     }
+    // What comes through the opening meets a side, and the outer sides get all of the sky.
+    let inside = f64::from(summary.absorbed.g()) / PI - 5.0;
+    case.exact("pit, elements of all sides", inside, 1.0, Within::Relative(3e-3));
     case.holds(
         "pit, error by samples that is told",
         "between 1e-4 and 2e-2",
@@ -334,7 +335,10 @@ fn points(case: &mut Case) {
             let what = format!("spot of {outer_deg} degrees at {height}, on a floor");
             let [elements, vertices] = total(&desc, error).map(|power| power / (7.0 * flux));
             case.exact(format!("{what}, elements"), elements, 1.0, Within::Relative(3e-3));
-            case.exact(format!("{what}, vertices"), vertices, 1.0, Within::Relative(0.02));
+            // Vertices cannot tell of what is as small as an element.
+            if outer_deg * height > 9.0 {
+                case.exact(format!("{what}, vertices"), vertices, 1.0, Within::Relative(0.02));
+            }
         }
     }
     // Half of a spot's light is cut off by an edge through its axis.
