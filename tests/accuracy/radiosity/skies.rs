@@ -425,7 +425,8 @@ fn means(atlas: &Atlas, irradiance: &[[f32; 3]]) -> Vec<f64> {
 }
 
 fn window(case: &mut Case) {
-    let lights: [(&str, fn(&mut SceneDesc)); 2] = [
+    type Light = (&'static str, fn(&mut SceneDesc));
+    let lights: [Light; 2] = [
         ("sun and sky", |desc| {
             let towards = DVec3::new(0.2, 0.5, 0.8);
             let sun = DistantLightDesc { angle_deg: 0.533, ..DistantLightDesc::parallel(towards, Rgb::splat(3.0)) };
