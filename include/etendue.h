@@ -3388,12 +3388,9 @@ etd_status etd_scene_get_point_light(const struct etd_scene *scene,
 /**
  * Adds a spot light. `*out_light` receives the light's number among point lights.
  *
- * Errors: `ETD_INVALID_SCENE` for a direction of length 0 and for angles out of their range. Radiosity does not render a scene with a
- * spot light. Thread-safe.
+ * Errors: `ETD_INVALID_SCENE` for a direction of length 0 and for angles out of their range. Thread-safe.
  */
-etd_status etd_scene_add_spot_light(struct etd_scene *scene,
-                                    const struct etd_spot_light *spot,
-                                    uint32_t *out_light);
+etd_status etd_scene_add_spot_light(struct etd_scene *scene, const struct etd_spot_light *spot, uint32_t *out_light);
 
 /**
  * Makes a point light of any kind a spot light. The errors are those of `etd_scene_add_spot_light`. Thread-safe.
@@ -3409,8 +3406,7 @@ etd_status etd_scene_get_spot_light(const struct etd_scene *scene, uint32_t ligh
  * Adds a measured lamp. `*out_light` receives the light's number among point lights.
  *
  * Errors: `ETD_INVALID_ARGUMENT` for neither a file nor a text, or both; `ETD_IO` for a file that cannot be read; `ETD_INVALID_SCENE` for
- * contents that are of neither format or wrong, with the line, and for a direction of length 0. Radiosity does not render a scene with
- * a measured lamp. Thread-safe.
+ * contents that are of neither format or wrong, with the line, and for a direction of length 0. Thread-safe.
  */
 etd_status etd_scene_add_web_light(struct etd_scene *scene,
                                    const struct etd_web_light *web,
@@ -3435,8 +3431,7 @@ etd_status etd_scene_get_web_light(const struct etd_scene *scene,
 /**
  * Sets the light that comes from infinity, the same from all directions: a sky.
  *
- * `radiance`: three numbers, radiance [W m^-2 sr^-1], each >= 0; NULL: none. Radiosity does not render a scene with an
- * environment. Thread-safe.
+ * `radiance`: three numbers, radiance [W m^-2 sr^-1], each >= 0; NULL: none. Thread-safe.
  */
 etd_status etd_scene_set_environment(struct etd_scene *scene, const float *radiance);
 
@@ -3452,7 +3447,7 @@ etd_status etd_scene_get_environment(const struct etd_scene *scene, float *out_r
  *
  * `map`: NULL for no light from infinity. Errors: `ETD_INVALID_SCENE` if there is no such texture, if it does not have the shape of
  * the projection, is projected on surfaces or multiplied by the colours of vertices, or is an image that is scaled, turned or moved.
- * Radiosity does not render a scene with an environment. Thread-safe.
+ * Thread-safe.
  */
 etd_status etd_scene_set_environment_map(struct etd_scene *scene,
                                          const struct etd_environment_map *map);
@@ -3468,7 +3463,7 @@ etd_status etd_scene_get_environment_map(const struct etd_scene *scene,
  * Adds light that comes from one direction of infinity, such as that of the sun.
  *
  * `*out_light` receives its number among such lights. Errors: `ETD_INVALID_SCENE` for a direction of 0, an irradiance below 0 or
- * an angle beyond its range. Radiosity does not render a scene with it. Thread-safe.
+ * an angle beyond its range. Thread-safe.
  */
 etd_status etd_scene_add_distant_light(struct etd_scene *scene,
                                        const struct etd_distant_light *value,
@@ -3491,11 +3486,9 @@ etd_status etd_scene_get_distant_light(const struct etd_scene *scene,
  * `etd_scene_set_environment` and `etd_scene_set_environment_map`.
  *
  * Errors: `ETD_INVALID_SCENE` for numbers beyond their range, a sun below the horizon and a
- * formula that gives no light; `ETD_INVALID_ARGUMENT` for a type that the CIE does not have. Radiosity does not render a scene with a sky.
- * Thread-safe.
+ * formula that gives no light; `ETD_INVALID_ARGUMENT` for a type that the CIE does not have. Thread-safe.
  */
-etd_status etd_scene_set_sky(struct etd_scene *scene,
-                             const struct etd_sky *sky);
+etd_status etd_scene_set_sky(struct etd_scene *scene, const struct etd_sky *sky);
 
 /**
  * Returns the sky by a formula as described now. Where there is none, its radiance is 0. Thread-safe.

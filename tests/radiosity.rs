@@ -9,7 +9,8 @@ use std::sync::Arc;
 
 use common::scenes::{add, box_inside, camera, point_light};
 use etendue::desc::{
-    BsdfDesc, IntegratorDesc, MaterialDesc, MeshDesc, RadiosityDesc, RadiositySolver, RenderDesc, SceneDesc, ShapeDesc,
+    BsdfDesc, DistantLightDesc, IntegratorDesc, LightDistribution, MaterialDesc, MeshDesc, PointLightDesc,
+    RadiosityDesc, RadiositySolver, RenderDesc, SceneDesc, ShapeDesc, SpotDesc,
 };
 use etendue::integrator::radiosity::Radiosity;
 use etendue::integrator::radiosity::form_factor::{point_to_polygon, polygon_to_polygon};
@@ -557,6 +558,63 @@ fn threads_change_nothing() {
         let [one, four] = [1, 4].map(|threads| picture(&scene, desc.clone(), threads));
         assert!(one == four && one.iter().any(|x| *x > 0.0));
     }
+}
+
+/// A room without a ceiling, in a sky and the sun, with a lamp that shines into a cone.
+fn open_room() -> SceneDesc {
+    let mut desc = furnace(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)), 0.5, None);
+    let mut walls = (*desc.meshes[0]).clone();
+    walls.triangles.retain(|corners| corners.iter().any(|&corner| walls.positions[corner as usize].y < 0.0));
+    desc.meshes[0] = Arc::new(walls);
+    desc.set_environment(Some(Rgb::new(0.5, 1.0, 2.0))).unwrap();
+    let sun = DistantLightDesc::parallel(DVec3::new(0.3, 1.0, 0.2), Rgb::ONE);
+    desc.add_distant_light(DistantLightDesc { angle_deg: 0.5, ..sun }).unwrap();
+    let distribution = LightDistribution::Spot(SpotDesc::new(DVec3::new(1.0, -1.0, 0.0)));
+    desc.add_light_desc(PointLightDesc { distribution, ..PointLightDesc::even(DVec3::ZERO, Rgb::ONE) }).unwrap();
+    desc
+}
+
+#[test]
+fn threads_change_nothing_of_sampled_light() {
+    let scene = build(&open_room());
+    for (solver, final_gather) in [(RadiositySolver::Gather, true), (RadiositySolver::Shoot, false)] {
+        let radiosity = RadiosityDesc { solver, final_gather, error: 20.0, ..RadiosityDesc::default() };
+        let (integrator, resolution) = (IntegratorDesc::Radiosity, [16, 16]);
+        let desc = RenderDesc { resolution, samples: 2, integrator, radiosity, ..RenderDesc::default() };
+        let [one, three] = [1, 3].map(|threads| picture(&scene, desc.clone(), threads));
+        assert!(one == three && one.iter().any(|x| *x > 0.0));
+    }
+}
+
+/// Sampled light is there from the first bounce on, its error is told, and its elements are within the limit of memory.
+#[test]
+fn sampled_light_is_solved_like_any_other() {
+    let desc = open_room();
+    let of = |solver, iterations| {
+        let solution = solve(&desc, &RadiosityDesc { solver, iterations, error: 3.0, ..RadiosityDesc::default() });
+        let mesh = solution.mesh(None, true);
+        (mesh.irradiance.iter().map(|e| f64::from(e.g())).sum::<f64>() / mesh.irradiance.len() as f64, solution)
+    };
+    let gather = |iterations| of(RadiositySolver::Gather, iterations).0;
+    assert_eq!(gather(Some(0)), 0.0);
+    let [one, two, all] = [Some(1), Some(2), None].map(gather);
+    assert!(one > 0.0 && two > 1.05 * one && all > 1.02 * two && all < 2.0 * one, "{one} {two} {all}");
+    let (shot, solution) = of(RadiositySolver::Shoot, None);
+    assert!((shot / all - 1.0).abs() < 2e-3, "{shot} {all}");
+    let error = solution.summary().sampling_error;
+    assert!(error > 0.0 && error < 0.02, "{error}");
+    assert!(
+        solution.notes()[0].contains(&format!("direct light sampled within {error:.1e}")),
+        "{:?}",
+        solution.notes()
+    );
+    let lamp = furnace(box_inside(DVec3::splat(-1.0), DVec3::splat(1.0)), 0.5, Some(1.0));
+    let solution = solve(&lamp, &RadiosityDesc::default());
+    assert!(solution.summary().sampling_error == 0.0 && !solution.notes()[0].contains("sampled"));
+    let fine = RadiosityDesc { memory: 4, error: 1e-3, element_size: Some(1e-3), ..RadiosityDesc::default() };
+    let error = Radiosity::solve(&build(&desc), &fine, &mut Alone::default()).unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::OutOfMemory);
+    assert!(error.to_string().contains("radiosityMemory"), "{error}");
 }
 
 /// Both solvers come to the same; bounces do not decrease, and lack what a geometric series says.

@@ -19,10 +19,11 @@
 
 use std::sync::{Arc, PoisonError};
 
+use super::DISCONTINUITY_THRESHOLD;
 use super::elements::Elements;
 use super::oracle::{RefinementOracle, SHADOW_ERROR, SPREAD_ERROR};
 use super::refine::SharedHierarchy;
-use super::vertices::leaves;
+use super::vertices::{leaves, means_at_vertices};
 use crate::control::Parallel;
 use crate::emitter::{DirectedPoint, Emitter, Receiver};
 use crate::error::Result;
@@ -31,12 +32,14 @@ use crate::sampling::{hash, solid_angle};
 use crate::scene::Scene;
 use crate::spectrum::Rgb;
 
-/// Cells along a side of the square, where the light matters and where it is below the allowed error.
-const CELLS: usize = 8;
+/// Cells along a side of the square, at least and at most, and where the light is below the allowed error.
+const CELLS: [usize; 2] = [8, 32];
 const FEW_CELLS: usize = 4;
 
-/// The light matters from this multiple of the allowed error on.
+/// The light matters from this multiple of the allowed error on. Beyond that, there is a cell along a side for each multiple of
+/// `ALLOWED_IN_CELLS`: what is missed between the cells is a larger error in a larger leaf.
 const MATTERS: f64 = 0.5;
+const ALLOWED_IN_CELLS: f64 = 16.0;
 
 /// A cell differs from its neighbour where their light differs by more than this fraction of the mean.
 const EDGE: f64 = 0.25;
@@ -156,9 +159,16 @@ pub(super) fn divide(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> 
         let mut hierarchy = shared.write().unwrap_or_else(PoisonError::into_inner);
         let Some(sampled) = &hierarchy.sampled else { return Ok(()) };
         let oracle = &hierarchy.oracle;
+        let found = leaves(&oracle.elements).map(|leaf| (leaf, hierarchy.sampled_at_corners(leaf)));
+        let at_vertices = means_at_vertices(&oracle.elements, found);
         let is_wrong = |leaf: &u32| {
-            let error = f64::from(sampled.of(*leaf).error) * oracle.node(*leaf).area.sqrt();
-            error > oracle.threshold && oracle.elements.is_divisible(*leaf)
+            let node = oracle.node(*leaf);
+            let allowed = oracle.threshold / node.area.sqrt();
+            // Vertices have the light of neighbours as well, which a large leaf in a shadow must not spread.
+            let [a, b, c] = node.corners.map(|vertex| at_vertices[vertex as usize]);
+            let spread = (hierarchy.sampled_over(*leaf) - (a + b + c) / 3.0).abs().max_element();
+            let is_wrong = f64::from(sampled.of(*leaf).error) > allowed || spread > DISCONTINUITY_THRESHOLD * allowed;
+            is_wrong && oracle.elements.is_divisible(*leaf)
         };
         let wrong: Vec<u32> = leaves(&oracle.elements).filter(is_wrong).collect();
         if wrong.is_empty() {
@@ -253,6 +263,13 @@ impl SampledLight {
             // The same numbers everywhere, so that differences between places are hardly noise.
             let key = hash(key, number);
             let over = sampling.trial_over(key);
+            if sampling.beam.is_some() {
+                // Corners tell nothing of it.
+                mean += over.seen;
+                corners = corners.map(|corner| corner + over.seen);
+                error += over.seen.max_element();
+                continue;
+            }
             let at = sampling.trials_at_corners(key);
             error += sampling.error(&over, &at);
             mean += over.seen;
@@ -275,6 +292,10 @@ impl SampledLight {
             variance += 0.25 * (a - b) * (a - b);
             if source.spread != Spread::Point {
                 from_infinity += here;
+            }
+            if sampling.beam.is_some() {
+                corners = corners.map(|corner| corner + here);
+                continue;
             }
             let at = sampling.trials_at_corners(trial_key);
             for (k, corner) in corners.iter_mut().enumerate() {
@@ -305,8 +326,8 @@ struct Sampling<'s> {
     source: &'s Source,
     leaf: u32,
     corners: [Place; 3],
-    /// Whether the light can exceed the allowed error.
-    matters: bool,
+    /// Cells along a side of the square.
+    cells: usize,
     /// A point whose beam is narrower than the leaf.
     beam: Option<&'s DirectedPoint>,
 }
@@ -331,25 +352,26 @@ impl<'s> Sampling<'s> {
             // Across parallel light, or facing an even sky.
             emitter => (emitter.power().max_element() / emitter.area(), None),
         };
-        let matters = most * node.area.sqrt() > MATTERS * oracle.allowed;
-        Self { oracle, source, leaf, corners, matters, beam }
-    }
-
-    fn cells(&self) -> usize {
-        if self.matters { CELLS } else { FEW_CELLS }
+        let share = most * node.area.sqrt() / oracle.allowed;
+        let cells = if share > MATTERS {
+            ((share / ALLOWED_IN_CELLS).min(CELLS[1] as f64) as usize).max(CELLS[0])
+        } else {
+            FEW_CELLS
+        };
+        Self { oracle, source, leaf, corners, cells, beam }
     }
 
     /// Cells at a corner, where only directions differ.
     fn corner_cells(&self) -> usize {
         match self.source.spread {
-            Spread::Wide => self.cells(),
+            Spread::Wide => self.cells,
             Spread::Narrow => FEW_CELLS,
             Spread::Parallel | Spread::Point => 1,
         }
     }
 
     fn trial_over(&self, key: u64) -> Trial {
-        Trial::new(self.cells(), key, |a, b| self.over(a, b))
+        Trial::new(self.cells, key, |a, b| self.over(a, b))
     }
 
     fn trials_at_corners(&self, key: u64) -> [Trial; 3] {
@@ -357,7 +379,7 @@ impl<'s> Sampling<'s> {
     }
 
     fn measure_over(&self, trial: &Trial, key: u64) -> DVec3 {
-        trial.measure(if self.matters { MEAN_SAMPLES } else { FEW_SAMPLES }, key, |a, b| self.over(a, b))
+        trial.measure(if self.cells > FEW_CELLS { MEAN_SAMPLES } else { FEW_SAMPLES }, key, |a, b| self.over(a, b))
     }
 
     fn measure_at(&self, trial: &Trial, corner: usize, key: u64) -> DVec3 {
@@ -366,7 +388,7 @@ impl<'s> Sampling<'s> {
             return trial.seen;
         }
         let place = self.corners[corner];
-        trial.measure(if self.matters { CORNER_SAMPLES } else { FEW_SAMPLES }, key, |a, _| self.at(place, a))
+        trial.measure(if self.cells > FEW_CELLS { CORNER_SAMPLES } else { FEW_SAMPLES }, key, |a, _| self.at(place, a))
     }
 
     /// A sample of the mean over the leaf: `a` is what is stratified, and `b` the rest.
@@ -469,17 +491,18 @@ struct Trial {
     seen: DVec3,
     /// Mean of the light without what is in the way.
     light: DVec3,
-    /// The cells with an edge, one bit each, row by row.
-    edges: u64,
+    /// Which cells have an edge, row by row, and how many have.
+    edges: Vec<bool>,
+    count: usize,
 }
 
 impl Trial {
     fn new(cells: usize, key: u64, sample: impl Fn([f64; 2], [f64; 2]) -> Sample) -> Self {
         let (mut seen, mut light) = (DVec3::ZERO, DVec3::ZERO);
-        let mut values = [0.0; CELLS * CELLS];
+        let mut values = vec![0.0; cells * cells];
         let mut lit = 0;
         let mut others = Others::new(key);
-        for (cell, value) in values.iter_mut().enumerate().take(cells * cells) {
+        for (cell, value) in values.iter_mut().enumerate() {
             let found = sample(jittered(cell % cells, cell / cells, cells, hash(key, cell as u64)), others.next());
             light += found.light;
             lit += u32::from(found.light != DVec3::ZERO);
@@ -494,9 +517,9 @@ impl Trial {
             let near = |x: usize| x.saturating_sub(1)..(x + 2).min(cells);
             near(y).any(|j| near(x).any(|i| (values[j * cells + i] - values[cell]).abs() > EDGE * typical))
         };
-        let edges = (0..cells * cells).filter(|&cell| differs(cell)).fold(0_u64, |edges, cell| edges | 1 << cell);
-        let count = (cells * cells) as f64;
-        Self { cells, seen: seen / count, light: light / count, edges }
+        let edges: Vec<bool> = (0..cells * cells).map(differs).collect();
+        let (all, count) = ((cells * cells) as f64, edges.iter().filter(|&&edge| edge).count());
+        Self { cells, seen: seen / all, light: light / all, edges, count }
     }
 
     /// Whether nothing is in the way.
@@ -506,14 +529,13 @@ impl Trial {
 
     /// The mean of the visible light by other samples, with about `budget` of them in the cells with an edge.
     fn measure(&self, budget: usize, key: u64, sample: impl Fn([f64; 2], [f64; 2]) -> Sample) -> DVec3 {
-        let edges = self.edges.count_ones() as usize;
-        let fine = ((budget / edges.max(1)) as f64).sqrt() as usize;
+        let fine = ((budget / self.count.max(1)) as f64).sqrt() as usize;
         let fine = fine.clamp(2, FINEST);
         let mut sum = DVec3::ZERO;
         let mut others = Others::new(key);
         for cell in 0..self.cells * self.cells {
             let [x, y] = [cell % self.cells, cell / self.cells];
-            let parts = if self.edges & 1 << cell == 0 { 1 } else { fine };
+            let parts = if self.edges[cell] { fine } else { 1 };
             let key = hash(key, cell as u64);
             let mut own = DVec3::ZERO;
             for part in 0..parts * parts {

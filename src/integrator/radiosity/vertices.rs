@@ -52,24 +52,35 @@ const NEAR: f64 = 2.0;
 pub(super) fn vertices(shared: &SharedHierarchy, parallel: &mut impl Parallel) -> Result<Vec<Rgb>> {
     let received = Arc::new(received(shared, parallel)?);
     let leaves: Arc<[u32]> = leaves(&shared.read().unwrap_or_else(PoisonError::into_inner).oracle.elements).collect();
-    let hierarchy = Arc::clone(shared);
+    let (hierarchy, shared_leaves) = (Arc::clone(shared), Arc::clone(&leaves));
     let found = parallel.map(leaves.len().div_ceil(LEAVES_PER_TASK), move |block| {
         let hierarchy = hierarchy.read().unwrap_or_else(PoisonError::into_inner);
-        let leaves = leaves[block * LEAVES_PER_TASK..].iter().take(LEAVES_PER_TASK);
+        let leaves = shared_leaves[block * LEAVES_PER_TASK..].iter().take(LEAVES_PER_TASK);
         leaves.map(|&leaf| leaf_corners(&hierarchy, leaf, &received)).collect::<Vec<_>>()
     })?;
     let hierarchy = shared.read().unwrap_or_else(PoisonError::into_inner);
-    let elements = &hierarchy.oracle.elements;
+    let found = leaves.iter().copied().zip(found.into_iter().flatten());
+    let irradiance = means_at_vertices(&hierarchy.oracle.elements, found);
+    Ok(irradiance.into_iter().map(Rgb::from_f64).collect())
+}
+
+/// The mean at each vertex of what leaves find at their corners.
+pub(super) fn means_at_vertices(elements: &Elements, found: impl Iterator<Item = (u32, [DVec3; 3])>) -> Vec<DVec3> {
     let mut sums = vec![(DVec3::ZERO, 0.0); elements.vertices.len()];
-    for Corner { vertex, weight, irradiance } in found.into_iter().flatten().flatten() {
-        let (sum, total) = &mut sums[vertex as usize];
-        *sum += weight * irradiance;
-        *total += weight;
+    for (leaf, at_corners) in found {
+        let node = &elements.nodes[leaf as usize];
+        // The smaller neighbour is more accurate.
+        let weight = 1.0 / node.radius;
+        for (vertex, irradiance) in node.corners.into_iter().zip(at_corners) {
+            let (sum, total) = &mut sums[vertex as usize];
+            *sum += weight * irradiance;
+            *total += weight;
+        }
     }
     let mut irradiance: Vec<DVec3> =
         sums.into_iter().map(|(sum, total)| if total > 0.0 { sum / total } else { DVec3::ZERO }).collect();
     set_hanging(elements, &hanging(elements), &mut irradiance, |a, b| 0.5 * (a + b));
-    Ok(irradiance.into_iter().map(Rgb::from_f64).collect())
+    irradiance
 }
 
 /// Moves vertices towards values whose interpolation has the means of `leaves`. Irradiance between corners has rounder
@@ -141,14 +152,8 @@ fn hanging(elements: &Elements) -> Vec<bool> {
     hanging
 }
 
-/// Irradiance that a leaf finds at one of its corners.
-struct Corner {
-    vertex: u32,
-    weight: f64,
-    irradiance: DVec3,
-}
-
-fn leaf_corners(hierarchy: &LinkHierarchy, leaf: u32, received: &[DirectionalPolynomial]) -> [Corner; 3] {
+/// Irradiance that a leaf finds at its corners.
+fn leaf_corners(hierarchy: &LinkHierarchy, leaf: u32, received: &[DirectionalPolynomial]) -> [DVec3; 3] {
     let oracle = &hierarchy.oracle;
     let elements = &oracle.elements;
     let node = &elements.nodes[leaf as usize];
@@ -169,10 +174,7 @@ fn leaf_corners(hierarchy: &LinkHierarchy, leaf: u32, received: &[DirectionalPol
     };
     let (sums, from_clusters) = gather_over(hierarchy, leaf, &places, received, |_| false, &visible);
     let sampled = hierarchy.sampled_at_corners(leaf);
-    let sums: [DVec3; 3] = std::array::from_fn(|k| sums[k] + from_clusters + sampled[k]);
-    // The smaller neighbour is more accurate.
-    let weight = 1.0 / node.radius;
-    std::array::from_fn(|k| Corner { vertex: node.corners[k], weight, irradiance: sums[k] })
+    std::array::from_fn(|k| sums[k] + from_clusters + sampled[k])
 }
 
 /// Irradiance at some points of a leaf by its own links and those of the elements above it, and the irradiance that
