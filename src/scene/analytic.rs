@@ -5,6 +5,8 @@
 //! that Embree has to search. Four bounding spheres at a time are rejected in single precision, with a margin that
 //! covers the rounding error; the remaining candidates are decided by the exact test in double precision.
 
+use std::sync::Arc;
+
 use super::moving_shape::MovingShape;
 use crate::embree::{UserGeometry, UserHit};
 use crate::math::{Bounds, Ray, Vec4};
@@ -153,22 +155,36 @@ impl UserGeometry for AnalyticGeometry {
         rounded_outwards(self.start[index].bounds())
     }
 
+    fn intersect(&self, index: usize, ray: &Ray) -> Option<UserHit> {
+        let t = self.start[index].intersect(&DRay::from(ray))?;
+        Some(UserHit { t: t as f32, u: 0.0, v: 0.0, ng: crate::math::Vec3::Z })
+    }
+}
+
+/// The shapes of [`AnalyticGeometry`] that move, as Embree user geometry. It is a type of its own, so that shapes that rest have no
+/// choice at every ray.
+#[derive(Debug)]
+pub(super) struct MovingGeometry(pub(super) Arc<AnalyticGeometry>);
+
+impl UserGeometry for MovingGeometry {
+    fn len(&self) -> usize {
+        self.0.moving.len()
+    }
+
+    fn bounds(&self, index: usize) -> ([f32; 3], [f32; 3]) {
+        self.bounds_at(index, 0)
+    }
+
     fn time_steps(&self) -> usize {
-        self.moving.first().map_or(1, MovingShape::time_steps)
+        self.0.moving.first().map_or(1, MovingShape::time_steps)
     }
 
     fn bounds_at(&self, index: usize, step: usize) -> ([f32; 3], [f32; 3]) {
-        match self.moving.get(index) {
-            Some(moving) => rounded_outwards(moving.bounds_at(step)),
-            None => self.bounds(index),
-        }
+        rounded_outwards(self.0.moving[index].bounds_at(step))
     }
 
     fn intersect(&self, index: usize, ray: &Ray) -> Option<UserHit> {
-        let t = match self.moving.get(index) {
-            Some(moving) => moving.intersect(ray)?,
-            None => self.start[index].intersect(&DRay::from(ray))?,
-        };
+        let t = self.0.moving[index].intersect(ray)?;
         Some(UserHit { t: t as f32, u: 0.0, v: 0.0, ng: crate::math::Vec3::Z })
     }
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
 
-use super::analytic::AnalyticGeometry;
+use super::analytic::{AnalyticGeometry, MovingGeometry};
 use super::assemble::Assembler;
 use super::geometry::{Geometry, Part};
 use super::instance_transform::InstancePath;
@@ -150,7 +150,7 @@ impl Assembler<'_, '_> {
         let surfaces = all.iter().map(|(moving, _)| moving.surface as u32).collect();
         self.facts.embree_shapes += moving.len();
         let shapes = Arc::new(AnalyticGeometry { start, moving });
-        self.embree.add_user(shapes.clone())?;
+        self.embree.add_user(Arc::new(MovingGeometry(Arc::clone(&shapes))))?;
         self.geometries.push(Geometry::Analytic { shapes, surfaces });
         Ok(())
     }
