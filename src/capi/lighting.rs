@@ -14,7 +14,7 @@ use crate::math::DVec3;
 use crate::photometry::{LUMENS_PER_WATT, TEMPERATURES, of_luminance_one, planckian};
 use crate::spectrum::Rgb;
 
-/// Measures light at points, and returns when the values are there: illuminance [lx] of small planes, or luminance [cd m^-2] of
+/// Measures light at points, and returns when the values are there: illuminance, lx, of small planes, or luminance [cd m^-2] of
 /// views. A scene that has changed is built first.
 ///
 /// `quantity`: an `etd_quantity`. `points`: `count` points, 1 to 1,048,576, each with the normal of its plane or with the direction
@@ -86,7 +86,7 @@ pub unsafe extern "C" fn etd_scene_measure(
     }
 }
 
-/// The illuminance [lx] of a horizontal plane under the unobstructed sky of a scene, to which daylight factors refer. Surfaces, lamps
+/// The illuminance, lx, of a horizontal plane under the unobstructed sky of a scene, to which daylight factors refer. Surfaces, lamps
 /// and distant light such as the sun's disk do not count.
 ///
 /// `out_illuminance`: receives the illuminance. `out_standard_error`: receives its standard error, unless it is NULL. Errors:
@@ -120,10 +120,10 @@ pub unsafe extern "C" fn etd_scene_exterior_illuminance(
     }
 }
 
-/// Returns light that is given in photometric units as the radiometric channels that lights and surfaces take: luminous intensity [cd]
-/// as radiant intensity [W sr^-1], illuminance [lx] as irradiance [W m^-2], luminance [cd m^-2] as radiance [W m^-2 sr^-1].
+/// Returns light that is given in photometric units as the radiometric channels that lights and surfaces take: luminous intensity, cd,
+/// as radiant intensity [W sr^-1], illuminance, lx, as irradiance [W m^-2], luminance [cd m^-2] as radiance [W m^-2 sr^-1].
 ///
-/// `value`: the luminous quantity, > 0. With a `solid_angle` > 0, `value` is a luminous flux [lm] that is spread over it, and the
+/// `value`: the luminous quantity, > 0. With a `solid_angle` > 0, `value` is a luminous flux, lm, that is spread over it, and the
 /// result is radiant intensity: 4 pi for a point light, 2 pi ((1 - cos inner) + (cos inner - cos outer) / 3) for a spot light, and
 /// pi times the area for the radiance of a surface; 0 otherwise. `temperature`: colour temperature of a Planckian radiator in kelvin,
 /// in [1000, 15000]; 0: the colour is `color`, three numbers >= 0 that are scaled to the luminance; NULL: white. `out_color` receives

@@ -6,7 +6,7 @@ pub use etd_quantity::*;
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum etd_quantity {
-    /// Illuminance [lx] of a small plane, whose normal is the direction.
+    /// Illuminance, lx, of a small plane, whose normal is the direction.
     ETD_QUANTITY_ILLUMINANCE = 0,
     /// Luminance [cd m^-2] of what is seen from the point in the direction.
     ETD_QUANTITY_LUMINANCE = 1,
