@@ -299,6 +299,19 @@ enum etd_camera_type
      * Parallel rays from the plane through `origin`; what is behind the plane is not seen.
      */
     ETD_CAMERA_ORTHOGRAPHIC = 2,
+    /**
+     * All directions: longitude across the width, latitude across the height. `fov_deg` is not read.
+     */
+    ETD_CAMERA_SPHERICAL = 3,
+    /**
+     * The mantle of an upright cylinder around the eye: `fov_deg` in (0, 360] across the width, and as high as pixels that are square
+     * at the horizon make it.
+     */
+    ETD_CAMERA_CYLINDRICAL = 4,
+    /**
+     * A circle by the equisolid projection, black beyond: `fov_deg` in (0, 360] across the circle, which spans `fov_axis`.
+     */
+    ETD_CAMERA_FISHEYE = 5,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

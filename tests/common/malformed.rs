@@ -347,7 +347,7 @@ fn cameras(l: &mut List) {
         "camera.lookat: unknown key `lookat`, expected one of `type`",
     );
     l.camera("camera key twice", "{\"up\": [0, 1, 0],\n@\"up\": [0, 1, 0]}", "camera.up: key given twice");
-    l.camera("unknown camera", "{\n@\"type\": \"fisheye\"}", "camera.type: unknown name `fisheye`");
+    l.camera("unknown camera", "{\n@\"type\": \"periscope\"}", "camera.type: unknown name `periscope`");
     l.camera("camera type number", "{\n@\"type\": 1}", "camera.type: invalid type: integer `1`");
     l.camera("camera type object", "{\n@\"type\": {\"perspective\": null}}", "camera.type: invalid type: an object");
     l.camera(
