@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::Calculation;
-use crate::desc::{GridDesc, GridPoints, SceneDesc, SkyDesc};
+use crate::desc::{GridDesc, GridPoints, SceneDesc, SceneMotion, SkyDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::DVec3;
 use crate::render::RenderSettings;
@@ -37,7 +37,14 @@ pub fn daylight_only(desc: &SceneDesc) -> Result<SceneDesc> {
 /// of [`Scene::build`] and [`Calculation::run`].
 pub fn exterior_illuminance(desc: &SceneDesc, settings: &RenderSettings) -> Result<(f64, f64)> {
     let up = sky(desc)?;
-    let outside = SceneDesc { surfaces: Vec::new(), lights: Vec::new(), distant_lights: Vec::new(), ..desc.clone() };
+    // What moves is gone with its motion.
+    let outside = SceneDesc {
+        surfaces: Vec::new(),
+        lights: Vec::new(),
+        distant_lights: Vec::new(),
+        motion: SceneMotion::default(),
+        ..desc.clone()
+    };
     let scene = Scene::build(&outside, &BuildOptions { threads: settings.threads, ..BuildOptions::default() })?;
     let points = GridPoints::Points { points: vec![DVec3::ZERO], normals: vec![up] };
     let grid = GridDesc { name: "exterior".to_owned(), points };

@@ -146,6 +146,12 @@ fn bowl(case: &mut Case) {
         desc.meshes.push(Arc::new(turned(mesh(whole.positions.clone(), triangles.clone()), DVec3::ZERO, true)));
         let solution = solved(&in_sky(desc), 1.0);
         let exact = PI * share / (1.0 - f64::from(albedo) * (1.0 - share));
+        if pick(case, false, albedo == 0.8) {
+            case.known(
+                "each bounce in a bowl of 48 sectors gives half a percent too much, at a radiosityError of 1 and of 0.3, by what small \
+                 neighbouring triangles send one another",
+            );
+        }
         case.exact(
             format!("bowl, albedo {albedo}, mean"),
             mean(&solution, 0, true) / exact,
