@@ -142,17 +142,52 @@ fn results_are_the_same_for_any_number_of_threads() {
 #[test]
 fn daylight_factors_count_the_sky_alone() {
     let folder = folder();
-    let args = ["roof.json", "--daylight", "--plane", "-0.01,0,0.01", "0.02,0,0", "0,0,-0.02", "1x1"];
-    let run = lux(folder.path(), &[&args[..], &["-o", "out.json", "--error", "0.002", "--threads", "2"]].concat());
+    // Nor do what shines by its material and lamps that move.
+    let glowing = ROOF.replace("\"color\": [0, 0, 0]", "\"color\": [0, 0, 0], \"emission\": [70, 70, 70]").replace(
+        "[900, 900, 900]",
+        "[900, 900, 900], \"motion\": [{\"time\": 0}, {\"time\": 1, \"translate\": [1, 0, 0]}]",
+    );
+    fs::write(folder.path().join("glowing.json"), glowing).unwrap();
+    for scene in ["roof.json", "glowing.json"] {
+        let args = [scene, "--daylight", "--plane", "-0.01,0,0.01", "0.02,0,0", "0,0,-0.02", "1x1"];
+        let run = lux(folder.path(), &[&args[..], &["-o", "out.json", "--error", "0.002", "--threads", "2"]].concat());
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        let json: Value = serde_json::from_str(&fs::read_to_string(folder.path().join("out.json")).unwrap()).unwrap();
+        let outside = json["exterior"]["illuminance"].as_f64().unwrap();
+        assert!(close(outside, 683.0 * std::f64::consts::PI, 1e-3), "{outside}");
+        // A disk as wide as it is high hides sin^2 45 degrees of the light.
+        let factors = &json["grids"][0]["daylightFactors"];
+        let [factor, error] = ["values", "standardErrors"].map(|key| factors[key][0].as_f64().unwrap());
+        assert!(error < 0.004 * factor && (factor - 0.5).abs() < 5.0 * error, "{factor} ± {error}");
+        assert!(run.stdout.contains("% of outside"), "{}", run.stdout);
+    }
+}
+
+#[test]
+fn views_from_a_surface_do_not_meet_it() {
+    let folder = folder();
+    // A slope under an even sky of radiance 1.
+    let slope = r#"{
+        "etendue": 1,
+        "camera": {"origin": [0, 1, 5]},
+        "lights": [{"type": "environment", "color": [1, 1, 1]}],
+        "materials": [{"name": "soot", "type": "diffuse", "color": [0, 0, 0]}],
+        "surfaces": [{"geometry": "quad", "material": "soot", "vertex-1": [-3, -1, 1.7], "vertex-2": [3, 1.3, 1.7],
+            "vertex-3": [3, 1.3, -1.7], "vertex-4": [-3, -1, -1.7]}]
+    }"#;
+    fs::write(folder.path().join("slope.json"), slope).unwrap();
+    let points: Vec<String> =
+        (0..100).map(|i| f64::from(i) / 40.0 - 1.2).map(|x| format!("[{x}, {}, 0.3]", 0.15 + 2.3 / 6.0 * x)).collect();
+    let points = points.join(", ");
+    let grids = format!(
+        "{{\"grids\": [{{\"name\": \"up\", \"type\": \"luminance\", \"points\": [{points}], \"directions\": [[-2.3, 6, 0]]}}]}}"
+    );
+    fs::write(folder.path().join("views.json"), grids).unwrap();
+    let run = lux(folder.path(), &["slope.json", "--grid", "views.json", "--spp", "16", "-o", "out.json"]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let json: Value = serde_json::from_str(&fs::read_to_string(folder.path().join("out.json")).unwrap()).unwrap();
-    let outside = json["exterior"]["illuminance"].as_f64().unwrap();
-    assert!(close(outside, 683.0 * std::f64::consts::PI, 1e-3), "{outside}");
-    // A disk as wide as it is high hides sin^2 45 degrees of the light.
-    let factors = &json["grids"][0]["daylightFactors"];
-    let [factor, error] = ["values", "standardErrors"].map(|key| factors[key][0].as_f64().unwrap());
-    assert!(error < 0.004 * factor && (factor - 0.5).abs() < 5.0 * error, "{factor} ± {error}");
-    assert!(run.stdout.contains("% of outside"), "{}", run.stdout);
+    let values = json["grids"][0]["values"].as_array().unwrap();
+    assert!(values.iter().all(|value| close(value.as_f64().unwrap(), 683.0, 1e-5)), "{values:?}");
 }
 
 #[test]
@@ -206,6 +241,7 @@ fn what_cannot_be_done_is_refused_before_the_work() {
         (with(&["-o", "a.csv", "a.csv"]), "given twice as an output"),
         (with(&["-o", "none/a.csv"]), "none"),
         (with(&["--daylight"]), "there is no environment or sky"),
+        (with(&["--max-depth", "1", "--method", "radiosity"]), "--max-depth: a radiosity solution has no paths"),
         (with(&["--error", "0"]), "expected an error above 0"),
         (with(&["--scale", "-3"]), "expected a number above 0"),
         (vec!["lamp.json", "--grid", "grids.json", "-o", "grids.json"], "is read and cannot be written"),

@@ -229,13 +229,16 @@ fn what_emits_is_opaque_and_can_emit() {
     let expected = "surfaces[1].emission: the material 'lamp' has an opacity of 0.5, expected an opaque one";
     assert!(error.contains(expected), "{error}");
 
-    let mut disk = lamps(&json!({"emission": [1, 1, 1]}), &Value::Null);
-    disk["surfaces"][1] =
-        json!({"geometry": "disk", "origin": [0, 0, 0], "normal": [0, 0, 1], "radius": 1, "material": "lamp"});
-    let error = parse(&disk).unwrap_err();
+    let mut cone = lamps(&json!({"emission": [1, 1, 1]}), &Value::Null);
+    cone["surfaces"][1] = json!({
+        "geometry": "cone", "base": [0, 0, 0], "axis": [0, 0, 1], "radius": 1, "height": 1, "material": "lamp"
+    });
+    let error = parse(&cone).unwrap_err();
     assert_eq!(error.kind(), ErrorKind::Unsupported);
     assert!(
-        error.to_string().contains("surfaces[1].material: the material 'lamp' emits light: quadrics and disks"),
+        error
+            .to_string()
+            .contains("surfaces[1].material: the material 'lamp' emits light: of the quadrics, only cylinders"),
         "{error}"
     );
 

@@ -364,7 +364,7 @@ pub struct LuxArgs {
     /// Daylight factors: the sky alone lights the scene, and illuminance is given in per cent of that outside too.
     #[arg(long)]
     pub daylight: bool,
-    /// Greatest number of surface hits on a path, the point being the first, or none for no cut. 1 is direct light alone.
+    /// Greatest number of surface hits on a path, the point being the first, or none for no cut. 1 is direct light alone. Not with radiosity.
     #[arg(long, value_name = "N|none", value_parser = parse_depth)]
     pub max_depth: Option<Depth>,
     /// Light samples per hit, in place of the scene's.

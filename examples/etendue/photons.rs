@@ -8,6 +8,7 @@ use std::thread;
 
 use etendue::desc::{CameraDesc, RenderDesc};
 use etendue::film::Image;
+use etendue::integrator::check_still;
 use etendue::integrator::photon::{self, DrawSettings, MapKind, NARROW, Photon, PhotonBatch, PhotonJob};
 use etendue::output::{self, PhotonFormat, WriteOptions};
 use etendue::scene::Scene;
@@ -31,7 +32,8 @@ pub fn photons(args: &PhotonsArgs) -> Result<u8, Failure> {
         seed: args.seed.unwrap_or(description.render.seed),
         ..description.render
     };
-    let camera = camera(args, description.camera)?;
+    check_still(&scene, "a photon map")?;
+    let camera = camera(args, *scene.camera())?;
     let size = size_of::<Photon>();
     let job = PhotonJob {
         kind: match args.map {

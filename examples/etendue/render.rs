@@ -88,7 +88,11 @@ pub fn render(args: &RenderArgs) -> Result<u8, Failure> {
         let options = BuildOptions { threads: args.threads, ..BuildOptions::default() };
         let built = match &scene {
             None => build(&description, args.threads)?,
-            Some(before) => before.rebuild(&description, &options)?,
+            Some(before) => {
+                let built = before.rebuild(&description, &options)?;
+                built.warnings().iter().for_each(console::warn);
+                built
+            }
         };
         if !args.quiet {
             console::say(&format!("frame {number}"));

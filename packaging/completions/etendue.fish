@@ -152,7 +152,7 @@ radiosity\t'A radiosity solution, whose light is gathered at each point: for dif
 complete -c etendue -n "__fish_etendue_using_subcommand lux" -l error -d 'Stop a grid when its relative standard error is no larger than this: the root of the mean square over its points. 0.01 where nothing else limits the work' -r
 complete -c etendue -n "__fish_etendue_using_subcommand lux" -l spp -d 'Most samples per point; 1048576 unless --time is given' -r
 complete -c etendue -n "__fish_etendue_using_subcommand lux" -l time -d 'Stop each grid after so many seconds' -r
-complete -c etendue -n "__fish_etendue_using_subcommand lux" -l max-depth -d 'Greatest number of surface hits on a path, the point being the first, or none for no cut. 1 is direct light alone' -r
+complete -c etendue -n "__fish_etendue_using_subcommand lux" -l max-depth -d 'Greatest number of surface hits on a path, the point being the first, or none for no cut. 1 is direct light alone. Not with radiosity' -r
 complete -c etendue -n "__fish_etendue_using_subcommand lux" -l shadow-rays -d 'Light samples per hit, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand lux" -l seed -d 'Seed of all randomness, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand lux" -l threads -d 'Threads; 0 takes all there are' -r

@@ -53,10 +53,23 @@ pub struct PlaneGridDesc {
     pub normal: Option<DVec3>,
 }
 
+/// Sine of the smallest angle between the sides of a plane.
+const PARALLEL: f64 = 1e-6;
+
+/// The unit vector of a direction, whose length is divided out first, so that no length is too small or too large to be squared.
+fn scaled(v: DVec3) -> DVec3 {
+    (v / v.abs().max_element()).normalize_or_zero()
+}
+
 impl PlaneGridDesc {
     /// The unit normal of a plane that has been checked.
     pub fn unit_normal(&self) -> DVec3 {
-        self.normal.unwrap_or_else(|| self.u.normalize_or_zero().cross(self.v.normalize_or_zero())).normalize_or_zero()
+        self.normal.map_or_else(|| self.across().normalize_or_zero(), scaled)
+    }
+
+    /// The cross product of the unit vectors along both sides.
+    fn across(&self) -> DVec3 {
+        scaled(self.u).cross(scaled(self.v))
     }
 
     /// The middle of a cell.
@@ -82,7 +95,7 @@ impl PlaneGridDesc {
         check_count(&at("counts"), columns * rows)?;
         match self.normal {
             Some(normal) => validate::direction(&at("normal"), normal).map(|_| ()),
-            None if self.unit_normal() == DVec3::ZERO => {
+            None if self.across().length() < PARALLEL => {
                 let message = format!("{:?} is parallel to `u`, expected a plane, or a `normal`", self.v.to_array());
                 Err(Error::invalid(at("v"), message))
             }
@@ -156,8 +169,7 @@ impl GridDesc {
             }
             GridPoints::Points { points, normals: directions } | GridPoints::Views { points, directions } => {
                 let of = |number: usize| directions.get(number).or(directions.first()).copied().unwrap_or(DVec3::Y);
-                let unit = |v: DVec3| (v / v.abs().max_element()).normalize_or_zero();
-                points.iter().enumerate().map(|(number, &point)| [point, unit(of(number))]).collect()
+                points.iter().enumerate().map(|(number, &point)| [point, scaled(of(number))]).collect()
             }
         }
     }

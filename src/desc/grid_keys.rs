@@ -140,6 +140,7 @@ mod tests {
         for (from, to, path, line, words) in [
             ("[0, 0, 2]", "[0, 0, 0]", "grids[0].u", 2, "no direction"),
             ("[3, 0, 0]", "[0, 0, 7]", "grids[0].v", 2, "is parallel to `u`"),
+            ("[3, 0, 0]", "[1e-9, 1e-9, 7]", "grids[0].v", 2, "is parallel to `u`"),
             ("[4, 6.0]", "[0, 6]", "grids[0].counts[0]", 2, "0 is out of range"),
             ("[4, 6.0]", "[4, -6]", "grids[0].counts[1]", 2, "-6"),
             ("[4, 6.0]", "[4000, 4000]", "grids[0].counts", 2, "16000000 points are too many"),

@@ -82,7 +82,8 @@ impl Probes {
         let mut context = Context { scene, sampler, tracer, wavelengths: () };
         match self.quantity {
             ProbeQuantity::Radiance => {
-                let ray = Ray { time: point.time, ..Ray::new(point.p, direction) };
+                let origin = if point.error > 0.0 { point.offset(direction) } else { point.p };
+                let ray = Ray { time: point.time, ..Ray::new(origin, direction) };
                 match &self.transport {
                     ProbeTransport::Path(path) => path.li(ray, &mut context, &mut |_| {}),
                     ProbeTransport::Radiosity(picture) => picture.li(ray, &mut context, &mut |_| {}),
@@ -108,27 +109,31 @@ impl Probes {
     }
 }
 
+/// Cosine at a surface below which a view along it may meet it.
+const MIN_COSINE: f32 = 1e-2;
+
 /// A probe in the scene frame, with the distance by which its rays have to leave a surface that it may lie on.
 fn placed(scene: &Scene, probe: &Probe, quantity: ProbeQuantity) -> (HitPoint, Vec3) {
     let (p, n) = (scene.to_scene(probe.position), probe.direction.as_vec3a());
     // A point on a surface, such as one of a grid on the floor, must not be shadowed by this surface. Its own rounding says
     // nothing of the surface's, which depends on the primitive: a short ray against the normal asks the surface itself.
     let rounding = HitPoint::rounding_error(p, n) + ROUNDING * p.abs().max_element();
-    if quantity == ProbeQuantity::Radiance {
-        return (HitPoint::new(p, 0.0), n);
-    }
     let bounds = scene.info().bounds;
     let size = if bounds.is_empty() { 0.0 } else { (bounds.max - bounds.min).max_element() as f32 };
     let reach = rounding + 8.0 * ROUNDING * size;
     let ray = Ray::segment(p + reach * n, -2.0 * reach * n, 1.0);
-    let surface = scene.intersect(&ray).map(|hit| scene.interaction(&ray, &hit).point);
+    let surface = scene.intersect(&ray).map(|hit| scene.interaction(&ray, &hit));
+    // A view from the air begins where it is said to.
+    let in_the_air = if quantity == ProbeQuantity::Radiance { 0.0 } else { rounding };
     let error = match surface {
-        Some(on) => {
+        Some(SurfaceInteraction { point: on, ng, .. }) => {
+            // Along `n` a surface is farther away than across it.
+            let bound = on.error / ng.dot(n).abs().max(MIN_COSINE);
             let off = (on.p - p).dot(n).abs();
             // A surface that is farther away than it can be wrong by is not the one that the point lies on.
-            if off <= 2.0 * (on.error + rounding) { rounding.max(on.error + off) } else { rounding }
+            if off <= 2.0 * (bound + rounding) { rounding.max(bound + off) } else { in_the_air }
         }
-        None => rounding,
+        None => in_the_air,
     };
     (HitPoint::new(p, error), n)
 }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::Calculation;
-use crate::desc::{GridDesc, GridPoints, SceneDesc, SceneMotion, SkyDesc};
+use crate::desc::{GridDesc, GridPoints, SceneDesc, SceneMotion, SkyDesc, TextureKey};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::DVec3;
 use crate::render::RenderSettings;
@@ -23,8 +23,13 @@ pub fn daylight_only(desc: &SceneDesc) -> Result<SceneDesc> {
     sky(desc)?;
     let mut desc = desc.clone();
     desc.lights.clear();
+    desc.motion.lights.clear();
     desc.distant_lights.clear();
     desc.surfaces.iter_mut().for_each(|surface| surface.emission = None);
+    for material in &mut desc.materials {
+        material.emission = None;
+        material.textures.retain(|binding| binding.key != TextureKey::Emission);
+    }
     Ok(desc)
 }
 

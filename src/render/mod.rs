@@ -37,7 +37,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, TILE};
 use crate::integrator::photon::{Choice, Plan, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
-use crate::integrator::{Irradiance, Path, Probe, ProbeQuantity, Probes, Sites, check_still, check_support};
+use crate::integrator::{Irradiance, Path, Probe, ProbeQuantity, Probes, Sites, check_support};
 use crate::sampling::Filter;
 use crate::scene::Scene;
 use adaptive::{MIN_PIXELS, PILOT, Stage};
@@ -192,7 +192,11 @@ impl Render {
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
         match method {
             None => check_support(scene, integrator)?,
-            Some(_) if scene.has_moving_world() => check_still(scene, "irradiance of given points")?,
+            Some(_) if scene.has_moving_world() => {
+                let message = "something moves while the shutter is open, which light at given points does not show; expected a \
+                    shutter that closes as it opens";
+                return Err(Error::new(ErrorKind::Unsupported, message));
+            }
             Some(_) => {}
         }
         let method = method.unwrap_or_else(|| Method::new(integrator));

@@ -62,6 +62,11 @@ struct LuxResult {
 pub fn lux(args: &LuxArgs) -> Result<u8, Failure> {
     let grids = grids(args)?;
     check_outputs(args, &grids)?;
+    if args.method == LuxMethod::Radiosity && args.max_depth.is_some_and(|depth| depth.0.is_some()) {
+        return Err(Failure::usage(
+            "--max-depth: a radiosity solution has no paths that could be cut, expected --method path",
+        ));
+    }
     interrupt::install()?;
     let (description, scene) = load(&args.scene, args.params.as_deref(), args.threads)?;
     spare(args, &description)?;
@@ -182,8 +187,8 @@ fn check_outputs(args: &LuxArgs, grids: &[GridDesc]) -> Result<(), Failure> {
     let read: Vec<PathBuf> = read.into_iter().flatten().map(|path| place(path)).collect();
     let mut seen = HashSet::new();
     for path in &args.output {
-        if kind(path)? == FileKind::Png && !grids.iter().any(|grid| grid.plane().is_some()) {
-            return Err(Failure::usage(format!("{}: none of the grids is a plane to be drawn", path.display())));
+        if kind(path)? == FileKind::Png {
+            picture::check(grids).map_err(|message| Failure::usage(format!("{}: {message}", path.display())))?;
         }
         output::check_text_target(path)?;
         if read.contains(&place(path)) {
