@@ -196,7 +196,7 @@ static etd_scene *scene_of_file(etd_device *device, const char *material) {
              "{\"name\": \"ball\", %s}], \"surfaces\": ["
              "{\"geometry\": \"quad\", \"vertex-1\": [-3, -1, -3], \"vertex-2\": [-3, -1, 3], \"vertex-3\": [3, -1, 3], "
              "\"vertex-4\": [3, -1, -3], \"material\": \"floor\"}, "
-             "{\"geometry\": \"cylinder\", \"base\": [0, -0.5, 0], \"axis\": [0, 1, 0], \"radius\": 1, \"height\": 1.5, "
+             "{\"geometry\": \"cone\", \"base\": [0, -0.5, 0], \"axis\": [0, 1, 0], \"radius\": 1, \"height\": 1.5, "
              "\"material\": \"ball\"}, "
              "{\"geometry\": \"quad\", \"vertex-1\": [-1, 3, -1], \"vertex-2\": [1, 3, -1], \"vertex-3\": [1, 3, 1], "
              "\"vertex-4\": [-1, 3, 1], \"emission\": [4, 4, 4]}]}",
@@ -303,7 +303,7 @@ int main(void) {
         uint32_t number = 0;
         CHECK_OK(etd_scene_set_emission(own, 0, radiance));
         set3(lamp.emission, 4, 4, 4);
-        CHECK(etd_scene_set_material(scene, 2, &lamp) == ETD_UNSUPPORTED); /* the cylinder's */
+        CHECK(etd_scene_set_material(scene, 2, &lamp) == ETD_UNSUPPORTED); /* the cone's */
         CHECK_OK(etd_scene_add_material(scene, "lamp", &lamp, &number));
         CHECK(etd_scene_set_surface_material(scene, 1, number) == ETD_UNSUPPORTED);
         CHECK_OK(etd_scene_set_surface_material(scene, 0, number));
