@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::{Departure, EmitterSample};
-use crate::math::{Bounds, DVec3, HitPoint, Vec3};
+use crate::math::{Bounds, DVec3, Vec3};
 use crate::sampling::warps;
 use crate::shape::Disk;
 use crate::spectrum::Rgb;
@@ -136,25 +136,12 @@ impl DiskEmitter {
                 (point, self.pdf_by_area(point.distance(from), height))
             }
         };
-        let to_light = point - from;
-        let distance = to_light.length();
-        let (point, normal) = (point.as_vec3a(), self.disk.normal().as_vec3a());
-        let mut target = HitPoint::new(point, HitPoint::rounding_error(point, normal)).seen_from(distance as f32);
-        // A shadow ray must not end behind `p`.
-        target.error = target.error.min((0.5 * height) as f32);
-        Some(EmitterSample {
-            wi: (to_light / distance).as_vec3a().normalize(),
-            target: target.offset(normal),
-            radiance: self.radiance,
-            pdf,
-            is_delta: false,
-        })
+        Some(EmitterSample::of_surface(from, point, self.disk.normal(), self.radiance, pdf))
     }
 
     /// Samples a point uniformly by area.
     pub(super) fn sample_departure(&self, u: [f32; 2]) -> Departure {
-        let (p, normal) = (self.point(u).as_vec3a(), self.disk.normal().as_vec3a());
-        Departure { point: HitPoint::new(p, HitPoint::rounding_error(p, normal)), normal: Some(normal) }
+        Departure::of_surface(self.point(u), self.disk.normal())
     }
 
     /// Density per solid angle at `p` of the direction that meets the disk in `hit`; 0 where `p` is not in front.

@@ -1,6 +1,6 @@
 //! What sampling an emitter gives: a direction towards it, or a place from which light leaves.
 
-use crate::math::{HitPoint, Vec3};
+use crate::math::{DVec3, HitPoint, Vec3};
 use crate::spectrum::Rgb;
 
 /// A direction towards an emitter.
@@ -19,6 +19,22 @@ pub struct EmitterSample {
     pub is_delta: bool,
 }
 
+impl EmitterSample {
+    /// The sample of a point of an emitting surface with this outward unit normal, seen from `from`. `pdf`: per solid angle.
+    #[inline]
+    pub(super) fn of_surface(from: DVec3, point: DVec3, normal: DVec3, radiance: Rgb, pdf: f32) -> Self {
+        let to_light = point - from;
+        let distance = to_light.length();
+        let height = -to_light.dot(normal);
+        let (point, normal) = (point.as_vec3a(), normal.as_vec3a());
+        let mut target = HitPoint::new(point, HitPoint::rounding_error(point, normal)).seen_from(distance as f32);
+        // A shadow ray must not end behind `from`.
+        target.error = target.error.min((0.5 * height.max(0.0)) as f32);
+        let wi = (to_light / distance).as_vec3a().normalize();
+        Self { wi, target: target.offset(normal), radiance, pdf, is_delta: false }
+    }
+}
+
 /// Where light leaves an emitter.
 #[derive(Clone, Copy, Debug)]
 pub struct Departure {
@@ -26,4 +42,13 @@ pub struct Departure {
     pub point: HitPoint,
     /// Unit normal on the side that shines; `None` for a point, which shines all around.
     pub normal: Option<Vec3>,
+}
+
+impl Departure {
+    /// From a point of a surface with this unit normal.
+    #[inline]
+    pub(super) fn of_surface(p: DVec3, normal: DVec3) -> Self {
+        let (p, normal) = (p.as_vec3a(), normal.as_vec3a());
+        Self { point: HitPoint::new(p, HitPoint::rounding_error(p, normal)), normal: Some(normal) }
+    }
 }

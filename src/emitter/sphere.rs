@@ -79,8 +79,7 @@ impl SphereEmitter {
     #[inline]
     pub(super) fn departure_towards(&self, normal: DVec3) -> Departure {
         let (p, normal) = self.sphere.project(self.sphere.centre + normal * self.sphere.radius);
-        let (p, normal) = (p.as_vec3a(), normal.as_vec3a());
-        Departure { point: HitPoint::new(p, HitPoint::rounding_error(p, normal)), normal: Some(normal) }
+        Departure::of_surface(p, normal)
     }
 
     /// Emitted power \[W\].

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::{Departure, EmitterSample};
-use crate::math::{Bounds, DAffine3, DVec3, HitPoint, Vec3};
+use crate::math::{Bounds, DAffine3, DVec3, Vec3};
 use crate::spectrum::Rgb;
 
 /// A cylinder without its lids, also one that a transform stretched or sheared, with the same radiance from every point in every
@@ -125,29 +125,14 @@ impl TubeEmitter {
         let turn = line.ends[0] + f64::from(u[1]) * (line.ends[1] - line.ends[0]);
         let place = (line.nearest + line.distance * turn.tan()).clamp(0.0, 1.0);
         let point = line.base + place * line.along;
-        let to_light = point - from;
-        let distance = to_light.length();
-        let pdf = Self::pdf_on(&seen, &line, to_light);
-        let unit_normal = line.normal.normalize();
-        let height = -to_light.dot(unit_normal);
-        let (point, normal) = (point.as_vec3a(), unit_normal.as_vec3a());
-        let mut target = HitPoint::new(point, HitPoint::rounding_error(point, normal)).seen_from(distance as f32);
-        // A shadow ray must not end behind `p`.
-        target.error = target.error.min((0.5 * height.max(0.0)) as f32);
-        Some(EmitterSample {
-            wi: (to_light / distance).as_vec3a().normalize(),
-            target: target.offset(normal),
-            radiance: self.radiance,
-            pdf,
-            is_delta: false,
-        })
+        let pdf = Self::pdf_on(&seen, &line, point - from);
+        Some(EmitterSample::of_surface(from, point, line.normal.normalize(), self.radiance, pdf))
     }
 
     /// Samples a point uniformly by angle and height in the tube's frame; see [`Self::power_from`].
     pub(super) fn sample_departure(&self, u: [f32; 2]) -> Departure {
         let (base, along, normal) = self.line_at(TAU * f64::from(u[0]));
-        let (p, normal) = ((base + f64::from(u[1]) * along).as_vec3a(), normal.normalize().as_vec3a());
-        Departure { point: HitPoint::new(p, HitPoint::rounding_error(p, normal)), normal: Some(normal) }
+        Departure::of_surface(base + f64::from(u[1]) * along, normal.normalize())
     }
 
     /// The power \[W\] that all photons together would have if each were like one from a sampled point: that of a round tube is the

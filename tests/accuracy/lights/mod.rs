@@ -96,6 +96,12 @@ pub fn sphere_factor(sin: f64, tilt: f64) -> f64 {
 
 // ---- samplers alone ----
 
+/// A normal this far off a direction.
+fn tilted(towards: DVec3, degrees: f64) -> DVec3 {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    cos * towards + sin * towards.any_orthonormal_vector()
+}
+
 /// One-sided triangles of radiance 1, a fan over the polygon, which is seen counter-clockwise from its bright side.
 fn fan(polygon: &[Vec3]) -> Vec<Emitter> {
     let triangle = |k: usize| triangle_light([polygon[0], polygon[k], polygon[k + 1]], Rgb::ONE);

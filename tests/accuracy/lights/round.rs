@@ -10,7 +10,7 @@ use etendue::shape::Disk;
 use etendue::spectrum::Rgb;
 
 use super::sky::{METHODS, drawn};
-use super::{aim, convergence, irradiance, lit, polygon_factor, rendered, sphere_factor};
+use super::{aim, convergence, irradiance, lit, polygon_factor, rendered, sphere_factor, tilted};
 use crate::common::scenes::mean_and_error;
 use crate::record::{Case, Entry, Within};
 use etendue::sampling::{Sampler as _, SobolSampler};
@@ -71,12 +71,6 @@ fn placed(matrix3: DMat3, translation: DVec3) -> DAffine3 {
 /// Stretched, sheared and mirrored.
 fn bent() -> DMat3 {
     DMat3::from_cols(DVec3::new(1.5, 0.2, 0.0), DVec3::new(0.1, -0.4, 0.3), DVec3::new(0.2, 0.3, 0.9))
-}
-
-/// A normal this far off a direction.
-fn tilted(towards: DVec3, degrees: f64) -> DVec3 {
-    let (sin, cos) = degrees.to_radians().sin_cos();
-    cos * towards + sin * towards.any_orthonormal_vector()
 }
 
 /// Densities of samples, against those for the points where they end, and where shadow rays end.

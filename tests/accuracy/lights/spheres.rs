@@ -5,7 +5,7 @@ use etendue::emitter::EmitterSet;
 use etendue::math::{DVec3, Vec3};
 use etendue::sampling::{Sampler, SobolSampler};
 
-use super::{aim, convergence, irradiance, lit, rendered, sphere_factor, sphere_light};
+use super::{aim, convergence, irradiance, lit, rendered, sphere_factor, sphere_light, tilted};
 use crate::record::{Case, Entry, Within};
 
 pub fn cases() -> Vec<Entry> {
@@ -35,12 +35,6 @@ fn tilts(case: &mut Case) {
     }
     let set = EmitterSet::new(vec![sphere_light(towards, 0.5)]);
     convergence(case, "sine 1/2 at 80°", &set, Vec3::ZERO, tilted(towards, 80.0), TILTS[2].1);
-}
-
-/// A normal this far off a direction.
-fn tilted(towards: DVec3, degrees: f64) -> DVec3 {
-    let (sin, cos) = degrees.to_radians().sin_cos();
-    cos * towards + sin * towards.any_orthonormal_vector()
 }
 
 /// A name, the radius, and the distance from the surface.
