@@ -36,7 +36,8 @@
 //! let look = SurfaceLook { material: Some(white), ..SurfaceLook::default() };
 //! let tube = scene.add_surface(shape, local, look)?;
 //! scene.set_transform(tube, DAffine3::from_scale(DVec3::splat(2.0)))?;
-//! assert!(scene.set_emission(tube, Some(Rgb::ONE)).is_err());
+//! scene.set_emission(tube, Some(Rgb::ONE))?;
+//! assert!(scene.set_emission(tube, Some(Rgb::splat(-1.0))).is_err());
 //! # Ok::<(), etendue::Error>(())
 //! ```
 
