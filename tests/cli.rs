@@ -682,8 +682,9 @@ fn frames_and_moments_of_what_moves() {
     run(&["--frames", "1", "--time-at", "1", "-o", "a#.png"]).assert_refused_by_grammar("cannot be used with");
     run(&["--frame-rate", "25", "-o", "a.png"]).assert_refused_by_grammar("--frames");
     run(&["--time-at", "NaN", "-o", "a.png"]).assert_refused_by_grammar("expected seconds");
-    run(&["--integrator", "sppm", "-o", "a.png"]).assert_refused("sppm shows no motion");
-    run(&["--integrator", "sppm", "--time-at", "1", "--photons", "1000", "-o", "a.png"]).assert_done();
+    run(&["--integrator", "photon", "-o", "a.png"]).assert_refused("photon shows no motion");
+    run(&["--integrator", "photon", "--time-at", "1", "--photons", "1000", "-o", "a.png"]).assert_done();
+    run(&["--integrator", "sppm", "--photons", "1000", "-o", "a.png"]).assert_done();
     let still = |more: &[&str]| etendue(folder.path(), small_render("resting.json", more));
     still(&["--time-at", "1", "-o", "a.png"]).assert_refused("--time-at: nothing in the scene moves");
     still(&["--frames", "1", "-o", "a.png"]).assert_refused("--frames: nothing in the scene moves");

@@ -109,7 +109,7 @@ fn documents_say_what_the_table_of_integrators_says() {
         let infinity = if info.takes_infinite_emitters { "taken" } else { "refused" };
         let points = if info.takes_directed_points { "taken" } else { "refused" };
         let (order, made) = (order(info.order).to_owned(), preparation(info.preparation));
-        let motion = if info.shows_motion() { "shown" } else { "refused" };
+        let motion = if info.shows_motion() { "shown" } else { "of the camera alone" };
         let media = if info.takes_absorption { "taken" } else { "refused" };
         let rest = [depth, infinity, points, media, motion].map(str::to_owned);
         [name(integrator), bias(info.bias), order, made].into_iter().chain(rest).collect()

@@ -115,7 +115,7 @@ fn what_cannot_be_shown_is_refused_or_warned_of() {
 }
 
 #[test]
-fn integrators_that_prepare_anything_refuse_what_moves_by_name() {
+fn integrators_that_prepare_anything_once_refuse_what_moves_by_name() {
     let camera = |motion: Value| json!({"origin": [0, 0, 5], "shutter": {"open": 0, "close": 1}, "motion": motion});
     let ball = |motion: Value| json!([{"geometry": "sphere", "material": "white", "origin": [0, 0, 0], "radius": 1, "motion": motion}]);
     let way = || json!([{"time": 0}, {"time": 1, "translate": [0.5, 0, 0]}]);
@@ -125,18 +125,23 @@ fn integrators_that_prepare_anything_refuse_what_moves_by_name() {
         let desc = RenderDesc { resolution: [4, 4], samples: 1, integrator, ..RenderDesc::default() };
         Render::new(&scene, RenderSettings { desc, threads: 1, ..Default::default() }).map(|_| ())
     };
-    let shows = [IntegratorDesc::Path, IntegratorDesc::Whitted, IntegratorDesc::Direct, IntegratorDesc::Auto];
+    let refuses = [
+        IntegratorDesc::Radiosity,
+        IntegratorDesc::Photon,
+        IntegratorDesc::PhotonDirect,
+        IntegratorDesc::IrradianceCache,
+    ];
     let mut lamp = parse(camera(rest()), ball(rest()));
     let motion = parse(camera(rest()), ball(way())).motion.surfaces[&0].clone();
     lamp.set_light_motion(0, Some(motion.as_ref().clone())).unwrap();
-    for (what, desc, radiosity) in [
+    for (what, desc, is_camera) in [
         ("surface", parse(camera(rest()), ball(way())), false),
         ("camera", parse(camera(way()), ball(rest())), true),
         ("lamp", lamp, false),
     ] {
         for integrator in IntegratorDesc::ALL {
             let made = started(&desc, integrator);
-            let expected = shows.contains(&integrator) || radiosity && integrator == IntegratorDesc::Radiosity;
+            let expected = is_camera || !refuses.contains(&integrator);
             assert_eq!(made.is_ok(), expected, "{what}, {}", integrator.name());
             if let Err(error) = made {
                 assert_eq!(error.kind(), ErrorKind::Unsupported);
@@ -145,6 +150,16 @@ fn integrators_that_prepare_anything_refuse_what_moves_by_name() {
             let mut still = desc.clone();
             still.set_shutter(ShutterDesc::at(0.25)).unwrap();
             assert!(started(&still, integrator).is_ok(), "{what}, {}", integrator.name());
+        }
+        // A caustic map that is made once.
+        let scene = build(&desc).unwrap();
+        let mut once = RenderDesc { resolution: [4, 4], integrator: IntegratorDesc::Caustic, ..RenderDesc::default() };
+        once.photons.progressive = false;
+        let made = Render::new(&scene, RenderSettings { desc: once, threads: 1, ..Default::default() });
+        assert_eq!(made.is_ok(), is_camera, "{what}");
+        if let Err(error) = made {
+            let message = "caustic with maps that are made once shows no motion";
+            assert!(error.kind() == ErrorKind::Unsupported && error.to_string().contains(message), "{error}");
         }
     }
 }

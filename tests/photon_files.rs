@@ -226,7 +226,8 @@ fn dots_are_where_their_photons_are_seen() {
 #[test]
 fn a_map_of_direct_light_covers_what_it_lights_and_darkens_what_it_does_not() {
     let scene = stage(0.0);
-    let job = PhotonJob { kind: MapKind::Direct, paths: 300_000, pass: 0, most: 1 << 22, narrow_below: NARROW };
+    let job =
+        PhotonJob { kind: MapKind::Direct, paths: 300_000, pass: 0, most: 1 << 22, narrow_below: NARROW, time: 0.0 };
     let shot = photon::shoot(&scene, &desc::RenderDesc::default(), job, &mut Alone::default()).unwrap();
     assert!(shot.tally.shadows > 1000 && shot.tally.stored > 100_000, "{:?}", shot.tally);
     let top = CameraDesc::Perspective {

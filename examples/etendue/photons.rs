@@ -46,6 +46,7 @@ pub fn photons(args: &PhotonsArgs) -> Result<u8, Failure> {
         pass: 0,
         most: (desc.photons.memory as usize).saturating_mul(1 << 20) / size,
         narrow_below: NARROW,
+        time: 0.0,
     };
     // Errors of the camera are reported before the work begins.
     let is_drawn = args.output.iter().any(|path| PhotonFormat::from_path(path).is_none());

@@ -37,10 +37,15 @@ pub struct IntegratorInfo {
 }
 
 impl IntegratorInfo {
-    /// Whether the integrator shows the motion of a scene, by rays each of which has a time of its own. What is prepared
-    /// before samples are taken belongs to one moment, so an integrator that prepares anything refuses such a scene.
+    /// Whether the integrator shows the motion of more than the camera: by rays each of which has a time of its own, or by passes of
+    /// photons. What is prepared once belongs to one moment.
     pub const fn shows_motion(&self) -> bool {
-        matches!(self.preparation, Preparation::Nothing | Preparation::Choice)
+        matches!(
+            self.preparation,
+            Preparation::Nothing
+                | Preparation::Choice
+                | Preparation::PhotonMaps(_, MapRenewal::EachPass | MapRenewal::EachPassByDefault)
+        )
     }
 }
 

@@ -1,6 +1,6 @@
 //! Points that do not shine the same in all directions.
 
-use crate::math::{DVec3, Vec3};
+use crate::math::{DQuat, DVec3, Vec3};
 use crate::spectrum::Rgb;
 
 use super::spot::Spot;
@@ -34,6 +34,14 @@ impl DirectedPoint {
 }
 
 impl Distribution {
+    /// The same distribution, turned.
+    pub(super) fn turned(&self, rotation: DQuat) -> Self {
+        match self {
+            Self::Spot(spot) => Self::Spot(spot.turned(rotation)),
+            Self::Web(web) => Self::Web(web.turned(rotation)),
+        }
+    }
+
     /// The factor of a unit direction that leaves the point.
     #[inline]
     pub fn factor(&self, direction: Vec3) -> f32 {

@@ -176,7 +176,14 @@ mod tests {
     #[test]
     fn photons_bring_the_light_of_the_environment() {
         let scene = ball(BsdfDesc::Lambert { albedo: Rgb::splat(0.5) });
-        let job = PhotonJob { kind: MapKind::Global, paths: 1 << 16, pass: 0, most: usize::MAX, narrow_below: NARROW };
+        let job = PhotonJob {
+            kind: MapKind::Global,
+            paths: 1 << 16,
+            pass: 0,
+            most: usize::MAX,
+            narrow_below: NARROW,
+            time: 0.0,
+        };
         let batch = shoot(&scene, &RenderDesc::default(), job, &mut Alone::default()).unwrap();
         let exact = PI * 4.0 * PI * RADIANCE.to_f64();
         let stored: DVec3 = batch.photons.iter().map(|photon| photon.power().to_f64()).sum();

@@ -3,7 +3,7 @@
 //! They are sampled where they are at the time of the path. The choice among emitters knows no time: bounds hold for all times.
 
 use super::tree::Cone;
-use super::{Distribution, EmitterSample, SphereEmitter, TriangleEmitter, sample_point};
+use super::{DirectedPoint, Distribution, Emitter, EmitterSample, SphereEmitter, TriangleEmitter, sample_point};
 use crate::math::{Bounds, DQuat, DVec3, KeyedPath, Vec3, shutter_time, time_segment};
 use crate::shape::{Sphere, Triangle};
 use crate::spectrum::Rgb;
@@ -121,18 +121,27 @@ impl MovingEmitter {
         }
     }
 
-    /// The emitter at rest where it is at time 0; `None` where it has no area then, and for a point.
-    fn start(&self) -> Option<super::Emitter> {
-        match self {
+    /// The emitter at rest where it is at a time ([`crate::math::Ray::time`]); `None` where it has no area then.
+    pub(crate) fn at(&self, time: f32) -> Option<Emitter> {
+        Some(match self {
             Self::Triangle { steps, radiance, error } => {
-                let triangle = Triangle::new(steps[0])?;
-                Some(super::Emitter::Triangle(TriangleEmitter::new(triangle, *radiance, *error)))
+                Emitter::Triangle(TriangleEmitter::new(Self::triangle_at(steps, time)?, *radiance, *error))
             }
             Self::Sphere { steps, radiance } => {
-                Some(super::Emitter::Sphere(SphereEmitter { sphere: steps[0], radiance: *radiance }))
+                Emitter::Sphere(SphereEmitter { sphere: Sphere::between(steps, time), radiance: *radiance })
             }
-            Self::Point(_) => None,
-        }
+            Self::Point(point) => {
+                let (position, rotation) = point.at(time);
+                match &point.distribution {
+                    None => Emitter::Point { position, intensity: point.intensity },
+                    Some(distribution) => Emitter::Directed(Box::new(DirectedPoint {
+                        position,
+                        intensity: point.intensity,
+                        distribution: distribution.turned(rotation),
+                    })),
+                }
+            }
+        })
     }
 
     /// Emitted power \[W\], the mean over the moments.
@@ -227,7 +236,7 @@ impl MovingEmitter {
 
     /// Samples a point from which light leaves at time 0.
     pub(super) fn sample_departure(&self, u: [f32; 2]) -> super::Departure {
-        let point = super::Departure { point: crate::math::HitPoint::new(self.centre(), 0.0), normal: None };
-        self.start().map_or(point, |start| start.sample_departure(u))
+        let nowhere = super::Departure { point: crate::math::HitPoint::new(self.centre(), 0.0), normal: None };
+        self.at(0.0).map_or(nowhere, |start| start.sample_departure(u))
     }
 }

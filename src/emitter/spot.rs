@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::math::{DVec3, Frame, Vec3};
+use crate::math::{DQuat, DVec3, Frame, Vec3};
 use crate::sampling::warps;
 
 /// The factor of a spot light on its radiant intensity: 1 up to the inner angle from the axis, 0 from the outer angle on, and between
@@ -28,6 +28,11 @@ impl Spot {
         let one_minus_cos = |angle: f64| (2.0 * (0.5 * angle).sin().powi(2)) as f32;
         let (inner, angle) = (one_minus_cos(inner), outer);
         Self { axis: axis.as_vec3a(), inner, outer: one_minus_cos(outer).max(inner), angle }
+    }
+
+    /// The same light, turned.
+    pub(super) fn turned(self, rotation: DQuat) -> Self {
+        Self { axis: (rotation * self.axis.as_dvec3()).as_vec3a(), ..self }
     }
 
     /// The factor of a unit direction that leaves the light.

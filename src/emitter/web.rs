@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::math::{DMat3, DVec3, Vec3};
+use crate::math::{DMat3, DQuat, DVec3, Vec3};
 use crate::photometry::Web;
 
 /// A web that stands in the scene. Its factor is luminous intensity \[cd\].
@@ -26,6 +26,11 @@ impl TurnedWeb {
         let to_world = DMat3::from_cols(c0, c0.cross(axis), axis);
         let flux = web.flux();
         Self { web, to_world, flux }
+    }
+
+    /// The same lamp, turned.
+    pub(super) fn turned(&self, rotation: DQuat) -> Self {
+        Self { to_world: DMat3::from_quat(rotation) * self.to_world, ..self.clone() }
     }
 
     /// The intensity \[cd\] in a unit direction that leaves the lamp.

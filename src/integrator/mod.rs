@@ -77,6 +77,12 @@ pub trait Transport<C: Spectrum>: Sync {
         }
     }
 
+    /// The moment of the shutter interval ([`Ray::time`]) that all samples see; `None` where each sees a moment of its own.
+    #[inline(always)]
+    fn moment(&self) -> Option<f32> {
+        None
+    }
+
     /// The wavelengths of a path, drawn before the path begins. Methods whose photon maps have fixed wavelengths return
     /// those.
     #[inline(always)]

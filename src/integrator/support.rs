@@ -1,7 +1,7 @@
 //! Which scenes an integrator supports, by the lobes and the opacity of their surfaces, by their emitters and their motion.
 
 use crate::bsdf::Lobes;
-use crate::desc::{IntegratorDesc, LobeSupport, LobeUse, Preparation};
+use crate::desc::{IntegratorDesc, LobeSupport, LobeUse};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
@@ -11,9 +11,8 @@ use crate::scene::Scene;
 /// # Errors
 /// [`ErrorKind::Unsupported`], whose message names the integrator and, for lobes, the surface.
 pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
-    // The solution of radiosity knows no camera, and its pictures are taken ray by ray.
-    let is_seen_still = integrator.info().preparation == Preparation::RadiositySolution && !scene.has_moving_world();
-    if !integrator.info().shows_motion() && !is_seen_still {
+    // What is prepared knows no camera, and pictures of it are taken ray by ray.
+    if !integrator.info().shows_motion() && scene.has_moving_world() {
         check_still(scene, integrator.name())?;
     }
     let refuse = |surface: &str, what: &str| {

@@ -220,10 +220,11 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
             }
         }
         if pass.input.scene.uses_time() {
-            // Each sample sees the scene at a moment of its own, spread over the shutter interval.
+            // Each sample sees the scene at a moment of its own, spread over the shutter interval, or at that of its photons.
+            let common = self.0.moment();
             for sample in samples.iter_mut() {
                 let [time, _] = sample.sampler.next_2d();
-                sample.ray.time = pass.input.scene.moment(time);
+                sample.ray.time = common.unwrap_or_else(|| pass.input.scene.moment(time));
             }
         }
         if let Some(moving) = &pass.input.moving_camera {

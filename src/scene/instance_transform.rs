@@ -2,7 +2,7 @@
 
 use glam::Vec3Swizzles as _;
 
-use crate::math::{DAffine3, DMat3, DVec3, ROUNDING, shutter_time, time_segment};
+use crate::math::{Bounds, DAffine3, DMat3, DVec3, ROUNDING, shutter_time, time_segment};
 
 /// Bound on the error of a coordinate that is transformed into an instance's frame, in units of the summands that make
 /// the coordinate: half a unit in the last place of each summand.
@@ -77,6 +77,13 @@ impl InstancePath {
     /// The transform at time 0.
     pub(super) fn start(&self) -> &InstanceTransform {
         &self.start
+    }
+
+    /// A box around what this box of the instance's frame passes.
+    pub(super) fn bounds(&self, own: &Bounds) -> Bounds {
+        // Between two moments every point goes along a straight line, and stays in the boxes around both.
+        let later = self.steps.iter().map(|step| own.transformed(step));
+        later.fold(own.transformed(&self.start.to_scene), |all, one| all.union(one))
     }
 
     /// Calls `with` with the transform at this time ([`crate::math::Ray::time`]).

@@ -99,6 +99,11 @@ impl MovingShape {
         }
     }
 
+    /// A box around all places that the shape passes.
+    pub(super) fn bounds(&self) -> Bounds {
+        (0..self.time_steps()).fold(Bounds::EMPTY, |all, step| all.union(self.bounds_at(step)))
+    }
+
     /// A box around the shape at one of the moments, with room for rounding where boxes are interpolated.
     pub(super) fn bounds_at(&self, step: usize) -> Bounds {
         let bounds = match &self.body {

@@ -100,7 +100,8 @@ impl Scene {
         pieces.iter().filter_map(part).collect()
     }
 
-    /// Returns at most `most` (>= 1) balls that together contain every surface with delta lobes or with glossy lobes below this width.
+    /// Returns at most `most` (>= 1) balls that together contain every surface with delta lobes or with glossy lobes below this width,
+    /// wherever it is while the shutter is open.
     pub fn specular_balls(&self, narrow_below: f32, most: usize) -> Vec<Ball> {
         let mut pieces = self.specular_pieces(narrow_below);
         let mut groups: Vec<&mut [Piece]> = Vec::new();
@@ -175,11 +176,14 @@ impl Scene {
                 Geometry::Flat { triangles, .. } | Geometry::Instance { triangles, .. }
                     if is_specular(owners.of(0)) =>
                 {
-                    let vertices = triangles.mesh.vertices();
-                    let vertex = |i: usize| DVec3::from(vertices.get(i).map(f64::from));
-                    let bounds = Bounds::around((0..vertices.len()).map(vertex));
+                    // Between its steps every point goes along a straight line, and stays in the boxes around both.
+                    let steps = (0..triangles.mesh.time_steps()).map(|step| {
+                        let vertices = triangles.mesh.vertices_at_step(step);
+                        Bounds::around((0..vertices.len()).map(|i| DVec3::from(vertices.get(i).map(f64::from))))
+                    });
+                    let bounds = steps.fold(Bounds::EMPTY, |all, one| all.union(one));
                     let bounds = match geometry {
-                        Geometry::Instance { instance_path, .. } => bounds.transformed(&instance_path.start().to_scene),
+                        Geometry::Instance { instance_path, .. } => instance_path.bounds(&bounds),
                         _ => bounds,
                     };
                     pieces.push(Piece { bounds, exact: None });
@@ -187,7 +191,10 @@ impl Scene {
                 Geometry::Analytic { shapes, .. } => {
                     for (primitive, shape) in shapes.start.iter().enumerate() {
                         if is_specular(owners.of(primitive as u32)) {
-                            pieces.push(analytic(shape));
+                            pieces.push(shapes.moving.get(primitive).map_or_else(
+                                || analytic(shape),
+                                |moving| Piece { bounds: moving.bounds(), exact: None },
+                            ));
                         }
                     }
                 }

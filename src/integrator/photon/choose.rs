@@ -45,7 +45,7 @@ pub fn choose(scene: &Scene) -> Choice {
     let choice = |integrator, why: String| Choice { integrator, why };
     let lobes = scene.lobes();
     if scene.has_motion() {
-        return choice(IntegratorDesc::Path, "photons would show one moment of its motion only".to_owned());
+        return choice(IntegratorDesc::Path, "something moves, and photons of a pass show one moment".to_owned());
     }
     if scene.emitters().is_dark() {
         return choice(IntegratorDesc::Path, "nothing shines".to_owned());

@@ -57,6 +57,8 @@ const RESOLUTION: f32 = 64.0 * f32::EPSILON;
 pub(super) struct DiskCoverage {
     /// Levels from the largest radius down, each of half the radius of the one before.
     levels: Vec<Arc<Level>>,
+    /// The moment at which the surface is as it is known ([`Ray::time`]).
+    time: f32,
 }
 
 /// The cells for disks of one radius.
@@ -87,10 +89,10 @@ impl Hasher for Mixed {
 }
 
 impl DiskCoverage {
-    /// Creates an empty record for disks up to `radius`; smaller disks are added by [`DiskCoverage::learn`].
-    pub fn new(radius: f32) -> Self {
+    /// Creates an empty record for disks up to `radius` at a moment ([`Ray::time`]); smaller disks are added by [`DiskCoverage::learn`].
+    pub fn new(radius: f32, time: f32) -> Self {
         let level = |k| Arc::new(Level { radius: radius * 2.0_f32.powi(k), cells: HashMap::default() });
-        Self { levels: (0..=COARSER).rev().map(level).collect() }
+        Self { levels: (0..=COARSER).rev().map(level).collect(), time }
     }
 
     /// Whether the surface is known to cover the disk of this radius around `p` on the side `normal`.
@@ -181,7 +183,7 @@ impl DiskCoverage {
             }
         }
         let judged = fresh.len();
-        let (verdicts, mut rays) = judge(scene, fresh, radius, parallel)?;
+        let (verdicts, mut rays) = judge(scene, fresh, radius, self.time, parallel)?;
         // The neighbours of covered cells are tested as well, even where they hold no photon.
         let mut around = Vec::new();
         for ((_, p, normal), _) in verdicts.iter().filter(|(_, is_covered)| *is_covered) {
@@ -194,7 +196,7 @@ impl DiskCoverage {
                 }
             }
         }
-        let (others, spent) = judge(scene, around, radius, parallel)?;
+        let (others, spent) = judge(scene, around, radius, self.time, parallel)?;
         rays += spent;
         // A negative result beside a photon is dropped: the tested point may lie off the surface.
         let coverage = others.into_iter().filter(|(_, is_covered)| *is_covered);
@@ -211,6 +213,7 @@ fn judge(
     scene: &Scene,
     cells: Vec<Cell>,
     radius: f32,
+    time: f32,
     parallel: &mut impl Parallel,
 ) -> Result<(Vec<(Cell, bool)>, u64)> {
     let count = cells.len().div_ceil(BLOCK);
@@ -219,7 +222,7 @@ fn judge(
     let blocks = parallel.map(count, move |block| {
         let mut tracer = SceneTracer::new(&scene);
         let end = (BLOCK * (block + 1)).min(judged.len());
-        let judge = |cell: &Cell| (*cell, is_covered(&mut tracer, cell.1, cell.2, radius));
+        let judge = |cell: &Cell| (*cell, is_covered(&mut tracer, cell.1, cell.2, radius, time));
         (judged[BLOCK * block..end].iter().map(judge).collect::<Vec<_>>(), tracer.rays)
     })?;
     let rays = blocks.iter().map(|(_, rays)| rays).sum();
@@ -251,7 +254,7 @@ fn key(p: Vec3, normal: Vec3, radius: f32) -> u64 {
 }
 
 /// Whether the surface covers every disk of this radius around a point of the cell that contains `p`.
-fn is_covered(tracer: &mut SceneTracer, p: Vec3, normal: Vec3, radius: f32) -> bool {
+fn is_covered(tracer: &mut SceneTracer, p: Vec3, normal: Vec3, radius: f32, time: f32) -> bool {
     let reach = radius * (1.0 + 1.5 / FINENESS);
     let height = THICKNESS * radius;
     let frame = Frame::from_normal(normal);
@@ -261,7 +264,7 @@ fn is_covered(tracer: &mut SceneTracer, p: Vec3, normal: Vec3, radius: f32) -> b
     (0..DIRECTIONS).all(|i| {
         let (sin, cos) = (TAU * (i as f32 + 0.5) / DIRECTIONS as f32).sin_cos();
         let along = frame.s * cos + frame.t * sin;
-        let level = Ray::segment(above, along * reach, 1.0);
+        let level = Ray::segment(above, along * reach, 1.0).at_time(time);
         if !tracer.unoccluded(&level) {
             return false;
         }
@@ -269,7 +272,7 @@ fn is_covered(tracer: &mut SceneTracer, p: Vec3, normal: Vec3, radius: f32) -> b
         let near = if i % 2 == 0 { 0.5 } else { 0.75 };
         [1.0, near].into_iter().all(|share| {
             let origin = above + along * (reach * share);
-            let down = Ray::segment(origin, normal * (-1.5 * height - 2.0 * error), 1.0);
+            let down = Ray::segment(origin, normal * (-1.5 * height - 2.0 * error), 1.0).at_time(time);
             !tracer.unoccluded(&down)
         })
     })

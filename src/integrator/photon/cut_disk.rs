@@ -29,18 +29,19 @@ impl CutDisk {
         let frame = Frame::from_normal(normal);
         let p = vertex.surface.point.p;
         let height = THICKNESS * radius;
+        let time = vertex.surface.point.time;
         let error = vertex.surface.point.error.max(HitPoint::rounding_error(p, normal));
         let above = p + normal * (0.5 * height + error);
         // Extent along the lines between sectors, as shares of the radius.
         let ways: [f32; SECTORS] = std::array::from_fn(|line| {
             let (sin, cos) = (TAU * line as f32 / SECTORS as f32).sin_cos();
             let along = frame.s * cos + frame.t * sin;
-            let level = Ray::segment(above, along * radius, 1.0);
+            let level = Ray::segment(above, along * radius, 1.0).at_time(time);
             let wall = tracer.intersect(&level).map_or(1.0, |hit| hit.t);
             // The surface must lie below the line.
             let is_there = |share: f32, tracer: &mut T| {
                 let origin = above + along * (radius * share);
-                let down = Ray::segment(origin, normal * (-1.5 * height - 2.0 * error), 1.0);
+                let down = Ray::segment(origin, normal * (-1.5 * height - 2.0 * error), 1.0).at_time(time);
                 !tracer.unoccluded(&down)
             };
             let step = |i: usize| wall * (i as f32 + 0.5) / STEPS as f32;

@@ -8,6 +8,7 @@
 //!
 //! Sources: Jensen 2001, *Realistic Image Synthesis Using Photon Mapping*, Sec. 5.1 to 5.3 (projection maps).
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use crate::desc::PhotonSharing;
@@ -28,18 +29,45 @@ const BY_POWER: f64 = 0.05;
 /// The distribution of the first rays of light paths.
 pub(in crate::integrator) struct Emission {
     choice: Distribution1D,
+    /// The moment that all light paths see ([`Ray::time`]), and the emitters that move, by their numbers, where they are then.
+    time: f32,
+    moved: BTreeMap<usize, Emitter>,
     /// The balls to aim at; empty where photons are sent in all directions.
     balls: Vec<Ball>,
 }
 
 impl Emission {
-    /// Creates the distribution for a scene; `None` where nothing emits light, or where photons are to be aimed and there is
-    /// nothing to aim at.
+    /// Creates the distribution for a scene at rest, or as its shutter opens; see [`Emission::at`].
+    ///
+    /// # Errors
+    /// Those of [`Emission::at`].
+    pub fn new(scene: &Scene, sharing: PhotonSharing, aims: Aim) -> Result<Option<Self>> {
+        Self::at(scene, sharing, aims, 0.0)
+    }
+
+    /// Creates the distribution for a scene at a moment ([`Ray::time`]); `None` where nothing emits light, or where photons are to be
+    /// aimed and there is nothing to aim at.
     ///
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] for point lights that are to share photons by area.
-    pub fn new(scene: &Scene, sharing: PhotonSharing, aims: Aim) -> Result<Option<Self>> {
-        let emitters = scene.emitters().emitters();
+    pub fn at(scene: &Scene, sharing: PhotonSharing, aims: Aim, time: f32) -> Result<Option<Self>> {
+        let mut moved = BTreeMap::new();
+        if scene.emitters().has_moving() {
+            for (index, emitter) in scene.emitters().emitters().iter().enumerate() {
+                if let Emitter::Moving(moving) = emitter {
+                    // A triangle that has no area at the moment has no power either.
+                    let dark = Emitter::Point { position: emitter.centre(), intensity: Rgb::ZERO };
+                    moved.insert(index, moving.at(time).unwrap_or(dark));
+                }
+            }
+        }
+        let emitters: Vec<&Emitter> = scene
+            .emitters()
+            .emitters()
+            .iter()
+            .enumerate()
+            .map(|(index, emitter)| moved.get(&index).unwrap_or(emitter))
+            .collect();
         let balls = match aims {
             Aim::Everywhere => Vec::new(),
             Aim::AtSpecular { narrow_below } => scene.specular_balls(narrow_below, MOST_BALLS),
@@ -52,7 +80,8 @@ impl Emission {
                 let power = |emitter: &Emitter| emitter.power().dot(LUMINANCE_WEIGHTS.to_f64());
                 let seen: Vec<f64> =
                     emitters.iter().map(|emitter| power(emitter) * share_aimed(emitter, &balls)).collect();
-                let (all, aimed) = (emitters.iter().map(power).sum::<f64>(), seen.iter().sum::<f64>());
+                let (all, aimed) =
+                    (emitters.iter().map(|emitter| power(emitter)).sum::<f64>(), seen.iter().sum::<f64>());
                 let even = if balls.is_empty() || all == 0.0 { 0.0 } else { BY_POWER * (aimed / all).max(1e-6) };
                 emitters.iter().zip(seen).map(|(emitter, seen)| seen + even * power(emitter)).collect()
             }
@@ -65,7 +94,7 @@ impl Emission {
                 emitters.iter().map(|emitter| if shines(emitter) { emitter.area() } else { 0.0 }).collect()
             }
         };
-        Ok(Distribution1D::new(&weights).map(|choice| Self { choice, balls }))
+        Ok(Distribution1D::new(&weights).map(|choice| Self { choice, time, moved, balls }))
     }
 
     /// Samples the start of one of `1 / share` light paths: a ray and the power that it carries (W). `None` for a path that
@@ -76,7 +105,10 @@ impl Emission {
     #[inline]
     pub fn begin(&self, scene: &Scene, u: [f32; 4], d: [f32; 4], share: f64) -> Option<(Ray, Rgb)> {
         let (index, probability, _) = self.choice.sample(choice_number(u, d));
-        let emitter = &scene.emitters().emitters()[index];
+        let emitter = match self.moved.get(&index) {
+            Some(moved) => moved,
+            None => &scene.emitters().emitters()[index],
+        };
         let share_of_all = share / f64::from(probability);
         match emitter {
             Emitter::EnvironmentMap(sky) => {
@@ -113,7 +145,7 @@ impl Emission {
         }
         let origin = departure.normal.map_or(p, |normal| departure.point.offset(normal));
         let power = emitter.power_from(&departure) * (ratio * share_of_all);
-        Some((Ray::new(origin, direction.normalize()), Rgb::from_f64(power)))
+        Some((Ray::new(origin, direction.normalize()).at_time(self.time), Rgb::from_f64(power)))
     }
 
     /// [`Emission::begin`] for light from infinity that varies by direction: the direction is chosen first, with this density and
@@ -149,7 +181,7 @@ impl Emission {
             (offset, f64::from(area) / count as f64)
         };
         let power = PI * area * share / f64::from(pdf) * radiance.to_f64();
-        Some((Ray::new(sky.photon_start(from, offset), -from), Rgb::from_f64(power)))
+        Some((Ray::new(sky.photon_start(from, offset), -from).at_time(self.time), Rgb::from_f64(power)))
     }
 
     /// The index of the emitter that [`Emission::begin`] chooses for these numbers.

@@ -89,6 +89,8 @@ pub struct Gather<C: Spectrum = Rgb> {
     pub(super) shrinking: Shrinking,
     /// Index of the pass to which the maps belong.
     pub(super) pass: u32,
+    /// The moment of that pass, which its photons and the paths that query them share; `None` where nothing but the camera moves.
+    pub(super) moment: Option<f32>,
     /// The wavelengths of that pass, which its photons and the paths that query them share.
     pub(super) wavelengths: C::Wavelengths,
     pub(super) max_depth: u32,
@@ -171,6 +173,10 @@ impl<C: Spectrum> Transport<C> for Gather<C> {
             gathering.add_bias(self.pass, feedback.bias.to_rgb(&self.wavelengths));
         }
         radiance
+    }
+
+    fn moment(&self) -> Option<f32> {
+        self.moment
     }
 
     fn wavelengths<S: Sampler>(&self, _: &mut S) -> C::Wavelengths {

@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::super::check_support;
 use super::super::irradiance_cache::fill_cache;
+use super::super::{check_still, check_support};
 use super::aim::Aims;
 use super::choose::aimed_paths_find_caustics;
 use super::coverage::DiskCoverage;
@@ -131,6 +131,9 @@ impl<C: Spectrum> Plan<C> {
         // A host may have set numbers that no file could contain.
         desc.check()?;
         check_support(scene, integrator)?;
+        if !is_progressive(renewal, desc) && scene.has_moving_world() {
+            check_still(scene, &format!("{} with maps that are made once", integrator.name()))?;
+        }
         let Lengths { pixel, distance } = measure(scene, camera, desc.resolution);
         let otherwise = match method {
             PhotonMethod::Direct => REPORT_RADIUS,
@@ -179,11 +182,7 @@ impl<C: Spectrum> Plan<C> {
     }
 
     fn is_progressive(&self) -> bool {
-        match self.renewal {
-            MapRenewal::EachPass => true,
-            MapRenewal::EachPassByDefault => self.desc.photons.progressive,
-            MapRenewal::Once => false,
-        }
+        is_progressive(self.renewal, &self.desc)
     }
 
     /// Messages about the maps for the user.
@@ -229,12 +228,21 @@ impl<C: Spectrum> Plan<C> {
     /// The wavelengths of a pass, which its photons and the eye paths that query them share. Wavelengths are spread evenly
     /// over passes.
     fn wavelengths(&self, pass: u32) -> C::Wavelengths {
+        C::sample_wavelengths(|| self.spread(0, pass))
+    }
+
+    /// The moment of a pass ([`crate::math::Ray::time`]), which its photons and the eye paths that query them share; `None` where
+    /// nothing but the camera moves. Moments are spread over passes as the shutter is open.
+    fn moment(&self, pass: u32) -> Option<f32> {
+        self.scene.has_moving_world().then(|| self.scene.moment(self.spread(1, pass)))
+    }
+
+    /// A number in [0, 1) for a pass; those of successive passes are spread evenly. Each `stream` begins elsewhere.
+    fn spread(&self, stream: u64, pass: u32) -> f32 {
         /// Fraction of the golden ratio, whose multiples are spread evenly over [0, 1).
         const STEP: f64 = 0.618_033_988_749_894_9;
-        C::sample_wavelengths(|| {
-            let first = f64::from(Rng::new(self.desc.seed, 0).next_f32());
-            ((first + f64::from(pass) * STEP).fract() as f32).min(1.0_f32.next_down())
-        })
+        let first = f64::from(Rng::new(self.desc.seed, stream).next_f32());
+        ((first + f64::from(pass) * STEP).fract() as f32).min(1.0_f32.next_down())
     }
 
     /// Makes the maps of a pass, and the integrator that gathers from them.
@@ -254,8 +262,10 @@ impl<C: Spectrum> Plan<C> {
         let mut maps = build_maps(shot, shrunk, parallel)?;
         if pass == 0 {
             self.measure_radius(&mut maps);
+        }
+        if self.is_uncovered(pass) {
             let widest = maps.iter().map(|map| map.layer.widest).fold(f32::MIN_POSITIVE, f32::max);
-            coverage = DiskCoverage::new(widest);
+            coverage = DiskCoverage::new(widest, self.moment(pass).unwrap_or_default());
         }
         self.learn_coverage(&mut coverage, &maps, pass, parallel)?;
         if pass == 0 {
@@ -263,13 +273,20 @@ impl<C: Spectrum> Plan<C> {
         }
         // Coverage learns from the maps that are gathered from now only before the next pass, so that the two are
         // independent.
-        let teaches = |map: &&BuiltMap<C>| self.is_progressive() && map.kind != MapKind::Caustic;
+        let is_kept = self.is_progressive() && !self.is_uncovered(pass + 1);
+        let teaches = |map: &&BuiltMap<C>| is_kept && map.kind != MapKind::Caustic;
         let unlearnt = maps.iter().filter(teaches).map(|map| Arc::clone(&map.layer.map)).collect();
         let mut gather = self.gatherer(maps, aims, coverage.clone(), pass, &parallel.token())?;
         complete(self, &mut gather, &mut notes, parallel)?;
         (self.coverage, self.unlearnt) = (coverage, unlearnt);
         self.notes.extend(notes);
         Ok(gather)
+    }
+
+    /// Whether nothing is known before this pass of where the surface covers disks: it is the first, or something moves, so that the
+    /// passes see the surface at different moments.
+    fn is_uncovered(&self, pass: u32) -> bool {
+        pass == 0 || self.scene.has_moving_world()
     }
 
     /// The known coverage of kernels' disks, updated by the photons of the last pass.
@@ -362,7 +379,8 @@ impl<C: Spectrum> Plan<C> {
                 return Err(Error::new(ErrorKind::OutOfMemory, format!("{memory} MiB hold no photon map")));
             }
             let WantedMap { kind, paths, .. } = wanted;
-            let job = PhotonJob { kind, paths, pass, most, narrow_below: self.narrow_below };
+            let time = self.moment(pass).unwrap_or_default();
+            let job = PhotonJob { kind, paths, pass, most, narrow_below: self.narrow_below, time };
             let batch = shoot_in::<C>(&self.scene, &self.desc, job, self.wavelengths(pass), parallel)?;
             self.rays += batch.tally.rays;
             if let Some(planned) = batch.cut_from
@@ -407,10 +425,11 @@ impl<C: Spectrum> Plan<C> {
             if kind == MapKind::Caustic {
                 // Caustic estimates are made everywhere, on whole disks or clipped ones.
                 self.rays += coverage.learn(&self.scene, layer.map.photons(), radius, is_once, parallel)?;
-            } else if pass == 0 {
-                // The photons belong to no pass, since no earlier pass exists.
+            } else if self.is_uncovered(pass) {
+                // The photons belong to no pass: no earlier one knows this surface.
                 let paths = paths.div_ceil(SCOUTS);
-                let job = PhotonJob { kind, paths, pass: u32::MAX, most, narrow_below: self.narrow_below };
+                let time = self.moment(pass).unwrap_or_default();
+                let job = PhotonJob { kind, paths, pass: u32::MAX - pass, most, narrow_below: self.narrow_below, time };
                 let scouts = shoot_in::<C>(&self.scene, &self.desc, job, self.wavelengths(pass), parallel)?;
                 self.rays += scouts.tally.rays;
                 self.rays += coverage.learn(&self.scene, &scouts.photons, radius, is_once, parallel)?;
@@ -457,6 +476,7 @@ impl<C: Spectrum> Plan<C> {
             ends,
             shrinking,
             pass,
+            moment: self.moment(pass),
             wavelengths: self.wavelengths(pass),
             max_depth: self.desc.max_depth.unwrap_or(u32::MAX),
             shadow_rays: self.desc.shadow_rays,
@@ -464,6 +484,15 @@ impl<C: Spectrum> Plan<C> {
             gather_rays: photons.gather_rays,
             aims,
         })
+    }
+}
+
+/// Whether maps are made for every pass.
+fn is_progressive(renewal: MapRenewal, desc: &RenderDesc) -> bool {
+    match renewal {
+        MapRenewal::EachPass => true,
+        MapRenewal::EachPassByDefault => desc.photons.progressive,
+        MapRenewal::Once => false,
     }
 }
 

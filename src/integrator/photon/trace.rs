@@ -112,6 +112,8 @@ pub struct PhotonJob {
     pub most: usize,
     /// Width below which glossy lobes count as delta lobes, as that of [`crate::bsdf::Model::narrowest`]; above 0.
     pub narrow_below: f32,
+    /// The moment at which the light paths see the scene ([`Ray::time`]); it counts where something moves while the shutter is open.
+    pub time: f32,
 }
 
 /// Traces light paths and stores photons. The batch is empty where nothing emits light or no photon could be of this kind.
@@ -137,7 +139,9 @@ pub fn shoot_in<C: Spectrum>(
         MapKind::Caustic if desc.photons.guided => Aim::AtSpecular { narrow_below: job.narrow_below },
         _ => Aim::Everywhere,
     };
-    let Some(emission) = Emission::new(scene, desc.photons.sharing, aims)? else { return Ok(PhotonBatch::default()) };
+    let Some(emission) = Emission::at(scene, desc.photons.sharing, aims, job.time)? else {
+        return Ok(PhotonBatch::default());
+    };
     let kind = job.kind as u64;
     let photon_tracer = Arc::new(PhotonTracer::<C> {
         wavelengths,

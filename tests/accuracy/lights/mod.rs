@@ -3,6 +3,7 @@
 //! A light of radiance 1 that fills the configuration factor F of a receiver's hemisphere makes the irradiance pi F there,
 //! and the radiance F of a white Lambert receiver.
 
+mod backs;
 mod hierarchy;
 mod many;
 mod points;
@@ -43,6 +44,7 @@ pub fn cases() -> Vec<Entry> {
         hierarchy::cases(),
         sky::cases(),
         round::cases(),
+        backs::cases(),
     ];
     topics.into_iter().flatten().collect()
 }

@@ -290,7 +290,8 @@ fn photons(case: &mut Case) {
     let runs: Vec<[f64; 3]> = (1..=16)
         .map(|seed| {
             let desc = RenderDesc { seed, ..RenderDesc::default() };
-            let job = PhotonJob { kind: MapKind::Caustic, paths, pass: 0, most: usize::MAX, narrow_below: NARROW };
+            let job =
+                PhotonJob { kind: MapKind::Caustic, paths, pass: 0, most: usize::MAX, narrow_below: NARROW, time: 0.0 };
             let shot = shoot(&scene, &desc, job, &mut Alone::default()).expect("nothing stops it");
             let tally = shot.tally;
             let found = tally.absorbed + tally.escaped + tally.left;

@@ -3,6 +3,7 @@
 mod bodies;
 mod edges;
 mod lamps;
+mod photons;
 mod whole;
 
 use etendue::desc::{self, IntegratorDesc, MotionDesc, SceneDesc, ShutterDesc};
@@ -15,10 +16,10 @@ use crate::common::scenes::{Job, mean_and_error, render};
 use crate::record::Entry;
 
 pub fn cases() -> Vec<Entry> {
-    [edges::cases(), bodies::cases(), lamps::cases(), whole::cases()].into_iter().flatten().collect()
+    [edges::cases(), bodies::cases(), lamps::cases(), whole::cases(), photons::cases()].into_iter().flatten().collect()
 }
 
-/// The integrators that show motion.
+/// The integrators that show motion by rays.
 const INTEGRATORS: [(&str, IntegratorDesc); 3] =
     [("path", IntegratorDesc::Path), ("whitted", IntegratorDesc::Whitted), ("direct", IntegratorDesc::Direct)];
 
@@ -26,7 +27,7 @@ fn parse(scene: &Value) -> SceneDesc {
     desc::parse(&scene.to_string(), "".as_ref(), None).expect("a scene of the test")
 }
 
-/// A scene of these parts, with a black, a white and a grey material.
+/// A scene of these parts, with a black, a white and a grey material, and a mirror.
 fn scene(camera: Value, lights: Value, surfaces: Value) -> SceneDesc {
     parse(&json!({
         "etendue": 1,
@@ -35,6 +36,7 @@ fn scene(camera: Value, lights: Value, surfaces: Value) -> SceneDesc {
             {"name": "black", "type": "black"},
             {"name": "white", "type": "diffuse", "color": [1, 1, 1]},
             {"name": "grey", "type": "diffuse", "color": [0.5, 0.5, 0.5]},
+            {"name": "mirror", "type": "reflective", "color": [1, 1, 1]},
         ],
         "lights": lights,
         "surfaces": surfaces,

@@ -16,7 +16,7 @@ pub fn cases() -> Vec<Entry> {
 }
 
 /// A bit of everything in motion: the camera with a lens, a ball, a mirror that turns, a mesh, lamps of three kinds.
-fn busy() -> SceneDesc {
+pub fn busy() -> SceneDesc {
     let camera = json!({"origin": [0, 1.2, 5], "lookAt": [0, 0.8, 0], "fieldOfView": 45, "lensRadius": 0.05,
         "shutter": {"open": 0.25, "close": 1, "curve": "trapezoid"},
         "motion": [{"time": 0}, {"time": 1, "translate": [0.3, 0.1, 0], "rotate": [0, 3, 0]}]});

@@ -271,7 +271,14 @@ fn memory(case: &mut Case) {
     let found: Vec<f64> = (1..=u64::from(RUNS / 2))
         .map(|seed| {
             // Room for half of it at most.
-            let job = PhotonJob { kind: MapKind::Global, paths, pass: 0, most: paths as usize, narrow_below: NARROW };
+            let job = PhotonJob {
+                kind: MapKind::Global,
+                paths,
+                pass: 0,
+                most: paths as usize,
+                narrow_below: NARROW,
+                time: 0.0,
+            };
             let shot = shoot(&scene, &seeded(seed), job, &mut Alone::default()).expect("nothing stops it");
             cut += u64::from(shot.cut_from == Some(u64::from(paths)) && shot.photons.len() <= job.most);
             stored(&shot)

@@ -78,7 +78,7 @@ fn load(name: &str) -> SceneDesc {
 
 /// Light paths of a kind, on the calling thread.
 fn shot(scene: &Scene, desc: &RenderDesc, kind: MapKind, paths: u32) -> PhotonBatch {
-    let job = PhotonJob { kind, paths, pass: 0, most: usize::MAX, narrow_below: NARROW };
+    let job = PhotonJob { kind, paths, pass: 0, most: usize::MAX, narrow_below: NARROW, time: 0.0 };
     shoot(scene, desc, job, &mut Alone::default()).expect("nothing stops it")
 }
 
