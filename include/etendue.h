@@ -3455,6 +3455,27 @@ etd_status etd_scene_set_environment(struct etd_scene *scene, const float *radia
 etd_status etd_scene_get_environment(const struct etd_scene *scene, float *out_radiance);
 
 /**
+ * Sets the openings through which light from infinity comes into rooms, such as windows. They make it found sooner there, and change
+ * nothing else: light that comes in elsewhere counts all the same.
+ *
+ * `corners`: four positions in order around the edge for each of the `count` openings, twelve numbers; for a triangle the last corner
+ * is given twice. `count` 0: none. They belong to the environment: another one that is set has none. Errors: `ETD_INVALID_SCENE` for a
+ * scene without an environment, for more than 256 openings or one without an area. Thread-safe.
+ */
+etd_status etd_scene_set_portals(struct etd_scene *scene,
+                                 const double *corners,
+                                 size_t count);
+
+/**
+ * Returns the openings of the environment as `etd_scene_set_portals` takes them: `out_count` receives their number, and `out_corners`,
+ * where it is not NULL, twelve numbers for each of the first `capacity`. Thread-safe.
+ */
+etd_status etd_scene_get_portals(const struct etd_scene *scene,
+                                 double *out_corners,
+                                 size_t capacity,
+                                 size_t *out_count);
+
+/**
  * Sets the light that comes from infinity by a texture of all directions, or the same from all directions where `map->texture` is
  * `ETD_NONE`.
  *

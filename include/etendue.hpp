@@ -918,7 +918,7 @@ public:
         return detail::give(status, std::move(web));
     }
 
-    /** Sets the light from infinity: radiance, the same from all directions. Radiosity does not render such a scene. */
+    /** Sets the light from infinity: radiance, the same from all directions. */
     Outcome<void> set_environment(const Rgb &radiance) {
         return detail::done(etd_scene_set_environment(get(), radiance.data()));
     }
@@ -931,6 +931,11 @@ public:
         etd_environment_map map = ETD_ENVIRONMENT_MAP_INIT;
         const etd_status status = etd_scene_get_environment_map(get(), &map);
         return detail::give(status, std::move(map));
+    }
+    /** Sets the openings, of four corners each, through which light from infinity comes into rooms. */
+    Outcome<void> set_portals(detail::Span<const std::array<std::array<double, 3>, 4>> portals) {
+        const double *corners = portals.size() == 0 ? nullptr : (*portals.data())[0].data();
+        return detail::done(etd_scene_set_portals(get(), corners, portals.size()));
     }
     /** Sets the light from infinity to a sky by a formula. */
     Outcome<void> set_sky(const etd_sky &sky) { return detail::done(etd_scene_set_sky(get(), &sky)); }

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use common::scenes::{Job, render_scene};
 use etendue::ErrorKind;
 use etendue::desc::{
-    self, BsdfDesc, EnvironmentDesc, EnvironmentMapDesc, ImageTextureDesc, IntegratorDesc, RenderDesc, SceneDesc,
-    ShapeDesc, SkyDesc, SurfaceLook, TextureDesc, TextureMapping, TextureSource,
+    self, BsdfDesc, EnvironmentDesc, EnvironmentMapDesc, ImageTextureDesc, IntegratorDesc, PortalDesc, RenderDesc,
+    SceneDesc, ShapeDesc, SkyDesc, SurfaceLook, TextureDesc, TextureMapping, TextureSource,
 };
 use etendue::math::{DAffine3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -176,6 +176,42 @@ fn light_beyond_single_precision_is_refused() {
     let mut turned = TextureDesc::clone(&scene.textures[0]);
     turned.vertex_colors = true;
     assert!(scene.set_texture(0, turned).is_err() && !scene.textures[0].vertex_colors);
+}
+
+#[test]
+fn portals_that_are_none_are_refused_where_they_stand() {
+    let square = json!([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]);
+    let refused = |portals: Value, place: &str, message: &str| {
+        for mut light in
+            [json!({"type": "environment", "color": [1, 1, 1]}), json!({"type": "sky", "cie": 1, "color": [1, 1, 1]})]
+        {
+            light["portals"] = portals.clone();
+            let error = parse(&json!([light])).unwrap_err();
+            assert_eq!(
+                (error.kind(), error.location().json_path.as_str()),
+                (ErrorKind::InvalidScene, place),
+                "{error}"
+            );
+            assert!(error.to_string().contains(message), "{error}");
+        }
+    };
+    refused(json!([square, [[0, 0, 0], [1, 0, 0]]]), "lights[0].portals[1]", "2 corners; expected 3 or 4");
+    refused(json!([[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0.5, 0]]]), "lights[0].portals[0]", "5 corners");
+    refused(json!([[[0, 0, 0], [1, 0, 0], [2, 0, 0]]]), "lights[0].portals[0]", "no area");
+    refused(json!([square, [[0, 0, 0], [1e300, 0, 0], [0, 1, 0]]]), "lights[0].portals[1][1][0]", "1e300");
+    refused(json!(vec![square.clone(); 257]), "lights[0].portals", "257 portals; expected 256 at most");
+
+    // By calls.
+    let window = |x: f64| PortalDesc { corners: vec![DVec3::ZERO, DVec3::X * x, DVec3::Y] };
+    let mut scene = SceneDesc::default();
+    let error = scene.set_portals(vec![window(1.0)]).unwrap_err();
+    assert!(error.to_string().contains("there is no environment"), "{error}");
+    scene.set_environment(Some(Rgb::ONE)).unwrap();
+    scene.set_portals(vec![window(1.0)]).unwrap();
+    assert!(scene.set_portals(vec![window(0.0)]).is_err());
+    assert_eq!(scene.environment.as_ref().unwrap().portals, [window(1.0)]);
+    scene.set_environment(Some(Rgb::ONE)).unwrap();
+    assert!(scene.environment.unwrap().portals.is_empty());
 }
 
 /// A Lambert ball of this albedo in a sky of radiance 1, filling the picture. A floor far below is for photons to land on.

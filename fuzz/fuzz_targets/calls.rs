@@ -27,6 +27,7 @@ enum Call {
     SaneSpotLight { position: [i8; 3], direction: [i8; 3], angles: [u8; 2] },
     WebLight { light: Option<u8>, text: Vec<u8>, position: [f64; 3], direction: [f64; 3], c0: [f64; 3], factor: [f32; 3] },
     Environment { radiance: Option<[f32; 3]> },
+    Portals { corners: Vec<[[f64; 3]; 4]>, count: u16 },
     EnvironmentMap { texture: u8, projection: u8, hidden: u8, radiance: [f32; 3], up: [f64; 3], rotation: f64 },
     SaneEnvironmentMap { texture: u8, rotation: i8 },
     DistantLight { light: Option<u8>, towards: [f64; 3], irradiance: [f32; 3], angle: f64, hidden: u8 },
@@ -400,6 +401,14 @@ impl World {
                 Call::Environment { radiance } => {
                     let radiance = radiance.as_ref().map_or(null(), |radiance| radiance.as_ptr());
                     fine(etd_scene_set_environment(scene, radiance));
+                }
+                Call::Portals { corners, count } => {
+                    let given = if usize::from(count) > corners.len() && count <= 256 { corners.len() } else { count.into() };
+                    let given = if given <= 256 { given.min(corners.len()) } else { given };
+                    let first = if corners.is_empty() { null() } else { corners.as_ptr().cast() };
+                    fine(etd_scene_set_portals(scene, first, given));
+                    let (mut out, mut number) = ([[[0.0_f64; 3]; 4]; 8], 0);
+                    fine(etd_scene_get_portals(scene, out.as_mut_ptr().cast(), 8, &raw mut number));
                 }
                 Call::EnvironmentMap { texture, projection, hidden, radiance, up, rotation } => {
                     let it = etd_environment_map {

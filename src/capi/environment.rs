@@ -3,9 +3,10 @@
 use super::boundary::{array, need, on, read_sized, write_sized};
 use super::read::{enumeration, flag};
 use super::scene::etd_scene;
-use super::status::{Result, etd_status};
+use super::status::{Failure, Result, etd_status};
 use super::types::{ETD_NONE, Enumeration, etd_environment_map, etd_sky_projection};
-use crate::desc::{EnvironmentDesc, EnvironmentMapDesc, SkyDesc, SkyProjection};
+use crate::Error;
+use crate::desc::{EnvironmentDesc, EnvironmentMapDesc, MAX_PORTALS, PortalDesc, SkyDesc, SkyProjection};
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 
@@ -40,6 +41,71 @@ pub unsafe extern "C" fn etd_scene_get_environment(scene: *const etd_scene, out_
             let desc = scene.desc();
             let radiance = desc.environment.as_ref().map_or(Rgb::ZERO, |environment| environment.radiance);
             out_radiance.cast::<[f32; 3]>().write(radiance.to_array());
+            Ok(())
+        })
+    }
+}
+
+/// Sets the openings through which light from infinity comes into rooms, such as windows. They make it found sooner there, and change
+/// nothing else: light that comes in elsewhere counts all the same.
+///
+/// `corners`: four positions in order around the edge for each of the `count` openings, twelve numbers; for a triangle the last corner
+/// is given twice. `count` 0: none. They belong to the environment: another one that is set has none. Errors: `ETD_INVALID_SCENE` for a
+/// scene without an environment, for more than 256 openings or one without an area. Thread-safe.
+///
+/// # Safety
+/// `corners` must be NULL with a `count` of 0, or point to `12 * count` numbers. Each other pointer must be NULL or point to a value of its
+/// type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_portals(scene: *mut etd_scene, corners: *const f64, count: usize) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            if count > MAX_PORTALS {
+                // As the description says it, without reading them.
+                return Err(Failure::from(Error::invalid(
+                    "environment.portals",
+                    format!("{count} portals; expected {MAX_PORTALS} at most"),
+                )));
+            }
+            if count > 0 {
+                need(corners, "corners")?;
+            }
+            let portal = |place: usize| {
+                let [a, b, c, d] = corners.cast::<[[f64; 3]; 4]>().add(place).read().map(DVec3::from_array);
+                PortalDesc { corners: if c == d { vec![a, b, c] } else { vec![a, b, c, d] } }
+            };
+            let portals = (0..count).map(portal).collect();
+            scene.edit(|desc| desc.set_portals(portals))
+        })
+    }
+}
+
+/// Returns the openings of the environment as `etd_scene_set_portals` takes them: `out_count` receives their number, and `out_corners`,
+/// where it is not NULL, twelve numbers for each of the first `capacity`. Thread-safe.
+///
+/// # Safety
+/// `out_corners` must be NULL or have room for `12 * capacity` numbers. Each other pointer must be NULL or point to a value of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_portals(
+    scene: *const etd_scene,
+    out_corners: *mut f64,
+    capacity: usize,
+    out_count: *mut usize,
+) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            need(out_count, "out_count")?;
+            let desc = scene.desc();
+            let portals = desc.environment.as_ref().map_or(&[][..], |environment| &environment.portals);
+            if !out_corners.is_null() {
+                for (place, portal) in portals.iter().take(capacity).enumerate() {
+                    let corner = |i: usize| portal.corners[i.min(portal.corners.len() - 1)].to_array();
+                    out_corners.cast::<[[f64; 3]; 4]>().add(place).write(std::array::from_fn(corner));
+                }
+            }
+            out_count.write(portals.len());
             Ok(())
         })
     }

@@ -2,11 +2,13 @@
 
 use std::f64::consts::PI;
 
-use super::{SceneDesc, texture_check};
-use crate::Result;
+use super::json::join;
+use super::{SceneDesc, texture_check, validate};
 use crate::emitter::{FormulaSky, SkyFormula};
 use crate::math::{DMat3, DQuat, DVec3};
+use crate::shape::Triangle;
 use crate::spectrum::Rgb;
+use crate::{Error, Result};
 
 /// Light from infinity, all around the scene. One scene has one at most.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,12 +22,50 @@ pub struct EnvironmentDesc {
     pub sky: SkyDesc,
     /// Whether camera rays that meet nothing show it. Mirrors and glass show it in any case.
     pub visible: bool,
+    /// Openings through which it comes into rooms, [`MAX_PORTALS`] at most. They make it found sooner there, and change nothing else.
+    pub portals: Vec<PortalDesc>,
+}
+
+/// Most portals of an environment, as each light sample looks at all of them.
+pub const MAX_PORTALS: usize = 256;
+
+/// A flat opening such as a window, a triangle or a quadrilateral, world frame. Its sides are alike.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PortalDesc {
+    /// Three or four corners, in order around the edge.
+    pub corners: Vec<DVec3>,
+}
+
+impl PortalDesc {
+    /// The opening in one or two triangles.
+    pub(crate) fn triangles(&self) -> impl Iterator<Item = [DVec3; 3]> {
+        self.corners.windows(2).skip(1).map(|pair| [self.corners[0], pair[0], pair[1]])
+    }
+
+    /// Checks the corners.
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::InvalidScene`] at `path`.
+    fn check(&self, path: &str) -> Result<()> {
+        let count = self.corners.len();
+        if !(3..=4).contains(&count) {
+            return Err(Error::invalid(path, format!("{count} corners; expected 3 or 4")));
+        }
+        for (place, corner) in self.corners.iter().enumerate() {
+            validate::vector(&format!("{path}[{place}]"), *corner)?;
+        }
+        let has_area = |[a, b, c]: [DVec3; 3]| Triangle::new([a - a, b - a, c - a].map(|p| p.as_vec3a())).is_some();
+        if !self.triangles().all(has_area) {
+            return Err(Error::invalid(path, "the corners have no area between them"));
+        }
+        Ok(())
+    }
 }
 
 impl EnvironmentDesc {
     /// An environment that camera rays see, of this radiance [W m^-2 sr^-1] from every direction.
     pub fn even(radiance: Rgb) -> Self {
-        Self { path: String::new(), radiance, sky: SkyDesc::Even, visible: true }
+        Self { path: String::new(), radiance, sky: SkyDesc::Even, visible: true, portals: Vec::new() }
     }
 
     /// The texture that varies it.
@@ -130,6 +170,17 @@ fn y_to(up: DVec3) -> DQuat {
     if up.y < -1.0 + 1e-12 { DQuat::from_rotation_x(PI) } else { DQuat::from_rotation_arc(DVec3::Y, up) }
 }
 
+/// Checks the portals of an environment.
+pub(super) fn check_portals(environment: &EnvironmentDesc) -> Result<()> {
+    let path = join(&environment.path, "portals");
+    let count = environment.portals.len();
+    if count > MAX_PORTALS {
+        return Err(Error::invalid(path, format!("{count} portals; expected {MAX_PORTALS} at most")));
+    }
+    let mut all = environment.portals.iter().enumerate();
+    all.try_for_each(|(place, portal)| portal.check(&format!("{path}[{place}]")))
+}
+
 impl SceneDesc {
     /// Sets the light that comes from infinity, the same from all directions: radiance [W m^-2 sr^-1], each channel >= 0. `None`
     /// removes it. The environment of a file keeps its path.
@@ -153,8 +204,26 @@ impl SceneDesc {
         let environment = environment.map(|it| EnvironmentDesc { path, ..it });
         if let Some(environment) = &environment {
             texture_check::environment(environment, &self.textures)?;
+            check_portals(environment)?;
         }
         self.environment = environment;
         Ok(())
+    }
+
+    /// Sets the openings through which the environment comes into rooms; see [`EnvironmentDesc::portals`].
+    ///
+    /// # Errors
+    /// [`crate::ErrorKind::InvalidScene`] at `environment.portals`: for a scene without an environment, for more than [`MAX_PORTALS`],
+    /// for a corner that is no place, or for an opening without an area. The description is then as it was.
+    pub fn set_portals(&mut self, portals: Vec<PortalDesc>) -> Result<()> {
+        let Some(environment) = &mut self.environment else {
+            return Err(Error::invalid("environment.portals", "there is no environment that comes through them"));
+        };
+        let before = std::mem::replace(&mut environment.portals, portals);
+        let checked = check_portals(environment);
+        if checked.is_err() {
+            environment.portals = before;
+        }
+        checked
     }
 }

@@ -103,7 +103,9 @@ mod warnings;
 pub use camera::{CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, Panorama, PanoramaDesc};
 pub use distant::DistantLightDesc;
 pub use edit::SurfaceLook;
-pub use environment::{EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, SkyDesc, SkyProjection};
+pub use environment::{
+    EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, MAX_PORTALS, PortalDesc, SkyDesc, SkyProjection,
+};
 pub(crate) use file::open as open_file;
 pub use grid::{GridDesc, GridPoints, MAX_GRID_POINTS, PlaneGridDesc};
 pub use grid_keys::{load_grids, parse_grids};

@@ -6,12 +6,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use super::builder::Builder;
+use super::environment::check_portals;
 use super::json::join;
 use super::numbers::{unless, unless_color};
 use super::photometric::{LightKeys, Unit};
 use super::save::{self, Names};
 use super::{
-    DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, SkyDesc, SkyProjection, numbers,
+    DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, PortalDesc, SkyDesc, SkyProjection, numbers,
     sun_direction, texture_check, validate,
 };
 use crate::emitter::SkyFormula;
@@ -44,6 +45,8 @@ pub(super) struct Environment {
     rotation: Option<f64>,
     /// Whether camera rays that meet nothing show it. Default true.
     visible: Option<bool>,
+    /// Openings through which it comes into rooms, each of three or four corners. They make it found sooner there.
+    portals: Option<Vec<Vec<[f64; 3]>>>,
 }
 
 /// How the directions of a sky lie in an image.
@@ -131,6 +134,8 @@ pub(super) struct FormulaSky {
     ground: Option<[f64; 3]>,
     /// Whether camera rays that meet nothing show it. Default true.
     visible: Option<bool>,
+    /// Openings through which it comes into rooms, each of three or four corners. They make it found sooner there.
+    portals: Option<Vec<Vec<[f64; 3]>>>,
 }
 
 #[derive(Deserialize, Serialize)]
@@ -187,7 +192,19 @@ pub(super) fn write_environment(environment: &EnvironmentDesc, names: &Names) ->
         up: map.filter(|map| map.up != DVec3::Y).map(|map| map.up.to_array()),
         rotation: map.and_then(|map| unless(map.rotation_deg, 0.0)),
         visible: (!environment.visible).then_some(false),
+        portals: write_portals(environment),
     })
+}
+
+fn write_portals(environment: &EnvironmentDesc) -> Option<Vec<Vec<[f64; 3]>>> {
+    let corners = |portal: &PortalDesc| portal.corners.iter().map(DVec3::to_array).collect();
+    let portals: Vec<_> = environment.portals.iter().map(corners).collect();
+    (!portals.is_empty()).then_some(portals)
+}
+
+fn portals(given: Option<Vec<Vec<[f64; 3]>>>) -> Vec<PortalDesc> {
+    let portal = |corners: Vec<[f64; 3]>| PortalDesc { corners: corners.into_iter().map(DVec3::from_array).collect() };
+    given.unwrap_or_default().into_iter().map(portal).collect()
 }
 
 /// Reads an environment.
@@ -224,7 +241,9 @@ pub(super) fn environment(light: Environment, path: &str, builder: &Builder<'_>)
             SkyDesc::Even
         }
     };
-    let environment = EnvironmentDesc { sky, visible: light.visible.unwrap_or(true), ..even };
+    let portals = portals(light.portals);
+    let environment = EnvironmentDesc { sky, visible: light.visible.unwrap_or(true), portals, ..even };
+    check_portals(&environment)?;
     texture_check::environment(&environment, &builder.scene.textures)?;
     Ok(environment)
 }
@@ -261,6 +280,7 @@ fn write_sky(environment: &EnvironmentDesc, sky: &FormulaSkyDesc) -> Result<Box<
         up: (sky.up != DVec3::Y).then(|| sky.up.to_array()),
         ground: unless_color(sky.ground, Rgb::ZERO),
         visible: (!environment.visible).then_some(false),
+        portals: write_portals(environment),
     })
 }
 
@@ -317,7 +337,10 @@ pub(super) fn sky(light: FormulaSky, path: &str) -> Result<EnvironmentDesc> {
     let is_horizontal = scale == ScaleTag::Horizontal;
     let sky = FormulaSkyDesc { formula, sun, up, is_horizontal, ground };
     validate::formula_sky(path, &sky, even.radiance)?;
-    Ok(EnvironmentDesc { sky: SkyDesc::Formula(sky), visible: light.visible.unwrap_or(true), ..even })
+    let (visible, portals) = (light.visible.unwrap_or(true), portals(light.portals));
+    let environment = EnvironmentDesc { sky: SkyDesc::Formula(sky), visible, portals, ..even };
+    check_portals(&environment)?;
+    Ok(environment)
 }
 
 /// The direction that a key says is up.

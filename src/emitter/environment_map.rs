@@ -5,6 +5,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::infinite_ball::InfiniteBall;
+use super::portals::Portals;
 use super::textured_radiance::TexturedRadiance;
 use super::{EmitterSample, Receiver};
 use crate::math::{DMat3, DVec3, Vec3};
@@ -36,6 +37,16 @@ pub trait SkyTexture: Debug + Send + Sync {
 pub trait SkyModel: Debug + Send + Sync {
     /// The radiance from a unit direction in the frame of the sky, whose y is up: finite and from 0 on.
     fn radiance(&self, direction: Vec3) -> Rgb;
+}
+
+/// The same radiance from all directions.
+#[derive(Debug)]
+pub struct EvenSky(pub Rgb);
+
+impl SkyModel for EvenSky {
+    fn radiance(&self, _: Vec3) -> Rgb {
+        self.0
+    }
 }
 
 /// What light from infinity shows.
@@ -284,12 +295,14 @@ pub struct EnvironmentMapEmitter {
     pub visible: bool,
     /// The ball that holds the scene.
     pub ball: InfiniteBall,
+    /// Openings through which it comes in, scene frame.
+    pub portals: Option<Arc<Portals>>,
 }
 
 impl EnvironmentMapEmitter {
     /// Light that camera rays see, around everything that lies in the ball, scene frame.
     pub fn new(map: Arc<EnvironmentMap>, ball: InfiniteBall) -> Self {
-        Self { map, visible: true, ball }
+        Self { map, visible: true, ball, portals: None }
     }
 
     /// Power that enters the ball (W): pi A times the mean radiance.
@@ -300,8 +313,29 @@ impl EnvironmentMapEmitter {
     /// Samples a direction for a receiver.
     #[inline]
     pub(super) fn sample(&self, receiver: &Receiver, u: [f32; 2], beside_bsdf: bool) -> EmitterSample {
-        let (wi, pdf, radiance) = self.map.sample(u, beside_bsdf);
+        let (wi, pdf, radiance) = match &self.portals {
+            None => self.map.sample(u, beside_bsdf),
+            Some(portals) => self.sample_through(portals, receiver.p, u, beside_bsdf),
+        };
         EmitterSample { wi, target: self.ball.beyond(receiver.p, wi), radiance, pdf, is_delta: false }
+    }
+
+    /// The density \[sr^-1\] with which [`Self::sample`] gives a unit direction for a receiver at `p`.
+    #[inline]
+    pub(super) fn pdf(&self, p: Vec3, direction: Vec3, beside_bsdf: bool) -> f32 {
+        let plain = self.map.pdf(direction, beside_bsdf);
+        self.portals.as_ref().map_or(plain, |portals| portals.pdf(p, direction, plain))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn sample_through(&self, portals: &Portals, p: Vec3, u: [f32; 2], beside_bsdf: bool) -> (Vec3, f32, Rgb) {
+        let plain = |u: [f32; 2]| {
+            let (wi, pdf, _) = self.map.sample(u, beside_bsdf);
+            (wi, pdf)
+        };
+        let (wi, pdf) = portals.sample(p, u, plain, |wi| self.map.pdf(wi, beside_bsdf));
+        (wi, pdf, self.map.radiance(wi))
     }
 }
 

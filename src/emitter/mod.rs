@@ -14,6 +14,7 @@ mod environment;
 mod environment_map;
 mod infinite_ball;
 mod moving;
+mod portals;
 mod receiver;
 mod sample;
 mod sphere;
@@ -32,9 +33,10 @@ pub use directed::{DirectedPoint, Distribution};
 pub use disk::DiskEmitter;
 pub use distant::DistantEmitter;
 pub use environment::EnvironmentEmitter;
-pub use environment_map::{EnvironmentMap, EnvironmentMapEmitter, Sky, SkyModel, SkyTexture};
+pub use environment_map::{EnvironmentMap, EnvironmentMapEmitter, EvenSky, Sky, SkyModel, SkyTexture};
 pub use infinite_ball::InfiniteBall;
 pub use moving::{MovingEmitter, MovingPoint};
+pub use portals::Portals;
 pub use receiver::Receiver;
 pub use sample::{Departure, EmitterSample};
 pub use sphere::SphereEmitter;
@@ -566,7 +568,9 @@ impl EmitterSet {
         let receiver = receiver.into();
         match &self.emitters[index as usize] {
             Emitter::Environment(emitter) => emitter.pdf(&receiver, direction) * self.probability(index, receiver),
-            Emitter::EnvironmentMap(emitter) => emitter.map.pdf(direction, true) * self.probability(index, receiver),
+            Emitter::EnvironmentMap(emitter) => {
+                emitter.pdf(receiver.p, direction, true) * self.probability(index, receiver)
+            }
             Emitter::Distant(emitter) => {
                 emitter.seen(direction).map_or(0.0, |(_, pdf)| pdf * self.probability(index, receiver))
             }

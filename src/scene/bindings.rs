@@ -13,11 +13,11 @@ use super::record::{AppearanceKey, GeometryRecord};
 use super::sky::environment_map;
 use super::textured_emission::{EmissionTexture, MOST_PIECES, emission_textures};
 use crate::control::WorkProgress;
-use crate::desc::{LightDistribution, PointLightDesc, SceneDesc, SkyDesc};
+use crate::desc::{LightDistribution, PointLightDesc, PortalDesc, SceneDesc, SkyDesc};
 use crate::emitter::{
     DirectedPoint, DiskEmitter, DistantEmitter, Distribution, Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap,
-    EnvironmentMapEmitter, InfiniteBall, MovingEmitter, MovingPoint, SphereEmitter, Spot, TriangleEmitter, TubeEmitter,
-    TurnedWeb,
+    EnvironmentMapEmitter, InfiniteBall, MovingEmitter, MovingPoint, Portals, SphereEmitter, Spot, TriangleEmitter,
+    TubeEmitter, TurnedWeb,
 };
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, Vec3};
@@ -190,15 +190,21 @@ impl BindingBuilder<'_, '_> {
             emitter.visible = light.visible;
             self.emitters.push(Emitter::Distant(emitter));
         }
-        self.environment(ball, kept, threads)
+        self.environment(ball, unbound.centre, kept, threads)
     }
 
-    fn environment(&mut self, ball: InfiniteBall, kept: Option<Arc<EnvironmentMap>>, threads: usize) -> Result<()> {
+    fn environment(
+        &mut self,
+        ball: InfiniteBall,
+        centre: DVec3,
+        kept: Option<Arc<EnvironmentMap>>,
+        threads: usize,
+    ) -> Result<()> {
         let Some(environment) = &self.desc.environment else { return Ok(()) };
         if environment.radiance == Rgb::ZERO {
             return Ok(());
         }
-        if environment.sky == SkyDesc::Even {
+        if environment.sky == SkyDesc::Even && environment.portals.is_empty() {
             let mut emitter = EnvironmentEmitter::new(environment.radiance, ball);
             emitter.visible = environment.visible;
             self.emitters.push(Emitter::Environment(emitter));
@@ -212,6 +218,9 @@ impl BindingBuilder<'_, '_> {
         let emitter = map.map(|map| {
             let mut emitter = EnvironmentMapEmitter::new(map, ball);
             emitter.visible = environment.visible;
+            let portals = environment.portals.iter().flat_map(PortalDesc::triangles);
+            let triangle = |corners: [DVec3; 3]| Triangle::new(corners.map(|p| (p - centre).as_vec3a()));
+            emitter.portals = Portals::new(portals.filter_map(triangle)).map(Arc::new);
             Emitter::EnvironmentMap(emitter)
         });
         self.emitters.extend(emitter);

@@ -7,7 +7,7 @@ use super::mesh::MeshObject;
 use super::textured_emission::binding_of;
 use crate::desc::{
     DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, LightDistribution, MeshDesc, MeshStep, MotionDesc,
-    PointLightDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceDesc, TextureChannel, TextureDesc, TextureKey,
+    PointLightDesc, PortalDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceDesc, TextureChannel, TextureDesc, TextureKey,
 };
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
@@ -228,6 +228,7 @@ struct EnvironmentKey {
     texture: Option<Arc<TextureDesc>>,
     sky: SkyDesc,
     visible: bool,
+    portals: Vec<PortalDesc>,
 }
 
 impl EnvironmentKey {
@@ -238,7 +239,7 @@ impl EnvironmentKey {
             SkyDesc::Map(map) => SkyDesc::Map(EnvironmentMapDesc { texture: 0, ..*map }),
             other => other.clone(),
         };
-        Self { radiance, texture, sky, visible }
+        Self { radiance, texture, sky, visible, portals: environment.portals.clone() }
     }
 }
 

@@ -9,7 +9,7 @@ use crate::Cancel;
 use crate::desc::{
     EnvironmentDesc, EnvironmentMapDesc, SceneDesc, SkyDesc, SkyProjection, TextureMapping, TextureSource,
 };
-use crate::emitter::{EnvironmentMap, Sky, SkyTexture, TexturedRadiance};
+use crate::emitter::{EnvironmentMap, EvenSky, Sky, SkyTexture, TexturedRadiance};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{DMat3, DVec3, Vec3};
 use crate::spectrum::Rgb;
@@ -26,7 +26,11 @@ pub(super) fn environment_map(
     cancel: &Cancel,
 ) -> Result<Option<EnvironmentMap>> {
     let map = match &environment.sky {
-        SkyDesc::Even => return Ok(None),
+        SkyDesc::Even => {
+            // Without portals it would be a light of its own.
+            let sky = Sky::Model(Box::new(EvenSky(environment.radiance)));
+            return EnvironmentMap::new(sky, &DMat3::IDENTITY, threads, cancel);
+        }
         SkyDesc::Formula(sky) => {
             let Some(model) = sky.model(environment.radiance) else { return Ok(None) };
             return EnvironmentMap::new(Sky::Model(Box::new(model)), &sky.to_world(), threads, cancel);

@@ -8,9 +8,9 @@ use etendue::desc::{
     EnvironmentMapDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis, HostMesh, ImageTextureDesc, IntegratorDesc,
     KernelDesc, KeyPlace, LensDesc, LightDistribution, METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MeshStep,
     MicrofacetsDesc, MotionDesc, MotionKey, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing, PointLightDesc,
-    PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc,
-    ShapeDesc, ShutterDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding, TextureChannel, TextureDesc, TextureKey,
-    TextureMapping, TextureSource,
+    PortalDesc, PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
+    SceneDesc, ShapeDesc, ShutterDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding, TextureChannel, TextureDesc,
+    TextureKey, TextureMapping, TextureSource,
 };
 use etendue::emitter::SkyFormula;
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
@@ -476,7 +476,11 @@ pub fn skies() -> [EnvironmentDesc; 3] {
     let formula = SkyFormula { numbers: [0.1, -1.0 / 3.0, 7.0, -0.7, 0.1 + 0.2], is_cie: false };
     let all =
         FormulaSkyDesc { formula, sun, up: DVec3::new(0.1, 0.2, 3.0), is_horizontal: true, ground: rgb(0.1, 0.0, 0.7) };
-    let cube = EnvironmentDesc { visible: false, ..EnvironmentDesc::even(rgb(0.1, 2.0, 3.0)) };
+    let corner = |x: f64, y: f64| DVec3::new(x, y, 1.0 / 3.0);
+    let triangle = vec![corner(0.1, 0.2), corner(1.0 / 7.0, 3.0), corner(-5.0, 0.1)];
+    let window = vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
+    let portals = vec![PortalDesc { corners: triangle }, PortalDesc { corners: window }];
+    let cube = EnvironmentDesc { visible: false, portals, ..EnvironmentDesc::even(rgb(0.1, 2.0, 3.0)) };
     [
         EnvironmentDesc { sky: SkyDesc::Formula(clear), ..EnvironmentDesc::even(Rgb::ONE) },
         EnvironmentDesc { sky: SkyDesc::Formula(all), ..cube.clone() },

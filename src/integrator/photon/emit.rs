@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use crate::desc::PhotonSharing;
-use crate::emitter::{DistantEmitter, Emitter, EnvironmentMapEmitter, InfiniteBall};
+use crate::emitter::{DistantEmitter, Emitter, EnvironmentMapEmitter, InfiniteBall, Portals};
 use crate::error::{Error, Result};
 use crate::math::{Frame, Ray, Vec3};
 use crate::sampling::{DirectionCone, Distribution1D, warps};
@@ -113,11 +113,17 @@ impl Emission {
         match emitter {
             Emitter::EnvironmentMap(sky) => {
                 let sample = sky.map.sample([u[1], u[2]], false);
-                return self.begin_in_sky(&sky.ball, sample, [d[0], d[1]], u[3], share_of_all);
+                return self.begin_in_sky(
+                    (&sky.ball, sky.portals.as_deref()),
+                    sample,
+                    [d[0], d[1]],
+                    u[3],
+                    share_of_all,
+                );
             }
             Emitter::Distant(light) => {
                 let sample = light.sample_direction([u[1], u[2]]);
-                return self.begin_in_sky(&light.ball, sample, [d[0], d[1]], u[3], share_of_all);
+                return self.begin_in_sky((&light.ball, None), sample, [d[0], d[1]], u[3], share_of_all);
             }
             _ => {}
         }
@@ -149,11 +155,11 @@ impl Emission {
     }
 
     /// [`Emission::begin`] for light from infinity that varies by direction: the direction is chosen first, with this density and
-    /// radiance, then the place on the disk across it, by `d` and, for one of the shadows of the balls that photons are aimed at,
+    /// radiance, then the place on the disk across it or in one of the portals, by `d` and, for one of the shadows of the balls that photons are aimed at,
     /// `choice`.
     fn begin_in_sky(
         &self,
-        sky: &InfiniteBall,
+        (sky, portals): (&InfiniteBall, Option<&Portals>),
         (from, pdf, radiance): (Vec3, f32, Rgb),
         d: [f32; 2],
         choice: f32,
@@ -163,7 +169,14 @@ impl Emission {
             return None;
         }
         let disk = f64::from(sky.radius()) * f64::from(sky.radius());
-        let (offset, area) = if self.balls.is_empty() {
+        let (offset, area) = if let (Some(portals), true) = (portals, self.balls.is_empty()) {
+            let passed = portals.passed(from, d, choice);
+            let offset = passed.map_or_else(|| sky.disk(d), |p| sky.offset_of(from, p));
+            let on_line = sky.photon_start(from, offset);
+            let is_in_disk = f64::from(offset[0]).hypot(f64::from(offset[1])) <= f64::from(sky.radius());
+            let plain = if passed.is_none() || is_in_disk { 1.0 / (PI * disk) } else { 0.0 };
+            (offset, 1.0 / (PI * portals.density(from, on_line, plain, passed.is_some())))
+        } else if self.balls.is_empty() {
             (sky.disk(d), disk)
         } else {
             let shadow = |ball: &Ball| ball.radius * ball.radius;

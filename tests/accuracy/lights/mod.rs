@@ -8,6 +8,7 @@ mod hierarchy;
 mod many;
 mod points;
 mod polygons;
+mod portals;
 mod round;
 pub mod sky;
 mod solid_angles;
@@ -45,6 +46,7 @@ pub fn cases() -> Vec<Entry> {
         sky::cases(),
         round::cases(),
         backs::cases(),
+        portals::cases(),
     ];
     topics.into_iter().flatten().collect()
 }
