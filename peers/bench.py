@@ -143,7 +143,7 @@ class Scene:
             total, count = self.sums.get(c.name, (0.0, 0))
             self.sums[c.name] = (total + image, count + 1)
             if turn == 0 and self.args.png is not None:
-                row["png"] = str(write_png(self.args.png / f"{self.name}-{c.name.replace(' ', '-')}.png", image))
+                row["png"] = str(pictures.write_png(self.args.png / f"{self.name}-{c.name.replace(' ', '-')}.png", image))
         self.runs.append(row)
 
     def of(self, name, level):
@@ -237,18 +237,6 @@ class Scene:
             )
         lines += [""] + [f"SKIPPED {name}: {reason}" + "\n" for name, reason in self.skipped.items()]
         return "\n".join(lines)
-
-
-def write_png(path, image):
-    """Values clamped to [0, 1], sRGB; None and a word where Pillow is missing."""
-    try:
-        from PIL import Image
-    except ImportError:
-        return None
-    x = np.clip(image, 0.0, 1.0)
-    x = np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
-    Image.fromarray(np.round(255 * x).astype(np.uint8)).save(path)
-    return path
 
 
 def variants(texts):

@@ -21,11 +21,11 @@ import tempfile
 import backend  # First, for its message when something is missing.
 import numpy as np
 import scene as converter
-from compare_materials import FACETS, GOLD, MEAN_BOUND, Result, quad, render_ours, z_of
+from compare_materials import FACETS, GOLD, quad, render_ours
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 import ours
-import pictures
+from same import MEAN_BOUND, Picture
 
 CAMERA = {"origin": [0.4, 1.9, 4.6], "lookAt": [0, 0.7, 0], "fieldOfView": 55}
 
@@ -177,37 +177,6 @@ def controls(folder, scenes):
     return result
 
 
-class Picture(Result):
-    """What the comparison of one picture found, with its 4 x 4 regions."""
-
-    def __init__(self, name, mine, theirs):
-        super().__init__(name, mine, theirs)
-        z, a, b, error = z_of([pictures.blocks(i, 4) for i in mine], [pictures.blocks(i, 4) for i in theirs])
-        # Dark regions count as a twentieth of the mean at least.
-        scale = np.maximum(b, 0.05 * b.mean())
-        off = (a - b) / scale
-        at = np.unravel_index(np.argmax(np.abs(off)), off.shape)
-        self.region, self.region_error, self.region_z = off[at], (error / scale)[at], float(np.abs(z).max())
-
-    def wrong(self):
-        found = [super().wrong()] if super().wrong() else []
-        if np.abs(self.z).max() > 3.0 and "means" not in found:
-            found.append("means beyond noise")
-        return ", ".join(found)
-
-    def row(self):
-        means = " / ".join(f"{100 * x:+.3f}" for x in self.off)
-        return (
-            f"| {self.name} | {means} | {100 * self.error.max():.3f} | {np.abs(self.z).max():.1f}"
-            f" | {100 * self.region:+.2f} ± {100 * self.region_error:.2f} | {self.region_z:.1f}"
-            f" | {self.square:.2f} | {self.worst():.1f} | {self.wrong() or 'same'} |"
-        )
-
-
-HEAD = """| scene | means R / G / B, ours over Mitsuba's, % | ± % | largest z | worst of 4 x 4 regions, % | largest z of a region | mean z² of blocks | largest z of a block | |
-|---|---|--:|--:|--:|--:|--:|--:|---|"""
-
-
 def compare(mi, args, name, mine, theirs, folder, first):
     files = [folder / f"{who}.json" for who in ("ours", "theirs")]
     for file, scene in zip(files, (mine, theirs), strict=True):
@@ -264,7 +233,7 @@ def main():
         others = {} if args.no_controls else controls(folder, scenes)
         if not any(map(wanted, [*scenes, *others])):
             sys.exit(f"no such case; there are: {', '.join([*scenes, *others])}")
-        say(HEAD)
+        say(Picture.head("scene", "Mitsuba's"))
         for index, (name, scene) in enumerate(scenes.items()):
             if wanted(name):
                 # Seeds of its own for every case, so that cases share no noise.
@@ -273,7 +242,7 @@ def main():
                 wrong += [name] if found.wrong() else []
         if any(map(wanted, others)):
             say("\nControls, which must not be the same:\n")
-            say(HEAD)
+            say(Picture.head("scene", "Mitsuba's"))
         for index, (name, (mine, theirs)) in enumerate(others.items()):
             if wanted(name):
                 found = compare(mi, args, name, mine, theirs, folder, 1 + 1000 * (100 * args.seed + 50 + index))
