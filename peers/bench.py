@@ -38,6 +38,7 @@ import ours
 import pictures
 import references
 from adapters import Refused, Skipped, read
+from adapters.cycles import Cycles
 from adapters.etendue import Etendue
 from adapters.luxcore import LuxCore
 from adapters.mitsuba import Mitsuba
@@ -52,6 +53,7 @@ PEERS = {
     "luxcore": LuxCore,
     "ospray": Ospray,
     "povray": Povray,
+    "cycles": Cycles,
 }
 TOLERANCE = 0.01
 """Of channel means; beyond it a renderer draws another picture."""
@@ -282,6 +284,7 @@ def main():
     )  # fmt: skip
     parser.add_argument("--mitsuba-python", default=sys.executable, help="a Python that has mitsuba")
     parser.add_argument("--luxcore-python", default=sys.executable, help="a Python that has pyluxcore")
+    parser.add_argument("--cycles-python", default=sys.executable, help="a Python that has bpy")
     parser.add_argument("--json", type=pathlib.Path, help="write every run here")
     parser.add_argument("--markdown", type=pathlib.Path, help="write the tables here too")
     parser.add_argument("--png", type=pathlib.Path, help="folder for one picture of each renderer and scene")

@@ -174,10 +174,10 @@ def compare(args, name, blurred, rest, folder, first):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("only", nargs="*", help="parts of the names of the cases to compare (default: all)")
-    parser.add_argument("--resolution", type=int, nargs=2, default=(160, 112), metavar=("W", "H"))
+    parser.add_argument("--resolution", type=int, nargs=2, default=(128, 96), metavar=("W", "H"))
     parser.add_argument("--renders", type=int, default=8, help="pictures with the shutter open, and means of stills (default 8)")
     parser.add_argument("--stills", type=int, default=32, help="stills in each mean (default 32)")
-    parser.add_argument("--spp", type=int, default=16, help="samples per pixel of a still (default 16); a blurred picture has as many as its stills")
+    parser.add_argument("--spp", type=int, default=4, help="samples per pixel of a still (default 4); a blurred picture has as many as its stills")
     parser.add_argument("--seed", type=int, default=1, help="another number makes other images")
     parser.add_argument("--threads", type=int, default=2, help="threads; 0 for all cores (default 2)")
     parser.add_argument("--etendue", default="target/release/examples/etendue", help="our program")
