@@ -6,8 +6,9 @@ Everything is made of flat triangles, spheres too, so that the geometry is the s
 rough facets.
 
     peers/sky.py city.exr            # from Debian's package blender-data: usr/share/blender/datafiles/studiolights/world
-    peers/references.py out/sky/city.json ...
-    peers/bench.py out/sky/city.json --peers mitsuba-llvm cycles ...
+    peers/sky.py city.exr --bench    # makes the reference as well, and times all renderers: everything in one command
+
+What follows `--` goes to bench.py: `-- --rounds 3 --peers mitsuba-llvm`.
 """
 
 import argparse
@@ -17,6 +18,7 @@ import math
 import os
 import pathlib
 import shutil
+import subprocess
 import sys
 
 try:
@@ -28,7 +30,8 @@ except ImportError as missing:
     print(f"SKIPPED: {missing} (pip install numpy OpenEXR). NOTHING WAS WRITTEN.", file=sys.stderr)
     sys.exit(77)
 
-TEAPOT = pathlib.Path(__file__).resolve().parent.parent / "scenes" / "meshes" / "teapot.obj"
+HERE = pathlib.Path(__file__).resolve().parent
+TEAPOT = HERE.parent / "scenes" / "meshes" / "teapot.obj"
 
 COPPER = {"eta": [0.27, 0.68, 1.32], "k": [3.61, 2.63, 2.29]}
 """Roughly copper, by its index in three channels."""
@@ -97,7 +100,15 @@ def main():
     default = os.environ.get("ETENDUE_SKY")
     parser.add_argument("sky", nargs="?" if default else None, default=default, help="OpenEXR image by longitude and latitude (default: the variable ETENDUE_SKY)")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/sky"), help="folder")
-    args = parser.parse_args()
+    parser.add_argument("--bench", action="store_true", help="make the reference (or go on with it) and run bench.py")
+    parser.add_argument("--etendue", default="target/release/examples/etendue", help="our program")
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--reference-spp", type=int, default=64, help="samples per pixel of each render of the reference (default 64)")
+    parser.add_argument("--reference-renders", type=int, default=128, help="renders of the reference (default 128)")
+    parser.add_argument("--references", type=pathlib.Path, default=pathlib.Path("out/references"), help="their folder")
+    own = sys.argv[1:]
+    split = own.index("--") if "--" in own else len(own)
+    args, further = parser.parse_args(own[:split]), own[split + 1 :]
     image = pictures.read_exr(args.sky)
     if image is None:
         sys.exit(f"{args.sky} has no channels R, G and B")
@@ -110,7 +121,21 @@ def main():
     shutil.copyfile(TEAPOT, args.out / "teapot.obj")
     scene = description(f"{name}-sky.exr", hashlib.sha256(image.tobytes()).hexdigest()[:16])
     (args.out / f"{name}.json").write_text(json.dumps(scene, indent=1) + "\n", encoding="utf-8")
-    print(args.out / f"{name}.json")
+    file = args.out / f"{name}.json"
+    print(file, flush=True)
+    if args.bench:
+        both = ["--etendue", args.etendue, "--threads", args.threads, "--references", args.references]
+        renders = ["--spp", args.reference_spp, "--renders", args.reference_renders]
+        run(HERE / "references.py", file, *both, *renders)
+        places = [x for kind in ("json", "markdown") for x in (f"--{kind}", args.out / f"{name}-bench.{kind.replace('markdown', 'md')}")]
+        chosen = ["--lambert", "no", "--peers", "mitsuba-llvm", "cycles", "--budgets", 2, 8, "--png", args.out / "png"]
+        run(HERE / "bench.py", file, *both, *places, *chosen, *further)
+
+
+def run(script, *arguments):
+    done = subprocess.run([str(x) for x in (sys.executable, script, *arguments)])
+    if done.returncode:
+        sys.exit(done.returncode)
 
 
 if __name__ == "__main__":

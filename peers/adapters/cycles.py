@@ -10,7 +10,7 @@ class Cycles(Worker):
         " the file; cpu has both"
     )
     differs = (
-        "scenes of flat meshes under an environment; Sobol-Burley samples; masking of facets correlated by height; an"
+        "scenes of flat meshes under an environment; tabulated Sobol samples, its default; masking of facets correlated by height; an"
         " environment's image is interpolated across the poles from one edge to the other; paths end after 1024 hits"
     )
 
