@@ -214,7 +214,7 @@ def main():
             if wanted(name):
                 found = compare(args, name, blurred, rest, folder, 1 + 1000 * (100 * args.seed + 50 + index))
                 say(found.row())
-                wrong += [] if found.wrong() else [f"{name} (not found)"]
+                wrong += [] if found.differences() else [f"{name} (not found)"]
     say(f"\nMeans must agree within {100 * MEAN_BOUND:g} % and three standard errors.")
     if args.markdown:
         pathlib.Path(args.markdown).write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -59,18 +59,21 @@ class Result:
     def worst(self):
         return float(np.abs(self.blocks).max())
 
-    def wrong(self):
-        """What is wrong, or an empty string."""
+    def differences(self):
+        """In what the pictures differ by more than noise."""
         found = []
         if np.abs(self.off).max() > MEAN_BOUND:
             found.append("means")
-        if self.error.max() > MEAN_BOUND / 3.0:
-            found.append("means too noisy to tell")
         if self.worst() > 4.5:
             found.append("a block")
         if abs(self.square - 1.0) > 4.0 * math.sqrt(2.0 / self.count):
             found.append("spread of the blocks")
-        return ", ".join(found)
+        return found
+
+    def wrong(self):
+        """What is wrong, or an empty string."""
+        noisy = ["means too noisy to tell"] if self.error.max() > MEAN_BOUND / 3.0 else []
+        return ", ".join(self.differences() + noisy)
 
     def row(self):
         means = " / ".join(f"{100 * x:+.3f}" for x in self.off)
@@ -100,11 +103,11 @@ class Picture(Result):
             " | mean z² of blocks | largest z of a block | |\n|---|---|--:|--:|--:|--:|--:|--:|---|"
         )
 
-    def wrong(self):
-        found = [super().wrong()] if super().wrong() else []
+    def differences(self):
+        found = super().differences()
         if np.abs(self.z).max() > 3.0 and "means" not in found:
             found.append("means beyond noise")
-        return ", ".join(found)
+        return found
 
     def row(self):
         means = " / ".join(f"{100 * x:+.3f}" for x in self.off)

@@ -86,8 +86,8 @@ def sky_texture(file):
     return {"name": "sky", "type": "image", "file": str(file)}
 
 
-def under_sky(file, camera=CAMERA, **keys):
-    return stage([{"type": "environment", "texture": "sky"} | keys], [sky_texture(file)], camera)
+def under_sky(file, third="plastic", **keys):
+    return stage([{"type": "environment", "texture": "sky"} | keys], [sky_texture(file)], third=third)
 
 
 SPOT = {"type": "spot", "origin": [1.5, 4, 2.5], "direction": [-0.35, -0.9, -0.65], "color": [60, 52, 40]}
@@ -142,8 +142,8 @@ def cases(folder, sky):
         ),
     }
     if sky is not None:
-        result[f"environment, {sky.stem}"] = under_sky(sky.resolve())
-        result[f"environment, {sky.stem}, turned by 100 degrees"] = under_sky(sky.resolve(), rotation=100)
+        result[f"environment, {sky.stem}"] = under_sky(sky.resolve(), "blue")
+        result[f"environment, {sky.stem}, turned by 100 degrees"] = under_sky(sky.resolve(), "blue", rotation=100)
     return result
 
 
@@ -248,7 +248,7 @@ def main():
             if wanted(name):
                 found = compare(mi, args, name, mine, theirs, folder, 1 + 1000 * (100 * args.seed + 50 + index))
                 say(found.row())
-                wrong += [] if found.wrong() else [f"{name} (not found)"]
+                wrong += [] if found.differences() else [f"{name} (not found)"]
     say(f"\nMeans must agree within {100 * MEAN_BOUND:g} % and three standard errors.")
     if args.markdown:
         pathlib.Path(args.markdown).write_text("\n".join(lines) + "\n", encoding="utf-8")
