@@ -223,6 +223,7 @@ class Converter:
     def bsdf(self, material):
         """The Mitsuba BSDF of one of our materials."""
         kind = material["type"]
+        lights.refuse(material, f"material {material.get('name', kind)}", "textures")
         color = {"type": "rgb", "value": material.get("color", [1, 1, 1])}
         if kind == "black":
             return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0, 0, 0]}}}
