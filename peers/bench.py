@@ -38,6 +38,7 @@ import ours
 import pictures
 import references
 from adapters import Refused, Skipped, read
+from adapters.cycles import Cycles
 from adapters.etendue import Etendue
 from adapters.luxcore import LuxCore
 from adapters.mitsuba import Mitsuba
@@ -52,6 +53,7 @@ PEERS = {
     "luxcore": LuxCore,
     "ospray": Ospray,
     "povray": Povray,
+    "cycles": Cycles,
 }
 TOLERANCE = 0.01
 """Of channel means; beyond it a renderer draws another picture."""
@@ -143,7 +145,7 @@ class Scene:
             total, count = self.sums.get(c.name, (0.0, 0))
             self.sums[c.name] = (total + image, count + 1)
             if turn == 0 and self.args.png is not None:
-                row["png"] = str(write_png(self.args.png / f"{self.name}-{c.name.replace(' ', '-')}.png", image))
+                row["png"] = str(pictures.write_png(self.args.png / f"{self.name}-{c.name.replace(' ', '-')}.png", image))
         self.runs.append(row)
 
     def of(self, name, level):
@@ -239,18 +241,6 @@ class Scene:
         return "\n".join(lines)
 
 
-def write_png(path, image):
-    """Values clamped to [0, 1], sRGB; None and a word where Pillow is missing."""
-    try:
-        from PIL import Image
-    except ImportError:
-        return None
-    x = np.clip(image, 0.0, 1.0)
-    x = np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
-    Image.fromarray(np.round(255 * x).astype(np.uint8)).save(path)
-    return path
-
-
 def variants(texts):
     """Our rows from NAME='options'."""
     result = []
@@ -294,6 +284,7 @@ def main():
     )  # fmt: skip
     parser.add_argument("--mitsuba-python", default=sys.executable, help="a Python that has mitsuba")
     parser.add_argument("--luxcore-python", default=sys.executable, help="a Python that has pyluxcore")
+    parser.add_argument("--cycles-python", default=sys.executable, help="a Python that has bpy")
     parser.add_argument("--json", type=pathlib.Path, help="write every run here")
     parser.add_argument("--markdown", type=pathlib.Path, help="write the tables here too")
     parser.add_argument("--png", type=pathlib.Path, help="folder for one picture of each renderer and scene")

@@ -52,3 +52,15 @@ def blocks(image, count):
     """Means [count][count] over equal regions and the channels; what does not divide evenly is left out."""
     height, width = (n // count * count for n in image.shape[:2])
     return image[:height, :width].reshape(count, height // count, count, width // count, 3).mean((1, 3, 4))
+
+
+def write_png(path, image):
+    """Values clamped to [0, 1], sRGB; None and a word where Pillow is missing."""
+    try:
+        from PIL import Image
+    except ImportError:
+        return None
+    x = np.clip(image, 0.0, 1.0)
+    x = np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
+    Image.fromarray(np.round(255 * x).astype(np.uint8)).save(path)
+    return path

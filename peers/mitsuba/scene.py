@@ -11,6 +11,7 @@ import sys
 import tempfile
 
 import backend  # First, for its message when something is missing.
+import lights
 import materials
 import numpy as np
 from materials import Unsupported
@@ -212,6 +213,8 @@ class Converter:
         for m in self.json.get("materials", []):
             self.materials.setdefault(m["name"], m)
         self.meshes = {m["name"]: m for m in self.json.get("meshes", [])}
+        self.textures = {t["name"]: t for t in self.json.get("textures", [])}
+        self.behind = lights.evenly(self.json.get("lights", []))
         self.soups, self.shapes, self.count = {}, {}, 0
 
     def close(self):
@@ -220,6 +223,7 @@ class Converter:
     def bsdf(self, material):
         """The Mitsuba BSDF of one of our materials."""
         kind = material["type"]
+        lights.refuse(material, f"material {material.get('name', kind)}", "textures")
         color = {"type": "rgb", "value": material.get("color", [1, 1, 1])}
         if kind == "black":
             return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0, 0, 0]}}}
@@ -284,6 +288,7 @@ class Converter:
 
     def add_surface(self, s):
         kind, material, emission = s["geometry"], s.get("material"), s.get("emission")
+        lights.refuse(s, f"surface {kind}", "motion", "steps", "luminance", "temperature")
         matrix = transform_of(s)
         if emission is not None and not any(emission):  # A black emitter would only waste samples.
             emission = None
@@ -327,16 +332,13 @@ class Converter:
         return read_obj(file)
 
     def add_light(self, light):
-        color = vec(light.get("color", [1, 1, 1])) * light.get("intensity", 1.0)
-        if light["type"] == "area":
+        kind = light["type"]
+        if kind == "area":
+            color = vec(light.get("color", [1, 1, 1])) * light.get("intensity", 1.0)
             self.add_polygon([light[f"vertex-{i}"] for i in (1, 2, 3)], np.eye(4), light.get("material"), color)
-        elif light["type"] == "point":
-            position = [float(x) for x in light["origin"]]
-            intensity = {"type": "rgb", "value": color.tolist()}
-            self.shapes[f"light_{self.count}"] = {"type": "point", "position": position, "intensity": intensity}
-            self.count += 1
-        else:
-            raise Unsupported(f"light type {light['type']}")
+            return
+        self.shapes[f"light_{self.count}"] = lights.emitter(light, self.textures, self.path.parent, self.behind)
+        self.count += 1
 
     def sensor(self, resolution):
         """The camera. The report's is a pinhole whose near plane is its view plane."""
@@ -346,19 +348,21 @@ class Converter:
         view_plane = not self.native or c.get("type") == "view-plane"
         defaults = {"origin": [0, 0, 0], "lookAt": [0, 0, -1], "up": [0, 1, 0]}
         origin, look_at, up = (vec(c.get(key, value)) for key, value in defaults.items())
-        fov, axis, near = float(c.get("fieldOfView", 90.0)), "x", 1e-4 * max(1.0, np.linalg.norm(look_at - origin))
+        near = 1e-4 * max(1.0, np.linalg.norm(look_at - origin))
+        keys = {} if view_plane else lights.lens(c, look_at - origin, width / height)
         if view_plane:
+            fov = float(c.get("fieldOfView", 90.0))
             w = (look_at - origin) / np.linalg.norm(look_at - origin)
             half = np.linalg.norm(np.cross(w, up)) * math.sqrt(width / height)
             near = half / math.tan(math.radians(fov) / 2)
             origin, look_at = origin - w * near, origin
-        elif c.get("fieldOfViewAxis", "horizontal") == "vertical":
-            axis = "y"
+            keys = {"type": "perspective", "fov": fov, "fov_axis": "x"}
         to_world = mi.ScalarTransform4f().look_at(origin=origin.tolist(), target=look_at.tolist(), up=up.tolist())
-        return {
-            "type": "perspective",
-            "fov": fov,
-            "fov_axis": axis,
+        half = keys.pop("half_width", None)
+        if half is not None:
+            # Mitsuba's image of parallel rays spans [-1, 1] across the width.
+            to_world = to_world @ mi.ScalarTransform4f().scale([half, half, 1.0])
+        return keys | {
             "near_clip": float(near),
             "far_clip": 1e7,
             "to_world": to_world,
