@@ -10,7 +10,8 @@ use std::thread;
 
 use exr::image::{FlatImage, FlatSamples};
 use half::f16;
-use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
+use image::codecs::hdr::HdrDecoder;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::texels::{ColorSpace, TexelImage, Texels, check_size};
 use crate::control::{Cancel, WorkProgress};
@@ -218,15 +219,27 @@ fn decode(mut reader: impl BufRead + Seek, size: u64, extension: Option<&str>) -
         let parts = crate::image::decode_exr_parts(reader, size)?;
         return Ok((from_exr(parts)?, ColorSpace::Linear));
     }
+    let is_rgbe = start.starts_with(RGBE);
     // Decoders check what they read; should one fail in another way all the same, it must not end the program.
-    catch_unwind(AssertUnwindSafe(|| with_library(reader, extension)))
+    catch_unwind(AssertUnwindSafe(|| if is_rgbe { rgbe(reader) } else { with_library(reader, extension) }))
         .unwrap_or_else(|_| Err(unreadable(&"its decoder failed")))
 }
 
 /// Columns and rows of an image, by its header.
-fn dimensions(reader: impl BufRead + Seek, extension: Option<&str>) -> Option<[u32; 2]> {
-    let read = || Some(guessed(reader, extension).ok()?.into_dimensions().ok()?.into());
+fn dimensions(mut reader: impl BufRead + Seek, extension: Option<&str>) -> Option<[u32; 2]> {
+    let is_rgbe = reader.fill_buf().ok()?.starts_with(RGBE);
+    let read = || match is_rgbe {
+        true => Some(HdrDecoder::new_nonstrict(reader).ok()?.dimensions().into()),
+        false => Some(guessed(reader, extension).ok()?.into_dimensions().ok()?.into()),
+    };
     catch_unwind(AssertUnwindSafe(read)).ok().flatten()
+}
+
+/// How Radiance HDR files of several programs begin; the usual beginning is "#?RADIANCE", which the library knows.
+const RGBE: &[u8] = b"#?RGBE";
+
+fn rgbe(reader: impl BufRead + Seek) -> Result<(TexelImage, ColorSpace)> {
+    with_decoder(HdrDecoder::new_nonstrict(reader).map_err(|error| unreadable(&error))?)
 }
 
 /// A reader of the format that the bytes say, or the name.
@@ -248,10 +261,18 @@ fn with_library(reader: impl BufRead + Seek, extension: Option<&str>) -> Result<
             format!("not an image that is read, expected one of {FORMATS}"),
         ));
     }
+    reader.limits(limits());
+    with_decoder(reader.into_decoder().map_err(|error| unreadable(&error))?)
+}
+
+fn limits() -> Limits {
     let mut limits = Limits::default();
     limits.max_alloc = Some(DECODER_LIMIT);
-    reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(|error| unreadable(&error))?;
+    limits
+}
+
+fn with_decoder(mut decoder: impl ImageDecoder) -> Result<(TexelImage, ColorSpace)> {
+    decoder.set_limits(limits()).map_err(|error| unreadable(&error))?;
     let (width, height) = decoder.dimensions();
     check_size(width, height).map_err(|message| Error::new(ErrorKind::Unsupported, message))?;
     let image = DynamicImage::from_decoder(decoder).map_err(|error| unreadable(&error))?;
@@ -332,6 +353,25 @@ mod tests {
 
     use super::super::write_image;
     use super::*;
+
+    #[test]
+    fn radiance_files_begin_in_two_ways() {
+        // Two texels without runs: mantissas and a common exponent, 2^(e - 136).
+        let body = b"\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x40\x20\x81\x00\x00\x80\x88";
+        for head in ["#?RADIANCE", "#?RGBE"] {
+            let bytes: Vec<u8> = head.bytes().chain(*body).collect();
+            let (image, space) = read_image_bytes(&bytes, None).unwrap();
+            assert_eq!(space, ColorSpace::Linear);
+            let Texels::F32(texels) = image.texels() else { panic!("{head}") };
+            let found: Vec<f32> = (0..6).map(|i| texels.get(i)).collect();
+            assert_eq!(found, [1.0, 0.5, 0.25, 0.0, 0.0, 128.0], "{head}");
+            assert_eq!(dimensions(Cursor::new(&bytes), None), Some([2, 1]), "{head}");
+            // A file that ends in its header, and one that ends in its texels.
+            for end in [8, 20, bytes.len() - 1] {
+                assert!(read_image_bytes(&bytes[..end], None).is_err(), "{head} {end}");
+            }
+        }
+    }
 
     fn files(folder: &Path, count: usize) -> Vec<PathBuf> {
         (0..count).map(|i| folder.join(format!("{i}.png"))).collect()
