@@ -1927,7 +1927,7 @@ typedef struct etd_camera {
      */
     double origin[3];
     /**
-     * A point that is seen in the middle of the image, other than `origin`.
+     * A point that is seen in the middle of the image, or off it by `shift`, other than `origin`.
      */
     double look_at[3];
     /**
@@ -1971,6 +1971,15 @@ typedef struct etd_camera {
      * Number by which the aperture's width is divided, after it is turned: 0.01 to 100. 0 means 1.
      */
     double squeeze;
+    /**
+     * Perspective and orthographic cameras: how far the film is moved against the view axis, to the right in widths of the image and
+     * upwards in heights of the image, each -100 to 100. 0 for other cameras.
+     */
+    double shift[2];
+    /**
+     * Width of a pixel over its height, 0.01 to 100. 0 means 1; view-plane and spherical cameras have 0.
+     */
+    double pixel_aspect;
 } etd_camera;
 
 /**

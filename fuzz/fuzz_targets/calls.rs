@@ -17,7 +17,8 @@ use libfuzzer_sys::fuzz_target;
 enum Call {
     Camera { projection: u8, axis: u8, origin: [f64; 3], look_at: [f64; 3], up: [f64; 3], fov: f64 },
     Lens { projection: u8, focus: u8, blades: u8, numbers: [f64; 4], point: [f64; 3] },
-    SaneCamera { origin: [i8; 3], lens: [u8; 4], is_parallel: bool },
+    CameraFilm { projection: u8, shift: [f64; 2], aspect: f64 },
+    SaneCamera { origin: [i8; 3], lens: [u8; 4], shift: [i8; 2], aspect: u8, is_parallel: bool },
     AddMaterial { bsdf: u8, color: [f32; 3], numbers: [f32; 5], name: Option<u8> },
     SaneMaterial { bsdf: u8, color: [u8; 3] },
     SetMaterial { material: u8, bsdf: u8, color: [f32; 3], numbers: [f32; 5] },
@@ -313,9 +314,29 @@ impl World {
                     };
                     fine(etd_scene_set_camera(scene, &raw const camera));
                 }
-                Call::SaneCamera { origin, lens: [radius, distance, blades, turn], is_parallel } => {
+                Call::CameraFilm { projection, shift, aspect } => {
+                    let camera = etd_camera {
+                        projection: u32::from(projection),
+                        look_at: [0.0, 0.0, -1.0],
+                        up: [0.0, 1.0, 0.0],
+                        fov_deg: 70.0,
+                        size: if projection == 2 { 3.0 } else { 0.0 },
+                        shift,
+                        pixel_aspect: aspect,
+                        ..sized()
+                    };
+                    fine(etd_scene_set_camera(scene, &raw const camera));
+                }
+                Call::SaneCamera { origin, lens: [radius, distance, blades, turn], shift, aspect, is_parallel } => {
                     let origin = origin.map(|n| f64::from(n) / 8.0 + 0.1);
-                    let seen = etd_camera { origin, up: [0.0, 1.0, 0.3], fov_deg: 70.0, ..sized() };
+                    let seen = etd_camera {
+                        origin,
+                        up: [0.0, 1.0, 0.3],
+                        fov_deg: 70.0,
+                        shift: shift.map(|n| f64::from(n) / 64.0),
+                        pixel_aspect: (f64::from(aspect) / 64.0).max(0.1),
+                        ..sized()
+                    };
                     let camera = if is_parallel {
                         etd_camera { projection: 2, size: f64::from(radius) + 0.5, ..seen }
                     } else {

@@ -100,7 +100,8 @@ mod transform;
 mod validate;
 mod warnings;
 
-pub use camera::{CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, Panorama, PanoramaDesc};
+pub use camera::{CameraDesc, FilmDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, Panorama, PanoramaDesc};
+pub(crate) use camera::{PIXEL_ASPECTS, SHIFTS};
 pub use distant::DistantLightDesc;
 pub use edit::SurfaceLook;
 pub use environment::{EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, SkyDesc, SkyProjection};

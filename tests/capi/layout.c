@@ -348,6 +348,8 @@ static void structures(void) {
     FIELD(etd_camera, focus_at);
     FIELD(etd_camera, blade_rotation_deg);
     FIELD(etd_camera, squeeze);
+    FIELD(etd_camera, shift);
+    FIELD(etd_camera, pixel_aspect);
     STRUCT(etd_material);
     FIELD(etd_material, struct_size);
     FIELD(etd_material, bsdf);

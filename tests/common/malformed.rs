@@ -462,6 +462,38 @@ fn cameras(l: &mut List) {
             "\"type\": \"fisheye\",\n@\"fieldOfView\": 0",
             "fieldOfView: 0 degrees are out of range",
         ),
+        ("shifted too far", "@\"shift\": [0, 101]", "shift[1]: 101 is out of range, expected a number in [-100, 100]"),
+        ("shift of one number", "@\"shift\": [0.5]", "shift: invalid length 1"),
+        (
+            "shift of a fisheye",
+            "\"type\": \"fisheye\",\n@\"shift\": [0, 0]",
+            "shift: a fisheye camera has no film to shift, expected a perspective or orthographic one",
+        ),
+        (
+            "shift of a view plane",
+            "\"type\": \"view-plane\",\n@\"shift\": [0, 0.5]",
+            "shift: a view-plane camera has no film to shift",
+        ),
+        (
+            "pixels without width",
+            "@\"pixelAspect\": 0",
+            "pixelAspect: 0 is out of range, expected a number in [0.01, 100]",
+        ),
+        (
+            "negative pixels of a cylinder",
+            "\"type\": \"cylindrical\",\n@\"pixelAspect\": -1",
+            "pixelAspect: -1 is out of range",
+        ),
+        (
+            "pixels of all directions",
+            "\"type\": \"spherical\",\n@\"pixelAspect\": 1",
+            "pixelAspect: a spherical camera spreads all directions over any resolution",
+        ),
+        (
+            "pixels of a view plane",
+            "\"type\": \"view-plane\",\n@\"pixelAspect\": 2",
+            "pixelAspect: the plane of a view-plane camera follows from the resolution alone",
+        ),
         (
             "lens of a fisheye",
             "\"type\": \"fisheye\",\n@\"lensRadius\": 0.1",

@@ -4,6 +4,7 @@
 
 mod camera;
 mod display;
+mod film;
 mod lens;
 mod panoramas;
 mod parallel;
@@ -24,6 +25,7 @@ pub fn cases() -> Vec<Entry> {
     [
         sums::cases(),
         camera::cases(),
+        film::cases(),
         lens::cases(),
         panoramas::cases(),
         parallel::cases(),
