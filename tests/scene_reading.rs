@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use etendue::ErrorKind;
 use etendue::desc::{
-    self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, Dialect, FilmDesc, FilterDesc, FocusDesc, FovAxis,
+    self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, CropDesc, Dialect, FilmDesc, FilterDesc, FocusDesc, FovAxis,
     IntegratorDesc, KernelDesc, LensDesc, MediumDesc, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing, RenderDesc,
     RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc,
 };
@@ -139,12 +139,13 @@ fn lenses_and_parallel_rays_are_read_with_every_key() {
 fn render_blocks_are_read_with_every_key() {
     let render = |block: &str| native(&format!("\"render\": {{{block}}}")).render;
     let all = render(
-        r#""resolution": [640, 480.0], "samples": 256, "sampler": "jittered", "filter": {"type": "gaussian",
+        r#""resolution": [640, 480.0], "crop": [100, 0, 540, 480], "samples": 256, "sampler": "jittered", "filter": {"type": "gaussian",
           "sigma": 0.25},
            "maxDepth": 9, "shadowRays": 2, "roulette": "file", "integrator": {"type": "whitted"}, "seed": 18446744073709551615"#,
     );
     let expected = RenderDesc {
         resolution: [640, 480],
+        crop: Some(CropDesc { left: 100, top: 0, width: 540, height: 480 }),
         samples: 256,
         sampler: SamplerDesc::Jittered,
         filter: FilterDesc::Gaussian { sigma: 0.25 },

@@ -53,6 +53,7 @@ enum Call {
     Commit { cancel: bool },
     Film { width: u8, height: u8, layers: u16 },
     Render { integrator: u8, sampler: u8, filter: u8, parameters: [f32; 2], samples: u8, depth: u8, film: bool },
+    RenderPart { integrator: u8, sampler: u8, picture: [u8; 2], crop: [u32; 2] },
     Start { integrator: u8, samples: u32, time: f64, error: f64 },
     Poll,
     Wait {
@@ -598,6 +599,21 @@ impl World {
                     };
                     let film = if film { self.film } else { null_mut() };
                     fine(etd_render(scene, film, &raw const options));
+                }
+                Call::RenderPart { integrator, sampler, picture, crop: [crop_left, crop_top] } => {
+                    let [picture_width, picture_height] = picture.map(u32::from);
+                    let options = etd_render_options {
+                        integrator: u32::from(integrator) % INTEGRATORS,
+                        sampler: u32::from(sampler % 5),
+                        samples: 1,
+                        max_depth: 4,
+                        picture_width,
+                        picture_height,
+                        crop_left,
+                        crop_top,
+                        ..quick()
+                    };
+                    fine(etd_render(scene, self.film, &raw const options));
                 }
                 Call::Start { integrator, samples, time, error } => {
                     let options = etd_render_options {

@@ -130,7 +130,7 @@ pub(crate) use principled::weighted_eta;
 pub use radiosity::{MAX_RADIOSITY_ITERATIONS, MAX_RADIOSITY_MEMORY, RadiosityDesc, RadiositySolver};
 pub(crate) use radiosity_keys::check_radiosity;
 pub use read::{LoadOptions, apply_params, apply_render, load, load_params, load_with, parse, parse_gltf, parse_with};
-pub use render::{FilterDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, RouletteDesc, SamplerDesc};
+pub use render::{CropDesc, FilterDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, RouletteDesc, SamplerDesc};
 pub use scene::{Dialect, SceneDesc};
 #[cfg(feature = "schema")]
 pub use schema::schema;

@@ -514,6 +514,17 @@ fn cameras(l: &mut List) {
 fn renders(l: &mut List) {
     for (name, block, expected) in [
         ("resolution of 0", "@\"resolution\": [0, 64]", "resolution"),
+        ("crop of three", "@\"crop\": [0, 0, 3]", "crop: wrong length 3"),
+        (
+            "crop of no pixel",
+            "@\"crop\": [0, 0, 0, 4]",
+            "crop[2]: 0 is out of range, expected a whole number from 1 to 256",
+        ),
+        (
+            "crop beyond the picture",
+            "\"resolution\": [8, 6],\n@\"crop\": [2, 5, 6, 2]",
+            "crop[3]: 2 is out of range, expected a whole number from 1 to 1",
+        ),
         ("resolution of one", "@\"resolution\": [64]", "resolution: wrong length 1"),
         ("resolution of three", "@\"resolution\": [64, 64, 3]", "resolution: too many elements"),
         ("resolution broken", "\"resolution\": [64,\n@64.5]", "resolution[1]: invalid value: floating point `64.5`"),

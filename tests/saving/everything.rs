@@ -4,13 +4,13 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use etendue::desc::{
-    BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, DistantLightDesc, Distribution, EnvironmentDesc,
-    EnvironmentMapDesc, FilmDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis, HostMesh, ImageTextureDesc,
-    IntegratorDesc, KernelDesc, KeyPlace, LensDesc, LightDistribution, METALS, Masking, MaterialDesc, MediumDesc,
-    MeshDesc, MeshStep, MicrofacetsDesc, MotionDesc, MotionKey, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing,
-    PointLightDesc, PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
-    SceneDesc, ShapeDesc, ShutterDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding, TextureChannel, TextureDesc,
-    TextureKey, TextureMapping, TextureSource,
+    BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, CropDesc, DistantLightDesc, Distribution,
+    EnvironmentDesc, EnvironmentMapDesc, FilmDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis, HostMesh,
+    ImageTextureDesc, IntegratorDesc, KernelDesc, KeyPlace, LensDesc, LightDistribution, METALS, Masking, MaterialDesc,
+    MediumDesc, MeshDesc, MeshStep, MicrofacetsDesc, MotionDesc, MotionKey, Panorama, PanoramaDesc, PhotonDesc,
+    PhotonSharing, PointLightDesc, PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc,
+    RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, ShutterDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding,
+    TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
 };
 use etendue::emitter::SkyFormula;
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
@@ -549,6 +549,7 @@ pub fn cameras() -> [CameraDesc; 16] {
 pub fn settings() -> Vec<RenderDesc> {
     let whole = RenderDesc {
         resolution: [33, 7],
+        crop: Some(CropDesc { left: 2, top: 0, width: 31, height: 3 }),
         samples: 5,
         sampler: SamplerDesc::Jittered,
         filter: FilterDesc::Gaussian { sigma: third(1.0) },

@@ -3,6 +3,7 @@
 //! the same for builds and instruction sets.
 
 mod camera;
+mod crop;
 mod display;
 mod film;
 mod lens;
@@ -26,6 +27,7 @@ pub fn cases() -> Vec<Entry> {
         sums::cases(),
         camera::cases(),
         film::cases(),
+        crop::cases(),
         lens::cases(),
         panoramas::cases(),
         parallel::cases(),
