@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use etendue::desc::{self, CropDesc, IntegratorDesc, LoadOptions, MeshDesc, RenderDesc, RouletteDesc, SceneDesc, ShutterDesc};
+use etendue::desc::{
+    self, CropDesc, IntegratorDesc, LoadOptions, MeshDesc, RenderDesc, RouletteDesc, SceneDesc, ShutterDesc,
+};
 use etendue::film::Image;
 use etendue::integrator::photon::{Choice, choose};
 use etendue::output::{self, Attribute, Format, WriteOptions};

@@ -463,7 +463,7 @@ fn cameras(l: &mut List) {
             "fieldOfView: 0 degrees are out of range",
         ),
         ("shifted too far", "@\"shift\": [0, 101]", "shift[1]: 101 is out of range, expected a number in [-100, 100]"),
-        ("shift of one number", "@\"shift\": [0.5]", "shift: invalid length 1"),
+        ("shift of one number", "@\"shift\": [0.5]", "shift: wrong length 1, expected an array of length 2"),
         (
             "shift of a fisheye",
             "\"type\": \"fisheye\",\n@\"shift\": [0, 0]",
