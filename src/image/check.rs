@@ -28,7 +28,7 @@ pub(crate) fn check_image(image: &Image) -> Result<()> {
         let is_inside = (0..2).all(|i| {
             picture[i] <= i32::MAX as u32 && u64::from(origin[i]) + u64::from(size[i]) <= u64::from(picture[i])
         });
-        if !is_inside || !(pixel_aspect > 0.0 && pixel_aspect.is_finite()) {
+        if !(is_inside && pixel_aspect > 0.0 && pixel_aspect.is_finite()) {
             let message = format!(
                 "an image of {size:?} pixels at {origin:?}, whose pixels have the aspect {pixel_aspect}, is not inside a \
                  picture of {picture:?}"
