@@ -9,7 +9,9 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-use etendue::desc::{BsdfDesc, CameraDesc, FovAxis, MaterialDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc};
+use etendue::desc::{
+    BsdfDesc, CameraDesc, FilmDesc, FovAxis, MaterialDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc,
+};
 use etendue::embree::{Device, DeviceOptions};
 use etendue::math::{DAffine3, DVec3, Ray, Vec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -57,6 +59,7 @@ fn scene(mesh: MeshDesc) -> SceneDesc {
             up: DVec3::Y,
             fov_deg: 60.0,
             fov_axis: FovAxis::Horizontal,
+            film: FilmDesc::default(),
         },
         materials: vec![material("a"), material("b")],
         meshes: vec![Arc::new(mesh)],

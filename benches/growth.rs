@@ -18,7 +18,7 @@ use std::ops::ControlFlow;
 
 use etendue::camera::Camera;
 use etendue::desc::{
-    BsdfDesc, CameraDesc, FovAxis, MaterialDesc, MeshDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceDesc,
+    BsdfDesc, CameraDesc, FilmDesc, FovAxis, MaterialDesc, MeshDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceDesc,
 };
 use etendue::embree;
 use etendue::integrator::SceneTracer;
@@ -78,6 +78,7 @@ fn room(triangles: usize) -> SceneDesc {
         up: DVec3::Y,
         fov_deg: 70.0,
         fov_axis: FovAxis::Horizontal,
+        film: FilmDesc::default(),
     };
     let mut desc = SceneDesc { camera, ..SceneDesc::default() };
     desc.materials.push(MaterialDesc {

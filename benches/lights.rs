@@ -12,7 +12,9 @@
 
 use std::ops::ControlFlow;
 
-use etendue::desc::{BsdfDesc, CameraDesc, FovAxis, MaterialDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceDesc};
+use etendue::desc::{
+    BsdfDesc, CameraDesc, FilmDesc, FovAxis, MaterialDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceDesc,
+};
 use etendue::film::Image;
 use etendue::math::{DAffine3, DVec3};
 use etendue::output;
@@ -61,7 +63,14 @@ fn add_box(desc: &mut SceneDesc, min: DVec3, max: DVec3, material: usize) {
 
 fn hall(lights: u32) -> SceneDesc {
     let (eye, look_at) = (DVec3::new(8.2, 2.6, 1.2), DVec3::new(10.6, 1.9, 14.0));
-    let camera = CameraDesc::Perspective { eye, look_at, up: DVec3::Y, fov_deg: 62.0, fov_axis: FovAxis::Horizontal };
+    let camera = CameraDesc::Perspective {
+        eye,
+        look_at,
+        up: DVec3::Y,
+        fov_deg: 62.0,
+        fov_axis: FovAxis::Horizontal,
+        film: FilmDesc::default(),
+    };
     let mut desc = SceneDesc { camera, ..SceneDesc::default() };
     let [wall, stone] = ALBEDOS;
     for (name, albedo) in [("wall", wall), ("stone", stone), ("black", [0.0; 3])] {

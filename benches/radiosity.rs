@@ -13,8 +13,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use etendue::desc::{
-    BsdfDesc, CameraDesc, IntegratorDesc, MaterialDesc, MeshDesc, RadiosityDesc, RenderDesc, SceneDesc, ShapeDesc,
-    SurfaceDesc,
+    BsdfDesc, CameraDesc, FilmDesc, IntegratorDesc, MaterialDesc, MeshDesc, RadiosityDesc, RenderDesc, SceneDesc,
+    ShapeDesc, SurfaceDesc,
 };
 use etendue::integrator::radiosity::{Radiosity, RadiositySummary};
 use etendue::math::{DAffine3, DVec3};
@@ -129,7 +129,14 @@ fn view(number: u32) -> CameraDesc {
     let angle = (f64::from(number) / f64::from(VIEWS) - 0.5) * 0.6;
     let middle = DVec3::new(278.0, 273.0, 280.0);
     let eye = middle + 1080.0 * DVec3::new(angle.sin(), 0.0, -angle.cos());
-    CameraDesc::Perspective { eye, look_at: middle, up: DVec3::Y, fov_deg: 39.3, fov_axis: Default::default() }
+    CameraDesc::Perspective {
+        eye,
+        look_at: middle,
+        up: DVec3::Y,
+        fov_deg: 39.3,
+        fov_axis: Default::default(),
+        film: FilmDesc::default(),
+    }
 }
 
 fn pictures() -> Result<()> {

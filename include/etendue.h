@@ -47,7 +47,7 @@
 #define ETD_SCENE_OPTIONS_INIT {sizeof(etd_scene_options), ETD_USAGE_STATIC, 0, NULL, NULL, NULL, NULL}
 #define ETD_CAMERA_INIT \
     {sizeof(etd_camera), ETD_CAMERA_PERSPECTIVE, ETD_FOV_HORIZONTAL, {0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90, 0, 0, \
-     ETD_FOCUS_LOOK_AT, 0, 0, {0, 0, 0}, 0, 0}
+     ETD_FOCUS_LOOK_AT, 0, 0, {0, 0, 0}, 0, 0, {0, 0}, 0}
 #define ETD_MATERIAL_INIT \
     {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0, {0, 0, 0}, 0, 0, 0, \
      ETD_DISTRIBUTION_GGX, ETD_MASKING_SMITH, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 1, 1}, 0, 0, 0.5f, NULL, 1, \
@@ -78,7 +78,7 @@
      NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_PHOTON_KERNEL_DEFAULT, 0, ETD_PHOTON_SHARING_POWER, \
      ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, 0, 0, ETD_CACHE_SOURCE_PATHS, 0, ETD_ERROR_RELMSE, ETD_SWITCH_DEFAULT, \
      0, 0, 0, 0, ETD_RADIOSITY_SOLVER_GATHER, ETD_SWITCH_DEFAULT, ETD_SWITCH_DEFAULT, 0, \
-     ETD_ROULETTE_OWN}
+     ETD_ROULETTE_OWN, 0, 0, 0, 0}
 #define ETD_PROGRESS_INIT {sizeof(etd_progress), 0, 0, 0, 0, 0, ETD_PHASE_BUILD, 0}
 #define ETD_SUMMARY_INIT {sizeof(etd_summary), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_ENDED_SAMPLES, 0}
 #define ETD_FILM_OPTIONS_INIT {sizeof(etd_film_options), 0, 0, 0, 0}
@@ -1904,6 +1904,24 @@ typedef struct etd_render_options {
      * An `etd_roulette`, for every integrator that follows paths.
      */
     etd_roulette roulette;
+    /**
+     * Width of the picture in pixels, where the film is a rectangle of it and not all: 0, or with `picture_height` 2^26 pixels at
+     * most. The pixels have the values that they have in the whole picture, except where adaptive sampling, a target error or a
+     * time limit look at all pixels of the film. Renders of irradiance and of points ignore this and the next three fields.
+     */
+    uint32_t picture_width;
+    /**
+     * Height of the picture in pixels; 0 with a `picture_width` of 0.
+     */
+    uint32_t picture_height;
+    /**
+     * Column of the picture that is the film's first, from 0. The film ends inside the picture.
+     */
+    uint32_t crop_left;
+    /**
+     * Row of the picture that is the film's first, from 0 at the top. The film ends inside the picture.
+     */
+    uint32_t crop_top;
 } etd_render_options;
 
 /**
@@ -1927,7 +1945,7 @@ typedef struct etd_camera {
      */
     double origin[3];
     /**
-     * A point that is seen in the middle of the image, other than `origin`.
+     * A point that is seen in the middle of the image, or off it by `shift`, other than `origin`.
      */
     double look_at[3];
     /**
@@ -1971,6 +1989,15 @@ typedef struct etd_camera {
      * Number by which the aperture's width is divided, after it is turned: 0.01 to 100. 0 means 1.
      */
     double squeeze;
+    /**
+     * Perspective and orthographic cameras: how far the film is moved against the view axis, to the right in widths of the image and
+     * upwards in heights of the image, each -100 to 100. 0 for other cameras.
+     */
+    double shift[2];
+    /**
+     * Width of a pixel over its height, 0.01 to 100. 0 means 1; view-plane and spherical cameras have 0.
+     */
+    double pixel_aspect;
 } etd_camera;
 
 /**
@@ -3322,9 +3349,12 @@ etd_status etd_scene_get_render_options(const struct etd_scene *scene,
                                         struct etd_render_options *out_options);
 
 /**
- * Returns the resolution in the scene's own `render` block, or 256 x 256 where it has none. Thread-safe.
+ * Returns the size of the film that the scene's own `render` block asks for: its `crop`, or its `resolution`, or 256 x 256 where it
+ * has neither. Thread-safe.
  */
-etd_status etd_scene_get_resolution(const struct etd_scene *scene, uint32_t *out_width, uint32_t *out_height);
+etd_status etd_scene_get_resolution(const struct etd_scene *scene,
+                                    uint32_t *out_width,
+                                    uint32_t *out_height);
 
 /**
  * Replaces the camera.

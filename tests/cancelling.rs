@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use etendue::buffer::Buffer;
 use etendue::desc::{
-    BsdfDesc, CameraDesc, FovAxis, HostMesh, MaterialDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc,
+    BsdfDesc, CameraDesc, FilmDesc, FovAxis, HostMesh, MaterialDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceDesc,
 };
 use etendue::embree::{Device, DeviceOptions};
 use etendue::math::{DAffine3, DVec3};
@@ -60,6 +60,7 @@ fn scene(mesh: MeshDesc, smooth: bool, emission: Option<Rgb>) -> SceneDesc {
             up: DVec3::Y,
             fov_deg: 60.0,
             fov_axis: FovAxis::Horizontal,
+            film: FilmDesc::default(),
         },
         materials: vec![MaterialDesc {
             name: String::new(),

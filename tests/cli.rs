@@ -10,7 +10,7 @@ mod malformed;
 #[path = "common/program.rs"]
 mod program;
 
-use etendue::film::Image;
+use etendue::film::{Image, Placement};
 use etendue::output::{self, WriteOptions};
 use program::program;
 use tempfile::TempDir;
@@ -81,7 +81,7 @@ fn small_render<'a>(scene: &'a str, more: &[&'a str]) -> Vec<&'a str> {
 /// A file of one row of grey pixels.
 fn write_grey(path: &Path, values: &[f32]) {
     let rgb = values.iter().flat_map(|&value| [value; 3]).collect();
-    let image = Image { width: values.len() as u32, height: 1, rgb, layers: Vec::new() };
+    let image = Image { width: values.len() as u32, height: 1, rgb, ..Image::default() };
     output::write(&image, path, &WriteOptions::default()).unwrap();
 }
 
@@ -111,6 +111,41 @@ fn help_and_version_go_to_standard_output() {
 }
 
 #[test]
+fn a_crop_is_a_part_of_the_picture() {
+    let folder = folder();
+    let cornell = scene("cornell.json");
+    etendue(folder.path(), small_render(&cornell, &["-o", "whole.exr"])).assert_done();
+    etendue(folder.path(), small_render(&cornell, &["--crop", "3,2,9x7", "-o", "part.exr"])).assert_done();
+    let [whole, part] = ["whole.exr", "part.exr"].map(|name| output::read(&folder.path().join(name)).unwrap());
+    let expected: Vec<_> = (2..9).flat_map(|y| (3..12).map(move |x| (x, y))).map(|(x, y)| whole.pixel(x, y)).collect();
+    assert_eq!(part.rgb.as_chunks::<3>().0, expected);
+    assert_eq!(whole.placement, None);
+    assert_eq!(part.placement, Some(Placement { origin: [3, 2], picture: [16, 12], pixel_aspect: 1.0 }));
+    let run = etendue(folder.path(), small_render(&cornell, &["--crop", "3,2,14x7", "-o", "part.exr"]));
+    run.assert_refused("render.crop[2]: 14 is out of range, expected a whole number from 1 to 13");
+}
+
+#[test]
+fn info_tells_an_unusual_film() {
+    let folder = folder();
+    let film = |camera: &str, render: &str| {
+        let text = format!("{{\"etendue\": 1, \"camera\": {{{camera}}}, \"render\": {{{render}}}}}");
+        fs::write(folder.path().join("s.json"), text).unwrap();
+        let run = etendue(folder.path(), ["info", "s.json"]);
+        run.assert_done();
+        run.stdout.lines().find(|line| line.starts_with("film")).map(str::to_owned)
+    };
+    assert_eq!(film("", ""), None);
+    assert_eq!(
+        film("\"shift\": [0, -0.25], \"pixelAspect\": 2", "\"crop\": [3, 4, 5, 6]").as_deref(),
+        Some(
+            "film            shifted by 0 widths to the right and -0.25 heights upwards; pixel aspect 2; 5 x 6 pixels from \
+             (3, 4) of 256 x 256"
+        )
+    );
+}
+
+#[test]
 fn bad_usage_has_exit_code_2() {
     let folder = folder();
     let with = |option: &'static str, value: &'static str| vec!["render", "s.json", "-o", "a.png", option, value];
@@ -134,6 +169,10 @@ fn bad_usage_has_exit_code_2() {
         with("--resolution", "640"),
         with("--resolution", "0x480"),
         with("--resolution", "65536x65536"),
+        with("--crop", "0,0"),
+        with("--crop", "0,0,4x0"),
+        with("--crop", "-1,0,4x4"),
+        with("--crop", "0,0,4,4"),
         with("--integrator", "radiosity"),
         with("--filter", "gaussian:0"),
         with("--filter", "mitchell:1"),

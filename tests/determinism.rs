@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use common::scenes::{box_inside, camera, scene};
 use etendue::Cancel;
-use etendue::desc::{BsdfDesc, CameraDesc, FocusDesc, FovAxis, LensDesc, RenderDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{BsdfDesc, CameraDesc, FilmDesc, FocusDesc, FovAxis, LensDesc, RenderDesc, SceneDesc, ShapeDesc};
 use etendue::film::Image;
 use etendue::math::DVec3;
 use etendue::render::{Ended, Progress, Render, RenderSettings, Workers};
@@ -207,9 +207,9 @@ fn lenses_and_parallel_rays_give_the_same_bits() {
     let through = |radius| {
         let focus = FocusDesc::Point(DVec3::new(0.25, 0.125, -0.5));
         let lens = LensDesc { focus, blades: 5, ..LensDesc::new(radius) };
-        CameraDesc::ThinLens { eye, look_at, up, fov_deg, fov_axis, lens }
+        CameraDesc::ThinLens { eye, look_at, up, fov_deg, fov_axis, lens, film: FilmDesc::default() }
     };
-    let parallel = CameraDesc::Orthographic { eye, look_at, up, size: 1.5, axis: fov_axis };
+    let parallel = CameraDesc::Orthographic { eye, look_at, up, size: 1.5, axis: fov_axis, film: FilmDesc::default() };
     let pinhole = room().camera;
     let pictures = [pinhole, through(0.0), through(0.125), parallel].map(|camera| {
         let desc = SceneDesc { camera, ..room() };

@@ -272,14 +272,14 @@ fn cameras_see_what_the_file_says() {
         file.load_with(&LoadOptions { camera: camera.map(str::to_owned), ..LoadOptions::default() })
     };
     let scene = of(Some("1")).unwrap();
-    let CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis } = scene.camera else { panic!("a pinhole") };
+    let CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis, .. } = scene.camera else { panic!("a pinhole") };
     near(eye, [4.0, 0.0, 0.0]);
     near((look_at - eye).normalize(), [-1.0, 0.0, 0.0]);
     near(up, [0.0, 1.0, 0.0]);
     assert_eq!((fov_deg, fov_axis), (0.5_f64.to_degrees(), FovAxis::Vertical));
     assert_eq!(scene.render.resolution, [384, 256]);
     let scene = of(None).unwrap();
-    let CameraDesc::Orthographic { eye, look_at, up, size, axis } = scene.camera else { panic!("parallel rays") };
+    let CameraDesc::Orthographic { eye, look_at, up, size, axis, .. } = scene.camera else { panic!("parallel rays") };
     near(eye, [1.0, -2.0, 3.0]);
     near(look_at - eye, [0.0, 0.0, -3.0]);
     near(up, [0.0, 1.0, 0.0]);

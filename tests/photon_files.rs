@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use etendue::camera::Camera;
-use etendue::desc::{self, CameraDesc};
+use etendue::desc::{self, CameraDesc, FilmDesc};
 use etendue::film::Image;
 use etendue::integrator::photon::{self, DrawSettings, MapKind, NARROW, Photon, PhotonJob};
 use etendue::math::{DVec3, Vec3};
@@ -236,6 +236,7 @@ fn a_map_of_direct_light_covers_what_it_lights_and_darkens_what_it_does_not() {
         up: DVec3::Z,
         fov_deg: 60.0,
         fov_axis: desc::FovAxis::Vertical,
+        film: FilmDesc::default(),
     };
     let lit = photon::draw(&scene, &top, [32, 32], &shot.photons, DrawSettings::default()).unwrap();
     for (index, pixel) in lit.rgb.chunks(3).enumerate() {
@@ -256,6 +257,7 @@ fn a_map_of_direct_light_covers_what_it_lights_and_darkens_what_it_does_not() {
         up: DVec3::Z,
         fov_deg: 40.0,
         fov_axis: desc::FovAxis::Vertical,
+        film: FilmDesc::default(),
     };
     let dark = photon::draw(&scene, &below, [8, 8], &shot.photons, DrawSettings::default()).unwrap();
     assert!(dark.rgb.iter().all(|value| *value == 0.0), "under the tile, all is dark");
@@ -269,7 +271,7 @@ fn pictures_that_cannot_be_are_errors() {
         assert_eq!(error.location().json_path, "render.resolution");
     }
     let CameraDesc::Perspective { eye, up, fov_deg, fov_axis, .. } = *scene.camera() else { panic!("a pinhole") };
-    let camera = CameraDesc::Perspective { eye, look_at: eye, up, fov_deg, fov_axis };
+    let camera = CameraDesc::Perspective { eye, look_at: eye, up, fov_deg, fov_axis, film: FilmDesc::default() };
     let error = photon::draw(&scene, &camera, [4, 4], &[], DrawSettings::default()).unwrap_err();
     assert_eq!(error.location().json_path, "camera.lookAt");
 }

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use etendue::ErrorKind;
 use etendue::desc::{
-    self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, Dialect, FilterDesc, FocusDesc, FovAxis, IntegratorDesc,
-    KernelDesc, LensDesc, MediumDesc, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing, RenderDesc, RouletteDesc,
-    SamplerDesc, SceneDesc, ShapeDesc,
+    self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, CropDesc, Dialect, FilmDesc, FilterDesc, FocusDesc, FovAxis,
+    IntegratorDesc, KernelDesc, LensDesc, MediumDesc, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing, RenderDesc,
+    RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc,
 };
 use etendue::math::{DAffine3, DVec3};
 use etendue::spectrum::Rgb;
@@ -70,8 +70,17 @@ fn cameras_are_read_with_every_key() {
         (r#", "fieldOfViewAxis": "vertical", "type": "perspective""#, FovAxis::Vertical),
         (r#", "fieldOfViewAxis": "horizontal""#, FovAxis::Horizontal),
     ] {
-        assert_eq!(camera(more), CameraDesc::Perspective { eye: origin, look_at, up, fov_deg, fov_axis });
+        assert_eq!(
+            camera(more),
+            CameraDesc::Perspective { eye: origin, look_at, up, fov_deg, fov_axis, film: FilmDesc::default() }
+        );
     }
+    let film = FilmDesc { shift: [0.25, -1.5], pixel_aspect: 0.75 };
+    let seen = CameraDesc::Perspective { eye: origin, look_at, up, fov_deg, fov_axis: FovAxis::Horizontal, film };
+    assert_eq!(camera(r#", "shift": [0.25, -1.5], "pixelAspect": 0.75"#), seen);
+    let fisheye = PanoramaDesc { fov_deg, pixel_aspect: 2.0, ..PanoramaDesc::new(Panorama::Fisheye) };
+    let fisheye = CameraDesc::Panoramic { eye: origin, look_at, up, panorama: fisheye };
+    assert_eq!(camera(r#", "type": "fisheye", "pixelAspect": 2"#), fisheye);
     let plane = CameraDesc::ViewPlane { centre: origin, look_at, up, fov_deg };
     assert_eq!(camera(r#", "type": "view-plane""#), plane);
     assert_eq!(parse(&format!("{{\"camera\": {{{keys}}}}}")).camera, plane, "the report's dialect");
@@ -101,11 +110,12 @@ fn lenses_and_parallel_rays_are_read_with_every_key() {
         ),
     ] {
         let fov_axis = FovAxis::Vertical;
-        let expected = CameraDesc::ThinLens { eye, look_at, up, fov_deg: 35.0, fov_axis, lens };
+        let expected =
+            CameraDesc::ThinLens { eye, look_at, up, fov_deg: 35.0, fov_axis, lens, film: FilmDesc::default() };
         assert_eq!(camera(&format!(r#"{more}, "fieldOfView": 35, "fieldOfViewAxis": "vertical""#)), expected);
     }
     for (more, axis) in [(r#""width": 4.5"#, FovAxis::Horizontal), (r#""height": 4.5"#, FovAxis::Vertical)] {
-        let expected = CameraDesc::Orthographic { eye, look_at, up, size: 4.5, axis };
+        let expected = CameraDesc::Orthographic { eye, look_at, up, size: 4.5, axis, film: FilmDesc::default() };
         assert_eq!(camera(&format!(r#""type": "orthographic", {more}"#)), expected);
     }
     for (more, kind, fov_deg, fov_axis) in [
@@ -120,7 +130,7 @@ fn lenses_and_parallel_rays_are_read_with_every_key() {
             FovAxis::Horizontal,
         ),
     ] {
-        let panorama = PanoramaDesc { kind, fov_deg, fov_axis };
+        let panorama = PanoramaDesc { kind, fov_deg, fov_axis, pixel_aspect: 1.0 };
         assert_eq!(camera(more), CameraDesc::Panoramic { eye, look_at, up, panorama });
     }
 }
@@ -129,12 +139,13 @@ fn lenses_and_parallel_rays_are_read_with_every_key() {
 fn render_blocks_are_read_with_every_key() {
     let render = |block: &str| native(&format!("\"render\": {{{block}}}")).render;
     let all = render(
-        r#""resolution": [640, 480.0], "samples": 256, "sampler": "jittered", "filter": {"type": "gaussian",
+        r#""resolution": [640, 480.0], "crop": [100, 0, 540, 480], "samples": 256, "sampler": "jittered", "filter": {"type": "gaussian",
           "sigma": 0.25},
            "maxDepth": 9, "shadowRays": 2, "roulette": "file", "integrator": {"type": "whitted"}, "seed": 18446744073709551615"#,
     );
     let expected = RenderDesc {
         resolution: [640, 480],
+        crop: Some(CropDesc { left: 100, top: 0, width: 540, height: 480 }),
         samples: 256,
         sampler: SamplerDesc::Jittered,
         filter: FilterDesc::Gaussian { sigma: 0.25 },

@@ -8,8 +8,8 @@ use clap::builder::PossibleValue;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use etendue::bake::{MAX_GUTTER, MAX_SIDE};
 use etendue::desc::{
-    FilterDesc, IntegratorDesc, LoadOptions, MAX_PHOTONS, MAX_RADIOSITY_ITERATIONS, MAX_SHADOW_RAYS, PhotonDesc,
-    PlaneGridDesc, RADII, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
+    CropDesc, FilterDesc, IntegratorDesc, LoadOptions, MAX_PHOTONS, MAX_RADIOSITY_ITERATIONS, MAX_SHADOW_RAYS,
+    PhotonDesc, PlaneGridDesc, RADII, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
 };
 use etendue::film::ErrorMeasure;
 use etendue::math::DVec3;
@@ -103,6 +103,9 @@ pub struct RenderArgs {
     /// Width and height in pixels, such as 640x480, in place of the scene's.
     #[arg(long, value_name = "WxH", value_parser = parse_resolution)]
     pub resolution: Option<[u32; 2]>,
+    /// Renders only this rectangle of the picture: first column, first row, width and height, such as 100,50,64x48.
+    #[arg(long, value_name = "X,Y,WxH", value_parser = parse_crop)]
+    pub crop: Option<CropDesc>,
     /// Light transport, in place of the scene's.
     #[arg(long, value_enum)]
     pub integrator: Option<Integrator>,
@@ -632,6 +635,8 @@ impl RenderArgs {
         let is_limited = self.time.is_some() || self.target().is_some();
         RenderDesc {
             resolution: self.resolution.unwrap_or(scene.resolution),
+            // A rectangle of the scene's picture means nothing in one of another size.
+            crop: self.crop.or(scene.crop.filter(|_| self.resolution.is_none())),
             // Time or error alone count where they are all that was asked for.
             samples: self.spp.unwrap_or(if is_limited { MOST_SAMPLES } else { scene.samples }),
             sampler: self.sampler.map_or(scene.sampler, |sampler| match sampler {
@@ -733,6 +738,16 @@ fn parse_resolution(text: &str) -> Result<[u32; 2], String> {
         return Err(format!("more than {} pixels", etendue::desc::MAX_PIXELS));
     }
     Ok([width, height])
+}
+
+fn parse_crop(text: &str) -> Result<CropDesc, String> {
+    let wrong = || "expected X,Y,WIDTHxHEIGHT in pixels of the whole picture, such as 100,50,64x48".to_owned();
+    let mut parts = text.splitn(3, ',');
+    let mut next = || parts.next().map(str::trim).ok_or_else(wrong);
+    let number = |text: &str| text.parse::<u32>().map_err(|_| wrong());
+    let (left, top) = (number(next()?)?, number(next()?)?);
+    let [width, height] = parse_resolution(next()?).map_err(|_| wrong())?;
+    Ok(CropDesc { left, top, width, height })
 }
 
 fn parse_vector(text: &str) -> Result<DVec3, String> {

@@ -28,6 +28,7 @@ pub fn photons(args: &PhotonsArgs) -> Result<u8, Failure> {
     let (description, scene) = render::load(&args.scene, args.params.as_deref(), args.threads)?;
     let desc = RenderDesc {
         resolution: args.resolution.unwrap_or(description.render.resolution),
+        crop: None,
         max_depth: args.max_depth.map_or(description.render.max_depth, |depth| depth.0),
         seed: args.seed.unwrap_or(description.render.seed),
         ..description.render

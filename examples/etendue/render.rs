@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use etendue::desc::{self, IntegratorDesc, LoadOptions, MeshDesc, RenderDesc, RouletteDesc, SceneDesc, ShutterDesc};
+use etendue::desc::{
+    self, CropDesc, IntegratorDesc, LoadOptions, MeshDesc, RenderDesc, RouletteDesc, SceneDesc, ShutterDesc,
+};
 use etendue::film::Image;
 use etendue::integrator::photon::{Choice, choose};
 use etendue::output::{self, Attribute, Format, WriteOptions};
@@ -29,8 +31,25 @@ pub fn info(args: &InfoArgs) -> Result<u8, Failure> {
     let own = if is_auto { String::new() } else { format!("{}; ", asked.name()) };
     let files = files(&description);
     let line = format!("integrator      {own}{would} {}: {why}", integrator.name());
-    console::print(&format!("{files}{}\n{line}", scene.info().to_string().trim_end()))?;
+    let film = film(&description);
+    console::print(&format!("{files}{film}{}\n{line}", scene.info().to_string().trim_end()))?;
     Ok(0)
+}
+
+/// What is unusual about the film, in a line of its own; nothing for a whole picture of square pixels before the view axis.
+fn film(scene: &SceneDesc) -> String {
+    let mut parts = Vec::new();
+    if let Some([x, y]) = scene.camera.film().map(|film| film.shift).filter(|shift| *shift != [0.0; 2]) {
+        parts.push(format!("shifted by {x} widths to the right and {y} heights upwards"));
+    }
+    if scene.camera.pixel_aspect() != 1.0 {
+        parts.push(format!("pixel aspect {}", scene.camera.pixel_aspect()));
+    }
+    if let Some(CropDesc { left, top, width, height }) = scene.render.crop {
+        let [columns, rows] = scene.render.resolution;
+        parts.push(format!("{width} x {height} pixels from ({left}, {top}) of {columns} x {rows}"));
+    }
+    if parts.is_empty() { String::new() } else { format!("film            {}\n", parts.join("; ")) }
 }
 
 /// The greatest number of meshes that `info` names.

@@ -19,8 +19,10 @@ use crate::console;
 pub struct Stats {
     version: &'static str,
     scene: String,
-    /// Width and height, pixels.
+    /// Width and height of the picture, pixels.
     resolution: [u32; 2],
+    /// First column and row, width and height of what was rendered of it; null for all of it.
+    crop: Option<[u32; 4]>,
     settings: Settings,
     samples: Samples,
     seconds: Seconds,
@@ -93,6 +95,7 @@ impl Stats {
             version: env!("CARGO_PKG_VERSION"),
             scene: args.scene.display().to_string(),
             resolution: desc.resolution,
+            crop: desc.crop.map(|it| [it.left, it.top, it.width, it.height]),
             settings: Settings {
                 integrator: desc.integrator.name(),
                 sampler: format!("{:?}", desc.sampler).to_lowercase(),

@@ -17,7 +17,8 @@ use libfuzzer_sys::fuzz_target;
 enum Call {
     Camera { projection: u8, axis: u8, origin: [f64; 3], look_at: [f64; 3], up: [f64; 3], fov: f64 },
     Lens { projection: u8, focus: u8, blades: u8, numbers: [f64; 4], point: [f64; 3] },
-    SaneCamera { origin: [i8; 3], lens: [u8; 4], is_parallel: bool },
+    CameraFilm { projection: u8, shift: [f64; 2], aspect: f64 },
+    SaneCamera { origin: [i8; 3], lens: [u8; 4], shift: [i8; 2], aspect: u8, is_parallel: bool },
     AddMaterial { bsdf: u8, color: [f32; 3], numbers: [f32; 5], name: Option<u8> },
     SaneMaterial { bsdf: u8, color: [u8; 3] },
     SetMaterial { material: u8, bsdf: u8, color: [f32; 3], numbers: [f32; 5] },
@@ -53,6 +54,7 @@ enum Call {
     Commit { cancel: bool },
     Film { width: u8, height: u8, layers: u16 },
     Render { integrator: u8, sampler: u8, filter: u8, parameters: [f32; 2], samples: u8, depth: u8, film: bool },
+    RenderPart { integrator: u8, sampler: u8, picture: [u8; 2], crop: [u32; 2] },
     Start { integrator: u8, samples: u32, time: f64, error: f64 },
     Poll,
     Wait {
@@ -314,9 +316,29 @@ impl World {
                     };
                     fine(etd_scene_set_camera(scene, &raw const camera));
                 }
-                Call::SaneCamera { origin, lens: [radius, distance, blades, turn], is_parallel } => {
+                Call::CameraFilm { projection, shift, aspect } => {
+                    let camera = etd_camera {
+                        projection: u32::from(projection),
+                        look_at: [0.0, 0.0, -1.0],
+                        up: [0.0, 1.0, 0.0],
+                        fov_deg: 70.0,
+                        size: if projection == 2 { 3.0 } else { 0.0 },
+                        shift,
+                        pixel_aspect: aspect,
+                        ..sized()
+                    };
+                    fine(etd_scene_set_camera(scene, &raw const camera));
+                }
+                Call::SaneCamera { origin, lens: [radius, distance, blades, turn], shift, aspect, is_parallel } => {
                     let origin = origin.map(|n| f64::from(n) / 8.0 + 0.1);
-                    let seen = etd_camera { origin, up: [0.0, 1.0, 0.3], fov_deg: 70.0, ..sized() };
+                    let seen = etd_camera {
+                        origin,
+                        up: [0.0, 1.0, 0.3],
+                        fov_deg: 70.0,
+                        shift: shift.map(|n| f64::from(n) / 64.0),
+                        pixel_aspect: (f64::from(aspect) / 64.0).max(0.1),
+                        ..sized()
+                    };
                     let camera = if is_parallel {
                         etd_camera { projection: 2, size: f64::from(radius) + 0.5, ..seen }
                     } else {
@@ -586,6 +608,21 @@ impl World {
                     };
                     let film = if film { self.film } else { null_mut() };
                     fine(etd_render(scene, film, &raw const options));
+                }
+                Call::RenderPart { integrator, sampler, picture, crop: [crop_left, crop_top] } => {
+                    let [picture_width, picture_height] = picture.map(u32::from);
+                    let options = etd_render_options {
+                        integrator: u32::from(integrator) % INTEGRATORS,
+                        sampler: u32::from(sampler % 5),
+                        samples: 1,
+                        max_depth: 4,
+                        picture_width,
+                        picture_height,
+                        crop_left,
+                        crop_top,
+                        ..quick()
+                    };
+                    fine(etd_render(scene, self.film, &raw const options));
                 }
                 Call::Start { integrator, samples, time, error } => {
                     let options = etd_render_options {

@@ -51,6 +51,7 @@ complete -c etendue -n "__fish_etendue_using_subcommand render" -l adaptive -d '
 off\t''"
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l seed -d 'Seed of all randomness, in place of the scene\'s' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l resolution -d 'Width and height in pixels, such as 640x480, in place of the scene\'s' -r
+complete -c etendue -n "__fish_etendue_using_subcommand render" -l crop -d 'Renders only this rectangle of the picture: first column, first row, width and height, such as 100,50,64x48' -r
 complete -c etendue -n "__fish_etendue_using_subcommand render" -l integrator -d 'Light transport, in place of the scene\'s' -r -f -a "path\t'Path tracing: all light, by paths from the camera'
 whitted\t'Direct light, perfect mirrors and glass; no diffuse interreflection'
 direct\t'Emission and light scattered once'

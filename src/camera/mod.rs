@@ -39,6 +39,8 @@ pub struct Camera {
     dx: Vec3,
     /// Step of one pixel down.
     dy: Vec3,
+    /// The step across the wider side of a pixel, in pixels. It is the one to the right where pixels are square.
+    wider: [f32; 2],
     projection: Projection,
     /// Unit view direction.
     forward: Vec3,
@@ -68,7 +70,8 @@ impl Camera {
     /// Fails where view direction, up vector, field of view or lens make no image.
     pub fn new(desc: &CameraDesc, resolution: [u32; 2], centre: DVec3) -> Result<Self> {
         let [width, height] = resolution.map(f64::from);
-        let aspect = width / height;
+        // Of the image as it is shown, with pixels of their shape.
+        let aspect = width / height * desc.pixel_aspect();
         let [from, target, up] = desc.view();
         let fov_deg = desc.fov_deg().unwrap_or(90.0);
         let is_possible = match desc {
@@ -128,6 +131,9 @@ impl Camera {
                 (plane - middle, middle, aspect.sqrt() * right, above / aspect.sqrt(), Projection::ViewPlane)
             }
         };
+        // A film that is moved stays in its plane: the corner keeps its depth, which a lens and the depths of hits rely on.
+        let [right, above] = desc.film().unwrap_or_default().shift.map(|shift| 2.0 * shift);
+        let middle = middle + right * half_width + above * half_height;
         let lens = match desc {
             CameraDesc::ThinLens { lens, .. } => {
                 let (right, above) = axes()?;
@@ -140,6 +146,7 @@ impl Camera {
             corner: (middle - half_width + half_height).as_vec3a(),
             dx: (2.0 / width * half_width).as_vec3a(),
             dy: (-2.0 / height * half_height).as_vec3a(),
+            wider: if desc.pixel_aspect() < 1.0 { [0.0, 1.0] } else { [1.0, 0.0] },
             projection,
             forward: forward.as_vec3a(),
             lens,
@@ -182,22 +189,30 @@ impl Camera {
         Ray::new(self.origin + point, direction.normalize())
     }
 
-    /// How wide the pixel at this film position is along its ray.
+    /// How wide the pixel at this film position is along its ray, across its wider side.
     pub fn pixel_width(&self, x: f32, y: f32) -> PixelWidth {
         match self.projection {
             Projection::Central | Projection::ViewPlane | Projection::Panorama(_) => {
-                let spread = self.ray(x, y).direction.distance(self.ray(x + 1.0, y).direction);
+                let [right, down] = self.wider;
+                let spread = self.ray(x, y).direction.distance(self.ray(x + right, y + down).direction);
                 PixelWidth { at_start: 0.0, spread }
             }
-            Projection::Parallel => PixelWidth { at_start: self.dx.length(), spread: 0.0 },
+            Projection::Parallel => PixelWidth { at_start: self.wider_side(), spread: 0.0 },
         }
     }
 
-    /// The cone through which a pixel at this film position sees: as wide as the pixel where rays cross the film. A lens does
+    /// Length of a pixel's wider side on the film.
+    #[inline]
+    fn wider_side(&self) -> f32 {
+        let [right, down] = self.wider;
+        (right * self.dx + down * self.dy).length()
+    }
+
+    /// The cone through which a pixel at this film position sees: as wide as the wider side of the pixel where rays cross the film. A lens does
     /// not change it: textures are filtered as through its middle, and the blur is that of the rays.
     pub fn cone(&self, x: f32, y: f32) -> RayCone {
         let to_film = self.corner + x * self.dx + y * self.dy;
-        let pixel = self.dx.length();
+        let pixel = self.wider_side();
         match self.projection {
             Projection::Central => RayCone::new(0.0, pixel / to_film.length()),
             Projection::ViewPlane => RayCone::new(pixel, pixel / to_film.length()),
@@ -276,7 +291,7 @@ impl Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::desc::{FocusDesc, LensDesc};
+    use crate::desc::{FilmDesc, FocusDesc, LensDesc};
 
     #[test]
     fn view_plane_camera_of_the_report() {
@@ -298,6 +313,7 @@ mod tests {
             up: DVec3::new(0.2, 1.0, 0.0),
             fov_deg: 70.0,
             fov_axis: FovAxis::Vertical,
+            film: FilmDesc::default(),
         };
         let look_at = DVec3::new(2.0, 0.5, 1.0);
         let plane = CameraDesc::ViewPlane { centre: DVec3::NEG_X, look_at, up: DVec3::Y, fov_deg: 60.0 };
@@ -307,8 +323,16 @@ mod tests {
             up: DVec3::new(0.2, 1.0, 0.0),
             size: 5.0,
             axis: FovAxis::Vertical,
+            film: FilmDesc::default(),
         };
-        for desc in [perspective, plane, parallel] {
+        let film = FilmDesc { shift: [0.75, -2.5], pixel_aspect: 0.4 };
+        let moved = [perspective, parallel].map(|mut desc| {
+            if let CameraDesc::Perspective { film: it, .. } | CameraDesc::Orthographic { film: it, .. } = &mut desc {
+                *it = film;
+            }
+            desc
+        });
+        for desc in [perspective, plane, parallel].into_iter().chain(moved) {
             let camera = Camera::new(&desc, [64, 48], DVec3::ZERO).unwrap();
             for (x, y, t) in [(0.5, 0.5, 0.7), (63.0, 10.25, 3.0), (32.0, 24.0, 100.0), (-5.0, 70.0, 1.0)] {
                 let ray = camera.ray(x, y);
@@ -331,6 +355,7 @@ mod tests {
             fov_deg: 70.0,
             fov_axis: FovAxis::Horizontal,
             lens,
+            film: FilmDesc::default(),
         }
     }
 
@@ -340,7 +365,7 @@ mod tests {
         let CameraDesc::ThinLens { eye, look_at, up, fov_deg, fov_axis, .. } = through(LensDesc::new(0.0)) else {
             unreachable!()
         };
-        let pinhole = with(CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis });
+        let pinhole = with(CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis, film: FilmDesc::default() });
         let closed = with(through(LensDesc { blades: 5, ..LensDesc::new(0.0) }));
         let open = with(through(LensDesc::new(0.5)));
         assert!(!pinhole.has_lens() && !closed.has_lens() && open.has_lens());
@@ -373,7 +398,7 @@ mod tests {
         }
         for size in [0.0, f64::NAN, 1e300, 1e-300] {
             let (eye, look_at, up, axis) = (DVec3::ZERO, DVec3::X, DVec3::Y, FovAxis::Horizontal);
-            let desc = CameraDesc::Orthographic { eye, look_at, up, size, axis };
+            let desc = CameraDesc::Orthographic { eye, look_at, up, size, axis, film: FilmDesc::default() };
             assert!(Camera::new(&desc, [4, 4], DVec3::ZERO).is_err(), "{size}");
         }
     }
@@ -386,6 +411,7 @@ mod tests {
             up,
             fov_deg,
             fov_axis: FovAxis::Horizontal,
+            film: FilmDesc::default(),
         };
         for (desc, path) in [
             (desc(DVec3::ZERO, DVec3::Y, 90.0), "camera.lookAt"),

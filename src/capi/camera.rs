@@ -4,7 +4,7 @@ use super::boundary::read_sized;
 use super::read::enumeration;
 use super::status::{Failure, Result};
 use super::types::*;
-use crate::desc::{CameraDesc, FocusDesc, FovAxis, LensDesc, Panorama, PanoramaDesc};
+use crate::desc::{CameraDesc, FilmDesc, FocusDesc, FovAxis, LensDesc, Panorama, PanoramaDesc};
 use crate::math::DVec3;
 
 /// # Safety
@@ -34,16 +34,26 @@ pub(super) unsafe fn camera(pointer: *const etd_camera) -> Result<CameraDesc> {
     if !has_size && it.size != 0.0 {
         return Err(Failure::argument(format!("camera.size: {name} spans an angle, expected 0")));
     }
+    let pixel_aspect = if it.pixel_aspect == 0.0 { 1.0 } else { it.pixel_aspect };
+    let film = FilmDesc { shift: it.shift, pixel_aspect };
+    if it.shift != [0.0; 2] && !matches!(projection, ETD_CAMERA_PERSPECTIVE | ETD_CAMERA_ORTHOGRAPHIC) {
+        return Err(Failure::argument(format!("camera.shift: {name} has no film to shift, expected 0")));
+    }
+    if it.pixel_aspect != 0.0 && matches!(projection, ETD_CAMERA_VIEW_PLANE | ETD_CAMERA_SPHERICAL) {
+        return Err(Failure::argument(format!("camera.pixel_aspect: {name} fills any resolution, expected 0")));
+    }
     match projection {
         ETD_CAMERA_PERSPECTIVE => Ok(match lens {
-            Some((_, lens)) => CameraDesc::ThinLens { eye, look_at, up, fov_deg, fov_axis, lens },
-            None => CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis },
+            Some((_, lens)) => CameraDesc::ThinLens { eye, look_at, up, fov_deg, fov_axis, lens, film },
+            None => CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis, film },
         }),
         ETD_CAMERA_VIEW_PLANE if fov_axis == FovAxis::Vertical => {
             Err(Failure::argument("camera.fov_axis: a view-plane camera's field of view is horizontal"))
         }
         ETD_CAMERA_VIEW_PLANE => Ok(CameraDesc::ViewPlane { centre: eye, look_at, up, fov_deg }),
-        ETD_CAMERA_ORTHOGRAPHIC => Ok(CameraDesc::Orthographic { eye, look_at, up, size: it.size, axis: fov_axis }),
+        ETD_CAMERA_ORTHOGRAPHIC => {
+            Ok(CameraDesc::Orthographic { eye, look_at, up, size: it.size, axis: fov_axis, film })
+        }
         ETD_CAMERA_SPHERICAL => {
             let panorama = PanoramaDesc::new(Panorama::Spherical);
             Ok(CameraDesc::Panoramic { eye, look_at, up, panorama })
@@ -53,7 +63,12 @@ pub(super) unsafe fn camera(pointer: *const etd_camera) -> Result<CameraDesc> {
         }
         ETD_CAMERA_CYLINDRICAL | ETD_CAMERA_FISHEYE => {
             let kind = if projection == ETD_CAMERA_FISHEYE { Panorama::Fisheye } else { Panorama::Cylindrical };
-            Ok(CameraDesc::Panoramic { eye, look_at, up, panorama: PanoramaDesc { kind, fov_deg, fov_axis } })
+            Ok(CameraDesc::Panoramic {
+                eye,
+                look_at,
+                up,
+                panorama: PanoramaDesc { kind, fov_deg, fov_axis, pixel_aspect },
+            })
         }
     }
 }
@@ -116,6 +131,8 @@ pub(super) fn camera_out(camera: &CameraDesc) -> etd_camera {
         focus_at: [0.0; 3],
         blade_rotation_deg: 0.0,
         squeeze: 0.0,
+        shift: camera.film().unwrap_or_default().shift,
+        pixel_aspect: if camera.pixel_aspect() == 1.0 { 0.0 } else { camera.pixel_aspect() },
     };
     let CameraDesc::ThinLens { lens, .. } = camera else { return without_lens };
     let (focus, focus_distance, focus_at) = match lens.focus {

@@ -537,6 +537,6 @@ unsafe fn read_image_options(options: *const etd_image_options) -> Result<etd_im
 fn to_display(rgba: &[f32], [width, height]: [u32; 2], options: &etd_image_options) -> Result<Vec<u8>> {
     let tone_map: ToneMap = read::tone_map(options.tone_map)?;
     let rgb = rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-    let image = Image { width, height, rgb, layers: Vec::new() };
+    let image = Image { width, height, rgb, ..Image::default() };
     Ok(output::to_srgb8(&image, tone_map, options.exposure)?)
 }

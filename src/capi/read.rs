@@ -6,8 +6,8 @@ use super::status::{Failure, Result};
 use super::types::*;
 use crate::Error;
 use crate::desc::{
-    BsdfDesc, CacheDesc, CacheSource, FilterDesc, IntegratorDesc, KernelDesc, MaterialDesc, MediumDesc, PhotonDesc,
-    PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
+    BsdfDesc, CacheDesc, CacheSource, CropDesc, FilterDesc, IntegratorDesc, KernelDesc, MaterialDesc, MediumDesc,
+    PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
 };
 use crate::film::ErrorMeasure;
 use crate::math::{DAffine3, DMat3, DVec3};
@@ -217,8 +217,37 @@ pub(super) fn emission_out(emission: Option<Rgb>) -> [f32; 3] {
     emission.map_or([0.0; 3], |radiance| radiance.to_array())
 }
 
-/// Reads the render settings of a description from options. Time limit, target error and callbacks are no part of them.
-pub(super) fn render(it: &etd_render_options, resolution: [u32; 2]) -> Result<RenderDesc> {
+/// Reads the size of the picture for a film of this size, and the part of it that the film is, where it is not all of it.
+fn picture(it: &etd_render_options, film: [u32; 2]) -> Result<([u32; 2], Option<CropDesc>)> {
+    let picture = [it.picture_width, it.picture_height];
+    if picture == [0; 2] {
+        for (name, value) in [("crop_left", it.crop_left), ("crop_top", it.crop_top)] {
+            if value != 0 {
+                let message = format!("options.{name} is {value}, expected 0 without picture_width and picture_height");
+                return Err(Failure::argument(message));
+            }
+        }
+        return Ok((film, None));
+    }
+    let [width, height] = film;
+    for (name, first, length, whole) in
+        [("width", it.crop_left, width, it.picture_width), ("height", it.crop_top, height, it.picture_height)]
+    {
+        if u64::from(first) + u64::from(length) > u64::from(whole) {
+            let message = format!(
+                "options.picture_{name} is {whole}, expected a picture that holds the film's {length} pixels from {first} on"
+            );
+            return Err(Failure::argument(message));
+        }
+    }
+    let crop = CropDesc { left: it.crop_left, top: it.crop_top, width, height };
+    Ok((picture, (picture != film).then_some(crop)))
+}
+
+/// Reads the render settings of a description from options, for a film of this size. Time limit, target error and callbacks are no
+/// part of them.
+pub(super) fn render(it: &etd_render_options, film: [u32; 2]) -> Result<RenderDesc> {
+    let (resolution, crop) = picture(it, film)?;
     let [a, b] = it.filter_parameters;
     let is_limited = it.time_limit > 0.0 || it.target_error > 0.0;
     if it.samples == 0 && !is_limited {
@@ -232,6 +261,7 @@ pub(super) fn render(it: &etd_render_options, resolution: [u32; 2]) -> Result<Re
     }
     let desc = RenderDesc {
         resolution,
+        crop,
         samples: if it.samples == 0 { MOST_SAMPLES } else { it.samples },
         sampler: match enumeration("options.sampler", it.sampler)? {
             ETD_SAMPLER_SOBOL => SamplerDesc::Sobol,
@@ -401,6 +431,8 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
         FilterDesc::BlackmanHarris => (ETD_FILTER_BLACKMAN_HARRIS, [0.0; 2]),
         FilterDesc::Mitchell { b, c } => (ETD_FILTER_MITCHELL, [b, c]),
     };
+    let ([picture_width, picture_height], [crop_left, crop_top]) =
+        desc.crop.map_or(([0; 2], [0; 2]), |crop| (desc.resolution, [crop.left, crop.top]));
     let (photons, cache, radiosity) = (&desc.photons, &desc.cache, &desc.radiosity);
     let (photon_kernel, photon_kernel_k) = match photons.kernel {
         None => (ETD_PHOTON_KERNEL_DEFAULT, 0.0),
@@ -410,6 +442,10 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
     };
     etd_render_options {
         struct_size: size_of::<etd_render_options>(),
+        picture_width,
+        picture_height,
+        crop_left,
+        crop_top,
         integrator: desc.integrator.c_value(),
         sampler: match desc.sampler {
             SamplerDesc::Sobol => ETD_SAMPLER_SOBOL,
@@ -543,6 +579,8 @@ mod tests {
         };
         let mut all_kinds = vec![RenderDesc { photons: all, cache: cached, radiosity: solved, ..bare.clone() }];
         all_kinds.push(RenderDesc { roulette: RouletteDesc::File, ..bare.clone() });
+        let crop = Some(CropDesc { left: 1, top: 0, width: 2, height: 1 });
+        all_kinds.push(RenderDesc { crop, ..bare.clone() });
         let iterations = RadiosityDesc { iterations: Some(3), ..RadiosityDesc::default() };
         all_kinds.push(RenderDesc { radiosity: iterations, ..bare.clone() });
         for integrator in IntegratorDesc::ALL {
@@ -553,7 +591,7 @@ mod tests {
             all_kinds.push(RenderDesc { photons: PhotonDesc { kernel, ..photons.clone() }, ..bare.clone() });
         }
         for desc in all_kinds {
-            assert_eq!(render(&render_out(&desc), desc.resolution).ok(), Some(desc));
+            assert_eq!(render(&render_out(&desc), desc.film_size()).ok(), Some(desc));
         }
     }
 

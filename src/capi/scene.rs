@@ -455,7 +455,8 @@ pub unsafe extern "C" fn etd_scene_get_render_options(
     unsafe { on(scene, |scene| write_sized(out_options, "out_options", read::render_out(&scene.desc().render))) }
 }
 
-/// Returns the resolution in the scene's own `render` block, or 256 x 256 where it has none. Thread-safe.
+/// Returns the size of the film that the scene's own `render` block asks for: its `crop`, or its `resolution`, or 256 x 256 where it
+/// has neither. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -470,7 +471,7 @@ pub unsafe extern "C" fn etd_scene_get_resolution(
         on(scene, |scene| {
             need(out_width, "out_width")?;
             need(out_height, "out_height")?;
-            let [width, height] = scene.desc().render.resolution;
+            let [width, height] = scene.desc().render.film_size();
             out_width.write(width);
             out_height.write(height);
             Ok(())

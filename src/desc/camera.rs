@@ -50,6 +50,31 @@ impl LensDesc {
     }
 }
 
+/// Least and greatest shift of a film, in its sides.
+pub(crate) const SHIFTS: [f64; 2] = [-100.0, 100.0];
+
+/// Least and greatest width of a pixel over its height.
+pub(crate) const PIXEL_ASPECTS: [f64; 2] = [0.01, 100.0];
+
+/// The flat film of a camera: where it is, and what its pixels look like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmDesc {
+    /// How far the film is moved against the view axis: to the right in widths of the image and upwards in heights of the image, each
+    /// from -100 to 100. With `[0.0, 0.5]` the point that the camera looks at is in the middle of the lower edge. The film stays across
+    /// the view direction, so that lines across that direction stay parallel in the image, and the plane in focus stays too.
+    pub shift: [f64; 2],
+    /// Width of a pixel over its height, 0.01 to 100. The side of the image that has no angle or length of its own follows from it and
+    /// from the resolution.
+    pub pixel_aspect: f64,
+}
+
+impl Default for FilmDesc {
+    /// A film whose middle the view axis meets, with square pixels.
+    fn default() -> Self {
+        Self { shift: [0.0; 2], pixel_aspect: 1.0 }
+    }
+}
+
 /// How the surroundings of a camera lie in its image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Panorama {
@@ -73,6 +98,8 @@ pub struct PanoramaDesc {
     pub fov_deg: f64,
     /// The side of the image that the circle of a fisheye spans; without meaning for others.
     pub fov_axis: FovAxis,
+    /// Width of a pixel over its height as [`FilmDesc::pixel_aspect`] has it; 1 for [`Panorama::Spherical`], which fills any resolution.
+    pub pixel_aspect: f64,
 }
 
 impl PanoramaDesc {
@@ -83,6 +110,7 @@ impl PanoramaDesc {
             kind,
             fov_deg,
             fov_axis: if kind == Panorama::Fisheye { FovAxis::Vertical } else { FovAxis::Horizontal },
+            pixel_aspect: 1.0,
         }
     }
 
@@ -102,7 +130,7 @@ pub enum CameraDesc {
     Perspective {
         /// Eye point.
         eye: DVec3,
-        /// A point that is seen in the middle of the image.
+        /// A point that is seen in the middle of the image, or off it by [`FilmDesc::shift`].
         look_at: DVec3,
         /// The direction that is up in the image. It has any length and is not parallel to the view direction.
         up: DVec3,
@@ -110,13 +138,15 @@ pub enum CameraDesc {
         fov_deg: f64,
         /// The side that `fov_deg` spans.
         fov_axis: FovAxis,
+        /// The film.
+        film: FilmDesc,
     },
     /// A thin lens around `eye`, whose other fields are those of a pinhole. The lens does not change where things are in
     /// the image.
     ThinLens {
         /// The middle of the lens.
         eye: DVec3,
-        /// A point that is seen in the middle of the image.
+        /// A point that is seen in the middle of the image, or off it by [`FilmDesc::shift`].
         look_at: DVec3,
         /// The direction that is up in the image. It has any length and is not parallel to the view direction.
         up: DVec3,
@@ -126,13 +156,15 @@ pub enum CameraDesc {
         fov_axis: FovAxis,
         /// Aperture and focus.
         lens: LensDesc,
+        /// The film.
+        film: FilmDesc,
     },
     /// Parallel rays, which start on the plane through `eye` across the view direction. What is behind the plane is not
     /// seen.
     Orthographic {
         /// The middle of the image on the plane.
         eye: DVec3,
-        /// A point that is seen in the middle of the image.
+        /// A point that is seen in the middle of the image, or off it by [`FilmDesc::shift`].
         look_at: DVec3,
         /// The direction that is up in the image. It has any length and is not parallel to the view direction.
         up: DVec3,
@@ -140,6 +172,8 @@ pub enum CameraDesc {
         size: f64,
         /// The side that `size` spans.
         axis: FovAxis,
+        /// The film, which is the plane through `eye`.
+        film: FilmDesc,
     },
     /// A pinhole at `eye` whose image is not flat.
     Panoramic {
@@ -186,6 +220,24 @@ impl CameraDesc {
         }
     }
 
+    /// The flat film; `None` for a camera that has none or, a view plane, whose film follows from the rest.
+    pub fn film(&self) -> Option<FilmDesc> {
+        match *self {
+            Self::Perspective { film, .. } | Self::ThinLens { film, .. } | Self::Orthographic { film, .. } => {
+                Some(film)
+            }
+            Self::Panoramic { .. } | Self::ViewPlane { .. } => None,
+        }
+    }
+
+    /// Width of a pixel over its height.
+    pub fn pixel_aspect(&self) -> f64 {
+        match self {
+            Self::Panoramic { panorama, .. } => panorama.pixel_aspect,
+            _ => self.film().unwrap_or_default().pixel_aspect,
+        }
+    }
+
     /// The angle of view in degrees; `None` for parallel rays.
     pub fn fov_deg(&self) -> Option<f64> {
         match *self {
@@ -206,6 +258,7 @@ impl Default for CameraDesc {
             up: DVec3::Y,
             fov_deg: 90.0,
             fov_axis: FovAxis::Horizontal,
+            film: FilmDesc::default(),
         }
     }
 }

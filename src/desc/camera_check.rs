@@ -2,7 +2,7 @@
 
 use super::json::join;
 use super::validate::{number, positive, vector, within};
-use super::{CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES};
+use super::{CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, PIXEL_ASPECTS, Panorama, SHIFTS};
 use crate::math::DVec3;
 use crate::{Error, Result};
 
@@ -12,8 +12,11 @@ const PARALLEL: f64 = 1e-7;
 /// Least and greatest squeeze of an aperture.
 const SQUEEZES: [f64; 2] = [0.01, 100.0];
 
+/// Why a spherical camera has no shape of pixels.
+pub(super) const EVERY_RESOLUTION: &str = "a spherical camera spreads all directions over any resolution";
+
 /// Checks that a camera's position, view direction and up vector give a frame, that a pinhole can span its angle, that
-/// parallel rays span a width, and that a lens has a size and is in focus in front of the camera.
+/// parallel rays span a width, that the film is within reach, and that a lens has a size and is in focus in front of the camera.
 pub(super) fn camera(path: &str, camera: CameraDesc) -> Result<CameraDesc> {
     let [origin, look_at, up] = camera.view();
     let at = |key: &str| join(path, key);
@@ -34,6 +37,21 @@ pub(super) fn camera(path: &str, camera: CameraDesc) -> Result<CameraDesc> {
     }
     if let CameraDesc::Orthographic { size, axis, .. } = camera {
         positive(&at(size_key(axis)), size)?;
+    }
+    if let Some(film) = camera.film() {
+        let [least, most] = SHIFTS;
+        for (i, shift) in film.shift.into_iter().enumerate() {
+            within(&format!("{}[{i}]", at("shift")), shift, least, most)?;
+        }
+    }
+    let [least, most] = PIXEL_ASPECTS;
+    within(&at("pixelAspect"), camera.pixel_aspect(), least, most)?;
+    if let CameraDesc::Panoramic { panorama, .. } = &camera
+        && panorama.kind == Panorama::Spherical
+        && panorama.pixel_aspect != 1.0
+    {
+        let message = format!("{} is out of range, {EVERY_RESOLUTION}, expected 1", panorama.pixel_aspect);
+        return Err(Error::invalid(at("pixelAspect"), message));
     }
     let view = look_at - origin;
     let Some(w) = (view / view.abs().max_element()).try_normalize() else {

@@ -7,8 +7,8 @@ use super::json::{self, Whole, join};
 use super::numbers::unless;
 use super::validate::{positive, whole};
 use super::{
-    CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, Panorama, PanoramaDesc, SceneDesc, SceneMotion, camera_check,
-    motion_keys, save,
+    CameraDesc, FilmDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, Panorama, PanoramaDesc, SceneDesc, SceneMotion,
+    camera_check, motion_keys, save,
 };
 use crate::math::DVec3;
 use crate::{Error, Result};
@@ -70,6 +70,11 @@ pub(super) struct Camera {
     width: Option<f64>,
     /// With `orthographic`: what the image spans across its height, scene units.
     height: Option<f64>,
+    /// With `perspective` and `orthographic`: how far the film is moved against the view axis, to the right in widths of the image and
+    /// upwards in heights of the image, each -100 to 100. Default [0, 0].
+    shift: Option<[f64; 2]>,
+    /// Width of a pixel over its height, 0.01 to 100; not with `spherical` and `view-plane`. Default 1.
+    pixel_aspect: Option<f64>,
     /// With `perspective`: radius of the lens, scene units, 0 or more. Without it and `fStop`, the camera is a pinhole.
     lens_radius: Option<f64>,
     /// In place of `lensRadius`: `focalLength` over the diameter of the lens, above 0.
@@ -159,6 +164,15 @@ impl Camera {
         Ok(Some(LensDesc { radius, focus, blades, blade_rotation_deg, squeeze: self.squeeze.unwrap_or(1.0) }))
     }
 
+    /// The flat film.
+    fn film(&self) -> FilmDesc {
+        let default = FilmDesc::default();
+        FilmDesc {
+            shift: self.shift.unwrap_or(default.shift),
+            pixel_aspect: self.pixel_aspect.unwrap_or(default.pixel_aspect),
+        }
+    }
+
     /// What parallel rays span, and across which side.
     fn span(&self, path: &str) -> Result<(f64, FovAxis)> {
         match (self.width, self.height) {
@@ -205,6 +219,20 @@ impl Camera {
                 }
             }
         }
+        if self.shift.is_some() && !matches!(kind, CameraType::Perspective | CameraType::Orthographic) {
+            return err("shift", &format!("{name} has no film to shift, expected a perspective or orthographic one"));
+        }
+        if self.pixel_aspect.is_some() {
+            match kind {
+                CameraType::Spherical => {
+                    return err("pixelAspect", &format!("{}, expected no such key", camera_check::EVERY_RESOLUTION));
+                }
+                CameraType::ViewPlane => {
+                    return err("pixelAspect", &format!("the plane of {name} follows from the resolution alone"));
+                }
+                _ => {}
+            }
+        }
         if let Some(key) = self.lens_key()
             && !matches!(kind, CameraType::Perspective)
         {
@@ -236,17 +264,18 @@ fn camera(camera: &Camera, path: &str) -> Result<CameraDesc> {
     };
     let kind = camera.r#type.unwrap_or_default();
     camera.refuse(path, kind)?;
+    let film = camera.film();
     match kind {
         CameraType::Perspective => {
             let described = match camera.lens(path)? {
-                None => CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis },
-                Some(lens) => CameraDesc::ThinLens { eye, look_at, up, fov_deg, fov_axis, lens },
+                None => CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis, film },
+                Some(lens) => CameraDesc::ThinLens { eye, look_at, up, fov_deg, fov_axis, lens, film },
             };
             camera_check::camera(path, described)
         }
         CameraType::Orthographic => {
             let (size, axis) = camera.span(path)?;
-            camera_check::camera(path, CameraDesc::Orthographic { eye, look_at, up, size, axis })
+            camera_check::camera(path, CameraDesc::Orthographic { eye, look_at, up, size, axis, film })
         }
         CameraType::Spherical | CameraType::Cylindrical | CameraType::Fisheye => {
             let default = PanoramaDesc::new(match kind {
@@ -257,6 +286,7 @@ fn camera(camera: &Camera, path: &str) -> Result<CameraDesc> {
             let panorama = PanoramaDesc {
                 fov_deg: camera.field_of_view.unwrap_or(default.fov_deg),
                 fov_axis: if camera.field_of_view_axis.is_some() { fov_axis } else { default.fov_axis },
+                pixel_aspect: film.pixel_aspect,
                 ..default
             };
             camera_check::camera(path, CameraDesc::Panoramic { eye, look_at, up, panorama })
@@ -281,6 +311,11 @@ pub(super) fn write(camera: &CameraDesc, motion: &SceneMotion) -> Result<Box<Raw
         look_at,
         up,
         field_of_view: camera.fov_deg(),
+        shift: camera
+            .film()
+            .map(|film| film.shift)
+            .filter(|shift| shift.iter().any(|side| unless(*side, 0.0).is_some())),
+        pixel_aspect: unless(camera.pixel_aspect(), 1.0),
         shutter: motion_keys::write_shutter(&motion.shutter),
         motion: motion.camera.as_deref().map(motion_keys::write_motion),
         ..Camera::default()

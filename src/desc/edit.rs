@@ -47,7 +47,8 @@ impl SceneDesc {
     /// # Errors
     /// [`crate::ErrorKind::InvalidScene`] at `camera.origin`, `camera.lookAt`, `camera.up`, `camera.fieldOfView`, `camera.width`
     /// or `camera.height` for a number out of range, or for three vectors that give no frame; at `camera.lensRadius`,
-    /// `camera.focusDistance`, `camera.focusAt`, `camera.blades`, `camera.bladeRotation` or `camera.squeeze` for a lens that is none.
+    /// `camera.focusDistance`, `camera.focusAt`, `camera.blades`, `camera.bladeRotation` or `camera.squeeze` for a lens that is none;
+    /// at `camera.shift` or `camera.pixelAspect` for a film out of range.
     pub fn set_camera(&mut self, camera: CameraDesc) -> Result<()> {
         self.camera = camera_check::camera("camera", camera)?;
         Ok(())

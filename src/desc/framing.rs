@@ -1,7 +1,7 @@
 //! A camera and a light for scenes whose files have none.
 
 use super::environment::EnvironmentDesc;
-use super::{CameraDesc, FovAxis, SceneDesc, ShapeDesc};
+use super::{CameraDesc, FilmDesc, FovAxis, SceneDesc, ShapeDesc};
 use crate::math::{Bounds, DVec3};
 use crate::spectrum::Rgb;
 
@@ -28,6 +28,7 @@ pub(super) fn frame(scene: &mut SceneDesc) {
         up: DVec3::Y,
         fov_deg: FIELD_OF_VIEW,
         fov_axis: FovAxis::Vertical,
+        film: FilmDesc::default(),
     };
 }
 

@@ -100,7 +100,8 @@ mod transform;
 mod validate;
 mod warnings;
 
-pub use camera::{CameraDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, Panorama, PanoramaDesc};
+pub use camera::{CameraDesc, FilmDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, Panorama, PanoramaDesc};
+pub(crate) use camera::{PIXEL_ASPECTS, SHIFTS};
 pub use distant::DistantLightDesc;
 pub use edit::SurfaceLook;
 pub use environment::{
@@ -131,7 +132,7 @@ pub(crate) use principled::weighted_eta;
 pub use radiosity::{MAX_RADIOSITY_ITERATIONS, MAX_RADIOSITY_MEMORY, RadiosityDesc, RadiositySolver};
 pub(crate) use radiosity_keys::check_radiosity;
 pub use read::{LoadOptions, apply_params, apply_render, load, load_params, load_with, parse, parse_gltf, parse_with};
-pub use render::{FilterDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, RouletteDesc, SamplerDesc};
+pub use render::{CropDesc, FilterDesc, MAX_PIXELS, MAX_SHADOW_RAYS, RenderDesc, RouletteDesc, SamplerDesc};
 pub use scene::{Dialect, SceneDesc};
 #[cfg(feature = "schema")]
 pub use schema::schema;

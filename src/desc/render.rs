@@ -11,11 +11,30 @@ pub const MAX_PIXELS: u64 = 1 << 26;
 /// samples per pixel.
 pub const MAX_SHADOW_RAYS: u32 = 1 << 10;
 
+/// A rectangle of the picture, which is rendered in place of the whole. Its pixels are those of the whole picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CropDesc {
+    /// The first column, from 0.
+    pub left: u32,
+    /// The first row, from 0 at the top.
+    pub top: u32,
+    /// Columns, from 1; the last is inside the picture.
+    pub width: u32,
+    /// Rows, from 1; the last is inside the picture.
+    pub height: u32,
+}
+
 /// Render settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderDesc {
-    /// Width and height in pixels, each >= 1.
+    /// Width and height of the picture in pixels, each >= 1.
     pub resolution: [u32; 2],
+    /// The part of the picture that is rendered; `None` renders all of it.
+    ///
+    /// Its pixels are the same to the last bit as in the whole picture, with every integrator: samples depend on where a pixel is in
+    /// the picture, and photon maps and irradiance caches are made for all of it. What looks at all pixels that are rendered sees
+    /// other pixels, so that adaptive sample counts, target errors and time limits end elsewhere.
+    pub crop: Option<CropDesc>,
     /// Samples per pixel, >= 1. Grid and jittered patterns round the number up to the next square.
     pub samples: u32,
     /// The sampler, which places the samples of a pixel.
@@ -44,6 +63,7 @@ impl Default for RenderDesc {
     fn default() -> Self {
         Self {
             resolution: [256, 256],
+            crop: None,
             samples: 64,
             sampler: SamplerDesc::Sobol,
             filter: FilterDesc::Box,
@@ -56,6 +76,13 @@ impl Default for RenderDesc {
             radiosity: RadiosityDesc::default(),
             seed: 0,
         }
+    }
+}
+
+impl RenderDesc {
+    /// Width and height of what is rendered: the crop, or the whole picture.
+    pub fn film_size(&self) -> [u32; 2] {
+        self.crop.map_or(self.resolution, |crop| [crop.width, crop.height])
     }
 }
 

@@ -13,6 +13,11 @@ use super::json::{self, Whole};
 pub(super) struct Render<'a> {
     /// Width and height, pixels. Default [256, 256].
     pub(super) resolution: Option<[Whole; 2]>,
+    /// The rectangle of the picture that is rendered: first column, first row, width and height, pixels; null: all of it. Default
+    /// null.
+    #[serde(default, deserialize_with = "json::even_null")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[Whole; 4]>"))]
+    pub(super) crop: Option<Option<[Whole; 4]>>,
     /// Samples per pixel, from 1. Default 64.
     pub(super) samples: Option<Whole>,
     /// Positions of the samples of a pixel. Default `sobol`.

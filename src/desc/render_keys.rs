@@ -4,7 +4,9 @@ use serde_json::value::RawValue;
 
 use super::json::{self, Plain, Whole, join};
 use super::render_block::{Render, Sampler};
-use super::{IntegratorDesc, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc, filter, photon_keys, radiosity_keys, validate};
+use super::{
+    CropDesc, IntegratorDesc, MAX_SHADOW_RAYS, RenderDesc, SamplerDesc, filter, photon_keys, radiosity_keys, validate,
+};
 use crate::Result;
 
 /// Most samples per pixel, 2^31.
@@ -17,6 +19,9 @@ pub(super) fn read(raw: &RawValue, path: &str, base: &RenderDesc) -> Result<Rend
     let mut render = base.clone();
     if let Some(resolution) = block.resolution {
         render.resolution = validate::resolution(&at("resolution"), resolution)?;
+    }
+    if let Some(crop) = block.crop {
+        render.crop = crop.map(|crop| self::crop(&at("crop"), crop, render.resolution)).transpose()?;
     }
     if let Some(samples) = block.samples {
         render.samples = validate::whole(&at("samples"), samples, 1, SAMPLE_LIMIT)?;
@@ -55,11 +60,11 @@ pub(super) fn read(raw: &RawValue, path: &str, base: &RenderDesc) -> Result<Rend
 }
 
 impl RenderDesc {
-    /// Whether the format could have given these numbers: the image's size, samples, depth, shadow rays, filter,
+    /// Whether the format could have given these numbers: the image's size and crop, samples, depth, shadow rays, filter,
     /// photon maps, irradiance cache and radiosity.
     ///
     /// # Errors
-    /// [`crate::ErrorKind::InvalidScene`] at `render.resolution`, `render.samples`, `render.filter.sigma` and so on.
+    /// [`crate::ErrorKind::InvalidScene`] at `render.resolution`, `render.crop`, `render.samples`, `render.filter.sigma` and so on.
     pub fn check(&self) -> Result<()> {
         self.check_at("render")
     }
@@ -72,6 +77,9 @@ impl RenderDesc {
         let at = |key: &str| join(path, key);
         let whole = |value: u32| Whole(u64::from(value));
         validate::resolution(&at("resolution"), self.resolution.map(whole))?;
+        if let Some(CropDesc { left, top, width, height }) = self.crop {
+            crop(&at("crop"), [left, top, width, height].map(whole), self.resolution)?;
+        }
         validate::whole(&at("samples"), whole(self.samples), 1, SAMPLE_LIMIT)?;
         filter::check(&at("filter"), self.filter)?;
         if let Some(depth) = self.max_depth {
@@ -82,6 +90,18 @@ impl RenderDesc {
         photon_keys::check_cache(path, &self.cache)?;
         radiosity_keys::check_radiosity(path, &self.radiosity)
     }
+}
+
+/// Checks a rectangle of a picture: first column and row, width and height.
+fn crop(path: &str, value: [Whole; 4], resolution: [u32; 2]) -> Result<CropDesc> {
+    let [columns, rows] = resolution.map(u64::from);
+    let at = |i: usize| format!("{path}[{i}]");
+    let [x, y, w, h] = value;
+    let left = validate::whole(&at(0), x, 0, columns.saturating_sub(1))?;
+    let top = validate::whole(&at(1), y, 0, rows.saturating_sub(1))?;
+    let width = validate::whole(&at(2), w, 1, columns - u64::from(left))?;
+    let height = validate::whole(&at(3), h, 1, rows - u64::from(top))?;
+    Ok(CropDesc { left, top, width, height })
 }
 
 /// Checks a greatest number of hits on a path.

@@ -21,6 +21,7 @@ pub(super) fn write(render: &RenderDesc) -> Result<Box<RawValue>> {
     let kernel = render.photons.kernel.map(photon_keys::write_kernel).transpose()?;
     let block = Render {
         resolution: Some(render.resolution.map(whole)),
+        crop: render.crop.map(|it| Some([it.left, it.top, it.width, it.height].map(whole))),
         samples: Some(whole(render.samples)),
         sampler: Some(match render.sampler {
             SamplerDesc::Sobol => Sampler::Sobol,

@@ -255,7 +255,14 @@ mod tests {
 
     /// A film of 2 x 2 pixels whose replicates are `mean + off` and `mean - off` in turn.
     fn film(pixels: [(f32, f32); 4], samples: u32) -> Film {
-        let options = FilmOptions { resolution: [2, 2], auxiliary: false, share: 1, weighted: false, gathering: false };
+        let options = FilmOptions {
+            resolution: [2, 2],
+            placement: None,
+            auxiliary: false,
+            share: 1,
+            weighted: false,
+            gathering: false,
+        };
         let film = Film::new(options).unwrap();
         let mut tile = film.tile(0);
         for (i, (mean, off)) in pixels.into_iter().enumerate() {
@@ -306,7 +313,14 @@ mod tests {
 
     /// A film of 7 x 7 grey pixels of 1, but for some pixels whose replicates are these.
     fn grey_but(others: &[([usize; 2], [f32; REPLICATES])]) -> Film {
-        let options = FilmOptions { resolution: [7, 7], auxiliary: false, share: 1, weighted: false, gathering: false };
+        let options = FilmOptions {
+            resolution: [7, 7],
+            placement: None,
+            auxiliary: false,
+            share: 1,
+            weighted: false,
+            gathering: false,
+        };
         let film = Film::new(options).unwrap();
         let mut tile = film.tile(0);
         for (y, x) in (0..7).flat_map(|y| (0..7).map(move |x| (y, x))) {

@@ -18,7 +18,7 @@ pub use photon_state::{PixelPhotonState, ShrinkingRadius};
 pub(crate) use pixel::pixel_bytes;
 pub use pixel::{Auxiliary, Pixel, REPLICATES};
 
-pub use crate::image::{Image, Layer};
+pub use crate::image::{Image, Layer, Placement};
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -32,10 +32,12 @@ use crate::spectrum::Rgb;
 pub const TILE: u32 = 16;
 
 /// Options of a film.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmOptions {
     /// Width and height, pixels.
     pub resolution: [u32; 2],
+    /// Where the film lies in the picture; `None` where it is the picture, with square pixels.
+    pub placement: Option<Placement>,
     /// Whether albedo, normal and depth of the first hit are stored.
     pub auxiliary: bool,
     /// Number of consecutive samples of a pixel with correlated errors, because they read the same photon maps; else 1.
@@ -175,6 +177,18 @@ impl Film {
         &self.options
     }
 
+    /// Column and row of the picture that are the film's first.
+    #[inline]
+    pub(crate) fn origin(&self) -> [u32; 2] {
+        self.options.placement.map_or([0; 2], |placement| placement.origin)
+    }
+
+    /// Width of the picture that the film is, or is a part of.
+    #[inline]
+    pub(crate) fn picture_width(&self) -> u32 {
+        self.options.placement.map_or(self.options.resolution, |placement| placement.picture)[0]
+    }
+
     /// Number of tiles, counted row by row.
     pub(crate) fn tile_count(&self) -> usize {
         self.tiles.len()
@@ -273,7 +287,7 @@ impl Film {
                 write_pixel(*kind, self.options.share, place, pixel, extras, &mut layer.data);
             }
         });
-        Image { width, height, rgb, layers }
+        Image { width, height, rgb, layers, placement: self.options.placement }
     }
 
     /// Writes the current image as `[height][width][4]`, row 0 on top. The fourth value is the fraction of samples that
@@ -417,7 +431,15 @@ mod tests {
     use super::*;
 
     fn film(auxiliary: bool) -> Film {
-        Film::new(FilmOptions { resolution: [19, 17], auxiliary, share: 1, weighted: false, gathering: false }).unwrap()
+        Film::new(FilmOptions {
+            resolution: [19, 17],
+            placement: None,
+            auxiliary,
+            share: 1,
+            weighted: false,
+            gathering: false,
+        })
+        .unwrap()
     }
 
     fn sample(value: f32, first: Option<(Rgb, Vec3, f32)>) -> PixelSample {

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::pixels::Image;
+use super::pixels::{Image, Placement};
 use crate::{Error, ErrorKind, Result};
 
 /// Greatest number of pixels that [`read`](super::read) accepts: 2^28, which is 16384 x 16384.
@@ -22,6 +22,19 @@ pub(crate) fn check_image(image: &Image) -> Result<()> {
     };
     if image.rgb.len() as u64 != 3 * pixels {
         return Err(broken("the image", image.rgb.len(), 3 * pixels));
+    }
+    if let Some(Placement { origin, picture, pixel_aspect }) = image.placement {
+        let size = [image.width, image.height];
+        let is_inside = (0..2).all(|i| {
+            picture[i] <= i32::MAX as u32 && u64::from(origin[i]) + u64::from(size[i]) <= u64::from(picture[i])
+        });
+        if !(is_inside && pixel_aspect > 0.0 && pixel_aspect.is_finite()) {
+            let message = format!(
+                "an image of {size:?} pixels at {origin:?}, whose pixels have the aspect {pixel_aspect}, is not inside a \
+                 picture of {picture:?}"
+            );
+            return Err(Error::new(ErrorKind::Internal, message));
+        }
     }
     let mut names = HashSet::new();
     for layer in &image.layers {

@@ -18,13 +18,13 @@ use ::exr::image::write::layers::{LayersWriter as _, WritableLayers as _};
 use ::exr::image::{
     AnyChannel, AnyChannels, Blocks, Encoding, FlatImage, FlatSamples, Image as ExrImage, Layer as ExrLayer,
 };
-use ::exr::meta::attribute::{AttributeValue, Chromaticities, LineOrder, Text};
+use ::exr::meta::attribute::{AttributeValue, Chromaticities, IntegerBounds, LineOrder, Text};
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::prelude::Vec2;
 
 use super::check::{MAX_PIXELS, check_size, damaged};
 use super::dwa;
-use super::pixels::{Image, Layer};
+use super::pixels::{Image, Layer, Placement};
 use crate::{Error, ErrorKind, Result};
 
 /// Most values of all channels of all parts of a file together: 4 GiB.
@@ -81,7 +81,7 @@ pub(crate) fn encode(
         other: attributes.iter().filter_map(attribute).collect(),
         ..LayerAttributes::default()
     };
-    encode_layer(channels, [image.width, image.height], attributes, threads, file)
+    encode_layer(channels, [image.width, image.height], image.placement, attributes, threads, file)
 }
 
 /// Writes channels as they are, compressed without loss by so many threads.
@@ -91,21 +91,31 @@ pub(crate) fn encode_channels(
     threads: usize,
     file: &mut BufWriter<&mut File>,
 ) -> Result<()> {
-    encode_layer(channels, size, LayerAttributes::default(), threads, file)
+    encode_layer(channels, size, None, LayerAttributes::default(), threads, file)
 }
 
 fn encode_layer(
     channels: Vec<AnyChannel<FlatSamples>>,
     [width, height]: [u32; 2],
-    attributes: LayerAttributes,
+    placement: Option<Placement>,
+    mut attributes: LayerAttributes,
     threads: usize,
     file: &mut BufWriter<&mut File>,
 ) -> Result<()> {
     let size = Vec2(width as usize, height as usize);
+    if let Some(Placement { origin: [left, top], .. }) = placement {
+        attributes.layer_position = Vec2(left as i32, top as i32);
+    }
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let mut file_image = ExrImage::from_layer(ExrLayer::new(size, attributes, encoding, channels));
+    if let Some(Placement { picture: [width, height], pixel_aspect, .. }) = placement {
+        // The display window is the picture, and the data window is the part of it that the file has.
+        file_image.attributes.display_window =
+            IntegerBounds { position: Vec2(0, 0), size: Vec2(width as usize, height as usize) };
+        file_image.attributes.pixel_aspect = pixel_aspect;
+    }
     file_image.attributes.chromaticities = Some(Chromaticities {
         red: Vec2(0.64, 0.33),
         green: Vec2(0.30, 0.60),
@@ -284,6 +294,8 @@ type Group = BTreeMap<String, Vec<f32>>;
 /// Sorts the channels of all parts into the image and its layers.
 fn collect(file: FlatImage) -> Result<Image> {
     let several = file.layer_data.len() > 1;
+    let (display, pixel_aspect) = (file.attributes.display_window, file.attributes.pixel_aspect);
+    let mut position = Vec2(0, 0);
     let mut size = None;
     let mut rgb = None;
     let mut groups = BTreeMap::<String, (Vec2<usize>, Group)>::new();
@@ -310,6 +322,7 @@ fn collect(file: FlatImage) -> Result<Image> {
             rgb = interleave(&mut plain, &["R", "G", "B"])
                 .or_else(|| plain.remove("Y").map(|grey| grey.into_iter().flat_map(|value| [value; 3]).collect()));
             size = rgb.as_ref().map(|_| part.size);
+            position = part.attributes.layer_position;
         } else if let Some(name) = part_name {
             groups.entry(name).or_insert((part.size, plain));
         }
@@ -337,7 +350,32 @@ fn collect(file: FlatImage) -> Result<Image> {
     let rank = |layer: &Layer| LAYER_ORDER.iter().position(|name| *name == layer.name).unwrap_or(LAYER_ORDER.len());
     layers.sort_by_key(rank);
     let (width, height) = check_size(width as u64, height as u64)?;
-    Ok(Image { width, height, rgb, layers })
+    let placement = placement(display, pixel_aspect, position, [width, height]);
+    Ok(Image { width, height, rgb, layers, placement })
+}
+
+/// Where an image lies in its picture, the display window. An image that is not inside of it, as one with more around the picture
+/// is, counts as a picture of its own.
+fn placement(
+    display: IntegerBounds,
+    pixel_aspect: f32,
+    position: Vec2<i32>,
+    [width, height]: [u32; 2],
+) -> Option<Placement> {
+    let pixel_aspect = if pixel_aspect > 0.0 && pixel_aspect.is_finite() { pixel_aspect } else { 1.0 };
+    let inside = |from: i32, start: i32, length: u32, whole: usize| {
+        let offset = i64::from(from) - i64::from(start);
+        let is_inside = offset >= 0 && offset + i64::from(length) <= i64::try_from(whole).unwrap_or(i64::MAX);
+        Some((u32::try_from(offset).ok()?, u32::try_from(whole).ok()?)).filter(|_| is_inside)
+    };
+    let across = inside(position.0, display.position.0, width, display.size.0);
+    let down = inside(position.1, display.position.1, height, display.size.1);
+    let (origin, picture) = match (across, down) {
+        (Some((left, columns)), Some((top, rows))) => ([left, top], [columns, rows]),
+        _ => ([0; 2], [width, height]),
+    };
+    let placement = Placement { origin, picture, pixel_aspect };
+    (pixel_aspect != 1.0 || picture != [width, height]).then_some(placement)
 }
 
 /// Takes three channels out of a group as triples; `None`, and the group as it was, where one is missing.

@@ -16,5 +16,5 @@ pub(crate) use check::check_image;
 pub use exr::Attribute;
 pub(crate) use exr::{decode_parts as decode_exr_parts, encode_channels as encode_exr_channels};
 pub use file::{Format, read};
-pub use pixels::{Image, Layer};
+pub use pixels::{Image, Layer, Placement};
 pub(crate) use png::encode_texels as encode_png;

@@ -59,7 +59,7 @@ pub(super) fn decode(mut reader: impl BufRead) -> Result<Image> {
             rgb.extend(std::iter::repeat_n(value, 3 / channels));
         }
     }
-    Ok(Image { width, height, rgb, layers: Vec::new() })
+    Ok(Image { width, height, rgb, ..Image::default() })
 }
 
 /// The next word of the header and the one white space character that ends it.

@@ -1,5 +1,16 @@
 //! An image as plain floats.
 
+/// Where an image lies in the picture of which it is a part, and what its pixels look like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// Column and row of the picture that are the image's first, from the top left.
+    pub origin: [u32; 2],
+    /// Width and height of the picture, pixels.
+    pub picture: [u32; 2],
+    /// Width of a pixel over its height, above 0.
+    pub pixel_aspect: f32,
+}
+
 /// Scene-linear pixels and further layers. Row 0 is on top.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Image {
@@ -11,6 +22,8 @@ pub struct Image {
     pub rgb: Vec<f32>,
     /// Further layers of the same size, in a fixed order.
     pub layers: Vec<Layer>,
+    /// Where the image lies in a picture; `None` for a whole picture of square pixels. OpenEXR keeps it, other formats do not.
+    pub placement: Option<Placement>,
 }
 
 /// One auxiliary layer of an [`Image`].

@@ -64,7 +64,7 @@ pub(super) fn decode(reader: impl BufRead + Seek) -> Result<Image> {
             picture.into_rgb8().as_raw().iter().map(|&code| linear[usize::from(code)]).collect()
         }
     };
-    Ok(Image { width, height, rgb, layers: Vec::new() })
+    Ok(Image { width, height, rgb, ..Image::default() })
 }
 
 fn unreadable(error: ImageError) -> Error {

@@ -30,6 +30,7 @@ pub fn light_map_image(map: &LightMap) -> Image {
                 data: rows().flat_map(|row| map.coverage[row].iter().copied()).collect(),
             },
         ],
+        ..Image::default()
     }
 }
 

@@ -19,7 +19,7 @@
 //! # fn main() -> etendue::Result<()> {
 //! # let folder = tempfile::tempdir().unwrap();
 //! # let path = folder.path().join("grey.pfm");
-//! let image = Image { width: 2, height: 1, rgb: vec![0.18; 6], layers: Vec::new() };
+//! let image = Image { width: 2, height: 1, rgb: vec![0.18; 6], ..Image::default() };
 //! output::write(&image, &path, &WriteOptions::default())?;
 //! assert_eq!(output::read(&path)?, image);
 //! # Ok(())

@@ -34,7 +34,7 @@ use crate::Cancel;
 use crate::camera::{Camera, MovingCamera};
 use crate::desc::{Bias, FilterDesc, IntegratorDesc, Preparation, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
-use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, TILE};
+use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, Placement, TILE};
 use crate::integrator::photon::{Choice, Plan, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
 use crate::integrator::{Irradiance, Path, Probe, ProbeQuantity, Probes, Sites, check_support};
@@ -64,6 +64,15 @@ const MOST_PROBES_IN_A_ROW: usize = 1 << 12;
 
 /// Smallest number of pixels for a note that few pixels have most of the error, as they always have in smaller images.
 const MIN_PIXELS_FOR_TAIL_NOTE: u64 = 64;
+
+/// Where the film of a render lies in its picture; `None` where it is the picture and has square pixels.
+fn placement(desc: &RenderDesc, pixel_aspect: f64) -> Option<Placement> {
+    if desc.crop.is_none() && pixel_aspect == 1.0 {
+        return None;
+    }
+    let origin = desc.crop.map_or([0; 2], |crop| [crop.left, crop.top]);
+    Some(Placement { origin, picture: desc.resolution, pixel_aspect: pixel_aspect as f32 })
+}
 
 /// A render of a scene: the film, the integrator and the workers.
 pub struct Render {
@@ -110,7 +119,7 @@ impl Render {
     /// on the other side.
     ///
     /// The film has one pixel for each site, row by row, and [`IRRADIANCE_WIDTH`] pixels in a row. The pixels that are left
-    /// over in the last row show the first sites once more. The settings for resolution, integrator, filter and auxiliary
+    /// over in the last row show the first sites once more. The settings for resolution, crop, integrator, filter and auxiliary
     /// layers are ignored. The depth counts the site itself as the first hit. All samplers other than `Random` count as
     /// `Sobol`.
     ///
@@ -123,6 +132,7 @@ impl Render {
         let rows = sites.len().div_ceil(IRRADIANCE_WIDTH as usize);
         let desc = RenderDesc {
             resolution: [IRRADIANCE_WIDTH, u32::try_from(rows).unwrap_or(u32::MAX)],
+            crop: None,
             integrator: IntegratorDesc::Path,
             filter: FilterDesc::Box,
             sampler: match settings.desc.sampler {
@@ -140,7 +150,7 @@ impl Render {
     /// integrator is radiosity, and else by path tracing.
     ///
     /// The film has one pixel for each point, in one row, or in rows of [`IRRADIANCE_WIDTH`] pixels where the points are many;
-    /// pixels that are left over in the last row show the first points once more. Settings for resolution, filter and
+    /// pixels that are left over in the last row show the first points once more. Settings for resolution, crop, filter and
     /// auxiliary layers are ignored. For irradiance the depth counts the point itself as the first hit. All samplers other
     /// than `Random` count as `Sobol`.
     ///
@@ -159,6 +169,7 @@ impl Render {
         check_support(scene, integrator)?;
         let desc = RenderDesc {
             resolution: [width as u32, rows],
+            crop: None,
             integrator,
             filter: FilterDesc::Box,
             sampler: match settings.desc.sampler {
@@ -183,7 +194,8 @@ impl Render {
             return Err(Error::invalid("targetError", message));
         }
         // A render of irradiance does not use the camera, and the film's resolution is no image size.
-        let seen = if method.is_some() { [1, 1] } else { desc.resolution };
+        let is_of_places = method.is_some();
+        let seen = if is_of_places { [1, 1] } else { desc.resolution };
         let camera = Camera::new(scene.camera(), seen, scene.centre())?;
         let moving_camera = scene.moving_camera(seen)?.map(Arc::new);
         // The normally distributed pattern is itself a pixel filter.
@@ -209,13 +221,14 @@ impl Render {
         };
         let pass_samples = plan.as_ref().and_then(Plan::samples_a_pass);
         let film = Film::new(FilmOptions {
-            resolution: desc.resolution,
+            resolution: desc.film_size(),
+            placement: placement(desc, if is_of_places { 1.0 } else { scene.camera().pixel_aspect() }),
             auxiliary: settings.auxiliary,
             share: pass_samples.unwrap_or(1),
             weighted: matches!(filter_desc, FilterDesc::Mitchell { .. }),
             gathering: plan.as_ref().is_some_and(Plan::remembers),
         })?;
-        let pixels = desc.resolution.map(u64::from).into_iter().product::<u64>();
+        let pixels = desc.film_size().map(u64::from).into_iter().product::<u64>();
         let adaptive = match (settings.adaptive.unwrap_or(settings.target_error.is_some()), desc.sampler) {
             (false, _) => Ok(false),
             (true, _) if pass_samples.is_some() => Err("the photon maps of a pass are for all pixels"),

@@ -130,6 +130,7 @@ impl Tracer for PassTracer<'_> {
 
 /// A sample of a pixel that is to be taken.
 struct SampleJob {
+    /// Column and row in the picture, of which the film may be a part.
     pixel: [u32; 2],
     /// Index of the pixel in its tile.
     index: usize,
@@ -370,6 +371,8 @@ impl Pass {
     /// compiler would inline both copies less.
     pub(super) fn replay(input: PassInput, pixel: [u32; 2], sample: u32, limit: u64) -> Replayed {
         let columns = input.film.options().resolution[0].div_ceil(TILE);
+        let [left, top] = input.film.origin();
+        let pixel = [pixel[0] - left, pixel[1] - top];
         let tile = pixel[1] / TILE * columns + pixel[0] / TILE;
         let pass = Self {
             replay: Some(Replay::new(pixel, sample, limit)),
@@ -438,6 +441,8 @@ impl Pass {
     ) -> bool {
         let [width, height] = self.input.film.options().resolution;
         let [left, top] = self.input.film.tile_origin(number);
+        // Samples depend on where a pixel is in the picture, so that a part of it shows what the whole does.
+        let (origin, picture_width) = (self.input.film.origin(), self.input.film.picture_width());
         let (rows, columns) = match &self.replay {
             None => (top..(top + TILE).min(height), left..(left + TILE).min(width)),
             Some(Replay { pixel: [x, y], .. }) => (*y..y + 1, *x..x + 1),
@@ -462,9 +467,10 @@ impl Pass {
             batch.jobs.clear();
             for (pixel, sample) in wanted.by_ref().take(batch.limit) {
                 let sampler = &mut batch.samples[batch.jobs.len()].sampler;
-                sampler.start(pixel[1] * width + pixel[0], sample);
-                let (offset, weight) = self.input.filter.sample(sampler.pixel_2d());
                 let index = index(pixel);
+                let pixel = [pixel[0] + origin[0], pixel[1] + origin[1]];
+                sampler.start(pixel[1] * picture_width + pixel[0], sample);
+                let (offset, weight) = self.input.filter.sample(sampler.pixel_2d());
                 let remembers = self.input.film.options().gathering;
                 let gathering =
                     if remembers { self.input.film.tile(number).gathering.get(index).copied() } else { None };

@@ -18,7 +18,7 @@ const REPORTED: usize = 8;
 /// A sample that was NaN or infinite, and the place where its path became so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NonFiniteSample {
-    /// Column and row of the sample's pixel.
+    /// Column and row of the sample's pixel in the picture.
     pub pixel: [u32; 2],
     /// Index of the sample in the pixel.
     pub sample: u32,
@@ -99,6 +99,7 @@ fn explain(scene: &Scene, pixel: [u32; 2], sample: u32, replay: impl Fn(u64) -> 
 
 /// A replay: one sample that is taken once more and ends after some of its rays.
 pub(super) struct Replay {
+    /// Column and row on the film.
     pub pixel: [u32; 2],
     pub sample: u32,
     /// Number of the last ray that is traced.

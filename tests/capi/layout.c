@@ -332,6 +332,10 @@ static void structures(void) {
     FIELD(etd_render_options, radiosity_final_gather);
     FIELD(etd_render_options, radiosity_memory);
     FIELD(etd_render_options, roulette);
+    FIELD(etd_render_options, picture_width);
+    FIELD(etd_render_options, picture_height);
+    FIELD(etd_render_options, crop_left);
+    FIELD(etd_render_options, crop_top);
     STRUCT(etd_camera);
     FIELD(etd_camera, struct_size);
     FIELD(etd_camera, projection);
@@ -348,6 +352,8 @@ static void structures(void) {
     FIELD(etd_camera, focus_at);
     FIELD(etd_camera, blade_rotation_deg);
     FIELD(etd_camera, squeeze);
+    FIELD(etd_camera, shift);
+    FIELD(etd_camera, pixel_aspect);
     STRUCT(etd_material);
     FIELD(etd_material, struct_size);
     FIELD(etd_material, bsdf);

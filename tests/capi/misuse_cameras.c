@@ -149,6 +149,42 @@ static void pass_there_and_back(void) {
     }
 }
 
+static void pass_films(void) {
+    const double bad[] = {NAN, INFINITY, -1e9, 100.5};
+    const uint32_t all[] = {ETD_CAMERA_PERSPECTIVE, ETD_CAMERA_VIEW_PLANE, ETD_CAMERA_ORTHOGRAPHIC, ETD_CAMERA_SPHERICAL,
+                            ETD_CAMERA_CYLINDRICAL, ETD_CAMERA_FISHEYE};
+    size_t i, k;
+    for (i = 0; i < sizeof all / sizeof all[0]; ++i) {
+        etd_camera camera = ETD_CAMERA_INIT, seen = ETD_CAMERA_INIT;
+        const int has_shift = all[i] == ETD_CAMERA_PERSPECTIVE || all[i] == ETD_CAMERA_ORTHOGRAPHIC;
+        const int has_shape = all[i] != ETD_CAMERA_VIEW_PLANE && all[i] != ETD_CAMERA_SPHERICAL;
+        camera.projection = all[i];
+        camera.size = all[i] == ETD_CAMERA_ORTHOGRAPHIC ? 2 : 0;
+        for (k = 0; k < sizeof bad / sizeof bad[0]; ++k) {
+            camera.shift[k % 2] = bad[k];
+            check_refused(&camera, has_shift ? ETD_INVALID_SCENE : ETD_INVALID_ARGUMENT, "shift");
+            camera.shift[k % 2] = 0;
+            camera.pixel_aspect = bad[k];
+            check_refused(&camera, has_shape ? ETD_INVALID_SCENE : ETD_INVALID_ARGUMENT,
+                          has_shape ? "pixelAspect" : "pixel_aspect");
+            camera.pixel_aspect = 0;
+        }
+        camera.shift[0] = has_shift ? -0.25 : 0;
+        camera.shift[1] = has_shift ? 0.5 : 0;
+        camera.pixel_aspect = has_shape ? 1.5 : 0;
+        CHECK_OK(etd_scene_set_camera(scene, &camera));
+        CHECK_OK(etd_scene_get_camera(scene, &seen));
+        CHECK(memcmp(camera.shift, seen.shift, sizeof seen.shift) == 0 && seen.pixel_aspect == camera.pixel_aspect);
+        if (has_shape) {
+            /* 1 is what 0 means, and comes back as 0. */
+            camera.pixel_aspect = 1;
+            CHECK_OK(etd_scene_set_camera(scene, &camera));
+            CHECK_OK(etd_scene_get_camera(scene, &seen));
+            CHECK(seen.pixel_aspect == 0);
+        }
+    }
+}
+
 static void pass_panoramas(void) {
     const uint32_t kinds[] = {ETD_CAMERA_SPHERICAL, ETD_CAMERA_CYLINDRICAL, ETD_CAMERA_FISHEYE};
     const double bad[] = {NAN, INFINITY, -1, 0, 361};
@@ -186,6 +222,7 @@ static void pass_cameras_of_the_first_version(void) {
     CHECK_OK(etd_scene_set_camera(scene, &camera));
     CHECK_OK(etd_scene_get_camera(scene, &seen));
     CHECK(seen.lens_radius == 0 && seen.blades == 0 && seen.squeeze == 0 && seen.size == 0);
+    CHECK(seen.shift[0] == 0 && seen.shift[1] == 0 && seen.pixel_aspect == 0);
     CHECK_OK(etd_scene_get_camera(scene, &camera));
     CHECK(camera.struct_size == first && camera.blades == 0x5a5a5a5au);
 }
@@ -235,6 +272,7 @@ void misuse_cameras(void) {
     pass_lens_numbers();
     pass_foreign_fields();
     pass_there_and_back();
+    pass_films();
     pass_panoramas();
     pass_cameras_of_the_first_version();
     pass_pictures();

@@ -223,6 +223,46 @@ static void read_settings_of_a_scene(void) {
     etd_film_release(small);
 }
 
+/* A film that is a part of a picture has the pixels of the picture. */
+static void pass_parts_of_pictures(void) {
+    etd_film *whole = new_film(device, 12, 9, 0), *part = new_film(device, 4, 3, 0);
+    etd_render_options options = short_render(4), own = ETD_RENDER_OPTIONS_INIT;
+    float all[12 * 9 * 4], some[4 * 3 * 4];
+    uint32_t row;
+    CHECK_OK(etd_render(scene, whole, &options));
+    CHECK_OK(etd_film_copy(whole, ETD_LAYER_COLOR, NULL, all, sizeof all, 0));
+    options.picture_width = 12;
+    options.picture_height = 9;
+    options.crop_left = 8;
+    options.crop_top = 5;
+    CHECK_OK(etd_render(scene, part, &options));
+    CHECK_OK(etd_film_copy(part, ETD_LAYER_COLOR, NULL, some, sizeof some, 0));
+    for (row = 0; row < 3; ++row) {
+        CHECK(memcmp(some + row * 4 * 4, all + ((5 + row) * 12 + 8) * 4, 4 * 4 * sizeof(float)) == 0);
+    }
+    options.crop_left = 9;
+    CHECK_STATUS(etd_render(scene, part, &options), ETD_INVALID_ARGUMENT);
+    CHECK(strstr(etd_last_error_message(), "options.picture_width is 12") != NULL);
+    options.crop_left = 0;
+    options.crop_top = UINT32_MAX;
+    CHECK_STATUS(etd_render(scene, part, &options), ETD_INVALID_ARGUMENT);
+    CHECK(strstr(etd_last_error_message(), "options.picture_height is 9") != NULL);
+    options.picture_width = options.picture_height = 0;
+    CHECK_STATUS(etd_render(scene, part, &options), ETD_INVALID_ARGUMENT);
+    CHECK(strstr(etd_last_error_message(), "options.crop_top is 4294967295, expected 0 without") != NULL);
+    options.crop_top = 0;
+    options.picture_width = options.picture_height = UINT32_MAX;
+    CHECK_STATUS(etd_render(scene, part, &options), ETD_INVALID_ARGUMENT);
+    /* A picture that is the film is what zeros are. */
+    options.picture_width = 12;
+    options.picture_height = 9;
+    CHECK_OK(etd_render(scene, whole, &options));
+    CHECK_OK(etd_scene_get_render_options(scene, &own));
+    CHECK(own.picture_width == 0 && own.picture_height == 0 && own.crop_left == 0 && own.crop_top == 0);
+    etd_film_release(whole);
+    etd_film_release(part);
+}
+
 /* A program of the version without these fields: what lies behind its structure is not its options. */
 static void pass_options_of_the_first_version(void) {
     const size_t first = offsetof(etd_render_options, photon_radius);
@@ -247,5 +287,6 @@ void misuse_photons(void) {
     pass_whole_numbers();
     pass_other_numbers();
     read_settings_of_a_scene();
+    pass_parts_of_pictures();
     pass_options_of_the_first_version();
 }

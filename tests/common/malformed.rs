@@ -462,6 +462,38 @@ fn cameras(l: &mut List) {
             "\"type\": \"fisheye\",\n@\"fieldOfView\": 0",
             "fieldOfView: 0 degrees are out of range",
         ),
+        ("shifted too far", "@\"shift\": [0, 101]", "shift[1]: 101 is out of range, expected a number in [-100, 100]"),
+        ("shift of one number", "@\"shift\": [0.5]", "shift: wrong length 1, expected an array of length 2"),
+        (
+            "shift of a fisheye",
+            "\"type\": \"fisheye\",\n@\"shift\": [0, 0]",
+            "shift: a fisheye camera has no film to shift, expected a perspective or orthographic one",
+        ),
+        (
+            "shift of a view plane",
+            "\"type\": \"view-plane\",\n@\"shift\": [0, 0.5]",
+            "shift: a view-plane camera has no film to shift",
+        ),
+        (
+            "pixels without width",
+            "@\"pixelAspect\": 0",
+            "pixelAspect: 0 is out of range, expected a number in [0.01, 100]",
+        ),
+        (
+            "negative pixels of a cylinder",
+            "\"type\": \"cylindrical\",\n@\"pixelAspect\": -1",
+            "pixelAspect: -1 is out of range",
+        ),
+        (
+            "pixels of all directions",
+            "\"type\": \"spherical\",\n@\"pixelAspect\": 1",
+            "pixelAspect: a spherical camera spreads all directions over any resolution",
+        ),
+        (
+            "pixels of a view plane",
+            "\"type\": \"view-plane\",\n@\"pixelAspect\": 2",
+            "pixelAspect: the plane of a view-plane camera follows from the resolution alone",
+        ),
         (
             "lens of a fisheye",
             "\"type\": \"fisheye\",\n@\"lensRadius\": 0.1",
@@ -482,6 +514,17 @@ fn cameras(l: &mut List) {
 fn renders(l: &mut List) {
     for (name, block, expected) in [
         ("resolution of 0", "@\"resolution\": [0, 64]", "resolution"),
+        ("crop of three", "@\"crop\": [0, 0, 3]", "crop: wrong length 3"),
+        (
+            "crop of no pixel",
+            "@\"crop\": [0, 0, 0, 4]",
+            "crop[2]: 0 is out of range, expected a whole number from 1 to 256",
+        ),
+        (
+            "crop beyond the picture",
+            "\"resolution\": [8, 6],\n@\"crop\": [2, 5, 6, 2]",
+            "crop[3]: 2 is out of range, expected a whole number from 1 to 1",
+        ),
         ("resolution of one", "@\"resolution\": [64]", "resolution: wrong length 1"),
         ("resolution of three", "@\"resolution\": [64, 64, 3]", "resolution: too many elements"),
         ("resolution broken", "\"resolution\": [64,\n@64.5]", "resolution[1]: invalid value: floating point `64.5`"),

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use etendue::desc::{
-    BsdfDesc, CameraDesc, FovAxis, IntegratorDesc, MaterialDesc, MeshDesc, PointLightDesc, RenderDesc, SceneDesc,
-    ShapeDesc, SurfaceDesc,
+    BsdfDesc, CameraDesc, FilmDesc, FovAxis, IntegratorDesc, MaterialDesc, MeshDesc, PointLightDesc, RenderDesc,
+    SceneDesc, ShapeDesc, SurfaceDesc,
 };
 use etendue::film::Image;
 use etendue::math::{DAffine3, DVec3};
@@ -63,7 +63,7 @@ pub fn box_inside(min: DVec3, max: DVec3) -> MeshDesc {
 /// A camera at `eye` that looks at `look_at`, with the field of view `fov_deg` in degrees.
 pub fn camera(eye: DVec3, look_at: DVec3, fov_deg: f64) -> CameraDesc {
     let up = if (look_at - eye).normalize().y.abs() < 0.9 { DVec3::Y } else { DVec3::X };
-    CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Horizontal }
+    CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Horizontal, film: FilmDesc::default() }
 }
 
 /// A point light.

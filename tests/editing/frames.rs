@@ -1,6 +1,6 @@
 //! When a camera that moves takes the scene frame with it.
 
-use etendue::desc::{CameraDesc, FovAxis, SceneDesc, ShapeDesc};
+use etendue::desc::{CameraDesc, FilmDesc, FovAxis, SceneDesc, ShapeDesc};
 use etendue::math::{DAffine3, DVec3};
 use etendue::scene::Scene;
 use etendue::spectrum::Rgb;
@@ -84,7 +84,14 @@ fn parallel_rays_keep_the_frame_while_it_is_finer_than_their_pixels() {
     let above = |at: f64, size| {
         let eye = DVec3::new(at, 500.0, 0.0);
         let look_at = eye - DVec3::new(1.0, 3.0, 0.0);
-        CameraDesc::Orthographic { eye, look_at, up: DVec3::Y, size, axis: FovAxis::Horizontal }
+        CameraDesc::Orthographic {
+            eye,
+            look_at,
+            up: DVec3::Y,
+            size,
+            axis: FovAxis::Horizontal,
+            film: FilmDesc::default(),
+        }
     };
     let options = options(false);
     for size in [0.5, 10.0, 400.0] {

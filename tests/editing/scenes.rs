@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use etendue::buffer::Buffer;
 use etendue::desc::{
-    self, BsdfDesc, CameraDesc, FovAxis, HostMesh, LightDistribution, MaterialDesc, MeshDesc, PointLightDesc,
+    self, BsdfDesc, CameraDesc, FilmDesc, FovAxis, HostMesh, LightDistribution, MaterialDesc, MeshDesc, PointLightDesc,
     SceneDesc, ShapeDesc, SpotDesc, SurfaceDesc,
 };
 use etendue::math::{DAffine3, DQuat, DVec3};
@@ -131,6 +131,7 @@ pub fn studio(random: &mut Random) -> SceneDesc {
             up: DVec3::Y,
             fov_deg: 60.0,
             fov_axis: FovAxis::Horizontal,
+            film: FilmDesc::default(),
         },
         ..SceneDesc::default()
     };

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use etendue::ErrorKind;
-use etendue::film::Image;
+use etendue::film::{Image, Placement};
 use etendue::output::{self, Attribute, Format, ToneMap, WriteOptions};
 use etendue::spectrum::srgb_encode;
 
@@ -115,7 +115,7 @@ fn pfm_keeps_every_bit_and_has_the_documented_layout() {
         assert_same_bits(&output::read(&path).unwrap(), &image);
     }
 
-    let image = Image { width: 1, height: 2, rgb: vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0], layers: Vec::new() };
+    let image = Image { width: 1, height: 2, rgb: vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0], ..Image::default() };
     output::write(&image, &path, &WriteOptions::default()).unwrap();
     let mut expected = b"PF\n1 2\n-1.0\n".to_vec();
     expected.extend([4.0_f32, 5.0, 6.0, 1.0, 2.0, 3.0].iter().flat_map(|value| value.to_le_bytes()));
@@ -138,7 +138,7 @@ fn png_is_within_half_a_step() {
     let path = folder.path().join("image.png");
     let mut words = Words(4);
     let rgb = (0..3 * 61 * 43).map(|_| words.unit()).collect();
-    let image = Image { width: 61, height: 43, rgb, layers: Vec::new() };
+    let image = Image { width: 61, height: 43, rgb, ..Image::default() };
     output::write(&image, &path, &WriteOptions::default()).unwrap();
     let found = output::read(&path).unwrap();
     assert_eq!((found.width, found.height), (61, 43));
@@ -166,6 +166,44 @@ fn png_of_all_codes_is_read_and_written_back_the_same() {
     let pixel = output::read(&path).unwrap().pixel(0, 0);
     for (value, encoded) in pixel.into_iter().zip([65535.0_f64, 32896.0, 257.0].map(|code| code / 65535.0)) {
         assert!((f64::from(srgb_encode(value)) - encoded).abs() < 1e-6, "{value} for {encoded}");
+    }
+}
+
+#[test]
+fn exr_says_where_an_image_lies_in_its_picture() {
+    let folder = folder();
+    let path = folder.path().join("part.exr");
+    let plain = arbitrary_image(5, 20, true, 9);
+    for placement in [
+        None,
+        Some(Placement { origin: [7, 3], picture: [12, 23], pixel_aspect: 1.0 }),
+        Some(Placement { origin: [0, 0], picture: [5, 20], pixel_aspect: 1.0667 }),
+        Some(Placement { origin: [0, 100], picture: [1000, 600], pixel_aspect: 0.5 }),
+    ] {
+        let image = Image { placement, ..plain.clone() };
+        output::write(&image, &path, &WriteOptions::default()).unwrap();
+        assert_same_bits(&output::read(&path).unwrap(), &image);
+        assert_eq!(output::read(&path).unwrap().placement, placement);
+        let meta = exr::meta::MetaData::read_from_file(&path, false).unwrap();
+        let (header, shown) =
+            (&meta.headers[0], placement.unwrap_or(Placement { origin: [0; 2], picture: [5, 20], pixel_aspect: 1.0 }));
+        let window = header.shared_attributes.display_window;
+        assert_eq!([window.position.0, window.position.1], [0, 0]);
+        assert_eq!([window.size.0, window.size.1], shown.picture.map(|n| n as usize));
+        let position = header.own_attributes.layer_position;
+        assert_eq!([position.0, position.1], shown.origin.map(|n| n as i32));
+        assert_eq!(header.shared_attributes.pixel_aspect, shown.pixel_aspect);
+    }
+    let outside = [
+        Placement { origin: [8, 3], picture: [12, 23], pixel_aspect: 1.0 },
+        Placement { origin: [7, u32::MAX], picture: [12, 23], pixel_aspect: 1.0 },
+        Placement { origin: [0, 0], picture: [5, 1 << 31], pixel_aspect: 1.0 },
+        Placement { origin: [0, 0], picture: [5, 20], pixel_aspect: 0.0 },
+        Placement { origin: [0, 0], picture: [5, 20], pixel_aspect: f32::NAN },
+    ];
+    for placement in outside.map(Some) {
+        let error = output::write(&Image { placement, ..plain.clone() }, &path, &WriteOptions::default()).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Internal, "{placement:?}");
     }
 }
 

@@ -49,7 +49,7 @@ fn arbitrary_image(width: u32, height: u32, with_layers: bool, seed: u64) -> Ima
         let data = values(channels * pixels);
         Layer { name: name.to_owned(), channels, data }
     };
-    Image { width, height, rgb, layers: names.iter().map(layer).collect() }
+    Image { width, height, rgb, layers: names.iter().map(layer).collect(), ..Image::default() }
 }
 
 /// Equality of bits, which unlike `==` also tells NaN from NaN and zero from negative zero.
@@ -67,7 +67,7 @@ fn assert_same_bits(found: &Image, expected: &Image) {
 
 fn grey(values: &[f32]) -> Image {
     let rgb = values.iter().flat_map(|&value| [value; 3]).collect();
-    Image { width: values.len() as u32, height: 1, rgb, layers: Vec::new() }
+    Image { width: values.len() as u32, height: 1, rgb, ..Image::default() }
 }
 
 /// The display codes of grey pixels of these values.

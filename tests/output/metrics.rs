@@ -8,7 +8,7 @@ use super::grey;
 
 #[test]
 fn metrics_agree_with_values_computed_by_hand() {
-    let image = |rgb: [f32; 6]| Image { width: 1, height: 2, rgb: rgb.to_vec(), layers: Vec::new() };
+    let image = |rgb: [f32; 6]| Image { width: 1, height: 2, rgb: rgb.to_vec(), ..Image::default() };
     let a = image([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     let b = image([1.0, 1.0, 3.0, 4.0, 2.0, 8.0]);
     let metrics = output::compare(&a, &b).unwrap();

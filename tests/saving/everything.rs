@@ -4,13 +4,13 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use etendue::desc::{
-    BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, DistantLightDesc, Distribution, EnvironmentDesc,
-    EnvironmentMapDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis, HostMesh, ImageTextureDesc, IntegratorDesc,
-    KernelDesc, KeyPlace, LensDesc, LightDistribution, METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MeshStep,
-    MicrofacetsDesc, MotionDesc, MotionKey, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing, PointLightDesc,
-    PortalDesc, PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
-    SceneDesc, ShapeDesc, ShutterDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding, TextureChannel, TextureDesc,
-    TextureKey, TextureMapping, TextureSource,
+    BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, CropDesc, DistantLightDesc, Distribution,
+    EnvironmentDesc, EnvironmentMapDesc, FilmDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis, HostMesh,
+    ImageTextureDesc, IntegratorDesc, KernelDesc, KeyPlace, LensDesc, LightDistribution, METALS, Masking, MaterialDesc,
+    MediumDesc, MeshDesc, MeshStep, MicrofacetsDesc, MotionDesc, MotionKey, Panorama, PanoramaDesc, PhotonDesc,
+    PhotonSharing, PointLightDesc, PortalDesc, PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc,
+    RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, ShutterDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding,
+    TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
 };
 use etendue::emitter::SkyFormula;
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
@@ -488,17 +488,52 @@ pub fn skies() -> [EnvironmentDesc; 3] {
     ]
 }
 
-pub fn cameras() -> [CameraDesc; 12] {
+pub fn cameras() -> [CameraDesc; 16] {
     let (eye, look_at, up) = (DVec3::new(0.1, 1.0 / 3.0, 7.0), DVec3::new(0.2, 0.3, -0.0), DVec3::new(0.1, 2.0, 0.0));
     let fov_deg = 100.0 / 3.0;
-    let through = |lens| CameraDesc::ThinLens { eye, look_at, up, fov_deg, fov_axis: FovAxis::Vertical, lens };
+    let through = |lens| CameraDesc::ThinLens {
+        eye,
+        look_at,
+        up,
+        fov_deg,
+        fov_axis: FovAxis::Vertical,
+        lens,
+        film: FilmDesc::default(),
+    };
+    let film = FilmDesc { shift: [1.0 / 3.0, -0.1], pixel_aspect: 1.0 / 30.0 };
     let bent = |panorama| CameraDesc::Panoramic { eye, look_at, up, panorama };
     [
-        CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Vertical },
-        CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Horizontal },
+        CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Vertical, film: FilmDesc::default() },
+        CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Horizontal, film: FilmDesc::default() },
         CameraDesc::ViewPlane { centre: eye, look_at, up, fov_deg },
-        CameraDesc::Orthographic { eye, look_at, up, size: 7.0 / 3.0, axis: FovAxis::Horizontal },
-        CameraDesc::Orthographic { eye, look_at, up, size: 7.0 / 3.0, axis: FovAxis::Vertical },
+        CameraDesc::Orthographic {
+            eye,
+            look_at,
+            up,
+            size: 7.0 / 3.0,
+            axis: FovAxis::Horizontal,
+            film: FilmDesc::default(),
+        },
+        CameraDesc::Orthographic {
+            eye,
+            look_at,
+            up,
+            size: 7.0 / 3.0,
+            axis: FovAxis::Vertical,
+            film: FilmDesc::default(),
+        },
+        CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Horizontal, film },
+        CameraDesc::Orthographic { eye, look_at, up, size: 7.0 / 3.0, axis: FovAxis::Vertical, film },
+        CameraDesc::ThinLens {
+            eye,
+            look_at,
+            up,
+            fov_deg,
+            fov_axis: FovAxis::Horizontal,
+            lens: LensDesc::new(0.1),
+            film: FilmDesc { shift: [-0.0, 100.0], ..film },
+        },
+        bent(PanoramaDesc { pixel_aspect: 100.0 / 3.0, ..PanoramaDesc::new(Panorama::Cylindrical) }),
         bent(PanoramaDesc::new(Panorama::Spherical)),
         bent(PanoramaDesc { fov_deg, ..PanoramaDesc::new(Panorama::Cylindrical) }),
         bent(PanoramaDesc { fov_deg, ..PanoramaDesc::new(Panorama::Fisheye) }),
@@ -518,6 +553,7 @@ pub fn cameras() -> [CameraDesc; 12] {
 pub fn settings() -> Vec<RenderDesc> {
     let whole = RenderDesc {
         resolution: [33, 7],
+        crop: Some(CropDesc { left: 2, top: 0, width: 31, height: 3 }),
         samples: 5,
         sampler: SamplerDesc::Jittered,
         filter: FilterDesc::Gaussian { sigma: third(1.0) },

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use etendue::ErrorKind;
-use etendue::desc::{self, BsdfDesc, CameraDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook};
+use etendue::desc::{self, BsdfDesc, CameraDesc, FilmDesc, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook};
 use etendue::math::{DAffine3, DVec3};
 use etendue::spectrum::Rgb;
 
@@ -100,6 +100,7 @@ fn what_cannot_be_written_is_refused_and_leaves_everything_as_it_was() {
                     up: DVec3::Y,
                     fov_deg: 40.0,
                     fov_axis: Default::default(),
+                    film: FilmDesc::default(),
                 }
             }),
             ("render.samples", |scene| scene.render.samples = 0),

@@ -11,8 +11,9 @@ use std::time::{Duration, Instant};
 
 use etendue::Result;
 use etendue::desc::{
-    self, BsdfDesc, CacheDesc, FilterDesc, HostMesh, KernelDesc, LightDistribution, MAX_NEIGHBOURS, MAX_PHOTONS,
-    MeshDesc, PhotonDesc, PointLightDesc, RenderDesc, SceneDesc, SceneIndex, ShapeDesc, SpotDesc, SurfaceLook,
+    self, BsdfDesc, CacheDesc, CropDesc, FilterDesc, HostMesh, KernelDesc, LightDistribution, MAX_NEIGHBOURS,
+    MAX_PHOTONS, MeshDesc, PhotonDesc, PointLightDesc, RenderDesc, SceneDesc, SceneIndex, ShapeDesc, SpotDesc,
+    SurfaceLook,
 };
 use etendue::math::{Bounds, DAffine3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -224,9 +225,14 @@ fn base() -> SceneDesc {
 #[test]
 fn render_settings_are_checked_as_in_the_format() {
     let fine = RenderDesc::default();
+    let crop = |left, top, width, height| Some(CropDesc { left, top, width, height });
     let bad = [
         ("render.resolution[1]", RenderDesc { resolution: [4, 0], ..fine.clone() }),
         ("render.resolution", RenderDesc { resolution: [1 << 14; 2], ..fine.clone() }),
+        ("render.crop[0]", RenderDesc { crop: crop(fine.resolution[0], 0, 1, 1), ..fine.clone() }),
+        ("render.crop[1]", RenderDesc { crop: crop(0, u32::MAX, 1, 1), ..fine.clone() }),
+        ("render.crop[2]", RenderDesc { crop: crop(1, 0, fine.resolution[0], 1), ..fine.clone() }),
+        ("render.crop[3]", RenderDesc { crop: crop(0, 0, 1, 0), ..fine.clone() }),
         ("render.samples", RenderDesc { samples: 0, ..fine.clone() }),
         ("render.samples", RenderDesc { samples: u32::MAX, ..fine.clone() }),
         ("render.maxDepth", RenderDesc { max_depth: Some(0), ..fine.clone() }),

@@ -1,6 +1,6 @@
 //! Random calls: none panics, none that fails changes anything, and what is left builds or says why not.
 
-use etendue::desc::{BsdfDesc, CameraDesc, FovAxis, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook};
+use etendue::desc::{BsdfDesc, CameraDesc, FilmDesc, FovAxis, MeshDesc, SceneDesc, ShapeDesc, SurfaceLook};
 use etendue::math::{Bounds, DAffine3, DMat3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
@@ -46,6 +46,7 @@ fn edit(desc: &mut SceneDesc, kind: u8, n: [f64; 10], which: [usize; 3]) -> Resu
             up: r,
             fov_deg: 50.0 + 40.0 * j,
             fov_axis: FovAxis::Horizontal,
+            film: FilmDesc::default(),
         }),
         1 => desc.add_material(["", "m", "n"][which[0] % 3], bsdf, None).map(|_| ()),
         2 => desc.set_material(which[0], bsdf, (j > 0.5).then_some(j as f32)),

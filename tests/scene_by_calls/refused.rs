@@ -4,7 +4,7 @@ use std::path::Path;
 
 use etendue::buffer::Buffer;
 use etendue::desc::{
-    BsdfDesc, CameraDesc, FocusDesc, FovAxis, LensDesc, LightDistribution, MediumDesc, MeshDesc, Panorama,
+    BsdfDesc, CameraDesc, FilmDesc, FocusDesc, FovAxis, LensDesc, LightDistribution, MediumDesc, MeshDesc, Panorama,
     PanoramaDesc, PointLightDesc, RenderDesc, SceneDesc, ShapeDesc, SpotDesc, SurfaceLook,
 };
 use etendue::math::{Bounds, DAffine3, DMat3, DVec3};
@@ -25,10 +25,23 @@ fn bad<T>(
 }
 
 fn bad_cameras() -> Vec<(&'static str, &'static str, Call)> {
-    let with =
-        |eye, look_at, up, fov_deg| CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Vertical };
+    let with = |eye, look_at, up, fov_deg| CameraDesc::Perspective {
+        eye,
+        look_at,
+        up,
+        fov_deg,
+        fov_axis: FovAxis::Vertical,
+        film: FilmDesc::default(),
+    };
     let (nan, far) = (DVec3::new(0.0, f64::NAN, 0.0), DVec3::new(0.0, 0.0, 1e39));
-    let parallel = |size, axis| CameraDesc::Orthographic { eye: A, look_at: B, up: DVec3::Y, size, axis };
+    let parallel = |size, axis| CameraDesc::Orthographic {
+        eye: A,
+        look_at: B,
+        up: DVec3::Y,
+        size,
+        axis,
+        film: FilmDesc::default(),
+    };
     let bent = |kind, fov_deg| {
         let panorama = PanoramaDesc { fov_deg, ..PanoramaDesc::new(kind) };
         CameraDesc::Panoramic { eye: A, look_at: B, up: DVec3::Y, panorama }
@@ -40,6 +53,19 @@ fn bad_cameras() -> Vec<(&'static str, &'static str, Call)> {
         fov_deg: 60.0,
         fov_axis: FovAxis::Vertical,
         lens,
+        film: FilmDesc::default(),
+    };
+    let on = |shift, pixel_aspect| CameraDesc::Perspective {
+        eye: A,
+        look_at: B,
+        up: DVec3::Y,
+        fov_deg: 60.0,
+        fov_axis: FovAxis::Vertical,
+        film: FilmDesc { shift, pixel_aspect },
+    };
+    let stretched = |kind, pixel_aspect| {
+        let panorama = PanoramaDesc { pixel_aspect, ..PanoramaDesc::new(kind) };
+        CameraDesc::Panoramic { eye: A, look_at: B, up: DVec3::Y, panorama }
     };
     let plane = CameraDesc::ViewPlane { centre: far, look_at: A, up: DVec3::Y, fov_deg: 60.0 };
     vec![
@@ -59,6 +85,19 @@ fn bad_cameras() -> Vec<(&'static str, &'static str, Call)> {
         bad("camera.height", "NaN is beyond", move |desc| desc.set_camera(parallel(f64::NAN, FovAxis::Vertical))),
         bad("camera.lensRadius", "-1 is negative", move |desc| desc.set_camera(through(LensDesc::new(-1.0)))),
         bad("camera.lensRadius", "NaN is beyond", move |desc| desc.set_camera(through(LensDesc::new(f64::NAN)))),
+        bad("camera.shift[0]", "NaN is out of range", move |desc| desc.set_camera(on([f64::NAN, 0.0], 1.0))),
+        bad("camera.shift[1]", "-101 is out of range, expected a number in [-100, 100]", move |desc| {
+            desc.set_camera(on([0.0, -101.0], 1.0))
+        }),
+        bad("camera.pixelAspect", "0 is out of range, expected a number in [0.01, 100]", move |desc| {
+            desc.set_camera(on([0.0; 2], 0.0))
+        }),
+        bad("camera.pixelAspect", "NaN is out of range", move |desc| {
+            desc.set_camera(stretched(Panorama::Cylindrical, f64::NAN))
+        }),
+        bad("camera.pixelAspect", "a spherical camera spreads all directions", move |desc| {
+            desc.set_camera(stretched(Panorama::Spherical, 2.0))
+        }),
         bad("camera.focusDistance", "-3 is not above 0", move |desc| {
             desc.set_camera(through(LensDesc { focus: FocusDesc::Distance(-3.0), ..LensDesc::new(0.1) }))
         }),

@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     fn image(rgb: Vec<f32>) -> Image {
-        Image { width: 2, height: 1, rgb, layers: Vec::new() }
+        Image { width: 2, height: 1, rgb, ..Image::default() }
     }
 
     #[test]

@@ -87,6 +87,7 @@ pub fn plan(suite: &Suite, args: &BenchArgs) -> Result<Vec<BenchJob>, Failure> {
             for (index, case) in group.cases.iter().enumerate() {
                 let mut desc = suite.settings(number, index, &description.render)?;
                 desc.resolution = args.resolution.unwrap_or(desc.resolution);
+                desc.crop = None;
                 for threads in group.threads(args) {
                     let (name, budgets) = (case.name.clone(), group.budgets(args, &desc));
                     cases.push(Case { name, desc: desc.clone(), threads, budgets });

@@ -174,7 +174,7 @@ impl Canvas {
     fn into_image(self) -> Image {
         let linear = |byte: u8| srgb_decode(f32::from(byte) / 255.0);
         let rgb = self.pixels.into_iter().flatten().map(linear).collect();
-        Image { width: self.size[0] as u32, height: self.size[1] as u32, rgb, layers: Vec::new() }
+        Image { width: self.size[0] as u32, height: self.size[1] as u32, rgb, ..Image::default() }
     }
 }
 

@@ -266,6 +266,16 @@ pub struct etd_render_options {
     pub radiosity_memory: u32,
     /// An `etd_roulette`, for every integrator that follows paths.
     pub roulette: EtdRoulette,
+    /// Width of the picture in pixels, where the film is a rectangle of it and not all: 0, or with `picture_height` 2^26 pixels at
+    /// most. The pixels have the values that they have in the whole picture, except where adaptive sampling, a target error or a
+    /// time limit look at all pixels of the film. Renders of irradiance and of points ignore this and the next three fields.
+    pub picture_width: u32,
+    /// Height of the picture in pixels; 0 with a `picture_width` of 0.
+    pub picture_height: u32,
+    /// Column of the picture that is the film's first, from 0. The film ends inside the picture.
+    pub crop_left: u32,
+    /// Row of the picture that is the film's first, from 0 at the top. The film ends inside the picture.
+    pub crop_top: u32,
 }
 
 /// A phase of work.

@@ -100,7 +100,7 @@ pub struct etd_camera {
     pub fov_axis: EtdFovAxis,
     /// The eye, or the centre of the view plane.
     pub origin: [f64; 3],
-    /// A point that is seen in the middle of the image, other than `origin`.
+    /// A point that is seen in the middle of the image, or off it by `shift`, other than `origin`.
     pub look_at: [f64; 3],
     /// The direction that is up in the image, of any length and not parallel to the view direction.
     pub up: [f64; 3],
@@ -123,6 +123,11 @@ pub struct etd_camera {
     pub blade_rotation_deg: f64,
     /// Number by which the aperture's width is divided, after it is turned: 0.01 to 100. 0 means 1.
     pub squeeze: f64,
+    /// Perspective and orthographic cameras: how far the film is moved against the view axis, to the right in widths of the image and
+    /// upwards in heights of the image, each -100 to 100. 0 for other cameras.
+    pub shift: [f64; 2],
+    /// Width of a pixel over its height, 0.01 to 100. 0 means 1; view-plane and spherical cameras have 0.
+    pub pixel_aspect: f64,
 }
 
 /// How a surface scatters light.

@@ -1,6 +1,6 @@
 //! Cameras of nodes.
 
-use super::super::{CameraDesc, FovAxis, SceneDesc, camera_check, framing};
+use super::super::{CameraDesc, FilmDesc, FovAxis, SceneDesc, camera_check, framing};
 use super::accessor::unsupported;
 use super::document::{Camera, Document, called, element, missing};
 use super::nodes::Nodes;
@@ -65,8 +65,10 @@ pub(super) fn set(document: &Document<'_>, nodes: &Nodes, chosen: Option<&str>, 
     let look_at = eye + distance * forward;
     let axis = FovAxis::Vertical;
     let camera = match lens.height {
-        Height::Degrees(fov_deg) => CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: axis },
-        Height::Length(size) => CameraDesc::Orthographic { eye, look_at, up, size, axis },
+        Height::Degrees(fov_deg) => {
+            CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: axis, film: FilmDesc::default() }
+        }
+        Height::Length(size) => CameraDesc::Orthographic { eye, look_at, up, size, axis, film: FilmDesc::default() },
     };
     scene.camera = camera_check::camera(&format!("nodes[{node}].camera"), camera)?;
     Ok(())

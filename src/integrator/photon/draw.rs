@@ -64,7 +64,7 @@ pub fn draw(
             rgb[3 * pixel..][..3].copy_from_slice(&if photon.is_shadow() { [0.0; 3] } else { lit });
         }
     }
-    Ok(Image { width, height, rgb, layers: Vec::new() })
+    Ok(Image { width, height, rgb, ..Image::default() })
 }
 
 /// The scene in grey by how much a surface faces the eye; black where there is no surface.

@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 use super::{Render, RenderSettings};
 use crate::bsdf::{Bsdf, LobeMixture, Lobes};
 use crate::desc::{
-    BsdfDesc, CameraDesc, FovAxis, IntegratorDesc, PhotonDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceLook,
+    BsdfDesc, CameraDesc, FilmDesc, FovAxis, IntegratorDesc, PhotonDesc, RenderDesc, SceneDesc, ShapeDesc, SurfaceLook,
 };
 use crate::emitter::{Emitter, EmitterSet, EnvironmentEmitter, InfiniteBall};
 use crate::math::{DAffine3, DVec3};
@@ -91,7 +91,14 @@ impl Stage {
     fn camera(&mut self, eye: [f64; 3], look_at: [f64; 3], fov_deg: f64) {
         let (eye, look_at) = (DVec3::from_array(eye), DVec3::from_array(look_at));
         let up = if (look_at - eye).cross(DVec3::Y).length() > 1e-3 { DVec3::Y } else { DVec3::X };
-        self.desc.camera = CameraDesc::Perspective { eye, look_at, up, fov_deg, fov_axis: FovAxis::Horizontal };
+        self.desc.camera = CameraDesc::Perspective {
+            eye,
+            look_at,
+            up,
+            fov_deg,
+            fov_axis: FovAxis::Horizontal,
+            film: FilmDesc::default(),
+        };
     }
 
     fn build(&self) -> Scene {

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use etendue::camera::Camera;
-use etendue::desc::{CameraDesc, FovAxis};
+use etendue::desc::{CameraDesc, FilmDesc, FovAxis};
 use etendue::math::{DVec3, Vec3};
 use etendue::sampling::triangle_solid_angle;
 
@@ -15,7 +15,14 @@ pub fn cases() -> Vec<Entry> {
 
 /// Looks along -z from the origin.
 fn desc(fov_deg: f64, fov_axis: FovAxis) -> CameraDesc {
-    CameraDesc::Perspective { eye: DVec3::ZERO, look_at: DVec3::NEG_Z, up: DVec3::Y, fov_deg, fov_axis }
+    CameraDesc::Perspective {
+        eye: DVec3::ZERO,
+        look_at: DVec3::NEG_Z,
+        up: DVec3::Y,
+        fov_deg,
+        fov_axis,
+        film: FilmDesc::default(),
+    }
 }
 
 fn make(fov_deg: f64, fov_axis: FovAxis, resolution: [u32; 2]) -> Camera {
@@ -124,6 +131,7 @@ fn camera(case: &mut Case) {
             up: DVec3::new(0.1, 1.0, 0.0),
             fov_deg: 37.0,
             fov_axis: FovAxis::Vertical,
+            film: FilmDesc::default(),
         };
         let camera = Camera::new(&desc, [160, 120], shift).expect("a camera");
         (0..100)
@@ -144,6 +152,7 @@ fn camera(case: &mut Case) {
         up,
         fov_deg: 90.0,
         fov_axis: FovAxis::Horizontal,
+        film: FilmDesc::default(),
     };
     let bad = [
         with_up(DVec3::Y),

@@ -4,7 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use etendue::camera::Camera;
 use etendue::desc::{
-    BsdfDesc, CameraDesc, FocusDesc, FovAxis, IntegratorDesc, LensDesc, MeshDesc, RenderDesc, SceneDesc, ShapeDesc,
+    BsdfDesc, CameraDesc, FilmDesc, FocusDesc, FovAxis, IntegratorDesc, LensDesc, MeshDesc, RenderDesc, SceneDesc,
+    ShapeDesc,
 };
 use etendue::film::Image;
 use etendue::math::DVec3;
@@ -37,7 +38,15 @@ const TANGENT: f64 = 0.25;
 fn through(lens: LensDesc) -> CameraDesc {
     let fov_deg = 2.0 * TANGENT.atan().to_degrees();
     let (eye, look_at) = (DVec3::ZERO, DVec3::new(0.0, 0.0, -FOCUS));
-    CameraDesc::ThinLens { eye, look_at, up: DVec3::Y, fov_deg, fov_axis: FovAxis::Horizontal, lens }
+    CameraDesc::ThinLens {
+        eye,
+        look_at,
+        up: DVec3::Y,
+        fov_deg,
+        fov_axis: FovAxis::Horizontal,
+        lens,
+        film: FilmDesc::default(),
+    }
 }
 
 fn lens(blades: u32, blade_rotation_deg: f64, squeeze: f64) -> LensDesc {

@@ -3,7 +3,9 @@
 //! the same for builds and instruction sets.
 
 mod camera;
+mod crop;
 mod display;
+mod film;
 mod lens;
 mod panoramas;
 mod parallel;
@@ -24,6 +26,8 @@ pub fn cases() -> Vec<Entry> {
     [
         sums::cases(),
         camera::cases(),
+        film::cases(),
+        crop::cases(),
         lens::cases(),
         panoramas::cases(),
         parallel::cases(),

@@ -20,7 +20,7 @@ pub fn cases() -> Vec<Entry> {
 const SIZE: [u32; 2] = [64, 32];
 
 fn look(kind: Panorama, fov_deg: f64, fov_axis: FovAxis) -> CameraDesc {
-    let panorama = PanoramaDesc { kind, fov_deg, fov_axis };
+    let panorama = PanoramaDesc { kind, fov_deg, fov_axis, pixel_aspect: 1.0 };
     CameraDesc::Panoramic { eye: DVec3::ZERO, look_at: DVec3::NEG_Z, up: DVec3::Y, panorama }
 }
 

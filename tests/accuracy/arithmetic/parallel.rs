@@ -1,7 +1,7 @@
 //! Orthographic cameras: what a pixel sees.
 
 use etendue::camera::Camera;
-use etendue::desc::{BsdfDesc, CameraDesc, FovAxis, RenderDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{BsdfDesc, CameraDesc, FilmDesc, FovAxis, RenderDesc, SceneDesc, ShapeDesc};
 use etendue::film::Image;
 use etendue::math::DVec3;
 use etendue::spectrum::Rgb;
@@ -23,7 +23,14 @@ const RIGHT: DVec3 = DVec3::new(0.8, 0.0, 0.6);
 const EYE: DVec3 = DVec3::new(3.0, -1.0, 2.0);
 
 fn desc(size: f64, axis: FovAxis) -> CameraDesc {
-    CameraDesc::Orthographic { eye: EYE, look_at: EYE + 5.0 * FORWARD, up: DVec3::new(0.1, 2.0, 0.1), size, axis }
+    CameraDesc::Orthographic {
+        eye: EYE,
+        look_at: EYE + 5.0 * FORWARD,
+        up: DVec3::new(0.1, 2.0, 0.1),
+        size,
+        axis,
+        film: FilmDesc::default(),
+    }
 }
 
 /// A light of `half` to each side around the point that is `right` and `up` of the middle at distance `depth`.
@@ -73,6 +80,7 @@ fn parallel(case: &mut Case) {
         up: DVec3::Y,
         size: 8.0,
         axis: FovAxis::Horizontal,
+        film: FilmDesc::default(),
     };
     let samples = case.count(256, 4096);
     for depth in [0.5, 40.0, 3000.0] {

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
 use etendue::desc::{
-    BsdfDesc, CameraDesc, FilterDesc, IntegratorDesc, MeshDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc,
+    BsdfDesc, CameraDesc, FilmDesc, FilterDesc, IntegratorDesc, MeshDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc,
 };
 use etendue::film::{Image, LayerKind};
 use etendue::math::DVec3;
@@ -174,6 +174,7 @@ fn floor(albedo: f32) -> SceneDesc {
         up: DVec3::X,
         fov_deg: 0.2,
         fov_axis: etendue::desc::FovAxis::Horizontal,
+        film: FilmDesc::default(),
     };
     let mut desc = scene(eye, vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, grey(albedo), None)]);
     let corners = [(-4.0, -4.0), (-4.0, 4.0), (4.0, 4.0), (4.0, -4.0)];

@@ -4,7 +4,7 @@ use super::*;
 use crate::textures::scenes::vary;
 use crate::textures::{described, image as texels};
 use etendue::desc::{
-    CameraDesc, FovAxis, PrincipledDesc, Projection, ShapeDesc, TextureDesc, TextureKey, TextureMapping,
+    CameraDesc, FilmDesc, FovAxis, PrincipledDesc, Projection, ShapeDesc, TextureDesc, TextureKey, TextureMapping,
 };
 use etendue::texture::{ColorSpace, TextureFilter};
 
@@ -63,7 +63,14 @@ fn through_liquid(colour: f64, left: [f64; 3]) -> f64 {
 fn straight(case: &mut Case) {
     const DARK: f32 = 0.25;
     let (eye, axis) = (DVec3::Z * 4.0, FovAxis::Horizontal);
-    let view = CameraDesc::Orthographic { eye, look_at: DVec3::ZERO, up: DVec3::Y, size: 2.0, axis };
+    let view = CameraDesc::Orthographic {
+        eye,
+        look_at: DVec3::ZERO,
+        up: DVec3::Y,
+        size: 2.0,
+        axis,
+        film: FilmDesc::default(),
+    };
     let tint = Rgb::new(0.5, 1.0, 3.0);
     let block = |half: f64, depth: f64| {
         let size = DVec3::new(half, half, depth);

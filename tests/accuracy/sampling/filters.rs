@@ -2,7 +2,7 @@
 //! lights.
 
 use etendue::desc::{
-    BsdfDesc, CameraDesc, FilterDesc, FovAxis, MeshDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc,
+    BsdfDesc, CameraDesc, FilmDesc, FilterDesc, FovAxis, MeshDesc, RenderDesc, SamplerDesc, SceneDesc, ShapeDesc,
 };
 use etendue::film::Image;
 use etendue::math::DVec3;
@@ -129,6 +129,7 @@ fn light(columns: [f64; 2], rows: [f64; 2]) -> SceneDesc {
         up: DVec3::Y,
         fov_deg: 90.0,
         fov_axis: FovAxis::Horizontal,
+        film: FilmDesc::default(),
     };
     let black = BsdfDesc::Lambert { albedo: Rgb::ZERO };
     let mut desc = scene(camera, vec![(ShapeDesc::Mesh { mesh: 0, smooth: false }, black, Some(Rgb::ONE))]);

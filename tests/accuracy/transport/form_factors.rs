@@ -5,7 +5,7 @@
 use super::{Known, ball, converges, grey, measure, mesh, parallelogram, pick};
 use crate::common::scenes::{Job, camera, scene};
 use crate::record::{Case, Entry};
-use etendue::desc::{BsdfDesc, CameraDesc, IntegratorDesc, MeshDesc, SceneDesc, ShapeDesc};
+use etendue::desc::{BsdfDesc, CameraDesc, FilmDesc, IntegratorDesc, MeshDesc, SceneDesc, ShapeDesc};
 use etendue::math::DVec3;
 use etendue::spectrum::Rgb;
 
@@ -25,7 +25,7 @@ fn above(x: f64, y: f64, height: f64) -> CameraDesc {
     let middle = 0.5 * DVec3::new(x, y, 0.0);
     match camera(middle + height * DVec3::Z, middle, 2.0 * (0.5 * x / height).atan().to_degrees()) {
         CameraDesc::Perspective { eye, look_at, fov_deg, fov_axis, .. } => {
-            CameraDesc::Perspective { eye, look_at, up: DVec3::Y, fov_deg, fov_axis }
+            CameraDesc::Perspective { eye, look_at, up: DVec3::Y, fov_deg, fov_axis, film: FilmDesc::default() }
         }
         other => other,
     }
