@@ -3,6 +3,7 @@
 //! A light of radiance 1 that fills the configuration factor F of a receiver's hemisphere makes the irradiance pi F there,
 //! and the radiance F of a white Lambert receiver.
 
+mod clear_sky;
 mod hierarchy;
 mod many;
 mod points;
@@ -42,6 +43,7 @@ pub fn cases() -> Vec<Entry> {
         weights::cases(),
         hierarchy::cases(),
         sky::cases(),
+        clear_sky::cases(),
         round::cases(),
     ];
     topics.into_iter().flatten().collect()
