@@ -65,7 +65,7 @@
 #define ETD_TEXTURE_BINDING_INIT {sizeof(etd_texture_binding), ETD_NONE, ETD_CHANNEL_DEFAULT, 1, 0}
 #define ETD_ENVIRONMENT_MAP_INIT {sizeof(etd_environment_map), ETD_NONE, ETD_SKY_LATLONG, {1, 1, 1}, 0, {0, 1, 0}, 0}
 #define ETD_DISTANT_LIGHT_INIT {sizeof(etd_distant_light), {0, 1, 0}, {1, 1, 1}, 0, 0}
-#define ETD_SKY_INIT {sizeof(etd_sky), 12, 0, {1, 1, 1}, {0, 0, 0}, 0, 0, {0, 1, 0}, {0, 1, 0}, {0, 0, 0, 0, 0}}
+#define ETD_SKY_INIT {sizeof(etd_sky), 12, 0, {1, 1, 1}, {0, 0, 0}, 0, 0, {0, 1, 0}, {0, 1, 0}, {0, 0, 0, 0, 0}, 0, 0.533, 0, 0}
 #define ETD_SPOT_LIGHT_INIT {sizeof(etd_spot_light), {0, 0, 0}, {0, -1, 0}, {1, 1, 1}, 45, 0}
 #define ETD_WEB_LIGHT_INIT \
     {sizeof(etd_web_light), NULL, NULL, 0, {0, 0, 0}, {0, -1, 0}, {1, 0, 0}, {1, 1, 1}}
@@ -2368,7 +2368,8 @@ typedef struct etd_distant_light {
 } etd_distant_light;
 
 /**
- * A sky by a formula of the angles to the zenith and to the sun, over a ground. The disk of the sun is an `etd_distant_light`.
+ * A sky by a formula of the angles to the zenith and to the sun, over a ground. The disk of the sun is an `etd_distant_light`, or comes with
+ * the sky of a `turbidity`.
  */
 typedef struct etd_sky {
     /**
@@ -2377,7 +2378,7 @@ typedef struct etd_sky {
     size_t struct_size;
     /**
      * Type of the CIE's general sky, 1 to 15: 1 is the overcast sky, 5 an even one, 12 the clear one; 0: the formula of Perez and
-     * others, with `perez`.
+     * others, with `perez`, or with `turbidity` the clear sky of Hosek and Wilkie.
      */
     uint32_t cie;
     /**
@@ -2385,7 +2386,8 @@ typedef struct etd_sky {
      */
     uint32_t horizontal;
     /**
-     * What `horizontal` says, each channel >= 0.
+     * What `horizontal` says, each channel >= 0. With `turbidity` a factor on the sky's own radiance and on that of its sun, and
+     * `horizontal` must be 0.
      */
     float radiance[3];
     /**
@@ -2401,7 +2403,7 @@ typedef struct etd_sky {
      */
     uint32_t reserved;
     /**
-     * The direction towards the sun, above the horizon. `etd_sun_direction` has it for places and times.
+     * The direction towards the sun, above the horizon; with `turbidity` not below it. `etd_sun_direction` has it for places and times.
      */
     double sun[3];
     /**
@@ -2410,9 +2412,27 @@ typedef struct etd_sky {
     double up[3];
     /**
      * The numbers a to e of the formula (1 + a exp(b / cos Z)) (1 + c exp(d chi) + e cos^2 chi), of the angle Z to the zenith and chi
-     * to the sun. Not used with `cie`.
+     * to the sun. Not used with `cie` or `turbidity`.
      */
     double perez[5];
+    /**
+     * How hazy the air of the clear sky of Hosek and Wilkie is, in [1, 10]: 2 is very clear, 3 clear, 6 warm and moist; 0: another
+     * formula. Its radiance is in W m^-2 sr^-1 per channel of linear Rec. 709, and includes what `ground` sends back to the sky.
+     */
+    double turbidity;
+    /**
+     * With `turbidity`: angular diameter of the disk of the sun, degrees in [0, 180]; 0: parallel light. The irradiance is that of the real
+     * sun in any case.
+     */
+    double angle_deg;
+    /**
+     * With `turbidity`: 1: the sky alone; 0: with the disk of its sun.
+     */
+    uint32_t no_disk;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved_1;
 } etd_sky;
 
 /**
@@ -3550,9 +3570,11 @@ etd_status etd_scene_get_distant_light(const struct etd_scene *scene,
  * `etd_scene_set_environment` and `etd_scene_set_environment_map`.
  *
  * Errors: `ETD_INVALID_SCENE` for numbers beyond their range, a sun below the horizon and a
- * formula that gives no light; `ETD_INVALID_ARGUMENT` for a type that the CIE does not have. Thread-safe.
+ * formula that gives no light; `ETD_INVALID_ARGUMENT` for a type that the CIE does not have, and for a `turbidity` beside `cie` or
+ * `horizontal`. Thread-safe.
  */
-etd_status etd_scene_set_sky(struct etd_scene *scene, const struct etd_sky *sky);
+etd_status etd_scene_set_sky(struct etd_scene *scene,
+                             const struct etd_sky *sky);
 
 /**
  * Returns the sky by a formula as described now. Where there is none, its radiance is 0. Thread-safe.

@@ -15,7 +15,7 @@ make --no-print-directory install PREFIX=/usr LIBDIR= DESTDIR="$root"
 # dpkg keeps a list of its own.
 rm -r "$root/usr/share/etendue"
 for page in "$root"/usr/share/man/man1/*.1; do gzip -9n "$page"; done
-cat LICENSE LICENSE-MIT LICENSE-APACHE >"$root/usr/share/doc/etendue/copyright"
+cat LICENSE LICENSE-MIT LICENSE-APACHE src/emitter/hosek_wilkie/LICENSE >"$root/usr/share/doc/etendue/copyright"
 
 library=$(ls "$root"/usr/lib/*/libetendue.so."$version")
 # dpkg-shlibdeps wants to stand beside a debian/control; that the library in the package itself needs none is said to it.

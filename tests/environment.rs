@@ -8,8 +8,8 @@ use std::sync::Arc;
 use common::scenes::{Job, render_scene};
 use etendue::ErrorKind;
 use etendue::desc::{
-    self, BsdfDesc, EnvironmentDesc, EnvironmentMapDesc, ImageTextureDesc, IntegratorDesc, PortalDesc, RenderDesc,
-    SceneDesc, ShapeDesc, SkyDesc, SurfaceLook, TextureDesc, TextureMapping, TextureSource,
+    self, BsdfDesc, EnvironmentDesc, EnvironmentMapDesc, HosekWilkieDesc, ImageTextureDesc, IntegratorDesc, PortalDesc,
+    RenderDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceLook, TextureDesc, TextureMapping, TextureSource,
 };
 use etendue::math::{DAffine3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -329,6 +329,18 @@ fn an_edited_sky_is_that_of_a_new_scene() {
         TextureDesc { source: TextureSource::Procedural(brighter), ..TextureDesc::clone(&scene.textures[texture]) };
     scene.set_texture(texture, brighter).unwrap();
     assert!(seen.insert(check(&mut built, &scene)));
+    // A clear sky, whose sun, ground and diameter change.
+    let clear = HosekWilkieDesc::new(3.0, DVec3::new(1.0, 0.5, 1.0));
+    let hazy = HosekWilkieDesc { turbidity: 6.5, ..clear };
+    let late = HosekWilkieDesc { sun: DVec3::X, ..hazy };
+    let bright = HosekWilkieDesc { ground: Rgb::splat(0.5), ..hazy };
+    let wide = HosekWilkieDesc { disk_deg: Some(20.0), ..hazy };
+    let alone = HosekWilkieDesc { disk_deg: None, ..hazy };
+    for (change, sky) in [clear, hazy, late, bright, wide, alone].into_iter().enumerate() {
+        let sky = EnvironmentDesc { sky: SkyDesc::HosekWilkie(sky), ..EnvironmentDesc::even(Rgb::splat(0.02)) };
+        scene.set_environment_desc(Some(sky)).unwrap();
+        assert!(seen.insert(check(&mut built, &scene)), "clear sky, {change}");
+    }
     scene.set_environment(None).unwrap();
     let black = check(&mut built, &scene);
     assert!(black.iter().all(|value| *value == 0) && built.warnings()[0].contains("nothing in the scene emits light"));

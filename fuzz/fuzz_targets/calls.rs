@@ -32,8 +32,17 @@ enum Call {
     EnvironmentMap { texture: u8, projection: u8, hidden: u8, radiance: [f32; 3], up: [f64; 3], rotation: f64 },
     SaneEnvironmentMap { texture: u8, rotation: i8 },
     DistantLight { light: Option<u8>, towards: [f64; 3], irradiance: [f32; 3], angle: f64, hidden: u8 },
-    Sky { cie: u8, flags: [u8; 2], radiance: [f32; 3], ground: [f32; 3], perez: [f64; 5], sun: [f64; 3], up: [f64; 3] },
-    SaneSky { cie: u8, sun: [i8; 2], angle: u8 },
+    Sky {
+        cie: u8,
+        flags: [u8; 3],
+        radiance: [f32; 3],
+        ground: [f32; 3],
+        perez: [f64; 5],
+        turbidity: Option<[f64; 2]>,
+        sun: [f64; 3],
+        up: [f64; 3],
+    },
+    SaneSky { cie: u8, sun: [i8; 2], angle: u8, turbidity: u8 },
     Sun { place: [f64; 3] },
     AddShape { kind: u8, numbers: [f64; 12], material: u8, emission: [f32; 3], transform: Option<[f64; 12]> },
     SaneShape { kind: u8, numbers: [i8; 12], material: u8, glow: u8, shift: [i8; 3] },
@@ -471,9 +480,13 @@ impl World {
                     let mut out: etd_distant_light = sized();
                     fine(etd_scene_get_distant_light(scene, u32::from(light.unwrap_or(0) % 4), &raw mut out));
                 }
-                Call::Sky { cie, flags, radiance, ground, perez, sun, up } => {
+                Call::Sky { cie, flags, radiance, ground, perez, turbidity, sun, up } => {
+                    let [turbidity, angle_deg] = turbidity.unwrap_or_default();
                     let it = etd_sky {
                         cie: u32::from(cie % 17),
+                        turbidity,
+                        angle_deg,
+                        no_disk: u32::from(flags[2]),
                         horizontal: u32::from(flags[0]),
                         radiance,
                         ground,
@@ -487,10 +500,12 @@ impl World {
                     let mut out: etd_sky = sized();
                     fine(etd_scene_get_sky(scene, &raw mut out));
                 }
-                Call::SaneSky { cie, sun, angle } => {
+                Call::SaneSky { cie, sun, angle, turbidity } => {
                     let sun = [f64::from(sun[0]), 40.0, f64::from(sun[1])];
                     let it = etd_sky {
-                        cie: u32::from(cie % 15 + 1),
+                        cie: if turbidity < 10 { u32::from(cie % 15 + 1) } else { 0 },
+                        turbidity: if turbidity < 10 { 0.0 } else { f64::from(turbidity % 91 + 10) * 0.1 },
+                        angle_deg: f64::from(angle) * 0.5,
                         radiance: [1.0; 3],
                         sun,
                         up: [0.0, 1.0, 0.0],

@@ -6,8 +6,8 @@ use super::read::flag;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
 use super::types::{etd_distant_light, etd_sky};
-use crate::desc::{DistantLightDesc, EnvironmentDesc, FormulaSkyDesc, SkyDesc, sun_direction};
-use crate::emitter::SkyFormula;
+use crate::desc::{DistantLightDesc, EnvironmentDesc, FormulaSkyDesc, HosekWilkieDesc, SkyDesc, sun_direction};
+use crate::emitter::{SUN_DIAMETER_DEG, SkyFormula};
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 
@@ -87,7 +87,8 @@ pub unsafe extern "C" fn etd_scene_get_distant_light(
 /// `etd_scene_set_environment` and `etd_scene_set_environment_map`.
 ///
 /// Errors: `ETD_INVALID_SCENE` for numbers beyond their range, a sun below the horizon and a
-/// formula that gives no light; `ETD_INVALID_ARGUMENT` for a type that the CIE does not have. Thread-safe.
+/// formula that gives no light; `ETD_INVALID_ARGUMENT` for a type that the CIE does not have, and for a `turbidity` beside `cie` or
+/// `horizontal`. Thread-safe.
 ///
 /// # Safety
 /// Each pointer must be NULL or point to a value of its type.
@@ -111,24 +112,13 @@ pub unsafe extern "C" fn etd_scene_get_sky(scene: *const etd_scene, out_sky: *mu
     // SAFETY: the caller keeps this function's contract.
     unsafe {
         on(scene, |scene| {
-            let even = SkyFormula { numbers: [0.0; 5], is_cie: false };
-            let none = (EnvironmentDesc::even(Rgb::ZERO), FormulaSkyDesc::new(even, DVec3::Y));
-            let desc = scene.desc();
-            let (it, sky) = match &desc.environment {
-                Some(it @ EnvironmentDesc { sky: SkyDesc::Formula(sky), .. }) => (it, sky),
-                _ => (&none.0, &none.1),
-            };
-            let value = etd_sky {
-                struct_size: size_of::<etd_sky>(),
-                cie: sky.formula.cie_number().unwrap_or(0),
-                horizontal: u32::from(sky.is_horizontal),
-                radiance: it.radiance.to_array(),
-                ground: sky.ground.to_array(),
-                hidden: u32::from(!it.visible),
-                reserved: 0,
-                perez: sky.formula.numbers,
-                sun: sky.sun.to_array(),
-                up: sky.up.to_array(),
+            let value = match &scene.desc().environment {
+                Some(it @ EnvironmentDesc { sky: SkyDesc::Formula(sky), .. }) => formula_value(it, sky),
+                Some(it @ EnvironmentDesc { sky: SkyDesc::HosekWilkie(sky), .. }) => hosek_wilkie_value(it, sky),
+                _ => {
+                    let even = SkyFormula { numbers: [0.0; 5], is_cie: false };
+                    formula_value(&EnvironmentDesc::even(Rgb::ZERO), &FormulaSkyDesc::new(even, DVec3::Y))
+                }
             };
             write_sized(out_sky, "out_sky", value)
         })
@@ -175,25 +165,86 @@ fn distant(it: &etd_distant_light) -> Result<DistantLightDesc> {
     })
 }
 
-fn environment(it: &etd_sky) -> Result<EnvironmentDesc> {
-    if it.reserved != 0 {
-        return Err(Failure::argument("sky.reserved must be 0".to_owned()));
+fn formula_value(it: &EnvironmentDesc, sky: &FormulaSkyDesc) -> etd_sky {
+    etd_sky {
+        struct_size: size_of::<etd_sky>(),
+        cie: sky.formula.cie_number().unwrap_or(0),
+        horizontal: u32::from(sky.is_horizontal),
+        radiance: it.radiance.to_array(),
+        ground: sky.ground.to_array(),
+        hidden: u32::from(!it.visible),
+        reserved: 0,
+        sun: sky.sun.to_array(),
+        up: sky.up.to_array(),
+        perez: sky.formula.numbers,
+        turbidity: 0.0,
+        angle_deg: SUN_DIAMETER_DEG,
+        no_disk: 0,
+        reserved_1: 0,
     }
+}
+
+fn hosek_wilkie_value(it: &EnvironmentDesc, sky: &HosekWilkieDesc) -> etd_sky {
+    etd_sky {
+        struct_size: size_of::<etd_sky>(),
+        cie: 0,
+        horizontal: 0,
+        radiance: it.radiance.to_array(),
+        ground: sky.ground.to_array(),
+        hidden: u32::from(!it.visible),
+        reserved: 0,
+        sun: sky.sun.to_array(),
+        up: sky.up.to_array(),
+        perez: [0.0; 5],
+        turbidity: sky.turbidity,
+        angle_deg: sky.disk_deg.unwrap_or(SUN_DIAMETER_DEG),
+        no_disk: u32::from(sky.disk_deg.is_none()),
+        reserved_1: 0,
+    }
+}
+
+fn environment(it: &etd_sky) -> Result<EnvironmentDesc> {
+    for (name, value) in [("reserved", it.reserved), ("reserved_1", it.reserved_1)] {
+        if value != 0 {
+            return Err(Failure::argument(format!("sky.{name} must be 0")));
+        }
+    }
+    let sky =
+        if it.turbidity == 0.0 { SkyDesc::Formula(formula(it)?) } else { SkyDesc::HosekWilkie(hosek_wilkie(it)?) };
+    Ok(EnvironmentDesc {
+        sky,
+        visible: !flag("sky.hidden", it.hidden)?,
+        ..EnvironmentDesc::even(Rgb::from_array(it.radiance))
+    })
+}
+
+fn hosek_wilkie(it: &etd_sky) -> Result<HosekWilkieDesc> {
+    for (name, value) in [("cie", it.cie), ("horizontal", it.horizontal)] {
+        if value != 0 {
+            return Err(Failure::argument(format!("sky.{name} is {value}, expected 0 with sky.turbidity")));
+        }
+    }
+    let has_disk = !flag("sky.no_disk", it.no_disk)?;
+    Ok(HosekWilkieDesc {
+        turbidity: it.turbidity,
+        sun: DVec3::from_array(it.sun),
+        up: DVec3::from_array(it.up),
+        ground: Rgb::from_array(it.ground),
+        disk_deg: has_disk.then_some(it.angle_deg),
+    })
+}
+
+fn formula(it: &etd_sky) -> Result<FormulaSkyDesc> {
     let formula = match it.cie {
         0 => SkyFormula { numbers: it.perez, is_cie: false },
         number => SkyFormula::cie(number)
             .ok_or_else(|| Failure::argument(format!("sky.cie is {number}, expected a type from 1 to 15, or 0")))?,
     };
-    let sky = FormulaSkyDesc {
+    Ok(FormulaSkyDesc {
         formula,
         sun: DVec3::from_array(it.sun),
         up: DVec3::from_array(it.up),
         is_horizontal: flag("sky.horizontal", it.horizontal)?,
         ground: Rgb::from_array(it.ground),
-    };
-    Ok(EnvironmentDesc {
-        sky: SkyDesc::Formula(sky),
-        visible: !flag("sky.hidden", it.hidden)?,
-        ..EnvironmentDesc::even(Rgb::from_array(it.radiance))
     })
 }

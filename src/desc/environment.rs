@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::json::join;
-use super::{SceneDesc, texture_check, validate};
+use super::{HosekWilkieDesc, SceneDesc, texture_check, validate};
 use crate::emitter::{FormulaSky, SkyFormula};
 use crate::math::{DMat3, DQuat, DVec3};
 use crate::shape::Triangle;
@@ -15,8 +15,8 @@ use crate::{Error, Result};
 pub struct EnvironmentDesc {
     /// JSON path, for messages.
     pub path: String,
-    /// Radiance from every direction [W m^-2 sr^-1], each channel >= 0; a factor on the texture's where there is one. Of a sky by a
-    /// formula it is what [`FormulaSkyDesc::is_horizontal`] says.
+    /// Radiance from every direction [W m^-2 sr^-1], each channel >= 0; a factor on the texture's where there is one, and on that
+    /// of [`HosekWilkieDesc`]. Of another sky by a formula it is what [`FormulaSkyDesc::is_horizontal`] says.
     pub radiance: Rgb,
     /// What varies the radiance by direction.
     pub sky: SkyDesc,
@@ -72,7 +72,7 @@ impl EnvironmentDesc {
     pub fn map(&self) -> Option<&EnvironmentMapDesc> {
         match &self.sky {
             SkyDesc::Map(map) => Some(map),
-            SkyDesc::Even | SkyDesc::Formula(_) => None,
+            SkyDesc::Even | SkyDesc::Formula(_) | SkyDesc::HosekWilkie(_) => None,
         }
     }
 }
@@ -87,6 +87,8 @@ pub enum SkyDesc {
     Map(EnvironmentMapDesc),
     /// By a formula of the angles to the zenith and to the sun.
     Formula(FormulaSkyDesc),
+    /// The clear sky of Hosek and Wilkie, with its sun.
+    HosekWilkie(HosekWilkieDesc),
 }
 
 /// A sky by a formula, over a ground. The disk of the sun is a light of its own, [`super::DistantLightDesc`].
@@ -165,7 +167,7 @@ impl EnvironmentMapDesc {
 }
 
 /// The turn of +y to `up` by the shortest way.
-fn y_to(up: DVec3) -> DQuat {
+pub(super) fn y_to(up: DVec3) -> DQuat {
     let up = up.normalize_or(DVec3::Y);
     if up.y < -1.0 + 1e-12 { DQuat::from_rotation_x(PI) } else { DQuat::from_rotation_arc(DVec3::Y, up) }
 }

@@ -55,6 +55,7 @@ mod framing;
 mod gltf;
 mod grid;
 mod grid_keys;
+mod hosek_wilkie;
 mod index;
 mod integrator;
 mod json;
@@ -110,6 +111,7 @@ pub use environment::{
 pub(crate) use file::open as open_file;
 pub use grid::{GridDesc, GridPoints, MAX_GRID_POINTS, PlaneGridDesc};
 pub use grid_keys::{load_grids, parse_grids};
+pub use hosek_wilkie::HosekWilkieDesc;
 pub use index::SceneIndex;
 pub use integrator::{
     Bias, IntegratorDesc, IntegratorInfo, LobeSupport, LobeUse, MapRenewal, PhotonMethod, Preparation, SampleOrder,

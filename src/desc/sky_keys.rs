@@ -12,10 +12,10 @@ use super::numbers::{unless, unless_color};
 use super::photometric::{LightKeys, Unit};
 use super::save::{self, Names};
 use super::{
-    DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, PortalDesc, SkyDesc, SkyProjection, numbers,
-    sun_direction, texture_check, validate,
+    DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, FormulaSkyDesc, HosekWilkieDesc, PortalDesc, SkyDesc,
+    SkyProjection, numbers, sun_direction, texture_check, validate,
 };
-use crate::emitter::SkyFormula;
+use crate::emitter::{SUN_DIAMETER_DEG, SkyFormula};
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
@@ -110,11 +110,13 @@ enum DistantTag {
 pub(super) struct FormulaSky {
     #[serde(rename = "type")]
     _type: SkyTag,
-    /// Type of the CIE's general sky, 1 to 15: 1 is the overcast sky, 5 an even one, 12 the clear one. Required, or `perez`.
+    /// Type of the CIE's general sky, 1 to 15: 1 is the overcast sky, 5 an even one, 12 the clear one. Required, or `perez`, or `turbidity`.
     cie: Option<u32>,
     /// The numbers a to e of the formula of Perez and others, in place of `cie`.
     perez: Option<[f64; 5]>,
-    /// Times `intensity`: what `scale` says. Required, or `temperature`, or a `unit`.
+    /// The clear sky of Hosek and Wilkie, with its sun, in place of `cie`: how hazy the air is, in [1, 10]. It has radiance of its own.
+    turbidity: Option<f64>,
+    /// Times `intensity`: what `scale` says. Required, or `temperature`, or a `unit`. With a `turbidity` a factor on the radiance of sky and sun, default [1, 1, 1].
     color: Option<[f64; 3]>,
     /// Factor on `color`; with a `unit` the luminous quantity, above 0, to whose luminance `color` is scaled. Default 1; required with a `unit`.
     intensity: Option<f64>,
@@ -130,8 +132,12 @@ pub(super) struct FormulaSky {
     sun_at: Option<SunAt>,
     /// The direction of the zenith. Default [0, 1, 0].
     up: Option<[f64; 3]>,
-    /// The share of the light that the ground sends back from below the horizon, in [0, 1] per channel. Default 0.
+    /// The share of the light that the ground sends back from below the horizon, in [0, 1] per channel. With a `turbidity` the sky knows it too. Default 0.
     ground: Option<[f64; 3]>,
+    /// With a `turbidity`: whether there is the disk of the sun. Default true.
+    disk: Option<bool>,
+    /// With a `turbidity`: angular diameter of the disk, degrees in [0, 180]; 0 is parallel light. Its irradiance stays the same. Default 0.533.
+    angle: Option<f64>,
     /// Whether camera rays that meet nothing show it. Default true.
     visible: Option<bool>,
     /// Openings through which it comes into rooms, each of three or four corners. They make it found sooner there.
@@ -173,8 +179,10 @@ pub(super) struct SunAt {
 
 /// Writes an environment, whose numbers have been checked.
 pub(super) fn write_environment(environment: &EnvironmentDesc, names: &Names) -> Result<Box<RawValue>> {
-    if let SkyDesc::Formula(sky) = &environment.sky {
-        return write_sky(environment, sky);
+    match &environment.sky {
+        SkyDesc::Formula(sky) => return write_sky(environment, sky),
+        SkyDesc::HosekWilkie(sky) => return write_hosek_wilkie(environment, sky),
+        SkyDesc::Even | SkyDesc::Map(_) => {}
     }
     let map = environment.map();
     save::raw(&Environment {
@@ -270,6 +278,7 @@ fn write_sky(environment: &EnvironmentDesc, sky: &FormulaSkyDesc) -> Result<Box<
         _type: SkyTag::Sky,
         cie,
         perez: cie.is_none().then_some(sky.formula.numbers),
+        turbidity: None,
         color: Some(numbers::color(environment.radiance)),
         intensity: None,
         unit: None,
@@ -279,6 +288,30 @@ fn write_sky(environment: &EnvironmentDesc, sky: &FormulaSkyDesc) -> Result<Box<
         sun_at: None,
         up: (sky.up != DVec3::Y).then(|| sky.up.to_array()),
         ground: unless_color(sky.ground, Rgb::ZERO),
+        disk: None,
+        angle: None,
+        visible: (!environment.visible).then_some(false),
+        portals: write_portals(environment),
+    })
+}
+
+fn write_hosek_wilkie(environment: &EnvironmentDesc, sky: &HosekWilkieDesc) -> Result<Box<RawValue>> {
+    save::raw(&FormulaSky {
+        _type: SkyTag::Sky,
+        cie: None,
+        perez: None,
+        turbidity: Some(sky.turbidity),
+        color: unless_color(environment.radiance, Rgb::ONE),
+        intensity: None,
+        unit: None,
+        temperature: None,
+        scale: None,
+        sun: Some(sky.sun.to_array()),
+        sun_at: None,
+        up: (sky.up != DVec3::Y).then(|| sky.up.to_array()),
+        ground: unless_color(sky.ground, Rgb::ZERO),
+        disk: sky.disk_deg.is_none().then_some(false),
+        angle: sky.disk_deg.and_then(|angle| unless(angle, SUN_DIAMETER_DEG)),
         visible: (!environment.visible).then_some(false),
         portals: write_portals(environment),
     })
@@ -307,6 +340,17 @@ pub(super) fn distant(light: Distant, path: &str) -> Result<DistantLightDesc> {
 
 /// Reads a sky by a formula.
 pub(super) fn sky(light: FormulaSky, path: &str) -> Result<EnvironmentDesc> {
+    if let Some(turbidity) = light.turbidity {
+        return hosek_wilkie(light, turbidity, path);
+    }
+    for (key, given) in [("disk", light.disk.is_some()), ("angle", light.angle.is_some())] {
+        if given {
+            return Err(Error::invalid(
+                join(path, key),
+                "is used with `turbidity` only: other skies have no sun in them",
+            ));
+        }
+    }
     let formula = match (light.cie, light.perez) {
         (Some(number), None) => SkyFormula::cie(number).ok_or_else(|| {
             Error::invalid(join(path, "cie"), format!("{number} is out of range, expected a whole number from 1 to 15"))
@@ -315,7 +359,7 @@ pub(super) fn sky(light: FormulaSky, path: &str) -> Result<EnvironmentDesc> {
         (Some(_), Some(_)) => {
             return Err(Error::invalid(join(path, "perez"), "`cie` says the formula already, expected one of both"));
         }
-        (None, None) => return Err(Error::invalid(path, "missing key `cie`, or `perez`")),
+        (None, None) => return Err(Error::invalid(path, "missing key `cie`, or `perez`, or `turbidity`")),
     };
     let FormulaSky { color, intensity, temperature, unit, .. } = light;
     let keys = LightKeys { color, intensity, temperature, unit };
@@ -339,6 +383,40 @@ pub(super) fn sky(light: FormulaSky, path: &str) -> Result<EnvironmentDesc> {
     validate::formula_sky(path, &sky, even.radiance)?;
     let (visible, portals) = (light.visible.unwrap_or(true), portals(light.portals));
     let environment = EnvironmentDesc { sky: SkyDesc::Formula(sky), visible, portals, ..even };
+    check_portals(&environment)?;
+    Ok(environment)
+}
+
+/// Reads the clear sky of Hosek and Wilkie.
+fn hosek_wilkie(light: FormulaSky, turbidity: f64, path: &str) -> Result<EnvironmentDesc> {
+    for (key, given) in [("cie", light.cie.is_some()), ("perez", light.perez.is_some())] {
+        if given {
+            let message = "`turbidity` says the formula already, expected one of both";
+            return Err(Error::invalid(join(path, key), message));
+        }
+    }
+    let scaled = [("unit", light.unit.is_some()), ("scale", light.scale.is_some())];
+    for (key, given) in scaled.into_iter().chain([("temperature", light.temperature.is_some())]) {
+        if given {
+            let message =
+                "with `turbidity` the sky has radiance of its own, expected `color` and `intensity` only, as factors";
+            return Err(Error::invalid(join(path, key), message));
+        }
+    }
+    let even = validate::environment(path, light.color.unwrap_or([1.0; 3]), light.intensity.unwrap_or(1.0))?;
+    let up = zenith(path, light.up)?;
+    let Some(sun) = towards(path, light.sun, light.sun_at.as_ref(), up)? else {
+        return Err(Error::invalid(path, "missing key `sun`, or `sunAt`"));
+    };
+    if light.angle.is_some() && light.disk == Some(false) {
+        return Err(Error::invalid(join(path, "angle"), "is the diameter of a disk that `disk` leaves out"));
+    }
+    let ground = validate::reflectance(&join(path, "ground"), light.ground.unwrap_or_default())?;
+    let disk_deg = light.disk.unwrap_or(true).then(|| light.angle.unwrap_or(SUN_DIAMETER_DEG));
+    let sky = HosekWilkieDesc { turbidity, sun, up, ground, disk_deg };
+    sky.check(path, even.radiance)?;
+    let (visible, portals) = (light.visible.unwrap_or(true), portals(light.portals));
+    let environment = EnvironmentDesc { sky: SkyDesc::HosekWilkie(sky), visible, portals, ..even };
     check_portals(&environment)?;
     Ok(environment)
 }

@@ -93,6 +93,7 @@ pub(super) fn environment(environment: &EnvironmentDesc, textures: &[Arc<Texture
     let map = match &environment.sky {
         SkyDesc::Even => return Ok(()),
         SkyDesc::Formula(sky) => return super::validate::formula_sky(path, sky, environment.radiance),
+        SkyDesc::HosekWilkie(sky) => return sky.check(path, environment.radiance),
         SkyDesc::Map(map) => map,
     };
     super::validate::environment_map(path, map)?;

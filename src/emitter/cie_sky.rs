@@ -4,6 +4,7 @@
 //! 1993, "All-Weather Model for Sky Luminance Distribution".
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::{AddAssign, Mul};
 
 use super::SkyModel;
 use crate::math::{DVec3, Vec3};
@@ -117,22 +118,31 @@ impl SkyModel for FormulaSky {
     }
 }
 
-/// The irradiance of a horizontal surface by the relative luminance, by midpoints: the error is about 10^-6 of it.
+/// The irradiance of a horizontal surface by the relative luminance.
 fn horizontal(formula: &SkyFormula, sun: DVec3) -> f64 {
+    upper_hemisphere(sun, |cos_zenith, cos_sun| formula.at(cos_zenith, cos_sun))
+}
+
+/// The irradiance of a horizontal surface by a radiance that the cosines of the angles to the zenith and to the sun say, by midpoints: the
+/// error is about 10^-6 of it. `sun`: a unit direction in a frame with y up.
+pub(super) fn upper_hemisphere<T>(sun: DVec3, radiance: impl Fn(f64, f64) -> T) -> T
+where
+    T: Default + AddAssign + Mul<f64, Output = T>,
+{
     // The sky is smooth around, where few midpoints do.
     const AROUND: u32 = 256;
     const UP: u32 = 2048;
-    let mut sum = 0.0;
+    let mut sum = T::default();
     for j in 0..UP {
         let (sine, cosine) = (FRAC_PI_2 * (f64::from(j) + 0.5) / f64::from(UP)).sin_cos();
         for i in 0..AROUND {
             let (sin_phi, cos_phi) = (2.0 * PI * (f64::from(i) + 0.5) / f64::from(AROUND)).sin_cos();
             let cos_sun = sine * (cos_phi * sun.x + sin_phi * sun.z) + cosine * sun.y;
-            sum += sine * cosine * formula.at(cosine, cos_sun);
+            sum += radiance(cosine, cos_sun) * (sine * cosine);
         }
     }
     // With the sine of a ring's height for the height, every ring weighs what it does, so that an even sky is exact.
-    2.0 * PI / f64::from(AROUND) * (FRAC_PI_2 / f64::from(UP)).sin() * sum
+    sum * (2.0 * PI / f64::from(AROUND) * (FRAC_PI_2 / f64::from(UP)).sin())
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::Calculation;
-use crate::desc::{GridDesc, GridPoints, SceneDesc, SceneMotion, SkyDesc, TextureKey};
+use crate::desc::{EnvironmentDesc, GridDesc, GridPoints, SceneDesc, SceneMotion, SkyDesc, TextureKey};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::DVec3;
 use crate::render::RenderSettings;
@@ -25,6 +25,7 @@ pub fn daylight_only(desc: &SceneDesc) -> Result<SceneDesc> {
     desc.lights.clear();
     desc.motion.lights.clear();
     desc.distant_lights.clear();
+    desc.environment = desc.environment.map(without_sun);
     desc.surfaces.iter_mut().for_each(|surface| surface.emission = None);
     for material in &mut desc.materials {
         material.emission = None;
@@ -48,6 +49,7 @@ pub fn exterior_illuminance(desc: &SceneDesc, settings: &RenderSettings) -> Resu
         lights: Vec::new(),
         distant_lights: Vec::new(),
         motion: SceneMotion::default(),
+        environment: desc.environment.clone().map(without_sun),
         ..desc.clone()
     };
     let scene = Scene::build(&outside, &BuildOptions { threads: settings.threads, ..BuildOptions::default() })?;
@@ -64,6 +66,11 @@ pub fn exterior_illuminance(desc: &SceneDesc, settings: &RenderSettings) -> Resu
     }
 }
 
+/// The same light from infinity without the sun that a sky may have.
+fn without_sun(environment: EnvironmentDesc) -> EnvironmentDesc {
+    EnvironmentDesc { sky: environment.sky.without_sun(), ..environment }
+}
+
 /// The direction that is up under the sky of a scene.
 fn sky(desc: &SceneDesc) -> Result<DVec3> {
     let Some(environment) = &desc.environment else {
@@ -74,5 +81,6 @@ fn sky(desc: &SceneDesc) -> Result<DVec3> {
         SkyDesc::Even => DVec3::Y,
         SkyDesc::Map(map) => map.up,
         SkyDesc::Formula(sky) => sky.up,
+        SkyDesc::HosekWilkie(sky) => sky.up,
     })
 }

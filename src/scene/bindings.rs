@@ -13,7 +13,7 @@ use super::record::{AppearanceKey, GeometryRecord};
 use super::sky::environment_map;
 use super::textured_emission::{EmissionTexture, MOST_PIECES, emission_textures};
 use crate::control::WorkProgress;
-use crate::desc::{LightDistribution, PointLightDesc, PortalDesc, SceneDesc, SkyDesc};
+use crate::desc::{EnvironmentDesc, LightDistribution, PointLightDesc, PortalDesc, SceneDesc, SkyDesc};
 use crate::emitter::{
     DirectedPoint, DiskEmitter, DistantEmitter, Distribution, Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap,
     EnvironmentMapEmitter, InfiniteBall, MovingEmitter, MovingPoint, Portals, SphereEmitter, Spot, TriangleEmitter,
@@ -184,7 +184,9 @@ impl BindingBuilder<'_, '_> {
             (bounds.centre() - unbound.centre, 0.5 * (bounds.max - bounds.min).length() * (1.0 + BALL_MARGIN))
         };
         let ball = InfiniteBall::new(middle.as_vec3a(), (radius as f32).max(f32::MIN_POSITIVE));
-        for light in self.desc.distant_lights.iter().filter(|light| light.irradiance != Rgb::ZERO) {
+        let sun = self.desc.environment.as_ref().and_then(EnvironmentDesc::sun);
+        let distant = self.desc.distant_lights.iter().chain(&sun);
+        for light in distant.filter(|light| light.irradiance != Rgb::ZERO) {
             let towards = light.towards.normalize().as_vec3a().normalize();
             let mut emitter = DistantEmitter::new(light.irradiance, towards, light.angle_deg.to_radians(), ball);
             emitter.visible = light.visible;

@@ -35,6 +35,10 @@ pub(super) fn environment_map(
             let Some(model) = sky.model(environment.radiance) else { return Ok(None) };
             return EnvironmentMap::new(Sky::Model(Box::new(model)), &sky.to_world(), threads, cancel);
         }
+        SkyDesc::HosekWilkie(sky) => {
+            let model = sky.model(environment.radiance);
+            return EnvironmentMap::new(Sky::Model(Box::new(model)), &sky.to_world(), threads, cancel);
+        }
         SkyDesc::Map(map) => map,
     };
     let Some(texture) = desc.textures.get(map.texture) else { return Ok(None) };

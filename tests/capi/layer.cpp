@@ -352,6 +352,11 @@ void contents() {
     clear.sun[0] = 1;
     scene.set_sky(clear);
     CHECK(scene.sky().cie == 12 && scene.sky().sun[0] == 1 && scene.environment()[1] == 1);
+    clear.cie = 0;
+    clear.turbidity = 2.5;
+    clear.no_disk = 1;
+    scene.set_sky(clear);
+    CHECK(scene.sky().cie == 0 && scene.sky().turbidity == 2.5 && scene.sky().no_disk == 1);
     etd_distant_light sun = ETD_DISTANT_LIGHT_INIT;
     sun.angle_deg = 0.533;
     CHECK(scene.add_distant_light(sun) == 0);

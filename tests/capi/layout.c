@@ -457,6 +457,10 @@ static void structures(void) {
     FIELD(etd_sky, sun);
     FIELD(etd_sky, up);
     FIELD(etd_sky, perez);
+    FIELD(etd_sky, turbidity);
+    FIELD(etd_sky, angle_deg);
+    FIELD(etd_sky, no_disk);
+    FIELD(etd_sky, reserved_1);
     STRUCT(etd_environment_map);
     FIELD(etd_environment_map, struct_size);
     FIELD(etd_environment_map, texture);

@@ -419,6 +419,18 @@ static etd_status e_horizontal(uint32_t value) {
     sky.horizontal = value;
     return then_no_sky(etd_scene_set_sky(scene, &sky));
 }
+/** A clear sky of Hosek and Wilkie, with nothing else. */
+static etd_sky turbid(void) {
+    etd_sky sky = ETD_SKY_INIT;
+    sky.cie = 0;
+    sky.turbidity = 3;
+    return sky;
+}
+static etd_status e_no_disk(uint32_t value) {
+    etd_sky sky = turbid();
+    sky.no_disk = value;
+    return then_no_sky(etd_scene_set_sky(scene, &sky));
+}
 static etd_status e_sampler(uint32_t value) {
     etd_render_options options = short_render(1);
     options.sampler = value;
@@ -482,6 +494,7 @@ static void pass_wrong_enumerations(void) {
         {"hidden sky", e_hidden_sky, 1},
         {"cie", e_cie, 15},
         {"horizontal", e_horizontal, 1},
+        {"no_disk", e_no_disk, 1},
         {"sampler", e_sampler, ETD_SAMPLER_GAUSSIAN},
         {"filter", e_filter, ETD_FILTER_MITCHELL},
         {"format", e_format, ETD_FORMAT_RGBA8},
@@ -610,6 +623,27 @@ static void pass_numbers(void) {
             formula.cie = 0;
             formula.perez[i] = NAN;
             CHECK_STATUS(etd_scene_set_sky(scene, &formula), ETD_INVALID_SCENE);
+            formula = turbid();
+            formula.turbidity = i == 0 ? bad[k] : i == 1 ? 0.99 : 10.01;
+            CHECK_STATUS(etd_scene_set_sky(scene, &formula), ETD_INVALID_SCENE);
+            formula = turbid();
+            formula.angle_deg = i == 0 ? NAN : i == 1 ? -1 : 181;
+            CHECK_STATUS(etd_scene_set_sky(scene, &formula), ETD_INVALID_SCENE);
+            formula = turbid();
+            formula.radiance[i] = bad[k];
+            CHECK_STATUS(etd_scene_set_sky(scene, &formula), ETD_INVALID_SCENE);
+            formula = turbid();
+            formula.sun[1] = -1;
+            CHECK_STATUS(etd_scene_set_sky(scene, &formula), ETD_INVALID_SCENE);
+            formula = turbid();
+            formula.cie = 12;
+            CHECK_STATUS(etd_scene_set_sky(scene, &formula), ETD_INVALID_ARGUMENT);
+            formula = turbid();
+            formula.horizontal = 1;
+            CHECK_STATUS(etd_scene_set_sky(scene, &formula), ETD_INVALID_ARGUMENT);
+            formula = turbid();
+            formula.reserved_1 = 1;
+            CHECK_STATUS(etd_scene_set_sky(scene, &formula), ETD_INVALID_ARGUMENT);
             distant = (etd_distant_light)ETD_DISTANT_LIGHT_INIT;
             distant.irradiance[i] = bad[k];
             CHECK_STATUS(etd_scene_add_distant_light(scene, &distant, &number), ETD_INVALID_SCENE);

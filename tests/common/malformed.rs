@@ -889,7 +889,7 @@ fn lights(l: &mut List) {
         (
             "sky without a formula",
             "@{\"type\": \"sky\", \"color\": [1, 1, 1]}",
-            "lights[0]: missing key `cie`, or `perez`",
+            "lights[0]: missing key `cie`, or `perez`, or `turbidity`",
         ),
         (
             "sky of two formulas",
@@ -945,6 +945,66 @@ fn lights(l: &mut List) {
             "formula without light",
             "@{\"type\": \"sky\", \"color\": [1, 1, 1], \"sun\": [0, 1, 0], \"perez\": [-1, 0, 0, 0, 0]}",
             "lights[0]: the formula gives no light",
+        ),
+        (
+            "turbidity below pure air",
+            "{\"type\": \"sky\", \"sun\": [0, 1, 0],\n@\"turbidity\": 0.5}",
+            "lights[0].turbidity: 0.5 is out of range, expected a number in [1, 10]",
+        ),
+        (
+            "turbidity beyond its table",
+            "{\"type\": \"sky\", \"sun\": [0, 1, 0],\n@\"turbidity\": 10.5}",
+            "lights[0].turbidity: 10.5 is out of range, expected a number in [1, 10]",
+        ),
+        (
+            "turbidity of a type",
+            "{\"type\": \"sky\", \"sun\": [0, 1, 0], \"turbidity\": 3,\n@\"cie\": 12}",
+            "lights[0].cie: `turbidity` says the formula already",
+        ),
+        (
+            "turbidity without a sun",
+            "@{\"type\": \"sky\", \"turbidity\": 3}",
+            "lights[0]: missing key `sun`, or `sunAt`",
+        ),
+        (
+            "turbidity after sunset",
+            "{\"type\": \"sky\", \"turbidity\": 3,\n@\"sun\": [1, -0.01, 0]}",
+            "lights[0].sun: the sun is 0.573 degrees below the horizon",
+        ),
+        (
+            "turbidity of a given zenith",
+            "{\"type\": \"sky\", \"turbidity\": 3, \"sun\": [0, 1, 0],\n@\"scale\": \"zenith\"}",
+            "lights[0].scale: with `turbidity` the sky has radiance of its own",
+        ),
+        (
+            "turbidity of a given illuminance",
+            "{\"type\": \"sky\", \"turbidity\": 3, \"sun\": [0, 1, 0], \"intensity\": 1,\n@\"unit\": \"lx\"}",
+            "lights[0].unit: with `turbidity` the sky has radiance of its own",
+        ),
+        (
+            "ground that makes light under a clear sky",
+            "{\"type\": \"sky\", \"turbidity\": 3, \"sun\": [0, 1, 0], \"ground\":\n[0, @1.5, 0]}",
+            "lights[0].ground[1]: a reflectance of 1.5",
+        ),
+        (
+            "disk of no sky with a sun",
+            "{\"type\": \"sky\", \"color\": [1, 1, 1], \"cie\": 5,\n@\"disk\": true}",
+            "lights[0].disk: is used with `turbidity` only",
+        ),
+        (
+            "diameter of no disk",
+            "{\"type\": \"sky\", \"turbidity\": 3, \"sun\": [0, 1, 0], \"disk\": false,\n@\"angle\": 1}",
+            "lights[0].angle: is the diameter of a disk that `disk` leaves out",
+        ),
+        (
+            "disk wider than the sky",
+            "{\"type\": \"sky\", \"turbidity\": 3, \"sun\": [0, 1, 0],\n@\"angle\": 200}",
+            "lights[0].angle: 200 is out of range, expected 0 to 180 degrees",
+        ),
+        (
+            "clear sky beyond single precision",
+            "{\"type\": \"sky\", \"turbidity\": 3, \"sun\": [0, 1, 0],\n@\"color\": [1e37, 1, 1]}",
+            "lights[0].color: [1e37, 1.0, 1.0] times the sky is beyond single precision",
         ),
         (
             "sky too bright beside the sun",

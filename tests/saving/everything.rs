@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use etendue::desc::{
     BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, CropDesc, DistantLightDesc, Distribution,
-    EnvironmentDesc, EnvironmentMapDesc, FilmDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis, HostMesh,
-    ImageTextureDesc, IntegratorDesc, KernelDesc, KeyPlace, LensDesc, LightDistribution, METALS, Masking, MaterialDesc,
-    MediumDesc, MeshDesc, MeshStep, MicrofacetsDesc, MotionDesc, MotionKey, Panorama, PanoramaDesc, PhotonDesc,
-    PhotonSharing, PointLightDesc, PortalDesc, PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc,
-    RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, ShutterDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding,
-    TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
+    EnvironmentDesc, EnvironmentMapDesc, FilmDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis, HosekWilkieDesc,
+    HostMesh, ImageTextureDesc, IntegratorDesc, KernelDesc, KeyPlace, LensDesc, LightDistribution, METALS, Masking,
+    MaterialDesc, MediumDesc, MeshDesc, MeshStep, MicrofacetsDesc, MotionDesc, MotionKey, Panorama, PanoramaDesc,
+    PhotonDesc, PhotonSharing, PointLightDesc, PortalDesc, PrincipledDesc, Projection, RadiosityDesc, RadiositySolver,
+    RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, ShutterDesc, SkyDesc, SpotDesc, SurfaceLook,
+    TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
 };
 use etendue::emitter::SkyFormula;
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
@@ -469,8 +469,8 @@ pub fn scene() -> SceneDesc {
     scene
 }
 
-/// Skies by formulas: of the CIE, of Perez and others, and with nothing left out.
-pub fn skies() -> [EnvironmentDesc; 3] {
+/// Skies by formulas: of the CIE, of Perez and others, of Hosek and Wilkie, and with nothing left out.
+pub fn skies() -> [EnvironmentDesc; 6] {
     let sun = DVec3::new(0.1, 1.0 / 3.0, 7.0);
     let clear = FormulaSkyDesc::new(SkyFormula::cie(12).unwrap(), sun);
     let formula = SkyFormula { numbers: [0.1, -1.0 / 3.0, 7.0, -0.7, 0.1 + 0.2], is_cie: false };
@@ -480,10 +480,23 @@ pub fn skies() -> [EnvironmentDesc; 3] {
     let triangle = vec![corner(0.1, 0.2), corner(1.0 / 7.0, 3.0), corner(-5.0, 0.1)];
     let window = vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
     let portals = vec![PortalDesc { corners: triangle }, PortalDesc { corners: window }];
+    let hazy = HosekWilkieDesc {
+        turbidity: 28.0 / 3.0,
+        sun,
+        up: DVec3::new(0.1, 0.2, 3.0),
+        ground: rgb(0.1, 0.0, 0.7),
+        disk_deg: Some(1.0 / 3.0),
+    };
     let cube = EnvironmentDesc { visible: false, portals, ..EnvironmentDesc::even(rgb(0.1, 2.0, 3.0)) };
     [
         EnvironmentDesc { sky: SkyDesc::Formula(clear), ..EnvironmentDesc::even(Rgb::ONE) },
         EnvironmentDesc { sky: SkyDesc::Formula(all), ..cube.clone() },
+        EnvironmentDesc {
+            sky: SkyDesc::HosekWilkie(HosekWilkieDesc::new(0.1 + 2.2, sun)),
+            ..EnvironmentDesc::even(Rgb::ONE)
+        },
+        EnvironmentDesc { sky: SkyDesc::HosekWilkie(hazy), ..cube.clone() },
+        EnvironmentDesc { sky: SkyDesc::HosekWilkie(HosekWilkieDesc { disk_deg: None, ..hazy }), ..cube.clone() },
         cube,
     ]
 }

@@ -4,6 +4,7 @@
 //! and the radiance F of a white Lambert receiver.
 
 mod backs;
+mod clear_sky;
 mod hierarchy;
 mod many;
 mod points;
@@ -44,6 +45,7 @@ pub fn cases() -> Vec<Entry> {
         weights::cases(),
         hierarchy::cases(),
         sky::cases(),
+        clear_sky::cases(),
         round::cases(),
         backs::cases(),
         portals::cases(),
