@@ -468,6 +468,20 @@ pub(super) fn emitter(path: &str, shape: &ShapeDesc, to_world: &DAffine3) -> Res
     Err(Error::new(ErrorKind::Unsupported, message).at(join(path, "emission")))
 }
 
+/// Checks that a surface of this shape, which may emit light, can emit on both of its sides.
+pub(super) fn emits_both(path: &str, shape: &ShapeDesc, emits: bool) -> Result<()> {
+    let at = join(path, "emits");
+    if let ShapeDesc::Sphere { .. } = shape {
+        let message =
+            "'both' of a sphere, which is closed: no light would leave its inside; expected 'front', or another shape";
+        return Err(Error::new(ErrorKind::Unsupported, message).at(at));
+    }
+    if !emits {
+        return Err(Error::invalid(at, "'both' of a surface that emits no light, expected one with an emission"));
+    }
+    Ok(())
+}
+
 /// Checks the emission of a surface, its own or that of its material. `to_world` is as for [`emitter`].
 pub(super) fn look(
     path: &str,

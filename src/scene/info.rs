@@ -148,6 +148,13 @@ impl SceneInfo {
             decisions
                 .push(format!("surfaces of {lamps} materials are emitters, unless they have an emission of their own"));
         }
+        let is_two_sided = |it: &&SurfaceDesc| it.emits_both && it.emission.is_some() && !it.hidden;
+        let two_sided = desc.surfaces.iter().filter(is_two_sided).count();
+        if two_sided > 0 {
+            decisions.push(format!(
+                "{two_sided} surfaces emit on both sides, by an emitter on each side of a triangle, disk or tube"
+            ));
+        }
         let off = [
             (see_through == 0, "opacity"),
             (textures.len() == 0, "textures"),

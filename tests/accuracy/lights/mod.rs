@@ -8,6 +8,7 @@ mod many;
 mod points;
 mod polygons;
 mod round;
+mod sides;
 pub mod sky;
 mod solid_angles;
 mod spheres;
@@ -43,6 +44,7 @@ pub fn cases() -> Vec<Entry> {
         hierarchy::cases(),
         sky::cases(),
         round::cases(),
+        sides::cases(),
     ];
     topics.into_iter().flatten().collect()
 }
