@@ -7,6 +7,7 @@ use super::{
 };
 use crate::emitter::SkyFormula;
 use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
+use crate::photometry::LampTilt;
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
 
@@ -186,12 +187,21 @@ pub(super) fn light(light: PointLightDesc) -> Result<PointLightDesc> {
     Ok(PointLightDesc { distribution: light.distribution, ..even })
 }
 
-/// Checks the directions of a web, and that its intensities times `factor` fit single precision.
+/// Checks the directions and the tilt of a web, and that its intensities times `factor` fit single precision.
 pub(super) fn web(path: &str, web: &WebDesc, factor: Rgb) -> Result<()> {
     direction(&join(path, "direction"), web.direction)?;
     direction(&join(path, "c0"), web.c0)?;
+    let (at, tilt) = (join(path, "tilt"), web.tilt_deg);
+    if !(-180.0..=180.0).contains(&tilt) {
+        return Err(Error::invalid(at, format!("{tilt} degrees are out of range, expected an angle in [-180, 180]")));
+    }
+    if web.web.tilt_factor(tilt).is_none() {
+        let [low, high] = web.web.tilt().map_or([-180.0, 180.0], LampTilt::range);
+        let message = format!("{tilt} degrees are beyond the tilts of the file, expected an angle in [{low}, {high}]");
+        return Err(Error::invalid(at, message));
+    }
     for (i, channel) in factor.to_f64().to_array().into_iter().enumerate() {
-        number(&format!("{path}.color[{i}]"), channel * web.web.peak())?;
+        number(&format!("{path}.color[{i}]"), channel * web.web.peak() * web.tilt_factor())?;
     }
     Ok(())
 }

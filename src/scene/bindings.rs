@@ -110,7 +110,8 @@ fn point_emitter(light: &PointLightDesc, position: Vec3) -> Emitter {
             let intensity = light.intensity;
             let axis = unit(it.direction).unwrap_or(DVec3::NEG_Y);
             let web = TurnedWeb::new(Arc::clone(&it.web), axis, unit(it.c0).unwrap_or(axis));
-            (Rgb::from_f64(intensity.to_f64() / LUMENS_PER_WATT), Distribution::Web(web))
+            let factor = it.tilt_factor() / LUMENS_PER_WATT;
+            (Rgb::from_f64(intensity.to_f64() * factor), Distribution::Web(web))
         }
     };
     Emitter::Directed(Box::new(DirectedPoint { position, intensity, distribution }))
@@ -167,7 +168,7 @@ impl BindingBuilder<'_, '_> {
                 return Err(Error::invalid(format!("{}.origin", light.path), "is too far from the scene"));
             }
             let is_dark = match &light.distribution {
-                LightDistribution::Web(it) => it.web.flux() <= 0.0,
+                LightDistribution::Web(it) => it.web.flux() * it.tilt_factor() <= 0.0,
                 _ => false,
             };
             if light.intensity != Rgb::ZERO && !is_dark {

@@ -126,7 +126,7 @@ pub fn uneven_web() -> Web {
 
 /// A measured lamp of one watt for each lumen over the efficacy.
 pub fn web_light(position: DVec3, direction: DVec3, c0: DVec3, web: Web) -> PointLightDesc {
-    let distribution = LightDistribution::Web(WebDesc { web: Arc::new(web), direction, c0 });
+    let distribution = LightDistribution::Web(WebDesc { direction, c0, ..WebDesc::new(Arc::new(web)) });
     PointLightDesc { distribution, ..point_light(position, 1.0) }
 }
 
