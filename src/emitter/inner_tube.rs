@@ -61,7 +61,7 @@ impl InnerTubeEmitter {
         let (dx, dy) = (cos - seen.own[0], sin - seen.own[1]);
         // A piece of the circle is seen under its length times the cosine of its normal over the distance.
         let per_angle = (dx * cos + dy * sin) / (dx * dx + dy * dy) / (2.0 * seen.half);
-        (per_angle > 0.0).then_some((Line { normal: -line.normal, ..line }, per_angle))
+        (per_angle > 0.0).then_some((line.flipped(), per_angle))
     }
 
     /// Samples a direction from `p`; `None` where the line that it meets has no width for `p`.

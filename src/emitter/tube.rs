@@ -46,6 +46,12 @@ pub(super) struct Line {
 }
 
 impl Line {
+    /// The line with its normal inwards.
+    #[inline]
+    pub fn flipped(self) -> Self {
+        Self { normal: -self.normal, ..self }
+    }
+
     /// Samples a point of the line, uniformly by the angle under which it is seen.
     #[inline]
     pub fn sample(&self, u: f32) -> DVec3 {

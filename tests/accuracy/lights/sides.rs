@@ -245,7 +245,7 @@ fn furnace(case: &mut Case) {
         desc.set_emits_both(0, true).expect("a lamp of the test");
         let exact = f64::from(emission) / (1.0 - f64::from(albedo));
         for (integrator, bias) in
-            [(IntegratorDesc::Path, 0.0), (IntegratorDesc::Photon, 2e-2), (IntegratorDesc::Radiosity, 1e-2)]
+            [(IntegratorDesc::Path, 0.0_f64), (IntegratorDesc::Photon, 2e-2), (IntegratorDesc::Radiosity, 1e-2)]
         {
             let (mean, error) = mean_and_error(&super::drawn(&desc, integrator, samples));
             let what = format!("normals {}, by {integrator:?}", if outwards { "outwards" } else { "inwards" });
