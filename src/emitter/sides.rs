@@ -23,6 +23,11 @@ impl EmitterSet {
         self
     }
 
+    /// Whether some of them are inner sides of cylinders.
+    pub fn has_inner_tubes(&self) -> bool {
+        self.emitters.iter().any(|emitter| matches!(emitter, super::Emitter::InnerTube(_)))
+    }
+
     /// The number of the emitter on the other side of the surface of emitter `index`, where that side emits too.
     pub fn back_of(&self, index: u32) -> Option<u32> {
         self.backs.get(index as usize).copied().filter(|back| *back != NO_BACK)
