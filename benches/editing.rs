@@ -41,7 +41,16 @@ fn sheet(n: usize) -> MeshDesc {
 
 fn surface(shape: ShapeDesc, transform: DAffine3, emission: Option<Rgb>) -> SurfaceDesc {
     let path = String::new();
-    SurfaceDesc { path, shape, local: DAffine3::IDENTITY, transform, material: 0, emission, hidden: false }
+    SurfaceDesc {
+        path,
+        shape,
+        local: DAffine3::IDENTITY,
+        transform,
+        material: 0,
+        emission,
+        emits_both: false,
+        hidden: false,
+    }
 }
 
 fn scene(mesh: MeshDesc) -> SceneDesc {

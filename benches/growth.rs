@@ -96,6 +96,7 @@ fn room(triangles: usize) -> SceneDesc {
             transform: DAffine3::IDENTITY,
             material: 0,
             emission,
+            emits_both: false,
             hidden: false,
         });
     };

@@ -46,6 +46,7 @@ fn add(desc: &mut SceneDesc, shape: ShapeDesc, material: usize, emission: Option
         transform: DAffine3::IDENTITY,
         material,
         emission,
+        emits_both: false,
         hidden: false,
     });
 }

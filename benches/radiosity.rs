@@ -42,7 +42,16 @@ fn add(desc: &mut SceneDesc, shape: ShapeDesc, albedo: f32, emission: Option<Rgb
     });
     let local = DAffine3::IDENTITY;
     let path = String::new();
-    desc.surfaces.push(SurfaceDesc { path, shape, local, transform, material, emission, hidden: false });
+    desc.surfaces.push(SurfaceDesc {
+        path,
+        shape,
+        local,
+        transform,
+        material,
+        emission,
+        emits_both: false,
+        hidden: false,
+    });
 }
 
 /// A closed room with a lamp and four balls of about so many triangles together.

@@ -68,11 +68,11 @@
 #define ETD_SKY_INIT {sizeof(etd_sky), 12, 0, {1, 1, 1}, {0, 0, 0}, 0, 0, {0, 1, 0}, {0, 1, 0}, {0, 0, 0, 0, 0}, 0, 0.533, 0, 0}
 #define ETD_SPOT_LIGHT_INIT {sizeof(etd_spot_light), {0, 0, 0}, {0, -1, 0}, {1, 1, 1}, 45, 0}
 #define ETD_WEB_LIGHT_INIT \
-    {sizeof(etd_web_light), NULL, NULL, 0, {0, 0, 0}, {0, -1, 0}, {1, 0, 0}, {1, 1, 1}}
+    {sizeof(etd_web_light), NULL, NULL, 0, {0, 0, 0}, {0, -1, 0}, {1, 0, 0}, {1, 1, 1}, 0}
 #define ETD_SHUTTER_INIT {sizeof(etd_shutter), 0, 0, NULL, 0}
 #define ETD_MOTION_KEY_INIT \
     {0, {0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}, 0, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
-#define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
+#define ETD_SURFACE_INIT {sizeof(etd_surface), ETD_NONE, {0, 0, 0}, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0, 0}
 #define ETD_RENDER_OPTIONS_INIT \
     {sizeof(etd_render_options), ETD_INTEGRATOR_PATH, ETD_SAMPLER_SOBOL, ETD_FILTER_BOX, {0, 0}, 64, 0, 1, 0, 0, 0, \
      NULL, NULL, NULL, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, ETD_PHOTON_KERNEL_DEFAULT, 0, ETD_PHOTON_SHARING_POWER, \
@@ -2305,6 +2305,11 @@ typedef struct etd_web_light {
      * Factor on the intensities, each channel >= 0. At 1, the radiant intensity [W sr^-1] is the file's candela over 683 lm/W.
      */
     float factor[3];
+    /**
+     * Degrees by which the luminaire is tilted from straight down, in [-180, 180] and within the tilts of the file. It chooses the
+     * factor of files that have some for tilted lamps, and turns nothing.
+     */
+    double tilt_deg;
 } etd_web_light;
 
 /**
@@ -2457,6 +2462,14 @@ typedef struct etd_surface {
      * twelve zeros stand for the identity.
      */
     double transform[12];
+    /**
+     * If not 0, the surface emits on its other side too, with the same radiance: it must emit, and be no sphere.
+     */
+    uint32_t emits_both;
+    /**
+     * 0.
+     */
+    uint32_t reserved;
 } etd_surface;
 
 /**
@@ -3770,6 +3783,17 @@ etd_status etd_scene_set_surface_material(struct etd_scene *scene,
 etd_status etd_scene_set_emission(struct etd_scene *scene,
                                   uint32_t surface,
                                   const float *radiance);
+
+/**
+ * Sets whether a surface that emits does so on both of its sides (`both` is not 0), with the same radiance, or on that of its normal
+ * only, which is the default. It stays so when the emission changes.
+ *
+ * Errors, for both sides: `ETD_INVALID_SCENE` for a surface that emits no light, neither by itself nor by its material;
+ * `ETD_UNSUPPORTED` for a sphere, whose inside is closed. Thread-safe.
+ */
+etd_status etd_scene_set_emits_both(struct etd_scene *scene,
+                                    uint32_t surface,
+                                    uint32_t both);
 
 /**
  * Returns material, own emission and transform of a surface as described now. It is an error if the surface was removed.

@@ -1063,6 +1063,10 @@ public:
     Outcome<void> set_emission(std::uint32_t number, const Rgb &radiance) {
         return detail::done(etd_scene_set_emission(get(), number, radiance.data()));
     }
+    /** Sets whether a surface that emits does so on both of its sides. */
+    Outcome<void> set_emits_both(std::uint32_t number, bool both) {
+        return detail::done(etd_scene_set_emits_both(get(), number, both ? 1 : 0));
+    }
     /** Material, emission and transform of a surface as they are described now. */
     Outcome<etd_surface> surface(std::uint32_t number) const {
         etd_surface value = ETD_SURFACE_INIT;

@@ -76,6 +76,7 @@ fn scene(mesh: MeshDesc, smooth: bool, emission: Option<Rgb>) -> SceneDesc {
             transform: DAffine3::IDENTITY,
             material: 0,
             emission,
+            emits_both: false,
             hidden: false,
         }],
         ..SceneDesc::default()

@@ -9,7 +9,7 @@ use etendue::desc::{
     self, IntegratorDesc, LightDistribution, PointLightDesc, RenderDesc, SceneDesc, SpotDesc, WebDesc,
 };
 use etendue::math::DVec3;
-use etendue::photometry::{Planes, Web, WebFormat};
+use etendue::photometry::{LampPosition, Planes, Web, WebFormat};
 use etendue::render::{Render, RenderSettings};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
@@ -73,7 +73,7 @@ fn what_is_wrong_is_named_with_its_line() {
         lines[line - 1] = to;
         lines.join("\n")
     };
-    let many = "1 ".repeat(1001);
+    let many = (0..1000).map(|i| format!("{} ", f64::from(i) / 10.0)).collect::<String>();
     for (text, line, expected) in [
         (String::new(), 0, "the file is empty"),
         (" \r\n\t".to_owned(), 0, "the file is empty"),
@@ -81,6 +81,14 @@ fn what_is_wrong_is_named_with_its_line() {
         (ies("TILT=NONE\n", ""), 7, "no line that begins with TILT="),
         (ies("TILT=NONE", "TILT=lamp.tlt"), 3, "TILT=lamp.tlt: the factors of tilted lamps are in a file of their own"),
         (ies("TILT=NONE", "TILT=INCLUDE\n1 2000"), 4, "2000 is no number of tilts"),
+        (ies("TILT=NONE", "TILT=INCLUDE\n4 1\n0 1"), 4, "4 is no position of the lamp in the luminaire"),
+        (ies("TILT=NONE", "TILT=INCLUDE\n1 2\n0 0\n1 1"), 5, "the angle of a tilt 0 comes after 0"),
+        (ies("TILT=NONE", "TILT=INCLUDE\n1 2\n0 200\n1 1"), 5, "200 degrees are no angle of a tilt"),
+        (
+            ies("TILT=NONE", "TILT=INCLUDE\n1 2\n0 90\n1\n-0.5"),
+            7,
+            "-0.5 is no factor of a tilt, expected a number in [0, 1e6]",
+        ),
         (ies("1 1000 2", "0 1000 2"), 4, "0 is no number of lamps"),
         (ies("1 1000 2", "1 -7 2"), 4, "-7 lumens for each lamp, expected a flux, or -1"),
         (ies("1 1000 2", "1 1000 -2"), 4, "-2 is no factor on the intensities, expected a number above 0"),
@@ -223,6 +231,91 @@ fn scenes_name_them_and_read_each_once() {
         ),
     ] {
         let said = scene(folder.path(), light).unwrap_err().to_string();
+        assert!(said.contains(expected), "{said}\nexpected {expected}");
+    }
+}
+
+/// Factors of tilted lamps: in the file of the web and in one of their own, in all positions of lamps, and beyond the angles.
+#[test]
+fn lamps_are_tilted() {
+    let with = |block: &str| parse(&IES.replace("TILT=NONE", &format!("TILT=INCLUDE\n{block}")));
+    let upright = with("1 3\n0 45 90\n1 0.9 0.6");
+    let signed = with("3\n3\n-90 0 90\n0.5 1 0.8");
+    let late = with("1\n2\n30 60\n0.8 0.4");
+    let level = with("2\n3\n0 45 90\n0.95 0.9 0.6");
+    for (web, degrees, factor) in [
+        (&upright, 0.0, Some(1.0)),
+        (&upright, 22.5, Some(0.95)),
+        (&upright, -45.0, Some(0.9)),
+        (&upright, 90.0, Some(0.6)),
+        (&upright, 90.5, None),
+        (&signed, -45.0, Some(0.75)),
+        (&signed, 45.0, Some(0.9)),
+        (&signed, -91.0, None),
+        (&late, 0.0, Some(1.0)),
+        (&late, 15.0, Some(0.9)),
+        (&late, 45.0, Some(0.6)),
+        (&late, 61.0, None),
+        (&level, 70.0, Some(0.95)),
+        (&parse(IES), 70.0, Some(1.0)),
+    ] {
+        let found = web.tilt_factor(degrees);
+        let same = found.is_some() == factor.is_some() && (found.unwrap_or(0.0) - factor.unwrap_or(0.0)).abs() < 1e-12;
+        assert!(same, "{degrees}: {found:?} instead of {factor:?}");
+    }
+    assert_eq!(
+        upright.tilt().map(|tilt| (tilt.position(), tilt.range())),
+        Some((LampPosition::Vertical, [-90.0, 90.0]))
+    );
+
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("own.ies"), IES.replace("TILT=NONE", "TILT= hid.tlt ")).unwrap();
+    fs::write(folder.path().join("hid.tlt"), "1\r\n3\r\n0 45 90\r\n1 0.9 0.6\r\n").unwrap();
+    fs::write(folder.path().join("same.ies"), IES.replace("TILT=NONE", "TILT=INCLUDE\n1 3\n0 45 90\n1 0.9 0.6"))
+        .unwrap();
+    fs::write(folder.path().join("none.ies"), IES.replace("TILT=NONE", "TILT=missing.tlt")).unwrap();
+    fs::write(folder.path().join("itself.ies"), IES.replace("TILT=NONE", "TILT=itself.ies")).unwrap();
+    fs::write(folder.path().join("bad.ies"), IES.replace("TILT=NONE", "TILT=bad.tlt")).unwrap();
+    fs::write(folder.path().join("bad.tlt"), "1\n2\n0 90\n1 x\n").unwrap();
+    let lamp = |file: &str, rest: &str| {
+        scene(folder.path(), &format!(r#"{{"type": "web", "file": "{file}", "origin": [0, 2, 0]{rest}}}"#))
+    };
+    let power = |desc: &SceneDesc| {
+        let built = Scene::build(desc, &BuildOptions::default()).unwrap();
+        built.emitters().emitters()[0].power().x
+    };
+    let full = power(&lamp("own.ies", "").unwrap());
+    for file in ["own.ies", "same.ies"] {
+        let desc = lamp(file, r#", "tilt": -67.5"#).unwrap();
+        assert!((power(&desc) / full - 0.75).abs() < 1e-6);
+        // The flux that a unit gives is that of the lamp as it is tilted.
+        let lumens = lamp(file, r#", "tilt": 45, "unit": "lm", "intensity": 683"#).unwrap();
+        assert!((power(&lumens) - 1.0).abs() < 1e-6);
+        // The factors are kept with the web.
+        let path = folder.path().join("kept.json");
+        desc.save(&path).unwrap();
+        let again = desc::load(&path, None).unwrap();
+        assert_eq!(again.lights[0].distribution, desc.lights[0].distribution);
+        assert!((power(&again) / full - 0.75).abs() < 1e-6);
+        let said = Scene::build(&again, &BuildOptions::default()).unwrap().info().to_string();
+        assert!(said.contains(", factors of tilts from -90 to 90 degrees"), "{said}");
+    }
+    for (file, rest, expected) in [
+        (
+            "own.ies",
+            r#", "tilt": 91"#,
+            "lights[0].tilt: 91 degrees are beyond the tilts of the file, expected an angle in [-90, 90]",
+        ),
+        (
+            "own.ies",
+            r#", "tilt": 181"#,
+            "lights[0].tilt: 181 degrees are out of range, expected an angle in [-180, 180]",
+        ),
+        ("none.ies", "", "none.ies:3: lights[0].file: TILT=missing.tlt: cannot read the factors of tilted lamps"),
+        ("itself.ies", "", "itself.ies:3: lights[0].file: TILT= names no file of factors"),
+        ("bad.ies", "", "bad.tlt:4: lights[0].file: 'x' is no factor of a tilt"),
+    ] {
+        let said = lamp(file, rest).unwrap_err().to_string();
         assert!(said.contains(expected), "{said}\nexpected {expected}");
     }
 }

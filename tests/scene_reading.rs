@@ -436,6 +436,37 @@ fn a_surface_that_only_emits_needs_no_material() {
 }
 
 #[test]
+fn lamps_emit_on_one_side_or_both() {
+    let disk = r#"{"geometry": "disk", "origin": [0, 0, 0], "normal": [0, 1, 0], "radius": 1, "emission": [1, 1, 1]"#;
+    assert!(surface(&format!(r#"{disk}, "emits": "both"}}"#)).emits_both);
+    assert!(!surface(&format!(r#"{disk}, "emits": "front"}}"#)).emits_both);
+    assert!(!surface(&format!("{disk}}}")).emits_both);
+    // Also by its material.
+    let lit = r#""materials": [{"name": "lit", "type": "black", "emission": [1, 1, 1]}], "surfaces":
+        [{"geometry": "cylinder", "base": [0, 0, 0], "axis": [0, 1, 0], "radius": 1, "height": 1, "material": "lit", "emits": "both"}]"#;
+    assert!(native(lit).surfaces[0].emits_both);
+    for (surface, expected) in [
+        (
+            r#"{"geometry": "disk", "origin": [0, 0, 0], "normal": [0, 1, 0], "radius": 1, "material": "white", "emits": "both"}"#,
+            "surfaces[0].emits: 'both' of a surface that emits no light, expected one with an emission",
+        ),
+        (
+            r#"{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, "emission": [1, 1, 1], "emits": "both"}"#,
+            "surfaces[0].emits: 'both' of a sphere, which is closed: no light would leave its inside; expected 'front', or another shape",
+        ),
+        (&format!(r#"{disk}, "emits": "back"}}"#), "surfaces[0].emits: "),
+        (&format!(r#"{disk}, "emits": 2}}"#), "surfaces[0].emits: "),
+    ] {
+        let text = format!(
+            r#"{{"etendue": 1, "camera": {{}}, "materials": [{{"name": "white", "type": "diffuse", "color": [1, 1, 1]}}],
+                "surfaces": [{surface}]}}"#
+        );
+        let said = desc::parse(&text, std::path::Path::new("."), None).unwrap_err().to_string();
+        assert!(said.contains(expected), "{said}\nexpected {expected}");
+    }
+}
+
+#[test]
 fn flatness_of_quads_does_not_depend_on_their_size_or_place() {
     for (size, shift) in [(1e-20, 0.0), (1.0, 0.0), (1.0, 1e6), (1e15, 0.0)] {
         for (off, flat) in [(1e-5, true), (1e-3, false)] {

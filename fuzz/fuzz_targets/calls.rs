@@ -26,7 +26,15 @@ enum Call {
     SetLight { light: u8, position: [f64; 3], intensity: [f32; 3] },
     SpotLight { light: Option<u8>, position: [f64; 3], direction: [f64; 3], intensity: [f32; 3], angles: [f64; 2] },
     SaneSpotLight { position: [i8; 3], direction: [i8; 3], angles: [u8; 2] },
-    WebLight { light: Option<u8>, text: Vec<u8>, position: [f64; 3], direction: [f64; 3], c0: [f64; 3], factor: [f32; 3] },
+    WebLight {
+        light: Option<u8>,
+        text: Vec<u8>,
+        position: [f64; 3],
+        direction: [f64; 3],
+        c0: [f64; 3],
+        factor: [f32; 3],
+        tilt: f64,
+    },
     Environment { radiance: Option<[f32; 3]> },
     Portals { corners: Vec<[[f64; 3]; 4]>, count: u16 },
     EnvironmentMap { texture: u8, projection: u8, hidden: u8, radiance: [f32; 3], up: [f64; 3], rotation: f64 },
@@ -59,6 +67,7 @@ enum Call {
     SaneTransform { surface: u8, shift: [i8; 3], scale: i8 },
     SetSurfaceMaterial { surface: u8, material: u8 },
     SetEmission { surface: u8, radiance: Option<[f32; 3]> },
+    SetEmitsBoth { surface: u8, both: bool },
     GetSurface { surface: u8 },
     Commit { cancel: bool },
     Film { width: u8, height: u8, layers: u16 },
@@ -408,7 +417,7 @@ impl World {
                     };
                     fine(etd_scene_add_spot_light(scene, &raw const it, &raw mut number));
                 }
-                Call::WebLight { light, text, position, direction, c0, factor } => {
+                Call::WebLight { light, text, position, direction, c0, factor, tilt } => {
                     let it = etd_web_light {
                         text: if text.is_empty() { null() } else { text.as_ptr().cast() },
                         text_bytes: text.len(),
@@ -416,6 +425,7 @@ impl World {
                         direction,
                         c0,
                         factor,
+                        tilt_deg: tilt,
                         ..sized()
                     };
                     match light {
@@ -589,6 +599,9 @@ impl World {
                 Call::SetEmission { surface, radiance } => {
                     let radiance = radiance.as_ref().map_or(null(), |radiance| radiance.as_ptr());
                     fine(etd_scene_set_emission(scene, u32::from(surface), radiance));
+                }
+                Call::SetEmitsBoth { surface, both } => {
+                    fine(etd_scene_set_emits_both(scene, u32::from(surface), u32::from(both)));
                 }
                 Call::GetSurface { surface } => {
                     let mut value: etd_surface = sized();

@@ -125,12 +125,15 @@ impl Bake {
     }
 }
 
-/// Reflectance of a facet's outer and of its inner side, where they are diffuse, and the radiosity that it emits on the outer
-/// side [W m^-2], at the point with these weights of the second and third corner.
-fn reflection(scene: &Scene, facet: &Facet, [b1, b2]: [f32; 2]) -> ([Rgb; 2], Rgb) {
+/// Reflectance of a facet's outer and of its inner side, where they are diffuse, and the radiosity that it emits on each [W m^-2], at the
+/// point with these weights of the second and third corner.
+fn reflection(scene: &Scene, facet: &Facet, [b1, b2]: [f32; 2]) -> [[Rgb; 2]; 2] {
     let at = scene.facet_point(facet, b1, b2);
     let hit = facet.hit(b1, b2);
     let reflectances = scene.material(at.material).diffuse_albedos(|_| scene.detail(&hit, &at));
-    let emitted = at.emitter.map_or(Rgb::ZERO, |emitter| scene.emitters().le(emitter, at.ng, at.ng, at.point.p));
-    (reflectances, std::f32::consts::PI * emitted)
+    let emitted = [at.ng, -at.ng].map(|wo| {
+        let radiance = at.emitter.map_or(Rgb::ZERO, |emitter| scene.emitters().le(emitter, at.ng, wo, at.point.p));
+        std::f32::consts::PI * radiance
+    });
+    [reflectances, emitted]
 }

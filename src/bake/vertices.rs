@@ -58,10 +58,10 @@ pub struct Vertices {
     numbers: Vec<u32>,
     /// Area of each site.
     areas: Vec<f64>,
-    /// Reflectance on the outer and on the inner side, and emitted radiosity, of each surface that has vertices.
-    reflections: HashMap<u32, ([Rgb; 2], Rgb)>,
+    /// Reflectances on the outer and on the inner side, and emitted radiosities, of each surface that has vertices.
+    reflections: HashMap<u32, [[Rgb; 2]; 2]>,
     /// The same of each vertex of surfaces on which it varies.
-    varying: HashMap<u32, ([Rgb; 2], Rgb)>,
+    varying: HashMap<u32, [[Rgb; 2]; 2]>,
     _charge: Option<Arc<Charge>>,
 }
 
@@ -205,14 +205,12 @@ impl Vertices {
     }
 
     /// Radiosity [W m^-2] on the outer side (`front`) or the inner one of each vertex, from its irradiance on that
-    /// side: the light that a diffuse surface reflects, plus its emission, on the outer side alone. Mirrors and glass
-    /// reflect nothing here.
+    /// side: the light that a diffuse surface reflects, plus what it emits on that side. Mirrors and glass reflect nothing
+    /// here.
     pub fn radiosity(&self, irradiance: &[[f32; 3]], front: bool) -> Vec<[f32; 3]> {
         let of = |(number, (vertex, irradiance)): (u32, (&LitVertex, &[f32; 3]))| {
             let own = self.varying.get(&number).or_else(|| self.reflections.get(&vertex.surface));
-            let (reflectances, emitted) = own.copied().unwrap_or_default();
-            let reflectance = reflectances[usize::from(!front)];
-            let emitted = if front { emitted } else { Rgb::ZERO };
+            let [reflectance, emitted] = own.copied().unwrap_or_default().map(|sides| sides[usize::from(!front)]);
             (reflectance * Rgb::from(*irradiance) + emitted).to_array()
         };
         (0..).zip(self.vertices.iter().zip(irradiance)).map(of).collect()

@@ -170,6 +170,7 @@ pub unsafe extern "C" fn etd_scene_get_web_light(
                 direction: web.direction.to_array(),
                 c0: web.c0.to_array(),
                 factor: it.intensity.to_array(),
+                tilt_deg: web.tilt_deg,
             };
             write_sized(out_web, "out_web", value)
         })
@@ -204,7 +205,12 @@ fn measured(it: &PointLightDesc, light: u32) -> Result<&WebDesc> {
 }
 
 fn web_light(it: &etd_web_light, web: Arc<Web>) -> PointLightDesc {
-    let web = WebDesc { web, direction: DVec3::from_array(it.direction), c0: DVec3::from_array(it.c0) };
+    let web = WebDesc {
+        web,
+        direction: DVec3::from_array(it.direction),
+        c0: DVec3::from_array(it.c0),
+        tilt_deg: it.tilt_deg,
+    };
     let even = PointLightDesc::even(DVec3::from_array(it.position), Rgb::from_array(it.factor));
     PointLightDesc { distribution: LightDistribution::Web(web), ..even }
 }

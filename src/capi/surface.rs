@@ -346,6 +346,25 @@ pub unsafe extern "C" fn etd_scene_set_emission(
     }
 }
 
+/// Sets whether a surface that emits does so on both of its sides (`both` is not 0), with the same radiance, or on that of its normal
+/// only, which is the default. It stays so when the emission changes.
+///
+/// Errors, for both sides: `ETD_INVALID_SCENE` for a surface that emits no light, neither by itself nor by its material;
+/// `ETD_UNSUPPORTED` for a sphere, whose inside is closed. Thread-safe.
+///
+/// # Safety
+/// `scene` must be NULL or a scene.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_emits_both(scene: *mut etd_scene, surface: u32, both: u32) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            find(&scene.desc().surfaces, surface, "surface")?;
+            scene.edit(|desc| desc.set_emits_both(surface as usize, both != 0))
+        })
+    }
+}
+
 /// Returns material, own emission and transform of a surface as described now. It is an error if the surface was removed.
 /// Thread-safe.
 ///
@@ -370,6 +389,8 @@ pub unsafe extern "C" fn etd_scene_get_surface(
                 material: it.material as u32,
                 emission: read::emission_out(it.emission),
                 transform: read::transform_out(&it.transform),
+                emits_both: u32::from(it.emits_both),
+                reserved: 0,
             };
             write_sized(out_surface, "out_surface", value)
         })
@@ -455,10 +476,14 @@ unsafe fn add(
         on(scene, |scene| {
             need(out_surface, "out_surface")?;
             let it = read_sized(surface, "surface")?;
+            if it.reserved != 0 {
+                return Err(Failure::argument("surface.reserved is not 0"));
+            }
             find_material(scene, it.material)?;
             let look = SurfaceLook {
                 material: (it.material != ETD_NONE).then_some(it.material as usize),
                 emission: read::emission(it.emission),
+                emits_both: it.emits_both != 0,
                 transform: read::transform(&it.transform),
             };
             let (shape, local) = shape()?;

@@ -33,6 +33,8 @@ pub struct SurfaceLook {
     pub material: Option<usize>,
     /// Emitted radiance [W m^-2 sr^-1] on the normal's side, each channel >= 0.
     pub emission: Option<Rgb>,
+    /// Whether the surface emits on its other side too; false for one that does not emit.
+    pub emits_both: bool,
     /// Object to world, invertible.
     pub transform: DAffine3,
 }
@@ -225,7 +227,7 @@ impl SceneDesc {
         warnings.into_iter().for_each(|warning| warn(&mut self.warnings, warning));
         let first = self.surfaces.len();
         for [material, mesh] in parts {
-            let look = SurfaceLook { material: Some(material), emission: None, transform };
+            let look = SurfaceLook { material: Some(material), transform, ..SurfaceLook::default() };
             self.put_surface(&path, ShapeDesc::Mesh { mesh, smooth }, DAffine3::IDENTITY, look)?;
         }
         Ok(first..self.surfaces.len())
@@ -310,8 +312,8 @@ impl SceneDesc {
     /// # Errors
     /// All errors are at `surfaces[..]`: [`crate::ErrorKind::InvalidScene`] for a number out of range, a material or
     /// mesh that does not exist, a surface with neither material nor emission, a transform that is not invertible, or a
-    /// position beyond single precision; [`crate::ErrorKind::Unsupported`] for an emission of a quadric, of a disk, or
-    /// of a sphere that is stretched by its transform.
+    /// position beyond single precision; [`crate::ErrorKind::Unsupported`] for an emission of a quadric that is no cylinder, or
+    /// of a sphere that is stretched by its transform; at `.emits`, those of [`Self::set_emits_both`].
     pub fn add_surface(&mut self, shape: ShapeDesc, local: DAffine3, look: SurfaceLook) -> Result<usize> {
         let path = format!("surfaces[{}]", self.surfaces.len());
         shape.check(&path)?;
@@ -364,6 +366,23 @@ impl SceneDesc {
         let emission = check_emission(&known.path, emission)?;
         self.check_look(&known.path, emission, Some(known.material), &known.shape, &known.to_world())?;
         self.surfaces[surface].emission = emission;
+        Ok(())
+    }
+
+    /// Sets whether a surface that emits does so on both of its sides, with the same radiance, or on the side of its normal only.
+    /// A surface keeps this when its emission changes or is removed.
+    ///
+    /// # Errors
+    /// At `surfaces[..].emits`, for `true`, [`crate::ErrorKind::InvalidScene`] for a surface that emits no light, neither by itself nor
+    /// by its material, and [`crate::ErrorKind::Unsupported`] for a sphere, whose inside is closed; at `surfaces[..]`, an error for a
+    /// number that no surface has or that belongs to a removed surface.
+    pub fn set_emits_both(&mut self, surface: usize, emits_both: bool) -> Result<()> {
+        let known = self.live_surface(surface)?;
+        if emits_both {
+            let emits = known.emission.or(self.materials.get(known.material).and_then(|it| it.emission)).is_some();
+            validate::emits_both(&known.path, &known.shape, emits)?;
+        }
+        self.surfaces[surface].emits_both = emits_both;
         Ok(())
     }
 
@@ -429,6 +448,10 @@ impl SceneDesc {
         self.check_material(path, look.material, look.emission.is_some())?;
         self.check_place(path, &shape, &local, &look.transform)?;
         self.check_look(path, emission, look.material, &shape, &(look.transform * local))?;
+        if look.emits_both {
+            let of_material = look.material.and_then(|material| self.materials[material].emission);
+            validate::emits_both(path, &shape, emission.or(of_material).is_some())?;
+        }
         let material = look.material.unwrap_or_else(|| self.shared_black(path));
         self.surfaces.push(SurfaceDesc {
             path: path.to_owned(),
@@ -437,6 +460,7 @@ impl SceneDesc {
             transform: look.transform,
             material,
             emission,
+            emits_both: look.emits_both,
             hidden: false,
         });
         self.index.see(&self.surfaces);

@@ -45,12 +45,20 @@ pub struct WebDesc {
     /// The direction of C = 0, of any length but 0. Its part across `direction` counts; where there is none, some direction across is
     /// taken. C grows counter-clockwise as seen along the axis.
     pub c0: DVec3,
+    /// Degrees by which the luminaire is tilted from straight down, where it was measured. It chooses the factor of files that have some
+    /// for tilted lamps ([`Web::tilt_factor`]), and turns nothing: `direction` says where the lamp points. A lamp that moves keeps it.
+    pub tilt_deg: f64,
 }
 
 impl WebDesc {
+    /// The factor on the intensities by the lamp's tilt, 0 beyond the angles that the file has.
+    pub fn tilt_factor(&self) -> f64 {
+        self.web.tilt_factor(self.tilt_deg).unwrap_or(0.0)
+    }
+
     /// A lamp that hangs, with C = 0 towards +x.
     pub fn new(web: Arc<Web>) -> Self {
-        Self { web, direction: DVec3::NEG_Y, c0: DVec3::X }
+        Self { web, direction: DVec3::NEG_Y, c0: DVec3::X, tilt_deg: 0.0 }
     }
 }
 
@@ -115,7 +123,7 @@ impl SceneDesc {
     ///
     /// # Errors
     /// Those of [`Self::add_point_light`], and [`crate::ErrorKind::InvalidScene`] at `lights[..].direction`, `.outerConeAngle`,
-    /// `.innerConeAngle` or `.c0`.
+    /// `.innerConeAngle`, `.c0` or `.tilt`.
     pub fn add_light_desc(&mut self, light: PointLightDesc) -> Result<usize> {
         let path = format!("lights[{}]", self.lights.len());
         self.lights.push(validate::light(PointLightDesc { path, ..light })?);

@@ -103,6 +103,8 @@ pub(super) struct WebLight {
     unit: Option<Unit>,
     /// Colour temperature in kelvin, in [1000, 15000], in place of `color`: that of a Planckian radiator, of luminance 1.
     temperature: Option<f64>,
+    /// Degrees by which the luminaire is tilted from straight down, for files with factors of tilted lamps. Default 0.
+    tilt: Option<f64>,
     /// Keyframes, by which the light is moved and turned from where the other keys have it. Default: it rests.
     motion: Option<Vec<motion_keys::Key>>,
 }
@@ -160,20 +162,22 @@ pub(super) fn spot(raw: &RawValue, path: &str) -> Result<MovingLight> {
 pub(super) fn web(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<MovingLight> {
     let light: WebLight = json::object(raw, path)?;
     let default = WebDesc::new(builder.web_file(&join(path, "file"), &light.file)?);
-    let WebLight { color, intensity, temperature, unit, .. } = light;
-    let keys = LightKeys { color, intensity, temperature, unit };
-    let flux = default.web.flux();
-    if unit == Some(Unit::Lumen) && flux <= 0.0 {
-        return Err(Error::invalid(join(path, "unit"), "the file is of a dark lamp, which no factor makes shine"));
-    }
-    // A factor of 1 is the flux of the file, so a unit is one lumen per watt less.
-    let (color, factor) = keys.resolve(path, Some([1.0; 3]), &[(Unit::Lumen, flux / LUMENS_PER_WATT)])?;
-    let even = validate::point_light(path, light.origin, color, factor)?;
     let web = WebDesc {
         direction: light.direction.map_or(default.direction, DVec3::from_array),
         c0: light.c0.map_or(default.c0, DVec3::from_array),
+        tilt_deg: light.tilt.unwrap_or(default.tilt_deg),
         ..default
     };
+    validate::web(path, &web, Rgb::ZERO)?;
+    let WebLight { color, intensity, temperature, unit, .. } = light;
+    let keys = LightKeys { color, intensity, temperature, unit };
+    let flux = web.web.flux() * web.tilt_factor();
+    if unit == Some(Unit::Lumen) && flux <= 0.0 {
+        return Err(Error::invalid(join(path, "unit"), "the file is of a dark lamp, which no factor makes shine"));
+    }
+    // A factor of 1 is the flux of the file as the lamp is tilted, so a unit is one lumen per watt less.
+    let (color, factor) = keys.resolve(path, Some([1.0; 3]), &[(Unit::Lumen, flux / LUMENS_PER_WATT)])?;
+    let even = validate::point_light(path, light.origin, color, factor)?;
     validate::web(path, &web, even.intensity)?;
     Ok((PointLightDesc { distribution: LightDistribution::Web(web), ..even }, light.motion))
 }
@@ -215,6 +219,7 @@ pub(super) fn write(light: &PointLightDesc, file: &str, motion: Option<&MotionDe
                 origin,
                 direction: (web.direction != default.direction).then_some(web.direction.to_array()),
                 c0: (web.c0 != default.c0).then_some(web.c0.to_array()),
+                tilt: unless(web.tilt_deg, default.tilt_deg),
                 color: unless_color(light.intensity, Rgb::ONE),
                 intensity: None,
                 unit: None,

@@ -133,9 +133,12 @@ pub struct SurfaceDesc {
     pub transform: DAffine3,
     /// Index into [`SceneDesc::materials`](super::SceneDesc::materials).
     pub material: usize,
-    /// Emitted radiance [W m^-2 sr^-1] on the normal's side; `None` for a surface that does not emit. Quadrics and
-    /// disks never emit.
+    /// Emitted radiance [W m^-2 sr^-1] on the normal's side; `None` for a surface that does not emit. Of the quadrics, only
+    /// cylinders emit.
     pub emission: Option<Rgb>,
+    /// Whether the surface emits on its other side too, with the same radiance. It has no effect on a surface that does not emit;
+    /// spheres, which are closed, emit outwards only.
+    pub emits_both: bool,
     /// Whether the surface was removed, so that no ray hits it. The other surfaces keep their numbers.
     pub hidden: bool,
 }
@@ -177,8 +180,7 @@ pub enum ShapeDesc {
         /// The box that clips the quadric. It may be infinite where the quadric itself is bounded.
         clip: Bounds,
     },
-    /// A flat round disk, which a quadric cannot represent because a clip box cannot cut a plane round. A disk never
-    /// emits.
+    /// A flat round disk, which a quadric cannot represent because a clip box cannot cut a plane round.
     Disk {
         /// Centre.
         centre: DVec3,

@@ -61,7 +61,7 @@ fn grey(path: &Path, transform: DAffine3) -> Result<SceneDesc> {
     };
     let material = Some(scene.add_material_desc(material)?);
     let mesh = scene.put_mesh(mesh);
-    let look = SurfaceLook { material, emission: None, transform };
+    let look = SurfaceLook { material, transform, ..SurfaceLook::default() };
     scene.add_surface(ShapeDesc::Mesh { mesh, smooth }, DAffine3::IDENTITY, look)?;
     Ok(scene)
 }

@@ -35,6 +35,9 @@ macro_rules! surface {
             luminance: Option<f64>,
             /// With `luminance`: colour temperature in kelvin, in [1000, 15000]: that of a Planckian radiator. Default: white.
             temperature: Option<f64>,
+            /// Of a surface that emits light: `front`, on the normal's side (default), or `both` sides. Not `both` of spheres.
+            #[serde(default, deserialize_with = "json::name")]
+            emits: Option<Emits>,
             /// Keyframes, by which the surface is moved after `transform`. Default: it rests.
             motion: Option<Vec<motion_keys::Key>>,
             $($(#[$field_doc])* $field: $type,)*
@@ -48,7 +51,12 @@ macro_rules! surface {
                 shape: Result<(ShapeDesc, DAffine3)>,
                 builder: &mut Builder<'_>,
             ) -> Result<()> {
-                let light = (self.emission, self.luminance, self.temperature);
+                let light = Light {
+                    emission: self.emission,
+                    luminance: self.luminance,
+                    temperature: self.temperature,
+                    emits: self.emits,
+                };
                 let motion = self.motion.take();
                 place(path, self.material.as_deref(), light, self.transform, motion, shape, builder)
             }
@@ -243,6 +251,25 @@ enum Shading {
     Smooth,
 }
 
+/// The sides on which a surface emits.
+#[derive(Clone, Copy, Deserialize, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+enum Emits {
+    /// That of the normal.
+    Front,
+    /// Both, with the same radiance.
+    Both,
+}
+
+/// The keys of the light that a surface emits.
+struct Light {
+    emission: Option<[f64; 3]>,
+    luminance: Option<f64>,
+    temperature: Option<f64>,
+    emits: Option<Emits>,
+}
+
 /// A box, axis-aligned in the quadric's frame.
 #[derive(Deserialize, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -411,6 +438,7 @@ impl Mesh<'_> {
             ("emission", self.emission.is_some()),
             ("luminance", self.luminance.is_some()),
             ("temperature", self.temperature.is_some()),
+            ("emits", self.emits.is_some()),
             ("mesh", self.mesh.is_some()),
             ("positions", self.positions.is_some()),
             ("triangles", self.triangles.is_some()),
@@ -433,7 +461,7 @@ impl Mesh<'_> {
         let keys = self.motion.take();
         let motion = keys.map(|keys| motion_keys::motion(keys, &at("motion"))).transpose()?;
         for [material, mesh] in builder.divided_file(&at("file"), file)? {
-            let look = SurfaceLook { material: Some(material), emission: None, transform };
+            let look = SurfaceLook { material: Some(material), transform, ..SurfaceLook::default() };
             let surface = builder.scene.put_surface(path, ShapeDesc::Mesh { mesh, smooth }, local, look)?;
             builder.scene.set_surface_motion(surface, motion.clone())?;
         }
@@ -482,20 +510,22 @@ pub(super) fn shared_mesh(raw: &RawValue, path: &str, builder: &mut Builder<'_>)
 fn place(
     path: &str,
     material: Option<&str>,
-    (emission, luminance, temperature): (Option<[f64; 3]>, Option<f64>, Option<f64>),
+    light: Light,
     outer: Option<&RawValue>,
     motion: Option<Vec<motion_keys::Key>>,
     shape: Result<(ShapeDesc, DAffine3)>,
     builder: &mut Builder<'_>,
 ) -> Result<()> {
     let (shape, local) = shape.map_err(json::below(path))?;
-    let emission = photometric::emission(path, emission, luminance, temperature)?;
+    let emission = photometric::emission(path, light.emission, light.luminance, light.temperature)?;
     let material = match material {
         Some(name) => Some(builder.material(&join(path, "material"), name)?),
         None => None,
     };
     let transform = transform::read(outer, &join(path, "transform"))?;
-    let surface = builder.scene.put_surface(path, shape, local, SurfaceLook { material, emission, transform })?;
+    let emits_both = matches!(light.emits, Some(Emits::Both));
+    let look = SurfaceLook { material, emission, emits_both, transform };
+    let surface = builder.scene.put_surface(path, shape, local, look)?;
     match motion {
         None => Ok(()),
         Some(keys) => {

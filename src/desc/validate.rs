@@ -7,6 +7,7 @@ use super::{
 };
 use crate::emitter::SkyFormula;
 use crate::math::{Bounds, DAffine3, DVec3, similarity_scale};
+use crate::photometry::LampTilt;
 use crate::spectrum::Rgb;
 use crate::{Error, ErrorKind, Result};
 
@@ -186,12 +187,21 @@ pub(super) fn light(light: PointLightDesc) -> Result<PointLightDesc> {
     Ok(PointLightDesc { distribution: light.distribution, ..even })
 }
 
-/// Checks the directions of a web, and that its intensities times `factor` fit single precision.
+/// Checks the directions and the tilt of a web, and that its intensities times `factor` fit single precision.
 pub(super) fn web(path: &str, web: &WebDesc, factor: Rgb) -> Result<()> {
     direction(&join(path, "direction"), web.direction)?;
     direction(&join(path, "c0"), web.c0)?;
+    let (at, tilt) = (join(path, "tilt"), web.tilt_deg);
+    if !(-180.0..=180.0).contains(&tilt) {
+        return Err(Error::invalid(at, format!("{tilt} degrees are out of range, expected an angle in [-180, 180]")));
+    }
+    if web.web.tilt_factor(tilt).is_none() {
+        let [low, high] = web.web.tilt().map_or([-180.0, 180.0], LampTilt::range);
+        let message = format!("{tilt} degrees are beyond the tilts of the file, expected an angle in [{low}, {high}]");
+        return Err(Error::invalid(at, message));
+    }
     for (i, channel) in factor.to_f64().to_array().into_iter().enumerate() {
-        number(&format!("{path}.color[{i}]"), channel * web.web.peak())?;
+        number(&format!("{path}.color[{i}]"), channel * web.web.peak() * web.tilt_factor())?;
     }
     Ok(())
 }
@@ -466,6 +476,20 @@ pub(super) fn emitter(path: &str, shape: &ShapeDesc, to_world: &DAffine3) -> Res
         _ => return Ok(()),
     };
     Err(Error::new(ErrorKind::Unsupported, message).at(join(path, "emission")))
+}
+
+/// Checks that a surface of this shape, which may emit light, can emit on both of its sides.
+pub(super) fn emits_both(path: &str, shape: &ShapeDesc, emits: bool) -> Result<()> {
+    let at = join(path, "emits");
+    if let ShapeDesc::Sphere { .. } = shape {
+        let message =
+            "'both' of a sphere, which is closed: no light would leave its inside; expected 'front', or another shape";
+        return Err(Error::new(ErrorKind::Unsupported, message).at(at));
+    }
+    if !emits {
+        return Err(Error::invalid(at, "'both' of a surface that emits no light, expected one with an emission"));
+    }
+    Ok(())
 }
 
 /// Checks the emission of a surface, its own or that of its material. `to_world` is as for [`emitter`].

@@ -49,6 +49,11 @@ impl DiskEmitter {
         Self { disk, radiance, area: disk.area(), axes: [x, y], near2: NEAR * reach * reach }
     }
 
+    /// The emitter on the other side of the disk.
+    pub fn flipped(&self) -> Self {
+        Self { disk: self.disk.flipped(), ..*self }
+    }
+
     /// Its area [length^2].
     pub fn area(&self) -> f64 {
         self.area

@@ -1,8 +1,8 @@
 //! Emitters, and the sampling of one among them.
 //!
 //! Area emitters emit on the side of their normal only, with the same radiance in every direction; a texture may vary it from point to
-//! point. One emitter is
-//! chosen first: among few emitters mostly in proportion to power, among many by a bound of what the receiver may get
+//! point. A surface that emits on both sides has two emitters, of which the second is found from hits on the back of the first. One
+//! emitter is chosen first: among few emitters mostly in proportion to power, among many by a bound of what the receiver may get
 //! from each. Then a point on it (or a direction towards it) is sampled. Every density here is per solid angle at the
 //! reference point and includes the probability of the choice.
 
@@ -14,10 +14,12 @@ mod environment;
 mod environment_map;
 mod hosek_wilkie;
 mod infinite_ball;
+mod inner_tube;
 mod moving;
 mod portals;
 mod receiver;
 mod sample;
+mod sides;
 mod sphere;
 mod spot;
 mod textured;
@@ -37,6 +39,7 @@ pub use environment::EnvironmentEmitter;
 pub use environment_map::{EnvironmentMap, EnvironmentMapEmitter, EvenSky, Sky, SkyModel, SkyTexture};
 pub use hosek_wilkie::{HosekWilkieSky, SUN_DIAMETER_DEG, solar_irradiance, solar_radiance};
 pub use infinite_ball::InfiniteBall;
+pub use inner_tube::InnerTubeEmitter;
 pub use moving::{MovingEmitter, MovingPoint};
 pub use portals::Portals;
 pub use receiver::Receiver;
@@ -85,6 +88,8 @@ pub enum Emitter {
     Disk(Box<DiskEmitter>),
     /// A cylinder without lids that emits outwards.
     Tube(Box<TubeEmitter>),
+    /// A cylinder without lids that emits inwards.
+    InnerTube(Box<InnerTubeEmitter>),
     /// An emitter that moves while the shutter is open.
     Moving(Box<MovingEmitter>),
     /// Light from infinity, the same from all directions.
@@ -108,6 +113,7 @@ impl Emitter {
             Self::TexturedSphere(emitter) => emitter.mean.power(),
             Self::Disk(emitter) => emitter.power(),
             Self::Tube(emitter) => emitter.power(),
+            Self::InnerTube(emitter) => emitter.outer.power(),
             Self::Moving(emitter) => emitter.power(),
             Self::Environment(emitter) => emitter.power(),
             Self::EnvironmentMap(emitter) => emitter.power(),
@@ -125,6 +131,7 @@ impl Emitter {
             Self::TexturedSphere(emitter) => emitter.mean.sphere.area(),
             Self::Disk(emitter) => emitter.area(),
             Self::Tube(emitter) => emitter.area(),
+            Self::InnerTube(emitter) => emitter.outer.area(),
             Self::Moving(emitter) => emitter.area(),
             Self::Environment(emitter) => emitter.ball.area(),
             Self::EnvironmentMap(emitter) => emitter.ball.area(),
@@ -168,6 +175,7 @@ impl Emitter {
             Self::TexturedSphere(emitter) => emitter.mean.radiance,
             Self::Disk(emitter) => emitter.radiance,
             Self::Tube(emitter) => emitter.radiance,
+            Self::InnerTube(emitter) => emitter.outer.radiance,
             Self::Moving(emitter) => emitter.radiance(),
             Self::Point { .. }
             | Self::Directed(_)
@@ -211,6 +219,7 @@ impl Emitter {
             Self::TexturedSphere(emitter) => emitter.mean.sphere.centre.as_vec3a(),
             Self::Disk(emitter) => emitter.disk.centre().as_vec3a(),
             Self::Tube(emitter) => emitter.centre().as_vec3a(),
+            Self::InnerTube(emitter) => emitter.outer.centre().as_vec3a(),
             Self::Moving(emitter) => emitter.centre(),
             Self::Environment(emitter) => emitter.ball.centre(),
             Self::EnvironmentMap(emitter) => emitter.ball.centre(),
@@ -225,6 +234,7 @@ impl Emitter {
             Self::Textured(emitter) => emitter.power_from(departure.point.p),
             Self::TexturedSphere(emitter) => emitter.power_from(departure.point.p),
             Self::Tube(emitter) => emitter.power_from(departure.point.p),
+            Self::InnerTube(emitter) => emitter.outer.power_from(departure.point.p),
             _ => self.power(),
         }
     }
@@ -248,6 +258,7 @@ impl Emitter {
             Self::TexturedSphere(emitter) => emitter.sample_departure(u),
             Self::Disk(emitter) => emitter.sample_departure(u),
             Self::Tube(emitter) => emitter.sample_departure(u),
+            Self::InnerTube(emitter) => emitter.sample_departure(u),
             Self::Moving(emitter) => emitter.sample_departure(u),
             Self::Environment(emitter) => emitter.sample_departure(u),
             // Directions are chosen before places.
@@ -308,6 +319,8 @@ pub struct EmitterSet {
     infinite: Vec<u32>,
     /// `None` where there is nothing to sample.
     choice: Option<EmitterChoice>,
+    /// For each emitter the number of that on the other side of its surface, or [`sides::NO_BACK`]; empty where no surface emits on both sides.
+    backs: Vec<u32>,
 }
 
 impl EmitterSet {
@@ -355,7 +368,7 @@ impl EmitterSet {
             // Light that cannot be sampled is not found by chance either.
             infinite.clear();
         }
-        Ok(Self { emitters, point_lights, infinite, choice })
+        Ok(Self { emitters, point_lights, infinite, choice, backs: Vec::new() })
     }
 
     /// Whether no emitter emits any light.
@@ -461,6 +474,7 @@ impl EmitterSet {
             Emitter::TexturedSphere(emitter) => emitter.sample(p, u)?,
             Emitter::Disk(emitter) => emitter.sample(p, u)?,
             Emitter::Tube(emitter) => emitter.sample(p, u)?,
+            Emitter::InnerTube(emitter) => emitter.sample(p, u)?,
             Emitter::Moving(emitter) => emitter.sample(p, u, time)?,
             Emitter::Environment(emitter) => emitter.sample(&receiver, u),
             Emitter::EnvironmentMap(emitter) => emitter.sample(&receiver, u, beside_bsdf),
@@ -510,6 +524,7 @@ impl EmitterSet {
             Emitter::TexturedSphere(emitter) => emitter.mean.pdf(p),
             Emitter::Disk(emitter) => emitter.pdf(p, hit),
             Emitter::Tube(emitter) => emitter.pdf(p, hit),
+            Emitter::InnerTube(emitter) => emitter.pdf(p, hit),
             Emitter::Moving(emitter) => emitter.pdf(p, hit, time),
         };
         pdf * self.probability(index, receiver)
@@ -580,12 +595,16 @@ impl EmitterSet {
         }
     }
 
-    /// Radiance that emitter `index` sends along `wo` (unit, leaving it) from the point `p` with outward normal `ng`.
+    /// Radiance that a surface with emitter `index` on its outer side sends along `wo` (unit, leaving it) from the point `p` with
+    /// outward normal `ng`.
     #[inline]
     pub fn le(&self, index: u32, ng: Vec3, wo: Vec3, p: Vec3) -> Rgb {
-        if ng.dot(wo) <= 0.0 {
-            return Rgb::ZERO;
-        }
+        self.on_side(index, ng, wo).map_or(Rgb::ZERO, |shining| self.radiance(shining, p))
+    }
+
+    /// Radiance that emitter `index` sends from its point `p` into the directions into which it shines.
+    #[inline]
+    pub(crate) fn radiance(&self, index: u32, p: Vec3) -> Rgb {
         match &self.emitters[index as usize] {
             Emitter::Point { .. }
             | Emitter::Directed(_)
@@ -598,6 +617,7 @@ impl EmitterSet {
             Emitter::TexturedSphere(emitter) => emitter.radiance(p),
             Emitter::Disk(emitter) => emitter.radiance,
             Emitter::Tube(emitter) => emitter.radiance,
+            Emitter::InnerTube(emitter) => emitter.outer.radiance,
             Emitter::Moving(emitter) => emitter.radiance(),
         }
     }

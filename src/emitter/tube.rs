@@ -16,7 +16,7 @@ use crate::spectrum::Rgb;
 pub struct TubeEmitter {
     /// From the frame in which the tube is x^2 + y^2 = 1 for z in [0, 1].
     to_scene: DAffine3,
-    to_own: DAffine3,
+    pub(super) to_own: DAffine3,
     /// Emitted radiance [W m^-2 sr^-1].
     pub radiance: Rgb,
     area: f64,
@@ -32,17 +32,44 @@ struct Seen {
 }
 
 /// What a point sees of a straight line of the mantle.
-struct Line {
+pub(super) struct Line {
     /// The line's lower end, and a vector along it, of the tube's height.
-    base: DVec3,
-    along: DVec3,
+    pub base: DVec3,
+    pub along: DVec3,
     /// Outward normal, as long as the area of a piece of the mantle with angle 1 and height 1.
-    normal: DVec3,
+    pub normal: DVec3,
     /// Where along it the nearest point of the whole line is, and how far away that is, in heights.
     nearest: f64,
     distance: f64,
     /// The angles between the way to the nearest point and those to both ends.
     ends: [f64; 2],
+}
+
+impl Line {
+    /// The line with its normal inwards.
+    #[inline]
+    pub fn flipped(self) -> Self {
+        Self { normal: -self.normal, ..self }
+    }
+
+    /// Samples a point of the line, uniformly by the angle under which it is seen.
+    #[inline]
+    pub fn sample(&self, u: f32) -> DVec3 {
+        let turn = self.ends[0] + f64::from(u) * (self.ends[1] - self.ends[0]);
+        let place = (self.nearest + self.distance * turn.tan()).clamp(0.0, 1.0);
+        self.base + place * self.along
+    }
+
+    /// Density per solid angle of the direction to a point of this line, `to_light` away, where the line was chosen with the density
+    /// `per_angle` among those at all angles around the tube; 0 where its normal does not face the receiver.
+    #[inline]
+    pub fn pdf(&self, per_angle: f64, to_light: DVec3) -> f32 {
+        // Along the line h / ((b - a) (h^2 + (z - z0)^2)), where the sum is the squared distance in heights.
+        let by_place = per_angle * self.distance * self.along.length_squared() / (self.ends[1] - self.ends[0]);
+        let facing = -to_light.dot(self.normal);
+        let pdf = by_place * to_light.length() / facing;
+        if facing > 0.0 { pdf as f32 } else { 0.0 }
+    }
 }
 
 impl TubeEmitter {
@@ -74,7 +101,7 @@ impl TubeEmitter {
 
     /// The line of the mantle at this angle in the tube's frame, and its outward normal.
     #[inline]
-    fn line_at(&self, angle: f64) -> (DVec3, DVec3, DVec3) {
+    pub(super) fn line_at(&self, angle: f64) -> (DVec3, DVec3, DVec3) {
         let (sin, cos) = angle.sin_cos();
         let matrix = &self.to_scene.matrix3;
         let out = cos * matrix.x_axis + sin * matrix.y_axis;
@@ -96,7 +123,7 @@ impl TubeEmitter {
 
     /// The line of the mantle at this angle as `p` sees it; `None` from the line itself.
     #[inline]
-    fn line(&self, p: DVec3, angle: f64) -> Option<Line> {
+    pub(super) fn line(&self, p: DVec3, angle: f64) -> Option<Line> {
         let (base, along, normal) = self.line_at(angle);
         let to_base = base - p;
         let length2 = along.length_squared();
@@ -106,26 +133,14 @@ impl TubeEmitter {
         (distance > 0.0 && ends[1] > ends[0]).then_some(Line { base, along, normal, nearest, distance, ends })
     }
 
-    /// Density per solid angle at `p` of the direction to a point of this line, `to_light` away.
-    #[inline]
-    fn pdf_on(seen: &Seen, line: &Line, to_light: DVec3) -> f32 {
-        // 1 / (2 half) per angle; along the line h / ((b - a) (h^2 + (z - z0)^2)), where the sum is the squared distance in heights.
-        let by_place = line.distance * line.along.length_squared() / (2.0 * seen.half * (line.ends[1] - line.ends[0]));
-        let facing = -to_light.dot(line.normal);
-        let pdf = by_place * to_light.length() / facing;
-        if facing > 0.0 { pdf as f32 } else { 0.0 }
-    }
-
     /// Samples a direction from `p`; `None` where `p` sees no outer side.
     pub(super) fn sample(&self, p: Vec3, u: [f32; 2]) -> Option<EmitterSample> {
         let from = p.as_dvec3();
         let seen = self.seen_from(from)?;
         let angle = seen.middle + seen.half * (2.0 * f64::from(u[0]) - 1.0);
         let line = self.line(from, angle)?;
-        let turn = line.ends[0] + f64::from(u[1]) * (line.ends[1] - line.ends[0]);
-        let place = (line.nearest + line.distance * turn.tan()).clamp(0.0, 1.0);
-        let point = line.base + place * line.along;
-        let pdf = Self::pdf_on(&seen, &line, point - from);
+        let point = line.sample(u[1]);
+        let pdf = line.pdf(1.0 / (2.0 * seen.half), point - from);
         Some(EmitterSample::of_surface(from, point, line.normal.normalize(), self.radiance, pdf))
     }
 
@@ -143,7 +158,7 @@ impl TubeEmitter {
     }
 
     /// The angle of a point of the mantle, in the tube's frame.
-    fn angle_of(&self, p: Vec3) -> f64 {
+    pub(super) fn angle_of(&self, p: Vec3) -> f64 {
         let own = self.to_own.transform_point3(p.as_dvec3());
         own.y.atan2(own.x)
     }
@@ -153,7 +168,7 @@ impl TubeEmitter {
         let from = p.as_dvec3();
         let Some(seen) = self.seen_from(from) else { return 0.0 };
         let line = self.line(from, self.angle_of(hit));
-        line.map_or(0.0, |line| Self::pdf_on(&seen, &line, hit.as_dvec3() - from))
+        line.map_or(0.0, |line| line.pdf(1.0 / (2.0 * seen.half), hit.as_dvec3() - from))
     }
 
     /// A bounding box.

@@ -1,7 +1,7 @@
 //! Which scenes an integrator supports, by the lobes and the opacity of their surfaces, by their emitters and their motion.
 
 use crate::bsdf::Lobes;
-use crate::desc::{IntegratorDesc, LobeSupport, LobeUse};
+use crate::desc::{IntegratorDesc, LobeSupport, LobeUse, Preparation};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
@@ -25,6 +25,10 @@ pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
     }
     if scene.emitters().has_directed() && !integrator.info().takes_directed_points {
         return refuse("", "point lights that shine unevenly");
+    }
+    // Links to clusters of elements that face each other lose much of the light of a tube's inner side.
+    if scene.emitters().has_inner_tubes() && integrator.info().preparation == Preparation::RadiositySolution {
+        return refuse("", "cylinders that emit on both sides");
     }
     if scene.has_absorption() && !integrator.info().takes_absorption {
         return refuse("", "media that absorb light");

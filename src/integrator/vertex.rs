@@ -81,7 +81,7 @@ pub(super) fn escaped<C: Spectrum>(
     radiance
 }
 
-/// [`Vertex::emitted`] of a surface that emits, from its outer normal, the direction back along the path, the point and the time. The
+/// [`Vertex::emitted`] of a surface that emits on one side or both, from its outer normal, the direction back along the path, the point and the time. The
 /// arguments are values, since a reference to the vertex would keep all of it in memory.
 fn emission<C: Spectrum>(
     emitters: &EmitterSet,
@@ -91,7 +91,8 @@ fn emission<C: Spectrum>(
     light_samples: u32,
     wavelengths: &C::Wavelengths,
 ) -> C {
-    let le = C::from_emission(emitters.le(emitter, ng, wo, p), wavelengths);
+    let Some(emitter) = emitters.on_side(emitter, ng, wo) else { return C::ZERO };
+    let le = C::from_emission(emitters.radiance(emitter, p), wavelengths);
     match previous {
         Some((receiver, pdf)) if le != C::ZERO => {
             let light_pdf = emitters.pdf_at(emitter, receiver, p, time);

@@ -7,10 +7,13 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use super::text::{Parsed, Table, angle, check_size, count, intensity, lines, number, positive, refuse, shown};
-use super::{MOST_ANGLES, Planes, Web};
+use super::{LampPosition, LampTilt, MOST_ANGLES, Planes, Web};
 
 /// Most pairs of angles and factors that a lamp's tilt may have.
 const MOST_TILTS: usize = 1000;
+
+/// The largest factor of a tilt.
+const BRIGHTEST_TILT: f64 = 1e6;
 
 /// Whether a file is of this format: it says so in its first line, has a line of the tilt, or is called so.
 pub(super) fn is_ies(text: &[u8], file: Option<&Path>) -> bool {
@@ -33,6 +36,10 @@ struct Numbers<'a> {
 impl<'a> Numbers<'a> {
     fn after(lines: &'a [Cow<'a, str>], line: usize) -> Self {
         Self { lines, line, rest: "" }
+    }
+
+    fn of_all(lines: &'a [Cow<'a, str>]) -> Self {
+        Self { lines, line: 0, rest: &lines[0] }
     }
 
     fn next(&mut self, what: &str) -> Parsed<(usize, &'a str)> {
@@ -80,33 +87,67 @@ impl<'a> Numbers<'a> {
     }
 }
 
-/// Reads a file.
-pub(super) fn read(text: &[u8]) -> Parsed<Web> {
+/// The number of the line of the tilt, from 0 on. Keywords before it are of any number, and the first file formats have any text in
+/// their place.
+fn line_of_tilt(lines: &[Cow<'_, str>]) -> Option<usize> {
+    lines.iter().position(|line| line.trim_start().get(..5).is_some_and(|start| start.eq_ignore_ascii_case("TILT=")))
+}
+
+/// The name of the file that has the factors of tilts, and the number of the line that names it, from 1 on; `None` where there is none.
+pub(super) fn tilt_file(text: &[u8]) -> Option<(usize, String)> {
+    let lines = lines(text).ok()?;
+    let line = line_of_tilt(&lines)?;
+    let name = lines[line].trim_start()[5..].trim();
+    let is_word = ["", "NONE", "INCLUDE"].iter().any(|word| name.eq_ignore_ascii_case(word));
+    (!is_word).then(|| (line + 1, name.to_owned()))
+}
+
+/// Reads a file of factors of tilts.
+pub(super) fn read_tilt(text: &[u8]) -> Parsed<LampTilt> {
     let lines = lines(text)?;
-    // Keywords are of any number, and the first file formats have any text in their place.
-    let is_tilt =
-        |line: &Cow<'_, str>| line.trim_start().get(..5).is_some_and(|start| start.eq_ignore_ascii_case("TILT="));
-    let Some(tilt) = lines.iter().position(is_tilt) else {
+    tilt(&mut Numbers::of_all(&lines))
+}
+
+/// A file in which the name of the file of factors is replaced by these factors.
+pub(super) fn with_tilt(text: &[u8], line: usize, tilt: &LampTilt) -> Vec<u8> {
+    let end = if text.contains(&b'\n') { b'\n' } else { b'\r' };
+    let mut whole = Vec::with_capacity(text.len());
+    for (number, piece) in text.split_inclusive(|&byte| byte == end).enumerate() {
+        if number + 1 == line {
+            let lines = format!("TILT=INCLUDE\n{}", tilt.text());
+            whole.extend(lines.bytes().map(|byte| if byte == b'\n' { end } else { byte }));
+        } else {
+            whole.extend_from_slice(piece);
+        }
+    }
+    whole
+}
+
+/// Reads a file, with the factors of tilts where they are in a file of their own.
+pub(super) fn read(text: &[u8], of_file: Option<LampTilt>) -> Parsed<Web> {
+    let lines = lines(text)?;
+    let Some(tilt_line) = line_of_tilt(&lines) else {
         return refuse(lines.len(), "there is no line that begins with TILT=, expected TILT=NONE or TILT=INCLUDE");
     };
     // What came to be the kind of the file in 1995 was a factor before.
     let first = lines[0].trim().to_ascii_uppercase();
     let has_lamp_factor =
         !first.starts_with("IES") || first.starts_with("IESNA91") || first.starts_with("IESNA:LM-63-1991");
-    let mut numbers = Numbers::after(&lines, tilt);
-    let kind = lines[tilt].trim_start()[5..].trim();
-    match kind.to_ascii_uppercase().as_str() {
-        "NONE" => {}
-        "INCLUDE" => skip_tilt(&mut numbers)?,
+    let mut numbers = Numbers::after(&lines, tilt_line);
+    let kind = lines[tilt_line].trim_start()[5..].trim();
+    let tilt = match kind.to_ascii_uppercase().as_str() {
+        "NONE" => None,
+        "INCLUDE" => Some(tilt(&mut numbers)?),
+        _ if of_file.is_some() => of_file,
         _ => {
             let message = format!(
-                "TILT={}: the factors of tilted lamps are in a file of their own, which is not read; expected TILT=NONE or \
-                 TILT=INCLUDE",
+                "TILT={}: the factors of tilted lamps are in a file of their own, which a text in memory has not; expected \
+                 TILT=NONE or TILT=INCLUDE",
                 shown(kind)
             );
-            return refuse(tilt + 1, message);
+            return refuse(tilt_line + 1, message);
         }
-    }
+    };
     let (_, lamps) = numbers.count("number of lamps", 1, MOST_ANGLES)?;
     let (line, lumens) = numbers.number("luminous flux of a lamp")?;
     if lumens < 0.0 && lumens != -1.0 {
@@ -145,7 +186,7 @@ pub(super) fn read(text: &[u8]) -> Parsed<Web> {
     }
     let stated = (lumens > 0.0).then_some(lamps as f64 * lumens);
     let table = Table { planes, intensities };
-    Ok(match kind {
+    let mut web = match kind {
         1 => web(Planes::C, whole_turn(line, table)?, &rows, stated),
         2 => {
             // The planes turn about a horizontal axis: the vertical angle is that of the plane.
@@ -161,17 +202,31 @@ pub(super) fn read(text: &[u8]) -> Parsed<Web> {
             let polars: Vec<f64> = rows.iter().rev().map(|angle| 90.0 - angle).collect();
             web(Planes::A, table, &polars, stated)
         }
-    })
+    };
+    web.tilt = tilt;
+    Ok(web)
 }
 
-/// Skips the factors of a lamp that is tilted: it is taken as in the position in which it was measured, where the factor is 1.
-fn skip_tilt(numbers: &mut Numbers<'_>) -> Parsed<()> {
-    numbers.count("position of the lamp in the luminaire", 1, 3)?;
+/// Reads the factors of a lamp that is tilted: all angles, then the factor of each.
+fn tilt(numbers: &mut Numbers<'_>) -> Parsed<LampTilt> {
+    let (_, position) = numbers.count("position of the lamp in the luminaire", 1, 3)?;
+    let position = match position {
+        1 => LampPosition::Vertical,
+        2 => LampPosition::HorizontalFixed,
+        _ => LampPosition::HorizontalTilted,
+    };
     let (_, pairs) = numbers.count("number of tilts", 1, MOST_TILTS)?;
-    for _ in 0..2 * pairs {
-        numbers.number("angle or factor of a tilt")?;
+    let (_, angles) = numbers.angles(pairs, [-180.0, 180.0], "angle of a tilt")?;
+    let mut factors = Vec::new();
+    for angle in angles {
+        let (line, factor) = numbers.number("factor of a tilt")?;
+        if !(0.0..=BRIGHTEST_TILT).contains(&factor) {
+            let message = format!("{factor} is no factor of a tilt, expected a number in [0, {BRIGHTEST_TILT:e}]");
+            return refuse(line, message);
+        }
+        factors.push([angle, factor]);
     }
-    Ok(())
+    Ok(LampTilt::new(position, factors))
 }
 
 /// Fills in what symmetry leaves out of the planes of type C.

@@ -7,9 +7,11 @@ mod eulumdat;
 mod ies;
 mod planck;
 mod text;
+mod tilt;
 mod web;
 
 pub use planck::{TEMPERATURES, of_luminance_one, planckian};
+pub use tilt::{LampPosition, LampTilt};
 pub use web::{Planes, Web};
 
 use std::fs::File;
@@ -45,6 +47,9 @@ pub const LUMENS_PER_WATT: f64 = 683.0;
 /// Size of the largest file that is read, bytes.
 const SIZE_LIMIT: u64 = 1 << 26;
 
+/// Size of the largest file of factors of tilts, bytes.
+const TILT_SIZE_LIMIT: u64 = 1 << 20;
+
 /// Most angles of a file, and most intensities.
 const MOST_ANGLES: usize = 1_000_000;
 
@@ -74,14 +79,42 @@ impl Web {
             let message = format!("a photometric web of more than {SIZE_LIMIT} bytes is not read");
             return Err(Error::new(ErrorKind::Unsupported, message));
         }
-        let (format, read) = if ies::is_ies(text, file) {
-            (WebFormat::Ies, ies::read(text))
-        } else {
-            (WebFormat::Eulumdat, eulumdat::read(text))
-        };
         let refused = |Refusal { line, message }| Error::new(ErrorKind::InvalidScene, message).in_file(file, line);
-        let mut web = read.map_err(refused)?;
-        (web.text, web.format) = (text.into(), format);
+        if !ies::is_ies(text, file) {
+            let mut web = eulumdat::read(text).map_err(refused)?;
+            (web.text, web.format) = (text.into(), WebFormat::Eulumdat);
+            return Ok(web);
+        }
+        let tilt = match (file, ies::tilt_file(text)) {
+            (Some(file), Some((line, name))) => Some((line, read_tilt(file, line, &name)?)),
+            _ => None,
+        };
+        let mut web = ies::read(text, tilt.as_ref().map(|(_, tilt)| tilt.clone())).map_err(refused)?;
+        web.format = WebFormat::Ies;
+        web.text = match tilt {
+            Some((line, tilt)) => ies::with_tilt(text, line, &tilt).into(),
+            None => text.into(),
+        };
         Ok(web)
     }
+}
+
+/// Reads the factors of tilted lamps from the file that line `line` of a web names, relative to the web's folder.
+fn read_tilt(web: &Path, line: usize, name: &str) -> Result<LampTilt> {
+    let file = web.with_file_name(name);
+    if name.contains('\0') || web.file_name().is_none() || file == web {
+        let message = "TILT= names no file of factors, expected another file's name, NONE or INCLUDE";
+        return Err(Error::new(ErrorKind::InvalidScene, message).in_file(Some(web), line));
+    }
+    let mut bytes = Vec::new();
+    File::open(&file).and_then(|it| it.take(TILT_SIZE_LIMIT + 1).read_to_end(&mut bytes)).map_err(|error| {
+        let io = Error::io(&file, "cannot read the factors of tilted lamps", error);
+        Error::new(io.kind(), format!("TILT={}: {}", text::shown(name), io.message())).in_file(Some(web), line)
+    })?;
+    if bytes.len() as u64 > TILT_SIZE_LIMIT {
+        let message = format!("factors of tilted lamps in a file of more than {TILT_SIZE_LIMIT} bytes are not read");
+        return Err(Error::new(ErrorKind::Unsupported, message).in_file(Some(&file), 0));
+    }
+    let refused = |Refusal { line, message }| Error::new(ErrorKind::InvalidScene, message).in_file(Some(&file), line);
+    ies::read_tilt(&bytes).map_err(refused)
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::WebFormat;
+use super::{LampTilt, WebFormat};
 use crate::math::DVec3;
 
 /// The axis about which the planes of a file turn. Directions are in the frame of the lamp: x towards C = 0, y towards C = 90 degrees,
@@ -36,7 +36,9 @@ pub struct Web {
     peak: f64,
     /// The luminous flux that the file states \[lm\].
     stated: Option<f64>,
-    /// The contents of the file.
+    /// Factors by tilts of the lamp, where the file has them.
+    pub(super) tilt: Option<LampTilt>,
+    /// The contents of the file, with the factors of tilts that were in a file of their own.
     pub(super) text: Box<[u8]>,
     pub(super) format: WebFormat,
 }
@@ -86,7 +88,8 @@ impl Web {
             }
         }
         let (flux_up_to, text, format) = (vec![0.0; rows], Box::default(), WebFormat::Ies);
-        let mut web = Self { planes, azimuths, polars, candela, around, flux_up_to, peak: 0.0, stated, text, format };
+        let (tilt, peak) = (None, 0.0);
+        let mut web = Self { planes, azimuths, polars, candela, around, flux_up_to, peak, stated, tilt, text, format };
         for row in 1..rows {
             let width = web.polars[row] - web.polars[row - 1];
             web.flux_up_to[row] = web.flux_up_to[row - 1] + web.flux_between(row - 1, width);
@@ -122,7 +125,18 @@ impl Web {
         self.stated
     }
 
-    /// The contents of the file.
+    /// The factors by which the intensities are multiplied where the lamp is tilted, where the file has some.
+    pub fn tilt(&self) -> Option<&LampTilt> {
+        self.tilt.as_ref()
+    }
+
+    /// The factor on the intensities of a luminaire that is tilted by this angle in degrees from where it was measured; 1 where the file
+    /// has no factors, and `None` beyond the angles that it has.
+    pub fn tilt_factor(&self, degrees: f64) -> Option<f64> {
+        self.tilt.as_ref().map_or(Some(1.0), |tilt| tilt.factor(degrees))
+    }
+
+    /// The contents of the file, with the factors of tilted lamps that are in another.
     pub fn text(&self) -> &[u8] {
         &self.text
     }

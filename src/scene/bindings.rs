@@ -16,8 +16,8 @@ use crate::control::WorkProgress;
 use crate::desc::{EnvironmentDesc, LightDistribution, PointLightDesc, PortalDesc, SceneDesc, SkyDesc};
 use crate::emitter::{
     DirectedPoint, DiskEmitter, DistantEmitter, Distribution, Emitter, EmitterSet, EnvironmentEmitter, EnvironmentMap,
-    EnvironmentMapEmitter, InfiniteBall, MovingEmitter, MovingPoint, Portals, SphereEmitter, Spot, TriangleEmitter,
-    TubeEmitter, TurnedWeb,
+    EnvironmentMapEmitter, InfiniteBall, InnerTubeEmitter, MovingEmitter, MovingPoint, Portals, SphereEmitter, Spot,
+    TriangleEmitter, TubeEmitter, TurnedWeb,
 };
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, Vec3};
@@ -71,12 +71,14 @@ pub(super) fn bindings(
         textures,
         pieces_left: MOST_PIECES,
         emitters: Vec::new(),
+        backs: Vec::new(),
     };
     dresser.point_lights(unbound.centre)?;
     let owners = unbound.geometries.iter().map(|geometry| dresser.geometry(geometry)).collect::<Result<_>>()?;
     let list_owners = dresser.analytic(unbound.list.shapes(), &[], unbound.list_surfaces)?;
     dresser.light_from_infinity(&unbound, kept, threads)?;
-    let emitters = EmitterSet::cancellable(dresser.emitters, &progress.cancel)?;
+    let pairs = dresser.append_backs();
+    let emitters = EmitterSet::cancellable(dresser.emitters, &progress.cancel)?.with_backs(&pairs);
     Ok(SurfaceBindings { owners, list_owners: list_owners.into(), emitters: Arc::new(emitters) })
 }
 
@@ -108,7 +110,8 @@ fn point_emitter(light: &PointLightDesc, position: Vec3) -> Emitter {
             let intensity = light.intensity;
             let axis = unit(it.direction).unwrap_or(DVec3::NEG_Y);
             let web = TurnedWeb::new(Arc::clone(&it.web), axis, unit(it.c0).unwrap_or(axis));
-            (Rgb::from_f64(intensity.to_f64() / LUMENS_PER_WATT), Distribution::Web(web))
+            let factor = it.tilt_factor() / LUMENS_PER_WATT;
+            (Rgb::from_f64(intensity.to_f64() * factor), Distribution::Web(web))
         }
     };
     Emitter::Directed(Box::new(DirectedPoint { position, intensity, distribution }))
@@ -123,9 +126,32 @@ struct BindingBuilder<'a, 'p> {
     /// Room for parts of textured triangles and spheres.
     pieces_left: usize,
     emitters: Vec<Emitter>,
+    /// Emitters on the other side of surfaces that emit on both, each with the number of that on the normal's side. They come after all
+    /// others in the end, because those of a mesh have consecutive numbers.
+    backs: Vec<(u32, Emitter)>,
 }
 
 impl BindingBuilder<'_, '_> {
+    /// Adds the emitters of other sides to the list; returns the pairs of numbers of both sides.
+    fn append_backs(&mut self) -> Vec<[u32; 2]> {
+        let first = self.emitters.len() as u32;
+        let pairs = self.backs.iter().zip(first..).map(|((front, _), back)| [*front, back]).collect();
+        self.emitters.extend(std::mem::take(&mut self.backs).into_iter().map(|(_, emitter)| emitter));
+        pairs
+    }
+
+    /// Adds an emitter, and that of the other side where there is one; returns the number of the first.
+    fn push(&mut self, front: Emitter, back: Option<Emitter>) -> u32 {
+        let number = self.emitters.len() as u32;
+        self.emitters.push(front);
+        self.backs.extend(back.map(|back| (number, back)));
+        number
+    }
+
+    fn emits_both(&self, surface: u32) -> bool {
+        self.desc.surfaces[surface as usize].emits_both
+    }
+
     fn owner(&self, surface: u32, emitter: u32) -> Owner {
         Owner { surface, material: self.desc.surfaces[surface as usize].material as u32, emitter }
     }
@@ -142,7 +168,7 @@ impl BindingBuilder<'_, '_> {
                 return Err(Error::invalid(format!("{}.origin", light.path), "is too far from the scene"));
             }
             let is_dark = match &light.distribution {
-                LightDistribution::Web(it) => it.web.flux() <= 0.0,
+                LightDistribution::Web(it) => it.web.flux() * it.tilt_factor() <= 0.0,
                 _ => false,
             };
             if light.intensity != Rgb::ZERO && !is_dark {
@@ -285,12 +311,13 @@ impl BindingBuilder<'_, '_> {
         }
     }
 
-    /// Makes an emitter of a triangle that moves.
-    fn moving_triangle(triangles: &Triangles, index: usize, radiance: Rgb) -> Emitter {
+    /// Makes an emitter of a triangle that moves; `flipped`: of its other side.
+    fn moving_triangle(triangles: &Triangles, index: usize, radiance: Rgb, flipped: bool) -> Emitter {
         let corners = triangles.mesh.indices().get(index);
         let at = |step| {
             let vertices = triangles.mesh.vertices_at_step(step);
-            corners.map(|corner| Vec3::from(vertices.get(corner as usize)))
+            let [a, b, c] = corners.map(|corner| Vec3::from(vertices.get(corner as usize)));
+            if flipped { [a, c, b] } else { [a, b, c] }
         };
         let steps: Box<[_]> = (0..triangles.mesh.time_steps()).map(at).collect();
         let error = interaction::moving_triangle_error(&steps);
@@ -307,25 +334,46 @@ impl BindingBuilder<'_, '_> {
         surface: u32,
         radiance: Rgb,
     ) -> Option<u32> {
+        let emits_both = self.emits_both(surface);
         if triangles.mesh.is_deforming() {
-            self.emitters.push(Self::moving_triangle(triangles, index, radiance));
-            return Some((self.emitters.len() - 1) as u32);
+            let [front, back] = [false, true].map(|flipped| {
+                (flipped <= emits_both).then(|| Self::moving_triangle(triangles, index, radiance, flipped))
+            });
+            return front.map(|front| self.push(front, back));
         }
         let corners = triangles.mesh.indices().get(index);
         let vertices = triangles.mesh.vertices();
-        let triangle = Triangle::new(corners.map(|corner| Vec3::from(vertices.get(corner as usize))))?;
+        let [a, b, c] = corners.map(|corner| Vec3::from(vertices.get(corner as usize)));
+        let front = self.triangle(geometry, Triangle::new([a, b, c])?, index, surface, radiance, false);
+        let back = match emits_both {
+            true => Some(self.triangle(geometry, Triangle::new([a, c, b])?, index, surface, radiance, true)),
+            false => None,
+        };
+        Some(self.push(front, back))
+    }
+
+    /// Makes an emitter of a triangle that rests; `flipped`: of its other side, whose second and third corner are the third and second of
+    /// the mesh.
+    fn triangle(
+        &mut self,
+        geometry: &Geometry,
+        triangle: Triangle,
+        index: usize,
+        surface: u32,
+        radiance: Rgb,
+        flipped: bool,
+    ) -> Emitter {
         let error = interaction::triangle_error(&triangle);
         let material = self.desc.surfaces[surface as usize].material;
-        let emitter = match self.textures.get(material) {
+        match self.textures.get(material) {
             Some(Some(texture)) => {
                 let set = texture.uv_set();
-                let uvs = self.record.corner_uvs_of_set(geometry, index as u32, set).unwrap_or_default();
+                let [a, b, c] = self.record.corner_uvs_of_set(geometry, index as u32, set).unwrap_or_default();
+                let uvs = if flipped { [a, c, b] } else { [a, b, c] };
                 texture.emitter(triangle, error, radiance, uvs, &mut self.pieces_left)
             }
             _ => Emitter::Triangle(TriangleEmitter::new(triangle, radiance, error)),
-        };
-        self.emitters.push(emitter);
-        Some((self.emitters.len() - 1) as u32)
+        }
     }
 
     fn sphere(&mut self, sphere: Sphere, surface: u32, radiance: Rgb) -> Emitter {
@@ -349,22 +397,28 @@ impl BindingBuilder<'_, '_> {
         let owner = |(number, (shape, &surface)): (usize, (&Analytic, &u32))| {
             let mut emitter = NO_EMITTER;
             if let Some(radiance) = self.emission(surface) {
-                emitter = self.emitters.len() as u32;
                 // The light of a textured ball is worked out at thousands of its points.
                 self.progress.check()?;
+                let mut other = None;
                 let emission = match (moving.get(number).and_then(MovingShape::spheres), shape) {
                     (Some(steps), _) => {
                         Emitter::Moving(Box::new(MovingEmitter::Sphere { steps: steps.into(), radiance }))
                     }
                     (None, Analytic::Sphere(sphere)) => self.sphere(*sphere, surface, radiance),
                     (None, _) if !moving.is_empty() => return Err(self.cannot_move(surface)),
-                    (None, Analytic::Disk(disk)) => Emitter::Disk(Box::new(DiskEmitter::new(*disk, radiance))),
+                    (None, Analytic::Disk(disk)) => {
+                        let disk = DiskEmitter::new(*disk, radiance);
+                        other = Some(Emitter::Disk(Box::new(disk.flipped())));
+                        Emitter::Disk(Box::new(disk))
+                    }
                     // Of the quadrics, only cylinders have an emission.
                     (None, Analytic::Quadric(tube)) => {
-                        Emitter::Tube(Box::new(TubeEmitter::new(*tube.to_scene(), radiance)))
+                        let tube = TubeEmitter::new(*tube.to_scene(), radiance);
+                        other = Some(Emitter::InnerTube(Box::new(InnerTubeEmitter::new(tube))));
+                        Emitter::Tube(Box::new(tube))
                     }
                 };
-                self.emitters.push(emission);
+                emitter = self.push(emission, other.filter(|_| self.emits_both(surface)));
             }
             Ok(self.owner(surface, emitter))
         };

@@ -142,7 +142,7 @@ fn check_materials(desc: &SceneDesc) -> Result<()> {
     }
 }
 
-/// Checks that no shape that cannot emit has an emission.
+/// Checks that no shape that cannot emit has an emission, nor on both sides.
 fn check_emission(desc: &SceneDesc) -> Result<()> {
     for surface in desc.surfaces.iter().filter(|surface| surface.emission.is_some() && !surface.hidden) {
         match surface.shape {

@@ -10,7 +10,7 @@ use crate::bsdf::{Bsdf, Lobes, Model as _};
 use crate::desc::{IntegratorDesc, LightDistribution, RouletteDesc, SceneDesc, SurfaceDesc, TextureSource, WebDesc};
 use crate::emitter::{Emitter, EmitterSet};
 use crate::math::Bounds;
-use crate::photometry::Web;
+use crate::photometry::{LampTilt, Web};
 use crate::spectrum::Rgb;
 
 /// Range of a scene's extent in which products of three lengths, and with them the kernel's tests, neither overflow nor
@@ -147,6 +147,13 @@ impl SceneInfo {
         if lamps > 0 {
             decisions
                 .push(format!("surfaces of {lamps} materials are emitters, unless they have an emission of their own"));
+        }
+        let is_two_sided = |it: &&SurfaceDesc| it.emits_both && it.emission.is_some() && !it.hidden;
+        let two_sided = desc.surfaces.iter().filter(is_two_sided).count();
+        if two_sided > 0 {
+            decisions.push(format!(
+                "{two_sided} surfaces emit on both sides, by an emitter on each side of a triangle, disk or tube"
+            ));
         }
         let off = [
             (see_through == 0, "opacity"),
@@ -323,7 +330,9 @@ fn webs(desc: &SceneDesc) -> Vec<WebInfo> {
         if let Some((_, info)) = webs.iter_mut().find(|(known, _)| Arc::ptr_eq(known, web)) {
             info.lights += 1;
         } else if webs.len() < NAMED {
-            let info = WebInfo { path: light.path.clone(), lights: 1, flux: web.flux(), stated: web.stated_flux() };
+            let tilts = web.tilt().map(LampTilt::range);
+            let (path, flux, stated) = (light.path.clone(), web.flux(), web.stated_flux());
+            let info = WebInfo { path, lights: 1, flux, stated, tilts };
             webs.push((web, info));
         }
     }
@@ -429,6 +438,8 @@ pub struct WebInfo {
     pub flux: f64,
     /// Luminous flux that its file states, of the lamps or of the luminaire \[lm\].
     pub stated: Option<f64>,
+    /// The least and the largest tilt in degrees for which the file has a factor, where it has some.
+    pub tilts: Option<[f64; 2]>,
 }
 
 impl fmt::Display for WebInfo {
@@ -436,6 +447,9 @@ impl fmt::Display for WebInfo {
         write!(f, "web             {} ({} lights): {:.1} lm", self.path, self.lights, self.flux)?;
         if let Some(stated) = self.stated {
             write!(f, " of the {stated:.1} lm in its file")?;
+        }
+        if let Some([low, high]) = self.tilts {
+            write!(f, ", factors of tilts from {low} to {high} degrees")?;
         }
         Ok(())
     }

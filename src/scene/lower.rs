@@ -232,6 +232,10 @@ pub(super) fn shape_under(surface: &SurfaceDesc, transform: DAffine3, stays_roun
             .at(format!("{}.emission", surface.path))
     };
     match surface.shape {
+        ShapeDesc::Sphere { .. } if surface.emission.is_some() && surface.emits_both => {
+            let message = "a sphere, which is closed, cannot emit on both sides";
+            Err(Error::new(ErrorKind::Unsupported, message).at(format!("{}.emits", surface.path)))
+        }
         ShapeDesc::Sphere { centre, radius } => match similarity_scale(&transform).filter(|_| stays_round) {
             Some(scale) => {
                 Ok(WorldShape::Sphere { centre: transform.transform_point3(centre), radius: scale * radius })

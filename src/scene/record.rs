@@ -210,7 +210,8 @@ impl SurfaceKey {
 pub(super) struct AppearanceKey {
     /// Material of each surface.
     pub materials: Vec<u32>,
-    emissions: Vec<Option<Rgb>>,
+    /// Emission of each surface, and whether it is on both sides.
+    emissions: Vec<(Option<Rgb>, bool)>,
     /// The textures that vary emissions, of each surface; empty where there are none.
     emission_textures: Vec<Option<(Arc<TextureDesc>, TextureChannel)>>,
     lights: Vec<(DVec3, Rgb, LightDistribution)>,
@@ -254,7 +255,7 @@ impl AppearanceKey {
         Self {
             emission_textures: if is_textured { desc.surfaces.iter().map(texture_of).collect() } else { Vec::new() },
             materials: desc.surfaces.iter().map(|surface| surface.material as u32).collect(),
-            emissions: desc.surfaces.iter().map(|surface| surface.emission).collect(),
+            emissions: desc.surfaces.iter().map(|surface| (surface.emission, surface.emits_both)).collect(),
             lights: desc.lights.iter().map(light).collect(),
             light_motions: (
                 desc.motion.lights.clone(),

@@ -34,6 +34,11 @@ impl Disk {
         }
     }
 
+    /// The same disk with its normal on the other side.
+    pub fn flipped(&self) -> Self {
+        Self { normal: -self.normal, ..*self }
+    }
+
     /// The t in (tnear, tfar) at which the ray crosses the disk; none for a ray in its plane.
     #[inline]
     pub fn intersect(&self, ray: &DRay) -> Option<f64> {

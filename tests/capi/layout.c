@@ -499,11 +499,14 @@ static void structures(void) {
     FIELD(etd_web_light, direction);
     FIELD(etd_web_light, c0);
     FIELD(etd_web_light, factor);
+    FIELD(etd_web_light, tilt_deg);
     STRUCT(etd_surface);
     FIELD(etd_surface, struct_size);
     FIELD(etd_surface, material);
     FIELD(etd_surface, emission);
     FIELD(etd_surface, transform);
+    FIELD(etd_surface, emits_both);
+    FIELD(etd_surface, reserved);
     STRUCT(etd_mesh);
     FIELD(etd_mesh, struct_size);
     FIELD(etd_mesh, positions);

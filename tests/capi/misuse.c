@@ -366,6 +366,7 @@ static etd_status n_scene_set_surface_material(void) {
     return CALL(etd_scene_set_surface_material(SCENE(0), 0, 0));
 }
 static etd_status n_scene_set_emission(void) { return CALL(etd_scene_set_emission(SCENE(0), 2, AT(1, grey))); }
+static etd_status n_scene_set_emits_both(void) { return CALL(etd_scene_set_emits_both(SCENE(0), 2, 0)); }
 static etd_status n_scene_get_surface(void) {
     etd_surface *surface = AT(1, sized_output(sizeof *surface));
     return CALL(etd_scene_get_surface(SCENE(0), 0, surface));
@@ -812,6 +813,7 @@ static const struct {
     {"etd_scene_set_transform", n_scene_set_transform, 2, 3, 1},
     {"etd_scene_set_surface_material", n_scene_set_surface_material, 1, 1, 1},
     {"etd_scene_set_emission", n_scene_set_emission, 2, 1, 1},
+    {"etd_scene_set_emits_both", n_scene_set_emits_both, 1, 1, 1},
     {"etd_scene_get_surface", n_scene_get_surface, 2, 3, 1},
     {"etd_scene_find_material", n_scene_find_material, 3, 7, 1},
     {"etd_scene_find_mesh", n_scene_find_mesh, 3, 7, 1},

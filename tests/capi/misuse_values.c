@@ -608,6 +608,9 @@ static void pass_numbers(void) {
             CHECK_STATUS(etd_scene_set_spot_light(scene, 1, &spot), ETD_INVALID_SCENE);
             web.factor[i] = bad[k];
             CHECK_STATUS(etd_scene_set_web_light(scene, 2, &web), ETD_INVALID_SCENE);
+            web = (etd_web_light)ETD_WEB_LIGHT_INIT;
+            web.tilt_deg = i == 0 ? (double)NAN : i == 1 ? -181 : 181;
+            CHECK_STATUS(etd_scene_set_web_light(scene, 2, &web), ETD_INVALID_SCENE);
             sky.radiance[i] = bad[k];
             CHECK_STATUS(etd_scene_set_environment_map(scene, &sky), ETD_INVALID_SCENE);
             formula = (etd_sky)ETD_SKY_INIT;
@@ -654,6 +657,14 @@ static void pass_numbers(void) {
             distant.angle_deg = i == 0 ? NAN : i == 1 ? -1 : 181;
             CHECK_STATUS(etd_scene_add_distant_light(scene, &distant, &number), ETD_INVALID_SCENE);
             CHECK_STATUS(etd_scene_set_emission(scene, 2, floats), ETD_INVALID_SCENE);
+            glowing.emission[i] = 1;
+            glowing.emits_both = 1;
+            CHECK_STATUS(etd_scene_add_sphere(scene, centre, 1, &glowing, &number), ETD_UNSUPPORTED);
+            glowing.emission[i] = 0;
+            CHECK_STATUS(etd_scene_add_disk(scene, centre, ones, 1, &glowing, &number), ETD_INVALID_SCENE);
+            glowing.reserved = 1;
+            CHECK_STATUS(etd_scene_add_disk(scene, centre, ones, 1, &glowing, &number), ETD_INVALID_ARGUMENT);
+            glowing.emits_both = glowing.reserved = 0;
             glowing.emission[i] = bad[k];
             CHECK_STATUS(etd_scene_add_sphere(scene, centre, 1, &glowing, &number), ETD_INVALID_SCENE);
             material.color[i] = bad[k];
@@ -974,6 +985,7 @@ static void pass_indices(void) {
         CHECK_STATUS(etd_scene_set_transform(scene, n, ones), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_set_surface_material(scene, n, 0), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_set_emission(scene, n, grey), ETD_INVALID_ARGUMENT);
+        CHECK_STATUS(etd_scene_set_emits_both(scene, n, 1), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_get_surface(scene, n, &surface), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_set_mesh(scene, n, &mesh), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_remove_mesh(scene, n), ETD_INVALID_ARGUMENT);

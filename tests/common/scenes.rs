@@ -36,6 +36,7 @@ pub fn add(desc: &mut SceneDesc, number: usize, shape: ShapeDesc, bsdf: BsdfDesc
         transform: DAffine3::IDENTITY,
         material: desc.materials.len() - 1,
         emission,
+        emits_both: false,
         hidden: false,
     });
 }

@@ -114,6 +114,7 @@ pub fn surface(desc: &SceneDesc, shape: ShapeDesc, transform: DAffine3, emission
         transform,
         material: number % desc.materials.len(),
         emission,
+        emits_both: false,
         hidden: false,
     }
 }

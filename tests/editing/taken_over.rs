@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use etendue::desc::ShapeDesc;
+use etendue::desc::{SceneDesc, ShapeDesc};
 use etendue::embree::{Device, DeviceOptions, MemoryBudget};
 use etendue::math::DAffine3;
 use etendue::scene::{BuildOptions, Scene};
@@ -35,6 +35,12 @@ fn edits_of_looks_leave_embree_alone() {
             assert_eq!(scene.device().peak_memory_bytes(), peak, "{edit:?}");
             assert_eq!(is_dynamic(&edited), dynamic, "{edit:?} is no edit of geometry");
         }
+        // A lamp emits on both sides: an emitter more for each of its triangles, but no geometry.
+        let count = |desc: &SceneDesc| scene.rebuild(desc, &options).unwrap().emitters().emitters().len();
+        let before = count(&desc);
+        desc.surfaces[0].emits_both = true;
+        assert_eq!(count(&desc), before + 2);
+        assert_eq!(scene.device().peak_memory_bytes(), peak);
         // A lamp is switched off: no geometry either.
         desc.surfaces[0].emission = None;
         scene.rebuild(&desc, &options).unwrap();

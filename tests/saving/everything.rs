@@ -361,20 +361,23 @@ fn surfaces(scene: &mut SceneDesc) {
             let is_taken = |it: &MaterialDesc| it.emission.is_none() && it.medium.is_none();
             material =
                 (material + 1..).map(|i| i % scene.materials.len()).find(|i| is_taken(&scene.materials[*i])).unwrap();
-            let look = SurfaceLook { material: Some(material), emission: None, transform };
+            let look = SurfaceLook { material: Some(material), transform, ..SurfaceLook::default() };
             scene.add_surface(shape, local * frame, look).unwrap();
         }
     }
     let removed = scene.surfaces.len() / 2;
     scene.remove_surface(removed).unwrap();
     let moved = DAffine3::from_translation(v(0.0, 5.0, 0.0));
-    let shines = SurfaceLook { material: None, emission: Some(rgb(10.0, 1.0, 1e-9)), transform: moved };
+    let shines = SurfaceLook { emission: Some(rgb(10.0, 1.0, 1e-9)), transform: moved, ..SurfaceLook::default() };
     let (sphere, local) = ShapeDesc::sphere(DVec3::ZERO, 0.5).unwrap();
     scene.add_surface(sphere, local, shines).unwrap();
     let lamp = scene.find_material("lamp");
     let (triangle, local) = ShapeDesc::triangle([DVec3::ZERO, DVec3::X, DVec3::Y]).unwrap();
     for emission in [None, Some(rgb(1.0, 0.0, 0.0))] {
-        scene.add_surface(triangle, local, SurfaceLook { material: lamp, emission, transform: moved }).unwrap();
+        for emits_both in [false, true] {
+            let look = SurfaceLook { material: lamp, emission, emits_both, transform: moved };
+            scene.add_surface(triangle, local, look).unwrap();
+        }
     }
 }
 

@@ -156,7 +156,7 @@ fn meshes_are_written_once() {
     let mesh = scene.find_mesh("of a host").unwrap();
     for x in 0..3 {
         let transform = DAffine3::from_translation(DVec3::X * f64::from(x));
-        let look = SurfaceLook { material: Some(0), emission: None, transform };
+        let look = SurfaceLook { material: Some(0), transform, ..SurfaceLook::default() };
         scene.add_surface(ShapeDesc::Mesh { mesh, smooth: true }, DAffine3::IDENTITY, look).unwrap();
     }
     let again = super::same::saved(&scene);

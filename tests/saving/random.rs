@@ -30,7 +30,9 @@ fn shapes_in_random_places_come_back() {
             ShapeDesc::ellipsoid(origin, axis.abs() + DVec3::splat(0.1)),
         ] {
             let (shape, local) = shape.unwrap();
-            scene.add_surface(shape, local, SurfaceLook { material: grey, emission: None, transform }).unwrap();
+            scene
+                .add_surface(shape, local, SurfaceLook { material: grey, transform, ..SurfaceLook::default() })
+                .unwrap();
         }
     }
     assert_same(&scene, &saved(&scene), "random shapes");

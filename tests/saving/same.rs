@@ -149,7 +149,7 @@ fn mesh(mesh: &MeshDesc) -> impl PartialEq + use<> {
 }
 
 fn surface(surface: &SurfaceDesc, scene: &SceneDesc) -> String {
-    let SurfaceDesc { shape, material, emission, .. } = surface;
+    let SurfaceDesc { shape, material, emission, emits_both, .. } = surface;
     // Meshes that were removed have no number in a file.
     let shape = match *shape {
         ShapeDesc::Mesh { mesh, smooth } => {
@@ -160,5 +160,5 @@ fn surface(surface: &SurfaceDesc, scene: &SceneDesc) -> String {
     };
     // A zero without a sign, since sums of products with zeros may lose it.
     let placed = surface.to_world().to_cols_array().map(|x| x + 0.0);
-    text(&(shape, material, emission, placed))
+    text(&(shape, material, emission, emits_both, placed))
 }

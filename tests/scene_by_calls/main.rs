@@ -56,7 +56,12 @@ fn rebuilt(from: &SceneDesc) -> Result<SceneDesc> {
     desc.set_environment_desc(from.environment.clone())?;
     for (number, surface) in from.surfaces.iter().enumerate() {
         let material = Some(surface.material).filter(|material| !is_black(*material));
-        let look = SurfaceLook { material, emission: surface.emission, transform: surface.transform };
+        let look = SurfaceLook {
+            material,
+            emission: surface.emission,
+            emits_both: surface.emits_both,
+            transform: surface.transform,
+        };
         assert_eq!(desc.add_surface(surface.shape, surface.local, look)?, number);
     }
     desc.set_shutter(from.motion.shutter.clone())?;

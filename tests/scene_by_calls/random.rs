@@ -37,6 +37,7 @@ fn edit(desc: &mut SceneDesc, kind: u8, n: [f64; 10], which: [usize; 3]) -> Resu
     let look = SurfaceLook {
         material: Some(which[0]).filter(|material| material % 3 > 0),
         emission: (which[1].is_multiple_of(2)).then_some(light),
+        emits_both: which[0].is_multiple_of(5),
         transform: if which[2].is_multiple_of(2) { DAffine3::IDENTITY } else { transform },
     };
     match kind {

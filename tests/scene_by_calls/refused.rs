@@ -298,6 +298,7 @@ fn bad_shapes() -> Vec<(&'static str, &'static str, Call)> {
 fn bad_surfaces() -> Vec<(&'static str, &'static str, Call)> {
     let (shape, identity) = ShapeDesc::sphere(A, 1.0).unwrap();
     let (cone, _) = ShapeDesc::cone(A, B, 1.0, 1.0).unwrap();
+    let (flat_disk, _) = ShapeDesc::disk(A, DVec3::X, 1.0).unwrap();
     let flat = DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(1.0, 0.0, 1.0)));
     let nan = DAffine3::from_translation(DVec3::NAN);
     let far = DAffine3::from_translation(DVec3::X * 1e39);
@@ -318,6 +319,14 @@ fn bad_surfaces() -> Vec<(&'static str, &'static str, Call)> {
         add("surfaces[5].emission[0]", "NaN", shape, identity, SurfaceLook { emission: Some(Rgb::NAN), ..lit(0) }),
         add("surfaces[5].emission", "only cylinders can emit", cone, identity, light),
         add("surfaces[5].emission", "stretches it", shape, identity, SurfaceLook { transform: long, ..light }),
+        add(
+            "surfaces[5].emits",
+            "a sphere, which is closed",
+            shape,
+            identity,
+            SurfaceLook { emits_both: true, ..light },
+        ),
+        add("surfaces[5].emits", "emits no light", flat_disk, identity, SurfaceLook { emits_both: true, ..lit(0) }),
         add("surfaces[5].emission", "stretches it", shape, long, light),
         add("surfaces[5]", "cannot be undone", shape, flat, lit(0)),
         add("surfaces[5]", "overflows", shape, nan, lit(0)),
@@ -335,6 +344,8 @@ fn bad_surfaces() -> Vec<(&'static str, &'static str, Call)> {
         bad("surfaces[2]", gone, |desc| desc.set_surface_material(2, Some(0))),
         bad("surfaces[5]", "there is no surface 5", |desc| desc.set_surface_material(5, Some(0))),
         bad("surfaces[0].emission[0]", "inf", |desc| desc.set_emission(0, Some(Rgb::INFINITY))),
+        bad("surfaces[3].emits", "emits no light", |desc| desc.set_emits_both(3, true)),
+        bad("surfaces[9]", "there is no surface 9", |desc| desc.set_emits_both(9, false)),
         bad("surfaces[3].emission", "only cylinders can emit", |desc| desc.set_emission(3, Some(Rgb::ONE))),
         bad("surfaces[2]", gone, |desc| desc.set_emission(2, None)),
         bad("surfaces[5]", "there is no surface 5", |desc| desc.set_emission(5, None)),

@@ -42,6 +42,9 @@ pub struct etd_web_light {
     pub c0: [f64; 3],
     /// Factor on the intensities, each channel >= 0. At 1, the radiant intensity [W sr^-1] is the file's candela over 683 lm/W.
     pub factor: [f32; 3],
+    /// Degrees by which the luminaire is tilted from straight down, in [-180, 180] and within the tilts of the file. It chooses the
+    /// factor of files that have some for tilted lamps, and turns nothing.
+    pub tilt_deg: f64,
 }
 
 versioned! {

@@ -338,6 +338,10 @@ pub struct etd_surface {
     /// Transform from the object frame to the world frame, three rows of four numbers whose last column is the translation;
     /// twelve zeros stand for the identity.
     pub transform: [f64; 12],
+    /// If not 0, the surface emits on its other side too, with the same radiance: it must emit, and be no sphere.
+    pub emits_both: u32,
+    /// 0.
+    pub reserved: u32,
 }
 
 enumerations! {

@@ -97,7 +97,7 @@ impl Adding<'_> {
             return Err(Error::invalid(path, message));
         }
         let shape = ShapeDesc::Mesh { mesh: part.mesh, smooth: part.smooth };
-        let look = SurfaceLook { material: Some(part.material), emission: None, transform };
+        let look = SurfaceLook { material: Some(part.material), transform, ..SurfaceLook::default() };
         self.scene.put_surface(path, shape, DAffine3::IDENTITY, look).map(|_| ())
     }
 

@@ -122,8 +122,17 @@ fn check(scene: &SceneDesc) -> Result<()> {
         if let Some(radiance) = surface.emission {
             validate::emission(&format!("{path}.emission"), radiance.to_f64(), 1.0)?;
         }
+        if emits_both(scene, surface) {
+            validate::emits_both(path, &surface.shape, true)?;
+        }
     }
     Ok(())
+}
+
+/// Whether a surface emits light on both of its sides.
+fn emits_both(scene: &SceneDesc, surface: &super::SurfaceDesc) -> bool {
+    let emission = surface.emission.or(scene.materials.get(surface.material).and_then(|it| it.emission));
+    surface.emits_both && emission.is_some()
 }
 
 impl Names {
@@ -231,7 +240,7 @@ fn document(
     let mut surfaces = List::new("surfaces");
     for (number, surface) in scene.surfaces.iter().enumerate().filter(|(_, surface)| !surface.hidden) {
         let motion = scene.motion.surfaces.get(&number).map(|motion| &**motion);
-        surfaces.put(out, &surface::write(surface, motion, names)?)?;
+        surfaces.put(out, &surface::write(surface, emits_both(scene, surface), motion, names)?)?;
     }
     surfaces.end(out)?;
     out.write_all(b"\n}\n").map_err(failed)

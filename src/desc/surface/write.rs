@@ -3,7 +3,8 @@
 use serde_json::value::RawValue;
 
 use super::{
-    Clip, Cone, Cylinder, Disk, Ellipsoid, Mesh, Paraboloid, Quad, Quadric, Shading, SharedMesh, Sphere, Triangle, tags,
+    Clip, Cone, Cylinder, Disk, Ellipsoid, Emits, Mesh, Paraboloid, Quad, Quadric, Shading, SharedMesh, Sphere,
+    Triangle, tags,
 };
 use crate::desc::json::join;
 use crate::desc::numbers::{self, shortest, unless};
@@ -18,6 +19,7 @@ struct Look {
     material: Option<String>,
     transform: Option<Box<RawValue>>,
     emission: Option<[f64; 3]>,
+    emits: Option<Emits>,
     motion: Option<Vec<motion_keys::Key>>,
 }
 
@@ -31,17 +33,19 @@ macro_rules! text {
             emission: $look.emission,
             luminance: None,
             temperature: None,
+            emits: $look.emits,
             motion: $look.motion,
             $($field: $value,)*
         })
     };
 }
 
-/// Writes a surface whose material and mesh have these names. Its numbers have been checked.
+/// Writes a surface whose material and mesh have these names. Its numbers have been checked. `emits_both`: it emits on both sides.
 ///
 /// Where the keys of its kind cannot give the frame of its shape, that frame goes into the `transform`.
 pub(in crate::desc) fn write(
     surface: &SurfaceDesc,
+    emits_both: bool,
     motion: Option<&MotionDesc>,
     names: &Names,
 ) -> Result<Box<RawValue>> {
@@ -52,6 +56,7 @@ pub(in crate::desc) fn write(
             material: Some(names.materials[surface.material].clone()),
             transform: transform::write(&placed)?,
             emission: surface.emission.map(numbers::color),
+            emits: emits_both.then_some(Emits::Both),
             motion: motion.map(motion_keys::write_motion),
         })
     };

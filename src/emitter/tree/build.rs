@@ -118,8 +118,8 @@ fn bound(emitter: &Emitter) -> (DVec3, f64, Cone) {
             let radius = 0.5 * (emitter.bounds().max - emitter.bounds().min).length();
             (emitter.disk.centre(), radius, Cone::along(emitter.disk.normal()))
         }
-        Emitter::Tube(emitter) => {
-            let bounds = emitter.bounds();
+        Emitter::Tube(_) | Emitter::InnerTube(_) => {
+            let bounds = bounds(emitter);
             (bounds.centre(), 0.5 * (bounds.max - bounds.min).length(), Cone::ALL)
         }
         // What is at infinity is given to no tree.
@@ -137,6 +137,7 @@ fn bounds(emitter: &Emitter) -> Bounds {
     match emitter {
         Emitter::Disk(emitter) => emitter.bounds(),
         Emitter::Tube(emitter) => emitter.bounds(),
+        Emitter::InnerTube(emitter) => emitter.outer.bounds(),
         _ => match emitter.sphere() {
             Some(sphere) => sphere.bounds(),
             None => Bounds::around([emitter.centre().as_dvec3()]),
@@ -154,6 +155,7 @@ fn intensity_per_power(emitter: &Emitter) -> f64 {
         Emitter::Triangle(_) | Emitter::Textured(_) | Emitter::Disk(_) => 1.0,
         // Over pi, as the others.
         Emitter::Tube(emitter) => emitter.intensity_share(),
+        Emitter::InnerTube(emitter) => emitter.outer.intensity_share(),
         Emitter::Point { .. }
         | Emitter::Sphere(_)
         | Emitter::Environment(_)

@@ -15,7 +15,6 @@ use super::albedo::mean_albedos;
 use super::form_factor::{self, quarters};
 use super::tessellate::tessellate;
 use super::textured::ElementTextures;
-use crate::emitter::Emitter;
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, HitPoint, Vec3};
 use crate::scene::{Body, Scene};
@@ -140,10 +139,8 @@ impl Elements {
         elements.textured = ElementTextures::new(scene).map(Box::new);
         let mut welds = Welds::new();
         let mut roots = Vec::new();
+        let emitters = scene.emitters();
         scene.each_face(|face| {
-            let emitter = face.emitter.map(|number| &scene.emitters().emitters()[number as usize]);
-            let radiance = emitter.map_or(Rgb::ZERO, Emitter::mean_radiance);
-            let emitted = std::f64::consts::PI * radiance.to_f64();
             let (triangles, outer, error, shape, is_smooth) = match &face.body {
                 Body::Triangle { corners, normal, error, is_smooth } => {
                     (vec![*corners], Some(normal.as_dvec3()), *error, NONE, *is_smooth)
@@ -157,7 +154,9 @@ impl Elements {
             let mut sides = [PatchRange::default(); 2];
             let each_albedo = albedos[face.material as usize];
             for ((is_front, albedo), side) in [true, false].into_iter().zip(each_albedo).zip(&mut sides) {
-                let emitted = if is_front { emitted } else { DVec3::ZERO };
+                let lamp = face.emitter.and_then(|front| if is_front { Some(front) } else { emitters.back_of(front) });
+                let radiance = lamp.map_or(Rgb::ZERO, |lamp| emitters.emitters()[lamp as usize].mean_radiance());
+                let emitted = std::f64::consts::PI * radiance.to_f64();
                 if albedo == DVec3::ZERO && emitted == DVec3::ZERO {
                     continue;
                 }
@@ -171,7 +170,7 @@ impl Elements {
                     let normal = if (flat.dot(outer) < 0.0) == is_front { -flat } else { flat };
                     if let Some(textured) = &mut elements.textured {
                         let facet = if shape == NONE { face.facet } else { face.facet.part(*corners) };
-                        textured.add_patch(&face, is_front, &facet, *corners);
+                        textured.add_patch(&face, lamp, &facet, *corners);
                     }
                     let least = if is_smooth { SMOOTH_WELD_COSINE } else { FLAT_WELD_COSINE };
                     let corners =

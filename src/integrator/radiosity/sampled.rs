@@ -132,6 +132,7 @@ impl SampledLight {
             | Emitter::TexturedSphere(_)
             | Emitter::Disk(_)
             | Emitter::Tube(_)
+            | Emitter::InnerTube(_)
             | Emitter::Moving(_) => None,
         };
         let lit = emitters.emitters().iter().zip(0..).filter(|(emitter, _)| emitter.power() != DVec3::ZERO);

@@ -57,10 +57,11 @@ impl ElementTextures {
         has_textures.then(none)
     }
 
-    /// Adds what varies on the next patch, which is on this side of a face; `facet` is the part of the face that it is.
-    pub fn add_patch(&mut self, face: &Face, is_front: bool, facet: &Facet, corners: [DVec3; 3]) {
+    /// Adds what varies on the next patch, which is on a side of a face that has the emitter `lamp`; `facet` is the part of the face that
+    /// it is.
+    pub fn add_patch(&mut self, face: &Face, lamp: Option<u32>, facet: &Facet, corners: [DVec3; 3]) {
         let reflects = self.scene.material(face.material).is_textured_diffuse();
-        let lamp = face.emitter.filter(|_| is_front).and_then(|number| Some((number, self.light_of(number)?)));
+        let lamp = lamp.and_then(|number| Some((number, self.light_of(number)?)));
         self.patches.push(PatchTextures { reflecting: reflects.then_some((*facet, corners)), lamp });
     }
 

@@ -202,7 +202,8 @@ fn exact(set: &EmitterSet, p: DVec3, n: DVec3) -> f64 {
             | Emitter::TexturedSphere(_)
             | Emitter::EnvironmentMap(_)
             | Emitter::Disk(_)
-            | Emitter::Tube(_) => {
+            | Emitter::Tube(_)
+            | Emitter::InnerTube(_) => {
                 unreachable!("no lamp here has a texture or is round but for balls")
             }
             Emitter::Moving(_) => unreachable!("no lamp here moves"),

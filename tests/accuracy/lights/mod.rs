@@ -11,6 +11,7 @@ mod points;
 mod polygons;
 mod portals;
 mod round;
+mod sides;
 pub mod sky;
 mod solid_angles;
 mod spheres;
@@ -49,6 +50,7 @@ pub fn cases() -> Vec<Entry> {
         round::cases(),
         backs::cases(),
         portals::cases(),
+        sides::cases(),
     ];
     topics.into_iter().flatten().collect()
 }

@@ -28,7 +28,7 @@ pub fn cases() -> Vec<Entry> {
 /// Sides of the polygons that stand for round outlines.
 const SIDES: u32 = 20_000;
 
-fn turns(from: f64, to: f64) -> impl Iterator<Item = f64> {
+pub(super) fn turns(from: f64, to: f64) -> impl Iterator<Item = f64> {
     (0..=SIDES).map(move |i| from + (to - from) * f64::from(i) / f64::from(SIDES))
 }
 
@@ -41,7 +41,7 @@ fn tube_light(to_scene: DAffine3) -> Emitter {
 }
 
 /// The factor of the unit disk under a transform, seen from `p` with normal `n`.
-fn disk_factor(to_scene: &DAffine3, p: DVec3, n: DVec3) -> f64 {
+pub(super) fn disk_factor(to_scene: &DAffine3, p: DVec3, n: DVec3) -> f64 {
     if to_scene.inverse().transform_point3(p).z <= 0.0 {
         return 0.0;
     }
@@ -51,7 +51,7 @@ fn disk_factor(to_scene: &DAffine3, p: DVec3, n: DVec3) -> f64 {
 }
 
 /// The factor of what a point sees of the outer side of the unit tube under a transform: two arcs, and the two lines between them.
-fn tube_factor(to_scene: &DAffine3, p: DVec3, n: DVec3) -> f64 {
+pub(super) fn tube_factor(to_scene: &DAffine3, p: DVec3, n: DVec3) -> f64 {
     let own = to_scene.inverse().transform_point3(p);
     let distance = own.x.hypot(own.y);
     if distance <= 1.0 {
@@ -64,17 +64,17 @@ fn tube_factor(to_scene: &DAffine3, p: DVec3, n: DVec3) -> f64 {
     polygon_factor(p, n, &below.chain(above).collect::<Vec<_>>())
 }
 
-fn placed(matrix3: DMat3, translation: DVec3) -> DAffine3 {
+pub(super) fn placed(matrix3: DMat3, translation: DVec3) -> DAffine3 {
     DAffine3 { matrix3, translation }
 }
 
 /// Stretched, sheared and mirrored.
-fn bent() -> DMat3 {
+pub(super) fn bent() -> DMat3 {
     DMat3::from_cols(DVec3::new(1.5, 0.2, 0.0), DVec3::new(0.1, -0.4, 0.3), DVec3::new(0.2, 0.3, 0.9))
 }
 
 /// Densities of samples, against those for the points where they end, and where shadow rays end.
-fn consistency(case: &mut Case, what: &str, set: &EmitterSet, p: Vec3) {
+pub(super) fn consistency(case: &mut Case, what: &str, set: &EmitterSet, p: Vec3) {
     let mut sampler = SobolSampler::new(64, u32::MAX);
     let (mut different, mut all, mut off) = (0.0_f64, 0.0_f64, 0.0_f64);
     for i in 0..case.count(2_000, 1_000_000) {
@@ -279,7 +279,7 @@ fn pictures(case: &mut Case) {
 }
 
 /// The middle of a white floor, whose normal is z, by all methods.
-fn by_all_methods(case: &mut Case, what: &str, desc: &SceneDesc, exact: f64) {
+pub(super) fn by_all_methods(case: &mut Case, what: &str, desc: &SceneDesc, exact: f64) {
     let samples = case.count(64, 1024) as u32;
     // Radiosity has inscribed triangles in place of round shapes, as large in sum but a little further away.
     for (integrator, bias) in METHODS.into_iter().chain([(IntegratorDesc::Radiosity, 2e-2)]) {

@@ -9,6 +9,7 @@ use etendue::emitter::{DirectedPoint, Distribution, Emitter, EmitterSet, TurnedW
 use etendue::math::{DVec3, Vec3};
 use etendue::photometry::Web;
 use etendue::sampling::{Rng, warps};
+use etendue::scene::{BuildOptions, Scene};
 use etendue::spectrum::Rgb;
 
 use super::{INTEGRATORS, irradiance, lit};
@@ -21,6 +22,7 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "L52", title: "measured lamps, files", run: files },
         Entry { id: "L53", title: "measured lamps, flux and directions", run: whole },
         Entry { id: "L54", title: "measured lamps, at points", run: points },
+        Entry { id: "L86", title: "measured lamps that are tilted", run: tilted_lamps },
     ]
 }
 
@@ -126,7 +128,7 @@ pub fn uneven_web() -> Web {
 
 /// A measured lamp of one watt for each lumen over the efficacy.
 pub fn web_light(position: DVec3, direction: DVec3, c0: DVec3, web: Web) -> PointLightDesc {
-    let distribution = LightDistribution::Web(WebDesc { web: Arc::new(web), direction, c0 });
+    let distribution = LightDistribution::Web(WebDesc { direction, c0, ..WebDesc::new(Arc::new(web)) });
     PointLightDesc { distribution, ..point_light(position, 1.0) }
 }
 
@@ -267,6 +269,38 @@ fn points(case: &mut Case) {
             let job = Job { resolution: [4, 4], samples: 64, integrator, ..Job::default() };
             let (image, _) = render(&desc, &job);
             case.exact(format!("a floor at {p}, {whose}"), image.mean()[0], exact / PI, Within::Relative(5e-4));
+        }
+    }
+}
+
+/// Lamps whose file has factors of tilts: light of a lamp as it is tilted, over that of the formula.
+fn tilted_lamps(case: &mut Case) {
+    let text = ies(uneven, 1, &angles(0.0, 360.0, 360), &angles(0.0, 90.0, 90));
+    let (place, axis, c0) = (DVec3::new(0.3, -0.2, 2.0), DVec3::new(0.2, -0.3, -0.9), DVec3::X);
+    let way = -place;
+    let even = uneven(in_lamp(axis, c0, way.normalize())) / EFFICACY * place.z / way.length().powi(3);
+    for (what, block, tilt, factor) in [
+        ("upright, 0 degrees", "1\n4\n0 20 60 90\n1 0.9 0.7 0.75", 0.0, 1.0),
+        ("upright, 30 degrees", "1\n4\n0 20 60 90\n1 0.9 0.7 0.75", 30.0, 0.85),
+        ("upright, -84 degrees", "1\n4\n0 20 60 90\n1 0.9 0.7 0.75", -84.0, 0.74),
+        ("level and tilted, -45 degrees", "3\n3\n-90 0 90\n0.5 1 0.8", -45.0, 0.75),
+        ("level and tilted, 45 degrees", "3\n3\n-90 0 90\n0.5 1 0.8", 45.0, 0.9),
+        ("level and fixed, 45 degrees", "2\n3\n0 45 90\n0.98 0.9 0.8", 45.0, 0.98),
+        ("from 40 degrees on, 10 degrees", "1\n2\n40 90\n0.8 0.6", 10.0, 0.95),
+    ] {
+        let web = parsed(&text.replace("TILT=NONE", &format!("TILT=INCLUDE\n{block}")));
+        let mut desc = lit(0.1, 1e-3, vec![]);
+        desc.lights.push(web_light(place, axis, c0, web));
+        let LightDistribution::Web(it) = &mut desc.lights[0].distribution else { unreachable!("it is a web") };
+        it.tilt_deg = tilt;
+        let scene = Scene::build(&desc, &BuildOptions::default()).expect("a scene of the test");
+        let power = scene.emitters().emitters()[0].power().x;
+        case.exact(format!("{what}: W"), power, factor * UNEVEN_FLUX / EFFICACY, Within::Relative(2e-4));
+        for (whose, integrator) in INTEGRATORS {
+            let job = Job { resolution: [4, 4], samples: 64, integrator, ..Job::default() };
+            let (image, _) = render(&desc, &job);
+            let name = format!("{what}: a floor, {whose}");
+            case.exact(name, image.mean()[0], factor * even / PI, Within::Relative(5e-4));
         }
     }
 }

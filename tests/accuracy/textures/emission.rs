@@ -34,7 +34,7 @@ fn radiance(x: u32, y: u32) -> f64 {
 }
 
 /// A lamp of these squares over [-1, 1]^2 at the height 1, which shines down; u along x and v along z. On its floor, which is white.
-pub(super) fn lamp(mapping: Option<Projection>) -> SceneDesc {
+pub fn lamp(mapping: Option<Projection>) -> SceneDesc {
     let texels = image(4, 4, 3, |x, y, c| radiance(x, y) as f32 * [1.0, 0.5, 0.25][c as usize]);
     let corners = [[-1.0, 1.0, -1.0], [1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]];
     let floor = quad([[-4.0, 0.0, 4.0], [4.0, 0.0, 4.0], [4.0, 0.0, -4.0], [-4.0, 0.0, -4.0]]);
@@ -58,7 +58,7 @@ pub(super) fn lamp(mapping: Option<Projection>) -> SceneDesc {
 }
 
 /// Irradiance in red at a point that looks up, from the squares one by one.
-pub(super) fn exact(p: DVec3, n: DVec3) -> f64 {
+pub fn exact(p: DVec3, n: DVec3) -> f64 {
     let edge = |i: u32| 0.5 * f64::from(i) - 1.0;
     let all = (0..4).flat_map(|x| (0..4).map(move |y| (x, y)));
     all.map(|(x, y)| {
@@ -131,7 +131,7 @@ fn photons(scene: &Scene, count: u32) -> (f64, f64) {
 }
 
 /// Methods that draw the floor below a lamp, and the relative standard error within which they do.
-pub(super) const METHODS: [(IntegratorDesc, f64); 7] = [
+pub const METHODS: [(IntegratorDesc, f64); 7] = [
     (IntegratorDesc::Path, 4e-3),
     (IntegratorDesc::Direct, 4e-3),
     (IntegratorDesc::Whitted, 4e-3),

@@ -3,7 +3,7 @@
 mod balls;
 mod elements;
 mod elements_of_lamps;
-mod emission;
+pub mod emission;
 mod lookups;
 mod projections;
 mod relief;
