@@ -29,9 +29,6 @@ pub struct TriangleEmitter {
     /// Up to this squared distance from the centroid, directions are sampled by solid angle.
     near2: f32,
     error: f32,
-    /// Only points higher than this over the plane, times twice the area, are in front: a point of the triangle itself lies within it.
-    /// Without it, half of the points of its back would see it, since each is rounded to one side or the other.
-    least_height: f64,
 }
 
 impl TriangleEmitter {
@@ -41,8 +38,7 @@ impl TriangleEmitter {
         let longest2 = e1.length_squared().max(e2.length_squared()).max(e1.distance_squared(e2));
         let near2 = (AREA_SAMPLING_DISTANCE2 * triangle.area).max(AREA_SAMPLING_LENGTH2 * longest2);
         let centroid = triangle.at(1.0 / 3.0, 1.0 / 3.0);
-        let least_height = 2.0 * f64::from(triangle.area) * f64::from(error);
-        Self { triangle, radiance, centroid, near2, error, least_height }
+        Self { triangle, radiance, centroid, near2, error }
     }
 
     /// Emitted power \[W\].
@@ -58,18 +54,14 @@ impl TriangleEmitter {
         is_near.then(|| SphericalTriangle::seen_from(p, self.triangle.vertices)).flatten()
     }
 
-    /// Twice the area times the height of `p` over the plane; `None` where `p` is not in front.
-    #[inline(always)]
-    fn height(&self, p: Vec3) -> Option<f64> {
-        let height = self.triangle.height_by_twice_area(p);
-        (height > self.least_height).then_some(height)
-    }
-
     /// Samples a direction from `p`; `None` where `p` is behind the triangle or in its plane.
     #[inline(always)]
     pub(super) fn sample(&self, p: Vec3, u: [f32; 2]) -> Option<EmitterSample> {
         let triangle = &self.triangle;
-        let height = self.height(p)?;
+        let height = triangle.height_by_twice_area(p);
+        if height <= 0.0 {
+            return None;
+        }
         let (wi, point, pdf) = match self.seen_from(p) {
             Some(spherical) => {
                 let (wi, [_, b1, b2]) = spherical.sample_barycentric(u);
@@ -106,7 +98,10 @@ impl TriangleEmitter {
     /// Density per solid angle at `p` of the direction that meets the triangle in `hit`; 0 where `p` is not in front.
     #[inline(always)]
     pub(super) fn pdf(&self, p: Vec3, hit: Vec3) -> f32 {
-        let Some(height) = self.height(p) else { return 0.0 };
+        let height = self.triangle.height_by_twice_area(p);
+        if height <= 0.0 {
+            return 0.0;
+        }
         self.seen_from(p).map_or_else(|| pdf_by_area(hit.distance(p), height), |spherical| spherical.pdf())
     }
 }

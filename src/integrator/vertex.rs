@@ -368,6 +368,9 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
     ) -> Option<(Ray, C)> {
         let point = &self.surface.point;
         let light = scene.emitters().sample_for(self.receiver(), point.time, u, !only_light_samples)?;
+        if self.surface.emitter.is_some() && self.holds(light.target) {
+            return None;
+        }
         let wi = self.frame.to_local(light.wi);
         if !self.is_consistent(light.wi, wi) {
             return None;
@@ -388,6 +391,15 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
             f * C::from_emission(light.radiance, &self.wavelengths)
                 * (wi.z.abs() * weight / (light.pdf * light_samples as f32)),
         ))
+    }
+
+    /// Whether a point lies in the plane of this surface as far as rounding can tell. A lamp that reflects would otherwise light its own
+    /// back: each of its points is rounded to one side of it or the other, and half of them would see it.
+    #[cold]
+    #[inline(never)]
+    fn holds(&self, p: Vec3) -> bool {
+        let point = &self.surface.point;
+        (p - point.p).dot(self.surface.ng).abs() <= 2.0 * point.error
     }
 
     /// Samples the next direction of the path; `None` when the path ends in absorption.
