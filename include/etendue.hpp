@@ -932,10 +932,9 @@ public:
         const etd_status status = etd_scene_get_environment_map(get(), &map);
         return detail::give(status, std::move(map));
     }
-    /** Sets the openings, of four corners each, through which light from infinity comes into rooms. */
-    Outcome<void> set_portals(detail::Span<const std::array<std::array<double, 3>, 4>> portals) {
-        const double *corners = portals.size() == 0 ? nullptr : (*portals.data())[0].data();
-        return detail::done(etd_scene_set_portals(get(), corners, portals.size()));
+    /** Sets `count` openings, of four corners each, through which light from infinity comes into rooms. */
+    Outcome<void> set_portals(const double *corners, std::size_t count) {
+        return detail::done(etd_scene_set_portals(get(), corners, count));
     }
     /** Sets the light from infinity to a sky by a formula. */
     Outcome<void> set_sky(const etd_sky &sky) { return detail::done(etd_scene_set_sky(get(), &sky)); }

@@ -437,9 +437,18 @@ static etd_status n_scene_get_environment_map(void) {
     etd_environment_map *map = AT(1, sized_output(sizeof *map));
     return CALL(etd_scene_get_environment_map(SCENE(0), map));
 }
-static etd_status n_scene_set_portals(void) { return CALL(etd_scene_set_portals(SCENE(0), AT(1, vertices), 1)); }
+/* Under a sky of its own. */
+static etd_status n_scene_set_portals(void) {
+    float before[3] = {0, 0, 0};
+    etd_status status;
+    CHECK_OK(etd_scene_get_environment(scene, before));
+    CHECK_OK(etd_scene_set_environment(scene, grey));
+    status = CALL(etd_scene_set_portals(SCENE(0), AT(1, quad_vertices), 1));
+    CHECK_OK(etd_scene_set_environment(scene, before[0] > 0 ? before : NULL));
+    return status;
+}
 static etd_status n_scene_get_portals(void) {
-    size_t *count = AT(2, output(sizeof *count));
+    size_t *count = AT(1, output(sizeof *count));
     return CALL(etd_scene_get_portals(SCENE(0), NULL, 0, count));
 }
 static etd_status n_scene_add_distant_light(void) {
@@ -798,7 +807,7 @@ static const struct {
     {"etd_scene_set_environment_map", n_scene_set_environment_map, 2, 1, 1},
     {"etd_scene_get_environment_map", n_scene_get_environment_map, 2, 3, 1},
     {"etd_scene_set_portals", n_scene_set_portals, 2, 3, 1},
-    {"etd_scene_get_portals", n_scene_get_portals, 2, 5, 1},
+    {"etd_scene_get_portals", n_scene_get_portals, 2, 3, 1},
     {"etd_scene_add_sphere", n_scene_add_sphere, 4, 15, 1},
     {"etd_scene_add_triangle", n_scene_add_triangle, 4, 15, 1},
     {"etd_scene_add_quad", n_scene_add_quad, 4, 15, 1},
