@@ -54,7 +54,8 @@ impl PortalDesc {
         for (place, corner) in self.corners.iter().enumerate() {
             validate::vector(&format!("{path}[{place}]"), *corner)?;
         }
-        let has_area = |[a, b, c]: [DVec3; 3]| Triangle::new([a - a, b - a, c - a].map(|p| p.as_vec3a())).is_some();
+        let has_area =
+            |[a, b, c]: [DVec3; 3]| Triangle::new([DVec3::ZERO, b - a, c - a].map(|p| p.as_vec3a())).is_some();
         if !self.triangles().all(has_area) {
             return Err(Error::invalid(path, "the corners have no area between them"));
         }
