@@ -60,6 +60,8 @@ fn samples_a_pass(pixels: u64) -> u32 {
 #[derive(Debug)]
 pub struct Plan<C: Spectrum = Rgb> {
     scene: Scene,
+    /// Whether more than the camera moves, so that each pass has a moment of its own.
+    moves: bool,
     camera: Camera,
     desc: Arc<RenderDesc>,
     method: PhotonMethod,
@@ -131,7 +133,8 @@ impl<C: Spectrum> Plan<C> {
         // A host may have set numbers that no file could contain.
         desc.check()?;
         check_support(scene, integrator)?;
-        if !is_progressive(renewal, desc) && scene.has_moving_world() {
+        let moves = scene.has_moving_world();
+        if moves && !is_progressive(renewal, desc) {
             check_still(scene, &format!("{} with maps that are made once", integrator.name()))?;
         }
         let Lengths { pixel, distance } = measure(scene, camera, desc.resolution);
@@ -149,6 +152,7 @@ impl<C: Spectrum> Plan<C> {
         let radius = radius(photons.radius, otherwise);
         Ok(Self {
             scene: scene.clone(),
+            moves,
             camera: *camera,
             desc: Arc::clone(desc),
             method,
@@ -234,7 +238,7 @@ impl<C: Spectrum> Plan<C> {
     /// The moment of a pass ([`crate::math::Ray::time`]), which its photons and the eye paths that query them share; `None` where
     /// nothing but the camera moves. Moments are spread over passes as the shutter is open.
     fn moment(&self, pass: u32) -> Option<f32> {
-        self.scene.has_moving_world().then(|| self.scene.moment(self.spread(1, pass)))
+        self.moves.then(|| self.scene.moment(self.spread(1, pass)))
     }
 
     /// A number in [0, 1) for a pass; those of successive passes are spread evenly. Each `stream` begins elsewhere.
@@ -286,7 +290,7 @@ impl<C: Spectrum> Plan<C> {
     /// Whether nothing is known before this pass of where the surface covers disks: it is the first, or something moves, so that the
     /// passes see the surface at different moments.
     fn is_uncovered(&self, pass: u32) -> bool {
-        pass == 0 || self.scene.has_moving_world()
+        pass == 0 || self.moves
     }
 
     /// The known coverage of kernels' disks, updated by the photons of the last pass.

@@ -288,9 +288,9 @@ pub(super) fn by_all_methods(case: &mut Case, what: &str, desc: &SceneDesc, exac
     }
 }
 
-/// More lamps than are chosen by power.
-fn many(case: &mut Case) {
-    let mut rng = Rng::new(66, 0);
+/// Transforms of a thousand slender bodies around a point above the floor, turned anyhow.
+pub(super) fn thousand_places(seed: u64) -> Vec<DAffine3> {
+    let mut rng = Rng::new(seed, 0);
     let mut next = |scale: f64| scale * f64::from(2.0 * rng.next_f32() - 1.0);
     let mut place = || {
         let matrix = DMat3::from_cols(
@@ -301,7 +301,12 @@ fn many(case: &mut Case) {
         let turn = DMat3::from_rotation_x(next(3.0)) * DMat3::from_rotation_z(next(3.0));
         placed(turn * matrix, DVec3::new(next(5.0), next(5.0), 2.0 + next(1.5)))
     };
-    let places: Vec<DAffine3> = (0..1000).map(|_| place()).collect();
+    (0..1000).map(|_| place()).collect()
+}
+
+/// More lamps than are chosen by power.
+fn many(case: &mut Case) {
+    let places = thousand_places(66);
     let light =
         |(i, to_scene): (usize, &DAffine3)| if i % 2 == 0 { disk_light(to_scene) } else { tube_light(*to_scene) };
     let set = EmitterSet::new(places.iter().enumerate().map(light).collect());

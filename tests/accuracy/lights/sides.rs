@@ -7,12 +7,12 @@ use etendue::desc::{
 };
 use etendue::emitter::{DiskEmitter, Emitter, EmitterSet, InnerTubeEmitter, TubeEmitter};
 use etendue::math::{DAffine3, DMat3, DVec3, Vec3};
-use etendue::sampling::{Rng, Sampler as _, SobolSampler};
+use etendue::sampling::{Sampler as _, SobolSampler};
 use etendue::scene::{BuildOptions, Scene};
 use etendue::shape::Disk;
 use etendue::spectrum::Rgb;
 
-use super::round::{bent, by_all_methods, consistency, disk_factor, placed, tube_factor, turns};
+use super::round::{bent, by_all_methods, consistency, disk_factor, placed, thousand_places, tube_factor, turns};
 use super::sky::METHODS;
 use super::{WHITE, convergence, irradiance, lit, polygon_factor, rendered};
 use crate::common::scenes::{Job, box_inside, camera, mean_and_error, render, scene};
@@ -331,18 +331,7 @@ fn pictures(case: &mut Case) {
 
 /// More emitters than are chosen by power, of which many face away.
 fn many(case: &mut Case) {
-    let mut rng = Rng::new(85, 0);
-    let mut next = |scale: f64| scale * f64::from(2.0 * rng.next_f32() - 1.0);
-    let mut place = || {
-        let matrix = DMat3::from_cols(
-            DVec3::new(0.02 + next(0.01), next(0.01), next(0.01)),
-            DVec3::new(next(0.01), 0.02 + next(0.01), next(0.01)),
-            DVec3::new(next(0.03), next(0.03), 0.05 + next(0.02)),
-        );
-        let turn = DMat3::from_rotation_x(next(3.0)) * DMat3::from_rotation_z(next(3.0));
-        placed(turn * matrix, DVec3::new(next(5.0), next(5.0), 2.0 + next(1.5)))
-    };
-    let places: Vec<DAffine3> = (0..1000).map(|_| place()).collect();
+    let places = thousand_places(85);
     let light = |(i, to_scene): (usize, &DAffine3)| {
         let disk = DiskEmitter::new(Disk::new(DVec3::ZERO, DVec3::Z, 1.0, to_scene), Rgb::ONE);
         if i % 2 == 0 { Emitter::Disk(Box::new(disk.flipped())) } else { inner_light(*to_scene) }
