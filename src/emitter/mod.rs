@@ -441,24 +441,23 @@ impl EmitterSet {
                 }
             }
         };
-        let mut sample = self.sample_of(index as u32, receiver, time, [u[1], u[2]], beside_bsdf)?;
-        sample.pdf *= probability;
-        (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some(sample)
+        self.sample_of((index as u32, probability), receiver, time, [u[1], u[2]], beside_bsdf)
     }
 
-    /// Samples a direction from the receiver towards emitter `index`, with its density alone; `u` uniform in [0, 1)^2. The arguments
-    /// are those of [`EmitterSet::sample_for`].
+    /// Samples a direction from the receiver towards emitter `index`, which was chosen with this probability; `u` uniform in [0, 1)^2. The
+    /// other arguments are those of [`EmitterSet::sample_for`].
+    // The probability is multiplied in here, because a sample that is handed on to be changed is copied.
     #[inline(always)]
     pub(crate) fn sample_of(
         &self,
-        index: u32,
+        (index, probability): (u32, f32),
         receiver: Receiver,
         time: f32,
         u: [f32; 2],
         beside_bsdf: bool,
     ) -> Option<EmitterSample> {
         let p = receiver.p;
-        Some(match &self.emitters[index as usize] {
+        let mut sample = match &self.emitters[index as usize] {
             Emitter::Point { position, intensity } => sample_point(p, *position, *intensity)?,
             Emitter::Directed(emitter) => {
                 let even = sample_point(p, emitter.position, emitter.intensity)?;
@@ -479,7 +478,9 @@ impl EmitterSet {
             Emitter::Environment(emitter) => emitter.sample(&receiver, u),
             Emitter::EnvironmentMap(emitter) => emitter.sample(&receiver, u, beside_bsdf),
             Emitter::Distant(emitter) => emitter.sample(&receiver, u),
-        })
+        };
+        sample.pdf *= probability;
+        (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some(sample)
     }
 
     /// Probability with which [`EmitterSet::sample`] chooses emitter `index` for this receiver. The probabilities sum

@@ -407,7 +407,8 @@ impl<'s> Sampling<'s> {
         let scene = &self.oracle.scene;
         let below_one = |u: f64| (u as f32).min(1.0 - 0.5 * f32::EPSILON);
         let receiver = Receiver::facing(at.p, n);
-        let Some(found) = scene.emitters().sample_of(self.source.emitter, receiver, at.time, u.map(below_one), false)
+        let Some(found) =
+            scene.emitters().sample_of((self.source.emitter, 1.0), receiver, at.time, u.map(below_one), false)
         else {
             return UNLIT;
         };
