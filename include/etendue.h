@@ -64,6 +64,7 @@
      ETD_COORDINATES_UV, {1, 1, 1}, 0, {0, 0, 0}, 0, 0}
 #define ETD_TEXTURE_BINDING_INIT {sizeof(etd_texture_binding), ETD_NONE, ETD_CHANNEL_DEFAULT, 1, 0}
 #define ETD_ENVIRONMENT_MAP_INIT {sizeof(etd_environment_map), ETD_NONE, ETD_SKY_LATLONG, {1, 1, 1}, 0, {0, 1, 0}, 0}
+#define ETD_BACKPLATE_INIT {sizeof(etd_backplate), ETD_NONE, {1, 1, 1}}
 #define ETD_DISTANT_LIGHT_INIT {sizeof(etd_distant_light), {0, 1, 0}, {1, 1, 1}, 0, 0}
 #define ETD_SKY_INIT {sizeof(etd_sky), 12, 0, {1, 1, 1}, {0, 0, 0}, 0, 0, {0, 1, 0}, {0, 1, 0}, {0, 0, 0, 0, 0}, 0, 0.533, 0, 0}
 #define ETD_SPOT_LIGHT_INIT {sizeof(etd_spot_light), {0, 0, 0}, {0, -1, 0}, {1, 1, 1}, 45, 0}
@@ -2347,6 +2348,24 @@ typedef struct etd_environment_map {
 } etd_environment_map;
 
 /**
+ * A picture that the camera sees behind everything, in place of what comes from infinity. It lights nothing.
+ */
+typedef struct etd_backplate {
+    /**
+     * `sizeof(etd_backplate)`.
+     */
+    size_t struct_size;
+    /**
+     * Number of the texture that is spread over the whole picture; `ETD_NONE`: none.
+     */
+    uint32_t texture;
+    /**
+     * Radiance [W m^-2 sr^-1], each channel >= 0; a factor on the texture's where there is one.
+     */
+    float radiance[3];
+} etd_backplate;
+
+/**
  * Light that comes from one direction of infinity, such as that of the sun: parallel, or of a disk of even radiance.
  */
 typedef struct etd_distant_light {
@@ -3555,6 +3574,22 @@ etd_status etd_scene_set_environment_map(struct etd_scene *scene,
  */
 etd_status etd_scene_get_environment_map(const struct etd_scene *scene,
                                          struct etd_environment_map *out_map);
+
+/**
+ * Sets the picture that the camera sees behind everything, in place of what comes from infinity. It lights nothing: mirrors and glass
+ * show what comes from infinity.
+ *
+ * `backplate`: NULL for none. Errors: `ETD_INVALID_SCENE` for a radiance below 0, and if there is no such texture, or if it is projected
+ * on surfaces or multiplied by the colours of vertices. Thread-safe.
+ */
+etd_status etd_scene_set_backplate(struct etd_scene *scene,
+                                   const struct etd_backplate *backplate);
+
+/**
+ * Returns the picture behind everything as described now. Without any, the radiance is 0 and the texture `ETD_NONE`. Thread-safe.
+ */
+etd_status etd_scene_get_backplate(const struct etd_scene *scene,
+                                   struct etd_backplate *out_backplate);
 
 /**
  * Adds light that comes from one direction of infinity, such as that of the sun.

@@ -936,6 +936,18 @@ public:
     Outcome<void> set_portals(const double *corners, std::size_t count) {
         return detail::done(etd_scene_set_portals(get(), corners, count));
     }
+    /** Sets the picture that the camera sees behind everything, and which lights nothing. */
+    Outcome<void> set_backplate(const etd_backplate &backplate) {
+        return detail::done(etd_scene_set_backplate(get(), &backplate));
+    }
+    /** Removes the picture behind everything. */
+    Outcome<void> remove_backplate() { return detail::done(etd_scene_set_backplate(get(), nullptr)); }
+    /** The picture behind everything as it is described now; its radiance is 0 where there is none. */
+    Outcome<etd_backplate> backplate() const {
+        etd_backplate value = ETD_BACKPLATE_INIT;
+        const etd_status status = etd_scene_get_backplate(get(), &value);
+        return detail::give(status, std::move(value));
+    }
     /** Sets the light from infinity to a sky by a formula. */
     Outcome<void> set_sky(const etd_sky &sky) { return detail::done(etd_scene_set_sky(get(), &sky)); }
     /** The sky by a formula as it is described now; its radiance is 0 where there is none. */

@@ -8,8 +8,9 @@ use std::sync::Arc;
 use common::scenes::{Job, render_scene};
 use etendue::ErrorKind;
 use etendue::desc::{
-    self, BsdfDesc, EnvironmentDesc, EnvironmentMapDesc, HosekWilkieDesc, ImageTextureDesc, IntegratorDesc, PortalDesc,
-    RenderDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceLook, TextureDesc, TextureMapping, TextureSource,
+    self, BackplateDesc, BsdfDesc, EnvironmentDesc, EnvironmentMapDesc, HosekWilkieDesc, ImageTextureDesc,
+    IntegratorDesc, PortalDesc, RenderDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceLook, TextureDesc, TextureMapping,
+    TextureSource,
 };
 use etendue::math::{DAffine3, DVec3};
 use etendue::scene::{BuildOptions, Scene};
@@ -121,6 +122,73 @@ fn a_texture_varies_a_sky() {
         assert_eq!(error.location().json_path, place, "{error}");
         assert!(error.message().contains(message), "{error}");
     }
+}
+
+#[test]
+fn a_backplate_is_read_changed_and_told_of() {
+    let read = |backplate: Value| {
+        let scene = json!({"etendue": 1, "camera": {"origin": [0, 0, 4]}, "backplate": backplate,
+            "textures": [{"name": "ramp", "type": "gradient"}]});
+        desc::parse(&scene.to_string(), Path::new(""), None).unwrap()
+    };
+    let plain = read(json!({"texture": "ramp"}));
+    assert_eq!(plain.backplate, Some(BackplateDesc::of_texture(0)));
+    let scaled = read(json!({"texture": "ramp", "color": [1, 2, 3], "intensity": 2})).backplate.unwrap();
+    assert_eq!((scaled.radiance, scaled.texture), (Rgb::new(2.0, 4.0, 6.0), Some(0)));
+    let bright = read(json!({"intensity": 683, "unit": "cd/m2"})).backplate.unwrap();
+    assert!((bright.radiance.g() - 1.0).abs() < 1e-6 && bright.texture.is_none(), "{bright:?}");
+    assert_eq!(read(Value::Null).backplate, None);
+
+    // What is refused leaves all as it was.
+    let mut desc = plain;
+    for wrong in [BackplateDesc::of_texture(1), BackplateDesc::even(Rgb::new(0.0, f32::NAN, 0.0))] {
+        assert_eq!(desc.set_backplate(Some(wrong)).unwrap_err().kind(), ErrorKind::InvalidScene);
+        assert_eq!(desc.backplate, Some(BackplateDesc::of_texture(0)));
+    }
+    let mut coloured = TextureDesc::clone(&desc.textures[0]);
+    coloured.vertex_colors = true;
+    let error = desc.set_texture(0, coloured.clone()).unwrap_err();
+    assert_eq!(error.location().json_path, "backplate.texture", "{error}");
+    // A description that is put together by hand is checked when it is built.
+    let by_hand = SceneDesc { textures: vec![Arc::new(coloured)], ..desc.clone() };
+    let error = Scene::build(&by_hand, &BuildOptions::default()).unwrap_err();
+    assert_eq!(error.location().json_path, "backplate.texture", "{error}");
+
+    let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
+    let info = scene.info().to_string();
+    assert!(info.contains("that meet nothing show the backplate") && info.contains("1 patterns"), "{info}");
+    assert!(scene.warnings().is_empty(), "nothing but a backplate is a picture: {:?}", scene.warnings());
+    let mean = |scene: &Scene| render_scene(scene, Job::default().desc()).0.mean()[1];
+    assert!((mean(&scene) - 0.5).abs() < 1e-3, "{}", mean(&scene));
+    desc.set_backplate(Some(BackplateDesc::even(Rgb::splat(3.0)))).unwrap();
+    let again = scene.rebuild(&desc, &BuildOptions::default()).unwrap();
+    assert_eq!((mean(&again), mean(&scene) < 1.0), (3.0, true));
+    desc.set_backplate(None).unwrap();
+    let none = again.rebuild(&desc, &BuildOptions::default()).unwrap();
+    assert_eq!(mean(&none), 0.0);
+    assert!(none.warnings()[0].contains("no surface"), "{:?}", none.warnings());
+
+    // A ball that nothing lights is black before it.
+    let mut dark = parse(&json!([])).unwrap();
+    dark.set_backplate(Some(BackplateDesc::even(Rgb::ONE))).unwrap();
+    let dark = Scene::build(&dark, &BuildOptions::default()).unwrap();
+    assert!(dark.warnings()[0].contains("all of the image but its backplate"), "{:?}", dark.warnings());
+
+    // A product beyond single precision.
+    let image = TexelImage::new(1, 1, 1, Texels::F32(vec![1e30].into())).unwrap();
+    let source = ImageTextureDesc {
+        image: Arc::new(image),
+        file: None,
+        color_space: None,
+        suggested_space: ColorSpace::Linear,
+        wrap: [Wrap::Repeat; 2],
+        filter: TextureFilter::Bilinear,
+    };
+    let bright = TextureDesc { source: TextureSource::Image(source), ..TextureDesc::clone(&desc.textures[0]) };
+    desc.set_texture(0, bright).unwrap();
+    desc.set_backplate(Some(BackplateDesc { radiance: Rgb::splat(1e30), texture: Some(0) })).unwrap();
+    let error = Scene::build(&desc, &BuildOptions::default()).unwrap_err();
+    assert_eq!((error.location().json_path.as_str(), error.kind()), ("backplate.color", ErrorKind::InvalidScene));
 }
 
 #[test]

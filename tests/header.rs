@@ -84,6 +84,7 @@ const INITIALISERS: &str = r"/** Stands for no material, no surface. */
      ETD_COORDINATES_UV, {1, 1, 1}, 0, {0, 0, 0}, 0, 0}
 #define ETD_TEXTURE_BINDING_INIT {sizeof(etd_texture_binding), ETD_NONE, ETD_CHANNEL_DEFAULT, 1, 0}
 #define ETD_ENVIRONMENT_MAP_INIT {sizeof(etd_environment_map), ETD_NONE, ETD_SKY_LATLONG, {1, 1, 1}, 0, {0, 1, 0}, 0}
+#define ETD_BACKPLATE_INIT {sizeof(etd_backplate), ETD_NONE, {1, 1, 1}}
 #define ETD_DISTANT_LIGHT_INIT {sizeof(etd_distant_light), {0, 1, 0}, {1, 1, 1}, 0, 0}
 #define ETD_SKY_INIT {sizeof(etd_sky), 12, 0, {1, 1, 1}, {0, 0, 0}, 0, 0, {0, 1, 0}, {0, 1, 0}, {0, 0, 0, 0, 0}, 0, 0.533, 0, 0}
 #define ETD_SPOT_LIGHT_INIT {sizeof(etd_spot_light), {0, 0, 0}, {0, -1, 0}, {1, 1, 1}, 45, 0}

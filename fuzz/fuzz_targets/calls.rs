@@ -39,6 +39,7 @@ enum Call {
     Portals { corners: Vec<[[f64; 3]; 4]>, count: u16 },
     EnvironmentMap { texture: u8, projection: u8, hidden: u8, radiance: [f32; 3], up: [f64; 3], rotation: f64 },
     SaneEnvironmentMap { texture: u8, rotation: i8 },
+    Backplate { texture: u8, radiance: [f32; 3], none: bool },
     DistantLight { light: Option<u8>, towards: [f64; 3], irradiance: [f32; 3], angle: f64, hidden: u8 },
     Sky {
         cie: u8,
@@ -464,6 +465,13 @@ impl World {
                     fine(etd_scene_set_environment_map(scene, &raw const it));
                     let mut out: etd_environment_map = sized();
                     fine(etd_scene_get_environment_map(scene, &raw mut out));
+                }
+                Call::Backplate { texture, radiance, none } => {
+                    let texture = if texture == 255 { ETD_NONE } else { u32::from(texture % 4) };
+                    let it = etd_backplate { texture, radiance, ..sized() };
+                    fine(etd_scene_set_backplate(scene, if none { null() } else { &raw const it }));
+                    let mut out: etd_backplate = sized();
+                    fine(etd_scene_get_backplate(scene, &raw mut out));
                 }
                 Call::SaneEnvironmentMap { texture, rotation } => {
                     let it = etd_environment_map {

@@ -4,9 +4,11 @@ use super::boundary::{array, need, on, read_sized, write_sized};
 use super::read::{enumeration, flag};
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
-use super::types::{ETD_NONE, Enumeration, etd_environment_map, etd_sky_projection};
+use super::types::{ETD_NONE, Enumeration, etd_backplate, etd_environment_map, etd_sky_projection};
 use crate::Error;
-use crate::desc::{EnvironmentDesc, EnvironmentMapDesc, MAX_PORTALS, PortalDesc, SkyDesc, SkyProjection};
+use crate::desc::{
+    BackplateDesc, EnvironmentDesc, EnvironmentMapDesc, MAX_PORTALS, PortalDesc, SkyDesc, SkyProjection,
+};
 use crate::math::DVec3;
 use crate::spectrum::Rgb;
 
@@ -166,6 +168,54 @@ pub unsafe extern "C" fn etd_scene_get_environment_map(
                 rotation_deg: map.rotation_deg,
             };
             write_sized(out_map, "out_map", value)
+        })
+    }
+}
+
+/// Sets the picture that the camera sees behind everything, in place of what comes from infinity. It lights nothing: mirrors and glass
+/// show what comes from infinity.
+///
+/// `backplate`: NULL for none. Errors: `ETD_INVALID_SCENE` for a radiance below 0, and if there is no such texture, or if it is projected
+/// on surfaces or multiplied by the colours of vertices. Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_backplate(scene: *mut etd_scene, backplate: *const etd_backplate) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            let backplate = if backplate.is_null() {
+                None
+            } else {
+                let it: etd_backplate = read_sized(backplate, "backplate")?;
+                let texture = (it.texture != ETD_NONE).then_some(it.texture as usize);
+                Some(BackplateDesc { radiance: Rgb::from_array(it.radiance), texture })
+            };
+            scene.edit(|desc| desc.set_backplate(backplate))
+        })
+    }
+}
+
+/// Returns the picture behind everything as described now. Without any, the radiance is 0 and the texture `ETD_NONE`. Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_backplate(
+    scene: *const etd_scene,
+    out_backplate: *mut etd_backplate,
+) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            let it = scene.desc().backplate.unwrap_or(BackplateDesc::even(Rgb::ZERO));
+            let value = etd_backplate {
+                struct_size: size_of::<etd_backplate>(),
+                texture: it.texture.map_or(ETD_NONE, |texture| texture as u32),
+                radiance: it.radiance.to_array(),
+            };
+            write_sized(out_backplate, "out_backplate", value)
         })
     }
 }

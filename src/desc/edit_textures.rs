@@ -40,6 +40,7 @@ impl SceneDesc {
                 Some(environment) => texture_check::environment(environment, &self.textures),
                 None => Ok(()),
             });
+        let checked = checked.and_then(|()| self.backplate.map_or(Ok(()), |backplate| backplate.check(&self.textures)));
         if checked.is_err() {
             self.textures[texture] = before;
         }
@@ -111,10 +112,14 @@ impl SceneDesc {
         Ok(number)
     }
 
-    /// Checks the textures of all materials and of the environment, for a description that is put together by hand.
+    /// Checks the textures of all materials, of the environment and of the backplate, for a description that is put together by hand.
     pub(crate) fn check_textures(&self) -> Result<()> {
         let map = self.environment.as_ref().filter(|environment| environment.map().is_some());
-        if map.is_none() && self.materials.iter().all(|material| material.textures.is_empty()) {
+        if let Some(backplate) = &self.backplate {
+            backplate.check(&self.textures)?;
+        }
+        let shows_texture = map.is_some() || self.backplate.is_some_and(|backplate| backplate.texture.is_some());
+        if !shows_texture && self.materials.iter().all(|material| material.textures.is_empty()) {
             return Ok(());
         }
         if let Some(environment) = map {

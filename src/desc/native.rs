@@ -13,8 +13,8 @@ use serde_json::value::RawValue;
 use super::builder::Builder;
 use super::photometric::{LightKeys, Unit};
 use super::{
-    Dialect, RenderDesc, SceneDesc, camera_keys, json, light_keys, material_keys, render_keys, sky_keys, surface,
-    texture_keys,
+    Dialect, RenderDesc, SceneDesc, backplate_keys, camera_keys, json, light_keys, material_keys, render_keys,
+    sky_keys, surface, texture_keys,
 };
 use crate::control::WorkProgress;
 use crate::math::DVec3;
@@ -35,6 +35,8 @@ struct Top<'a> {
     render: Option<&'a RawValue>,
     #[serde(borrow)]
     lights: Option<&'a RawValue>,
+    #[serde(borrow)]
+    backplate: Option<&'a RawValue>,
     #[serde(borrow)]
     textures: Option<&'a RawValue>,
     #[serde(borrow)]
@@ -95,6 +97,9 @@ pub(super) fn read(
     json::each(top.textures, "textures", |path, raw| texture_keys::read(raw, path, &mut builder))?;
     json::each(top.materials, "materials", |path, raw| material_keys::read(raw, path, &mut builder))?;
     json::each(top.meshes, "meshes", |path, raw| surface::shared_mesh(raw, path, &mut builder))?;
+    if let Some(raw) = top.backplate {
+        builder.scene.backplate = Some(backplate_keys::read(raw, &builder)?);
+    }
     json::each(top.lights, "lights", |path, raw| light(raw, path, &mut builder))?;
     json::each(top.surfaces, "surfaces", |path, raw| surface::read(raw, path, &mut builder))?;
     Ok(builder.scene)

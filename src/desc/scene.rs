@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::backplate::BackplateDesc;
 use super::camera::CameraDesc;
 use super::distant::DistantLightDesc;
 use super::environment::EnvironmentDesc;
@@ -33,6 +34,8 @@ pub struct SceneDesc {
     pub distant_lights: Vec<DistantLightDesc>,
     /// Light from infinity all around, where there is any.
     pub environment: Option<EnvironmentDesc>,
+    /// The picture that the camera sees behind everything, where there is one.
+    pub backplate: Option<BackplateDesc>,
     /// Materials, named by index from surfaces.
     pub materials: Vec<MaterialDesc>,
     /// Meshes, named by index from surfaces. One mesh may be used many times. A mesh that is the same `Arc` in the

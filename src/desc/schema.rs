@@ -4,7 +4,9 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 
-use super::{camera_keys, light_keys, material_keys, native, render_block, sky_keys, surface, texture_keys};
+use super::{
+    backplate_keys, camera_keys, light_keys, material_keys, native, render_block, sky_keys, surface, texture_keys,
+};
 
 /// A scene in Étendue's native format, version 1.
 #[derive(JsonSchema)]
@@ -25,6 +27,8 @@ struct Scene<'a> {
     render: Option<render_block::Render<'a>>,
     /// Lights. Surfaces with an emission are lights too.
     lights: Option<Vec<Light>>,
+    /// What the camera sees behind everything.
+    backplate: Option<backplate_keys::Backplate>,
     /// Images and patterns, by name.
     textures: Option<Vec<Texture>>,
     /// Materials, by name.

@@ -14,7 +14,7 @@ use crate::film::{Film, PixelPhotonState, PixelSample, REPLICATES, TILE};
 use crate::integrator::{Context, Direct, Irradiance, Path, Probes, Sample, Tracer, Transport, Wave, Whitted};
 use crate::math::Ray;
 use crate::sampling::{Filter, Pattern, PatternSampler, Sampler, SobolSampler};
-use crate::scene::{Hit, Scene};
+use crate::scene::{Backplate, Hit, Scene};
 use crate::spectrum::Rgb;
 
 /// Number of samples that are taken in one wave: enough to fill ray packets when most paths have ended, and few enough for the
@@ -234,7 +234,7 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
         if I::IN_WAVES {
             self.0.li_of_many(&pass.input.scene, samples, wave, tracer);
         } else {
-            for (job, Sample { ray, sampler, radiance, first, .. }) in jobs.iter_mut().zip(samples) {
+            for (job, Sample { ray, sampler, radiance, first, .. }) in jobs.iter_mut().zip(samples.iter_mut()) {
                 *first = None;
                 let first = &mut |hit| *first = Some(hit);
                 let gathering = job.gathering.as_mut();
@@ -242,6 +242,24 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
                 *radiance = self.0.li_of_pixel(*ray, &mut context, first, gathering);
             }
         }
+        if let Some(backplate) = pass.input.scene.backplate() {
+            show_backplate(pass, backplate, jobs, samples);
+        }
+    }
+}
+
+/// Puts the backplate in place of what comes from infinity, in the samples whose camera rays met nothing.
+#[cold]
+#[inline(never)]
+fn show_backplate<S>(pass: &Pass, backplate: &Backplate, jobs: &[SampleJob], samples: &mut [Sample<S>]) {
+    let scene = &pass.input.scene;
+    for (job, sample) in jobs.iter().zip(samples).filter(|(_, sample)| sample.first.is_none()) {
+        // No surface was met where the medium around the camera could end: on an endless way, it absorbs all that it absorbs any of.
+        let left = match scene.media_at(&sample.ray).filter(|media| !media.is_empty()) {
+            Some(media) => scene.transmittance(media, f32::INFINITY, &()),
+            None => Rgb::ONE,
+        };
+        sample.radiance = left * backplate.radiance_at(job.place(), pass.input.desc.resolution);
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::assemble::{Assembly, assemble};
+use super::backplate::Backplate;
 use super::bindings::{SurfaceBindings, bindings, rebind_materials};
 use super::emissive::with_emission_of_materials;
 use super::material::MaterialNeeds;
@@ -200,6 +201,7 @@ fn complete(
         textured.push(varying);
     }
     textures.add_environment(desc, bindings.emitters.environment_map(), before, &device)?;
+    let backplate = Backplate::new(desc, &mut textures, before, &device)?;
     let tangents = SurfaceTangents::new(desc, old.map(|old| &*old.tangents), &device, &WorkProgress::new(run.cancel))?;
     let has_kernel = assembly.embree.is_some();
     let mut info = SceneInfo::new(desc, &bsdfs, &assembly.record, &bindings.emitters, &textures, has_kernel);
@@ -226,6 +228,7 @@ fn complete(
         reads_mesh_points: desc.textures.iter().any(|it| it.vertex_colors || it.mapping.uv_set() > 0),
         textures: Arc::new(textures),
         camera: desc.camera,
+        backplate: backplate.map(Arc::new),
         movement: Movement::new(desc, base),
         centre: assembly.centre,
         info: Arc::new(info),

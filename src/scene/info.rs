@@ -137,6 +137,9 @@ impl SceneInfo {
             let size = format!("{columns} x {rows} points, {:.1} MB", map.bytes() as f64 / 1e6);
             format!("light from infinity varies by direction, and is sampled by its luminance at {size}")
         }));
+        if desc.backplate.is_some() {
+            decisions.push("rays of the camera that meet nothing show the backplate, which lights nothing".to_owned());
+        }
         let used = desc.used_materials();
         let on_surfaces = || desc.materials.iter().zip(&used).filter(|(_, used)| **used).map(|(material, _)| material);
         let see_through = on_surfaces().filter(|material| !material.is_opaque()).count();
@@ -314,10 +317,16 @@ pub(super) fn warnings(
     if desc.render.integrator == IntegratorDesc::Radiosity {
         warnings.extend(not_diffuse(desc, bsdfs));
     }
+    let black = match desc.backplate {
+        Some(_) => "all of the image but its backplate will be black",
+        None => "the image will be black",
+    };
     if desc.surfaces.is_empty() && !emitters.has_infinite() {
-        warnings.push("the scene has no surface: the image will be black".to_owned());
+        if desc.backplate.is_none() {
+            warnings.push(format!("the scene has no surface: {black}"));
+        }
     } else if emitters.is_dark() {
-        warnings.push("nothing in the scene emits light: the image will be black".to_owned());
+        warnings.push(format!("nothing in the scene emits light: {black}"));
     }
     warnings
 }

@@ -11,6 +11,7 @@ mod analytic;
 mod analytic_uv;
 mod assemble;
 mod assemble_moving;
+mod backplate;
 mod bindings;
 mod build;
 mod cache;
@@ -52,6 +53,7 @@ mod textured_emission;
 #[cfg(test)]
 pub(crate) mod varying;
 
+pub(crate) use backplate::Backplate;
 pub use describe::HitDescription;
 pub use detail::SurfaceDetail;
 pub(crate) use faces::{Body, Face, FaceNumbers};
@@ -100,6 +102,8 @@ pub struct Scene {
     /// The media inside surfaces, where a medium absorbs or has a priority.
     media: Option<Arc<Media>>,
     camera: CameraDesc,
+    /// What the camera sees behind everything, where the description has a picture for it.
+    backplate: Option<Arc<backplate::Backplate>>,
     /// The shutter and the motion of the camera, where anything moves.
     movement: Option<Arc<movement::Movement>>,
     centre: DVec3,
@@ -362,6 +366,11 @@ impl Scene {
     /// The camera as described, or where it is as the shutter opens.
     pub fn camera(&self) -> &CameraDesc {
         &self.camera
+    }
+
+    /// The picture behind everything; `None` where the camera sees what comes from infinity.
+    pub(crate) fn backplate(&self) -> Option<&Backplate> {
+        self.backplate.as_deref()
     }
 
     /// The device with which the scene was built.

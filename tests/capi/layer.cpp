@@ -348,6 +348,15 @@ void contents() {
     hidden.hidden = 1;
     scene.set_environment_map(hidden);
     CHECK(scene.environment_map().hidden == 1 && scene.environment()[1] == 1);
+    CHECK(scene.backplate().radiance[0] == 0 && scene.backplate().texture == ETD_NONE);
+    etd_backplate grey = ETD_BACKPLATE_INIT;
+    grey.radiance[1] = 0.5F;
+    scene.set_backplate(grey);
+    CHECK(scene.backplate().radiance[1] == 0.5F && scene.environment()[1] == 1);
+    grey.texture = 99;
+    CHECK(status_of([&] { scene.set_backplate(grey); }) == ETD_INVALID_SCENE);
+    scene.remove_backplate();
+    CHECK(scene.backplate().radiance[1] == 0);
     etd_sky clear = ETD_SKY_INIT;
     clear.sun[0] = 1;
     scene.set_sky(clear);

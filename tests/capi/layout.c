@@ -469,6 +469,10 @@ static void structures(void) {
     FIELD(etd_environment_map, hidden);
     FIELD(etd_environment_map, up);
     FIELD(etd_environment_map, rotation_deg);
+    STRUCT(etd_backplate);
+    FIELD(etd_backplate, struct_size);
+    FIELD(etd_backplate, texture);
+    FIELD(etd_backplate, radiance);
     STRUCT(etd_shutter);
     FIELD(etd_shutter, struct_size);
     FIELD(etd_shutter, open);
@@ -648,6 +652,7 @@ static void macros(void) {
     INITIALISER(etd_texture, ETD_TEXTURE_INIT);
     INITIALISER(etd_texture_binding, ETD_TEXTURE_BINDING_INIT);
     INITIALISER(etd_environment_map, ETD_ENVIRONMENT_MAP_INIT);
+    INITIALISER(etd_backplate, ETD_BACKPLATE_INIT);
     INITIALISER(etd_distant_light, ETD_DISTANT_LIGHT_INIT);
     INITIALISER(etd_sky, ETD_SKY_INIT);
     INITIALISER(etd_shutter, ETD_SHUTTER_INIT);

@@ -447,6 +447,14 @@ static etd_status n_scene_set_portals(void) {
     CHECK_OK(etd_scene_set_environment(scene, before[0] > 0 ? before : NULL));
     return status;
 }
+static etd_status n_scene_set_backplate(void) {
+    etd_backplate backplate = ETD_BACKPLATE_INIT;
+    return CALL(etd_scene_set_backplate(SCENE(0), AT(1, &backplate)));
+}
+static etd_status n_scene_get_backplate(void) {
+    etd_backplate *backplate = AT(1, sized_output(sizeof *backplate));
+    return CALL(etd_scene_get_backplate(SCENE(0), backplate));
+}
 static etd_status n_scene_get_portals(void) {
     size_t *count = AT(1, output(sizeof *count));
     return CALL(etd_scene_get_portals(SCENE(0), NULL, 0, count));
@@ -806,6 +814,8 @@ static const struct {
     {"etd_scene_get_sky", n_scene_get_sky, 2, 3, 1},
     {"etd_scene_set_environment_map", n_scene_set_environment_map, 2, 1, 1},
     {"etd_scene_get_environment_map", n_scene_get_environment_map, 2, 3, 1},
+    {"etd_scene_set_backplate", n_scene_set_backplate, 2, 1, 1},
+    {"etd_scene_get_backplate", n_scene_get_backplate, 2, 3, 1},
     {"etd_scene_set_portals", n_scene_set_portals, 2, 3, 1},
     {"etd_scene_get_portals", n_scene_get_portals, 2, 3, 1},
     {"etd_scene_add_sphere", n_scene_add_sphere, 4, 15, 1},

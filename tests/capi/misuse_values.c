@@ -101,6 +101,14 @@ static etd_status s_set_environment_map(void) { return try_sky((etd_environment_
 static etd_status s_get_environment_map(void) {
     return etd_scene_get_environment_map(scene, (etd_environment_map *)(void *)&structure);
 }
+static etd_status s_set_backplate(void) {
+    etd_status status = etd_scene_set_backplate(scene, (etd_backplate *)(void *)&structure);
+    CHECK_OK(etd_scene_set_backplate(scene, NULL));
+    return status;
+}
+static etd_status s_get_backplate(void) {
+    return etd_scene_get_backplate(scene, (etd_backplate *)(void *)&structure);
+}
 static etd_status s_add_distant_light(void) {
     uint32_t number = 0;
     etd_status status = etd_scene_add_distant_light(scene, (etd_distant_light *)(void *)&structure, &number);
@@ -174,6 +182,7 @@ static void i_principled(void) { INIT(etd_principled, ETD_PRINCIPLED_INIT); }
 static void i_mesh(void) { INIT(etd_mesh, ETD_MESH_INIT); }
 static void i_texture(void) { INIT(etd_texture, ETD_TEXTURE_INIT); }
 static void i_binding(void) { INIT(etd_texture_binding, ETD_TEXTURE_BINDING_INIT); }
+static void i_backplate(void) { INIT(etd_backplate, ETD_BACKPLATE_INIT); }
 static void i_environment_map(void) { INIT(etd_environment_map, ETD_ENVIRONMENT_MAP_INIT); }
 static void i_distant_light(void) { INIT(etd_distant_light, ETD_DISTANT_LIGHT_INIT); }
 static void i_sky(void) { INIT(etd_sky, ETD_SKY_INIT); }
@@ -225,6 +234,8 @@ static void pass_wrong_sizes(void) {
          offsetof(etd_distant_light, angle_deg), 1},
         {"etd_sky in", i_sky, s_set_sky, sizeof(etd_sky), offsetof(etd_sky, perez), 0},
         {"etd_sky out", i_sky, s_get_sky, sizeof(etd_sky), offsetof(etd_sky, perez), 1},
+        {"etd_backplate in", i_backplate, s_set_backplate, sizeof(etd_backplate), offsetof(etd_backplate, radiance), 0},
+        {"etd_backplate out", i_backplate, s_get_backplate, sizeof(etd_backplate), offsetof(etd_backplate, radiance), 1},
         {"etd_environment_map in", i_environment_map, s_set_environment_map, sizeof(etd_environment_map),
          offsetof(etd_environment_map, rotation_deg), 0},
         {"etd_environment_map out", i_environment_map, s_get_environment_map, sizeof(etd_environment_map),
@@ -594,6 +605,7 @@ static void pass_numbers(void) {
             etd_material material = ETD_MATERIAL_INIT;
             etd_surface glowing = matt();
             etd_environment_map sky = ETD_ENVIRONMENT_MAP_INIT;
+            etd_backplate backplate = ETD_BACKPLATE_INIT;
             etd_sky formula = ETD_SKY_INIT;
             etd_distant_light distant = ETD_DISTANT_LIGHT_INIT;
             etd_spot_light spot = ETD_SPOT_LIGHT_INIT;
@@ -613,6 +625,8 @@ static void pass_numbers(void) {
             CHECK_STATUS(etd_scene_set_web_light(scene, 2, &web), ETD_INVALID_SCENE);
             sky.radiance[i] = bad[k];
             CHECK_STATUS(etd_scene_set_environment_map(scene, &sky), ETD_INVALID_SCENE);
+            backplate.radiance[i] = bad[k];
+            CHECK_STATUS(etd_scene_set_backplate(scene, &backplate), ETD_INVALID_SCENE);
             formula = (etd_sky)ETD_SKY_INIT;
             formula.radiance[i] = bad[k];
             CHECK_STATUS(etd_scene_set_sky(scene, &formula), ETD_INVALID_SCENE);

@@ -636,6 +636,7 @@ static void skies(etd_device *device) {
         etd_environment_map map = ETD_ENVIRONMENT_MAP_INIT;
         etd_environment_map same = ETD_ENVIRONMENT_MAP_INIT;
         etd_environment_map wrong = ETD_ENVIRONMENT_MAP_INIT;
+        etd_backplate behind = ETD_BACKPLATE_INIT;
         float color[3];
         if (!CHECK_OK(etd_scene_from_json(device, json, strlen(json), NULL, &scene))) {
             return;
@@ -677,6 +678,26 @@ static void skies(etd_device *device) {
         /* Of one that cameras do not see, nothing is left in the picture. */
         map.hidden = 1;
         CHECK_OK(etd_scene_set_environment_map(scene, &map));
+        look(device, scene, 0.3, 0.2, -1, color);
+        CHECK(color[0] == 0);
+        /* A backplate stands there in its place, from the same memory. */
+        behind.texture = map.texture;
+        behind.radiance[1] = 0.5f;
+        CHECK_OK(etd_scene_set_backplate(scene, &behind));
+        look(device, scene, 0.3, 0.2, -1, color);
+        CHECK(fabsf(color[0] - 7) < 1e-4f && fabsf(color[1] - 3.5f) < 1e-4f);
+        behind.texture = map.texture + 1;
+        CHECK_STATUS(etd_scene_set_backplate(scene, &behind), ETD_INVALID_SCENE);
+        CHECK_OK(etd_scene_get_backplate(scene, &behind));
+        CHECK(behind.texture == map.texture && behind.radiance[1] == 0.5f);
+        texture.coordinates = ETD_COORDINATES_BOX;
+        CHECK_OK(etd_scene_set_environment_map(scene, NULL));
+        CHECK_STATUS(etd_scene_set_texture(scene, map.texture, &texture), ETD_INVALID_SCENE);
+        texture.coordinates = ETD_COORDINATES_UV;
+        CHECK_OK(etd_scene_set_environment_map(scene, &map));
+        CHECK_OK(etd_scene_set_backplate(scene, NULL));
+        CHECK_OK(etd_scene_get_backplate(scene, &behind));
+        CHECK(behind.texture == ETD_NONE && behind.radiance[0] == 0);
         look(device, scene, 0.3, 0.2, -1, color);
         CHECK(color[0] == 0);
         /* A projection of another shape, and a texture of another shape. */

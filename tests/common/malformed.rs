@@ -86,6 +86,7 @@ pub fn malformed() -> Vec<(String, String, String)> {
     renders(&mut list);
     materials(&mut list);
     lights(&mut list);
+    backplates(&mut list);
     surfaces(&mut list);
     placements(&mut list);
     meshes(&mut list);
@@ -875,6 +876,34 @@ fn materials(l: &mut List) {
         "{\"name\": \"a\", \"type\": \"black\",\n@\"color\": [0, 0, 0]}",
         "materials[1].color: unknown key",
     );
+}
+
+fn backplates(l: &mut List) {
+    for (name, backplate, expected) in [
+        ("backplate that is a name", "@\"photo\"", "backplate: expected"),
+        ("backplate of nothing", "@{\"intensity\": 2}", "backplate: missing key `texture`, or `color`"),
+        ("backplate negative", "{\n@\"color\": [0, -1, 0]}", "backplate.color[1]: -1 is negative"),
+        ("backplate too bright", "{\n@\"color\": [1e30, 0, 0], \"intensity\": 1e30}", "backplate.color[0]: "),
+        ("backplate intensity", "{\"color\": [1, 1, 1],\n@\"intensity\": -2}", "backplate.intensity: -2 is negative"),
+        (
+            "backplate in lux",
+            "{\"color\": [1, 1, 1], \"intensity\": 5,\n@\"unit\": \"lx\"}",
+            "backplate.unit: 'lx' is no unit of",
+        ),
+        ("backplate without a texture", "{\n@\"texture\": \"photo\"}", "backplate.texture: no texture named 'photo'"),
+        ("backplate turned", "{\"color\": [1, 1, 1],\n@\"rotation\": 3}", "backplate.rotation: unknown key"),
+    ] {
+        l.top(name, &format!("\"backplate\": {backplate}"), expected);
+    }
+    for (key, expected) in [
+        ("\"coordinates\": \"box\"", "'t' is projected on surfaces, expected the coordinates `uv`"),
+        ("\"vertexColors\": true", "'t' is multiplied by the colours of vertices, which a backplate has not"),
+    ] {
+        let text = format!(
+            "\"textures\": [{{\"name\": \"t\", \"type\": \"checker\", {key}}}], \"backplate\": {{\n@\"texture\": \"t\"}}"
+        );
+        l.top("backplate of such a texture", &text, &format!("backplate.texture: the texture {expected}"));
+    }
 }
 
 fn lights(l: &mut List) {

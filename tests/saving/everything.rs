@@ -4,13 +4,13 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use etendue::desc::{
-    BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, CropDesc, DistantLightDesc, Distribution,
-    EnvironmentDesc, EnvironmentMapDesc, FilmDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis, HosekWilkieDesc,
-    HostMesh, ImageTextureDesc, IntegratorDesc, KernelDesc, KeyPlace, LensDesc, LightDistribution, METALS, Masking,
-    MaterialDesc, MediumDesc, MeshDesc, MeshStep, MicrofacetsDesc, MotionDesc, MotionKey, Panorama, PanoramaDesc,
-    PhotonDesc, PhotonSharing, PointLightDesc, PortalDesc, PrincipledDesc, Projection, RadiosityDesc, RadiositySolver,
-    RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, ShutterDesc, SkyDesc, SpotDesc, SurfaceLook,
-    TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
+    BackplateDesc, BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, CropDesc, DistantLightDesc,
+    Distribution, EnvironmentDesc, EnvironmentMapDesc, FilmDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis,
+    HosekWilkieDesc, HostMesh, ImageTextureDesc, IntegratorDesc, KernelDesc, KeyPlace, LensDesc, LightDistribution,
+    METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MeshStep, MicrofacetsDesc, MotionDesc, MotionKey, Panorama,
+    PanoramaDesc, PhotonDesc, PhotonSharing, PointLightDesc, PortalDesc, PrincipledDesc, Projection, RadiosityDesc,
+    RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, ShutterDesc, SkyDesc, SpotDesc,
+    SurfaceLook, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
 };
 use etendue::emitter::SkyFormula;
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
@@ -469,6 +469,7 @@ pub fn scene() -> SceneDesc {
     };
     let sky = EnvironmentDesc { sky: SkyDesc::Map(map), visible: false, ..EnvironmentDesc::even(rgb(1.0, 2.0, 3.0)) };
     scene.set_environment_desc(Some(sky)).unwrap();
+    scene.set_backplate(Some(BackplateDesc { radiance: rgb(0.1, 7.0, 1.0), texture: Some(1) })).unwrap();
     scene
 }
 

@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 
 use common::scenes::{Job, render};
 use common::snippets::{data_dir, snippets};
-use etendue::desc::{self, LoadOptions, SceneDesc};
+use etendue::desc::{self, BackplateDesc, LoadOptions, SceneDesc};
+use etendue::spectrum::Rgb;
 use same::{assert_same, saved};
 use serde_json::json;
 
@@ -81,6 +82,10 @@ fn every_model_texture_shape_and_setting_comes_back() {
     for sky in everything::skies() {
         let scene = SceneDesc { environment: Some(sky), ..SceneDesc::default() };
         assert_same(&scene, &saved(&scene), "sky");
+    }
+    for backplate in [BackplateDesc::even(Rgb::ONE), BackplateDesc::even(Rgb::new(0.1, 0.0, 7.0))] {
+        let scene = SceneDesc { backplate: Some(backplate), ..SceneDesc::default() };
+        assert_same(&scene, &saved(&scene), "backplate");
     }
     for camera in everything::cameras() {
         let scene = SceneDesc { camera, ..SceneDesc::default() };

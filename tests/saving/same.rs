@@ -32,6 +32,7 @@ pub fn assert_same(before: &SceneDesc, after: &SceneDesc, what: &str) {
     each(&before.distant_lights, &after.distant_lights, distant, what);
     let sky = |scene: &SceneDesc| text(&scene.environment.as_ref().map(|it| (it.radiance, it.sky.clone(), it.visible)));
     assert_eq!(sky(before), sky(after), "{what}");
+    assert_eq!(text(&before.backplate), text(&after.backplate), "{what}");
     each(&before.textures, &after.textures, |it| texture(it), what);
     for (before, after) in before.textures.iter().zip(&after.textures) {
         if let (TextureSource::Image(before), TextureSource::Image(after)) = (&before.source, &after.source)

@@ -54,6 +54,7 @@ fn rebuilt(from: &SceneDesc) -> Result<SceneDesc> {
         desc.add_distant_light(light.clone())?;
     }
     desc.set_environment_desc(from.environment.clone())?;
+    desc.set_backplate(from.backplate)?;
     for (number, surface) in from.surfaces.iter().enumerate() {
         let material = Some(surface.material).filter(|material| !is_black(*material));
         let look = SurfaceLook {

@@ -243,6 +243,18 @@ pub struct etd_environment_map {
     pub rotation_deg: f64,
 }
 
+/// A picture that the camera sees behind everything, in place of what comes from infinity. It lights nothing.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct etd_backplate {
+    /// `sizeof(etd_backplate)`.
+    pub struct_size: usize,
+    /// Number of the texture that is spread over the whole picture; `ETD_NONE`: none.
+    pub texture: u32,
+    /// Radiance [W m^-2 sr^-1], each channel >= 0; a factor on the texture's where there is one.
+    pub radiance: [f32; 3],
+}
+
 enumerations! {
     etd_texture_kind:
         ETD_TEXTURE_IMAGE, ETD_TEXTURE_CHECKER, ETD_TEXTURE_GRID, ETD_TEXTURE_GRADIENT, ETD_TEXTURE_NOISE,
@@ -266,4 +278,5 @@ versioned! {
     etd_texture, offset;
     etd_texture_binding, cutoff;
     etd_environment_map, rotation_deg;
+    etd_backplate, radiance;
 }

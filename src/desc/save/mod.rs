@@ -19,8 +19,8 @@ use self::text::laid_out;
 use super::file::SIZE_LIMIT;
 use super::mesh_files::ply_write;
 use super::{
-    DistantLightDesc, MaterialDesc, SceneDesc, ShapeDesc, camera_check, camera_keys, light_keys, material_check,
-    material_keys, render_write, sky_keys, surface, texture_check, texture_keys, validate,
+    DistantLightDesc, MaterialDesc, SceneDesc, ShapeDesc, backplate_keys, camera_check, camera_keys, light_keys,
+    material_check, material_keys, render_write, sky_keys, surface, texture_check, texture_keys, validate,
 };
 use crate::replace::{self, Target};
 use crate::{Error, ErrorKind, Result};
@@ -96,6 +96,9 @@ fn check(scene: &SceneDesc) -> Result<()> {
     scene.distant_lights.iter().try_for_each(DistantLightDesc::check)?;
     if let Some(environment) = &scene.environment {
         texture_check::environment(environment, &scene.textures)?;
+    }
+    if let Some(backplate) = &scene.backplate {
+        backplate.check(&scene.textures)?;
     }
     scene.textures.iter().try_for_each(|texture| texture_check::texture(texture))?;
     for (number, material) in scene.materials.iter().enumerate() {
@@ -220,6 +223,9 @@ fn document(
         lights.put(out, &sky_keys::write_environment(environment, names)?)?;
     }
     lights.end(out)?;
+    if let Some(backplate) = &scene.backplate {
+        member(out, "backplate", &backplate_keys::write(backplate, names)?)?;
+    }
     let mut textures = List::new("textures");
     for (number, texture) in scene.textures.iter().enumerate() {
         textures.put(out, &texture_keys::write(texture, &names.textures[number], &images[number])?)?;

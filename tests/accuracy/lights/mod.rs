@@ -3,6 +3,7 @@
 //! A light of radiance 1 that fills the configuration factor F of a receiver's hemisphere makes the irradiance pi F there,
 //! and the radiance F of a white Lambert receiver.
 
+mod backplates;
 mod backs;
 mod clear_sky;
 mod hierarchy;
@@ -50,6 +51,7 @@ pub fn cases() -> Vec<Entry> {
         round::cases(),
         backs::cases(),
         portals::cases(),
+        backplates::cases(),
         sides::cases(),
     ];
     topics.into_iter().flatten().collect()
