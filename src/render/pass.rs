@@ -254,7 +254,7 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
 fn show_backplate<S>(pass: &Pass, backplate: &Backplate, jobs: &[SampleJob], samples: &mut [Sample<S>]) {
     let scene = &pass.input.scene;
     for (job, sample) in jobs.iter().zip(samples).filter(|(_, sample)| sample.first.is_none()) {
-        // No surface was met where the medium around the camera could end: on an endless way, it absorbs all that it absorbs any of.
+        // No surface was met where the medium around the camera could end: on an endless way, it absorbs every channel that it absorbs at all.
         let left = match scene.media_at(&sample.ray).filter(|media| !media.is_empty()) {
             Some(media) => scene.transmittance(media, f32::INFINITY, &()),
             None => Rgb::ONE,
