@@ -41,6 +41,8 @@
 //! # Ok::<(), etendue::Error>(())
 //! ```
 
+mod area_web;
+mod area_web_keys;
 mod builder;
 mod camera;
 mod camera_check;
@@ -101,6 +103,7 @@ mod transform;
 mod validate;
 mod warnings;
 
+pub use area_web::AreaWebDesc;
 pub use camera::{CameraDesc, FilmDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, Panorama, PanoramaDesc};
 pub(crate) use camera::{PIXEL_ASPECTS, SHIFTS};
 pub use distant::DistantLightDesc;
