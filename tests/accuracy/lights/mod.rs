@@ -16,6 +16,7 @@ pub mod sky;
 mod solid_angles;
 mod spheres;
 pub mod spots;
+mod web_areas;
 pub mod webs;
 mod weights;
 
@@ -51,6 +52,7 @@ pub fn cases() -> Vec<Entry> {
         backs::cases(),
         portals::cases(),
         sides::cases(),
+        web_areas::cases(),
     ];
     topics.into_iter().flatten().collect()
 }
