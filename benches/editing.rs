@@ -49,6 +49,7 @@ fn surface(shape: ShapeDesc, transform: DAffine3, emission: Option<Rgb>) -> Surf
         material: 0,
         emission,
         emits_both: false,
+        web: None,
         hidden: false,
     }
 }

@@ -97,6 +97,7 @@ fn room(triangles: usize) -> SceneDesc {
             material: 0,
             emission,
             emits_both: false,
+            web: None,
             hidden: false,
         });
     };

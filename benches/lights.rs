@@ -47,6 +47,7 @@ fn add(desc: &mut SceneDesc, shape: ShapeDesc, material: usize, emission: Option
         material,
         emission,
         emits_both: false,
+        web: None,
         hidden: false,
     });
 }

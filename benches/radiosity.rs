@@ -50,6 +50,7 @@ fn add(desc: &mut SceneDesc, shape: ShapeDesc, albedo: f32, emission: Option<Rgb
         material,
         emission,
         emits_both: false,
+        web: None,
         hidden: false,
     });
 }

@@ -70,6 +70,7 @@
 #define ETD_SPOT_LIGHT_INIT {sizeof(etd_spot_light), {0, 0, 0}, {0, -1, 0}, {1, 1, 1}, 45, 0}
 #define ETD_WEB_LIGHT_INIT \
     {sizeof(etd_web_light), NULL, NULL, 0, {0, 0, 0}, {0, -1, 0}, {1, 0, 0}, {1, 1, 1}, 0}
+#define ETD_SURFACE_WEB_INIT {sizeof(etd_surface_web), NULL, NULL, 0, {1, 0, 0}, 0}
 #define ETD_SHUTTER_INIT {sizeof(etd_shutter), 0, 0, NULL, 0}
 #define ETD_MOTION_KEY_INIT \
     {0, {0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}, 0, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}}
@@ -2472,7 +2473,8 @@ typedef struct etd_surface {
      */
     uint32_t material;
     /**
-     * Emitted radiance on the normal's side [W m^-2 sr^-1]; three zeros for a surface that does not emit. Of the quadrics, only
+     * Emitted radiance on the normal's side [W m^-2 sr^-1], or the factor on the surface's web where `etd_scene_set_surface_web` gave it
+     * one; three zeros for a surface that does not emit. Of the quadrics, only
      * cylinders can emit.
      */
     float emission[3];
@@ -2490,6 +2492,37 @@ typedef struct etd_surface {
      */
     uint32_t reserved;
 } etd_surface;
+
+/**
+ * The photometric web of a flat surface, from a file of IES LM-63 or EULUMDAT. The lamp's axis, gamma = 0, is the normal.
+ */
+typedef struct etd_surface_web {
+    /**
+     * `sizeof(etd_surface_web)`.
+     */
+    size_t struct_size;
+    /**
+     * Name of the file; NULL: `text` has its contents. `etd_scene_get_surface_web` sets it to NULL.
+     */
+    const char *file;
+    /**
+     * Contents of such a file, which are read during the call; NULL: `file`. `etd_scene_get_surface_web` sets it to NULL.
+     */
+    const void *text;
+    /**
+     * Size of `text` in bytes.
+     */
+    size_t text_bytes;
+    /**
+     * The direction of C = 0 in the object's frame, of any length but 0, whose part along the surface counts. C grows counter-clockwise
+     * as seen along the normal.
+     */
+    double c0[3];
+    /**
+     * As `tilt_deg` of `etd_web_light`.
+     */
+    double tilt_deg;
+} etd_surface_web;
 
 /**
  * A release callback, which is called once memory that was shared with a mesh is no longer read. It is called exactly once, on
@@ -3829,6 +3862,30 @@ etd_status etd_scene_set_emission(struct etd_scene *scene,
 etd_status etd_scene_set_emits_both(struct etd_scene *scene,
                                     uint32_t surface,
                                     uint32_t both);
+
+/**
+ * Lets a flat surface shine as a photometric web says, or evenly again where `web` is NULL. With a web, the emission of the surface is a
+ * factor on the file's candela over 683 lm/W, 1 in each channel for the lamp as it was measured, and no radiance. A surface keeps its web
+ * when its emission changes; without an emission of its own, the web has no effect. Without a file and a text, a surface that has a web
+ * keeps its intensities.
+ *
+ * Errors: `ETD_UNSUPPORTED` for a shape that is not flat; `ETD_INVALID_SCENE` for a file with light beyond 90 degrees from the normal on
+ * a surface that does not emit on both sides, for contents that are of neither format or wrong, with the line, and for a direction or
+ * a tilt out of range; `ETD_INVALID_ARGUMENT` for both a file and a text, or neither where there are no intensities to keep; `ETD_IO` for
+ * a file that cannot be read. Meshes that are not flat, motion and textures of emission are refused when the scene is built.
+ * Thread-safe.
+ */
+etd_status etd_scene_set_surface_web(struct etd_scene *scene,
+                                     uint32_t surface,
+                                     const struct etd_surface_web *web);
+
+/**
+ * Returns how the photometric web of a surface is turned, without its intensities. Errors: `ETD_INVALID_ARGUMENT` for a surface that has
+ * none or that was removed. Thread-safe.
+ */
+etd_status etd_scene_get_surface_web(const struct etd_scene *scene,
+                                     uint32_t surface,
+                                     struct etd_surface_web *out_web);
 
 /**
  * Returns material, own emission and transform of a surface as described now. It is an error if the surface was removed.

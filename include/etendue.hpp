@@ -1078,6 +1078,20 @@ public:
     Outcome<void> set_emits_both(std::uint32_t number, bool both) {
         return detail::done(etd_scene_set_emits_both(get(), number, both ? 1 : 0));
     }
+    /** Lets a flat surface shine by a photometric web; its emission is a factor on it then. */
+    Outcome<void> set_surface_web(std::uint32_t number, const etd_surface_web &web) {
+        return detail::done(etd_scene_set_surface_web(get(), number, &web));
+    }
+    /** Lets a surface shine evenly again. */
+    Outcome<void> clear_surface_web(std::uint32_t number) {
+        return detail::done(etd_scene_set_surface_web(get(), number, nullptr));
+    }
+    /** How the photometric web of a surface is turned, without its intensities. */
+    Outcome<etd_surface_web> surface_web(std::uint32_t number) const {
+        etd_surface_web web = ETD_SURFACE_WEB_INIT;
+        const etd_status status = etd_scene_get_surface_web(get(), number, &web);
+        return detail::give(status, std::move(web));
+    }
     /** Material, emission and transform of a surface as they are described now. */
     Outcome<etd_surface> surface(std::uint32_t number) const {
         etd_surface value = ETD_SURFACE_INIT;

@@ -77,6 +77,7 @@ fn scene(mesh: MeshDesc, smooth: bool, emission: Option<Rgb>) -> SceneDesc {
             material: 0,
             emission,
             emits_both: false,
+            web: None,
             hidden: false,
         }],
         ..SceneDesc::default()

@@ -6,9 +6,10 @@ use std::sync::Arc;
 
 use etendue::ErrorKind;
 use etendue::desc::{
-    self, IntegratorDesc, LightDistribution, PointLightDesc, RenderDesc, SceneDesc, SpotDesc, WebDesc,
+    self, AreaWebDesc, IntegratorDesc, LightDistribution, PointLightDesc, RenderDesc, SceneDesc, ShapeDesc, SpotDesc,
+    SurfaceLook, WebDesc,
 };
-use etendue::math::DVec3;
+use etendue::math::{DAffine3, DVec3};
 use etendue::photometry::{LampPosition, Planes, Web, WebFormat};
 use etendue::render::{Render, RenderSettings};
 use etendue::scene::{BuildOptions, Scene};
@@ -359,6 +360,249 @@ fn all_integrators_take_points_that_shine_unevenly() {
         };
         for integrator in IntegratorDesc::ALL {
             of(integrator).unwrap_or_else(|error| panic!("{integrator:?}: {error}"));
+        }
+    }
+}
+
+/// A scene of these surfaces, with a material that has a texture of its emission.
+fn surfaces(folder: &Path, surfaces: &str) -> etendue::Result<SceneDesc> {
+    let text = format!(
+        r#"{{"etendue": 1, "camera": {{}}, "surfaces": [{surfaces}],
+            "textures": [{{"name": "checks", "type": "checker"}}],
+            "materials": [{{"name": "white", "type": "diffuse", "color": [1, 1, 1]}},
+                {{"name": "lit", "type": "diffuse", "color": [1, 1, 1], "emission": [1, 1, 1], "textures": {{"emission": "checks"}}}}]}}"#
+    );
+    desc::parse(&text, folder, None)
+}
+
+const DISK: &str = r#"{"geometry": "disk", "origin": [0, 2, 0], "normal": [0, -1, 0], "radius": 0.5"#;
+
+const TRIANGLE: &str =
+    r#"{"geometry": "triangle", "vertex-1": [0, 2, 0], "vertex-2": [1, 2, 0], "vertex-3": [0, 2, 1]"#;
+
+/// A file of both sides: 100 cd on the front and half of it on the back.
+fn both_sides() -> String {
+    IES.replace("2 3 1 1 2", "2 5 1 1 2").replace("0 45 90\n0\n50 50 0", "0 80 89 100 180\n0\n50 50 50 25 25")
+}
+
+#[test]
+fn surfaces_shine_by_them() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("lamp.ies"), IES).unwrap();
+    fs::write(folder.path().join("both.ies"), both_sides()).unwrap();
+    let desc = surfaces(
+        folder.path(),
+        &format!(
+            r#"{DISK}, "web": {{"file": "lamp.ies"}}}},
+               {DISK}, "material": "white", "web": {{"file": "lamp.ies", "c0": [0, 1, 1], "color": [1, 2, 3], "intensity": 2}}}},
+               {TRIANGLE}, "emits": "both", "web": {{"file": "both.ies", "unit": "lm", "intensity": 800, "temperature": 3000}}}},
+               {TRIANGLE}, "web": {{"file": "lamp.ies", "intensity": 0}}}}"#
+        ),
+    )
+    .unwrap();
+    let webs: Vec<&AreaWebDesc> = desc.surfaces.iter().map(|surface| surface.web.as_deref().unwrap()).collect();
+    assert!(Arc::ptr_eq(&webs[0].web, &webs[1].web) && !Arc::ptr_eq(&webs[0].web, &webs[2].web));
+    assert_eq!([webs[0].c0, webs[1].c0], [DVec3::X, DVec3::new(0.0, 1.0, 1.0)]);
+    let factors: Vec<_> = desc.surfaces.iter().map(|surface| surface.emission).collect();
+    assert_eq!([factors[0], factors[1], factors[3]], [Some(Rgb::ONE), Some(Rgb::new(2.0, 4.0, 6.0)), None]);
+    let built = Scene::build(&desc, &BuildOptions::default()).unwrap();
+    let powers: Vec<DVec3> = built.emitters().emitters().iter().map(|emitter| emitter.power()).collect();
+    // Two disks, and a triangle of both sides: those of its back come last.
+    assert_eq!(powers.len(), 4);
+    let close = |got: f64, expected: f64| assert!((got / expected - 1.0).abs() < 1e-6, "{got} {expected}");
+    let flux = webs[0].web.flux() / 683.0;
+    let all = powers.iter().map(|power| power.x).collect::<Vec<_>>();
+    assert!(all.iter().any(|power| (power / flux - 1.0).abs() < 1e-6), "{all:?} {flux}");
+    assert!(all.iter().any(|power| (power / flux - 2.0).abs() < 1e-6), "{all:?} {flux}");
+    let weights = DVec3::new(0.2126, 0.7152, 0.0722);
+    let whole: f64 = powers.iter().map(|power| power.dot(weights)).sum();
+    close(whole - flux * (1.0 + 2.0 * weights.dot(DVec3::new(1.0, 2.0, 3.0))), 800.0 / 683.0);
+    let sides = [true, false].map(|front| webs[2].web.side(front).unwrap().flux());
+    close(sides[0] + sides[1], webs[2].web.flux());
+    assert!(sides[0] > 1.85 * sides[1] && sides[0] < 1.86 * sides[1], "{sides:?}");
+    let said = built.info().to_string();
+    assert!(
+        said.contains("surfaces[0] (2 lights): ") && said.contains("3 surfaces shine by a photometric web"),
+        "{said}"
+    );
+
+    // Kept as they are, each file once; one that is switched off is not.
+    let path = folder.path().join("kept.json");
+    desc.save(&path).unwrap();
+    let again = desc::load(&path, None).unwrap();
+    for (kept, surface) in again.surfaces.iter().zip(&desc.surfaces).take(3) {
+        assert_eq!((kept.emission, &kept.web, kept.emits_both), (surface.emission, &surface.web, surface.emits_both));
+    }
+    assert_eq!(again.surfaces[3].web, None);
+    let files: Vec<_> = fs::read_dir(SceneDesc::files_folder(&path)).unwrap().collect();
+    assert_eq!(files.len(), 2, "{files:?}");
+}
+
+#[test]
+fn surfaces_that_cannot_shine_by_them_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("lamp.ies"), IES).unwrap();
+    fs::write(folder.path().join("both.ies"), both_sides()).unwrap();
+    let web = r#""web": {"file": "lamp.ies"}"#;
+    let moving = r#""motion": [{"time": 0}, {"time": 1, "translate": [1, 0, 0]}]"#;
+    let mesh = |positions: &str, triangles: &str| {
+        format!(r#"{{"geometry": "mesh", "positions": {positions}, "triangles": {triangles}, {web}}}"#)
+    };
+    let square = "[[0, 2, 0], [1, 2, 0], [1, 2, 1], [0, 2, 1]]";
+    for (surface, expected) in [
+        (format!(r#"{DISK}, "web": {{}}}}"#), "surfaces[0].web: missing"),
+        (
+            format!(r#"{DISK}, "web": {{"file": "none.ies"}}}}"#),
+            "surfaces[0].web.file: cannot read the photometric web",
+        ),
+        (
+            format!(r#"{DISK}, "web": {{"file": "lamp.ies", "direction": [0, 1, 0]}}}}"#),
+            "surfaces[0].web.direction: unknown key",
+        ),
+        (format!(r#"{DISK}, "emission": [1, 1, 1], {web}}}"#), "surfaces[0].emission: `web` says the light already"),
+        (format!(r#"{DISK}, "luminance": 10, {web}}}"#), "surfaces[0].luminance: `web` says the light already"),
+        (format!(r#"{DISK}, "temperature": 3000, {web}}}"#), "surfaces[0].temperature: is used with `luminance` only"),
+        (
+            format!(r#"{DISK}, "web": {{"file": "lamp.ies", "c0": [0, 0, 0]}}}}"#),
+            "surfaces[0].web.c0: [0.0, 0.0, 0.0] has no direction",
+        ),
+        (format!(r#"{DISK}, "web": {{"file": "lamp.ies", "tilt": 200}}}}"#), "surfaces[0].web.tilt: 200 degrees"),
+        (format!(r#"{DISK}, "web": {{"file": "lamp.ies", "intensity": -1}}}}"#), "surfaces[0].web.intensity: -1"),
+        (format!(r#"{DISK}, "web": {{"file": "lamp.ies", "intensity": 1e37}}}}"#), "e38 is beyond single precision"),
+        (
+            format!(r#"{DISK}, "web": {{"file": "lamp.ies", "unit": "cd", "intensity": 3}}}}"#),
+            "surfaces[0].web.unit: 'cd' is no unit of this light, expected one of W, lm",
+        ),
+        (
+            format!(r#"{DISK}, "web": {{"file": "both.ies"}}}}"#),
+            "surfaces[0].web: the lamp sends 339.0193 of its 967.0886 lm behind the surface, expected a file without light beyond 90 degrees",
+        ),
+        (
+            format!(r#"{{"geometry": "sphere", "origin": [0, 0, 0], "radius": 1, {web}}}"#),
+            "surfaces[0].web: a photometric web needs a flat surface, and a sphere is none",
+        ),
+        (
+            format!(
+                r#"{{"geometry": "cylinder", "base": [0, 0, 0], "axis": [0, 1, 0], "radius": 1, "height": 1, {web}}}"#
+            ),
+            "surfaces[0].web: a photometric web needs a flat surface, and a quadric is none",
+        ),
+        (
+            mesh("[[0, 2, 0], [1, 2, 0], [1, 2.01, 1], [0, 2, 1]]", "[[0, 1, 2], [0, 2, 3]]"),
+            "surfaces[0].web: a photometric web needs a flat surface, and the corners of the mesh are not in a plane",
+        ),
+        (
+            mesh("[[0, 2, 0], [1, 2, 0], [1, 2, 1], [0, 2, 4]]", "[[0, 1, 2], [0, 3, 2]]"),
+            "surfaces[0].web: a photometric web needs a flat surface, and the triangles of the mesh face both sides",
+        ),
+        (mesh(square, "[[0, 1, 0]]"), "and the mesh has no area"),
+        (
+            format!(r#"{DISK}, "radius": 1e-22, {web}}}"#).replace(r#""radius": 0.5, "#, ""),
+            "beyond single precision on an area",
+        ),
+        (
+            format!(r#"{TRIANGLE}, "material": "lit", {web}}}"#),
+            "surfaces[0].web: a texture varies the emission already",
+        ),
+        (format!("{TRIANGLE}, {moving}, {web}}}"), "surfaces[0].motion: a surface with a photometric web cannot move"),
+        (
+            mesh(square, "[[0, 1, 2], [0, 2, 3]]").replace(
+                r#""positions""#,
+                r#""steps": [{"time": 0, "positions": [[0, 2, 0], [1, 2, 0], [1, 2, 1], [0, 2, 1]]},
+                    {"time": 1, "positions": [[0, 3, 0], [1, 3, 0], [1, 3, 1], [0, 3, 1]]}], "positions""#,
+            ),
+            "surfaces[0].motion: a surface with a photometric web cannot move",
+        ),
+    ] {
+        let built = surfaces(folder.path(), &surface).and_then(|mut desc| {
+            desc.motion.shutter.close = 1.0;
+            Scene::build(&desc, &BuildOptions::default())
+        });
+        let said = built.map_or_else(|error| error.to_string(), |_| "taken".to_owned());
+        assert!(said.contains(expected), "{surface}\n{said}\nexpected {expected}");
+    }
+    // What rests while the shutter is open is taken.
+    let rests = surfaces(folder.path(), &format!("{TRIANGLE}, {moving}, {web}}}")).unwrap();
+    assert!(Scene::build(&rests, &BuildOptions::default()).unwrap().emitters().has_web_areas());
+}
+
+/// What changes such a lamp is seen by the next build, and calls refuse what the surface cannot be.
+#[test]
+fn edits_change_webs_of_surfaces() {
+    let mut desc = SceneDesc::default();
+    let (triangle, local) =
+        ShapeDesc::triangle([DVec3::ZERO, DVec3::new(1.0, 0.1, 0.7), DVec3::new(0.2, 1.0, -0.4)]).unwrap();
+    let look = SurfaceLook { emission: Some(Rgb::ONE), ..SurfaceLook::default() };
+    desc.add_surface(triangle, local, look).unwrap();
+    let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
+    assert!(!scene.emitters().has_web_areas());
+    let power = |scene: &Scene| scene.emitters().emitters().iter().map(|emitter| emitter.power().x).sum::<f64>();
+    let lamp = |text: &str| AreaWebDesc::new(Arc::new(parse(text)));
+    desc.set_surface_web(0, Some(lamp(IES))).unwrap();
+    let shaped = scene.rebuild(&desc, &BuildOptions::default()).unwrap();
+    assert!(shaped.emitters().has_web_areas());
+    let flux = lamp(IES).web.flux() / 683.0;
+    assert!((power(&shaped) / flux - 1.0).abs() < 1e-6);
+    // The whole flux whatever the size, and the light of the front where it is turned over.
+    desc.set_transform(0, DAffine3::from_scale(DVec3::new(-3.0, 2.0, 1.0))).unwrap();
+    let larger = shaped.rebuild(&desc, &BuildOptions::default()).unwrap();
+    assert!((power(&larger) / flux - 1.0).abs() < 1e-6);
+    desc.set_emission(0, Some(Rgb::splat(0.5))).unwrap();
+    let dimmed = larger.rebuild(&desc, &BuildOptions::default()).unwrap();
+    assert!((power(&dimmed) / flux - 0.5).abs() < 1e-6);
+
+    let path = |error: etendue::Error| error.to_string();
+    let behind = path(desc.set_surface_web(0, Some(lamp(&both_sides()))).unwrap_err());
+    assert!(behind.contains("surfaces[0].web: the lamp sends"), "{behind}");
+    desc.set_emits_both(0, true).unwrap();
+    desc.set_surface_web(0, Some(lamp(&both_sides()))).unwrap();
+    let behind = path(desc.set_emits_both(0, false).unwrap_err());
+    assert!(behind.contains("surfaces[0].web: the lamp sends"), "{behind}");
+    let bright = path(desc.set_emission(0, Some(Rgb::splat(1e37))).unwrap_err());
+    assert!(bright.contains("surfaces[0].web.color[0]"), "{bright}");
+    let both = dimmed.rebuild(&desc, &BuildOptions::default()).unwrap();
+    assert!((power(&both) / (0.5 * lamp(&both_sides()).web.flux() / 683.0) - 1.0).abs() < 1e-6);
+    // Without an emission of its own the web has no effect, and the surface keeps it.
+    desc.set_emission(0, None).unwrap();
+    assert!(both.rebuild(&desc, &BuildOptions::default()).unwrap().emitters().is_dark());
+    desc.set_emission(0, Some(Rgb::ONE)).unwrap();
+    desc.set_surface_web(0, None).unwrap();
+    let even = both.rebuild(&desc, &BuildOptions::default()).unwrap();
+    assert!(!even.emitters().has_web_areas() && power(&even) > 0.0);
+    assert_eq!(desc.set_surface_web(7, None).unwrap_err().kind(), ErrorKind::InvalidScene);
+}
+
+/// All light of a lamp behind its plane: the front is dark and the back has all of it; and the other way round.
+#[test]
+fn integrators_take_surfaces_with_webs_but_for_radiosity() {
+    let (quad, local) = ShapeDesc::quad([DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y]).unwrap();
+    let upwards = IES.replace("0 45 90\n", "90 135 180\n").replace("50 50 0", "0 50 50");
+    for (text, lit) in [(IES, [true, false]), (&upwards, [false, true])] {
+        let mut desc = SceneDesc::default();
+        let look = SurfaceLook { emission: Some(Rgb::ONE), emits_both: true, ..SurfaceLook::default() };
+        desc.add_surface(quad, local, look).unwrap();
+        desc.set_surface_web(0, Some(AreaWebDesc::new(Arc::new(parse(text))))).unwrap();
+        let scene = Scene::build(&desc, &BuildOptions::default()).unwrap();
+        let emitters = scene.emitters();
+        for (side, is_lit) in [DVec3::Z, DVec3::NEG_Z].into_iter().zip(lit) {
+            let wo = (side + 0.1 * DVec3::X).normalize().as_vec3a();
+            let seen = emitters.le(0, DVec3::Z.as_vec3a(), wo, DVec3::new(0.2, 0.1, 0.0).as_vec3a());
+            assert_eq!(seen.r() > 0.0, is_lit, "{side} {seen:?}");
+            // What light maps have of the lamp itself: its power over its area, of whatever direction.
+            let at = DVec3::new(0.2, 0.1, 0.0).as_vec3a();
+            let emitted = emitters.emitted_radiosity(0, DVec3::Z.as_vec3a(), side.as_vec3a(), at).r();
+            let exact = if is_lit { parse(text).flux() / 683.0 } else { 0.0 };
+            assert!((f64::from(emitted) - exact).abs() <= 1e-6 * exact, "{side} {emitted} {exact}");
+        }
+        for integrator in IntegratorDesc::ALL {
+            let desc = RenderDesc { integrator, ..RenderDesc::default() };
+            let made = Render::new(&scene, RenderSettings { desc, ..RenderSettings::default() }).map(|_| ());
+            match (made, integrator) {
+                (Err(error), IntegratorDesc::Radiosity) => {
+                    assert!(error.to_string().contains("surfaces that shine by a photometric web"), "{error}");
+                }
+                (made, _) => made.unwrap_or_else(|error| panic!("{integrator:?}: {error}")),
+            }
         }
     }
 }

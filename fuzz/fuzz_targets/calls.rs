@@ -69,6 +69,8 @@ enum Call {
     SetSurfaceMaterial { surface: u8, material: u8 },
     SetEmission { surface: u8, radiance: Option<[f32; 3]> },
     SetEmitsBoth { surface: u8, both: bool },
+    SurfaceWeb { surface: u8, text: Option<Vec<u8>>, c0: [f64; 3], tilt: f64 },
+    SaneSurfaceWeb { surface: u8, candela: [u8; 3], c0: [i8; 3] },
     GetSurface { surface: u8 },
     Commit { cancel: bool },
     Film { width: u8, height: u8, layers: u16 },
@@ -610,6 +612,30 @@ impl World {
                 }
                 Call::SetEmitsBoth { surface, both } => {
                     fine(etd_scene_set_emits_both(scene, u32::from(surface), u32::from(both)));
+                }
+                Call::SurfaceWeb { surface, text, c0, tilt } => {
+                    let it = etd_surface_web {
+                        text: text.as_ref().filter(|text| !text.is_empty()).map_or(null(), |text| text.as_ptr().cast()),
+                        text_bytes: text.as_ref().map_or(0, Vec::len),
+                        c0,
+                        tilt_deg: tilt,
+                        ..sized()
+                    };
+                    let given = if text.is_some() { &raw const it } else { null() };
+                    fine(etd_scene_set_surface_web(scene, u32::from(surface), given));
+                    let mut out: etd_surface_web = sized();
+                    fine(etd_scene_get_surface_web(scene, u32::from(surface), &raw mut out));
+                }
+                Call::SaneSurfaceWeb { surface, candela: [a, b, c], c0 } => {
+                    let text = format!("TILT=NONE\n1 -1 1 3 1 1 2 0 0 0\n1 1 1\n0 90 180\n0\n{a} {b} {c}\n");
+                    let it = etd_surface_web {
+                        text: text.as_ptr().cast(),
+                        text_bytes: text.len(),
+                        c0: c0.map(f64::from),
+                        ..sized()
+                    };
+                    fine(etd_scene_set_emits_both(scene, u32::from(surface), u32::from(c > 0)));
+                    fine(etd_scene_set_surface_web(scene, u32::from(surface), &raw const it));
                 }
                 Call::GetSurface { surface } => {
                     let mut value: etd_surface = sized();

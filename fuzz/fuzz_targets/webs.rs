@@ -15,6 +15,9 @@ fuzz_target!(|data: &[u8]| {
                 let candela = web.candela(DVec3::new(x, y, z));
                 assert!((0.0..=web.peak() * (1.0 + 1e-9)).contains(&candela), "{candela}");
             }
+            let sides = [true, false].map(|front| web.side(front));
+            let of_sides: f64 = sides.iter().flatten().map(Web::flux).sum();
+            assert!((of_sides - flux).abs() <= 1e-6 * flux, "{of_sides} {flux}");
             if flux > 0.0 {
                 for u in [[0.0, 0.0], [0.5, 0.25], [1.0 - 1e-12, 1.0 - 1e-12]] {
                     let direction = web.sample(u);

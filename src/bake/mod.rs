@@ -132,8 +132,7 @@ fn reflection(scene: &Scene, facet: &Facet, [b1, b2]: [f32; 2]) -> [[Rgb; 2]; 2]
     let hit = facet.hit(b1, b2);
     let reflectances = scene.material(at.material).diffuse_albedos(|_| scene.detail(&hit, &at));
     let emitted = [at.ng, -at.ng].map(|wo| {
-        let radiance = at.emitter.map_or(Rgb::ZERO, |emitter| scene.emitters().le(emitter, at.ng, wo, at.point.p));
-        std::f32::consts::PI * radiance
+        at.emitter.map_or(Rgb::ZERO, |emitter| scene.emitters().emitted_radiosity(emitter, at.ng, wo, at.point.p))
     });
     [reflectances, emitted]
 }

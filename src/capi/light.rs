@@ -3,6 +3,7 @@
 //! They are numbered among the point lights. `etd_scene_set_point_light` moves and dims any of them, and
 //! `etd_scene_get_point_light` says where it is.
 
+use std::ffi::{c_char, c_void};
 use std::path::Path;
 use std::ptr;
 use std::sync::Arc;
@@ -110,7 +111,7 @@ pub unsafe extern "C" fn etd_scene_add_web_light(
         on(scene, |scene| {
             need(out_light, "out_light")?;
             let it = read_sized(web, "web")?;
-            let web = contents(&it)?
+            let web = contents(it.file, it.text, it.text_bytes)?
                 .ok_or_else(|| Failure::argument("web.file and web.text are NULL, expected one of them".to_owned()))?;
             let number = scene.edit(|desc| desc.add_light_desc(web_light(&it, web)))?;
             out_light.write(number as u32);
@@ -135,7 +136,7 @@ pub unsafe extern "C" fn etd_scene_set_web_light(
         on(scene, |scene| {
             find(&scene.desc().lights, light, "point light")?;
             let it = read_sized(web, "web")?;
-            let web = match contents(&it)? {
+            let web = match contents(it.file, it.text, it.text_bytes)? {
                 Some(web) => web,
                 None => Arc::clone(&measured(find(&scene.desc().lights, light, "point light")?, light)?.web),
             };
@@ -180,17 +181,21 @@ pub unsafe extern "C" fn etd_scene_get_web_light(
 /// The intensities that are given, where there are any.
 ///
 /// # Safety
-/// `file` must be NULL or a text with a NUL at its end, and `text_bytes` bytes must be readable at `text` unless it is NULL.
-unsafe fn contents(it: &etd_web_light) -> Result<Option<Arc<Web>>> {
-    if !it.file.is_null() && !it.text.is_null() {
+/// `file` must be NULL or a text with a NUL at its end, and `text_bytes` bytes must be readable at `bytes` unless it is NULL.
+pub(super) unsafe fn contents(
+    file: *const c_char,
+    bytes: *const c_void,
+    text_bytes: usize,
+) -> Result<Option<Arc<Web>>> {
+    if !file.is_null() && !bytes.is_null() {
         return Err(Failure::argument("web.file and web.text are both given, expected one of them".to_owned()));
     }
-    let web = if !it.text.is_null() {
+    let web = if !bytes.is_null() {
         // SAFETY: the caller keeps this function's contract.
-        Web::parse(unsafe { items(it.text.cast::<u8>(), it.text_bytes, "web.text") }?)?
-    } else if !it.file.is_null() {
+        Web::parse(unsafe { items(bytes.cast::<u8>(), text_bytes, "web.text") }?)?
+    } else if !file.is_null() {
         // SAFETY: the caller keeps this function's contract.
-        Web::read(Path::new(unsafe { text(it.file, "web.file") }?))?
+        Web::read(Path::new(unsafe { text(file, "web.file") }?))?
     } else {
         return Ok(None);
     };

@@ -2,14 +2,17 @@
 
 use std::ffi::c_char;
 use std::path::Path;
+use std::ptr;
+use std::sync::Arc;
 
 use super::boundary::{array, need, on, read_sized, text, write_sized};
 use super::describe::{find, vector};
+use super::light::contents;
 use super::read;
 use super::scene::etd_scene;
 use super::status::{Failure, Result, etd_status};
-use super::types::{ETD_NONE, etd_surface};
-use crate::desc::{SceneDesc, ShapeDesc, SurfaceLook};
+use super::types::{ETD_NONE, etd_surface, etd_surface_web};
+use crate::desc::{AreaWebDesc, SceneDesc, ShapeDesc, SurfaceLook};
 use crate::math::{Bounds, DAffine3, DVec3};
 
 /// Adds a sphere with its normals outwards. `centre`: three numbers; `radius` > 0. A transform that stretches the sphere makes
@@ -361,6 +364,81 @@ pub unsafe extern "C" fn etd_scene_set_emits_both(scene: *mut etd_scene, surface
         on(scene, |scene| {
             find(&scene.desc().surfaces, surface, "surface")?;
             scene.edit(|desc| desc.set_emits_both(surface as usize, both != 0))
+        })
+    }
+}
+
+/// Lets a flat surface shine as a photometric web says, or evenly again where `web` is NULL. With a web, the emission of the surface is a
+/// factor on the file's candela over 683 lm/W, 1 in each channel for the lamp as it was measured, and no radiance. A surface keeps its web
+/// when its emission changes; without an emission of its own, the web has no effect. Without a file and a text, a surface that has a web
+/// keeps its intensities.
+///
+/// Errors: `ETD_UNSUPPORTED` for a shape that is not flat; `ETD_INVALID_SCENE` for a file with light beyond 90 degrees from the normal on
+/// a surface that does not emit on both sides, for contents that are of neither format or wrong, with the line, and for a direction or
+/// a tilt out of range; `ETD_INVALID_ARGUMENT` for both a file and a text, or neither where there are no intensities to keep; `ETD_IO` for
+/// a file that cannot be read. Meshes that are not flat, motion and textures of emission are refused when the scene is built.
+/// Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type, `file` to a text with a NUL at its end and `text` to `text_bytes` bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_set_surface_web(
+    scene: *mut etd_scene,
+    surface: u32,
+    web: *const etd_surface_web,
+) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            find(&scene.desc().surfaces, surface, "surface")?;
+            if web.is_null() {
+                return scene.edit(|desc| desc.set_surface_web(surface as usize, None));
+            }
+            let it = read_sized(web, "web")?;
+            let intensities = match contents(it.file, it.text, it.text_bytes)? {
+                Some(intensities) => intensities,
+                None => match &find(&scene.desc().surfaces, surface, "surface")?.web {
+                    Some(known) => Arc::clone(&known.web),
+                    None => {
+                        let message = "web.file and web.text are NULL, expected one of them";
+                        return Err(Failure::argument(message));
+                    }
+                },
+            };
+            let value = AreaWebDesc { web: intensities, c0: DVec3::from_array(it.c0), tilt_deg: it.tilt_deg };
+            scene.edit(|desc| desc.set_surface_web(surface as usize, Some(value)))
+        })
+    }
+}
+
+/// Returns how the photometric web of a surface is turned, without its intensities. Errors: `ETD_INVALID_ARGUMENT` for a surface that has
+/// none or that was removed. Thread-safe.
+///
+/// # Safety
+/// Each pointer must be NULL or point to a value of its type.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn etd_scene_get_surface_web(
+    scene: *const etd_scene,
+    surface: u32,
+    out_web: *mut etd_surface_web,
+) -> etd_status {
+    // SAFETY: the caller keeps this function's contract.
+    unsafe {
+        on(scene, |scene| {
+            let desc = scene.desc();
+            let it = find(&desc.surfaces, surface, "surface")?;
+            let Some(web) = it.web.as_ref().filter(|_| !it.hidden) else {
+                return Err(Failure::argument(format!("surface {surface} has no photometric web")));
+            };
+            let value = etd_surface_web {
+                struct_size: size_of::<etd_surface_web>(),
+                file: ptr::null(),
+                text: ptr::null(),
+                text_bytes: 0,
+                c0: web.c0.to_array(),
+                tilt_deg: web.tilt_deg,
+            };
+            write_sized(out_web, "out_web", value)
         })
     }
 }

@@ -353,7 +353,8 @@ impl SceneDesc {
         Ok(())
     }
 
-    /// Sets the emission of a surface: radiance [W m^-2 sr^-1] on the normal's side, each channel >= 0. `None` removes
+    /// Sets the emission of a surface: radiance [W m^-2 sr^-1] on the normal's side, each channel >= 0, or the factor on its
+    /// [web](Self::set_surface_web) where it has one. `None` removes
     /// the emission; a surface that had no material then stays black, and one whose material emits light has the emission of
     /// the material.
     ///
@@ -365,6 +366,9 @@ impl SceneDesc {
         let known = self.live_surface(surface)?;
         let emission = check_emission(&known.path, emission)?;
         self.check_look(&known.path, emission, Some(known.material), &known.shape, &known.to_world())?;
+        if let (Some(web), Some(factor)) = (&known.web, emission) {
+            web.check(&known.path, &known.shape, factor, known.emits_both)?;
+        }
         self.surfaces[surface].emission = emission;
         Ok(())
     }
@@ -374,13 +378,17 @@ impl SceneDesc {
     ///
     /// # Errors
     /// At `surfaces[..].emits`, for `true`, [`crate::ErrorKind::InvalidScene`] for a surface that emits no light, neither by itself nor
-    /// by its material, and [`crate::ErrorKind::Unsupported`] for a sphere, whose inside is closed; at `surfaces[..]`, an error for a
+    /// by its material, and [`crate::ErrorKind::Unsupported`] for a sphere, whose inside is closed; for `false`, those of
+    /// [`Self::set_surface_web`] where the surface has a web; at `surfaces[..]`, an error for a
     /// number that no surface has or that belongs to a removed surface.
     pub fn set_emits_both(&mut self, surface: usize, emits_both: bool) -> Result<()> {
         let known = self.live_surface(surface)?;
         if emits_both {
             let emits = known.emission.or(self.materials.get(known.material).and_then(|it| it.emission)).is_some();
             validate::emits_both(&known.path, &known.shape, emits)?;
+        }
+        if let Some(web) = &known.web {
+            web.check(&known.path, &known.shape, known.emission.unwrap_or(Rgb::ZERO), emits_both)?;
         }
         self.surfaces[surface].emits_both = emits_both;
         Ok(())
@@ -461,6 +469,7 @@ impl SceneDesc {
             material,
             emission,
             emits_both: look.emits_both,
+            web: None,
             hidden: false,
         });
         self.index.see(&self.surfaces);

@@ -41,6 +41,8 @@
 //! # Ok::<(), etendue::Error>(())
 //! ```
 
+mod area_web;
+mod area_web_keys;
 mod backplate;
 mod backplate_keys;
 mod builder;
@@ -103,6 +105,7 @@ mod transform;
 mod validate;
 mod warnings;
 
+pub use area_web::AreaWebDesc;
 pub use backplate::BackplateDesc;
 pub use camera::{CameraDesc, FilmDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, Panorama, PanoramaDesc};
 pub(crate) use camera::{PIXEL_ASPECTS, SHIFTS};

@@ -1,5 +1,8 @@
 //! Descriptions of surfaces: shapes, meshes, transforms and emission.
 
+use std::sync::Arc;
+
+use super::AreaWebDesc;
 use crate::buffer::Buffer;
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
@@ -133,12 +136,14 @@ pub struct SurfaceDesc {
     pub transform: DAffine3,
     /// Index into [`SceneDesc::materials`](super::SceneDesc::materials).
     pub material: usize,
-    /// Emitted radiance [W m^-2 sr^-1] on the normal's side; `None` for a surface that does not emit. Of the quadrics, only
-    /// cylinders emit.
+    /// Emitted radiance [W m^-2 sr^-1] on the normal's side, or with a `web` the factor on it; `None` for a surface that does not emit. Of
+    /// the quadrics, only cylinders emit.
     pub emission: Option<Rgb>,
     /// Whether the surface emits on its other side too, with the same radiance. It has no effect on a surface that does not emit;
     /// spheres, which are closed, emit outwards only.
     pub emits_both: bool,
+    /// How a flat surface with an emission of its own shines by direction; `None` for one that shines evenly.
+    pub web: Option<Arc<AreaWebDesc>>,
     /// Whether the surface was removed, so that no ray hits it. The other surfaces keep their numbers.
     pub hidden: bool,
 }

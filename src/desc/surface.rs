@@ -5,6 +5,7 @@ mod write;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
+use super::area_web_keys::AreaWeb;
 use super::builder::Builder;
 use super::json::{self, Scale, join};
 use super::{MeshDesc, ShapeDesc, SurfaceLook, motion_keys, photometric, transform, validate};
@@ -35,6 +36,8 @@ macro_rules! surface {
             luminance: Option<f64>,
             /// With `luminance`: colour temperature in kelvin, in [1000, 15000]: that of a Planckian radiator. Default: white.
             temperature: Option<f64>,
+            /// Of a flat surface, in place of `emission`: a measured lamp, as which the surface shines. Default: none.
+            web: Option<AreaWeb>,
             /// Of a surface that emits light: `front`, on the normal's side (default), or `both` sides. Not `both` of spheres.
             #[serde(default, deserialize_with = "json::name")]
             emits: Option<Emits>,
@@ -56,6 +59,7 @@ macro_rules! surface {
                     luminance: self.luminance,
                     temperature: self.temperature,
                     emits: self.emits,
+                    web: self.web.take(),
                 };
                 let motion = self.motion.take();
                 place(path, self.material.as_deref(), light, self.transform, motion, shape, builder)
@@ -268,6 +272,7 @@ struct Light {
     luminance: Option<f64>,
     temperature: Option<f64>,
     emits: Option<Emits>,
+    web: Option<AreaWeb>,
 }
 
 /// A box, axis-aligned in the quadric's frame.
@@ -439,6 +444,7 @@ impl Mesh<'_> {
             ("luminance", self.luminance.is_some()),
             ("temperature", self.temperature.is_some()),
             ("emits", self.emits.is_some()),
+            ("web", self.web.is_some()),
             ("mesh", self.mesh.is_some()),
             ("positions", self.positions.is_some()),
             ("triangles", self.triangles.is_some()),
@@ -517,7 +523,20 @@ fn place(
     builder: &mut Builder<'_>,
 ) -> Result<()> {
     let (shape, local) = shape.map_err(json::below(path))?;
-    let emission = photometric::emission(path, light.emission, light.luminance, light.temperature)?;
+    let mut emission = photometric::emission(path, light.emission, light.luminance, light.temperature)?;
+    let web = match &light.web {
+        None => None,
+        Some(keys) => {
+            if emission.is_some() {
+                let key = if light.luminance.is_some() { "luminance" } else { "emission" };
+                let message = "`web` says the light already, expected one of both";
+                return Err(Error::invalid(join(path, key), message));
+            }
+            let (web, factor) = keys.resolve(&join(path, "web"), builder)?;
+            emission = Some(factor);
+            Some(web)
+        }
+    };
     let material = match material {
         Some(name) => Some(builder.material(&join(path, "material"), name)?),
         None => None,
@@ -526,6 +545,9 @@ fn place(
     let emits_both = matches!(light.emits, Some(Emits::Both));
     let look = SurfaceLook { material, emission, emits_both, transform };
     let surface = builder.scene.put_surface(path, shape, local, look)?;
+    if web.is_some() {
+        builder.scene.set_surface_web(surface, web)?;
+    }
     match motion {
         None => Ok(()),
         Some(keys) => {

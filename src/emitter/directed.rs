@@ -95,13 +95,18 @@ impl Distribution {
 
     /// A bound of the share of the light that goes into a cone around the unit `axis` with this 1 - cos at its edge.
     pub fn most_into(&self, axis: Vec3, one_minus_cos: f64) -> f64 {
-        let (own, angle) = self.cone();
-        let axis = axis.as_dvec3();
-        let between = own.cross(axis).length().atan2(own.dot(axis));
-        let other = 2.0 * (0.5 * one_minus_cos).sqrt().min(1.0).asin();
-        if between > angle + other {
-            return 0.0;
-        }
-        (std::f64::consts::TAU * one_minus_cos * self.peak() / self.flux()).min(1.0)
+        most_into(self.cone(), self.peak() / self.flux(), axis, one_minus_cos)
     }
+}
+
+/// A bound of the share of light that goes into a cone around the unit `axis` with this 1 - cos at its edge, of light that stays in a
+/// cone of its own, by its unit axis and its half angle, and whose largest intensity is `peak` times its flux.
+pub(super) fn most_into((own, angle): (DVec3, f64), peak: f64, axis: Vec3, one_minus_cos: f64) -> f64 {
+    let axis = axis.as_dvec3();
+    let between = own.cross(axis).length().atan2(own.dot(axis));
+    let other = 2.0 * (0.5 * one_minus_cos).sqrt().min(1.0).asin();
+    if between > angle + other {
+        return 0.0;
+    }
+    (std::f64::consts::TAU * one_minus_cos * peak).min(1.0)
 }

@@ -1,7 +1,7 @@
 //! Emitters, and the sampling of one among them.
 //!
 //! Area emitters emit on the side of their normal only, with the same radiance in every direction; a texture may vary it from point to
-//! point. A surface that emits on both sides has two emitters, of which the second is found from hits on the back of the first. One
+//! point, or a photometric web by direction. A surface that emits on both sides has two emitters, of which the second is found from hits on the back of the first. One
 //! emitter is chosen first: among few emitters mostly in proportion to power, among many by a bound of what the receiver may get
 //! from each. Then a point on it (or a direction towards it) is sampled. Every density here is per solid angle at the
 //! reference point and includes the probability of the choice.
@@ -30,6 +30,7 @@ mod tree;
 mod triangle;
 mod tube;
 mod web;
+mod web_area;
 
 pub use cie_sky::{FormulaSky, SkyFormula};
 pub use directed::{DirectedPoint, Distribution};
@@ -53,6 +54,7 @@ pub use textured_sphere::{SphereTexture, TexturedSphere};
 pub use triangle::TriangleEmitter;
 pub use tube::TubeEmitter;
 pub use web::TurnedWeb;
+pub use web_area::{FlatEmitter, WebArea};
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -98,6 +100,8 @@ pub enum Emitter {
     EnvironmentMap(EnvironmentMapEmitter),
     /// A disk of light at infinity, or parallel light.
     Distant(DistantEmitter),
+    /// A one-sided triangle or disk that shines as a photometric web says.
+    Web(Box<WebArea>),
 }
 
 impl Emitter {
@@ -118,6 +122,7 @@ impl Emitter {
             Self::Environment(emitter) => emitter.power(),
             Self::EnvironmentMap(emitter) => emitter.power(),
             Self::Distant(emitter) => emitter.power(),
+            Self::Web(emitter) => emitter.power(),
         }
     }
 
@@ -136,6 +141,7 @@ impl Emitter {
             Self::Environment(emitter) => emitter.ball.area(),
             Self::EnvironmentMap(emitter) => emitter.ball.area(),
             Self::Distant(emitter) => emitter.ball.cross_section(),
+            Self::Web(emitter) => emitter.area(),
         }
     }
 
@@ -144,6 +150,7 @@ impl Emitter {
         match self {
             Self::Triangle(emitter) => Some(&emitter.triangle),
             Self::Textured(emitter) => Some(&emitter.mean.triangle),
+            Self::Web(emitter) => emitter.triangle(),
             _ => None,
         }
     }
@@ -161,12 +168,13 @@ impl Emitter {
     pub fn normal(&self) -> Option<Vec3> {
         match self {
             Self::Disk(emitter) => Some(emitter.disk.normal().as_vec3a()),
+            Self::Web(emitter) => Some(emitter.normal()),
             flat => flat.triangle().map(|triangle| triangle.normal),
         }
     }
 
-    /// The radiance [W m^-2 sr^-1] that leaves an area emitter, or its mean where a texture varies it; 0 of points and light from
-    /// infinity.
+    /// The radiance [W m^-2 sr^-1] that leaves an area emitter, or its mean where a texture varies it; of one that varies by direction
+    /// that of an even one of the same power; 0 of points and light from infinity.
     pub fn mean_radiance(&self) -> Rgb {
         match self {
             Self::Triangle(emitter) => emitter.radiance,
@@ -177,6 +185,7 @@ impl Emitter {
             Self::Tube(emitter) => emitter.radiance,
             Self::InnerTube(emitter) => emitter.outer.radiance,
             Self::Moving(emitter) => emitter.radiance(),
+            Self::Web(emitter) => emitter.mean_radiance(),
             Self::Point { .. }
             | Self::Directed(_)
             | Self::Environment(_)
@@ -224,6 +233,7 @@ impl Emitter {
             Self::Environment(emitter) => emitter.ball.centre(),
             Self::EnvironmentMap(emitter) => emitter.ball.centre(),
             Self::Distant(emitter) => emitter.ball.centre(),
+            Self::Web(emitter) => emitter.centre(),
         }
     }
 
@@ -261,6 +271,7 @@ impl Emitter {
             Self::InnerTube(emitter) => emitter.sample_departure(u),
             Self::Moving(emitter) => emitter.sample_departure(u),
             Self::Environment(emitter) => emitter.sample_departure(u),
+            Self::Web(emitter) => emitter.sample_departure(u),
             // Directions are chosen before places.
             Self::EnvironmentMap(EnvironmentMapEmitter { ball, .. }) | Self::Distant(DistantEmitter { ball, .. }) => {
                 Departure { point: HitPoint::new(ball.centre(), 0.0), normal: None }
@@ -396,6 +407,11 @@ impl EmitterSet {
         self.emitters.iter().any(|emitter| matches!(emitter, Emitter::Directed(_)))
     }
 
+    /// Whether some of them are surfaces whose radiance a photometric web varies by direction.
+    pub fn has_web_areas(&self) -> bool {
+        self.emitters.iter().any(|emitter| matches!(emitter, Emitter::Web(_)))
+    }
+
     /// Number of point lights.
     pub fn point_lights(&self) -> usize {
         self.point_lights
@@ -478,6 +494,7 @@ impl EmitterSet {
             Emitter::Environment(emitter) => emitter.sample(&receiver, u),
             Emitter::EnvironmentMap(emitter) => emitter.sample(&receiver, u, beside_bsdf),
             Emitter::Distant(emitter) => emitter.sample(&receiver, u),
+            Emitter::Web(emitter) => emitter.sample(p, u)?,
         };
         sample.pdf *= probability;
         (sample.pdf > 0.0 && sample.pdf.is_finite()).then_some(sample)
@@ -527,6 +544,7 @@ impl EmitterSet {
             Emitter::Tube(emitter) => emitter.pdf(p, hit),
             Emitter::InnerTube(emitter) => emitter.pdf(p, hit),
             Emitter::Moving(emitter) => emitter.pdf(p, hit, time),
+            Emitter::Web(emitter) => emitter.pdf(p, hit),
         };
         pdf * self.probability(index, receiver)
     }
@@ -600,12 +618,24 @@ impl EmitterSet {
     /// outward normal `ng`.
     #[inline]
     pub fn le(&self, index: u32, ng: Vec3, wo: Vec3, p: Vec3) -> Rgb {
-        self.on_side(index, ng, wo).map_or(Rgb::ZERO, |shining| self.radiance(shining, p))
+        self.on_side(index, ng, wo).map_or(Rgb::ZERO, |shining| self.radiance(shining, wo, p))
     }
 
-    /// Radiance that emitter `index` sends from its point `p` into the directions into which it shines.
+    /// The radiosity [W m^-2] that a surface with emitter `index` on its outer side emits on the side of `wo`, at the point `p` with
+    /// outward normal `ng`: of one that shines evenly pi times its radiance.
+    pub fn emitted_radiosity(&self, index: u32, ng: Vec3, wo: Vec3, p: Vec3) -> Rgb {
+        let radiance =
+            self.on_side(index, ng, wo).map_or(Rgb::ZERO, |shining| match &self.emitters[shining as usize] {
+                Emitter::Web(emitter) => emitter.mean_radiance(),
+                _ => self.radiance(shining, wo, p),
+            });
+        std::f32::consts::PI * radiance
+    }
+
+    /// Radiance that emitter `index` sends from its point `p` along `wo` (unit, leaving it), which is one of the directions into which it
+    /// shines.
     #[inline]
-    pub(crate) fn radiance(&self, index: u32, p: Vec3) -> Rgb {
+    pub(crate) fn radiance(&self, index: u32, wo: Vec3, p: Vec3) -> Rgb {
         match &self.emitters[index as usize] {
             Emitter::Point { .. }
             | Emitter::Directed(_)
@@ -620,6 +650,7 @@ impl EmitterSet {
             Emitter::Tube(emitter) => emitter.radiance,
             Emitter::InnerTube(emitter) => emitter.outer.radiance,
             Emitter::Moving(emitter) => emitter.radiance(),
+            Emitter::Web(emitter) => emitter.radiance(wo),
         }
     }
 }

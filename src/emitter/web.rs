@@ -1,5 +1,6 @@
 //! Photometric webs as distributions of light in the scene.
 
+use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use crate::math::{DMat3, DQuat, DVec3, Vec3};
@@ -57,6 +58,12 @@ impl TurnedWeb {
     /// A cone that holds all of the light: its unit axis and its half angle.
     pub fn cone(&self) -> (DVec3, f64) {
         (self.to_world.z_axis, self.web.reach())
+    }
+
+    /// As [`TurnedWeb::cone`] of a web that shines into the hemisphere about `normal` only, which is about the axis or against it.
+    pub(super) fn cone_about(&self, normal: DVec3) -> (DVec3, f64) {
+        let (axis, reach) = self.cone();
+        if axis.dot(normal) > 0.0 { (axis, reach.min(FRAC_PI_2)) } else { (-axis, FRAC_PI_2) }
     }
 
     /// The web.

@@ -30,6 +30,10 @@ pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
     if scene.emitters().has_inner_tubes() && integrator.info().preparation == Preparation::RadiositySolution {
         return refuse("", "cylinders that emit on both sides");
     }
+    // Elements emit evenly into their hemisphere.
+    if scene.emitters().has_web_areas() && integrator.info().preparation == Preparation::RadiositySolution {
+        return refuse("", "surfaces that shine by a photometric web");
+    }
     if scene.has_absorption() && !integrator.info().takes_absorption {
         return refuse("", "media that absorb light");
     }

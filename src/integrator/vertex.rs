@@ -92,7 +92,7 @@ fn emission<C: Spectrum>(
     wavelengths: &C::Wavelengths,
 ) -> C {
     let Some(emitter) = emitters.on_side(emitter, ng, wo) else { return C::ZERO };
-    let le = C::from_emission(emitters.radiance(emitter, p), wavelengths);
+    let le = C::from_emission(emitters.radiance(emitter, wo, p), wavelengths);
     match previous {
         Some((receiver, pdf)) if le != C::ZERO => {
             let light_pdf = emitters.pdf_at(emitter, receiver, p, time);

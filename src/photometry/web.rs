@@ -1,6 +1,6 @@
 //! The intensities of a lamp by direction: bilinear between the angles of a file, with its integral and its sampling in closed form.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::{LampTilt, WebFormat};
 use crate::math::DVec3;
@@ -43,12 +43,17 @@ pub struct Web {
     pub(super) format: WebFormat,
 }
 
-/// Webs of the same text are the same.
+/// Webs of the same text are the same. Sides of webs have no text, and are told apart by their grids.
 impl PartialEq for Web {
     fn eq(&self, other: &Self) -> bool {
-        std::ptr::eq(self, other) || (self.format == other.format && self.text == other.text)
+        let is_same = || self.format == other.format && self.text == other.text;
+        let grids = || self.polars == other.polars && self.candela == other.candela;
+        std::ptr::eq(self, other) || (is_same() && (!self.text.is_empty() || grids()))
     }
 }
+
+/// A polar angle this close to the horizon is the horizon \[radians\].
+const ON_HORIZON: f64 = 1e-9;
 
 /// The integral of (a + b t) sin(start + t) over t from 0 to `width`.
 ///
@@ -159,6 +164,51 @@ impl Web {
         let last = self.polars.len() - 1;
         let lit = (0..=last).rev().find(|&row| self.all_around(row) > 0.0).unwrap_or(0);
         self.polars[(lit + 1).min(last)]
+    }
+
+    /// The web of the light on one side of the plane across the lamp's axis: the side to which the axis points, `front`, or the other
+    /// one. It has the same intensities there, and none elsewhere; `None` where no light goes to that side.
+    ///
+    /// A polar angle is put in where the grid passes the horizon, at which it has what is interpolated there, so that intensities, flux
+    /// and sampling stay exact. Planes of types B and A have no angles beyond the horizon.
+    pub fn side(&self, front: bool) -> Option<Self> {
+        let rows = self.polars.len();
+        let is_within = |polar: f64| {
+            if self.planes != Planes::C {
+                front
+            } else if front {
+                polar <= FRAC_PI_2 + ON_HORIZON
+            } else {
+                polar >= FRAC_PI_2 - ON_HORIZON
+            }
+        };
+        // Each polar angle of the side, with the row before it and the share of the row after that.
+        let mut kept: Vec<(f64, usize, f64)> = Vec::new();
+        for row in 0..rows {
+            let polar = self.polars[row];
+            if row > 0 && is_within(polar) != is_within(self.polars[row - 1]) {
+                let before = self.polars[row - 1];
+                let share = (FRAC_PI_2 - before) / (polar - before);
+                // A row on the horizon belongs to both sides, and needs none beside it.
+                let is_between = (FRAC_PI_2 - before).min(polar - FRAC_PI_2) > ON_HORIZON;
+                kept.extend(is_between.then_some((FRAC_PI_2, row - 1, share)));
+            }
+            kept.extend(is_within(polar).then_some((polar, row, 0.0)));
+        }
+        if kept.len() < 2 {
+            return None;
+        }
+        let polars = kept.iter().map(|(polar, ..)| *polar).collect();
+        let mut candela = Vec::with_capacity(self.azimuths.len() * kept.len());
+        for plane in self.candela.chunks_exact(rows) {
+            let value = |&(_, row, share): &(f64, usize, f64)| match share > 0.0 {
+                true => plane[row] + share * (plane[row + 1] - plane[row]),
+                false => plane[row],
+            };
+            candela.extend(kept.iter().map(value));
+        }
+        let side = Self::new(self.planes, self.azimuths.clone(), polars, candela, None);
+        (side.flux() > 0.0).then_some(side)
     }
 
     /// The intensity \[cd\] in a direction of the lamp's frame, of any length but 0.

@@ -1,10 +1,12 @@
 //! Bindings of a scene: which surface and material own each primitive, and which primitives emit. All of this can
 //! change while the geometry stays the same.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::analytic::AnalyticList;
 use super::cost;
+use super::emission_webs::{EmissionWeb, emission_webs};
 use super::geometry::Geometry;
 use super::interaction;
 use super::interaction::{NO_EMITTER, Owner, Owners, Triangles};
@@ -64,11 +66,13 @@ pub(super) fn bindings(
     progress: &WorkProgress,
 ) -> Result<SurfaceBindings> {
     let textures = emission_textures(desc, unbound.centre, threads)?;
+    let webs = emission_webs(desc)?;
     let mut dresser = BindingBuilder {
         desc,
         progress,
         record: unbound.record,
         textures,
+        webs,
         pieces_left: MOST_PIECES,
         emitters: Vec::new(),
         backs: Vec::new(),
@@ -123,6 +127,8 @@ struct BindingBuilder<'a, 'p> {
     record: &'a GeometryRecord,
     /// Of materials; empty where no texture varies an emission.
     textures: Vec<Option<EmissionTexture>>,
+    /// Of surfaces by their numbers; empty where none shines by a photometric web.
+    webs: BTreeMap<u32, EmissionWeb>,
     /// Room for parts of textured triangles and spheres.
     pieces_left: usize,
     emitters: Vec<Emitter>,
@@ -364,6 +370,9 @@ impl BindingBuilder<'_, '_> {
         flipped: bool,
     ) -> Emitter {
         let error = interaction::triangle_error(&triangle);
+        if let Some(web) = self.webs.get(&surface) {
+            return web.triangle(triangle, error, flipped);
+        }
         let material = self.desc.surfaces[surface as usize].material;
         match self.textures.get(material) {
             Some(Some(texture)) => {
@@ -406,11 +415,17 @@ impl BindingBuilder<'_, '_> {
                     }
                     (None, Analytic::Sphere(sphere)) => self.sphere(*sphere, surface, radiance),
                     (None, _) if !moving.is_empty() => return Err(self.cannot_move(surface)),
-                    (None, Analytic::Disk(disk)) => {
-                        let disk = DiskEmitter::new(*disk, radiance);
-                        other = Some(Emitter::Disk(Box::new(disk.flipped())));
-                        Emitter::Disk(Box::new(disk))
-                    }
+                    (None, Analytic::Disk(disk)) => match self.webs.get(&surface) {
+                        Some(web) => {
+                            other = Some(web.disk(disk.flipped(), true));
+                            web.disk(*disk, false)
+                        }
+                        None => {
+                            let disk = DiskEmitter::new(*disk, radiance);
+                            other = Some(Emitter::Disk(Box::new(disk.flipped())));
+                            Emitter::Disk(Box::new(disk))
+                        }
+                    },
                     // Of the quadrics, only cylinders have an emission.
                     (None, Analytic::Quadric(tube)) => {
                         let tube = TubeEmitter::new(*tube.to_scene(), radiance);

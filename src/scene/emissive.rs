@@ -18,7 +18,11 @@ pub(super) fn with_emission_of_materials(desc: &SceneDesc) -> Result<Cow<'_, Sce
     }
     let mut lit = desc.clone();
     for surface in &mut lit.surfaces {
-        surface.emission = surface.emission.or(desc.materials[surface.material].emission);
+        if surface.emission.is_none() {
+            // A web is of the surface's own emission.
+            surface.web = None;
+            surface.emission = desc.materials[surface.material].emission;
+        }
     }
     Ok(Cow::Owned(lit))
 }

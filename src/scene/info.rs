@@ -158,6 +158,12 @@ impl SceneInfo {
                 "{two_sided} surfaces emit on both sides, by an emitter on each side of a triangle, disk or tube"
             ));
         }
+        let shaped = lit_by_web(desc).count();
+        if shaped > 0 {
+            decisions.push(format!(
+                "{shaped} surfaces shine by a photometric web, whose intensities over area and cosine are their radiance"
+            ));
+        }
         let off = [
             (see_through == 0, "opacity"),
             (textures.len() == 0, "textures"),
@@ -331,16 +337,25 @@ pub(super) fn warnings(
     warnings
 }
 
+/// The surfaces that shine by a photometric web.
+fn lit_by_web(desc: &SceneDesc) -> impl Iterator<Item = &SurfaceDesc> {
+    desc.surfaces.iter().filter(|it| it.web.is_some() && it.emission.is_some() && !it.hidden)
+}
+
 /// The first photometric webs of a description, each once.
 fn webs(desc: &SceneDesc) -> Vec<WebInfo> {
     let mut webs: Vec<(&Arc<Web>, WebInfo)> = Vec::new();
-    for light in &desc.lights {
-        let LightDistribution::Web(WebDesc { web, .. }) = &light.distribution else { continue };
+    let of_lights = desc.lights.iter().filter_map(|light| match &light.distribution {
+        LightDistribution::Web(WebDesc { web, .. }) => Some((web, &light.path)),
+        _ => None,
+    });
+    let of_surfaces = lit_by_web(desc).filter_map(|surface| Some((&surface.web.as_ref()?.web, &surface.path)));
+    for (web, path) in of_lights.chain(of_surfaces) {
         if let Some((_, info)) = webs.iter_mut().find(|(known, _)| Arc::ptr_eq(known, web)) {
             info.lights += 1;
         } else if webs.len() < NAMED {
             let tilts = web.tilt().map(LampTilt::range);
-            let (path, flux, stated) = (light.path.clone(), web.flux(), web.stated_flux());
+            let (path, flux, stated) = (path.clone(), web.flux(), web.stated_flux());
             let info = WebInfo { path, lights: 1, flux, stated, tilts };
             webs.push((web, info));
         }
@@ -439,9 +454,9 @@ fn not_in_radiosity(desc: &SceneDesc, bsdfs: &[Bsdf]) -> Option<String> {
 /// What is known of a photometric web.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WebInfo {
-    /// The first light that has it.
+    /// The first light or surface that has it.
     pub path: String,
-    /// How many lights have it.
+    /// How many lights and surfaces have it.
     pub lights: usize,
     /// Luminous flux \[lm\]: the integral of its intensities.
     pub flux: f64,

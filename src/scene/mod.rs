@@ -20,6 +20,7 @@ mod curvature;
 mod cutout;
 mod describe;
 mod detail;
+mod emission_webs;
 mod emissive;
 mod faces;
 mod facets;

@@ -6,8 +6,9 @@ use std::sync::{Arc, Weak};
 use super::mesh::MeshObject;
 use super::textured_emission::binding_of;
 use crate::desc::{
-    DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, LightDistribution, MeshDesc, MeshStep, MotionDesc,
-    PointLightDesc, PortalDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceDesc, TextureChannel, TextureDesc, TextureKey,
+    AreaWebDesc, DistantLightDesc, EnvironmentDesc, EnvironmentMapDesc, LightDistribution, MeshDesc, MeshStep,
+    MotionDesc, PointLightDesc, PortalDesc, SceneDesc, ShapeDesc, SkyDesc, SurfaceDesc, TextureChannel, TextureDesc,
+    TextureKey,
 };
 use crate::math::{Bounds, DAffine3, DVec3};
 use crate::spectrum::Rgb;
@@ -212,6 +213,8 @@ pub(super) struct AppearanceKey {
     pub materials: Vec<u32>,
     /// Emission of each surface, and whether it is on both sides.
     emissions: Vec<(Option<Rgb>, bool)>,
+    /// Photometric webs of surfaces, by their numbers.
+    webs: Vec<(usize, Arc<AreaWebDesc>)>,
     /// The textures that vary emissions, of each surface; empty where there are none.
     emission_textures: Vec<Option<(Arc<TextureDesc>, TextureChannel)>>,
     lights: Vec<(DVec3, Rgb, LightDistribution)>,
@@ -251,11 +254,13 @@ impl AppearanceKey {
             let binding = binding_of(desc, surface)?;
             Some((Arc::clone(desc.textures.get(binding.texture)?), binding.channel))
         };
+        let web = |(number, surface): (usize, &SurfaceDesc)| Some((number, Arc::clone(surface.web.as_ref()?)));
         let light = |light: &PointLightDesc| (light.position, light.intensity, light.distribution.clone());
         Self {
             emission_textures: if is_textured { desc.surfaces.iter().map(texture_of).collect() } else { Vec::new() },
             materials: desc.surfaces.iter().map(|surface| surface.material as u32).collect(),
             emissions: desc.surfaces.iter().map(|surface| (surface.emission, surface.emits_both)).collect(),
+            webs: desc.surfaces.iter().enumerate().filter_map(web).collect(),
             lights: desc.lights.iter().map(light).collect(),
             light_motions: (
                 desc.motion.lights.clone(),
@@ -273,6 +278,7 @@ impl AppearanceKey {
     /// Returns whether both descriptions have the same emitters with the same radiance or intensity.
     pub(super) fn has_same_emitters(&self, other: &Self) -> bool {
         self.emissions == other.emissions
+            && self.webs == other.webs
             && self.emission_textures == other.emission_textures
             && self.lights == other.lights
             && self.light_motions == other.light_motions

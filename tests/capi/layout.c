@@ -504,6 +504,13 @@ static void structures(void) {
     FIELD(etd_web_light, c0);
     FIELD(etd_web_light, factor);
     FIELD(etd_web_light, tilt_deg);
+    STRUCT(etd_surface_web);
+    FIELD(etd_surface_web, struct_size);
+    FIELD(etd_surface_web, file);
+    FIELD(etd_surface_web, text);
+    FIELD(etd_surface_web, text_bytes);
+    FIELD(etd_surface_web, c0);
+    FIELD(etd_surface_web, tilt_deg);
     STRUCT(etd_surface);
     FIELD(etd_surface, struct_size);
     FIELD(etd_surface, material);
@@ -659,6 +666,7 @@ static void macros(void) {
     INITIALISER(etd_motion_key, ETD_MOTION_KEY_INIT);
     INITIALISER(etd_spot_light, ETD_SPOT_LIGHT_INIT);
     INITIALISER(etd_web_light, ETD_WEB_LIGHT_INIT);
+    INITIALISER(etd_surface_web, ETD_SURFACE_WEB_INIT);
     INITIALISER(etd_surface, ETD_SURFACE_INIT);
     INITIALISER(etd_render_options, ETD_RENDER_OPTIONS_INIT);
     INITIALISER(etd_progress, ETD_PROGRESS_INIT);

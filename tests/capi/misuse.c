@@ -748,6 +748,34 @@ static etd_status n_scene_set_web_light(void) {
     etd_web_light web = dark_lamp();
     return CALL(etd_scene_set_web_light(SCENE(0), 2, AT(1, &web)));
 }
+/* A triangle with the web of a dark lamp, for one call each. */
+static uint32_t web_surface(etd_surface_web *web) {
+    static const char text[] = "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 1\n0 90\n0\n0 0\n";
+    static const double corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const etd_surface surface = matt();
+    uint32_t number = 0;
+    CHECK_OK(etd_scene_add_triangle(scene, corners, &surface, &number));
+    *web = (etd_surface_web)ETD_SURFACE_WEB_INIT;
+    web->text = text;
+    web->text_bytes = sizeof text - 1;
+    CHECK_OK(etd_scene_set_surface_web(scene, number, web));
+    return number;
+}
+static etd_status n_scene_set_surface_web(void) {
+    etd_surface_web web;
+    const uint32_t number = web_surface(&web);
+    const etd_status status = CALL(etd_scene_set_surface_web(SCENE(0), number, AT(1, &web)));
+    CHECK_OK(etd_scene_remove_surface(scene, number));
+    return status;
+}
+static etd_status n_scene_get_surface_web(void) {
+    etd_surface_web web;
+    const uint32_t number = web_surface(&web);
+    etd_surface_web *out = AT(1, sized_output(sizeof *out));
+    const etd_status status = CALL(etd_scene_get_surface_web(SCENE(0), number, out));
+    CHECK_OK(etd_scene_remove_surface(scene, number));
+    return status;
+}
 static etd_status n_scene_get_web_light(void) {
     etd_web_light *web = AT(1, sized_output(sizeof *web));
     return CALL(etd_scene_get_web_light(SCENE(0), 2, web));
@@ -833,6 +861,8 @@ static const struct {
     {"etd_scene_set_surface_material", n_scene_set_surface_material, 1, 1, 1},
     {"etd_scene_set_emission", n_scene_set_emission, 2, 1, 1},
     {"etd_scene_set_emits_both", n_scene_set_emits_both, 1, 1, 1},
+    {"etd_scene_set_surface_web", n_scene_set_surface_web, 2, 1, 1},
+    {"etd_scene_get_surface_web", n_scene_get_surface_web, 2, 3, 1},
     {"etd_scene_get_surface", n_scene_get_surface, 2, 3, 1},
     {"etd_scene_find_material", n_scene_find_material, 3, 7, 1},
     {"etd_scene_find_mesh", n_scene_find_mesh, 3, 7, 1},

@@ -140,6 +140,27 @@ static etd_status s_set_web(void) {
     return etd_scene_set_web_light(scene, 2, web);
 }
 static etd_status s_get_web(void) { return etd_scene_get_web_light(scene, 2, (etd_web_light *)(void *)&structure); }
+/* A triangle with a dark web, which is made once. */
+static const char dark_web[] = "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 1\n0 90\n0\n0 0\n";
+static uint32_t web_triangle(void) {
+    static uint32_t number = ETD_NONE;
+    if (number == ETD_NONE) {
+        static const double corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+        const etd_surface surface = matt();
+        etd_surface_web web = ETD_SURFACE_WEB_INIT;
+        CHECK_OK(etd_scene_add_triangle(scene, corners, &surface, &number));
+        web.text = dark_web;
+        web.text_bytes = sizeof dark_web - 1;
+        CHECK_OK(etd_scene_set_surface_web(scene, number, &web));
+    }
+    return number;
+}
+static etd_status s_set_surface_web(void) {
+    return etd_scene_set_surface_web(scene, web_triangle(), (etd_surface_web *)(void *)&structure);
+}
+static etd_status s_get_surface_web(void) {
+    return etd_scene_get_surface_web(scene, web_triangle(), (etd_surface_web *)(void *)&structure);
+}
 static etd_status s_set_surface(void) {
     uint32_t number;
     ((etd_surface *)(void *)&structure)->material = 0;
@@ -189,6 +210,7 @@ static void i_sky(void) { INIT(etd_sky, ETD_SKY_INIT); }
 static void i_shutter(void) { INIT(etd_shutter, ETD_SHUTTER_INIT); }
 static void i_spot(void) { INIT(etd_spot_light, ETD_SPOT_LIGHT_INIT); }
 static void i_web(void) { INIT(etd_web_light, ETD_WEB_LIGHT_INIT); }
+static void i_surface_web(void) { INIT(etd_surface_web, ETD_SURFACE_WEB_INIT); }
 static void i_surface(void) { INIT(etd_surface, ETD_SURFACE_INIT); }
 static void i_render_options(void) { INIT(etd_render_options, ETD_RENDER_OPTIONS_INIT); }
 static void i_progress(void) { INIT(etd_progress, ETD_PROGRESS_INIT); }
@@ -246,6 +268,10 @@ static void pass_wrong_sizes(void) {
         {"etd_spot_light out", i_spot, s_get_spot, sizeof(etd_spot_light), offsetof(etd_spot_light, inner_cone_deg), 1},
         {"etd_web_light in", i_web, s_set_web, sizeof(etd_web_light), offsetof(etd_web_light, factor), 0},
         {"etd_web_light out", i_web, s_get_web, sizeof(etd_web_light), offsetof(etd_web_light, factor), 1},
+        {"etd_surface_web in", i_surface_web, s_set_surface_web, sizeof(etd_surface_web),
+         offsetof(etd_surface_web, tilt_deg), 0},
+        {"etd_surface_web out", i_surface_web, s_get_surface_web, sizeof(etd_surface_web),
+         offsetof(etd_surface_web, tilt_deg), 1},
         {"etd_surface in", i_surface, s_set_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 0},
         {"etd_surface out", i_surface, s_get_surface, sizeof(etd_surface), offsetof(etd_surface, transform), 1},
         {"etd_render_options in", i_render_options, s_set_render_options, sizeof(etd_render_options),
@@ -567,6 +593,7 @@ static uint64_t population(void) {
 /* Each number of these arrays in turn becomes NaN and infinite. */
 static void pass_numbers(void) {
     const float bad[3] = {(float)NAN, (float)INFINITY, -(float)INFINITY};
+    const uint32_t with_web = web_triangle();
     const uint64_t before = population();
     etd_surface surface = matt();
     uint32_t number = 4321;
@@ -610,6 +637,7 @@ static void pass_numbers(void) {
             etd_distant_light distant = ETD_DISTANT_LIGHT_INIT;
             etd_spot_light spot = ETD_SPOT_LIGHT_INIT;
             etd_web_light web = ETD_WEB_LIGHT_INIT;
+            etd_surface_web surface_web = ETD_SURFACE_WEB_INIT;
             memcpy(floats, grey, sizeof grey);
             floats[i] = bad[k];
             CHECK_STATUS(etd_scene_add_point_light(scene, centre, floats, &number), ETD_INVALID_SCENE);
@@ -623,6 +651,11 @@ static void pass_numbers(void) {
             web = (etd_web_light)ETD_WEB_LIGHT_INIT;
             web.tilt_deg = i == 0 ? (double)NAN : i == 1 ? -181 : 181;
             CHECK_STATUS(etd_scene_set_web_light(scene, 2, &web), ETD_INVALID_SCENE);
+            surface_web.c0[i] = (double)bad[k];
+            CHECK_STATUS(etd_scene_set_surface_web(scene, with_web, &surface_web), ETD_INVALID_SCENE);
+            surface_web = (etd_surface_web)ETD_SURFACE_WEB_INIT;
+            surface_web.tilt_deg = i == 0 ? (double)NAN : i == 1 ? -181 : 181;
+            CHECK_STATUS(etd_scene_set_surface_web(scene, with_web, &surface_web), ETD_INVALID_SCENE);
             sky.radiance[i] = bad[k];
             CHECK_STATUS(etd_scene_set_environment_map(scene, &sky), ETD_INVALID_SCENE);
             backplate.radiance[i] = bad[k];
@@ -773,6 +806,45 @@ static void refuse(const etd_material *material, etd_status wanted, const char *
 }
 
 /* Every number of every model in turn becomes none, infinite, too small and too large. */
+/* Webs of surfaces that are not flat, that send light behind, and that are given twice or not at all. */
+static void pass_surface_webs(void) {
+    static const char even[] = "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 1\n0 180\n0\n5 5\n";
+    static const double corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    etd_surface surface = matt();
+    etd_surface_web web = ETD_SURFACE_WEB_INIT;
+    etd_surface_web out = ETD_SURFACE_WEB_INIT;
+    uint32_t flat = 0;
+    uint32_t round = 0;
+    surface.emission[0] = surface.emission[1] = surface.emission[2] = 1;
+    CHECK_OK(etd_scene_add_triangle(scene, corners, &surface, &flat));
+    CHECK_OK(etd_scene_add_sphere(scene, centre, 1, &surface, &round));
+    CHECK_STATUS(etd_scene_set_surface_web(scene, flat, &web), ETD_INVALID_ARGUMENT); /* nothing to keep */
+    CHECK_STATUS(etd_scene_get_surface_web(scene, flat, &out), ETD_INVALID_ARGUMENT);
+    web.file = "no-such-file.ies";
+    CHECK_STATUS(etd_scene_set_surface_web(scene, flat, &web), ETD_IO);
+    web.text = even;
+    web.text_bytes = sizeof even - 1;
+    CHECK_STATUS(etd_scene_set_surface_web(scene, flat, &web), ETD_INVALID_ARGUMENT); /* given twice */
+    web.file = NULL;
+    CHECK_STATUS(etd_scene_set_surface_web(scene, round, &web), ETD_UNSUPPORTED);
+    CHECK_STATUS(etd_scene_set_surface_web(scene, flat, &web), ETD_INVALID_SCENE); /* half of the light goes behind */
+    CHECK_OK(etd_scene_set_emits_both(scene, flat, 1));
+    web.c0[1] = 2;
+    CHECK_OK(etd_scene_set_surface_web(scene, flat, &web));
+    CHECK_STATUS(etd_scene_set_emits_both(scene, flat, 0), ETD_INVALID_SCENE);
+    CHECK_OK(etd_scene_get_surface_web(scene, flat, &out));
+    CHECK(out.text == NULL && out.file == NULL && out.c0[1] == 2 && out.tilt_deg == 0);
+    CHECK_OK(etd_scene_set_surface_web(scene, flat, &out)); /* keeps its intensities */
+    CHECK_OK(etd_scene_set_surface_web(scene, flat, NULL));
+    CHECK_STATUS(etd_scene_get_surface_web(scene, flat, &out), ETD_INVALID_ARGUMENT);
+    CHECK_OK(etd_scene_set_emits_both(scene, flat, 0));
+    web.text = "no lamp";
+    web.text_bytes = 7;
+    CHECK_STATUS(etd_scene_set_surface_web(scene, flat, &web), ETD_INVALID_SCENE);
+    CHECK_OK(etd_scene_remove_surface(scene, flat));
+    CHECK_OK(etd_scene_remove_surface(scene, round));
+}
+
 static void pass_materials(void) {
     static const struct {
         const char *name;
@@ -1000,6 +1072,12 @@ static void pass_indices(void) {
         CHECK_STATUS(etd_scene_set_surface_material(scene, n, 0), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_set_emission(scene, n, grey), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_set_emits_both(scene, n, 1), ETD_INVALID_ARGUMENT);
+        {
+            etd_surface_web lit = ETD_SURFACE_WEB_INIT;
+            CHECK_STATUS(etd_scene_set_surface_web(scene, n, &lit), ETD_INVALID_ARGUMENT);
+            CHECK_STATUS(etd_scene_set_surface_web(scene, n, NULL), ETD_INVALID_ARGUMENT);
+            CHECK_STATUS(etd_scene_get_surface_web(scene, n, &lit), ETD_INVALID_ARGUMENT);
+        }
         CHECK_STATUS(etd_scene_get_surface(scene, n, &surface), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_set_mesh(scene, n, &mesh), ETD_INVALID_ARGUMENT);
         CHECK_STATUS(etd_scene_remove_mesh(scene, n), ETD_INVALID_ARGUMENT);
@@ -1145,6 +1223,7 @@ void misuse_values(void) {
     pass_wrong_sizes();
     pass_wrong_enumerations();
     pass_numbers();
+    pass_surface_webs();
     pass_materials();
     pass_indices();
     ask_for_errors();

@@ -37,6 +37,7 @@ pub fn add(desc: &mut SceneDesc, number: usize, shape: ShapeDesc, bsdf: BsdfDesc
         material: desc.materials.len() - 1,
         emission,
         emits_both: false,
+        web: None,
         hidden: false,
     });
 }

@@ -115,6 +115,7 @@ pub fn surface(desc: &SceneDesc, shape: ShapeDesc, transform: DAffine3, emission
         material: number % desc.materials.len(),
         emission,
         emits_both: false,
+        web: None,
         hidden: false,
     }
 }

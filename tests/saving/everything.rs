@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use etendue::desc::{
-    BackplateDesc, BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, CropDesc, DistantLightDesc,
+    AreaWebDesc, BackplateDesc, BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, CropDesc, DistantLightDesc,
     Distribution, EnvironmentDesc, EnvironmentMapDesc, FilmDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis,
     HosekWilkieDesc, HostMesh, ImageTextureDesc, IntegratorDesc, KernelDesc, KeyPlace, LensDesc, LightDistribution,
     METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MeshStep, MicrofacetsDesc, MotionDesc, MotionKey, Panorama,
@@ -14,6 +14,7 @@ use etendue::desc::{
 };
 use etendue::emitter::SkyFormula;
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
+use etendue::photometry::Web;
 use etendue::spectrum::Rgb;
 use etendue::texture::{ColorSpace, Pattern, Procedural, TexelImage, Texels, TextureFilter, Wrap};
 use half::f16;
@@ -373,6 +374,19 @@ fn surfaces(scene: &mut SceneDesc) {
     scene.add_surface(sphere, local, shines).unwrap();
     let lamp = scene.find_material("lamp");
     let (triangle, local) = ShapeDesc::triangle([DVec3::ZERO, DVec3::X, DVec3::Y]).unwrap();
+    // Webs of surfaces, also in a frame that goes into the transform.
+    let text = b"TILT=INCLUDE\n1\n2\n0 90\n1 0.5\n1 -1 1 3 1 1 2 0 0 0\n1 1 1\n0 90 180\n0\n7 5 3\n";
+    let web = Arc::new(Web::parse(text).unwrap());
+    let flat = [(triangle, local), ShapeDesc::disk(DVec3::X, DVec3::Z, 0.25).unwrap()];
+    for ((shape, local), (c0, tilt_deg)) in flat.into_iter().zip([(DVec3::X, 0.0), (v(1.0 / 3.0, 0.2, -0.7), 30.0)]) {
+        for frame in [DAffine3::IDENTITY, frame] {
+            let emission = Some(rgb(1.0, 1.0 / 3.0, 0.0));
+            let look = SurfaceLook { material: None, emission, emits_both: true, transform: turned };
+            let surface = scene.add_surface(shape, local * frame, look).unwrap();
+            let it = AreaWebDesc { web: Arc::clone(&web), c0, tilt_deg };
+            scene.set_surface_web(surface, Some(it)).unwrap();
+        }
+    }
     for emission in [None, Some(rgb(1.0, 0.0, 0.0))] {
         for emits_both in [false, true] {
             let look = SurfaceLook { material: lamp, emission, emits_both, transform: moved };

@@ -36,8 +36,8 @@ fn a_scene_replaces_an_earlier_one_and_its_files() {
     let first = contents(folder.path());
     let files = SceneDesc::files_folder(&path);
     assert_eq!(files, folder.path().join("scene.files"));
-    // 16 images, and the meshes but the removed one.
-    assert_eq!(fs::read_dir(&files).unwrap().count(), 16 + 4);
+    // 16 images, the meshes but the removed one, and a photometric web.
+    assert_eq!(fs::read_dir(&files).unwrap().count(), 16 + 4 + 1);
     // The same scene gives the same files.
     scene.save(&path).unwrap();
     assert!(contents(folder.path()) == first, "the same scene gives other files");
@@ -49,7 +49,7 @@ fn a_scene_replaces_an_earlier_one_and_its_files() {
     let positions = vec![DVec3::X, DVec3::Y, DVec3::Z];
     changed.set_mesh(mesh, MeshDesc { positions, triangles: vec![[0, 1, 2]], ..MeshDesc::default() }).unwrap();
     changed.save(&path).unwrap();
-    assert_eq!(fs::read_dir(&files).unwrap().count(), 16 + 4 + 2);
+    assert_eq!(fs::read_dir(&files).unwrap().count(), 16 + 4 + 1 + 2);
     assert_same(&changed, &desc::load(&path, None).unwrap(), "changed");
     // A scene is written over itself.
     let read = desc::load(&path, None).unwrap();

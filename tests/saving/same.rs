@@ -150,7 +150,7 @@ fn mesh(mesh: &MeshDesc) -> impl PartialEq + use<> {
 }
 
 fn surface(surface: &SurfaceDesc, scene: &SceneDesc) -> String {
-    let SurfaceDesc { shape, material, emission, emits_both, .. } = surface;
+    let SurfaceDesc { shape, material, emission, emits_both, transform, .. } = surface;
     // Meshes that were removed have no number in a file.
     let shape = match *shape {
         ShapeDesc::Mesh { mesh, smooth } => {
@@ -161,5 +161,10 @@ fn surface(surface: &SurfaceDesc, scene: &SceneDesc) -> String {
     };
     // A zero without a sign, since sums of products with zeros may lose it.
     let placed = surface.to_world().to_cols_array().map(|x| x + 0.0);
-    text(&(shape, material, emission, emits_both, placed))
+    // The direction of a web as it is in the world, since the frame of a shape may have gone into the transform.
+    let web = surface.web.as_ref().filter(|_| emission.is_some()).map(|it| {
+        let c0 = (transform.matrix3 * it.c0).normalize().to_array().map(|x| (x * 1e12).round() + 0.0);
+        (it.web.text(), it.tilt_deg, c0)
+    });
+    text(&(shape, material, emission, emits_both, placed, web))
 }

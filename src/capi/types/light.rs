@@ -47,7 +47,27 @@ pub struct etd_web_light {
     pub tilt_deg: f64,
 }
 
+/// The photometric web of a flat surface, from a file of IES LM-63 or EULUMDAT. The lamp's axis, gamma = 0, is the normal.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct etd_surface_web {
+    /// `sizeof(etd_surface_web)`.
+    pub struct_size: usize,
+    /// Name of the file; NULL: `text` has its contents. `etd_scene_get_surface_web` sets it to NULL.
+    pub file: *const c_char,
+    /// Contents of such a file, which are read during the call; NULL: `file`. `etd_scene_get_surface_web` sets it to NULL.
+    pub text: *const c_void,
+    /// Size of `text` in bytes.
+    pub text_bytes: usize,
+    /// The direction of C = 0 in the object's frame, of any length but 0, whose part along the surface counts. C grows counter-clockwise
+    /// as seen along the normal.
+    pub c0: [f64; 3],
+    /// As `tilt_deg` of `etd_web_light`.
+    pub tilt_deg: f64,
+}
+
 versioned! {
+    etd_surface_web, tilt_deg;
     etd_spot_light, inner_cone_deg;
     etd_web_light, factor;
 }

@@ -332,7 +332,8 @@ pub struct etd_surface {
     pub struct_size: usize,
     /// Number of the surface's material; `ETD_NONE` for a surface that emits light and reflects none.
     pub material: u32,
-    /// Emitted radiance on the normal's side [W m^-2 sr^-1]; three zeros for a surface that does not emit. Of the quadrics, only
+    /// Emitted radiance on the normal's side [W m^-2 sr^-1], or the factor on the surface's web where `etd_scene_set_surface_web` gave it
+    /// one; three zeros for a surface that does not emit. Of the quadrics, only
     /// cylinders can emit.
     pub emission: [f32; 3],
     /// Transform from the object frame to the world frame, three rows of four numbers whose last column is the translation;

@@ -7,12 +7,43 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::super::{LightDistribution, SceneDesc, TextureSource, WebDesc};
+use super::super::{LightDistribution, PointLightDesc, SceneDesc, SurfaceDesc, TextureSource, WebDesc};
 use super::ply_write;
 use crate::photometry::Web;
 use crate::replace::{self, Target};
 use crate::texture::{extension, write_image};
 use crate::{Error, ErrorKind, Result};
+
+/// The names of the files of photometric webs, as the scene file has them.
+#[derive(Default)]
+pub(super) struct WebFiles {
+    names: HashMap<*const Web, String>,
+}
+
+impl WebFiles {
+    /// The name of the file of a light; empty for one without a web.
+    pub fn of_light(&self, light: &PointLightDesc) -> &str {
+        web_of_light(light).and_then(|web| self.names.get(&Arc::as_ptr(web))).map_or("", String::as_str)
+    }
+
+    /// The name of the file of a surface, where it shines by a web.
+    pub fn of_surface(&self, surface: &SurfaceDesc) -> Option<&str> {
+        web_of_surface(surface).and_then(|web| self.names.get(&Arc::as_ptr(web))).map(String::as_str)
+    }
+}
+
+fn web_of_light(light: &PointLightDesc) -> Option<&Arc<Web>> {
+    match &light.distribution {
+        LightDistribution::Web(WebDesc { web, .. }) => Some(web),
+        _ => None,
+    }
+}
+
+/// A web without an emission has no effect, and is not written.
+fn web_of_surface(surface: &SurfaceDesc) -> Option<&Arc<Web>> {
+    let is_lit = surface.emission.is_some() && !surface.hidden;
+    surface.web.as_ref().filter(|_| is_lit).map(|it| &it.web)
+}
 
 /// A folder of files. What it has made disappears with it, unless it is told to keep that.
 pub(super) struct Files {
@@ -77,33 +108,24 @@ impl Files {
         Ok(names)
     }
 
-    /// Writes the photometric webs of all lights, each once, as they were read. Returns the name of the file of each light, which is
-    /// empty for one without a web.
-    pub fn webs(&mut self, scene: &SceneDesc) -> Result<Vec<String>> {
-        let mut known: HashMap<*const Web, String> = HashMap::new();
-        let mut names = Vec::new();
-        for light in &scene.lights {
-            let LightDistribution::Web(WebDesc { web, .. }) = &light.distribution else {
-                names.push(String::new());
+    /// Writes the photometric webs of all lights and surfaces, each once, as they were read.
+    pub fn webs(&mut self, scene: &SceneDesc) -> Result<WebFiles> {
+        let mut known = WebFiles::default();
+        let of_lights = scene.lights.iter().filter_map(|light| Some((web_of_light(light)?, &light.path)));
+        let of_surfaces = scene.surfaces.iter().filter_map(|surface| Some((web_of_surface(surface)?, &surface.path)));
+        for (web, path) in of_lights.chain(of_surfaces) {
+            if known.names.contains_key(&Arc::as_ptr(web)) {
                 continue;
-            };
-            let name = match known.get(&Arc::as_ptr(web)) {
-                Some(name) => name.clone(),
-                None => {
-                    let failed = |error| {
-                        Error::new(ErrorKind::Io, format!("cannot write a photometric web: {error}")).because(error)
-                    };
-                    let encode = |file: &mut Target<'_>| file.write_all(web.text()).map_err(failed);
-                    let name = self
-                        .add("a photometric web", "web", known.len(), web.format().extension(), encode)
-                        .map_err(|error| error.at(&light.path))?;
-                    known.insert(Arc::as_ptr(web), name.clone());
-                    name
-                }
-            };
-            names.push(name);
+            }
+            let failed =
+                |error| Error::new(ErrorKind::Io, format!("cannot write a photometric web: {error}")).because(error);
+            let encode = |file: &mut Target<'_>| file.write_all(web.text()).map_err(failed);
+            let name = self
+                .add("a photometric web", "web", known.names.len(), web.format().extension(), encode)
+                .map_err(|error| error.at(path))?;
+            known.names.insert(Arc::as_ptr(web), name);
         }
-        Ok(names)
+        Ok(known)
     }
 
     /// Writes the meshes. Returns the name of the file of each, which is empty for one that was removed.

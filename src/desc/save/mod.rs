@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::value::RawValue;
 
-use self::files::Files;
+use self::files::{Files, WebFiles};
 use self::text::laid_out;
 use super::file::SIZE_LIMIT;
 use super::mesh_files::ply_write;
@@ -79,7 +79,7 @@ fn save(scene: &SceneDesc, path: &Path) -> Result<()> {
     let webs = files.webs(scene)?;
     replace::replace(path, "the scene", |file| {
         let mut out = Out { file, written: 0 };
-        document(scene, &names, [&images, &meshes, &webs], &mut out)
+        document(scene, &names, [&images, &meshes], &webs, &mut out)
     })?;
     files.keep();
     Ok(())
@@ -127,6 +127,9 @@ fn check(scene: &SceneDesc) -> Result<()> {
         }
         if emits_both(scene, surface) {
             validate::emits_both(path, &surface.shape, true)?;
+        }
+        if let (Some(web), Some(factor)) = (&surface.web, surface.emission) {
+            web.check(path, &surface.shape, factor, surface.emits_both)?;
         }
     }
     Ok(())
@@ -201,20 +204,21 @@ fn failed(error: io::Error) -> Error {
     .because(error)
 }
 
-/// Writes the text of a scene file, whose images, meshes and webs of lights have these files.
+/// Writes the text of a scene file, whose images, meshes and webs have these files.
 fn document(
     scene: &SceneDesc,
     names: &Names,
-    [images, meshes, webs]: [&[String]; 3],
+    [images, meshes]: [&[String]; 2],
+    webs: &WebFiles,
     out: &mut Out<'_, '_>,
 ) -> Result<()> {
     out.write_all(b"{\n  \"etendue\": 1").map_err(failed)?;
     member(out, "camera", &camera_keys::write(&scene.camera, &scene.motion)?)?;
     member(out, "render", &render_write::write(&scene.render)?)?;
     let mut lights = List::new("lights");
-    for (number, (light, web)) in scene.lights.iter().zip(webs).enumerate() {
+    for (number, light) in scene.lights.iter().enumerate() {
         let motion = scene.motion.lights.get(&number).map(|motion| &**motion);
-        lights.put(out, &light_keys::write(light, web, motion)?)?;
+        lights.put(out, &light_keys::write(light, webs.of_light(light), motion)?)?;
     }
     for light in &scene.distant_lights {
         lights.put(out, &sky_keys::write_distant(light)?)?;
@@ -246,7 +250,8 @@ fn document(
     let mut surfaces = List::new("surfaces");
     for (number, surface) in scene.surfaces.iter().enumerate().filter(|(_, surface)| !surface.hidden) {
         let motion = scene.motion.surfaces.get(&number).map(|motion| &**motion);
-        surfaces.put(out, &surface::write(surface, emits_both(scene, surface), motion, names)?)?;
+        surfaces
+            .put(out, &surface::write(surface, emits_both(scene, surface), webs.of_surface(surface), motion, names)?)?;
     }
     surfaces.end(out)?;
     out.write_all(b"\n}\n").map_err(failed)

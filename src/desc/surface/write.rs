@@ -6,6 +6,7 @@ use super::{
     Clip, Cone, Cylinder, Disk, Ellipsoid, Emits, Mesh, Paraboloid, Quad, Quadric, Shading, SharedMesh, Sphere,
     Triangle, tags,
 };
+use crate::desc::area_web_keys::AreaWeb;
 use crate::desc::json::join;
 use crate::desc::numbers::{self, shortest, unless};
 use crate::desc::save::{Names, raw};
@@ -19,6 +20,7 @@ struct Look {
     material: Option<String>,
     transform: Option<Box<RawValue>>,
     emission: Option<[f64; 3]>,
+    web: Option<AreaWeb>,
     emits: Option<Emits>,
     motion: Option<Vec<motion_keys::Key>>,
 }
@@ -33,6 +35,7 @@ macro_rules! text {
             emission: $look.emission,
             luminance: None,
             temperature: None,
+            web: $look.web,
             emits: $look.emits,
             motion: $look.motion,
             $($field: $value,)*
@@ -40,22 +43,30 @@ macro_rules! text {
     };
 }
 
-/// Writes a surface whose material and mesh have these names. Its numbers have been checked. `emits_both`: it emits on both sides.
+/// Writes a surface whose material and mesh have these names. Its numbers have been checked. `emits_both`: it emits on both sides. `web`: the
+/// name of the file of the web by which it shines, if it does.
 ///
 /// Where the keys of its kind cannot give the frame of its shape, that frame goes into the `transform`.
 pub(in crate::desc) fn write(
     surface: &SurfaceDesc,
     emits_both: bool,
+    web: Option<&str>,
     motion: Option<&MotionDesc>,
     names: &Names,
 ) -> Result<Box<RawValue>> {
     let SurfaceDesc { path, local, .. } = surface;
     let look = |keeps_frame: bool| {
         let placed = if keeps_frame { surface.transform } else { surface.to_world() };
+        let web = surface.web.as_ref().zip(surface.emission).zip(web).map(|((web, factor), file)| {
+            // Its direction is one of the frame from which the written transform starts.
+            let c0 = if keeps_frame { web.c0 } else { local.matrix3.inverse() * web.c0 };
+            AreaWeb::write(web, c0, factor, file)
+        });
         Ok(Look {
             material: Some(names.materials[surface.material].clone()),
             transform: transform::write(&placed)?,
-            emission: surface.emission.map(numbers::color),
+            emission: surface.emission.filter(|_| web.is_none()).map(numbers::color),
+            web,
             emits: emits_both.then_some(Emits::Both),
             motion: motion.map(motion_keys::write_motion),
         })

@@ -94,6 +94,12 @@ struct SubtreeBounds {
 
 /// Bounding sphere of an emitter and cone of its normals.
 fn bound(emitter: &Emitter) -> (DVec3, f64, Cone) {
+    if let Emitter::Web(web) = emitter {
+        // As of a point with a web, whose light does not fall off by a cosine: the cone of the axis and of the light itself.
+        let (axis, angle) = web.cone();
+        let bounds = web.bounds();
+        return (bounds.centre(), 0.5 * (bounds.max - bounds.min).length(), Cone { axis, angle });
+    }
     if let Some(triangle) = emitter.triangle() {
         let corners = triangle.vertices.map(Vec3::as_dvec3);
         let centre = Bounds::around(corners).centre();
@@ -136,6 +142,7 @@ fn bounds(emitter: &Emitter) -> Bounds {
     }
     match emitter {
         Emitter::Disk(emitter) => emitter.bounds(),
+        Emitter::Web(emitter) => emitter.bounds(),
         Emitter::Tube(emitter) => emitter.bounds(),
         Emitter::InnerTube(emitter) => emitter.outer.bounds(),
         _ => match emitter.sphere() {
@@ -152,6 +159,7 @@ fn intensity_per_power(emitter: &Emitter) -> f64 {
             let distribution = &emitter.distribution;
             return if distribution.flux() > 0.0 { distribution.peak() / distribution.flux() } else { 0.0 };
         }
+        Emitter::Web(emitter) => return emitter.peak_share(),
         Emitter::Triangle(_) | Emitter::Textured(_) | Emitter::Disk(_) => 1.0,
         // Over pi, as the others.
         Emitter::Tube(emitter) => emitter.intensity_share(),

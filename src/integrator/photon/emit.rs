@@ -1,7 +1,7 @@
 //! Emission of photons: the choice of the emitter, the position on it and the direction.
 //!
 //! An emitter is chosen mostly in proportion to its power, a position on it by area, and a direction by the cosine (from a
-//! point light uniformly over the sphere, or as its light is distributed), so that all photons carry the same power except for their colour. Caustic photons
+//! point light uniformly over the sphere; from a lamp with a distribution as that is), so that all photons carry the same power except for their colour. Caustic photons
 //! may be aimed instead: at balls that bound all specular surfaces. Directions that miss all balls could not have made a
 //! caustic. An aimed photon carries the power weighted by the ratio of the plain density of its direction to the aimed one,
 //! so that the map has the same mean with more photons.
@@ -134,6 +134,7 @@ impl Emission {
         let (direction, ratio) = match self.aim(p, u[3], [d[0], d[1]], solid_angle(emitter)) {
             Some((direction, pdf)) => {
                 let plain = match (departure.normal, emitter) {
+                    (_, Emitter::Web(emitter)) => emitter.pdf_of_direction(direction),
                     (Some(normal), _) => f64::from(direction.dot(normal)).max(0.0) / PI,
                     (None, Emitter::Directed(emitter)) => emitter.distribution.pdf(direction),
                     (None, _) => 0.25 / PI,
@@ -141,6 +142,7 @@ impl Emission {
                 (direction, plain / pdf)
             }
             None => match (departure.normal, emitter) {
+                (_, Emitter::Web(emitter)) => (emitter.sample_direction([d[0], d[1]], [u[1], u[2]]), 1.0),
                 (Some(normal), _) => (Frame::from_normal(normal).to_world(warps::cosine_hemisphere([d[0], d[1]])), 1.0),
                 (None, Emitter::Directed(emitter)) => (emitter.distribution.sample([d[0], d[1]], [u[1], u[2]]), 1.0),
                 (None, _) => (warps::uniform_sphere([d[0], d[1]]), 1.0),
@@ -231,12 +233,13 @@ impl Emission {
     }
 }
 
-/// The solid angle \[sr\] that a point of uneven radiant intensity would fill if its light were all as bright as at its brightest;
+/// The solid angle \[sr\] that a lamp of uneven radiant intensity would fill if its light were all as bright as at its brightest;
 /// without bound for others, whose photons are aimed at whatever there is.
 #[inline]
 fn solid_angle(emitter: &Emitter) -> f64 {
     match emitter {
         Emitter::Directed(emitter) => emitter.distribution.flux() / emitter.distribution.peak(),
+        Emitter::Web(emitter) => 1.0 / emitter.peak_share(),
         _ => f64::INFINITY,
     }
 }
@@ -296,6 +299,11 @@ fn share_aimed(emitter: &Emitter, balls: &[Ball]) -> f64 {
             cone_of(p, ball)
                 .map_or(1.0, |cone| emitter.distribution.most_into(cone.axis, f64::from(cone.one_minus_cos)))
         };
+        return balls.iter().map(most).sum::<f64>().min(1.0);
+    }
+    if let Emitter::Web(emitter) = emitter {
+        let most =
+            |ball| cone_of(p, ball).map_or(1.0, |cone| emitter.most_into(cone.axis, f64::from(cone.one_minus_cos)));
         return balls.iter().map(most).sum::<f64>().min(1.0);
     }
     let one_minus_cos = |ball| cone_of(p, ball).map_or(1.0, |cone| f64::from(cone.one_minus_cos));

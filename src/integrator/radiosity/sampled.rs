@@ -133,7 +133,8 @@ impl SampledLight {
             | Emitter::Disk(_)
             | Emitter::Tube(_)
             | Emitter::InnerTube(_)
-            | Emitter::Moving(_) => None,
+            | Emitter::Moving(_)
+            | Emitter::Web(_) => None,
         };
         let lit = emitters.emitters().iter().zip(0..).filter(|(emitter, _)| emitter.power() != DVec3::ZERO);
         let sources = lit.filter_map(|(emitter, number)| Some(Source { emitter: number, spread: spread(emitter)? }));

@@ -207,6 +207,7 @@ fn exact(set: &EmitterSet, p: DVec3, n: DVec3) -> f64 {
                 unreachable!("no lamp here has a texture or is round but for balls")
             }
             Emitter::Moving(_) => unreachable!("no lamp here moves"),
+            Emitter::Web(_) => unreachable!("all lamps here shine evenly"),
             Emitter::Sphere(emitter) => {
                 let way = emitter.sphere.centre - p;
                 let distance = way.length();

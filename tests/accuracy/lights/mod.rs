@@ -17,6 +17,7 @@ pub mod sky;
 mod solid_angles;
 mod spheres;
 pub mod spots;
+mod web_areas;
 pub mod webs;
 mod weights;
 
@@ -53,6 +54,7 @@ pub fn cases() -> Vec<Entry> {
         portals::cases(),
         backplates::cases(),
         sides::cases(),
+        web_areas::cases(),
     ];
     topics.into_iter().flatten().collect()
 }

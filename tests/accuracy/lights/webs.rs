@@ -64,7 +64,7 @@ fn around(d: DVec3) -> f64 {
 }
 
 /// Angles from one to another, in so many steps.
-fn angles(from: f64, to: f64, steps: u32) -> Vec<f64> {
+pub fn angles(from: f64, to: f64, steps: u32) -> Vec<f64> {
     (0..=steps).map(|k| from + (to - from) * f64::from(k) / f64::from(steps)).collect()
 }
 
@@ -79,7 +79,7 @@ fn direction(kind: u32, horizontal: f64, vertical: f64) -> DVec3 {
 }
 
 /// A file of IES LM-63 whose factors come to 1.
-fn ies(lamp: Lamp, kind: u32, horizontal: &[f64], vertical: &[f64]) -> String {
+pub fn ies(lamp: Lamp, kind: u32, horizontal: &[f64], vertical: &[f64]) -> String {
     let mut text = String::from("IESNA:LM-63-2002\n[TEST] none\n[LUMINAIRE] of a formula\nTILT=NONE\n");
     let (rows, columns) = (vertical.len(), horizontal.len());
     writeln!(text, "2 500 2.5 {rows} {columns} {kind} 2 0.1 0.2 0.3\n0.8 1 60").unwrap();
@@ -117,7 +117,7 @@ fn ldt(lamp: Lamp, symmetry: usize) -> String {
     text
 }
 
-fn parsed(text: &str) -> Web {
+pub fn parsed(text: &str) -> Web {
     Web::parse(text.as_bytes()).unwrap_or_else(|error| panic!("{error}"))
 }
 

@@ -25,7 +25,7 @@ pub fn cases() -> Vec<Entry> {
 const RADII: [f64; 4] = [0.03, 0.1, 0.3, 0.9];
 
 /// How light and Bsdf samples are weighed: what the other density counts for.
-type Weight = fn(f32, f32) -> f32;
+pub(super) type Weight = fn(f32, f32) -> f32;
 
 fn plates(case: &mut Case) {
     let tilt = 0.4_f64;
@@ -74,7 +74,7 @@ fn plates(case: &mut Case) {
 }
 
 /// Radiance that a surface around the origin with normal z sends along (sin 30°, 0, cos 30°), of each replicate.
-fn direct(scene: &Scene, bsdf: &Bsdf, light: Weight, scattering: Weight, size: u32) -> Vec<f64> {
+pub(super) fn direct(scene: &Scene, bsdf: &Bsdf, light: Weight, scattering: Weight, size: u32) -> Vec<f64> {
     let frame = Frame::from_normal(Vec3::Z);
     let wo = frame.to_local(Vec3::new(0.5, 0.0, 0.75_f32.sqrt()));
     let p = scene.to_scene(DVec3::ZERO);

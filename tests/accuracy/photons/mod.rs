@@ -65,9 +65,9 @@ const METHODS: [IntegratorDesc; 5] = [
 const RUNS: u32 = 32;
 
 /// A shape with its material, and what it emits.
-type Surface = (ShapeDesc, BsdfDesc, Option<Rgb>);
+pub type Surface = (ShapeDesc, BsdfDesc, Option<Rgb>);
 
-fn build(desc: &SceneDesc) -> Scene {
+pub fn build(desc: &SceneDesc) -> Scene {
     Scene::build(desc, &BuildOptions::default()).expect("a scene of the test")
 }
 
@@ -77,22 +77,22 @@ fn load(name: &str) -> SceneDesc {
 }
 
 /// Light paths of a kind, on the calling thread.
-fn shot(scene: &Scene, desc: &RenderDesc, kind: MapKind, paths: u32) -> PhotonBatch {
+pub fn shot(scene: &Scene, desc: &RenderDesc, kind: MapKind, paths: u32) -> PhotonBatch {
     let job = PhotonJob { kind, paths, pass: 0, most: usize::MAX, narrow_below: NARROW, time: 0.0 };
     shoot(scene, desc, job, &mut Alone::default()).expect("nothing stops it")
 }
 
-fn seeded(seed: u64) -> RenderDesc {
+pub fn seeded(seed: u64) -> RenderDesc {
     RenderDesc { seed, ..RenderDesc::default() }
 }
 
 /// Power of a shot's photons, red.
-fn stored(shot: &PhotonBatch) -> f64 {
+pub fn stored(shot: &PhotonBatch) -> f64 {
     shot.photons.iter().map(|photon| f64::from(photon.power[0])).sum()
 }
 
 /// Mean over [`RUNS`] runs with seeds of their own, and its standard error; two runs at a time.
-fn runs(one: impl Fn(u64) -> f64 + Sync) -> (f64, f64) {
+pub fn runs(one: impl Fn(u64) -> f64 + Sync) -> (f64, f64) {
     let [found] = many_runs(|seed| [one(seed)]);
     found
 }
@@ -162,7 +162,7 @@ fn photons(paths: u32, radius: f64) -> PhotonDesc {
 }
 
 /// A scene looked at by a camera that does not matter.
-fn unseen(surfaces: Vec<Surface>) -> SceneDesc {
+pub fn unseen(surfaces: Vec<Surface>) -> SceneDesc {
     scene(camera(DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.3, -1.0, 0.1), 40.0), surfaces)
 }
 
