@@ -51,7 +51,7 @@
 #define ETD_MATERIAL_INIT \
     {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0, {0, 0, 0}, 0, 0, 0, \
      ETD_DISTRIBUTION_GGX, ETD_MASKING_SMITH, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 1, 1}, 0, 0, 0.5f, NULL, 1, \
-     {0, 0, 0}}
+     {0, 0, 0}, 0, {0, 0, 0, 0}, {0, 0, 0, 0}}
 #define ETD_PRINCIPLED_INIT \
     {sizeof(etd_principled), 1, {0.8f, 0.8f, 0.8f}, 0, 0, 1, {1, 1, 1}, 0.3f, 0, 0, 1.5f, 0, {1, 1, 1}, 0, {1, 1, 1}, 0, 0, \
      1.6f, 1, 0, {1, 1, 1}, 0.5f, 0, 0, 0}
@@ -1851,9 +1851,10 @@ typedef struct etd_render_options {
      */
     etd_cache_source cache_source;
     /**
-     * Must be 0.
+     * An `etd_switch`: whether paths carry wavelengths instead of three channels. Colours become smooth spectra, lights those times
+     * D65, and glass with a dispersion disperses light; the film has the colours that the standard observer sees. Off by default.
      */
-    uint32_t reserved;
+    etd_switch spectral;
     /**
      * An `etd_error_measure`: the measure of `target_error`, in which adaptive sampling reduces the error.
      */
@@ -2237,6 +2238,22 @@ typedef struct etd_material {
      * emission of their own. Three zeros: none. Quadrics and disks cannot have a material that emits.
      */
     float emission[3];
+    /**
+     * Abbe number (n_d - 1) / (n_F - n_C) of a dielectric, > 0: the smaller, the more its index depends on the wavelength, by
+     * Cauchy's formula with `ior` at 587.56 nm. Only renders in wavelengths (`etd_render_options.spectral`) show it. 0: the same
+     * index for all wavelengths.
+     */
+    float abbe;
+    /**
+     * Strengths of Sellmeier's formula n^2 = 1 + sum of strength lambda^2 / (lambda^2 - resonance) for a dielectric, lambda in
+     * micrometres, in place of `abbe`; unused ones are 0. `ior` is then
+     * not read: the index is that of the formula.
+     */
+    float sellmeier_strengths[4];
+    /**
+     * Squares of the resonant wavelengths of Sellmeier's formula, micrometre^2.
+     */
+    float sellmeier_resonances[4];
 } etd_material;
 
 /**

@@ -102,6 +102,7 @@ fn documents_say_what_the_table_of_integrators_says() {
         "uneven points",
         "absorbing media",
         "motion",
+        "wavelengths",
     ];
     let properties = table(&heading, |integrator| {
         let info = integrator.info();
@@ -111,7 +112,12 @@ fn documents_say_what_the_table_of_integrators_says() {
         let (order, made) = (order(info.order).to_owned(), preparation(info.preparation));
         let motion = if info.shows_motion() { "shown" } else { "of the camera alone" };
         let media = if info.takes_absorption { "taken" } else { "refused" };
-        let rest = [depth, infinity, points, media, motion].map(str::to_owned);
+        let wavelengths = match [true, false].map(|progressive| info.renders_wavelengths(progressive)) {
+            [true, true] => "carried",
+            [true, false] => "carried, unless `photonsProgressive` is false",
+            [false, _] => "refused",
+        };
+        let rest = [depth, infinity, points, media, motion, wavelengths].map(str::to_owned);
         [name(integrator), bias(info.bias), order, made].into_iter().chain(rest).collect()
     });
     check("docs/integrators.md", "properties", &properties);

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use etendue::ErrorKind;
 use etendue::desc::{
-    self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, CropDesc, Dialect, FilmDesc, FilterDesc, FocusDesc, FovAxis,
-    IntegratorDesc, KernelDesc, LensDesc, MediumDesc, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing, RenderDesc,
-    RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc,
+    self, BsdfDesc, CacheDesc, CacheSource, CameraDesc, CropDesc, Dialect, Dispersion, FilmDesc, FilterDesc, FocusDesc,
+    FovAxis, IntegratorDesc, KernelDesc, LensDesc, MediumDesc, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing,
+    RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc,
 };
 use etendue::math::{DAffine3, DVec3};
 use etendue::spectrum::Rgb;
@@ -307,6 +307,67 @@ fn materials_are_read_with_every_key() {
         let material = &scene.materials[0];
         assert_eq!((material.name.as_str(), material.path.as_str()), ("m", "materials[0]"));
         assert_eq!((material.bsdf, material.survival), (bsdf, survival));
+    }
+}
+
+#[test]
+fn a_refractive_material_may_disperse_light() {
+    let material = |keys: &str| format!(r#"{{"name": "m", "type": "refractive"{keys}}}"#);
+    let diamond = Dispersion::by_name("diamond");
+    let numbers = r#"{"strengths": [0.3306, 4.3356], "resonances": [0.030625, 0.011236]}"#;
+    let cases = [
+        (r#", "refractionIndex": 1.5"#.to_owned(), 1.5, None),
+        (r#", "refractionIndex": 1.5, "dispersion": 64.2"#.to_owned(), 1.5, Some(Dispersion::Abbe(64.2))),
+        (r#", "dispersion": "diamond""#.to_owned(), 2.417_5, diamond),
+        (r#", "dispersion": "diamond", "refractionIndex": 2.4175"#.to_owned(), 2.417_5, diamond),
+        (format!(r#", "dispersion": {numbers}, "roughness": 0.5"#), 2.417_5, diamond),
+    ];
+    for (keys, index, expected) in cases {
+        let scene = native(&format!("\"materials\": [{}]", material(&keys)));
+        let (BsdfDesc::Dielectric { ior, .. } | BsdfDesc::RoughDielectric { ior, .. }) = scene.materials[0].bsdf else {
+            panic!("{keys}");
+        };
+        assert!((ior - index).abs() < 5e-5, "{keys}: {ior}");
+        assert_eq!(scene.materials[0].dispersion, expected, "{keys}");
+    }
+    for (keys, path, message) in [
+        (r#", "dispersion": 64.2"#, "materials[0]", "missing key `refractionIndex`"),
+        (r#", "refractionIndex": 1.5, "dispersion": 0"#, "materials[0].dispersion", "the Abbe number is 0"),
+        (r#", "refractionIndex": 1.5, "dispersion": -3"#, "materials[0].dispersion", "the Abbe number is -3"),
+        (r#", "refractionIndex": 1.5, "dispersion": 0.05"#, "materials[0].dispersion", "the index of refraction at"),
+        (
+            r#", "refractionIndex": 1.5, "dispersion": "diamond""#,
+            "materials[0].dispersion",
+            "the formula has the index 2.4174",
+        ),
+        (r#", "dispersion": "daimond""#, "materials[0].dispersion", "did you mean 'diamond'?"),
+        (r#", "dispersion": [1]"#, "materials[0].dispersion", "expected"),
+        (r#", "dispersion": {"strengths": [1]}"#, "materials[0].dispersion", "missing"),
+        (r#", "dispersion": {"strengths": [1], "resonances": []}"#, "materials[0].dispersion.resonances", "0 numbers"),
+        (
+            r#", "dispersion": {"strengths": [1, 1, 1, 1, 1], "resonances": [0, 0, 0, 0, 0]}"#,
+            "materials[0].dispersion.strengths",
+            "5 numbers",
+        ),
+        (
+            r#", "dispersion": {"strengths": [1], "resonances": [0.25]}"#,
+            "materials[0].dispersion",
+            "the index of refraction at 360 nm is NaN",
+        ),
+        (
+            r#", "dispersion": {"strengths": [1e39], "resonances": [0]}"#,
+            "materials[0].dispersion",
+            "the index of refraction at 360 nm is inf",
+        ),
+        (
+            r#", "dispersion": {"strengths": [-2], "resonances": [0]}"#,
+            "materials[0].dispersion",
+            "the index of refraction at 360 nm is NaN",
+        ),
+    ] {
+        let text = format!(r#"{{"etendue": 1, "camera": {{}}, "materials": [{}]}}"#, material(keys));
+        let error = etendue::desc::parse(&text, "".as_ref(), None).expect_err(keys).to_string();
+        assert!(error.contains(&format!("{path}: ")) && error.contains(message), "{keys}: {error}");
     }
 }
 

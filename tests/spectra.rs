@@ -69,7 +69,9 @@ impl Spectrum for FourWavelengths {
     type Wavelengths = [(f32, f32); 4];
     type Packed = [f32; 4];
     type Wide = Sums;
+    type Alone = ();
 
+    const HAS_WAVELENGTHS: bool = true;
     const ZERO: Self = Self([0.0; 4]);
     const ONE: Self = Self([1.0; 4]);
 
@@ -109,12 +111,16 @@ impl Spectrum for FourWavelengths {
         Rgb::splat(values[0])
     }
 
-    fn pack(self) -> [f32; 4] {
+    fn pack(self, (): ()) -> [f32; 4] {
         self.0
     }
 
-    fn unpack(packed: [f32; 4]) -> Self {
+    fn unpack(packed: [f32; 4], (): ()) -> Self {
         Self(packed)
+    }
+
+    fn scale_packed(packed: [f32; 4], factor: f64) -> [f32; 4] {
+        packed.map(|value| (f64::from(value) * factor) as f32)
     }
 
     fn widen(self) -> Sums {
@@ -127,6 +133,19 @@ impl Spectrum for FourWavelengths {
 
     fn scaled(self, factor: f64) -> Self {
         Self(self.0.map(|value| (f64::from(value) * factor) as f32))
+    }
+
+    fn at_wavelengths(wavelengths: &Self::Wavelengths, f: impl Fn(Option<f32>) -> f32) -> Self {
+        Self(wavelengths.map(|(nanometres, _)| f(Some(nanometres))))
+    }
+
+    fn first_wavelength(wavelengths: &Self::Wavelengths) -> Option<f32> {
+        Some(wavelengths[0].0)
+    }
+
+    /// Nothing in these scenes disperses.
+    fn keep_first(self, (): &mut ()) -> Self {
+        unreachable!("no surface disperses")
     }
 }
 

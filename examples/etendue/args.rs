@@ -109,6 +109,10 @@ pub struct RenderArgs {
     /// Light transport, in place of the scene's.
     #[arg(long, value_enum)]
     pub integrator: Option<Integrator>,
+    /// Paths carry wavelengths instead of three channels; alone it means on. In place of the scene's choice.
+    #[arg(long, value_name = "on|off", value_enum, num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = "on", hide_possible_values = true)]
+    pub spectral: Option<Switch>,
     /// Pixel filter: box, tent, gaussian[:SIGMA], blackman-harris or mitchell[:B,C].
     #[arg(long, value_name = "FILTER", value_parser = parse_filter)]
     pub filter: Option<FilterDesc>,
@@ -648,6 +652,7 @@ impl RenderArgs {
             }),
             filter: self.filter.unwrap_or(scene.filter),
             integrator: self.integrator.map_or(scene.integrator, |Integrator(integrator)| integrator),
+            spectral: self.spectral.map_or(scene.spectral, |spectral| spectral == Switch::On),
             max_depth: self.max_depth.map_or(scene.max_depth, |depth| depth.0),
             shadow_rays: self.shadow_rays.unwrap_or(scene.shadow_rays),
             roulette: self.roulette.map_or(scene.roulette, |roulette| roulette.0),

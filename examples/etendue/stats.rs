@@ -49,6 +49,7 @@ struct Settings {
     filter: String,
     /// The requested number; null where only time and error end the render.
     spp: Option<u32>,
+    spectral: bool,
     max_depth: Option<u32>,
     shadow_rays: u32,
     roulette: &'static str,
@@ -101,6 +102,7 @@ impl Stats {
                 sampler: format!("{:?}", desc.sampler).to_lowercase(),
                 filter: format!("{:?}", desc.filter),
                 spp: (desc.samples < MOST_SAMPLES).then_some(desc.samples),
+                spectral: desc.spectral,
                 max_depth: desc.max_depth,
                 shadow_rays: desc.shadow_rays,
                 roulette: desc.roulette.name(),

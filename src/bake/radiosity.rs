@@ -8,8 +8,8 @@ use super::Baked;
 use crate::control::Parallel;
 use crate::desc::{RADII, RadiosityDesc};
 use crate::error::{Error, ErrorKind, Result};
-use crate::integrator::Sites;
 use crate::integrator::radiosity::Radiosity;
+use crate::integrator::{Sites, no_wavelengths};
 use crate::render::{RenderSettings, with_workers};
 use crate::scene::Scene;
 use crate::spectrum::Rgb;
@@ -45,6 +45,9 @@ pub fn by_radiosity(
 ) -> Result<(Baked, Arc<Radiosity>)> {
     if sites.is_empty() {
         return Err(Error::new(ErrorKind::InvalidScene, "there is no surface whose irradiance could be asked for"));
+    }
+    if settings.desc.spectral {
+        no_wavelengths("a light map")?;
     }
     let own = &settings.desc.radiosity;
     // The value was not requested by the user, so it must not be refused as one that was.

@@ -22,6 +22,11 @@ impl Dielectric {
         Self { eta: f64::from(ior) / f64::from(exterior_ior) }
     }
 
+    /// An interface whose index on the inner side over that on the outer side is this, > 0.
+    pub(super) fn of_ratio(eta: f64) -> Self {
+        Self { eta }
+    }
+
     /// Index on the far side over index on `wo`'s side.
     #[inline]
     fn relative_eta(&self, wo: Vec3) -> f64 {

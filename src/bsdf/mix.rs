@@ -105,6 +105,10 @@ impl<C: Spectrum> Model<C> for Mix<C> {
         self.weighted(Model::diffuse_albedo)
     }
 
+    fn disperses(&self) -> bool {
+        self.parts.iter().any(Model::disperses)
+    }
+
     fn is_anisotropic(&self) -> bool {
         self.parts.iter().any(Model::is_anisotropic)
     }
@@ -245,6 +249,10 @@ impl<C: Spectrum> Model<C> for TwoSided<C> {
 
     fn diffuse_albedo(&self) -> C {
         (self.faces[0].diffuse_albedo() + self.faces[1].diffuse_albedo()) * 0.5
+    }
+
+    fn disperses(&self) -> bool {
+        self.faces.iter().any(Model::disperses)
     }
 
     fn is_anisotropic(&self) -> bool {

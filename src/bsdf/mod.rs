@@ -17,6 +17,7 @@ mod coat;
 mod conductor;
 mod dielectric;
 mod diffuse_transmission;
+mod dispersive;
 mod eon;
 mod fresnel;
 mod lambert;
@@ -47,6 +48,7 @@ pub use coat::Coat;
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse_transmission::DiffuseTransmission;
+pub use dispersive::{Dispersive, Index};
 pub use eon::Eon;
 pub use fresnel::{fresnel_conductor, fresnel_conductors, fresnel_dielectric, fresnel_polarised, refracted_cosine};
 pub use lambert::Lambert;
@@ -69,7 +71,7 @@ pub use sheen::Sheen;
 pub use thin_dielectric::{Sheet, ThinDielectric};
 pub use tinted::TintedTransmission;
 
-use crate::desc::{BsdfDesc, Masking, MaterialDesc};
+use crate::desc::{BsdfDesc, Dispersion, Masking, MaterialDesc};
 use crate::math::Vec3;
 use crate::spectrum::{Rgb, Spectrum};
 
@@ -157,6 +159,14 @@ macro_rules! models {
                 match self {
                     $(Self::$name(model) => Model::<C>::is_anisotropic(model),)*
                     _ => self.far().is_anisotropic(),
+                }
+            }
+
+            #[inline(always)]
+            fn disperses(&self) -> bool {
+                match self {
+                    $(Self::$name(model) => Model::<C>::disperses(model),)*
+                    _ => self.far().disperses(),
                 }
             }
 
@@ -261,6 +271,8 @@ models! {
     Sheen(Sheen<C>),
     /// Smooth metal.
     Conductor(Conductor<C>),
+    /// Smooth dielectric interface that refracts each wavelength into another direction.
+    Dispersive(Dispersive<C>),
     /// Rough metal.
     RoughConductor(RoughConductor<C>),
     /// Rough dielectric interface.
@@ -302,10 +314,32 @@ impl Bsdf {
     pub(crate) fn within(desc: &BsdfDesc, materials: &[MaterialDesc], around: Option<f32>) -> Self {
         // Named materials come before the ones that name them, so that the recursion ends.
         let named = |index: usize| match materials.get(index) {
-            Some(material) => Self::within(&material.bsdf, &materials[..index], around),
+            Some(material) => {
+                let bsdf = Self::within(&material.bsdf, &materials[..index], around);
+                bsdf.with_dispersion(&material.bsdf, material.dispersion, around)
+            }
             None => Self::Black(Black),
         };
         Self::of_parts(desc, &named, around, false)
+    }
+
+    /// The model that was made from a description, of a material with this dispersion. `around`: as for [`Self::within`].
+    pub(crate) fn with_dispersion(self, desc: &BsdfDesc, dispersion: Option<Dispersion>, around: Option<f32>) -> Self {
+        let (Some(dispersion), Some([ior, exterior_ior])) = (dispersion, desc.interior()) else { return self };
+        let outer = Index { ior: around.unwrap_or(exterior_ior), dispersion: None };
+        self.dispersing(Index { ior, dispersion: Some(dispersion) }, outer)
+    }
+
+    /// The same interface between media whose indices depend on the wavelength, if one of them does; other models as they are.
+    pub(crate) fn dispersing(self, inner: Index, outer: Index) -> Self {
+        if inner.dispersion.is_none() && outer.dispersion.is_none() {
+            return self;
+        }
+        match self {
+            Self::Dielectric(_) => Self::Dispersive(Dispersive::new(inner, outer)),
+            Self::RoughDielectric(rough) => Self::RoughDielectric(rough.dispersing(inner, outer)),
+            other => other,
+        }
     }
 
     /// As [`Self::new`], for a description that textures have changed at a point and that names no other material: what its tables

@@ -65,6 +65,12 @@ pub trait Model<C: Spectrum> {
         self.albedo().max_element()
     }
 
+    /// Whether each wavelength is refracted into a direction of its own. What is transmitted then is that of the first wavelength
+    /// of a path alone.
+    fn disperses(&self) -> bool {
+        false
+    }
+
     /// The scattering function (sr^-1), without a cosine; 0 for delta lobes and between sides that no lobe connects.
     #[inline]
     fn f(&self, wo: Vec3, wi: Vec3, mode: TransportMode) -> C {

@@ -1,8 +1,8 @@
 //! Rough interface between two dielectrics.
 
 use std::f32::consts::FRAC_1_PI;
-use std::marker::PhantomData;
 
+use super::dispersive::{Index, Indices};
 use super::fresnel::fresnel_dielectric;
 use super::lobes::{Lobes, TransportMode};
 use super::local::{outward, refract_about};
@@ -19,6 +19,9 @@ use crate::spectrum::{Rgb, Spectrum};
 /// What single scattering loses is spread over both sides, as for metals by (1 - E(wo)) (1 - E(wi)). The shares of the two sides
 /// are those that keep f(i -> o) / n_o^2 = f(o -> i) / n_i^2, so that photons and paths from the camera agree.
 ///
+/// Where a medium disperses light, a path takes its direction from its first wavelength, as at a [`super::Dispersive`] interface.
+/// What facets scatter more than once is that of the line d for all wavelengths.
+///
 /// Sources: Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces"; Kulla and Conty 2017.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoughDielectric<C: Spectrum = Rgb> {
@@ -26,7 +29,9 @@ pub struct RoughDielectric<C: Spectrum = Rgb> {
     eta: f64,
     facets: Microfacets,
     multiple: Option<Multiple>,
-    channels: PhantomData<C>,
+    /// The indices on both sides, where one depends on the wavelength.
+    indices: Option<Box<Indices>>,
+    wavelengths: C::Wavelengths,
 }
 
 /// What is scattered more than once: for light from the outer side, and from the inner side.
@@ -43,12 +48,19 @@ impl RoughDielectric {
     pub fn new(ior: f32, exterior_ior: f32, facets: Microfacets, is_compensated: bool) -> Self {
         let eta = f64::from(ior) / f64::from(exterior_ior);
         let multiple = is_compensated.then(|| Multiple::new(eta, &facets)).flatten();
-        Self { eta, facets, multiple, channels: PhantomData }
+        Self { eta, facets, multiple, indices: None, wavelengths: () }
+    }
+
+    /// The same interface between media whose indices depend on the wavelength.
+    pub(super) fn dispersing(self, inner: Index, outer: Index) -> Self {
+        Self { indices: Some(Box::new(Indices::new(inner, outer))), ..self }
     }
 
     #[inline(always)]
-    pub(super) fn in_spectrum<C: Spectrum>(&self, _: &C::Wavelengths) -> RoughDielectric<C> {
-        RoughDielectric { eta: self.eta, facets: self.facets, multiple: self.multiple.clone(), channels: PhantomData }
+    pub(super) fn in_spectrum<C: Spectrum>(&self, wavelengths: &C::Wavelengths) -> RoughDielectric<C> {
+        let Self { facets, multiple, indices, .. } = self.clone();
+        let eta = indices.as_ref().map_or(self.eta, |indices| indices.eta(C::first_wavelength(wavelengths)));
+        RoughDielectric { eta, facets, multiple, indices, wavelengths: *wavelengths }
     }
 }
 
@@ -173,7 +185,7 @@ impl<C: Spectrum> RoughDielectric<C> {
         m: Option<Vec3>,
         (side, several): (f32, f32),
         mode: TransportMode,
-    ) -> (f32, f32) {
+    ) -> (C, f32) {
         let axis = Vec3::new(0.0, 0.0, side);
         let eta = self.relative_eta(axis);
         let reflects = wi.z > 0.0;
@@ -184,7 +196,15 @@ impl<C: Spectrum> RoughDielectric<C> {
         let scale = if reflects { 1.0 } else { Self::transmission_scale(eta, mode) };
         // At the edge of what single precision holds, a density can be 0 times infinity.
         let once = if once.is_finite() { once } else { 0.0 };
-        (scale * (once + f_several * own.z), if pdf.is_finite() { pdf } else { 0.0 })
+        let pdf = if pdf.is_finite() { pdf } else { 0.0 };
+        let f_several = f_several * own.z;
+        if let Some(indices) = &self.indices
+            && let Some(m) = m.filter(|_| reflects && C::HAS_WAVELENGTHS)
+        {
+            let shares = indices.reflected::<C>(wo.dot(m), side > 0.0, &self.wavelengths);
+            return (shares * once + C::splat(f_several), pdf);
+        }
+        (C::splat(scale * (once + f_several)), pdf)
     }
 
     /// Both directions with `wo` on the outer side; `None` where one lies in the surface.
@@ -209,6 +229,10 @@ impl<C: Spectrum> Model<C> for RoughDielectric<C> {
         self.facets.is_anisotropic()
     }
 
+    fn disperses(&self) -> bool {
+        self.indices.is_some()
+    }
+
     fn narrowest(&self) -> f32 {
         self.facets.widths()[1].min(1.0)
     }
@@ -227,7 +251,7 @@ impl<C: Spectrum> Model<C> for RoughDielectric<C> {
         let Some((o, i)) = Self::outwards(wo, wi) else { return (C::ZERO, 0.0) };
         let m = Self::facet(o, i, self.relative_eta(wo));
         let (f_cos, pdf) = self.evaluate(o, i, m, (wo.z, self.several(wo)), mode);
-        (C::splat(f_cos / i.z.abs()), pdf)
+        (f_cos / i.z.abs(), pdf)
     }
 
     #[inline(never)]
@@ -257,6 +281,6 @@ impl<C: Spectrum> Model<C> for RoughDielectric<C> {
         let (lobe, eta) =
             if wi.z > 0.0 { (Lobes::GLOSSY_REFLECTION, 1.0) } else { (Lobes::GLOSSY_TRANSMISSION, eta as f32) };
         let wi = Vec3::new(wi.x, wi.y, wi.z * 1.0_f32.copysign(side));
-        (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample { wi, weight: C::splat(weight), pdf, lobe, eta })
+        (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample { wi, weight, pdf, lobe, eta })
     }
 }

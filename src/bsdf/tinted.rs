@@ -57,6 +57,10 @@ impl<C: Spectrum> Model<C> for TintedTransmission<C> {
         self.base.albedo()
     }
 
+    fn disperses(&self) -> bool {
+        self.base.disperses()
+    }
+
     fn is_anisotropic(&self) -> bool {
         self.base.is_anisotropic()
     }

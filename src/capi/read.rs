@@ -6,8 +6,8 @@ use super::status::{Failure, Result};
 use super::types::*;
 use crate::Error;
 use crate::desc::{
-    BsdfDesc, CacheDesc, CacheSource, CropDesc, FilterDesc, IntegratorDesc, KernelDesc, MaterialDesc, MediumDesc,
-    PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
+    BsdfDesc, CacheDesc, CacheSource, CropDesc, Dispersion, FilterDesc, IntegratorDesc, KernelDesc, MaterialDesc,
+    MediumDesc, PhotonDesc, PhotonSharing, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc,
 };
 use crate::film::ErrorMeasure;
 use crate::math::{DAffine3, DMat3, DVec3};
@@ -42,6 +42,9 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<MaterialDe
         return Err(Failure::argument("material.reserved is not 0"));
     }
     let color = Rgb::from_array(it.color);
+    let dispersion = dispersion(&it)?;
+    let stated = dispersion.and_then(|dispersion| dispersion.own_index());
+    let it = etd_material { ior: stated.map_or(it.ior, |ior| ior as f32), ..it };
     let outside = given(it.exterior_ior).unwrap_or(1.0);
     let bsdf = match enumeration("material.bsdf", it.bsdf)? {
         ETD_BSDF_BLACK => BsdfDesc::Black,
@@ -85,15 +88,34 @@ pub(super) unsafe fn material(pointer: *const etd_material) -> Result<MaterialDe
         bsdf,
         survival: given(it.survival),
         medium: has_medium.then_some(medium),
+        dispersion,
         opacity: if it.opacity == -1.0 { 0.0 } else { given(it.opacity).unwrap_or(1.0) },
         emission: emission(it.emission),
         ..MaterialDesc::default()
     })
 }
 
+/// Reads how the index of a material depends on the wavelength.
+fn dispersion(it: &etd_material) -> Result<Option<Dispersion>> {
+    let (strengths, resonances) = (it.sellmeier_strengths, it.sellmeier_resonances);
+    if strengths == [0.0; 4] && resonances == [0.0; 4] {
+        return Ok((it.abbe != 0.0).then_some(Dispersion::Abbe(it.abbe)));
+    }
+    if it.abbe != 0.0 {
+        let message = format!("material.abbe is {}, expected 0 beside sellmeier_strengths", it.abbe);
+        return Err(Failure::argument(message));
+    }
+    Ok(Some(Dispersion::Sellmeier { strengths, resonances }))
+}
+
 /// Converts a material to the host's structure.
 pub(super) fn material_out(material: &MaterialDesc) -> etd_material {
     let medium = material.medium.unwrap_or_default();
+    let (abbe, sellmeier_strengths, sellmeier_resonances) = match material.dispersion {
+        None => (0.0, [0.0; 4], [0.0; 4]),
+        Some(Dispersion::Abbe(number)) => (number, [0.0; 4], [0.0; 4]),
+        Some(Dispersion::Sellmeier { strengths, resonances }) => (0.0, strengths, resonances),
+    };
     let mut it = etd_material {
         struct_size: size_of::<etd_material>(),
         bsdf: ETD_BSDF_BLACK.number(),
@@ -121,6 +143,9 @@ pub(super) fn material_out(material: &MaterialDesc) -> etd_material {
         principled: std::ptr::null(),
         opacity: if material.opacity == 0.0 { -1.0 } else { material.opacity },
         emission: emission_out(material.emission),
+        abbe,
+        sellmeier_strengths,
+        sellmeier_resonances,
     };
     let model = match material.bsdf {
         BsdfDesc::Black => ETD_BSDF_BLACK,
@@ -285,6 +310,7 @@ pub(super) fn render(it: &etd_render_options, film: [u32; 2]) -> Result<RenderDe
                 return Err(Failure::argument(message));
             }
         },
+        spectral: switch("options.spectral", it.spectral)?.unwrap_or(false),
         max_depth: (it.max_depth != 0).then_some(it.max_depth),
         shadow_rays: it.shadow_rays.max(1),
         roulette: match enumeration("options.roulette", it.roulette)? {
@@ -354,9 +380,6 @@ fn in_options(error: Error) -> Failure {
 /// Reads the settings of photon maps.
 fn photons(it: &etd_render_options) -> Result<PhotonDesc> {
     let default = PhotonDesc::default();
-    if it.reserved != 0 {
-        return Err(Failure::argument("options.reserved is not 0"));
-    }
     Ok(PhotonDesc {
         count: given(it.photon_count),
         radius: given(it.photon_radius),
@@ -496,7 +519,7 @@ pub(super) fn render_out(desc: &RenderDesc) -> etd_render_options {
             CacheSource::Photons => ETD_CACHE_SOURCE_PHOTONS,
         }
         .number(),
-        reserved: 0,
+        spectral: switch_out(desc.spectral),
         error_measure: ETD_ERROR_RELMSE.number(),
         adaptive: ETD_SWITCH_DEFAULT.number(),
         radiosity_element_size: radiosity.element_size.unwrap_or(0.0),

@@ -47,6 +47,16 @@ impl IntegratorInfo {
                 | Preparation::PhotonMaps(_, MapRenewal::EachPass | MapRenewal::EachPassByDefault)
         )
     }
+
+    /// Whether paths may carry wavelengths: drawn anew for each path, or for each pass of photons (`progressive` says whether maps that
+    /// the user may keep are made anew). What is prepared once would have one set of wavelengths for the whole image.
+    pub const fn renders_wavelengths(&self, progressive: bool) -> bool {
+        match self.preparation {
+            Preparation::Nothing | Preparation::Choice | Preparation::PhotonMaps(_, MapRenewal::EachPass) => true,
+            Preparation::PhotonMaps(_, MapRenewal::EachPassByDefault) => progressive,
+            Preparation::PhotonMaps(_, MapRenewal::Once) | Preparation::RadiositySolution => false,
+        }
+    }
 }
 
 /// The difference between the expected image of an integrator and the solution of the rendering equation.

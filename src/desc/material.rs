@@ -1,6 +1,6 @@
 //! Descriptions of materials.
 
-use super::{ConductorDesc, MicrofacetsDesc, PrincipledDesc, TextureBinding, TextureKey};
+use super::{ConductorDesc, Dispersion, MicrofacetsDesc, PrincipledDesc, TextureBinding, TextureKey};
 use crate::spectrum::Rgb;
 
 /// A named material.
@@ -20,6 +20,9 @@ pub struct MaterialDesc {
     /// inside can have a medium: [`BsdfDesc::Dielectric`], [`BsdfDesc::RoughDielectric`], and a [`BsdfDesc::Principled`] one that
     /// transmits and is not thin, whose own absorption is added.
     pub medium: Option<MediumDesc>,
+    /// How the index of refraction inside depends on the wavelength; `None` for one that does not. Only for
+    /// [`BsdfDesc::Dielectric`] and [`BsdfDesc::RoughDielectric`].
+    pub dispersion: Option<Dispersion>,
     /// The probability with which a ray meets a surface of this material, in [0, 1]; other rays pass straight on. Only materials
     /// that are named by surfaces have an opacity, and parts of other materials have none.
     pub opacity: f32,
@@ -40,6 +43,7 @@ impl Default for MaterialDesc {
             bsdf: BsdfDesc::Black,
             survival: None,
             medium: None,
+            dispersion: None,
             opacity: 1.0,
             emission: None,
             textures: Vec::new(),
@@ -109,7 +113,8 @@ impl MaterialDesc {
                 BsdfDesc::Principled(it) => it.absorption().unwrap_or(Rgb::ZERO),
                 _ => Rgb::ZERO,
             };
-            each(Body { ior, exterior_ior, medium: MediumDesc { absorption: absorption + own, priority } });
+            let medium = MediumDesc { absorption: absorption + own, priority };
+            each(Body { ior, exterior_ior, medium, dispersion: self.dispersion });
         }
     }
 }
@@ -123,6 +128,8 @@ pub(crate) struct Body {
     pub exterior_ior: f32,
     /// Absorption and priority.
     pub medium: MediumDesc,
+    /// How the index depends on the wavelength.
+    pub dispersion: Option<Dispersion>,
 }
 
 impl Body {

@@ -34,6 +34,13 @@ pub(super) fn check(material: &mut MaterialDesc, materials: &[MaterialDesc]) -> 
     if let Some(inside) = *inside {
         medium(path, bsdf, inside)?;
     }
+    if let Some(dispersion) = material.dispersion {
+        let (BsdfDesc::Dielectric { ior, .. } | BsdfDesc::RoughDielectric { ior, .. }) = *bsdf else {
+            let message = "only a refractive material has a dispersion";
+            return Err(Error::invalid(at("dispersion"), message));
+        };
+        dispersion.check(&at("dispersion"), ior.into())?;
+    }
     within(&at("opacity"), material.opacity.into(), 0.0, 1.0)?;
     check_body(material, materials)?;
     if let Some(radiance) = material.emission {

@@ -49,6 +49,7 @@ mod builder;
 mod camera;
 mod camera_check;
 mod camera_keys;
+mod dispersion;
 mod distant;
 mod edit;
 mod edit_textures;
@@ -109,6 +110,7 @@ pub use area_web::AreaWebDesc;
 pub use backplate::BackplateDesc;
 pub use camera::{CameraDesc, FilmDesc, FocusDesc, FovAxis, LensDesc, MAX_BLADES, Panorama, PanoramaDesc};
 pub(crate) use camera::{PIXEL_ASPECTS, SHIFTS};
+pub use dispersion::{Dispersion, GLASSES, Glass, LINE_D, SELLMEIER_TERMS};
 pub use distant::DistantLightDesc;
 pub use edit::SurfaceLook;
 pub use environment::{

@@ -43,6 +43,9 @@ pub struct RenderDesc {
     pub filter: FilterDesc,
     /// The light transport algorithm.
     pub integrator: IntegratorDesc,
+    /// Whether paths carry wavelengths instead of three channels. Colours become smooth spectra, lights those times D65, and glass
+    /// with a [`Dispersion`](super::Dispersion) disperses light; the film has the colours that the standard observer sees.
+    pub spectral: bool,
     /// Greatest number of surface hits on a path, counting the first visible one; `None` sets no limit.
     pub max_depth: Option<u32>,
     /// Light samples per hit, from 1 to [`MAX_SHADOW_RAYS`].
@@ -68,6 +71,7 @@ impl Default for RenderDesc {
             sampler: SamplerDesc::Sobol,
             filter: FilterDesc::Box,
             integrator: IntegratorDesc::Path,
+            spectral: false,
             max_depth: None,
             shadow_rays: 1,
             roulette: RouletteDesc::Own,

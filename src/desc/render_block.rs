@@ -27,6 +27,8 @@ pub(super) struct Render<'a> {
     #[serde(borrow)]
     #[cfg_attr(feature = "schema", schemars(with = "Option<super::filter::schema::Filter>"))]
     pub(super) filter: Option<&'a RawValue>,
+    /// Whether paths carry wavelengths instead of three channels. Default false.
+    pub(super) spectral: Option<bool>,
     /// Greatest number of surface hits on a path, counting the first visible one; null sets no limit. Default null.
     #[serde(default, deserialize_with = "json::even_null")]
     #[cfg_attr(feature = "schema", schemars(with = "Option<Whole>"))]

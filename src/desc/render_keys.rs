@@ -38,6 +38,7 @@ pub(super) fn read(raw: &RawValue, path: &str, base: &RenderDesc) -> Result<Rend
     if let Some(raw) = block.filter {
         render.filter = filter::read(raw, &at("filter"))?;
     }
+    render.spectral = block.spectral.unwrap_or(render.spectral);
     if let Some(depth) = block.max_depth {
         render.max_depth = depth.map(|depth| max_depth(&at("maxDepth"), depth)).transpose()?;
     }

@@ -31,6 +31,7 @@ pub(super) fn write(render: &RenderDesc) -> Result<Box<RawValue>> {
             SamplerDesc::Gaussian => Sampler::Gaussian,
         }),
         filter: (render.filter != default.filter).then_some(&*filter),
+        spectral: flag(render.spectral, default.spectral),
         max_depth: render.max_depth.map(|depth| Some(whole(depth))),
         shadow_rays: number(render.shadow_rays, default.shadow_rays),
         roulette: (render.roulette == RouletteDesc::File).then_some(Roulette::File),

@@ -136,6 +136,6 @@ impl Irradiance {
         let Path { max_depth, shadow_rays } = self.path;
         let mut context = Context { scene, sampler, tracer, wavelengths: () };
         let max_depth = max_depth.map_or(u32::MAX, |depth| depth.saturating_sub(1));
-        PI * scattered_light(&vertex, &mut context, max_depth, shadow_rays)
+        PI * scattered_light(&vertex, &mut context, max_depth, shadow_rays, ())
     }
 }

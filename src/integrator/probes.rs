@@ -99,7 +99,7 @@ impl Probes {
                 let radiance = match &self.transport {
                     ProbeTransport::Path(Path { max_depth, shadow_rays }) => {
                         let max_depth = max_depth.map_or(u32::MAX, |depth| depth.saturating_sub(1));
-                        scattered_light(&vertex, &mut context, max_depth, *shadow_rays)
+                        scattered_light(&vertex, &mut context, max_depth, *shadow_rays, ())
                     }
                     ProbeTransport::Radiosity(picture) => picture.gathered(&vertex, &mut context),
                 };

@@ -1,7 +1,7 @@
 //! Which scenes an integrator supports, by the lobes and the opacity of their surfaces, by their emitters and their motion.
 
 use crate::bsdf::Lobes;
-use crate::desc::{IntegratorDesc, LobeSupport, LobeUse, Preparation};
+use crate::desc::{IntegratorDesc, LobeSupport, LobeUse, Preparation, RenderDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::scene::Scene;
 
@@ -45,6 +45,29 @@ pub fn check_support(scene: &Scene, integrator: IntegratorDesc) -> Result<()> {
     let Some((lobes, kind)) = refused(scene.lobes(), support) else { return Ok(()) };
     let surface = scene.surface_with(lobes).map_or_else(String::new, |surface| format!("surfaces[{surface}]: "));
     refuse(&surface, &format!("{kind} surfaces"))
+}
+
+/// Refuses wavelengths for an integrator whose paths carry colours alone.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`], whose message names the integrator.
+pub fn check_wavelengths(integrator: IntegratorDesc, desc: &RenderDesc) -> Result<()> {
+    if integrator.info().renders_wavelengths(desc.photons.progressive) {
+        return Ok(());
+    }
+    no_wavelengths(integrator.name())
+}
+
+/// Says that a method has no wavelengths.
+///
+/// # Errors
+/// [`ErrorKind::Unsupported`], always.
+pub fn no_wavelengths(method: &str) -> Result<()> {
+    let message = format!(
+        "render.spectral is true, and {method} carries three channels through the whole image; expected false, or an integrator \
+         whose paths carry wavelengths, such as path"
+    );
+    Err(Error::new(ErrorKind::Unsupported, message))
 }
 
 /// Refuses a scene that moves, for a method that sees the scene at one moment only.

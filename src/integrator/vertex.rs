@@ -24,6 +24,8 @@ pub(super) struct Vertex<'v, C: Spectrum = Rgb> {
     pub survival: Option<f32>,
     mode: TransportMode,
     pub(super) wavelengths: C::Wavelengths,
+    /// Whether the path has its first wavelength alone, where photons are asked for.
+    pub(super) alone: C::Alone,
     /// The media in which the path arrived; `None` in a scene that has no media.
     pub(super) media: Option<PathMedia>,
     frame: Frame,
@@ -42,6 +44,8 @@ pub(super) struct Bounce<C: Spectrum = Rgb> {
     pub pdf: Option<f32>,
     /// Index of refraction of the medium entered over that of the medium left.
     pub eta: f32,
+    /// Whether other wavelengths would have another direction.
+    pub disperses: bool,
 }
 
 /// The receiver that a ray leaves and the density [sr^-1] of the ray's direction; `None` where a light sample could not have
@@ -203,6 +207,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
             survival: shaded.survival,
             mode,
             wavelengths,
+            alone: C::Alone::default(),
             media,
             frame,
             wo,
@@ -224,6 +229,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
             survival: None,
             mode: TransportMode::Radiance,
             wavelengths: C::Wavelengths::default(),
+            alone: C::Alone::default(),
             media,
             frame: Frame::from_normal(surface.ns),
             wo: Vec3::new(0.0, 0.0, side),
@@ -238,8 +244,9 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
     where
         'v: 'b,
     {
-        let Self { surface, hit, survival, mode, wavelengths, media, frame, wo, wo_scene, .. } = *self;
-        Vertex { surface, bsdf, lobes: bsdf.lit_lobes(), hit, survival, mode, wavelengths, media, frame, wo, wo_scene }
+        let lobes = bsdf.lit_lobes();
+        let Self { surface, hit, survival, mode, wavelengths, alone, media, frame, wo, wo_scene, .. } = *self;
+        Vertex { surface, bsdf, lobes, hit, survival, mode, wavelengths, alone, media, frame, wo, wo_scene }
     }
 
     /// Direction back along the path, scene frame.
@@ -337,6 +344,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         context: &mut Context<'_, S, T, C>,
         light_samples: u32,
         only_light_samples: bool,
+        alone: C::Alone,
     ) {
         if context.scene.emitters().is_dark() {
             return;
@@ -345,6 +353,7 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
             let u = context.sampler.next_4d();
             *radiance += match self.light_sample(context.scene, u, light_samples, only_light_samples) {
                 Some((shadow, light)) => {
+                    let light = self.dispersed(&shadow, light, alone);
                     self.unoccluded(context.scene, context.tracer, &shadow, light).unwrap_or(C::ZERO)
                 }
                 None => C::ZERO,
@@ -393,6 +402,26 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         ))
     }
 
+    /// Whether the surface sends what it transmits into a direction (local frame) elsewhere for each wavelength. The compiler knows that
+    /// it does not for paths that carry colours.
+    #[inline(always)]
+    pub fn disperses(&self, wi: Vec3) -> bool {
+        C::HAS_WAVELENGTHS && wi.z * self.wo.z < 0.0 && self.bsdf.disperses()
+    }
+
+    /// The light of a shadow ray of a path, which is that of the first wavelength alone where the surface refracts each wavelength into
+    /// another direction: as what the path's own next ray brings, so that both are samples of the same light.
+    #[inline(always)]
+    pub fn dispersed(&self, shadow: &Ray, light: C, alone: C::Alone) -> C {
+        if self.disperses_along(shadow) { light.keep_first(&mut { alone }) } else { light }
+    }
+
+    /// As [`Self::disperses`], for a ray that leaves the surface.
+    #[inline(always)]
+    pub fn disperses_along(&self, ray: &Ray) -> bool {
+        C::HAS_WAVELENGTHS && self.disperses(self.frame.to_local(ray.direction))
+    }
+
     /// Whether a point lies in the plane of this surface as far as rounding can tell. A lamp that reflects would otherwise light its own
     /// back: each of its points is rounded to one side of it or the other, and half of them would see it.
     #[cold]
@@ -415,7 +444,8 @@ impl<'v, C: Spectrum> Vertex<'v, C> {
         // Errors of the frames would accumulate along a specular path, whereas a diffuse direction is sampled anew.
         let wi = if is_specular { wi.normalize() } else { wi };
         let ray = self.leave_by(sample.lobe, wi, sample.eta);
-        Some(Bounce { ray, weight: sample.weight, pdf, eta: sample.eta })
+        let disperses = self.disperses(sample.wi);
+        Some(Bounce { ray, weight: sample.weight, pdf, eta: sample.eta, disperses })
     }
 
     /// The ray that leaves by a delta lobe; `None` where an interpolated normal would send the ray through the face.

@@ -58,6 +58,8 @@ pub(super) struct Walk<C: Spectrum> {
     /// Throughput at which a path survives with certainty: a fraction of the throughput after the first hit, so that
     /// indirect light on a dark wall has the same relative noise as on a white one.
     roulette_reference: f32,
+    /// Whether the path goes on with its first wavelength alone.
+    pub alone: C::Alone,
     /// Number of hits so far, including the current one.
     pub depth: u32,
 }
@@ -66,7 +68,15 @@ impl<C: Spectrum> Walk<C> {
     /// The state before the first hit.
     #[inline]
     pub fn new(previous: PreviousBounce) -> Self {
-        Self { radiance: C::ZERO, throughput: C::ONE, previous, eta2: 1.0, roulette_reference: 1.0, depth: 0 }
+        Self {
+            radiance: C::ZERO,
+            throughput: C::ONE,
+            previous,
+            eta2: 1.0,
+            roulette_reference: 1.0,
+            alone: C::Alone::default(),
+            depth: 0,
+        }
     }
 
     /// One of `paths` paths into which this path is split, with no radiance yet.
@@ -94,8 +104,9 @@ impl<C: Spectrum> Walk<C> {
 
     /// A second path that continues from here with this weight, into a direction that no light sample could have chosen.
     #[inline]
-    pub fn branch(&self, weight: C) -> Self {
+    pub fn branch(&self, weight: C, disperses: bool) -> Self {
         let mut walk = Self { radiance: C::ZERO, throughput: self.throughput * weight, previous: None, ..*self };
+        walk.disperse(disperses);
         walk.roulette_reference = CERTAIN_FRACTION * walk.carried();
         walk
     }
@@ -112,6 +123,14 @@ impl<C: Spectrum> Walk<C> {
             self.throughput /= survival;
         }
         true
+    }
+
+    /// Lets the path go on with its first wavelength alone, after a bounce that sends each wavelength into another direction.
+    #[inline(always)]
+    fn disperse(&mut self, disperses: bool) {
+        if C::HAS_WAVELENGTHS && disperses {
+            self.throughput = self.throughput.keep_first(&mut self.alone);
+        }
     }
 
     /// Throughput of the path without the radiance scaling of refraction.
@@ -175,7 +194,8 @@ impl<C: Spectrum> Walk<C> {
         if vertex.finds_light_samples() && !scene.emitters().is_dark() {
             for _ in 0..shadow_rays {
                 if let Some((shadow, sent)) = vertex.light_sample(scene, sampler.next_4d(), shadow_rays, false) {
-                    light(&mut self.radiance, shadow, self.throughput * sent);
+                    let sent = vertex.dispersed(&shadow, self.throughput * sent, self.alone);
+                    light(&mut self.radiance, shadow, sent);
                 }
             }
         }
@@ -197,6 +217,7 @@ impl<C: Spectrum> Walk<C> {
             return None;
         }
         self.throughput *= bounce.weight;
+        self.disperse(bounce.disperses);
         self.eta2 *= bounce.eta * bounce.eta;
         self.previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
 
@@ -257,22 +278,28 @@ pub(super) fn trace<C: Spectrum, S: Sampler, T: Tracer>(
 
 /// Light that a vertex scatters back along the path, by light samples combined with one path of up to `max_depth` hits that
 /// begins with a Bsdf sample; 0 hits are light from the emitters alone. The emission of the vertex itself and the light of
-/// delta lobes are not included.
+/// delta lobes are not included. `alone` says whether the path has its first wavelength alone; what the vertex then disperses
+/// is at that wavelength only, and paths of several hits must not disperse once more.
 #[inline]
 pub(super) fn scattered_light<C: Spectrum, S: Sampler, T: Tracer>(
     vertex: &Vertex<'_, C>,
     context: &mut Context<'_, S, T, C>,
     max_depth: u32,
     shadow_rays: u32,
+    alone: C::Alone,
 ) -> C {
     let mut radiance = C::ZERO;
-    vertex.add_light_samples(&mut radiance, context, shadow_rays, false);
+    vertex.add_light_samples(&mut radiance, context, shadow_rays, false, alone);
     let bounce = vertex.sample_bounce(context.sampler.next_4d());
     if let Some(bounce) = bounce.filter(|bounce| bounce.pdf.is_some()) {
         let previous = bounce.pdf.map(|pdf| (vertex.receiver(), pdf));
         let limits = Limits { max_depth, previous, ..Limits::new(shadow_rays) };
         let media = vertex.media_beyond(context.scene, &bounce.ray);
-        radiance += bounce.weight * trace(bounce.ray, media, context, &mut |_| {}, &limits);
+        let mut weight = bounce.weight;
+        if C::HAS_WAVELENGTHS && bounce.disperses {
+            weight = weight.keep_first(&mut { alone });
+        }
+        radiance += weight * trace(bounce.ray, media, context, &mut |_| {}, &limits);
     }
     radiance
 }

@@ -36,9 +36,11 @@ pub struct Whitted {
 
 /// A ray that is still to be followed.
 #[derive(Clone, Copy)]
-struct Branch<C> {
+struct Branch<C: Spectrum> {
     ray: Ray,
     throughput: C,
+    /// Whether the branch goes on with its first wavelength alone.
+    alone: C::Alone,
     /// Compensates the radiance scaling of refraction, as in path tracing.
     eta2: f32,
     depth: u32,
@@ -55,7 +57,8 @@ impl<C: Spectrum> Transport<C> for Whitted {
         first: &mut impl FnMut(FirstHit),
     ) -> C {
         let max_depth = self.max_depth.unwrap_or(u32::MAX);
-        let start = Branch { ray, throughput: C::ONE, eta2: 1.0, depth: 1, media: context.scene.media_at(&ray) };
+        let (throughput, alone) = (C::ONE, C::Alone::default());
+        let start = Branch { ray, throughput, alone, eta2: 1.0, depth: 1, media: context.scene.media_at(&ray) };
         let mut waiting = [start; WAITING];
         let mut count = 1;
         let mut radiance = C::ZERO;
@@ -85,7 +88,8 @@ impl<C: Spectrum> Transport<C> for Whitted {
             }
             if vertex.finds_light_samples() {
                 if !context.scene.emitters().is_dark() {
-                    radiance += branch.throughput * scattered_light(&vertex, context, 0, self.shadow_rays);
+                    radiance +=
+                        branch.throughput * scattered_light(&vertex, context, 0, self.shadow_rays, branch.alone);
                 }
                 if !vertex.lobes.have_specular() {
                     continue;
@@ -105,9 +109,15 @@ impl<C: Spectrum> Transport<C> for Whitted {
                 if carried * least >= SMALLEST_BRANCH {
                     for lobe in lobes.into_iter().flatten() {
                         if let Some(ray) = vertex.leave_specular(&lobe) {
+                            let mut alone = branch.alone;
+                            let mut throughput = branch.throughput * lobe.weight;
+                            if vertex.disperses(lobe.wi) {
+                                throughput = throughput.keep_first(&mut alone);
+                            }
                             waiting[count] = Branch {
                                 ray,
-                                throughput: branch.throughput * lobe.weight,
+                                throughput,
+                                alone,
                                 eta2: branch.eta2 * lobe.eta * lobe.eta,
                                 depth: branch.depth + 1,
                                 media: vertex.media_beyond(context.scene, &ray),
@@ -126,7 +136,10 @@ impl<C: Spectrum> Transport<C> for Whitted {
                 // A lobe with a density beside a delta lobe: its light is direct light.
                 continue;
             }
-            let throughput = branch.throughput * bounce.weight;
+            let mut throughput = branch.throughput * bounce.weight;
+            if C::HAS_WAVELENGTHS && bounce.disperses {
+                throughput = throughput.keep_first(&mut branch.alone);
+            }
             let eta2 = branch.eta2 * bounce.eta * bounce.eta;
             // Branches that were split off have a low throughput from the start; the roulette depends only on what they lose
             // after it.
@@ -134,7 +147,8 @@ impl<C: Spectrum> Transport<C> for Whitted {
             if u[3] < survival {
                 let throughput = if survival < 1.0 { throughput / survival } else { throughput };
                 let media = vertex.media_beyond(context.scene, &bounce.ray);
-                waiting[count] = Branch { ray: bounce.ray, throughput, eta2, depth: branch.depth + 1, media };
+                let (ray, alone) = (bounce.ray, branch.alone);
+                waiting[count] = Branch { ray, throughput, alone, eta2, depth: branch.depth + 1, media };
                 count += 1;
             }
         }

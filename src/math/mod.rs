@@ -7,7 +7,7 @@ mod ray;
 
 pub use cone::RayCone;
 pub use frame::Frame;
-pub use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot, Vec2, Vec3A as Vec3, Vec4};
+pub use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4, EulerRot, Vec2, Vec3A as Vec3, Vec4};
 pub(crate) use keyed_path::flattens_between;
 pub use keyed_path::{KeyedPath, Pose};
 pub use ray::{HitPoint, ROUNDING, Ray};

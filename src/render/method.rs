@@ -4,7 +4,7 @@ use crate::desc::{IntegratorDesc, Preparation, SampleOrder};
 use crate::integrator::photon::Gather;
 use crate::integrator::radiosity::RadiosityPicture;
 use crate::integrator::{Direct, Irradiance, Path, Probes, Transport, Whitted};
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, SampledSpectrum};
 
 /// An integrator with its settings, and with its maps or its solution where it needs them.
 #[derive(Clone)]
@@ -14,6 +14,8 @@ pub(super) enum Method {
     Direct,
     /// Path tracing with photon maps.
     Gather(Box<Gather>),
+    /// The same for paths that carry wavelengths.
+    SpectralGather(Box<Gather<SampledSpectrum>>),
     /// Irradiance at points of surfaces, by path tracing.
     Irradiance(Irradiance),
     /// Irradiance or radiance at points of space.
@@ -26,6 +28,14 @@ impl Method {
     /// Whether the pixels are places of their own instead of what a camera sees.
     pub fn is_of_places(&self) -> bool {
         matches!(self, Self::Irradiance(_) | Self::Probes(_))
+    }
+
+    /// What a method of places is called in messages.
+    pub fn place_name(&self) -> &'static str {
+        match self {
+            Self::Irradiance(_) => "a light map",
+            _ => "light at given points",
+        }
     }
 
     /// The method of an integrator without preparation. For an integrator that needs maps or a solution, the method is path

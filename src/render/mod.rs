@@ -14,6 +14,7 @@
 //! ```
 
 mod adaptive;
+mod maps;
 mod method;
 mod pass;
 mod replay;
@@ -35,12 +36,14 @@ use crate::camera::{Camera, MovingCamera};
 use crate::desc::{Bias, FilterDesc, IntegratorDesc, Preparation, RenderDesc, SamplerDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::film::{ErrorEstimate, ErrorMeasure, Film, FilmOptions, Image, Placement, TILE};
-use crate::integrator::photon::{Choice, Plan, choose};
+use crate::integrator::photon::{Choice, choose};
 use crate::integrator::radiosity::{Radiosity, RadiosityPicture};
-use crate::integrator::{Irradiance, Path, Probe, ProbeQuantity, Probes, Sites, check_support};
+use crate::integrator::{Irradiance, Path, Probe, ProbeQuantity, Probes, Sites};
+use crate::integrator::{check_support, check_wavelengths, no_wavelengths};
 use crate::sampling::Filter;
 use crate::scene::Scene;
 use adaptive::{MIN_PIXELS, PILOT, Stage};
+use maps::Maps;
 use method::Method;
 use pass::{Pass, PassInput};
 use schedule::Schedule;
@@ -87,7 +90,7 @@ pub struct Render {
     /// The integrator that was chosen for the scene, where the settings ask for a choice.
     choice: Option<Choice>,
     /// The plan of the photon maps, where the integrator uses them.
-    plan: Option<Plan>,
+    plan: Option<Maps>,
     /// The radiosity solution, once it is made, where the integrator is radiosity.
     radiosity: Option<Arc<Radiosity>>,
     /// The integrator of the current pass.
@@ -202,6 +205,12 @@ impl Render {
         let filter_desc = if desc.sampler == SamplerDesc::Gaussian { FilterDesc::Box } else { desc.filter };
         let choice = (desc.integrator.info().preparation == Preparation::Choice).then(|| choose(scene));
         let integrator = choice.as_ref().map_or(desc.integrator, |choice| choice.integrator);
+        if desc.spectral {
+            match &method {
+                None => check_wavelengths(integrator, desc)?,
+                Some(method) => no_wavelengths(method.place_name())?,
+            }
+        }
         match method {
             None => check_support(scene, integrator)?,
             Some(_) if scene.has_moving_world() => {
@@ -216,17 +225,17 @@ impl Render {
         let scene = scene.with_roulette(desc.roulette);
         let shared = Arc::new(desc.clone());
         let plan = match integrator.info().preparation {
-            Preparation::PhotonMaps(..) => Some(Plan::new(&scene, &camera, &shared, integrator)?),
+            Preparation::PhotonMaps(..) => Some(Maps::new(&scene, &camera, &shared, integrator)?),
             Preparation::Nothing | Preparation::RadiositySolution | Preparation::Choice => None,
         };
-        let pass_samples = plan.as_ref().and_then(Plan::samples_a_pass);
+        let pass_samples = plan.as_ref().and_then(Maps::samples_a_pass);
         let film = Film::new(FilmOptions {
             resolution: desc.film_size(),
             placement: placement(desc, if is_of_places { 1.0 } else { scene.camera().pixel_aspect() }),
             auxiliary: settings.auxiliary,
             share: pass_samples.unwrap_or(1),
             weighted: matches!(filter_desc, FilterDesc::Mitchell { .. }),
-            gathering: plan.as_ref().is_some_and(Plan::remembers),
+            gathering: plan.as_ref().is_some_and(Maps::remembers),
         })?;
         let pixels = desc.film_size().map(u64::from).into_iter().product::<u64>();
         let adaptive = match (settings.adaptive.unwrap_or(settings.target_error.is_some()), desc.sampler) {
@@ -294,7 +303,7 @@ impl Render {
             if let Some(ended) = self.prepare(&schedule, start, progress)? {
                 break ended;
             }
-            if let Some(samples) = self.plan.as_ref().and_then(Plan::samples_a_pass) {
+            if let Some(samples) = self.plan.as_ref().and_then(Maps::samples_a_pass) {
                 // A pass ends where the next photon maps are needed.
                 count = count.min(samples - self.samples % samples);
             }
@@ -388,10 +397,10 @@ impl Render {
         let mut pool = WorkerPool::new(&self.workers, &self.settings.cancel, deadline, &mut callback);
         let made = match &mut self.plan {
             Some(plan) => {
-                let before = plan.rays;
+                let before = plan.rays();
                 let gather = plan.gather(samples, &mut pool);
-                self.rays += plan.rays - before;
-                gather.map(|gather| Method::Gather(Box::new(gather)))
+                self.rays += plan.rays() - before;
+                gather
             }
             None => Radiosity::solve(&self.scene, &self.desc.radiosity, &mut pool).map(|solution| {
                 let solution = Arc::new(solution);

@@ -1,5 +1,6 @@
 //! A pass: some samples of every pixel, tile by tile, on all threads.
 
+use std::marker::PhantomData;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -13,9 +14,9 @@ use crate::desc::{RenderDesc, SamplerDesc};
 use crate::film::{Film, PixelPhotonState, PixelSample, REPLICATES, TILE};
 use crate::integrator::{Context, Direct, Irradiance, Path, Probes, Sample, Tracer, Transport, Wave, Whitted};
 use crate::math::Ray;
-use crate::sampling::{Filter, Pattern, PatternSampler, Sampler, SobolSampler};
+use crate::sampling::{AnySampler, Filter, Pattern, PatternSampler, Sampler, SobolSampler};
 use crate::scene::{Backplate, Hit, Scene};
-use crate::spectrum::Rgb;
+use crate::spectrum::{Rgb, SampledSpectrum, Spectrum};
 
 /// Number of samples that are taken in one wave: enough to fill ray packets when most paths have ended, and few enough for the
 /// data to stay in the first caches.
@@ -155,17 +156,17 @@ impl SampleJob {
 }
 
 /// The samples that a worker takes at the same time.
-struct Batch<S> {
+struct Batch<S, C: Spectrum> {
     jobs: Vec<SampleJob>,
     /// Samples for the jobs; there may be more samples than jobs.
-    samples: Vec<Sample<S>>,
-    wave: Wave,
+    samples: Vec<Sample<S, C>>,
+    wave: Wave<C>,
     /// Greatest number of jobs at present. It begins at 1 and doubles, so that even passes that are stopped soon make
     /// progress.
     limit: usize,
 }
 
-impl<S: Clone> Batch<S> {
+impl<S: Clone, C: Spectrum> Batch<S, C> {
     /// Makes an empty batch for up to `capacity` jobs.
     fn new(sampler: &S, capacity: usize) -> Self {
         Self {
@@ -179,17 +180,22 @@ impl<S: Clone> Batch<S> {
 
 /// The quantity that a pixel measures.
 trait Measurement: Sync {
+    /// What the samples carry: three channels, or several wavelengths, of which the film gets the colour.
+    type Carried: Spectrum;
+
     /// Number of samples in a batch. It is 1 where a sample needs the state that the pixel's previous sample left.
     fn batch_size(&self, pass: &Pass) -> usize;
 
     /// Takes the samples of all jobs.
-    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S>, tracer: &mut T);
+    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, Self::Carried>, tracer: &mut T);
 }
 
 /// Radiance along camera rays.
-struct CameraRadiance<'i, I>(&'i I);
+struct CameraRadiance<'i, I, C = Rgb>(&'i I, PhantomData<C>);
 
-impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
+impl<I: Transport<C>, C: Spectrum> Measurement for CameraRadiance<'_, I, C> {
+    type Carried = C;
+
     /// A wave, or with several shadow rays per hit the number of paths whose shadow rays make a wave.
     fn batch_size(&self, pass: &Pass) -> usize {
         match (I::IN_WAVES, pass.input.film.options().gathering) {
@@ -200,7 +206,7 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
     }
 
     #[inline(always)]
-    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S>, tracer: &mut T) {
+    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, C>, tracer: &mut T) {
         let Batch { jobs, samples, wave, .. } = batch;
         let samples = &mut samples[..jobs.len()];
         for (job, sample) in jobs.iter().zip(samples.iter_mut()) {
@@ -231,14 +237,21 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
         if let Some(moving) = &pass.input.moving_camera {
             leave_moving_camera(pass, moving, jobs, samples);
         }
+        if C::HAS_WAVELENGTHS {
+            for sample in samples.iter_mut() {
+                sample.wavelengths = self.0.wavelengths(&mut sample.sampler);
+            }
+        }
         if I::IN_WAVES {
             self.0.li_of_many(&pass.input.scene, samples, wave, tracer);
         } else {
-            for (job, Sample { ray, sampler, radiance, first, .. }) in jobs.iter_mut().zip(samples.iter_mut()) {
+            for (job, Sample { ray, sampler, radiance, first, wavelengths }) in jobs.iter_mut().zip(samples.iter_mut())
+            {
                 *first = None;
                 let first = &mut |hit| *first = Some(hit);
                 let gathering = job.gathering.as_mut();
-                let mut context = Context { scene: &pass.input.scene, sampler, tracer, wavelengths: () };
+                let wavelengths = *wavelengths;
+                let mut context = Context { scene: &pass.input.scene, sampler, tracer, wavelengths };
                 *radiance = self.0.li_of_pixel(*ray, &mut context, first, gathering);
             }
         }
@@ -251,26 +264,33 @@ impl<I: Transport<Rgb>> Measurement for CameraRadiance<'_, I> {
 /// Puts the backplate in place of what comes from infinity, in the samples whose camera rays met nothing.
 #[cold]
 #[inline(never)]
-fn show_backplate<S>(pass: &Pass, backplate: &Backplate, jobs: &[SampleJob], samples: &mut [Sample<S>]) {
+fn show_backplate<S, C: Spectrum>(
+    pass: &Pass,
+    backplate: &Backplate,
+    jobs: &[SampleJob],
+    samples: &mut [Sample<S, C>],
+) {
     let scene = &pass.input.scene;
     for (job, sample) in jobs.iter().zip(samples).filter(|(_, sample)| sample.first.is_none()) {
-        // No surface was met where the medium around the camera could end: on an endless way, it absorbs every channel that it absorbs at all.
+        // No surface was met where the medium around the camera could end: on an endless way, it absorbs every channel that it
+        // absorbs at all.
         let left = match scene.media_at(&sample.ray).filter(|media| !media.is_empty()) {
-            Some(media) => scene.transmittance(media, f32::INFINITY, &()),
-            None => Rgb::ONE,
+            Some(media) => scene.transmittance::<C>(media, f32::INFINITY, &sample.wavelengths),
+            None => C::ONE,
         };
-        sample.radiance = left * backplate.radiance_at(job.place(), pass.input.desc.resolution);
+        let color = backplate.radiance_at(job.place(), pass.input.desc.resolution);
+        sample.radiance = left * C::from_emission(color, &sample.wavelengths);
     }
 }
 
 /// Makes the rays of samples that have their times, from where the camera is then.
 #[cold]
 #[inline(never)]
-fn leave_moving_camera<S: Sampler>(
+fn leave_moving_camera<S: Sampler, C: Spectrum>(
     pass: &Pass,
     moving: &MovingCamera,
     jobs: &mut [SampleJob],
-    samples: &mut [Sample<S>],
+    samples: &mut [Sample<S, C>],
 ) {
     let has_cones = pass.input.scene.asks_footprints();
     for (job, sample) in jobs.iter_mut().zip(samples) {
@@ -290,12 +310,14 @@ fn leave_moving_camera<S: Sampler>(
 
 /// Irradiance of sites. A site has the number of its pixel.
 impl Measurement for Irradiance {
+    type Carried = Rgb;
+
     fn batch_size(&self, _pass: &Pass) -> usize {
         SAMPLES_PER_BATCH
     }
 
     #[inline(always)]
-    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S>, tracer: &mut T) {
+    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, Rgb>, tracer: &mut T) {
         for (job, sample) in batch.jobs.iter().zip(&mut batch.samples) {
             let [x, y] = job.pixel;
             let site = (y * pass.input.film.options().resolution[0] + x) as usize;
@@ -307,12 +329,14 @@ impl Measurement for Irradiance {
 
 /// Light at points of space. A point has the number of its pixel.
 impl Measurement for Probes {
+    type Carried = Rgb;
+
     fn batch_size(&self, _pass: &Pass) -> usize {
         SAMPLES_PER_BATCH
     }
 
     #[inline(always)]
-    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S>, tracer: &mut T) {
+    fn take<S: Sampler, T: Tracer>(&self, pass: &Pass, batch: &mut Batch<S, Rgb>, tracer: &mut T) {
         for (job, sample) in batch.jobs.iter().zip(&mut batch.samples) {
             let [x, y] = job.pixel;
             let number = (y * pass.input.film.options().resolution[0] + x) as usize;
@@ -326,12 +350,17 @@ impl SharedWork for Pass {
     fn take(&self, pause: &mut dyn FnMut() -> bool) -> bool {
         let shadow_rays = self.input.desc.shadow_rays;
         let max_depth = self.input.desc.max_depth;
+        let is_spectral = self.input.desc.spectral;
         match &self.input.method {
-            Method::Path => self.with_measurement(&CameraRadiance(&Path { max_depth, shadow_rays }), pause),
-            Method::Whitted => self.with_measurement(&CameraRadiance(&Whitted { max_depth, shadow_rays }), pause),
-            Method::Direct => self.with_measurement(&CameraRadiance(&Direct { shadow_rays }), pause),
-            Method::Gather(gather) => self.with_measurement(&CameraRadiance(&**gather), pause),
-            Method::Radiosity(picture) => self.with_measurement(&CameraRadiance(picture), pause),
+            Method::Path if is_spectral => self.in_wavelengths(&Path { max_depth, shadow_rays }, pause),
+            Method::Path => self.in_colours(&Path { max_depth, shadow_rays }, pause),
+            Method::Whitted if is_spectral => self.in_wavelengths(&Whitted { max_depth, shadow_rays }, pause),
+            Method::Whitted => self.in_colours(&Whitted { max_depth, shadow_rays }, pause),
+            Method::Direct if is_spectral => self.in_wavelengths(&Direct { shadow_rays }, pause),
+            Method::Direct => self.in_colours(&Direct { shadow_rays }, pause),
+            Method::Gather(gather) => self.in_colours(&**gather, pause),
+            Method::SpectralGather(gather) => self.in_wavelengths(&**gather, pause),
+            Method::Radiosity(picture) => self.in_colours(picture, pause),
             Method::Irradiance(irradiance) => self.with_measurement(irradiance, pause),
             Method::Probes(probes) => self.with_measurement(probes, pause),
         }
@@ -401,19 +430,40 @@ impl Pass {
         pass.replay.map(Replay::into_replayed).unwrap_or_default()
     }
 
+    /// Takes the samples of an integrator whose paths carry colours.
+    #[inline(always)]
+    fn in_colours<I: Transport<Rgb>>(&self, integrator: &I, pause: &mut dyn FnMut() -> bool) -> bool {
+        self.with_measurement(&CameraRadiance(integrator, PhantomData::<Rgb>), pause)
+    }
+
+    /// Takes the samples of an integrator whose paths carry wavelengths.
+    ///
+    /// The code is compiled for one type of sampler, because that for wavelengths is as large as that for colours.
+    #[inline(never)]
+    fn in_wavelengths<I: Transport<SampledSpectrum>>(&self, integrator: &I, pause: &mut dyn FnMut() -> bool) -> bool {
+        self.all_tiles(&CameraRadiance(integrator, PhantomData::<SampledSpectrum>), &self.sampler(), pause)
+    }
+
     fn with_measurement<M: Measurement>(&self, measurement: &M, pause: &mut dyn FnMut() -> bool) -> bool {
+        match self.sampler() {
+            AnySampler::Sobol(sampler) => self.all_tiles(measurement, &sampler, pause),
+            AnySampler::Pattern(sampler) => self.all_tiles(measurement, &sampler, pause),
+        }
+    }
+
+    fn sampler(&self) -> AnySampler {
         let seed = self.input.desc.seed;
         let pattern = match self.input.desc.sampler {
             SamplerDesc::Sobol => {
-                let sampler = SobolSampler::new(seed, self.input.film.options().share).in_turn(REPLICATES as u32);
-                return self.all_tiles(measurement, &sampler, pause);
+                let sampler = SobolSampler::new(seed, self.input.film.options().share);
+                return AnySampler::Sobol(sampler.in_turn(REPLICATES as u32));
             }
             SamplerDesc::Random => Pattern::Random,
             SamplerDesc::Jittered => Pattern::Jittered,
             SamplerDesc::Grid => Pattern::Grid,
             SamplerDesc::Gaussian => Pattern::Gaussian,
         };
-        self.all_tiles(measurement, &PatternSampler::new(pattern, seed, self.input.desc.samples), pause)
+        AnySampler::Pattern(PatternSampler::new(pattern, seed, self.input.desc.samples))
     }
 
     /// Takes tiles until none is left, or until `pause` returns `true`. Returns whether no tile is left.
@@ -452,7 +502,7 @@ impl Pass {
     fn tile<M: Measurement, S: Sampler>(
         &self,
         measurement: &M,
-        batch: &mut Batch<S>,
+        batch: &mut Batch<S, M::Carried>,
         number: usize,
         tracer: &mut PassTracer,
         pause: &mut dyn FnMut() -> bool,
@@ -512,14 +562,14 @@ impl Pass {
     }
 
     /// Adds samples to their pixels, or records the result of a replay.
-    fn add<S>(&self, batch: &Batch<S>, tile: usize, rays: u64) {
+    fn add<S, C: Spectrum>(&self, batch: &Batch<S, C>, tile: usize, rays: u64) {
         let options = self.input.film.options();
         let mut tile = self.input.film.tile(tile);
-        for (job, Sample { radiance, first, .. }) in batch.jobs.iter().zip(&batch.samples) {
+        for (job, Sample { radiance, wavelengths, first, .. }) in batch.jobs.iter().zip(&batch.samples) {
             let is_blind = self.input.has_rim && !self.sees(job);
-            let radiance = if is_blind { &Rgb::ZERO } else { radiance };
+            let radiance = if is_blind { Rgb::ZERO } else { radiance.to_rgb(wavelengths) };
             if let Some(replay) = &self.replay {
-                replay.record(*radiance, rays);
+                replay.record(radiance, rays);
                 continue;
             }
             if !radiance.is_finite() {
@@ -531,7 +581,7 @@ impl Pass {
                 Some(moving) => moving.at(job.time).depth(p),
             };
             let first = first.map(|hit| (hit.albedo, hit.normal, depth(hit.p)));
-            let (radiance, weight, gathering) = (*radiance, job.weight, job.gathering);
+            let (weight, gathering) = (job.weight, job.gathering);
             tile.add_sample(job.index, PixelSample { radiance, weight, gathering, first }, options.share);
         }
     }

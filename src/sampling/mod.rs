@@ -2,6 +2,7 @@
 //!
 //! Every number in [0, 1) is strictly below 1. Warps state what they return and the density of it.
 
+mod any;
 mod bilinear;
 mod cone;
 mod distribution;
@@ -14,6 +15,7 @@ mod sobol;
 mod spherical_triangle;
 pub mod warps;
 
+pub use any::AnySampler;
 pub use bilinear::{BilinearGrid, GridSample};
 pub use cone::DirectionCone;
 pub use distribution::Distribution1D;

@@ -160,7 +160,11 @@ fn check_emission(desc: &SceneDesc) -> Result<()> {
 /// milliseconds each.
 fn bsdfs(desc: &SceneDesc, used: &[bool]) -> Vec<Bsdf> {
     let of = |(i, material): (usize, &MaterialDesc)| {
-        if used[i] { Bsdf::of_materials(&material.bsdf, &desc.materials[..i]) } else { Bsdf::Black(Black) }
+        if !used[i] {
+            return Bsdf::Black(Black);
+        }
+        let bsdf = Bsdf::of_materials(&material.bsdf, &desc.materials[..i]);
+        bsdf.with_dispersion(&material.bsdf, material.dispersion, None)
     };
     desc.materials.iter().enumerate().map(of).collect()
 }

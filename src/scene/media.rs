@@ -15,9 +15,9 @@ use super::interaction::{NO_EMITTER, Owner, Triangles};
 use super::material::turned_with_tangents;
 use super::textured::has_varying_bsdf;
 use super::{Scene, SurfaceDetail};
-use crate::bsdf::{Black, Bsdf, Dielectric, Model as _};
+use crate::bsdf::{Black, Bsdf, Dielectric, Index, Model as _};
 use crate::camera::Camera;
-use crate::desc::{Body, BsdfDesc, MaterialDesc, SceneDesc};
+use crate::desc::{Body, BsdfDesc, Dispersion, MaterialDesc, MediumDesc, SceneDesc};
 use crate::error::{Error, ErrorKind, Result};
 use crate::math::{Bounds, DVec3, Ray, Vec3};
 use crate::sampling::hash;
@@ -93,6 +93,15 @@ struct Medium {
     /// Absorption coefficient [1 / length].
     absorption: Rgb,
     priority: u32,
+    /// How the index of the medium depends on the wavelength.
+    dispersion: Option<Dispersion>,
+}
+
+impl Medium {
+    /// The index of the medium by the wavelength.
+    fn index(&self) -> Index {
+        Index { ior: self.ior, dispersion: self.dispersion }
+    }
 }
 
 /// All media of a scene that has any.
@@ -145,7 +154,7 @@ impl Media {
         let mut media: Vec<Medium> = Vec::new();
         let mut of_material = Vec::with_capacity(desc.materials.len());
         for (i, (material, body)) in desc.materials.iter().zip(bodies).enumerate() {
-            let Some(Body { ior, exterior_ior, medium: given }) = body else {
+            let Some(Body { ior, exterior_ior, medium: given, dispersion }) = body else {
                 of_material.push(0);
                 continue;
             };
@@ -155,7 +164,8 @@ impl Media {
                      absorb or have priorities";
                 return fail(message.to_owned());
             }
-            let medium = Medium { ior, exterior_ior, absorption: given.absorption, priority: given.priority };
+            let MediumDesc { absorption, priority } = given;
+            let medium = Medium { ior, exterior_ior, absorption, priority, dispersion };
             let place = media.iter().position(|other| *other == medium).unwrap_or_else(|| {
                 media.push(medium);
                 media.len() - 1
@@ -282,7 +292,8 @@ impl Scene {
         let number = all.of_material[material as usize];
         let Some(medium) = all.medium(number) else { return own() };
         let Crossing { filling, .. } = all.crossing(media, number, front);
-        let [here, beyond] = filling.map(|number| all.medium(number).map_or(medium.exterior_ior, |medium| medium.ior));
+        let around = Index { ior: medium.exterior_ior, dispersion: None };
+        let [here, beyond] = filling.map(|number| all.medium(number).map_or(around, Medium::index));
         let (inner, outer) = if front { (beyond, here) } else { (here, beyond) };
         let is_hidden = filling[0] == filling[1];
         match &all.interfaces[material as usize] {
@@ -292,7 +303,9 @@ impl Scene {
                 let place = usize::from(if front { filling[0] } else { filling[1] });
                 let bsdf = around[place].get_or_init(|| {
                     let (before, rest) = all.materials.split_at(material as usize);
-                    rest.first().map_or(Bsdf::Black(Black), |own| Bsdf::within(&own.bsdf, before, Some(outer)))
+                    rest.first().map_or(Bsdf::Black(Black), |own| {
+                        Bsdf::within(&own.bsdf, before, Some(outer.ior)).dispersing(inner, outer)
+                    })
                 });
                 if bsdf.is_anisotropic() {
                     turned_with_tangents(bsdf, &detail(true)).in_spectrum::<C>(wavelengths)
@@ -300,11 +313,14 @@ impl Scene {
                     bsdf.in_spectrum::<C>(wavelengths)
                 }
             }
-            Interface::Varying if !is_hidden => {
-                self.material(material).at_body(detail, outer).in_spectrum::<C>(wavelengths)
-            }
+            Interface::Varying if !is_hidden => self
+                .material(material)
+                .at_body(detail, outer.ior)
+                .dispersing(inner, outer)
+                .in_spectrum::<C>(wavelengths),
             Interface::Made(_) | Interface::Varying | Interface::Smooth => {
-                Bsdf::Dielectric(Dielectric::new(inner, outer))
+                let smooth = Bsdf::Dielectric(Dielectric::new(inner.ior, outer.ior));
+                smooth.dispersing(inner, outer).in_spectrum::<C>(wavelengths)
             }
         }
     }

@@ -1,10 +1,18 @@
-//! Scene-linear colour: three channels with Rec. 709 primaries, and their luminance.
+//! Scene-linear colour: three channels with Rec. 709 primaries, and their luminance; spectra, and the colours that they have.
 
+mod illuminant;
+mod observer;
 mod rgb;
+mod sampled;
 mod transported;
+mod upsample;
 
+pub use illuminant::{DAYLIGHT_TEMPERATURES, Illuminant, black_body};
+pub use observer::{REC_709_FROM_XYZ, VISIBLE, XYZ_FROM_REC_709, color_matching, rec_709, tristimulus};
 pub use rgb::Rgb;
+pub use sampled::{SampledSpectrum, SampledWavelengths};
 pub use transported::Spectrum;
+pub use upsample::SmoothSpectrum;
 
 /// Weights of the Rec. 709 channels in the CIE luminance (IEC 61966-2-1).
 pub const LUMINANCE_WEIGHTS: Rgb = Rgb::new(0.2126, 0.7152, 0.0722);

@@ -38,6 +38,12 @@ pub trait Spectrum:
     /// A value in double precision, for sums of many.
     type Wide: Copy + Debug + Default + Add<Output = Self::Wide> + AddAssign + Send + Sync + 'static;
 
+    /// Whether a path goes on with its first wavelength alone; nothing for RGB.
+    type Alone: Copy + Debug + Default + PartialEq + Send + Sync + 'static;
+
+    /// Whether the channels are wavelengths, so that surfaces may refract each into a direction of its own.
+    const HAS_WAVELENGTHS: bool;
+
     /// 0 in every channel.
     const ZERO: Self;
     /// 1 in every channel.
@@ -68,11 +74,15 @@ pub trait Spectrum:
     /// An estimate of the colour that a sensor gets, which divides by the densities of the wavelengths.
     fn to_rgb(self, wavelengths: &Self::Wavelengths) -> Rgb;
 
-    /// As photons store it.
-    fn pack(self) -> Self::Packed;
+    /// As photons store it, whose path has its first wavelength alone if `alone` says so.
+    fn pack(self, alone: Self::Alone) -> Self::Packed;
 
-    /// What [`Spectrum::pack`] stored.
-    fn unpack(packed: Self::Packed) -> Self;
+    /// What [`Spectrum::pack`] stored, as a factor on the weight of a path that has its first wavelength alone if `alone` says so:
+    /// where both are alone, the wavelength stands for all of them once.
+    fn unpack(packed: Self::Packed, alone: Self::Alone) -> Self;
+
+    /// What [`Spectrum::pack`] stored times a factor >= 0.
+    fn scale_packed(packed: Self::Packed, factor: f64) -> Self::Packed;
 
     /// In double precision.
     fn widen(self) -> Self::Wide;
@@ -83,13 +93,26 @@ pub trait Spectrum:
     /// Times a factor in double precision.
     #[must_use]
     fn scaled(self, factor: f64) -> Self;
+
+    /// The values of a function of the wavelength \[nm\]; of `None` where channels have no wavelength.
+    fn at_wavelengths(wavelengths: &Self::Wavelengths, f: impl Fn(Option<f32>) -> f32) -> Self;
+
+    /// The wavelength \[nm\] that a path goes on with where surfaces tell wavelengths apart; `None` for RGB.
+    fn first_wavelength(wavelengths: &Self::Wavelengths) -> Option<f32>;
+
+    /// A path's weight where the path goes on with its first wavelength alone, which from then on stands for all of them: the others
+    /// become 0. What `alone` says becomes true; a path that was alone before has the same weight.
+    #[must_use]
+    fn keep_first(self, alone: &mut Self::Alone) -> Self;
 }
 
 impl Spectrum for Rgb {
     type Wavelengths = ();
     type Packed = [f32; 3];
     type Wide = DVec3;
+    type Alone = ();
 
+    const HAS_WAVELENGTHS: bool = false;
     const ZERO: Self = Self::ZERO;
     const ONE: Self = Self::ONE;
 
@@ -132,13 +155,18 @@ impl Spectrum for Rgb {
     }
 
     #[inline(always)]
-    fn pack(self) -> [f32; 3] {
+    fn pack(self, (): ()) -> [f32; 3] {
         self.to_array()
     }
 
     #[inline(always)]
-    fn unpack(packed: [f32; 3]) -> Self {
+    fn unpack(packed: [f32; 3], (): ()) -> Self {
         Self::from_array(packed)
+    }
+
+    #[inline(always)]
+    fn scale_packed(packed: [f32; 3], factor: f64) -> [f32; 3] {
+        packed.map(|value| (f64::from(value) * factor) as f32)
     }
 
     #[inline(always)]
@@ -154,5 +182,20 @@ impl Spectrum for Rgb {
     #[inline(always)]
     fn scaled(self, factor: f64) -> Self {
         Self::from_f64(self.to_f64() * factor)
+    }
+
+    #[inline(always)]
+    fn at_wavelengths((): &(), f: impl Fn(Option<f32>) -> f32) -> Self {
+        Self::splat(f(None))
+    }
+
+    #[inline(always)]
+    fn first_wavelength((): &()) -> Option<f32> {
+        None
+    }
+
+    #[inline(always)]
+    fn keep_first(self, (): &mut ()) -> Self {
+        self
     }
 }

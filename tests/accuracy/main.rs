@@ -22,6 +22,7 @@ mod photometry;
 mod photons;
 mod radiosity;
 mod sampling;
+mod spectra;
 mod textures;
 mod transport;
 
@@ -46,6 +47,7 @@ fn groups() -> Vec<(&'static str, Vec<Entry>)> {
         ("textures", textures::cases()),
         ("motion", motion::cases()),
         ("photometry", photometry::cases()),
+        ("spectra", spectra::cases()),
         ("arithmetic", arithmetic::cases()),
     ]
 }

@@ -320,7 +320,7 @@ static void structures(void) {
     FIELD(etd_render_options, photon_memory);
     FIELD(etd_render_options, cache_rays);
     FIELD(etd_render_options, cache_source);
-    FIELD(etd_render_options, reserved);
+    FIELD(etd_render_options, spectral);
     FIELD(etd_render_options, error_measure);
     FIELD(etd_render_options, adaptive);
     FIELD(etd_render_options, radiosity_element_size);
@@ -381,6 +381,9 @@ static void structures(void) {
     FIELD(etd_material, principled);
     FIELD(etd_material, opacity);
     FIELD(etd_material, emission);
+    FIELD(etd_material, abbe);
+    FIELD(etd_material, sellmeier_strengths);
+    FIELD(etd_material, sellmeier_resonances);
     STRUCT(etd_principled);
     FIELD(etd_principled, struct_size);
     FIELD(etd_principled, base_weight);

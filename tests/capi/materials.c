@@ -32,6 +32,16 @@ CASE(oren_nayar) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_OREN_NAYAR; m->roughness = 
 CASE(qualitative) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_OREN_NAYAR_QUALITATIVE; m->sigma_deg = 30; }
 CASE(mirror) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_MIRROR; set3(m->color, 0.75f, 0.5f, 0.25f); }
 CASE(dielectric) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_DIELECTRIC; m->ior = 1.5f; m->exterior_ior = 1.25f; }
+CASE(abbe) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_DIELECTRIC; m->ior = 1.5f; m->abbe = 64.25f; }
+CASE(sellmeier) {
+    ONLY_MATERIAL;
+    m->bsdf = ETD_BSDF_ROUGH_DIELECTRIC;
+    m->sellmeier_strengths[0] = 0.5f;
+    m->sellmeier_strengths[1] = 1.25f;
+    m->sellmeier_resonances[0] = 0.03125f;
+    m->sellmeier_resonances[1] = 0.0078125f;
+    m->roughness = 0.5f;
+}
 CASE(eon) { ONLY_MATERIAL; m->bsdf = ETD_BSDF_EON; set3(m->color, 0.75f, 0.5f, 0.25f); m->roughness = 0.5f; }
 CASE(diffuse_transmission) {
     ONLY_MATERIAL;
@@ -139,6 +149,10 @@ static const struct {
      "\"type\": \"diffuse\", \"brdf\": \"oren-nayar-qualitative\", \"color\": [0.5, 0.5, 0.5], \"sigmaDeg\": 30"},
     {"mirror", mirror, "\"type\": \"reflective\", \"color\": [0.75, 0.5, 0.25]"},
     {"dielectric", dielectric, "\"type\": \"refractive\", \"refractionIndex\": 1.5, \"exteriorIndex\": 1.25"},
+    {"abbe", abbe, "\"type\": \"refractive\", \"refractionIndex\": 1.5, \"dispersion\": 64.25"},
+    {"sellmeier", sellmeier,
+     "\"type\": \"refractive\", \"roughness\": 0.5, \"dispersion\": {\"strengths\": [0.5, 1.25], "
+     "\"resonances\": [0.03125, 0.0078125]}"},
     {"eon", eon, "\"type\": \"diffuse\", \"brdf\": \"eon\", \"color\": [0.75, 0.5, 0.25], \"roughness\": 0.5"},
     {"diffuse transmission", diffuse_transmission,
      "\"type\": \"diffuse-transmission\", \"color\": [0.25, 0.25, 0.5], \"transmittance\": [0.5, 0.25, 0]"},

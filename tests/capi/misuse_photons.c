@@ -140,10 +140,12 @@ static void pass_whole_numbers(void) {
         CHECK(strstr(etd_last_error_message(), "options.cache_rays: 15 is out of range") != NULL);
         options.cache_rays = 16;
         CHECK_OK(etd_render(scene, film, &options));
-        options.reserved = 1;
+        options.spectral = 3;
         CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
-        CHECK(strstr(etd_last_error_message(), "options.reserved") != NULL);
-        options.reserved = 0;
+        CHECK(strstr(etd_last_error_message(), "options.spectral") != NULL);
+        options.spectral = ETD_SWITCH_OFF;
+        CHECK_OK(etd_render(scene, film, &options));
+        options.spectral = ETD_SWITCH_DEFAULT;
         options.roulette = ETD_ROULETTE_FILE;
         CHECK_OK(etd_render(scene, film, &options));
         options.roulette = 2;
@@ -211,7 +213,7 @@ static void read_settings_of_a_scene(void) {
     CHECK(options.photon_kernel == ETD_PHOTON_KERNEL_CONE && options.photon_kernel_k == 1.25f);
     CHECK(options.photon_alpha == 0.7 && options.photon_sharing == ETD_PHOTON_SHARING_AREA);
     CHECK(options.photons_guided == ETD_SWITCH_OFF && options.photons_progressive == ETD_SWITCH_OFF);
-    CHECK(options.gather_rays == 7 && options.photon_memory == 64 && options.reserved == 0);
+    CHECK(options.gather_rays == 7 && options.photon_memory == 64 && options.spectral == ETD_SWITCH_OFF);
     CHECK(options.cache_error == 0.3 && options.cache_rays == 32 && options.cache_min_spacing == 2.5);
     CHECK(options.cache_max_spacing == 0.25 && options.cache_source == ETD_CACHE_SOURCE_PHOTONS);
     CHECK_OK(etd_render(read, small, NULL));
@@ -277,7 +279,7 @@ static void pass_options_of_the_first_version(void) {
     CHECK_OK(etd_film_copy(film, ETD_LAYER_COLOR, NULL, cut, sizeof cut, 0));
     CHECK(memcmp(whole, cut, sizeof whole) == 0);
     CHECK_OK(etd_scene_get_render_options(scene, &options));
-    CHECK(options.struct_size == first && options.reserved == 0x5a5a5a5au && options.photon_count == 0x5a5a5a5au);
+    CHECK(options.struct_size == first && options.spectral == 0x5a5a5a5au && options.photon_count == 0x5a5a5a5au);
     options.struct_size = first - 1 - sizeof options.user_data;
     CHECK_STATUS(etd_render(scene, film, &options), ETD_INVALID_ARGUMENT);
 }

@@ -4,13 +4,14 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use etendue::desc::{
-    AreaWebDesc, BackplateDesc, BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, CropDesc, DistantLightDesc,
-    Distribution, EnvironmentDesc, EnvironmentMapDesc, FilmDesc, FilterDesc, FocusDesc, FormulaSkyDesc, FovAxis,
-    HosekWilkieDesc, HostMesh, ImageTextureDesc, IntegratorDesc, KernelDesc, KeyPlace, LensDesc, LightDistribution,
-    METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MeshStep, MicrofacetsDesc, MotionDesc, MotionKey, Panorama,
-    PanoramaDesc, PhotonDesc, PhotonSharing, PointLightDesc, PortalDesc, PrincipledDesc, Projection, RadiosityDesc,
-    RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc, ShapeDesc, ShutterDesc, SkyDesc, SpotDesc,
-    SurfaceLook, TextureBinding, TextureChannel, TextureDesc, TextureKey, TextureMapping, TextureSource,
+    AreaWebDesc, BackplateDesc, BsdfDesc, CacheDesc, CacheSource, CameraDesc, ConductorDesc, CropDesc, Dispersion,
+    DistantLightDesc, Distribution, EnvironmentDesc, EnvironmentMapDesc, FilmDesc, FilterDesc, FocusDesc,
+    FormulaSkyDesc, FovAxis, HosekWilkieDesc, HostMesh, ImageTextureDesc, IntegratorDesc, KernelDesc, KeyPlace,
+    LensDesc, LightDistribution, METALS, Masking, MaterialDesc, MediumDesc, MeshDesc, MeshStep, MicrofacetsDesc,
+    MotionDesc, MotionKey, Panorama, PanoramaDesc, PhotonDesc, PhotonSharing, PointLightDesc, PortalDesc,
+    PrincipledDesc, Projection, RadiosityDesc, RadiositySolver, RenderDesc, RouletteDesc, SamplerDesc, SceneDesc,
+    ShapeDesc, ShutterDesc, SkyDesc, SpotDesc, SurfaceLook, TextureBinding, TextureChannel, TextureDesc, TextureKey,
+    TextureMapping, TextureSource,
 };
 use etendue::emitter::SkyFormula;
 use etendue::math::{Bounds, DAffine3, DQuat, DVec3};
@@ -90,6 +91,21 @@ fn materials(scene: &mut SceneDesc) {
     add(scene, "mirror", BsdfDesc::Mirror { reflectance: rgb(2.0, 2.5, 3.0) });
     let glass = add(scene, "glass", BsdfDesc::Dielectric { ior: third(4.5), exterior_ior: 1.0 });
     scene.set_medium(glass, Some(MediumDesc { absorption: rgb(0.0, 1e-3, 7.0), priority: u32::MAX })).unwrap();
+    let abbe = BsdfDesc::Dielectric { ior: third(4.5), exterior_ior: third(4.0) };
+    let prism = MaterialDesc {
+        name: "prism".into(),
+        bsdf: abbe,
+        dispersion: Some(Dispersion::Abbe(third(90.0))),
+        ..MaterialDesc::default()
+    };
+    scene.add_material_desc(prism).unwrap();
+    for (name, strengths) in [("diamond", [0.3306, 4.3356, 0.0, 0.0]), ("formula", [third(1.0), 1.0, 0.0, 0.0])] {
+        let dispersion = Dispersion::Sellmeier { strengths, resonances: [0.030_625, 0.011_236, 0.0, 0.0] };
+        let bsdf = BsdfDesc::Dielectric { ior: dispersion.own_index().unwrap() as f32, exterior_ior: 1.0 };
+        let material =
+            MaterialDesc { name: name.into(), bsdf, dispersion: Some(dispersion), ..MaterialDesc::default() };
+        scene.add_material_desc(material).unwrap();
+    }
     let leaf = BsdfDesc::DiffuseTransmission { reflectance: rgb(0.3, 0.2, 0.1), transmittance: rgb(1.0, 2.0, 0.4) };
     add(scene, "leaf", leaf);
     add(scene, "velvet", BsdfDesc::Sheen { color: albedo, roughness: third(0.1) });
@@ -589,6 +605,7 @@ pub fn settings() -> Vec<RenderDesc> {
         sampler: SamplerDesc::Jittered,
         filter: FilterDesc::Gaussian { sigma: third(1.0) },
         integrator: IntegratorDesc::Sppm,
+        spectral: true,
         max_depth: Some(u32::MAX),
         shadow_rays: 3,
         roulette: RouletteDesc::File,

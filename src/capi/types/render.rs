@@ -233,8 +233,9 @@ pub struct etd_render_options {
     pub cache_rays: u32,
     /// An `etd_cache_source`.
     pub cache_source: EtdCacheSource,
-    /// Must be 0.
-    pub reserved: u32,
+    /// An `etd_switch`: whether paths carry wavelengths instead of three channels. Colours become smooth spectra, lights those times
+    /// D65, and glass with a dispersion disperses light; the film has the colours that the standard observer sees. Off by default.
+    pub spectral: EtdSwitch,
     /// An `etd_error_measure`: the measure of `target_error`, in which adaptive sampling reduces the error.
     pub error_measure: EtdErrorMeasure,
     /// An `etd_switch`: whether pixels with larger errors get more samples; `samples` is then the mean over pixels. On by default

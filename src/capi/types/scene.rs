@@ -244,6 +244,16 @@ pub struct etd_material {
     /// Emitted radiance on the normal's side [W m^-2 sr^-1], each channel >= 0, of all surfaces of the material that have no
     /// emission of their own. Three zeros: none. Quadrics and disks cannot have a material that emits.
     pub emission: [f32; 3],
+    /// Abbe number (n_d - 1) / (n_F - n_C) of a dielectric, > 0: the smaller, the more its index depends on the wavelength, by
+    /// Cauchy's formula with `ior` at 587.56 nm. Only renders in wavelengths (`etd_render_options.spectral`) show it. 0: the same
+    /// index for all wavelengths.
+    pub abbe: f32,
+    /// Strengths of Sellmeier's formula n^2 = 1 + sum of strength lambda^2 / (lambda^2 - resonance) for a dielectric, lambda in
+    /// micrometres, in place of `abbe`; unused ones are 0. `ior` is then
+    /// not read: the index is that of the formula.
+    pub sellmeier_strengths: [f32; 4],
+    /// Squares of the resonant wavelengths of Sellmeier's formula, micrometre^2.
+    pub sellmeier_resonances: [f32; 4],
 }
 
 /// The format of an array of positions.

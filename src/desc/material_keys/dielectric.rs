@@ -3,9 +3,9 @@
 use super::super::builder::Builder;
 use super::super::json::{Whole, join};
 use super::super::numbers::{self, single, unless, unless_color};
-use super::super::{BsdfDesc, MediumDesc, MicrofacetsDesc, TextureKey, material_check, validate};
+use super::super::{BsdfDesc, Dispersion, MediumDesc, MicrofacetsDesc, TextureKey, material_check, validate};
 use super::facets::FacetKeys;
-use super::{Kind, SharedKeys, color, keys, material, tags};
+use super::{Kind, SharedKeys, color, dispersion, keys, material, tags};
 use crate::spectrum::Rgb;
 use crate::{Error, Result};
 
@@ -13,8 +13,12 @@ material!(
     /// Clear glass, water and the like, smooth or rough.
     #[serde(rename_all = "camelCase")]
     Refractive, Refractive, facets, {
-    /// Index of refraction inside, > 0.
-    refraction_index: f64,
+    /// Index of refraction inside, > 0. Required, or a `dispersion` that states it.
+    refraction_index: Option<f64>,
+    /// How the index depends on the wavelength, which only renders in wavelengths show: the Abbe number above 0; or the name of a
+    /// medium, or the numbers of Sellmeier's formula, which state the index. Default: the same index for all wavelengths.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<super::dispersion::DispersionKeys>"))]
+    dispersion: Option<Box<serde_json::value::RawValue>>,
     /// Index of refraction outside, > 0. Default 1. In a scene with `absorption`, `transmittance` or `priority` it only counts
     /// where the body lies in no other medium.
     exterior_index: Option<f64>,
@@ -63,17 +67,20 @@ impl Refractive {
         [ior, exterior_ior]: [f32; 2],
         microfacets: &MicrofacetsDesc,
         medium: Option<MediumDesc>,
-    ) -> Self {
+        dispersion: Option<&Dispersion>,
+    ) -> Result<Self> {
         let facets = FacetKeys::of(microfacets);
-        keys!(Self, tags::Refractive::Refractive, shared, facets facets, {
-            refraction_index: single(ior),
+        let dispersion = dispersion.map(dispersion::write).transpose()?;
+        Ok(keys!(Self, tags::Refractive::Refractive, shared, facets facets, {
+            refraction_index: Some(single(ior)),
+            dispersion: dispersion,
             exterior_index: unless(single(exterior_ior), 1.0),
             absorption: medium.map(|medium| numbers::color(medium.absorption)),
             transmittance: None,
             transmittance_distance: None,
             priority: medium.map(|medium| Whole(medium.priority.into())),
             multiple_scattering: facets.multiple_scattering,
-        })
+        }))
     }
 }
 
@@ -115,7 +122,14 @@ impl CoatedDiffuse {
 
 impl Kind for Refractive {
     fn bsdf(&self, path: &str, _: &Builder<'_>) -> Result<BsdfDesc> {
-        let [ior, exterior_ior] = indices(path, self.refraction_index, self.exterior_index)?;
+        let stated = match self.dispersion(path)? {
+            Some(dispersion) => dispersion.own_index(),
+            None => None,
+        };
+        let Some(inside) = self.refraction_index.or(stated) else {
+            return Err(Error::invalid(path, "missing key `refractionIndex`"));
+        };
+        let [ior, exterior_ior] = indices(path, inside, self.exterior_index)?;
         let microfacets = self.facet_keys(self.multiple_scattering).read(path)?;
         let rough = BsdfDesc::RoughDielectric { ior, exterior_ior, microfacets };
         // A parameter of facets that has a texture needs facets, even where the texture is a factor on 0.
@@ -130,6 +144,11 @@ impl Kind for Refractive {
 
     fn medium(&self, path: &str) -> Result<Option<MediumDesc>> {
         medium(self, path)
+    }
+
+    fn dispersion(&self, path: &str) -> Result<Option<Dispersion>> {
+        let read = |value: &serde_json::value::RawValue| dispersion::read(value, &join(path, "dispersion"));
+        self.dispersion.as_deref().map(read).transpose()
     }
 }
 

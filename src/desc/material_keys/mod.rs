@@ -3,6 +3,7 @@
 mod combined;
 mod dielectric;
 mod diffuse;
+mod dispersion;
 mod facets;
 mod metal;
 mod principled;
@@ -17,8 +18,8 @@ use super::json::{self, join};
 use super::numbers::{self, single, unless};
 use super::save::{Names, raw};
 use super::{
-    BsdfDesc, MaterialDesc, MediumDesc, MicrofacetsDesc, material_check, photometric, texture_check, texture_keys,
-    validate,
+    BsdfDesc, Dispersion, MaterialDesc, MediumDesc, MicrofacetsDesc, material_check, photometric, texture_check,
+    texture_keys, validate,
 };
 use crate::Result;
 use crate::spectrum::Rgb;
@@ -190,6 +191,11 @@ trait Kind: Shared + DeserializeOwned {
     fn medium(&self, _path: &str) -> Result<Option<MediumDesc>> {
         Ok(None)
     }
+
+    /// How the index of refraction depends on the wavelength.
+    fn dispersion(&self, _path: &str) -> Result<Option<Dispersion>> {
+        Ok(None)
+    }
 }
 
 /// The kinds of materials, by `type`.
@@ -231,6 +237,7 @@ pub(super) fn read(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Res
 fn add<K: Kind>(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result<()> {
     let keys: K = json::object(raw, path)?;
     let medium = keys.medium(path)?;
+    let dispersion = keys.dispersion(path)?;
     let bsdf = keys.bsdf(path, builder)?;
     let survival = keys.survival(path)?;
     let SharedKeys { name, opacity, emission, luminance, temperature, textures } = keys.shared();
@@ -238,7 +245,7 @@ fn add<K: Kind>(raw: &RawValue, path: &str, builder: &mut Builder<'_>) -> Result
     let opacity = validate::within(&join(path, "opacity"), opacity.unwrap_or(1.0), 0.0, 1.0)?;
     let emission = photometric::emission(path, emission, luminance, temperature)?;
     let mut material =
-        MaterialDesc { name, path: path.to_owned(), bsdf, survival, medium, opacity, emission, textures };
+        MaterialDesc { name, path: path.to_owned(), bsdf, survival, medium, dispersion, opacity, emission, textures };
     material_check::check(&mut material, &builder.scene.materials)?;
     texture_check::bindings(&material, &builder.scene.textures, &builder.scene.materials)?;
     builder.scene.put_material(material).map(|_| ())
@@ -267,11 +274,15 @@ pub(super) fn write(number: usize, material: &MaterialDesc, names: &Names) -> Re
         BsdfDesc::Mirror { reflectance } => raw(&Reflective::of(shared, reflectance)),
         BsdfDesc::Dielectric { ior, exterior_ior } => {
             let smooth = MicrofacetsDesc::default();
-            raw(&Refractive::of(shared, [ior, exterior_ior], &smooth, material.medium))
+            raw(&Refractive::of(shared, [ior, exterior_ior], &smooth, material.medium, material.dispersion.as_ref())?)
         }
-        BsdfDesc::RoughDielectric { ior, exterior_ior, ref microfacets } => {
-            raw(&Refractive::of(shared, [ior, exterior_ior], microfacets, material.medium))
-        }
+        BsdfDesc::RoughDielectric { ior, exterior_ior, ref microfacets } => raw(&Refractive::of(
+            shared,
+            [ior, exterior_ior],
+            microfacets,
+            material.medium,
+            material.dispersion.as_ref(),
+        )?),
         BsdfDesc::DiffuseTransmission { reflectance, transmittance } => {
             raw(&DiffuseTransmission::of(shared, reflectance, transmittance))
         }

@@ -137,6 +137,8 @@ struct Gathered<'v, C: Spectrum> {
     scatters: Option<&'v Vertex<'v, C>>,
     /// Factor of the sum: the constant Bsdf, or 1.
     factor: C,
+    /// Whether the path that asks has its first wavelength alone.
+    alone: C::Alone,
     /// Sum over the latest photons.
     sum: C,
     narrow: C,
@@ -161,6 +163,7 @@ impl<'v, C: Spectrum> Gathered<'v, C> {
             packed_normal: Octahedral::new(normal),
             scatters: None,
             factor: C::ONE,
+            alone: C::Alone::default(),
             sum: C::ZERO,
             narrow: C::ZERO,
             sums: Default::default(),
@@ -176,7 +179,8 @@ impl<'v, C: Spectrum> Gathered<'v, C> {
             Some(f) if is_flat => (None, f),
             _ => (Some(vertex), C::ONE),
         };
-        Self { scatters, factor, ..Self::new(vertex.surface.point.p, vertex.facing(), query) }
+        let alone = vertex.alone;
+        Self { scatters, factor, alone, ..Self::new(vertex.surface.point.p, vertex.facing(), query) }
     }
 
     #[inline]
@@ -240,7 +244,7 @@ impl<'v, C: Spectrum> Gathered<'v, C> {
             return;
         }
         self.count += 1;
-        let mut power = photon.power();
+        let mut power = photon.power_for(self.alone);
         if let Some(vertex) = self.scatters {
             power *= scattered(vertex, photon);
         }

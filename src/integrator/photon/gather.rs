@@ -255,7 +255,8 @@ impl<C: Spectrum> Gather<C> {
             path.since_diffuse += hit.t;
             path.walk.depth += 1;
             let mut slot = None;
-            let vertex = Vertex::new(context.scene, &path.ray, &hit, context.wavelengths, path.media, &mut slot);
+            let mut vertex = Vertex::new(context.scene, &path.ray, &hit, context.wavelengths, path.media, &mut slot);
+            vertex.alone = path.walk.alone;
             if path.walk.depth == 1 {
                 first(vertex.first_hit(context.scene));
             }
@@ -309,7 +310,7 @@ impl<C: Spectrum> Gather<C> {
             let lit = [glossy, narrow.filter(|vertex| path.counts_caustics && vertex.finds_light_samples())];
             for vertex in lit.into_iter().flatten() {
                 let mut light = C::ZERO;
-                vertex.add_light_samples(&mut light, context, self.shadow_rays, false);
+                vertex.add_light_samples(&mut light, context, self.shadow_rays, false, path.walk.alone);
                 path.walk.radiance += path.walk.throughput * light;
             }
             let chosen = match followed {
@@ -345,7 +346,8 @@ impl<C: Spectrum> Gather<C> {
         };
         let Some((ray, f_cos)) = vertex.leave_towards(wi) else { return C::ZERO };
         let media = vertex.media_beyond(context.scene, &ray);
-        let mut branch = EyePath { walk: path.walk.branch(f_cos / pdf), ray, media, ..*path };
+        let mut branch =
+            EyePath { walk: path.walk.branch(f_cos / pdf, vertex.disperses_along(&ray)), ray, media, ..*path };
         let limits = self.limits();
         for way in 0.. {
             let hit = arrive(context.scene, context.tracer, &branch.ray, &mut branch.media);
@@ -453,7 +455,7 @@ impl<C: Spectrum> Gather<C> {
             None => {
                 // Light samples have weight 1 where the path ends, or where its bounces must not count emission.
                 let only_light_samples = ends || self.direct.is_some();
-                vertex.add_light_samples(&mut sum, context, self.shadow_rays, only_light_samples);
+                vertex.add_light_samples(&mut sum, context, self.shadow_rays, only_light_samples, vertex.alone);
             }
         }
         // Light that comes by mirrors and glass only.

@@ -599,7 +599,7 @@ fn thinned<C: Spectrum>(layer: &MapLayer<C>, cancel: &Cancel) -> Result<MapLayer
     let mut photons: Vec<Photon<C>> = layer.map.photons().iter().skip(stride / 2).step_by(stride).copied().collect();
     let factor = layer.map.len() as f32 / photons.len().max(1) as f32;
     for photon in &mut photons {
-        photon.power = (photon.power() * factor).pack();
+        photon.scale(factor.into());
     }
     let map = Arc::new(PhotonMap::build(photons, cancel)?);
     let query = MapQuery { neighbours: None, ..layer.query };

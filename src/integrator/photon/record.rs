@@ -52,7 +52,13 @@ impl<C: Spectrum> Photon<C> {
     /// Creates a photon of this power that arrived at `p` along `-wi`, on the side of the unit normal `normal`.
     #[inline]
     pub fn new(p: Vec3, normal: Vec3, wi: Vec3, power: C) -> Self {
-        Self { p: p.to_array(), normal: Octahedral::new(normal), power: power.pack(), wi: Octahedral::new(wi) }
+        Self::of_path(p, normal, wi, power, C::Alone::default())
+    }
+
+    /// As [`Self::new`], for a light path that may have its first wavelength alone.
+    #[inline]
+    pub(super) fn of_path(p: Vec3, normal: Vec3, wi: Vec3, power: C, alone: C::Alone) -> Self {
+        Self { p: p.to_array(), normal: Octahedral::new(normal), power: power.pack(alone), wi: Octahedral::new(wi) }
     }
 
     /// The photon's position.
@@ -64,7 +70,19 @@ impl<C: Spectrum> Photon<C> {
     /// The photon's power (W).
     #[inline]
     pub fn power(&self) -> C {
-        C::unpack(self.power)
+        C::unpack(self.power, C::Alone::default())
+    }
+
+    /// The photon's power (W) as a factor on the weight of a path that asks for it. Where both have their first wavelength alone, it
+    /// stands for all wavelengths once.
+    #[inline]
+    pub(super) fn power_for(&self, alone: C::Alone) -> C {
+        C::unpack(self.power, alone)
+    }
+
+    /// With this factor on its power.
+    pub(super) fn scale(&mut self, factor: f64) {
+        self.power = C::scale_packed(self.power, factor);
     }
 
     /// Whether the photon is a shadow photon.

@@ -183,7 +183,7 @@ pub fn shoot_in<C: Spectrum>(
     if shot.cut_from.is_some() {
         let factor = f64::from(job.paths) / shot.tally.paths.max(1) as f64;
         for photon in &mut shot.photons {
-            photon.power = photon.power().scaled(factor).pack();
+            photon.scale(factor);
         }
         shot.tally.scale(factor);
     }
@@ -235,6 +235,7 @@ impl<C: Spectrum> PhotonTracer<C> {
         tracer: &mut SceneTracer,
         shot: &mut PhotonBatch<C>,
     ) {
+        let mut alone = C::Alone::default();
         let mut was_diffuse = false;
         let mut was_specular = false;
         let mut media = self.scene.media_at(&ray);
@@ -266,7 +267,7 @@ impl<C: Spectrum> PhotonTracer<C> {
                     MapKind::Global => true,
                 };
                 if is_wanted {
-                    shot.photons.push(vertex.photon(power));
+                    shot.photons.push(vertex.photon(power, alone));
                     shot.tally.stored += 1;
                 }
             }
@@ -298,7 +299,10 @@ impl<C: Spectrum> PhotonTracer<C> {
             was_specular |= part == Parts::NARROW;
             was_diffuse |= part != Parts::NARROW;
             let weight = if probability < 1.0 { bounce.weight / probability } else { bounce.weight };
-            let scattered = power * weight * vertex.shading_adjoint(bounce.ray.direction);
+            let mut scattered = power * weight * vertex.shading_adjoint(bounce.ray.direction);
+            if C::HAS_WAVELENGTHS && bounce.disperses {
+                scattered = scattered.keep_first(&mut alone);
+            }
             // Scattered power may exceed the incident power where the Bsdf does not conserve energy for one direction; the
             // path then survives with certainty.
             let survival = roulette(scattered.max_element() / power.max_element(), depth);
@@ -338,7 +342,7 @@ impl<C: Spectrum> PhotonTracer<C> {
                 _ => false,
             };
             if !exits && vertex.lobes.have_diffuse() {
-                shot.photons.push(vertex.photon(C::ZERO));
+                shot.photons.push(vertex.photon(C::ZERO, C::Alone::default()));
                 shot.tally.shadows += 1;
             }
             from = vertex.through(ray.direction);
@@ -352,8 +356,8 @@ const MOST_SHADOWS: usize = 64;
 impl<C: Spectrum> Vertex<'_, C> {
     /// The photon for light of this power that arrived at the vertex.
     #[inline]
-    pub(super) fn photon(&self, power: C) -> Photon<C> {
-        Photon::new(self.surface.point.p, self.facing(), self.wo_scene(), power)
+    pub(super) fn photon(&self, power: C, alone: C::Alone) -> Photon<C> {
+        Photon::of_path(self.surface.point.p, self.facing(), self.wo_scene(), power, alone)
     }
 
     /// Whether a ray along `direction` passes from a surface's outer side to its inner side.

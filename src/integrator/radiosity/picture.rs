@@ -61,7 +61,7 @@ impl RadiosityPicture {
         let scene = context.scene;
         let mut radiance = Rgb::ZERO;
         // Direct light, by light samples and by the ray that follows, with multiple importance sampling.
-        vertex.add_light_samples(&mut radiance, context, self.shadow_rays, false);
+        vertex.add_light_samples(&mut radiance, context, self.shadow_rays, false, ());
         // All other light, by a ray to a surface whose reflected light the solution gives.
         let Some(bounce) = vertex.sample_bounce(context.sampler.next_4d()) else { return radiance };
         // The solution knows nothing of delta lobes beside the diffuse one: their light is left out here as well.
