@@ -2246,8 +2246,7 @@ typedef struct etd_material {
     float abbe;
     /**
      * Strengths of Sellmeier's formula n^2 = 1 + sum of strength lambda^2 / (lambda^2 - resonance) for a dielectric, lambda in
-     * micrometres, in place of `abbe`; unused ones are 0. `ior` is then
-     * not read: the index is that of the formula.
+     * micrometres, in place of `abbe`; unused ones are 0. `ior` is then not read: the index is that of the formula.
      */
     float sellmeier_strengths[4];
     /**

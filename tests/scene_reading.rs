@@ -352,7 +352,7 @@ fn a_refractive_material_may_disperse_light() {
         (
             r#", "dispersion": {"strengths": [1], "resonances": [0.25]}"#,
             "materials[0].dispersion",
-            "the index of refraction at 360 nm is NaN",
+            "the resonance 0.25 is that of visible light",
         ),
         (
             r#", "dispersion": {"strengths": [1e39], "resonances": [0]}"#,

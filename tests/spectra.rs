@@ -91,6 +91,10 @@ impl Spectrum for FourWavelengths {
         self.0.iter().all(|value| value.is_finite())
     }
 
+    fn map(self, f: impl Fn(f32) -> f32) -> Self {
+        Self(self.0.map(f))
+    }
+
     /// Asks for no number, so that paths take the same turns as in RGB.
     fn sample_wavelengths(_: impl FnOnce() -> f32) -> Self::Wavelengths {
         [420.0, 510.0, 600.0, 690.0].map(|nanometres| (nanometres, 1.0 / 400.0))

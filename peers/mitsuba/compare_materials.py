@@ -106,6 +106,12 @@ def only_ball(material, **facets):
     return scene, scene, "llvm_ad_rgb"
 
 
+def in_wavelengths(objects, material):
+    """The room by paths that carry wavelengths, in both: colours become the same smooth spectra, and lights those times D65."""
+    scene = room([{"name": "it"} | material], objects)
+    return scene | {"render": {"spectral": True}}, scene, "llvm_ad_spectral"
+
+
 def turned():
     """Facets of ours turned by 30 degrees beside texture coordinates of Mitsuba turned by as much.
 
@@ -189,6 +195,9 @@ CASES = {
     "principled, metal 0.2": lambda: both(METALLIC, specular_roughness=0.2),
     "principled, glass 0.2": lambda: only_ball(CLEAR, specular_roughness=0.2),
     "mix and two-sided (blendbsdf, twosided)": mixed,
+    "wavelengths, diffuse": lambda: in_wavelengths([ball("it"), panel("it")], {"type": "diffuse", "color": [0.1, 0.6, 0.3]}),
+    "wavelengths, dielectric": lambda: in_wavelengths([ball("it")], GLASS),
+    "wavelengths, roughdielectric, GGX 0.3": lambda: in_wavelengths([ball("it")], GLASS | FACETS | {"roughness": 0.3}),
 }
 
 

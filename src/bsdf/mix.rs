@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::dispersive::Index;
 use super::lobes::{Lobes, TransportMode};
 use super::microfacet::choose;
 use super::model::{BsdfSample, Model, SpecularLobes};
@@ -19,6 +20,13 @@ pub struct Mix<C: Spectrum = Rgb> {
     /// What paths ask for at every hit.
     lobes: Lobes,
     albedo: C,
+}
+
+impl Mix {
+    /// As [`Bsdf::dispersing`].
+    pub(super) fn dispersing(&self, inner: Index, outer: Index) -> Self {
+        Self::of_weights(self.parts.each_ref().map(|part| part.clone().dispersing(inner, outer)), self.weights)
+    }
 }
 
 impl<C: Spectrum> Mix<C> {

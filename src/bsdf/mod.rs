@@ -335,9 +335,13 @@ impl Bsdf {
         if inner.dispersion.is_none() && outer.dispersion.is_none() {
             return self;
         }
+        let differs = inner != outer;
         match self {
-            Self::Dielectric(_) => Self::Dispersive(Dispersive::new(inner, outer)),
-            Self::RoughDielectric(rough) => Self::RoughDielectric(rough.dispersing(inner, outer)),
+            Self::Dielectric(_) | Self::Dispersive(_) if differs => Self::Dispersive(Dispersive::new(inner, outer)),
+            Self::Dispersive(_) => Self::Dielectric(Dielectric::new(inner.ior, outer.ior)),
+            Self::RoughDielectric(rough) if differs => Self::RoughDielectric(rough.dispersing(inner, outer)),
+            // The parts of a mixture that are bodies have one medium.
+            Self::Mix(mix) => Self::Mix(mix.dispersing(inner, outer)),
             other => other,
         }
     }

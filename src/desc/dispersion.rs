@@ -142,6 +142,17 @@ impl Dispersion {
         {
             return fail(format!("the Abbe number is {number}, expected a finite number above 0"));
         }
+        if let Self::Sellmeier { strengths, resonances } = *self {
+            let [low, high] = CHECKED.map(|nanometres| (nanometres * 1e-3).powi(2));
+            let is_seen =
+                |(strength, resonance): (f32, f32)| strength != 0.0 && (low..=high).contains(&f64::from(resonance));
+            if let Some(term) = strengths.into_iter().zip(resonances).position(is_seen) {
+                return fail(format!(
+                    "the resonance {} is that of visible light, expected one below {low:.4} or above {high:.4} square micrometres",
+                    resonances[term]
+                ));
+            }
+        }
         for i in 0..=CHECKS {
             let nanometres = CHECKED[0] + (CHECKED[1] - CHECKED[0]) * f64::from(i) / f64::from(CHECKS);
             let index = self.index(ior, nanometres);

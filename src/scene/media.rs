@@ -336,7 +336,8 @@ impl Scene {
         }
         // The product of no absorption and an infinite length is no number.
         let of = |coefficient: f32| if coefficient > 0.0 { (-coefficient * length).exp() } else { 1.0 };
-        C::from_reflectance(Rgb::from_array(absorption.to_array().map(of)), wavelengths)
+        // The coefficient becomes a spectrum and not the share: shares of parts of a way then multiply to that of the whole.
+        C::from_reflectance(*absorption, wavelengths).map(of)
     }
 
     /// The media at the origin of a ray; `None` in a scene that has no media.

@@ -2,8 +2,9 @@
 //!
 //! A path carries four wavelengths that are a quarter of the distribution apart, so that together they are stratified. They are drawn
 //! nearly in proportion to what the standard observer sees of D65. All four share the path's random decisions, none of which depends on one
-//! wavelength alone, so that their mean is an estimate without further weights. Where a surface refracts each wavelength into another
-//! direction, the path goes on with the first one alone ([`Spectrum::keep_first`]).
+//! wavelength alone, so that their mean is an estimate without further weights. Surfaces that refract each wavelength into another
+//! direction are the exception: there the first one decides, what is reflected has its share of each, and what is refracted goes on with
+//! the first one alone ([`Spectrum::keep_first`]).
 //!
 //! Sources: Wilkie et al. 2014, "Hero Wavelength Spectral Sampling"; Pharr, Jakob and Humphreys 2023, "Physically Based Rendering",
 //! Sec. 4.5.4 (secondary wavelengths that end).
@@ -195,6 +196,11 @@ impl Spectrum for SampledSpectrum {
     #[inline(always)]
     fn is_finite(self) -> bool {
         self.0.is_finite()
+    }
+
+    #[inline]
+    fn map(self, f: impl Fn(f32) -> f32) -> Self {
+        Self::from_array(self.to_array().map(f))
     }
 
     #[inline]

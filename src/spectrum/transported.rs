@@ -62,6 +62,10 @@ pub trait Spectrum:
     /// Whether no channel is infinite or NaN.
     fn is_finite(self) -> bool;
 
+    /// A function of each channel.
+    #[must_use]
+    fn map(self, f: impl Fn(f32) -> f32) -> Self;
+
     /// Chooses the wavelengths of a path. `u` gives a number uniform in [0, 1); RGB does not ask for one.
     fn sample_wavelengths(u: impl FnOnce() -> f32) -> Self::Wavelengths;
 
@@ -134,6 +138,11 @@ impl Spectrum for Rgb {
     #[inline(always)]
     fn is_finite(self) -> bool {
         self.is_finite()
+    }
+
+    #[inline(always)]
+    fn map(self, f: impl Fn(f32) -> f32) -> Self {
+        Self::from_array(self.to_array().map(f))
     }
 
     #[inline(always)]

@@ -10,8 +10,6 @@
 
 use std::sync::LazyLock;
 
-use rayon::prelude::*;
-
 use super::Rgb;
 use super::illuminant::Illuminant;
 use super::observer::{REC_709_FROM_XYZ, VISIBLE, XYZ_FROM_REC_709, color_matching};
@@ -185,7 +183,8 @@ fn level(number: usize) -> f64 {
 impl Grid {
     fn new() -> Self {
         let mut nodes = vec![[0.0; 4]; 3 * SIDE * SIDE * SIDE];
-        nodes.par_chunks_mut(SIDE).enumerate().for_each(|(number, column)| {
+        // On this thread alone: others of a pool may wait for the grid, and one that waits for them in turn would wait for ever.
+        for (number, column) in nodes.chunks_mut(SIDE).enumerate() {
             let (channel, second, first) = (number / (SIDE * SIDE), number / SIDE % SIDE, number % SIDE);
             let ratio = |number: usize| number as f64 / (SIDE - 1) as f64;
             let mut color = [0.0; 3];
@@ -209,7 +208,7 @@ impl Grid {
             };
             fill(&mut (middle..SIDE));
             fill(&mut (0..middle).rev());
-        });
+        }
         let levels = std::array::from_fn(|number| level(number) as f32);
         let below = |z: f32| levels.iter().take(SIDE - 1).rposition(|level| *level <= z).unwrap_or(0);
         let parts = std::array::from_fn(|part| below(part as f32 / PARTS as f32) as u8);

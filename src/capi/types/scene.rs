@@ -249,8 +249,7 @@ pub struct etd_material {
     /// index for all wavelengths.
     pub abbe: f32,
     /// Strengths of Sellmeier's formula n^2 = 1 + sum of strength lambda^2 / (lambda^2 - resonance) for a dielectric, lambda in
-    /// micrometres, in place of `abbe`; unused ones are 0. `ior` is then
-    /// not read: the index is that of the formula.
+    /// micrometres, in place of `abbe`; unused ones are 0. `ior` is then not read: the index is that of the formula.
     pub sellmeier_strengths: [f32; 4],
     /// Squares of the resonant wavelengths of Sellmeier's formula, micrometre^2.
     pub sellmeier_resonances: [f32; 4],

@@ -127,7 +127,8 @@ impl Kind for Refractive {
             None => None,
         };
         let Some(inside) = self.refraction_index.or(stated) else {
-            return Err(Error::invalid(path, "missing key `refractionIndex`"));
+            let needs = if self.dispersion.is_some() { ", which an Abbe number needs" } else { "" };
+            return Err(Error::invalid(path, format!("missing key `refractionIndex`{needs}")));
         };
         let [ior, exterior_ior] = indices(path, inside, self.exterior_index)?;
         let microfacets = self.facet_keys(self.multiple_scattering).read(path)?;

@@ -64,7 +64,7 @@ pub(super) fn read(value: &RawValue, path: &str) -> Result<Dispersion> {
                 let names: Vec<&str> = GLASSES.iter().map(|glass| glass.name).collect();
                 let hint = json::did_you_mean(&name, names.iter().copied());
                 let message = format!(
-                    "no medium `{}` is known{hint}, expected {}, an Abbe number or Sellmeier's formula",
+                    "no medium `{}` is known, expected {}, an Abbe number or Sellmeier's formula{hint}",
                     json::elided(&name),
                     names.join(", ")
                 );

@@ -2,9 +2,10 @@
 
 use crate::common::scenes::{Job, box_inside, camera, render_scene, scene};
 use crate::record::{Case, Entry, Within};
-use crate::transport::{MESH, ball, glass, grey, parallelogram, pick};
+use crate::transport::{MESH, ball, glass, grey, parallelogram, pick, plane};
 use etendue::desc::{
-    BsdfDesc, Dispersion, GLASSES, IntegratorDesc, MicrofacetsDesc, PhotonDesc, RenderDesc, SceneDesc, ShapeDesc,
+    BsdfDesc, Dispersion, GLASSES, IntegratorDesc, MediumDesc, MicrofacetsDesc, PhotonDesc, RenderDesc, SceneDesc,
+    ShapeDesc,
 };
 use etendue::film::Image;
 use etendue::math::DVec3;
@@ -23,6 +24,7 @@ pub fn cases() -> Vec<Entry> {
         Entry { id: "W6", title: "dispersing glass in a furnace", run: glass_furnace },
         Entry { id: "W7", title: "dispersed photons against single wavelengths", run: photons },
         Entry { id: "W8", title: "indices and angles of rainbows", run: rainbow },
+        Entry { id: "W9", title: "absorption over parts of a way", run: absorption },
     ]
 }
 
@@ -334,6 +336,37 @@ fn photons(case: &mut Case) {
             let off = 1.0 + (mean - expected[channel].0) / most;
             let what = format!("{}, channel {channel}: difference over the largest", integrator.name());
             case.biased_mean(what, (off, error), 1.0, (5e-3, pick(case, 2e-2, 8e-3)));
+        }
+    }
+}
+
+/// A lamp behind an absorbing body that does not refract, whole and in four parts.
+fn absorption(case: &mut Case) {
+    let coefficient = Rgb::new(0.1, 1.2, 2.5);
+    let most = coefficient.max_element();
+    let shape = SmoothSpectrum::of_color(coefficient * (1.0 / most));
+    let exact = rec_709(|nanometres| (-f64::from(most * shape.at(nanometres as f32))).exp() * white(nanometres));
+    for parts in [1, 4] {
+        let view = camera(DVec3::new(0.0, 0.0, -2.0), DVec3::ZERO, 1.0);
+        let ends = (0..parts).flat_map(|part| {
+            let thick = 1.0 / f64::from(parts);
+            let near = f64::from(part) * (thick + 1e-3);
+            [(near, DVec3::NEG_Z), (near + thick, DVec3::Z)]
+        });
+        let faces = ends.map(|(z, normal)| (plane(DVec3::Z * z, normal, 20.0), glass(1.0, 1.0), None));
+        let lamp = (plane(DVec3::Z * 5.0, DVec3::NEG_Z, 100.0), BsdfDesc::Black, Some(Rgb::ONE));
+        let mut desc = scene(view, faces.chain([lamp]).collect());
+        for material in 0..2 * parts as usize {
+            desc.set_medium(material, Some(MediumDesc { absorption: coefficient, priority: 0 })).expect("a medium");
+        }
+        let scene = build(&desc);
+        for integrator in [IntegratorDesc::Path, IntegratorDesc::Whitted] {
+            let job = Job { resolution: [16, 16], samples: case.count(256, 2048) as u32, integrator, ..Job::default() };
+            for (channel, (mean, error)) in channels(&spectral(&scene, &job)).into_iter().enumerate() {
+                let off = 1.0 + (mean - exact[channel]) / exact.x;
+                let what = format!("{parts} parts, {}, channel {channel}: difference over red", integrator.name());
+                case.biased_mean(what, (off, error / exact.x), 1.0, (1e-3, pick(case, 6e-3, 1.5e-3)));
+            }
         }
     }
 }
