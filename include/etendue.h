@@ -51,7 +51,7 @@
 #define ETD_MATERIAL_INIT \
     {sizeof(etd_material), ETD_BSDF_LAMBERT, {0.5f, 0.5f, 0.5f}, 0, 0, 1.5f, 1, 0, 0, {0, 0, 0}, 0, 0, 0, \
      ETD_DISTRIBUTION_GGX, ETD_MASKING_SMITH, 0, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 1, 1}, 0, 0, 0.5f, NULL, 1, \
-     {0, 0, 0}, 0, {0, 0, 0, 0}, {0, 0, 0, 0}}
+     {0, 0, 0}, 0, {0, 0, 0, 0}, {0, 0, 0, 0}, 0}
 #define ETD_PRINCIPLED_INIT \
     {sizeof(etd_principled), 1, {0.8f, 0.8f, 0.8f}, 0, 0, 1, {1, 1, 1}, 0.3f, 0, 0, 1.5f, 0, {1, 1, 1}, 0, {1, 1, 1}, 0, 0, \
      1.6f, 1, 0, {1, 1, 1}, 0.5f, 0, 0, 0}
@@ -2253,6 +2253,10 @@ typedef struct etd_material {
      * Squares of the resonant wavelengths of Sellmeier's formula, micrometre^2.
      */
     float sellmeier_resonances[4];
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved_1;
 } etd_material;
 
 /**

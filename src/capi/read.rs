@@ -38,8 +38,10 @@ pub(super) fn flag(name: &str, number: u32) -> Result<bool> {
 pub(super) unsafe fn material(pointer: *const etd_material) -> Result<MaterialDesc> {
     // SAFETY: the caller keeps this function's contract.
     let it = unsafe { read_sized(pointer, "material") }?;
-    if it.reserved != 0 {
-        return Err(Failure::argument("material.reserved is not 0"));
+    for (name, reserved) in [("reserved", it.reserved), ("reserved_1", it.reserved_1)] {
+        if reserved != 0 {
+            return Err(Failure::argument(format!("material.{name} is not 0")));
+        }
     }
     let color = Rgb::from_array(it.color);
     let dispersion = dispersion(&it)?;
@@ -146,6 +148,7 @@ pub(super) fn material_out(material: &MaterialDesc) -> etd_material {
         abbe,
         sellmeier_strengths,
         sellmeier_resonances,
+        reserved_1: 0,
     };
     let model = match material.bsdf {
         BsdfDesc::Black => ETD_BSDF_BLACK,

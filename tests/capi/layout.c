@@ -384,6 +384,7 @@ static void structures(void) {
     FIELD(etd_material, abbe);
     FIELD(etd_material, sellmeier_strengths);
     FIELD(etd_material, sellmeier_resonances);
+    FIELD(etd_material, reserved_1);
     STRUCT(etd_principled);
     FIELD(etd_principled, struct_size);
     FIELD(etd_principled, base_weight);

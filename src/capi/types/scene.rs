@@ -253,6 +253,8 @@ pub struct etd_material {
     pub sellmeier_strengths: [f32; 4],
     /// Squares of the resonant wavelengths of Sellmeier's formula, micrometre^2.
     pub sellmeier_resonances: [f32; 4],
+    /// Must be 0.
+    pub reserved_1: u32,
 }
 
 /// The format of an array of positions.
