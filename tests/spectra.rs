@@ -135,10 +135,6 @@ impl Spectrum for FourWavelengths {
         Self(wide.0.map(|value| value as f32))
     }
 
-    fn scaled(self, factor: f64) -> Self {
-        Self(self.0.map(|value| (f64::from(value) * factor) as f32))
-    }
-
     fn at_wavelengths(wavelengths: &Self::Wavelengths, f: impl Fn(Option<f32>) -> f32) -> Self {
         Self(wavelengths.map(|(nanometres, _)| f(Some(nanometres))))
     }

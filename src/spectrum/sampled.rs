@@ -296,11 +296,6 @@ impl Spectrum for SampledSpectrum {
         Self(wide.as_vec4())
     }
 
-    #[inline(always)]
-    fn scaled(self, factor: f64) -> Self {
-        Self((self.0.as_dvec4() * factor).as_vec4())
-    }
-
     #[inline]
     fn at_wavelengths(wavelengths: &SampledWavelengths, f: impl Fn(Option<f32>) -> f32) -> Self {
         Self(Vec4::from_array(wavelengths.nanometres.to_array().map(|nanometres| f(Some(nanometres)))))

@@ -94,10 +94,6 @@ pub trait Spectrum:
     /// Rounded from double precision.
     fn narrow(wide: Self::Wide) -> Self;
 
-    /// Times a factor in double precision.
-    #[must_use]
-    fn scaled(self, factor: f64) -> Self;
-
     /// The values of a function of the wavelength \[nm\]; of `None` where channels have no wavelength.
     fn at_wavelengths(wavelengths: &Self::Wavelengths, f: impl Fn(Option<f32>) -> f32) -> Self;
 
@@ -186,11 +182,6 @@ impl Spectrum for Rgb {
     #[inline(always)]
     fn narrow(wide: DVec3) -> Self {
         Self::from_f64(wide)
-    }
-
-    #[inline(always)]
-    fn scaled(self, factor: f64) -> Self {
-        Self::from_f64(self.to_f64() * factor)
     }
 
     #[inline(always)]
